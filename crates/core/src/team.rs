@@ -195,6 +195,27 @@ impl Team {
         });
     }
 
+    /// [`Team::gather`] for numbers.
+    pub fn gather_numbers(&self, array: &mut [u32], ranges: &[Range<usize>]) {
+        let (pairs, last) = array[ranges[self.rank()].clone()].as_chunks::<2>();
+        let pairs = (pairs.iter()).map(|[a, b]| u64::from(*a) | u64::from(*b) << 32);
+        let words: Vec<u64> = pairs
+            .chain(last.iter().map(|number| u64::from(*number)))
+            .collect();
+        let all = self.concat(&words);
+        let mut rest = &all[..];
+        for range in ranges {
+            let (words, others) = rest.split_at(range.len().div_ceil(2));
+            rest = others;
+            let numbers = words
+                .iter()
+                .flat_map(|word| [*word as u32, (word >> 32) as u32]);
+            for (to, number) in array[range.clone()].iter_mut().zip(numbers) {
+                *to = number;
+            }
+        }
+    }
+
     /// Sends vectors to other ranks, does some work, and fills `incoming`, whose parcels have their final lengths.
     pub fn exchange(
         &self,
@@ -287,6 +308,11 @@ mod tests {
                 array[mine.clone()].copy_from_slice(&whole[mine.clone()]);
                 team.gather(&mut array, &shares);
                 assert_eq!(array, whole);
+                // Ranks have even and odd numbers of them.
+                let mut numbers = [u32::MAX; 10];
+                mine.clone().for_each(|k| numbers[k] = (k * k) as u32);
+                team.gather_numbers(&mut numbers, &shares);
+                assert!((0..10).all(|k| numbers[k] == (k * k) as u32));
                 // Each rank wants the first element of each other rank.
                 let others = || (0..ranks).filter(|rank| *rank != team.rank());
                 let wants = (0..ranks).map(|r| match r == team.rank() {

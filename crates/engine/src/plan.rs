@@ -111,8 +111,8 @@ pub fn plan(
         seconds_per_step: costs.median_step,
         halos: costs.halos,
         most,
-        // Rows gather forces too, half as many bytes as the state.
-        gathers: costs.builds + 1.5 / scene.output.thermo_every as f64,
+        builds: costs.builds,
+        gathers: 1.0 / scene.output.thermo_every as f64,
         bytes,
     };
     Ok(Plan {

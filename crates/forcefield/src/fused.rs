@@ -100,9 +100,13 @@ impl FusedBuffers {
                 ListStatus::Expired | ListStatus::Incomplete(_) => {
                     assert!(done > 0 || !is_new, "a new list is complete");
                     let built = clock.building(|| {
-                        self.make_whole(validity.shared());
-                        validity.build(list, cell, Positions::BySlot(&self.positions))?;
-                        self.reorder(list, validity.built());
+                        let ranks = validity.shared().map(|share| share.ranks().clone());
+                        let positions = match &ranks {
+                            None => Positions::BySlot(&self.positions),
+                            Some(ranks) => Positions::Parted(&self.positions, ranks),
+                        };
+                        validity.build(list, cell, positions)?;
+                        self.reorder(list, validity);
                         Ok::<_, ForceError>(())
                     });
                     if built.is_err() {
@@ -152,13 +156,17 @@ impl FusedBuffers {
         share.map_or(0..self.slots.len(), Share::own)
     }
 
-    /// Puts the particles in the order of a list that was just built; `built` has their positions in that order.
-    fn reorder<P: PairList>(&mut self, list: &P, built: &[DVec3]) {
+    /// Puts the particles of this process in the order of a list that was just built.
+    fn reorder<P: PairList>(&mut self, list: &P, validity: &ListValidity) {
+        let (source, own) = (list.source(), self.own(validity.shared()));
         // The velocities move to the room of the old positions.
-        let all = 0..self.velocities.len();
-        by_slot(list.source(), all, &self.velocities, &mut self.positions);
+        match validity.shared() {
+            None => by_slot(source, own.clone(), &self.velocities, &mut self.positions),
+            Some(share) => share.migrate(source, &self.velocities, &mut self.positions),
+        }
         std::mem::swap(&mut self.positions, &mut self.velocities);
-        self.positions.copy_from_slice(built);
+        let built = &validity.built()[own.clone()];
+        self.positions[own].copy_from_slice(built);
     }
 
     /// The request of the next step, of which `left` steps are left.

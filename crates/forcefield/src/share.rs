@@ -10,23 +10,24 @@
 //! Positions in messages are true coordinates, never shifted by a box: each rank then takes nearest images by the same
 //! numbers. The lists of a rank are the lists that one process makes, so that forces have its bits.
 
+pub mod foreseen;
+mod moves;
+
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
-use lennard_core::parallel::equal_parts;
 use lennard_core::tasks::map_tasks;
-use lennard_core::{HaloSize, Parcel, Team, TooManyRanks};
-use lennard_neighbor::{ATOMS_PER_CHUNK, Partners, slots_of};
+use lennard_core::{Parcel, Team, TooManyRanks};
+use lennard_neighbor::{ATOMS_PER_CHUNK, NowAndThen, Partners, Ranks, slots_of};
 
 use crate::simd::{MotionSummary, PairList, SomeRows};
 
 /// What one rank computes of a list.
 pub struct Share {
-    team: Team,
-    /// The slots of each rank.
-    slots: Vec<Range<usize>>,
+    /// The team, and the slots of each rank.
+    ranks: Ranks,
     /// The chunks of this rank.
     chunks: Range<usize>,
     /// 0, 1, …: the number of each slot.
@@ -35,6 +36,10 @@ pub struct Share {
     wanted: Vec<Vec<u32>>,
     /// For each rank, the slots of this rank that the lists of that rank name.
     given: Vec<Vec<u32>>,
+    /// For each rank, the slots before the last build whose particles went there from this rank.
+    leaving: Vec<Vec<u32>>,
+    /// For each rank, the slots of this rank whose particles came from there at the last build.
+    arriving: Vec<Vec<u32>>,
     /// Whether each chunk of this rank names a slot of another one.
     is_outer: Vec<bool>,
     /// The chunks that name no slot of another rank, and the others.
@@ -78,12 +83,16 @@ impl Share {
         }
         let shares = team.shares(chunks);
         Ok(Self {
-            slots: shares.iter().map(|chunks| slots_of(chunks, n)).collect(),
             chunks: shares[team.rank()].clone(),
-            team: team.clone(),
+            ranks: Ranks {
+                slots: shares.iter().map(|chunks| slots_of(chunks, n)).collect(),
+                team: team.clone(),
+            },
             numbers: (0..n as u32).collect(),
             wanted: Vec::new(),
             given: Vec::new(),
+            leaving: Vec::new(),
+            arriving: Vec::new(),
             is_outer: Vec::new(),
             inner_and_outer: Default::default(),
             rows: Default::default(),
@@ -95,17 +104,22 @@ impl Share {
 
     /// The team.
     pub fn team(&self) -> &Team {
-        &self.team
+        &self.ranks.team
+    }
+
+    /// The team, and the slots of each rank.
+    pub fn ranks(&self) -> &Ranks {
+        &self.ranks
     }
 
     /// The slots of each rank.
     pub fn slots(&self) -> &[Range<usize>] {
-        &self.slots
+        &self.ranks.slots
     }
 
     /// The slots of this rank.
     pub fn own(&self) -> Range<usize> {
-        self.slots[self.team.rank()].clone()
+        self.ranks.own()
     }
 
     /// The chunks of this rank.
@@ -143,9 +157,9 @@ impl Share {
     /// Number of bytes held.
     pub fn bytes(&self) -> usize {
         let buffers = self.buffers();
-        let words: usize = (self.wanted.iter().chain(&self.given))
-            .map(Vec::capacity)
-            .sum();
+        let of_halo = self.wanted.iter().chain(&self.given);
+        let of_moves = self.leaving.iter().chain(&self.arriving);
+        let words: usize = of_halo.chain(of_moves).map(Vec::capacity).sum();
         let parcels = buffers.outgoing.iter().chain(&buffers.incoming);
         let vectors: usize = parcels.map(|parcel| parcel.vectors.capacity()).sum();
         4 * (words + self.numbers.capacity()) + 24 * (vectors + buffers.forces.capacity())
@@ -154,8 +168,7 @@ impl Share {
     /// Agrees with the other ranks who needs which positions for a list that was just built.
     pub fn agree<P: PairList>(&mut self, list: &P) {
         let (own, first) = (self.own(), self.chunks.start);
-        let n = self.numbers.len();
-        let is_named: Vec<AtomicBool> = (0..n).map(|_| AtomicBool::new(false)).collect();
+        let is_named = self.marks();
         let name_beyond = list.beyond(&own);
         self.is_outer = map_tasks(self.chunks.len(), |(): &mut (), chunk| {
             let mut is_outer = false;
@@ -166,10 +179,7 @@ impl Share {
             is_outer
         });
         self.partners = Partners::new(list.cells(), own.start as u32..own.end as u32);
-        let is_named = |slot: &usize| is_named[*slot].load(Ordering::Relaxed);
-        let named = |slots: &Range<usize>| slots.clone().filter(is_named).map(|slot| slot as u32);
-        self.wanted = self.slots.iter().map(|s| named(s).collect()).collect();
-        self.given = self.team.trade(self.wanted.clone());
+        self.want(&is_named);
         let mut rows = [RowRuns::default(), RowRuns::default()];
         rows[0].slots.push(own.clone());
         for slot in self.wanted.iter().flatten() {
@@ -179,13 +189,28 @@ impl Share {
             let slot = slot as usize;
             if own.contains(&slot) {
                 push_to_runs(ghost, &mut rows[0].ghosts);
-            } else if is_named(&slot) {
+            } else if is_named[slot].load(Ordering::Relaxed) {
                 push_to_runs(ghost, &mut rows[1].ghosts);
             }
         }
         self.rows = rows;
         self.sort_chunks();
-        self.team.note_halo(self.wanted.iter().map(Vec::len).sum());
+        self.team()
+            .note_halo(self.wanted.iter().map(Vec::len).sum());
+    }
+
+    /// A mark for each slot.
+    fn marks(&self) -> Vec<AtomicBool> {
+        let all = 0..self.numbers.len();
+        all.map(|_| AtomicBool::new(false)).collect()
+    }
+
+    /// Asks the other ranks for the positions of their slots that are marked.
+    fn want(&mut self, marks: &[AtomicBool]) {
+        let is_marked = |slot: &usize| marks[*slot].load(Ordering::Relaxed);
+        let marked = |slots: &Range<usize>| slots.clone().filter(is_marked).map(|slot| slot as u32);
+        self.wanted = self.slots().iter().map(|s| marked(s).collect()).collect();
+        self.given = self.team().trade(self.wanted.clone());
     }
 
     /// Includes in the halo what pairs need that all ranks insert.
@@ -194,10 +219,10 @@ impl Share {
             list.slots_of_ghosts().next().is_none(),
             "lists with ghosts take no pairs"
         );
-        let me = self.team.rank();
+        let me = self.team().rank();
         for [a, b] in pairs {
             for (own, other) in [(*a, *b), (*b, *a)] {
-                let [rank, rank_of_other] = [own, other].map(|slot| rank_of(&self.slots, slot));
+                let [rank, rank_of_other] = [own, other].map(|slot| rank_of(self.slots(), slot));
                 if rank == rank_of_other {
                     continue;
                 }
@@ -228,25 +253,34 @@ impl Share {
         &self,
         position: impl Fn(u32) -> DVec3,
         meanwhile: &mut dyn FnMut(),
+        put: impl FnMut(u32, DVec3),
+    ) {
+        self.swap([&self.given, &self.wanted], position, meanwhile, put);
+    }
+
+    /// Gives the other ranks the vectors of some numbers, and takes vectors for other numbers from them.
+    fn swap(
+        &self,
+        [given, wanted]: [&[Vec<u32>]; 2],
+        vector: impl Fn(u32) -> DVec3,
+        meanwhile: &mut dyn FnMut(),
         mut put: impl FnMut(u32, DVec3),
     ) {
         let mut buffers = self.buffers();
         let Buffers {
             outgoing, incoming, ..
         } = &mut *buffers;
-        address(outgoing, &self.given);
-        address(incoming, &self.wanted);
+        address(outgoing, given);
+        address(incoming, wanted);
         for parcel in &mut *outgoing {
-            let slots = self.given[parcel.rank].iter();
-            for (vector, slot) in parcel.vectors.iter_mut().zip(slots) {
-                *vector = position(*slot).to_array();
+            for (to, number) in parcel.vectors.iter_mut().zip(&given[parcel.rank]) {
+                *to = vector(*number).to_array();
             }
         }
-        self.team.exchange(outgoing, incoming, meanwhile);
+        self.team().exchange(outgoing, incoming, meanwhile);
         for parcel in &*incoming {
-            let slots = self.wanted[parcel.rank].iter();
-            for (slot, vector) in slots.zip(&parcel.vectors) {
-                put(*slot, DVec3::from_array(*vector));
+            for (number, vector) in wanted[parcel.rank].iter().zip(&parcel.vectors) {
+                put(*number, DVec3::from_array(*vector));
             }
         }
     }
@@ -258,7 +292,7 @@ impl Share {
 
     /// Whether a force of any rank is not finite since all ranks asked last.
     pub fn is_broken(&self) -> bool {
-        self.team.any(self.broken.swap(false, Ordering::Relaxed))
+        self.team().any(self.broken.swap(false, Ordering::Relaxed))
     }
 
     /// The largest |d|² of all ranks, σ²; `None` where a position or a force of any rank is not finite.
@@ -267,28 +301,33 @@ impl Share {
         // Numbers that are not negative have the order of their bits.
         let largest2 = own.largest2.max(0.0);
         let mut words = [largest2.to_bits(), u64::from(!own.finite || broken)];
-        self.team.max(&mut words);
+        self.team().max(&mut words);
         (words[1] == 0).then(|| f64::from_bits(words[0]))
     }
 
-    /// The far movers of all ranks with their positions, σ, by ascending slot.
-    pub fn far_movers(&self, own: &[u32], position: impl Fn(u32) -> DVec3) -> Vec<(u32, DVec3)> {
+    /// The far movers of all ranks with their positions now and at the build, σ, by ascending slot.
+    pub fn far_movers(
+        &self,
+        own: &[u32],
+        at: impl Fn(u32) -> NowAndThen,
+    ) -> Vec<(u32, NowAndThen)> {
         let words: Vec<u64> = own
             .iter()
             .flat_map(|slot| {
-                let [x, y, z] = position(*slot).to_array().map(f64::to_bits);
-                [u64::from(*slot), x, y, z]
+                let [now, then] = at(*slot).map(|r| r.to_array().map(f64::to_bits));
+                let [a, b, c] = now;
+                let [d, e, f] = then;
+                [u64::from(*slot), a, b, c, d, e, f]
             })
             .collect();
-        let all = self.team.concat(&words);
-        let (all, _) = all.as_chunks::<4>();
-        let mover = |[slot, at @ ..]: &[u64; 4]| {
-            (
-                *slot as u32,
-                DVec3::from_array(at.map(|x: u64| f64::from_bits(x))),
-            )
+        let all = self.team().concat(&words);
+        let (all, _) = all.as_chunks::<7>();
+        let mover = |[slot, a, b, c, d, e, f]: &[u64; 7]| {
+            let at = [[a, b, c], [d, e, f]];
+            let at = at.map(|r| DVec3::from_array(r.map(|x| f64::from_bits(*x))));
+            (*slot as u32, at)
         };
-        let mut movers: Vec<(u32, DVec3)> = all.iter().map(mover).collect();
+        let mut movers: Vec<(u32, NowAndThen)> = all.iter().map(mover).collect();
         movers.sort_unstable_by_key(|(slot, _)| *slot);
         movers
     }
@@ -303,7 +342,7 @@ impl Share {
             .iter()
             .map(|[a, b]| u64::from(*a) << 32 | u64::from(*b))
             .collect();
-        let mut all = self.team.concat(&words);
+        let mut all = self.team().concat(&words);
         all.sort_unstable();
         all.dedup();
         let pairs: Vec<[u32; 2]> = all
@@ -314,7 +353,7 @@ impl Share {
             return pairs;
         }
         let mut lacks: Vec<u64> = pairs.iter().map(|p| u64::from(!is_listed(*p))).collect();
-        self.team.max(&mut lacks);
+        self.team().max(&mut lacks);
         let lacked = pairs.into_iter().zip(lacks).filter(|(_, lacks)| *lacks > 0);
         lacked.map(|(pair, _)| pair).collect()
     }
@@ -329,51 +368,6 @@ pub fn most_ranks(n: usize) -> usize {
 /// The rank of a slot, where each rank has a range of them.
 fn rank_of(slots: &[Range<usize>], slot: u32) -> usize {
     slots.partition_point(|range| range.end <= slot as usize)
-}
-
-/// Bytes of each particle in the buffers of a rank: its number, its force by slot, and a vector of it that is gathered.
-const BUFFER_BYTES: f64 = (size_of::<u32>() + 2 * size_of::<DVec3>()) as f64;
-/// Bytes of each particle in the halo of a rank: the slot and the position, as the rank gets it and as it gives its own.
-const HALO_BYTES: f64 = 2.0 * (size_of::<u32>() + size_of::<DVec3>()) as f64;
-/// Ranks whose halos are counted, at most; halos of many ranks are much alike.
-const COUNTED: usize = 8;
-
-/// What a rank would need of others, if so many ranks shared a list of `n` particles; `None` where some had no chunk.
-pub fn halo_on<P: PairList>(list: &P, n: usize, ranks: usize) -> Option<HaloSize> {
-    let chunks = list.chunks();
-    if ranks == 0 || ranks > chunks {
-        return None;
-    }
-    let shares = equal_parts(chunks, ranks);
-    let slots: Vec<Range<usize>> = shares.iter().map(|chunks| slots_of(chunks, n)).collect();
-    let counted = ranks.min(COUNTED);
-    let mut named_by = vec![0; n];
-    let mut sum = HaloSize::default();
-    for k in 0..counted {
-        let rank = k * ranks / counted;
-        let name_beyond = list.beyond(&slots[rank]);
-        let mut is_partner = vec![false; ranks];
-        for chunk in shares[rank].clone() {
-            name_beyond(chunk, &mut |slot| {
-                let last = std::mem::replace(&mut named_by[slot as usize], k + 1);
-                if last != k + 1 {
-                    sum.particles += 1.0;
-                    is_partner[rank_of(&slots, slot)] = true;
-                }
-            });
-        }
-        sum.partners += is_partner.iter().filter(|is| **is).count() as f64;
-    }
-    let particles = sum.particles / counted as f64;
-    Some(HaloSize {
-        particles,
-        partners: sum.partners / counted as f64,
-        lists: list.list_bytes() as f64 / ranks as f64,
-        buffers: match ranks {
-            1 => 0.0,
-            _ => BUFFER_BYTES * n as f64 + HALO_BYTES * particles,
-        },
-    })
 }
 
 /// Adds a number behind the last run, or to it.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use lennard_core::{ForceError, PeriodicBox, Team, TooManyRanks};
 use lennard_neighbor::{
-    Criterion, Displacements, GridError, PackedDisplacement, Positions, Reach, Validity,
-    unlisted_pairs,
+    Criterion, Displacements, GridError, NowAndThen, PackedDisplacement, Positions, Reach,
+    Validity, unlisted_pairs,
 };
 
 use crate::share::Share;
@@ -41,6 +41,8 @@ pub struct ListValidity {
     build: Option<Build>,
     /// Positions of the last build by slot, σ; their room is reused.
     built: Vec<DVec3>,
+    /// Whether all of them are known to this rank, not only the ones around its particles.
+    knows_all_built: bool,
     /// The species of each particle, where there are several.
     of_particle: Option<Arc<[u8]>>,
     /// The species at each slot of the last build, where there are several.
@@ -61,6 +63,7 @@ impl ListValidity {
             level,
             build: None,
             built: Vec::new(),
+            knows_all_built: true,
             of_particle,
             species: Vec::new(),
             inserted: Vec::new(),
@@ -115,6 +118,14 @@ impl ListValidity {
         &self.inserted
     }
 
+    /// Lets this rank know the positions of the last build of all particles. All ranks call it together.
+    pub fn know_all_built(&mut self) {
+        if let (Some(share), false) = (&self.share, self.knows_all_built) {
+            share.team().gather(&mut self.built, share.slots());
+            self.knows_all_built = true;
+        }
+    }
+
     /// Forgets the last build.
     pub fn forget(&mut self) {
         self.build = None;
@@ -147,12 +158,31 @@ impl ListValidity {
             r_cut: self.r_cut,
             r_list: self.r_cut + skin + P::rounding(cell, self.r_cut),
         };
-        list.build(self.level, cell, reach, positions).map_err(
-            |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
-        )?;
+        list.order(cell, reach, positions)
+            .map_err(
+                |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
+            )?;
+        let values = positions.values();
+        self.knows_all_built = true;
+        match (positions, &mut self.share) {
+            (Positions::Parted(..), Some(share)) => {
+                self.built.resize(values.len(), DVec3::ZERO);
+                share.plan_moves(list.source());
+                share.migrate(list.source(), values, &mut self.built);
+                list.place(cell, &[share.own()], &self.built);
+                let found = (self.level, cell, reach);
+                let near = share.fetch_near(list, found, &mut self.built);
+                list.place(cell, &near, &self.built);
+                self.knows_all_built = false;
+            }
+            _ => {
+                let all = 0..values.len();
+                by_slot(list.source(), all.clone(), values, &mut self.built);
+                list.place(cell, &[all], &self.built);
+            }
+        }
+        list.fill(self.level, cell, reach);
         debug_assert!(list.is_valid(), "the loops rely on valid lists");
-        let (source, values) = (list.source(), positions.values());
-        by_slot(source, 0..values.len(), values, &mut self.built);
         if let Some(of_particle) = &self.of_particle {
             let of_slots = list.particles().iter().map(|p| of_particle[*p as usize]);
             self.species.clear();
@@ -257,8 +287,8 @@ impl ListValidity {
             Validity::Expired => return ListStatus::Expired,
             Validity::Uncertain => {}
         }
-        let position = |slot: u32| at.positions[at.order[slot as usize] as usize];
-        let movers = share.far_movers(&summary.far, position);
+        let own_at = |slot: u32| self.now_and_then(at, slot);
+        let movers = share.far_movers(&summary.far, own_at);
         if criterion.check(largest2, movers.len(), n) == Validity::Expired {
             return ListStatus::Expired;
         }
@@ -269,12 +299,11 @@ impl ListValidity {
             // Positions of other ranks are known of far movers alone, and the search asks for no others.
             at: |slot: u32| {
                 if own.contains(&(slot as usize)) {
-                    return position(slot);
+                    return own_at(slot);
                 }
                 let mover = movers.binary_search_by_key(&slot, |(slot, _)| *slot);
-                mover.map_or(DVec3::NAN, |mover| movers[mover].1)
+                mover.map_or([DVec3::NAN; 2], |mover| movers[mover].1)
             },
-            built: &self.built,
             packed: None,
             largest2,
             partners: Some(share.partners()),
@@ -287,6 +316,13 @@ impl ListValidity {
         } else {
             ListStatus::Incomplete(missing)
         }
+    }
+
+    /// The position of the particle at a slot, and its position at the build.
+    #[inline(always)]
+    fn now_and_then(&self, at: Ordered<'_>, slot: u32) -> NowAndThen {
+        let slot = slot as usize;
+        [at.positions[at.order[slot] as usize], self.built[slot]]
     }
 
     /// Whether the list contains every pair inside the cutoff, by a search ahead of the far movers.
@@ -302,8 +338,7 @@ impl ListValidity {
     ) -> ListStatus {
         let displacements = Displacements {
             cells: list.cells(),
-            at: |slot: u32| at.positions[at.order[slot as usize] as usize],
-            built: &self.built,
+            at: |slot: u32| self.now_and_then(at, slot),
             packed,
             largest2: summary.largest2,
             partners: None,

@@ -33,10 +33,10 @@ pub use rows::{
     RowScanner, ScalarScanner,
 };
 pub use sort::{
-    Cells, ColumnTable, FIXED_ROUNDING, FIXED_UNITS, Ghost, GridError, PADDING, Positions,
+    Cells, ColumnTable, FIXED_ROUNDING, FIXED_UNITS, Ghost, GridError, PADDING, Positions, Ranks,
     RowCoordinates, RowTable, to_fixed,
 };
 pub use unlisted::{
-    DisplacementScale, Displacements, PackedDisplacement, Partners, unlisted_pairs,
+    DisplacementScale, Displacements, NowAndThen, PackedDisplacement, Partners, unlisted_pairs,
 };
 pub use validity::{Criterion, LARGE_SYSTEM, Validity};

@@ -3,21 +3,28 @@
 //! ```text
 //!   seconds per step on P nodes = t₁/P                              particles, as measured on one node
 //!                               + partners·latency + halo·24 B/bandwidth     positions of each step
-//!                               + g·(48 N B·(1 − 1/P)/bandwidth + ⌈log₂ P⌉·latency)  state that is gathered
+//!                               + b·((4 N B·(1 − 1/P) + halo·56 B)/bandwidth + (4·partners + 3·⌈log₂ P⌉)·latency)   builds
+//!                               + r·(96 N B·(1 − 1/P)/bandwidth + 4·⌈log₂ P⌉·latency)   rows, for which all is gathered
 //!                               + ⌈log₂ P⌉·latency                  whether the list is still valid, on all nodes alike
 //! ```
 //!
 //! It is a model of `lennard-mpi`, which cuts the order of a list into ranges. The halo of a rank is counted in a list of the
-//! scene itself. g is how often all nodes gather the whole state: at builds, and where something is observed. Nothing is
-//! overlapped with work. Sorting, which every node does for all particles, is not in the model.
+//! scene itself. b and r are the numbers of builds and of rows in a step. At a build all nodes tell each other the cells of
+//! their particles, and give positions for the search and for the lists. Particles that move from node to node are few. For a
+//! row they gather positions, velocities, positions of the build, and forces. Nothing is overlapped with work. Sorting, which
+//! every node does for all particles, is not in the model.
 
 use lennard_core::HaloSize;
 use serde::Serialize;
 
 /// Bytes of a position in a message.
 const POSITION_BYTES: f64 = 24.0;
-/// Bytes of a particle where the whole state is gathered.
-const STATE_BYTES: f64 = 48.0;
+/// Bytes of a particle of the halo at a build: its slot and its position, for the search and for the lists.
+const BUILD_HALO_BYTES: f64 = 56.0;
+/// Bytes of each particle that all nodes get at a build: its cell.
+const CELL_BYTES: f64 = 4.0;
+/// Bytes of a particle where all is gathered: position, velocity, position of the build, and force.
+const STATE_BYTES: f64 = 96.0;
 /// More nodes pay while a node spends at least this share of its time on its particles.
 const PAYS: f64 = 0.5;
 
@@ -59,6 +66,8 @@ pub(super) struct OneNode {
     pub halos: Vec<(usize, HaloSize)>,
     /// The largest number of ranks.
     pub most: usize,
+    /// Builds of the list in a step.
+    pub builds: f64,
     /// How often the whole state is gathered, in a step.
     pub gathers: f64,
     /// Bytes that one machine holds.
@@ -82,7 +91,7 @@ pub struct OnNodes {
     pub computing: f64,
     /// Seconds of a step for its halo.
     pub halo: f64,
-    /// Seconds of a step for gathering the whole state, as a mean over steps.
+    /// Seconds of a step for messages of builds and for gathering the whole state, as a mean over steps.
     pub gathering: f64,
     /// Seconds of a step for what all machines decide together.
     pub deciding: f64,
@@ -170,11 +179,16 @@ impl OneNode {
         let (_, size) = self.halos.iter().find(|(ranks, _)| *ranks == nodes)?;
         let rounds = f64::from(nodes.next_power_of_two().ilog2()) * network.latency;
         let others = 1.0 - 1.0 / nodes as f64;
-        let whole = self.atoms as f64 * STATE_BYTES * others;
+        let of_others = self.atoms as f64 * others / network.bandwidth;
         let computing = self.seconds_per_step / nodes as f64;
         let halo =
             size.partners * network.latency + size.particles * POSITION_BYTES / network.bandwidth;
-        let gathering = self.gathers * (whole / network.bandwidth + rounds);
+        let build = CELL_BYTES * of_others
+            + BUILD_HALO_BYTES * size.particles / network.bandwidth
+            + 4.0 * size.partners * network.latency
+            + 3.0 * rounds;
+        let whole = STATE_BYTES * of_others + 4.0 * rounds;
+        let gathering = self.builds * build + self.gathers * whole;
         let seconds_per_step = computing + halo + gathering + rounds;
         let speedup = self.seconds_per_step / seconds_per_step;
         Some(OnNodes {
@@ -221,7 +235,8 @@ mod tests {
             seconds_per_step,
             halos: sizes.map(|n| (n, halo(n))).collect(),
             most,
-            gathers: 0.1,
+            builds: 0.1,
+            gathers: 0.01,
             bytes: 600 * atoms as u64,
         }
     }
@@ -249,7 +264,8 @@ mod tests {
         let one = liquid(1_000_000, 0.1);
         let step = one.step(8, FAST).unwrap();
         let halo = 2.0 * 2e-6 + step.ghosts * 24.0 / 25e9;
-        let gathering = 0.1 * (48e6 * 0.875 / 25e9 + 3.0 * 2e-6);
+        let build = (4e6 * 0.875 + 56.0 * step.ghosts) / 25e9 + (4.0 * 2.0 + 3.0 * 3.0) * 2e-6;
+        let gathering = 0.1 * build + 0.01 * (96e6 * 0.875 / 25e9 + 4.0 * 3.0 * 2e-6);
         let expected = 0.1 / 8.0 + halo + gathering + 3.0 * 2e-6;
         assert!((step.seconds_per_step - expected).abs() < 1e-15);
         assert!((step.efficiency - 0.1 / (8.0 * expected)).abs() < 1e-12);
@@ -277,7 +293,8 @@ mod tests {
         ] {
             // 60 ns on each of 64 cores; a list lasts 12 steps, and rows come every 100.
             let one = OneNode {
-                gathers: 1.0 / 12.0 + 1.5 / 100.0,
+                builds: 1.0 / 12.0,
+                gathers: 1.0 / 100.0,
                 ..liquid(atoms, 60e-9 / 64.0 * atoms as f64)
             };
             let efficiency = |n: usize| format!("{:.2}", one.step(n, FAST).unwrap().efficiency);
@@ -286,11 +303,11 @@ mod tests {
                 .find(|line| line.starts_with(&format!("| {name} |")));
             let found = [2, 4, 8, 16].map(efficiency);
             assert_eq!(cells(row.unwrap())[1..], found, "{name}");
-            let only_rows = OneNode {
-                gathers: 1.5 / 100.0,
+            let no_rows = OneNode {
+                gathers: 0.0,
                 ..one
             };
-            let efficiency = only_rows.step(8, FAST).unwrap().efficiency;
+            let efficiency = no_rows.step(8, FAST).unwrap().efficiency;
             without.push(format!("{efficiency:.2}"));
         }
         let [a, b, c] = &without[..] else {

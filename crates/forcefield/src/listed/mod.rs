@@ -18,7 +18,8 @@ use crate::any_interaction::AnyInteraction;
 use crate::clock::Clock;
 use crate::fused::FusedBuffers;
 use crate::non_finite;
-use crate::share::{Share, halo_on};
+use crate::share::Share;
+use crate::share::foreseen::halo_on;
 use crate::simd::{
     Detail, DoubleRow, FixedRow, KickDrift, Level, ListStatus, PackedCopies, PerParticle, Prepared,
     Request,
@@ -262,7 +263,7 @@ impl Listed {
             return 0;
         }
         let validity = &mut self.validity;
-        clock.computing(|clock| match &mut self.pairs {
+        let taken = clock.computing(|clock| match &mut self.pairs {
             // Canonical forces have one loop only, which does not fuse steps.
             Pairs::Canonical(..) => 0,
             Pairs::Rows(list, Copies { packed, fused }) => fused.advance(
@@ -281,6 +282,9 @@ impl Listed {
                 kick_drift,
                 clock,
             ),
-        })
+        });
+        // Checkpoints read them, and single evaluations.
+        self.validity.know_all_built();
+        taken
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_neighbor::{
     Cells, ClusterList, FIXED_UNITS, GridError, NeighborList, PackedDisplacement, Positions, Reach,
@@ -52,14 +53,25 @@ pub trait PairList: Sync {
     fn particles(&self) -> &[u32];
     /// The index, in the order that was given to the build, of the position that belongs to each slot.
     fn source(&self) -> &[u32];
-    /// Builds the list in a box.
-    fn build(
+    /// Begins a build in a box: gives the particles their slots.
+    fn order(
         &mut self,
-        level: Level,
         cell: &PeriodicBox,
         reach: Reach,
         positions: Positions<'_>,
     ) -> Result<(), GridError>;
+    /// Goes on with a build: places the particles at some runs of slots, where `at` has positions by slot, σ.
+    fn place(&mut self, cell: &PeriodicBox, runs: &[Range<usize>], at: &[DVec3]);
+    /// Visits runs of slots that the lists which are kept may name, where the particles of these lists are placed.
+    fn for_each_near(
+        &self,
+        level: Level,
+        cell: &PeriodicBox,
+        reach: Reach,
+        visit: &(dyn Fn(Range<u32>) + Sync),
+    );
+    /// Ends a build: fills the lists. All particles that they may name are placed.
+    fn fill(&mut self, level: Level, cell: &PeriodicBox, reach: Reach);
     /// Whether every entry numbers a row that exists: the loops rely on it.
     fn is_valid(&self) -> bool;
     /// Number of rows, ghosts included.
@@ -192,14 +204,31 @@ impl PairList for NeighborList {
         self.table().source()
     }
 
-    fn build(
+    fn order(
         &mut self,
-        level: Level,
         cell: &PeriodicBox,
         reach: Reach,
         positions: Positions<'_>,
     ) -> Result<(), GridError> {
-        self.build(cell, reach.r_list, positions, level.row_scanner())
+        self.order(cell, reach.r_list, positions)
+    }
+
+    fn place(&mut self, cell: &PeriodicBox, runs: &[Range<usize>], at: &[DVec3]) {
+        self.place(cell, runs, |slot| at[slot]);
+    }
+
+    fn for_each_near(
+        &self,
+        _level: Level,
+        _cell: &PeriodicBox,
+        _reach: Reach,
+        visit: &(dyn Fn(Range<u32>) + Sync),
+    ) {
+        self.for_each_near(visit);
+    }
+
+    fn fill(&mut self, level: Level, cell: &PeriodicBox, reach: Reach) {
+        self.fill(cell, reach.r_list, level.row_scanner());
     }
 
     fn is_valid(&self) -> bool {
@@ -273,14 +302,31 @@ impl PairList for ClusterList {
         self.table().source()
     }
 
-    fn build(
+    fn order(
         &mut self,
+        cell: &PeriodicBox,
+        _reach: Reach,
+        positions: Positions<'_>,
+    ) -> Result<(), GridError> {
+        self.order(cell, positions)
+    }
+
+    fn place(&mut self, cell: &PeriodicBox, runs: &[Range<usize>], at: &[DVec3]) {
+        self.place(cell, runs, |slot| at[slot]);
+    }
+
+    fn for_each_near(
+        &self,
         level: Level,
         cell: &PeriodicBox,
         reach: Reach,
-        positions: Positions<'_>,
-    ) -> Result<(), GridError> {
-        self.build(cell, reach, positions, level.cluster_scanner())
+        visit: &(dyn Fn(Range<u32>) + Sync),
+    ) {
+        self.for_each_near(cell, reach, level.cluster_scanner(), visit);
+    }
+
+    fn fill(&mut self, level: Level, cell: &PeriodicBox, reach: Reach) {
+        self.fill(cell, reach, level.cluster_scanner());
     }
 
     fn is_valid(&self) -> bool {

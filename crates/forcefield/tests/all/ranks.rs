@@ -179,6 +179,23 @@ fn any_number_of_ranks_and_threads_has_the_bits_of_one_process() {
     }
 }
 
+#[test]
+fn particles_many_boxes_away_are_sorted_by_all_ranks_alike() {
+    let mut start = fluid([9, 10, 9], 0.75);
+    let n = start.positions.len();
+    // Fixed point folds what is farther than 131,072 boxes.
+    let away = start.cell.lengths() * DVec3::new(2e5, -3e5, 1e5);
+    let some = start.positions.iter_mut().step_by(3);
+    some.for_each(|r| *r += away);
+    for kernel in kernels() {
+        let fresh = || build(&options(kernel), &conditions(start.cell, n)).unwrap();
+        let told = compare(&start, fresh, Kind::Isolated, &[[2, 1], [3, 2]]);
+        // Lists are built inside of fused steps, where ranks know their own particles alone.
+        let builds: u64 = told.last().unwrap().parse().unwrap();
+        assert!(builds > 7, "{kernel:?}: {builds}");
+    }
+}
+
 /// A gas in which pairs that no list names fly at each other, and meet while the list still lasts.
 fn meeting_pairs(k: [usize; 3]) -> Fluid {
     let Fluid {

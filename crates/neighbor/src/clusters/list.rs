@@ -13,8 +13,9 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
 use lennard_core::parallel::part;
-use lennard_core::tasks::for_each_item;
+use lennard_core::tasks::{for_each_item, for_each_task};
 use lennard_core::{Exclusions, PeriodicBox};
 
 use super::block::Block;
@@ -139,7 +140,50 @@ impl ClusterList {
         positions: Positions<'_>,
         scanner: &dyn ClusterScanner,
     ) -> Result<(), GridError> {
-        self.table.sort(cell, positions)?;
+        self.order(cell, positions)?;
+        self.table.place_all(cell, positions);
+        self.fill(cell, reach, scanner);
+        Ok(())
+    }
+
+    /// Gives the particles their slots: the first part of a build.
+    ///
+    /// # Errors
+    /// As [`ClusterList::build`].
+    pub fn order(&mut self, cell: &PeriodicBox, positions: Positions<'_>) -> Result<(), GridError> {
+        self.table.order(cell, positions)
+    }
+
+    /// Places the particles at some runs of slots, where `at` gives the position at a slot, σ: the second part of a build.
+    pub fn place(
+        &mut self,
+        cell: &PeriodicBox,
+        runs: &[Range<usize>],
+        at: impl Fn(usize) -> DVec3 + Sync,
+    ) {
+        self.table.place(cell, runs, at);
+    }
+
+    /// Visits runs of slots that the lists which are kept may name. The particles of these lists are placed.
+    pub fn for_each_near(
+        &self,
+        cell: &PeriodicBox,
+        reach: Reach,
+        scanner: &dyn ClusterScanner,
+        visit: &(dyn Fn(Range<u32>) + Sync),
+    ) {
+        let exclusions = (&self.exclusions, &self.slot_of[..]);
+        let search = Search::new(&self.table, cell, reach, scanner, exclusions);
+        let n = self.table.particle.len();
+        let own = self.kept.of(n.div_ceil(ATOMS_PER_CHUNK));
+        for_each_task(own.len(), |scratch: &mut Scratch, c| {
+            let slots = part(own.start + c, ATOMS_PER_CHUNK, n);
+            search.for_each_near(slots, scratch, visit);
+        });
+    }
+
+    /// Fills the lists: the last part of a build. All particles that they may name are placed.
+    pub fn fill(&mut self, cell: &PeriodicBox, reach: Reach, scanner: &dyn ClusterScanner) {
         let n = self.table.particle.len();
         self.slots_ahead = self.table.grid.slots_ahead(cell.lengths(), reach.r_list, n);
         self.chunks
@@ -158,7 +202,6 @@ impl ClusterList {
             let slots = part(own.start + c, ATOMS_PER_CHUNK, n);
             search.fill(slots, scratch, chunk);
         });
-        Ok(())
     }
 
     /// Whether a pair of slots is listed at both ends; an end whose list is not kept here counts as listed.

@@ -117,6 +117,20 @@ impl<'a> Search<'a> {
         chunk.finish();
     }
 
+    /// Visits the runs of slots that the lists of the clusters at `slots` may name.
+    pub fn for_each_near(
+        &self,
+        slots: Range<usize>,
+        scratch: &mut Scratch,
+        visit: &(dyn Fn(Range<u32>) + Sync),
+    ) {
+        for group in slots.clone().step_by(GROUP) {
+            let bounds = self.bounds(group..(group + GROUP).min(slots.end));
+            self.find_runs(&bounds, scratch);
+            scratch.runs.iter().cloned().for_each(visit);
+        }
+    }
+
     /// Finds the pairs of a cluster that do not interact and brings them forward, where there are any.
     #[inline]
     fn exclude<'e>(

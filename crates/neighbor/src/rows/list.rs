@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
 use lennard_core::parallel::part;
-use lennard_core::tasks::for_each_item;
+use lennard_core::tasks::{for_each_item, for_each_task};
 use lennard_core::{Exclusions, PeriodicBox};
 
 use super::chunk::{ATOMS_PER_CHUNK, Entries, Images, ListChunk};
@@ -163,7 +164,62 @@ impl NeighborList {
         positions: Positions<'_>,
         scanner: &dyn RowScanner,
     ) -> Result<(), GridError> {
-        self.table.sort(cell, positions, radius)?;
+        self.order(cell, radius, positions)?;
+        self.table.place_all(cell, positions);
+        self.fill(cell, radius, scanner);
+        Ok(())
+    }
+
+    /// Gives the particles their slots: the first part of a build.
+    ///
+    /// # Errors
+    /// As [`NeighborList::build`].
+    pub fn order(
+        &mut self,
+        cell: &PeriodicBox,
+        radius: f64,
+        positions: Positions<'_>,
+    ) -> Result<(), GridError> {
+        self.table.order(cell, positions, radius)
+    }
+
+    /// Places the particles at some runs of slots, where `at` gives the position at a slot, σ: the second part of a build.
+    pub fn place(
+        &mut self,
+        cell: &PeriodicBox,
+        runs: &[Range<usize>],
+        at: impl Fn(usize) -> DVec3 + Sync,
+    ) {
+        self.table.place(cell, runs, at);
+    }
+
+    /// Visits runs of slots, those outside of the lists among them, that the lists which are kept may name.
+    pub fn for_each_near(&self, visit: &(dyn Fn(Range<u32>) + Sync)) {
+        let n = self.table.particle.len();
+        let chunks = self.kept.of(n.div_ceil(ATOMS_PER_CHUNK));
+        let (table, own) = (&self.table, slots_of(&chunks, n));
+        let outside_before = self.outside_before(&own);
+        for_each_task(chunks.len(), |runs: &mut Vec<Range<u32>>, c| {
+            let slots = part(chunks.start + c, ATOMS_PER_CHUNK, n);
+            let mut first = slots.start;
+            while first < slots.end {
+                let end = table.group_end(first, slots.end);
+                table.runs_near(first, end - 1, runs);
+                for rows in runs.iter() {
+                    let [from, to] = [rows.start, rows.end].map(|row| row as usize);
+                    if outside_before[from] < outside_before[to] {
+                        let named = table.slots()[from..to].iter();
+                        named.for_each(|slot| visit(*slot..*slot + 1));
+                    }
+                }
+                first = end;
+            }
+        });
+    }
+
+    /// Fills the lists: the last part of a build. All particles that they may name are placed.
+    pub fn fill(&mut self, cell: &PeriodicBox, radius: f64, scanner: &dyn RowScanner) {
+        self.table.show(cell);
         let margin = self.table.search_margin();
         let radius2 = (radius + margin).powi(2) as f32 * (1.0 + 4.0 * f32::EPSILON);
         let n = self.table.particle.len();
@@ -183,7 +239,6 @@ impl NeighborList {
             let slots = part(own.start + c, ATOMS_PER_CHUNK, n);
             filler.fill(slots, scratch, chunk);
         });
-        Ok(())
     }
 
     /// Number of pairs in the list, each counted once; of the lists of one rank, half the number of their pairs.

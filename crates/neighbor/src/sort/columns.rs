@@ -10,6 +10,7 @@
 //! There are no ghosts: the difference of two integers wraps around as the periodic box does.
 
 use std::ops::Range;
+use std::slice;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, IVec3};
@@ -80,12 +81,22 @@ impl ColumnTable {
         &self.sort.source
     }
 
-    /// Sorts positions in a box.
+    /// Sorts positions in a box, and places all particles.
+    ///
+    /// # Errors
+    /// As [`ColumnTable::order`].
+    pub fn sort(&mut self, cell: &PeriodicBox, positions: Positions<'_>) -> Result<(), GridError> {
+        self.order(cell, positions)?;
+        self.place_all(cell, positions);
+        Ok(())
+    }
+
+    /// Gives the particles their slots. Coordinates follow by [`ColumnTable::place`].
     ///
     /// # Errors
     /// [`GridError::BadPosition`] where a position is not a usable number; the table is then unusable.
-    pub fn sort(&mut self, cell: &PeriodicBox, positions: Positions<'_>) -> Result<(), GridError> {
-        let values = positions.values();
+    pub fn order(&mut self, cell: &PeriodicBox, positions: Positions<'_>) -> Result<(), GridError> {
+        let (values, known) = (positions.values(), positions.known());
         let n = values.len();
         let lengths = cell.lengths();
         let units = FIXED_UNITS / lengths;
@@ -94,8 +105,9 @@ impl ColumnTable {
         let grid = self.grid;
         let (all_near, all_usable) = (AtomicBool::new(true), AtomicBool::new(true));
         self.sort.home.resize(n, 0);
-        for_each_piece(&mut self.sort.home, |first, chunk| {
-            for (home, r) in chunk.iter_mut().zip(&values[first..]) {
+        let own = &values[known.clone()];
+        for_each_piece(&mut self.sort.home[known.clone()], |first, chunk| {
+            for (home, r) in chunk.iter_mut().zip(&own[first..]) {
                 // The comparisons are false for NaN.
                 let is_near = r.abs().cmple(near).all();
                 let image = if is_near {
@@ -110,46 +122,64 @@ impl ColumnTable {
                 *home = grid.cell_of(to_fixed(*r, image, lengths, units)) as u32;
             }
         });
-        if !all_usable.into_inner()
-            && let Some(bad) = values.iter().position(|r| !r.abs().cmple(far).all())
-        {
+        let bad = (!all_usable.into_inner())
+            .then(|| known.clone().find(|k| !values[*k].abs().cmple(far).all()));
+        let (bad, some_are_far) = positions.agree(bad.flatten(), !all_near.into_inner());
+        if let Some(bad) = bad {
             let particle = positions.particle(bad, &self.particle);
             return Err(GridError::BadPosition { particle });
         }
+        positions.make_numbers_known(&mut self.sort.home);
         self.sort.sort(grid.cells(), &mut self.particle, positions);
-        let source = &self.sort.source;
         self.image.clear();
-        if !all_near.into_inner() {
-            self.image.resize(n, IVec3::ZERO);
-            for_each_piece(&mut self.image, |first, images| {
-                for (image, source) in images.iter_mut().zip(&source[first..]) {
-                    let r = values[*source as usize];
-                    if !r.abs().cmple(near).all() {
-                        *image = fold(r, lengths).1;
-                    }
+        if some_are_far {
+            let mut images = vec![DVec3::ZERO; n];
+            for (image, r) in images[known].iter_mut().zip(own) {
+                if !r.abs().cmple(near).all() {
+                    *image = fold(*r, lengths).1.as_dvec3();
                 }
-            });
+            }
+            positions.make_vectors_known(&mut images);
+            let of_slots = self.sort.source.iter().map(|k| images[*k as usize]);
+            self.image.extend(of_slots.map(|image| image.as_ivec3()));
         }
-        self.fill(values, lengths, units);
         Ok(())
     }
 
-    /// Fills the coordinates of the slots.
-    fn fill(&mut self, positions: &[DVec3], lengths: DVec3, units: DVec3) {
+    /// Places all particles of the last order, whose positions are known.
+    pub(crate) fn place_all(&mut self, cell: &PeriodicBox, positions: Positions<'_>) {
+        let values = positions.values();
+        let source = std::mem::take(&mut self.sort.source);
+        let all = 0..values.len();
+        self.place(cell, slice::from_ref(&all), |slot| {
+            values[source[slot] as usize]
+        });
+        self.sort.source = source;
+    }
+
+    /// Fills the coordinates of some runs of slots, where `at` gives the position at a slot, σ.
+    pub fn place(
+        &mut self,
+        cell: &PeriodicBox,
+        runs: &[Range<usize>],
+        at: impl Fn(usize) -> DVec3 + Sync,
+    ) {
+        let (lengths, units) = (cell.lengths(), FIXED_UNITS / cell.lengths());
         let n = self.particle.len();
-        let mut at = std::mem::take(&mut self.at);
-        for axis in &mut at {
+        let mut axes = std::mem::take(&mut self.at);
+        for axis in &mut axes {
             axis.resize(n + PADDING, 0);
         }
-        let [x, y, z] = &mut at;
-        for_each_piece_of_three(&mut x[..n], &mut y[..n], &mut z[..n], |first, x, y, z| {
-            for (k, ((x, y), z)) in x.iter_mut().zip(y).zip(z).enumerate() {
-                let slot = first + k;
-                let r = positions[self.sort.source[slot] as usize];
-                [*x, *y, *z] = self.fixed(slot, r, lengths, units);
-            }
-        });
-        self.at = at;
+        for run in runs {
+            let [x, y, z] = axes.each_mut().map(|axis| &mut axis[run.clone()]);
+            for_each_piece_of_three(x, y, z, |first, x, y, z| {
+                for (k, ((x, y), z)) in x.iter_mut().zip(y).zip(z).enumerate() {
+                    let slot = run.start + first + k;
+                    [*x, *y, *z] = self.fixed(slot, at(slot), lengths, units);
+                }
+            });
+        }
+        self.at = axes;
     }
 
     /// The slots of a column between two slices, both included.

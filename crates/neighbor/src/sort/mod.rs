@@ -17,5 +17,5 @@ pub use cells::Cells;
 pub use columns::ColumnTable;
 pub use coordinates::{PADDING, RowCoordinates};
 pub use fixed::{FIXED_ROUNDING, FIXED_UNITS, to_fixed};
-pub use positions::{GridError, Positions};
+pub use positions::{GridError, Positions, Ranks};
 pub use row_table::{Ghost, RowTable};

@@ -14,12 +14,13 @@
 //! A force loop over rows needs no minimum image: the nearest image of a neighbor is a row of its own.
 
 use std::ops::Range;
+use std::slice;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, IVec3};
 use lennard_core::PeriodicBox;
 use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
-use lennard_core::tasks::map_items;
+use lennard_core::tasks::{for_each_item, map_items};
 
 use super::cell_grid::CellGrid;
 use super::cell_sort::CellSort;
@@ -106,17 +107,33 @@ impl RowTable {
         &self.sort.source
     }
 
-    /// Sorts positions in a box for a search within `radius` σ.
+    /// Sorts positions in a box for a search within `radius` σ, and places all particles.
     ///
     /// # Errors
-    /// [`GridError::BadPosition`] where a position is not a usable number; the table is then unusable.
+    /// As [`RowTable::order`].
     pub fn sort(
         &mut self,
         cell: &PeriodicBox,
         positions: Positions<'_>,
         radius: f64,
     ) -> Result<(), GridError> {
-        let values = positions.values();
+        self.order(cell, positions, radius)?;
+        self.place_all(cell, positions);
+        self.show(cell);
+        Ok(())
+    }
+
+    /// Gives the particles their slots and rows. Coordinates follow by [`RowTable::place`] and [`RowTable::show`].
+    ///
+    /// # Errors
+    /// [`GridError::BadPosition`] where a position is not a usable number; the table is then unusable.
+    pub fn order(
+        &mut self,
+        cell: &PeriodicBox,
+        positions: Positions<'_>,
+        radius: f64,
+    ) -> Result<(), GridError> {
+        let (values, known) = (positions.values(), positions.known());
         let n = values.len();
         let lengths = cell.lengths();
         self.grid.choose(lengths, n, radius);
@@ -126,9 +143,10 @@ impl RowTable {
         let far = lengths * FARTHEST_IMAGE;
         let bad = AtomicBool::new(false);
         self.sort.home.resize(n, 0);
-        for_each_piece(&mut self.sort.home, |first, chunk| {
+        let own = &values[known.clone()];
+        for_each_piece(&mut self.sort.home[known.clone()], |first, chunk| {
             let mut usable = true;
-            for (home, r) in chunk.iter_mut().zip(&values[first..]) {
+            for (home, r) in chunk.iter_mut().zip(&own[first..]) {
                 // The comparison is false for NaN.
                 usable &= r.abs().cmple(far).all();
                 let scaled = fold(*r, lengths).0 * inv_edge;
@@ -141,17 +159,50 @@ impl RowTable {
                 bad.store(true, Ordering::Relaxed);
             }
         });
-        if bad.into_inner()
-            && let Some(bad) = values.iter().position(|r| !r.abs().cmple(far).all())
-        {
+        let bad =
+            (bad.into_inner()).then(|| known.clone().find(|k| !values[*k].abs().cmple(far).all()));
+        if let (Some(bad), _) = positions.agree(bad.flatten(), false) {
             let particle = positions.particle(bad, &self.particle);
             return Err(GridError::BadPosition { particle });
         }
+        positions.make_numbers_known(&mut self.sort.home);
         self.sort.sort(nx * ny * nz, &mut self.particle, positions);
         self.number_rows();
-        self.fill_slots(values, lengths);
-        self.fill_rows(lengths);
+        self.fill_slots();
+        self.fill_rows();
         Ok(())
+    }
+
+    /// Places all particles of the last order, whose positions are known.
+    pub(crate) fn place_all(&mut self, cell: &PeriodicBox, positions: Positions<'_>) {
+        let values = positions.values();
+        let source = std::mem::take(&mut self.sort.source);
+        let all = 0..values.len();
+        self.place(cell, slice::from_ref(&all), |slot| {
+            values[source[slot] as usize]
+        });
+        self.sort.source = source;
+    }
+
+    /// Folds the particles at some runs of slots into the box, where `at` gives the position at a slot, σ.
+    pub fn place(
+        &mut self,
+        cell: &PeriodicBox,
+        runs: &[Range<usize>],
+        at: impl Fn(usize) -> DVec3 + Sync,
+    ) {
+        let (n, lengths) = (self.particle.len(), cell.lengths());
+        self.image.resize(n, IVec3::ZERO);
+        self.wrapped.resize(n, DVec3::ZERO);
+        for run in runs {
+            let images = &mut self.image[run.clone()];
+            let wrapped = &mut self.wrapped[run.clone()];
+            for_each_piece_pair(images, wrapped, |first, images, wrapped| {
+                for (k, (image, wrapped)) in images.iter_mut().zip(wrapped).enumerate() {
+                    (*wrapped, *image) = fold(at(run.start + first + k), lengths);
+                }
+            });
+        }
     }
 
     /// Numbers the rows of the extended grid, ghosts included.
@@ -176,13 +227,11 @@ impl RowTable {
         self.coordinates.resize(rows as usize);
     }
 
-    /// Fills the arrays with one element per slot.
-    fn fill_slots(&mut self, positions: &[DVec3], lengths: DVec3) {
+    /// Fills the arrays with one element per slot that need no positions.
+    fn fill_slots(&mut self) {
         let n = self.particle.len();
         self.row.resize(n, 0);
-        self.image.resize(n, IVec3::ZERO);
         self.cell_of_slot.resize(n, 0);
-        self.wrapped.resize(n, DVec3::ZERO);
         let grid = &self.grid;
         let [_, ny, nz] = grid.inner;
         let [_, ey, ez] = grid.extended();
@@ -206,74 +255,53 @@ impl RowTable {
                 }
             },
         );
-        for_each_piece_pair(
-            &mut self.image,
-            &mut self.wrapped,
-            |first, images, wrapped| {
-                let all = images.iter_mut().zip(wrapped).zip(&source[first..]);
-                for ((image, wrapped), source) in all {
-                    (*wrapped, *image) = fold(positions[*source as usize], lengths);
-                }
-            },
-        );
     }
 
-    /// Fills the arrays with one element per row, one layer of cells after another.
-    fn fill_rows(&mut self, lengths: DVec3) {
-        let grid = &self.grid;
-        let first_slot = &self.sort.first;
-        let [_, ey, ez] = grid.extended();
-        let axes = [0, 1, 2].map(|a| grid.axis(a));
-        let (own_rows, wrapped) = (&self.row, &self.wrapped);
-        let mut rest = (
-            self.slot.as_mut_slice(),
-            self.coordinates.x.as_mut_slice(),
-            self.coordinates.y.as_mut_slice(),
-            self.coordinates.z.as_mut_slice(),
-        );
-        let mut layers = Vec::with_capacity(axes[0].len());
-        for x in 0..axes[0].len() {
-            let first = x * ey * ez;
-            let rows = (grid.first_row[first + ey * ez] - grid.first_row[first]) as usize;
-            let (slot, s_rest) = rest.0.split_at_mut(rows);
-            let (cx, cx_rest) = rest.1.split_at_mut(rows);
-            let (cy, cy_rest) = rest.2.split_at_mut(rows);
-            let (cz, cz_rest) = rest.3.split_at_mut(rows);
-            rest = (s_rest, cx_rest, cy_rest, cz_rest);
-            layers.push((x, slot, cx, cy, cz));
-        }
-        let fill = |(x, slot, cx, cy, cz): Layer<'_>| {
+    /// Numbers the slots that rows show, and finds the ghosts.
+    fn fill_rows(&mut self) {
+        let layers = Layers::of(&self.grid, &self.sort.first);
+        let own_rows = &self.row;
+        let fill = |x: usize, slots: &mut [u32]| {
             let mut ghosts = Vec::new();
-            let (hx, sx) = axes[0][x];
-            let mut row = grid.first_row[x * ey * ez];
-            let mut at = 0;
-            for (hy, sy) in &axes[1] {
-                for (hz, sz) in &axes[2] {
-                    let home = grid.home_index(hx, *hy, *hz);
-                    let shift = [sx, *sy, *sz];
-                    let is_ghost = shift != [0; 3];
-                    let offset = IVec3::from(shift.map(i32::from)).as_dvec3() * lengths;
-                    for s in first_slot[home]..first_slot[home + 1] {
-                        let r = wrapped[s as usize] + offset;
-                        slot[at] = s;
-                        cx[at] = r.x as f32;
-                        cy[at] = r.y as f32;
-                        cz[at] = r.z as f32;
-                        if is_ghost {
-                            let source = own_rows[s as usize];
-                            ghosts.push(Ghost { row, source, shift });
-                        }
-                        at += 1;
-                        row += 1;
+            let mut row = layers.rows(x).start as u32;
+            let mut to = slots.iter_mut();
+            layers.for_each_cell(x, |slots, shift| {
+                let is_ghost = shift != [0; 3];
+                for (slot, to) in slots.zip(&mut to) {
+                    *to = slot;
+                    if is_ghost {
+                        let source = own_rows[slot as usize];
+                        ghosts.push(Ghost { row, source, shift });
                     }
+                    row += 1;
                 }
-            }
+            });
             ghosts
         };
+        let parts = layers.cut(&mut self.slot);
         self.ghosts.clear();
-        for mut part in map_items(layers.into_iter(), |(), _, layer| fill(layer)) {
+        for mut part in map_items(parts.into_iter(), |(), x, slots| fill(x, slots)) {
             self.ghosts.append(&mut part);
         }
+    }
+
+    /// Fills the coordinates of the rows. They have no meaning for particles that are not placed.
+    pub fn show(&mut self, cell: &PeriodicBox) {
+        let layers = Layers::of(&self.grid, &self.sort.first);
+        let (lengths, wrapped) = (cell.lengths(), &self.wrapped);
+        let RowCoordinates { x, y, z } = &mut self.coordinates;
+        let [x, y, z] = [x, y, z].map(|axis| layers.cut(axis));
+        let parts = x.into_iter().zip(y).zip(z);
+        for_each_item(parts, |(): &mut (), layer, ((x, y), z)| {
+            let mut to = x.iter_mut().zip(y).zip(z);
+            layers.for_each_cell(layer, |slots, shift| {
+                let offset = IVec3::from(shift.map(i32::from)).as_dvec3() * lengths;
+                for (slot, ((x, y), z)) in slots.zip(&mut to) {
+                    let r = wrapped[slot as usize] + offset;
+                    [*x, *y, *z] = r.to_array().map(|r| r as f32);
+                }
+            });
+        });
     }
 
     /// A range of rows that contains all neighbors of the particles at `slots`, and these particles themselves.
@@ -323,11 +351,50 @@ impl Cells for RowTable {
     }
 }
 
-/// Rows, slots and coordinates of one layer of cells.
-type Layer<'a> = (
-    usize,
-    &'a mut [u32],
-    &'a mut [f32],
-    &'a mut [f32],
-    &'a mut [f32],
-);
+/// The layers of cells of the extended grid along x.
+struct Layers<'a> {
+    grid: &'a CellGrid,
+    /// The first slot of each home cell, and the end.
+    first_slot: &'a [u32],
+    /// The home cell and the box of each extended cell along each axis.
+    axes: [Vec<(usize, i8)>; 3],
+}
+
+impl<'a> Layers<'a> {
+    fn of(grid: &'a CellGrid, first_slot: &'a [u32]) -> Self {
+        Self {
+            grid,
+            first_slot,
+            axes: [0, 1, 2].map(|axis| grid.axis(axis)),
+        }
+    }
+
+    /// The rows of a layer.
+    fn rows(&self, x: usize) -> Range<usize> {
+        let [_, ey, ez] = self.grid.extended();
+        let first_row = |x: usize| self.grid.first_row[x * ey * ez] as usize;
+        first_row(x)..first_row(x + 1)
+    }
+
+    /// An array with one element per row, cut into layers.
+    fn cut<'t, T>(&self, mut rows: &'t mut [T]) -> Vec<&'t mut [T]> {
+        let cut = |x: usize| {
+            let (layer, rest) = std::mem::take(&mut rows).split_at_mut(self.rows(x).len());
+            rows = rest;
+            layer
+        };
+        (0..self.axes[0].len()).map(cut).collect()
+    }
+
+    /// Visits the cells of a layer in the order of their rows: the slots of each, and its box.
+    fn for_each_cell(&self, x: usize, mut visit: impl FnMut(Range<u32>, [i8; 3])) {
+        let (hx, sx) = self.axes[0][x];
+        for (hy, sy) in &self.axes[1] {
+            for (hz, sz) in &self.axes[2] {
+                let home = self.grid.home_index(hx, *hy, *hz);
+                let slots = self.first_slot[home]..self.first_slot[home + 1];
+                visit(slots, [sx, *sy, *sz]);
+            }
+        }
+    }
+}

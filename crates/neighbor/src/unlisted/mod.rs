@@ -26,10 +26,8 @@ use crate::sort::{CellRange, Cells, FIXED_ROUNDING};
 pub struct Displacements<'a, C, A> {
     /// The cells of the sort.
     pub cells: &'a C,
-    /// The position of the particle at a slot, unwrapped, σ.
+    /// The positions of the particle at a slot, now and at the build, unwrapped, σ.
     pub at: A,
-    /// Positions of the build by slot, unwrapped, `[N]`, σ.
-    pub built: &'a [DVec3],
     /// The displacements in few bytes, by slot, `[N]`; they save time where many particles moved far.
     pub packed: Option<&'a [PackedDisplacement]>,
     /// The largest |x − x⁰|², σ².
@@ -37,6 +35,9 @@ pub struct Displacements<'a, C, A> {
     /// The slots that a far mover may meet; none where it may meet all. The positions of others are not asked for.
     pub partners: Option<&'a Partners>,
 }
+
+/// The position of a particle now and at a build, σ.
+pub type NowAndThen = [DVec3; 2];
 
 /// The slots of one rank, as partners of far movers.
 #[derive(Debug, Clone, Default)]
@@ -69,12 +70,12 @@ impl Partners {
     }
 }
 
-impl<C: Cells, A: Fn(u32) -> DVec3> Displacements<'_, C, A> {
+impl<C: Cells, A: Fn(u32) -> NowAndThen> Displacements<'_, C, A> {
     /// The position of the particle at a slot, and its displacement.
     #[inline(always)]
     fn of(&self, slot: u32) -> (DVec3, DVec3) {
-        let at = (self.at)(slot);
-        (at, at - self.built[slot as usize])
+        let [at, built] = (self.at)(slot);
+        (at, at - built)
     }
 }
 
@@ -96,7 +97,7 @@ const BATCH: usize = 16;
 /// The search therefore looks ahead of each far mover, in the part of a shell that a cone cuts out: cos θ ≥ ½·skin/|d|.
 /// A partner must itself make up for the rest of the skin, and few particles moved so far.
 #[must_use]
-pub fn unlisted_pairs<C: Cells, A: Fn(u32) -> DVec3 + Sync>(
+pub fn unlisted_pairs<C: Cells, A: Fn(u32) -> NowAndThen + Sync>(
     cell: &PeriodicBox,
     radius: f64,
     inner: f64,
@@ -180,7 +181,7 @@ struct Search<'a, C, A> {
     farthest: f64,
 }
 
-impl<C: Cells, A: Fn(u32) -> DVec3> Search<'_, C, A> {
+impl<C: Cells, A: Fn(u32) -> NowAndThen> Search<'_, C, A> {
     /// Adds the unlisted pairs ahead of a batch of at most [`BATCH`] far movers.
     fn look_ahead(&self, far: &[u32], scratch: &mut Scratch) {
         let Scratch {

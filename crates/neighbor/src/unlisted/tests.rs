@@ -53,8 +53,7 @@ fn by_cells_of<C: Cells>(
     let unlisted = |packed, partners: Option<Partners>| {
         let displacements = Displacements {
             cells,
-            at,
-            built: &built,
+            at: |slot| [at(slot), built[slot as usize]],
             packed,
             largest2: squares.iter().copied().fold(0.0, f64::max),
             partners: partners.as_ref(),

@@ -1,0 +1,81 @@
+//! What moves between ranks at a build: particles to their new ranks, and positions around the particles of each rank.
+
+use std::ops::Range;
+use std::sync::atomic::Ordering;
+
+use glam::DVec3;
+use lennard_core::PeriodicBox;
+use lennard_core::parallel::{for_each_piece, map_ranges};
+use lennard_neighbor::Reach;
+
+use super::{Share, push_to_runs, rank_of};
+use crate::simd::{Level, PairList};
+
+impl Share {
+    /// Notes which particles a build moves between ranks; `source` has the slot before it of the particle at each slot.
+    pub fn plan_moves(&mut self, source: &[u32]) {
+        let own = self.own();
+        let is_own = |slot: u32| own.contains(&(slot as usize));
+        let moved: Vec<[u32; 2]> = map_ranges(source.len(), |slots| {
+            let moves = slots.map(|slot| [slot as u32, source[slot]]);
+            let moves = moves.filter(|[slot, before]| is_own(*slot) != is_own(*before));
+            moves.collect::<Vec<_>>()
+        })
+        .concat();
+        let nothing = vec![Vec::new(); self.slots().len()];
+        (self.leaving, self.arriving) = (nothing.clone(), nothing);
+        // Both ranks have them in the order of their slots after the build.
+        for [slot, before] in moved {
+            if is_own(slot) {
+                self.arriving[rank_of(&self.ranks.slots, before)].push(slot);
+            } else {
+                self.leaving[rank_of(&self.ranks.slots, slot)].push(before);
+            }
+        }
+    }
+
+    /// Brings vectors of the particles of this rank from the slots before a build to the slots after it.
+    pub fn migrate(&self, source: &[u32], from: &[DVec3], to: &mut [DVec3]) {
+        let own = self.own();
+        let stays = |slot: u32| own.contains(&(slot as usize));
+        for_each_piece(&mut to[own.clone()], |first, piece| {
+            for (to, before) in piece.iter_mut().zip(&source[own.start + first..]) {
+                if stays(*before) {
+                    *to = from[*before as usize];
+                }
+            }
+        });
+        self.swap(
+            [&self.leaving, &self.arriving],
+            |before| from[before as usize],
+            &mut || {},
+            |slot, vector| to[slot as usize] = vector,
+        );
+    }
+
+    /// Fetches the positions of a build by slot that the lists of this rank may name; returns their slots.
+    ///
+    /// The particles of this rank are placed.
+    pub fn fetch_near<P: PairList>(
+        &mut self,
+        list: &P,
+        (level, cell, reach): (Level, &PeriodicBox, Reach),
+        built: &mut [DVec3],
+    ) -> Vec<Range<usize>> {
+        let (own, is_near) = (self.own(), self.marks());
+        list.for_each_near(level, cell, reach, &|run| {
+            let beyond = run.filter(|slot| !own.contains(&(*slot as usize)));
+            beyond.for_each(|slot| is_near[slot as usize].store(true, Ordering::Relaxed));
+        });
+        self.want(&is_near);
+        let mut found = Vec::new();
+        let put = |slot, r| found.push((slot, r));
+        self.fetch(|slot| built[slot as usize], &mut || {}, put);
+        let mut near = Vec::new();
+        for (slot, r) in found {
+            built[slot as usize] = r;
+            push_to_runs(slot as usize, &mut near);
+        }
+        near
+    }
+}
