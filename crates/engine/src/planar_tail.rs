@@ -1,11 +1,10 @@
 //! The tail beyond the cutoff of a fluid with flat surfaces across z, as a potential between its particles.
 
+mod cells;
 mod transform;
 
 use std::f64::consts::TAU;
 
-use lennard_core::exact::total;
-use lennard_core::parallel::{CHUNK, for_each_piece, map_ranges};
 use lennard_core::{
     Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
     PeriodicBox, Want, remembers_nothing,
@@ -13,10 +12,10 @@ use lennard_core::{
 use lennard_forcefield::{ForceFieldOptions, Model, TruncationOptions, tail_correction};
 use lennard_scene::Scene;
 
+use cells::Cells;
+
 /// The largest wave number of the sum, σ⁻¹: beyond it neither the transform nor the profile of a slab has anything left.
 const LARGEST_WAVE_NUMBER: f64 = 4.0;
-/// Particles that are summed side by side.
-const LANES: usize = 8;
 /// The axis across the surfaces.
 const Z: usize = 2;
 
@@ -46,8 +45,8 @@ struct Mode {
 /// Source: J. Janeček, J. Phys. Chem. B 110, 6264 (2006), for the average over the plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanarTail {
-    /// L_z of the waves, σ.
-    length: f64,
+    /// Where the waves are summed.
+    cells: Cells,
     /// k = 0.
     homogeneous: Mode,
     /// k_1, k_2, …
@@ -99,7 +98,7 @@ impl PlanarTail {
         };
         let most = (LARGEST_WAVE_NUMBER * length / TAU).ceil() as usize;
         Some(Self {
-            length,
+            cells: Cells::new(length, most),
             homogeneous: Mode {
                 k: 0.0,
                 phi: 2.0 * tail.pressure,
@@ -125,10 +124,7 @@ impl PlanarTail {
     ) -> Waves {
         let waves = self.waves(positions);
         let coefficients = self.coefficients(&waves, cell.volume());
-        for_each_piece(forces, |first, piece| {
-            let positions = &positions[first..first + piece.len()];
-            self.add_forces(&coefficients, positions, piece);
-        });
+        self.cells.push(&coefficients, positions, forces);
         waves
     }
 
@@ -141,48 +137,9 @@ impl PlanarTail {
         (energy.unwrap_or(f64::NAN), virial.unwrap_or(f64::NAN))
     }
 
-    /// S_n of each mode, an exact total: each cosine and each sine is rounded to a multiple of 2⁻⁴⁰ first.
+    /// S_n of each mode.
     fn waves(&self, positions: &[DVec3]) -> Waves {
-        /// Added and taken away, it rounds numbers below 2¹¹ to multiples of 2⁻⁴⁰. Sums of 2¹³ of them are exact.
-        const ROUNDER: f64 = 1.5 * (1_u64 << 12) as f64;
-        const { assert!(CHUNK <= 1 << 13, "the sums of a range are exact") };
-        let turn = TAU / self.length;
-        let of_ranges = map_ranges(positions.len(), |range| {
-            let mut sums = vec![[[0.0; LANES]; 2]; self.modes.len()];
-            for block in positions[range].chunks(LANES) {
-                let (mut twice, mut c, mut s) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-                let (mut c_before, mut s_before) = ([0.0; LANES], [0.0; LANES]);
-                for (lane, r) in block.iter().enumerate() {
-                    let (sin, cos) = (turn * r[Z]).sin_cos();
-                    (twice[lane], c[lane], s[lane]) = (2.0 * cos, cos, sin);
-                    c_before[lane] = 1.0;
-                }
-                // cos (n+1)θ = 2·cos θ·cos nθ − cos (n−1)θ, and likewise the sine; lanes without a particle stay zero.
-                for [cosines, sines] in &mut sums {
-                    for lane in 0..LANES {
-                        cosines[lane] += (c[lane] + ROUNDER) - ROUNDER;
-                        sines[lane] += (s[lane] + ROUNDER) - ROUNDER;
-                        let c_next = twice[lane] * c[lane] - c_before[lane];
-                        let s_next = twice[lane] * s[lane] - s_before[lane];
-                        (c_before[lane], s_before[lane]) = (c[lane], s[lane]);
-                        (c[lane], s[lane]) = (c_next, s_next);
-                    }
-                }
-            }
-            let lanes = sums
-                .iter()
-                .map(|m| m.map(|lanes| lanes.iter().sum::<f64>()));
-            lanes.collect::<Vec<[f64; 2]>>()
-        });
-        let of_mode = |mode: usize, part: usize| {
-            let of_ranges: Vec<f64> = of_ranges.iter().map(|sums| sums[mode][part]).collect();
-            total(&of_ranges)
-        };
-        Waves(
-            (0..self.modes.len())
-                .map(|m| [of_mode(m, 0), of_mode(m, 1)])
-                .collect(),
-        )
+        Waves(self.cells.sums(positions))
     }
 
     /// Coefficients of sin k_n·z and cos k_n·z in the force on a particle.
@@ -193,33 +150,6 @@ impl PlanarTail {
             [strength * re, -strength * im]
         })
         .collect()
-    }
-
-    /// F_z of particles, added to their forces, by the recurrence of Clenshaw.
-    fn add_forces(&self, coefficients: &[[f64; 2]], positions: &[DVec3], forces: &mut [DVec3]) {
-        let turn = TAU / self.length;
-        let blocks = positions.chunks(LANES).zip(forces.chunks_mut(LANES));
-        for (block, forces) in blocks {
-            let (mut cos, mut sin) = ([0.0; LANES], [0.0; LANES]);
-            for (lane, r) in block.iter().enumerate() {
-                (sin[lane], cos[lane]) = (turn * r[Z]).sin_cos();
-            }
-            let twice = cos.map(|c| 2.0 * c);
-            // Of the series of sines and of cosines: b_n and b_{n+1}.
-            let (mut s1, mut s2) = ([0.0; LANES], [0.0; LANES]);
-            let (mut c1, mut c2) = ([0.0; LANES], [0.0; LANES]);
-            for [of_sine, of_cosine] in coefficients.iter().rev() {
-                for lane in 0..LANES {
-                    let s = of_sine + twice[lane] * s1[lane] - s2[lane];
-                    let c = of_cosine + twice[lane] * c1[lane] - c2[lane];
-                    (s2[lane], s1[lane]) = (s1[lane], s);
-                    (c2[lane], c1[lane]) = (c1[lane], c);
-                }
-            }
-            for (lane, force) in forces.iter_mut().enumerate() {
-                force[Z] += sin[lane] * s1[lane] + cos[lane] * c1[lane] - c2[lane];
-            }
-        }
     }
 
     /// Energies, virial and Laplacian of the sums of `n` particles.
@@ -280,7 +210,7 @@ impl ForceTerm for PlanarTail {
         let coefficients = self.coefficients(&waves, at.cell.volume());
         let mut force = [DVec3::ZERO];
         let position = [at.positions[particle]];
-        self.add_forces(&coefficients, &position, &mut force);
+        self.cells.push(&coefficients, &position, &mut force);
         force[0]
     }
 

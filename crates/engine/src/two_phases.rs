@@ -1,10 +1,11 @@
 //! What means nothing where two phases stand side by side, and is left out of a run.
 
-use lennard_core::{Average, Findings};
+use lennard_core::{Average, Doubt, Findings};
 use lennard_observables::{LIQUID_DENSITY, RESPONSES_REMARK, response_functions};
 use lennard_scene::Scene;
 
 use crate::Simulation;
+use crate::separated::{SEPARATED_REMARK, separated};
 
 /// Means of one homogeneous phase, besides response functions. Means of a species or a pair of species begin with the same words.
 const OF_ONE_PHASE: [&str; 6] = [
@@ -22,6 +23,9 @@ const REMARKS: [&str; 2] = ["heat_capacity: ", RESPONSES_REMARK];
 /// Columns and means that a tail among the forces leaves without a meaning.
 const WITHOUT_TAIL: [&str; 2] = ["potential_energy_without_tail", "pressure_without_tail"];
 
+/// Means that a fluid which has separated by itself gives for no phase: the surfaces pull at the box.
+const WITH_SURFACES: [&str; 2] = ["pressure", "pressure_without_tail"];
+
 /// Why a mean over the whole box belongs to no phase; `None` where the box holds one phase, as far as the run knows.
 fn two_phases(scene: &Scene, findings: &[Findings]) -> Option<String> {
     if let Some(surfaces) = scene.surfaces() {
@@ -38,7 +42,22 @@ fn two_phases(scene: &Scene, findings: &[Findings]) -> Option<String> {
 impl Simulation {
     /// Leaves out of the findings what two phases side by side, or a tail among the forces, make meaningless, and says so.
     pub(crate) fn leave_out_meaningless(&self, findings: &mut [Findings]) {
-        if let Some(why) = two_phases(&self.scene, findings) {
+        let known = two_phases(&self.scene, findings);
+        let found = if known.is_none() {
+            separated(self)
+        } else {
+            None
+        };
+        if let Some(why) = &found {
+            doubt_of_pressure(findings);
+            if let Some(first) = findings.first_mut() {
+                first.remarks.push(format!(
+                    "{SEPARATED_REMARK}{why}; equations and tables of one phase do not describe it"
+                ));
+            }
+        }
+        let found = found.map(|_| "the fluid has separated".to_owned());
+        if let Some(why) = known.or(found) {
             let left_out = without(findings, is_of_one_phase);
             forget_responses(findings);
             tell(
@@ -98,6 +117,20 @@ fn without(findings: &mut [Findings], is_left_out: impl Fn(&str) -> bool) -> Vec
         });
     }
     names
+}
+
+/// Says of the pressure that it belongs to no phase.
+fn doubt_of_pressure(findings: &mut [Findings]) {
+    for average in findings.iter_mut().flat_map(|f| &mut f.averages) {
+        if WITH_SURFACES.contains(&average.name.as_str()) {
+            average.doubt.get_or_insert_with(|| {
+                Doubt::Incomplete(
+                    "the fluid has separated: the mean counts both phases and the tension of the surfaces between them".into(),
+                )
+            });
+            average.estimate.standard_error = f64::NAN;
+        }
+    }
 }
 
 fn tell(findings: &mut [Findings], left_out: Vec<String>, why: &str) {

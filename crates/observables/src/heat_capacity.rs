@@ -3,7 +3,8 @@
 use lennard_core::{Average, Estimate, Momentum, System};
 
 use crate::averages::{FEWEST_FLUCTUATIONS, estimate_of_fluctuations, of_fluctuations};
-use crate::statistics::{estimate_after, mean};
+use crate::response::exchange;
+use crate::statistics::{estimate_after, less_control, mean};
 use crate::{BuildContext, ThermoSeries};
 
 /// The ensemble that a run samples.
@@ -54,7 +55,7 @@ fn kinetic_part(context: &BuildContext) -> f64 {
 /// - constant temperature: C_V = f/2 + N² ⟨δu²⟩/T². Kinetic and potential energy are independent there, and the kinetic part
 ///   is known: what noise adds to it need not be measured. u is the potential of which the forces are the gradient. For a
 ///   plain cutoff this is the shifted potential: the cut energy jumps where pairs cross the cutoff, and no force knows of
-///   it. T is the temperature of the positions.
+///   it. T is the temperature of the positions. What the variance owes to a correlation with K, which is zero, is taken out.
 ///
 /// C_V has the kinetic part f/2 of the system; c_v = (C_V − f/2)/N + 3/2 replaces it by 3/2 per particle. For molecules, N
 /// is their number and 3/2 half the degrees of freedom of one.
@@ -108,7 +109,7 @@ pub(crate) fn average(
                         - 2.0 * excess * (t - temperature) / temperature
                 })
                 .collect();
-            (excess, influence)
+            less_control(excess, influence, &exchange(rows, from))
         }
     };
     let error = estimate_of_fluctuations(&influence);
@@ -171,6 +172,7 @@ mod tests {
             rows.temperature_of_positions.push(2.0 * k / f);
             rows.kinetic_energy.push(k / n);
             rows.sampled_potential_energy.push(u / n);
+            rows.sampled_energy_kinetic.push(u / n * k / n);
             rows.kinetic_energy_squared.push((k / n).powi(2));
             rows.sampled_potential_energy_squared.push((u / n).powi(2));
         }

@@ -12,6 +12,7 @@ use crate::{BuildContext, Ensemble, ThermoSeries};
 use base::COUNT;
 pub use base::Curvature;
 pub(crate) use base::Setting;
+pub(crate) use ensembles::exchange;
 
 /// A response function: name, unit, and whether it needs Σ r²u″ where the volume is constant.
 struct Response {
@@ -68,7 +69,11 @@ pub(crate) fn averages(
     let parts = ensembles::parts(setting, rows, cut, context);
     let at_constant_volume = !matches!(setting.ensemble, Ensemble::Isobaric { .. });
     let missing = at_constant_volume && setting.curvature.is_none();
-    let values = influence::of(&parts, |means| {
+    let control = match setting.ensemble {
+        Ensemble::Canonical => Some(exchange(rows, cut)),
+        _ => None,
+    };
+    let values = influence::of(&parts, control.as_deref(), |means| {
         ensembles::base(setting, context, means).all()
     });
     let unstable = why_unstable(&values);

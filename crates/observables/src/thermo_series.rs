@@ -50,6 +50,8 @@ pub struct ThermoSeries {
     pub virial_squared: Vec<f64>,
     /// Mean of (U_s/N)(W/N).
     pub sampled_energy_virial: Vec<f64>,
+    /// Mean of (U_s/N)(K/N).
+    pub sampled_energy_kinetic: Vec<f64>,
     /// Mean of N/K.
     pub inverse_kinetic_energy: Vec<f64>,
     /// Mean of W/K.
@@ -85,6 +87,7 @@ impl_columns!(ThermoSeries {
     virial,
     virial_squared,
     sampled_energy_virial,
+    sampled_energy_kinetic,
     inverse_kinetic_energy,
     virial_over_kinetic,
     virial_squared_over_kinetic,

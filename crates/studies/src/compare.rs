@@ -101,6 +101,11 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     let mut remarks = Vec::new();
     let no_reference = match &equation {
         _ if not_homogeneous.is_some() => not_homogeneous,
+        _ if run.has_separated().is_some() => {
+            let why = "the fluid has separated into two phases".to_owned();
+            state = state.of_no_phase(why.clone());
+            Some(why)
+        }
         _ if run.has_two_phases() => Some("vapor and liquid side by side".to_owned()),
         Err(none) => {
             remarks.push(format!("not compared with any equation of state: {none}"));
@@ -155,7 +160,9 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
             "So few bodies have no thermodynamic state: positions and velocities are the result."
                 .into()
         } else {
-            which_phase_grows(run).unwrap_or_else(|| headline(&rows, missing.as_deref()))
+            which_phase_grows(run)
+                .or_else(|| has_separated(run))
+                .unwrap_or_else(|| headline(&rows, missing.as_deref()))
         },
         shared_reason: shared_reason(&rows).map(|row| row.reason.clone()),
         rows,
@@ -178,6 +185,14 @@ fn which_phase_grows(run: &RunFolder) -> Option<String> {
     let mut remarks = run.record.remarks.iter();
     let told = remarks.find_map(|r| r.strip_prefix(lennard_engine::CRYSTAL_REMARK))?;
     Some(format!("{}.", capital(told)))
+}
+
+/// That a run has separated, which comes before everything else that is said of its means.
+fn has_separated(run: &RunFolder) -> Option<String> {
+    let why = run.has_separated()?;
+    Some(format!(
+        "The fluid has separated into two phases: {why}. Means over the box belong to neither."
+    ))
 }
 
 /// What the primary rows say together.

@@ -66,6 +66,33 @@ fn row<'a>(compared: &'a Value, quantity: &str) -> &'a Value {
 }
 
 #[test]
+fn a_fluid_that_separates_by_itself_is_judged_by_no_equation_of_one_phase() {
+    let (record, compared, table) = run(&[
+        "system.n_atoms=500",
+        "system.density=0.25",
+        "system.temperature=0.75",
+        "stage.melt.temperature=0.75",
+        "stage.melt.steps=10000",
+        "stage.production.thermostat={ kind = \"bussi\", tau = 0.2 }",
+    ]);
+    let remarks = record["remarks"].to_string();
+    assert!(remarks.contains("separated: the density"), "{remarks}");
+    assert!(record["averages"]["isothermal_compressibility"].is_null());
+    // Where it still relaxes too, this is said of it.
+    let pressure = &record["averages"]["pressure"];
+    assert_ne!(pressure["standing"], "sound");
+    assert!(pressure["standard_error"].is_null());
+    let headline = compared["headline"].as_str().unwrap();
+    assert!(
+        headline.starts_with("The fluid has separated into two phases: "),
+        "{headline}"
+    );
+    assert_eq!(row(&compared, "pressure")["reference"], Value::Null);
+    assert!(compared["state"]["phase"].is_null());
+    assert!(table.contains("separated"), "{table}");
+}
+
+#[test]
 fn means_of_a_run_that_still_relaxes_are_no_results() {
     // A bath at T = 0.8 that takes 10 τ to cool a fluid at 1.5, over 24 τ.
     let (record, compared, table) = run(&[

@@ -198,3 +198,55 @@ fn means_of_one_phase_are_left_out_of_a_slab_and_told_by_name() {
         assert!(!remarks.iter().any(|r| r.starts_with("heat_capacity: ")));
     }
 }
+
+const QUENCHED: &str = r#"
+    [system]
+    n_atoms = 864
+    density = 0.25
+    temperature = 0.75
+    lattice = "fcc"
+    seed = 3
+    [truncation]
+    kind = "cut"
+    r_cut = 2.5
+    tail_correction = true
+    [integrator]
+    dt = 0.005
+    [[stage]]
+    name = "production"
+    steps = 6000
+    thermostat = { kind = "bussi", tau = 0.2 }
+"#;
+
+fn mean_of<'a>(
+    found: &'a [lennard_core::Findings],
+    name: &str,
+) -> Option<&'a lennard_core::Average> {
+    found[0].averages.iter().find(|a| a.name == name)
+}
+
+/// Findings of a homogeneous start at a temperature.
+fn quenched(temperature: &str) -> Vec<lennard_core::Findings> {
+    let overrides = [("system.temperature", temperature)];
+    let mut s = prepared(common::scene(QUENCHED, &overrides));
+    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    s.findings()
+}
+
+#[test]
+fn a_fluid_that_separates_by_itself_has_no_means_of_one_phase() {
+    let is_told = |found: &[lennard_core::Findings]| {
+        let mut remarks = found.iter().flat_map(|f| &f.remarks);
+        remarks.any(|r| r.starts_with(lennard_engine::SEPARATED_REMARK))
+    };
+    let separated = quenched("0.75");
+    assert!(is_told(&separated), "{:?}", separated[0].remarks);
+    let pressure = mean_of(&separated, "pressure").unwrap();
+    assert!(pressure.estimate.standard_error.is_nan() && pressure.doubt.is_some());
+    assert!(mean_of(&separated, "isothermal_compressibility").is_none());
+    assert!(mean_of(&separated, "potential_energy").is_some());
+    // Above the critical point the same start stays one phase.
+    let one_phase = quenched("1.6");
+    assert!(!is_told(&one_phase));
+    assert!(mean_of(&one_phase, "isothermal_compressibility").is_some());
+}

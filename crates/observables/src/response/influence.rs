@@ -3,12 +3,12 @@
 use lennard_core::Estimate;
 
 use crate::averages::estimate_of_fluctuations;
-use crate::statistics::mean;
+use crate::statistics::{less_control, mean};
 
 /// One of the means: its rows, and the value that is put into the function.
 #[derive(Debug, Clone)]
 pub(super) struct Part {
-    rows: Vec<f64>,
+    pub(super) rows: Vec<f64>,
     value: f64,
 }
 
@@ -29,9 +29,11 @@ impl Part {
 /// Each value of a function of the means, with its error and the series whose mean has that error.
 ///
 /// To first order f fluctuates as y_t = Σ_k (∂f/∂m_k)(x_{k,t} − m_k): the error of f is the error of the mean of y,
-/// correlation included. Slopes are central differences; f is smooth.
+/// correlation included. Slopes are central differences; f is smooth. A control is a series whose true mean is zero; what f owes to
+/// it is taken out.
 pub(super) fn of<const N: usize>(
     parts: &[Part],
+    control: Option<&[f64]>,
     f: impl Fn(&[f64]) -> [f64; N],
 ) -> Vec<(Estimate, Vec<f64>)> {
     /// Part of the size of the rows that a mean is moved by.
@@ -61,6 +63,10 @@ pub(super) fn of<const N: usize>(
         }
     }
     let estimate = |(value, series): (f64, Vec<f64>)| {
+        let (value, series) = match control {
+            Some(control) => less_control(value, series, control),
+            None => (value, series),
+        };
         let error = estimate_of_fluctuations(&series);
         (
             Estimate {

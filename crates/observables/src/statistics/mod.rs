@@ -14,6 +14,7 @@
 
 mod blocking;
 mod combined;
+mod control;
 mod drift;
 mod equilibration;
 mod error_of_mean;
@@ -22,6 +23,7 @@ pub(crate) mod synthetic;
 
 pub use blocking::{BlockingCurve, BlockingLevel, blocking_curve};
 pub use combined::{about_line, common_cut, ratio};
+pub(crate) use control::less_control;
 pub(crate) use drift::slope_error;
 pub use drift::{Drift, RunningLine, drift};
 pub use equilibration::{

@@ -30,7 +30,7 @@ pub(super) struct Instant {
 
 impl Instant {
     /// The row of the series, in the order of [`crate::ThermoSeries`].
-    pub fn row(&self) -> [f64; 26] {
+    pub fn row(&self) -> [f64; 27] {
         let Self {
             kinetic_energy: kinetic,
             sampled_energy: sampled,
@@ -59,6 +59,7 @@ impl Instant {
             virial,
             virial * virial,
             sampled * virial,
+            sampled * kinetic,
             kinetic.recip(),
             virial / kinetic,
             virial * virial / kinetic,

@@ -113,6 +113,14 @@ impl RunFolder {
         self.scene.surfaces().is_some() || self.average("liquid_density").is_some()
     }
 
+    /// Why the fluid is known to have separated by itself, though its scene names no surface.
+    #[must_use]
+    pub fn has_separated(&self) -> Option<&str> {
+        let mut remarks = self.record.remarks.iter();
+        let told = remarks.find_map(|r| r.strip_prefix(lennard_engine::SEPARATED_REMARK));
+        told.map(|why| why.split(';').next().unwrap_or(why))
+    }
+
     /// Number of molecules; of particles where there are none.
     #[must_use]
     pub fn molecules(&self) -> u64 {
