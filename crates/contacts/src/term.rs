@@ -3,13 +3,15 @@
 use lennard_core::{
     Boundary, Configuration, DMat3, DVec3, Drifted, Energetics, Flight, ForceError,
     ForceProperties, ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, StepError,
-    WallReading, Want, sweeps,
+    System, WallReading, Want, sweeps,
 };
 use lennard_forcefield::{ContactLaw, Walls};
+use lennard_integrators::SpookBonds;
 
 use crate::dashpots::{Moving, damp};
 use crate::impacts;
 use crate::near::NearPairs;
+use crate::unilateral::HeldBonds;
 use crate::{Bodies, Response, unilateral};
 
 /// The deepest overlap of bodies that give way, as a share of the contact distance: beyond, bodies would come out on the other side.
@@ -33,6 +35,7 @@ pub struct Contacts {
     walls: Option<Walls>,
     near: NearPairs,
     reading: ContactReading,
+    held: Option<HeldBonds>,
 }
 
 /// What one pair adds.
@@ -85,6 +88,16 @@ impl Contacts {
             bodies,
             walls,
             reading: ContactReading::default(),
+            held: None,
+        }
+    }
+
+    /// The same contacts, solved for together with the bonds of the molecules of a system. The method is then told of no bonds.
+    #[must_use]
+    pub fn with_bonds(self, bonds: SpookBonds, system: System) -> Self {
+        Self {
+            held: Some(HeldBonds { bonds, system }),
+            ..self
         }
     }
 
@@ -229,6 +242,7 @@ impl ForceTerm for Contacts {
             splits: true,
             bounds_flight: self.response.acts_in_flight() && !needs_solved_contacts,
             needs_solved_contacts,
+            holds_bonds: needs_solved_contacts && self.held.is_some(),
             ..ForceProperties::default()
         };
         match &self.walls {
@@ -256,7 +270,10 @@ impl Boundary for Contacts {
             Response::Impact { restitution } => {
                 impacts::fly(bodies, restitution, near, walls, flight)
             }
-            Response::Unilateral(law) => unilateral::step(&law, bodies, near, walls, flight)?,
+            Response::Unilateral(law) => {
+                let of = (bodies, self.held.as_ref());
+                unilateral::step(&law, of, near, walls, flight)?
+            }
             Response::Spring(law) => {
                 return between_dashpots(&law, bodies, near, walls, flight);
             }

@@ -5,11 +5,15 @@
 //!
 //! Impacts act on the velocities v + h·f/(2m) that belong to the time of the positions. In a constant field positions and these
 //! velocities lie on the exact parabola. With e = 1 a body therefore keeps its energy to rounding, wherever in a step it hits.
+//!
+//! The bonds of molecules are rows of the same problems, without a sign: an impulse at one site passes through them. In the impact
+//! stage they are rigid, and lose the rate that they have.
 
-use lennard_core::{DVec3, Flight, ForceTerm, StepError, sweeps};
+use lennard_core::{DVec3, Flight, ForceTerm, StepError, System, sweeps};
 use lennard_forcefield::{HitRule, Walls};
+use lennard_integrators::SpookBonds;
 use lennard_integrators::contacts::{
-    Contact, Problem, Solver, groups, push_all, rates, spook_contacts,
+    Contact, Problem, Regular, Solver, TwoSided, groups, push_all, rates, spook_contacts,
 };
 use lennard_integrators::spook::Damping;
 
@@ -38,10 +42,20 @@ pub struct UnilateralLaw {
     pub solver: Solver,
 }
 
-/// Contacts of a step.
+/// The bonds of molecules that contacts are solved for with.
+#[derive(Debug, Clone)]
+pub(crate) struct HeldBonds {
+    pub bonds: SpookBonds,
+    /// The molecules.
+    pub system: System,
+}
+
+/// Contacts of a step, after the bonds of molecules.
 #[derive(Default)]
 struct Touching {
     contacts: Vec<Contact>,
+    /// How many of the first are bonds.
+    bonds: usize,
     /// The plane of each contact; `None` where it is one of two bodies.
     planes: Vec<Option<usize>>,
     restitutions: Vec<f64>,
@@ -57,7 +71,7 @@ fn rate_of_rest(kick: f64, depth: f64, h: f64) -> f64 {
 impl Touching {
     fn of(
         law: &UnilateralLaw,
-        bodies: &Bodies,
+        (bodies, held): (&Bodies, Option<&HeldBonds>),
         near: &mut NearPairs,
         walls: Option<&Walls>,
         flight: &Flight<'_>,
@@ -68,6 +82,9 @@ impl Touching {
         let rounding = ROUNDING * fastest.fold(0.0, f64::max).sqrt();
         let rest = |kick: f64, gap: f64| rate_of_rest(kick, -gap, flight.h) + rounding;
         let mut found = Self::default();
+        if let Some(held) = held {
+            found.take_bonds(held, positions);
+        }
         let pairs = near.at(bodies, flight.cell, positions, 0.0);
         for [i, j] in pairs.iter().map(|pair| pair.map(|body| body as usize)) {
             if reduced_mass(masses, i, j).is_none() {
@@ -112,6 +129,15 @@ impl Touching {
         found
     }
 
+    /// Begins with the bonds: whatever their rate, they are not hit.
+    fn take_bonds(&mut self, held: &HeldBonds, positions: &[DVec3]) {
+        SpookBonds::rows(&held.system, positions, &mut self.contacts);
+        self.bonds = self.contacts.len();
+        self.planes = vec![None; self.bonds];
+        self.restitutions = vec![0.0; self.bonds];
+        self.rest = vec![f64::INFINITY; self.bonds];
+    }
+
     fn push(&mut self, contact: Contact, plane: Option<usize>, restitution: f64, rest: f64) {
         self.contacts.push(contact);
         self.planes.push(plane);
@@ -145,8 +171,17 @@ impl Touching {
         for c in (0..self.contacts.len()).filter(|c| kept(*c)) {
             let (restitution, rest) = (self.restitutions[c], self.rest[c]);
             some.push(self.contacts[c], self.planes[c], restitution, rest);
+            some.bonds += usize::from(c < self.bonds);
         }
         some
+    }
+
+    /// The bonds as they are in the impact stage.
+    fn rigid_bonds(&self) -> TwoSided {
+        TwoSided {
+            contacts: self.bonds,
+            sigma: 0.0,
+        }
     }
 }
 
@@ -156,12 +191,12 @@ impl Touching {
 /// [`StepError::ContactsNotConverged`] where a solve ends far from a solution.
 pub(crate) fn step(
     law: &UnilateralLaw,
-    bodies: &Bodies,
+    (bodies, held): (&Bodies, Option<&HeldBonds>),
     near: &mut NearPairs,
     mut walls: Option<&mut Walls>,
     mut flight: Flight<'_>,
 ) -> Result<Flown, StepError> {
-    let mut touching = Touching::of(law, bodies, near, walls.as_deref(), &flight);
+    let mut touching = Touching::of(law, (bodies, held), near, walls.as_deref(), &flight);
     let mut done = Flown::default();
     if !touching.is_empty() {
         let (forces, masses, h) = (flight.forces, flight.masses, flight.h);
@@ -176,7 +211,10 @@ pub(crate) fn step(
         for (v, kick) in velocities.iter_mut().zip(&kick) {
             *v -= *kick;
         }
-        let regular = law.damping.regularised(law.compliance, h);
+        let regular = Regular {
+            contacts: law.damping.regularised(law.compliance, h),
+            bonds: held.map(|held| (resting.bonds, held.bonds.regularised(h))),
+        };
         let contacts = &resting.contacts;
         let solved = spook_contacts(contacts, masses, velocities, &kick, regular, h, law.solver);
         let solved = solved.settled(law.solver)?;
@@ -205,12 +243,13 @@ fn impact(
     walls: Option<&mut Walls>,
 ) -> Result<Flown, StepError> {
     let masses = flight.masses;
-    let solved = |contacts: &[Contact], b: &[f64]| {
+    let solved = |struck: &Touching, b: &[f64]| {
         let problem = Problem {
-            contacts,
+            contacts: &struck.contacts,
             masses,
             sigma: 0.0,
             b,
+            bonds: struck.rigid_bonds(),
         };
         problem.solve(law.solver).settled(law.solver)
     };
@@ -235,10 +274,11 @@ fn impact(
     let b: Vec<f64> = (0..rates.len())
         .map(|c| match is_hit(c) {
             true => (1.0 + struck.restitutions[c]) * rates[c],
+            false if c < struck.bonds => rates[c],
             false => rates[c].max(0.0),
         })
         .collect();
-    let solution = solved(&struck.contacts, &b)?;
+    let solution = solved(&struck, &b)?;
     let impulses = &solution.impulses;
     let mut after = before;
     push_all(&struck.contacts, impulses, masses, &mut after);
@@ -254,7 +294,7 @@ fn impact(
         })
         .collect();
     if gaps.iter().any(|gap| *gap < 0.0) {
-        let shifts = solved(&struck.contacts, &gaps)?;
+        let shifts = solved(&struck, &gaps)?;
         drifted = drifted.and(shifts.report());
         let mut moved = vec![DVec3::ZERO; flight.positions.len()];
         push_all(&struck.contacts, &shifts.impulses, masses, &mut moved);

@@ -23,6 +23,8 @@ pub struct ForceProperties {
     pub bounds_flight: bool,
     /// Contacts are unilateral constraints, which the step of SPOOK alone solves for in its flight.
     pub needs_solved_contacts: bool,
+    /// What solves for the contacts holds the bonds of molecules too.
+    pub holds_bonds: bool,
 }
 
 impl ForceProperties {
@@ -44,6 +46,7 @@ impl ForceProperties {
             }),
             bounds_flight: self.bounds_flight || other.bounds_flight,
             needs_solved_contacts: self.needs_solved_contacts || other.needs_solved_contacts,
+            holds_bonds: self.holds_bonds || other.holds_bonds,
         }
     }
 }

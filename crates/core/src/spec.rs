@@ -127,7 +127,7 @@ pub enum StepError {
     },
     /// A bond turned so far in one step that no correction along its old direction restores its length.
     #[error(
-        "bond {bond} of molecule {molecule} (counted from 1) turned too far in one step: {found} σ across its old direction, \
+        "bond {bond} of molecule {molecule} (counted from 1) turned too far in one step: {found:.4} σ across its old direction, \
          and it is {length} σ long; take a smaller dt"
     )]
     BondTurned {
@@ -143,7 +143,7 @@ pub enum StepError {
     /// The bonds of a molecule did not reach their length.
     #[error(
         "molecule {molecule} (counted from 1) did not reach its bond lengths in {iterations} iterations: \
-         | |d|/r − 1 | is {residual:e}, wanted {wanted:e}; take a smaller dt or `[bonds] method = \"direct\"`"
+         | |d|/r − 1 | is {residual:.2e}, wanted {wanted:e}; take a smaller dt or `[bonds] method = \"direct\"`"
     )]
     BondsNotConverged {
         /// Number of the molecule, from 1.

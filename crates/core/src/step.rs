@@ -238,6 +238,7 @@ impl<'a> Step<'a> {
         forces: &mut [DVec3],
     ) -> Result<Energetics, StepError> {
         self.give_waiting_kick();
+        self.drifts_hold()?;
         self.report.force_evaluations += 1;
         let at = Configuration {
             cell: &self.state.cell,

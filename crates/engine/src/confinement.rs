@@ -39,6 +39,7 @@ impl Confinement {
         let system = System::of_species(species).bonded(scene.molecules());
         // Held particles before the field, which they do not feel.
         let held = system.holding(&scene.system.held);
+        let contacts = contacts.map(|contacts| with_bonds(contacts, scene, &held));
         let molecule = scene.molecule.as_ref().filter(|_| walls.is_some());
         let confinement = Self {
             walls,
@@ -95,6 +96,16 @@ impl Confinement {
             Some(tail) => sum.with(tail),
             None => sum,
         }
+    }
+}
+
+/// Contacts of SPOOK with the bonds of SPOOK, which they are solved for with; other contacts as they are.
+fn with_bonds(contacts: Contacts, scene: &Scene, system: &System) -> Contacts {
+    let is_solved = contacts.properties().needs_solved_contacts;
+    let molecule = scene.molecule.as_ref().filter(|_| is_solved);
+    match molecule.map(|molecule| molecule.bonds.build(&system.molecules)) {
+        Some(BondHolder::Spook(bonds)) => contacts.with_bonds(bonds, system.clone()),
+        _ => contacts,
     }
 }
 

@@ -80,6 +80,8 @@ pub struct PhysicsFailure {
     pub non_finite: usize,
     /// The fastest particle with its speed in σ/τ.
     pub fastest: Option<(usize, f64)>,
+    /// Speed of the particle that is beyond a wall, σ/τ.
+    pub speed_beyond: Option<f64>,
     /// Steps since the stage began.
     pub steps_into_stage: u64,
     /// Temperature of the stage, ε/k_B.
@@ -138,6 +140,9 @@ impl std::fmt::Display for PhysicsFailure {
                 (*found - *wanted).length()
             )?,
             Symptom::Method(e) => write!(f, "{e}")?,
+        }
+        if let Some(speed) = self.speed_beyond {
+            write!(f, ", at a speed of {speed:.4} σ/τ")?;
         }
         if let Some(pair) = self.closest {
             let overlap = if pair.in_own_units() < OVERLAP {

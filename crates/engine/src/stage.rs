@@ -42,7 +42,9 @@ impl Simulation {
         let noise = self.streams.noise("thermostat");
         let molecule = self.scene.molecule.as_ref();
         let holder = molecule.map(|m| m.bonds.build(&self.system.molecules));
+        let by_contacts = self.forces.properties().holds_bonds;
         let (method, solver) = match holder {
+            Some(BondHolder::Spook(_)) if by_contacts => (self.method(), None),
             Some(BondHolder::Spook(bonds)) => (lennard_integrators::spook::with_bonds(bonds), None),
             Some(BondHolder::Drift(solver) | BondHolder::ImplicitSpring(solver, _)) => {
                 (self.method(), Some(solver))

@@ -5,7 +5,7 @@
 //! [`LISTS_EVERY`]th step it checks forces of a few particles ([`crate::ForceCheck`]). A box too small for its cutoff is refused
 //! before the first step, and by the forces where it shrinks.
 
-use lennard_core::{DVec3, Exclusions, SpeciesTable, State, parallel};
+use lennard_core::{DVec3, Exclusions, ForceError, SpeciesTable, State, parallel};
 use lennard_scene::Scene;
 
 use crate::close_pairs::{Sizes, closest_pair};
@@ -108,6 +108,12 @@ fn fastest(state: &State) -> Option<(usize, f64)> {
 /// Puts together what is known of a failure.
 #[must_use]
 pub fn diagnose(state: &State, at: Circumstances<'_>, symptom: Symptom) -> PhysicsFailure {
+    let speed_beyond = match symptom {
+        Symptom::NonFinite(ForceError::BeyondWall { particle, .. }) => {
+            state.velocities.get(particle).map(|v| v.length())
+        }
+        _ => None,
+    };
     PhysicsFailure {
         step: state.step,
         time: state.time,
@@ -119,6 +125,7 @@ pub fn diagnose(state: &State, at: Circumstances<'_>, symptom: Symptom) -> Physi
         closest: closest_pair(&state.cell, &state.positions, &at.exclusions, at.sizes, 0.9),
         non_finite: state.positions.iter().filter(|r| !r.is_finite()).count(),
         fastest: fastest(state),
+        speed_beyond,
         steps_into_stage: at.steps_into_stage,
         temperature: at.temperature,
         density: at.density,

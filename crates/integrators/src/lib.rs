@@ -46,7 +46,7 @@ pub mod nose_hoover;
 pub mod rescale;
 
 pub use barostats::{BarostatOptions, Coupling, barostats, dof_of_centers};
-pub use bonds::{BondHolder, BondOptions, BondSpec, bond_methods};
+pub use bonds::{BondHolder, BondOptions, BondSpec, SpookBonds, bond_methods};
 pub use common::OscillatorModel;
 pub use exchange::{ExchangeOptions, ExchangeSpec, Exchanged, exchanges};
 pub use list::{

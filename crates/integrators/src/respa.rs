@@ -4,8 +4,8 @@ use glam::DMat2;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{
     DVec3, Energetics, ForceProperties, Integrator, IntegratorSpec, Method, Part, Persist,
-    RestoreError, StateReader, StateWriter, Step, StepError, System, Want, check_finite, sweeps,
-    without_constraints,
+    RestoreError, StateReader, StateWriter, Step, StepError, System, Want, check_finite,
+    rigid_bonds_alone, sweeps,
 };
 
 use crate::common::MethodOptions;
@@ -36,7 +36,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     conserves_momentum: true,
     half_kicks: false,
     is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
+    holds_rigid_bonds: true,
     force_evaluations: DEFAULT_INNER_STEPS + 1,
     stability_limit: Some(2.695_592),
     oscillator_map: Some(oscillator_map),
@@ -86,6 +86,11 @@ impl Respa {
         }
     }
 
+    /// Exchanges the near forces with the forces of the state, which the kicks of a step give.
+    fn exchange_near(&mut self, s: &mut Step<'_>) {
+        std::mem::swap(&mut s.parts().state.forces, &mut self.near);
+    }
+
     /// Evaluates the far part at the end of the step and adds it to the near one, which is already there.
     fn complete(
         &mut self,
@@ -131,8 +136,9 @@ impl Method for Respa {
         &SPEC
     }
 
+    /// Inner kicks and drifts hold rigid bonds: with them each inner step is a step of RATTLE.
     fn suits(&self, system: &System, forces: ForceProperties) -> Result<(), String> {
-        without_constraints(system)?;
+        rigid_bonds_alone(system)?;
         if forces.splits {
             Ok(())
         } else {
@@ -154,29 +160,28 @@ impl Method for Respa {
 
     fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         let (masses, dt) = (&s.system().masses, s.dt());
-        let inner_dt = dt / f64::from(self.inner_steps);
+        let inner_step = f64::from(self.inner_steps).recip();
         let mut near = Energetics::default();
+        // The first inner drift holds bonds, whatever this kick puts along them.
         sweeps::kick(&mut s.parts().state.velocities, &self.far, masses, 0.5 * dt);
+        self.exchange_near(s);
         for inner in 1..=self.inner_steps {
-            let state = s.parts().state;
-            sweeps::kick_and_drift(
-                &mut state.positions,
-                &mut state.velocities,
-                &self.near,
-                masses,
-                0.5 * inner_dt,
-                inner_dt,
-            );
+            s.kick(0.5 * inner_step);
+            s.drift(inner_step);
             let share = f64::from(inner) / f64::from(self.inner_steps);
             let last = inner == self.inner_steps;
             let wanted = if last { s.want() } else { Want::NOTHING };
             near = s.part_of_forces(Part::Near, share, wanted, &mut self.near)?;
-            let velocities = &mut s.parts().state.velocities;
-            sweeps::kick(velocities, &self.near, masses, 0.5 * inner_dt);
+            self.exchange_near(s);
+            s.kick(0.5 * inner_step);
         }
+        self.exchange_near(s);
         s.arrive();
         self.complete(&near, s, 1.0)?;
-        sweeps::kick(&mut s.parts().state.velocities, &self.far, masses, 0.5 * dt);
+        let far = &mut self.far;
+        std::mem::swap(&mut s.parts().state.forces, far);
+        s.kick(0.5);
+        std::mem::swap(&mut s.parts().state.forces, far);
         Ok(())
     }
 }

@@ -145,8 +145,8 @@ impl Method for Spook {
         &SPEC
     }
 
-    fn suits(&self, system: &System, _forces: ForceProperties) -> Result<(), String> {
-        if system.molecules.are_rigid() && self.bonds.is_none() {
+    fn suits(&self, system: &System, forces: ForceProperties) -> Result<(), String> {
+        if system.molecules.are_rigid() && self.bonds.is_none() && !forces.holds_bonds {
             return Err("it has rigid bonds, and the method was told of none".to_owned());
         }
         match system.constraints.len() {

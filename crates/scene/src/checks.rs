@@ -7,7 +7,7 @@ use crate::lattice::{NoLattice, cells};
 use crate::reference::{LONGEST_SIDE, MOST_STEPS};
 use crate::{
     Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, bodies, contact,
-    exchange, half_crystal, mixture, molecule_checks, planar, slab, walls,
+    exchange, half_crystal, integrator, mixture, molecule_checks, planar, slab, walls,
 };
 
 impl Scene {
@@ -104,6 +104,7 @@ impl Scene {
 /// Everything that can be said before a configuration file is read.
 pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     stages(scene)?;
+    integrator::check_spook(scene)?;
     trajectory_steps(scene)?;
     mixture::check(scene)?;
     molecule_checks::check(scene)?;

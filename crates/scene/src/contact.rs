@@ -69,6 +69,12 @@ impl Scene {
         }
     }
 
+    /// Whether contacts are solved for in the step of SPOOK.
+    pub(crate) fn solves_contacts(&self) -> bool {
+        let response = self.contact.as_ref().map(|table| table.options.response());
+        matches!(response, Some(Response::Unilateral(_)))
+    }
+
     /// Whether contacts act in flights: their impulses are then in no virial.
     #[must_use]
     pub fn contacts_act_in_flight(&self) -> bool {
@@ -154,8 +160,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
 /// Refuses the method SPOOK where it has nothing to solve for.
 fn spook_has_contacts(scene: &Scene, table: &ContactTable) -> Result<(), SceneError> {
     let solves = build(&scene.integrator.method).solves_contacts();
-    let has_contacts = matches!(table.options.response(), Response::Unilateral(_));
-    if !solves || has_contacts || scene.molecule.is_some() {
+    if !solves || scene.solves_contacts() || scene.molecule.is_some() {
         return Ok(());
     }
     Err(scene
@@ -236,6 +241,7 @@ fn acts_in_flight(scene: &Scene, table: &ContactTable) -> Result<(), SceneError>
     }
     if let Some(molecule) = &scene.molecule
         && molecule.bonds.bonds() != Bonds::Springs
+        && !(scene.solves_contacts() && molecule.bonds.spec().integrator.is_some())
     {
         return Err(source
             .refuse(key, format!("{what}, where the bonds are held too"))

@@ -1,13 +1,14 @@
 //! Whether molecules and the ways to hold their bonds fit the rest of a scene.
 
 use lennard_core::{Bonds, IntegratorSpec};
-use lennard_forcefield::HitRule;
+use lennard_forcefield::{HitRule, Response};
 use lennard_integrators::{BarostatOptions, stormer_verlet};
 
 use crate::error::SceneError;
 use crate::molecule::{Molecule, MoleculeKind};
 use crate::reference::quoted;
 use crate::stiff::TooStiff;
+use crate::walls::WallTable;
 use crate::{Lattice, Scene, Start};
 
 /// Whether molecules fit the rest of the scene.
@@ -69,8 +70,22 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
             .found(e.found)
             .allowed(e.allowed)
     })?;
+    solved_with_contacts(scene, molecule)?;
     suited_methods(scene, molecule)?;
     stable_springs(scene, molecule)
+}
+
+/// Refuses sweeps over bonds alone where contacts of SPOOK are solved for with them.
+fn solved_with_contacts(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
+    let sweeps = molecule.bonds.sweeps_alone();
+    if sweeps == 0 || !scene.solves_contacts() {
+        return Ok(());
+    }
+    Err(scene
+        .source
+        .refuse("bonds.sweeps", "counts sweeps over bonds alone")
+        .found(format!("{sweeps} with [contact] kind = \"spook\""))
+        .allowed("0; `contact.sweeps` counts sweeps over bonds and contacts together"))
 }
 
 /// Refuses barostats whose step takes the place of the method, where that method holds the bonds or there is one molecule.
@@ -111,7 +126,7 @@ fn under_barostats(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError>
     Ok(())
 }
 
-/// Refuses walls that act in drifts, where bonds are held too, but for planes that are hit on the way of a flight.
+/// Refuses walls that act where bonds are held too, but for hits on the way of a flight, dashpots, and planes among contacts of SPOOK.
 fn between_walls(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
     // Springs that are forces leave drifts alone.
     if molecule.bonds.bonds() == Bonds::Springs {
@@ -120,40 +135,68 @@ fn between_walls(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> {
     let by_spook = molecule.bonds.spec().integrator.is_some();
     // Contacts fly bodies from wall to wall by themselves, without bonds.
     let takes_hits = !by_spook && scene.contact.is_none();
+    let solves = by_spook && scene.solves_contacts();
     for (i, table) in scene.walls.iter().enumerate() {
         let surface = scene.surface(table);
-        let on_lines = surface.rule() == Some(HitRule::OnLines);
         let fits = match surface.rule() {
-            None => surface.dashpot().is_none(),
-            Some(_) => takes_hits && on_lines,
+            None => surface.dashpot().is_none() || takes_hits,
+            Some(HitRule::OnLines) => takes_hits,
+            Some(HitRule::ByContacts) => solves,
+            Some(_) => false,
         };
-        if fits {
-            continue;
+        if !fits {
+            return Err(unsuited_wall(scene, molecule, (i, table), takes_hits));
         }
-        let kind = table.options.spec().name;
-        // Molecules hit this wall where there are no contacts.
-        let is_for_contacts = on_lines && !by_spook;
-        let beside = match is_for_contacts {
-            true => "beside [contact]".to_owned(),
-            false => format!("and [bonds] method = {:?}", molecule.bonds.name()),
-        };
-        let exerts = "a wall that only exerts a force";
-        let without_hits = format!(
-            "{exerts}: \"lennard-jones-9-3\", \"lennard-jones-10-4\", \"wca\", or \"soft\" with restitution = 1"
-        );
-        return Err(scene
-            .source
-            .refuse(&format!("wall.{i}.kind"), "does not go with molecules")
-            .found(format!("{kind:?}, which acts in drifts, {beside}"))
-            .allowed(if is_for_contacts {
-                format!("{without_hits}, or no [contact]")
-            } else if takes_hits {
-                format!("\"hard\" with response = \"billiard\", \"thermal\", or {exerts}")
-            } else {
-                without_hits
-            }));
     }
     Ok(())
+}
+
+/// What is said of a wall that does not go with the bonds.
+fn unsuited_wall(
+    scene: &Scene,
+    molecule: &Molecule,
+    (i, table): (usize, &WallTable),
+    takes_hits: bool,
+) -> SceneError {
+    let by_spook = molecule.bonds.spec().integrator.is_some();
+    let bonds = format!("[bonds] method = {:?}", molecule.bonds.name());
+    let exerts = "a wall that only exerts a force";
+    let kinds =
+        "\"lennard-jones-9-3\", \"lennard-jones-10-4\", \"wca\", or \"soft\" with restitution = 1";
+    let source = &scene.source;
+    let rule = scene.surface(table).rule();
+    let of_single_sites = match rule {
+        Some(HitRule::OnParabolas) => Some(Response::Event),
+        Some(HitRule::Mirrored { .. }) => Some(Response::Mirror),
+        Some(HitRule::Projected) => Some(Response::Project),
+        _ => None,
+    };
+    if let Some(response) = of_single_sites
+        && takes_hits
+    {
+        return source
+            .refuse(
+                &format!("wall.{i}.response"),
+                "moves single sites, off their bonds",
+            )
+            .found(format!("{:?} with {bonds}", response.name()))
+            .allowed(format!("\"billiard\"; or a \"thermal\" wall, or {exerts}"));
+    }
+    let kind = table.options.spec().name;
+    let on_lines = rule == Some(HitRule::OnLines);
+    let (beside, or) = match by_spook {
+        true => (
+            format!("and {bonds}"),
+            "\"hard\" with response = \"contact\" and [contact] kind = \"spook\"",
+        ),
+        // Molecules hit this wall where there are no contacts.
+        false if on_lines => ("beside [contact]".to_owned(), "no [contact]"),
+        false => (format!("and {bonds}"), "\"hard\" without [contact]"),
+    };
+    source
+        .refuse(&format!("wall.{i}.kind"), "does not go with molecules")
+        .found(format!("{kind:?}, which acts in drifts, {beside}"))
+        .allowed(format!("{exerts}: {kinds}; or {or}"))
 }
 
 /// Refuses observables for atoms in a scene of molecules, and the other way round.

@@ -1,6 +1,5 @@
 //! The tables `[[wall]]` and `[field]`: what confines a fluid, and what must hold of it.
 
-use lennard_contacts::Response;
 use lennard_core::random::Streams;
 use lennard_core::{Axis, DVec3, Integrator, Masses, PeriodicBox};
 use lennard_forcefield::{
@@ -317,8 +316,7 @@ fn springs_are_stable(scene: &Scene, i: usize, table: &WallTable) -> Result<(), 
 /// Refuses walls that are hit under a method or a start that does not suit their flight.
 fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), SceneError> {
     let surface = scene.surface(table);
-    let contact = scene.contact.as_ref();
-    if contact.is_some_and(|table| matches!(table.options.response(), Response::Unilateral(_))) {
+    if scene.solves_contacts() {
         return Ok(());
     }
     if surface.rule() == Some(HitRule::ByContacts) {

@@ -7,8 +7,14 @@
 //! v ← v + p·w with w = P·M⁻¹·n, the projection P of [`rigid::project_velocities`], and κ = n·w of the site that hits.
 //!
 //! With p = −(1 + e)·u/κ the site leaves with −e·u. The kinetic energy changes by p·u + p²·κ/2: nothing for e = 1.
+//!
+//! The dashpots of soft walls act half before a flight and half after it, as for single particles. They act on the speed u of a site
+//! with the mass 1/κ. Their impulse too passes through the bonds.
 
+mod dashpots;
 mod term;
+
+use std::ops::Range;
 
 use lennard_core::random::CounterRng;
 use lennard_core::{
@@ -34,6 +40,8 @@ pub struct MoleculesAtWalls {
     one: System,
     /// The planes that are hit.
     planes: Vec<usize>,
+    /// The planes with a dashpot.
+    damped: Vec<usize>,
     /// All sites as they were before the flight.
     before: Sites,
 }
@@ -66,8 +74,11 @@ impl MoleculesAtWalls {
     pub fn new(walls: Walls, system: &System, solver: Box<dyn BondSolver>) -> Self {
         let molecules = system.molecules.clone();
         let is_hit = |plane: &usize| walls.surface(*plane).rule() == Some(HitRule::OnLines);
+        let is_damped = |plane: &usize| walls.surface(*plane).dashpot().is_some();
+        let planes = 0..walls.walls().len();
         Self {
-            planes: (0..walls.walls().len()).filter(is_hit).collect(),
+            planes: planes.clone().filter(is_hit).collect(),
+            damped: planes.filter(is_damped).collect(),
             walls,
             one: System::of_molecules(molecules.sites(), molecules),
             system: system.clone(),
@@ -191,6 +202,26 @@ impl MoleculesAtWalls {
         Ok(low)
     }
 
+    /// Gives the one molecule the masses of these sites.
+    fn take_masses(&mut self, own: &Range<usize>) {
+        self.one.masses = match &self.system.masses {
+            Masses::Each(_) => {
+                Masses::Each(own.clone().map(|i| self.system.masses.of(i)).collect())
+            }
+            alike => alike.clone(),
+        };
+    }
+
+    /// What a unit impulse outward at a site does to the velocities of its molecule, w = P·M⁻¹·n, and n·w.
+    fn pushed(&self, x: &[DVec3], site: usize, plane: usize) -> (Vec<DVec3>, f64) {
+        let normal = self.walls.walls()[plane].normal();
+        let mut along = vec![DVec3::ZERO; x.len()];
+        along[site] = normal / self.one.masses.of(site);
+        self.project(x, &mut along);
+        let kappa = normal.dot(along[site]);
+        (along, kappa)
+    }
+
     /// Takes the part along rigid bonds off velocities of the one molecule.
     fn project(&self, x: &[DVec3], v: &mut [DVec3]) {
         rigid::project_velocities(&self.one, x, v);
@@ -208,10 +239,7 @@ impl MoleculesAtWalls {
         let reading = self.walls.walls()[plane];
         let (axis, normal) = (reading.axis, reading.normal());
         let masses = self.one.masses.clone();
-        let mut along = vec![DVec3::ZERO; sites.x.len()];
-        along[site] = normal / masses.of(site);
-        self.project(&sites.x, &mut along);
-        let kappa = normal.dot(along[site]);
+        let (along, kappa) = self.pushed(&sites.x, site, plane);
         let towards = normal.dot(sites.v[site]);
         let surface = self.walls.surface(plane).clone();
         let Surface::Hit(wall) = &surface else {
@@ -318,12 +346,7 @@ impl MoleculesAtWalls {
             if !positions[own.clone()].iter().any(|x| self.is_behind(*x)) {
                 continue;
             }
-            self.one.masses = match &self.system.masses {
-                Masses::Each(_) => {
-                    Masses::Each(own.clone().map(|i| self.system.masses.of(i)).collect())
-                }
-                alike => alike.clone(),
-            };
+            self.take_masses(&own);
             let start = Sites {
                 x: before.x[own.clone()].to_vec(),
                 v: before.v[own.clone()].to_vec(),

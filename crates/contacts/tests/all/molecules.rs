@@ -6,7 +6,9 @@ use lennard_core::{
     BondSolver, Bonds, DVec3, ForceSum, ForceTerm, Molecules, NoForces, PeriodicBox, State,
     StepError, StepReport, System, Want, rigid,
 };
-use lennard_forcefield::{Hard, SlitPlanes, WallContext, WallOptions, WallPair, Walls};
+use lennard_forcefield::{
+    Hard, SlitPlanes, Soft, SpringLaw, WallContext, WallOptions, WallPair, Walls,
+};
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build};
 
 use crate::common::{cube, random_vectors};
@@ -260,5 +262,88 @@ fn a_dumbbell_that_falls_flat_on_a_floor_bounces_and_rests_with_both_sites() {
         assert_eq!(heat, halfway.0);
         let weight = forces.walls().iter().map(|w| w.impulse).sum::<f64>() - halfway.1;
         assert!((weight / (10.0 * 2.0) - 1.0).abs() < 1e-9, "{weight}");
+    }
+}
+
+/// Mean over phases of the step of −v_out/v_in of a dumbbell that flies at a soft wall, at an angle to its plane.
+fn rebound(law: SpringLaw, e: f64, along: DVec3) -> f64 {
+    let (h, phases) = (0.005, 40);
+    let options = WallOptions::Soft(Soft {
+        law,
+        stiffness: 400.0,
+        restitution: e,
+    });
+    let molecules = Molecules::chains(2, 1.0, Bonds::Rigid);
+    let mut sum = 0.0;
+    for k in 0..phases {
+        let system = System::of_molecules(2, molecules.clone());
+        let phase = (f64::from(k) + 0.5) / f64::from(phases);
+        let lower = DVec3::new(5.0, 6.0, 1.0 + (2.0 + phase) * h);
+        let state_v = vec![DVec3::NEG_Z; 2];
+        let walls = MoleculesAtWalls::new(walls(&options), &system, solver(&molecules));
+        let mut forces = ForceSum::new(NoForces).with(walls);
+        let system = system.pushed_along([true; 3]);
+        let mut state = State::new(cube(SIDE), vec![lower, lower + along], state_v);
+        let mut method = build(&IntegratorOptions::default()).with_bonds(solver(&molecules));
+        let want = Want::ENERGY;
+        method
+            .start(&system, &mut state, &mut forces, h, want)
+            .unwrap();
+        let (start, mut heat) = (system.kinetic_energy(&state.velocities), 0.0);
+        while state.positions[0].z <= 1.0 || state.velocities[0].z <= 0.0 {
+            let report = method.step(&system, &mut state, &mut forces, h, want);
+            heat += report.unwrap().heat;
+            assert!(state.step < 10_000);
+        }
+        let lost = system.kinetic_energy(&state.velocities) - start;
+        // The spring alone keeps its energy to the square of the step.
+        assert!((lost - heat).abs() < 0.02, "{lost} {heat}");
+        sum += 0.5 * (state.velocities[0] + state.velocities[1]).z;
+    }
+    sum / f64::from(phases)
+}
+
+#[test]
+fn dashpots_of_soft_walls_keep_the_restitution_of_molecules_on_their_end_and_flat() {
+    for law in [SpringLaw::Linear, SpringLaw::Hertz] {
+        for e in [0.3, 0.5, 0.9] {
+            for along in [DVec3::Z, DVec3::X] {
+                let mean = rebound(law, e, along);
+                assert!((mean - e).abs() < 0.005, "{law:?} {e} {along}: {mean}");
+            }
+        }
+    }
+}
+
+#[test]
+fn dashpots_take_what_they_count_from_a_gas_of_molecules() {
+    let soft = WallOptions::Soft(Soft {
+        restitution: 0.5,
+        ..Soft::default()
+    });
+    for sites in [2, 3] {
+        let mut gas = Gas::new(&soft, 30, sites, 0.002);
+        let before = gas.energy();
+        (0..4000).for_each(|_| gas.step());
+        assert!(gas.heat < -0.3 * before, "{} of {before}", gas.heat);
+        let potential = {
+            let Gas {
+                system,
+                state,
+                forces,
+                method,
+                h,
+                ..
+            } = &mut gas;
+            let told = method.step(system, state, forces, *h, Want::ENERGY);
+            gas.heat += told.unwrap().heat;
+            gas.state.energetics.potential_energy.unwrap()
+        };
+        let left = gas.energy() + potential - gas.heat;
+        assert!(
+            (left / before - 1.0).abs() < 2e-3,
+            "{sites}: {left} {before}"
+        );
+        assert!(gas.residual() < 1e-9, "{}", gas.residual());
     }
 }

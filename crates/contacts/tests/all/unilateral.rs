@@ -27,7 +27,7 @@ fn spook(restitution: f64) -> Response {
 }
 
 /// Planes across z of a cube of side 20, at 1 and 19, that contacts solve for.
-fn planes(restitution: f64) -> Walls {
+pub(crate) fn planes(restitution: f64) -> Walls {
     let planes = SlitPlanes::new(&cube(20.0), 2, 2.0, 0.0);
     let options = WallOptions::Hard(Hard {
         response: lennard_forcefield::Response::Contact,

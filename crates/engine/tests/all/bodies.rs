@@ -161,6 +161,31 @@ fn a_stack_of_spook_carries_its_weight_and_sinks_in_by_the_compliance_times_its_
 }
 
 #[test]
+fn a_chain_on_a_floor_is_solved_for_with_its_contacts_and_comes_to_rest_flat() {
+    let mut run = common::prepared(scene_of_inputs(
+        "chain-on-floor",
+        &[("stage.0.steps", "8000")],
+    ));
+    let mut impulses = [0.0; 2];
+    for (impulse, step) in impulses.iter_mut().zip([6000, 8000]) {
+        let stopped = run.run(&mut StopAt::new(step));
+        stopped.unwrap_or_else(|e| panic!("{e}"));
+        let floor = lennard_core::ForceTerm::walls(run.forces.as_ref())[0];
+        *impulse = floor.impulse;
+        for x in &run.state.positions {
+            let depth = floor.position - x.z;
+            assert!((depth / 0.001 - 1.0).abs() < 1e-6, "{step}: {depth}");
+        }
+        for x in run.state.positions.windows(2) {
+            let strain = (x[1] - x[0]).length() - 1.0;
+            assert!(strain.abs() < 1e-4, "{step}: {strain}");
+        }
+    }
+    let weight = (impulses[1] - impulses[0]) / 10.0;
+    assert!((weight / 5.0 - 1.0).abs() < 1e-8, "{weight}");
+}
+
+#[test]
 fn a_column_that_sweeps_do_not_solve_ends_the_run_and_a_number_of_sweeps_is_taken_as_it_is() {
     let places: Vec<String> = (0..80).map(|i| format!("[10, 10, {i}]")).collect();
     let column = [

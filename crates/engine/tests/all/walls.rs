@@ -351,6 +351,7 @@ fn a_particle_through_a_soft_wall_fails_with_the_wall_and_the_cause() {
     let mut simulation = build(&[("wall", "[{kind=\"soft\", stiffness=5.0}]")]);
     let error = simulation.run(&mut Unfollowed).unwrap_err().to_string();
     assert!(error.contains("σ beyond the wall at the"), "{error}");
+    assert!(error.contains(" end of z, at a speed of "), "{error}");
     assert!(
         error.contains("likely cause: the wall is too weak for a particle so fast"),
         "{error}"

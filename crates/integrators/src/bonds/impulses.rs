@@ -4,7 +4,8 @@ use lennard_core::rigid::{BondEquations, add_along_bonds, bond_vectors, equation
 use lennard_core::tasks::for_each_item;
 use lennard_core::{DVec3, MOLECULES_PER_TASK, Masses, System, Topology};
 
-use crate::regularisation::Damping;
+use crate::contacts::Contact;
+use crate::regularisation::{Damping, Regularisation};
 
 /// The bonds of molecules, for the method that solves for them in its step.
 #[derive(Debug, Clone)]
@@ -45,6 +46,32 @@ impl SpookBonds {
         }
     }
 
+    /// The bonds as rows of a problem with contacts: from the first site to the second, with the gap |d| − r.
+    pub fn rows(system: &System, x: &[DVec3], to: &mut Vec<Contact>) {
+        let molecules = &system.molecules;
+        to.clear();
+        for m in 0..system.n_molecules() {
+            let sites = molecules.sites_of(m);
+            let first = sites.start;
+            to.extend(molecules.bonds().iter().map(|bond| {
+                let d = bond.vector(&x[sites.clone()]);
+                let [i, j] = bond.sites.map(|site| first + site);
+                Contact {
+                    first: Some(i),
+                    second: j,
+                    normal: d.normalize(),
+                    gap: d.length() - bond.length,
+                }
+            }));
+        }
+    }
+
+    /// The regularisation of the bonds for a step h.
+    #[must_use]
+    pub fn regularised(&self, dt: f64) -> Regularisation {
+        self.damping.regularised(self.compliance, dt)
+    }
+
     /// Remembers G·v before a kick.
     pub(crate) fn before_kick(&mut self, system: &System, x: &[DVec3], v: &[DVec3]) {
         let molecules = &system.molecules;
@@ -69,7 +96,7 @@ impl SpookBonds {
             return;
         };
         let bonds = topology.bonds();
-        let regular = self.damping.regularised(self.compliance, dt);
+        let regular = self.regularised(dt);
         let sites = topology.sites();
         let tasks = v.chunks_mut(sites * MOLECULES_PER_TASK);
         for_each_item(tasks, |space: &mut Space, task, velocities| {

@@ -79,6 +79,10 @@ pub(crate) trait BondMethod: Options {
     fn frequency(&self) -> f64 {
         0.0
     }
+    /// Sweeps over the bonds alone in the step of the one integrator that solves for them; 0 without.
+    fn sweeps_alone(&self) -> u32 {
+        0
+    }
 }
 
 /// Makes the options enum and the list from lines `Variant: module,`.
@@ -155,6 +159,14 @@ macro_rules! list_of_bond_methods {
             pub fn frequency(&self) -> f64 {
                 match self {
                     $(Self::$variant(options) => BondMethod::frequency(options),)*
+                }
+            }
+
+            /// Sweeps over the bonds alone in the step of the one integrator that solves for them; 0 without.
+            #[must_use]
+            pub fn sweeps_alone(&self) -> u32 {
+                match self {
+                    $(Self::$variant(options) => BondMethod::sweeps_alone(options),)*
                 }
             }
 

@@ -52,6 +52,10 @@ impl BondMethod for Options {
         ))
     }
 
+    fn sweeps_alone(&self) -> u32 {
+        self.sweeps
+    }
+
     fn check_together(&self) -> Result<(), OptionError> {
         self.damping().suits(self.compliance)
     }

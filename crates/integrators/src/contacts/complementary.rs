@@ -75,6 +75,15 @@ impl Solution {
     }
 }
 
+/// The first contacts of a problem, which pull as well as push: bonds. Their rows are equations, (A·λ + σ·λ + b)_c = 0.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct TwoSided {
+    /// How many they are.
+    pub contacts: usize,
+    /// Their σ, in units of an inverse mass.
+    pub sigma: f64,
+}
+
 /// The problem of contacts with a regularisation σ on the diagonal and a right side b.
 #[derive(Debug, Clone, Copy)]
 pub struct Problem<'a> {
@@ -86,6 +95,8 @@ pub struct Problem<'a> {
     pub sigma: f64,
     /// b, one number per contact.
     pub b: &'a [f64],
+    /// The bonds among the contacts.
+    pub bonds: TwoSided,
 }
 
 impl Problem<'_> {
@@ -112,6 +123,19 @@ impl Problem<'_> {
         solution
     }
 
+    /// Whether a contact pulls as well as it pushes.
+    fn pulls(&self, contact: usize) -> bool {
+        contact < self.bonds.contacts
+    }
+
+    /// σ of a contact.
+    fn sigma_of(&self, contact: usize) -> f64 {
+        match self.pulls(contact) {
+            true => self.bonds.sigma,
+            false => self.sigma,
+        }
+    }
+
     /// Projected Gauss–Seidel over one group: λ_c ← max(0, λ_c − (A·λ + σ·λ + b)_c/(A_cc + σ)).
     fn sweep(&self, group: &[usize], solver: Solver, solution: &mut Solution) {
         let most = match solver {
@@ -127,7 +151,10 @@ impl Problem<'_> {
             .collect();
         let diagonal: Vec<f64> = group
             .iter()
-            .map(|c| self.contacts[*c].coupling(&self.contacts[*c], self.masses) + self.sigma)
+            .map(|c| {
+                let contact = &self.contacts[*c];
+                contact.coupling(contact, self.masses) + self.sigma_of(*c)
+            })
             .collect();
         // M⁻¹·Gᵀ·λ of each body.
         let mut moved = vec![DVec3::ZERO; bodies.len()];
@@ -142,8 +169,10 @@ impl Problem<'_> {
                 let (first, second) = ends[k];
                 let from = first.map_or(DVec3::ZERO, |i| moved[i]);
                 let now = solution.impulses[*c];
-                let rate = contact.normal.dot(moved[second] - from) + self.sigma * now + self.b[*c];
-                let next = (now - rate / diagonal[k]).max(0.0);
+                let sigma = self.sigma_of(*c);
+                let rate = contact.normal.dot(moved[second] - from) + sigma * now + self.b[*c];
+                let free = now - rate / diagonal[k];
+                let next = if self.pulls(*c) { free } else { free.max(0.0) };
                 let change = next - now;
                 if change == 0.0 {
                     continue;
@@ -179,7 +208,7 @@ impl Problem<'_> {
 
     /// The direct solution of one group; `None` where its matrix is singular.
     ///
-    /// Contacts that push solve A·λ = −b, and the others have λ = 0. All contacts of the wrong sign change sides at once, while
+    /// Contacts that push solve A·λ = −b, as bonds do, and the others have λ = 0. All contacts of the wrong sign change sides at once, while
     /// their number falls. Then the last of them changes alone, which ends for every positive definite matrix (K. G. Murty, Linear Algebra
     /// Appl. 7, 65 (1974)).
     fn exchange(&self, group: &[usize]) -> Option<Vec<f64>> {
@@ -187,20 +216,21 @@ impl Problem<'_> {
         let matrix: Vec<f64> = (0..n * n)
             .map(|k| {
                 let (i, j) = (k / n, k % n);
-                let own = if i == j { self.sigma } else { 0.0 };
+                let own = if i == j { self.sigma_of(group[i]) } else { 0.0 };
                 self.contacts[group[i]].coupling(&self.contacts[group[j]], self.masses) + own
             })
             .collect();
         let b: Vec<f64> = group.iter().map(|c| self.b[*c]).collect();
         let rounding = SETTLED * n as f64 * self.scale(group);
-        let mut pushes: Vec<bool> = b.iter().map(|b| *b < 0.0).collect();
+        let pulls: Vec<bool> = group.iter().map(|c| self.pulls(*c)).collect();
+        let mut pushes: Vec<bool> = (0..n).map(|i| pulls[i] || b[i] < 0.0).collect();
         let (mut fewest, mut tries) = (n + 1, TRIES);
         // In theory Murty's rule may take 2ⁿ exchanges; in practice it takes few.
         for _ in 0..100 + 20 * n {
             let active: Vec<usize> = (0..n).filter(|i| pushes[*i]).collect();
             let found = solve_active(&matrix, n, &b, &active)?;
             let has_wrong_sign = |i: &usize| match pushes[*i] {
-                true => found[*i] * matrix[*i * n + *i] < -rounding,
+                true => !pulls[*i] && found[*i] * matrix[*i * n + *i] < -rounding,
                 false => {
                     let row = &matrix[*i * n..(*i + 1) * n];
                     let rate: f64 = row.iter().zip(&found).map(|(a, x)| a * x).sum();
@@ -209,7 +239,12 @@ impl Problem<'_> {
             };
             let wrong: Vec<usize> = (0..n).filter(has_wrong_sign).collect();
             let Some(last) = wrong.last() else {
-                return Some(found.iter().map(|x| x.max(0.0)).collect());
+                let found = found.iter().zip(&pulls);
+                return Some(
+                    found
+                        .map(|(x, p)| if *p { *x } else { x.max(0.0) })
+                        .collect(),
+                );
             };
             let at_once = match wrong.len() < fewest {
                 true => {
@@ -266,130 +301,4 @@ fn solve_active(matrix: &[f64], n: usize, b: &[f64], active: &[usize]) -> Option
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::column;
-    use super::*;
-
-    fn problem<'a>(contacts: &'a [Contact], b: &'a [f64]) -> Problem<'a> {
-        Problem {
-            contacts,
-            masses: &Masses::Uniform(1.0),
-            sigma: 0.0,
-            b,
-        }
-    }
-
-    #[test]
-    fn sweeps_over_a_stack_converge_by_the_cosine_law() {
-        for n in [2_usize, 3, 10] {
-            let contacts = column(n);
-            // The kick of gravity: only the floor sees it, and the solution is (n, …, 1).
-            let mut b = vec![0.0; n];
-            b[0] = -1.0;
-            let error = |sweeps| {
-                let found = problem(&contacts, &b).solve(Solver::Sweeps(sweeps));
-                let wrong = |(i, x): (usize, &f64)| (x - (n - i) as f64).abs();
-                found.impulses.iter().enumerate().map(wrong).sum::<f64>()
-            };
-            let rate = (std::f64::consts::PI / (2.0 * n as f64)).cos().powi(2);
-            // Late enough for the slowest mode alone, early enough for rounding not to be seen.
-            let late = (1e-6_f64.ln() / rate.ln()) as u32;
-            let found = error(late + 1) / error(late);
-            assert!((found / rate - 1.0).abs() < 0.01, "{n}: {found} {rate}");
-        }
-    }
-
-    #[test]
-    fn direct_and_sweeps_agree_where_some_contacts_push_and_others_part() {
-        // A pyramid of balls in a plane on a floor, some of them thrown: every third contact is pulled apart.
-        let at = |x: f64, z: f64| DVec3::new(x, 0.0, z);
-        let height = 0.75_f64.sqrt();
-        let places = [
-            at(0.0, 0.0),
-            at(1.0, 0.0),
-            at(2.0, 0.0),
-            at(0.5, height),
-            at(1.5, height),
-            at(1.0, 2.0 * height),
-        ];
-        let mut contacts: Vec<Contact> = (0..3)
-            .map(|second| Contact {
-                first: None,
-                second,
-                normal: DVec3::Z,
-                gap: 0.0,
-            })
-            .collect();
-        for [i, j] in [[0, 3], [1, 3], [1, 4], [2, 4], [3, 5], [4, 5]] {
-            contacts.push(Contact {
-                first: Some(i),
-                second: j,
-                normal: places[j] - places[i],
-                gap: 0.0,
-            });
-        }
-        let masses = Masses::Each((0..6).map(|i| 1.0 + 0.4 * f64::from(i)).collect());
-        for sigma in [0.0, 0.3] {
-            for shift in 0..9 {
-                let b: Vec<f64> = (0..9)
-                    .map(|c| (2.3 * f64::from(c) + 1.7 * f64::from(shift)).sin())
-                    .collect();
-                let problem = Problem {
-                    contacts: &contacts,
-                    masses: &masses,
-                    sigma,
-                    b: &b,
-                };
-                let direct = problem.solve(Solver::Exact);
-                assert_eq!(direct.sweeps, 0);
-                let swept = problem.solve(Solver::Sweeps(5000));
-                let mut v = vec![DVec3::ZERO; 6];
-                for (contact, impulse) in contacts.iter().zip(&direct.impulses) {
-                    contact.push(*impulse, &masses, &mut v);
-                }
-                for (c, (a, b_)) in direct.impulses.iter().zip(&swept.impulses).enumerate() {
-                    assert!((a - b_).abs() < 1e-12, "{sigma} {shift}: {a} {b_}");
-                    let rate = contacts[c].rate(&v) + sigma * a + b[c];
-                    assert!(*a >= 0.0 && rate > -1e-13 && (a * rate).abs() < 1e-13);
-                }
-                assert!(direct.impulses.contains(&0.0));
-            }
-        }
-    }
-
-    #[test]
-    fn contacts_that_follow_from_others_share_the_load() {
-        // The same contact three times: the matrix is singular, and its impulses add up to the one of a single contact.
-        let contacts = vec![column(1)[0]; 3];
-        let found = problem(&contacts, &[-1.0; 3]).solve(Solver::Exact);
-        assert!((found.impulses.iter().sum::<f64>() - 1.0).abs() < 1e-14);
-        assert!(found.sweeps > 0);
-    }
-
-    #[test]
-    fn a_long_column_that_sweeps_do_not_solve_is_an_error_and_a_short_one_ends_at_rounding() {
-        let solve = |n: usize| {
-            let mut b = vec![0.0; n];
-            b[0] = -1.0;
-            problem(&column(n), &b).solve(Solver::Exact)
-        };
-        let solved = solve(36).settled(Solver::Exact).unwrap();
-        assert!(solved.sweeps > 0 && solved.sweeps < MOST_SWEEPS);
-        let off = (solved.impulses.iter().enumerate()).map(|(i, x)| (x - (36 - i) as f64).abs());
-        assert!(off.fold(0.0, f64::max) < 1e-11);
-        let unsolved = solve(200);
-        assert!(unsolved.clone().settled(Solver::Sweeps(20_000)).is_ok());
-        let error = unsolved.settled(Solver::Exact).unwrap_err();
-        let StepError::ContactsNotConverged {
-            contacts: 200,
-            iterations: MOST_SWEEPS,
-            residual,
-            ..
-        } = error
-        else {
-            panic!("{error}");
-        };
-        // The slowest of the modes is left: cos²(π/400) to the number of sweeps.
-        assert!(residual > 1e-5 && residual < 1e-2, "{residual}");
-    }
-}
+mod tests;

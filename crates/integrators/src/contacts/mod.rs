@@ -8,7 +8,7 @@ mod groups;
 
 use lennard_core::{DVec3, Masses};
 
-pub use complementary::{Problem, Solution, Solver};
+pub use complementary::{Problem, Solution, Solver, TwoSided};
 pub use groups::groups;
 
 use crate::regularisation::Regularisation;
@@ -129,6 +129,7 @@ fn exactly(contacts: &[Contact], masses: &Masses, b: &[f64]) -> Solution {
         masses,
         sigma: 0.0,
         b,
+        bonds: TwoSided::default(),
     };
     problem.solve(Solver::Exact)
 }
@@ -139,20 +140,42 @@ pub fn resting_forces(contacts: &[Contact], masses: &Masses, accelerations: &[DV
     exactly(contacts, masses, &rates(contacts, accelerations)).impulses
 }
 
+/// How SPOOK regularises contacts, and the bonds that stand before them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Regular {
+    /// Of contacts.
+    pub contacts: Regularisation,
+    /// How many of the contacts are bonds, and their regularisation; `None` without bonds.
+    pub bonds: Option<(usize, Regularisation)>,
+}
+
+impl From<Regularisation> for Regular {
+    fn from(contacts: Regularisation) -> Self {
+        Self {
+            contacts,
+            bonds: None,
+        }
+    }
+}
+
 /// The contacts of SPOOK in a step h. It takes velocities before the kick, and the change by the kick. It writes the velocities
 /// of the next step, and returns the impulses λ. The forces are λ/h.
 ///
-/// 0 ≤ λ ⊥ S·λ − b ≥ 0 with S = G·M⁻¹·Gᵀ + Σ and b = −(4/h)·γ·g + γ·G·v − G·(v + kick).
+/// 0 ≤ λ ⊥ S·λ − b ≥ 0 with S = G·M⁻¹·Gᵀ + Σ and b = −(4/h)·γ·g + γ·G·v − G·(v + kick). For bonds S·λ = b.
 pub fn spook_contacts(
     contacts: &[Contact],
     masses: &Masses,
     v: &mut [DVec3],
     kick: &[DVec3],
-    regular: Regularisation,
+    regular: impl Into<Regular>,
     dt: f64,
     solver: Solver,
 ) -> Solution {
-    let Regularisation { sigma, gamma } = regular;
+    let Regular {
+        contacts: Regularisation { sigma, gamma },
+        bonds,
+    } = regular.into();
+    let (n_bonds, of_bonds) = bonds.unwrap_or((0, Regularisation { sigma, gamma }));
     let before = rates(contacts, v);
     for (v, kick) in v.iter_mut().zip(kick) {
         *v += *kick;
@@ -160,13 +183,21 @@ pub fn spook_contacts(
     let b: Vec<f64> = contacts
         .iter()
         .zip(&before)
-        .map(|(c, rate)| 4.0 / dt * gamma * c.gap - gamma * rate + c.rate(v))
+        .enumerate()
+        .map(|(i, (c, rate))| {
+            let gamma = if i < n_bonds { of_bonds.gamma } else { gamma };
+            4.0 / dt * gamma * c.gap - gamma * rate + c.rate(v)
+        })
         .collect();
     let problem = Problem {
         contacts,
         masses,
         sigma,
         b: &b,
+        bonds: TwoSided {
+            contacts: n_bonds,
+            sigma: of_bonds.sigma,
+        },
     };
     let solution = problem.solve(solver);
     push_all(contacts, &solution.impulses, masses, v);

@@ -161,7 +161,7 @@ fn projection_along_the_new_bond_slows_a_rotor_by_its_law() {
     run(&system, &mut state, &mut NoForces, &projection(), dt, 1);
     let turned = (angle(&state) - before).rem_euclid(std::f64::consts::TAU);
     let law = alpha / (1.0 + 2.0 * alpha * alpha * 100.0).sqrt();
-    assert!((turned / law - 1.0).abs() < 0.02, "{turned} against {law}");
+    assert!((turned / law - 1.0).abs() < 0.01, "{turned} against {law}");
 }
 
 #[test]
@@ -237,11 +237,149 @@ fn two_dumbbells_meet_their_high_precision_solution_with_order_two() {
     }
 }
 
+/// By the differences of runs with h, h/2 and h/4: the error of a method of order p falls by 2^p.
+fn order_of<T>(of: impl Fn(u64) -> T, apart: impl Fn(&T, &T) -> f64) -> f64 {
+    let [a, b, c] = [2000, 4000, 8000].map(of);
+    (apart(&a, &b) / apart(&b, &c)).log2()
+}
+
+#[test]
+fn velocities_and_the_energy_of_two_dumbbells_are_of_order_two() {
+    let after = |steps: u64| {
+        let (system, mut state, mut forces) = two_dumbbells();
+        let dt = 2.5 / steps as f64;
+        run(&system, &mut state, &mut forces, &direct(), dt, steps);
+        let kinetic = system.kinetic_energy(&state.velocities);
+        let energy = kinetic + state.energetics.potential_energy.unwrap();
+        (state.velocities, energy)
+    };
+    let of_velocities = order_of(after, |a, b| {
+        let both = a.0.iter().zip(&b.0);
+        both.map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max)
+    });
+    assert!((of_velocities - 2.0).abs() < 0.05, "{of_velocities}");
+    let of_energy = order_of(after, |a, b| (a.1 - b.1).abs());
+    assert!((of_energy - 2.0).abs() < 0.05, "{of_energy}");
+    // The parts of the kinetic energy belong to the high-precision solution too.
+    let (v, energy) = after(8000);
+    let centers: f64 = v
+        .chunks(2)
+        .map(|v| (0.5 * (v[0] + v[1])).length_squared())
+        .sum();
+    let inside: f64 = v
+        .chunks(2)
+        .map(|v| (0.5 * (v[1] - v[0])).length_squared())
+        .sum();
+    assert!((centers - 0.760835326120).abs() < 1e-5, "{centers}");
+    assert!((inside - 1.233605923153).abs() < 1e-5, "{inside}");
+    assert!((energy - 1.979878613169).abs() < 1e-5, "{energy}");
+}
+
+/// The multipliers of both stages of a step are off by O(h), with opposite signs; their mean is off by O(h²).
+#[test]
+fn multipliers_of_the_stages_are_of_order_one_and_their_mean_is_of_order_two() {
+    let off = |steps: u64| -> [f64; 3] {
+        let (system, mut state, mut forces) = two_dumbbells();
+        // Where the dumbbells are close to each other.
+        let dt = 1.25 / steps as f64;
+        let mut path = Vec::new();
+        let mut method = velocity_verlet(&direct(), &system.molecules);
+        let want = Want::ENERGY;
+        method
+            .start(&system, &mut state, &mut forces, dt, want)
+            .unwrap();
+        for step in 1..=steps + 1 {
+            if step >= steps {
+                path.push(state.clone());
+            }
+            method
+                .step(&system, &mut state, &mut forces, dt, want)
+                .unwrap();
+        }
+        path.push(state);
+        let [before, now, after] = [&path[0], &path[1], &path[2]];
+        let (d, w) = (
+            now.positions[3] - now.positions[2],
+            now.velocities[3] - now.velocities[2],
+        );
+        let a = now.forces[3] - now.forces[2];
+        // G·M⁻¹·Gᵀ = 2|d|² for unit masses.
+        let exact = -(w.length_squared() + d.dot(a)) / (2.0 * d.length_squared());
+        // v½ = v + (h/2)·(F + Gᵀ·λʳ), and v = v½ + (h/2)·(F + Gᵀ·λᵛ) with v½ of the step before.
+        let along = |half_kick: DVec3| d.dot(half_kick) / d.length_squared() * 2.0 / dt;
+        let half_step = |a: &State, b: &State| (b.positions[3] - a.positions[3]) / dt;
+        let push = 0.5 * dt * now.forces[3];
+        let position = along(half_step(now, after) - now.velocities[3] - push);
+        let velocity = along(now.velocities[3] - half_step(before, now) - push);
+        [position, velocity, 0.5 * (position + velocity)].map(|found| found - exact)
+    };
+    let (coarse, fine) = (off(500), off(1000));
+    assert!(coarse[0] * coarse[1] < 0.0, "{coarse:?}");
+    for (stage, order) in [(0, 1.0), (1, 1.0), (2, 2.0)] {
+        let found = (coarse[stage] / fine[stage]).log2();
+        assert!((found - order).abs() < 0.1, "{stage}: {found}, {coarse:?}");
+    }
+}
+
 #[test]
 fn projection_along_the_new_bond_is_of_order_one() {
     let errors = [2000, 8000].map(|steps| error_after(&projection(), steps));
     let order = (errors[0] / errors[1]).log2() / 2.0;
     assert!((order - 1.0).abs() < 0.1, "{order}: {errors:?}");
+}
+
+#[test]
+fn every_way_but_the_projection_keeps_both_momenta() {
+    let spring = |scheme| {
+        BondOptions::Spring(spring::Options {
+            stiffness: 4000.0,
+            scheme,
+        })
+    };
+    let ways = [
+        (direct(), Bonds::Rigid),
+        (shake(1e-12), Bonds::Rigid),
+        (spook(Default::default()), Bonds::Rigid),
+        (spring(spring::Scheme::Explicit), Bonds::Springs),
+        (spring(spring::Scheme::Midpoint), Bonds::Impulses),
+        (spring(spring::Scheme::LinearlyImplicit), Bonds::Impulses),
+        (projection(), Bonds::Rigid),
+    ];
+    for (bonds, kind) in ways {
+        let (_, mut state, mut pairs) = two_dumbbells();
+        let molecules = Molecules::chains(2, 0.67, kind);
+        let system = System::of_molecules(4, molecules.clone());
+        pairs.molecules = molecules.clone();
+        state.velocities[0] += DVec3::new(0.1, 0.4, -0.2);
+        rigid::project_velocities(&system, &state.positions, &mut state.velocities);
+        let momentum = system.momentum(&state.velocities);
+        // Velocities of SPOOK stand half a step behind the positions: positions are taken back by half a step.
+        let dt = 2.5 / 4000.0;
+        let lag = if matches!(bonds, BondOptions::Spook(_)) {
+            dt
+        } else {
+            0.0
+        };
+        let angular = |state: &State| -> DVec3 {
+            let both = state.positions.iter().zip(&state.velocities);
+            both.map(|(x, v)| (*x - lag * *v).cross(*v)).sum()
+        };
+        let before = angular(&state);
+        let mut forces = ForceSum::new(pairs);
+        if let BondHolder::Spring(term) | BondHolder::ImplicitSpring(_, term) =
+            bonds.build(&molecules)
+        {
+            forces.push(term);
+        }
+        run(&system, &mut state, &mut forces, &bonds, dt, 4000);
+        let lost = (system.momentum(&state.velocities) - momentum).length();
+        assert!(lost < 4e-13, "{bonds:?}: {lost:e}");
+        let turned = (angular(&state) - before).length() / before.length();
+        match kind == Bonds::Rigid && bonds == projection() {
+            true => assert!(turned > 1e-4, "{turned:e}"),
+            false => assert!(turned < 1e-12, "{bonds:?}: {turned:e}"),
+        }
+    }
 }
 
 #[test]
@@ -285,7 +423,191 @@ fn reversed_velocities_lead_back_but_not_with_projection() {
         let off = back(&bonds);
         assert!(off < 1e-9, "{off:e}");
     }
-    assert!(back(&projection()) > 1e-3);
+    // SPOOK with damping is dissipative too.
+    for bonds in [projection(), spook(Default::default())] {
+        assert!(back(&bonds) > 1e-6, "{bonds:?}: {:e}", back(&bonds));
+    }
+}
+
+#[test]
+fn a_pendulum_comes_back_over_10_000_steps() {
+    let (system, mut state, _) = hanging_chain(2);
+    let system = system.holding(&[0]);
+    let start = state.positions.clone();
+    let mut gravity = HeldAtOneEnd(9.81);
+    for _ in 0..2 {
+        run(&system, &mut state, &mut gravity, &direct(), 5e-4, 10_000);
+        state.velocities.iter_mut().for_each(|v| *v = -*v);
+    }
+    let off = (state.positions[1] - start[1]).length();
+    assert!(off < 1e-9, "{off:e}");
+}
+
+#[test]
+fn closed_form_bonds_keep_their_length_at_any_of_a_million_steps() {
+    // Five dumbbells under forces of pairs fill a register, and leave one over.
+    let molecules = Molecules::chains(2, 0.67, Bonds::Rigid);
+    let x = (0..10).map(|i| DVec3::new(3.0 * f64::from(i / 2), 0.67 * f64::from(i % 2), 0.0));
+    let v = (0..10).map(|i| {
+        let k = f64::from(i);
+        DVec3::new((1.7 * k).sin(), (0.9 * k).cos(), (2.3 * k).sin())
+    });
+    let (system, mut state) = start(&molecules, x.collect(), v.collect());
+    let mut method = velocity_verlet(&direct(), &molecules);
+    let (dt, want) = (0.01, Want::NOTHING);
+    method
+        .start(&system, &mut state, &mut NoForces, dt, want)
+        .unwrap();
+    let mut worst = [0.0_f64; 2];
+    for _ in 0..1_000_000 {
+        let told = method.step(&system, &mut state, &mut NoForces, dt, want);
+        let d = state
+            .positions
+            .chunks_exact(2)
+            .map(|x| (x[1] - x[0]).length());
+        let off = d.map(|d| (d / 0.67 - 1.0).abs()).fold(0.0, f64::max);
+        worst = [worst[0].max(off), worst[1].max(told.unwrap().residual)];
+        // Free dumbbells would fly out of the range where positions have all their digits.
+        if state.step % 1000 == 0 {
+            for x in state.positions.chunks_mut(2) {
+                let center = 0.5 * (x[0] + x[1]);
+                x.iter_mut().for_each(|x| *x -= center);
+            }
+        }
+    }
+    assert!(worst[0] < 1e-14 && worst[1] < 1e-14, "{worst:?}");
+}
+
+#[test]
+fn a_hanging_chain_at_rest_has_the_weight_below_as_its_tensions() {
+    for n in [2_usize, 5, 12] {
+        let molecules = Molecules::chains(n + 1, 0.2, Bonds::Rigid);
+        let x = (0..=n)
+            .map(|k| DVec3::new(0.0, 0.0, -0.2 * k as f64))
+            .collect();
+        let (system, mut state) = start(&molecules, x, vec![DVec3::ZERO; n + 1]);
+        let system = system.holding(&[0]);
+        let mut gravity = HeldAtOneEnd(9.81);
+        run(&system, &mut state, &mut gravity, &direct(), 1e-3, 100);
+        // T_j = (n − j + 1)·m·g, so that Σ λ·|d|² is −Σ T_j·r.
+        let sums = rigid::constraint_sums(&system, &state);
+        let wanted = -9.81 * 0.2 * (n * (n + 1)) as f64 / 2.0;
+        assert!(
+            (sums.virial.z_axis.z / wanted - 1.0).abs() < 1e-12,
+            "{sums:?}"
+        );
+        let moved = (state.positions[n].z + 0.2 * n as f64).abs();
+        assert!(moved < 1e-13, "{moved:e}");
+    }
+}
+
+/// Small swings of n beads on a string have ω²·l/g at the zeros of the Laguerre polynomial L_n.
+#[test]
+fn small_swings_of_a_chain_have_the_frequencies_of_laguerre() {
+    let (g, l) = (9.81, 0.2);
+    for zeros in [
+        &[0.585786_f64, 3.414214][..],
+        &[0.415775, 2.294280, 6.289945],
+    ] {
+        let n = zeros.len();
+        for zero in zeros {
+            let omega = (zero * g / l).sqrt();
+            // The angle of each string in this mode, from the outermost bead inwards: the k-th from below carries k beads.
+            // x_k − x_{k−1} follows from the equation of bead k.
+            let mut shape = vec![1.0_f64];
+            let mut next = shape[0] - zero;
+            for carried in 2..=n {
+                let last = shape.last().copied().unwrap_or_default();
+                shape.push(next);
+                let tension = carried as f64;
+                next += ((tension - 1.0) * (next - last) - zero * next) / tension;
+            }
+            assert!(next.abs() < 1e-4, "the pivot stays: {next}");
+            let amplitude = 2e-5;
+            shape.reverse();
+            let bead = |k: usize| {
+                if k == 0 {
+                    0.0
+                } else {
+                    amplitude * shape[k - 1]
+                }
+            };
+            let mut x = vec![DVec3::ZERO];
+            for k in 1..=n {
+                let dx = bead(k) - bead(k - 1);
+                let last = x[k - 1];
+                x.push(last + DVec3::new(dx, 0.0, -(l * l - dx * dx).sqrt()));
+            }
+            let molecules = Molecules::chains(n + 1, l, Bonds::Rigid);
+            let (system, mut state) = start(&molecules, x, vec![DVec3::ZERO; n + 1]);
+            let system = system.holding(&[0]);
+            let first: Vec<f64> = state.positions.iter().map(|x| x.x).collect();
+            let steps = 4000_u32;
+            let dt = std::f64::consts::TAU / omega / f64::from(steps);
+            let mut gravity = HeldAtOneEnd(g);
+            run(
+                &system,
+                &mut state,
+                &mut gravity,
+                &direct(),
+                dt,
+                u64::from(steps) / 4,
+            );
+            // After a quarter of the period all beads pass through the middle.
+            let largest = first.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            for (k, x) in state.positions.iter().enumerate() {
+                assert!(x.x.abs() < 1e-4 * largest, "{n}, {zero}, {k}: {x}");
+            }
+            let quarter = u64::from(steps) / 4;
+            run(
+                &system,
+                &mut state,
+                &mut gravity,
+                &direct(),
+                dt,
+                3 * quarter,
+            );
+            for (x, first) in state.positions.iter().zip(&first) {
+                assert!(
+                    (x.x - first).abs() < 1e-4 * largest,
+                    "{n}, {zero}: {x} {first}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_conical_pendulum_turns_at_its_speed_and_has_its_tension() {
+    let (omega, tension) = (3.365651836049, 11.327612281500);
+    let (sin, cos) = 30.0_f64.to_radians().sin_cos();
+    let molecules = Molecules::chains(2, 1.0, Bonds::Rigid);
+    let x = vec![DVec3::ZERO, DVec3::new(sin, 0.0, -cos)];
+    let v = vec![DVec3::ZERO, DVec3::new(0.0, omega * sin, 0.0)];
+    let (system, mut state) = start(&molecules, x, v);
+    let system = system.holding(&[0]);
+    let turn = |steps: u64| {
+        let mut state = state.clone();
+        let dt = std::f64::consts::TAU / omega / steps as f64;
+        run(
+            &system,
+            &mut state,
+            &mut HeldAtOneEnd(9.81),
+            &direct(),
+            dt,
+            steps,
+        );
+        (state.positions[1] - DVec3::new(sin, 0.0, -cos)).length()
+    };
+    let (coarse, fine) = (turn(1000), turn(2000));
+    assert!(
+        fine < 1e-5 && (coarse / fine / 4.0 - 1.0).abs() < 0.05,
+        "{coarse} {fine}"
+    );
+    state.forces = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -9.81)];
+    let sums = rigid::constraint_sums(&system, &state);
+    let virial = sums.virial.x_axis.x + sums.virial.y_axis.y + sums.virial.z_axis.z;
+    assert!((-virial / tension - 1.0).abs() < 1e-12, "{virial}");
 }
 
 /// A chain at rest and horizontal in gravity, whose first bead is so heavy that it hardly moves.
@@ -352,7 +674,7 @@ fn relaxation_and_the_direct_solution_agree_on_a_chain() {
         let (system, mut state, mut forces) = hanging_chain(11);
         state.velocities[10] = DVec3::new(0.3, 0.5, 1.0);
         rigid::project_velocities(&system, &state.positions, &mut state.velocities);
-        run(&system, &mut state, &mut forces, bonds, 1e-3, 200);
+        run(&system, &mut state, &mut forces, bonds, 1e-3, 1000);
         state.positions
     };
     let one = after(&direct());
@@ -362,34 +684,54 @@ fn relaxation_and_the_direct_solution_agree_on_a_chain() {
     assert!(off < 1e-9, "{off:e}");
 }
 
+/// The residual that so many sweeps leave on a straight chain, drifted so that each bond is a little too long.
+fn stretched(bonds: usize, sweeps: u32, over_relaxation: f64) -> f64 {
+    let molecules = Molecules::chains(bonds + 1, 1.0, Bonds::Rigid);
+    let along = || {
+        (0..=bonds)
+            .map(|k| DVec3::new(k as f64, 0.0, 0.0))
+            .collect()
+    };
+    let system = System::of_molecules(bonds + 1, molecules.clone());
+    let cell = PeriodicBox::new(DVec3::splat(1e3)).unwrap();
+    let mut state = State::new(cell, along(), along());
+    let options = BondOptions::Relaxation(relaxation::Options {
+        sweeps,
+        over_relaxation,
+        ..Default::default()
+    });
+    let mut integrator = velocity_verlet(&options, &molecules);
+    let (dt, want) = (1e-4, Want::NOTHING);
+    integrator
+        .start(&system, &mut state, &mut NoForces, dt, want)
+        .unwrap();
+    let report = integrator.step(&system, &mut state, &mut NoForces, dt, want);
+    report.unwrap().residual
+}
+
 /// The rate of Gauss–Seidel on a straight chain of n bonds is cos²(π/(n + 1)).
 #[test]
 fn sweeps_over_a_straight_chain_converge_by_the_cosine_law() {
     for (bonds, sweeps, more) in [(2_usize, 4, 4), (5, 24, 8), (10, 60, 10)] {
-        let molecules = Molecules::chains(bonds + 1, 1.0, Bonds::Rigid);
-        let residual = |sweeps: u32| {
-            // All sites on a line: drifted so that each bond is a little too long.
-            let x = (0..=bonds).map(|k| DVec3::new(k as f64, 0.0, 0.0));
-            let v = (0..=bonds).map(|k| DVec3::new(k as f64, 0.0, 0.0));
-            let system = System::of_molecules(bonds + 1, molecules.clone());
-            let cell = PeriodicBox::new(DVec3::splat(1e3)).unwrap();
-            let mut state = State::new(cell, x.collect(), v.collect());
-            let options = BondOptions::Relaxation(relaxation::Options {
-                sweeps,
-                ..Default::default()
-            });
-            let mut integrator = velocity_verlet(&options, &molecules);
-            integrator
-                .start(&system, &mut state, &mut NoForces, 1e-4, Want::NOTHING)
-                .unwrap();
-            let report = integrator
-                .step(&system, &mut state, &mut NoForces, 1e-4, Want::NOTHING)
-                .unwrap();
-            report.residual
-        };
-        let fraction = 1.0 / f64::from(more);
-        let rate = (residual(sweeps + more) / residual(sweeps)).powf(fraction);
+        let residual = |sweeps| stretched(bonds, sweeps, 1.0);
+        let rate = (residual(sweeps + more) / residual(sweeps)).powf(1.0 / f64::from(more));
         let law = (std::f64::consts::PI / (bonds as f64 + 1.0)).cos().powi(2);
+        assert!(
+            (rate / law - 1.0).abs() < 0.01,
+            "{bonds}: {rate} against {law}"
+        );
+    }
+}
+
+/// Below the best over-relaxation ω, a sweep leaves ((ωμ + √(ω²μ² − 4(ω − 1)))/2)² with μ = cos(π/(n + 1)).
+#[test]
+fn over_relaxed_sweeps_converge_by_the_theory_of_successive_over_relaxation() {
+    for (bonds, omega, sweeps, more) in [(5_usize, 1.2_f64, 16, 8), (10, 1.3, 30, 10)] {
+        let residual = |sweeps| stretched(bonds, sweeps, omega);
+        let rate = (residual(sweeps + more) / residual(sweeps)).powf(1.0 / f64::from(more));
+        let jacobi = omega * (std::f64::consts::PI / (bonds as f64 + 1.0)).cos();
+        let root = (jacobi * jacobi - 4.0 * (omega - 1.0)).sqrt();
+        let law = (0.5 * (jacobi + root)).powi(2);
         assert!(
             (rate / law - 1.0).abs() < 0.01,
             "{bonds}: {rate} against {law}"
@@ -604,7 +946,7 @@ fn spook_is_of_order_one_at_a_fixed_damping_time() {
         ..Default::default()
     };
     let fixed = order(fixed);
-    assert!((fixed - 1.0).abs() < 0.15, "{fixed}");
+    assert!((fixed - 1.0).abs() < 0.1, "{fixed}");
     let steps = order(Default::default());
     assert!(steps > 1.7, "{steps}");
 }
@@ -720,6 +1062,6 @@ fn methods_without_a_form_for_rigid_bonds_say_so() {
     };
     assert_eq!(
         error.to_string(),
-        "molecule 3 (counted from 1) did not reach its bond lengths in 7 iterations: | |d|/r − 1 | is 5e-1, wanted 2.5e-1; take a smaller dt or `[bonds] method = \"direct\"`"
+        "molecule 3 (counted from 1) did not reach its bond lengths in 7 iterations: | |d|/r − 1 | is 5.00e-1, wanted 2.5e-1; take a smaller dt or `[bonds] method = \"direct\"`"
     );
 }

@@ -2,7 +2,7 @@
 
 use lennard_report::{Axis, Dash, Figure, Guide, Look, Picture, Series, Symbol};
 
-use super::comparison::{AtStep, WayFound};
+use super::comparison::{AtStep, LARGEST_STEP, WayFound};
 use super::found::MechanicsFound;
 use super::maps::{DAMPING, theory};
 
@@ -60,7 +60,48 @@ pub(super) fn ways(found: &MechanicsFound) -> Vec<Picture> {
             |way, p| (way.cost[0] / p.dt, p.position_error),
             "The same errors against what a bond costs for a time of 1 τ: kick, drift and bond, without pair forces. Costs are the fastest of repeated blocks.".into(),
         ),
+        limits(found),
     ]
+}
+
+/// The smallest error that a way reaches, and the largest step that it bears.
+fn limits(found: &MechanicsFound) -> Picture {
+    let mut figure = Figure::new(
+        "ways-limit",
+        "Bonds held in each way: largest step",
+        Axis::logarithmic("error at the smallest step / σ"),
+        Axis::logarithmic("largest stable step / τ"),
+    );
+    let of = |way: &WayFound| {
+        let smallest = way.points.last()?;
+        let step = way.largest_step.unwrap_or(LARGEST_STEP);
+        Some((smallest.position_error, step))
+    };
+    for (i, way) in found.ways.iter().enumerate() {
+        figure = figure.with(Series::new(&way.name, Look::marks(i), i, of(way)));
+    }
+    // Through the stiffest of the explicit springs.
+    let stiffest = found
+        .ways
+        .iter()
+        .find(|way| way.name == "spring, k = 64000");
+    if let Some((error, step)) = stiffest.and_then(of) {
+        let law = [1.0, 256.0].map(|more: f64| (error * more, step * more.sqrt()));
+        figure = figure.with(Series::new(
+            "springs: error ∝ h²",
+            Look::Line(Dash::Dashed),
+            found.ways.len(),
+            law,
+        ));
+    }
+    Picture::new(
+        figure,
+        format!(
+            "The largest stable step of a rotor that vibrates, against the error that is left at the smallest step. \
+             Half the error of an explicit spring costs √2 times the steps. Marks at {LARGEST_STEP} τ had no limit up to there."
+        ),
+        "ways.csv",
+    )
 }
 
 /// Convergence of sweeps.

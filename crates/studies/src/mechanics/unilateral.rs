@@ -4,7 +4,7 @@ use lennard_contacts::{Bodies, Contacts, Response, UnilateralLaw};
 use lennard_core::{Exclusions, ForceSum, Masses, NoForces};
 use lennard_forcefield::{Hard, WallOptions};
 use lennard_integrators::IntegratorOptions;
-use lennard_integrators::contacts::{Problem, Solver, column};
+use lennard_integrators::contacts::{Problem, Solver, TwoSided, column};
 use lennard_integrators::spook::{self, Damping};
 use serde::Serialize;
 
@@ -119,6 +119,7 @@ fn sweep() -> [f64; 2] {
             masses: &Masses::Uniform(1.0),
             sigma: 0.0,
             b: &b,
+            bonds: TwoSided::default(),
         };
         let found = problem.solve(Solver::Sweeps(sweeps)).impulses;
         let off = (found.iter().enumerate()).map(|(i, x)| (x - (SWEPT - i) as f64).abs());

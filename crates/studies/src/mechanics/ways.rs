@@ -11,6 +11,13 @@ pub(crate) struct Way {
     pub(crate) bonds: BondOptions,
 }
 
+/// Springs by the implicit midpoint rule: name and stiffness, ε/σ².
+pub(crate) const MIDPOINT: [(&str, f64); 3] = [
+    ("midpoint, k = 1000", 1e3),
+    ("midpoint, k = 16000", 1.6e4),
+    ("midpoint, k = 64000", 6.4e4),
+];
+
 /// Relaxation until a tolerance, along the old bond.
 pub(crate) fn relaxed(tolerance: f64) -> BondOptions {
     BondOptions::Relaxation(relaxation::Options {
@@ -38,10 +45,12 @@ pub(crate) fn damped(steps: f64) -> BondOptions {
 
 /// Springs of a stiffness, ε/σ².
 pub(crate) fn springs(stiffness: f64) -> BondOptions {
-    BondOptions::Spring(spring::Options {
-        stiffness,
-        ..Default::default()
-    })
+    springs_by(spring::Scheme::Explicit, stiffness)
+}
+
+/// Springs of a stiffness in ε/σ² by a scheme.
+fn springs_by(scheme: spring::Scheme, stiffness: f64) -> BondOptions {
+    BondOptions::Spring(spring::Options { stiffness, scheme })
 }
 
 /// Every way: the methods of the list with their default options, and variants.
@@ -64,5 +73,6 @@ pub(crate) fn ways() -> Vec<Way> {
             variant("spring, k = 1000", springs(1e3)),
             variant("spring, k = 64000", springs(6.4e4)),
         ])
+        .chain(MIDPOINT.map(|(name, k)| variant(name, springs_by(spring::Scheme::Midpoint, k))))
         .collect()
 }
