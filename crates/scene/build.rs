@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 fn main() {
     // A link to the folder of the repository, so that a package of this crate has the scenes.
-    let inputs = Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs");
-    println!("cargo::rerun-if-changed={}", inputs.display());
+    let package = env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it");
+    let inputs = Path::new(&package).join("inputs");
     let mut files = Vec::new();
     collect(&inputs, &mut files);
     files.sort();

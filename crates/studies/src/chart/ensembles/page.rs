@@ -30,13 +30,12 @@ pub(super) fn write(chart: &EnsembleChart, options: &ChartOptions<'_>) -> Result
 /// The points with what they sampled, beside the reference.
 #[must_use]
 pub fn summary(chart: &EnsembleChart) -> Table {
-    let caption = "Digits in brackets are one standard error in the last digits. V is independent so many times in a τ; `off` \
-                   is beyond three standard errors.";
+    let caption = "Digits in brackets are one standard error in the last digits. The cost is for each particle and step. V is \
+                   independent so many times in a τ. What is off is beyond three standard errors.";
     Table::rows_of("choices", &chart.points)
         .caption(caption)
-        .column("", |p| p.number)
-        .column("Baths", |p| p.label.clone())
-        .column("µs per atom and step", |p| {
+        .column("Baths", |p| format!("{}: {}", p.number, p.label))
+        .column("Cost [µs]", |p| {
             Cell::rounded(p.cost().map(|c| 1e6 * c.median), 3)
         })
         .column("Accepted", |p| {
@@ -44,15 +43,17 @@ pub fn summary(chart: &EnsembleChart) -> Table {
         })
         .measured("P − P₀ [(ε/σ³)]", value(|s| s.pressure_off))
         .measured("ρ [σ⁻³]", value(|s| s.density))
-        .measured("var V over reference", |p| relative_variance(chart, p))
+        .measured("var V ÷ reference", |p| relative_variance(chart, p))
         .column("V per τ", |p| {
             Cell::rounded(p.found().map(Sampled::pace), 2)
         })
-        .measured("Drift [(ε/τ)]", drift)
-        .column("", |p| match (&p.sampled, off(chart, p)) {
+        .measured("Drift [10⁻⁶ ε/τ]", |p| {
+            drift(p).map(|(slope, error)| (1e6 * slope, 1e6 * error))
+        })
+        .column("Off", |p| match (&p.sampled, off(chart, p)) {
             (Some(Outcome::Failed(_)), _) => Cell::words("failed").toned(Tone::Bad),
             (_, words) if words.is_empty() => Cell::default(),
-            (_, words) => Cell::words(format!("off: {}", words.join(", "))).toned(Tone::Bad),
+            (_, words) => Cell::words(words.join(", ")).toned(Tone::Bad),
         })
         .table()
 }
