@@ -1,6 +1,7 @@
 //! The tail beyond the cutoff of a fluid with flat surfaces across z, as a potential between its particles.
 
 mod cells;
+mod passes;
 mod transform;
 
 use std::f64::consts::TAU;

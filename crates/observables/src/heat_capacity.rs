@@ -3,7 +3,6 @@
 use lennard_core::{Average, Estimate, Momentum, System};
 
 use crate::averages::{FEWEST_FLUCTUATIONS, estimate_of_fluctuations, of_fluctuations};
-use crate::response::exchange;
 use crate::statistics::{estimate_after, less_control, mean};
 use crate::{BuildContext, ThermoSeries};
 
@@ -109,7 +108,7 @@ pub(crate) fn average(
                         - 2.0 * excess * (t - temperature) / temperature
                 })
                 .collect();
-            less_control(excess, influence, &exchange(rows, from))
+            less_control(excess, influence, &rows.exchange(from))
         }
     };
     let error = estimate_of_fluctuations(&influence);

@@ -12,7 +12,6 @@ use crate::{BuildContext, Ensemble, ThermoSeries};
 use base::COUNT;
 pub use base::Curvature;
 pub(crate) use base::Setting;
-pub(crate) use ensembles::exchange;
 
 /// A response function: name, unit, and whether it needs Σ r²u″ where the volume is constant.
 struct Response {
@@ -70,7 +69,7 @@ pub(crate) fn averages(
     let at_constant_volume = !matches!(setting.ensemble, Ensemble::Isobaric { .. });
     let missing = at_constant_volume && setting.curvature.is_none();
     let control = match setting.ensemble {
-        Ensemble::Canonical => Some(exchange(rows, cut)),
+        Ensemble::Canonical => Some(rows.exchange(cut)),
         _ => None,
     };
     let values = influence::of(&parts, control.as_deref(), |means| {

@@ -3,6 +3,7 @@
 use lennard_core::Table;
 
 use crate::series::impl_columns;
+use crate::statistics::mean;
 
 /// The time series of [`crate::Thermodynamics`]: columns of equal length, energies per particle.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -97,6 +98,23 @@ impl_columns!(ThermoSeries {
 });
 
 impl ThermoSeries {
+    /// (K − K̄)(U_s − Ū_s) of each row after `cut`, at constant temperature, whose true mean is zero: velocities know nothing of positions there.
+    ///
+    /// U takes its energy from K for a while, so that both fluctuate together in a run. What follows from this alone is a quarter
+    /// of the error of second derivatives. The leapfrog leaves cov(U, K) = −(T·h²/12)·cov(U, ∇²U/m), some 5·10⁻⁴ of var(U) at h = 0.004.
+    pub(crate) fn exchange(&self, cut: usize) -> Vec<f64> {
+        let (k, u) = (
+            &self.kinetic_energy[cut..],
+            &self.sampled_potential_energy[cut..],
+        );
+        let (mean_k, mean_u) = (mean(k), mean(u));
+        let products = self.sampled_energy_kinetic[cut..].iter();
+        products
+            .zip(k.iter().zip(u))
+            .map(|(ku, (k, u))| ku - mean_k * u - mean_u * k + mean_k * mean_u)
+            .collect()
+    }
+
     /// The series as a table, `measured`, with energies in the unit `per_particle`; each row is the mean of `stride` samples. The temperature of the positions has a
     /// column of its own, `temperature_half_steps`, where the method has half steps.
     #[must_use]

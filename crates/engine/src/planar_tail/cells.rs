@@ -13,42 +13,26 @@
 //! One polynomial serves sums and forces. The force of j on i is therefore the opposite of the force of i on j, to the
 //! last bits.
 
-mod passes;
-
 use std::f64::consts::{PI, TAU};
 
-use lennard_core::DVec3;
-use lennard_core::lanes::in_lanes;
-use lennard_core::parallel::{CHUNK, for_each_piece, part};
-use lennard_core::tasks::map_tasks;
-
-use passes::{ForcesFromRows, Moments, RowsFromWaves, WavesFromRows};
-
 /// Terms of a polynomial.
-const TERMS: usize = 8;
+pub(super) const TERMS: usize = 8;
 /// Cells for each wave. A force is then exact to some 10⁻¹⁰ of the largest force.
 const CELLS_PER_WAVE: usize = 4;
-/// Added and taken away, it rounds numbers below 2¹¹ to multiples of 2⁻⁴⁰. Sums of 2¹³ of them are exact.
-const ROUNDER: f64 = 1.5 * (1_u64 << 12) as f64;
-/// 2⁴⁰.
-const UNITS: f64 = (1_u64 << 40) as f64;
-/// Added and taken away, it rounds numbers below 2⁵¹ to whole ones. The lowest bits of the sum are that whole number.
-const TO_WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
-
 /// Moments of a cell, or coefficients of its force.
-type Row = [f64; TERMS];
+pub(super) type Row = [f64; TERMS];
 
 /// The cells of a box along z.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Cells {
     /// 1/L_z of the waves, σ⁻¹.
-    turns_per_length: f64,
+    pub turns_per_length: f64,
     /// M/2, an even number. Cells are counted from −M/2 to M/2, and the last is the first once more.
-    half: usize,
+    pub half: usize,
     /// cos and sin of 2πni/M for each wave n and for i up to M/4.
-    turns: Vec<Vec<[f64; 2]>>,
+    pub turns: Vec<Vec<[f64; 2]>>,
     /// a_p of each wave: cos(k·z) = Σ a_p·yᵖ over even p, and sin(k·z) likewise over odd p.
-    polynomials: Vec<Row>,
+    pub polynomials: Vec<Row>,
 }
 
 impl Cells {
@@ -75,61 +59,9 @@ impl Cells {
     }
 
     /// Cells that are stored.
-    fn stored(&self) -> usize {
+    pub fn stored(&self) -> usize {
         2 * self.half + 1
     }
-
-    /// Σ cos and Σ sin of each wave.
-    ///
-    /// Moments are exact totals: each power is rounded to a multiple of 2⁻⁴⁰ first. They depend on no order of the particles.
-    pub fn sums(&self, positions: &[DVec3]) -> Vec<[f64; 2]> {
-        const { assert!(CHUNK <= 1 << 13, "the moments of a range are exact") };
-        let n = positions.len();
-        let of_range = |(): &mut (), k: usize| -> Vec<Row> {
-            let positions = &positions[part(k, CHUNK, n)];
-            in_lanes(Moments {
-                cells: self,
-                positions,
-            })
-        };
-        let mut of_ranges = map_tasks(n.div_ceil(CHUNK), of_range);
-        let rows = if of_ranges.len() == 1 {
-            of_ranges.swap_remove(0)
-        } else {
-            exact_totals(self.stored(), &of_ranges)
-        };
-        in_lanes(WavesFromRows {
-            cells: self,
-            rows: &rows,
-        })
-    }
-
-    /// Adds Σ_n (a_n·sin k_n·z + b_n·cos k_n·z) to F_z of particles, from a_n and b_n.
-    pub fn push(&self, waves: &[[f64; 2]], positions: &[DVec3], forces: &mut [DVec3]) {
-        let rows = &in_lanes(RowsFromWaves { cells: self, waves });
-        for_each_piece(forces, |first, forces| {
-            in_lanes(ForcesFromRows {
-                cells: self,
-                rows,
-                positions: &positions[first..first + forces.len()],
-                forces,
-            });
-        });
-    }
-}
-
-/// Sums of the moments of all ranges, in whole units of 2⁻⁴⁰: 2²³ particles fit into a cell.
-fn exact_totals(stored: usize, of_ranges: &[Vec<Row>]) -> Vec<Row> {
-    let mut totals = vec![[0_i64; TERMS]; stored];
-    for rows in of_ranges {
-        for (total, row) in totals.iter_mut().zip(rows) {
-            for (total, moment) in total.iter_mut().zip(row) {
-                *total += (moment * UNITS) as i64;
-            }
-        }
-    }
-    let in_units = |row: [i64; TERMS]| row.map(|total| total as f64 / UNITS);
-    totals.into_iter().map(in_units).collect()
 }
 
 /// a_p of cos(q·y) for even p and of sin(q·y) for odd p, for |y| ≤ 1: the polynomial through the values at Chebyshev's nodes.
@@ -158,6 +90,3 @@ fn polynomial(q: f64) -> Row {
     }
     powers
 }
-
-#[cfg(test)]
-mod tests;

@@ -54,18 +54,6 @@ pub(super) fn parts(
     parts
 }
 
-/// (K − K̄)(U_s − Ū_s) of each row at constant temperature, whose true mean is zero: velocities know nothing of positions there.
-///
-/// U takes its energy from K for a while, so that both fluctuate together in a run. What follows from this alone is a quarter
-/// of the error of second derivatives. The leapfrog leaves cov(U, K) = −(T·h²/12)·cov(U, ∇²U/m), some 5·10⁻⁴ of var(U) at h = 0.004.
-pub(crate) fn exchange(rows: &ThermoSeries, cut: usize) -> Vec<f64> {
-    let (u, k) = (
-        &rows.sampled_potential_energy[cut..],
-        &rows.kinetic_energy[cut..],
-    );
-    covariance(u, k, &rows.sampled_energy_kinetic[cut..]).rows
-}
-
 /// ⟨(a − ā)(b − b̄)⟩ from row means of a, b and ab.
 fn covariance(a: &[f64], b: &[f64], products: &[f64]) -> Part {
     let (mean_a, mean_b) = (mean(a), mean(b));

@@ -8,7 +8,7 @@ use crate::statistics::{less_control, mean};
 /// One of the means: its rows, and the value that is put into the function.
 #[derive(Debug, Clone)]
 pub(super) struct Part {
-    pub(super) rows: Vec<f64>,
+    rows: Vec<f64>,
     value: f64,
 }
 

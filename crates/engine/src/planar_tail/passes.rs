@@ -4,15 +4,77 @@
 //! Cells i and −i, and i and M/2 − i, have the same cosines and sines but for signs: a quarter of the cells is summed.
 
 use lennard_core::DVec3;
-use lennard_core::lanes::{Simd, WithSimd};
+use lennard_core::lanes::{Simd, WithSimd, in_lanes};
+use lennard_core::parallel::{CHUNK, for_each_piece, part};
+use lennard_core::tasks::map_tasks;
 
-use super::{Cells, ROUNDER, Row, TERMS, TO_WHOLE};
+use super::cells::{Cells, Row, TERMS};
 
 /// Particles whose cells are found side by side.
 const BLOCK: usize = 8;
 /// The axis across the surfaces.
 const Z: usize = 2;
 const ZEROS: Row = [0.0; TERMS];
+/// Added and taken away, it rounds numbers below 2¹¹ to multiples of 2⁻⁴⁰. Sums of 2¹³ of them are exact.
+const ROUNDER: f64 = 1.5 * (1_u64 << 12) as f64;
+/// 2⁴⁰.
+const UNITS: f64 = (1_u64 << 40) as f64;
+/// Added and taken away, it rounds numbers below 2⁵¹ to whole ones. The lowest bits of the sum are that whole number.
+const TO_WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
+
+impl Cells {
+    /// Σ cos and Σ sin of each wave.
+    ///
+    /// Moments are exact totals: each power is rounded to a multiple of 2⁻⁴⁰ first. They depend on no order of the particles.
+    pub fn sums(&self, positions: &[DVec3]) -> Vec<[f64; 2]> {
+        const { assert!(CHUNK <= 1 << 13, "the moments of a range are exact") };
+        let n = positions.len();
+        let of_range = |(): &mut (), k: usize| -> Vec<Row> {
+            let positions = &positions[part(k, CHUNK, n)];
+            in_lanes(Moments {
+                cells: self,
+                positions,
+            })
+        };
+        let mut of_ranges = map_tasks(n.div_ceil(CHUNK), of_range);
+        let rows = if of_ranges.len() == 1 {
+            of_ranges.swap_remove(0)
+        } else {
+            exact_totals(self.stored(), &of_ranges)
+        };
+        in_lanes(WavesFromRows {
+            cells: self,
+            rows: &rows,
+        })
+    }
+
+    /// Adds Σ_n (a_n·sin k_n·z + b_n·cos k_n·z) to F_z of particles, from a_n and b_n.
+    pub fn push(&self, waves: &[[f64; 2]], positions: &[DVec3], forces: &mut [DVec3]) {
+        let rows = &in_lanes(RowsFromWaves { cells: self, waves });
+        for_each_piece(forces, |first, forces| {
+            in_lanes(ForcesFromRows {
+                cells: self,
+                rows,
+                positions: &positions[first..first + forces.len()],
+                forces,
+            });
+        });
+    }
+}
+
+/// Sums of the moments of all ranges, in whole units of 2⁻⁴⁰: 2²³ particles fit into a cell.
+fn exact_totals(stored: usize, of_ranges: &[Vec<Row>]) -> Vec<Row> {
+    let mut totals = vec![[0_i64; TERMS]; stored];
+    for rows in of_ranges {
+        for (total, row) in totals.iter_mut().zip(rows) {
+            for (total, moment) in total.iter_mut().zip(row) {
+                *total += (moment * UNITS) as i64;
+            }
+        }
+    }
+    let in_units = |row: [i64; TERMS]| row.map(|total| total as f64 / UNITS);
+    totals.into_iter().map(in_units).collect()
+}
 
 /// The cell of a particle among the stored cells, and its distance y from the center in half widths.
 #[derive(Clone, Copy, Default)]
@@ -58,7 +120,7 @@ impl Place {
 }
 
 /// Moments of all cells.
-pub(super) struct Moments<'a> {
+struct Moments<'a> {
     pub cells: &'a Cells,
     pub positions: &'a [DVec3],
 }
@@ -86,7 +148,7 @@ impl WithSimd for Moments<'_> {
 }
 
 /// Σ cos and Σ sin of each wave, from the moments of cells.
-pub(super) struct WavesFromRows<'a> {
+struct WavesFromRows<'a> {
     pub cells: &'a Cells,
     pub rows: &'a [Row],
 }
@@ -153,7 +215,7 @@ impl WithSimd for WavesFromRows<'_> {
 }
 
 /// Coefficients of the force in each cell, from coefficients of sines and cosines of the waves.
-pub(super) struct RowsFromWaves<'a> {
+struct RowsFromWaves<'a> {
     pub cells: &'a Cells,
     pub waves: &'a [[f64; 2]],
 }
@@ -204,7 +266,7 @@ impl WithSimd for RowsFromWaves<'_> {
 }
 
 /// Adds F_z to the forces, from the coefficients of cells.
-pub(super) struct ForcesFromRows<'a> {
+struct ForcesFromRows<'a> {
     pub cells: &'a Cells,
     pub rows: &'a [Row],
     pub positions: &'a [DVec3],
@@ -229,3 +291,6 @@ impl WithSimd for ForcesFromRows<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

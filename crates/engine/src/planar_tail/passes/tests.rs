@@ -4,6 +4,8 @@ use lennard_core::lanes::{Scalar, WithSimd};
 use lennard_core::random::Streams;
 use rand_distr::{Distribution, StandardUniform};
 
+use std::f64::consts::TAU;
+
 use super::*;
 
 const LENGTH: f64 = 37.0;
