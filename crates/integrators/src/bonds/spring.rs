@@ -16,7 +16,7 @@ lennard_core::choices! {
         /// As all other forces are, by kicks.
         #[default]
         Explicit = "explicit",
-        /// In the drift, by the implicit midpoint rule: stable at any step.
+        /// In the drift, by the implicit midpoint rule: stable at any step along a line, and for Ω·ω·h² < 4 where the bond turns with Ω.
         Midpoint = "midpoint",
         /// In the drift, by one step of Newton's method for the implicit Euler rule: stable at any step, and damped.
         LinearlyImplicit = "linearly-implicit",
@@ -28,7 +28,7 @@ lennard_core::options! {
     pub struct Options {
         /// Stiffness k of each bond.
         stiffness: f64 = 4000.0, Positive, in "ε/σ²";
-        /// How springs are integrated: by kicks, or inside the drift, where any step is stable and fast vibrations are slowed (midpoint) or damped.
+        /// How springs are integrated: by kicks, or inside the drift, where vibrations do not limit the step, but are slowed (midpoint) or damped.
         scheme: Scheme = Scheme::Explicit, Names(Scheme::names);
     }
 }

@@ -459,6 +459,31 @@ fn midpoint_springs_keep_energy_and_momenta_where_explicit_ones_would_diverge() 
 }
 
 /// At a step that resolves the vibration the scheme is of order two.
+/// A fast vibration has the phase π − 4/(ωh) per step: it resonates with the turn Ωh of the bond at Ω·ω·h² = 4.
+#[test]
+fn a_turning_midpoint_spring_is_stable_up_to_its_resonance() {
+    let (omega, stiffness) = (2.0, 16_000.0_f64);
+    let longest = |share: f64| {
+        let places = [-0.5 * DVec3::X, 0.5 * DVec3::X];
+        let bonds = springs(stiffness, Scheme::Midpoint);
+        let (system, mut state) = molecule(&places, &[[0, 1]], Bonds::Impulses);
+        state.velocities = places.map(|x| omega * DVec3::Z.cross(x)).to_vec();
+        state.positions.iter_mut().for_each(|x| *x *= 1.001);
+        let h = (share * 4.0 / (omega * (2.0 * stiffness).sqrt())).sqrt();
+        let mut longest = 0.0_f64;
+        for _ in 0..2000 {
+            run(&system, &mut state, &bonds, h, 1);
+            longest = longest.max((state.positions[1] - state.positions[0]).length());
+            if longest > 1.5 {
+                break;
+            }
+        }
+        longest
+    };
+    assert!(longest(0.9) < 1.1, "{}", longest(0.9));
+    assert!(longest(1.1) > 1.5, "{}", longest(1.1));
+}
+
 #[test]
 fn midpoint_springs_are_of_order_two() {
     let (places, pairs) = shapes().pop().unwrap();

@@ -2,6 +2,7 @@
 
 use super::comparison::WayFound;
 use super::found::MechanicsFound;
+use super::ways::MIDPOINT;
 use crate::claims::{Claim, Demand};
 
 pub(super) const ARTICLE: &str = "article on Verlet integration";
@@ -213,6 +214,15 @@ fn ways(found: &MechanicsFound) -> Vec<Claim> {
             &format!("largest stable ωh, k = {k}"),
             (2.0, 0.1, reason),
             limit(name) * (2.0 * k).sqrt(),
+        ));
+    }
+    for (name, k) in MIDPOINT {
+        all.push(near(
+            OURS,
+            "A10: a spring by the midpoint rule that turns with Ω is stable below Ω·ω·h² = 4",
+            &format!("largest stable Ω·ω·h², k = {k}"),
+            (4.0, 0.25, "terms of higher order in 1/(ωh)"),
+            2.0 * (2.0 * k).sqrt() * limit(name).powi(2),
         ));
     }
     if let [.., a, b] = found.model_errors.as_slice() {
