@@ -115,13 +115,22 @@ pub fn with_error(value: f64, error: f64) -> String {
         );
     }
     if last >= 0 {
-        return format!("{value:.0}({error:.0})").replace('-', "−");
+        return format!("{}({error:.0})", fixed(value, 0));
     }
     let scaled = error / 10f64.powi(last);
-    format!("{value:.*}({scaled:.0})", last.unsigned_abs() as usize).replace('-', "−")
+    let decimals = last.unsigned_abs() as usize;
+    format!("{}({scaled:.0})", fixed(value, decimals))
 }
 
-/// A value with its standard error, both to the second digit of the error: `-6.0812 ± 0.0019`; the value alone
+/// A number with so many decimals, and no sign where none of its digits counts.
+fn fixed(value: f64, decimals: usize) -> String {
+    let digits = format!("{:.decimals$}", value.abs());
+    let counts = digits.contains(|c: char| c.is_ascii_digit() && c != '0');
+    let sign = if value < 0.0 && counts { "−" } else { "" };
+    sign.to_owned() + &digits
+}
+
+/// A value with its standard error, both to the second digit of the error: `−6.0812 ± 0.0019`; the value alone
 /// where it has no error.
 #[must_use]
 pub fn plus_minus(value: f64, error: f64) -> String {
@@ -129,13 +138,13 @@ pub fn plus_minus(value: f64, error: f64) -> String {
         return significant(value, 5);
     }
     if error <= 0.0 {
-        return format!("{value:.6} ± –");
+        return format!("{} ± –", fixed(value, 6));
     }
     let decimals = (1.0 - error.log10().floor()).clamp(0.0, 17.0) as usize;
     if decimals > 8 {
-        return format!("{value:.3e} ± {error:.1e}");
+        return format!("{} ± {}", significant(value, 4), significant(error, 2));
     }
-    format!("{value:.decimals$} ± {error:.decimals$}")
+    format!("{} ± {error:.decimals$}", fixed(value, decimals))
 }
 
 #[cfg(test)]
@@ -165,12 +174,13 @@ mod tests {
     #[test]
     fn a_value_is_shown_to_the_second_digit_of_its_error() {
         for (value, error, text) in [
-            (-6.081_234, 0.001_94, "-6.0812 ± 0.0019"),
+            (-6.081_234, 0.001_94, "−6.0812 ± 0.0019"),
+            (-0.004, 0.51, "0.00 ± 0.51"),
             (0.164_9, 0.032, "0.165 ± 0.032"),
             (108.9, 12.0, "109 ± 12"),
             (1.0, f64::NAN, "1.0000"),
             (1.0, 0.0, "1.000000 ± –"),
-            (1.0, 1e-14, "1.000e0 ± 1.0e-14"),
+            (1.0, 1e-14, "1.000 ± 1.0·10⁻¹⁴"),
         ] {
             assert_eq!(plus_minus(value, error), text);
         }
@@ -180,6 +190,7 @@ mod tests {
     fn errors_stand_in_the_last_two_digits() {
         assert_eq!(with_error(-5.481_23, 0.001_27), "−5.4812(13)");
         assert_eq!(with_error(1234.0, 25.0), "1234(25)");
+        assert_eq!(with_error(-0.04, 3.5), "0.0(35)");
         assert_eq!(with_error(1.5, 0.0), "1.50000");
         assert_eq!(with_error(-8.3e-7, 3.5e-6), "−0.8(35)·10⁻⁶");
         assert_eq!(with_error(2.5e-4, 1.2e-5), "2.50(12)·10⁻⁴");

@@ -155,7 +155,7 @@ mod tests {
         assert_eq!(texts(864_u64.into()), ["864", "864"]);
         assert_eq!(
             texts(Cell::measured(-5.481_23, 0.001_27)),
-            ["−5.4812(13)", "-5.4812 ± 0.0013"]
+            ["−5.4812(13)", "−5.4812 ± 0.0013"]
         );
         assert_eq!(texts(Cell::figures("-4.3")), ["−4.3", "-4.3"]);
         assert_eq!(
