@@ -1,6 +1,8 @@
 //! Ranks that share lists and steps have the bits of one process.
 
 use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::common::*;
 use lennard_core::random::Streams;
@@ -238,41 +240,61 @@ fn pairs_that_lists_lack_are_found_and_inserted_by_all_ranks_alike() {
     }
 }
 
-/// A team that loses the last position of each message between two ranks.
-struct Lossy(Team);
+/// A team that counts gathered arrays, and may lose the last position of each message between two ranks.
+struct Watched {
+    team: Team,
+    is_lossy: bool,
+    gathered: Arc<AtomicUsize>,
+}
 
-impl Wire for Lossy {
+impl Watched {
+    fn over(team: &Team, is_lossy: bool) -> (Team, Arc<AtomicUsize>) {
+        let gathered = Arc::new(AtomicUsize::new(0));
+        let watched = Self {
+            team: team.clone(),
+            is_lossy,
+            gathered: gathered.clone(),
+        };
+        (Team::new(Box::new(watched)), gathered)
+    }
+}
+
+impl Wire for Watched {
     fn rank(&self) -> usize {
-        self.0.rank()
+        self.team.rank()
     }
     fn ranks(&self) -> usize {
-        self.0.ranks()
+        self.team.ranks()
     }
     fn sum(&self, words: &mut [i64]) {
-        self.0.sum(words);
+        self.team.sum(words);
     }
     fn max(&self, words: &mut [u64]) {
-        self.0.max(words);
+        self.team.max(words);
     }
     fn concat(&self, words: &[u64]) -> Vec<u64> {
-        self.0.concat(words)
+        self.team.concat(words)
     }
     fn trade(&self, words: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
-        self.0.trade(words)
+        self.team.trade(words)
     }
     fn gather(&self, mine: &[[f64; 3]], whole: &mut [[f64; 3]], ranges: &[Range<usize>]) {
+        self.gathered.fetch_add(1, Ordering::Relaxed);
         let mut array = vec![DVec3::ZERO; whole.len()];
         for (to, from) in array[ranges[self.rank()].clone()].iter_mut().zip(mine) {
             *to = DVec3::from_array(*from);
         }
-        self.0.gather(&mut array, ranges);
+        self.team.gather(&mut array, ranges);
         for (to, from) in whole.iter_mut().zip(array) {
             *to = from.to_array();
         }
     }
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut()) {
         let before: Vec<_> = incoming.iter().map(|p| p.vectors.last().copied()).collect();
-        self.0.exchange(outgoing, incoming, meanwhile);
+        self.team.exchange(outgoing, incoming, meanwhile);
+        if !self.is_lossy {
+            return;
+        }
         for (parcel, before) in incoming.iter_mut().zip(before) {
             let last = parcel.vectors.last_mut().zip(before);
             last.into_iter().for_each(|(last, before)| *last = before);
@@ -289,11 +311,42 @@ fn one_position_too_few_in_a_halo_is_seen_in_the_bits() {
         let alone = history(&start, &mut fresh(), Kind::Isolated, 2);
         for found in on_ranks(2, 1, |team| {
             let mut forces = fresh();
-            let lossy = Team::new(Box::new(Lossy(team.clone())));
+            let (lossy, _) = Watched::over(team, true);
             assert!(forces.share(&lossy).unwrap());
             history(&start, &mut forces, Kind::Isolated, 2)
         }) {
             assert!(found != alone, "{kernel:?}");
+        }
+    }
+}
+
+#[test]
+fn builds_between_steps_gather_no_vectors() {
+    let start = fluid([9, 10, 9], 0.75);
+    let n = start.positions.len();
+    for kernel in kernels() {
+        for (gathered, builds) in on_ranks(3, 1, |team| {
+            let mut forces = build(&options(kernel), &conditions(start.cell, n)).unwrap();
+            let (watched, gathered) = Watched::over(team, false);
+            assert!(forces.share(&watched).unwrap());
+            let (mut positions, mut velocities) =
+                (start.positions.clone(), start.velocities.clone());
+            let taken = forces.advance(&mut FusedSteps {
+                cell: &start.cell,
+                positions: &mut positions,
+                velocities: &mut velocities,
+                masses: &Masses::Uniform(1.5),
+                dt: DT,
+                steps: 100,
+                bath: None,
+                noise: None,
+            });
+            assert_eq!(taken, 100);
+            (gathered.load(Ordering::Relaxed), forces.statistics().builds)
+        }) {
+            // Positions, velocities, and positions of the last build: after all steps.
+            assert_eq!(gathered, 3, "{kernel:?}");
+            assert!(builds > 2, "{kernel:?}: {builds}");
         }
     }
 }
