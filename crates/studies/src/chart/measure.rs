@@ -8,7 +8,7 @@ use super::point::{ChartedPoint, Errors, Outcome};
 use super::store::Store;
 use super::workshop::Workshop;
 use super::{Chart, ChartError, ChartOptions, Plan, SCHEMA, bounded, panels, peers};
-use crate::lab::{Workbench, modelled_work};
+use crate::lab::{self, Workbench, modelled_work};
 use crate::settings::{Settings, truncation_is_free};
 use crate::{Progress, StudyError};
 
@@ -89,6 +89,12 @@ pub(super) fn all(
         atoms: bench.start().len(),
         density: bench.start().density(),
         finished,
+        step_of_fastest: lab::rough_stable_dt(
+            scene,
+            bench.start().system().species(),
+            slopes.temperature,
+            1.0,
+        ),
         slopes,
         reach: untruncated.map(|u| u.reach),
         left_out_of_forces: untruncated.map(|u| u.left_out),

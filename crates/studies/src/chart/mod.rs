@@ -147,6 +147,8 @@ pub struct Chart {
     pub finished: bool,
     /// How runs are carried to one temperature.
     pub slopes: Slopes,
+    /// The step at which ω·dt is 1 for the fastest pair or spring, τ: light and small particles are fast.
+    pub step_of_fastest: f64,
     /// Farthest pairs in the forces of the untruncated fluid, σ; absent where the potential ends by itself.
     pub reach: Option<f64>,
     /// What that sum leaves out, relative to the forces.

@@ -1,7 +1,6 @@
 //! Where the scene's own settings stand among the others, and what a chart may advise.
 
 use lennard_core::stopwatch::BUSY;
-use lennard_engine::watchdog::rough_stable_dt;
 use lennard_report::significant;
 
 use super::panels::{Mark, Panel};
@@ -175,12 +174,13 @@ fn may_be_advised(chart: &Chart, number: usize) -> bool {
     point.engine.is_none() && is_stable
 }
 
-/// The step, τ, from which on a point's method may be unstable here. It is a cautious estimate from the closest approach of thermal
-/// pairs, or a shorter step at which a run of the chart failed. None for a method without a limit whose runs all held.
+/// The step, τ, from which on a point's method may be unstable here. A cautious estimate comes from the closest approach of thermal
+/// pairs, by their masses, and from springs. A shorter step at which a run of the chart failed tells more. None for a method without
+/// a limit whose runs all held.
 #[must_use]
 pub fn stability_limit(chart: &Chart, point: &ChartedPoint) -> Option<f64> {
     let limit = point.settings.integrator.spec().stability_limit;
-    let rough = limit.map(|limit| LOWEST_LIMIT * rough_stable_dt(chart.slopes.temperature, limit));
+    let rough = limit.map(|limit| LOWEST_LIMIT * limit * chart.step_of_fastest);
     let failed = chart
         .points
         .iter()
@@ -238,6 +238,7 @@ mod tests {
             atoms: 108,
             density: 0.8,
             finished: true,
+            step_of_fastest: lennard_engine::watchdog::rough_stable_dt(0.722, 1.0),
             slopes: Slopes {
                 temperature: 0.722,
                 du_dt: 0.0,
@@ -282,6 +283,10 @@ mod tests {
         let limit = stability_limit(&of_forces, &of_forces.points[2]).unwrap();
         assert!((0.022..0.026).contains(&limit), "{limit}");
         assert_eq!(advised(&of_forces), Some(2));
+        // Particles that are four times as fast are told shorter steps.
+        of_forces.step_of_fastest *= 0.25;
+        assert_eq!(advised(&of_forces), Some(1));
+        of_forces.step_of_fastest *= 4.0;
         // A run that failed at 0.01 tells more than the rough limit.
         let failed = || crate::lab::Failed {
             reason: "it blew up".into(),

@@ -8,7 +8,7 @@ use lennard_scene::{Geometry, Lattice, MoleculeKind, Scene, Stage, Start as Scen
 
 use super::TuneError;
 use super::pairs::Fluid;
-use crate::lab::Start;
+use crate::lab::{self, Start};
 use crate::settings::Settings;
 
 /// Fluids of this many particles are judged as they are. In a smaller fluid, half the box is too short to see what a
@@ -71,10 +71,7 @@ impl Sample {
         let density = (scene_atoms / sites) as f64 / beginning.cell.volume();
         let temperature = temperature(scene);
         let pair_at = |t: f64| fastest_pair(scene, &beginning.species, t, VERLET_LIMIT);
-        let stable_at = |t: f64| {
-            let of_pairs = pair_at(t).map_or(f64::INFINITY, |pair| pair.stable_dt);
-            of_pairs.min(stable_dt_of_springs(scene).unwrap_or(f64::INFINITY))
-        };
+        let stable_at = |t: f64| lab::rough_stable_dt(scene, &beginning.species, t, VERLET_LIMIT);
         let stable_dt = stable_at(temperature);
         let hottest = scene
             .stages
@@ -191,8 +188,7 @@ pub(super) fn comfortable_cutoff(half: f64) -> f64 {
 
 /// The stability limit that springs of bonds set velocity Verlet, τ; `None` where bonds do not limit the step.
 pub(super) fn stable_dt_of_springs(scene: &Scene) -> Option<f64> {
-    let omega = scene.molecule.as_ref()?.fastest_vibration();
-    (omega > 0.0).then(|| VERLET_LIMIT / omega)
+    lab::stable_dt_of_springs(scene, VERLET_LIMIT)
 }
 
 /// Whether a lattice of any size can be filled with what a scene is made of: molecules of listed bonds need a shape.
