@@ -113,6 +113,8 @@ catalog! {
     Momentum => crate::MomentumOptions,
     /// Temperatures, bonds and pressure of molecules.
     Molecules => crate::MolecularMotionOptions,
+    /// How long molecules remember their direction.
+    Orientation => crate::OrientationOptions,
     /// The radial distribution function g(r).
     Rdf => crate::RdfOptions,
     /// The mean-square displacement and the diffusion coefficient.

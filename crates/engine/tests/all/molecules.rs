@@ -91,6 +91,10 @@ const WAYS: &[&[(&str, &str)]] = &[
         ("truncation.tail_correction", "false"),
         ("observable", "[]"),
     ],
+    &[(
+        "observable",
+        "[{ kind = \"orientation\", every = 4, window = 0.1, origins = 3 }]",
+    )],
     &[("wall", "[{ kind = \"wca\" }]"), ("observable", "[]")],
     &[
         ("bonds.method", "spring"),

@@ -81,7 +81,7 @@ fn with_method(table: &str, kind: &str) -> Scene {
         _ => format!("[{table}]\nkind = \"{kind}\"\n"),
     };
     let mut text = SMALL.replace("[[observable]]\nkind = \"rdf\"\n", &extra);
-    if kind == "molecules" {
+    if ["molecules", "orientation"].contains(&kind) {
         text = text
             .replace("n_atoms", "n_molecules")
             .replace("density = 0.8", "density = 0.4");

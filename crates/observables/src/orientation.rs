@@ -1,0 +1,353 @@
+//! How long molecules remember their direction.
+
+use std::collections::VecDeque;
+
+use lennard_core::{
+    DVec3, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
+    StateWriter, Table, View, Want,
+};
+
+use crate::averages::{of_blocks, tell_discarded};
+use crate::blocks::BlockedSums;
+use crate::error::{positive, within};
+use crate::tracked::sum_over_pairs;
+use crate::{BuildContext, ObservableError, Recipe};
+
+const SPEC: ObservableSpec = ObservableSpec {
+    name: "orientation",
+    summary: "autocorrelation functions of the directions of molecules, and their integrals, the times of reorientation",
+    equation: "C_1(t) = ⟨u(t₀)·u(t₀+t)⟩; C_2(t) = ⟨(3(u(t₀)·u(t₀+t))² − 1)/2⟩ with u from the first to the last site; τ_l = ∫₀^∞ C_l dt",
+    source: "Allen and Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), section 2.7.1; \
+             J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), section 11.5",
+    dynamic: true,
+    suits: lennard_core::Suits::Molecules,
+};
+
+/// Blocks of the run from which the errors come.
+const BLOCKS: usize = 64;
+/// Most lags of the functions.
+const MOST_LAGS: usize = 10_000;
+/// A function counts as decayed where its end is below this part of its beginning.
+const DECAYED: f64 = 0.01;
+
+lennard_core::options! {
+    /// Options of [`Orientation`].
+    pub struct OrientationOptions {
+        /// Longest lag.
+        window: f64 = 4.0, Positive, in "τ";
+        /// Number of time origins followed at once.
+        origins: usize = 16, Whole(1, 10_000);
+    }
+}
+
+impl Recipe for OrientationOptions {
+    const SPEC: &'static ObservableSpec = &SPEC;
+
+    fn default_every(&self) -> u64 {
+        5
+    }
+
+    fn follows_changing_box(&self) -> bool {
+        true
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
+        Ok(Box::new(Orientation::new(self, context)?))
+    }
+}
+
+/// The autocorrelation functions of the unit vectors u from the first to the last site of each molecule, over many time origins.
+///
+/// A free linear molecule that turns by the angle φ in a time has C_1 = cos φ and C_2 = (3cos²φ − 1)/2. C_2 does not tell the two ends
+/// of a molecule apart. The times τ_1 and τ_2 are integrals by the trapezoidal rule up to the end of the window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Orientation {
+    interval: f64,
+    lags: usize,
+    spacing: u64,
+    molecules: usize,
+    samples: u64,
+    /// Time origins, oldest first: number of the sample and directions there.
+    origins: VecDeque<(u64, Vec<DVec3>)>,
+    /// C_1 at each lag, then C_2 at each lag.
+    products: BlockedSums,
+}
+
+impl Orientation {
+    /// Nothing seen yet.
+    ///
+    /// # Errors
+    /// [`ObservableError`] where the window holds no two samples or more than 10,000, or there is no origin.
+    pub fn new(
+        options: &OrientationOptions,
+        context: &BuildContext,
+    ) -> Result<Self, ObservableError> {
+        let interval = context.sample_interval();
+        positive("window", Some(options.window))?;
+        let steps = (options.window / interval).round();
+        if !(2.0..=MOST_LAGS as f64).contains(&steps) {
+            return Err(ObservableError::new(
+                "window",
+                options.window,
+                format!(
+                    "from 2 to {MOST_LAGS} sampling intervals of {interval} τ (change `window` or `every`)"
+                ),
+            ));
+        }
+        within("origins", options.origins, 1..=MOST_LAGS)?;
+        let lags = steps as usize + 1;
+        Ok(Self {
+            interval,
+            lags,
+            spacing: lags.div_ceil(options.origins) as u64,
+            molecules: context.n_molecules(),
+            samples: 0,
+            origins: VecDeque::new(),
+            products: BlockedSums::new(2 * lags, BLOCKS),
+        })
+    }
+
+    /// ∫ C over the window by the trapezoidal rule.
+    fn integral(&self, c: &[f64]) -> f64 {
+        let pairs = c.windows(2).map(|c| 0.5 * (c[0] + c[1]));
+        pairs.sum::<f64>() * self.interval
+    }
+
+    /// The function of order `l` with its errors, of which the time is added; `None` where the run is shorter than the window.
+    fn report(
+        &self,
+        products: &BlockedSums,
+        l: usize,
+        findings: &mut Findings,
+    ) -> Option<[Vec<f64>; 2]> {
+        let own: Vec<usize> = ((l - 1) * self.lags..l * self.lags).collect();
+        let means = own.iter().map(|k| products.mean(*k));
+        let c = means.collect::<Option<Vec<f64>>>()?;
+        let errors: Vec<f64> = own.iter().map(|k| products.standard_error(*k)).collect();
+        let rows = products.complete_rows(&own);
+        let blocks: Vec<f64> = rows.iter().map(|c| self.integral(c)).collect();
+        let last = self.lags - 1;
+        let undecayed = (c[last].abs() > (DECAYED * c[0]).max(3.0 * errors[last])).then(|| {
+            Doubt::Incomplete(format!(
+                "the function C_{l} of directions has not decayed at the end of its window, {:.3} τ",
+                last as f64 * self.interval
+            ))
+        });
+        findings.averages.push(
+            of_blocks(
+                &format!("reorientation_time_{l}"),
+                "τ",
+                self.integral(&c),
+                &blocks,
+                last as f64 * blocks.len() as f64 / products.samples() as f64,
+            )
+            .doubted(undecayed),
+        );
+        Some([c, errors])
+    }
+}
+
+/// The unit vectors from the first to the last site of each molecule; zero where both have one place.
+fn directions(view: &View<'_>) -> Vec<DVec3> {
+    let molecules = &view.system.molecules;
+    (0..view.system.n_molecules())
+        .map(|m| {
+            let x = &view.state.positions[molecules.sites_of(m)];
+            (x[x.len() - 1] - x[0]).normalize_or_zero()
+        })
+        .collect()
+}
+
+fn first(a: DVec3, b: DVec3) -> f64 {
+    a.dot(b)
+}
+
+fn second(a: DVec3, b: DVec3) -> f64 {
+    1.5 * a.dot(b).powi(2) - 0.5
+}
+
+impl Observable for Orientation {
+    fn spec(&self) -> &'static ObservableSpec {
+        &SPEC
+    }
+
+    fn want(&self) -> Want {
+        Want::NOTHING
+    }
+
+    fn sample(&mut self, view: &View<'_>) {
+        let now = directions(view);
+        let weight = 1.0 / now.len().max(1) as f64;
+        let expired = |&(born, _): &(u64, _)| self.samples - born >= self.lags as u64;
+        while self.origins.front().is_some_and(expired) {
+            self.origins.pop_front();
+        }
+        if self.samples.is_multiple_of(self.spacing) {
+            self.origins.push_back((self.samples, now.clone()));
+        }
+        self.products.begin_sample();
+        for (born, then) in &self.origins {
+            let lag = (self.samples - born) as usize;
+            let [c_1, c_2] = [
+                sum_over_pairs(&now, then, first),
+                sum_over_pairs(&now, then, second),
+            ];
+            self.products.add(lag, c_1 * weight, 1);
+            self.products.add(self.lags + lag, c_2 * weight, 1);
+        }
+        self.samples += 1;
+    }
+
+    fn finish(&self, discarded: f64) -> Findings {
+        let mut findings = Findings::default();
+        let products = self.products.after(discarded);
+        let both = [1, 2].map(|l| self.report(&products, l, &mut findings));
+        let [Some([c_1, error_1]), Some([c_2, error_2])] = both else {
+            findings
+                .remarks
+                .push("no functions of directions: the run is shorter than their window".into());
+            return findings;
+        };
+        let times = (0..self.lags).map(|k| k as f64 * self.interval).collect();
+        tell_discarded(&mut findings, self.samples - products.samples());
+        findings.tables.push(
+            Table::new(
+                "orientation",
+                "autocorrelation functions of the directions of molecules against lag",
+            )
+            .with("time", "τ", times)
+            .with("c_1", "", c_1)
+            .with("standard_error_1", "", error_1)
+            .with("c_2", "", c_2)
+            .with("standard_error_2", "", error_2),
+        );
+        findings
+    }
+}
+
+impl Persist for Orientation {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        to.put_u64("samples", &[self.samples]);
+        self.products.save(&mut to.section("products"));
+        let born: Vec<u64> = self.origins.iter().map(|(born, _)| *born).collect();
+        to.put_u64("origins", &born);
+        let all: Vec<DVec3> = self.origins.iter().flat_map(|(_, u)| u).copied().collect();
+        to.put_vec3("directions", &all);
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        [self.samples] = from.u64s("samples")?;
+        self.products.restore(&from.section("products"))?;
+        let born = from.u64("origins")?;
+        let all = from.vec3("directions")?;
+        let n = self.molecules;
+        if all.len() != born.len() * n || born.iter().any(|b| *b >= self.samples) {
+            return Err(from.misfit(
+                "directions",
+                format!("{} vectors for {} origins of {n}", all.len(), born.len()),
+            ));
+        }
+        self.origins = born
+            .iter()
+            .copied()
+            .zip(all.chunks(n.max(1)).map(<[DVec3]>::to_vec))
+            .collect();
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use lennard_core::{Bonds, Molecules, State, System};
+
+    use super::*;
+    use crate::testing::{context, normal};
+
+    /// Samples of dumbbells whose direction `of(sample, molecule)` gives.
+    fn found(n: usize, samples: u64, of: impl Fn(u64, usize) -> DVec3) -> Findings {
+        let molecules = Molecules::chains(2, 1.0, Bonds::Rigid);
+        let context = BuildContext {
+            dt: 0.05,
+            molecules: molecules.clone(),
+            ..context(10.0, 2 * n)
+        };
+        let system = System::of_molecules(2 * n, molecules);
+        let options = OrientationOptions::default();
+        let mut seen = Orientation::new(&options, &context).unwrap();
+        for s in 0..samples {
+            let sites = |m| [DVec3::ZERO, of(s, m)].map(|u| DVec3::splat(m as f64) + u);
+            let x: Vec<DVec3> = (0..n).flat_map(sites).collect();
+            let state = State::new(context.cell, x, vec![DVec3::ZERO; 2 * n]);
+            seen.sample(&View::of(&state, &system));
+        }
+        seen.finish(0.0)
+    }
+
+    #[test]
+    fn molecules_that_turn_steadily_have_cosines() {
+        // Each about an axis of its own, by 0.11 rad per sample.
+        let turn = |s: u64, m: usize| {
+            let axis = normal(3, 0, m).normalize();
+            let (u, w) = axis.any_orthonormal_pair();
+            let angle = 0.11 * s as f64 + m as f64;
+            angle.cos() * u + angle.sin() * w
+        };
+        let findings = found(20, 400, turn);
+        let table = &findings.tables[0];
+        for k in [0, 1, 7, 40, 80] {
+            let cosine = (0.11 * k as f64).cos();
+            let [c_1, c_2] = [1, 3].map(|column: usize| table.columns[column].numbers()[k]);
+            assert!((c_1 - cosine).abs() < 1e-12, "{k}: {c_1}");
+            assert!((c_2 - (1.5 * cosine * cosine - 0.5)).abs() < 1e-12, "{k}");
+        }
+        // Cosines do not decay: the times are no results, and say so.
+        assert_eq!(findings.averages.len(), 2);
+        for average in &findings.averages {
+            assert!(average.name.starts_with("reorientation_time_"));
+            assert!(
+                matches!(average.doubt, Some(Doubt::Incomplete(_))),
+                "{average:?}"
+            );
+        }
+    }
+
+    /// Rotational diffusion: C_l = e^{−l(l+1)·D·t}, and τ_1 = 3·τ_2.
+    #[test]
+    fn rotational_diffusion_decays_exponentially_with_its_two_times() {
+        let (n, samples, d, dt) = (200, 4000, 0.6, 0.05);
+        let mut u: Vec<DVec3> = (0..n).map(|m| normal(5, u64::MAX, m).normalize()).collect();
+        let mut path = Vec::new();
+        for s in 0..samples {
+            path.push(u.clone());
+            // Many small steps in one, so that a step is diffusion on the sphere.
+            for part in 0..10 {
+                for (m, u) in u.iter_mut().enumerate() {
+                    let kick = (2.0 * d * dt / 10.0_f64).sqrt() * normal(5, 10 * s + part, m);
+                    *u = (*u + kick.cross(*u)).normalize();
+                }
+            }
+        }
+        let findings = found(n, samples, |s, m| path[s as usize][m]);
+        let table = &findings.tables[0];
+        for (column, rate) in [(1, 2.0 * d), (3, 6.0 * d)] {
+            for k in [2, 10, 20] {
+                let wanted = (-rate * dt * k as f64).exp();
+                let c = table.columns[column].numbers()[k];
+                let error = table.columns[column + 1].numbers()[k];
+                assert!(
+                    (c - wanted).abs() < 4.0 * error + 0.005,
+                    "{k}: {c} {wanted}"
+                );
+            }
+        }
+        for (average, rate) in findings.averages.iter().zip([2.0 * d, 6.0 * d]) {
+            // The trapezoidal sum of e^{−rate·t} is dt/2·coth(rate·dt/2).
+            let wanted = 0.5 * dt / (0.5 * rate * dt).tanh();
+            let estimate = &average.estimate;
+            assert!(
+                (estimate.mean - wanted).abs() < 4.0 * estimate.standard_error + 0.01 * wanted,
+                "{average:?} {wanted}"
+            );
+        }
+    }
+}
