@@ -25,14 +25,17 @@ use std::ops::Range;
 use glam::{DMat3, DVec3};
 
 use crate::Team;
+use crate::lanes::{Simd, WithSimd, in_lanes};
 use crate::parallel::{CHUNK, part};
 use crate::tasks::map_tasks;
 
 use wide::WideSum;
-use window::{MOST_TERMS, Window};
+use window::{MOST_TERMS, Window, largest};
 
 /// Terms that are added in one loop without a branch.
 const BLOCK: usize = 64;
+/// The same where a sum is alone, and a block may take more room.
+const LARGE_BLOCK: usize = 64;
 
 /// An exact sum in the making.
 #[derive(Debug, Clone, Default)]
@@ -48,11 +51,11 @@ struct ExactSum {
 }
 
 impl ExactSum {
-    /// Adds at most [`BLOCK`] terms.
-    #[inline]
-    fn add_block(&mut self, block: &[f64]) {
+    /// Adds at most [`MOST_TERMS`] terms.
+    #[inline(always)]
+    fn add_block<S: Simd>(&mut self, simd: S, block: &[f64]) {
         let terms = self.terms + block.len() as u32;
-        match self.window.sums(block) {
+        match self.window.sums(simd, block) {
             Some([high, low]) if terms <= MOST_TERMS => {
                 self.slices[0] += high;
                 self.slices[1] += low;
@@ -66,19 +69,8 @@ impl ExactSum {
     #[cold]
     fn add_with_care(&mut self, block: &[f64]) {
         self.empty_slices();
-        let largest = block.iter().fold(0.0, |largest: f64, term| {
-            // The comparison is false for NaN.
-            if term.abs() > largest {
-                term.abs()
-            } else {
-                largest
-            }
-        });
-        if largest >= self.window.limit {
-            self.window = Window::above(largest).unwrap_or_default();
-        }
         self.terms = block.len() as u32;
-        if let Some(sums) = self.window.sums(block) {
+        if let Some(sums) = in_lanes(InNewWindow(&mut self.window, block)) {
             self.slices = sums;
             return;
         }
@@ -168,29 +160,40 @@ impl<const N: usize> ExactSums<N> {
     }
 
     /// Adds the terms of some particles.
-    // Iterators over arrays are calls where little is inlined.
-    #[allow(clippy::needless_range_loop)]
-    #[inline]
-    fn add_range(&mut self, range: Range<usize>, term: impl Fn(usize) -> [f64; N]) {
-        self.flush();
+    #[inline(always)]
+    fn add_range<S: Simd>(
+        &mut self,
+        simd: S,
+        range: Range<usize>,
+        term: impl Fn(usize) -> [f64; N],
+    ) {
+        self.flush_by(simd);
         for first in range.clone().step_by(BLOCK) {
             self.len = BLOCK.min(range.end - first);
+            // Iterators over arrays are calls where little is inlined.
             for k in 0..self.len {
                 let terms = term(first + k);
                 for quantity in 0..N {
                     self.blocks[quantity][k] = terms[quantity];
                 }
             }
-            self.flush();
+            self.flush_by(simd);
         }
     }
 
     fn flush(&mut self) {
+        if self.len > 0 {
+            in_lanes(Flush(self));
+        }
+    }
+
+    #[inline(always)]
+    fn flush_by<S: Simd>(&mut self, simd: S) {
         if self.len == 0 {
             return;
         }
         for (sum, block) in self.sums.iter_mut().zip(&self.blocks) {
-            sum.add_block(&block[..self.len]);
+            sum.add_block(simd, &block[..self.len]);
         }
         self.len = 0;
     }
@@ -234,6 +237,74 @@ impl<const N: usize> ExactSums<N> {
     #[must_use]
     pub fn values(self) -> [f64; N] {
         self.accumulators().map(|sum| sum.value())
+    }
+}
+
+/// Moves a window to where it takes the terms of a block, if need be, and sums their slices there.
+struct InNewWindow<'a>(&'a mut Window, &'a [f64]);
+
+impl WithSimd for InNewWindow<'_> {
+    type Output = Option<[f64; 2]>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self(window, block) = self;
+        let largest = largest(simd, block);
+        if largest >= window.limit {
+            *window = Window::above(largest).unwrap_or_default();
+        }
+        window.sums(simd, block)
+    }
+}
+
+/// Takes in the blocks of some sums.
+struct Flush<'a, const N: usize>(&'a mut ExactSums<N>);
+
+impl<const N: usize> WithSimd for Flush<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.0.flush_by(simd);
+    }
+}
+
+/// Adds the terms of some particles to some sums.
+struct AddRange<'a, F, const N: usize> {
+    sums: &'a mut ExactSums<N>,
+    range: Range<usize>,
+    term: F,
+}
+
+impl<F: Fn(usize) -> [f64; N], const N: usize> WithSimd for AddRange<'_, F, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.sums.add_range(simd, self.range, self.term);
+    }
+}
+
+/// Adds a term for each of some items to a sum.
+struct AddItems<'a, T, F> {
+    sum: &'a mut ExactSum,
+    items: &'a [T],
+    term: F,
+}
+
+impl<T, F: Fn(&T) -> f64> WithSimd for AddItems<'_, T, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let mut block = [0.0; LARGE_BLOCK];
+        for items in self.items.chunks(LARGE_BLOCK) {
+            let block = &mut block[..items.len()];
+            for (term, item) in block.iter_mut().zip(items) {
+                *term = (self.term)(item);
+            }
+            self.sum.add_block(simd, block);
+        }
     }
 }
 
@@ -301,15 +372,34 @@ pub fn exact_sum_over<T: Summand<N>, const N: usize>(
     term: impl Fn(usize) -> T + Sync,
 ) -> T {
     let (sums, _) = exact_sums(n, |range, sums: &mut ExactSums<N>| {
-        sums.add_range(range, |i| term(i).numbers());
+        let term = |i| term(i).numbers();
+        in_lanes(AddRange { sums, range, term });
     });
     T::from_numbers(sums.over(team).values())
+}
+
+/// The exact sum of one term for each item, over the items of all ranks of a team, where there is one: as
+/// [`exact_sum_over`], in less time where terms are simple.
+pub fn exact_sum_of<T: Sync>(
+    team: Option<&Team>,
+    items: &[T],
+    term: impl Fn(&T) -> f64 + Sync,
+) -> f64 {
+    let (sums, _) = exact_sums(items.len(), |range, sums: &mut ExactSums<1>| {
+        in_lanes(AddItems {
+            sum: &mut sums.sums[0],
+            items: &items[range],
+            term: &term,
+        });
+    });
+    let [sum] = sums.over(team).values();
+    sum
 }
 
 /// The exact sum of numbers, rounded once.
 #[must_use]
 pub fn total(numbers: &[f64]) -> f64 {
-    exact_sum(numbers.len(), |i| numbers[i])
+    exact_sum_of(None, numbers, |x| *x)
 }
 
 /// The exact sums over `0..n` of what `add` gives for each of some ranges, and what it returns for each, in their order.

@@ -1,6 +1,7 @@
 //! Friction and noise on every particle: the Ornstein–Uhlenbeck part of Langevin dynamics.
 
-use crate::exact::{exact_sum_over, total};
+use crate::exact::{exact_sum_of, total};
+use crate::lanes::{Simd, WithSimd, in_lanes};
 use crate::normals::LANES;
 use crate::parallel::for_each_piece_pair;
 use crate::random::NoiseStream;
@@ -72,41 +73,90 @@ impl NoiseOfStep {
             particles.len() == velocities.len() && particles.len() == gained.len(),
             "one number for each particle"
         );
-        let parts = particles.chunks(LANES).zip(velocities.chunks_mut(LANES));
-        let parts = parts.zip(gained.chunks_mut(LANES)).enumerate();
-        for (block, ((numbers, velocities), gained)) in parts {
-            let mut all = [0; LANES];
-            all[..numbers.len()].copy_from_slice(numbers);
-            let [x, y, z] = self.noise.normals(self.step, all);
-            for (k, (v, gained)) in velocities.iter_mut().zip(gained).enumerate() {
-                let [width, weight] = scales(block * LANES + k);
-                let before = v.length_squared();
-                *v = self.keep * *v + width * DVec3::new(x[k], y[k], z[k]);
-                *gained = weight * (v.length_squared() - before);
-            }
+        let (blocks, last) = particles.as_chunks();
+        let (all_velocities, last_velocities) = velocities.as_chunks_mut();
+        let (all_gained, last_gained) = gained.as_chunks_mut();
+        let parts = all_velocities.iter_mut().zip(all_gained);
+        for (block, (numbers, (velocities, gained))) in blocks.iter().zip(parts).enumerate() {
+            let scales = |k: usize| scales(block * LANES + k);
+            self.act_on_block(scales, numbers, velocities, gained);
         }
+        if last.is_empty() {
+            return;
+        }
+        let n = last.len();
+        let mut numbers = [0; LANES];
+        numbers[..n].copy_from_slice(last);
+        let [x, y, z] = self.noise.normals(self.step, numbers);
+        for (k, (v, gained)) in last_velocities.iter_mut().zip(last_gained).enumerate() {
+            let noise = DVec3::new(x[k], y[k], z[k]);
+            (*v, *gained) = self.act_on_one(scales(particles.len() - n + k), *v, noise);
+        }
+    }
+
+    /// Acts on a whole block, with loops of one length that a compiler puts into lanes.
+    #[inline(always)]
+    fn act_on_block(
+        &self,
+        scales: impl Fn(usize) -> [f64; 2],
+        numbers: &[u32; LANES],
+        velocities: &mut [DVec3; LANES],
+        gained: &mut [f64; LANES],
+    ) {
+        let [x, y, z] = self.noise.normals(self.step, *numbers);
+        for k in 0..LANES {
+            let noise = DVec3::new(x[k], y[k], z[k]);
+            (velocities[k], gained[k]) = self.act_on_one(scales(k), velocities[k], noise);
+        }
+    }
+
+    /// The velocity of a particle after friction and noise, and the kinetic energy that it gains, ε.
+    #[inline(always)]
+    fn act_on_one(&self, [width, weight]: [f64; 2], v: DVec3, noise: DVec3) -> (DVec3, f64) {
+        let next = self.keep * v + width * noise;
+        (next, weight * (next.length_squared() - v.length_squared()))
     }
 
     /// Acts on all particles, `[N]`; returns the kinetic energy that they gain, ε.
     pub fn act_on_all(&self, masses: &Masses, velocities: &mut [DVec3]) -> f64 {
         let mut gained = vec![0.0; velocities.len()];
         for_each_piece_pair(velocities, &mut gained, |first, velocities, gained| {
-            let blocks = velocities.chunks_mut(LANES).zip(gained.chunks_mut(LANES));
-            for (block, (velocities, gained)) in blocks.enumerate() {
-                let first = first + block * LANES;
-                let numbers: [u32; LANES] = std::array::from_fn(|k| (first + k) as u32);
-                match masses {
-                    Masses::Uniform(mass) => {
-                        self.act(*mass, &numbers[..velocities.len()], velocities, gained);
-                    }
-                    Masses::Each(masses) => {
-                        let scales = |k: usize| self.scales(masses[first + k]);
-                        self.act_by(scales, &numbers[..velocities.len()], velocities, gained);
-                    }
-                }
-            }
+            in_lanes(OnPiece {
+                noise: self,
+                masses,
+                first,
+                velocities,
+                gained,
+            });
         });
         total(&gained)
+    }
+}
+
+/// Friction and noise on a piece of all particles, from the number `first` on.
+struct OnPiece<'a> {
+    noise: &'a NoiseOfStep,
+    masses: &'a Masses,
+    first: usize,
+    velocities: &'a mut [DVec3],
+    gained: &'a mut [f64],
+}
+
+impl WithSimd for OnPiece<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let (noise, masses) = (self.noise, self.masses);
+        let blocks = self.velocities.chunks_mut(LANES);
+        let blocks = blocks.zip(self.gained.chunks_mut(LANES)).enumerate();
+        for (block, (velocities, gained)) in blocks {
+            let first = self.first + block * LANES;
+            let numbers: [u32; LANES] = std::array::from_fn(|k| (first + k) as u32);
+            let numbers = &numbers[..velocities.len()];
+            let scales = |k: usize| noise.scales(masses.of(first + k));
+            noise.act_by(scales, numbers, velocities, gained);
+        }
     }
 }
 
@@ -140,8 +190,7 @@ impl FusedNoise {
     /// Ends a step in which the particles gained so much kinetic energy, `[N]`, ε. With a team, they belong to one rank.
     pub fn pass(&mut self, gained: &[f64], team: Option<&Team>) {
         self.step += 1;
-        self.heats
-            .push(exact_sum_over(team, gained.len(), |i| gained[i]));
+        self.heats.push(exact_sum_of(team, gained, |x| *x));
     }
 
     /// The heats of the steps so far, ε.

@@ -10,7 +10,7 @@ pub use pulp::{Scalar, Simd, WithSimd};
 use crate::DVec3;
 
 /// The most lanes of any register.
-const MOST_LANES: usize = 8;
+pub(crate) const MOST_LANES: usize = 8;
 
 /// Runs `work` with the widest registers of this machine.
 pub fn in_lanes<W: WithSimd>(work: W) -> W::Output {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::Team;
-use crate::exact::exact_sum_over;
+use crate::exact::{exact_sum_of, exact_sum_over};
 use crate::species::SpeciesTable;
 
 /// The masses of the particles. A held particle, which never moves, has an infinite mass.
@@ -71,9 +71,12 @@ impl Masses {
     /// As [`Masses::kinetic_energy`], where all masses are equal and each rank of a team has some of the velocities.
     #[must_use]
     pub fn kinetic_energy_over(&self, team: Option<&Team>, velocities: &[DVec3]) -> f64 {
-        exact_sum_over(team, velocities.len(), |i| {
-            self.kinetic_energy_of(i, velocities[i])
-        })
+        match self {
+            Self::Uniform(m) => exact_sum_of(team, velocities, |v| 0.5 * m * v.length_squared()),
+            Self::Each(_) => exact_sum_over(team, velocities.len(), |i| {
+                self.kinetic_energy_of(i, velocities[i])
+            }),
+        }
     }
 
     /// The reduced mass m_i·m_j/(m_i + m_j) of two particles, of which one at most is held.

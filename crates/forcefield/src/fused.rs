@@ -9,8 +9,8 @@ use lennard_neighbor::Positions;
 use crate::clock::Clock;
 use crate::share::Share;
 use crate::simd::{
-    Detail, Disjoint, KickDrift, ListStatus, LoopOver, Mover, PackedCopies, PairList, Prepared,
-    Request, SlotNoise, SlotState, are_few, by_slot, fused_step, to_particles,
+    Detail, Disjoint, KickDrift, Level, ListStatus, LoopOver, Mover, PackedCopies, PairList,
+    Prepared, Request, SlotNoise, SlotState, are_few, by_slot, fused_step, to_particles,
 };
 use crate::validity::ListValidity;
 
@@ -80,7 +80,7 @@ impl FusedBuffers {
                         if used.share.is_some_and(Share::is_broken) {
                             return (done, ListStatus::NonFinite);
                         }
-                        self.go_on_from_bath(steps, kick_drift, used.share);
+                        self.go_on_from_bath(steps, (kick_drift, used.level), used.share);
                         Prepared::Nothing
                     } else {
                         self.finish_step(steps, request, used.share)
@@ -197,7 +197,7 @@ impl FusedBuffers {
     fn go_on_from_bath(
         &mut self,
         steps: &mut FusedSteps<'_>,
-        kick_drift: KickDrift,
+        (kick_drift, level): (KickDrift, Level),
         share: Option<&Share>,
     ) {
         let own = self.own(share);
@@ -206,7 +206,8 @@ impl FusedBuffers {
         // All masses are equal, so that the order of the slots serves as well.
         let kinetic = (steps.masses).kinetic_energy_over(share.map(Share::team), velocities);
         let factor = steps.bath.as_mut().map_or(1.0, |bath| bath.factor(kinetic));
-        kick_drift.scale_and_go_on(factor, positions, velocities, &self.forces[own]);
+        let forces = &self.forces[own];
+        kick_drift.scale_and_go_on(level, factor, positions, velocities, forces);
     }
 
     /// Makes the positions of the next step the present ones; returns the state of their rows.

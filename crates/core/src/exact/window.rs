@@ -1,6 +1,7 @@
 //! Terms cut into slices whose sums are exact doubles.
 
 use super::wide::power_of_two;
+use crate::lanes::{MOST_LANES, Simd};
 
 /// Terms that share one sum of slices.
 pub const MOST_TERMS: u32 = 1024;
@@ -8,8 +9,6 @@ pub const MOST_TERMS: u32 = 1024;
 const SLICE_BITS: i32 = 53 - MOST_TERMS.ilog2() as i32;
 /// Room above the largest term, in bits: larger terms seldom come later.
 const SPARE_BITS: i32 = 3;
-/// Partial sums that the processor adds side by side.
-const LANES: usize = 4;
 
 /// The place of the slices.
 #[derive(Debug, Clone, Copy)]
@@ -52,73 +51,93 @@ impl Window {
     }
 
     /// The sums of the slices of a block; `None` where a term is not below the limit or has a rest.
-    #[inline]
-    pub fn sums(&self, block: &[f64]) -> Option<[f64; 2]> {
-        let mut lanes = Lanes::default();
-        let (fours, last) = block.as_chunks::<LANES>();
-        for four in fours {
-            lanes.add(self, four);
+    #[inline(always)]
+    pub fn sums<S: Simd>(&self, simd: S, block: &[f64]) -> Option<[f64; 2]> {
+        let mut lanes = Lanes::new(simd, self);
+        let (registers, last) = registers(simd, block);
+        for terms in registers {
+            lanes.add(*terms);
         }
-        if !last.is_empty() {
-            let mut four = [0.0; LANES];
-            four[..last.len()].copy_from_slice(last);
-            lanes.add(self, &four);
-        }
-        let [a, b, c, d] = lanes.rest;
-        let [e, f, g, h] = lanes.largest.map(|x| x < self.limit);
-        // The comparison is false for NaN, which leaves a rest too. A rest of zero may be negative.
-        if (a | b | c | d) << 1 != 0 || !(e & f & g & h) {
-            return None;
-        }
-        let sum = |[a, b, c, d]: [f64; LANES]| (a + b) + (c + d);
-        Some([sum(lanes.high), sum(lanes.low)])
+        lanes.add(last);
+        lanes.sums(self.limit)
     }
 }
 
-/// Sums of slices side by side.
-#[derive(Default)]
-struct Lanes {
-    high: [f64; LANES],
-    low: [f64; LANES],
-    /// The bits of all rests together.
-    rest: [u64; LANES],
-    /// The largest |x|.
-    largest: [f64; LANES],
+/// The largest |x| of a block; where a term is no number, it may be any of them.
+#[inline(always)]
+pub fn largest<S: Simd>(simd: S, block: &[f64]) -> f64 {
+    let (registers, last) = registers(simd, block);
+    let mut largest = simd.abs_f64s(last);
+    for terms in registers {
+        largest = simd.max_f64s(simd.abs_f64s(*terms), largest);
+    }
+    simd.reduce_max_f64s(largest)
 }
 
-impl Lanes {
-    /// Adds one term to each lane. Each loop is one instruction of the processor for two lanes or more.
-    // Iterators over arrays are calls where little is inlined.
-    #[allow(clippy::needless_range_loop)]
+/// The whole registers of a block, and one more with the terms that are left and zeros.
+// Loops over them do not take closures, which are calls where little is inlined.
+#[inline(always)]
+fn registers<S: Simd>(simd: S, block: &[f64]) -> (&[S::f64s], S::f64s) {
+    let (registers, last) = S::as_simd_f64s(block);
+    if last.is_empty() {
+        return (registers, simd.splat_f64s(0.0));
+    }
+    let mut padded = [0.0; MOST_LANES];
+    padded[..last.len()].copy_from_slice(last);
+    (registers, S::as_simd_f64s(&padded).0[0])
+}
+
+/// Sums of slices side by side.
+struct Lanes<S: Simd> {
+    simd: S,
+    rounders: [S::f64s; 2],
+    high: S::f64s,
+    low: S::f64s,
+    /// The sums of all |rest|: zero where there is no rest, and no number where a term is none.
+    rest: S::f64s,
+    /// The largest |x|.
+    largest: S::f64s,
+}
+
+impl<S: Simd> Lanes<S> {
     #[inline(always)]
-    fn add(&mut self, window: &Window, terms: &[f64; LANES]) {
+    fn new(simd: S, window: &Window) -> Self {
+        const { assert!(S::F64_LANES <= MOST_LANES) };
         let [first, second] = window.rounders;
-        let (mut high, mut low, mut below) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for k in 0..LANES {
-            high[k] = (terms[k] + first) - first;
+        let zero = simd.splat_f64s(0.0);
+        Self {
+            simd,
+            rounders: [simd.splat_f64s(first), simd.splat_f64s(second)],
+            high: zero,
+            low: zero,
+            rest: zero,
+            largest: zero,
         }
-        for k in 0..LANES {
-            below[k] = terms[k] - high[k];
-        }
-        for k in 0..LANES {
-            low[k] = (below[k] + second) - second;
-        }
-        for k in 0..LANES {
-            self.high[k] += high[k];
-        }
-        for k in 0..LANES {
-            self.low[k] += low[k];
-        }
-        for k in 0..LANES {
-            self.rest[k] |= (below[k] - low[k]).to_bits();
-        }
-        for k in 0..LANES {
-            let x = terms[k].abs();
-            self.largest[k] = if x > self.largest[k] {
-                x
-            } else {
-                self.largest[k]
-            };
-        }
+    }
+
+    /// Adds one term to each lane.
+    #[inline(always)]
+    fn add(&mut self, terms: S::f64s) {
+        let (simd, [first, second]) = (self.simd, self.rounders);
+        let rounded = |x, rounder| simd.sub_f64s(simd.add_f64s(x, rounder), rounder);
+        let high = rounded(terms, first);
+        let below = simd.sub_f64s(terms, high);
+        let low = rounded(below, second);
+        let rest = simd.abs_f64s(simd.sub_f64s(below, low));
+        self.high = simd.add_f64s(self.high, high);
+        self.low = simd.add_f64s(self.low, low);
+        self.rest = simd.add_f64s(self.rest, rest);
+        self.largest = simd.max_f64s(self.largest, simd.abs_f64s(terms));
+    }
+
+    /// The sums of all lanes; `None` where a term is not below the limit or has a rest.
+    #[inline(always)]
+    fn sums(self, limit: f64) -> Option<[f64; 2]> {
+        let simd = self.simd;
+        // A term that is no number leaves a rest that is none either, which equals nothing.
+        let holds = simd.reduce_sum_f64s(self.rest) == 0.0;
+        let is_below = simd.reduce_max_f64s(self.largest) < limit;
+        let sums = [self.high, self.low].map(|slice| simd.reduce_sum_f64s(slice));
+        (holds && is_below).then_some(sums)
     }
 }

@@ -132,11 +132,11 @@ impl<L: Lanes> Common<L> for ForcesAlone {
 
 /// Energy, virial and Laplacian as three sums that the interaction understands; energy at the cutoff, and number of pairs.
 #[derive(Clone, Copy)]
-pub struct CommonSums<L> {
+pub struct CommonSums<L: Lanes> {
     sums: [L; 3],
     /// Stays zero where pairs are counted instead.
     at_cutoff: L,
-    pairs: u32,
+    pairs: L::Count,
 }
 
 impl<L: Lanes> Common<L> for CommonSums<L> {
@@ -148,7 +148,7 @@ impl<L: Lanes> Common<L> for CommonSums<L> {
         Self {
             sums: [zero; 3],
             at_cutoff: zero,
-            pairs: 0,
+            pairs: L::none(isa),
         }
     }
 
@@ -161,7 +161,7 @@ impl<L: Lanes> Common<L> for CommonSums<L> {
         r2: L,
         inside: L::Mask,
     ) -> L {
-        self.pairs += L::count(inside);
+        self.pairs = L::count(self.pairs, inside);
         if let Some(at_cutoff) = I::at_cutoff::<L>(own, neighbors) {
             self.at_cutoff = self.at_cutoff + at_cutoff.keep(inside);
         }
@@ -174,7 +174,7 @@ impl<L: Lanes> Common<L> for CommonSums<L> {
     #[inline(always)]
     fn totals<I: Interaction>(&self, interaction: &I, units: Units) -> ChunkTotals {
         let [a, b, c] = self.sums;
-        let pairs = u64::from(self.pairs);
+        let pairs = u64::from(L::counted(self.pairs));
         let sums = [a.sum(), b.sum(), c.sum()];
         let [energy, virial_trace, laplacian] = interaction.totals(sums, pairs, units.length);
         ChunkTotals {
@@ -191,14 +191,14 @@ impl<L: Lanes> Common<L> for CommonSums<L> {
 
 /// Energy, Laplacian, energy at the cutoff, virial and number of pairs, one sum per lane.
 #[derive(Clone, Copy)]
-pub struct PairSums<L> {
+pub struct PairSums<L: Lanes> {
     energy: L,
     laplacian: L,
     /// Stays zero where pairs are counted instead.
     at_cutoff: L,
     /// xx, yy, zz, xy, xz, yz.
     virial: [L; 6],
-    pairs: u32,
+    pairs: L::Count,
 }
 
 impl<L: Lanes> Accumulate<L> for PairSums<L> {
@@ -212,14 +212,14 @@ impl<L: Lanes> Accumulate<L> for PairSums<L> {
             laplacian: zero,
             at_cutoff: zero,
             virial: [zero; 6],
-            pairs: 0,
+            pairs: L::none(isa),
         }
     }
 
     #[inline(always)]
     fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, at_cutoff: Option<L>, inside: L::Mask) {
         let [dx, dy, dz] = r_ij;
-        self.pairs += L::count(inside);
+        self.pairs = L::count(self.pairs, inside);
         self.energy = self.energy + pair.energy.keep(inside);
         if let Some(at_cutoff) = at_cutoff {
             self.at_cutoff = self.at_cutoff + at_cutoff.keep(inside);
@@ -248,7 +248,7 @@ impl<L: Lanes> Accumulate<L> for PairSums<L> {
             virial: units.virial() * DMat3::from_cols_array(&virial),
             laplacian: units.energy * self.laplacian.sum(),
             at_cutoff: units.energy * self.at_cutoff.sum(),
-            pairs: u64::from(self.pairs),
+            pairs: u64::from(L::counted(self.pairs)),
             broken: false,
         }
     }

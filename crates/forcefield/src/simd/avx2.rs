@@ -73,6 +73,7 @@ impl Lanes for F64x4 {
     type Number = f64;
     type Species = __m256d;
     type Table = Doubles;
+    type Count = u32;
 
     #[inline(always)]
     fn constant(_isa: Avx2, value: f64) -> Self {
@@ -122,9 +123,17 @@ impl Lanes for F64x4 {
         unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, limit.0) }
     }
     #[inline(always)]
-    fn count(mask: Self::Mask) -> u32 {
+    fn none(_isa: Self::Isa) -> u32 {
+        0
+    }
+    #[inline(always)]
+    fn count(count: u32, mask: Self::Mask) -> u32 {
         // SAFETY: as above.
-        unsafe { _mm256_movemask_pd(mask).count_ones() }
+        count + unsafe { _mm256_movemask_pd(mask).count_ones() }
+    }
+    #[inline(always)]
+    fn counted(count: u32) -> u32 {
+        count
     }
     #[inline(always)]
     fn keep(self, mask: Self::Mask) -> Self {
@@ -189,6 +198,8 @@ impl Lanes for F32x8 {
     type Number = f32;
     type Species = __m256i;
     type Table = Self;
+    /// Counts by lanes: single counts of four members would be gathered into a register.
+    type Count = __m256i;
 
     #[inline(always)]
     fn constant(_isa: Avx2, value: f64) -> Self {
@@ -230,9 +241,21 @@ impl Lanes for F32x8 {
         unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, limit.0) }
     }
     #[inline(always)]
-    fn count(mask: Self::Mask) -> u32 {
-        // SAFETY: as above.
-        unsafe { _mm256_movemask_ps(mask).count_ones() }
+    fn none(_isa: Avx2) -> __m256i {
+        // SAFETY: the token proves AVX2.
+        unsafe { _mm256_setzero_si256() }
+    }
+    #[inline(always)]
+    fn count(count: __m256i, mask: Self::Mask) -> __m256i {
+        // A lane of the mask is −1. SAFETY: as above.
+        unsafe { _mm256_sub_epi32(count, _mm256_castps_si256(mask)) }
+    }
+    #[inline(always)]
+    fn counted(count: __m256i) -> u32 {
+        let mut lanes = [0_u32; 8];
+        // SAFETY: as above; eight numbers are written.
+        unsafe { _mm256_storeu_si256(lanes.as_mut_ptr().cast(), count) };
+        lanes.into_iter().sum()
     }
     #[inline(always)]
     fn keep(self, mask: Self::Mask) -> Self {

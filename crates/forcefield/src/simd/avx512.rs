@@ -68,6 +68,7 @@ impl Lanes for F64x8 {
     type Number = f64;
     type Species = __m512i;
     type Table = Self;
+    type Count = u32;
 
     #[inline(always)]
     fn constant(_isa: Avx512, value: f64) -> Self {
@@ -103,8 +104,16 @@ impl Lanes for F64x8 {
         unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, limit.0) }
     }
     #[inline(always)]
-    fn count(mask: Self::Mask) -> u32 {
-        mask.count_ones()
+    fn none(_isa: Self::Isa) -> u32 {
+        0
+    }
+    #[inline(always)]
+    fn count(count: u32, mask: Self::Mask) -> u32 {
+        count + mask.count_ones()
+    }
+    #[inline(always)]
+    fn counted(count: u32) -> u32 {
+        count
     }
     #[inline(always)]
     fn keep(self, mask: Self::Mask) -> Self {
@@ -185,6 +194,7 @@ impl Lanes for F32x16 {
     type Number = f32;
     type Species = __m512i;
     type Table = Self;
+    type Count = __m512i;
 
     #[inline(always)]
     fn constant(_isa: Avx512, value: f64) -> Self {
@@ -226,8 +236,19 @@ impl Lanes for F32x16 {
         unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, limit.0) }
     }
     #[inline(always)]
-    fn count(mask: Self::Mask) -> u32 {
-        mask.count_ones()
+    fn none(_isa: Avx512) -> __m512i {
+        // SAFETY: the token proves AVX-512.
+        unsafe { _mm512_setzero_si512() }
+    }
+    #[inline(always)]
+    fn count(count: __m512i, mask: Self::Mask) -> __m512i {
+        // SAFETY: as above.
+        unsafe { _mm512_mask_add_epi32(count, mask, count, _mm512_set1_epi32(1)) }
+    }
+    #[inline(always)]
+    fn counted(count: __m512i) -> u32 {
+        // SAFETY: as above.
+        unsafe { _mm512_reduce_add_epi32(count) as u32 }
     }
     #[inline(always)]
     fn keep(self, mask: Self::Mask) -> Self {

@@ -99,6 +99,20 @@ impl KickDrift {
     }
 }
 
+/// The components of vectors, one after another.
+#[inline(always)]
+pub fn components(vectors: &[DVec3]) -> &[f64] {
+    // SAFETY: a vector is three numbers, as the assertion below says.
+    unsafe { std::slice::from_raw_parts(vectors.as_ptr().cast(), 3 * vectors.len()) }
+}
+
+/// As [`components`], to be written.
+#[inline(always)]
+pub fn components_mut(vectors: &mut [DVec3]) -> &mut [f64] {
+    // SAFETY: as above.
+    unsafe { std::slice::from_raw_parts_mut(vectors.as_mut_ptr().cast(), 3 * vectors.len()) }
+}
+
 const _: () =
     assert!(size_of::<DVec3>() == 3 * size_of::<f64>() && align_of::<DVec3>() == align_of::<f64>());
 

@@ -73,6 +73,8 @@ pub trait Lanes: Real {
     type Species: Copy;
     /// A number for each species.
     type Table: Copy;
+    /// How many lanes counted so far.
+    type Count: Copy;
 
     /// The constant `value` in every lane.
     fn constant(isa: Self::Isa, value: f64) -> Self;
@@ -89,8 +91,12 @@ pub trait Lanes: Real {
 
     /// The lanes whose value is at most `limit`.
     fn at_most(self, limit: Self) -> Self::Mask;
-    /// Number of lanes in a mask.
-    fn count(mask: Self::Mask) -> u32;
+    /// No lane counted so far.
+    fn none(isa: Self::Isa) -> Self::Count;
+    /// The count with the lanes of a mask.
+    fn count(count: Self::Count, mask: Self::Mask) -> Self::Count;
+    /// The number of lanes in a count.
+    fn counted(count: Self::Count) -> u32;
     /// The value where the mask holds, zero elsewhere.
     fn keep(self, mask: Self::Mask) -> Self;
     /// The sum over all lanes, in double precision and a fixed order.

@@ -11,10 +11,9 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_core::NoiseOfStep;
 use lennard_core::parallel::for_each_piece_pair;
-use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::disjoint::Disjoint;
-use super::kick_drift::KickDrift;
+use super::kick_drift::{KickDrift, components, components_mut};
 use super::level::Level;
 
 /// What moves the particles of a chunk.
@@ -64,8 +63,25 @@ pub struct Moving<'a> {
 
 impl KickDrift {
     /// Half a kick: v ← v + (h/2m)·F.
-    pub fn half_kick(self, velocities: &mut [DVec3], forces: &[DVec3]) {
-        for (v, f) in velocities.iter_mut().zip(forces) {
+    pub fn half_kick(self, level: Level, velocities: &mut [DVec3], forces: &[DVec3]) {
+        match level.avx2() {
+            // SAFETY: the token proves AVX2.
+            #[cfg(target_arch = "x86_64")]
+            Some(_) => unsafe { self.half_kick_avx2(velocities, forces) },
+            _ => self.half_kick_plain(velocities, forces),
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn half_kick_avx2(self, velocities: &mut [DVec3], forces: &[DVec3]) {
+        self.half_kick_plain(velocities, forces);
+    }
+
+    #[inline(always)]
+    fn half_kick_plain(self, velocities: &mut [DVec3], forces: &[DVec3]) {
+        let velocities = components_mut(velocities);
+        for (v, f) in velocities.iter_mut().zip(components(forces)) {
             *v += self.half_kick * *f;
         }
     }
@@ -73,18 +89,37 @@ impl KickDrift {
     /// Scales all velocities and goes on from there: v ← factor·v + (h/2m)·F, then x ← x + h·v.
     pub fn scale_and_go_on(
         self,
+        level: Level,
         factor: f64,
         positions: &mut [DVec3],
         velocities: &mut [DVec3],
         forces: &[DVec3],
     ) {
         for_each_piece_pair(positions, velocities, |first, xs, vs| {
-            for ((x, v), f) in xs.iter_mut().zip(vs).zip(&forces[first..]) {
-                *v *= factor;
-                *v += self.half_kick * *f;
-                *x += self.dt * *v;
+            let forces = &forces[first..];
+            match level.avx2() {
+                // SAFETY: the token proves AVX2.
+                #[cfg(target_arch = "x86_64")]
+                Some(_) => unsafe { self.go_on_avx2(factor, xs, vs, forces) },
+                _ => self.go_on_plain(factor, xs, vs, forces),
             }
         });
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn go_on_avx2(self, factor: f64, xs: &mut [DVec3], vs: &mut [DVec3], forces: &[DVec3]) {
+        self.go_on_plain(factor, xs, vs, forces);
+    }
+
+    #[inline(always)]
+    fn go_on_plain(self, factor: f64, xs: &mut [DVec3], vs: &mut [DVec3], forces: &[DVec3]) {
+        let (xs, vs) = (components_mut(xs), components_mut(vs));
+        for ((x, v), f) in xs.iter_mut().zip(vs).zip(components(forces)) {
+            *v *= factor;
+            *v += self.half_kick * *f;
+            *x += self.dt * *v;
+        }
     }
 
     /// Two half kicks, and friction and noise between two half drifts, for the particles of a chunk.
@@ -124,32 +159,71 @@ impl KickDrift {
             gained,
         } = moving;
         let half = 0.5 * self.dt;
-        let mut before = [DVec3::ZERO; ATOMS_PER_CHUNK];
-        let before = &mut before[..positions.len()];
-        before.copy_from_slice(positions);
-        for ((x, v), f) in positions.iter_mut().zip(&mut *velocities).zip(forces) {
-            let kick = self.half_kick * *f;
-            *v += kick;
-            *v += kick;
-            *x += half * *v;
+        let mut longest = [[0.0; TWELVE]; 2];
+        let (x, x_rest) = components_mut(positions).as_chunks_mut::<TWELVE>();
+        let (v, v_rest) = components_mut(velocities).as_chunks_mut::<TWELVE>();
+        let (f, f_rest) = components(forces).as_chunks::<TWELVE>();
+        let (x_rest, v_rest) = (x_rest.as_chunks_mut::<3>().0, v_rest.as_chunks_mut::<3>().0);
+        for ((x, v), f) in x.iter_mut().zip(v).zip(f) {
+            self.kick_twice(v, f);
+            drift(half, x, v, &mut longest[0]);
+        }
+        for ((x, v), f) in x_rest.iter_mut().zip(v_rest).zip(f_rest.as_chunks::<3>().0) {
+            self.kick_twice(v, f);
+            drift(half, x, v, &mut longest[0]);
         }
         noise
             .of_step
             .act(noise.mass, noise.particles, velocities, gained);
-        let mut longest = DVec3::ZERO;
-        for ((x, v), before) in positions.iter_mut().zip(velocities).zip(before) {
-            *x += half * *v;
-            longest = (*x - *before).abs().max(longest);
+        let (v, v_rest) = components(velocities).as_chunks::<TWELVE>();
+        for (x, v) in x.iter_mut().zip(v) {
+            drift(half, x, v, &mut longest[1]);
         }
+        for (x, v) in x_rest.iter_mut().zip(v_rest.as_chunks::<3>().0) {
+            drift(half, x, v, &mut longest[1]);
+        }
+        let [before_noise, after] = longest.map(longest_along_axes);
         // The factor covers the rounding of the bound.
-        longest.length() * (1.0 + 1e-12)
+        (before_noise + after).length() * (1.0 + 1e-12)
     }
+
+    /// v ← v + (h/2m)·F twice, for some components.
+    #[inline(always)]
+    fn kick_twice<const N: usize>(self, v: &mut [f64; N], f: &[f64; N]) {
+        for k in 0..N {
+            let kick = self.half_kick * f[k];
+            v[k] += kick;
+            v[k] += kick;
+        }
+    }
+}
+
+/// Components of four vectors.
+const TWELVE: usize = 12;
+
+/// x ← x + h·v for some components. The longest steps are kept for each of twelve components that follow each other.
+#[inline(always)]
+fn drift<const N: usize>(h: f64, x: &mut [f64; N], v: &[f64; N], longest: &mut [f64; TWELVE]) {
+    for k in 0..N {
+        let before = x[k];
+        x[k] += h * v[k];
+        let step = (x[k] - before).abs();
+        longest[k] = if step > longest[k] { step } else { longest[k] };
+    }
+}
+
+/// The longest steps along x, y and z.
+fn longest_along_axes(of_components: [f64; TWELVE]) -> DVec3 {
+    let (vectors, _) = of_components.as_chunks::<3>();
+    let vectors = vectors.iter().map(|v| DVec3::from_array(*v));
+    vectors.fold(DVec3::ZERO, DVec3::max)
 }
 
 #[cfg(test)]
 mod tests {
     use lennard_core::FrictionAndNoise;
     use lennard_core::random::Streams;
+    use lennard_neighbor::ATOMS_PER_CHUNK;
 
     use super::super::level::Level;
     use super::*;

@@ -130,8 +130,16 @@ macro_rules! tables_and_masks {
             from_fn(|k| self.0[k] <= limit.0[k])
         }
         #[inline(always)]
-        fn count(mask: Self::Mask) -> u32 {
-            mask.iter().map(|m| u32::from(*m)).sum()
+        fn none(_isa: ()) -> u32 {
+            0
+        }
+        #[inline(always)]
+        fn count(count: u32, mask: Self::Mask) -> u32 {
+            count + mask.iter().map(|m| u32::from(*m)).sum::<u32>()
+        }
+        #[inline(always)]
+        fn counted(count: u32) -> u32 {
+            count
         }
         #[inline(always)]
         fn keep(self, mask: Self::Mask) -> Self {
@@ -154,6 +162,7 @@ impl<const N: usize> Lanes for Group<f64, N> {
     type Number = f64;
     type Species = [usize; N];
     type Table = BySpecies<f64>;
+    type Count = u32;
 
     #[inline(always)]
     fn constant(_isa: (), value: f64) -> Self {
@@ -203,6 +212,7 @@ impl<const N: usize> Lanes for Group<f32, N> {
     type Number = f32;
     type Species = [usize; N];
     type Table = BySpecies<f32>;
+    type Count = u32;
 
     #[inline(always)]
     fn constant(_isa: (), value: f64) -> Self {

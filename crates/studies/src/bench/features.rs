@@ -185,6 +185,8 @@ fn items(scene: &Scene, blocks: &Blocks) -> (Vec<Item>, Vec<String>) {
     let with = |change: &dyn Fn(&mut Scene)| {
         let mut scene = scene.clone();
         scene.output.thermo_every = ENDLESS;
+        // A bath of another temperature would change the fluid, and with it the time between two builds of a list.
+        scene.stages[0].temperature = blocks.temperature();
         change(&mut scene);
         Box::new(scene)
     };

@@ -48,24 +48,24 @@ impl PairPotential for LennardJones {
         }
     }
 
-    /// Sums Σ r⁻⁶, Σ r⁻¹² and Σ r⁻⁸·(11r⁻⁶ − 5/2).
+    /// Sums Σ r⁻⁶, Σ r⁻¹² and Σ (f + 3/11·r⁻⁸), where f = r⁻⁸·(r⁻⁶ − 1/2) is at hand: r⁻⁸·(11r⁻⁶ − 5/2) = 11f + 3r⁻⁸.
     #[inline(always)]
     fn add_up<R: Real>(&self, _r2: R, inv_r2: R, [of_6, of_12, laplacian]: [R; 3]) -> (R, [R; 3]) {
         let inv_r4 = inv_r2 * inv_r2;
         let inv_r6 = inv_r4 * inv_r2;
         let inv_r8 = inv_r4 * inv_r4;
-        let of_laplacian = inv_r6.mul_add(inv_r2.splat(11.0), inv_r2.splat(-2.5));
+        let force = inv_r8 * inv_r4.mul_add(inv_r2, inv_r2.splat(-0.5));
         let sums = [
             of_6 + inv_r6,
             inv_r6.mul_add(inv_r6, of_12),
-            inv_r8.mul_add(of_laplacian, laplacian),
+            inv_r8.mul_add(inv_r2.splat(3.0 / 11.0), laplacian + force),
         ];
-        let force = inv_r8 * inv_r4.mul_add(inv_r2, inv_r2.splat(-0.5));
         (force, sums)
     }
 
     fn totals(&self, [of_6, of_12, laplacian]: [f64; 3]) -> [f64; 3] {
-        [(of_12 - of_6) / 12.0, of_12 - 0.5 * of_6, laplacian]
+        let virial = of_12 - 0.5 * of_6;
+        [(of_12 - of_6) / 12.0, virial, 11.0 * laplacian]
     }
 
     fn tail_energy(&self, r_cut: f64) -> f64 {

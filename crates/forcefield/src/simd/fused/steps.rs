@@ -83,12 +83,16 @@ pub fn fused_step<P: PairList>(
             };
             (positions, velocities.part(slots.clone()))
         };
-        let mut forces = [DVec3::ZERO; ATOMS_PER_CHUNK];
-        let forces = &mut forces[..slots.len()];
+        let mut of_chunk = [DVec3::ZERO; ATOMS_PER_CHUNK];
+        let forces = match mover {
+            // SAFETY: as above.
+            Mover::Kick(kept) => unsafe { kept.part(slots.clone()) },
+            _ => &mut of_chunk[..slots.len()],
+        };
         let order = &order[..slots.len()];
         // SAFETY: as above.
         let next_chunk = unsafe { ahead.next_chunk(chunk, next_rows) };
-        let output = Output::of_chunk(forces, order, slots.start, next_chunk);
+        let output = Output::of_chunk(&mut *forces, order, slots.start, next_chunk);
         // SAFETY: as above.
         let totals = unsafe { over_list.run(used.level, rows, chunk, request.detail, &output) };
         let step = match mover {
@@ -103,10 +107,8 @@ pub fn fused_step<P: PairList>(
                 };
                 kick_drift.apply_with_noise(used.level, noise.part(slots.clone()), moving)
             }
-            Mover::Kick(kept) => {
-                // SAFETY: as above.
-                unsafe { kept.part(slots) }.copy_from_slice(forces);
-                kick_drift.half_kick(velocities, forces);
+            Mover::Kick(_) => {
+                kick_drift.half_kick(used.level, velocities, forces);
                 return totals;
             }
         };
