@@ -160,6 +160,8 @@ impl<const N: usize> ExactSums<N> {
     }
 
     /// Adds the terms of some particles.
+    // Iterators over arrays are calls where little is inlined.
+    #[allow(clippy::needless_range_loop)]
     #[inline(always)]
     fn add_range<S: Simd>(
         &mut self,
@@ -170,7 +172,6 @@ impl<const N: usize> ExactSums<N> {
         self.flush_by(simd);
         for first in range.clone().step_by(BLOCK) {
             self.len = BLOCK.min(range.end - first);
-            // Iterators over arrays are calls where little is inlined.
             for k in 0..self.len {
                 let terms = term(first + k);
                 for quantity in 0..N {
