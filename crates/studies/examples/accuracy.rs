@@ -1,5 +1,5 @@
-//! Tunes scenes at eight states from gas to dense liquid and puts every choice on trial. Ten independent seeds are
-//! compared with tight runs. Every setting of a grid that would cost less is tried too.
+//! Tunes scenes at eight states from gas to dense liquid, a mixture and a liquid of molecules, and puts every choice on
+//! trial. Ten independent seeds are compared with tight runs. Every setting of a grid that would cost less is tried too.
 //!
 //! `cargo xtask accuracy`, or for one state `cargo xtask accuracy --state triple-point`; `--seconds S` for each tuning,
 //! `--share X` scales the length of the runs.
@@ -14,9 +14,37 @@ use lennard_studies::Silent;
 use lennard_studies::tune::TuneOptions;
 use lennard_studies::tune::trial::{self, ALLOWED_FACTOR, Trial, TrialOptions};
 
+/// What a state is made of.
+#[derive(Clone, Copy)]
+struct Made {
+    /// The key of the number of particles or molecules.
+    of: &'static str,
+    /// The tables of species or of the molecule.
+    tables: &'static str,
+}
+
+/// Lennard-Jones particles, all alike.
+const ATOMS: Made = Made {
+    of: "n_atoms",
+    tables: "",
+};
+/// Argon and krypton in equal parts, as in `mixture/argon-krypton`.
+const MIXTURE: Made = Made {
+    of: "n_atoms",
+    tables: "[[species]]\nname = \"Ar\"\nfraction = 0.5\n\
+             [[species]]\nname = \"Kr\"\nfraction = 0.5\nsigma = 1.0656\nepsilon = 1.3934\nmass = 2.098\n\
+             [mixing]\nrule = \"lorentz-berthelot\"\nk = 0.01\n",
+};
+/// Rigid dumbbells, as in `dumbbell/liquid`.
+const DUMBBELLS: Made = Made {
+    of: "n_molecules",
+    tables: "[molecule]\nkind = \"dumbbell\"\nbond_length = 0.67\n[bonds]\nmethod = \"direct\"\n",
+};
+
 /// A state with the errors that are accepted there.
 struct State {
     name: &'static str,
+    made: Made,
     density: f64,
     temperature: f64,
     /// Of U, P and the drift.
@@ -26,13 +54,20 @@ struct State {
 const fn state(name: &'static str, density: f64, temperature: f64, errors: [f64; 3]) -> State {
     State {
         name,
+        made: ATOMS,
         density,
         temperature,
         errors,
     }
 }
 
-const STATES: [State; 8] = [
+impl State {
+    const fn made(self, made: Made) -> Self {
+        Self { made, ..self }
+    }
+}
+
+const STATES: [State; 10] = [
     state("gas", 0.05, 1.2, [2e-3, 2e-4, 1e-5]),
     state("dense-gas", 0.1, 1.5, [2e-3, 5e-4, 1e-5]),
     state("supercritical", 0.3, 2.0, [2e-3, 3e-3, 2e-5]),
@@ -41,10 +76,12 @@ const STATES: [State; 8] = [
     state("cold-liquid", 0.8, 0.9, [2e-3, 1e-2, 1e-5]),
     state("triple-point", 0.8442, 0.722, [1e-3, 5e-3, 1e-5]),
     state("dense-hot-liquid", 0.9, 1.5, [2e-3, 1.5e-2, 2e-5]),
+    state("argon-krypton", 0.65, 1.5, [3e-3, 1e-2, 2e-5]).made(MIXTURE),
+    state("dumbbells", 0.458, 2.0, [2e-2, 3e-2, 5e-5]).made(DUMBBELLS),
 ];
 
-/// Particles of every state.
-const ATOMS: usize = 864;
+/// Particles, or molecules, of every state.
+const COUNT: usize = 864;
 /// Independent seeds.
 const SEEDS: u64 = 10;
 /// Length of each run of the choice and of each tight run of a liquid, τ. A thin fluid costs less and its correlations
@@ -57,12 +94,14 @@ fn scene(state: &State) -> Result<Scene, Box<dyn Error>> {
     let [u, p, drift] = state.errors;
     let text = format!(
         "accuracy = {{ potential_energy = {u:e}, pressure = {p:e}, drift = {drift:e} }}\n\
-         [system]\nn_atoms = {ATOMS}\ndensity = {}\ntemperature = {}\n\
+         [system]\n{} = {COUNT}\ndensity = {}\ntemperature = {}\n{}\
          [[stage]]\nname = \"melt\"\nsteps = 2000\ntemperature = {}\nthermostat = {{ kind = \"bussi\", tau = 0.1 }}\n\
          [[stage]]\nname = \"equilibrate\"\nsteps = 3000\nthermostat = {{ kind = \"bussi\", tau = 0.2 }}\n\
          [[stage]]\nname = \"production\"\nsteps = 20000\n",
+        state.made.of,
         state.density,
         state.temperature,
+        state.made.tables,
         2.0 * state.temperature,
     );
     Ok(Scene::parse(&text, state.name, &[])?)
@@ -81,7 +120,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     }
     let threads = lennard_core::parallel::processors();
     println!(
-        "cargo xtask accuracy {}\n{}, {threads} threads; {ATOMS} particles, {SEEDS} seeds",
+        "cargo xtask accuracy {}\n{}, {threads} threads; {COUNT} particles or molecules, {SEEDS} seeds",
         arguments.join(" "),
         lennard_io::cpu_name(),
     );

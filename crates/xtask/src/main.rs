@@ -37,7 +37,7 @@ Commands:
   coverage Do the printed errors cover? 30 seeds at ten states, in three ensembles and at three
            lengths; --quick for eight seeds at two states, --again DATA for other statistics of runs
            that are there
-  accuracy Tune scenes at eight states, and put each choice on trial: ten seeds against tight runs,
+  accuracy Tune scenes at ten states, and put each choice on trial: ten seeds against tight runs,
            and a grid of cheaper settings; --state NAME, --seconds S for a tuning, --share X of the runs
   cluster  One sweep by an array of Slurm, by GNU parallel and by dask, stopped and killed on the way;
            as root on Debian, what is missing is installed
@@ -99,7 +99,7 @@ fn main() -> ExitCode {
                 "mpi: one run on several ranks (cargo xtask mpi)",
                 "soak: runs killed at random times and resumed (cargo xtask soak)",
                 "coverage: printed errors against 2,700 runs of many seeds (cargo xtask coverage)",
-                "accuracy: tuned settings on trial at eight states (cargo xtask accuracy)",
+                "accuracy: tuned settings on trial at ten states (cargo xtask accuracy)",
                 "fuzz: mutated files through every reader (cargo xtask fuzz)",
                 "bench: speed (lennard bench)",
             ],
