@@ -29,6 +29,15 @@ const fn response(name: &'static str, unit: &'static str, needs_curvature: bool)
 }
 
 const COMPRESSIBILITY: &str = "isothermal_compressibility";
+/// What has the bulk modulus 1/κ_T below a fraction bar where the volume is constant.
+const OVER_BULK_MODULUS: [&str; 3] = [
+    COMPRESSIBILITY,
+    "heat_capacity_pressure",
+    "thermal_expansion",
+];
+/// The bulk modulus is so many of its errors from zero at least where its inverse has an error. The inverse is then hardly skewed:
+/// 94 % of the values lie within two of their errors.
+const FEWEST_ERRORS_FROM_ZERO: f64 = 5.0;
 
 /// In the order of [`base::Values`]; c_v is the first.
 const RESPONSES: [Response; COUNT] = [
@@ -76,6 +85,11 @@ pub(crate) fn averages(
         ensembles::base(setting, context, means).all()
     });
     let unstable = why_unstable(&values);
+    let unresolved = if at_constant_volume {
+        why_unresolved(&values)
+    } else {
+        None
+    };
     RESPONSES
         .iter()
         .zip(values)
@@ -93,8 +107,23 @@ pub(crate) fn averages(
                 FEWEST_FLUCTUATIONS,
             )
             .doubted(unstable.clone().filter(|_| response.needs_curvature))
+            .doubted((unresolved.clone()).filter(|_| OVER_BULK_MODULUS.contains(&response.name)))
         })
         .collect()
+}
+
+/// Why quotients by the bulk modulus have no error; `None` where it is far from zero.
+fn why_unresolved(values: &[(Estimate, Vec<f64>)]) -> Option<Doubt> {
+    let of = RESPONSES.iter().position(|r| r.name == COMPRESSIBILITY)?;
+    let kappa = &values[of].0;
+    // To first order κ_T has the relative error of its inverse.
+    let errors = (kappa.mean / kappa.standard_error).abs();
+    (errors < FEWEST_ERRORS_FROM_ZERO).then(|| Doubt::TooShort {
+        why: format!(
+            "the bulk modulus 1/κ_T is {errors:.1} of its errors from zero, where its inverse needs {FEWEST_ERRORS_FROM_ZERO:.0}"
+        ),
+        longer: (FEWEST_ERRORS_FROM_ZERO / errors).powi(2),
+    })
 }
 
 /// Why values that need the compressibility are none of a homogeneous fluid; `None` where it may be one.

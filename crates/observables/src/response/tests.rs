@@ -320,3 +320,38 @@ fn a_known_correlation_takes_noise_out_of_the_heat_capacity_and_the_error_covers
     );
     assert!((pulls(&found) - 1.0).abs() < 0.35, "{}", pulls(&found));
 }
+
+#[test]
+fn a_bulk_modulus_that_may_be_zero_gives_no_compressibility() {
+    // Of W the rows have a little too much, as near a critical point: κ_T would be any large number.
+    let found = |scale: f64, steps: usize| {
+        let mut samples = canonical(2, steps);
+        for [.., w, _] in &mut samples {
+            *w *= scale;
+        }
+        let setting = setting(Ensemble::Canonical);
+        averages(&setting, &rows(&samples), 0, &context(10.0, N))
+    };
+    let plain = found(1.0, 20_000);
+    assert!(plain.iter().all(|a| a.doubt.is_none()), "{plain:?}");
+    let scales = (100..400).map(|k| f64::from(k) / 100.0);
+    let near = scales
+        .map(|scale| found(scale, 2_000))
+        .find(|found| {
+            let kappa = found.iter().find(|a| a.name == COMPRESSIBILITY).unwrap();
+            kappa.estimate.mean > 0.0 && kappa.doubt.is_some()
+        })
+        .expect("between one phase and two");
+    for average in &near {
+        let why = format!("{:?}", average.doubt);
+        assert_eq!(
+            why.contains("1/κ_T"),
+            OVER_BULK_MODULUS.contains(&average.name.as_str()),
+            "{}: {why}",
+            average.name
+        );
+        if let Some(lennard_core::Doubt::TooShort { longer, .. }) = &average.doubt {
+            assert!(*longer > 1.0, "{why}");
+        }
+    }
+}
