@@ -105,7 +105,8 @@ pub fn plan(
     let set_aside = n * SET_ASIDE_BYTES;
     // A checkpoint and the last look at the final state come one after the other.
     let at_times = costs.checkpoint_bytes.max(frozen::bytes(simulation));
-    let bytes = (state + set_aside + at_times) as u64 + costs.force_bytes;
+    let bytes_to_write = (set_aside + at_times) as u64;
+    let bytes = state as u64 + bytes_to_write + costs.force_bytes;
     let one_node = OneNode {
         atoms: n,
         seconds_per_step: costs.median_step,
@@ -114,6 +115,7 @@ pub fn plan(
         builds: costs.builds,
         gathers: 1.0 / scene.output.thermo_every as f64,
         bytes,
+        bytes_to_write,
     };
     Ok(Plan {
         schema: "lennard-plan-3",

@@ -58,6 +58,10 @@ fn of_nodes(nodes: &Nodes) -> Table {
         .column("particles", |s| Cell::figures(format!("{:.0}", s.atoms)))
         .column("halo", |s| Cell::figures(format!("{:.0}", s.ghosts)))
         .column("MB", |s| Cell::figures(format!("{:.1}", s.bytes * 1e-6)))
+        .column("of others", |s| match s.nodes {
+            1 => Cell::from("–"),
+            _ => Cell::figures(format!("{:.1}", s.bytes_of_others * 1e-6)),
+        })
         .column("step, µs", |s| micro(s.seconds_per_step))
         .column("halo, µs", |s| micro(s.halo))
         .column("gathering, µs", |s| micro(s.gathering))

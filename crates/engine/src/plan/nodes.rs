@@ -72,6 +72,8 @@ pub(super) struct OneNode {
     pub gathers: f64,
     /// Bytes that one machine holds.
     pub bytes: u64,
+    /// The bytes of them that only the machine needs which writes the files.
+    pub bytes_to_write: u64,
 }
 
 /// A step on a number of machines, as the model predicts it.
@@ -85,8 +87,10 @@ pub struct OnNodes {
     pub ghosts: f64,
     /// Machines that a machine gets positions from.
     pub partners: f64,
-    /// Bytes that the machine holds which writes the files; others hold less.
+    /// Bytes that the machine holds which writes the files.
     pub bytes: f64,
+    /// Bytes that each of the other machines holds.
+    pub bytes_of_others: f64,
     /// Seconds of a step for the particles of a machine.
     pub computing: f64,
     /// Seconds of a step for its halo.
@@ -191,12 +195,14 @@ impl OneNode {
         let gathering = self.builds * build + self.gathers * whole;
         let seconds_per_step = computing + halo + gathering + rounds;
         let speedup = self.seconds_per_step / seconds_per_step;
+        let bytes = self.bytes as f64 - size.lists * (nodes as f64 - 1.0) + size.buffers;
         Some(OnNodes {
             nodes,
             atoms: self.atoms as f64 / nodes as f64,
             ghosts: size.particles,
             partners: size.partners,
-            bytes: self.bytes as f64 - size.lists * (nodes as f64 - 1.0) + size.buffers,
+            bytes,
+            bytes_of_others: bytes - self.bytes_to_write as f64,
             computing,
             halo,
             gathering,
@@ -238,6 +244,7 @@ mod tests {
             builds: 0.1,
             gathers: 0.01,
             bytes: 600 * atoms as u64,
+            bytes_to_write: 100 * atoms as u64,
         }
     }
 
@@ -271,6 +278,7 @@ mod tests {
         assert!((step.efficiency - 0.1 / (8.0 * expected)).abs() < 1e-12);
         // Of 600 bytes for each particle, half are lists, which eight share out. Sharing takes 50 more.
         assert!((step.bytes / 1e6 - 387.5).abs() < 1e-9);
+        assert!((step.bytes_of_others / 1e6 - 287.5).abs() < 1e-9);
         let slow = Network {
             bandwidth: 1e8,
             ..FAST
