@@ -34,8 +34,6 @@ use window::{MOST_TERMS, Window, largest};
 
 /// Terms that are added in one loop without a branch.
 const BLOCK: usize = 64;
-/// The same where a sum is alone, and a block may take more room.
-const LARGE_BLOCK: usize = 64;
 
 /// An exact sum in the making.
 #[derive(Debug, Clone, Default)]
@@ -298,8 +296,8 @@ impl<T, F: Fn(&T) -> f64> WithSimd for AddItems<'_, T, F> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let mut block = [0.0; LARGE_BLOCK];
-        for items in self.items.chunks(LARGE_BLOCK) {
+        let mut block = [0.0; BLOCK];
+        for items in self.items.chunks(BLOCK) {
             let block = &mut block[..items.len()];
             for (term, item) in block.iter_mut().zip(items) {
                 *term = (self.term)(item);
