@@ -22,6 +22,7 @@ use crate::initial;
 use crate::own::OwnParts;
 use crate::schedule::Observer;
 use crate::simulation::Simulation;
+use crate::starting_molecules::remark_on_springs;
 use crate::timers::Timers;
 use crate::{EngineError, compare, exchange, jump, pressure};
 
@@ -116,6 +117,7 @@ pub(crate) fn prepare_own_from(
     let cell = beginning.cell;
     let (options, provider) = forces(&scene, cell, &beginning.species)?;
     let mut remarks = pressure::foresee(&scene, &cell, n, provider.plan().skin)?;
+    remarks.extend(remark_on_springs(&scene));
     if !scene.program.is_empty() {
         let parts = scene.program.in_words();
         remarks.push(format!(

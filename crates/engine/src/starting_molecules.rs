@@ -161,3 +161,22 @@ fn through_the_box<'a>(
     let allowed = format!("bonds of at most half the shortest side of the box, {half:.4} σ");
     Some((bond, allowed))
 }
+
+/// ω·dt of a spring above which a step is said to be long for it.
+const LONG_STEP: f64 = 0.5;
+
+/// A remark where a step is long for the springs of bonds, though stable: the vibration is then off by (ω·dt)²/24 or more.
+pub(crate) fn remark_on_springs(scene: &Scene) -> Option<String> {
+    let omega = scene.molecule.as_ref()?.fastest_vibration();
+    let steps = scene.stages.iter().map(|stage| scene.stage_dt(stage));
+    let dt = steps.fold(0.0, f64::max);
+    (omega * dt > LONG_STEP).then(|| {
+        format!(
+            "dt = {dt} τ is long for the springs of the bonds: ω·dt = {:.2}, and their vibration is off by {:.0} %; \
+             at {:.2e} τ it is off by 1 %",
+            omega * dt,
+            100.0 * (omega * dt).powi(2) / 24.0,
+            LONG_STEP / omega
+        )
+    })
+}

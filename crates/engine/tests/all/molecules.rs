@@ -658,3 +658,15 @@ fn a_bond_that_turns_too_far_between_walls_ends_the_run_with_the_molecule_and_th
         "{text}"
     );
 }
+
+#[test]
+fn a_step_that_is_long_for_springs_is_told_and_a_shorter_one_is_not() {
+    let told = |stiffness: &str| {
+        let s = build(&[("bonds.method", "spring"), ("bonds.stiffness", stiffness)]);
+        let mut remarks = s.remarks.iter();
+        remarks.any(|r| r.contains("is long for the springs of the bonds: ω·dt = 0.89"))
+    };
+    // ω = √(2k) per τ, and dt = 0.002 τ.
+    assert!(told("100000.0"));
+    assert!(!told("30000.0"));
+}
