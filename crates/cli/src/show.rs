@@ -244,10 +244,11 @@ fn conserved_energy(c: &Conservation, energy: &str) -> String {
         (true, false) => format!("drift {drift:+.2e} {unit} (too few samples for an error)"),
         (false, _) => "too few samples for a drift".to_owned(),
     };
-    format!(
-        "conserved energy: {drift}, fluctuation {:.2e} {energy} (RMS)",
-        c.energy_rms_per_atom
-    )
+    let rms = c.energy_rms_per_atom;
+    if !rms.is_finite() {
+        return format!("conserved energy: {drift}");
+    }
+    format!("conserved energy: {drift}, fluctuation {rms:.2e} {energy} (RMS)")
 }
 
 /// One evaluation.
@@ -308,12 +309,12 @@ mod tests {
 
     #[test]
     fn a_drift_without_an_error_says_why() {
-        let said = |drift, error| {
+        let said = |drift, error, rms| {
             conserved_energy(
                 &Conservation {
                     energy_drift_per_atom_per_tau: drift,
                     energy_drift_standard_error: error,
-                    energy_rms_per_atom: 5.4e-5,
+                    energy_rms_per_atom: rms,
                     momentum_per_atom: 0.0,
                 },
                 "ε per particle",
@@ -334,10 +335,13 @@ mod tests {
             (f64::NAN, f64::NAN, "too few samples for a drift"),
         ] {
             assert_eq!(
-                said(drift, error),
+                said(drift, error, 5.4e-5),
                 format!("conserved energy: {words}{end}")
             );
         }
+        // Of two samples there is no fluctuation about a line.
+        let none = said(f64::NAN, f64::NAN, f64::NAN);
+        assert_eq!(none, "conserved energy: too few samples for a drift");
     }
 
     #[test]
