@@ -377,8 +377,9 @@ pub fn exact_sum_over<T: Summand<N>, const N: usize>(
     T::from_numbers(sums.over(team).values())
 }
 
-/// The exact sum of one term for each item, over the items of all ranks of a team, where there is one: as
-/// [`exact_sum_over`], in less time where terms are simple.
+/// The exact sum of one term for each item, over all ranks of a team where there is one.
+///
+/// It is [`exact_sum_over`] in less time, where terms are simple.
 pub fn exact_sum_of<T: Sync>(
     team: Option<&Team>,
     items: &[T],
