@@ -45,6 +45,23 @@ const DOCUMENTATION: Tier = Tier {
         by_status(command)
     },
 };
+/// The Python environment is made while the pair loops compile, which takes minutes of one processor.
+const BUILDS: Tier = Tier {
+    name: "builds",
+    run: |w| {
+        std::thread::scope(|scope| {
+            let python = scope.spawn(|| {
+                let made = Environment::validation(w).prepare(w);
+                made.map_err(|error| error.to_string())
+            });
+            let built = by_status(cargo_command(w, &["test", "--workspace", "--no-run"]));
+            python
+                .join()
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+            built
+        })
+    },
+};
 const RUST_TESTS: Tier = Tier {
     name: "Rust tests",
     run: |w| {
@@ -171,13 +188,13 @@ pub fn test() -> Vec<Tier> {
         FORMAT,
         LINTS,
         DOCUMENTATION,
+        BUILDS,
         RUST_TESTS,
         SOAK,
         COVERAGE,
         TIDINESS,
         SESSIONS,
         BOOK,
-        PYTHON,
         PACKAGE,
         VALIDATION,
     ]

@@ -303,6 +303,7 @@ r_cut_in = "pair"
 }
 
 #[test]
+#[ignore = "half a minute: run by `cargo xtask physics`"]
 fn molecules_are_tuned_for_each_molecule_and_say_what_bounds_their_step() {
     let molecules = SCENE.replace("n_atoms = 500", "n_molecules = 256")
         + r#"
