@@ -17,22 +17,21 @@
 //!
 //! A term that is no finite number makes a total that is none either, which the watchdog sees.
 
+mod summand;
 mod wide;
 mod window;
-mod work;
 
 use std::ops::Range;
 
-use glam::{DMat3, DVec3};
-
 use crate::Team;
-use crate::lanes::{Simd, in_lanes};
+use crate::lanes::{Simd, WithSimd, in_lanes};
 use crate::parallel::{CHUNK, part};
 use crate::tasks::map_tasks;
 
+pub use summand::Summand;
+
 use wide::WideSum;
-use window::{MOST_TERMS, Window};
-use work::{AddItems, AddRange, Flush, InNewWindow};
+use window::{MOST_TERMS, Window, largest};
 
 /// Terms that are added in one loop without a branch.
 const BLOCK: usize = 64;
@@ -241,55 +240,71 @@ impl<const N: usize> ExactSums<N> {
     }
 }
 
-/// A quantity of N numbers that is summed exactly.
-pub trait Summand<const N: usize> {
-    /// Its numbers.
-    fn numbers(self) -> [f64; N];
-    /// The quantity of some numbers.
-    fn from_numbers(numbers: [f64; N]) -> Self;
-}
+/// Moves a window to where it takes the terms of a block, if need be, and sums their slices there.
+struct InNewWindow<'a>(&'a mut Window, &'a [f64]);
 
-impl Summand<1> for f64 {
-    #[inline(always)]
-    fn numbers(self) -> [f64; 1] {
-        [self]
-    }
-    #[inline(always)]
-    fn from_numbers([sum]: [f64; 1]) -> Self {
-        sum
-    }
-}
+impl WithSimd for InNewWindow<'_> {
+    type Output = Option<[f64; 2]>;
 
-impl Summand<3> for DVec3 {
     #[inline(always)]
-    fn numbers(self) -> [f64; 3] {
-        self.to_array()
-    }
-    #[inline(always)]
-    fn from_numbers(numbers: [f64; 3]) -> Self {
-        Self::from_array(numbers)
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self(window, block) = self;
+        let largest = largest(simd, block);
+        if largest >= window.limit {
+            *window = Window::above(largest).unwrap_or_default();
+        }
+        window.sums(simd, block)
     }
 }
 
-impl Summand<9> for DMat3 {
+/// Takes in the blocks of some sums.
+struct Flush<'a, const N: usize>(&'a mut ExactSums<N>);
+
+impl<const N: usize> WithSimd for Flush<'_, N> {
+    type Output = ();
+
     #[inline(always)]
-    fn numbers(self) -> [f64; 9] {
-        self.to_cols_array()
-    }
-    #[inline(always)]
-    fn from_numbers(numbers: [f64; 9]) -> Self {
-        Self::from_cols_array(&numbers)
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.0.flush_by(simd);
     }
 }
 
-impl<const N: usize> Summand<N> for [f64; N] {
+/// Adds the terms of some particles to some sums.
+struct AddRange<'a, F, const N: usize> {
+    sums: &'a mut ExactSums<N>,
+    range: Range<usize>,
+    term: F,
+}
+
+impl<F: Fn(usize) -> [f64; N], const N: usize> WithSimd for AddRange<'_, F, N> {
+    type Output = ();
+
     #[inline(always)]
-    fn numbers(self) -> [f64; N] {
-        self
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.sums.add_range(simd, self.range, self.term);
     }
+}
+
+/// Adds a term for each of some items to a sum.
+struct AddItems<'a, T, F> {
+    sum: &'a mut ExactSum,
+    items: &'a [T],
+    term: F,
+}
+
+impl<T, F: Fn(&T) -> f64> WithSimd for AddItems<'_, T, F> {
+    type Output = ();
+
     #[inline(always)]
-    fn from_numbers(numbers: [f64; N]) -> Self {
-        numbers
+    fn with_simd<S: Simd>(self, simd: S) {
+        let mut block = [0.0; BLOCK];
+        for items in self.items.chunks(BLOCK) {
+            let block = &mut block[..items.len()];
+            for (term, item) in block.iter_mut().zip(items) {
+                *term = (self.term)(item);
+            }
+            self.sum.add_block(simd, block);
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Exact sums against wide integers, in any order and by any cut.
 
+use glam::DVec3;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_xoshiro::Xoshiro256PlusPlus;
