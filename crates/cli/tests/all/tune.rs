@@ -268,6 +268,7 @@ fn notes(tuning: &serde_json::Value) -> String {
 }
 
 #[test]
+#[ignore = "half a minute: run by `cargo xtask physics`"]
 fn a_mixture_is_tuned_by_its_fastest_pair_and_keeps_its_unit_of_cutoffs() {
     let scene = SCENE.replace("density = 0.3", "density = 0.4")
         + r#"

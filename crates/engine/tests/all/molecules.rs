@@ -563,6 +563,7 @@ fn volume_of_a_gas(thermostat: &str, barostat: &str, potential: (&str, &str)) ->
 }
 
 #[test]
+#[ignore = "ten seconds of a processor: run by `cargo xtask physics`"]
 fn both_barostats_give_a_gas_of_dumbbells_the_same_volume() {
     // Dumbbells that repel each other: their hits share the energy among all degrees of freedom. One molecule in 32 would be 3 %.
     let wca = ("potential", "{ kind = \"wca\" }");
