@@ -43,6 +43,7 @@ mod structure_factor;
 mod testing;
 mod thermo_series;
 mod thermodynamics;
+mod time_origins;
 mod tracked;
 mod transport;
 mod vacf;

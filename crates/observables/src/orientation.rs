@@ -1,15 +1,13 @@
 //! How long molecules remember their direction.
 
-use std::collections::VecDeque;
-
 use lennard_core::{
-    DVec3, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
-    StateWriter, Table, View, Want,
+    DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
+    Table, View, Want,
 };
 
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
-use crate::error::{positive, within};
+use crate::time_origins::TimeOrigins;
 use crate::tracked::sum_over_pairs;
 use crate::{BuildContext, ObservableError, Recipe};
 
@@ -25,11 +23,6 @@ const SPEC: ObservableSpec = ObservableSpec {
 
 /// Blocks of the run from which the errors come.
 const BLOCKS: usize = 64;
-/// Most lags of the functions.
-const MOST_LAGS: usize = 10_000;
-/// A function counts as decayed where its end is below this part of its beginning.
-const DECAYED: f64 = 0.01;
-
 lennard_core::options! {
     /// Options of [`Orientation`].
     pub struct OrientationOptions {
@@ -62,13 +55,8 @@ impl Recipe for OrientationOptions {
 /// of a molecule apart. The times τ_1 and τ_2 are integrals by the trapezoidal rule up to the end of the window.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orientation {
-    interval: f64,
-    lags: usize,
-    spacing: u64,
-    molecules: usize,
-    samples: u64,
-    /// Time origins, oldest first: number of the sample and directions there.
-    origins: VecDeque<(u64, Vec<DVec3>)>,
+    /// Time origins with directions.
+    origins: TimeOrigins,
     /// C_1 at each lag, then C_2 at each lag.
     products: BlockedSums,
 }
@@ -82,35 +70,19 @@ impl Orientation {
         options: &OrientationOptions,
         context: &BuildContext,
     ) -> Result<Self, ObservableError> {
+        let window = (options.window, options.origins);
         let interval = context.sample_interval();
-        positive("window", Some(options.window))?;
-        let steps = (options.window / interval).round();
-        if !(2.0..=MOST_LAGS as f64).contains(&steps) {
-            return Err(ObservableError::new(
-                "window",
-                options.window,
-                format!(
-                    "from 2 to {MOST_LAGS} sampling intervals of {interval} τ (change `window` or `every`)"
-                ),
-            ));
-        }
-        within("origins", options.origins, 1..=MOST_LAGS)?;
-        let lags = steps as usize + 1;
+        let origins = TimeOrigins::new(window, interval, context.n_molecules())?;
         Ok(Self {
-            interval,
-            lags,
-            spacing: lags.div_ceil(options.origins) as u64,
-            molecules: context.n_molecules(),
-            samples: 0,
-            origins: VecDeque::new(),
-            products: BlockedSums::new(2 * lags, BLOCKS),
+            products: BlockedSums::new(2 * origins.lags, BLOCKS),
+            origins,
         })
     }
 
     /// ∫ C over the window by the trapezoidal rule.
     fn integral(&self, c: &[f64]) -> f64 {
         let pairs = c.windows(2).map(|c| 0.5 * (c[0] + c[1]));
-        pairs.sum::<f64>() * self.interval
+        pairs.sum::<f64>() * self.origins.interval
     }
 
     /// The function of order `l` with its errors, of which the time is added; `None` where the run is shorter than the window.
@@ -120,26 +92,22 @@ impl Orientation {
         l: usize,
         findings: &mut Findings,
     ) -> Option<[Vec<f64>; 2]> {
-        let own: Vec<usize> = ((l - 1) * self.lags..l * self.lags).collect();
+        let lags = self.origins.lags;
+        let own: Vec<usize> = ((l - 1) * lags..l * lags).collect();
         let means = own.iter().map(|k| products.mean(*k));
         let c = means.collect::<Option<Vec<f64>>>()?;
         let errors: Vec<f64> = own.iter().map(|k| products.standard_error(*k)).collect();
         let rows = products.complete_rows(&own);
         let blocks: Vec<f64> = rows.iter().map(|c| self.integral(c)).collect();
-        let last = self.lags - 1;
-        let undecayed = (c[last].abs() > (DECAYED * c[0]).max(3.0 * errors[last])).then(|| {
-            Doubt::Incomplete(format!(
-                "the function C_{l} of directions has not decayed at the end of its window, {:.3} τ",
-                last as f64 * self.interval
-            ))
-        });
+        let function = format!("the function C_{l} of directions");
+        let undecayed = self.origins.undecayed(&function, &c, &errors);
         findings.averages.push(
             of_blocks(
                 &format!("reorientation_time_{l}"),
                 "τ",
                 self.integral(&c),
                 &blocks,
-                last as f64 * blocks.len() as f64 / products.samples() as f64,
+                (lags - 1) as f64 * blocks.len() as f64 / products.samples() as f64,
             )
             .doubted(undecayed),
         );
@@ -178,24 +146,16 @@ impl Observable for Orientation {
     fn sample(&mut self, view: &View<'_>) {
         let now = directions(view);
         let weight = 1.0 / now.len().max(1) as f64;
-        let expired = |&(born, _): &(u64, _)| self.samples - born >= self.lags as u64;
-        while self.origins.front().is_some_and(expired) {
-            self.origins.pop_front();
-        }
-        if self.samples.is_multiple_of(self.spacing) {
-            self.origins.push_back((self.samples, now.clone()));
-        }
+        let lags = self.origins.lags;
         self.products.begin_sample();
-        for (born, then) in &self.origins {
-            let lag = (self.samples - born) as usize;
+        self.origins.see(&now, |lag, then| {
             let [c_1, c_2] = [
                 sum_over_pairs(&now, then, first),
                 sum_over_pairs(&now, then, second),
             ];
             self.products.add(lag, c_1 * weight, 1);
-            self.products.add(self.lags + lag, c_2 * weight, 1);
-        }
-        self.samples += 1;
+            self.products.add(lags + lag, c_2 * weight, 1);
+        });
     }
 
     fn finish(&self, discarded: f64) -> Findings {
@@ -208,14 +168,13 @@ impl Observable for Orientation {
                 .push("no functions of directions: the run is shorter than their window".into());
             return findings;
         };
-        let times = (0..self.lags).map(|k| k as f64 * self.interval).collect();
-        tell_discarded(&mut findings, self.samples - products.samples());
+        tell_discarded(&mut findings, self.origins.samples - products.samples());
         findings.tables.push(
             Table::new(
                 "orientation",
                 "autocorrelation functions of the directions of molecules against lag",
             )
-            .with("time", "τ", times)
+            .with("time", "τ", self.origins.times())
             .with("c_1", "", c_1)
             .with("standard_error_1", "", error_1)
             .with("c_2", "", c_2)
@@ -227,38 +186,20 @@ impl Observable for Orientation {
 
 impl Persist for Orientation {
     fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_u64("samples", &[self.samples]);
+        self.origins.save("directions", to);
         self.products.save(&mut to.section("products"));
-        let born: Vec<u64> = self.origins.iter().map(|(born, _)| *born).collect();
-        to.put_u64("origins", &born);
-        let all: Vec<DVec3> = self.origins.iter().flat_map(|(_, u)| u).copied().collect();
-        to.put_vec3("directions", &all);
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        [self.samples] = from.u64s("samples")?;
+        self.origins.restore("directions", from)?;
         self.products.restore(&from.section("products"))?;
-        let born = from.u64("origins")?;
-        let all = from.vec3("directions")?;
-        let n = self.molecules;
-        if all.len() != born.len() * n || born.iter().any(|b| *b >= self.samples) {
-            return Err(from.misfit(
-                "directions",
-                format!("{} vectors for {} origins of {n}", all.len(), born.len()),
-            ));
-        }
-        self.origins = born
-            .iter()
-            .copied()
-            .zip(all.chunks(n.max(1)).map(<[DVec3]>::to_vec))
-            .collect();
         Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use lennard_core::{Bonds, Molecules, State, System};
+    use lennard_core::{Bonds, Doubt, Molecules, State, System};
 
     use super::*;
     use crate::testing::{context, normal};

@@ -1,15 +1,14 @@
 //! The velocity autocorrelation function.
 
-use std::collections::VecDeque;
-
 use lennard_core::{
-    DVec3, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
-    StateWriter, Table, View, Want,
+    DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
+    Table, View, Want,
 };
 
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
-use crate::error::{positive, within};
+use crate::error::within;
+use crate::time_origins::TimeOrigins;
 use crate::tracked::{DEFAULT_TRACKED, OfSpecies, Tracked, sum_over_pairs};
 use crate::{BuildContext, ObservableError, Recipe};
 
@@ -25,12 +24,6 @@ const SPEC: ObservableSpec = ObservableSpec {
 
 /// Blocks of the run from which the errors come.
 const BLOCKS: usize = 64;
-
-/// Most lags of the function.
-const MOST_LAGS: usize = 10_000;
-
-/// The function counts as decayed where its end is below this part of its beginning.
-const DECAYED: f64 = 0.01;
 
 /// Below this value at the first lag the sampling is too coarse for the trapezoidal rule. For a function
 /// that starts as 1 − (Ωt)²/2, the rule errs by about a tenth of the loss in the first interval.
@@ -74,13 +67,9 @@ impl Recipe for VacfOptions {
 /// A box that changes leaves the function as it is: velocities are those relative to the box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VelocityAutocorrelation {
-    interval: f64,
-    lags: usize,
-    spacing: u64,
     tracked: Tracked,
-    samples: u64,
-    /// Time origins, oldest first: number of the sample and velocities there.
-    origins: VecDeque<(u64, Vec<DVec3>)>,
+    /// Time origins with velocities.
+    origins: TimeOrigins,
     products: BlockedSums,
     /// The species of a mixture; empty where there is one.
     of_species: Vec<OfSpecies>,
@@ -99,37 +88,17 @@ impl VelocityAutocorrelation {
     /// # Errors
     /// [`ObservableError`] where the window holds no two samples or more than 10,000, or there is no origin.
     pub fn new(options: &VacfOptions, context: &BuildContext) -> Result<Self, ObservableError> {
-        let interval = context.sample_interval();
-        positive("window", Some(options.window))?;
-        let steps = (options.window / interval).round();
-        if !(2.0..=MOST_LAGS as f64).contains(&steps) {
-            return Err(ObservableError::new(
-                "window",
-                options.window,
-                format!(
-                    "from 2 to {MOST_LAGS} sampling intervals of {interval} τ (change `window` or `every`)"
-                ),
-            ));
-        }
-        within("origins", options.origins, 1..=MOST_LAGS)?;
-        within("particles", options.particles, 1..=usize::MAX)?;
-        let lags = steps as usize + 1;
         let tracked = Tracked::new(context.n_atoms, options.particles);
-        let sums = || BlockedSums::new(lags, BLOCKS);
+        let window = (options.window, options.origins);
+        let origins = TimeOrigins::new(window, context.sample_interval(), tracked.len())?;
+        within("particles", options.particles, 1..=usize::MAX)?;
+        let sums = || BlockedSums::new(origins.lags, BLOCKS);
         Ok(Self {
-            interval,
-            lags,
-            spacing: lags.div_ceil(options.origins) as u64,
             of_species: tracked.sums_by_species(&context.species, sums),
             tracked,
-            samples: 0,
-            origins: VecDeque::new(),
             products: sums(),
+            origins,
         })
-    }
-
-    fn times(&self) -> Vec<f64> {
-        (0..self.lags).map(|k| k as f64 * self.interval).collect()
     }
 
     /// ⅓∫₀^t C by the trapezoidal rule, at each lag.
@@ -139,7 +108,7 @@ impl VelocityAutocorrelation {
             .enumerate()
             .map(|(k, value)| {
                 if k > 0 {
-                    sum += 0.5 * (c[k - 1] + value) * self.interval / 3.0;
+                    sum += 0.5 * (c[k - 1] + value) * self.origins.interval / 3.0;
                 }
                 sum
             })
@@ -154,23 +123,20 @@ impl VelocityAutocorrelation {
         suffix: &str,
         findings: &mut Findings,
     ) -> Option<Curve> {
-        let means = (0..self.lags).map(|k| products.mean(k));
+        let lags = self.origins.lags;
+        let means = (0..lags).map(|k| products.mean(k));
         let c = means.collect::<Option<Vec<f64>>>()?;
-        let errors: Vec<f64> = (0..self.lags).map(|k| products.standard_error(k)).collect();
+        let errors: Vec<f64> = (0..lags).map(|k| products.standard_error(k)).collect();
         let integral = self.running_integral(&c);
-        let every_lag: Vec<usize> = (0..self.lags).collect();
+        let every_lag: Vec<usize> = (0..lags).collect();
+        let last = lags - 1;
         let blocks: Vec<f64> = products
             .complete_rows(&every_lag)
             .iter()
-            .map(|c| self.running_integral(c)[self.lags - 1])
+            .map(|c| self.running_integral(c)[last])
             .collect();
-        let last = self.lags - 1;
-        let undecayed = (c[last].abs() > (DECAYED * c[0]).max(3.0 * errors[last])).then(|| {
-            Doubt::Incomplete(format!(
-                "the velocity autocorrelation has not decayed at the end of its window, {:.3} τ",
-                last as f64 * self.interval
-            ))
-        });
+        let function = "the velocity autocorrelation";
+        let undecayed = self.origins.undecayed(function, &c, &errors);
         findings.averages.push(
             of_blocks(
                 &format!("diffusion_coefficient_green_kubo{suffix}"),
@@ -203,26 +169,17 @@ impl Observable for VelocityAutocorrelation {
             .tracked
             .relative_to_centre_of_mass(view.system, &view.state.velocities);
         let weight = 1.0 / now.len().max(1) as f64;
-        let expired = |&(born, _): &(u64, _)| self.samples - born >= self.lags as u64;
-        while self.origins.front().is_some_and(expired) {
-            self.origins.pop_front();
-        }
-        if self.samples.is_multiple_of(self.spacing) {
-            self.origins.push_back((self.samples, now.clone()));
-        }
         self.products.begin_sample();
         for species in &mut self.of_species {
             species.sums.begin_sample();
         }
-        for (born, then) in &self.origins {
-            let lag = (self.samples - born) as usize;
+        self.origins.see(&now, |lag, then| {
             let sum = sum_over_pairs(&now, then, DVec3::dot);
             self.products.add(lag, sum * weight, 1);
             for species in &mut self.of_species {
                 species.add_mean(lag, &now, then, DVec3::dot);
             }
-        }
-        self.samples += 1;
+        });
     }
 
     fn finish(&self, discarded: f64) -> Findings {
@@ -253,7 +210,7 @@ impl Observable for VelocityAutocorrelation {
             "vacf",
             "velocity autocorrelation function against lag, and a third of its running integral",
         )
-        .with("time", "τ", self.times())
+        .with("time", "τ", self.origins.times())
         .with("vacf", "σ²/τ²", c)
         .with("standard_error", "σ²/τ²", errors)
         .with("normalised", "", normalised)
@@ -269,7 +226,7 @@ impl Observable for VelocityAutocorrelation {
                     .with(name("diffusion"), "σ²/τ", curve.integral);
             }
         }
-        tell_discarded(&mut findings, self.samples - products.samples());
+        tell_discarded(&mut findings, self.origins.samples - products.samples());
         findings.tables.push(table);
         findings
     }
@@ -277,39 +234,21 @@ impl Observable for VelocityAutocorrelation {
 
 impl Persist for VelocityAutocorrelation {
     fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_u64("samples", &[self.samples]);
+        self.origins.save("velocities", to);
         self.products.save(&mut to.section("products"));
         for species in &self.of_species {
             let section = species.section("products");
             species.sums.save(&mut to.section(&section));
         }
-        let born: Vec<u64> = self.origins.iter().map(|(born, _)| *born).collect();
-        to.put_u64("origins", &born);
-        let all: Vec<DVec3> = self.origins.iter().flat_map(|(_, v)| v).copied().collect();
-        to.put_vec3("velocities", &all);
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        [self.samples] = from.u64s("samples")?;
+        self.origins.restore("velocities", from)?;
         self.products.restore(&from.section("products"))?;
         for species in &mut self.of_species {
             let section = species.section("products");
             species.sums.restore(&from.section(&section))?;
         }
-        let born = from.u64("origins")?;
-        let all = from.vec3("velocities")?;
-        let n = self.tracked.len();
-        if all.len() != born.len() * n || born.iter().any(|b| *b >= self.samples) {
-            return Err(from.misfit(
-                "velocities",
-                format!("{} vectors for {} origins of {n}", all.len(), born.len()),
-            ));
-        }
-        self.origins = born
-            .iter()
-            .copied()
-            .zip(all.chunks(n.max(1)).map(<[DVec3]>::to_vec))
-            .collect();
         Ok(())
     }
 }
