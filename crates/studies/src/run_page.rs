@@ -81,8 +81,11 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
         ("All stages", figures::ALL_STAGES, figures::all_stages(run)),
         (
             "Time series",
-            figures::TIME_SERIES,
-            figures::time_series(run),
+            match is_fluid {
+                true => figures::TIME_SERIES,
+                false => figures::MOTION_OF_BODIES,
+            },
+            figures::time_series(run, is_fluid),
         ),
         (
             "Error bars",

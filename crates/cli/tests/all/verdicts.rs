@@ -273,6 +273,7 @@ fn a_run_of_few_bodies_ends_with_its_last_state() {
     // The page has the picture of the bodies, and no table of their means.
     let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(page.contains("So few bodies") && page.contains("Particles"));
+    assert!(page.contains("Time series") && !page.contains("Mean ") && !page.contains("averages"));
     for absent in [
         "Beside the literature",
         "State card",

@@ -6,6 +6,8 @@ use lennard_report::{Axis, Dash, Figure, Guide, Look, Picture, Point, Series, Sy
 use crate::compare::{HANSEN_VERLET, RunFolder};
 
 pub(super) const TIME_SERIES: &str = "Measured stages only. What lies left of the dashed line is the start that all averages leave out.";
+/// The same of few bodies, which have no averages.
+pub(super) const MOTION_OF_BODIES: &str = "Measured stages only.";
 pub(super) const ALL_STAGES: &str =
     "The whole run from its start. Dashed lines are the beginnings of stages.";
 pub(super) const ERROR_BARS: &str = "Apparent standard error of the mean when successive samples are averaged in blocks: it rises until the blocks are longer than \
@@ -66,8 +68,9 @@ fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String {
     })
 }
 
-/// Temperature, energy, pressure and conserved energy against time; density and volume where the box changes.
-pub(super) fn time_series(run: &RunFolder) -> Vec<Picture> {
+/// Temperature, energy, pressure and conserved energy against time; density and volume where the box changes. Of a fluid, the
+/// means and where they begin.
+pub(super) fn time_series(run: &RunFolder, is_fluid: bool) -> Vec<Picture> {
     let Some(table) = run.table("measured") else {
         return Vec::new();
     };
@@ -80,7 +83,7 @@ pub(super) fn time_series(run: &RunFolder) -> Vec<Picture> {
     let interval = run.scene.output.thermo_every as f64 * run.scene.integrator.dt;
     let cut_time = time
         .first()
-        .filter(|_| cut > 0)
+        .filter(|_| is_fluid && cut > 0)
         .map(|start| start + cut as f64 * interval);
     let draw = |(file, name, title, label)| {
         let table = if file == "box" {
@@ -94,11 +97,11 @@ pub(super) fn time_series(run: &RunFolder) -> Vec<Picture> {
         if let Some(at) = cut_time {
             figure = figure.guided(Guide::Vertical(at, "averages begin".into()));
         }
-        Some(Picture::new(
-            figure,
-            said_of(run, name, "Mean {}."),
-            format!("{file}.csv"),
-        ))
+        let mean = match is_fluid {
+            true => said_of(run, name, "Mean {}."),
+            false => String::new(),
+        };
+        Some(Picture::new(figure, mean, format!("{file}.csv")))
     };
     [
         (
