@@ -23,7 +23,7 @@ use comfy_table::{CellAlignment, ContentArrangement};
 use lennard_core::{Cell, Table};
 use lennard_engine::{EnergyReport, Simulation};
 use lennard_io::{Conservation, RunRecord};
-use lennard_report::{ErrorStyle, cell_text, heading, is_numeric};
+use lennard_report::{ErrorStyle, cell_text, heading, is_numeric, signed, significant};
 use lennard_studies::claims::{self, Claim};
 use lennard_studies::compare::ComparedRun;
 
@@ -167,12 +167,19 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, verbos
         }
     }
     let p = &record.performance;
+    // The time of a few bodies goes to files and rows, and says nothing of a step.
+    let speed = match compared.is_of_few_bodies() {
+        true => String::new(),
+        false => format!(
+            ": {:.2} million atom-steps/s, {:.1} ns per atom-step",
+            p.atom_steps_per_s / 1e6,
+            p.ns_per_atom_step
+        ),
+    };
     println!(
-        "  {} steps in {}: {:.2} million atom-steps/s, {:.1} ns per atom-step",
+        "  {} steps in {}{speed}",
         record.steps,
-        duration(record.wall_s),
-        p.atom_steps_per_s / 1e6,
-        p.ns_per_atom_step
+        duration(record.wall_s)
     );
     if let Some(ranks) = &p.ranks {
         let number = lennard_report::counted(ranks.ranks as usize, "rank");
@@ -240,15 +247,23 @@ fn conserved_energy(c: &Conservation, energy: &str) -> String {
     );
     let unit = format!("{energy} per τ");
     let drift = match (drift.is_finite(), error.is_finite()) {
-        (true, true) => format!("drift {drift:+.2e} ± {error:.1e} {unit}"),
-        (true, false) => format!("drift {drift:+.2e} {unit} (too few samples for an error)"),
+        (true, true) => format!(
+            "drift {} ± {} {unit}",
+            signed(drift, 3),
+            significant(error, 2)
+        ),
+        (true, false) => format!(
+            "drift {} {unit} (too few samples for an error)",
+            signed(drift, 3)
+        ),
         (false, _) => "too few samples for a drift".to_owned(),
     };
     let rms = c.energy_rms_per_atom;
     if !rms.is_finite() {
         return format!("conserved energy: {drift}");
     }
-    format!("conserved energy: {drift}, fluctuation {rms:.2e} {energy} (RMS)")
+    let rms = significant(rms, 3);
+    format!("conserved energy: {drift}, fluctuation {rms} {energy} (RMS)")
 }
 
 /// One evaluation.

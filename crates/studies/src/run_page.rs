@@ -110,7 +110,7 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
         sections.push(
             Section::new("Beside the literature")
                 .table(tables::comparison(&compared))
-                .list(tables::sources(&compared)),
+                .list(tables::notes(&compared)),
         );
         sections.push(tables::state_card(&compared));
     }
@@ -123,7 +123,7 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
     if is_fluid {
         sections.push(Section::new("Averages").table(tables::averages(&compared, record)));
     }
-    sections.push(Section::new("Performance").table(tables::performance(record)));
+    sections.push(Section::new("Performance").table(tables::performance(record, is_fluid)));
     if !record.remarks.is_empty() {
         sections.push(Section::new("Remarks").list(record.remarks.clone()));
     }

@@ -166,9 +166,7 @@ fn is_in_headline(run: &ComparedRun, row: &Row) -> bool {
 
 /// Whether the reason of a row stands below the table: it would fill several lines of a cell.
 fn has_note(run: &ComparedRun, row: &Row) -> bool {
-    const LONGEST: usize = 20;
-    let long = row.reason.chars().count() > LONGEST;
-    long && !row.verdict.is_judged() && !is_in_headline(run, row)
+    row.has_long_reason() && !is_in_headline(run, row)
 }
 
 /// What is said below the table: the headline, the model and the reference; with `verbose` every source and note.

@@ -31,9 +31,10 @@ pub fn plan(plan: &Plan, verbose: bool) {
         }
     }
     println!(
-        "  memory: about {} ({:.0} bytes per particle)",
+        "  memory: about {} ({:.0} bytes per particle), and {} for the program",
         bytes(plan.bytes),
-        plan.bytes as f64 / plan.atoms as f64
+        plan.bytes as f64 / plan.atoms as f64,
+        bytes(plan.program_bytes)
     );
     println!(
         "  time: about {} on {}; a step that nothing looks at took {} here (median of {})",
@@ -204,6 +205,7 @@ mod tests {
             threads: 1,
             items,
             bytes: 1,
+            program_bytes: 1,
             seconds_per_step: 1.0,
             measured_steps: 1,
             estimated_seconds: 1.0,

@@ -146,6 +146,29 @@ fn a_run_too_short_says_how_many_steps_are_missing_and_gives_no_error() {
     assert!(table.lines().all(fits), "{table}");
 }
 
+/// A reason of a whole sentence would fill seven lines of a narrow cell.
+#[test]
+fn long_reasons_stand_below_the_table_of_the_page() {
+    let place = Place::with(&[("scene.toml", SCENE)]);
+    let run = ["run", "scene.toml", "--out", "out", "--quiet"];
+    let short = ["--set", "stage.production.steps=1500"];
+    assert!(
+        lennard_in(place.root(), &[&run[..], &short].concat())
+            .status
+            .success()
+    );
+    let page = std::fs::read_to_string(place.root().join("out/report.html")).unwrap();
+    let (table, below) = page
+        .split_once("Beside the literature</h2>")
+        .and_then(|(_, rest)| rest.split_once("</table>"))
+        .unwrap();
+    assert!(table.contains(">too short</td>"), "{table}");
+    assert!(!table.contains("independent samples"), "{table}");
+    let (notes, _) = below.split_once("</ul>").unwrap();
+    let reason = "<strong>pressure</strong>: worth ";
+    assert!(notes.contains(reason), "{notes}");
+}
+
 #[test]
 fn a_heat_capacity_under_a_bath_is_never_below_its_kinetic_part() {
     for seed in ["1", "2", "3"] {
@@ -270,6 +293,9 @@ fn a_run_of_few_bodies_ends_with_its_last_state() {
     );
     assert!(said.contains("last state: out/final.xyz"), "{said}");
     assert!(!said.contains("too short"), "{said}");
+    // Energy is conserved to the bit, and the time of five bodies is the time of files.
+    assert!(said.contains("drift 0 ± 0 ε"), "{said}");
+    assert!(!said.contains("atom-step"), "{said}");
     // The page has the picture of the bodies, and no table of their means.
     let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(page.contains("So few bodies") && page.contains("Particles"));

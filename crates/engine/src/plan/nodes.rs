@@ -25,6 +25,8 @@ const BUILD_HALO_BYTES: f64 = 56.0;
 const CELL_BYTES: f64 = 4.0;
 /// Bytes of a particle where all is gathered: position, velocity, position of the build, and force.
 const STATE_BYTES: f64 = 96.0;
+/// Bytes of an MPI library in each rank: 10 MB of Open MPI 4.1, 17 MB of MPICH 5.0, with 4 ranks of 256 particles.
+const LIBRARY_BYTES: f64 = 12e6;
 /// More nodes pay while a node spends at least this share of its time on its particles.
 const PAYS: f64 = 0.5;
 
@@ -74,6 +76,8 @@ pub(super) struct OneNode {
     pub bytes: u64,
     /// The bytes of them that only the machine needs which writes the files.
     pub bytes_to_write: u64,
+    /// Bytes of the program itself, which each machine holds besides.
+    pub program_bytes: u64,
 }
 
 /// A step on a number of machines, as the model predicts it.
@@ -87,7 +91,7 @@ pub struct OnNodes {
     pub ghosts: f64,
     /// Machines that a machine gets positions from.
     pub partners: f64,
-    /// Bytes that the machine holds which writes the files.
+    /// Bytes that the machine holds which writes the files, with the program and, on several machines, MPI.
     pub bytes: f64,
     /// Bytes that each of the other machines holds.
     pub bytes_of_others: f64,
@@ -195,7 +199,10 @@ impl OneNode {
         let gathering = self.builds * build + self.gathers * whole;
         let seconds_per_step = computing + halo + gathering + rounds;
         let speedup = self.seconds_per_step / seconds_per_step;
-        let bytes = self.bytes as f64 - size.lists * (nodes as f64 - 1.0) + size.buffers;
+        let library = if nodes > 1 { LIBRARY_BYTES } else { 0.0 };
+        let bytes = (self.bytes + self.program_bytes) as f64 + library
+            - size.lists * (nodes as f64 - 1.0)
+            + size.buffers;
         Some(OnNodes {
             nodes,
             atoms: self.atoms as f64 / nodes as f64,
@@ -245,6 +252,7 @@ mod tests {
             gathers: 0.01,
             bytes: 600 * atoms as u64,
             bytes_to_write: 100 * atoms as u64,
+            program_bytes: 12_000_000,
         }
     }
 
@@ -263,7 +271,7 @@ mod tests {
         };
         assert_eq!((step.ghosts, step.halo, step.gathering), (0.0, 0.0, 0.0));
         assert_eq!((step.seconds_per_step, step.efficiency), (1e-3, 1.0));
-        assert_eq!(step.bytes, one.bytes as f64);
+        assert_eq!(step.bytes, (one.bytes + one.program_bytes) as f64);
     }
 
     #[test]
@@ -276,9 +284,9 @@ mod tests {
         let expected = 0.1 / 8.0 + halo + gathering + 3.0 * 2e-6;
         assert!((step.seconds_per_step - expected).abs() < 1e-15);
         assert!((step.efficiency - 0.1 / (8.0 * expected)).abs() < 1e-12);
-        // Of 600 bytes for each particle, half are lists, which eight share out. Sharing takes 50 more.
-        assert!((step.bytes / 1e6 - 387.5).abs() < 1e-9);
-        assert!((step.bytes_of_others / 1e6 - 287.5).abs() < 1e-9);
+        // Of 600 bytes for each particle, half are lists, which eight share out. Sharing takes 50 more, and programs 24 MB.
+        assert!((step.bytes / 1e6 - (387.5 + 24.0)).abs() < 1e-9);
+        assert!((step.bytes_of_others / 1e6 - (287.5 + 24.0)).abs() < 1e-9);
         let slow = Network {
             bandwidth: 1e8,
             ..FAST

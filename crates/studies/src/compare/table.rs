@@ -8,7 +8,7 @@ use super::{Row, quantity_words};
 /// The rows of a run as a table; `verdict` gives the words of the last column.
 #[must_use]
 pub fn table(rows: &[&Row], verdict: impl Fn(&Row) -> String) -> Table {
-    let caption = "Digits in brackets are one standard error (s.e.) in the last digits; a number without them has none, and the verdict says why. Energy and pressure agree within 4 standard errors plus the \
+    let caption = "Digits in brackets are one standard error (s.e.) in the last digits; a number without them has none, and the verdict or a line below says why. Energy and pressure agree within 4 standard errors plus the \
                    uncertainty of the equation of state (for atoms 0.003 ε and 0.005 ε/σ³). c_v agrees within 2 standard errors and 2 %, and transport coefficients within 2 \
                    combined standard errors and 3 %.";
     Table::rows_of("comparison", rows)

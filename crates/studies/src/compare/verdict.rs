@@ -242,6 +242,13 @@ impl Row {
         words
     }
 
+    /// Whether the reason would fill several lines of a cell, so that it stands below the table.
+    #[must_use]
+    pub fn has_long_reason(&self) -> bool {
+        const LONGEST: usize = 20;
+        self.reason.chars().count() > LONGEST && !self.verdict.is_judged()
+    }
+
     /// Sets a reference with its own error beside a sound number. A number that is no result is left as it is.
     pub(super) fn against(
         self,

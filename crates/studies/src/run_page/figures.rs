@@ -197,10 +197,17 @@ pub(super) fn blocking(run: &RunFolder) -> Vec<Picture> {
             Axis::linear(format!("standard error / {unit}")),
         )
         .with(series(MARKS, points));
-        if let Some(average) = run.average(name) {
-            figure = figure.level(average.standard_error, "printed error");
+        let printed = run.average(name).map(|average| average.standard_error);
+        let printed = printed.filter(|error| error.is_finite());
+        let caption = match printed {
+            Some(_) => {
+                "Marks with their own uncertainty; the line is the error printed beside the mean, from the correlation time."
+            }
+            None => "Marks with their own uncertainty; the mean has no error.",
+        };
+        if let Some(error) = printed {
+            figure = figure.level(error, "printed error");
         }
-        let caption = "Marks with their own uncertainty; the line is the error printed beside the mean, from the correlation time.";
         Some(Picture::new(figure, caption, format!("{file}.csv")))
     };
     [

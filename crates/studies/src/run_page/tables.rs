@@ -11,7 +11,12 @@ pub(super) fn comparison(compared: &ComparedRun) -> Table {
         .rows
         .iter()
         .filter(|r| r.primary || r.verdict.is_judged());
-    table(&shown.collect::<Vec<_>>(), Row::verdict_words)
+    table(&shown.collect::<Vec<_>>(), |row| {
+        match row.has_long_reason() {
+            true => row.verdict.words().to_owned(),
+            false => row.verdict_words(),
+        }
+    })
 }
 
 /// Every measured property beside every equation.
@@ -26,17 +31,22 @@ pub(super) fn state_card(compared: &ComparedRun) -> Section {
     }
 }
 
-/// Sources and remarks: quantities with the same ones share a line.
-pub(super) fn sources(compared: &ComparedRun) -> Vec<String> {
-    let mut shared: Vec<(String, Vec<String>)> = Vec::new();
-    for row in &compared.rows {
+/// Reasons that are too long for the table, then sources and remarks: quantities with the same ones share a line.
+pub(super) fn notes(compared: &ComparedRun) -> Vec<String> {
+    let in_lead = |row: &Row| compared.shared_reason.as_ref() == Some(&row.reason);
+    let reasons = (compared.rows.iter())
+        .filter(|row| row.primary && row.has_long_reason() && !in_lead(row))
+        .map(|row| (row.reason.clone(), row));
+    let sources = compared.rows.iter().map(|row| {
         let notes = [row.source.as_str(), row.remark.as_str()];
         let notes: Vec<&str> = notes.into_iter().filter(|t| !t.is_empty()).collect();
-        if notes.is_empty() {
-            continue;
-        }
-        let (notes, words) = (notes.join("; "), quantity_words(&row.quantity));
+        (notes.join("; "), row)
+    });
+    let mut shared: Vec<(String, Vec<String>)> = Vec::new();
+    for (notes, row) in reasons.chain(sources) {
+        let words = quantity_words(&row.quantity);
         match shared.iter_mut().find(|(known, _)| *known == notes) {
+            _ if notes.is_empty() => {}
             Some((_, quantities)) => quantities.push(words),
             None => shared.push((notes, vec![words])),
         }
@@ -112,8 +122,8 @@ pub(super) fn averages(compared: &ComparedRun, record: &RunRecord) -> Table {
         .iter()
         .filter_map(|row| Some((row, record.averages.get(&row.quantity)?)))
         .collect();
-    let caption = "Means with their standard errors, their number of independent samples, the samples discarded at the start, and why a \
-                   mean has no error.";
+    let caption = "Means with their standard errors, their number of independent samples as estimated, the samples discarded at the start, \
+                   and why a mean has no error. A run is too short by the least that its samples may be worth, which is less than the estimate.";
     Table::rows_of("averages", &rows)
         .caption(caption)
         .column("Quantity", |(row, _)| quantity_words(&row.quantity))
@@ -133,7 +143,8 @@ pub(super) fn averages(compared: &ComparedRun, record: &RunRecord) -> Table {
         .table()
 }
 
-pub(super) fn performance(record: &RunRecord) -> Table {
+/// Where the time went. A few bodies spend it on files, and it says nothing of a step.
+pub(super) fn performance(record: &RunRecord, is_fluid: bool) -> Table {
     let stages = record.performance.stages;
     let parts = [
         ("forces", stages.force),
@@ -143,11 +154,17 @@ pub(super) fn performance(record: &RunRecord) -> Table {
         ("files", stages.write),
         ("whole run", record.wall_s),
     ];
+    let speed = match is_fluid {
+        true => format!(
+            ", {} ns per particle and step",
+            significant(record.performance.ns_per_atom_step, 3)
+        ),
+        false => String::new(),
+    };
     let caption = format!(
-        "Wall time by kind of work: {} steps of {} particles, {} ns per particle and step; {} list builds; {}.",
+        "Wall time by kind of work: {} steps of {} particles{speed}; {} list builds; {}.",
         record.steps,
         record.atoms,
-        significant(record.performance.ns_per_atom_step, 3),
         record.neighbor.builds,
         record.neighbor.forces_checked()
     );
