@@ -26,6 +26,8 @@ pub(crate) const SCENE_WORDS: &[&str] = &[
     "sites = 64",
     "bond_length = 1e-300",
     "stiffness = 1e300",
+    "damping = 1e300",
+    "[bonds]\nmethod = \"spring\"\nscheme = \"midpoint\"\ndamping = 1e-300\n",
     "axis = \"x\"",
     "thickness = 1e300",
     "[[",

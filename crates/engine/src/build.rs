@@ -22,7 +22,7 @@ use crate::initial;
 use crate::own::OwnParts;
 use crate::schedule::Observer;
 use crate::simulation::Simulation;
-use crate::starting_molecules::remark_on_springs;
+use crate::starting_molecules::{remark_on_damping, remark_on_springs};
 use crate::timers::Timers;
 use crate::{EngineError, compare, exchange, jump, pressure};
 
@@ -118,6 +118,7 @@ pub(crate) fn prepare_own_from(
     let (options, provider) = forces(&scene, cell, &beginning.species)?;
     let mut remarks = pressure::foresee(&scene, &cell, n, provider.plan().skin)?;
     remarks.extend(remark_on_springs(&scene));
+    remarks.extend(remark_on_damping(&scene));
     if !scene.program.is_empty() {
         let parts = scene.program.in_words();
         remarks.push(format!(
@@ -207,7 +208,7 @@ pub(crate) fn with_others<B: Backend>(
 /// Adds the springs that hold bonds, where the scene has some.
 pub(crate) fn with_springs<B: Backend>(scene: &Scene, mut forces: ForceSum<B>) -> ForceSum<B> {
     if let Some(molecule) = &scene.molecule
-        && let BondHolder::Spring(term) | BondHolder::ImplicitSpring(_, term) =
+        && let BondHolder::Spring(term) | BondHolder::InDrift(_, term) =
             molecule.bonds.build(&molecule.molecules())
     {
         forces.push(term);

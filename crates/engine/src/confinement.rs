@@ -79,10 +79,9 @@ impl Confinement {
             let holder = self.bonds.filter(|_| hit);
             let holder = holder.map(|(bonds, system)| (bonds.build(&system.molecules), system));
             sum = match holder {
-                Some((
-                    BondHolder::Drift(solver) | BondHolder::ImplicitSpring(solver, _),
-                    system,
-                )) => sum.with(MoleculesAtWalls::new(walls, &system, solver)),
+                Some((BondHolder::Drift(solver) | BondHolder::InDrift(solver, _), system)) => {
+                    sum.with(MoleculesAtWalls::new(walls, &system, solver))
+                }
                 _ => sum.with(walls),
             };
         }

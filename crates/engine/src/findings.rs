@@ -2,6 +2,7 @@
 
 use lennard_core::{Average, Doubt, Findings, ThermostatSpec};
 use lennard_observables::Equilibrium;
+use lennard_scene::Scene;
 
 use crate::Simulation;
 use crate::baths::measured_baths;
@@ -19,6 +20,7 @@ impl Simulation {
         let equilibrium = self.thermodynamics().equilibrium();
         let baths = measured_baths(&self.scene);
         let by_exchange = exchange::doubt(&self.scene);
+        let by_bonds = by_bonds(&self.scene);
         let mut findings: Vec<Findings> = self
             .observers
             .iter()
@@ -30,7 +32,10 @@ impl Simulation {
                     &equilibrium,
                     observable.spec().dynamic,
                     &baths,
-                    by_exchange.clone().filter(|_| !is_profile),
+                    by_exchange
+                        .clone()
+                        .filter(|_| !is_profile)
+                        .or(by_bonds.clone()),
                 )
             })
             .collect();
@@ -46,7 +51,7 @@ pub(crate) fn judged(
     equilibrium: &Equilibrium,
     dynamic: bool,
     baths: &[&'static ThermostatSpec],
-    by_exchange: Option<Doubt>,
+    by_the_scene: Option<Doubt>,
 ) -> Findings {
     let judge = |average: Average| {
         let by_bath = by_thermostat(&average.name, dynamic, baths);
@@ -60,11 +65,24 @@ pub(crate) fn judged(
             average
                 .doubted(own)
                 .doubted(by_bath)
-                .doubted(by_exchange.clone()),
+                .doubted(by_the_scene.clone()),
         )
     };
     findings.averages = findings.averages.into_iter().map(judge).collect();
     findings
+}
+
+/// What bonds that lose energy make of means.
+fn by_bonds(scene: &Scene) -> Option<Doubt> {
+    let molecule = scene.molecule.as_ref()?;
+    molecule
+        .bonds
+        .damps_vibrations()
+        .then(|| Doubt::Thermostat {
+            why: "`[bonds]` take energy from vibrations: these stay colder than the rest"
+                .to_owned(),
+            sets_it: false,
+        })
 }
 
 /// What a thermostat does to a quantity.

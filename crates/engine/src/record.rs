@@ -137,7 +137,7 @@ fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
         thermostat: bath.map(|(options, heat)| ThermostatRecord {
             name: options.name().to_owned(),
             heat,
-            conserved_quantity: conserved(simulation).to_owned(),
+            conserved_quantity: conserved(simulation),
         }),
         barostat: barostat(simulation),
         comparison: Vec::new(),
@@ -182,13 +182,20 @@ fn pairs(simulation: &Simulation) -> Vec<PairRecord> {
     records.collect()
 }
 
-fn conserved(simulation: &Simulation) -> &'static str {
+fn conserved(simulation: &Simulation) -> String {
     let stage = simulation.stage.as_ref().map(|s| s.index);
     let changes = stage.is_some_and(|i| simulation.scene.stages[i].barostat.is_some());
+    let molecule = simulation.scene.molecule.as_ref();
+    let by_bonds = match molecule.is_some_and(|molecule| molecule.bonds.damps_vibrations()) {
+        true => " + heat that bonds have taken",
+        false => "",
+    };
     if changes {
-        "total energy + V·P_tail − heat and work that thermostat and barostat have put in"
+        format!(
+            "total energy + V·P_tail − heat and work that thermostat and barostat have put in{by_bonds}"
+        )
     } else {
-        "total energy − heat that the thermostat has put in"
+        format!("total energy − heat that the thermostat has put in{by_bonds}")
     }
 }
 

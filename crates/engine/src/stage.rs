@@ -46,7 +46,7 @@ impl Simulation {
         let (method, solver) = match holder {
             Some(BondHolder::Spook(_)) if by_contacts => (self.method(), None),
             Some(BondHolder::Spook(bonds)) => (lennard_integrators::spook::with_bonds(bonds), None),
-            Some(BondHolder::Drift(solver) | BondHolder::ImplicitSpring(solver, _)) => {
+            Some(BondHolder::Drift(solver) | BondHolder::InDrift(solver, _)) => {
                 (self.method(), Some(solver))
             }
             Some(BondHolder::Spring(_)) | None => (self.method(), None),

@@ -180,3 +180,18 @@ pub(crate) fn remark_on_springs(scene: &Scene) -> Option<String> {
         )
     })
 }
+
+/// A remark where bonds lose energy: who reads a conserved energy that stays must know that the energy does not.
+pub(crate) fn remark_on_damping(scene: &Scene) -> Option<String> {
+    let bonds = &scene.molecule.as_ref()?.bonds;
+    let counted = match bonds.spec().integrator {
+        None => "the conserved energy counts it as heat",
+        Some(_) => "no heat is counted, and the conserved energy falls by it",
+    };
+    bonds.damps_vibrations().then(|| {
+        format!(
+            "[bonds] method = {:?} takes energy from vibrations: {counted}, and no bath keeps vibrations at its temperature",
+            bonds.name()
+        )
+    })
+}

@@ -40,13 +40,19 @@ impl Damping {
         Regularisation::new(compliance, time, dt)
     }
 
+    /// Whether nothing is damped.
+    #[must_use]
+    pub fn is_none(self) -> bool {
+        let (Self::Time(damping) | Self::Steps(damping)) = self;
+        damping == 0.0
+    }
+
     /// Refuses no compliance without damping: the one-step map of a rigid constraint is then a Jordan block, and |x_n| grows as 2n + 1.
     ///
     /// # Errors
     /// [`OptionError`] that names the compliance.
     pub fn suits(self, compliance: f64) -> Result<(), OptionError> {
-        let (Self::Time(damping) | Self::Steps(damping)) = self;
-        if compliance == 0.0 && damping == 0.0 {
+        if compliance == 0.0 && self.is_none() {
             return Err(OptionError {
                 key: "compliance",
                 found: "0 without damping, which is unstable: errors grow with each step"

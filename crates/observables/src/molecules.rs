@@ -1,5 +1,7 @@
 //! What molecules do: temperatures of their parts, strain of bonds, and the pressure by two routes.
 
+mod vibration;
+
 use lennard_core::exact::exact_sum;
 use lennard_core::{
     DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
@@ -9,11 +11,12 @@ use lennard_core::{
 use crate::averages::of_series;
 use crate::series::{Series, impl_columns};
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
+use vibration::vibration;
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "molecules",
-    summary: "temperatures of the centres of mass and of the motion inside molecules, bond lengths, end-to-end distance, and the pressure over sites",
-    equation: "T_centres = Σ M V²/(3M − 3); T_inside = 2(K − K_centres)/(n_dof − 3M + 3); P_sites = (2K + W_pairs + Σ λ|d|²)/(3V) + T/V",
+    summary: "temperatures of the centres of mass, of the motion inside molecules and of vibrations of springs, bond lengths, end-to-end distance, and the pressure over sites",
+    equation: "T_centres = Σ M V²/(3M − 3); T_inside = 2(K − K_centres)/(n_dof − 3M + 3); T_vibration = Σ uᵀA⁻¹u/rank(A), A = G·M⁻¹·Gᵀ, u = G·v; P_sites = (2K + W_pairs + Σ λ|d|²)/(3V) + T/V",
     source: "Allen and Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), sections 2.7.2 and 3.4",
     dynamic: false,
     suits: lennard_core::Suits::Molecules,
@@ -48,6 +51,8 @@ struct Rows {
     time: Vec<f64>,
     temperature_of_centers: Vec<f64>,
     temperature_inside: Vec<f64>,
+    temperature_of_rotation: Vec<f64>,
+    temperature_of_vibration: Vec<f64>,
     bond_length: Vec<f64>,
     bond_strain_squared: Vec<f64>,
     end_to_end_squared: Vec<f64>,
@@ -58,6 +63,8 @@ impl_columns!(Rows {
     time,
     temperature_of_centers,
     temperature_inside,
+    temperature_of_rotation,
+    temperature_of_vibration,
     bond_length,
     bond_strain_squared,
     end_to_end_squared,
@@ -69,6 +76,9 @@ impl_columns!(Rows {
 /// - `temperature_of_centers`: Σ M V²/(3M − 3) over the M centres of mass.
 /// - `temperature_inside`: twice the kinetic energy about the centres over its degrees of freedom: rotation of a rigid
 ///   dumbbell; rotation and vibration of others. Equipartition makes both temperatures equal.
+/// - `temperature_of_vibration`, for bonds that are not rigid: of the motion that changes bond lengths, twice its kinetic energy
+///   over its degrees of freedom. For a dumbbell of unit masses this is ½(u·w)², with the relative velocity w along the bond u.
+/// - `temperature_of_rotation`, for such bonds: what else is inside, turns of bonds against each other included.
 /// - `bond_length` and `bond_strain`: the mean |d| and the root mean square of |d|/r − 1.
 /// - `end_to_end`: the root mean square distance of the first and the last site; the mean is given for chains alone.
 /// - `pressure_of_sites`: (2K + W)/(3V) with the virial over pairs, springs and constraints, and T/V for the conserved
@@ -101,6 +111,10 @@ struct Sums {
     length: f64,
     strain_squared: f64,
     end_to_end_squared: f64,
+    /// Kinetic energy of motion that changes bond lengths, ε.
+    kinetic_of_vibration: f64,
+    /// Degrees of freedom of it.
+    vibrations: f64,
 }
 
 fn sums(view: &View<'_>) -> Sums {
@@ -120,11 +134,17 @@ fn sums(view: &View<'_>) -> Sums {
             length += found;
             strain_squared += (found / bond.length - 1.0).powi(2);
         }
+        let first = molecules.sites_of(m).start;
+        let of_springs = molecules.topology().filter(|_| !molecules.are_rigid());
+        let [energy, rank] =
+            of_springs.map_or([0.0; 2], |one| vibration(one, &system.masses, first, x, v));
         [
             0.5 * momentum.length_squared() / mass,
             length,
             strain_squared,
             (x[x.len() - 1] - x[0]).length_squared(),
+            energy,
+            rank,
         ]
     };
     let [
@@ -132,12 +152,16 @@ fn sums(view: &View<'_>) -> Sums {
         length,
         strain_squared,
         end_to_end_squared,
+        kinetic_of_vibration,
+        vibrations,
     ] = exact_sum(system.n_molecules(), of_molecule);
     Sums {
         kinetic_of_centers,
         length,
         strain_squared,
         end_to_end_squared,
+        kinetic_of_vibration,
+        vibrations,
     }
 }
 
@@ -169,6 +193,7 @@ impl Observable for MolecularMotion {
             }
             - n_dof;
         let of_centers = 3.0 * molecules - kept;
+        let inside = kinetic - found.kinetic_of_centers;
         let constraints = view.constraint_sums();
         self.largest_residual = self.largest_residual.max(constraints.largest_residual);
         let virial = view.state.energetics.scalar_virial();
@@ -180,7 +205,9 @@ impl Observable for MolecularMotion {
         self.series.push(&[
             view.state.time,
             2.0 * found.kinetic_of_centers / of_centers,
-            2.0 * (kinetic - found.kinetic_of_centers) / (n_dof - of_centers),
+            2.0 * inside / (n_dof - of_centers),
+            2.0 * (inside - found.kinetic_of_vibration) / (n_dof - of_centers - found.vibrations),
+            2.0 * found.kinetic_of_vibration / found.vibrations,
             found.length / bonds,
             found.strain_squared / bonds,
             found.end_to_end_squared / molecules,
@@ -215,6 +242,11 @@ impl Observable for MolecularMotion {
             averages.push(of_series("pressure_of_sites", "ε/σ³", pressure, cut));
         }
         if !is_rigid {
+            let parts = [
+                ("temperature_of_rotation", &rows.temperature_of_rotation),
+                ("temperature_of_vibration", &rows.temperature_of_vibration),
+            ];
+            averages.extend(parts.map(|(name, of)| of_series(name, "ε/k_B", of, cut)));
             averages.push(of_series("bond_length", "σ", &rows.bond_length, cut));
             averages.push(of_series("bond_strain", "", &strain, cut));
         }
@@ -250,6 +282,15 @@ impl Observable for MolecularMotion {
             .with("bond_length", "σ", rows.bond_length.clone())
             .with("bond_strain", "", strain)
             .with("end_to_end_distance", "σ", end_to_end);
+        if !is_rigid {
+            let (rotation, vibration) = (
+                &rows.temperature_of_rotation,
+                &rows.temperature_of_vibration,
+            );
+            table = table
+                .with("temperature_of_rotation", "ε/k_B", rotation.clone())
+                .with("temperature_of_vibration", "ε/k_B", vibration.clone());
+        }
         if !hidden {
             table = table.with("pressure_of_sites", "ε/σ³", rows.pressure_of_sites.clone());
         }

@@ -257,8 +257,8 @@ fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> 
                 "another way to hold bonds",
             ),
             (false, Bonds::Impulses) => (
-                "has no drift that implicit springs can act in",
-                "bonds.scheme = \"explicit\"",
+                "has no drift that implicit springs or dashpots can act in",
+                "bonds.scheme = \"explicit\" with bonds.damping = 0",
             ),
             (false, _) => (
                 "has no form that holds rigid bonds",

@@ -4,6 +4,7 @@ mod bodies;
 mod collisions;
 mod common;
 mod crystals;
+mod damped_bonds;
 mod exchange;
 mod growing;
 mod hostile;

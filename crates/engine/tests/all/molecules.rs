@@ -34,6 +34,9 @@ const RING_WITH_A_TAIL: [(&str, &str); 6] = [
 /// The deterministic barostat.
 const MTK: &str = "{ kind = \"mtk\", pressure = 1.0, tau = 0.5 }";
 
+/// Springs with dashpots.
+const DAMPED: &[(&str, &str)] = &[("bonds.method", "spring"), ("bonds.damping", "3.0")];
+
 const PLAIN: (&str, &str) = ("integrator.kind", "velocity-verlet");
 
 const fn with_shape(
@@ -56,6 +59,27 @@ const WAYS: &[&[(&str, &str)]] = &[
     &[
         ("bonds.method", "spring"),
         ("bonds.scheme", "linearly-implicit"),
+    ],
+    DAMPED,
+    &[
+        DAMPED[0],
+        DAMPED[1],
+        ("bonds.scheme", "midpoint"),
+        ("integrator.kind", "leapfrog"),
+    ],
+    &[DAMPED[0], DAMPED[1], ("bonds.scheme", "linearly-implicit")],
+    &[DAMPED[0], DAMPED[1], ("integrator.kind", "respa")],
+    &[
+        DAMPED[0],
+        DAMPED[1],
+        ("wall", "[{ kind = \"hard\", restitution = 0.9 }]"),
+        ("observable", "[]"),
+    ],
+    &[
+        DAMPED[0],
+        DAMPED[1],
+        ("stage.0.thermostat", "nose-hoover"),
+        ("stage.0.barostat", MTK),
     ],
     &[("bonds.method", "spook"), ("integrator.kind", "spook")],
     &[("bonds.method", "direct"), ("kernel.precision", "mixed")],

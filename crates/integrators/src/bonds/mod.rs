@@ -4,6 +4,7 @@
 //! ([`lennard_core::rigid::project_velocities`]). A *spring* is a force term, and takes no degree of freedom away.
 
 mod chains;
+mod dashpots;
 pub mod direct;
 mod dumbbells;
 mod implicit_springs;
@@ -44,8 +45,8 @@ pub enum BondHolder {
     Drift(Box<dyn BondSolver>),
     /// By a force.
     Spring(Box<dyn ForceTerm>),
-    /// By springs that act in a drift, and a term that knows their energy alone.
-    ImplicitSpring(Box<dyn BondSolver>, Box<dyn ForceTerm>),
+    /// By what acts in a drift, and a term: implicit springs, whose energy alone the term knows, or the dashpots of springs that are forces.
+    InDrift(Box<dyn BondSolver>, Box<dyn ForceTerm>),
     /// By the method `spook`, which solves for them in its step.
     Spook(SpookBonds),
 }
@@ -82,6 +83,10 @@ pub(crate) trait BondMethod: Options {
     /// Sweeps over the bonds alone in the step of the one integrator that solves for them; 0 without.
     fn sweeps_alone(&self) -> u32 {
         0
+    }
+    /// Whether vibrations of bonds lose energy, so that no bath keeps them at its temperature.
+    fn damps_vibrations(&self) -> bool {
+        false
     }
 }
 
@@ -167,6 +172,14 @@ macro_rules! list_of_bond_methods {
             pub fn sweeps_alone(&self) -> u32 {
                 match self {
                     $(Self::$variant(options) => BondMethod::sweeps_alone(options),)*
+                }
+            }
+
+            /// Whether vibrations of bonds lose energy, so that no bath keeps them at its temperature.
+            #[must_use]
+            pub fn damps_vibrations(&self) -> bool {
+                match self {
+                    $(Self::$variant(options) => BondMethod::damps_vibrations(options),)*
                 }
             }
 

@@ -56,6 +56,10 @@ impl BondMethod for Options {
         self.sweeps
     }
 
+    fn damps_vibrations(&self) -> bool {
+        self.compliance > 0.0 && !self.damping().is_none()
+    }
+
     fn check_together(&self) -> Result<(), OptionError> {
         self.damping().suits(self.compliance)
     }

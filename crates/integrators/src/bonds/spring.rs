@@ -2,11 +2,12 @@
 
 use lennard_core::exact::exact_sum;
 use lennard_core::{
-    Bond, Bonds, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm,
-    Molecules, Part, Want,
+    Bond, BondSolver, Bonds, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties,
+    ForceTerm, Molecules, Part, Want,
 };
 
-use super::implicit_springs::{LinearlyImplicit, Midpoint};
+use super::dashpots::Dashpots;
+use super::implicit_springs::{DampedSpring, LinearlyImplicit, Midpoint};
 use super::molecule::EachMolecule;
 use super::{BondHolder, BondMethod, BondSpec};
 
@@ -28,6 +29,9 @@ lennard_core::options! {
     pub struct Options {
         /// Stiffness k of each bond.
         stiffness: f64 = 4000.0, Positive, in "ε/σ²";
+        /// Damping c of the dashpot beside each spring, which takes −c times the rate of the length. What it takes is counted as heat; a bath gives no
+        /// noise for it.
+        damping: f64 = 0.0, NotNegative, in "ε·τ/σ²";
         /// How springs are integrated: by kicks, or inside the drift, where vibrations do not limit the step, but are slowed (midpoint) or damped.
         scheme: Scheme = Scheme::Explicit, Names(Scheme::names);
     }
@@ -37,16 +41,16 @@ impl BondMethod for Options {
     const SPEC: BondSpec = BondSpec {
         name: "spring",
         summary: "Bonds as stiff springs, which take no degree of freedom away: a force, or implicit inside the drift.",
-        equations: "U = k/2 (|d| - r)^2; omega = sqrt(k (1/m_i + 1/m_j)); explicit: h below 2/omega; midpoint: x' = x + h (v + v')/2, v' = v + h f((x + x')/2)/m; linearly implicit: (M + h^2 K) dv = h (f - h K v), K = k u u^T",
+        equations: "U = k/2 (|d| - r)^2, f = -k (|d| - r) - c d|d|/dt; omega = sqrt(k (1/m_i + 1/m_j)); explicit: h below 2/omega, u.w exp(-c (1/m_i + 1/m_j) h/2) before and after the drift; midpoint: x' = x + h (v + v')/2, v' = v + h f((x + x')/2)/m; linearly implicit: (M + h C + h^2 K) dv = h (f - C v - h K v), K = k u u^T, C = c u u^T",
         bonds: Bonds::Springs,
         integrator: None,
         source: "Allen and Tildesley, \"Computer Simulation of Liquids\", 2nd ed. (2017), section 1.3.3",
     };
 
     fn bonds(&self) -> Bonds {
-        match self.scheme {
-            Scheme::Explicit => Bonds::Springs,
-            Scheme::Midpoint | Scheme::LinearlyImplicit => Bonds::Impulses,
+        match self.is_force() {
+            true => Bonds::Springs,
+            false => Bonds::Impulses,
         }
     }
 
@@ -56,18 +60,19 @@ impl BondMethod for Options {
             molecules: molecules.clone(),
             pushes: self.scheme == Scheme::Explicit,
         });
-        let stiffness = self.stiffness;
-        match self.scheme {
-            Scheme::Explicit => BondHolder::Spring(term),
-            Scheme::Midpoint => {
-                let rule = EachMolecule(Midpoint { stiffness });
-                BondHolder::ImplicitSpring(Box::new(rule), term)
-            }
-            Scheme::LinearlyImplicit => {
-                let rule = EachMolecule(LinearlyImplicit { stiffness });
-                BondHolder::ImplicitSpring(Box::new(rule), term)
-            }
-        }
+        let spring = DampedSpring {
+            stiffness: self.stiffness,
+            damping: self.damping,
+        };
+        let solver: Box<dyn BondSolver> = match self.scheme {
+            Scheme::Explicit if self.is_force() => return BondHolder::Spring(term),
+            Scheme::Explicit => Box::new(Dashpots {
+                damping: self.damping,
+            }),
+            Scheme::Midpoint => Box::new(EachMolecule(Midpoint(spring))),
+            Scheme::LinearlyImplicit => Box::new(EachMolecule(LinearlyImplicit(spring))),
+        };
+        BondHolder::InDrift(solver, term)
     }
 
     fn frequency(&self) -> f64 {
@@ -75,6 +80,17 @@ impl BondMethod for Options {
             Scheme::Explicit => (2.0 * self.stiffness).sqrt(),
             Scheme::Midpoint | Scheme::LinearlyImplicit => 0.0,
         }
+    }
+
+    fn damps_vibrations(&self) -> bool {
+        self.damping > 0.0 || self.scheme == Scheme::LinearlyImplicit
+    }
+}
+
+impl Options {
+    /// Whether the bonds are forces alone, and nothing acts in the drift.
+    fn is_force(&self) -> bool {
+        self.scheme == Scheme::Explicit && self.damping == 0.0
     }
 }
 

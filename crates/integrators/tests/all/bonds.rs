@@ -40,7 +40,7 @@ fn velocity_verlet(bonds: &BondOptions, molecules: &Molecules) -> Integrator {
         BondHolder::Drift(solver) => method.with_bonds(solver),
         BondHolder::Spook(bonds) => lennard_integrators::spook::with_bonds(bonds),
         BondHolder::Spring(_) => method,
-        BondHolder::ImplicitSpring(solver, _) => method.with_bonds(solver),
+        BondHolder::InDrift(solver, _) => method.with_bonds(solver),
     }
 }
 
@@ -330,9 +330,10 @@ fn projection_along_the_new_bond_is_of_order_one() {
 
 #[test]
 fn every_way_but_the_projection_keeps_both_momenta() {
-    let spring = |scheme| {
+    let spring = |scheme, damping| {
         BondOptions::Spring(spring::Options {
             stiffness: 4000.0,
+            damping,
             scheme,
         })
     };
@@ -340,9 +341,18 @@ fn every_way_but_the_projection_keeps_both_momenta() {
         (direct(), Bonds::Rigid),
         (shake(1e-12), Bonds::Rigid),
         (spook(Default::default()), Bonds::Rigid),
-        (spring(spring::Scheme::Explicit), Bonds::Springs),
-        (spring(spring::Scheme::Midpoint), Bonds::Impulses),
-        (spring(spring::Scheme::LinearlyImplicit), Bonds::Impulses),
+        (spring(spring::Scheme::Explicit, 0.0), Bonds::Springs),
+        (spring(spring::Scheme::Explicit, 9.0), Bonds::Impulses),
+        (spring(spring::Scheme::Midpoint, 0.0), Bonds::Impulses),
+        (spring(spring::Scheme::Midpoint, 9.0), Bonds::Impulses),
+        (
+            spring(spring::Scheme::LinearlyImplicit, 0.0),
+            Bonds::Impulses,
+        ),
+        (
+            spring(spring::Scheme::LinearlyImplicit, 9.0),
+            Bonds::Impulses,
+        ),
         (projection(), Bonds::Rigid),
     ];
     for (bonds, kind) in ways {
@@ -366,9 +376,7 @@ fn every_way_but_the_projection_keeps_both_momenta() {
         };
         let before = angular(&state);
         let mut forces = ForceSum::new(pairs);
-        if let BondHolder::Spring(term) | BondHolder::ImplicitSpring(_, term) =
-            bonds.build(&molecules)
-        {
+        if let BondHolder::Spring(term) | BondHolder::InDrift(_, term) = bonds.build(&molecules) {
             forces.push(term);
         }
         run(&system, &mut state, &mut forces, &bonds, dt, 4000);

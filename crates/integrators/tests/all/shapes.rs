@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use lennard_core::{
-    Bond, Bonds, DVec3, Integrator, Masses, Molecules, NoForces, PeriodicBox, State, StepReport,
-    System, Topology, Want, rigid,
+    Bond, Bonds, DVec3, ForceSum, Integrator, Masses, Molecules, NoForces, PeriodicBox, State,
+    StepReport, System, Topology, Want, rigid,
 };
 use lennard_integrators::bonds::spring::Scheme;
 use lennard_integrators::bonds::{direct, relaxation, spook, spring};
@@ -53,7 +53,7 @@ fn throw(system: &System, state: &mut State) {
 
 fn method(system: &System, bonds: &BondOptions) -> Integrator {
     match bonds.build(&system.molecules) {
-        BondHolder::Drift(solver) | BondHolder::ImplicitSpring(solver, _) => {
+        BondHolder::Drift(solver) | BondHolder::InDrift(solver, _) => {
             build(&IntegratorOptions::default()).with_bonds(solver)
         }
         BondHolder::Spook(bonds) => lennard_integrators::spook::with_bonds(bonds),
@@ -373,7 +373,15 @@ fn two_molecules_of_one_topology_are_each_solved_for() {
 }
 
 fn springs(stiffness: f64, scheme: Scheme) -> BondOptions {
-    BondOptions::Spring(spring::Options { stiffness, scheme })
+    damped_springs(stiffness, 0.0, scheme)
+}
+
+fn damped_springs(stiffness: f64, damping: f64, scheme: Scheme) -> BondOptions {
+    BondOptions::Spring(spring::Options {
+        stiffness,
+        damping,
+        scheme,
+    })
 }
 
 /// ½k(|d| − r)² of all bonds and the kinetic energy.
@@ -458,7 +466,6 @@ fn midpoint_springs_keep_energy_and_momenta_where_explicit_ones_would_diverge() 
     }
 }
 
-/// At a step that resolves the vibration the scheme is of order two.
 /// A fast vibration has the phase π − 4/(ωh) per step: it resonates with the turn Ωh of the bond at Ω·ω·h² = 4.
 #[test]
 fn a_turning_midpoint_spring_is_stable_up_to_its_resonance() {
@@ -484,6 +491,7 @@ fn a_turning_midpoint_spring_is_stable_up_to_its_resonance() {
     assert!(longest(1.1) > 1.5, "{}", longest(1.1));
 }
 
+/// At a step that resolves the vibration the scheme is of order two.
 #[test]
 fn midpoint_springs_are_of_order_two() {
     let (places, pairs) = shapes().pop().unwrap();
@@ -498,4 +506,143 @@ fn midpoint_springs_are_of_order_two() {
     let errors = [100, 400].map(|steps| apart(&end(steps), &exact));
     let order = (errors[0] / errors[1]).log2() / 2.0;
     assert!((order - 2.0).abs() < 0.05, "{order}: {errors:?}");
+}
+
+/// A step of one bond with s = ωh and b = c·κ·h, on (x, h·v): each scheme by its own equations. The energy put in, over k/2, comes with it.
+fn damped_step(scheme: Scheme, s: f64, b: f64, [x, v]: [f64; 2]) -> ([f64; 2], f64) {
+    let s2 = s * s;
+    let energy = |x: f64, v: f64| x * x + v * v / s2;
+    let [next, after] = match scheme {
+        Scheme::Explicit => {
+            let half = (-0.5 * b).exp();
+            let kicked = v - 0.5 * s2 * x;
+            let slow = half * kicked;
+            let x = x + slow;
+            let heat = energy(0.0, half * slow) - energy(0.0, kicked);
+            return ([x, half * slow - 0.5 * s2 * x], heat);
+        }
+        Scheme::Midpoint => {
+            let after = ((1.0 - 0.5 * b - 0.25 * s2) * v - s2 * x) / (1.0 + 0.5 * b + 0.25 * s2);
+            [x + 0.5 * (v + after), after]
+        }
+        Scheme::LinearlyImplicit => {
+            let after = (v - s2 * x) / (1.0 + b + s2);
+            [x + after, after]
+        }
+    };
+    ([next, after], energy(next, after) - energy(x, v))
+}
+
+const SCHEMES: [Scheme; 3] = [Scheme::Explicit, Scheme::Midpoint, Scheme::LinearlyImplicit];
+
+/// A stretched bond between masses of 1 and 3, under springs that are forces too.
+fn run_damped(options: &BondOptions, h: f64, steps: u32, mut look: impl FnMut(&State, f64)) {
+    let places = [DVec3::ZERO, DVec3::X];
+    let (mut system, mut state) = molecule(&places, &[[0, 1]], Bonds::Impulses);
+    system.masses = Masses::Each(vec![1.0, 3.0]);
+    state.positions[1].x += 0.01;
+    let mut forces = ForceSum::new(NoForces);
+    let BondHolder::InDrift(solver, term) = options.build(&system.molecules) else {
+        panic!("damped springs act in drifts")
+    };
+    forces.push(term);
+    let mut method = build(&IntegratorOptions::default()).with_bonds(solver);
+    method
+        .start(&system, &mut state, &mut forces, h, Want::TOTALS)
+        .unwrap();
+    look(&state, 0.0);
+    let mut heat = 0.0;
+    for _ in 0..steps {
+        let report = method
+            .step(&system, &mut state, &mut forces, h, Want::TOTALS)
+            .unwrap();
+        heat += report.heat;
+        look(&state, heat);
+    }
+}
+
+#[test]
+fn damped_springs_follow_their_equations_and_count_what_they_take_as_heat() {
+    let (k, kappa) = (5000.0, 4.0 / 3.0);
+    let omega = f64::sqrt(k * kappa);
+    for scheme in SCHEMES {
+        for (s, b) in [(0.3, 0.05), (1.0, 1.0), (1.9, 4.0), (0.1, 30.0)] {
+            let h = s / omega;
+            let options = damped_springs(k, b / (kappa * h), scheme);
+            let (mut wanted, mut wanted_heat, mut steps) = ([0.01, 0.0], 0.0, 0);
+            run_damped(&options, h, 40, |state, heat| {
+                let strain = state.positions[1].x - state.positions[0].x - 1.0;
+                let rate = h * (state.velocities[1].x - state.velocities[0].x);
+                let off = f64::hypot(strain - wanted[0], rate - wanted[1]);
+                let at = format!("{scheme:?} s = {s}, b = {b}, step {steps}");
+                assert!(off < 1e-12, "{at}: {off:e}");
+                let off = heat / (0.5 * k) - wanted_heat;
+                assert!(off.abs() < 1e-13, "{at}: {heat:e}, off by {off:e}");
+                let put_in;
+                (wanted, put_in) = damped_step(scheme, s, b, wanted);
+                wanted_heat += put_in;
+                steps += 1;
+            });
+        }
+    }
+}
+
+/// The bound of a step is the one of springs without dashpots, ωh < 2, or above it: (ωh)² < 2·(g + 1/g) with g = e^{−cκh/2}.
+#[test]
+fn dashpots_do_not_make_the_longest_step_of_springs_shorter() {
+    let (k, kappa) = (5000.0, 4.0 / 3.0);
+    let omega = f64::sqrt(k * kappa);
+    for b in [0.01, 1.0, 6.0] {
+        let g = f64::exp(-0.5 * b);
+        let limit = f64::sqrt(2.0 * (g + 1.0 / g));
+        assert!(limit >= 2.0);
+        let largest = |share: f64| {
+            let h = share * limit / omega;
+            let options = damped_springs(k, b / (kappa * h), Scheme::Explicit);
+            let mut largest = 0.0_f64;
+            run_damped(&options, h, 150, |state, _| {
+                let strain = state.positions[1].x - state.positions[0].x - 1.0;
+                largest = largest.max(strain.abs());
+            });
+            largest
+        };
+        assert!(largest(0.99) < 0.2, "b = {b}: {:e}", largest(0.99));
+        assert!(largest(1.03) > 1.0, "b = {b}: {:e}", largest(1.03));
+    }
+}
+
+/// Dashpots of bonds that share sites act in one order before the drift and in the other after it: a step is of order two.
+#[test]
+fn damped_springs_of_any_shape_are_of_their_order() {
+    let (places, pairs) = shapes().pop().unwrap();
+    for (scheme, wanted) in SCHEMES.into_iter().zip([2.0, 2.0, 1.0]) {
+        let end = |steps: u32| {
+            let (system, mut state) = molecule(&places, &pairs, Bonds::Impulses);
+            throw(&system, &mut state);
+            let bonds = damped_springs(200.0, 5.0, scheme);
+            let BondHolder::InDrift(solver, term) = bonds.build(&system.molecules) else {
+                panic!("damped springs act in drifts")
+            };
+            let mut forces = ForceSum::new(NoForces);
+            forces.push(term);
+            let mut method = build(&IntegratorOptions::default()).with_bonds(solver);
+            let dt = 0.4 / f64::from(steps);
+            method
+                .start(&system, &mut state, &mut forces, dt, Want::NOTHING)
+                .unwrap();
+            for _ in 0..steps {
+                method
+                    .step(&system, &mut state, &mut forces, dt, Want::NOTHING)
+                    .unwrap();
+            }
+            state
+        };
+        let exact = end(102_400);
+        let errors = [400, 1600].map(|steps| apart(&end(steps), &exact));
+        let order = (errors[0] / errors[1]).log2() / 2.0;
+        assert!(
+            (order - wanted).abs() < 0.1,
+            "{scheme:?}: {order}, {errors:?}"
+        );
+    }
 }

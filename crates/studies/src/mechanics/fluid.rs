@@ -73,9 +73,7 @@ fn scene(text: &str) -> Result<Scene, StudyError> {
 fn holding(bonds: &BondOptions, system: &System) -> Integrator {
     let method = build(&IntegratorOptions::default());
     match bonds.build(&system.molecules) {
-        BondHolder::Drift(solver) | BondHolder::ImplicitSpring(solver, _) => {
-            method.with_bonds(solver)
-        }
+        BondHolder::Drift(solver) | BondHolder::InDrift(solver, _) => method.with_bonds(solver),
         BondHolder::Spook(bonds) => spook::with_bonds(bonds),
         BondHolder::Spring(_) => method,
     }

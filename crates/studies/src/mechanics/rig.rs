@@ -193,7 +193,7 @@ impl Rig {
         let method = build(&IntegratorOptions::default());
         let integrator = match bonds.build(&molecules) {
             BondHolder::Drift(solver) => method.with_bonds(solver),
-            BondHolder::ImplicitSpring(solver, term) => {
+            BondHolder::InDrift(solver, term) => {
                 forces.push(term);
                 method.with_bonds(solver)
             }

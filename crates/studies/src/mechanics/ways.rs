@@ -50,7 +50,11 @@ pub(crate) fn springs(stiffness: f64) -> BondOptions {
 
 /// Springs of a stiffness in ε/σ² by a scheme.
 fn springs_by(scheme: spring::Scheme, stiffness: f64) -> BondOptions {
-    BondOptions::Spring(spring::Options { stiffness, scheme })
+    BondOptions::Spring(spring::Options {
+        stiffness,
+        scheme,
+        ..Default::default()
+    })
 }
 
 /// Every way: the methods of the list with their default options, and variants.

@@ -1,0 +1,101 @@
+//! Springs with dashpots in a fluid: what they take is heat, and vibrations stay colder than the rest.
+
+use lennard_core::{Average, Doubt};
+use lennard_engine::{Simulation, Unfollowed};
+
+use crate::common::{self, DUMBBELLS, prepared};
+
+const SCHEMES: [&str; 3] = ["explicit", "midpoint", "linearly-implicit"];
+
+fn run(overrides: &[(&str, &str)]) -> Simulation {
+    let mut all = vec![("bonds.method", "spring")];
+    all.extend_from_slice(overrides);
+    let mut s = prepared(common::scene(DUMBBELLS, &all));
+    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    s
+}
+
+fn average(s: &Simulation, name: &str) -> Average {
+    let all = s.findings();
+    let mut averages = all.iter().flat_map(|found| &found.averages);
+    averages.find(|a| a.name == name).expect(name).clone()
+}
+
+/// Per molecule and over the run: the change of E, and the RMS of E less the heat.
+#[test]
+fn what_dashpots_take_is_counted_as_heat() {
+    for scheme in SCHEMES {
+        for way in [
+            &[][..],
+            &[
+                ("integrator.kind", "respa"),
+                ("integrator.inner_steps", "2"),
+            ],
+            &[("wall", "[{ kind = \"hard\" }]"), ("observable", "[]")],
+        ] {
+            let mut overrides = vec![
+                ("bonds.scheme", scheme),
+                ("bonds.damping", "10.0"),
+                ("bonds.stiffness", "1000.0"),
+                ("stage.0.steps", "1000"),
+                ("output.thermo_every", "1"),
+            ];
+            overrides.extend_from_slice(way);
+            let s = run(&overrides);
+            let series = s.thermodynamics().series();
+            let energy = |row: usize| series.kinetic_energy[row] + series.potential_energy[row];
+            let heat = energy(series.time.len() - 1) - energy(0);
+            assert!(heat < -0.3, "{scheme} {way:?}: {heat}");
+            let kept = s.thermodynamics().conservation();
+            let rms = kept.energy_rms_per_atom;
+            assert!(rms < 0.01, "{scheme} {way:?}: {rms} beside {heat}");
+        }
+    }
+}
+
+/// A vibration that loses speed at the rates γ to a bath of T and β = c·κ to its dashpot has T·γ/(γ + β) in molecules without other forces.
+#[test]
+fn vibrations_with_dashpots_stay_colder_than_their_bath_and_means_say_so() {
+    for scheme in &SCHEMES[..2] {
+        let with = |damping: &str| {
+            run(&[
+                ("bonds.scheme", scheme),
+                ("bonds.damping", damping),
+                ("bonds.stiffness", "4000.0"),
+                ("potential", "{ kind = \"none\" }"),
+                ("truncation", "{}"),
+                ("integrator.dt", "0.003"),
+                ("stage.0.steps", "6000"),
+                (
+                    "stage.0.thermostat",
+                    "{ kind = \"langevin\", friction = 5.0 }",
+                ),
+            ])
+        };
+        let [free, weak, damped] = ["0.0", "0.02", "10.0"].map(with);
+        let mean = |s: &Simulation, of: &str| {
+            let name = format!("temperature_of_{of}");
+            average(s, &name).estimate.mean
+        };
+        // ωh = 0.27, whose square over 4 is missing at whole steps.
+        for of in ["centers", "rotation", "vibration"] {
+            let t = mean(&free, of);
+            assert!((t - 2.0).abs() < 0.1, "{scheme}: T of {of} {t}");
+        }
+        // γ = 5 and β = 20: a fifth of 2.
+        let t = mean(&damped, "vibration");
+        assert!((t - 0.4).abs() < 0.06, "{scheme}: T of vibration {t}");
+        let t = mean(&damped, "rotation");
+        assert!((t - 2.0).abs() < 0.15, "{scheme}: T of rotation {t}");
+        let doubt = |s: &Simulation| average(s, "temperature_of_centers").doubt;
+        let is_by_bonds = |doubt: Option<Doubt>| {
+            doubt.is_some_and(|d| d.reason(1).contains("take energy from vibrations"))
+        };
+        assert!(is_by_bonds(doubt(&weak)), "{:?}", doubt(&weak));
+        assert!(!is_by_bonds(doubt(&free)), "{:?}", doubt(&free));
+        // A mean over all degrees of freedom is off so far that the fluid is not at the temperature of its bath.
+        let far = average(&damped, "temperature").doubt;
+        let is_far = matches!(far, Some(Doubt::NotInEquilibrium(_)));
+        assert!(is_far, "{far:?}");
+    }
+}
