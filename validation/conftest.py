@@ -13,6 +13,17 @@ import lennard_validation as lv
 RESULTS: list[str] = []
 
 
+def pytest_sessionfinish(session) -> None:
+    """A worker hands its lines over; the session that shows them has no `workeroutput`."""
+    if (handed := getattr(session.config, "workeroutput", None)) is not None:
+        handed["results"] = RESULTS
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node, error) -> None:
+    RESULTS.extend(getattr(node, "workeroutput", {}).get("results", []))
+
+
 def pytest_terminal_summary(terminalreporter) -> None:
     for line in RESULTS:
         terminalreporter.write_line(line)

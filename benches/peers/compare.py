@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Runs what the package managers offer beside Lennard, in alternation, on the cases A, B, C and D.
 
-    python3 benches/peers/compare.py [--cases AB] [--threads 1] [--repeats 3] [--gmx PATH] [--only WORDS] [--out results.json]
+    python3 benches/peers/compare.py [--cases AB] [--threads 1] [--repeats 3] [--isa avx2] [--gmx PATH] [--only WORDS]
+                                     [--out results.json]
 
 Engines:
 
@@ -15,9 +16,11 @@ Engines:
 Case D has 32,768 sites as rigid dumbbells at ρ = 0.458, T = 2: Lennard's direct solution beside `fix shake` and `fix rigid/small`
 of LAMMPS. All three hold two sites to rounding.
 
-An engine that is not installed is skipped with a line that says so; a `--gmx` that is not there is an error. Lennard
-runs as `cargo run --release -p lennard-benches --bin steps`, which takes bare steps, and as `lennard run`, which checks,
-records and holds the bath as any run does. Every engine measures its energies every 100 steps. Figures are million
+An engine that is not installed is skipped with a line that says so; a `--gmx` that is not there is an error. With `--isa`,
+Lennard keeps to one instruction set, for the comparison with a GROMACS of the same set.
+
+Lennard runs as `cargo run --release -p lennard-benches --bin steps`, which takes bare steps, and as `lennard run`, which
+checks, records and holds the bath as any run does. Every engine measures its energies every 100 steps. Figures are million
 atom-steps per second of the time loop alone, without set-up: medians and ranges, and the medians of Lennard's ratios to
 them (their ranges are in `--out`). Each ratio is taken within one round, since the clock of a shared machine drifts by
 more than engines differ.
@@ -53,16 +56,16 @@ def run(command, **options):
     return done.stdout
 
 
-def lennard(case, threads, precision):
+def lennard(case, threads, isa, precision):
     steps = CASES[case][2]
     binary = os.environ.get("LENNARD_STEPS")
     command = [binary] if binary else ["cargo", "run", "--release", "-q", "-p", "lennard-benches", "--bin", "steps", "--"]
     command += [case, str(steps), f"threads={threads}", f"precision={precision}", "repeats=1", "warm=0"]
-    command += [f"energies={ENERGIES_EVERY}"]
+    command += [f"energies={ENERGIES_EVERY}", f"isa={isa}"]
     return float(re.search(r"best ([0-9.]+) M/s", run(command, cwd=ROOT)).group(1))
 
 
-def lennard_run(case, threads, precision, bath):
+def lennard_run(case, threads, isa, precision, bath):
     """A whole run of the program; its record has the time of the loop."""
     cells, dt, steps = CASES[case]
     fluid = f"""
@@ -89,6 +92,7 @@ def lennard_run(case, threads, precision, bath):
         dt = {dt}
         [kernel]
         precision = "{precision}"
+        isa = "{isa}"
         [[stage]]
         name = "timed"
         steps = {steps}
@@ -107,7 +111,7 @@ def lennard_run(case, threads, precision, bath):
     return 1e3 / record["performance"]["ns_per_atom_step"]
 
 
-def peer(case, threads, engine, **more):
+def peer(case, threads, _isa, engine, **more):
     """Million atom-steps per second of another engine."""
     cells, dt, steps = CASES[case]
     job = {"cells": cells, "dt": dt, "timed_steps": steps, "energies_every": ENERGIES_EVERY, "threads": threads, **more}
@@ -194,6 +198,8 @@ def main():
     parser.add_argument("--cases", default="AB")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--isa", choices=["auto", "avx512", "avx2", "portable"], default="auto",
+                        help="the instruction set of Lennard")
     parser.add_argument("--gmx", type=pathlib.Path, action="append", default=[],
                         help="another gmx (or gmx_d), such as one built for this processor; may be repeated")
     parser.add_argument("--only", help="engines with one of these words, such as gromacs,lammps; Lennard always runs")
@@ -208,7 +214,7 @@ def main():
         for _ in range(options.repeats):
             for name in list(speeds):
                 try:
-                    speeds[name].append(engines[case][name](case, options.threads))
+                    speeds[name].append(engines[case][name](case, options.threads, options.isa))
                 except RuntimeError as reason:
                     print(f"{case}: {name} is skipped: {str(reason).strip().splitlines()[-1]}")
                     del speeds[name]
@@ -222,7 +228,7 @@ def main():
             speed = f"{medians[name]:.2f} ({min(values):.2f} to {max(values):.2f})"
             print(f"  {name:45s} {speed:>24s}" + "".join(f"{ratio:11.2f}" for ratio in ratios[name].values()))
             ranges[name] = {own: [rounds[0], rounds[-1]] for own, rounds in of_rounds.items()}
-        results[case] = {"threads": options.threads, "speeds": speeds, "medians": medians, "ratios": ratios, "ranges": ranges}
+        results[case] = {"threads": options.threads, "isa": options.isa, "speeds": speeds, "medians": medians, "ratios": ratios, "ranges": ranges}
     if options.out:
         options.out.write_text(json.dumps(results, indent=2) + "\n")
 

@@ -13,6 +13,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+
 use crate::counts::Counts;
 use crate::workspace::Workspace;
 
@@ -34,20 +36,16 @@ enum Step {
     Excerpt(String, String),
 }
 
-/// Runs every document.
+/// Runs every document, several at a time.
 pub fn run(workspace: &Workspace) -> Result<Counts, Box<dyn Error>> {
+    let names = workspace.tracked(&DOCUMENTS)?;
+    let outcomes: Vec<_> = names
+        .par_iter()
+        .map(|name| document(workspace, name).map_err(|fault| fault.to_string()))
+        .collect();
     let mut counts = Counts::default();
-    for name in workspace.tracked(&DOCUMENTS)? {
-        let text = fs::read_to_string(workspace.root.join(&name))?;
-        let folder = workspace
-            .target
-            .join("sessions")
-            .join(name.replace(['/', '.'], "-"));
-        if folder.exists() {
-            fs::remove_dir_all(&folder)?;
-        }
-        fs::create_dir_all(&folder)?;
-        match follow(workspace, &folder, &steps(&text)) {
+    for (name, outcome) in names.iter().zip(outcomes) {
+        match outcome {
             Ok(()) => {
                 counts.passed += 1;
                 println!("{name}: fine");
@@ -59,6 +57,20 @@ pub fn run(workspace: &Workspace) -> Result<Counts, Box<dyn Error>> {
         }
     }
     Ok(counts)
+}
+
+/// Runs one document in a new folder of its own.
+fn document(workspace: &Workspace, name: &str) -> Result<(), Box<dyn Error>> {
+    let text = fs::read_to_string(workspace.root.join(name))?;
+    let folder = workspace
+        .target
+        .join("sessions")
+        .join(name.replace(['/', '.'], "-"));
+    if folder.exists() {
+        fs::remove_dir_all(&folder)?;
+    }
+    fs::create_dir_all(&folder)?;
+    follow(workspace, &folder, &steps(&text))
 }
 
 fn follow(workspace: &Workspace, folder: &Path, steps: &[Step]) -> Result<(), Box<dyn Error>> {

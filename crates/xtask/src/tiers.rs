@@ -252,10 +252,12 @@ fn cargo_command(workspace: &Workspace, arguments: &[&str]) -> Command {
     command
 }
 
+/// A worker for each processor; the tests of a file, which share what they made, stay in one worker.
 fn pytest(workspace: &Workspace, folder: &str, marked: &str) -> Command {
     let mut command = workspace.command(Environment::validation(workspace).program("python"));
     command
         .args(["-m", "pytest", folder, "-m", marked])
+        .args(["-n", "auto", "--dist", "loadfile"])
         .env("LENNARD_BINARY", workspace.binary())
         .env("CARGO", cargo());
     command
