@@ -355,3 +355,38 @@ fn a_bulk_modulus_that_may_be_zero_gives_no_compressibility() {
         }
     }
 }
+
+/// κ is the inverse of a bulk modulus B that is r of its errors from zero. With B̂ = B(1 + z/r), κ̂ is within two errors of κ where
+/// |z|(1 + z/r) ≤ 2. Below r = 8 that is wrong for large z alone.
+#[test]
+fn inverses_from_five_errors_on_have_errors_that_nearly_cover() {
+    let covered = |r: f64| {
+        let largest = 0.5 * ((r * r + 8.0 * r).sqrt() - r);
+        let smallest = if r > 8.0 {
+            0.5 * ((r * r - 8.0 * r).sqrt() - r)
+        } else {
+            -r
+        };
+        // The normal distribution between both, by the midpoint rule.
+        let step = (largest - smallest) / 1000.0;
+        let at = |k: i32| smallest + step * (f64::from(k) + 0.5);
+        let density = |z: f64| (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt();
+        (0..1000).map(|k| step * density(at(k))).sum::<f64>()
+    };
+    assert!(covered(FEWEST_ERRORS_FROM_ZERO) > 0.935);
+    // A stricter bar takes numbers away for little.
+    assert!(covered(0.8 * FEWEST_ERRORS_FROM_ZERO) < 0.935);
+    let doubted = |errors: f64| {
+        let estimate = lennard_core::Estimate {
+            mean: 0.1,
+            standard_error: 0.1 / errors,
+            n_effective: 1e3,
+            least_effective: 1e3,
+            freedom: 64.0,
+            equilibration_cut: 0,
+        };
+        let values = vec![(estimate, Vec::new()); RESPONSES.len()];
+        why_unresolved(&values).is_some()
+    };
+    assert!(doubted(0.98 * FEWEST_ERRORS_FROM_ZERO) && !doubted(1.02 * FEWEST_ERRORS_FROM_ZERO));
+}

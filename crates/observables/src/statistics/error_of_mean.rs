@@ -259,13 +259,17 @@ mod tests {
         );
     }
 
-    #[test]
-    fn an_oscillating_correlation_counts_with_its_sign() {
-        // ρ(t) = rᵗ cos ωt: n_eff/n = 1/(1 + 2 Re[z/(1 − z)]), z = r e^{iω}.
-        let (r, omega) = (0.97_f64, 0.3_f64);
+    /// n_eff/n of the correlation rᵗ cos ωt: 1/(1 + 2 Re[z/(1 − z)]) with z = r e^{iω}.
+    fn of_rotation(r: f64, omega: f64) -> f64 {
         let (re, im) = (r * omega.cos(), r * omega.sin());
         let denominator = (1.0 - re).powi(2) + im * im;
-        let exact = 1.0 / (1.0 + 2.0 * (re * (1.0 - re) - im * im) / denominator);
+        1.0 / (1.0 + 2.0 * (re * (1.0 - re) - im * im) / denominator)
+    }
+
+    #[test]
+    fn an_oscillating_correlation_counts_with_its_sign() {
+        let (r, omega) = (0.97_f64, 0.3_f64);
+        let exact = of_rotation(r, omega);
         let n = 32_768;
         let found: Vec<f64> = (0..40)
             .map(|seed| error_of_mean(&damped_rotation(r, omega, seed, n)).n_effective / n as f64)
@@ -276,6 +280,21 @@ mod tests {
             "{} {exact}",
             mean(&found)
         );
+    }
+
+    /// Narrow windows end before the correlation is negative, and give an error of twice the true one. Wider windows speak against it.
+    #[test]
+    fn an_oscillation_longer_than_narrow_windows_does_not_double_the_error() {
+        let (r, omega) = ((-1.0_f64 / 60.0).exp(), std::f64::consts::TAU / 100.0);
+        let exact = of_rotation(r, omega);
+        let n = 2048;
+        let parts: Vec<f64> = (0..200)
+            .map(|seed| {
+                let found = error_of_mean(&damped_rotation(r, omega, seed, n));
+                (exact * n as f64 / found.n_effective).sqrt()
+            })
+            .collect();
+        assert!((0.85..1.25).contains(&mean(&parts)), "{}", mean(&parts));
     }
 
     #[test]
