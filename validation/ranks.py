@@ -23,6 +23,18 @@ WHEELS = ["mpich==5.0.2", "libclang==18.1.1"]
 PACKAGES = ["libopenmpi-dev", "openmpi-bin", "libclang-dev"]
 
 
+#: Runs a command, and appends the number of the rank and the most bytes that it held to a file.
+PEAK = """
+import os, resource, subprocess, sys
+# MPI gives its ranks open files.
+code = subprocess.call(sys.argv[2:], close_fds=False)
+rank = next(os.environ[name] for name in ["OMPI_COMM_WORLD_RANK", "PMI_RANK"] if name in os.environ)
+with open(sys.argv[1], "a") as file:
+    file.write(f"{rank} {1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss}\\n")
+sys.exit(code)
+"""
+
+
 @dataclass
 class Mpi:
     """One MPI library, with `lennard-mpi` built for it."""
@@ -41,6 +53,19 @@ class Mpi:
         return subprocess.run(
             command, env=self.environment, capture_output=True, text=True, check=False, timeout=600
         )
+
+    def peaks(self, folder: Path, ranks: int, *arguments: str) -> list[int]:
+        """The most bytes that each rank of a run held; works where `ru_maxrss` counts kilobytes, as on Linux."""
+        script, file = folder / "peak.py", folder / "peaks.txt"
+        script.write_text(PEAK, encoding="utf-8")
+        held = [sys.executable, str(script), str(file), str(self.program), *arguments]
+        command = [*self.mpirun, "-n", str(ranks), *held]
+        done = subprocess.run(
+            command, env=self.environment, capture_output=True, text=True, check=False, timeout=600
+        )
+        assert done.returncode == 0, done.stderr
+        lines = (line.split() for line in file.read_text(encoding="utf-8").splitlines())
+        return [int(bytes) for _, bytes in sorted(lines)]
 
     def start(self, ranks: int, *arguments: str) -> subprocess.Popen:
         return subprocess.Popen(
@@ -118,26 +143,25 @@ def has_headers() -> bool:
 
 
 def built(name: str, mpirun: list[str], mpicc: Path, environment: dict[str, str]) -> Mpi:
-    """The program, built for a library in the profile of the program under test."""
-    folder = lv.binary().resolve().parent.name
-    profile = "dev" if folder == "debug" else folder
+    """The program for a library, built together with the program under test: the pair loops are compiled once."""
+    folder = lv.binary_path().resolve().parent
+    profile = "dev" if folder.name == "debug" else folder.name
     environment = {**environment, "MPICC": str(mpicc)}
-    manifest = ["--manifest-path", str(ROOT / "crates" / "mpi" / "Cargo.toml"), "--target-dir", str(FOLDER / "build")]
 
     def cargo(*arguments: str) -> None:
-        command = [os.environ.get("CARGO", "cargo"), *arguments, *manifest]
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        command = [os.environ.get("CARGO", "cargo"), *arguments, "--profile", profile, "--target-dir", folder.parent]
+        done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
 
     # All but the bindings is the same for every library.
-    stamp = FOLDER / f"built-for-{folder}.txt"
+    stamp = folder / "built-for-mpi.txt"
     if not stamp.exists() or stamp.read_text(encoding="utf-8") != str(mpicc):
-        cargo("clean", "--profile", profile, "-p", "mpi-sys")
+        cargo("clean", "-p", "mpi-sys")
         stamp.write_text(str(mpicc), encoding="utf-8")
-    cargo("build", "--quiet", "--profile", profile)
+    cargo("build", "--quiet", "-p", "lennard-cli", "-p", "lennard-mpi", "--features", "lennard-mpi/mpi")
     program = FOLDER / name.lower().replace(" ", "-") / "lennard-mpi"
     program.parent.mkdir(exist_ok=True)
-    shutil.copy(FOLDER / "build" / folder / "lennard-mpi", program)
+    shutil.copy(folder / "lennard-mpi", program)
     return Mpi(name, mpirun, mpicc, program, environment)
 
 

@@ -66,10 +66,15 @@ def _number(text: str) -> float | str:
         return text
 
 
-def binary() -> Path:
-    """The release binary: $LENNARD_BINARY, or target/release/lennard below the repository."""
+def binary_path() -> Path:
+    """Where the binary is or will be: $LENNARD_BINARY, or target/release/lennard below the repository."""
     named = os.environ.get("LENNARD_BINARY")
-    path = Path(named) if named else ROOT / "target" / "release" / "lennard"
+    return Path(named) if named else ROOT / "target" / "release" / "lennard"
+
+
+def binary() -> Path:
+    """The binary under test, which must be there."""
+    path = binary_path()
     if not path.exists():
         raise FileNotFoundError(f"{path} is not there: build it with `cargo build --release`")
     return path

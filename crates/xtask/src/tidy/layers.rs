@@ -44,6 +44,7 @@ const TABLE: &[(&str, May)] = &[
     ("report", May::Use(&["core", "io", "literature"])),
     ("studies", May::UseAllAbove),
     ("cli", May::UseAllAbove),
+    ("mpi", May::Use(&["core", "cli"])),
     ("python", May::UseAllAbove),
     ("xtask", May::Use(&[])),
     ("benches", May::UseAnything),
