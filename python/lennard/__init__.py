@@ -75,7 +75,7 @@ else:
         return found
 
     def __dir__() -> list[str]:
-        return sorted({*globals(), *_HOMES})
+        return sorted(__all__)
 
 
 __version__: str = _version()

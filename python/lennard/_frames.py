@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,7 +31,7 @@ class Frames:
         positions: Floats,
         velocities: Floats | None = None,
         forces: Floats | None = None,
-        element: str = "Ar",
+        elements: Sequence[str] | None = None,
     ) -> None:
         self.step = step
         self.time = time
@@ -38,11 +39,12 @@ class Frames:
         self.positions = positions
         self.velocities = velocities
         self.forces = forces
-        self.element = element
+        #: The element symbol of each particle.
+        self.elements = list(elements) if elements is not None else ["Ar"] * positions.shape[1]
 
     @classmethod
-    def _of(cls, raw: dict[str, Any], element: str) -> Frames:
-        return cls(element=element, **raw)
+    def _of(cls, raw: dict[str, Any], elements: Sequence[str]) -> Frames:
+        return cls(elements=elements, **raw)
 
     def __len__(self) -> int:
         return len(self.step)
@@ -66,11 +68,10 @@ class Frames:
         """
         import ase
 
-        symbol = self.element
         images = []
         for i in range(len(self)):
             atoms = ase.Atoms(
-                f"{symbol}{self.positions.shape[1]}",
+                self.elements,
                 positions=self.positions[i] * sigma,
                 cell=self.box[i] * sigma,
                 pbc=True,
@@ -91,12 +92,11 @@ class Frames:
         """
         import mdtraj
 
-        n = self.positions.shape[1]
         topology = mdtraj.Topology()
         chain = topology.add_chain()
-        element = mdtraj.element.Element.getBySymbol(self.element) if self.element != "X" else mdtraj.element.virtual
-        for _ in range(n):
-            topology.add_atom(self.element, element, topology.add_residue("LJ", chain))
+        for symbol in self.elements:
+            element = mdtraj.element.Element.getBySymbol(symbol) if symbol != "X" else mdtraj.element.virtual
+            topology.add_atom(symbol, element, topology.add_residue("LJ", chain))
         return mdtraj.Trajectory(
             xyz=(self.wrapped * sigma).astype(np.float32),
             topology=topology,
@@ -115,8 +115,8 @@ class Frames:
 
         n = self.positions.shape[1]
         universe = MDAnalysis.Universe.empty(n, trajectory=True, velocities=self.velocities is not None)
-        universe.add_TopologyAttr("names", [self.element] * n)
-        universe.add_TopologyAttr("types", [self.element] * n)
+        universe.add_TopologyAttr("names", self.elements)
+        universe.add_TopologyAttr("types", self.elements)
         angles = np.full((len(self), 3), 90.0)
         velocities = None if self.velocities is None else (self.velocities * sigma).astype(np.float32)
         spacing = float(self.time[1] - self.time[0]) if len(self) > 1 else 1.0

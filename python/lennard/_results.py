@@ -43,6 +43,10 @@ class Mean:
     def __float__(self) -> float:
         return self.value
 
+    def __format__(self, spec: str) -> str:
+        """The value alone, by the format of a number: ``f"{mean:.3f}"``."""
+        return format(self.value, spec) if spec else str(self)
+
     def __str__(self) -> str:
         number = with_error(self.value, self.error)
         return f"{number} {self.unit}".rstrip()

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 Scene: TypeAlias = str | os.PathLike[str] | Mapping[str, Any]
 #: A method: its name, or a dictionary with ``kind`` and keys.
 Method: TypeAlias = str | Mapping[str, Any]
-#: What is measured: names or dictionaries with ``kind`` and keys.
-Measure: TypeAlias = bool | Sequence[Method]
+#: What is measured: a method or several.
+Measure: TypeAlias = bool | Method | Sequence[Method]
 
 #: The name of a scene that no file holds.
 NAME = "scene"
@@ -143,7 +143,10 @@ class Simulation:
         scene: dict[str, Any] = {name: table for name, table in tables.items()}
         system = {"configuration": "start.xyz", "temperature": temperature, **scene.pop("system", {})}
         scene["system"] = system
-        sides = np.broadcast_to(np.asarray(box, dtype=np.float64), (3,))
+        given = np.asarray(box, dtype=np.float64)
+        if given.shape not in [(), (1,), (3,)]:
+            raise ValueError(f"box has the shape {given.shape}\n  allowed: one side, or three sides along x, y and z")
+        sides = np.broadcast_to(given, (3,))
         lengths = (float(sides[0]), float(sides[1]), float(sides[2]))
         speeds = None if velocities is None else np.asarray(velocities, dtype=np.float64)
         start = (np.asarray(positions, dtype=np.float64), speeds, lengths)
@@ -248,6 +251,8 @@ class Simulation:
 
         The first frame is at the first step that is a multiple of ``every``.
         """
+        if every < 1 or n < 1:
+            raise ValueError(f"there must be a frame\n  found:   every={every}, n={n}\n  allowed: whole numbers from 1")
         return self.run(every * n, trajectory_every=every, **stage).frames
 
     def end_stage(self) -> None:
@@ -282,7 +287,7 @@ class Simulation:
             record=record,
             tables={table.name: table for table in found},
             thermo=Table._of(self._core.thermo()),
-            frames=Frames._of(self._core.frames(), self._core.names[2]),
+            frames=Frames._of(self._core.frames(), self.elements),
             scene=self.scene,
         )
 
@@ -294,6 +299,8 @@ class Simulation:
             )
         observables = None
         if not isinstance(measure, bool):
+            if isinstance(measure, str | Mapping):
+                measure = [measure]
             listed = [{"kind": m} if isinstance(m, str) else dict(m) for m in measure]
             observables = _toml.document({"observable": listed})
         written = {key: value for key, value in output.items() if value is not None}
@@ -333,7 +340,7 @@ class Simulation:
     @property
     def threads(self) -> int:
         """Threads in use. The bits do not depend on them."""
-        return self._core.names[3]
+        return self._core.names[2]
 
     # The state.
 
@@ -346,6 +353,18 @@ class Simulation:
     def n_molecules(self) -> int:
         """Number of molecules; of particles where there are none."""
         return self._core.size[1]
+
+    @property
+    def elements(self) -> list[str]:
+        """The element symbol of each particle, as files have it."""
+        species, of_particles = self._core.species
+        return [species[a][0] for a in of_particles]
+
+    @property
+    def masses(self) -> Floats:
+        """The mass of each particle, ``[N]``, m."""
+        species, of_particles = self._core.species
+        return np.array([mass for _, mass in species])[of_particles]
 
     @property
     def steps_done(self) -> int:
@@ -429,7 +448,8 @@ class Simulation:
     def to_ase(self, *, sigma: float = 1.0, epsilon: float = 1.0, mass: float = 1.0) -> ase.Atoms:
         """The state as ``ase.Atoms`` in Å and eV: lengths times ``sigma``, energies times ``epsilon``. Needs ase.
 
-        ``mass`` in u is set as the mass of each atom, and momenta from it: T in ε/k_B is then ``epsilon``·T/k_B in K.
+        ``mass`` in u is the unit of mass, and momenta follow from it: T in ε/k_B is then ``epsilon``·T/k_B in K. The
+        atoms of a mixture have the elements and masses of their species.
         """
         from .ase import to_atoms
 

@@ -49,7 +49,10 @@ class Sweep(Sequence[Point]):
         return iter(self._points)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A data frame with a row for each point: its keys, each mean and its standard error. Needs pandas."""
+        """A data frame with a row for each point: its keys, each mean and its standard error. Needs pandas.
+
+        A mean with the name of a key has a column such as ``temperature_measured``.
+        """
         import pandas
 
         rows = []
@@ -57,7 +60,7 @@ class Sweep(Sequence[Point]):
             row: dict[str, Any] = dict(point.values)
             if point.run is not None:
                 for name, mean in point.run.averages.items():
-                    row[name] = mean.value
+                    row[f"{name}_measured" if name in point.values else name] = mean.value
                     row[f"{name}_error"] = mean.error
             row["failure"] = "" if point.error is None else str(point.error)
             rows.append(row)
@@ -110,10 +113,13 @@ def sweep(
     if points is None:
         assert grid is not None
         names = list(grid)
+        for name, listed in grid.items():
+            if isinstance(listed, str) or not hasattr(listed, "__iter__"):
+                raise TypeError(f"`{name}` of a grid needs a list of values\n  found:   {listed!r}\n  allowed: [{listed!r}]")
         points = [dict(zip(names, values, strict=True)) for values in itertools.product(*grid.values())]
     if not points:
         raise ValueError("a sweep needs at least one point")
-    scene: Scene = os.path.abspath(os.fspath(base)) if is_file(base) else base  # type: ignore[arg-type]
+    scene = _wherever(base)
     jobs = []
     for values in points:
         changed = {**(set or {}), **{_SHORT.get(key, key): value for key, value in values.items()}}
@@ -126,6 +132,16 @@ def sweep(
         futures: list[Future[Any]] = [executor.submit(_attempt, scene, changed, threads or 1) for changed in jobs]
         runs = [future.result() for future in futures]
     return Sweep([Point(dict(v), run, error) for v, (run, error) in zip(points, runs, strict=True)])
+
+
+def _wherever(scene: Scene) -> Scene:
+    """The scene for a process in another folder: a file by its whole path. Scenes of the program have names alone."""
+    if is_file(scene):
+        path = os.fspath(scene)  # type: ignore[arg-type]
+        for file in (path, f"{path}.toml"):
+            if os.path.isfile(file):
+                return os.path.abspath(file)
+    return scene
 
 
 def _check(scene: Scene, changed: Mapping[str, Any]) -> None:

@@ -11,7 +11,7 @@ numbers are reduced units.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypedDict
+from typing import TYPE_CHECKING, Any, SupportsFloat, TypedDict
 
 import numpy as np
 from ase import Atoms, units
@@ -67,6 +67,27 @@ def _one_species(atoms: Atoms) -> str:
     return symbols[0] if symbols else "X"
 
 
+def _check_positive(name: str, value: object) -> None:
+    if not (isinstance(value, SupportsFloat) and np.isfinite(float(value)) and float(value) > 0.0):
+        raise ValueError(f"`{name}` must be a finite positive number\n  found: {value!r}")
+
+
+def _check_reach(
+    rc: float | None, truncation: str | Mapping[str, Any], potential: object, sigma: float, sides: Floats
+) -> None:
+    """Refuses a cell that is too small, in the units of ASE. A unit cell is, and users begin with one."""
+    in_table = truncation.get("r_cut") if isinstance(truncation, Mapping) else None
+    if rc is None and in_table is None and potential is not None:
+        return  # Some potentials have a range of their own.
+    reach = (2.5 if in_table is None else float(in_table)) * sigma if rc is None else float(rc)
+    half = 0.5 * float(np.min(sides))
+    if reach > half:
+        raise ValueError(
+            f"the cutoff does not fit the cell\n  found:   rc = {reach:.6g} Å, over half the shortest side {2 * half:.6g} Å\n"
+            f"  allowed: rc up to {half:.6g} Å, or a larger cell, such as atoms.repeat({int(np.ceil(reach / half))})"
+        )
+
+
 class Lennard(Calculator):
     """A calculator for ASE with the potentials of this program.
 
@@ -113,9 +134,7 @@ class Lennard(Calculator):
             allowed = ", ".join(self.default_parameters)
             raise TypeError(f"no such parameter\n  found:   {', '.join(unknown)}\n  allowed: {allowed}")
         for name in ("sigma", "epsilon"):
-            value = parameters.get(name, 1.0)
-            if not (np.isfinite(value) and value > 0.0):
-                raise ValueError(f"`{name}` must be a finite positive number\n  found: {value!r}")
+            _check_positive(name, parameters.get(name, 1.0))
         changed: dict[str, Any] = super().set(**parameters)  # type: ignore[no-untyped-call]
         if changed:
             self.reset()  # type: ignore[no-untyped-call]
@@ -145,6 +164,8 @@ class Lennard(Calculator):
             _one_species(self.atoms)
         sigma, epsilon = self.parameters["sigma"], self.parameters["epsilon"]
         lengths = _three(sides / sigma)
+        given = self.parameters
+        _check_reach(given["rc"], given["truncation"], given["potential"], sigma, sides)
         evaluator = self._evaluator_for(n, lengths)
         energy, forces, virial, energies, self.list_builds = evaluator.evaluate(
             np.ascontiguousarray(self.atoms.positions) / sigma, lengths, "energies" in properties
@@ -222,7 +243,16 @@ def simulation(
     in K is for atoms without momenta. All atoms have one mass, the unit of mass of the run. The simulation itself is in
     reduced units, and ``simulation.to_ase(sigma=…, epsilon=…, mass=…)`` goes back.
     """
+    _check_positive("sigma", sigma)
+    _check_positive("epsilon", epsilon)
+    if atoms.constraints:
+        kinds = ", ".join(type(constraint).__name__ for constraint in atoms.constraints)
+        raise ValueError(
+            f"constraints of ASE have no form in the engine\n  found:   {kinds}\n"
+            "  allowed: atoms without constraints; `ase.md` with the calculator Lennard keeps them"
+        )
     sides = _box(atoms)
+    _check_reach(rc, truncation, tables.get("potential"), sigma, sides)
     symbol = _one_species(atoms)
     masses = atoms.get_masses()
     if len(masses) == 0 or np.any(masses != masses[0]):
@@ -257,14 +287,13 @@ def simulation(
 
 def to_atoms(simulation: Simulation, *, sigma: float, epsilon: float, mass: float) -> Atoms:
     """The state of a simulation as ``ase.Atoms``: see :meth:`lennard.Simulation.to_ase`."""
-    symbol = simulation._core.names[2]
     atoms = Atoms(
-        f"{symbol}{simulation.n_atoms}",
+        simulation.elements,
         positions=simulation.positions * sigma,
         cell=simulation.box * sigma,
         pbc=True,
         info={"step": simulation.steps_done, "time": simulation.time * sigma * np.sqrt(mass / epsilon)},
     )
-    atoms.set_masses([mass] * len(atoms))
+    atoms.set_masses(simulation.masses * mass)
     atoms.set_velocities(simulation.velocities * np.sqrt(epsilon / mass))
     return atoms

@@ -11,6 +11,7 @@ import pytest
 
 ase = pytest.importorskip("ase")
 from ase import Atoms, units  # noqa: E402
+from ase.build import bulk  # noqa: E402
 from ase.calculators.fd import calculate_numerical_forces  # noqa: E402
 from ase.calculators.lj import LennardJones  # noqa: E402
 from ase.constraints import FixAtoms  # noqa: E402
@@ -164,8 +165,25 @@ def test_what_it_cannot_do_is_refused_with_a_reason():
     mixed.symbols[0] = "Kr"
     with pytest.raises(ValueError, match="found:   Ar, Kr"):
         Lennard().get_property("energy", mixed)
-    with pytest.raises(lennard.SceneError, match="r_cut"):
+    # In Å, as it was given: a cell of an ASE user is often a unit cell.
+    with pytest.raises(ValueError, match="rc = 9 Å, over half the shortest side"):
         Lennard(rc=9.0).get_property("energy", atoms)
+    cell = bulk("Ar", "fcc", a=5.3, cubic=True)
+    with pytest.raises(ValueError, match=r"found:   rc = 8.5125 Å.*\n.*rc up to 2.65 Å, or .*atoms.repeat\(4\)"):
+        Lennard(**ARGON).get_property("energy", cell)
+    repeated = Lennard(**ARGON).get_property("energy", cell.repeat(4))
+    assert repeated / 256 == pytest.approx(-0.077, abs=0.001)
+    with pytest.raises(ValueError, match="does not fit the cell"):
+        lennard.ase.simulation(cell, **ARGON, temperature=60)
+    Lennard(potential="wca").get_property("energy", fluid(5, 32, density=0.5))
+    with pytest.raises(ValueError, match="`sigma` must be a finite positive number"):
+        Lennard(sigma="3.4")
+    with pytest.raises(ValueError, match="`epsilon` must be a finite positive number"):
+        lennard.ase.simulation(atoms, epsilon=-1.0, temperature=60)
+    held = atoms.copy()
+    held.set_constraint(FixAtoms([0]))
+    with pytest.raises(ValueError, match="found:   FixAtoms"):
+        lennard.ase.simulation(held, temperature=60)
     with pytest.raises(ValueError, match="`smooth` of ase"):
         Lennard(smooth=True)
     with pytest.raises(TypeError, match="found:   sgma"):
@@ -201,6 +219,25 @@ def test_copies_and_pickles_compute_the_same():
     calc = atoms.calc
     atoms.calc = None
     assert calc.get_property("energy", atoms) == energy
+
+
+def test_a_mixture_keeps_its_elements_and_masses():
+    kinds = [{"name": "Ar", "fraction": 0.5}, {"name": "Kr", "fraction": 0.5, "mass": 2.0}]
+    simulation = lennard.Simulation.liquid(
+        density=0.6, temperature=1.2, n=256, r_cut=2.5, species=kinds, mixing={"rule": "lorentz-berthelot"}
+    )
+    atoms = simulation.to_ase(**ARGON, mass=39.948)
+    symbols = np.array(atoms.get_chemical_symbols())
+    assert sorted(set(symbols)) == ["Ar", "Kr"] and simulation.elements == list(symbols)
+    assert np.array_equal(atoms.get_masses(), 39.948 * np.where(symbols == "Kr", 2.0, 1.0))
+    # ASE divides by 3N, and the engine by what the total momentum leaves.
+    kelvin = simulation.temperature * (1 - 1 / 256) * ARGON["epsilon"] / units.kB
+    assert atoms.get_temperature() == pytest.approx(kelvin, rel=1e-9)
+    frames = simulation.frames(every=5, n=2)
+    assert frames.to_ase()[0].get_chemical_symbols() == list(symbols)
+    found = [atom.element.symbol for atom in frames.to_mdtraj().topology.atoms]
+    assert found == list(symbols)
+    assert list(frames.to_mdanalysis().atoms.types) == list(symbols)
 
 
 def test_a_simulation_takes_atoms_and_gives_them_back():

@@ -32,6 +32,11 @@ def test_means_have_errors_and_units(run):
     assert frame.loc["pressure", "value"] == pressure.value
 
 
+def test_a_mean_is_formatted_like_a_number(run):
+    mean = run.averages["pressure"]
+    assert f"{mean:.3f}" == f"{mean.value:.3f}" and f"{mean}" == str(mean)
+
+
 def test_a_mean_that_is_no_result_says_why():
     run = lennard.Simulation.liquid(density=0.8, temperature=1.0, n=256).run(20)
     mean = run.averages["pressure"]
@@ -157,7 +162,19 @@ def test_a_sweep_is_the_same_with_any_executor(tmp_path):
     assert again[0].run.record["averages"] == plain[1].run.record["averages"]
 
 
+def test_a_sweep_takes_a_scene_of_the_program_and_keeps_the_values_of_its_keys():
+    short = {"stage.melt.steps": 5, "stage.equilibrate.steps": 5, "stage.production.steps": 50}
+    made = lennard.sweep("template", {"temperature": [1.0, 1.5]}, set={**short, "truncation.r_cut": 2.5})
+    table = made.to_pandas()
+    assert list(table["temperature"]) == [1.0, 1.5] and list(table["failure"]) == ["", ""]
+    measured = [point.run.averages["temperature"].value for point in made]
+    assert list(table["temperature_measured"]) == measured
+
+
 def test_a_sweep_refuses_wrong_points_before_anything_runs():
+    for one in (0.5, "fcc"):
+        with pytest.raises(TypeError, match="needs a list of values"):
+            lennard.sweep(SCENE, {"system.lattice": one})
     with pytest.raises(lennard.SceneError, match="system.density"):
         lennard.sweep(SCENE, {"density": [0.5, -1.0]})
     with pytest.raises(TypeError, match="a grid or points"):

@@ -165,6 +165,15 @@ def test_a_failed_stage_changes_nothing(liquid):
     assert simulation.run(10).steps == 50
 
 
+def test_one_method_is_measured_without_a_list(liquid):
+    simulation = lennard.Simulation(liquid)
+    assert simulation.run(20, measure="msd").msd.rows > 0
+    assert simulation.run(20, measure=lennard.observable.rdf(every=10)).rdf.rows > 0
+    for every, n in [(0, 2), (5, 0)]:
+        with pytest.raises(ValueError, match=f"every={every}, n={n}"):
+            simulation.frames(every, n)
+
+
 def test_physics_that_fails_is_an_exception(liquid):
     simulation = lennard.Simulation(liquid, integrator={"dt": 0.1})
     with pytest.raises(lennard.PhysicsError, match="the run failed at step") as caught:
@@ -174,6 +183,8 @@ def test_physics_that_fails_is_an_exception(liquid):
 
 
 def test_arrays_of_the_wrong_shape_or_kind_are_refused():
+    with pytest.raises(ValueError, match=r"box has the shape \(3, 3\)"):
+        lennard.Simulation.from_arrays(np.zeros((4, 3)), np.eye(3), temperature=1.0)
     with pytest.raises(ValueError) as caught:
         lennard.Simulation.from_arrays(np.zeros((3, 2)), 8.0, temperature=1.0)
     assert "positions has the shape (3, 2)" in str(caught.value)

@@ -1,7 +1,7 @@
 //! Vectors and tables of the engine as numpy arrays, and back.
 
 use lennard_core::{DVec3, Table, Value};
-use lennard_engine::KeptFrame;
+use lennard_engine::{KeptFrame, Simulation};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -11,6 +11,21 @@ use pyo3::types::{PyDict, PyList};
 pub fn array<'py>(py: Python<'py>, vectors: &[DVec3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let flat: Vec<f64> = vectors.iter().flat_map(|v| v.to_array()).collect();
     PyArray1::from_vec(py, flat).reshape([vectors.len(), 3])
+}
+
+/// Element and mass of each species, and the species of each particle, `[N]`.
+pub type Species<'py> = (Vec<(String, f64)>, Bound<'py, PyArray1<u8>>);
+
+/// The species of a simulation. The particles of a plain fluid have the element of its output.
+pub fn species<'py>(py: Python<'py>, simulation: &Simulation) -> Species<'py> {
+    let table = simulation.system.species();
+    let each = table.all().iter().map(|one| match simulation.mixture {
+        Some(_) => (one.element.clone(), one.mass),
+        None => (simulation.scene.output.element.clone(), one.mass),
+    });
+    let of_particles = (0..table.n_particles()).map(|i| table.of(i) as u8);
+    let of_particles = PyArray1::from_vec(py, of_particles.collect());
+    (each.collect(), of_particles)
 }
 
 /// Vectors from an array `[N, 3]`.

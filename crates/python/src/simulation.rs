@@ -362,17 +362,18 @@ impl Core {
         Ok((all, simulation.stage.as_ref().map(|s| s.index)))
     }
 
-    /// Name of the scene, the model in words, the element symbol of the particles, and threads.
+    /// Name of the scene, the model in words, and threads.
     #[getter]
-    fn names(&self) -> PyResult<(String, String, String, usize)> {
+    fn names(&self) -> PyResult<(String, String, usize)> {
         let inner = self.used()?;
         let scene = &inner.simulation.scene;
-        Ok((
-            scene.name.clone(),
-            scene.model_name(),
-            scene.output.element.clone(),
-            inner.threads,
-        ))
+        Ok((scene.name.clone(), scene.model_name(), inner.threads))
+    }
+
+    /// Element and mass of each species, and the species of each particle.
+    #[getter]
+    fn species<'py>(&self, py: Python<'py>) -> PyResult<numbers::Species<'py>> {
+        Ok(numbers::species(py, &self.used()?.simulation))
     }
 }
 

@@ -198,16 +198,14 @@ pub(super) fn blocking(run: &RunFolder) -> Vec<Picture> {
         )
         .with(series(MARKS, points));
         let printed = run.average(name).map(|average| average.standard_error);
-        let printed = printed.filter(|error| error.is_finite());
-        let caption = match printed {
-            Some(_) => {
-                "Marks with their own uncertainty; the line is the error printed beside the mean, from the correlation time."
+        let line = match printed.filter(|error| error.is_finite()) {
+            Some(error) => {
+                figure = figure.level(error, "printed error");
+                "the line is the error printed beside the mean, from the correlation time"
             }
-            None => "Marks with their own uncertainty; the mean has no error.",
+            None => "the mean has no error",
         };
-        if let Some(error) = printed {
-            figure = figure.level(error, "printed error");
-        }
+        let caption = format!("Marks with their own uncertainty; {line}.");
         Some(Picture::new(figure, caption, format!("{file}.csv")))
     };
     [
