@@ -31,7 +31,7 @@ pub use file::{SweepError, load, plan};
 pub use melting::MeltingEstimate;
 pub use page::{CHI_SQUARED, agreement_table};
 pub use plan::Plan;
-pub use point_table::point_table;
+pub use point_table::{narrow_point_table, point_table};
 pub use points::{PlannedPoint, Point, Setting};
 pub use ran::Failed;
 pub use run::{Ending, FILES, SweepOptions, SweepRecord, SweptPoint, ending_of, run, run_points};

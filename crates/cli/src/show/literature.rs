@@ -8,7 +8,7 @@ use lennard_scene::Scene;
 use lennard_studies::compare::{self, ComparedRun, Row, StateOfMatter, quantity_words};
 use lennard_studies::sweep::{self, Sweep, SweepRecord, workers};
 
-use super::{WIDTH, note, table, wrapped};
+use super::{WIDTH, narrow_table, note, table, wrapped};
 
 /// What is about to run, with the points that are no single stable phase. Two phases that the start puts side by side are
 /// meant, and are judged by saturation.
@@ -40,11 +40,11 @@ fn planned(point: &lennard_studies::sweep::Point) -> StateOfMatter {
 
 /// The table of a sweep.
 pub fn sweep(record: &SweepRecord, folder: &Path) {
-    let points = sweep::point_table(record).without(&["c_v − equation", "State"]);
-    println!("\n{}", table(&points));
+    println!("\n{}", narrow_table(&sweep::narrow_point_table(record)));
+    println!("  Digits in brackets are one standard error in the last digits.");
     if !record.agreement.is_empty() {
         let together = sweep::agreement_table(record).without(&sweep::CHI_SQUARED);
-        println!("\n{}", table(&together));
+        println!("\n{}", narrow_table(&together));
     }
     let mut remarks: Vec<&String> = record
         .points

@@ -55,6 +55,10 @@ fn a_sweep_runs_its_points_once_and_every_run_has_a_page() {
         folder.path().join("out/report.html").exists()
             && folder.path().join("out/table.csv").exists()
     );
+    // Of a dozen columns, the ones that say nothing here would push the verdicts out of view.
+    let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
+    assert!(page.contains("State of all points: "));
+    assert!(page.contains("T, half steps") && !page.contains("T, whole steps"));
 
     let again = lennard_in(
         folder.path(),
@@ -184,8 +188,12 @@ fn states_outside_the_equation_inside_the_dome_and_above_freezing_are_said_to_be
     // Nothing to sum up but the two temperatures of single phases, and there is none.
     assert_eq!(record["agreement"].as_array().unwrap().len(), 0);
 
-    // The table of the command line warns before it begins.
+    // The table of the command line warns before it begins, and fits a terminal.
     let again = lennard_in(folder.path(), &["sweep", "sweep.toml", "--out", "out"]);
+    for line in text(&again.stdout).lines() {
+        let is_table = line.starts_with(['┌', '│', '╞', '└']);
+        assert!(!is_table || line.chars().count() <= 100, "{line}");
+    }
     assert!(text(&again.stdout).contains("it is run and not judged"));
 }
 

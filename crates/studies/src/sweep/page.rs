@@ -129,7 +129,7 @@ pub(super) fn page(
         .filter_map(|(quantity, title, unit)| differences(record, quantity, title, unit));
     let points = Section::new("Points")
         .figures(pictures.together.into_iter().chain(drawn).collect())
-        .table(linked(point_table(record), record));
+        .table(narrow(linked(point_table(record), record), record));
     let mut sections = match kind {
         Kind::Fluids => vec![together, points],
         Kind::Slabs | Kind::Crystals => vec![points],
@@ -167,6 +167,23 @@ pub(super) fn page(
 }
 
 const TOGETHER: &str = "All points together";
+
+/// Without columns that say nothing here, so that the verdicts are in view.
+fn narrow(mut table: Table, record: &SweepRecord) -> Table {
+    let measured = |p: &&SweptPoint| p.compared.is_some();
+    let mut points = record.points.iter().filter(measured);
+    if points.all(|p| p.row("temperature_half_steps").is_some()) {
+        table = table.without(&["T, whole steps"]);
+    }
+    let is_there = table.columns.iter().any(|column| column.name == "State");
+    let shown = record.points.iter().filter(|_| is_there);
+    let mut states = shown.map(|p| state(p).words.as_str());
+    if let Some(first) = states.next().filter(|first| states.all(|s| s == *first)) {
+        table.caption += &format!(" State of all points: {first}.");
+        table = table.without(&["State"]);
+    }
+    table
+}
 
 fn differences(record: &SweepRecord, quantity: &str, title: &str, unit: &str) -> Option<Picture> {
     let marks = |judged: bool| -> Vec<Point> {

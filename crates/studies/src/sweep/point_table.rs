@@ -101,6 +101,32 @@ pub fn point_table(record: &SweepRecord) -> Table {
     of_points(&record.points)
 }
 
+/// The same in columns that fit a terminal: one temperature, and differences where there is room for them.
+#[must_use]
+pub fn narrow_point_table(record: &SweepRecord) -> Table {
+    let points = &record.points;
+    let mut left_out = vec!["State", "c_v", "c_v − equation"];
+    let finished = || points.iter().filter(|p| p.compared.is_some());
+    if finished().all(|p| p.row("temperature_half_steps").is_some()) {
+        left_out.push("T, whole steps");
+    }
+    if Kind::of(points) == Kind::Slabs {
+        left_out.extend(
+            Kind::Slabs
+                .columns()
+                .iter()
+                .filter_map(|(.., beside)| *beside),
+        );
+    }
+    let mut table = of_points(points).without(&left_out);
+    for column in &mut table.columns {
+        if column.name.starts_with("T, ") {
+            column.name = "T".into();
+        }
+    }
+    table
+}
+
 pub(super) fn of_points(points: &[SweptPoint]) -> Table {
     let kind = Kind::of(points);
     let caption = match kind {
@@ -155,7 +181,7 @@ fn why_unfinished(point: &SweptPoint) -> Cell {
     Cell::words(why.unwrap_or("not finished")).toned(Tone::Bad)
 }
 
-/// The verdicts of a point, or why there are none.
+/// The verdicts of a point, each with the quantities that have it, or why there are none.
 fn verdicts(point: &SweptPoint, kind: Kind) -> Cell {
     let Some(compared) = &point.compared else {
         return why_unfinished(point);
@@ -168,10 +194,26 @@ fn verdicts(point: &SweptPoint, kind: Kind) -> Cell {
     if !compared.state.is_single_stable_phase() && !rows().any(|r| r.verdict.is_judged()) {
         return Cell::words("not judged").toned(Tone::Careful);
     }
-    let rows = rows();
-    let words = rows.map(|r| match r.verdict {
-        Verdict::PredictedBias => r.verdict_words(),
-        other => other.words().to_owned(),
-    });
-    Cell::words(words.collect::<Vec<_>>().join(", "))
+    let mut shared: Vec<(String, Vec<&str>)> = Vec::new();
+    for (quantity, heading, _) in kind.columns() {
+        let Some(row) = point.row(quantity) else {
+            continue;
+        };
+        let words = match row.verdict {
+            Verdict::PredictedBias => row.verdict_words(),
+            other => other.words().to_owned(),
+        };
+        let name = heading.split(" [").next().unwrap_or(heading);
+        match shared.iter_mut().find(|(known, _)| *known == words) {
+            Some((_, names)) => names.push(name),
+            None => shared.push((words, vec![name])),
+        }
+    }
+    if let [(words, _)] = &shared[..] {
+        return Cell::words(words);
+    }
+    let each = shared
+        .iter()
+        .map(|(words, names)| format!("{words}: {}", names.join(", ")));
+    Cell::words(each.collect::<Vec<_>>().join("; "))
 }
