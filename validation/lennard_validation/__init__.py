@@ -11,7 +11,7 @@ All numbers are in reduced units, except with mdtraj. It takes lengths in the fi
 nanometres, so that it divides lengths by ten. One σ is 0.1 times the scene's `length_scale` there.
 """
 
-from .commands import CommandFailed, Run, binary, energy, grid, open_run, run, saturation
+from .commands import CommandFailed, Run, binary, binary_path, energy, grid, open_run, run, saturation
 from .frames import BadTrajectory, expected_steps, load_frames, load_trajectory
 from .statistics import Blocked, blocked_error, chi_squared_of_spread
 
@@ -21,6 +21,7 @@ __all__ = [
     "CommandFailed",
     "Run",
     "binary",
+    "binary_path",
     "blocked_error",
     "chi_squared_of_spread",
     "energy",

@@ -105,7 +105,7 @@ fn main() -> ExitCode {
             ],
         ),
         "physics" => tiers::run_all(&workspace, &tiers::physics(), &[]),
-        "cluster" => tiers::run_all(&workspace, &tiers::cluster(), &[]),
+        "cluster" => tiers::run_all(&workspace.with_tested_binary(), &tiers::cluster(), &[]),
         "mpi" => tiers::run_all(&workspace, &tiers::mpi(), &[]),
         "tidy" => tiers::run_all(&workspace.with_tested_binary(), &tiers::tidy(), &[]),
         "docs" => tiers::run_all(&workspace.with_tested_binary(), &tiers::docs(), &[]),

@@ -210,9 +210,9 @@ pub fn physics() -> Vec<Tier> {
     vec![RELEASE_BUILD, PYTHON, PHYSICS, LONG_RUST_TESTS]
 }
 
-/// What `cargo xtask cluster` runs.
+/// What `cargo xtask cluster` runs, on a workspace [as tested](Workspace::with_tested_binary): it measures no speed.
 pub fn cluster() -> Vec<Tier> {
-    vec![RELEASE_BUILD, PYTHON, CLUSTER]
+    vec![TESTED_BUILD, PYTHON, CLUSTER]
 }
 
 /// What `cargo xtask mpi` runs. Its tests build the release program themselves, in one go with the one on ranks.
