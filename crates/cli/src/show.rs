@@ -6,6 +6,7 @@ mod eos;
 mod list;
 mod literature;
 mod plan;
+mod tables;
 mod tune;
 
 pub use bench::bench;
@@ -18,62 +19,17 @@ pub use tune::tuning;
 
 use std::path::Path;
 
-use comfy_table::presets::{UTF8_BORDERS_ONLY, UTF8_FULL_CONDENSED};
-use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement};
 use lennard_core::{Cell, Table};
 use lennard_engine::{EnergyReport, Simulation};
 use lennard_io::{Conservation, RunRecord};
-use lennard_report::{ErrorStyle, cell_text, heading, is_numeric, signed, significant};
+use lennard_report::{signed, significant};
 use lennard_studies::claims::{self, Claim};
 use lennard_studies::compare::ComparedRun;
 
+use tables::{narrow_table, table};
+
 /// Columns of a terminal for which tables are made, and of output that no terminal shows.
 const WIDTH: u16 = 100;
-
-/// A table that fits the terminal.
-fn table(table: &Table) -> comfy_table::Table {
-    styled(table, ErrorStyle::PlusMinus)
-}
-
-/// A table of at most [`WIDTH`] columns, with errors in brackets. Where it can, its last column alone takes several lines.
-fn narrow_table(table: &Table) -> comfy_table::Table {
-    /// Below this width a column of words is hard to read.
-    const NARROWEST: u16 = 14;
-    let mut shown = styled(table, ErrorStyle::Brackets);
-    shown.load_style(UTF8_BORDERS_ONLY).set_width(WIDTH);
-    let widths = shown.column_max_content_widths();
-    if let Some((_, figures)) = widths.split_last() {
-        let spaces = 2 * widths.len() as u16 + 2;
-        if figures.iter().sum::<u16>() + spaces + NARROWEST <= WIDTH {
-            for column in shown.column_iter_mut().take(figures.len()) {
-                column.set_constraint(ColumnConstraint::ContentWidth);
-            }
-        }
-    }
-    shown
-}
-
-fn styled(table: &Table, errors: ErrorStyle) -> comfy_table::Table {
-    let mut shown = comfy_table::Table::new();
-    shown
-        .load_style(UTF8_FULL_CONDENSED)
-        .set_content_arrangement(ContentArrangement::Dynamic)
-        .set_header(table.columns.iter().map(heading));
-    // Output that no terminal shows has no width.
-    if let Some((_, columns)) = console::Term::stdout().size_checked() {
-        shown.set_width(columns);
-    }
-    for row in 0..table.rows() {
-        let cells = table.row(row);
-        shown.add_row(cells.map(|cell| cell_text(&cell, errors)));
-    }
-    for (column, shown) in table.columns.iter().zip(shown.column_iter_mut()) {
-        if is_numeric(column) {
-            shown.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    shown
-}
 
 /// Prints a note below a table, in lines that fit the terminal.
 fn note(text: &str) {
