@@ -6,17 +6,24 @@ use lennard_report::{Section, percent, significant};
 
 use crate::compare::{ComparedRun, Row, RunFolder, card_table, quantity_words, table};
 
+/// The columns of a reference.
+const BESIDE: [&str; 4] = ["Reference", "Difference", "Difference / s.e.", "Tolerance"];
+
+/// What was measured, beside the literature where there is some.
 pub(super) fn comparison(compared: &ComparedRun) -> Table {
     let shown = compared
         .rows
         .iter()
         .filter(|r| r.primary || r.verdict.is_judged());
-    table(&shown.collect::<Vec<_>>(), |row| {
-        match row.has_long_reason() {
-            true => row.verdict.words().to_owned(),
-            false => row.verdict_words(),
-        }
-    })
+    let rows: Vec<&Row> = shown.collect();
+    let made = table(&rows, |row| match row.has_long_reason() {
+        true => row.verdict.words().to_owned(),
+        false => row.verdict_words(),
+    });
+    match rows.iter().any(|row| row.reference.is_some()) {
+        true => made,
+        false => made.without(&BESIDE),
+    }
 }
 
 /// Every measured property beside every equation.
