@@ -186,22 +186,22 @@ def test_halos_are_as_large_as_the_plan_says(mpi: Mpi, tmp_path) -> None:
 
 
 def test_ranks_hold_the_memory_that_the_plan_says(mpi: Mpi, tmp_path) -> None:
-    for precision in ["double", "mixed"]:
-        path = str(scene(tmp_path, n=1000188, melt=2, steps=10))
-        common = [path, "--precision", precision]
-        planned = alone("plan", *common, "--nodes", "4", "--latency", "2us", "--bandwidth", "10GB/s", "--json")
-        assert planned.returncode == 0, planned.stderr
-        step = json.loads(planned.stdout)["nodes"]["steps"][-1]
-        expected = [step["bytes"], *3 * [step["bytes_of_others"]]]
-        folder = tmp_path / precision
-        folder.mkdir()
-        out = str(folder / "out")
-        found = mpi.peaks(folder, 4, "run", *common, "--threads", "1", "--quiet", "--no-report", "--out", out)
-        assert len(found) == 4
-        pairs = ", ".join(f"{f / 1e6:.0f} ({e / 1e6:.0f})" for f, e in zip(found, expected, strict=True))
-        conftest.RESULTS.append(f"{mpi.name}, {precision}: MB of 4 ranks with 10⁶ particles (planned): {pairs}")
-        for rank, (bytes_found, bytes_planned) in enumerate(zip(found, expected, strict=True)):
-            assert abs(bytes_found / bytes_planned - 1) < 0.1, f"rank {rank}: {pairs}"
+    # The state set aside is there from step 100 on.
+    path = str(scene(tmp_path, n=1000188, melt=2, steps=103))
+    # Libraries differ by some MB. A run with each precision of each would take twice the time.
+    precision = "mixed" if mpi.name == "MPICH" else "double"
+    common = [path, "--precision", precision]
+    planned = alone("plan", *common, "--nodes", "4", "--latency", "2us", "--bandwidth", "10GB/s", "--json")
+    assert planned.returncode == 0, planned.stderr
+    step = json.loads(planned.stdout)["nodes"]["steps"][-1]
+    expected = [step["bytes"], *3 * [step["bytes_of_others"]]]
+    out = str(tmp_path / "out")
+    found = mpi.peaks(tmp_path, 4, "run", *common, "--threads", "1", "--quiet", "--no-report", "--out", out)
+    assert len(found) == 4
+    pairs = ", ".join(f"{f / 1e6:.0f} ({e / 1e6:.0f})" for f, e in zip(found, expected, strict=True))
+    conftest.RESULTS.append(f"{mpi.name}, {precision}: MB of 4 ranks with 10⁶ particles (planned): {pairs}")
+    for rank, (bytes_found, bytes_planned) in enumerate(zip(found, expected, strict=True)):
+        assert abs(bytes_found / bytes_planned - 1) < 0.1, f"rank {rank}: {pairs}"
 
 
 def test_speed_beside_threads(mpi: Mpi, tmp_path) -> None:
