@@ -66,9 +66,14 @@ pub fn forces(
     let options = scene.force_field();
     let mixture = scene.mixture_of(species);
     let conditions = conditions(scene, cell, species.n_particles(), mixture.as_ref());
-    let built =
-        lennard_forcefield::build(&options, &conditions).map_err(|e| misfit(&scene.source, &e))?;
+    let built = lennard_forcefield::build(&options, &conditions).map_err(|e| scene.misfit(&e))?;
     Ok((options, built))
+}
+
+/// The highest temperature of the start and of the stages, ε/k_B.
+fn hottest(scene: &Scene) -> f64 {
+    let of_stages = scene.stages.iter().map(|stage| stage.temperature);
+    of_stages.fold(scene.system.temperature, f64::max)
 }
 
 /// Builds the simulation: particles placed, relaxed where the start is random, velocities drawn
@@ -119,6 +124,7 @@ pub(crate) fn prepare_own_from(
     let mut remarks = pressure::foresee(&scene, &cell, n, provider.plan().skin)?;
     remarks.extend(remark_on_springs(&scene));
     remarks.extend(remark_on_damping(&scene));
+    remarks.extend(scene.potential.remark_at(hottest(&scene)));
     if !scene.program.is_empty() {
         let parts = scene.program.in_words();
         remarks.push(format!(

@@ -40,6 +40,7 @@ impl Simulation {
             })
             .collect();
         self.leave_out_meaningless(&mut findings);
+        self.tell_tail_of_structure(&mut findings);
         self.add_front(&mut findings);
         findings
     }

@@ -52,6 +52,7 @@ mod stage;
 mod starting_crystal;
 mod starting_molecules;
 mod starting_slab;
+mod structure_tail;
 mod timers;
 mod two_phases;
 mod watch;

@@ -23,30 +23,58 @@ struct Foreseen {
     phase: Phase,
 }
 
+impl Foreseen {
+    /// κ of the saturated liquid in σ³/ε, where a fluid that begins liquid ends as a gas.
+    fn boiling_liquid(&self, stage: &Stage, start_density: f64) -> Option<f64> {
+        let critical = self.equation.spec().critical.density;
+        if start_density <= critical || self.density > critical {
+            return None;
+        }
+        let saturation = self.equation.saturation(stage.temperature)?;
+        Some(compressibility_at(
+            self.equation,
+            saturation.liquid_density,
+            stage.temperature,
+        ))
+    }
+}
+
+/// κ = 1/(ρ·∂p/∂ρ) of an equation, σ³/ε.
+fn compressibility_at(equation: &dyn EquationOfState, density: f64, temperature: f64) -> f64 {
+    1.0 / (density * equation.at(density, temperature).dp_drho)
+}
+
 fn foreseen(scene: &Scene, stage: &Stage) -> Option<Foreseen> {
     let control = stage.barostat.as_ref()?;
     let equation = lennard_literature::equation_of_state_for(model_kind(scene)).ok()?;
     let density = equation.density(control.pressure, stage.temperature)?;
-    let state = equation.at(density, stage.temperature);
     Some(Foreseen {
         equation,
         density,
-        compressibility: 1.0 / (density * state.dp_drho),
+        compressibility: compressibility_at(equation, density, stage.temperature),
         phase: equation.phase(density, stage.temperature),
     })
 }
 
 /// The compressibility that sets the pace of a barostat, σ³/ε.
 ///
-/// The scene's own comes first, then the equation of state at (T₀, P₀). Else a gas has 1/P₀ and a liquid 0.1.
+/// The scene's own comes first, then the equation of state at (T₀, P₀). Else a gas has 1/P₀, and a liquid 0.1 or 1/P₀ if that is less.
+/// A liquid that will boil has the compressibility of the saturated liquid: it would accept none of the long moves of a gas.
 pub(crate) fn compressibility(scene: &Scene, stage: &Stage, start_density: f64) -> f64 {
     let control = stage.barostat.as_ref();
     let given = control.and_then(|c| c.options.compressibility());
-    let of_equation = || foreseen(scene, stage).map(|f| f.compressibility);
+    let of_equation = || {
+        let foreseen = foreseen(scene, stage)?;
+        match foreseen.boiling_liquid(stage, start_density) {
+            Some(liquid) => Some(liquid.min(foreseen.compressibility)),
+            None => Some(foreseen.compressibility),
+        }
+    };
     let pressure = control.map_or(0.0, |c| c.pressure);
     let guessed = || {
         if start_density >= GAS_BELOW {
-            OF_A_LIQUID
+            // At high pressures κ is a part of 1/P₀ in any fluid.
+            OF_A_LIQUID.min(1.0 / pressure)
         } else if pressure > 0.0 {
             1.0 / pressure
         } else {

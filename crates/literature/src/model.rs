@@ -279,7 +279,7 @@ pub fn remark_for(model: ModelKind) -> Option<String> {
             if r_cut < GOOD_TAIL_CUTOFF =>
         {
             Some(format!(
-                "the tail correction takes g(r) = 1 beyond {r_cut} σ; in a dense liquid that biases P, \
+                "the tail correction takes g(r) = 1 beyond {r_cut:.3} σ; in a dense liquid that biases P, \
              by about −0.03 at 2.5 σ: judge P at r_cut ≥ {GOOD_TAIL_CUTOFF} σ"
             ))
         }

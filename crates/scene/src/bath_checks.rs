@@ -92,7 +92,10 @@ fn has_its_thermostat(
             || format!("`{}` in a stage without thermostat", spec.name),
             |bath| format!("`{}` with thermostat `{}`", spec.name, bath.name),
         ))
-        .allowed(format!("thermostat = one of {}", quoted(&fit))))
+        .allowed(match fit.as_slice() {
+            [one] => format!("thermostat = {one:?}"),
+            several => format!("thermostat = one of {}", quoted(several)),
+        }))
 }
 
 fn is_slow_enough(

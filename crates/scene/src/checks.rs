@@ -263,13 +263,7 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
         dt,
         mixture: mixture.as_ref(),
     };
-    lennard_forcefield::check(&scene.force_field(), &conditions).map_err(|e| {
-        scene
-            .source
-            .refuse(&e.key(), e.problem())
-            .found(e.found())
-            .allowed(e.allowed())
-    })?;
+    lennard_forcefield::check(&scene.force_field(), &conditions).map_err(|e| scene.misfit(&e))?;
     for (i, table) in scene.observables.iter().enumerate() {
         let context = scene.observable_context(cell, &species, dt, table.every);
         lennard_observables::build(&table.options, &context).map_err(|e| {

@@ -161,6 +161,25 @@ const CONTACTS_LEFT_OUT: &[LeftOut] = &[
     },
 ];
 
+const MIXING_LEFT_OUT: &[LeftOut] = &[
+    LeftOut {
+        words: &["arithmetic", "lorentz", "berthelot", "lb"],
+        why: "its name here is `lorentz-berthelot`",
+    },
+    LeftOut {
+        words: &["sixthpower", "sixth_power"],
+        why: "its name here is `waldman-hagler`",
+    },
+    LeftOut {
+        words: &["good_hope", "jorgensen", "opls"],
+        why: "its name here is `geometric`",
+    },
+    LeftOut {
+        words: &["kong", "tang_toennies", "hogervorst", "custom", "manual"],
+        why: "take `explicit`, with σ and ε of each pair in a table `[[pair]]`",
+    },
+];
+
 /// Why a method that others have is not here, and what to take: `key` says what kind of method it is.
 pub(crate) fn left_out(key: &str, name: &str) -> Option<&'static str> {
     let list = if key.contains("thermostat") {
@@ -171,6 +190,8 @@ pub(crate) fn left_out(key: &str, name: &str) -> Option<&'static str> {
         BONDS_LEFT_OUT
     } else if key.starts_with("contact") {
         CONTACTS_LEFT_OUT
+    } else if key.starts_with("mixing") {
+        MIXING_LEFT_OUT
     } else {
         return None;
     };
@@ -201,6 +222,10 @@ mod tests {
         assert_eq!(meant("rfd").as_deref(), Some("rdf"));
         assert_eq!(meant("velocity_verlet").as_deref(), Some("velocity-verlet"));
         assert_eq!(meant("atms").as_deref(), Some("n_atoms"));
+        let rule = |name| left_out("mixing.rule", name).unwrap_or_default();
+        assert!(rule("sixthpower").contains("waldman-hagler"));
+        assert!(rule("Lorentz").contains("lorentz-berthelot"));
+        assert!(rule("kong").contains("explicit"));
         for other in ["", "x", "pressure", "wavelet", "фыва"] {
             assert_eq!(meant(other), None, "{other}");
         }

@@ -14,6 +14,7 @@ mod transport;
 mod two_phases;
 mod verdict;
 
+pub(crate) use card::is_a_part;
 pub use card::{CardEquation, CardRow, Standing, StateCard, card_table};
 pub use phase::{StateOfMatter, state_of};
 pub use read::{ReadError, RunFolder};

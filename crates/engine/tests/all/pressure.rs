@@ -187,6 +187,26 @@ fn boiling_is_foreseen_and_sides_of_a_fluid_change_together() {
     assert!(message.contains("no stiffness of shape"), "{message}");
 }
 
+/// κ sets how far the box is proposed to move: with the κ of the gas, the first proposals were boxes of less than two cutoffs.
+#[test]
+fn a_liquid_that_will_boil_and_a_great_pressure_have_proposals_of_their_own_size() {
+    for pressure in ["0.01", "500"] {
+        let words = format!("{{ kind = \"stochastic-cell-rescaling\", pressure = {pressure} }}");
+        let mut overrides = with_barostat(&words, "bussi");
+        overrides.extend([
+            ("stage.equilibrate.steps", "60"),
+            ("stage.production.steps", "60"),
+        ]);
+        let smaller = [("truncation.r_cut", "2.0")];
+        overrides.extend(smaller);
+        let volume = ran(&overrides).state.cell.volume();
+        assert!(
+            volume != 256.0 / 0.72,
+            "{pressure}: no proposal was accepted"
+        );
+    }
+}
+
 #[test]
 fn a_box_that_shrinks_below_twice_the_cutoff_stops_the_run_by_name() {
     // No equation of state describes the shifted force, so that nothing is foreseen.

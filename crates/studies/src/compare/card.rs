@@ -17,6 +17,11 @@ const PARTS: [(&str, &str, &str); 1] = [(
     "two-body entropy s₂, beside s_res",
 )];
 
+/// Whether a row of a card is a part of the property that it stands beside: no equation is judged by it.
+pub(crate) fn is_a_part(property: &str) -> bool {
+    PARTS.iter().any(|(mean, ..)| *mean == property)
+}
+
 /// Means that belong to the temperature of the bath, and not to the measured one: trial particles have weights of that.
 const AT_THE_BATH: [&str; 1] = ["residual_chemical_potential"];
 

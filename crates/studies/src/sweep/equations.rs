@@ -9,7 +9,7 @@ use lennard_scene::Scene;
 
 use super::agreement::tail_probability;
 use super::{Sweep, SweepRecord, SweptPoint, probability_words};
-use crate::compare::{CardRow, ComparedRun, Row, StateCard};
+use crate::compare::{CardRow, ComparedRun, Row, StateCard, is_a_part};
 
 /// Fewest points that say anything of an equation.
 const FEWEST: usize = 3;
@@ -103,6 +103,11 @@ fn judge(scene: &Scene) -> Option<&'static dyn EquationOfState> {
     equation.filter(|_| !is_held)
 }
 
+/// Whether a row says anything of equations: it has an error, and is the whole of a property.
+fn judges(row: &CardRow) -> bool {
+    row.standard_error > 0.0 && !is_a_part(&row.property)
+}
+
 /// All properties with an error, of all points that have a card, in the order of the cards.
 fn all<'a>(sweep: &'a Sweep, record: &'a SweepRecord) -> impl Iterator<Item = Beside<'a>> {
     let scenes = sweep.points.iter().map(|p| (p.name.as_str(), &p.scene));
@@ -112,7 +117,7 @@ fn all<'a>(sweep: &'a Sweep, record: &'a SweepRecord) -> impl Iterator<Item = Be
         let run = point.compared.as_ref();
         let card = run.and_then(|run| Some((run, run.card.as_ref()?)));
         card.into_iter().flat_map(move |(run, card)| {
-            let rows = card.rows.iter().filter(|r| r.standard_error > 0.0);
+            let rows = card.rows.iter().filter(|r| judges(r));
             rows.map(move |row| Beside {
                 point,
                 run,
@@ -259,6 +264,7 @@ mod tests {
     use lennard_literature::thol_2016;
 
     use super::*;
+    use crate::compare::Standing;
 
     #[test]
     fn a_known_bias_is_no_fault_of_the_equation_and_a_held_pressure_judges_none() {
@@ -291,6 +297,23 @@ mod tests {
             |name| Scene::load(&lennard_scene::shipped::locate(Path::new(name)), &[]).unwrap();
         assert!(judge(&load("verlet-1967/triple-point")).is_some());
         assert!(judge(&load("npt/liquid")).is_none());
+    }
+
+    #[test]
+    fn a_part_of_the_entropy_judges_no_equation_of_the_whole() {
+        let row = |property: &str, standard_error| CardRow {
+            property: property.to_owned(),
+            name: String::new(),
+            unit: String::new(),
+            measured: -2.1,
+            standard_error,
+            values: vec![-2.5],
+            band: None,
+            standing: Standing::NoBand,
+        };
+        assert!(judges(&row("pressure", 0.01)));
+        assert!(!judges(&row("pressure", f64::NAN)));
+        assert!(!judges(&row("two_body_entropy", 0.01)));
     }
 
     #[test]

@@ -81,6 +81,11 @@ pub trait Potential: Options + Copy + 'static {
         Ok(())
     }
 
+    /// What is to be known of the potential at a temperature (ε/k_B) before the first step.
+    fn remark_at(&self, _temperature: f64) -> Option<String> {
+        None
+    }
+
     /// The file that the potential reads; `None` where it reads none.
     fn file(&self) -> Option<TablePath> {
         None
@@ -186,6 +191,14 @@ macro_rules! list_of_potentials {
             pub(crate) fn check_with(&self, truncation: &TruncationOptions) -> Result<(), OptionError> {
                 match self {
                     $(Self::$variant(potential) => potential.check_with(truncation),)*
+                }
+            }
+
+            /// What is to be known of the potential at a temperature (ε/k_B) before the first step.
+            #[must_use]
+            pub fn remark_at(&self, temperature: f64) -> Option<String> {
+                match self {
+                    $(Self::$variant(potential) => potential.remark_at(temperature),)*
                 }
             }
 

@@ -27,6 +27,9 @@ const EXPONENT_MARGIN: f64 = 0.5;
 /// A U and F at the end of a table below these, in ε and ε/σ, have no tail.
 const NOTHING: f64 = 1e-12;
 
+/// A pair is hardly ever nearer than where U is so many T: the share of such pairs is of the order e⁻¹⁰.
+const OFTEN: f64 = 10.0;
+
 impl Table {
     /// The table that a file holds.
     ///
@@ -139,6 +142,18 @@ impl Potential for Table {
             self.tail(table)?;
         }
         Ok(())
+    }
+
+    /// That particles come nearer than the first row.
+    fn remark_at(&self, temperature: f64) -> Option<String> {
+        let (table, _) = self.open().ok()?;
+        let (r, energy, enough) = (table.range.0, table.at_begin(), OFTEN * temperature);
+        (energy < enough).then(|| {
+            format!(
+                "the table begins at r = {r} σ with U = {energy:.3} ε, below {OFTEN}·T = {enough:.3} ε: particles come nearer, where U is a \
+                 straight line in r²; let it begin where U is larger"
+            )
+        })
     }
 
     fn file(&self) -> Option<TablePath> {

@@ -57,6 +57,12 @@ impl Tabulated {
         &self.rows
     }
 
+    /// U at the first row, ε.
+    pub fn at_begin(&self) -> f64 {
+        let r = self.range.0;
+        self.spline.at(r * r).0
+    }
+
     /// U and U′ at the end of the file, ε and ε/σ.
     pub fn at_end(&self) -> (f64, f64) {
         let r = self.range.1;

@@ -110,5 +110,12 @@ fn files_that_are_no_table_are_refused_with_the_line() {
     }
     let one_wrong = good.replacen("\n1.5 -", "\n1.5 ", 1);
     assert_ne!(one_wrong, good);
-    refused(&one_wrong, "slope of U");
+    // r = 1.5 is line 71. The rows beside it fail, with a U or an F that is right.
+    refused(&one_wrong, "line 71: U = ");
+    let force = good
+        .lines()
+        .nth(70)
+        .and_then(|line| line.rsplit(' ').next());
+    let other = good.replacen(force.unwrap(), "-1.0", 1);
+    refused(&other, "line 71: F = -1 ");
 }
