@@ -160,10 +160,12 @@ def test_all_ways_to_hold_a_bond_sample_one_fluid_with_one_temperature(bath, tmp
         found = lv.run(tmp_path / f"{way}.toml", out=tmp_path / way).averages
         measured[way] = found
         # Equipartition. Temperatures of whole steps lie some (ωh)² lower, which is below 0.002 at this step.
-        for part in ("temperature_of_centers", "temperature_inside_molecules"):
+        cold_parts = {"temperature_of_centers": 0.0, "temperature_inside_molecules": COLD * (way in SPRINGS)}
+        if way in SPRINGS:
+            cold_parts |= {"temperature_of_rotation": 0.0, "temperature_of_vibration": 3.0 * COLD}
+        for part, share in cold_parts.items():
             mean, error = found[part]["mean"], found[part]["standard_error"]
-            is_cold = way in SPRINGS and part == "temperature_inside_molecules"
-            cold = 2.0 * COLD if is_cold else 0.0
+            cold = 2.0 * share
             assert -cold < mean - 2.0 + 3 * error + 0.004, (way, part, mean, error)
             assert mean - 2.0 < 3 * error + 0.004, (way, part, mean, error)
     for one, other in itertools.combinations(measured, 2):

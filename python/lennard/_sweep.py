@@ -83,6 +83,8 @@ _SHORT = {
     "temperature": "system.temperature",
     "n": "system.n_atoms",
     "n_atoms": "system.n_atoms",
+    "n_molecules": "system.n_molecules",
+    "bond_length": "molecule.bond_length",
     "seed": "system.seed",
     "r_cut": "truncation.r_cut",
     "dt": "integrator.dt",
@@ -101,8 +103,8 @@ def sweep(
     """Runs a scene at each point of a grid, or at the points given.
 
     ``grid={"temperature": [1.0, 1.5], "density": [0.3, 0.5]}`` is every temperature with every density. Keys are keys
-    of the scene (``"truncation.r_cut"``) or short: density, temperature, n, seed, r_cut, dt. A point has the bits of
-    the command line with ``--set`` for each key.
+    of the scene (``"truncation.r_cut"``) or short: density, temperature, n, n_molecules, bond_length, seed, r_cut, dt.
+    A point has the bits of the command line with ``--set`` for each key.
 
     ``executor`` is anything with ``submit``: ``ProcessPoolExecutor``, a dask client, an executor of mpi4py. With one,
     each point takes one thread unless ``threads`` says otherwise. A point that fails keeps its error, and the others

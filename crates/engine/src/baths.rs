@@ -16,7 +16,9 @@ pub(crate) fn measured_baths(scene: &Scene) -> Vec<&'static ThermostatSpec> {
 
 /// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
 pub(crate) fn ensemble(scene: &Scene, stage: &Stage, own: &OwnParts) -> Option<Ensemble> {
-    if stage.is_ramp() || stage.exchange.is_some() {
+    let molecule = scene.molecule.as_ref();
+    let by_bonds = molecule.is_some_and(|molecule| molecule.bonds.damps_vibrations());
+    if stage.is_ramp() || stage.exchange.is_some() || by_bonds {
         return None;
     }
     let canonical = stage

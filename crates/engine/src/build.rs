@@ -213,11 +213,14 @@ pub(crate) fn with_others<B: Backend>(
 
 /// Adds the springs that hold bonds, where the scene has some.
 pub(crate) fn with_springs<B: Backend>(scene: &Scene, mut forces: ForceSum<B>) -> ForceSum<B> {
-    if let Some(molecule) = &scene.molecule
-        && let BondHolder::Spring(term) | BondHolder::InDrift(_, term) =
-            molecule.bonds.build(&molecule.molecules())
-    {
-        forces.push(term);
+    let molecule = scene.molecule.as_ref();
+    match molecule.map(|molecule| molecule.bonds.build(&molecule.molecules())) {
+        Some(
+            BondHolder::Spring(term)
+            | BondHolder::InDrift(_, term)
+            | BondHolder::Spook(_, Some(term)),
+        ) => forces.push(term),
+        Some(BondHolder::Drift(_) | BondHolder::Spook(_, None)) | None => {}
     }
     forces
 }

@@ -103,7 +103,7 @@ fn with_bonds(contacts: Contacts, scene: &Scene, system: &System) -> Contacts {
     let is_solved = contacts.properties().needs_solved_contacts;
     let molecule = scene.molecule.as_ref().filter(|_| is_solved);
     match molecule.map(|molecule| molecule.bonds.build(&system.molecules)) {
-        Some(BondHolder::Spook(bonds)) => contacts.with_bonds(bonds, system.clone()),
+        Some(BondHolder::Spook(bonds, _)) => contacts.with_bonds(bonds, system.clone()),
         _ => contacts,
     }
 }

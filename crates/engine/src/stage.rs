@@ -44,8 +44,10 @@ impl Simulation {
         let holder = molecule.map(|m| m.bonds.build(&self.system.molecules));
         let by_contacts = self.forces.properties().holds_bonds;
         let (method, solver) = match holder {
-            Some(BondHolder::Spook(_)) if by_contacts => (self.method(), None),
-            Some(BondHolder::Spook(bonds)) => (lennard_integrators::spook::with_bonds(bonds), None),
+            Some(BondHolder::Spook(..)) if by_contacts => (self.method(), None),
+            Some(BondHolder::Spook(bonds, _)) => {
+                (lennard_integrators::spook::with_bonds(bonds), None)
+            }
             Some(BondHolder::Drift(solver) | BondHolder::InDrift(solver, _)) => {
                 (self.method(), Some(solver))
             }

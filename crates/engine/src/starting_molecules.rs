@@ -184,9 +184,9 @@ pub(crate) fn remark_on_springs(scene: &Scene) -> Option<String> {
 /// A remark where bonds lose energy: who reads a conserved energy that stays must know that the energy does not.
 pub(crate) fn remark_on_damping(scene: &Scene) -> Option<String> {
     let bonds = &scene.molecule.as_ref()?.bonds;
-    let counted = match bonds.spec().integrator {
-        None => "the conserved energy counts it as heat",
-        Some(_) => "no heat is counted, and the conserved energy falls by it",
+    let counted = match bonds.spec().integrator.is_some() && scene.solves_contacts() {
+        false => "the conserved energy counts it as heat",
+        true => "beside contacts no heat is counted, and the conserved energy falls by it",
     };
     bonds.damps_vibrations().then(|| {
         format!(

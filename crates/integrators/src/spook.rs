@@ -174,7 +174,8 @@ impl Method for Spook {
             bonds.before_kick(system, &state.positions, &state.velocities);
             s.kick(1.0);
             let state = s.parts().state;
-            bonds.after_kick(system, &state.positions, &mut state.velocities, dt);
+            let heat = bonds.after_kick(system, &state.positions, &mut state.velocities, dt);
+            s.add_heat(heat);
         } else if let Some(constraint) = system.constraints.first() {
             let state = s.parts().state;
             self.gradient.clear();

@@ -70,7 +70,8 @@ impl Scene {
     }
 
     /// Whether contacts are solved for in the step of SPOOK.
-    pub(crate) fn solves_contacts(&self) -> bool {
+    #[must_use]
+    pub fn solves_contacts(&self) -> bool {
         let response = self.contact.as_ref().map(|table| table.options.response());
         matches!(response, Some(Response::Unilateral(_)))
     }

@@ -2,7 +2,7 @@
 
 use lennard_core::{Bonds, IntegratorSpec};
 use lennard_forcefield::{HitRule, Response};
-use lennard_integrators::{BarostatOptions, stormer_verlet};
+use lennard_integrators::{BarostatOptions, stormer_verlet, thermostats};
 
 use crate::error::SceneError;
 use crate::molecule::{Molecule, MoleculeKind};
@@ -242,15 +242,27 @@ fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> 
         if suits(spec) {
             continue;
         }
-        let key = match spec.name == scene.integrator.method.spec().name {
-            true => "integrator.kind".to_owned(),
-            false => format!("stage.{i}.thermostat"),
+        let by_bath = spec.name != scene.integrator.method.spec().name;
+        let (key, fit) = if by_bath && suits(scene.integrator.method.spec()) {
+            // The bath stands in the place of a method that holds them: another bath lets it.
+            let baths = thermostats().iter().filter(|bath| bath.keeps_motion);
+            let names: Vec<_> = baths.map(|bath| bath.name).collect();
+            (
+                format!("stage.{i}.thermostat"),
+                format!("thermostat = one of {}", quoted(&names)),
+            )
+        } else {
+            let methods = lennard_integrators::integrators().iter();
+            let fit = methods.filter(|entry| suits(entry.spec));
+            let names: Vec<_> = fit.map(|entry| entry.spec.name).collect();
+            (
+                match by_bath {
+                    true => format!("stage.{i}.thermostat"),
+                    false => "integrator.kind".to_owned(),
+                },
+                format!("[integrator] kind = {}", quoted(&names)),
+            )
         };
-        let names = lennard_integrators::integrators()
-            .iter()
-            .filter(|entry| suits(entry.spec))
-            .map(|entry| format!("{:?}", entry.spec.name));
-        let names = names.collect::<Vec<_>>().join(", ");
         let (message, or) = match (by_spook, molecule.bonds.bonds()) {
             (true, _) => (
                 "does not go with the bonds of SPOOK",
@@ -276,7 +288,7 @@ fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> 
                 spec.name,
                 molecule.bonds.name()
             ))
-            .allowed(format!("[integrator] kind = {names}; or {or}")));
+            .allowed(format!("{fit}; or {or}")));
     }
     Ok(())
 }

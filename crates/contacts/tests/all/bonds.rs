@@ -29,7 +29,7 @@ fn bonds_of(molecules: &Molecules, compliance: f64) -> SpookBonds {
         ..Default::default()
     });
     match options.build(molecules) {
-        BondHolder::Spook(bonds) => bonds,
+        BondHolder::Spook(bonds, _) => bonds,
         _ => panic!("SPOOK solves for its bonds"),
     }
 }

@@ -14,13 +14,13 @@ use crate::{DVec3, Masses};
 
 /// 1/m of sites, in the lanes of their molecules.
 #[derive(Debug, Clone, Copy)]
-pub struct InverseMasses<'a, S: Simd> {
+pub struct InverseMasses<'a, S: Simd, const W: usize = 1> {
     simd: S,
-    uniform: Register<S>,
+    uniform: Register<S, W>,
     each: Option<&'a [f64]>,
 }
 
-impl<'a, S: Simd> InverseMasses<'a, S> {
+impl<'a, S: Simd, const W: usize> InverseMasses<'a, S, W> {
     /// The masses of all particles.
     #[inline(always)]
     pub fn new(simd: S, masses: &'a Masses) -> Self {
@@ -37,10 +37,16 @@ impl<'a, S: Simd> InverseMasses<'a, S> {
 
     /// 1/m of site `k` of each molecule of a block whose first site is particle `first`.
     #[inline(always)]
-    pub fn of(&self, block: &Block, first: usize, k: usize) -> Register<S> {
+    pub fn of(&self, block: &Block, first: usize, k: usize) -> Register<S, W> {
+        self.at(|lane| first + block.site(lane, k))
+    }
+
+    /// 1/m of the particle `of(lane)` in each lane.
+    #[inline(always)]
+    pub fn at(&self, of: impl Fn(usize) -> usize) -> Register<S, W> {
         match self.each {
             None => self.uniform,
-            Some(m) => Register::each(self.simd, |lane| 1.0 / m[first + block.site(lane, k)]),
+            Some(m) => Register::each(self.simd, |lane| 1.0 / m[of(lane)]),
         }
     }
 }
@@ -90,7 +96,7 @@ impl<B: Fn(usize, &mut [DVec3])> WithSimd for Project<'_, B> {
         let mut rows = vec![none; sites - 1];
         let inverse_masses = InverseMasses::new(simd, self.masses);
         let mut first = self.first;
-        let size = Block::size::<S>(sites);
+        let size = Block::size::<S, 1>(sites);
         let both = self.x.chunks(size).zip(self.v.chunks_mut(size));
         for (x, v) in both {
             let block = Block::new(x.len(), sites);

@@ -6,6 +6,7 @@
 //! leave it or both enter it.
 
 mod chains;
+mod dumbbells;
 mod equations;
 mod tridiagonal;
 
@@ -13,6 +14,8 @@ use std::ops::Range;
 
 pub use chains::InverseMasses;
 use chains::Project;
+use dumbbells::ProjectDumbbells;
+pub use dumbbells::filled;
 pub use equations::BondEquations;
 pub use tridiagonal::Tridiagonal;
 
@@ -123,25 +126,21 @@ fn on_rigid_molecules(
                 v,
             });
         }
+        if is_single {
+            return in_lanes(ProjectDumbbells {
+                before: &before,
+                masses,
+                first,
+                x,
+                v,
+            });
+        }
         before(first, v);
         let both = v.chunks_exact_mut(sites).zip(x.chunks_exact(sites));
         for (m, (v, x)) in both.enumerate() {
-            let first = first + m * sites;
-            if is_single {
-                project_bond(masses, first, x, v);
-            } else {
-                space.project(topology, masses, first, x, v);
-            }
+            space.project(topology, masses, first + m * sites, x, v);
         }
     });
-}
-
-fn project_bond(masses: &Masses, first: usize, x: &[DVec3], v: &mut [DVec3]) {
-    let [i, j] = [1.0 / masses.of(first), 1.0 / masses.of(first + 1)];
-    let d = x[1] - x[0];
-    let along = d.dot(v[1] - v[0]) / ((i + j) * d.length_squared());
-    v[0] += (along * i) * d;
-    v[1] -= (along * j) * d;
 }
 
 impl Workspace {

@@ -53,6 +53,41 @@ fn what_dashpots_take_is_counted_as_heat() {
     }
 }
 
+/// Bonds of SPOOK with a compliance are springs with dashpots too: their energy is in U, and what damping takes is heat.
+#[test]
+fn spook_with_a_compliance_has_the_energy_of_its_springs_and_counts_its_damping() {
+    for (damping, sweeps) in [("0.0", "0"), ("2.0", "0"), ("2.0", "50")] {
+        for threads in [1, 3] {
+            let s = common::on_threads(threads, || {
+                run(&[
+                    ("bonds.method", "spook"),
+                    ("bonds.compliance", "1e-4"),
+                    ("bonds.damping_steps", damping),
+                    ("bonds.sweeps", sweeps),
+                    ("integrator.kind", "spook"),
+                    ("integrator.dt", "0.001"),
+                    ("stage.0.steps", "1000"),
+                    ("output.thermo_every", "1"),
+                ])
+            });
+            let series = s.thermodynamics().series();
+            let energy = |row: usize| series.kinetic_energy[row] + series.potential_energy[row];
+            let change = energy(series.time.len() - 1) - energy(0);
+            let rms = s.thermodynamics().conservation().energy_rms_per_atom;
+            // Half a step of velocities is some s/2 = 7 % of the vibrations' share of ε.
+            assert!(rms < 0.1, "{damping} {sweeps}: {rms}");
+            assert_eq!(
+                damping != "0.0",
+                change < -0.5,
+                "{damping} {sweeps}: {change}"
+            );
+            let conserved = &series.conserved_energy;
+            let off = conserved[conserved.len() - 1] - conserved[0];
+            assert!(off.abs() < 0.12, "{damping} {sweeps}: {off} of {change}");
+        }
+    }
+}
+
 /// A vibration that loses speed at the rates γ to a bath of T and β = c·κ to its dashpot has T·γ/(γ + β) in molecules without other forces.
 #[test]
 fn vibrations_with_dashpots_stay_colder_than_their_bath_and_means_say_so() {
@@ -93,6 +128,13 @@ fn vibrations_with_dashpots_stay_colder_than_their_bath_and_means_say_so() {
         };
         assert!(is_by_bonds(doubt(&weak)), "{:?}", doubt(&weak));
         assert!(!is_by_bonds(doubt(&free)), "{:?}", doubt(&free));
+        // Fluctuations are of no known ensemble.
+        let has_heat_capacity = |s: &Simulation| {
+            let all = s.findings();
+            let mut averages = all.iter().flat_map(|found| &found.averages);
+            averages.any(|a| a.name == "heat_capacity")
+        };
+        assert!(has_heat_capacity(&free) && !has_heat_capacity(&weak));
         // A mean over all degrees of freedom is off so far that the fluid is not at the temperature of its bath.
         let far = average(&damped, "temperature").doubt;
         let is_far = matches!(far, Some(Doubt::NotInEquilibrium(_)));

@@ -1,7 +1,7 @@
 //! The impulses that SPOOK gives to the sites of molecules.
 
 use lennard_core::rigid::{BondEquations, add_along_bonds, bond_vectors, equations_of};
-use lennard_core::tasks::for_each_item;
+use lennard_core::tasks::map_items;
 use lennard_core::{DVec3, MOLECULES_PER_TASK, Masses, System, Topology};
 
 use crate::contacts::Contact;
@@ -89,17 +89,24 @@ impl SpookBonds {
         });
     }
 
-    /// Adds the impulses of the constraints to velocities that have had their kick.
-    pub(crate) fn after_kick(&self, system: &System, x: &[DVec3], v: &mut [DVec3], dt: f64) {
+    /// Adds the impulses of the constraints to velocities that have had their kick; returns the energy put in, 0 or less, ε.
+    ///
+    /// A bond with a compliance is a spring of 1/ε with a dashpot of τ/ε, whose force −(τ/ε)·u·w′ does its work over h·u·w′.
+    pub(crate) fn after_kick(&self, system: &System, x: &[DVec3], v: &mut [DVec3], dt: f64) -> f64 {
         let (molecules, masses) = (&system.molecules, &system.masses);
         let Some(topology) = molecules.topology() else {
-            return;
+            return 0.0;
         };
         let bonds = topology.bonds();
         let regular = self.regularised(dt);
         let sites = topology.sites();
+        let dashpot = match self.compliance > 0.0 {
+            true => 0.25 * dt * (1.0 / regular.gamma - 1.0) / self.compliance,
+            false => 0.0,
+        };
         let tasks = v.chunks_mut(sites * MOLECULES_PER_TASK);
-        for_each_item(tasks, |space: &mut Space, task, velocities| {
+        let heats = map_items(tasks, |space: &mut Space, task, velocities| {
+            let mut heat = 0.0;
             for (m, v) in velocities.chunks_exact_mut(sites).enumerate() {
                 let m = task * MOLECULES_PER_TASK + m;
                 let first = m * sites;
@@ -122,17 +129,25 @@ impl SpookBonds {
                         sweep(topology, masses, first, units, sigma, right, multipliers);
                     }
                     add_along_bonds(v, topology, masses, first, units, multipliers);
-                    continue;
+                } else {
+                    let equations = equations_of(&mut space.equations, topology);
+                    // S is positive definite: bonds that follow from others are refused where Σ is zero.
+                    let factored = equations.factor(topology, masses, first, units, regular.sigma);
+                    if factored.is_ok() {
+                        equations.solve(topology, &mut space.right);
+                        add_along_bonds(v, topology, masses, first, units, &space.right);
+                    }
                 }
-                let equations = equations_of(&mut space.equations, topology);
-                // S is positive definite: bonds that follow from others are refused where Σ is zero.
-                let factored = equations.factor(topology, masses, first, units, regular.sigma);
-                if factored.is_ok() {
-                    equations.solve(topology, &mut space.right);
-                    add_along_bonds(v, topology, masses, first, units, &space.right);
+                if dashpot > 0.0 {
+                    for (bond, u) in bonds.iter().zip(units) {
+                        heat -= dt * dashpot * u.dot(bond.vector(v)).powi(2);
+                    }
                 }
             }
+            heat
         });
+        // In their order, so that the sum has the same bits on any number of threads.
+        heats.into_iter().sum()
     }
 }
 

@@ -47,8 +47,8 @@ pub enum BondHolder {
     Spring(Box<dyn ForceTerm>),
     /// By what acts in a drift, and a term: implicit springs, whose energy alone the term knows, or the dashpots of springs that are forces.
     InDrift(Box<dyn BondSolver>, Box<dyn ForceTerm>),
-    /// By the method `spook`, which solves for them in its step.
-    Spook(SpookBonds),
+    /// By the method `spook`, which solves for them in its step, and a term that knows the energy of bonds with a compliance.
+    Spook(SpookBonds, Option<Box<dyn ForceTerm>>),
 }
 
 /// What the options type of each way provides for the list.

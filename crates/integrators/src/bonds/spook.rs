@@ -1,9 +1,10 @@
 //! Bonds as the regularised, damped constraints of SPOOK.
 
 use lennard_core::options::OptionError;
-use lennard_core::{Bonds, Molecules};
+use lennard_core::{Bonds, ForceTerm, Molecules};
 
 use super::impulses::SpookBonds;
+use super::spring::Springs;
 use super::{BondHolder, BondMethod, BondSpec};
 use crate::regularisation::Damping;
 
@@ -44,12 +45,12 @@ impl BondMethod for Options {
         }
     }
 
-    fn build(&self, _molecules: &Molecules) -> BondHolder {
-        BondHolder::Spook(SpookBonds::new(
-            self.compliance,
-            self.damping(),
-            self.sweeps,
-        ))
+    fn build(&self, molecules: &Molecules) -> BondHolder {
+        let bonds = SpookBonds::new(self.compliance, self.damping(), self.sweeps);
+        let energy = (self.compliance > 0.0).then(|| -> Box<dyn ForceTerm> {
+            Box::new(Springs::of_energy(1.0 / self.compliance, molecules))
+        });
+        BondHolder::Spook(bonds, energy)
     }
 
     fn sweeps_alone(&self) -> u32 {

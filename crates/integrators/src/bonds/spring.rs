@@ -122,6 +122,15 @@ impl Sums {
 }
 
 impl Springs {
+    /// Springs whose energy is known alone, since they act elsewhere.
+    pub(super) fn of_energy(stiffness: f64, molecules: &Molecules) -> Self {
+        Self {
+            stiffness,
+            molecules: molecules.clone(),
+            pushes: false,
+        }
+    }
+
     /// The force on the site at the end of a bond with the vector d, and its energy.
     fn bond(&self, bond: &Bond, d: DVec3) -> (DVec3, f64) {
         let length = d.length();

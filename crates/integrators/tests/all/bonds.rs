@@ -38,7 +38,7 @@ fn velocity_verlet(bonds: &BondOptions, molecules: &Molecules) -> Integrator {
     let method = build(&IntegratorOptions::default());
     match bonds.build(molecules) {
         BondHolder::Drift(solver) => method.with_bonds(solver),
-        BondHolder::Spook(bonds) => lennard_integrators::spook::with_bonds(bonds),
+        BondHolder::Spook(bonds, _) => lennard_integrators::spook::with_bonds(bonds),
         BondHolder::Spring(_) => method,
         BondHolder::InDrift(solver, _) => method.with_bonds(solver),
     }

@@ -56,7 +56,7 @@ fn method(system: &System, bonds: &BondOptions) -> Integrator {
         BondHolder::Drift(solver) | BondHolder::InDrift(solver, _) => {
             build(&IntegratorOptions::default()).with_bonds(solver)
         }
-        BondHolder::Spook(bonds) => lennard_integrators::spook::with_bonds(bonds),
+        BondHolder::Spook(bonds, _) => lennard_integrators::spook::with_bonds(bonds),
         BondHolder::Spring(_) => panic!("springs are forces"),
     }
 }

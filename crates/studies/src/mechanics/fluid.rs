@@ -74,7 +74,7 @@ fn holding(bonds: &BondOptions, system: &System) -> Integrator {
     let method = build(&IntegratorOptions::default());
     match bonds.build(&system.molecules) {
         BondHolder::Drift(solver) | BondHolder::InDrift(solver, _) => method.with_bonds(solver),
-        BondHolder::Spook(bonds) => spook::with_bonds(bonds),
+        BondHolder::Spook(bonds, _) => spook::with_bonds(bonds),
         BondHolder::Spring(_) => method,
     }
 }

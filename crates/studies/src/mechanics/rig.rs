@@ -197,7 +197,7 @@ impl Rig {
                 forces.push(term);
                 method.with_bonds(solver)
             }
-            BondHolder::Spook(bonds) => spook::with_bonds(bonds),
+            BondHolder::Spook(bonds, _) => spook::with_bonds(bonds),
             BondHolder::Spring(term) => {
                 forces.push(term);
                 method

@@ -123,6 +123,8 @@ pub(super) struct Axes {
     pub(super) density: Option<OneOrMany<f64>>,
     pub(super) temperature: Option<OneOrMany<f64>>,
     pub(super) n_atoms: Option<OneOrMany<u64>>,
+    pub(super) n_molecules: Option<OneOrMany<u64>>,
+    pub(super) bond_length: Option<OneOrMany<f64>>,
     pub(super) r_cut: Option<OneOrMany<f64>>,
     pub(super) dt: Option<OneOrMany<f64>>,
     pub(super) seed: Option<OneOrMany<u64>>,

@@ -65,10 +65,12 @@ struct Key {
 /// The key that makes independent runs of one state.
 const SEED: &str = "seed";
 
-const KEYS: [Key; 7] = [
+const KEYS: [Key; 9] = [
     Key::new("density", Some("system.density"), "rho"),
     Key::new("temperature", Some("system.temperature"), "T"),
     Key::new("n_atoms", Some("system.n_atoms"), "N"),
+    Key::new("n_molecules", Some("system.n_molecules"), "M"),
+    Key::new("bond_length", Some("molecule.bond_length"), "L"),
     Key::new("r_cut", Some("truncation.r_cut"), "rc"),
     Key::new("dt", Some("integrator.dt"), "dt"),
     Key::new(SEED, Some("system.seed"), "seed"),
@@ -98,6 +100,8 @@ fn lists(axes: &Axes) -> [Option<Vec<String>>; KEYS.len()] {
         text(&axes.density),
         text(&axes.temperature),
         text(&axes.n_atoms),
+        text(&axes.n_molecules),
+        text(&axes.bond_length),
         text(&axes.r_cut),
         text(&axes.dt),
         text(&axes.seed),
@@ -140,7 +144,7 @@ pub(super) fn expand(
         value(
             "point".into(),
             "a sweep with no points".into(),
-            "[[point]] tables, or a [grid] of density, temperature, n_atoms, r_cut, dt and seed, with at least one value each (`longer` makes none)",
+            "[[point]] tables, or a [grid] of density, temperature, n_atoms, n_molecules, bond_length, r_cut, dt and seed, with at least one value each (`longer` makes none)",
         )
     };
     if points.is_empty() && grid.is_none() {

@@ -15,10 +15,12 @@ const MOST_SERIES: usize = 6;
 const STEPS: usize = 120;
 
 /// The keys of a sweep in words of an axis, with the symbol of a legend.
-const AXES: [(&str, &str, &str); 5] = [
+const AXES: [(&str, &str, &str); 7] = [
     ("density", "density ρ / σ⁻³", "ρ"),
     ("temperature", "T / (ε/k_B)", "T"),
     ("n_atoms", "number of particles N", "N"),
+    ("n_molecules", "number of molecules M", "M"),
+    ("bond_length", "bond length L / σ", "L"),
     ("r_cut", "cutoff r_cut / σ", "r_cut"),
     ("dt", "time step dt / τ", "dt"),
 ];

@@ -33,6 +33,35 @@ fn points_and_grids_multiply() {
     );
 }
 
+#[test]
+fn bonds_and_molecules_are_keys_of_a_sweep_of_molecules() {
+    let of_molecules = |text: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let base = inputs().join("dumbbell/liquid.toml");
+        let path = folder.path().join("sweep.toml");
+        std::fs::write(&path, format!("base = {base:?}\n{text}")).unwrap();
+        load(&path, &[]).map_err(|e| e.to_string())
+    };
+    let sweep = of_molecules("[grid]\nbond_length = [0.505, 0.67]\nn_molecules = 256\n").unwrap();
+    let names: Vec<&str> = sweep.points.iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names, ["M256-L0.505", "M256-L0.67"]);
+    let lengths = sweep.points.iter().map(|point| {
+        let molecule = point.scene.molecule.as_ref().unwrap();
+        (point.atoms, molecule.topology.bonds()[0].length)
+    });
+    assert_eq!(lengths.collect::<Vec<_>>(), [(512, 0.505), (512, 0.67)]);
+    let refused = of_molecules("[grid]\nn_atoms = 256\n").unwrap_err();
+    assert!(
+        refused.contains("does not go with `[molecule]`"),
+        "{refused}"
+    );
+    let refused = sweep_of("[grid]\nbond_length = 0.67\n").unwrap_err();
+    assert!(
+        refused.contains("L0.67") && refused.contains("does not go with"),
+        "{refused}"
+    );
+}
+
 /// Proves that every point draws noise of its own, whether the sweep names seeds or not. The seed of a point follows
 /// from seed and point alone, whatever else the sweep holds, and in any order. It does not judge the noise.
 #[test]
