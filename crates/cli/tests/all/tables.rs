@@ -75,3 +75,28 @@ fn a_run_goes_on_to_the_byte_with_its_table_and_not_with_a_changed_one() {
     let wanted = "fluid.table with the checksum";
     assert!(message.contains(wanted), "{message}");
 }
+
+#[test]
+fn a_table_that_begins_too_far_out_for_the_temperature_says_so() {
+    let temporary = tempfile::tempdir().unwrap();
+    let at = temporary.path();
+    write_table(at, 1.0);
+    fs::write(at.join("scene.toml"), SCENE).unwrap();
+    let said = |temperature: &str, out: &str| {
+        let set = format!("system.temperature={temperature}");
+        let run = ["run", "scene.toml", "--out", out, "--set", &set];
+        let output = call(
+            at,
+            &[&run[..], &["--set", "stage.production.steps=2"]].concat(),
+        );
+        ok(&output);
+        String::from_utf8_lossy(&output.stdout).into_owned() + &stderr(&output)
+    };
+    // U is 255 ε at the first row, r = 0.7 σ.
+    assert!(!said("25.0", "warm").contains("the table begins"));
+    let hot = said("26.0", "hot");
+    assert!(
+        hot.contains("the table begins at r = 0.7 σ with U = 254.991 ε, below 10·T = 260.000 ε"),
+        "{hot}"
+    );
+}

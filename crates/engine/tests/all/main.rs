@@ -17,5 +17,6 @@ mod ranks;
 mod response;
 mod restart;
 mod slabs;
+mod structure_tail;
 mod walls;
 mod watching;
