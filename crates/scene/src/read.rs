@@ -13,6 +13,9 @@ use crate::{
     MixtureTables, Scene, Source, accuracy, checks, model_kind, overrides, planar, shipped,
 };
 
+/// Keys outside all tables that make a file a sweep.
+const KEYS_OF_A_SWEEP: [&str; 4] = ["base", "grid", "point", "set"];
+
 impl Scene {
     /// Reads a scene file, with overrides such as `("stage.production.steps", "1000")` over it.
     ///
@@ -219,6 +222,13 @@ impl<'a> Reader<'a> {
         };
         let tables = ROOT.into_iter().flat_map(written).map(|doc| doc.table);
         let known: Vec<&str> = tables.chain(["name"]).collect();
+        if KEYS_OF_A_SWEEP.contains(&key.as_str()) {
+            return self
+                .source
+                .refuse(key, "belongs to a sweep, and this file is read as a scene")
+                .found(format!("`{key}`"))
+                .allowed("`lennard sweep` for this file, or a scene without it");
+        }
         if let Some(message) = not_yet(key) {
             return self
                 .source

@@ -229,7 +229,14 @@ fn compare_prints_one_document_with_both_temperatures_and_the_state() {
 
 #[test]
 fn sweeps_with_no_points_and_truncations_that_no_equation_fits_are_said_clearly() {
+    // A newcomer takes one for the other.
     let folder = prepared("base = \"base.toml\"\n[grid]\ndensity = []\n");
+    let refused = lennard_in(folder.path(), &["sweep", "base.toml", "--out", "out"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = text(&refused.stderr);
+    assert!(said.contains("this is a scene and no sweep"), "{said}");
+    assert!(said.contains("`lennard run` for this file"), "{said}");
+    assert!(!folder.path().join("out").exists());
     let refused = lennard_in(folder.path(), &["sweep", "sweep.toml", "--out", "out"]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(

@@ -165,10 +165,20 @@ pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepEr
             file: path.to_owned(),
             source,
         })?;
-    let file: File = toml::from_str(&text).map_err(|e| SweepError::Malformed {
+    let malformed = |message: String| SweepError::Malformed {
         file: path.to_owned(),
-        message: in_words(e.to_string().trim_end()),
-    })?;
+        message,
+    };
+    let is_scene =
+        |table: &toml::Table| table.contains_key("system") && !table.contains_key("base");
+    if toml::from_str(&text).is_ok_and(|table| is_scene(&table)) {
+        return Err(malformed(
+            "this is a scene and no sweep\n  found:   `[system]`, and no `base`\n  allowed: `lennard run` for this file, or a sweep, which names a scene as `base`"
+                .to_owned(),
+        ));
+    }
+    let file: File =
+        toml::from_str(&text).map_err(|e| malformed(in_words(e.to_string().trim_end())))?;
     let stem = path
         .file_stem()
         .unwrap_or_default()
