@@ -23,7 +23,10 @@ impl Simulation {
         let (step, dt) = (self.state.step, stage.dt);
         let at_end = stage.steps_done == self.current_stage().steps;
         if let Some(energy) = self.conserved_energy_per_particle() {
-            watchdog::check_energy(stage.start_energy, energy).map_err(|s| self.diagnosed(s))?;
+            // Energies are per molecule, and the limit is for each of its sites.
+            let sites = self.system.molecules.sites() as f64;
+            watchdog::check_energy(stage.start_energy / sites, energy / sites)
+                .map_err(|s| self.diagnosed(s))?;
         } else if !WATCH.trigger.is_due(step, true) && !at_end {
             return Ok(());
         }

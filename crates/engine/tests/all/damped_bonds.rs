@@ -141,3 +141,27 @@ fn vibrations_with_dashpots_stay_colder_than_their_bath_and_means_say_so() {
         assert!(is_far, "{far:?}");
     }
 }
+
+/// The watchdog allows 1 ε per site: a chain of 64 has 63 bonds, whose energies of half steps add up.
+#[test]
+fn a_long_chain_may_change_its_energy_by_more_than_a_dumbbell() {
+    let s = run(&[
+        ("system.n_molecules", "8"),
+        ("system.lattice", "sc"),
+        ("system.density", "0.00005"),
+        ("molecule.kind", "chain"),
+        ("molecule.sites", "64"),
+        ("molecule.bond_length", "1.0"),
+        ("bonds.method", "spook"),
+        ("bonds.compliance", "1e-4"),
+        ("bonds.damping_steps", "0.0"),
+        ("integrator.kind", "spook"),
+        ("integrator.dt", "0.001"),
+        ("output.thermo_every", "1"),
+    ]);
+    let conserved = &s.thermodynamics().series().conserved_energy;
+    let off = conserved.iter().map(|e| (e - conserved[0]).abs());
+    let largest = off.fold(0.0, f64::max);
+    // Beyond the limit for one site, and far below the limit for 64.
+    assert!(largest > 1.0 && largest < 10.0, "{largest}");
+}
