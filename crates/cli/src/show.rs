@@ -313,17 +313,17 @@ mod tests {
                 "ε per particle",
             )
         };
-        let end = ", fluctuation 5.40e-5 ε per particle (RMS)";
+        let end = ", fluctuation 5.40·10⁻⁵ ε per particle (RMS)";
         for (drift, error, words) in [
             (
                 -1.04e-7,
                 4.5e-7,
-                "drift -1.04e-7 ± 4.5e-7 ε per particle per τ",
+                "drift −1.04·10⁻⁷ ± 4.5·10⁻⁷ ε per particle per τ",
             ),
             (
                 2e-3,
                 f64::NAN,
-                "drift +2.00e-3 ε per particle per τ (too few samples for an error)",
+                "drift +0.00200 ε per particle per τ (too few samples for an error)",
             ),
             (f64::NAN, f64::NAN, "too few samples for a drift"),
         ] {
