@@ -53,15 +53,10 @@ impl BondSolver for Dashpots {
     fn drift(&mut self, system: &System, moving: BoundDrift<'_>) -> Result<Drifted, StepError> {
         let masses = &system.masses;
         over_tasks(system, moving, |_, topology, task, outcome| {
-            let (sites, h) = (topology.sites(), task.h);
-            let molecules = task
-                .positions
-                .chunks_exact_mut(sites)
-                .zip(task.velocities.chunks_exact_mut(sites))
-                .zip(task.forces.chunks_exact(sites));
-            for (m, ((x, v), f)) in (task.first_molecule..).zip(molecules) {
+            let (sites, kick, h) = (topology.sites(), task.kick, task.h);
+            for (m, (x, v, f)) in task.molecules(sites) {
                 let first = m * sites;
-                if let Some(kick) = task.kick {
+                if let Some(kick) = kick {
                     rigid::kick(masses, first, v, f, kick);
                 }
                 let mut heat = 0.0;

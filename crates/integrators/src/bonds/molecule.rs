@@ -187,6 +187,19 @@ pub struct TaskOf<'a> {
     pub h: f64,
 }
 
+/// Sites of one molecule: positions, velocities, and the forces on them.
+type Sites<'a> = (&'a mut [DVec3], &'a mut [DVec3], &'a [DVec3]);
+
+impl<'a> TaskOf<'a> {
+    /// Its molecules of `sites` sites, each with its number.
+    pub fn molecules(self, sites: usize) -> impl Iterator<Item = (usize, Sites<'a>)> {
+        let of_each = (self.positions.chunks_exact_mut(sites))
+            .zip(self.velocities.chunks_exact_mut(sites))
+            .zip(self.forces.chunks_exact(sites));
+        (self.first_molecule..).zip(of_each.map(|((x, v), f)| (x, v, f)))
+    }
+}
+
 /// Runs `work` on all molecules, in tasks, and joins the outcomes.
 pub fn over_tasks(
     system: &System,
@@ -240,13 +253,8 @@ impl<R: MoleculeRule> BondSolver for EachMolecule<R> {
     fn drift(&mut self, system: &System, moving: BoundDrift<'_>) -> Result<Drifted, StepError> {
         let (rule, masses) = (&self.0, &system.masses);
         over_tasks(system, moving, |space, topology, task, outcome| {
-            let (sites, h) = (topology.sites(), task.h);
-            let molecules = task
-                .positions
-                .chunks_exact_mut(sites)
-                .zip(task.velocities.chunks_exact_mut(sites))
-                .zip(task.forces.chunks_exact(sites));
-            for (m, ((x, v), f)) in (task.first_molecule..).zip(molecules) {
+            let (sites, kick, h) = (topology.sites(), task.kick, task.h);
+            for (m, (x, v, f)) in task.molecules(sites) {
                 let first = m * sites;
                 let (mut before, mut moved) = (
                     std::mem::take(&mut space.before),
@@ -255,7 +263,7 @@ impl<R: MoleculeRule> BondSolver for EachMolecule<R> {
                 rigid::bond_vectors(topology, x, &mut before);
                 moved.clear();
                 moved.resize(sites, DVec3::ZERO);
-                if let Some(kick) = task.kick {
+                if let Some(kick) = kick {
                     rigid::kick(masses, first, v, f, kick);
                 }
                 let energy_before = rule
