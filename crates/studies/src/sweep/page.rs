@@ -5,7 +5,7 @@ use lennard_report::{Axis, Figure, Look, Page, Picture, Point, Section, Series, 
 
 use super::equations::{self, Judgement};
 use super::figures::Pictures;
-use super::point_table::{Kind, point_table, state};
+use super::point_table::{Kind, point_table, second_temperature, state};
 use super::{SweepRecord, SweptPoint, probability_words};
 use crate::compare::{ComparedRun, Row, quantity_words};
 
@@ -170,10 +170,8 @@ const TOGETHER: &str = "All points together";
 
 /// Without columns that say nothing here, so that the verdicts are in view.
 fn narrow(mut table: Table, record: &SweepRecord) -> Table {
-    let measured = |p: &&SweptPoint| p.compared.is_some();
-    let mut points = record.points.iter().filter(measured);
-    if points.all(|p| p.row("temperature_half_steps").is_some()) {
-        table = table.without(&["T, whole steps"]);
+    if let Some(column) = second_temperature(&record.points) {
+        table = table.without(&[column]);
     }
     let is_there = table.columns.iter().any(|column| column.name == "State");
     let shown = record.points.iter().filter(|_| is_there);

@@ -101,15 +101,20 @@ pub fn point_table(record: &SweepRecord) -> Table {
     of_points(&record.points)
 }
 
+/// The column of T at whole steps, where every finished point has T at half steps.
+pub(super) fn second_temperature(points: &[SweptPoint]) -> Option<&'static str> {
+    let mut finished = points.iter().filter(|p| p.compared.is_some());
+    finished
+        .all(|p| p.row("temperature_half_steps").is_some())
+        .then_some("T, whole steps")
+}
+
 /// The same in columns that fit a terminal: one temperature, and differences where there is room for them.
 #[must_use]
 pub fn narrow_point_table(record: &SweepRecord) -> Table {
     let points = &record.points;
     let mut left_out = vec!["State", "c_v", "c_v − equation"];
-    let finished = || points.iter().filter(|p| p.compared.is_some());
-    if finished().all(|p| p.row("temperature_half_steps").is_some()) {
-        left_out.push("T, whole steps");
-    }
+    left_out.extend(second_temperature(points));
     if Kind::of(points) == Kind::Slabs {
         left_out.extend(
             Kind::Slabs
