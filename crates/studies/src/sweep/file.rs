@@ -101,7 +101,10 @@ fn nearest(file: &Path) -> String {
 
 /// A value or a list of values.
 #[derive(Debug, Clone, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "a sweep cannot take this value\n  allowed: one value, or a list of values; counts and seeds are whole numbers from 0"
+)]
 pub(super) enum OneOrMany<T> {
     One(T),
     Many(Vec<T>),
@@ -169,16 +172,14 @@ pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepEr
         file: path.to_owned(),
         message,
     };
-    let is_scene =
-        |table: &toml::Table| table.contains_key("system") && !table.contains_key("base");
-    if toml::from_str(&text).is_ok_and(|table| is_scene(&table)) {
-        return Err(malformed(
-            "this is a scene and no sweep\n  found:   `[system]`, and no `base`\n  allowed: `lennard run` for this file, or a sweep, which names a scene as `base`"
-                .to_owned(),
-        ));
-    }
-    let file: File =
-        toml::from_str(&text).map_err(|e| malformed(in_words(e.to_string().trim_end())))?;
+    let file: File = toml::from_str(&text).map_err(|e| {
+        let is_scene =
+            |table: &toml::Table| table.contains_key("system") && !table.contains_key("base");
+        malformed(match toml::from_str(&text).is_ok_and(|table| is_scene(&table)) {
+            true => "this is a scene and no sweep\n  found:   `[system]`, and no `base`\n  allowed: `lennard run` for this file, or a sweep, which names a scene as `base`".to_owned(),
+            false => in_words(e.to_string().trim_end()),
+        })
+    })?;
     let stem = path
         .file_stem()
         .unwrap_or_default()

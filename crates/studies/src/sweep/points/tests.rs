@@ -55,6 +55,14 @@ fn bonds_and_molecules_are_keys_of_a_sweep_of_molecules() {
         refused.contains("does not go with `[molecule]`"),
         "{refused}"
     );
+    for wrong in ["n_molecules = [-3]", "bond_length = \"long\""] {
+        let refused = of_molecules(&format!("[grid]\n{wrong}\n")).unwrap_err();
+        assert!(
+            refused.contains("allowed: one value, or a list"),
+            "{refused}"
+        );
+        assert!(refused.contains(wrong), "{refused}");
+    }
     let refused = sweep_of("[grid]\nbond_length = 0.67\n").unwrap_err();
     assert!(
         refused.contains("L0.67") && refused.contains("does not go with"),
