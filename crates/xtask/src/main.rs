@@ -7,6 +7,7 @@ mod counts;
 mod coverage;
 mod fuzz;
 mod python;
+mod running;
 mod sessions;
 mod soak;
 mod tidy;
@@ -79,7 +80,7 @@ fn main() -> ExitCode {
             return match workspace.with_crates(crates) {
                 Ok(selected) => {
                     let left_out = ["everything else (cargo xtask test)"];
-                    tiers::run_all(&selected, &tiers::check(), &left_out)
+                    running::run_all(&selected, &tiers::check(), &left_out)
                 }
                 Err(error) => {
                     eprintln!("{error}");
@@ -90,7 +91,7 @@ fn main() -> ExitCode {
         _ => {}
     }
     match command {
-        "test" => tiers::run_all(
+        "test" => running::run_all(
             &workspace.with_tested_binary(),
             &tiers::test(),
             &[
@@ -104,12 +105,12 @@ fn main() -> ExitCode {
                 "bench: speed (lennard bench)",
             ],
         ),
-        "physics" => tiers::run_all(&workspace, &tiers::physics(), &[]),
-        "cluster" => tiers::run_all(&workspace.with_tested_binary(), &tiers::cluster(), &[]),
-        "mpi" => tiers::run_all(&workspace, &tiers::mpi(), &[]),
-        "tidy" => tiers::run_all(&workspace.with_tested_binary(), &tiers::tidy(), &[]),
-        "docs" => tiers::run_all(&workspace.with_tested_binary(), &tiers::docs(), &[]),
-        "python" => tiers::run_all(&workspace.with_tested_binary(), &tiers::python(), &[]),
+        "physics" => running::run_all(&workspace, &tiers::physics(), &[]),
+        "cluster" => running::run_all(&workspace.with_tested_binary(), &tiers::cluster(), &[]),
+        "mpi" => running::run_all(&workspace, &tiers::mpi(), &[]),
+        "tidy" => running::run_all(&workspace.with_tested_binary(), &tiers::tidy(), &[]),
+        "docs" => running::run_all(&workspace.with_tested_binary(), &tiers::docs(), &[]),
+        "python" => running::run_all(&workspace.with_tested_binary(), &tiers::python(), &[]),
         _ => {
             eprintln!("unknown command: {}\n\n{HELP}", arguments.join(" "));
             ExitCode::from(2)

@@ -75,7 +75,11 @@ impl Workspace {
         Self::from_metadata(&serde_json::from_slice(&output.stdout)?)
     }
 
-    fn from_metadata(metadata: &Value) -> Result<Self, Box<dyn Error>> {
+    /// The workspace of what `cargo metadata` prints.
+    ///
+    /// # Errors
+    /// Names what the metadata lack.
+    pub fn from_metadata(metadata: &Value) -> Result<Self, Box<dyn Error>> {
         let text = |value: &Value, key: &str| {
             value[key]
                 .as_str()
