@@ -17,7 +17,7 @@ pub(crate) fn measured_baths(scene: &Scene) -> Vec<&'static ThermostatSpec> {
 /// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
 pub(crate) fn ensemble(scene: &Scene, stage: &Stage, own: &OwnParts) -> Option<Ensemble> {
     let molecule = scene.molecule.as_ref();
-    let by_bonds = molecule.is_some_and(|molecule| molecule.bonds.damps_vibrations());
+    let by_bonds = molecule.is_some_and(|molecule| molecule.bonds.no_ensemble().is_some());
     if stage.is_ramp() || stage.exchange.is_some() || by_bonds {
         return None;
     }

@@ -73,17 +73,13 @@ pub(crate) fn judged(
     findings
 }
 
-/// What bonds that lose energy make of means.
+/// What bonds of no known ensemble make of means.
 fn by_bonds(scene: &Scene) -> Option<Doubt> {
-    let molecule = scene.molecule.as_ref()?;
-    molecule
-        .bonds
-        .damps_vibrations()
-        .then(|| Doubt::Thermostat {
-            why: "`[bonds]` take energy from vibrations: these stay colder than the rest"
-                .to_owned(),
-            sets_it: false,
-        })
+    let why = scene.molecule.as_ref()?.bonds.no_ensemble()?;
+    Some(Doubt::Thermostat {
+        why: why.to_owned(),
+        sets_it: false,
+    })
 }
 
 /// What a thermostat does to a quantity.

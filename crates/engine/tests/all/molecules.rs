@@ -695,3 +695,22 @@ fn a_step_that_is_long_for_springs_is_told_and_a_shorter_one_is_not() {
     assert!(told("100000.0"));
     assert!(!told("30000.0"));
 }
+
+/// The rule along the new bond drifts: it samples no ensemble, so its means bear a doubt and have no fluctuation formulas.
+#[test]
+fn bonds_along_the_new_direction_sample_no_known_ensemble() {
+    for (direction, is_known) in [("old", true), ("new", false)] {
+        let s = common::ran(scene(&[
+            ("bonds.method", "relaxation"),
+            ("bonds.direction", direction),
+            ("stage.0.steps", "8000"),
+            ("stage.0.thermostat", "{ kind = \"bussi\", tau = 0.2 }"),
+        ]));
+        let all = s.findings();
+        let of = |name: &str| all[0].averages.iter().find(|a| a.name == name);
+        let doubt = of("pressure").and_then(|a| a.doubt.clone());
+        let by_direction = doubt.is_some_and(|d| d.reason(1).contains("does not run back"));
+        assert_eq!(by_direction, !is_known, "{direction}: {:?}", of("pressure"));
+        assert_eq!(of("heat_capacity").is_some(), is_known, "{direction}");
+    }
+}

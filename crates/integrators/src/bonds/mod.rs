@@ -88,6 +88,11 @@ pub(crate) trait BondMethod: Options {
     fn damps_vibrations(&self) -> bool {
         false
     }
+    /// Why a run samples no known ensemble with these options; `None` where it does.
+    fn no_ensemble(&self) -> Option<&'static str> {
+        self.damps_vibrations()
+            .then_some("`[bonds]` take energy from vibrations: these stay colder than the rest")
+    }
 }
 
 /// Makes the options enum and the list from lines `Variant: module,`.
@@ -180,6 +185,14 @@ macro_rules! list_of_bond_methods {
             pub fn damps_vibrations(&self) -> bool {
                 match self {
                     $(Self::$variant(options) => BondMethod::damps_vibrations(options),)*
+                }
+            }
+
+            /// Why a run samples no known ensemble with these options; `None` where it does.
+            #[must_use]
+            pub fn no_ensemble(&self) -> Option<&'static str> {
+                match self {
+                    $(Self::$variant(options) => BondMethod::no_ensemble(options),)*
                 }
             }
 

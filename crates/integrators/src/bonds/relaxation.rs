@@ -62,6 +62,11 @@ impl BondMethod for Options {
             _ => Ok(()),
         }
     }
+
+    fn no_ensemble(&self) -> Option<&'static str> {
+        (self.direction == Direction::New)
+            .then_some("`direction = \"new\"` does not run back in time, and its energy drifts")
+    }
 }
 
 /// Relaxation: Gauss–Seidel sweeps over the bonds of each molecule, in their order.
