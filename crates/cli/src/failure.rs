@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lennard_engine::EngineError;
-use lennard_io::{CheckpointFolder, FolderError, WriteError};
+use lennard_io::{CheckpointFolder, FolderError, WriteError, path_in_shell};
 use lennard_scene::SceneError;
 
 /// Exit code of work that is done.
@@ -44,7 +44,7 @@ impl Failure {
         if unwritten && let Some((step, _)) = checkpoints.first() {
             failure.message += &format!(
                 "\n  whole up to step {step}; to go on from there: lennard resume {}",
-                folder.display()
+                path_in_shell(folder)
             );
         }
         failure

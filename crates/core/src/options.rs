@@ -15,6 +15,8 @@ pub enum Allowed {
     NotNegative,
     /// A number in this range, ends included.
     Between(f64, f64),
+    /// A number in this range, ends included, and words on what serves beyond it.
+    BetweenElse(f64, f64, &'static str),
     /// Zero, or a number in this range.
     ZeroOrBetween(f64, f64),
     /// A whole number in this range.
@@ -35,6 +37,9 @@ impl Allowed {
             Self::Positive => "a finite number above 0".to_owned(),
             Self::NotNegative => "a finite number, 0 or more".to_owned(),
             Self::Between(from, to) => format!("a number from {} to {}", short(*from), short(*to)),
+            Self::BetweenElse(from, to, beyond) => {
+                format!("{}; {beyond}", Self::Between(*from, *to).text())
+            }
             Self::ZeroOrBetween(from, to) => {
                 format!("0, or a number from {} to {}", short(*from), short(*to))
             }
@@ -51,7 +56,7 @@ impl Allowed {
     pub fn admits(&self, x: f64) -> bool {
         match *self {
             Self::Positive => x.is_finite() && x > 0.0,
-            Self::Between(from, to) => (from..=to).contains(&x),
+            Self::Between(from, to) | Self::BetweenElse(from, to, _) => (from..=to).contains(&x),
             Self::ZeroOrBetween(from, to) => x == 0.0 || (from..=to).contains(&x),
             Self::Whole(from, to) => (from as f64..=to as f64).contains(&x),
             Self::NotNegative | Self::Flag | Self::Names(_) | Self::Words(_) => {
@@ -65,10 +70,18 @@ impl Allowed {
     pub fn smallest(&self) -> Option<f64> {
         match *self {
             Self::Whole(from, _) => Some(from as f64),
-            Self::Between(from, _) | Self::ZeroOrBetween(from, _) => Some(from),
+            Self::Between(from, _)
+            | Self::BetweenElse(from, _, _)
+            | Self::ZeroOrBetween(from, _) => Some(from),
             _ => None,
         }
     }
+}
+
+/// An upper bound with four decimals, rounded down: what a user copies from a message is allowed. Meant for lengths in σ.
+#[must_use]
+pub fn upper_bound(largest: f64) -> String {
+    ((largest * 1e4).floor() / 1e4).to_string()
 }
 
 /// A number as a person writes it: `0.1`, `1000`, `1e-9`.
@@ -317,4 +330,16 @@ macro_rules! choices {
             }
         }
     };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_upper_bound_is_short_and_allowed_itself() {
+        assert_eq!(upper_bound(3.3591923827650145), "3.3591");
+        assert_eq!(upper_bound(2.5), "2.5");
+        assert_eq!(upper_bound(5.0), "5");
+    }
 }

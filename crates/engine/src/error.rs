@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lennard_forcefield::ForceFieldError;
-use lennard_io::{CheckpointError, FormatError, WriteError};
+use lennard_io::{CheckpointError, FormatError, WriteError, path_in_shell};
 use lennard_scene::{SceneError, Source};
 
 use crate::failure::PhysicsFailure;
@@ -138,8 +138,8 @@ pub enum ResumeError {
 /// The command that starts the run of a folder again, elsewhere: no command replaces the scene that it reads.
 pub(crate) fn again(folder: &Path) -> String {
     format!(
-        "to start again: lennard run {}/{SCENE} --out FOLDER, with another folder",
-        folder.display()
+        "to start again: lennard run {} --out FOLDER, with another folder",
+        path_in_shell(&folder.join(SCENE))
     )
 }
 
@@ -147,7 +147,7 @@ fn older_command(folder: &Path, error: &CheckpointError) -> String {
     if error.older.is_some() {
         format!(
             "\n  to go on from that one: lennard resume {} --older",
-            folder.display()
+            path_in_shell(folder)
         )
     } else {
         format!("\n  no older one is whole; {}", again(folder))

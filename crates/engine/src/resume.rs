@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use lennard_core::{DVec3, PeriodicBox};
-use lennard_io::{Checkpoint, CheckpointFolder, CheckpointProblem};
+use lennard_io::{Checkpoint, CheckpointFolder, CheckpointProblem, path_in_shell};
 use lennard_scene::Scene;
 
 use crate::beginning::Beginning;
@@ -44,7 +44,7 @@ pub struct Resumed {
 pub fn way_on(folder: &Path) -> String {
     let checkpoints = CheckpointFolder::new(folder).list();
     if checkpoints.is_ok_and(|all| !all.is_empty()) {
-        format!("to go on: lennard resume {}", folder.display())
+        format!("to go on: lennard resume {}", path_in_shell(folder))
     } else {
         format!("it has no checkpoint to go on from; {}", again(folder))
     }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use lennard_core::options::upper_bound;
 use lennard_core::{Bond, DVec3, PeriodicBox, Topology};
 use lennard_scene::{MoleculeKind, Scene};
 
@@ -158,7 +159,10 @@ fn through_the_box<'a>(
     let half = 0.5 * cell.lengths().min_element();
     let is_long = |bond: &&Bond| bond.vector(positions).length() > half;
     let bond = topology.bonds().iter().find(is_long)?;
-    let allowed = format!("bonds of at most half the shortest side of the box, {half:.4} σ");
+    let allowed = format!(
+        "bonds of at most half the shortest side of the box, {} σ",
+        upper_bound(half)
+    );
     Some((bond, allowed))
 }
 

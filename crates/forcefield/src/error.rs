@@ -1,7 +1,7 @@
 //! Why a force field cannot be built, with the scene key that each reason is about.
 
 use lennard_core::MOST_SPECIES;
-use lennard_core::options::OptionError;
+use lennard_core::options::{OptionError, upper_bound};
 
 use crate::pair::OwnEnd;
 
@@ -15,7 +15,7 @@ pub enum ForceFieldError {
     #[error("the cutoff must be a finite positive number, found {0}")]
     BadCutoff(f64),
     /// A cutoff beyond half the shortest side of the box.
-    #[error("the cutoff {r_cut} is over half the shortest side of the box, {largest}")]
+    #[error("the cutoff {r_cut} is over half the shortest side of the box, {}", upper_bound(*largest))]
     CutoffOverHalfBox {
         /// The cutoff found, σ.
         r_cut: f64,
@@ -61,7 +61,7 @@ pub enum ForceFieldError {
     #[error("the skin must be a finite number, zero or more, found {0}")]
     BadSkin(f64),
     /// A skin fixed by hand that does not fit the box.
-    #[error("a skin of {skin} makes the list radius larger than half the box: at most {largest}")]
+    #[error("a skin of {skin} makes the list radius larger than half the box")]
     SkinTooLarge {
         /// The skin found, σ.
         skin: f64,
@@ -204,7 +204,10 @@ impl ForceFieldError {
         match self {
             Self::BadCutoff(_) => "a finite number above 0, at most half the shortest side".into(),
             Self::CutoffOverHalfBox { largest, .. } => {
-                format!("at most {largest}, half the shortest side of the box")
+                format!(
+                    "at most {}, half the shortest side of the box",
+                    upper_bound(*largest)
+                )
             }
             Self::CutoffInsideEnd { end, .. } => format!(
                 "at least {} = {:.4}, or nothing at all",
@@ -219,7 +222,10 @@ impl ForceFieldError {
             Self::BadPotential(option) => option.allowed.clone(),
             Self::BadSkin(_) => "a finite number, 0 or more".into(),
             Self::SkinTooLarge { largest, .. } => {
-                format!("at most {largest}, so that r_cut + skin fits half the box")
+                format!(
+                    "at most {}, so that r_cut + skin fits half the box",
+                    upper_bound(*largest)
+                )
             }
             Self::SkinWithoutList(_) => "only with mode = \"auto\" or \"verlet\"".into(),
             Self::IsaNotAvailable(_) => "auto, or one that this processor has".into(),

@@ -175,6 +175,7 @@ impl FrameStyle {
     }
 
     /// Position of a particle in σ, folded into the box with its image flags where the style says so.
+    #[inline]
     pub(crate) fn place(
         &self,
         frame: &Frame<'_>,
@@ -217,6 +218,7 @@ impl NotFinite {
 }
 
 /// The vector of particle `i`, where all its components are finite.
+#[inline]
 pub(crate) fn finite(quantity: &'static str, i: usize, vector: DVec3) -> Result<DVec3, NotFinite> {
     match vector.to_array().iter().find(|c| !c.is_finite()) {
         None => Ok(vector),

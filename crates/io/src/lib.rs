@@ -31,6 +31,7 @@ mod mixture_record;
 mod nist;
 mod record;
 mod rewind;
+mod shell;
 mod sink;
 mod species_reader;
 mod tables;
@@ -67,6 +68,7 @@ pub use record::{
     RUN_SCHEMA, RanksRecord, RunRecord, SOUND, StageSeconds, StatePoint, ThermostatRecord,
     read_run_record, read_run_record_bytes,
 };
+pub use shell::{in_shell, path_in_shell};
 pub use sink::{FileMark, Sink};
 pub use tables::{TableWriter, read_table_csv, read_table_csv_bytes, write_table_csv};
 pub use topology::write_topology_gro;

@@ -86,7 +86,7 @@ pub enum OutsideRange {
         temperature: f64,
     },
     /// The temperature is outside.
-    #[error("{equation} covers temperatures from {t_min} to {t_max}, found {temperature}")]
+    #[error("{equation} covers temperatures from {} to {}, found {temperature}", short(*t_min), short(*t_max))]
     Temperature {
         /// Which equation.
         equation: String,
@@ -98,7 +98,7 @@ pub enum OutsideRange {
         temperature: f64,
     },
     /// The density is outside.
-    #[error("{equation} covers densities up to {rho_max}, found {rho}")]
+    #[error("{equation} covers densities up to {}, found {rho}", short(*rho_max))]
     Density {
         /// Which equation.
         equation: String,
@@ -109,7 +109,7 @@ pub enum OutsideRange {
     },
     /// The pressure is outside.
     #[error(
-        "{equation} covers pressures up to {p_max}, and at density {rho} and temperature {temperature} it gives {pressure}"
+        "{equation} covers pressures up to {}, and at density {rho} and temperature {temperature} it gives {pressure:.4}", short(*p_max)
     )]
     Pressure {
         /// Which equation.
@@ -123,6 +123,11 @@ pub enum OutsideRange {
         /// The pressure it gives there.
         pressure: f64,
     },
+}
+
+/// A limit in words, with six decimals at most.
+fn short(limit: f64) -> f64 {
+    (limit * 1e6).round() / 1e6
 }
 
 /// An equation of state: gives the residual Helmholtz energy, from which all else follows.

@@ -145,15 +145,18 @@ pub(crate) fn changes(what: &str, trend: &Trend) -> String {
     )
 }
 
-/// Four significant digits.
+/// Four significant digits, with a true minus.
 fn short(value: f64) -> String {
+    if value < 0.0 {
+        return format!("−{}", short(-value));
+    }
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
-    if value.abs() < 1e-4 {
+    if value < 1e-4 {
         return format!("{value:.3e}");
     }
-    let decimals = (3.0 - value.abs().log10().floor()).max(0.0) as usize;
+    let decimals = (3.0 - value.log10().floor()).max(0.0) as usize;
     format!("{value:.decimals$}")
 }
 
@@ -164,7 +167,7 @@ mod tests {
     #[test]
     fn numbers_in_reasons_have_four_digits() {
         let written = [1.82e-9, -0.0123456, 8.3, 12_345.6].map(short);
-        assert_eq!(written, ["1.820e-9", "-0.01235", "8.300", "12346"]);
+        assert_eq!(written, ["1.820e-9", "−0.01235", "8.300", "12346"]);
     }
 
     use crate::statistics::synthetic::Ar1;

@@ -4,6 +4,7 @@ mod harmonics;
 mod particles;
 
 use lennard_core::exact::exact_sum;
+use lennard_core::options::upper_bound;
 use lennard_core::{
     DVec3, Findings, Observable, ObservableSpec, PeriodicBox, Persist, RestoreError, StateReader,
     StateWriter, Table, View, Want,
@@ -116,7 +117,10 @@ impl BondOrder {
         positive("r_max", options.r_max)?;
         let largest = context.cell.largest_cutoff();
         if let Some(r_max) = options.r_max.filter(|r| *r > largest) {
-            let allowed = format!("at most half the shortest side of the box, {largest}");
+            let allowed = format!(
+                "at most half the shortest side of the box, {}",
+                upper_bound(largest)
+            );
             return Err(ObservableError::new("r_max", r_max, allowed));
         }
         Ok(Self {

@@ -4,6 +4,7 @@ mod integral;
 mod routes;
 mod tables;
 
+use lennard_core::options::upper_bound;
 use lennard_core::{
     Findings, Observable, ObservableSpec, Persist, RestoreError, SpeciesTable, StateReader,
     StateWriter, View, Want,
@@ -109,7 +110,10 @@ impl KirkwoodBuff {
             return Err(ObservableError::new(
                 "r_max",
                 r_max,
-                format!("at most half the shortest side of the box, {largest}"),
+                format!(
+                    "at most half the shortest side of the box, {}",
+                    upper_bound(largest)
+                ),
             ));
         }
         within("bins", options.bins, 20..=100_000)?;

@@ -4,6 +4,7 @@ mod entropy;
 mod partial;
 mod reading;
 
+use lennard_core::options::upper_bound;
 use lennard_core::{
     Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter, Table,
     View, Want,
@@ -112,7 +113,10 @@ impl RadialDistribution {
             return Err(ObservableError::new(
                 "r_max",
                 r_max,
-                format!("at most half the shortest side of the box, {largest}"),
+                format!(
+                    "at most half the shortest side of the box, {}",
+                    upper_bound(largest)
+                ),
             ));
         }
         within("bins", options.bins, 1..=100_000)?;

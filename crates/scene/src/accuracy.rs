@@ -2,6 +2,7 @@
 
 use lennard_core::options::Options;
 use lennard_forcefield::Kernel;
+use lennard_io::in_shell;
 
 use crate::Scene;
 use crate::error::SceneError;
@@ -173,13 +174,13 @@ impl Scene {
         if self.free.is_empty() {
             return Ok(());
         }
-        let file = self.source.file();
         Err(self
             .source
             .refuse("accuracy", "needs settings that have not been chosen yet")
             .found(format!("no value for {}", self.free.join(", ")))
             .allowed(format!(
-                "a lock file with them, which `lennard tune {file}` writes, or values written by hand"
+                "a lock file with them, which `lennard tune {}` writes, or values written by hand",
+                in_shell(self.source.file())
             )))
     }
 

@@ -59,7 +59,7 @@ impl Scene {
             };
             self.source
                 .refuse(key, "makes an impossible box")
-                .found(format!("a side of {found} σ"))
+                .found(format!("a side of {found:.4} σ"))
                 .allowed(format!("sides above 0 and at most {LONGEST_SIDE} σ"))
         };
         for side in lengths.to_array() {
@@ -240,7 +240,7 @@ fn trajectory_fits(scene: &Scene, cell: PeriodicBox) -> Result<(), SceneError> {
                 "output.precision",
                 "is finer than single precision in this box",
             )
-            .found(format!("{precision}, with a side of {side} σ"))
+            .found(format!("{precision}, with a side of {side:.4} σ"))
             .allowed(format!("at most {:.1}", limits.multiples / side))),
         _ => Ok(()),
     }

@@ -1,6 +1,7 @@
 //! The table `[contact]`: bodies that touch, and what must hold of them.
 
 use lennard_contacts::{Bodies, ContactOptions, Contacts, Response};
+use lennard_core::options::upper_bound;
 use lennard_core::{Bonds, Integrator, PeriodicBox, SpeciesTable};
 use lennard_forcefield::{HitRule, Walls};
 use lennard_integrators::build;
@@ -120,7 +121,10 @@ impl Scene {
             .source
             .refuse("contact.diameter", "exceeds half the shortest box side")
             .found(format!("bodies that touch at {found} σ"))
-            .allowed(format!("at most {largest:.4} σ, or a larger box")))
+            .allowed(format!(
+                "at most {} σ, or a larger box",
+                upper_bound(largest)
+            )))
     }
 
     /// The contacts in words, at the end of a model's name.

@@ -11,6 +11,7 @@ pub use used::UsedLock;
 use std::path::{Path, PathBuf};
 
 use lennard_forcefield::{NeighborOptions, Precision, TruncationOptions};
+use lennard_io::in_shell;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Place, SceneError};
@@ -203,7 +204,8 @@ impl Lock {
             value(&now, key)
         ))
         .allowed(format!(
-            "the scene that the lock was made for, or a new lock: lennard tune {file}"
+            "the scene that the lock was made for, or a new lock: lennard tune {}",
+            in_shell(file)
         )))
     }
 }

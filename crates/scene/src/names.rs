@@ -90,6 +90,17 @@ const THERMOSTATS_LEFT_OUT: &[LeftOut] = &[
     },
 ];
 
+const INTEGRATORS_LEFT_OUT: &[LeftOut] = &[
+    LeftOut {
+        words: &["verlet", "vv", "md", "nve"],
+        why: "take `velocity-verlet`, or `stormer-verlet` for the form in positions alone",
+    },
+    LeftOut {
+        words: &["runge_kutta", "rk4", "gear"],
+        why: "its energy drifts: take `velocity-verlet`, or `blanes-moan` where steps must be exact",
+    },
+];
+
 const BONDS_LEFT_OUT: &[LeftOut] = &[
     LeftOut {
         words: &["shake", "gauss_seidel"],
@@ -182,7 +193,9 @@ const MIXING_LEFT_OUT: &[LeftOut] = &[
 
 /// Why a method that others have is not here, and what to take: `key` says what kind of method it is.
 pub(crate) fn left_out(key: &str, name: &str) -> Option<&'static str> {
-    let list = if key.contains("thermostat") {
+    let list = if key.contains("integrator") {
+        INTEGRATORS_LEFT_OUT
+    } else if key.contains("thermostat") {
         THERMOSTATS_LEFT_OUT
     } else if key.contains("barostat") {
         BAROSTATS_LEFT_OUT
@@ -223,6 +236,9 @@ mod tests {
         assert_eq!(meant("velocity_verlet").as_deref(), Some("velocity-verlet"));
         assert_eq!(meant("atms").as_deref(), Some("n_atoms"));
         let rule = |name| left_out("mixing.rule", name).unwrap_or_default();
+        let method = |name| left_out("integrator.kind", name).unwrap_or_default();
+        assert!(method("Verlet").contains("velocity-verlet"));
+        assert!(method("RK4").contains("drifts"));
         assert!(rule("sixthpower").contains("waldman-hagler"));
         assert!(rule("Lorentz").contains("lorentz-berthelot"));
         assert!(rule("kong").contains("explicit"));

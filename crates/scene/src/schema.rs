@@ -97,7 +97,7 @@ fn property(table: &str, docs: &[&KeyDoc]) -> Value {
     let words: Vec<String> = docs.iter().map(|doc| description(doc)).collect();
     out["description"] = json!(words.join("\n"));
     if let [doc] = docs
-        && let Ok(value) = serde_json::from_str::<Value>(doc.default.trim_matches('`'))
+        && let Ok(value) = serde_json::from_str::<Value>(plain(&doc.default))
     {
         out["default"] = value;
     }
@@ -120,13 +120,23 @@ fn values(allowed: Allowed) -> Option<Value> {
     Some(match allowed {
         Allowed::Positive => json!({ "type": "number", "exclusiveMinimum": 0 }),
         Allowed::NotNegative => json!({ "type": "number", "minimum": 0 }),
-        Allowed::Between(from, to) => json!({ "type": "number", "minimum": from, "maximum": to }),
+        Allowed::Between(from, to) | Allowed::BetweenElse(from, to, _) => {
+            json!({ "type": "number", "minimum": from, "maximum": to })
+        }
         Allowed::ZeroOrBetween(_, to) => json!({ "type": "number", "minimum": 0, "maximum": to }),
         Allowed::Whole(from, to) => json!({ "type": "integer", "minimum": from, "maximum": to }),
         Allowed::Flag => json!({ "type": "boolean" }),
         Allowed::Names(names) => json!({ "type": "string", "enum": names() }),
         Allowed::Words(_) => return None,
     })
+}
+
+/// A default without the backticks around it, where it is one piece of code and no sentence.
+fn plain(default: &str) -> &str {
+    let code = default
+        .strip_prefix('`')
+        .and_then(|rest| rest.strip_suffix('`'));
+    code.filter(|code| !code.contains('`')).unwrap_or(default)
 }
 
 /// Meaning, unit, values and default of a key in words.
@@ -142,7 +152,7 @@ fn description(doc: &KeyDoc) -> String {
         "{}{unit} Allowed: {}. Default: {}.{method}",
         doc.meaning,
         doc.allowed.text(),
-        doc.default.trim_matches('`')
+        plain(&doc.default)
     )
 }
 

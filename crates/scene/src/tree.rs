@@ -218,7 +218,7 @@ fn node(
             let read = i64::from_str_radix(&digits, number.radix());
             Value::Whole(read.map_err(|_| {
                 let found = format!("{digits}, an integer beyond 64 bits");
-                (place(start), found, "whole numbers from -2^63 to 2^63 − 1")
+                (place(start), found, "whole numbers from −2^63 to 2^63 − 1")
             })?)
         }
         DeValue::Float(number) => {

@@ -223,17 +223,19 @@ impl<'a> Section<'a> {
     pub fn unknown_name(&self, key: &str, found: &str, known: &[&str]) -> SceneError {
         let name = self.name(key);
         let why = left_out(&name, found).map(str::to_owned);
-        let error = self.source.refuse(
-            &name,
-            match why.or_else(|| not_yet(found)) {
-                Some(message) => format!("cannot be \"{found}\": {message}"),
-                None => "is not a known name".to_owned(),
-            },
-        );
-        error
+        // The reason names what to take: a similar name beside it would contradict.
+        let (message, suggestion) = match why.or_else(|| not_yet(found)) {
+            Some(message) => (format!("cannot be \"{found}\": {message}"), None),
+            None => (
+                "is not a known name".to_owned(),
+                nearest(found, known.iter().copied()),
+            ),
+        };
+        self.source
+            .refuse(&name, message)
             .found(format!("{found:?}"))
             .allowed(quoted(known))
-            .suggestion(nearest(found, known.iter().copied()))
+            .suggestion(suggestion)
     }
 
     fn wrong_type(

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use lennard_io::path_in_shell;
 use lennard_scene::shipped::{self, Shipped};
 
 use crate::args::NewArgs;
@@ -31,11 +32,12 @@ pub fn new(args: &NewArgs) -> Result<u8, Failure> {
     if args.schema {
         println!("{}: for editors", schema.display());
     }
+    let typed = path_in_shell(&file);
     if scene.is_sweep() {
-        println!("  lennard sweep {shown}");
+        println!("  lennard sweep {typed}");
     } else {
-        println!("  lennard plan {shown}   what it computes, and for how long");
-        println!("  lennard run {shown}");
+        println!("  lennard plan {typed}   what it computes, and for how long");
+        println!("  lennard run {typed}");
     }
     Ok(DONE)
 }
@@ -103,7 +105,7 @@ fn unknown(like: &Path) -> Failure {
 fn copy_of(scene: &Shipped, file: &Path) -> String {
     let verb = if scene.is_sweep() { "sweep" } else { "run" };
     let old = format!("cargo run --release -- {verb} inputs/{}.toml", scene.name);
-    let new = format!("lennard {verb} {}", file.display());
+    let new = format!("lennard {verb} {}", path_in_shell(file));
     let mut text = scene.text.replace(&old, &new);
     if scene.name == TEMPLATE {
         text = text.replace("# `lennard new NAME` writes a copy. Every", "# Every");

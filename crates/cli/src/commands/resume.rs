@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use lennard_core::Team;
 use lennard_engine::{EngineError, ResumeError, ResumeOptions, RunOptions};
-use lennard_io::Existing;
+use lennard_io::{Existing, path_in_shell};
 
 use crate::args::ResumeArgs;
 use crate::commands::run::tell;
@@ -89,7 +89,7 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
 
 /// The command as it can be typed again.
 fn command(args: &ResumeArgs) -> String {
-    let mut line = format!("lennard resume {}", args.folder.display());
+    let mut line = format!("lennard resume {}", path_in_shell(&args.folder));
     if let Some(steps) = args.steps {
         line += &format!(" --steps {steps}");
     }

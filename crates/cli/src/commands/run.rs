@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use lennard_core::Team;
 use lennard_engine::{Ending, Outcome, RunOptions};
+use lennard_io::path_in_shell;
 
 use crate::args::{ControlArgs, RunArgs};
 use crate::commands::{
@@ -110,7 +111,7 @@ pub fn tell(
     eprintln!(
         "{why} after step {} of {total}, with a checkpoint\n  to go on: lennard resume {}",
         outcome.record.steps,
-        folder.display()
+        path_in_shell(folder)
     );
     Ok(STOPPED)
 }

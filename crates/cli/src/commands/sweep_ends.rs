@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use lennard_io::{in_shell, path_in_shell};
 use lennard_scene::{Start, shipped};
 use lennard_studies::sweep::{self, Ending, Sweep, SweptPoint};
 
@@ -76,22 +77,10 @@ pub(super) fn command(args: &SweepArgs, folder: &Path) -> String {
     let shipped = shipped::find(&args.sweep).filter(|_| shipped::is_shipped(&args.sweep));
     let name = shipped.map_or_else(|| args.sweep.to_string_lossy(), |sweep| sweep.name.into());
     let file = in_shell(&name);
-    let line = format!(
-        "lennard sweep {file} --out {}",
-        in_shell(&folder.to_string_lossy())
-    );
+    let line = format!("lennard sweep {file} --out {}", path_in_shell(folder));
     args.set.iter().fold(line, |line, (key, value)| {
         format!("{line} --set {}", in_shell(&format!("{key}={value}")))
     })
-}
-
-/// A word as a shell reads it: in quotes where it has more than plain letters.
-fn in_shell(word: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./=:,+".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', "'\\''"))
 }
 
 /// Refuses an output folder where a file that the sweep reads would be replaced or removed.

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use lennard_io::{in_shell, path_in_shell};
 use lennard_scene::{Chosen, Lock, Scene};
 use lennard_studies::tune::{self, TuneError, TuneOptions};
 
@@ -94,14 +95,14 @@ fn can_be_written(lock: &Path) -> Result<(), Failure> {
 fn with_settings(path: &Path, overrides: &[(String, String)], chosen: &Chosen) -> String {
     let mut command = format!(
         "lennard run {} --threads {}",
-        path.display(),
+        path_in_shell(path),
         chosen.threads
     );
     let settings = chosen.overrides();
     let is_chosen = |key: &str| settings.iter().any(|(chosen, _)| chosen == key);
     let fixed = overrides.iter().filter(|(key, _)| !is_chosen(key));
     for (key, value) in fixed.chain(&settings) {
-        command += &format!(" --set {key}={value}");
+        command += &format!(" --set {}", in_shell(&format!("{key}={value}")));
     }
     command
 }

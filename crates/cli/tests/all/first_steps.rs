@@ -90,6 +90,23 @@ fn a_new_scene_has_the_comments_of_its_model_and_its_own_command() {
 }
 
 #[test]
+fn a_name_with_a_space_stands_in_quotes_where_it_can_be_typed() {
+    let place = Place::with(&[]);
+    let said = success(&mut place.command(&["new", "my fluid"]));
+    let lines: Vec<&str> = said.lines().collect();
+    assert!(
+        lines[1].starts_with("  lennard plan 'my fluid.toml' "),
+        "{said}"
+    );
+    assert_eq!(lines[2], "  lennard run 'my fluid.toml'");
+    let text = place.read("my fluid.toml");
+    assert!(
+        text.contains("#     lennard run 'my fluid.toml'\n"),
+        "{text}"
+    );
+}
+
+#[test]
 fn a_copy_of_every_shipped_scene_is_a_scene() {
     let place = Place::with(&[]);
     let list = success(&mut place.command(&["list", "scenes", "--json"]));

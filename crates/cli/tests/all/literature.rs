@@ -59,6 +59,16 @@ fn a_sweep_runs_its_points_once_and_every_run_has_a_page() {
     let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(page.contains("State of all points: "));
     assert!(page.contains("T, half steps") && !page.contains("T, whole steps"));
+    // The last column stays in sight on a narrow screen.
+    let points = page.split("<th scope=\"col\">Point</th>").next().unwrap();
+    assert!(
+        points
+            .trim_end()
+            .ends_with("<table class=\"judged\">\n<thead><tr>")
+    );
+    let heads = page.split("<th scope=\"col\">Point</th>").nth(1).unwrap();
+    let last = heads.split("</th></tr>").next().unwrap();
+    assert!(last.ends_with(">Verdicts of U, P, c_v"), "{last}");
 
     let again = lennard_in(
         folder.path(),

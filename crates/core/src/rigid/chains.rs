@@ -147,39 +147,23 @@ impl<B: Fn(usize, &mut [DVec3])> WithSimd for Project<'_, B> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{Scalar, in_lanes};
-    use crate::rigid::kick;
+    use crate::rigid::testing::{Kicked, in_registers_and_one_by_one};
 
     /// The velocity stage has the bits of numbers one by one, as where there is no AVX2. The last register is not full.
     #[test]
     fn chains_have_the_same_bits_in_registers_and_one_by_one() {
         for (sites, n) in [(3, 1), (3, 7), (10, 13)] {
-            let sites_of = |shift: f64| -> Vec<DVec3> {
-                let at = |i: usize| shift + 1.7 * i as f64;
-                let site = |i| DVec3::new(at(i).sin(), (0.7 * at(i)).cos(), (1.9 * at(i)).sin());
-                (0..sites * n).map(site).collect()
-            };
-            let (x, v, f) = (sites_of(0.0), sites_of(0.4), sites_of(0.8));
-            let each = (0..sites * n).map(|i| 1.0 + 0.1 * i as f64).collect();
-            for masses in [Masses::Uniform(1.3), Masses::Each(each)] {
-                let after = |one_by_one: bool| {
-                    let mut v = v.clone();
-                    let stage = Project {
-                        before: &|first, v: &mut [DVec3]| kick(&masses, first, v, &f[first..], 0.1),
+            for all in Kicked::with_either_masses(sites * n) {
+                in_registers_and_one_by_one(&all.v, |v, way| {
+                    way.run(Project {
+                        before: &all.kick(),
                         sites,
-                        masses: &masses,
+                        masses: &all.masses,
                         first: 0,
-                        x: &x,
-                        v: &mut v,
-                    };
-                    match one_by_one {
-                        true => stage.with_simd(Scalar),
-                        false => in_lanes(stage),
-                    }
-                    v.iter().map(|v| v.to_array().map(f64::to_bits)).collect()
-                };
-                let found: Vec<[u64; 3]> = after(false);
-                assert_eq!(found, after(true), "{n} chains of {sites} sites");
+                        x: &all.x,
+                        v,
+                    });
+                });
             }
         }
     }

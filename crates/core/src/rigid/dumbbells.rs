@@ -77,45 +77,30 @@ fn project<S: Simd>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{Scalar, in_lanes};
-    use crate::rigid::kick;
+    use crate::rigid::testing::{Kicked, in_registers_and_one_by_one};
 
     /// In registers or one by one, in a last block that is not full too, and by the formula above.
     #[test]
     fn dumbbells_have_the_same_bits_in_registers_and_one_by_one() {
         for n in [1, 7, 8, 13] {
-            let sites_of = |shift: f64| -> Vec<DVec3> {
-                let at = |i: usize| shift + 1.7 * i as f64;
-                let site = |i| DVec3::new(at(i).sin(), (0.7 * at(i)).cos(), (1.9 * at(i)).sin());
-                (0..2 * n).map(site).collect()
-            };
-            let (x, v, f) = (sites_of(0.0), sites_of(0.4), sites_of(0.8));
-            let each = (0..2 * n).map(|i| 1.0 + 0.1 * i as f64).collect();
-            for masses in [Masses::Uniform(1.3), Masses::Each(each)] {
-                let after = |one_by_one: bool| {
-                    let mut v = v.clone();
-                    let stage = ProjectDumbbells {
-                        before: &|first, v: &mut [DVec3]| kick(&masses, first, v, &f[first..], 0.1),
-                        masses: &masses,
+            for sites in Kicked::with_either_masses(2 * n) {
+                let Kicked { masses, x, v, .. } = &sites;
+                let found = in_registers_and_one_by_one(v, |v, way| {
+                    way.run(ProjectDumbbells {
+                        before: &sites.kick(),
+                        masses,
                         first: 0,
-                        x: &x,
-                        v: &mut v,
-                    };
-                    match one_by_one {
-                        true => stage.with_simd(Scalar),
-                        false => in_lanes(stage),
-                    }
-                    v
-                };
-                let found = after(false);
-                assert_eq!(found, after(true), "{n} dumbbells");
+                        x,
+                        v,
+                    });
+                });
                 for m in 0..n {
                     let (i, j) = (2 * m, 2 * m + 1);
                     let d = x[j] - x[i];
                     let along = d.dot(found[j] - found[i]).abs();
                     assert!(along < 1e-14, "{along:e}");
                     let momentum = |v: &[DVec3]| masses.of(i) * v[i] + masses.of(j) * v[j];
-                    let kicked = momentum(&v) + 0.1 * (f[i] + f[j]);
+                    let kicked = momentum(v) + Kicked::TIME * (sites.f[i] + sites.f[j]);
                     assert!((momentum(&found) - kicked).length() < 1e-14);
                 }
             }

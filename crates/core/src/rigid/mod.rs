@@ -300,3 +300,6 @@ pub fn intramolecular_virial(system: &System, positions: &[DVec3], forces: &[DVe
         both.map(|(r, f)| (*r - center).dot(*f)).sum::<f64>()
     })
 }
+
+#[cfg(test)]
+mod testing;

@@ -16,8 +16,8 @@ lennard_core::options! {
         law: SpringLaw = SpringLaw::Linear, Names(SpringLaw::names);
         /// Stiffness k; in ε/σ^{5/2} for `hertz`.
         stiffness: f64 = 1000.0, Positive, in "ε/σ²";
-        /// Restitution e of a hit: it sets the dashpot. The contact never pulls. `hard` takes any e from 0.
-        restitution: f64 = 1.0, Between(SMALLEST_SOFT_RESTITUTION, 1.0);
+        /// Restitution e of a hit: it sets the dashpot. The contact never pulls.
+        restitution: f64 = 1.0, BetweenElse(SMALLEST_SOFT_RESTITUTION, 1.0, "for less, `hard`, and between bodies also `spook`");
     }
 }
 

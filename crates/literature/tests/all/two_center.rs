@@ -175,3 +175,13 @@ fn rigid_dumbbells_have_an_equation_where_their_bond_is_in_range() {
     let thin = two_center(0.67).unwrap()[0].at(1e-6, 2.5);
     assert!((thin.heat_capacity_volume - 2.5).abs() < 1e-3);
 }
+
+#[test]
+fn a_state_outside_the_range_is_refused_with_short_numbers() {
+    let equation = two_center(0.67).unwrap()[0];
+    for (rho, temperature) in [(0.3, 0.1), (0.3, 50.0), (0.9, 2.0)] {
+        let words = equation.check(rho, temperature).unwrap_err().to_string();
+        let digits = |word: &str| word.chars().filter(char::is_ascii_digit).count();
+        assert!(words.split(' ').all(|word| digits(word) < 9), "{words}");
+    }
+}

@@ -1,14 +1,11 @@
 //! The thermal conductivity.
 
 use lennard_core::exact::exact_sum;
-use lennard_core::{
-    DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    View, Want,
-};
+use lennard_core::{DVec3, Observable, ObservableSpec, View, Want};
 
-use super::green_kubo::{GreenKubo, Words};
-use super::{DEFAULT_WINDOW, checked_interval};
-use crate::seen_box::SeenBox;
+use super::DEFAULT_WINDOW;
+use super::green_kubo::Words;
+use super::of_flux::{Flux, OfFlux};
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -48,7 +45,7 @@ impl Recipe for ThermalConductivityOptions {
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(ThermalConductivity::new(self, context)?))
+        Ok(Box::new(ThermalConductivity::new(self.window, context)?))
     }
 }
 
@@ -62,32 +59,22 @@ impl Recipe for ThermalConductivityOptions {
 /// With a plain cutoff e_i jumps by ½ U(r_cut), 0.008 ε at 2.5 σ, when a pair crosses the cutoff, and no force
 /// does this work. About √50 such jumps at once change e_i by less than 0.06 of 6 ε. A tail correction is a
 /// constant part of the enthalpy and does not enter.
+pub type ThermalConductivity = OfFlux<HeatFlux>;
+
+/// The heat flux J in ε/(σ²τ), relative to the centre of mass.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ThermalConductivity {
-    seen: SeenBox,
-    flux: GreenKubo,
-}
+pub struct HeatFlux;
 
-impl ThermalConductivity {
-    /// Nothing seen yet.
-    ///
-    /// # Errors
-    /// [`ObservableError`] where the window is no positive number or shorter than 32 samples.
-    pub fn new(
-        options: &ThermalConductivityOptions,
-        context: &BuildContext,
-    ) -> Result<Self, ObservableError> {
-        let interval = checked_interval(options.window, context)?;
-        Ok(Self {
-            seen: SeenBox::new(&context.cell),
-            flux: GreenKubo::new(3, interval, options.window),
-        })
-    }
+impl Flux for HeatFlux {
+    const SPEC: &'static ObservableSpec = &SPEC;
+    const WORDS: Words = WORDS;
+    const WANT: Want = Want {
+        per_particle: true,
+        ..Want::NOTHING
+    };
+    const COMPONENTS: usize = 3;
 
-    /// The heat flux J of one state in ε/(σ²τ), relative to the centre of mass; `None` where the state has no
-    /// energies and virials of its particles.
-    #[must_use]
-    pub fn heat_flux(view: &View<'_>) -> Option<DVec3> {
+    fn of(view: &View<'_>) -> Option<impl AsRef<[f64]>> {
         let state = view.state;
         let each = state.energetics.per_particle.as_ref()?;
         let masses = &view.system.masses;
@@ -100,48 +87,11 @@ impl ThermalConductivity {
             // Columns of the tensor belong to the components of the force: (r ⊗ F) v = r (F·v).
             energy * v + virial * v
         });
-        Some(sum / view.cell().volume())
-    }
-}
-
-impl Observable for ThermalConductivity {
-    fn spec(&self) -> &'static ObservableSpec {
-        &SPEC
+        Some((sum / view.cell().volume()).to_array())
     }
 
-    fn want(&self) -> Want {
-        Want {
-            per_particle: true,
-            ..Want::NOTHING
-        }
-    }
-
-    /// # Panics
-    /// Where the state lacks what [`Observable::want`] asks for: that is a bug of the caller.
-    fn sample(&mut self, view: &View<'_>) {
-        let flux =
-            Self::heat_flux(view).expect("the force evaluation gives what the observable wants");
-        self.seen.see(view.cell());
-        let temperature = view.temperature();
-        self.flux.push(&flux.to_array(), temperature);
-    }
-
-    fn finish(&self, discarded: f64) -> Findings {
-        let temperature = self.flux.mean_temperature(discarded);
-        self.flux
-            .findings(discarded, self.seen.volume() / temperature.powi(2), WORDS)
-    }
-}
-
-impl Persist for ThermalConductivity {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.flux.save(to);
-        self.seen.save(&mut to.section("box"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.flux.restore(from)?;
-        self.seen.restore(&from.section("box"))
+    fn prefactor(volume: f64, temperature: f64) -> f64 {
+        volume / temperature.powi(2)
     }
 }
 
@@ -160,7 +110,9 @@ mod tests {
             ..Energetics::default()
         };
         let system = System::atoms(n);
-        ThermalConductivity::heat_flux(&View::of(&state, &system)).unwrap() * cell.volume()
+        let view = View::of(&state, &system);
+        let flux = HeatFlux::of(&view).unwrap();
+        DVec3::from_slice(flux.as_ref()) * cell.volume()
     }
 
     #[test]

@@ -21,15 +21,15 @@ const BLOCKS: usize = 64;
 
 /// Names and units of what comes out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Words {
+pub struct Words {
     /// Name of the average (`shear_viscosity`), and of the table.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// In a sentence (`shear viscosity`).
-    pub(crate) plain: &'static str,
+    pub plain: &'static str,
     /// Unit of the coefficient.
-    pub(crate) unit: &'static str,
+    pub unit: &'static str,
     /// Unit of the correlation function.
-    pub(crate) correlation_unit: &'static str,
+    pub correlation_unit: &'static str,
 }
 
 /// A transport coefficient κ = A ∫₀^∞ ⟨j(0) j(t)⟩ dt of a flux with several equivalent components.

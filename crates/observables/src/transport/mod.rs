@@ -4,6 +4,7 @@ mod conductivity;
 mod green_kubo;
 mod helfand;
 mod mutual_diffusion;
+mod of_flux;
 mod viscosity;
 
 pub use conductivity::{ThermalConductivity, ThermalConductivityOptions};

@@ -1,13 +1,10 @@
 //! The shear viscosity.
 
-use lennard_core::{
-    DMat3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    View, Want,
-};
+use lennard_core::{DMat3, Observable, ObservableSpec, View, Want};
 
-use super::green_kubo::{GreenKubo, Words};
-use super::{DEFAULT_WINDOW, checked_interval};
-use crate::seen_box::SeenBox;
+use super::DEFAULT_WINDOW;
+use super::green_kubo::Words;
+use super::of_flux::{Flux, OfFlux};
 use crate::{BuildContext, ObservableError, PressureTensor, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -48,7 +45,7 @@ impl Recipe for ShearViscosityOptions {
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(ShearViscosity::new(self, context)?))
+        Ok(Box::new(ShearViscosity::new(self.window, context)?))
     }
 }
 
@@ -58,26 +55,24 @@ impl Recipe for ShearViscosityOptions {
 /// stresses in rotated axes. In an isotropic fluid all five have the same correlation and are independent, so
 /// each counts once. Their mean equals V/(10T) ∫⟨P_os(0):P_os(t)⟩ dt with the traceless symmetric tensor
 /// P_os. A tail correction is isotropic and does not enter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ShearViscosity {
-    seen: SeenBox,
-    flux: GreenKubo,
-}
+pub type ShearViscosity = OfFlux<ShearStress>;
 
-impl ShearViscosity {
-    /// Nothing seen yet.
-    ///
-    /// # Errors
-    /// [`ObservableError`] where the window is no positive number or shorter than 32 samples.
-    pub fn new(
-        options: &ShearViscosityOptions,
-        context: &BuildContext,
-    ) -> Result<Self, ObservableError> {
-        let interval = checked_interval(options.window, context)?;
-        Ok(Self {
-            seen: SeenBox::new(&context.cell),
-            flux: GreenKubo::new(5, interval, options.window),
-        })
+/// The shear stress in ε/σ³.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShearStress;
+
+impl Flux for ShearStress {
+    const SPEC: &'static ObservableSpec = &SPEC;
+    const WORDS: Words = WORDS;
+    const WANT: Want = Want::VIRIAL_TENSOR;
+    const COMPONENTS: usize = 5;
+
+    fn of(view: &View<'_>) -> Option<impl AsRef<[f64]>> {
+        Some(shear_components(&PressureTensor::of(view)?))
+    }
+
+    fn prefactor(volume: f64, temperature: f64) -> f64 {
+        volume / temperature
     }
 }
 
@@ -91,44 +86,6 @@ fn shear_components(p: &DMat3) -> [f64; 5] {
         0.5 * (xx - yy),
         (2.0 * zz - xx - yy) / (2.0 * 3.0_f64.sqrt()),
     ]
-}
-
-impl Observable for ShearViscosity {
-    fn spec(&self) -> &'static ObservableSpec {
-        &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::VIRIAL_TENSOR
-    }
-
-    /// # Panics
-    /// Where the state lacks what [`Observable::want`] asks for: that is a bug of the caller.
-    fn sample(&mut self, view: &View<'_>) {
-        let p =
-            PressureTensor::of(view).expect("the force evaluation gives what the observable wants");
-        self.seen.see(view.cell());
-        let temperature = view.temperature();
-        self.flux.push(&shear_components(&p), temperature);
-    }
-
-    fn finish(&self, discarded: f64) -> Findings {
-        let temperature = self.flux.mean_temperature(discarded);
-        self.flux
-            .findings(discarded, self.seen.volume() / temperature, WORDS)
-    }
-}
-
-impl Persist for ShearViscosity {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.flux.save(to);
-        self.seen.save(&mut to.section("box"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.flux.restore(from)?;
-        self.seen.restore(&from.section("box"))
-    }
 }
 
 #[cfg(test)]
@@ -178,8 +135,7 @@ mod tests {
             ..context(5.0, 2)
         };
         let (volume, phi) = (125.0, 0.9_f64);
-        let options = ShearViscosityOptions { window: 4.0 };
-        let mut viscosity = ShearViscosity::new(&options, &context).unwrap();
+        let mut viscosity = ShearViscosity::new(4.0, &context).unwrap();
         let mut state = State::new(
             context.cell,
             vec![DVec3::ZERO; 2],
@@ -216,8 +172,7 @@ mod tests {
     #[test]
     fn a_window_of_a_few_samples_is_refused() {
         for window in [0.1, -1.0, f64::NAN] {
-            let error = ShearViscosity::new(&ShearViscosityOptions { window }, &context(10.0, 5))
-                .unwrap_err();
+            let error = ShearViscosity::new(window, &context(10.0, 5)).unwrap_err();
             assert_eq!(error.key(), "window");
         }
     }

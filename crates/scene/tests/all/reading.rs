@@ -474,7 +474,7 @@ fn an_integer_beyond_64_bits_is_called_so_wherever_it_is_written() {
                          [truncation]\nr_cut = 2.0\n[[stage]]\nname = \"a\"\nsteps = 1\n";
     let digits = "99999999999999999999";
     let found = format!("found:   {digits}, an integer beyond 64 bits");
-    let allowed = "allowed: whole numbers from -2^63 to 2^63 − 1";
+    let allowed = "allowed: whole numbers from −2^63 to 2^63 − 1";
     let overridden = Scene::parse(SCENE, "t.toml", &[("system.seed".into(), digits.into())]);
     let written = Scene::parse(
         &SCENE.replace("seed = 1", &format!("seed = {digits}")),

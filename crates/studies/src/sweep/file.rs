@@ -206,7 +206,7 @@ fn in_words(message: &str) -> String {
             .strip_prefix("invalid type: integer `")?
             .split_once("` as ")?;
         Some(format!(
-            "{integer} is an integer beyond 64 bits\n  allowed: whole numbers from -2^63 to 2^63 − 1"
+            "{integer} is an integer beyond 64 bits\n  allowed: whole numbers from −2^63 to 2^63 − 1"
         ))
     };
     let lines = message

@@ -159,9 +159,6 @@ pub(super) fn of_points(points: &[SweptPoint]) -> Table {
             Some(cell.toned(row.verdict.tone()))
         });
     }
-    if let Some(heading) = kind.verdicts() {
-        table = table.column(heading, |p| verdicts(p, kind));
-    }
     // Where all are the same, there is nothing to tell.
     if kind != Kind::Crystals || points.iter().any(|p| p.compared.is_none()) {
         table = table.column("State", |p| {
@@ -175,6 +172,10 @@ pub(super) fn of_points(points: &[SweptPoint]) -> Table {
                 Tone::Careful
             })
         });
+    }
+    // In the last column, which pages keep in sight.
+    if let Some(heading) = kind.verdicts() {
+        table = table.column(heading, |p| verdicts(p, kind));
     }
     table.table()
 }
@@ -214,11 +215,23 @@ fn verdicts(point: &SweptPoint, kind: Kind) -> Cell {
             None => shared.push((words, vec![name])),
         }
     }
+    let tone = gravest(rows().map(|row| row.verdict.tone()));
     if let [(words, _)] = &shared[..] {
-        return Cell::words(words);
+        return Cell::words(words).toned(tone);
     }
     let each = shared
         .iter()
         .map(|(words, names)| format!("{words}: {}", names.join(", ")));
-    Cell::words(each.collect::<Vec<_>>().join("; "))
+    Cell::words(each.collect::<Vec<_>>().join("; ")).toned(tone)
+}
+
+/// The tone that wants the most attention.
+fn gravest(tones: impl Iterator<Item = Tone>) -> Tone {
+    let rank = |tone: &Tone| match tone {
+        Tone::Faint | Tone::Plain => 0,
+        Tone::Good => 1,
+        Tone::Careful => 2,
+        Tone::Bad => 3,
+    };
+    tones.max_by_key(rank).unwrap_or_default()
 }

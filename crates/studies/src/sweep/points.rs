@@ -141,11 +141,14 @@ pub(super) fn expand(
         allowed: allowed.into(),
     };
     let no_points = || {
-        value(
-            "point".into(),
-            "a sweep with no points".into(),
-            "[[point]] tables, or a [grid] of density, temperature, n_atoms, n_molecules, bond_length, r_cut, dt and seed, with at least one value each (`longer` makes none)",
-        )
+        let names: Vec<&str> = KEYS[..LONGER].iter().map(|key| key.name).collect();
+        let (last, others) = names.split_last().unwrap_or((&"", &[]));
+        let allowed = format!(
+            "[[point]] tables, or a [grid] of {} and {last}, with at least one value each (`{}` makes none)",
+            others.join(", "),
+            KEYS[LONGER].name
+        );
+        value("point".into(), "a sweep with no points".into(), &allowed)
     };
     if points.is_empty() && grid.is_none() {
         return Err(no_points());

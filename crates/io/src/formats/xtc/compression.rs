@@ -89,11 +89,10 @@ fn bits_to_reach(a: Multiples, b: Multiples) -> usize {
     let largest = (0..3).map(|k| a[k].abs_diff(b[k])).max().unwrap_or(0);
     // Half a size must be larger; sizes double every three bits.
     let size = 2 * (u64::from(largest) + 1);
-    let octave = FEWEST.max(3 * (63 - size.leading_zeros()) as usize);
-    let reaches = |bits: &usize| u64::from(SIZES[*bits]) >= size;
-    (octave..SIZES.len().min(octave + 4))
-        .find(reaches)
-        .unwrap_or(SIZES.len())
+    let octave = (3 * (63 - size.leading_zeros()) as usize).clamp(FEWEST, SIZES.len() - 4);
+    // Counted without a branch: it is guessed wrong for most pairs.
+    let too_small = |k: &usize| u64::from(SIZES[octave + k]) < size;
+    octave + (0..4).filter(too_small).count()
 }
 
 fn groups(to: &mut Vec<u8>, positions: &[Multiples], range: &Range, near: usize) {

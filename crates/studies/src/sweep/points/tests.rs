@@ -138,7 +138,10 @@ fn what_is_no_sweep_is_said_clearly() {
             "[[point]]\ndensity = 0.5\n[[point]]\ndensity = 0.5\n",
             "allowed: each point once",
         ),
-        ("[[point]]\nlonger = 2\n", "no points"),
+        (
+            "[[point]]\nlonger = 2\n",
+            "of density, temperature, n_atoms, n_molecules, bond_length, r_cut, dt and seed, with",
+        ),
         (
             "[[point]]\ndensity = 0.5\nlonger = -1\n",
             "`point.longer` is not allowed\n  found:   -1",
