@@ -48,8 +48,8 @@ class Mean:
         return format(self.value, spec) if spec else str(self)
 
     def __str__(self) -> str:
-        number = with_error(self.value, self.error)
-        return f"{number} {self.unit}".rstrip()
+        number = f"{with_error(self.value, self.error)} {self.unit}".rstrip()
+        return number if self.is_sound else f"{number} ({self.standing.replace('-', ' ')})"
 
     def __repr__(self) -> str:
         doubt = "" if self.is_sound else f", standing={self.standing!r}"

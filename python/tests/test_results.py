@@ -188,3 +188,11 @@ def test_a_point_that_fails_keeps_its_error():
     assert made[0].run is not None and made[0].error is None
     assert isinstance(made[1].error, lennard.PhysicsError) and made[1].run is None
     assert "1 failed" in repr(made)
+
+
+def test_a_mean_that_is_no_result_prints_what_is_wrong():
+    facts = {"name": "pressure", "n_eff": 3.0, "unit": "ε/σ³", "freedom": 2.0, "equilibration_cut": 0}
+    short = lennard.Mean(value=1.5, error=float("nan"), standing="too-short", reason="worth 3 samples", **facts)
+    assert str(short) == "1.5 ε/σ³ (too short)"
+    sound = lennard.Mean(value=1.5, error=0.1, standing="sound", reason="", **facts)
+    assert str(sound) == "1.50(10) ε/σ³"

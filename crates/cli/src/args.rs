@@ -82,7 +82,7 @@ pub enum Command {
     #[command(after_help = "Examples:\n  \
         lennard run verlet-1967/triple-point\n  \
         lennard run verlet-1967/triple-point --set stage.production.steps=200000 --seed 7\n  \
-        lennard run inputs/fluid/gas.toml --json --quiet > result.json")]
+        lennard run fluid/gas --json --quiet > result.json")]
     Run(RunArgs),
     /// Write a scene of your own to change: a template with comments, or a copy of a shipped scene.
     #[command(after_help = "Examples:\n  \
@@ -97,15 +97,13 @@ pub enum Command {
         lennard resume runs/triple-point-1 --steps 100000 --max-walltime 2h")]
     Resume(ResumeArgs),
     /// Say what a scene computes, what it leaves out and why, its memory, and about how long it takes.
-    #[command(
-        after_help = "Examples:\n  lennard plan inputs/verlet-1967/triple-point.toml\n  \
-        lennard plan big-fluid.toml --nodes 64 --latency 2us --bandwidth 25GB/s"
-    )]
+    #[command(after_help = "Examples:\n  lennard plan verlet-1967/triple-point\n  \
+        lennard plan big-fluid.toml --nodes 64 --latency 2us --bandwidth 25GB/s")]
     Plan(PlanArgs),
     /// Evaluate energy, virial and pressure of a scene's start configuration once.
     #[command(after_help = "Examples:\n  \
-        lennard energy inputs/fluid/from-configuration.toml\n  \
-        lennard energy inputs/fluid/from-configuration.toml --forces forces.xyz --json")]
+        lennard energy verlet-1967/triple-point\n  \
+        lennard energy verlet-1967/triple-point --forces forces.xyz --json")]
     Energy(EnergyArgs),
     /// Write a scene, or the last state of a run, as the input of another program: LAMMPS.
     #[command(after_help = "Examples:\n  \
@@ -126,17 +124,17 @@ pub enum Command {
     Mechanics(StabilityArgs),
     /// Chart speed against accuracy: one scene with many settings, and which of them are worth their cost.
     #[command(after_help = "Examples:\n  \
-        lennard chart inputs/verlet-1967/triple-point.toml --quick\n  \
-        lennard chart inputs/verlet-1967/triple-point.toml --out runs/chart\n  \
-        lennard chart inputs/fluid/accuracy.toml        with the settings that `lennard tune` found for it\n  \
+        lennard chart verlet-1967/triple-point --quick\n  \
+        lennard chart verlet-1967/triple-point --out runs/chart\n  \
+        lennard chart fluid/accuracy        with the settings that `lennard tune` found for it\n  \
         lennard chart npt/baths --ensemble              interval and τ_p of the barostat, `mtk`, and τ of the thermostat\n\n\
         Finished points are kept in the output folder: the same command goes on where it was stopped.")]
     Chart(ChartArgs),
     /// Run many state points side by side; finished ones are not run again.
     #[command(after_help = "Examples:\n  \
-        lennard sweep inputs/sweep/isotherm.toml\n  \
-        lennard sweep inputs/verlet-1967/table.toml --out runs/verlet-2.5\n  \
-        lennard sweep inputs/verlet-1967/table.toml --out runs/verlet-4 --set truncation.r_cut=4\n\n\
+        lennard sweep sweep/isotherm\n  \
+        lennard sweep verlet-1967/table --out runs/verlet-2.5\n  \
+        lennard sweep verlet-1967/table --out runs/verlet-4 --set truncation.r_cut=4\n\n\
         On many machines, each process runs points of its own in one common folder:\n  \
         lennard sweep sweep/isotherm --points\n  \
         lennard sweep sweep/isotherm --out runs/iso --point 3\n  \
@@ -148,10 +146,10 @@ pub enum Command {
         accuracy = { potential_energy = 1e-3, pressure = 5e-3, drift = 1e-5 }\n\
         A scene with settings of its own is asked for just that, and told the cheapest; no lock is written.\n\n\
         Examples:\n  \
-        lennard tune inputs/fluid/accuracy.toml\n  \
-        lennard run inputs/fluid/accuracy.toml\n  \
-        lennard tune inputs/verlet-1967/triple-point.toml\n  \
-        lennard tune inputs/fluid/accuracy.toml --set accuracy.pressure=0.02 --lock coarse.lock.toml --json")]
+        lennard tune fluid/accuracy\n  \
+        lennard run fluid/accuracy\n  \
+        lennard tune verlet-1967/triple-point\n  \
+        lennard tune fluid/accuracy --set accuracy.pressure=0.02 --lock coarse.lock.toml --json")]
     Tune(TuneArgs),
     /// Put finished runs beside the literature: every quantity with its difference in standard errors.
     #[command(after_help = "Examples:\n  \
@@ -162,10 +160,10 @@ pub enum Command {
     /// Measure how fast the force loop, the list build and whole steps are, for each kernel, precision and number of threads.
     #[command(after_help = "Examples:\n  \
         lennard bench --quick\n  \
-        lennard bench inputs/verlet-1967/triple-point.toml --threads 1,2 --repeats 15\n  \
+        lennard bench verlet-1967/triple-point --threads 1,2 --repeats 15\n  \
         lennard bench --isa avx2,portable --precision mixed --json\n  \
         lennard bench --features        what each feature of a scene costs\n\n\
-        Without a scene: inputs/bench/melt-32k.toml, and with --quick inputs/bench/fluid-864.toml.")]
+        Without a scene: bench/melt-32k, and with --quick bench/fluid-864.")]
     Bench(BenchArgs),
     /// Print what an equation of state gives at any state, without a run: properties, curves, coexistence.
     #[command(after_help = "Examples:\n  \

@@ -133,7 +133,7 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, verbos
         .iter()
         .filter(|r| r.starts_with("barostat: ") && !verbose)
     {
-        println!("  note: {remark}");
+        note(&format!("note: {remark}"));
     }
     if verbose {
         println!(
@@ -141,7 +141,7 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, verbos
             record.conservation.momentum_per_atom
         );
         for remark in &record.remarks {
-            println!("  note: {remark}");
+            note(&format!("note: {remark}"));
         }
     }
     let p = &record.performance;

@@ -56,7 +56,7 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
     remarks.dedup();
     // Which points are no single phase stands in the table.
     for remark in remarks.into_iter().filter(|r| !r.starts_with("by ")) {
-        println!("  note: {remark}");
+        note(&format!("note: {remark}"));
     }
     for melting in &record.melting {
         note(&format!("{}.", melting.in_words()));

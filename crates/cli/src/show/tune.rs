@@ -79,7 +79,7 @@ pub fn tuning(tuning: &Tuning) {
         );
     }
     for note in &tuning.notes {
-        println!("  note: {note}");
+        super::note(&format!("note: {note}"));
     }
     println!("  took {}", duration(tuning.seconds));
 }

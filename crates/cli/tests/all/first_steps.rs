@@ -106,6 +106,31 @@ fn a_name_with_a_space_stands_in_quotes_where_it_can_be_typed() {
     );
 }
 
+/// Who has the program alone has no folder `inputs`.
+#[test]
+fn examples_of_the_commands_name_scenes_that_come_with_the_program() {
+    let place = Place::with(&[]);
+    let list = success(&mut place.command(&["list", "scenes", "--json"]));
+    let shipped = |word: &str| list.contains(&format!("\"name\": \"{word}\""));
+    let mut named = 0;
+    for command in [
+        "run", "plan", "energy", "chart", "sweep", "tune", "bench", "export",
+    ] {
+        let help = success(&mut place.command(&[command, "--help"]));
+        for line in help
+            .lines()
+            .filter_map(|line| line.trim().strip_prefix("lennard "))
+        {
+            let scene = line.split_whitespace().nth(1).unwrap_or_default();
+            if scene.contains('/') && !scene.starts_with("runs/") {
+                assert!(shipped(scene), "{command}: {line}");
+                named += 1;
+            }
+        }
+    }
+    assert!(named > 10, "{named}");
+}
+
 #[test]
 fn a_copy_of_every_shipped_scene_is_a_scene() {
     let place = Place::with(&[]);
