@@ -101,6 +101,17 @@ const INTEGRATORS_LEFT_OUT: &[LeftOut] = &[
     },
 ];
 
+const POTENTIALS_LEFT_OUT: &[LeftOut] = &[
+    LeftOut {
+        words: &["lj", "lj/cut", "lj126", "12_6"],
+        why: "its name here is `lennard-jones`",
+    },
+    LeftOut {
+        words: &["morse", "buckingham", "yukawa", "exp_6"],
+        why: "take `table`, with U and F at a list of distances",
+    },
+];
+
 const BONDS_LEFT_OUT: &[LeftOut] = &[
     LeftOut {
         words: &["shake", "gauss_seidel"],
@@ -195,6 +206,8 @@ const MIXING_LEFT_OUT: &[LeftOut] = &[
 pub(crate) fn left_out(key: &str, name: &str) -> Option<&'static str> {
     let list = if key.contains("integrator") {
         INTEGRATORS_LEFT_OUT
+    } else if key.starts_with("potential") {
+        POTENTIALS_LEFT_OUT
     } else if key.contains("thermostat") {
         THERMOSTATS_LEFT_OUT
     } else if key.contains("barostat") {
@@ -238,6 +251,9 @@ mod tests {
         let rule = |name| left_out("mixing.rule", name).unwrap_or_default();
         let method = |name| left_out("integrator.kind", name).unwrap_or_default();
         assert!(method("Verlet").contains("velocity-verlet"));
+        let potential = |name| left_out("potential.kind", name).unwrap_or_default();
+        assert!(potential("LJ/cut").contains("lennard-jones"));
+        assert!(potential("Morse").contains("table"));
         assert!(method("RK4").contains("drifts"));
         assert!(rule("sixthpower").contains("waldman-hagler"));
         assert!(rule("Lorentz").contains("lorentz-berthelot"));

@@ -162,7 +162,7 @@ fn integrators() -> Vec<Entry> {
                     "reversible": s.reversible,
                     "fixed step only": s.fixed_step_only,
                     "half kicks: has a temperature of half steps": s.half_kicks,
-                    "force evaluations a step": s.force_evaluations,
+                    "force evaluations per step": s.force_evaluations,
                     "largest stable ωh": s.stability_limit,
                 },
                 ..plain(s.name, s.summary, s.equations, s.source)

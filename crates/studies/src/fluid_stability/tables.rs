@@ -41,7 +41,9 @@ fn of_runs<'a, T>(table: RowsOf<'a, T>, run: impl Fn(&'a T) -> &'a FluidRun) -> 
         .column("temperature error / T", |i| run(i).temperature_error)
         .column("its error", |i| run(i).temperature_error_error)
         .column("momentum per atom", |i| run(i).momentum)
-        .column("force evaluations a step", |i| run(i).evaluations_per_step)
+        .column("force evaluations per step", |i| {
+            run(i).evaluations_per_step
+        })
         .table()
 }
 
@@ -89,7 +91,7 @@ pub(crate) fn limits_on_page(study: &FluidStudy) -> Table {
     }
     let caption = "Largest stable dt in τ, ρ* = 0.8442, 256 atoms, cutoff 2.5 σ (`fluid-limits.csv` has both \
                    ends of each bracket and how the run beyond it failed). The steps of methods with several \
-                   force evaluations a step are not comparable without that number.";
+                   force evaluations per step are not comparable without that number.";
     let mut table = Table::rows_of("fluid-limits", &methods)
         .caption(caption)
         .column("Method", |method| format!("`{method}`"));

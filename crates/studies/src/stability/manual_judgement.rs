@@ -119,8 +119,8 @@ pub(crate) fn manual(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> 
         within: 0.01,
     };
     let (above, below) = (Demand::Above, Demand::Below);
-    let grows = "k = 100: explicit Euler diverges, by √(1 + ω²h²) a step";
-    let decays = "k = 100: implicit Euler decays, by 1/√(1 + ω²h²) a step";
+    let grows = "k = 100: explicit Euler diverges, by √(1 + ω²h²) per step";
+    let decays = "k = 100: implicit Euler decays, by 1/√(1 + ω²h²) per step";
     let follows = "k = 100: SPOOK follows the analytic solution (1 % in the period)";
     let diverges = Claim::judge(
         MANUAL,
