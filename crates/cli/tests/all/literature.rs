@@ -43,9 +43,16 @@ fn a_sweep_runs_its_points_once_and_every_run_has_a_page() {
         prepared("base = \"base.toml\"\n[grid]\ndensity = [0.5, 0.7]\ntemperature = 1.5\n");
     let first = lennard_in(
         folder.path(),
-        &["sweep", "sweep.toml", "--out", "out", "--json", "--quiet"],
+        &["sweep", "sweep.toml", "--out", "out", "--json"],
     );
-    assert!(first.status.success(), "{}", text(&first.stderr));
+    let told = text(&first.stderr);
+    assert!(first.status.success(), "{told}");
+    let whole = told.lines().filter(|line| line.starts_with("100 %"));
+    assert_eq!(
+        whole.collect::<Vec<_>>(),
+        ["100 %: 2 of 2 points"],
+        "{told}"
+    );
     let record: serde_json::Value = serde_json::from_slice(&first.stdout).unwrap();
     assert_eq!(record["points"].as_array().unwrap().len(), 2);
     assert_eq!(record["ending"], "finished");

@@ -17,6 +17,8 @@ use crate::{Progress, run_page};
 
 /// Time between two looks at how far the points are.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
+/// The largest share that is told while a point is at work.
+const UNFINISHED: f64 = 0.99;
 
 /// What the workers share. A worker that is abandoned while it places particles keeps it alive, and writes nothing.
 struct Shared {
@@ -74,8 +76,7 @@ pub(super) fn run_all(
         let shared = Arc::clone(&shared);
         std::thread::spawn(move || shared.work(worker));
     }
-    while shared.is_at_work() {
-        std::thread::sleep(LOOK_EVERY);
+    let mut tell = |most: f64| {
         let so_far: u64 = shared.done.iter().map(|d| d.load(Ordering::Relaxed)).sum();
         let finished = shared
             .results
@@ -85,9 +86,15 @@ pub(super) fn run_all(
         let share = so_far as f64 / total.max(1) as f64;
         progress.update(
             &format!("{finished} of {} points", points.len()),
-            share.min(1.0),
+            share.min(most),
         );
+    };
+    while shared.is_at_work() {
+        std::thread::sleep(LOOK_EVERY);
+        // After its last step a point still writes its page.
+        tell(UNFINISHED);
     }
+    tell(1.0);
     let missing = || match shared.is_told_to_stop() {
         true => Ok(Ran::Stopped),
         false => Err(Failed::otherwise(&"it was not run")),
