@@ -114,6 +114,15 @@ def test_ranks_and_threads_have_the_bytes_of_one_process(mpi: Mpi, tmp_path, mot
         same(tmp_path / "alone", out)
 
 
+def test_more_ranks_than_send_their_parts_to_each_other_gather_alike(mpi: Mpi, tmp_path) -> None:
+    common = [str(scene(tmp_path, melt=10, steps=20)), "--threads", "1", "--quiet", "--no-report"]
+    done = alone("run", *common, "--out", str(tmp_path / "alone"))
+    assert done.returncode == 0, done.stderr
+    done = mpi.run(9, "run", *common, "--out", str(tmp_path / "9"))
+    assert done.returncode == 0, done.stderr
+    same(tmp_path / "alone", tmp_path / "9")
+
+
 def test_a_killed_rank_ends_all_and_the_run_goes_on_elsewhere(mpi: Mpi, tmp_path) -> None:
     every = ["checkpoint.every_steps=100"]
     common = [str(scene(tmp_path, steps=2000)), "--threads", "1", "--quiet", "--no-report", *overridden(every)]

@@ -163,7 +163,7 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, verbos
         let number = lennard_report::counted(ranks.ranks as usize, "rank");
         let halo = match ranks.shared_forces {
             true => format!(
-                "lists of rank 0 named {:.0} particles of others",
+                "rank 0 got {:.0} particles of others for its lists",
                 ranks.halo
             ),
             false => "pair forces were not shared".to_owned(),

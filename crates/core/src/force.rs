@@ -256,7 +256,7 @@ pub trait Backend: ForceTerm {
 /// What a rank needs of others in each step, as a mean over ranks.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct HaloSize {
-    /// Particles of other ranks that its lists name.
+    /// Particles of other ranks that its lists may name.
     pub particles: f64,
     /// Ranks that have such particles.
     pub partners: f64,

@@ -14,12 +14,12 @@ mod threads;
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec3;
 
-use crate::parallel::{equal_parts, for_each_piece};
+use crate::parallel::equal_parts;
 
 pub use threads::team_of_threads;
 
@@ -54,8 +54,8 @@ pub trait Wire: Send + Sync {
     /// Gives the `k`th list of words to rank `k`; returns the lists that the ranks gave to this one.
     fn trade(&self, words: Vec<Vec<u32>>) -> Vec<Vec<u32>>;
 
-    /// Fills an array of which rank `k` gives the elements of the `k`th range, by components.
-    fn gather(&self, mine: &[[f64; 3]], whole: &mut [[f64; 3]], ranges: &[Range<usize>]);
+    /// Makes an array whole of which rank `k` has the elements of the `k`th range, by components; ranges ascend.
+    fn gather(&self, array: &mut [[f64; 3]], ranges: &[Range<usize>]);
 
     /// Sends vectors to other ranks, does some work, and fills `incoming`, whose parcels have their final lengths.
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut());
@@ -71,7 +71,7 @@ pub trait Wire: Send + Sync {
 pub struct TeamStatistics {
     /// Seconds in which this rank waited for messages or moved them.
     pub seconds: f64,
-    /// Particles of other ranks that the lists of this rank named, as a mean over its builds.
+    /// Particles of other ranks that the lists of this rank might name, as a mean over its builds.
     pub halo: f64,
 }
 
@@ -100,8 +100,6 @@ struct Shared {
     nanoseconds: AtomicU64,
     /// Sum of halos, and their number.
     halos: [AtomicU64; 2],
-    /// Memory of [`Team::gather`] that is used again.
-    whole: Mutex<Vec<[f64; 3]>>,
 }
 
 impl Team {
@@ -112,7 +110,6 @@ impl Team {
             wire,
             nanoseconds: AtomicU64::new(0),
             halos: Default::default(),
-            whole: Mutex::default(),
         }))
     }
 
@@ -183,16 +180,8 @@ impl Team {
 
     /// Makes an array whole, of which rank `k` has the elements of the `k`th range.
     pub fn gather(&self, array: &mut [DVec3], ranges: &[Range<usize>]) {
-        let own = &array[ranges[self.rank()].clone()];
-        let mine: Vec<[f64; 3]> = own.iter().map(DVec3::to_array).collect();
-        let mut whole = self.0.whole.lock().unwrap_or_else(PoisonError::into_inner);
-        whole.resize(array.len(), [0.0; 3]);
-        self.timed(|wire| wire.gather(&mine, &mut whole, ranges));
-        for_each_piece(array, |first, piece| {
-            for (to, from) in piece.iter_mut().zip(&whole[first..]) {
-                *to = DVec3::from_array(*from);
-            }
-        });
+        let array = bytemuck::cast_slice_mut(array);
+        self.timed(|wire| wire.gather(array, ranges));
     }
 
     /// [`Team::gather`] for numbers.
@@ -239,7 +228,7 @@ impl Team {
         self.0.wire.abort(code)
     }
 
-    /// Notes how many particles of other ranks the lists of this rank name.
+    /// Notes how many particles of other ranks the lists of this rank may name.
     pub fn note_halo(&self, particles: usize) {
         let [sum, count] = &self.0.halos;
         sum.fetch_add(particles as u64, Ordering::Relaxed);

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //!   slots of all ranks   | rank 0 | rank 1 (this one)   | rank 2 |     cut at chunks, in the order of the list
-//!   its lists name           xxx  |                     | xxxxx        the halo: positions come with messages
+//!   its lists may name       xxx  |                     | xxxxx        the halo: positions come with messages
 //!   its chunks                    | outer  inner  outer |              inner ones name no particle of the halo
 //! ```
 //!
@@ -18,9 +18,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
-use lennard_core::tasks::map_tasks;
 use lennard_core::{Parcel, Team, TooManyRanks};
-use lennard_neighbor::{ATOMS_PER_CHUNK, NowAndThen, Partners, Ranks, slots_of};
+use lennard_neighbor::{ATOMS_PER_CHUNK, Around, NowAndThen, Partners, Ranks, slots_of};
 
 use crate::simd::{MotionSummary, PairList, SomeRows};
 
@@ -32,15 +31,15 @@ pub struct Share {
     chunks: Range<usize>,
     /// 0, 1, …: the number of each slot.
     numbers: Vec<u32>,
-    /// For each rank, the slots of that rank that the lists of this rank name.
+    /// For each rank, the slots of that rank that the lists of this rank may name.
     wanted: Vec<Vec<u32>>,
-    /// For each rank, the slots of this rank that the lists of that rank name.
+    /// For each rank, the slots of this rank that the lists of that rank may name.
     given: Vec<Vec<u32>>,
     /// For each rank, the slots before the last build whose particles went there from this rank.
     leaving: Vec<Vec<u32>>,
     /// For each rank, the slots of this rank whose particles came from there at the last build.
     arriving: Vec<Vec<u32>>,
-    /// Whether each chunk of this rank names a slot of another one.
+    /// Whether each chunk of this rank may name a slot of another one.
     is_outer: Vec<bool>,
     /// The chunks that name no slot of another rank, and the others.
     inner_and_outer: [Vec<u32>; 2],
@@ -165,51 +164,57 @@ impl Share {
         4 * (words + self.numbers.capacity()) + 24 * (vectors + buffers.forces.capacity())
     }
 
-    /// Agrees with the other ranks who needs which positions for a list that was just built.
-    pub fn agree<P: PairList>(&mut self, list: &P) {
+    /// Agrees with the other ranks who needs which positions for a list that was just built, with what lies around this rank.
+    pub fn agree<P: PairList>(&mut self, list: &P, around: &Around) {
         let (own, first) = (self.own(), self.chunks.start);
-        let is_named = self.marks();
-        let name_beyond = list.beyond(&own);
-        self.is_outer = map_tasks(self.chunks.len(), |(): &mut (), chunk| {
-            let mut is_outer = false;
-            name_beyond(first + chunk, &mut |slot| {
-                is_outer = true;
-                is_named[slot as usize].store(true, Ordering::Relaxed);
-            });
-            is_outer
-        });
+        self.is_outer = vec![false; self.chunks.len()];
+        for run in around.outer() {
+            let chunks = run.start / ATOMS_PER_CHUNK..run.end.div_ceil(ATOMS_PER_CHUNK);
+            self.is_outer[chunks.start - first..chunks.end - first].fill(true);
+        }
         self.partners = Partners::new(list.cells(), own.start as u32..own.end as u32);
-        self.want(&is_named);
+        let halo = around.halo(list.cells());
+        let mut is_in_halo = vec![false; self.numbers.len()];
         let mut rows = [RowRuns::default(), RowRuns::default()];
         rows[0].slots.push(own.clone());
-        for slot in self.wanted.iter().flatten() {
+        for slot in &halo {
+            is_in_halo[*slot as usize] = true;
             push_to_runs(*slot as usize, &mut rows[1].slots);
         }
         for (ghost, slot) in list.slots_of_ghosts().enumerate() {
             let slot = slot as usize;
             if own.contains(&slot) {
                 push_to_runs(ghost, &mut rows[0].ghosts);
-            } else if is_named[slot].load(Ordering::Relaxed) {
+            } else if is_in_halo[slot] {
                 push_to_runs(ghost, &mut rows[1].ghosts);
             }
         }
         self.rows = rows;
+        debug_assert!(self.has_all(list, &is_in_halo), "lists name the halo alone");
+        self.team().note_halo(halo.len());
+        self.want(halo);
         self.sort_chunks();
-        self.team()
-            .note_halo(self.wanted.iter().map(Vec::len).sum());
     }
 
-    /// A mark for each slot.
-    fn marks(&self) -> Vec<AtomicBool> {
-        let all = 0..self.numbers.len();
-        all.map(|_| AtomicBool::new(false)).collect()
+    /// Whether all lists name slots of this rank and of its halo alone, and the inner ones name no slot of the halo.
+    fn has_all<P: PairList>(&self, list: &P, is_in_halo: &[bool]) -> bool {
+        let own = self.own();
+        let mut has_all = true;
+        for (chunk, is_outer) in self.chunks.clone().zip(&self.is_outer) {
+            list.for_each_named(chunk, &mut |slot| {
+                let slot = slot as usize;
+                has_all &= own.contains(&slot) || (*is_outer && is_in_halo[slot]);
+            });
+        }
+        has_all
     }
 
-    /// Asks the other ranks for the positions of their slots that are marked.
-    fn want(&mut self, marks: &[AtomicBool]) {
-        let is_marked = |slot: &usize| marks[*slot].load(Ordering::Relaxed);
-        let marked = |slots: &Range<usize>| slots.clone().filter(is_marked).map(|slot| slot as u32);
-        self.wanted = self.slots().iter().map(|s| marked(s).collect()).collect();
+    /// Asks the other ranks for the positions at some of their slots.
+    fn want(&mut self, slots: impl IntoIterator<Item = u32>) {
+        self.wanted = vec![Vec::new(); self.slots().len()];
+        for slot in slots {
+            self.wanted[rank_of(&self.ranks.slots, slot)].push(slot);
+        }
         self.given = self.team().trade(self.wanted.clone());
     }
 

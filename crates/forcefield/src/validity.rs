@@ -1,15 +1,17 @@
 //! The validity of a list: the box and the positions of its build, and when it may be used.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec3;
-use lennard_core::{ForceError, PeriodicBox, Team, TooManyRanks};
+use lennard_core::{ForceError, HaloSize, PeriodicBox, Team, TooManyRanks};
 use lennard_neighbor::{
-    Criterion, Displacements, GridError, NowAndThen, PackedDisplacement, Positions, Reach,
+    Around, Criterion, Displacements, GridError, NowAndThen, PackedDisplacement, Positions, Reach,
     Validity, unlisted_pairs,
 };
 
 use crate::share::Share;
+use crate::share::foreseen::halo_on;
 use crate::simd::{Level, ListInUse, ListStatus, MotionSummary, Ordered, PairList, by_slot};
 
 /// The last build of a list.
@@ -81,8 +83,9 @@ impl ListValidity {
     ) -> Result<(), TooManyRanks> {
         let mut share = Share::new(team, n)?;
         list.keep(share.chunks());
-        if self.build.is_some() {
-            share.agree(list);
+        if let Some(build) = &self.build {
+            let found = around(self.level, list, self.extent(build), &share.own());
+            share.agree(list, &found);
         }
         self.share = Some(share);
         Ok(())
@@ -164,16 +167,19 @@ impl ListValidity {
             )?;
         let values = positions.values();
         self.knows_all_built = true;
+        let mut surroundings = None;
         match (positions, &mut self.share) {
             (Positions::Parted(..), Some(share)) => {
                 self.built.resize(values.len(), DVec3::ZERO);
                 share.plan_moves(list.source());
                 share.migrate(list.source(), values, &mut self.built);
                 list.place(cell, &[share.own()], &self.built);
-                let found = (self.level, cell, reach);
-                let near = share.fetch_near(list, found, &mut self.built);
+                let found = around(self.level, list, (cell, reach), &share.own());
+                let near = found.near();
+                share.fetch_near(&near, &mut self.built);
                 list.place(cell, &near, &self.built);
                 self.knows_all_built = false;
+                surroundings = Some(found);
             }
             _ => {
                 let all = 0..values.len();
@@ -191,7 +197,9 @@ impl ListValidity {
         self.inserted.clear();
         self.builds += 1;
         if let Some(share) = &mut self.share {
-            share.agree(list);
+            let found = surroundings
+                .unwrap_or_else(|| around(self.level, list, (cell, reach), &share.own()));
+            share.agree(list, &found);
         }
         self.build = Some(Build {
             cell: *cell,
@@ -199,6 +207,23 @@ impl ListValidity {
             r_list: reach.r_list,
         });
         Ok(())
+    }
+
+    /// The box and the distances of a build.
+    fn extent<'b>(&self, build: &'b Build) -> (&'b PeriodicBox, Reach) {
+        let reach = Reach {
+            r_cut: self.r_cut,
+            r_list: build.r_list,
+        };
+        (&build.cell, reach)
+    }
+
+    /// What a rank would need of others, if so many ranks shared the list as it is.
+    pub fn halo_on<P: PairList>(&self, list: &P, n: usize, ranks: usize) -> Option<HaloSize> {
+        let (cell, reach) = self.extent(self.build.as_ref()?);
+        let lengths = cell.lengths();
+        let around = |own: &_| Around::new(list.cells(), lengths, reach.r_list, own);
+        halo_on(list, around, n, ranks)
     }
 
     /// Inserts pairs that a list lacks; returns whether the list can take them.
@@ -357,4 +382,16 @@ impl ListValidity {
             ListStatus::Incomplete(unlisted)
         }
     }
+}
+
+/// What lies around some slots in a list that is being built, or was.
+fn around<P: PairList>(
+    level: Level,
+    list: &P,
+    (cell, reach): (&PeriodicBox, Reach),
+    own: &Range<usize>,
+) -> Around {
+    let mut around = Around::new(list.cells(), cell.lengths(), reach.r_list, own);
+    list.mark_near(level, cell, reach, &mut around);
+    around
 }

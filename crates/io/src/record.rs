@@ -108,7 +108,7 @@ pub struct RanksRecord {
     /// The share of the wall time in which rank 0 moved messages or waited for them.
     #[serde(with = "number")]
     pub communication: f64,
-    /// Particles of other ranks that the lists of rank 0 named, as a mean over its builds.
+    /// Particles of other ranks that the lists of rank 0 might name, as a mean over its builds.
     #[serde(with = "number")]
     pub halo: f64,
 }

@@ -10,6 +10,9 @@ use mpi::request::WaitGuard;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Equivalence, Source};
 
+/// Ranks up to which each sends its part of an array to each other one, which copies no vector besides.
+const FEW_RANKS: usize = 8;
+
 /// All ranks that MPI has started.
 pub struct World {
     rank: usize,
@@ -92,11 +95,39 @@ impl Wire for World {
         got.iter().map(list).collect()
     }
 
-    fn gather(&self, mine: &[[f64; 3]], whole: &mut [[f64; 3]], ranges: &[Range<usize>]) {
-        let counts: Vec<Count> = ranges.iter().map(|r| 3 * r.len() as Count).collect();
-        let starts: Vec<Count> = ranges.iter().map(|r| 3 * r.start as Count).collect();
-        let mut parts = PartitionMut::new(whole.as_flattened_mut(), counts, starts);
-        SimpleCommunicator::world().all_gather_varcount_into(mine.as_flattened(), &mut parts);
+    fn gather(&self, array: &mut [[f64; 3]], ranges: &[Range<usize>]) {
+        let world = SimpleCommunicator::world();
+        if self.ranks > FEW_RANKS {
+            let mine = array[ranges[self.rank].clone()].to_vec();
+            let counts: Vec<Count> = ranges.iter().map(|r| 3 * r.len() as Count).collect();
+            let starts: Vec<Count> = ranges.iter().map(|r| 3 * r.start as Count).collect();
+            let mut parts = PartitionMut::new(array.as_flattened_mut(), counts, starts);
+            world.all_gather_varcount_into(mine.as_flattened(), &mut parts);
+            return;
+        }
+        let (before, rest) = array.split_at_mut(ranges[self.rank].start);
+        let (own, behind) = rest.split_at_mut(ranges[self.rank].len());
+        let own = own.as_flattened();
+        let others = || (0..).zip(ranges).filter(|(rank, _)| *rank != self.rank);
+        let mut rest = [before, behind];
+        mpi::request::scope(|scope| {
+            let mut running = Vec::with_capacity(2 * self.ranks);
+            for (rank, range) in others() {
+                let side = &mut rest[usize::from(rank > self.rank)];
+                let part = side.split_off_mut(..range.len()).unwrap_or_default();
+                let from = world.process_at_rank(rank as i32);
+                let part = part.as_flattened_mut();
+                running.push(WaitGuard::from(from.immediate_receive_into(scope, part)));
+            }
+            let mut sending = Vec::with_capacity(self.ranks);
+            for (rank, _) in others() {
+                let to = world.process_at_rank(rank as i32);
+                sending.push(WaitGuard::from(to.immediate_send(scope, own)));
+            }
+            // Each guard waits where it is dropped.
+            drop(running);
+            drop(sending);
+        });
     }
 
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut()) {

@@ -33,7 +33,7 @@ pub use rows::{
     RowScanner, ScalarScanner,
 };
 pub use sort::{
-    Cells, ColumnTable, FIXED_ROUNDING, FIXED_UNITS, Ghost, GridError, PADDING, Positions, Ranks,
+    Around, Cells, ColumnTable, FIXED_ROUNDING, FIXED_UNITS, Ghost, GridError, PADDING, Positions, Ranks,
     RowCoordinates, RowTable, to_fixed,
 };
 pub use unlisted::{

@@ -136,12 +136,13 @@ impl Wire for Channels {
             .collect()
     }
 
-    fn gather(&self, mine: &[[f64; 3]], whole: &mut [[f64; 3]], ranges: &[Range<usize>]) {
+    fn gather(&self, array: &mut [[f64; 3]], ranges: &[Range<usize>]) {
         for to in 0..self.ranks() {
-            self.send(to, Message::Vectors(mine.to_vec()));
+            let own = &array[ranges[self.rank].clone()];
+            self.send(to, Message::Vectors(own.to_vec()));
         }
         for (from, range) in ranges.iter().enumerate() {
-            whole[range.clone()].copy_from_slice(&self.vectors(from));
+            array[range.clone()].copy_from_slice(&self.vectors(from));
         }
     }
 

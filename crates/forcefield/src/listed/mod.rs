@@ -19,7 +19,6 @@ use crate::clock::Clock;
 use crate::fused::FusedBuffers;
 use crate::non_finite;
 use crate::share::Share;
-use crate::share::foreseen::halo_on;
 use crate::simd::{
     Detail, DoubleRow, FixedRow, KickDrift, Level, ListStatus, PackedCopies, PerParticle, Prepared,
     Request,
@@ -125,8 +124,8 @@ impl Listed {
     pub fn halo_on(&self, n: usize, ranks: usize) -> Option<HaloSize> {
         match &self.pairs {
             Pairs::Canonical(..) => None,
-            Pairs::Rows(list, _) => halo_on(&**list, n, ranks),
-            Pairs::Clusters(list, _) => halo_on(&**list, n, ranks),
+            Pairs::Rows(list, _) => self.validity.halo_on(&**list, n, ranks),
+            Pairs::Clusters(list, _) => self.validity.halo_on(&**list, n, ranks),
         }
     }
 

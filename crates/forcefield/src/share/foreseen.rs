@@ -5,20 +5,27 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_core::HaloSize;
 use lennard_core::parallel::equal_parts;
-use lennard_neighbor::slots_of;
+use lennard_neighbor::{Around, slots_of};
 
 use super::rank_of;
 use crate::simd::PairList;
 
-/// Bytes of each particle in the buffers of a rank: its number, its force by slot, and a vector of it that is gathered.
-const BUFFER_BYTES: f64 = (size_of::<u32>() + 2 * size_of::<DVec3>()) as f64;
+/// Bytes of each particle in the buffers of a rank: its number, and its force by slot.
+const BUFFER_BYTES: f64 = (size_of::<u32>() + size_of::<DVec3>()) as f64;
 /// Bytes of each particle in the halo of a rank: slot and position, of the halo and of what the rank gives.
 const HALO_BYTES: f64 = 2.0 * (size_of::<u32>() + size_of::<DVec3>()) as f64;
 /// Ranks whose halos are counted, at most; halos of many ranks are much alike.
 const COUNTED: usize = 8;
 
 /// What a rank would need of others, if so many ranks shared a list of `n` particles; `None` where some had no chunk.
-pub fn halo_on<P: PairList>(list: &P, n: usize, ranks: usize) -> Option<HaloSize> {
+///
+/// `around` has what lies around some slots.
+pub fn halo_on<P: PairList>(
+    list: &P,
+    around: impl Fn(&Range<usize>) -> Around,
+    n: usize,
+    ranks: usize,
+) -> Option<HaloSize> {
     let chunks = list.chunks();
     if ranks == 0 || ranks > chunks {
         return None;
@@ -26,22 +33,14 @@ pub fn halo_on<P: PairList>(list: &P, n: usize, ranks: usize) -> Option<HaloSize
     let shares = equal_parts(chunks, ranks);
     let slots: Vec<Range<usize>> = shares.iter().map(|chunks| slots_of(chunks, n)).collect();
     let counted = ranks.min(COUNTED);
-    let mut named_by = vec![0; n];
     let mut sum = HaloSize::default();
     for k in 0..counted {
         let rank = k * ranks / counted;
-        let name_beyond = list.beyond(&slots[rank]);
-        let mut is_partner = vec![false; ranks];
-        for chunk in shares[rank].clone() {
-            name_beyond(chunk, &mut |slot| {
-                let last = std::mem::replace(&mut named_by[slot as usize], k + 1);
-                if last != k + 1 {
-                    sum.particles += 1.0;
-                    is_partner[rank_of(&slots, slot)] = true;
-                }
-            });
-        }
-        sum.partners += is_partner.iter().filter(|is| **is).count() as f64;
+        let halo = around(&slots[rank]).halo(list.cells());
+        sum.particles += halo.len() as f64;
+        let mut partners: Vec<usize> = halo.iter().map(|slot| rank_of(&slots, *slot)).collect();
+        partners.dedup();
+        sum.partners += partners.len() as f64;
     }
     let particles = sum.particles / counted as f64;
     Some(HaloSize {

@@ -1,15 +1,11 @@
 //! What moves between ranks at a build: particles to their new ranks, and positions around the particles of each rank.
 
 use std::ops::Range;
-use std::sync::atomic::Ordering;
 
 use glam::DVec3;
-use lennard_core::PeriodicBox;
 use lennard_core::parallel::{for_each_piece, map_ranges};
-use lennard_neighbor::Reach;
 
-use super::{Share, push_to_runs, rank_of};
-use crate::simd::{Level, PairList};
+use super::{Share, rank_of};
 
 impl Share {
     /// Notes which particles a build moves between ranks; `source` has the slot before it of the particle at each slot.
@@ -53,29 +49,14 @@ impl Share {
         );
     }
 
-    /// Fetches the positions of a build by slot that the lists of this rank may name; returns their slots.
-    ///
-    /// The particles of this rank are placed.
-    pub fn fetch_near<P: PairList>(
-        &mut self,
-        list: &P,
-        (level, cell, reach): (Level, &PeriodicBox, Reach),
-        built: &mut [DVec3],
-    ) -> Vec<Range<usize>> {
-        let (own, is_near) = (self.own(), self.marks());
-        list.for_each_near(level, cell, reach, &|run| {
-            let beyond = run.filter(|slot| !own.contains(&(*slot as usize)));
-            beyond.for_each(|slot| is_near[slot as usize].store(true, Ordering::Relaxed));
-        });
-        self.want(&is_near);
+    /// Fetches the positions of a build by slot that the search of this rank looks into: `near` has runs of their slots.
+    pub fn fetch_near(&mut self, near: &[Range<usize>], built: &mut [DVec3]) {
+        self.want(near.iter().cloned().flatten().map(|slot| slot as u32));
         let mut found = Vec::new();
         let put = |slot, r| found.push((slot, r));
         self.fetch(|slot| built[slot as usize], &mut || {}, put);
-        let mut near = Vec::new();
         for (slot, r) in found {
             built[slot as usize] = r;
-            push_to_runs(slot as usize, &mut near);
         }
-        near
     }
 }

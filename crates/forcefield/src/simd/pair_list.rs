@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_neighbor::{
-    Cells, ClusterList, FIXED_UNITS, GridError, NeighborList, PackedDisplacement, Positions, Reach,
+    Around, Cells, ClusterList, FIXED_UNITS, GridError, NeighborList, PackedDisplacement, Positions, Reach,
 };
 
 use super::by_level::by_level;
@@ -62,14 +62,15 @@ pub trait PairList: Sync {
     ) -> Result<(), GridError>;
     /// Goes on with a build: places the particles at some runs of slots, where `at` has positions by slot, σ.
     fn place(&mut self, cell: &PeriodicBox, runs: &[Range<usize>], at: &[DVec3]);
-    /// Visits runs of slots that the lists which are kept may name, where the particles of these lists are placed.
-    fn for_each_near(
+    /// Marks what the search for the lists which are kept looks into besides the columns around them. Their particles are placed.
+    fn mark_near(
         &self,
-        level: Level,
-        cell: &PeriodicBox,
-        reach: Reach,
-        visit: &(dyn Fn(Range<u32>) + Sync),
-    );
+        _level: Level,
+        _cell: &PeriodicBox,
+        _reach: Reach,
+        _around: &mut Around,
+    ) {
+    }
     /// Ends a build: fills the lists. All particles that they may name are placed.
     fn fill(&mut self, level: Level, cell: &PeriodicBox, reach: Reach);
     /// Whether every entry numbers a row that exists: the loops rely on it.
@@ -82,8 +83,8 @@ pub trait PairList: Sync {
     fn list_bytes(&self) -> usize;
     /// Keeps the lists of these chunks alone, in this build and in all later ones.
     fn keep(&mut self, chunks: Range<usize>);
-    /// A function of a chunk, which calls its second argument with each slot outside `own` that its lists name, as often as they do.
-    fn beyond(&self, own: &Range<usize>) -> impl Fn(usize, &mut dyn FnMut(u32)) + Sync;
+    /// Calls `name` with each slot that the lists of a chunk name, as often as they do.
+    fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32));
     /// The slot that each ghost repeats.
     fn slots_of_ghosts(&self) -> impl ExactSizeIterator<Item = u32>;
     /// Writes rows of some slots and ghosts, and packed displacements where given; summarizes the motion of the slots.
@@ -217,16 +218,6 @@ impl PairList for NeighborList {
         self.place(cell, runs, |slot| at[slot]);
     }
 
-    fn for_each_near(
-        &self,
-        _level: Level,
-        _cell: &PeriodicBox,
-        _reach: Reach,
-        visit: &(dyn Fn(Range<u32>) + Sync),
-    ) {
-        self.for_each_near(visit);
-    }
-
     fn fill(&mut self, level: Level, cell: &PeriodicBox, reach: Reach) {
         self.fill(cell, reach.r_list, level.row_scanner());
     }
@@ -263,8 +254,8 @@ impl PairList for NeighborList {
         self.keep(chunks);
     }
 
-    fn beyond(&self, own: &Range<usize>) -> impl Fn(usize, &mut dyn FnMut(u32)) + Sync {
-        self.beyond(own)
+    fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
+        self.for_each_named(chunk, name);
     }
 
     fn slots_of_ghosts(&self) -> impl ExactSizeIterator<Item = u32> {
@@ -315,14 +306,8 @@ impl PairList for ClusterList {
         self.place(cell, runs, |slot| at[slot]);
     }
 
-    fn for_each_near(
-        &self,
-        level: Level,
-        cell: &PeriodicBox,
-        reach: Reach,
-        visit: &(dyn Fn(Range<u32>) + Sync),
-    ) {
-        self.for_each_near(cell, reach, level.cluster_scanner(), visit);
+    fn mark_near(&self, level: Level, cell: &PeriodicBox, reach: Reach, around: &mut Around) {
+        self.mark_near(cell, reach, level.cluster_scanner(), around);
     }
 
     fn fill(&mut self, level: Level, cell: &PeriodicBox, reach: Reach) {
@@ -361,8 +346,8 @@ impl PairList for ClusterList {
         self.keep(chunks);
     }
 
-    fn beyond(&self, own: &Range<usize>) -> impl Fn(usize, &mut dyn FnMut(u32)) + Sync {
-        self.beyond(own)
+    fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
+        self.for_each_named(chunk, name);
     }
 
     fn slots_of_ghosts(&self) -> impl ExactSizeIterator<Item = u32> {

@@ -15,7 +15,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 use lennard_core::parallel::part;
-use lennard_core::tasks::{for_each_item, for_each_task};
+use lennard_core::tasks::for_each_item;
 use lennard_core::{Exclusions, PeriodicBox};
 
 use super::block::Block;
@@ -25,7 +25,7 @@ use super::scan::ClusterScanner;
 use super::search::{Scratch, Search};
 use crate::kept::{Kept, slots_of};
 use crate::rows::ATOMS_PER_CHUNK;
-use crate::sort::{ColumnTable, GridError, Positions};
+use crate::sort::{Around, ColumnTable, GridError, Positions};
 
 /// Full lists in fixed point, one per cluster.
 ///
@@ -60,17 +60,12 @@ impl ClusterList {
         self.kept.of(self.chunks.len())
     }
 
-    /// A function of a chunk, which calls `name` with each slot outside `own` that its lists name, as often as they do.
-    pub fn beyond(&self, own: &Range<usize>) -> impl Fn(usize, &mut dyn FnMut(u32)) + Sync {
-        let own = own.clone();
-        move |chunk, name| {
-            let chunk = &self.chunks[chunk];
-            let end = chunk.spans.last().map_or(0, |span| span.end as usize);
-            let named = chunk.blocks[..end].iter().flat_map(Block::slots);
-            named
-                .filter(|slot| !own.contains(&(*slot as usize)))
-                .for_each(name);
-        }
+    /// Calls `name` with each slot that the lists of a chunk name, as often as they do: for checks.
+    pub fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
+        let chunk = &self.chunks[chunk];
+        let end = chunk.spans.last().map_or(0, |span| span.end as usize);
+        let named = chunk.blocks[..end].iter().flat_map(Block::slots);
+        named.for_each(name);
     }
 
     /// The sorted particles.
@@ -164,22 +159,22 @@ impl ClusterList {
         self.table.place(cell, runs, at);
     }
 
-    /// Visits runs of slots that the lists which are kept may name. The particles of these lists are placed.
-    pub fn for_each_near(
+    /// Marks the columns that the search of the lists that are kept looks into, but for the columns around their slots.
+    ///
+    /// A group in several columns has a bounding box, whose corners may lie in columns of no member. The particles of these
+    /// lists are placed.
+    pub fn mark_near(
         &self,
         cell: &PeriodicBox,
         reach: Reach,
         scanner: &dyn ClusterScanner,
-        visit: &(dyn Fn(Range<u32>) + Sync),
+        around: &mut Around,
     ) {
         let exclusions = (&self.exclusions, &self.slot_of[..]);
         let search = Search::new(&self.table, cell, reach, scanner, exclusions);
         let n = self.table.particle.len();
         let own = self.kept.of(n.div_ceil(ATOMS_PER_CHUNK));
-        for_each_task(own.len(), |scratch: &mut Scratch, c| {
-            let slots = part(own.start + c, ATOMS_PER_CHUNK, n);
-            search.for_each_near(slots, scratch, visit);
-        });
+        search.mark_near(slots_of(&own, n), around);
     }
 
     /// Fills the lists: the last part of a build. All particles that they may name are placed.

@@ -11,7 +11,7 @@ use super::found::ClusterNeighbors;
 use super::group::{GroupBounds, GroupCandidates};
 use super::scan::ClusterScanner;
 use crate::rows::ATOMS_PER_CHUNK;
-use crate::sort::{CellRange, ColumnTable, FIXED_UNITS, wrap_cell};
+use crate::sort::{Around, CellRange, ColumnGrid, ColumnTable, FIXED_UNITS, wrap_cell};
 use crate::validity::Limits;
 
 /// Particles per group: one gathering of candidates serves a group.
@@ -117,17 +117,26 @@ impl<'a> Search<'a> {
         chunk.finish();
     }
 
-    /// Visits the runs of slots that the lists of the clusters at `slots` may name.
-    pub fn for_each_near(
-        &self,
-        slots: Range<usize>,
-        scratch: &mut Scratch,
-        visit: &(dyn Fn(Range<u32>) + Sync),
-    ) {
+    /// Marks the columns around the groups at `slots` that lie in several columns.
+    pub fn mark_near(&self, slots: Range<usize>, around: &mut Around) {
+        let column = |slot: usize| {
+            let [nx, ny] = self.table.grid.across;
+            let [x, y, _] = self.at(slot);
+            [ColumnGrid::part(x, nx), ColumnGrid::part(y, ny)]
+        };
+        let (mut xs, mut ys) = (Vec::new(), Vec::new());
         for group in slots.clone().step_by(GROUP) {
-            let bounds = self.bounds(group..(group + GROUP).min(slots.end));
-            self.find_runs(&bounds, scratch);
-            scratch.runs.iter().cloned().for_each(visit);
+            let group = group..(group + GROUP).min(slots.end);
+            // Slots ascend with columns.
+            if column(group.start) == column(group.end - 1) {
+                continue;
+            }
+            let bounds = self.bounds(group);
+            self.columns_near(&bounds, 0, &mut xs);
+            self.columns_near(&bounds, 1, &mut ys);
+            for x in &xs {
+                ys.iter().for_each(|y| around.mark([x.number, y.number]));
+            }
         }
     }
 

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use glam::DVec3;
 use lennard_core::parallel::part;
-use lennard_core::tasks::{for_each_item, for_each_task};
+use lennard_core::tasks::for_each_item;
 use lennard_core::{Exclusions, PeriodicBox};
 
-use super::chunk::{ATOMS_PER_CHUNK, Entries, Images, ListChunk};
+use super::chunk::{ATOMS_PER_CHUNK, Images, ListChunk};
 use super::fill::{Filler, Scratch};
 use super::scan::RowScanner;
 use crate::kept::{Kept, slots_of};
@@ -58,60 +58,18 @@ impl NeighborList {
         self.kept.of(self.chunks.len())
     }
 
-    /// A function of a chunk, which calls `name` with each slot outside `own` that its lists name, as often as they do, by ghosts
-    /// too.
-    pub fn beyond(&self, own: &Range<usize>) -> impl Fn(usize, &mut dyn FnMut(u32)) + Sync {
-        let own = own.clone();
-        let outside_before = self.outside_before(&own);
-        move |chunk, name| self.name_beyond(&own, &outside_before, chunk, name)
-    }
-
-    /// For each row, and for the end, how many rows before it show a slot outside `own`.
-    fn outside_before(&self, own: &Range<usize>) -> Vec<u32> {
-        let mut before = 0;
-        let mut count = |slot: &u32| {
-            let so_far = before;
-            before += u32::from(!own.contains(&(*slot as usize)));
-            so_far
-        };
-        let mut all: Vec<u32> = self.table.slots().iter().map(&mut count).collect();
-        all.push(before);
-        all
-    }
-
-    /// [`NeighborList::beyond`] for one chunk, with [`NeighborList::outside_before`]: most chunks need no look at their entries.
-    fn name_beyond(
-        &self,
-        own: &Range<usize>,
-        outside_before: &[u32],
-        chunk: usize,
-        name: &mut dyn FnMut(u32),
-    ) {
+    /// Calls `name` with each slot that the lists of a chunk name, as often as they do, by ghosts too: for checks.
+    ///
+    /// # Panics
+    /// Where entries number slots: such lists are not shared.
+    pub fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
         assert_eq!(self.images, Images::Ghosts, "entries number rows");
         let chunk = &self.chunks[chunk];
-        let (base, slots) = (chunk.base as usize, self.table.slots());
         // Padding names the slot itself.
         let padded = |count: &u32| (*count as usize).next_multiple_of(self.lanes);
         let used: usize = chunk.counts.iter().map(padded).sum();
-        let mut look_at = |entry: usize| {
-            let slot = slots[base + entry];
-            if !own.contains(&(slot as usize)) {
-                name(slot);
-            }
-        };
-        let has_none = |first: Option<usize>, last: Option<usize>| match (first, last) {
-            (Some(a), Some(b)) => outside_before[base + a] == outside_before[base + b + 1],
-            _ => true,
-        };
-        match &chunk.entries {
-            Entries::Narrow(e) => {
-                let e = &e[..used];
-                let ends = [e.iter().min(), e.iter().max()].map(|e| e.map(|e| usize::from(*e)));
-                if !has_none(ends[0], ends[1]) {
-                    e.iter().for_each(|e| look_at(usize::from(*e)));
-                }
-            }
-            Entries::Wide(e) => e[..used].iter().for_each(|e| look_at(*e as usize)),
+        for entry in chunk.entries.offsets(0..used) {
+            name(self.table.slots()[(chunk.base + entry) as usize]);
         }
     }
 
@@ -191,30 +149,6 @@ impl NeighborList {
         at: impl Fn(usize) -> DVec3 + Sync,
     ) {
         self.table.place(cell, runs, at);
-    }
-
-    /// Visits runs of slots, those outside of the lists among them, that the lists which are kept may name.
-    pub fn for_each_near(&self, visit: &(dyn Fn(Range<u32>) + Sync)) {
-        let n = self.table.particle.len();
-        let chunks = self.kept.of(n.div_ceil(ATOMS_PER_CHUNK));
-        let (table, own) = (&self.table, slots_of(&chunks, n));
-        let outside_before = self.outside_before(&own);
-        for_each_task(chunks.len(), |runs: &mut Vec<Range<u32>>, c| {
-            let slots = part(chunks.start + c, ATOMS_PER_CHUNK, n);
-            let mut first = slots.start;
-            while first < slots.end {
-                let end = table.group_end(first, slots.end);
-                table.runs_near(first, end - 1, runs);
-                for rows in runs.iter() {
-                    let [from, to] = [rows.start, rows.end].map(|row| row as usize);
-                    if outside_before[from] < outside_before[to] {
-                        let named = table.slots()[from..to].iter();
-                        named.for_each(|slot| visit(*slot..*slot + 1));
-                    }
-                }
-                first = end;
-            }
-        });
     }
 
     /// Fills the lists: the last part of a build. All particles that they may name are placed.

@@ -42,7 +42,7 @@ pub(super) struct CellGrid {
     /// Number of layers of ghost cells on each side.
     pub layers: [usize; 3],
     /// Cell edges, σ.
-    edge: DVec3,
+    pub edge: DVec3,
     /// The first row of each cell of the extended grid, and the end, `[cells + 1]`.
     pub first_row: Vec<u32>,
     /// The columns of cells around each cell, in ascending order of their rows.

@@ -7,6 +7,9 @@ pub trait Cells: Sync {
     /// Number of cells along each axis.
     fn count(&self) -> [u32; 3];
 
+    /// Where the particle at a slot lies across the columns along x and y, in columns from the face of the box; its slot is placed.
+    fn across(&self, slot: usize) -> [f64; 2];
+
     /// The slots of the particles in the column at (x, y), between two cells along z, both included.
     fn slots(&self, x: u32, y: u32, z: [u32; 2]) -> Range<u32>;
 }

@@ -148,12 +148,9 @@ impl ColumnTable {
 
     /// Places all particles of the last order, whose positions are known.
     pub(crate) fn place_all(&mut self, cell: &PeriodicBox, positions: Positions<'_>) {
-        let values = positions.values();
         let source = std::mem::take(&mut self.sort.source);
-        let all = 0..values.len();
-        self.place(cell, slice::from_ref(&all), |slot| {
-            values[source[slot] as usize]
-        });
+        let all = 0..source.len();
+        self.place(cell, slice::from_ref(&all), positions.by_slot(&source));
         self.sort.source = source;
     }
 
@@ -198,6 +195,13 @@ impl Cells for ColumnTable {
     fn count(&self) -> [u32; 3] {
         let [x, y] = self.grid.across;
         [x, y, self.grid.slices]
+    }
+
+    fn across(&self, slot: usize) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            let part = f64::from(self.at[axis][slot] as u32) / FIXED_UNITS;
+            part * f64::from(self.grid.across[axis])
+        })
     }
 
     #[inline(always)]

@@ -63,6 +63,12 @@ impl<'a> Positions<'a> {
         positions
     }
 
+    /// The position at each slot, where `source` has the element of it.
+    pub(crate) fn by_slot(self, source: &[u32]) -> impl Fn(usize) -> DVec3 + Sync {
+        let values = self.values();
+        move |slot| values[source[slot] as usize]
+    }
+
     /// The elements that this process knows.
     pub(crate) fn known(self) -> Range<usize> {
         match self {

@@ -27,6 +27,7 @@ use super::cell_sort::CellSort;
 use super::cells::Cells;
 use super::coordinates::{PADDING, RowCoordinates};
 use super::fold::{FARTHEST_IMAGE, fold};
+use super::layers::{Layers, cut};
 use super::positions::{GridError, Positions};
 
 /// Number of consecutive cells of a column that share one gathering of candidates.
@@ -175,12 +176,9 @@ impl RowTable {
 
     /// Places all particles of the last order, whose positions are known.
     pub(crate) fn place_all(&mut self, cell: &PeriodicBox, positions: Positions<'_>) {
-        let values = positions.values();
         let source = std::mem::take(&mut self.sort.source);
-        let all = 0..values.len();
-        self.place(cell, slice::from_ref(&all), |slot| {
-            values[source[slot] as usize]
-        });
+        let all = 0..source.len();
+        self.place(cell, slice::from_ref(&all), positions.by_slot(&source));
         self.sort.source = source;
     }
 
@@ -232,29 +230,31 @@ impl RowTable {
         let n = self.particle.len();
         self.row.resize(n, 0);
         self.cell_of_slot.resize(n, 0);
-        let grid = &self.grid;
-        let [_, ny, nz] = grid.inner;
+        let (grid, first_slot) = (&self.grid, &self.sort.first);
+        let [nx, ny, nz] = grid.inner;
         let [_, ey, ez] = grid.extended();
         let [lx, ly, lz] = grid.layers;
-        let CellSort {
-            home,
-            first: first_slot,
-            source,
-        } = &self.sort;
-        for_each_piece_pair(
-            &mut self.row,
-            &mut self.cell_of_slot,
-            |first, rows, cells| {
-                for (k, (row, cell)) in rows.iter_mut().zip(cells).enumerate() {
-                    let slot = first + k;
-                    let home = home[source[slot] as usize] as usize;
-                    let (x, y, z) = (home / (ny * nz), home / nz % ny, home % nz);
-                    let extended = ((x + lx) * ey + y + ly) * ez + z + lz;
-                    *cell = extended as u32;
-                    *row = grid.first_row[extended] + slot as u32 - first_slot[home];
+        let begin = |x: usize| first_slot[grid.home_index(x, 0, 0)] as usize;
+        let lengths = || (0..nx).map(|x| begin(x + 1) - begin(x));
+        let [rows, cells] = [&mut self.row, &mut self.cell_of_slot].map(|a| cut(a, lengths()));
+        let layers = rows.into_iter().zip(cells);
+        for_each_item(layers, |(): &mut (), x, (rows, cells)| {
+            let (mut rows, mut cells) = (rows.iter_mut(), cells.iter_mut());
+            for y in 0..ny {
+                let home = grid.home_index(x, y, 0);
+                let extended = ((x + lx) * ey + y + ly) * ez + lz;
+                let first_slot = &first_slot[home..=home + nz];
+                // Slots of a column have consecutive rows.
+                let slots = first_slot[0]..first_slot[nz];
+                for (row, to) in (grid.first_row[extended]..).zip(rows.by_ref().take(slots.len())) {
+                    *to = row;
                 }
-            },
-        );
+                for (cell, ends) in (extended as u32..).zip(first_slot.windows(2)) {
+                    let of_cell = cells.by_ref().take((ends[1] - ends[0]) as usize);
+                    of_cell.for_each(|to| *to = cell);
+                }
+            }
+        });
     }
 
     /// Numbers the slots that rows show, and finds the ghosts.
@@ -265,15 +265,20 @@ impl RowTable {
             let mut ghosts = Vec::new();
             let mut row = layers.rows(x).start as u32;
             let mut to = slots.iter_mut();
-            layers.for_each_cell(x, |slots, shift| {
-                let is_ghost = shift != [0; 3];
-                for (slot, to) in slots.zip(&mut to) {
+            layers.for_each_run(x, |slots, shift| {
+                for (slot, to) in slots.clone().zip(&mut to) {
                     *to = slot;
-                    if is_ghost {
-                        let source = own_rows[slot as usize];
-                        ghosts.push(Ghost { row, source, shift });
-                    }
-                    row += 1;
+                }
+                let rows = row..row + slots.len() as u32;
+                row = rows.end;
+                if shift != [0; 3] {
+                    let sources = &own_rows[slots.start as usize..slots.end as usize];
+                    let ghost = |(row, source): (u32, &u32)| Ghost {
+                        row,
+                        source: *source,
+                        shift,
+                    };
+                    ghosts.extend(rows.zip(sources).map(ghost));
                 }
             });
             ghosts
@@ -294,10 +299,11 @@ impl RowTable {
         let parts = x.into_iter().zip(y).zip(z);
         for_each_item(parts, |(): &mut (), layer, ((x, y), z)| {
             let mut to = x.iter_mut().zip(y).zip(z);
-            layers.for_each_cell(layer, |slots, shift| {
+            layers.for_each_run(layer, |slots, shift| {
                 let offset = IVec3::from(shift.map(i32::from)).as_dvec3() * lengths;
-                for (slot, ((x, y), z)) in slots.zip(&mut to) {
-                    let r = wrapped[slot as usize] + offset;
+                let wrapped = &wrapped[slots.start as usize..slots.end as usize];
+                for (wrapped, ((x, y), z)) in wrapped.iter().zip(&mut to) {
+                    let r = *wrapped + offset;
                     [*x, *y, *z] = r.to_array().map(|r| r as f32);
                 }
             });
@@ -343,58 +349,15 @@ impl Cells for RowTable {
         self.grid.inner.map(|count| count as u32)
     }
 
+    fn across(&self, slot: usize) -> [f64; 2] {
+        let at = self.wrapped[slot] / self.grid.edge;
+        [at.x, at.y]
+    }
+
     #[inline(always)]
     fn slots(&self, x: u32, y: u32, z: [u32; 2]) -> Range<u32> {
         let home = |z: u32| self.grid.home_index(x as usize, y as usize, z as usize);
         let first = &self.sort.first;
         first[home(z[0])]..first[home(z[1]) + 1]
-    }
-}
-
-/// The layers of cells of the extended grid along x.
-struct Layers<'a> {
-    grid: &'a CellGrid,
-    /// The first slot of each home cell, and the end.
-    first_slot: &'a [u32],
-    /// The home cell and the box of each extended cell along each axis.
-    axes: [Vec<(usize, i8)>; 3],
-}
-
-impl<'a> Layers<'a> {
-    fn of(grid: &'a CellGrid, first_slot: &'a [u32]) -> Self {
-        Self {
-            grid,
-            first_slot,
-            axes: [0, 1, 2].map(|axis| grid.axis(axis)),
-        }
-    }
-
-    /// The rows of a layer.
-    fn rows(&self, x: usize) -> Range<usize> {
-        let [_, ey, ez] = self.grid.extended();
-        let first_row = |x: usize| self.grid.first_row[x * ey * ez] as usize;
-        first_row(x)..first_row(x + 1)
-    }
-
-    /// An array with one element per row, cut into layers.
-    fn cut<'t, T>(&self, mut rows: &'t mut [T]) -> Vec<&'t mut [T]> {
-        let cut = |x: usize| {
-            let (layer, rest) = std::mem::take(&mut rows).split_at_mut(self.rows(x).len());
-            rows = rest;
-            layer
-        };
-        (0..self.axes[0].len()).map(cut).collect()
-    }
-
-    /// Visits the cells of a layer in the order of their rows: the slots of each, and its box.
-    fn for_each_cell(&self, x: usize, mut visit: impl FnMut(Range<u32>, [i8; 3])) {
-        let (hx, sx) = self.axes[0][x];
-        for (hy, sy) in &self.axes[1] {
-            for (hz, sz) in &self.axes[2] {
-                let home = self.grid.home_index(hx, *hy, *hz);
-                let slots = self.first_slot[home]..self.first_slot[home + 1];
-                visit(slots, [sx, *sy, *sz]);
-            }
-        }
     }
 }
