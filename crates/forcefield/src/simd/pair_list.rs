@@ -5,7 +5,8 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_neighbor::{
-    Around, Cells, ClusterList, FIXED_UNITS, GridError, NeighborList, PackedDisplacement, Positions, Reach,
+    Around, Cells, ClusterList, FIXED_UNITS, GridError, NeighborList, PackedDisplacement,
+    Positions, Reach,
 };
 
 use super::by_level::by_level;
@@ -63,14 +64,7 @@ pub trait PairList: Sync {
     /// Goes on with a build: places the particles at some runs of slots, where `at` has positions by slot, σ.
     fn place(&mut self, cell: &PeriodicBox, runs: &[Range<usize>], at: &[DVec3]);
     /// Marks what the search for the lists which are kept looks into besides the columns around them. Their particles are placed.
-    fn mark_near(
-        &self,
-        _level: Level,
-        _cell: &PeriodicBox,
-        _reach: Reach,
-        _around: &mut Around,
-    ) {
-    }
+    fn mark_near(&self, _level: Level, _cell: &PeriodicBox, _reach: Reach, _around: &mut Around) {}
     /// Ends a build: fills the lists. All particles that they may name are placed.
     fn fill(&mut self, level: Level, cell: &PeriodicBox, reach: Reach);
     /// Whether every entry numbers a row that exists: the loops rely on it.
