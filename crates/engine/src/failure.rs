@@ -13,6 +13,9 @@ const HIGHEST_USUAL_DENSITY: f64 = 1.6;
 /// Temperatures (ε/k_B) above this are named as a likely mistake: the critical one is 1.3.
 const HIGHEST_USUAL_TEMPERATURE: f64 = 20.0;
 
+/// Speeds (σ/τ) from here on are written with an exponent.
+const MOST_IN_PLAIN_DIGITS: f64 = 1e5;
+
 /// The longest legal move of a particle in one step, σ. Thermal moves are √T·dt ≈ 0.005 σ; a fifth of σ in
 /// one step carries two particles from contact to deep overlap.
 pub const LARGEST_MOVE: f64 = 0.2;
@@ -157,9 +160,13 @@ impl std::fmt::Display for PhysicsFailure {
             )?;
         }
         if let Some((particle, speed)) = self.fastest {
+            let speed = match speed < MOST_IN_PLAIN_DIGITS {
+                true => format!("{speed:.4}"),
+                false => format!("{speed:.4e}"),
+            };
             write!(
                 f,
-                "\n  fastest: particle {particle} at {speed:.4e} σ/τ (particles are counted from 0)"
+                "\n  fastest: particle {particle} at {speed} σ/τ (particles are counted from 0)"
             )?;
         }
         if self.non_finite > 0 {
@@ -227,6 +234,12 @@ impl PhysicsFailure {
             );
         }
         let limit = self.dt_limit.filter(|limit| self.dt > 0.5 * limit);
+        if limit == Some(0.0) {
+            return format!(
+                "{} is stable at no step, since it gains energy at every dt: take another `integrator.kind`",
+                self.method
+            );
+        }
         if let Some(limit) = limit {
             return format!(
                 "dt = {} τ is too large: {} is stable below about {limit:.3} τ here; use at most a quarter of it",

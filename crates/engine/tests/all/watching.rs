@@ -250,6 +250,19 @@ fn a_force_that_is_not_finite_stops_the_run_at_that_step_and_names_the_particle(
     assert!((41..=42).contains(&failure.step), "{}", failure.step);
 }
 
+#[test]
+fn a_method_that_is_stable_at_no_step_is_not_told_to_take_a_smaller_one() {
+    let error = build(&[("integrator.kind", "explicit-euler")])
+        .run(&mut Unfollowed)
+        .expect_err("explicit Euler heats until it fails");
+    let text = error.to_string();
+    let wanted = "likely cause: explicit-euler is stable at no step";
+    assert!(text.contains(wanted), "{text}");
+    let (_, speed) = text.split_once("fastest: particle").expect("the fastest");
+    let speed = speed.lines().next().expect("its line");
+    assert!(!speed.contains("e0") && !speed.contains("e1"), "{speed}");
+}
+
 /// Run with `cargo test --release -p lennard-engine --test all watching -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement: prints what watching costs"]
