@@ -1,4 +1,5 @@
 //! The program `lennard-mpi`: the command line of `lennard run` and `lennard resume` on the ranks that MPI starts.
+#![allow(clippy::print_stderr)] // a program says there why it cannot start
 
 mod wire;
 

@@ -65,7 +65,7 @@ fn closing(inputs: &SkinInputs, skin: f64) -> f64 {
 /// The force loop and the build (b force loops) grow with the volume of the list sphere.
 /// A list lasts for s/(c·dt) steps, where c is the speed of the pair that closes in fastest, in free flight.
 ///
-/// Short lists cost more than their neighbors: see [`skin_of_short_lists`].
+/// A list of n < 20 neighbors counts as (n + 20)/2 of them: it has constant costs, and its last register is not full.
 #[must_use]
 pub fn cheapest_skin(inputs: &SkinInputs) -> f64 {
     let skin = skin_of_full_lists(inputs);
