@@ -4,14 +4,13 @@ mod harmonics;
 mod particles;
 
 use lennard_core::exact::exact_sum;
-use lennard_core::options::upper_bound;
 use lennard_core::{
     DVec3, Findings, Observable, ObservableSpec, PeriodicBox, Persist, RestoreError, StateReader,
     StateWriter, Table, View, Want,
 };
 
 use crate::averages::of_series;
-use crate::error::positive;
+use crate::error::within_box;
 use crate::series::{Series, impl_columns};
 use crate::{BuildContext, ObservableError, Recipe};
 
@@ -114,15 +113,7 @@ impl BondOrder {
         options: &BondOrderOptions,
         context: &BuildContext,
     ) -> Result<Self, ObservableError> {
-        positive("r_max", options.r_max)?;
-        let largest = context.cell.largest_cutoff();
-        if let Some(r_max) = options.r_max.filter(|r| *r > largest) {
-            let allowed = format!(
-                "at most half the shortest side of the box, {}",
-                upper_bound(largest)
-            );
-            return Err(ObservableError::new("r_max", r_max, allowed));
-        }
+        within_box("r_max", options.r_max, &context.cell)?;
         Ok(Self {
             r_max: options.r_max,
             rule: SolidRule {

@@ -1,5 +1,8 @@
 //! Why an observable cannot be built.
 
+use lennard_core::PeriodicBox;
+use lennard_core::options::upper_bound;
+
 /// An option that cannot be: which key of the observable's table, what was found, what is allowed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{key}` is {found}; allowed: {allowed}")]
@@ -48,6 +51,27 @@ pub(crate) fn positive(key: &'static str, value: Option<f64>) -> Result<(), Obse
             key,
             v,
             "a finite number greater than 0",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Checks that an optional distance in σ is positive, and at most half the shortest side of the box.
+pub(crate) fn within_box(
+    key: &'static str,
+    value: Option<f64>,
+    cell: &PeriodicBox,
+) -> Result<(), ObservableError> {
+    positive(key, value)?;
+    let largest = cell.largest_cutoff();
+    match value {
+        Some(distance) if distance > largest => Err(ObservableError::new(
+            key,
+            distance,
+            format!(
+                "at most half the shortest side of the box, {}",
+                upper_bound(largest)
+            ),
         )),
         _ => Ok(()),
     }

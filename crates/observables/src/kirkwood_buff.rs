@@ -4,7 +4,6 @@ mod integral;
 mod routes;
 mod tables;
 
-use lennard_core::options::upper_bound;
 use lennard_core::{
     Findings, Observable, ObservableSpec, Persist, RestoreError, SpeciesTable, StateReader,
     StateWriter, View, Want,
@@ -12,7 +11,7 @@ use lennard_core::{
 
 use crate::averages::{of_blocks, tell_discarded, with_choice};
 use crate::blocks::BlockedSums;
-use crate::error::{positive, within};
+use crate::error::{within, within_box};
 use crate::pairs::{count_distances, count_distances_by_species};
 use crate::seen_box::SeenBox;
 use crate::species_pairs::SpeciesPair;
@@ -103,19 +102,8 @@ impl KirkwoodBuff {
         options: &KirkwoodBuffOptions,
         context: &BuildContext,
     ) -> Result<Self, ObservableError> {
-        let largest = context.cell.largest_cutoff();
-        positive("r_max", options.r_max)?;
-        let r_max = options.r_max.unwrap_or(largest);
-        if r_max > largest {
-            return Err(ObservableError::new(
-                "r_max",
-                r_max,
-                format!(
-                    "at most half the shortest side of the box, {}",
-                    upper_bound(largest)
-                ),
-            ));
-        }
+        within_box("r_max", options.r_max, &context.cell)?;
+        let r_max = options.r_max.unwrap_or(context.cell.largest_cutoff());
         within("bins", options.bins, 20..=100_000)?;
         within("shells", options.shells, 3..=100)?;
         let vectors = WaveVectors::smallest(context.cell.lengths(), options.shells);

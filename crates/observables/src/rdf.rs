@@ -4,7 +4,6 @@ mod entropy;
 mod partial;
 mod reading;
 
-use lennard_core::options::upper_bound;
 use lennard_core::{
     Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter, Table,
     View, Want,
@@ -12,7 +11,7 @@ use lennard_core::{
 
 use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
-use crate::error::{positive, within};
+use crate::error::{within, within_box};
 use crate::pairs::{count_distances, count_distances_inside};
 use crate::seen_box::SeenBox;
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
@@ -107,18 +106,8 @@ impl RadialDistribution {
     /// [`ObservableError`] where `r_max` is beyond half the shortest side, or there are no bins.
     pub fn new(options: &RdfOptions, context: &BuildContext) -> Result<Self, ObservableError> {
         let largest = context.cell.largest_cutoff();
-        positive("r_max", options.r_max)?;
+        within_box("r_max", options.r_max, &context.cell)?;
         let r_max = options.r_max.unwrap_or(largest.min(DEFAULT_R_MAX));
-        if r_max > largest {
-            return Err(ObservableError::new(
-                "r_max",
-                r_max,
-                format!(
-                    "at most half the shortest side of the box, {}",
-                    upper_bound(largest)
-                ),
-            ));
-        }
         within("bins", options.bins, 1..=100_000)?;
         Ok(Self {
             seen: SeenBox::new(&context.cell),

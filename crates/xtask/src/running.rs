@@ -29,6 +29,16 @@ pub enum Work {
     Beside(fn(&Workspace) -> Command, Format),
 }
 
+impl Work {
+    /// Does the checks now, and shows what they say as they say it.
+    fn run_live(&self, workspace: &Workspace) -> Outcome {
+        match self {
+            Self::Live(run) => run(workspace),
+            Self::Beside(command, format) => by_counts(command(workspace), *format),
+        }
+    }
+}
+
 /// One check that passed.
 pub const ONE_PASSED: Counts = Counts {
     passed: 1,
@@ -133,13 +143,9 @@ fn run_in_turn(workspace: &Workspace, tiers: &[Tier]) -> Vec<(&'static str, Coun
                     asides.push((place, aside));
                     Ok(Counts::default())
                 }
-                Work::Beside(command, format) => {
+                work => {
                     println!("\n── {} ──", tier.name);
-                    by_counts(command(workspace), *format)
-                }
-                Work::Live(run) => {
-                    println!("\n── {} ──", tier.name);
-                    run(workspace)
+                    work.run_live(workspace)
                 }
             };
             let counts = counts.unwrap_or_else(|error| {
