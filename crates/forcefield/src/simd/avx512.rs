@@ -7,6 +7,7 @@ use std::arch::x86_64::*;
 use glam::DVec3;
 
 use super::arithmetic::arithmetic;
+use super::by_level::run_loops;
 use super::cluster_loop::{self, ClusterJob};
 use super::lanes::{BySpecies, Entry, Lanes, RowLanes};
 use super::level::Avx512;
@@ -266,45 +267,9 @@ impl Lanes for F32x16 {
     }
 }
 
-/// The loop over row lists.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-pub fn run_double<I: Interaction>(
-    isa: Avx512,
-    job: &RowJob<'_, I>,
-    rows: &[DoubleRow],
-    chunk: usize,
-    detail: Detail,
-    output: &Output<'_>,
-) -> ChunkTotals {
-    // SAFETY: the caller runs each chunk once.
-    unsafe { row_loop::run::<F64x8, I>(isa, job, rows, chunk, detail, output) }
-}
-
-/// The loop over cluster lists.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-pub fn run_cluster<I: Interaction>(
-    isa: Avx512,
-    job: &ClusterJob<'_, I>,
-    rows: &[FixedRow],
-    chunk: usize,
-    detail: Detail,
-    output: &Output<'_>,
-) -> ChunkTotals {
-    // SAFETY: as above.
-    unsafe { cluster_loop::run::<F32x16, I>(isa, job, rows, chunk, detail, output) }
-}
-
-/// The arithmetic of a number of rounds without memory, in a precision.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-pub fn limit<F: PairForm>(
-    isa: Avx512,
-    form: &F,
-    r_cut: f64,
-    rounds: u64,
-    precision: Precision,
-) -> (u64, f64) {
-    match precision {
-        Precision::Double => arithmetic::<F64x8, F>(isa, form, r_cut, rounds),
-        Precision::Mixed => arithmetic::<F32x16, F>(isa, form, r_cut, rounds),
-    }
-}
+run_loops!(
+    Avx512,
+    "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt",
+    F64x8,
+    F32x16
+);

@@ -15,3 +15,54 @@ macro_rules! by_level {
     };
 }
 pub(crate) use by_level;
+
+/// Defines what [`by_level`] calls: the loops on the registers of a token, compiled for its instruction set.
+#[cfg(target_arch = "x86_64")]
+macro_rules! run_loops {
+    ($token:ident, $features:literal, $doubles:ty, $singles:ty) => {
+        /// The loop over row lists.
+        #[target_feature(enable = $features)]
+        pub fn run_double<I: Interaction>(
+            isa: $token,
+            job: &RowJob<'_, I>,
+            rows: &[DoubleRow],
+            chunk: usize,
+            detail: Detail,
+            output: &Output<'_>,
+        ) -> ChunkTotals {
+            // SAFETY: the caller runs each chunk once.
+            unsafe { row_loop::run::<$doubles, I>(isa, job, rows, chunk, detail, output) }
+        }
+
+        /// The loop over cluster lists.
+        #[target_feature(enable = $features)]
+        pub fn run_cluster<I: Interaction>(
+            isa: $token,
+            job: &ClusterJob<'_, I>,
+            rows: &[FixedRow],
+            chunk: usize,
+            detail: Detail,
+            output: &Output<'_>,
+        ) -> ChunkTotals {
+            // SAFETY: as above.
+            unsafe { cluster_loop::run::<$singles, I>(isa, job, rows, chunk, detail, output) }
+        }
+
+        /// The arithmetic of a number of rounds without memory, in a precision.
+        #[target_feature(enable = $features)]
+        pub fn limit<F: PairForm>(
+            isa: $token,
+            form: &F,
+            r_cut: f64,
+            rounds: u64,
+            precision: Precision,
+        ) -> (u64, f64) {
+            match precision {
+                Precision::Double => arithmetic::<$doubles, F>(isa, form, r_cut, rounds),
+                Precision::Mixed => arithmetic::<$singles, F>(isa, form, r_cut, rounds),
+            }
+        }
+    };
+}
+#[cfg(target_arch = "x86_64")]
+pub(crate) use run_loops;
