@@ -165,7 +165,9 @@ impl Share {
     }
 
     /// Agrees with the other ranks who needs which positions for a list that was just built, with what lies around this rank.
-    pub fn agree<P: PairList>(&mut self, list: &P, around: &Around) {
+    ///
+    /// `built` has the positions of the build by slot, σ, of this rank and of all that lies around it.
+    pub fn agree<P: PairList>(&mut self, list: &P, around: &Around, built: &[DVec3]) {
         let (own, first) = (self.own(), self.chunks.start);
         self.is_outer = vec![false; self.chunks.len()];
         for run in around.outer() {
@@ -173,7 +175,7 @@ impl Share {
             self.is_outer[chunks.start - first..chunks.end - first].fill(true);
         }
         self.partners = Partners::new(list.cells(), own.start as u32..own.end as u32);
-        let halo = around.halo(list.cells());
+        let halo = around.halo(list.cells(), |slot| built[slot]);
         let mut is_in_halo = vec![false; self.numbers.len()];
         let mut rows = [RowRuns::default(), RowRuns::default()];
         rows[0].slots.push(own.clone());

@@ -85,7 +85,7 @@ impl ListValidity {
         list.keep(share.chunks());
         if let Some(build) = &self.build {
             let found = around(self.level, list, self.extent(build), &share.own());
-            share.agree(list, &found);
+            share.agree(list, &found, &self.built);
         }
         self.share = Some(share);
         Ok(())
@@ -199,7 +199,7 @@ impl ListValidity {
         if let Some(share) = &mut self.share {
             let found = surroundings
                 .unwrap_or_else(|| around(self.level, list, (cell, reach), &share.own()));
-            share.agree(list, &found);
+            share.agree(list, &found, &self.built);
         }
         self.build = Some(Build {
             cell: *cell,
@@ -222,8 +222,11 @@ impl ListValidity {
     pub fn halo_on<P: PairList>(&self, list: &P, n: usize, ranks: usize) -> Option<HaloSize> {
         let (cell, reach) = self.extent(self.build.as_ref()?);
         let lengths = cell.lengths();
-        let around = |own: &_| Around::new(list.cells(), lengths, reach.r_list, own);
-        halo_on(list, around, n, ranks)
+        let halo = |own: &_| {
+            let around = Around::new(list.cells(), lengths, reach.r_list, own);
+            around.halo(list.cells(), |slot| self.built[slot])
+        };
+        halo_on(list, halo, n, ranks)
     }
 
     /// Inserts pairs that a list lacks; returns whether the list can take them.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_core::HaloSize;
 use lennard_core::parallel::equal_parts;
-use lennard_neighbor::{Around, slots_of};
+use lennard_neighbor::slots_of;
 
 use super::rank_of;
 use crate::simd::PairList;
@@ -19,10 +19,10 @@ const COUNTED: usize = 8;
 
 /// What a rank would need of others, if so many ranks shared a list of `n` particles; `None` where some had no chunk.
 ///
-/// `around` has what lies around some slots.
+/// `halo` has the slots that the lists of some slots may name beside these.
 pub fn halo_on<P: PairList>(
     list: &P,
-    around: impl Fn(&Range<usize>) -> Around,
+    halo: impl Fn(&Range<usize>) -> Vec<u32>,
     n: usize,
     ranks: usize,
 ) -> Option<HaloSize> {
@@ -36,7 +36,7 @@ pub fn halo_on<P: PairList>(
     let mut sum = HaloSize::default();
     for k in 0..counted {
         let rank = k * ranks / counted;
-        let halo = around(&slots[rank]).halo(list.cells());
+        let halo = halo(&slots[rank]);
         sum.particles += halo.len() as f64;
         let mut partners: Vec<usize> = halo.iter().map(|slot| rank_of(&slots, *slot)).collect();
         partners.dedup();

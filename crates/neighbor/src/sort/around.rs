@@ -48,6 +48,8 @@ pub struct Around {
     /// Number of columns along x and y.
     count: [u32; 2],
     own: Range<u32>,
+    /// Sides of the box, σ.
+    lengths: DVec3,
     /// Sides of a column along x and y, σ.
     edges: [f64; 2],
     radius2: f64,
@@ -67,6 +69,7 @@ impl Around {
         let mut around = Self {
             count: [nx, ny],
             own: own.start as u32..own.end as u32,
+            lengths,
             edges,
             radius2: radius * radius,
             offsets: offsets_within(radius, edges),
@@ -105,9 +108,10 @@ impl Around {
             .collect()
     }
 
-    /// The slots of other ranks that the lists may name, ascending; the particles of [`Around::near`] are placed.
+    /// The slots of other ranks that the lists may name, ascending; `position` gives the sorted positions at slots of
+    /// [`Around::near`], σ.
     #[must_use]
-    pub fn halo<C: Cells>(&self, cells: &C) -> Vec<u32> {
+    pub fn halo<C: Cells>(&self, cells: &C, position: impl Fn(usize) -> DVec3 + Sync) -> Vec<u32> {
         let near = self.near_parts();
         map_ranges(near.len(), |parts| {
             let mut halo = Vec::new();
@@ -117,8 +121,11 @@ impl Around {
                 if own.iter().any(|offset| offset.most2 <= self.radius2) {
                     halo.extend(slots.clone());
                 } else {
-                    let is_within =
-                        |slot: &u32| self.is_within(cells.across(*slot as usize), *at, &own);
+                    let is_within = |slot: &u32| {
+                        let slot = *slot as usize;
+                        let across = cells.across(slot, position(slot), self.lengths);
+                        self.is_within(across, *at, &own)
+                    };
                     halo.extend(slots.clone().filter(is_within));
                 }
             }
@@ -261,11 +268,11 @@ mod tests {
     }
 
     /// Compares with distances across the columns between all pairs.
-    fn compare<C: Cells>(cells: &C, at: impl Fn(usize) -> DVec3) {
+    fn compare<C: Cells>(cells: &C, at: impl Fn(usize) -> DVec3 + Sync) {
         let n = positions().len();
         for own in [0..n / 3, n / 3..2 * n / 3, 700..731, 1490..n, 0..n] {
             let around = Around::new(cells, LENGTHS, RADIUS, &own);
-            let halo = around.halo(cells);
+            let halo = around.halo(cells, &at);
             assert!(halo.is_sorted() && halo.iter().all(|slot| !own.contains(&(*slot as usize))));
             let near: Vec<usize> = around.near().into_iter().flatten().collect();
             assert!(halo.iter().all(|slot| near.contains(&(*slot as usize))));
@@ -326,6 +333,7 @@ mod tests {
             !own.contains(slot) && (faces[0] - RADIUS..faces[1] + RADIUS).contains(&x)
         });
         let within: Vec<u32> = within.map(|slot| slot as u32).collect();
-        assert_eq!(around.halo(&rows), within);
+        let halo = around.halo(&rows, |slot| positions[rows.particle[slot] as usize]);
+        assert_eq!(halo, within);
     }
 }

@@ -197,9 +197,10 @@ impl Cells for ColumnTable {
         [x, y, self.grid.slices]
     }
 
-    fn across(&self, slot: usize) -> [f64; 2] {
+    fn across(&self, slot: usize, r: DVec3, lengths: DVec3) -> [f64; 2] {
+        let at = self.fixed(slot, r, lengths, FIXED_UNITS / lengths);
         [0, 1].map(|axis| {
-            let part = f64::from(self.at[axis][slot] as u32) / FIXED_UNITS;
+            let part = f64::from(at[axis] as u32) / FIXED_UNITS;
             part * f64::from(self.grid.across[axis])
         })
     }

@@ -349,7 +349,7 @@ impl Cells for RowTable {
         self.grid.inner.map(|count| count as u32)
     }
 
-    fn across(&self, slot: usize) -> [f64; 2] {
+    fn across(&self, slot: usize, _r: DVec3, _lengths: DVec3) -> [f64; 2] {
         let at = self.wrapped[slot] / self.grid.edge;
         [at.x, at.y]
     }
