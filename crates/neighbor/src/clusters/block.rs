@@ -1,7 +1,7 @@
 //! Blocks: sixteen neighbors in the format that the cluster loop reads.
 //!
 //! ```text
-//!   Block, 40 bytes:
+//!   Block, 38 bytes:
 //!   +------+-------+----+----+----+-- ... --+-----+
 //!   | base | valid | e0 | e1 | e2 |         | e15 |
 //!   +------+-------+----+----+----+-- ... --+-----+
@@ -14,7 +14,10 @@
 use super::format::{BLOCK, BLOCK_REACH, ENTRY_SCALE};
 
 /// Up to [`BLOCK`] neighbors of a cluster.
+///
+/// It has no padding behind its end: lists are the largest part of the memory of a large system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(C, packed(2))]
 pub struct Block {
     /// The number that is added to each entry to give a slot.
     pub base: u32,

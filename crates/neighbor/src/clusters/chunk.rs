@@ -19,7 +19,7 @@ use super::excluded::{Excluded, ExcludedEntries};
 use super::format::{BLOCK, CLUSTER};
 use super::found::{ALL_MEMBERS, ClusterNeighbors, FIRST_HALF, SECOND_HALF};
 use super::pack::{pack, pack_far, worthwhile};
-use crate::room::give_back;
+use crate::room::{give_back, make_room, refill};
 
 /// The ends of the blocks of one cluster, by kind, among the blocks of its chunk.
 ///
@@ -146,6 +146,7 @@ impl ClusterChunk {
         if blocks.iter_mut().any(|block| block.insert(slot)) {
             return;
         }
+        make_room(&mut self.blocks, 1);
         self.blocks.insert(masked.end, Block::of(slot, &[slot]));
         span.masked += 1;
         span.end += 1;
@@ -167,11 +168,24 @@ impl ClusterChunk {
         }
     }
 
-    /// Removes all lists.
-    pub(super) fn clear(&mut self) {
+    /// Removes all lists, and makes room for the ends of so many.
+    pub(super) fn clear(&mut self, clusters: usize) {
         self.spans.clear();
         self.blocks.clear();
         self.excluded.clear();
+        self.spans.reserve_exact(clusters);
+    }
+
+    /// Takes the room of other blocks for a build, and lends its own room meanwhile. No room holds blocks.
+    pub(super) fn move_to(&mut self, aside: &mut Vec<Block>) {
+        aside.clear();
+        std::mem::swap(&mut self.blocks, aside);
+    }
+
+    /// Moves blocks that were built aside to the room of before, or to new room that fits.
+    pub(super) fn move_back(&mut self, aside: &mut Vec<Block>) {
+        std::mem::swap(&mut self.blocks, aside);
+        refill(&mut self.blocks, aside);
     }
 
     /// Adds the list of a cluster; `base` is a base that is known to reach all of its neighbors, if there is one.
@@ -240,6 +254,10 @@ impl ClusterChunk {
     pub(super) fn finish(&mut self) {
         self.blocks
             .push(Block::of(self.first_slot, &[self.first_slot]));
+    }
+
+    /// Gives back room that the blocks do not need.
+    pub(super) fn give_back(&mut self) {
         give_back(&mut self.blocks);
     }
 

@@ -192,6 +192,10 @@ impl ClusterList {
         let exclusions = (&self.exclusions, &self.slot_of[..]);
         let search = Search::new(&self.table, cell, reach, scanner, exclusions);
         let own = self.own();
+        // Room for the ends is taken together, ahead of all blocks. Between blocks it would part the room that they give back.
+        for chunk in &mut self.chunks[own.clone()] {
+            chunk.clear(ATOMS_PER_CHUNK / CLUSTER);
+        }
         let chunks = self.chunks[own.clone()].iter_mut();
         for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
             let slots = part(own.start + c, ATOMS_PER_CHUNK, n);

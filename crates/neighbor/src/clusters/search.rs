@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use lennard_core::{Exclusions, PeriodicBox};
 
+use super::block::Block;
 use super::chunk::ClusterChunk;
 use super::excluded::Excluded;
 use super::format::{BLOCK_REACH, CLUSTER, Reach, cluster_center};
@@ -12,7 +13,7 @@ use super::group::{GroupBounds, GroupCandidates};
 use super::scan::ClusterScanner;
 use crate::rows::ATOMS_PER_CHUNK;
 use crate::sort::{Around, CellRange, ColumnGrid, ColumnTable, FIXED_UNITS, wrap_cell};
-use crate::validity::Limits;
+use crate::validity::{LARGE_SYSTEM, Limits};
 
 /// Particles per group: one gathering of candidates serves a group.
 const GROUP: usize = 16;
@@ -35,6 +36,8 @@ pub(super) struct Scratch {
     candidates: GroupCandidates,
     found: ClusterNeighbors,
     excluded: Excluded,
+    /// The room of the blocks of one chunk.
+    blocks: Vec<Block>,
 }
 
 /// The number of a column along an axis, and its distance from the bounds of a group.
@@ -58,6 +61,10 @@ pub(super) struct Search<'a> {
     farthest: f64,
     /// Pairs that do not interact, and the slot of each particle where there are any.
     exclusions: (&'a Exclusions, &'a [u32]),
+    /// Whether lists are built aside and move into room that fits.
+    ///
+    /// The lists of many particles are most of the memory. Elsewhere the move would take longer than the memory is worth.
+    aside: bool,
 }
 
 impl<'a> Search<'a> {
@@ -80,13 +87,16 @@ impl<'a> Search<'a> {
             radius: reach.r_list + rounding,
             farthest: reach.r_cut + skins * (reach.r_list - reach.r_cut) + rounding,
             exclusions,
+            aside: table.particle.len() >= LARGE_SYSTEM,
         }
     }
 
-    /// Writes the lists of the clusters at `slots` to a chunk.
+    /// Writes the lists of the clusters at `slots` to a chunk without lists.
     pub fn fill(&self, slots: Range<usize>, scratch: &mut Scratch, chunk: &mut ClusterChunk) {
         chunk.first_slot = slots.start as u32;
-        chunk.clear();
+        if self.aside {
+            chunk.move_to(&mut scratch.blocks);
+        }
         for group in slots.clone().step_by(GROUP) {
             let group = group..(group + GROUP).min(slots.end);
             let bounds = self.bounds(group.clone());
@@ -115,6 +125,11 @@ impl<'a> Search<'a> {
             }
         }
         chunk.finish();
+        if self.aside {
+            chunk.move_back(&mut scratch.blocks);
+        } else {
+            chunk.give_back();
+        }
     }
 
     /// Marks the columns around the groups at `slots` that lie in several columns.
@@ -321,6 +336,44 @@ mod tests {
     use super::*;
     use crate::clusters::ScalarClusterScanner;
     use crate::sort::Positions;
+
+    #[test]
+    fn lists_that_are_built_aside_are_the_same_and_fill_their_room() {
+        let lengths = DVec3::new(11.0, 12.0, 10.0);
+        let cell = PeriodicBox::new(lengths).unwrap();
+        let positions: Vec<DVec3> = (0..ATOMS_PER_CHUNK as i32 * 7 + 5)
+            .map(|k| DVec3::new(0.819_17, 0.671_04, 0.549_73) * lengths * f64::from(k))
+            .collect();
+        let mut table = ColumnTable::default();
+        table.sort(&cell, Positions::ById(&positions)).unwrap();
+        let slots_of_chunk = |c: usize| {
+            let first = c * ATOMS_PER_CHUNK;
+            first..(first + ATOMS_PER_CHUNK).min(positions.len())
+        };
+        let clusters = ATOMS_PER_CHUNK / CLUSTER;
+        let mut chunks = [(); 2].map(|()| vec![ClusterChunk::default(); 8]);
+        // Lists grow and shrink from build to build.
+        for r_list in [2.7, 2.71, 3.1, 3.0, 2.4] {
+            let reach = Reach { r_cut: 2.3, r_list };
+            let exclusions = (&Exclusions::NONE, &[][..]);
+            let mut search = Search::new(&table, &cell, reach, &ScalarClusterScanner, exclusions);
+            for (aside, chunks) in [false, true].into_iter().zip(&mut chunks) {
+                search.aside = aside;
+                let mut scratch = Scratch::default();
+                for (c, chunk) in chunks.iter_mut().enumerate() {
+                    chunk.clear(clusters);
+                    search.fill(slots_of_chunk(c), &mut scratch, chunk);
+                    assert_eq!(chunk.spans.capacity(), clusters);
+                }
+            }
+            let [in_place, aside] = &chunks;
+            assert_eq!(in_place, aside);
+            for chunk in aside {
+                let (blocks, room) = (chunk.blocks.len(), chunk.blocks.capacity());
+                assert!(room <= blocks + blocks / 8, "{blocks} blocks in {room}");
+            }
+        }
+    }
 
     #[test]
     fn a_rank_knows_of_all_columns_that_its_groups_look_into() {
