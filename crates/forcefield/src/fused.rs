@@ -52,7 +52,8 @@ impl FusedBuffers {
         let (cell, n) = (steps.cell, steps.positions.len());
         if !validity.may_be_valid::<P>(cell, n) {
             let positions = Positions::ById(steps.positions);
-            let built = clock.building(|| validity.build(list, cell, positions));
+            let built =
+                clock.building(|| validity.build((&mut *list, copies.rows()), cell, positions));
             if built.is_err() {
                 return 0;
             }
@@ -105,7 +106,7 @@ impl FusedBuffers {
                             None => Positions::BySlot(&self.positions),
                             Some(ranks) => Positions::Parted(&self.positions, ranks),
                         };
-                        validity.build(list, cell, positions)?;
+                        validity.build((&mut *list, copies.rows()), cell, positions)?;
                         self.reorder(list, validity);
                         Ok::<_, ForceError>(())
                     });

@@ -74,17 +74,21 @@ impl ListValidity {
         }
     }
 
-    /// Shares a list of `n` particles with the other ranks of a team.
+    /// Shares a list of `n` particles with the other ranks of a team. It may use the room of its `rows`, as a build does.
     pub fn share<P: PairList>(
         &mut self,
-        list: &mut P,
+        (list, rows): (&mut P, &mut Vec<P::Row>),
         team: &Team,
         n: usize,
     ) -> Result<(), TooManyRanks> {
         let mut share = Share::new(team, n)?;
         list.keep(share.chunks());
         if let Some(build) = &self.build {
+            // The particles of a list that is there are placed no longer.
+            list.swap_room(rows);
+            list.place(&build.cell, &[share.own()], &self.built);
             let found = around(self.level, list, self.extent(build), &share.own());
+            list.swap_room(rows);
             share.agree(list, &found, &self.built);
         }
         self.share = Some(share);
@@ -140,10 +144,22 @@ impl ListValidity {
         size_of::<DVec3>() * self.built.capacity() + self.species.capacity() + share
     }
 
-    /// Builds a list in a box.
+    /// Builds a list in a box, which may use the room of its `rows`: rows have no meaning afterwards.
     ///
     /// Where half the shortest side leaves no room for the skin of the plan, the build has a thinner skin.
     pub fn build<P: PairList>(
+        &mut self,
+        (list, rows): (&mut P, &mut Vec<P::Row>),
+        cell: &PeriodicBox,
+        positions: Positions<'_>,
+    ) -> Result<(), ForceError> {
+        list.swap_room(rows);
+        let built = self.build_there(list, cell, positions);
+        list.swap_room(rows);
+        built
+    }
+
+    fn build_there<P: PairList>(
         &mut self,
         list: &mut P,
         cell: &PeriodicBox,

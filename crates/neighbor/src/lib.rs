@@ -33,8 +33,8 @@ pub use rows::{
     RowScanner, ScalarScanner,
 };
 pub use sort::{
-    Around, Cells, ColumnTable, FIXED_ROUNDING, FIXED_UNITS, Ghost, GridError, PADDING, Positions,
-    Ranks, RowCoordinates, RowTable, to_fixed,
+    Around, Cells, ColumnTable, FIXED_ROUNDING, FIXED_UNITS, FixedRow, Ghost, GridError, PADDING,
+    Positions, Ranks, RowCoordinates, RowTable, to_fixed,
 };
 pub use unlisted::{
     DisplacementScale, Displacements, NowAndThen, PackedDisplacement, Partners, unlisted_pairs,

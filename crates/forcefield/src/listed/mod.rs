@@ -114,8 +114,12 @@ impl Listed {
         let validity = &mut self.validity;
         match &mut self.pairs {
             Pairs::Canonical(..) => return Ok(false),
-            Pairs::Rows(list, _) => validity.share(&mut **list, team, n)?,
-            Pairs::Clusters(list, _) => validity.share(&mut **list, team, n)?,
+            Pairs::Rows(list, copies) => {
+                validity.share((&mut **list, copies.packed.rows()), team, n)?;
+            }
+            Pairs::Clusters(list, copies) => {
+                validity.share((&mut **list, copies.packed.rows()), team, n)?;
+            }
         }
         Ok(true)
     }
@@ -161,11 +165,19 @@ impl Listed {
     pub fn build(&mut self, cell: &PeriodicBox, positions: &[DVec3]) -> Result<(), ForceError> {
         let positions = Positions::ById(positions);
         let validity = &mut self.validity;
-        with_any_list!(&mut self.pairs, list => validity.build(&mut **list, cell, positions))?;
-        if let Pairs::Canonical(list, folded) = &mut self.pairs {
-            folded.take_list(list);
+        match &mut self.pairs {
+            Pairs::Canonical(list, folded) => {
+                validity.build((&mut **list, &mut Vec::new()), cell, positions)?;
+                folded.take_list(list);
+                Ok(())
+            }
+            Pairs::Rows(list, copies) => {
+                validity.build((&mut **list, copies.packed.rows()), cell, positions)
+            }
+            Pairs::Clusters(list, copies) => {
+                validity.build((&mut **list, copies.packed.rows()), cell, positions)
+            }
         }
-        Ok(())
     }
 
     /// Inserts pairs that the list lacks; returns whether it can take them.

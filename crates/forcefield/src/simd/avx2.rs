@@ -9,7 +9,7 @@ use super::lanes::{BlockEntry, BySpecies, Entry, FixedLanes, Lanes, RowLanes};
 use super::level::Avx2;
 use super::output::Output;
 use super::registers::register;
-use super::row::{DoubleRow, FixedRow};
+use super::row::{DoubleRow, FixedRow, species_of_fixed};
 use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
@@ -213,17 +213,17 @@ impl Lanes for F32x8 {
         // SAFETY: the token proves AVX2.
         unsafe {
             Fixed8([
-                _mm256_set1_epi32(row.0[0]),
-                _mm256_set1_epi32(row.0[1]),
-                _mm256_set1_epi32(row.0[2]),
-                _mm256_set1_epi32(row.0[3]),
+                _mm256_set1_epi32(row[0]),
+                _mm256_set1_epi32(row[1]),
+                _mm256_set1_epi32(row[2]),
+                _mm256_set1_epi32(row[3]),
             ])
         }
     }
 
     #[inline(always)]
     fn species_of(row: &FixedRow) -> usize {
-        row.species()
+        species_of_fixed(row)
     }
     #[inline(always)]
     fn table(_isa: Avx2, numbers: &BySpecies<f32>) -> Self {
@@ -279,7 +279,7 @@ impl FixedLanes for F32x8 {
     unsafe fn gather(_isa: Avx2, rows: *const FixedRow, entries: *const BlockEntry) -> Fixed8 {
         // SAFETY: eight entries are readable, each numbers a readable row; a value or the token proves AVX2.
         unsafe {
-            let row = |k: usize| _mm_load_si128((*entries.add(k)).row(rows).cast());
+            let row = |k: usize| _mm_loadu_si128((*entries.add(k)).row(rows).cast());
             let two =
                 |k: usize| _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(row(k)), row(k + 4));
             let (a, b, c, d) = (two(0), two(1), two(2), two(3));

@@ -13,7 +13,7 @@ use super::lanes::{BySpecies, Entry, Lanes, RowLanes};
 use super::level::Avx512;
 use super::output::Output;
 use super::registers::register;
-use super::row::{DoubleRow, FixedRow};
+use super::row::{DoubleRow, FixedRow, species_of_fixed};
 use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
@@ -208,17 +208,17 @@ impl Lanes for F32x16 {
         // SAFETY: the token proves AVX-512.
         unsafe {
             Fixed16([
-                _mm512_set1_epi32(row.0[0]),
-                _mm512_set1_epi32(row.0[1]),
-                _mm512_set1_epi32(row.0[2]),
-                _mm512_set1_epi32(row.0[3]),
+                _mm512_set1_epi32(row[0]),
+                _mm512_set1_epi32(row[1]),
+                _mm512_set1_epi32(row[2]),
+                _mm512_set1_epi32(row[3]),
             ])
         }
     }
 
     #[inline(always)]
     fn species_of(row: &FixedRow) -> usize {
-        row.species()
+        species_of_fixed(row)
     }
     #[inline(always)]
     fn table(_isa: Avx512, numbers: &BySpecies<f32>) -> Self {

@@ -153,9 +153,9 @@ pub trait FixedLanes: Lanes<Row = FixedRow, Number = f32> {
         rows: [&FixedRow; CLUSTER],
         scale: [f64; 3],
     ) -> (Self::Rows, [[Self; 3]; CLUSTER]) {
-        let center = FixedRow(cluster_center(rows[1].0, rows[2].0));
+        let center = cluster_center(*rows[1], *rows[2]);
         let relative = |row: &FixedRow, axis: usize| {
-            let apart = row.0[axis].wrapping_sub(center.0[axis]) as f32;
+            let apart = row[axis].wrapping_sub(center[axis]) as f32;
             Self::constant(isa, f64::from(apart * scale[axis] as f32))
         };
         let each = |row: &FixedRow| [relative(row, 0), relative(row, 1), relative(row, 2)];

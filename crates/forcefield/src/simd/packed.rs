@@ -191,6 +191,15 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
             .sum()
     }
 
+    /// The room of the rows of one copy.
+    pub fn rows(&mut self) -> &mut Vec<Row> {
+        if self.0.is_empty() {
+            self.0.push(Mutex::default());
+        }
+        let copy = self.0[0].get_mut();
+        &mut copy.unwrap_or_else(PoisonError::into_inner).rows
+    }
+
     /// Packs, judges, and runs each chunk exactly once where the list is complete.
     pub fn run(&mut self, evaluation: &Evaluation<'_, Row>) -> Outcome {
         let few = are_few(evaluation.n) && evaluation.share.is_none();

@@ -85,6 +85,6 @@ pub unsafe fn pack_fixed(
         }
         let [x, y, z] = table.fixed(slot, r, motion.lengths, units);
         // SAFETY: these slots belong to this thread.
-        unsafe { rows.write(slot, FixedRow([x, y, z, motion.fixed_padding(k)])) };
+        unsafe { rows.write(slot, [x, y, z, motion.fixed_padding(k)]) };
     }
 }

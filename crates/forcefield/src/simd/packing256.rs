@@ -188,11 +188,11 @@ pub unsafe fn pack_fixed(
                 let high = _mm_castpd_ps(_mm256_extractf128_pd::<1>(scaled));
                 let fixed = _mm_castps_si128(_mm_shuffle_ps::<0b10_00_10_00>(low, high));
                 let mut row = FixedRow::default();
-                // SAFETY: a row has four elements and the alignment of a register; these slots belong to this thread.
+                // SAFETY: a row has four elements; these slots belong to this thread.
                 unsafe {
-                    _mm_store_si128(row.0.as_mut_ptr().cast(), fixed);
+                    _mm_storeu_si128(row.as_mut_ptr().cast(), fixed);
                     if motion.species.is_some() {
-                        row.0[3] = motion.fixed_padding(done + k);
+                        row[3] = motion.fixed_padding(done + k);
                     }
                     rows.write(first + done + k, row);
                 }

@@ -45,6 +45,9 @@ pub trait PairList: Sync {
     /// It is none where packing ahead does not pay. It needs a second array of rows.
     const PACK_AHEAD: Option<PackPart<Self>> = None;
 
+    /// Lends the room of rows to a build, or takes it back, where a build can use it.
+    fn swap_room(&mut self, _rows: &mut Vec<Self::Row>) {}
+
     /// The rounding of distances in a box, σ, which the list radius must cover.
     fn rounding(cell: &PeriodicBox, r_cut: f64) -> f64;
 
@@ -273,6 +276,10 @@ impl PairList for ClusterList {
     fn rounding(cell: &PeriodicBox, r_cut: f64) -> f64 {
         4.0 * cell.lengths().max_element() * f64::from(f32::EPSILON) / 256.0
             + 4.0 * r_cut * f64::from(f32::EPSILON)
+    }
+
+    fn swap_room(&mut self, rows: &mut Vec<FixedRow>) {
+        self.swap_room(rows);
     }
 
     fn cells(&self) -> &Self::Cells {

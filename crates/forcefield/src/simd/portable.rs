@@ -7,7 +7,7 @@ use super::arithmetic::arithmetic;
 use super::cluster_loop::{self, ClusterJob};
 use super::lanes::{BlockEntry, BySpecies, Entry, FixedLanes, Lanes, RowLanes};
 use super::output::Output;
-use super::row::{DoubleRow, FixedRow};
+use super::row::{DoubleRow, FixedRow, species_of_fixed};
 use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
@@ -221,13 +221,13 @@ impl<const N: usize> Lanes for Group<f32, N> {
 
     #[inline(always)]
     fn spread(_isa: (), row: &FixedRow) -> Self::Rows {
-        let [x, y, z, species] = row.0;
+        let [x, y, z, species] = *row;
         [[x; N], [y; N], [z; N], [species; N]]
     }
 
     #[inline(always)]
     fn species_of(row: &FixedRow) -> usize {
-        row.species()
+        species_of_fixed(row)
     }
 
     tables_and_masks!(f32);
@@ -238,7 +238,7 @@ impl<const N: usize> FixedLanes for Group<f32, N> {
     unsafe fn gather(_isa: (), rows: *const FixedRow, entries: *const BlockEntry) -> Self::Rows {
         // SAFETY: `N` entries are readable and each numbers a readable row.
         let at: [&FixedRow; N] = from_fn(|k| unsafe { &*(*entries.add(k)).row(rows) });
-        from_fn(|axis| from_fn(|k| at[k].0[axis]))
+        from_fn(|axis| from_fn(|k| at[k][axis]))
     }
 
     #[inline(always)]

@@ -2,6 +2,7 @@
 
 use super::level::Level;
 use lennard_core::MOST_SPECIES;
+pub use lennard_neighbor::FixedRow;
 
 /// A coordinate row in double precision: x, y, z in σ, and padding.
 ///
@@ -9,13 +10,6 @@ use lennard_core::MOST_SPECIES;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[repr(C, align(32))]
 pub struct DoubleRow(pub [f64; 4]);
-
-/// A coordinate row in fixed point: x, y, z in units of L/2³² along each axis, and the species.
-///
-/// The difference of two such integers is exact, and it wraps around as the periodic box does.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[repr(C, align(16))]
-pub struct FixedRow(pub [i32; 4]);
 
 /// The bits of 2⁵².
 ///
@@ -72,12 +66,10 @@ impl DoubleRow {
     }
 }
 
-impl FixedRow {
-    /// The species.
-    #[inline(always)]
-    pub fn species(&self) -> usize {
-        self.0[3] as usize % MOST_SPECIES
-    }
+/// The species of a row in fixed point: the word behind its coordinates.
+#[inline(always)]
+pub fn species_of_fixed(row: &FixedRow) -> usize {
+    row[3] as usize % MOST_SPECIES
 }
 
 #[cfg(test)]

@@ -110,7 +110,7 @@ pub fn gather_cluster(
     candidates: &mut GroupCandidates,
 ) {
     candidates.make_room(table, runs);
-    let from = table.at.each_ref().map(|axis| axis.as_ptr());
+    let from = table.at().map(<[i32]>::as_ptr);
     let to = candidates.at.each_mut().map(|axis| axis.as_mut_ptr());
     let to_square = candidates.square.as_mut_ptr();
     let to_slot = candidates.slot.as_mut_ptr();

@@ -25,7 +25,7 @@ use super::scan::ClusterScanner;
 use super::search::{Scratch, Search};
 use crate::kept::{Kept, slots_of};
 use crate::rows::ATOMS_PER_CHUNK;
-use crate::sort::{Around, ColumnTable, GridError, Positions};
+use crate::sort::{Around, ColumnTable, FixedRow, GridError, Positions};
 
 /// Full lists in fixed point, one per cluster.
 ///
@@ -66,6 +66,11 @@ impl ClusterList {
         let end = chunk.spans.last().map_or(0, |span| span.end as usize);
         let named = chunk.blocks[..end].iter().flat_map(Block::slots);
         named.for_each(name);
+    }
+
+    /// Lends the room of rows to a build, or takes it back; see [`ColumnTable::swap_room`].
+    pub fn swap_room(&mut self, rows: &mut Vec<FixedRow>) {
+        self.table.swap_room(rows);
     }
 
     /// The sorted particles.

@@ -48,9 +48,10 @@ impl ClusterScanner for ScalarClusterScanner {
         candidates: &mut GroupCandidates,
     ) {
         candidates.make_room(table, runs);
+        let coordinates = table.at();
         let mut len = 0;
         for slot in runs.iter().cloned().flatten() {
-            let at = [0, 1, 2].map(|axis| table.at[axis][slot as usize]);
+            let at = [0, 1, 2].map(|axis| coordinates[axis][slot as usize]);
             let at = bounds.relative(at);
             let mut gap2 = 0.0;
             for (at, half) in at.iter().zip(bounds.half) {

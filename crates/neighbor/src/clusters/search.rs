@@ -50,6 +50,8 @@ struct AxisCell {
 /// The search of one build; all groups share it.
 pub(super) struct Search<'a> {
     table: &'a ColumnTable,
+    /// Coordinates of each slot along each axis in fixed point.
+    at: [&'a [i32]; 3],
     scanner: &'a dyn ClusterScanner,
     /// Sides of the box, σ.
     lengths: [f64; 3],
@@ -81,6 +83,7 @@ impl<'a> Search<'a> {
         let skins = Limits::of(table.particle.len()).farthest_together;
         Self {
             table,
+            at: table.at(),
             scanner,
             lengths: lengths.to_array(),
             scale: (lengths / FIXED_UNITS).to_array(),
@@ -195,7 +198,7 @@ impl<'a> Search<'a> {
 
     #[inline(always)]
     fn at(&self, slot: usize) -> [i32; 3] {
-        let [x, y, z] = &self.table.at;
+        let [x, y, z] = &self.at;
         [x[slot], y[slot], z[slot]]
     }
 

@@ -4,6 +4,14 @@ use lennard_core::parallel::for_each_piece;
 
 use super::positions::Positions;
 
+/// Whether the cells of the positions have a meaning after a sort.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Afterwards {
+    Kept,
+    /// The sort takes their room, and needs none beside it.
+    Lost,
+}
+
 /// The result of a counting sort: which of the given positions belongs to each slot.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CellSort {
@@ -19,7 +27,12 @@ impl CellSort {
     /// Sorts positions whose cells are in `home` into `cells` cells. Inside a cell, particles are in ascending order.
     ///
     /// `particle` holds the particle at each slot: of the last sort on entry, of this sort on return.
-    pub fn sort(&mut self, cells: usize, particle: &mut Vec<u32>, positions: Positions<'_>) {
+    pub fn sort(
+        &mut self,
+        (cells, afterwards): (usize, Afterwards),
+        particle: &mut Vec<u32>,
+        positions: Positions<'_>,
+    ) {
         let Self {
             home,
             first,
@@ -54,12 +67,20 @@ impl CellSort {
                 source[begin..end].sort_unstable_by_key(|position| particle[*position as usize]);
             }
         }
-        let before = std::mem::replace(particle, vec![0; source.len()]);
+        // Cells that have served give their room.
+        let mut before = match afterwards {
+            Afterwards::Kept => vec![0; source.len()],
+            Afterwards::Lost => std::mem::take(home),
+        };
+        std::mem::swap(&mut before, particle);
         for_each_piece(particle, |first, particles| {
             for (particle, position) in particles.iter_mut().zip(&source[first..]) {
                 *particle = before[*position as usize];
             }
         });
+        if afterwards == Afterwards::Lost {
+            *home = before;
+        }
     }
 
     /// Number of bytes held.

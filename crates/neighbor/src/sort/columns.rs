@@ -17,11 +17,11 @@ use glam::{DVec3, IVec3};
 use lennard_core::PeriodicBox;
 use lennard_core::parallel::{for_each_piece, for_each_piece_of_three};
 
-use super::cell_sort::CellSort;
+use super::cell_sort::{Afterwards, CellSort};
 use super::cells::Cells;
 use super::column_grid::ColumnGrid;
 use super::coordinates::PADDING;
-use super::fixed::{FIXED_UNITS, to_fixed};
+use super::fixed::{FIXED_UNITS, FixedRow, to_fixed};
 use super::fold::{FARTHEST_IMAGE, fold};
 use super::positions::{GridError, Positions};
 
@@ -41,8 +41,8 @@ pub struct ColumnTable {
     ///
     /// It is empty where all particles are so near to the home box that fixed point needs no folding.
     image: Vec<IVec3>,
-    /// Coordinates of each slot along each axis in fixed point, `[N]` and [`PADDING`].
-    pub at: [Vec<i32>; 3],
+    /// The room of the coordinates along each axis in fixed point, each `[N]` and [`PADDING`].
+    room: Vec<FixedRow>,
     pub(crate) grid: ColumnGrid,
     sort: CellSort,
 }
@@ -67,12 +67,21 @@ impl ColumnTable {
     pub fn bytes(&self) -> usize {
         self.particle.capacity() * 4
             + self.image.capacity() * size_of::<IVec3>()
-            + self
-                .at
-                .iter()
-                .map(|axis| 4 * axis.capacity())
-                .sum::<usize>()
+            + self.room.capacity() * size_of::<FixedRow>()
             + self.sort.bytes()
+    }
+
+    /// Coordinates of each slot along each axis in fixed point, `[N]` and [`PADDING`], during a build.
+    #[must_use]
+    pub fn at(&self) -> [&[i32]; 3] {
+        let each = self.particle.len() + PADDING;
+        let all = self.room.as_flattened();
+        [0, 1, 2].map(|axis| &all[axis * each..(axis + 1) * each])
+    }
+
+    /// Lends the room of rows to the coordinates of a build, or takes it back: a loop needs its rows between builds alone.
+    pub fn swap_room(&mut self, rows: &mut Vec<FixedRow>) {
+        std::mem::swap(&mut self.room, rows);
     }
 
     /// The index, in the order that was given to the sort, of the position that belongs to each slot, `[N]`.
@@ -130,7 +139,8 @@ impl ColumnTable {
             return Err(GridError::BadPosition { particle });
         }
         positions.make_numbers_known(&mut self.sort.home);
-        self.sort.sort(grid.cells(), &mut self.particle, positions);
+        let cells = (grid.cells(), Afterwards::Lost);
+        self.sort.sort(cells, &mut self.particle, positions);
         self.image.clear();
         if some_are_far {
             let mut images = vec![DVec3::ZERO; n];
@@ -163,12 +173,13 @@ impl ColumnTable {
     ) {
         let (lengths, units) = (cell.lengths(), FIXED_UNITS / cell.lengths());
         let n = self.particle.len();
-        let mut axes = std::mem::take(&mut self.at);
-        for axis in &mut axes {
-            axis.resize(n + PADDING, 0);
-        }
+        let mut room = std::mem::take(&mut self.room);
+        room.reserve_exact((n + PADDING).saturating_sub(room.len()));
+        room.resize(n + PADDING, FixedRow::default());
         for run in runs {
-            let [x, y, z] = axes.each_mut().map(|axis| &mut axis[run.clone()]);
+            let (x, rest) = room.as_flattened_mut().split_at_mut(n + PADDING);
+            let (y, z) = rest.split_at_mut(n + PADDING);
+            let [x, y, z] = [x, y, z].map(|axis| &mut axis[run.clone()]);
             for_each_piece_of_three(x, y, z, |first, x, y, z| {
                 for (k, ((x, y), z)) in x.iter_mut().zip(y).zip(z).enumerate() {
                     let slot = run.start + first + k;
@@ -176,7 +187,7 @@ impl ColumnTable {
                 }
             });
         }
-        self.at = axes;
+        self.room = room;
     }
 
     /// The slots of a column between two slices, both included.
@@ -231,7 +242,7 @@ mod tests {
         for (slot, particle) in table.particle.iter().enumerate() {
             let r = positions[*particle as usize];
             let [x, y, z] = table.fixed(slot, r, cell.lengths(), units);
-            assert_eq!([x, y, z], [0, 1, 2].map(|axis| table.at[axis][slot]));
+            assert_eq!([x, y, z], [0, 1, 2].map(|axis| table.at()[axis][slot]));
             let grid = &table.grid;
             let column = grid.column(
                 ColumnGrid::part(x, grid.across[0]),

@@ -8,6 +8,11 @@ pub const FIXED_UNITS: f64 = 4_294_967_296.0;
 /// 1.5·2⁵²: added to a number below 2⁵¹, it leaves the nearest integer in the lowest bits.
 pub const FIXED_ROUNDING: f64 = 6_755_399_441_055_744.0;
 
+/// A coordinate row in fixed point: x, y, z in units of L/2³² along each axis, and a word for whoever packs rows.
+///
+/// Rows are arrays without a name of their own, so that a list can take their room for a build.
+pub type FixedRow = [i32; 4];
+
 /// A coordinate vector in fixed point, in units of L/2³² along each axis; `units` is 2³² over the box lengths.
 ///
 /// `image` is roughly the number of boxes between `r` and the home box. Subtracting it leaves a number small enough

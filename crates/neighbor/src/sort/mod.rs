@@ -20,6 +20,6 @@ pub use cells::Cells;
 pub(crate) use column_grid::ColumnGrid;
 pub use columns::ColumnTable;
 pub use coordinates::{PADDING, RowCoordinates};
-pub use fixed::{FIXED_ROUNDING, FIXED_UNITS, to_fixed};
+pub use fixed::{FIXED_ROUNDING, FIXED_UNITS, FixedRow, to_fixed};
 pub use positions::{GridError, Positions, Ranks};
 pub use row_table::{Ghost, RowTable};

@@ -23,7 +23,7 @@ use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::tasks::{for_each_item, map_items};
 
 use super::cell_grid::CellGrid;
-use super::cell_sort::CellSort;
+use super::cell_sort::{Afterwards, CellSort};
 use super::cells::Cells;
 use super::coordinates::{PADDING, RowCoordinates};
 use super::fold::{FARTHEST_IMAGE, fold};
@@ -140,7 +140,6 @@ impl RowTable {
         self.grid.choose(lengths, n, radius);
         let [nx, ny, nz] = self.grid.inner;
         let inv_edge = DVec3::new(nx as f64, ny as f64, nz as f64) / lengths;
-
         let far = lengths * FARTHEST_IMAGE;
         let bad = AtomicBool::new(false);
         self.sort.home.resize(n, 0);
@@ -160,14 +159,15 @@ impl RowTable {
                 bad.store(true, Ordering::Relaxed);
             }
         });
-        let bad =
-            (bad.into_inner()).then(|| known.clone().find(|k| !values[*k].abs().cmple(far).all()));
+        let is_bad = |k: &usize| !values[*k].abs().cmple(far).all();
+        let bad = (bad.into_inner()).then(|| known.clone().find(is_bad));
         if let (Some(bad), _) = positions.agree(bad.flatten(), false) {
             let particle = positions.particle(bad, &self.particle);
             return Err(GridError::BadPosition { particle });
         }
         positions.make_numbers_known(&mut self.sort.home);
-        self.sort.sort(nx * ny * nz, &mut self.particle, positions);
+        let cells = (nx * ny * nz, Afterwards::Kept);
+        self.sort.sort(cells, &mut self.particle, positions);
         self.number_rows();
         self.fill_slots();
         self.fill_rows();

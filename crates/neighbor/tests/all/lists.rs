@@ -163,7 +163,7 @@ fn lists_built_again_by_place_are_those_of_positions_by_particle() {
             }
         }
         assert_eq!(clusters.table().particle, new_clusters.table().particle);
-        assert_eq!(clusters.table().at, new_clusters.table().at);
+        assert_eq!(clusters.table().at(), new_clusters.table().at());
         assert_eq!(clusters.chunks(), new_clusters.chunks());
         assert_eq!(rows.table().particle, new_rows.table().particle);
         assert_eq!(rows.table().row, new_rows.table().row);

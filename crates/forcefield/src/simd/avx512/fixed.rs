@@ -18,7 +18,7 @@ impl FixedLanes for F32x16 {
     unsafe fn gather(_isa: Avx512, rows: *const FixedRow, entries: *const BlockEntry) -> Fixed16 {
         // SAFETY: sixteen entries are readable, each numbers a readable row; a value or the token proves AVX-512.
         unsafe {
-            let row = |k: usize| _mm_load_si128((*entries.add(k)).row(rows).cast());
+            let row = |k: usize| _mm_loadu_si128((*entries.add(k)).row(rows).cast());
             let four = |k: usize| {
                 let v = _mm512_castsi128_si512(row(k));
                 let v = _mm512_inserti32x4::<1>(v, row(k + 4));
@@ -71,7 +71,7 @@ impl FixedLanes for F32x16 {
     ) -> (Fixed16, [[Self; 3]; 4]) {
         // SAFETY: the token proves AVX-512.
         unsafe {
-            let row = |k: usize| _mm_load_si128(rows[k].0.as_ptr().cast());
+            let row = |k: usize| _mm_loadu_si128(rows[k].as_ptr().cast());
             let half = _mm_srai_epi32::<1>(_mm_sub_epi32(row(2), row(1)));
             let center = _mm_add_epi32(row(1), half);
             let four = _mm512_castsi128_si512(row(0));

@@ -3,6 +3,7 @@
 use super::super::level::{Avx2, Level};
 use super::super::motion::{MotionSummary, SlotSpecies, SomeRows};
 use super::super::pack::{By, pack_double, pack_fixed};
+use super::super::row::species_of_fixed;
 use super::*;
 use lennard_core::PeriodicBox;
 use lennard_neighbor::Positions;
@@ -130,7 +131,7 @@ fn packed(level: Level, by: By, shift: f64, stretch: DVec3, broken: bool) -> Pac
     if stretch == DVec3::ONE {
         for (slot, species) in SPECIES.iter().enumerate() {
             let row = double[by_cell.row[slot] as usize];
-            let named = [row.species_by_lowest_bits(), fixed[slot].species()];
+            let named = [row.species_by_lowest_bits(), species_of_fixed(&fixed[slot])];
             assert_eq!(named, [usize::from(*species); 2]);
         }
     }
