@@ -197,6 +197,7 @@ impl Run {
                 cell: &self.cell,
                 positions: &mut self.positions,
                 velocities: &mut self.velocities,
+                forces: &mut self.forces,
                 masses: &self.masses,
                 dt,
                 steps: left as u64 - 1,

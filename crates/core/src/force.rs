@@ -207,6 +207,8 @@ pub struct FusedSteps<'a> {
     pub positions: &'a mut [DVec3],
     /// Velocities, `[N]`, σ/τ.
     pub velocities: &'a mut [DVec3],
+    /// The room of forces, `[N]`: the backend may write there what it likes.
+    pub forces: &'a mut [DVec3],
     /// The masses.
     pub masses: &'a Masses,
     /// The step h, τ.
@@ -222,7 +224,7 @@ pub struct FusedSteps<'a> {
 /// The machine that evaluates the sum of all force terms, and may take several steps at once.
 pub trait Backend: ForceTerm {
     /// Takes steps in one go and returns how many: all of them, fewer, or none. Positions and velocities then have the bits
-    /// of that many steps by [`ForceTerm::evaluate`] and [`crate::sweeps`]; no force is written. It never fails: the caller
+    /// of that many steps by [`ForceTerm::evaluate`] and [`crate::sweeps`]; forces have no meaning. It never fails: the caller
     /// takes the steps that are left one by one, and meets any error there. Where it takes none, the bath may have acted in
     /// vain, and the caller gives it its memory back.
     ///

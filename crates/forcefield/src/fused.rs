@@ -14,27 +14,62 @@ use crate::simd::{
 };
 use crate::validity::ListValidity;
 
-/// Particles in the order of a list.
+/// Room for particles in the order of a list, beside the room of forces that the caller lends.
 #[derive(Debug, Default)]
 pub struct FusedBuffers {
+    /// Positions, where a bath has forces kept in the room of forces. Elsewhere positions lie there.
     positions: Vec<DVec3>,
     velocities: Vec<DVec3>,
     /// Positions of the next step, where chunks still read the positions of this step. It is empty for many particles.
     next: Vec<DVec3>,
-    /// Forces of the step, where a bath acts before the next kick.
-    forces: Vec<DVec3>,
     /// Kinetic energy that the particle at each slot gains by friction and noise.
     gained: Vec<f64>,
-    /// 0, 1, …
-    slots: Vec<u32>,
+}
+
+/// Particles in the order of a list.
+struct BySlot<'a> {
+    positions: &'a mut [DVec3],
+    velocities: &'a mut [DVec3],
+    /// Positions of the next step, where they have an array of their own; otherwise empty.
+    next: &'a mut [DVec3],
+    /// Forces of the step, where a bath acts before the next kick; otherwise empty.
+    forces: &'a mut [DVec3],
+    /// Kinetic energy that the particle at each slot gains by friction and noise.
+    gained: &'a mut Vec<f64>,
 }
 
 impl FusedBuffers {
     /// Number of bytes held.
     pub fn bytes(&self) -> usize {
-        let vectors = [&self.positions, &self.velocities, &self.next, &self.forces];
+        let vectors = [&self.positions, &self.velocities, &self.next];
         let vectors: usize = vectors.iter().map(|v| v.capacity()).sum();
-        24 * vectors + 8 * self.gained.capacity() + 4 * self.slots.capacity()
+        24 * vectors + 8 * self.gained.capacity()
+    }
+
+    /// The arrays of some steps, in this room and in the room of forces.
+    fn by_slot<'a>(
+        &'a mut self,
+        forces: &'a mut [DVec3],
+        keeps_forces: bool,
+        reads_while_it_writes: bool,
+    ) -> BySlot<'a> {
+        let n = forces.len();
+        let room = |wanted: bool| if wanted { n } else { 0 };
+        self.velocities.resize(n, DVec3::ZERO);
+        self.next.resize(room(reads_while_it_writes), DVec3::ZERO);
+        self.positions.resize(room(keeps_forces), DVec3::ZERO);
+        let (positions, forces) = if keeps_forces {
+            (&mut self.positions[..], forces)
+        } else {
+            (forces, &mut [][..])
+        };
+        BySlot {
+            positions,
+            velocities: &mut self.velocities,
+            next: &mut self.next,
+            forces,
+            gained: &mut self.gained,
+        }
     }
 
     /// Takes steps, and builds the list wherever it expires. Returns the number of steps taken.
@@ -58,7 +93,10 @@ impl FusedBuffers {
                 return 0;
             }
         }
-        self.gather(list, steps, validity.shared());
+        let forces = std::mem::take(&mut steps.forces);
+        let reads_while_it_writes = are_few(n) && validity.shared().is_none();
+        let mut particles = self.by_slot(forces, steps.bath.is_some(), reads_while_it_writes);
+        particles.gather(list, steps, validity.shared());
         let (mut taken, mut is_new, mut prepared) = (0, false, Prepared::Nothing);
         loop {
             let most = steps.steps - taken;
@@ -67,12 +105,12 @@ impl FusedBuffers {
                 let mut done = 0;
                 while done < most {
                     let acts = steps.bath.as_ref().is_some_and(FusedBath::acts);
-                    let mut request = self.request::<P>(prepared, most - done);
+                    let mut request = request::<P>(prepared, n, most - done);
                     request.packs_next &= !acts;
-                    let (particles, rest) = self.particles();
+                    let (state, rest) = particles.parts();
                     let mover = rest.mover(acts, steps, list.particles());
                     let how = (kick_drift, &mover);
-                    let status = fused_step(used, copies, &*over_list, particles, how, request);
+                    let status = fused_step(used, copies, &*over_list, state, how, request);
                     if status != ListStatus::Complete {
                         return (done, status);
                     }
@@ -81,10 +119,10 @@ impl FusedBuffers {
                         if used.share.is_some_and(Share::is_broken) {
                             return (done, ListStatus::NonFinite);
                         }
-                        self.go_on_from_bath(steps, (kick_drift, used.level), used.share);
+                        particles.go_on_from_bath(steps, (kick_drift, used.level), used.share);
                         Prepared::Nothing
                     } else {
-                        self.finish_step(steps, request, used.share)
+                        particles.finish_step(steps, request, used.share)
                     };
                     done += 1;
                 }
@@ -103,11 +141,11 @@ impl FusedBuffers {
                     let built = clock.building(|| {
                         let ranks = validity.shared().map(|share| share.ranks().clone());
                         let positions = match &ranks {
-                            None => Positions::BySlot(&self.positions),
-                            Some(ranks) => Positions::Parted(&self.positions, ranks),
+                            None => Positions::BySlot(particles.positions),
+                            Some(ranks) => Positions::Parted(particles.positions, ranks),
                         };
                         validity.build((&mut *list, copies.rows()), cell, positions)?;
-                        self.reorder(list, validity);
+                        particles.reorder(list, validity);
                         Ok::<_, ForceError>(())
                     });
                     if built.is_err() {
@@ -121,40 +159,28 @@ impl FusedBuffers {
             if share.is_broken() {
                 return 0;
             }
-            self.make_whole(Some(share));
+            share.team().gather(particles.positions, share.slots());
+            share.team().gather(particles.velocities, share.slots());
         }
         if taken > 0 {
-            to_particles(list, &self.positions, steps.positions);
-            to_particles(list, &self.velocities, steps.velocities);
+            to_particles(list, particles.positions, steps.positions);
+            to_particles(list, particles.velocities, steps.velocities);
         }
         taken
     }
+}
 
+impl BySlot<'_> {
     /// Gathers positions and velocities by slot.
     fn gather<P: PairList>(&mut self, list: &P, steps: &FusedSteps<'_>, share: Option<&Share>) {
-        let n = steps.positions.len();
-        if self.slots.len() != n {
-            self.slots = (0..n as u32).collect();
-        }
         let (order, own) = (list.particles(), self.own(share));
-        by_slot(order, own.clone(), steps.positions, &mut self.positions);
-        by_slot(order, own, steps.velocities, &mut self.velocities);
-        let reads_while_it_writes = are_few(n) && share.is_none();
-        let next = if reads_while_it_writes { n } else { 0 };
-        self.next.resize(next, DVec3::ZERO);
-    }
-
-    /// Gathers what the ranks have of positions and velocities, where there are several.
-    fn make_whole(&mut self, share: Option<&Share>) {
-        if let Some(share) = share {
-            share.team().gather(&mut self.positions, share.slots());
-            share.team().gather(&mut self.velocities, share.slots());
-        }
+        by_slot(order, own.clone(), steps.positions, self.positions);
+        by_slot(order, own, steps.velocities, self.velocities);
     }
 
     /// The slots whose particles this process moves.
     fn own(&self, share: Option<&Share>) -> Range<usize> {
-        share.map_or(0..self.slots.len(), Share::own)
+        share.map_or(0..self.positions.len(), Share::own)
     }
 
     /// Puts the particles of this process in the order of a list that was just built.
@@ -162,36 +188,25 @@ impl FusedBuffers {
         let (source, own) = (list.source(), self.own(validity.shared()));
         // The velocities move to the room of the old positions.
         match validity.shared() {
-            None => by_slot(source, own.clone(), &self.velocities, &mut self.positions),
-            Some(share) => share.migrate(source, &self.velocities, &mut self.positions),
+            None => by_slot(source, own.clone(), self.velocities, self.positions),
+            Some(share) => share.migrate(source, self.velocities, self.positions),
         }
         std::mem::swap(&mut self.positions, &mut self.velocities);
         let built = &validity.built()[own.clone()];
         self.positions[own].copy_from_slice(built);
     }
 
-    /// The request of the next step, of which `left` steps are left.
-    fn request<P: PairList>(&self, prepared: Prepared, left: u64) -> Request {
-        Request {
-            detail: Detail::Forces,
-            prepared,
-            // The last step packs nothing, since no step follows it.
-            packs_next: P::PACK_AHEAD.is_some() && !are_few(self.slots.len()) && left > 1,
-        }
-    }
-
-    fn particles(&mut self) -> (SlotState<'_>, Rest<'_>) {
-        let particles = SlotState {
-            positions: &mut self.positions,
-            next: (!self.next.is_empty()).then_some(&mut self.next[..]),
-            velocities: &mut self.velocities,
-            slots: &self.slots,
+    fn parts(&mut self) -> (SlotState<'_>, Rest<'_>) {
+        let state = SlotState {
+            positions: self.positions,
+            next: (!self.next.is_empty()).then_some(&mut *self.next),
+            velocities: self.velocities,
         };
         let rest = Rest {
-            forces: &mut self.forces,
-            gained: &mut self.gained,
+            forces: self.forces,
+            gained: self.gained,
         };
-        (particles, rest)
+        (state, rest)
     }
 
     /// Lets the bath scale the velocities after half a kick, and goes on with the other half and the drift.
@@ -202,7 +217,7 @@ impl FusedBuffers {
         share: Option<&Share>,
     ) {
         let own = self.own(share);
-        let (positions, velocities) = (&mut self.positions[own.clone()], &mut self.velocities);
+        let (positions, velocities) = (&mut self.positions[own.clone()], &mut *self.velocities);
         let velocities = &mut velocities[own.clone()];
         // All masses are equal, so that the order of the slots serves as well.
         let kinetic = (steps.masses).kinetic_energy_over(share.map(Share::team), velocities);
@@ -235,9 +250,19 @@ impl FusedBuffers {
     }
 }
 
+/// The request of the next step of `n` particles, of which `left` steps are left.
+fn request<P: PairList>(prepared: Prepared, n: usize, left: u64) -> Request {
+    Request {
+        detail: Detail::Forces,
+        prepared,
+        // The last step packs nothing, since no step follows it.
+        packs_next: P::PACK_AHEAD.is_some() && !are_few(n) && left > 1,
+    }
+}
+
 /// Arrays by slot that only some steps use.
 struct Rest<'a> {
-    forces: &'a mut Vec<DVec3>,
+    forces: &'a mut [DVec3],
     gained: &'a mut Vec<f64>,
 }
 
@@ -246,7 +271,6 @@ impl<'a> Rest<'a> {
     fn mover(self, acts: bool, steps: &FusedSteps<'_>, particles: &'a [u32]) -> Mover<'a> {
         let n = particles.len();
         if acts {
-            self.forces.resize(n, DVec3::ZERO);
             return Mover::Kick(Disjoint::new(self.forces));
         }
         match (&steps.noise, steps.masses) {

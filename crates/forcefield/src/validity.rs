@@ -182,11 +182,11 @@ impl ListValidity {
                 |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
             )?;
         let values = positions.values();
+        self.built.resize(values.len(), DVec3::ZERO);
         self.knows_all_built = true;
         let mut surroundings = None;
         match (positions, &mut self.share) {
             (Positions::Parted(..), Some(share)) => {
-                self.built.resize(values.len(), DVec3::ZERO);
                 share.plan_moves(list.source());
                 share.migrate(list.source(), values, &mut self.built);
                 list.place(cell, &[share.own()], &self.built);
@@ -366,7 +366,7 @@ impl ListValidity {
     #[inline(always)]
     fn now_and_then(&self, at: Ordered<'_>, slot: u32) -> NowAndThen {
         let slot = slot as usize;
-        [at.positions[at.order[slot] as usize], self.built[slot]]
+        [at.positions[at.index(slot)], self.built[slot]]
     }
 
     /// Whether the list contains every pair inside the cutoff, by a search ahead of the far movers.

@@ -45,6 +45,7 @@ impl<'a> Step<'a> {
             cell: &state.cell,
             positions: &mut state.positions,
             velocities: &mut state.velocities,
+            forces: &mut state.forces,
             masses: &self.system.masses,
             dt,
             steps: self.ahead,

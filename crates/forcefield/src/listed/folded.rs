@@ -44,7 +44,7 @@ impl Folded {
     ) -> Evaluated {
         wrap(used.cell, positions, &mut self.wrapped);
         let order = &used.list.table().particle;
-        let at = Ordered { positions, order };
+        let at = Ordered::of(positions, order);
         let motion = used.motion(at);
         let squares: Vec<f64> = (0..order.len())
             .map(|slot| motion.displacement(slot).length_squared())

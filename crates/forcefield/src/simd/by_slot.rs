@@ -9,8 +9,7 @@ use super::disjoint::Disjoint;
 use super::pair_list::PairList;
 
 /// Gathers elements at some slots from an array by index, where `order` has the index of each slot.
-pub fn by_slot(order: &[u32], slots: Range<usize>, from: &[DVec3], to: &mut Vec<DVec3>) {
-    to.resize(order.len(), DVec3::ZERO);
+pub fn by_slot(order: &[u32], slots: Range<usize>, from: &[DVec3], to: &mut [DVec3]) {
     let order = &order[slots.clone()];
     for_each_piece(&mut to[slots], |first, piece| {
         for (to, at) in piece.iter_mut().zip(&order[first..]) {

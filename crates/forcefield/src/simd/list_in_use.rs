@@ -24,8 +24,28 @@ use crate::share::Share;
 pub struct Ordered<'a> {
     /// Unwrapped positions, σ.
     pub positions: &'a [DVec3],
-    /// The index in `positions` of each slot.
-    pub order: &'a [u32],
+    /// The index in `positions` of each slot; none where positions are by slot.
+    pub order: Option<&'a [u32]>,
+}
+
+impl<'a> Ordered<'a> {
+    /// Positions with the index in them of each slot.
+    pub fn of(positions: &'a [DVec3], order: &'a [u32]) -> Self {
+        let order = Some(order);
+        Self { positions, order }
+    }
+
+    /// Positions by slot.
+    pub fn by_slot(positions: &'a [DVec3]) -> Self {
+        let order = None;
+        Self { positions, order }
+    }
+
+    /// The index in the positions of a slot.
+    #[inline(always)]
+    pub fn index(&self, slot: usize) -> usize {
+        self.order.map_or(slot, |order| order[slot] as usize)
+    }
 }
 
 /// Judges the list at some positions, by the motion and maybe by packed displacements.
@@ -92,7 +112,7 @@ impl<P: PairList> ListInUse<'_, P> {
             // SAFETY: `PackedCopies::run` runs each chunk once.
             unsafe { over_list.run(self.level, rows, chunk, request.detail, output) }
         };
-        let at = || Ordered { positions, order };
+        let at = || Ordered::of(positions, order);
         if let Some(share) = self.share {
             return self.evaluate_together(share, copies, &at, request, (forces, each), &run);
         }

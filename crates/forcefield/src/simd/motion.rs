@@ -5,6 +5,29 @@ use std::ops::Range;
 use glam::DVec3;
 
 use lennard_core::MOST_SPECIES;
+use lennard_neighbor::ATOMS_PER_CHUNK;
+
+/// Slots that are packed together, at most.
+pub const BATCH: usize = 64;
+
+const _: () = assert!(ATOMS_PER_CHUNK <= BATCH);
+
+/// 0, 1, …
+static NUMBERS: [u32; BATCH] = {
+    let mut numbers = [0; BATCH];
+    let mut k = 0;
+    while k < BATCH {
+        numbers[k] = k as u32;
+        k += 1;
+    }
+    numbers
+};
+
+/// The numbers 0, 1, … of as many slots as are packed together, or fewer.
+#[inline(always)]
+pub fn numbers(count: usize) -> &'static [u32] {
+    &NUMBERS[..count]
+}
 
 /// Positions of the particles at some slots, now and at the build of the list.
 ///
@@ -13,8 +36,8 @@ use lennard_core::MOST_SPECIES;
 pub struct Motion<'a> {
     /// Unwrapped positions, σ.
     pub positions: &'a [DVec3],
-    /// The index in `positions` of each slot.
-    pub order: &'a [u32],
+    /// The index in `positions` of each slot; none where positions are by slot.
+    pub order: Option<&'a [u32]>,
     /// Positions of the build by slot, σ.
     pub built: &'a [DVec3],
     /// L/L⁰ along each axis: the sides of the box over its sides at the build.
@@ -56,16 +79,33 @@ impl SlotSpecies<'_> {
     }
 }
 
-impl Motion<'_> {
+impl<'a> Motion<'a> {
     /// The motion at some of the slots.
     #[inline(always)]
     pub fn part(self, slots: Range<usize>) -> Self {
+        let (positions, order) = match self.order {
+            Some(order) => (self.positions, Some(&order[slots.clone()])),
+            None => (&self.positions[slots.clone()], None),
+        };
         Self {
-            order: &self.order[slots.clone()],
+            positions,
+            order,
             built: &self.built[slots.clone()],
             species: self.species.map(|species| species.part(slots)),
             ..self
         }
+    }
+
+    /// The number of slots.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.built.len()
+    }
+
+    /// The index in the positions of each slot, for as many slots as are packed together.
+    #[inline(always)]
+    pub fn indices(&self) -> &'a [u32] {
+        self.order.unwrap_or_else(|| numbers(self.positions.len()))
     }
 
     /// The padding of the row of doubles for the `k`th slot.
@@ -89,7 +129,7 @@ impl Motion<'_> {
     /// The position of the particle at the `k`th slot, σ.
     #[inline(always)]
     pub fn at(&self, k: usize) -> DVec3 {
-        self.positions[self.order[k] as usize]
+        self.positions[self.order.map_or(k, |order| order[k] as usize)]
     }
 
     /// The displacement of the particle at the `k`th slot, σ.

@@ -8,7 +8,7 @@ use lennard_neighbor::{ColumnTable, PackedDisplacement, RowTable};
 
 use super::disjoint::Disjoint;
 use super::level::Level;
-use super::motion::{Motion, MotionSummary, SomeRows};
+use super::motion::{BATCH, Motion, MotionSummary, SomeRows};
 use super::packing;
 #[cfg(target_arch = "x86_64")]
 use super::packing256;
@@ -22,9 +22,6 @@ pub enum By {
     /// All threads of the pool.
     All,
 }
-
-/// Slots whose displacements are summarized together.
-const BATCH: usize = 64;
 
 /// Shorter runs than this, among others, are packed by one thread.
 const SHORT_RUN: usize = 1024;

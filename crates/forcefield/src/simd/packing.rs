@@ -77,7 +77,7 @@ pub unsafe fn pack_fixed(
     rows: &Disjoint<'_, FixedRow>,
 ) {
     let units = FIXED_UNITS / motion.lengths;
-    for k in 0..motion.order.len() {
+    for k in 0..motion.len() {
         let slot = first + k;
         let r = motion.at(k);
         if let Some(squares) = &mut squares {

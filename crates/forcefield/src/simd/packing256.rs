@@ -56,7 +56,7 @@ pub fn pack_displacements(motion: Motion<'_>, squares: &[f64], to: &mut [PackedD
     let scale = DisplacementScale::new(motion.far2);
     let stretch = load(&motion.stretch);
     let (along, steps) = (_mm256_set1_pd(scale.along), _mm256_set1_pd(scale.squares));
-    let all = fours(motion.order).zip(fours(motion.built));
+    let all = fours(motion.indices()).zip(fours(motion.built));
     for (((order, built), squares), packed) in
         all.zip(fours(squares)).zip(to.as_chunks_mut::<4>().0)
     {
@@ -99,7 +99,7 @@ pub unsafe fn pack_double(
     let slots = first..first + to.len();
     let own_rows = fours(&table.row[slots.clone()]);
     let images = fours(&table.image[slots]);
-    let all = fours(motion.order)
+    let all = fours(motion.indices())
         .zip(own_rows)
         .zip(images.zip(fours(motion.built)));
     let fours = all.zip(to.as_chunks_mut::<4>().0).enumerate();
@@ -172,13 +172,13 @@ pub unsafe fn pack_fixed(
     mut to: Option<&mut [f64]>,
     rows: &Disjoint<'_, FixedRow>,
 ) {
-    let n = motion.order.len();
+    let n = motion.len();
     let mut done = 0;
     if table.is_near_home() {
         let units = load(&(FIXED_UNITS / motion.lengths));
         let stretch = load(&motion.stretch);
         let rounding = _mm256_set1_pd(FIXED_ROUNDING);
-        for order in fours(motion.order) {
+        for order in fours(motion.indices()) {
             let mut r = [_mm256_setzero_pd(); 4];
             for k in 0..4 {
                 r[k] = load(&motion.positions[order[k] as usize]);

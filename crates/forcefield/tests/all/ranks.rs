@@ -73,7 +73,8 @@ fn history(start: &Fluid, forces: &mut PairForces, kind: Kind, rounds: usize) ->
             1 => Want::NOTHING,
             _ => Want::TOTALS,
         };
-        let mut f = vec![DVec3::ZERO; positions.len()];
+        let n = positions.len();
+        let mut f = vec![DVec3::ZERO; n];
         let at = Configuration::at_rest(&cell, &positions);
         let found = forces.evaluate(at, Part::All, want, &mut f);
         // Where it fails, forces have no meaning.
@@ -83,6 +84,7 @@ fn history(start: &Fluid, forces: &mut PairForces, kind: Kind, rounds: usize) ->
             cell: &cell,
             positions: &mut positions,
             velocities: &mut velocities,
+            forces: &mut vec![DVec3::NAN; n],
             masses: &masses,
             dt: DT,
             steps: 17 + round as u64,
@@ -342,6 +344,7 @@ fn builds_between_steps_gather_no_vectors() {
                 cell: &start.cell,
                 positions: &mut positions,
                 velocities: &mut velocities,
+                forces: &mut vec![DVec3::NAN; n],
                 masses: &Masses::Uniform(1.5),
                 dt: DT,
                 steps: 100,
@@ -450,6 +453,7 @@ fn a_halo_is_as_large_as_was_foreseen() {
                     cell: &start.cell,
                     positions: &mut positions,
                     velocities: &mut velocities,
+                    forces: &mut vec![DVec3::NAN; n],
                     masses: &Masses::Uniform(1.5),
                     dt: DT,
                     steps: 4,

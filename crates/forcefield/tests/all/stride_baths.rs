@@ -59,11 +59,13 @@ impl Fluid {
         noise: Option<FrictionAndNoise>,
         steps: u64,
     ) -> u64 {
+        let n = self.positions.len();
         let bath = self.bath.as_mut();
         let mut steps = FusedSteps {
             cell: &self.cell,
             positions: &mut self.positions,
             velocities: &mut self.velocities,
+            forces: &mut vec![DVec3::NAN; n],
             masses: &Masses::Uniform(MASS),
             dt: DT,
             steps,

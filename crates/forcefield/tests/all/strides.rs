@@ -41,10 +41,12 @@ impl Fluid {
     }
 
     fn stride(&mut self, forces: &mut PairForces, masses: &Masses, steps: u64) -> u64 {
+        let n = self.positions.len();
         forces.advance(&mut FusedSteps {
             cell: &self.cell,
             positions: &mut self.positions,
             velocities: &mut self.velocities,
+            forces: &mut vec![DVec3::NAN; n],
             masses,
             dt: DT,
             steps,

@@ -97,6 +97,7 @@ fn one_term_takes_its_own_fused_steps_and_two_take_none() {
             cell: &state.cell,
             positions: &mut state.positions,
             velocities: &mut state.velocities,
+            forces: &mut state.forces,
             masses: &Masses::Uniform(1.0),
             dt: 0.002,
             steps: 9,

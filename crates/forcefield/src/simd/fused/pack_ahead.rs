@@ -166,7 +166,7 @@ impl<P: PairList> Ahead<'_, P> {
             return;
         };
         let first = chunk * ATOMS_PER_CHUNK;
-        let slots = first..first + motion.order.len();
+        let slots = first..first + motion.len();
         // SAFETY: the elements of a chunk belong to this thread by contract.
         let mut displacement = unsafe { next.displacements.read(chunk) }.after(step);
         let mut squares = [0.0; ATOMS_PER_CHUNK];

@@ -8,6 +8,7 @@ use super::pack_ahead::{Ahead, NextRows};
 use crate::simd::disjoint::Disjoint;
 use crate::simd::kick_drift::KickDrift;
 use crate::simd::list_in_use::{ListInUse, Ordered};
+use crate::simd::motion::numbers;
 use crate::simd::mover::{Mover, Moving};
 use crate::simd::output::Output;
 use crate::simd::packed::{ListStatus, PackedCopies, Request, are_few};
@@ -22,8 +23,6 @@ pub struct SlotState<'a> {
     pub next: Option<&'a mut [DVec3]>,
     /// Velocities, σ/τ.
     pub velocities: &'a mut [DVec3],
-    /// The numbers of the slots: 0, 1, …
-    pub slots: &'a [u32],
 }
 
 /// Judges the list where the request demands it, and takes one step where the list is complete.
@@ -39,8 +38,7 @@ pub fn fused_step<P: PairList>(
     (kick_drift, mover): (KickDrift, &Mover<'_>),
     request: Request,
 ) -> ListStatus {
-    let order = particles.slots;
-    let n = order.len();
+    let n = used.list.particles().len();
     assert!(
         particles.positions.len() == n && particles.velocities.len() == n,
         "one vector per slot"
@@ -52,12 +50,9 @@ pub fn fused_step<P: PairList>(
     let positions = Disjoint::new(particles.positions);
     let velocities = Disjoint::new(particles.velocities);
     let next = particles.next.map(Disjoint::new);
-    let at = || Ordered {
-        // SAFETY: positions are read while rows are packed and while the list is judged. Many particles finish both
-        // before the first chunk runs. The chunks of few particles write their positions to another array.
-        positions: unsafe { positions.all() },
-        order,
-    };
+    // SAFETY: positions are read while rows are packed and while the list is judged. Many particles finish both before the
+    // first chunk runs. The chunks of few particles write their positions to another array.
+    let at = || Ordered::by_slot(unsafe { positions.all() });
     let ahead = Ahead {
         list: used.list,
         level: used.level,
@@ -89,10 +84,9 @@ pub fn fused_step<P: PairList>(
             Mover::Kick(kept) => unsafe { kept.part(slots.clone()) },
             _ => &mut of_chunk[..slots.len()],
         };
-        let order = &order[..slots.len()];
         // SAFETY: as above.
         let next_chunk = unsafe { ahead.next_chunk(chunk, next_rows) };
-        let output = Output::of_chunk(&mut *forces, order, slots.start, next_chunk);
+        let output = Output::of_chunk(&mut *forces, numbers(slots.len()), slots.start, next_chunk);
         // SAFETY: as above.
         let totals = unsafe { over_list.run(used.level, rows, chunk, request.detail, &output) };
         let step = match mover {
@@ -112,7 +106,7 @@ pub fn fused_step<P: PairList>(
                 return totals;
             }
         };
-        let mut motion = used.motion(Ordered { positions, order });
+        let mut motion = used.motion(Ordered::by_slot(positions));
         motion.built = &used.built[slots.clone()];
         motion.species = motion.species.map(|species| species.part(slots));
         // SAFETY: as above.

@@ -74,7 +74,7 @@ fn packed(level: Level, by: By, shift: f64, stretch: DVec3, broken: bool) -> Pac
     ) -> Motion<'a> {
         Motion {
             positions,
-            order,
+            order: Some(order),
             built,
             stretch,
             far2: 0.01,
