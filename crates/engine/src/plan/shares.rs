@@ -34,6 +34,8 @@ const STEPS_FOR: Duration = Duration::from_millis(400);
 const PART_FOR: Duration = Duration::from_millis(30);
 /// Calls of a part that is measured alone, at most.
 const CALLS: usize = 9;
+/// Bytes per particle that fused steps keep under a bath beside what they keep without one: positions, while forces wait.
+const UNDER_A_BATH: u64 = 24;
 /// Calls of a part of the watchdog in one measurement.
 const WATCHING_CALLS: u32 = 50;
 
@@ -134,6 +136,8 @@ impl Costs {
         take_steps_unseen(&mut bare, simulation)?;
         let stages = simulation.scene.stages.iter();
         let baths = stages.map(|stage| bath(&bare, stage)).collect();
+        let has_bath = (simulation.scene.stages.iter()).any(|stage| stage.thermostat.is_some());
+        let under_a_bath = u64::from(has_bath) * UNDER_A_BATH * bare.state.len() as u64;
         let step = times.iter().sum::<f64>() / times.len() as f64;
         Ok(Self {
             steps: times.len() as u64,
@@ -142,7 +146,7 @@ impl Costs {
             force: statistics.force_seconds / all,
             neighbor: statistics.neighbor_seconds / all,
             tail,
-            force_bytes: bare.forces.statistics().bytes,
+            force_bytes: bare.forces.statistics().bytes + under_a_bath,
             checkpoint_bytes: checkpoint_bytes(&bare),
             evaluation: energies,
             totals: energies - forces,
@@ -289,18 +293,14 @@ fn with_everything_off(simulation: &Simulation) -> Result<Simulation, EngineErro
 
 /// Takes some steps as the scene does, several in one go where nothing observes them: their memory is then there.
 fn take_steps_unseen(bare: &mut Simulation, scene: &Simulation) -> Result<(), EngineError> {
-    let without_bath = |stage: &Stage| stage.thermostat.is_none();
-    if scene.scene.stages.iter().any(without_bath) {
-        let end = bare.state.step + watchdog::EVERY;
-        let samples = scene.observers.iter().map(|o| Operation {
-            // Of observables only the times are followed; the bare scene is not measured.
-            trigger: Trigger::Every(o.every),
-            ..Operation::new(Action::Sample, o.trigger())
-        });
-        let schedule = samples.fold(Schedule::of_output(&scene.scene), Schedule::with);
-        bare.run(&mut StopAt::following(schedule, end))?;
-    }
-    Ok(())
+    let end = bare.state.step + watchdog::EVERY;
+    let samples = scene.observers.iter().map(|o| Operation {
+        // Of observables only the times are followed; the bare scene is not measured.
+        trigger: Trigger::Every(o.every),
+        ..Operation::new(Action::Sample, o.trigger())
+    });
+    let schedule = samples.fold(Schedule::of_output(&scene.scene), Schedule::with);
+    bare.run(&mut StopAt::following(schedule, end)).map(drop)
 }
 
 /// Bytes of what a checkpoint is put together in.
