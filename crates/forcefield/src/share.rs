@@ -165,7 +165,6 @@ impl Share {
     }
 
     /// Agrees with the other ranks who needs which positions for a list that was just built, with what lies around this rank.
-    ///
     /// `built` has the positions of the build by slot, σ, of this rank and of all that lies around it.
     pub fn agree<P: PairList>(&mut self, list: &P, around: &Around, built: &[DVec3]) {
         let (own, first) = (self.own(), self.chunks.start);

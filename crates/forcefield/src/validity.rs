@@ -1,5 +1,7 @@
 //! The validity of a list: the box and the positions of its build, and when it may be used.
 
+mod build;
+
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -10,28 +12,10 @@ use lennard_neighbor::{
     Validity, unlisted_pairs,
 };
 
+use self::build::Build;
 use crate::share::Share;
 use crate::share::foreseen::halo_on;
 use crate::simd::{Level, ListInUse, ListStatus, MotionSummary, Ordered, PairList, by_slot};
-
-/// The last build of a list.
-#[derive(Debug, Clone)]
-struct Build {
-    /// The box of the build. The box of an evaluation may differ from it.
-    cell: PeriodicBox,
-    /// The skin of the build, σ.
-    skin: f64,
-    /// The list radius, σ: the cutoff, the skin, and the rounding of distances.
-    r_list: f64,
-}
-
-impl Build {
-    /// The distance, σ, within which no pair may be missing. The factor is a margin for rounding: no pair inside the cutoff
-    /// may seem to lie outside.
-    fn inner(&self) -> f64 {
-        (self.r_list - self.skin) * (1.0 + 1e-12)
-    }
-}
 
 /// When a list may be used, and the record of its last build.
 pub struct ListValidity {
@@ -87,7 +71,7 @@ impl ListValidity {
             // The particles of a list that is there are placed no longer.
             list.swap_room(rows);
             list.place(&build.cell, &[share.own()], &self.built);
-            let found = around(self.level, list, self.extent(build), &share.own());
+            let found = around(self.level, list, build.extent(self.r_cut), &share.own());
             list.swap_room(rows);
             share.agree(list, &found, &self.built);
         }
@@ -225,18 +209,9 @@ impl ListValidity {
         Ok(())
     }
 
-    /// The box and the distances of a build.
-    fn extent<'b>(&self, build: &'b Build) -> (&'b PeriodicBox, Reach) {
-        let reach = Reach {
-            r_cut: self.r_cut,
-            r_list: build.r_list,
-        };
-        (&build.cell, reach)
-    }
-
     /// What a rank would need of others, if so many ranks shared the list as it is.
     pub fn halo_on<P: PairList>(&self, list: &P, n: usize, ranks: usize) -> Option<HaloSize> {
-        let (cell, reach) = self.extent(self.build.as_ref()?);
+        let (cell, reach) = self.build.as_ref()?.extent(self.r_cut);
         let lengths = cell.lengths();
         let halo = |own: &_| {
             let around = Around::new(list.cells(), lengths, reach.r_list, own);
