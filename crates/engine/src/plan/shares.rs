@@ -1,5 +1,6 @@
 //! What each part of a run costs: a short measurement, which decides nothing.
 
+mod memory;
 mod names;
 
 use std::collections::BTreeMap;
@@ -8,9 +9,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use lennard_core::stopwatch::{Spread, Stopwatch, repeated, timed};
-use lennard_core::{
-    Configuration, HaloSize, Integrator, NoForces, Part, Persist, StateArchive, Want,
-};
+use lennard_core::{Configuration, HaloSize, Integrator, NoForces, Part, Want};
 use lennard_io::{Frame, Sink, TrajectoryWriter};
 use lennard_scene::{Scene, Stage};
 
@@ -26,6 +25,7 @@ use crate::schedule::{Action, Observer, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
 use crate::{EngineError, SET_ASIDE_EVERY, watchdog};
 
+use self::memory::{bytes_under_a_bath, checkpoint_bytes};
 pub(super) use names::{barostat_name, bath_name};
 
 /// How long the steps are measured.
@@ -34,8 +34,6 @@ const STEPS_FOR: Duration = Duration::from_millis(400);
 const PART_FOR: Duration = Duration::from_millis(30);
 /// Calls of a part that is measured alone, at most.
 const CALLS: usize = 9;
-/// Bytes per particle that fused steps keep under a bath beside what they keep without one: positions, while forces wait.
-const UNDER_A_BATH: u64 = 24;
 /// Calls of a part of the watchdog in one measurement.
 const WATCHING_CALLS: u32 = 50;
 
@@ -136,8 +134,7 @@ impl Costs {
         take_steps_unseen(&mut bare, simulation)?;
         let stages = simulation.scene.stages.iter();
         let baths = stages.map(|stage| bath(&bare, stage)).collect();
-        let has_bath = (simulation.scene.stages.iter()).any(|stage| stage.thermostat.is_some());
-        let under_a_bath = u64::from(has_bath) * UNDER_A_BATH * bare.state.len() as u64;
+        let under_a_bath = bytes_under_a_bath(&simulation.scene) * bare.state.len() as u64;
         let step = times.iter().sum::<f64>() / times.len() as f64;
         Ok(Self {
             steps: times.len() as u64,
@@ -301,13 +298,6 @@ fn take_steps_unseen(bare: &mut Simulation, scene: &Simulation) -> Result<(), En
     });
     let schedule = samples.fold(Schedule::of_output(&scene.scene), Schedule::with);
     bare.run(&mut StopAt::following(schedule, end)).map(drop)
-}
-
-/// Bytes of what a checkpoint is put together in.
-fn checkpoint_bytes(bare: &Simulation) -> usize {
-    let mut archive = StateArchive::default();
-    bare.save(&mut archive.writer());
-    archive.bytes()
 }
 
 /// What a stage's heat bath adds to a step: the mean over some steps in free flight. For a bath inside the step this is

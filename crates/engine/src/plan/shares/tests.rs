@@ -48,6 +48,10 @@ fn memory_is_counted_as_a_run_takes_it() {
     assert!(more >= (2 * 24 * n) as f64, "{more}");
     let more = under_a_bath.force_bytes as f64 - in_strides.force_bytes as f64;
     assert!(more >= (24 * n) as f64, "{more}");
+    // Two steps under a bath are taken one by one.
+    let short = format!("[[stage]]\nname = \"b\"\nsteps = 2\nthermostat = \"bussi\"\n{stage}");
+    let after_a_short_bath = measured(&short);
+    assert!(after_a_short_bath.force_bytes < in_strides.force_bytes + 12 * n);
     for costs in [in_strides, step_by_step, under_a_bath] {
         assert!(costs.force_bytes >= 24 * n);
         // Positions, velocities, forces, and positions at the last build.
