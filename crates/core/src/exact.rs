@@ -17,6 +17,7 @@
 //!
 //! A term that is no finite number makes a total that is none either, which the watchdog sees.
 
+mod parts;
 mod summand;
 mod wide;
 mod window;
@@ -28,6 +29,7 @@ use crate::lanes::{Simd, WithSimd, in_lanes};
 use crate::parallel::{CHUNK, part};
 use crate::tasks::map_tasks;
 
+pub use parts::{PartSum, SumOfParts};
 pub use summand::Summand;
 
 use wide::WideSum;

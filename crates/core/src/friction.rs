@@ -1,11 +1,11 @@
 //! Friction and noise on every particle: the Ornstein–Uhlenbeck part of Langevin dynamics.
 
-use crate::exact::{exact_sum_of, total};
+use crate::exact::total;
 use crate::lanes::{Simd, WithSimd, in_lanes};
 use crate::normals::LANES;
 use crate::parallel::for_each_piece_pair;
 use crate::random::NoiseStream;
-use crate::{DVec3, Masses, Ramp, Team};
+use crate::{DVec3, Masses, Ramp};
 
 /// Friction γ and noise at a temperature, v ← c·v + √((1 − c²)·T/m)·R with c = e^{−γ·dt}: exact over a step.
 #[derive(Debug, Clone, Copy)]
@@ -43,78 +43,55 @@ impl FrictionAndNoise {
     }
 }
 
+/// Friction and noise of one step on particles of one mass.
+#[derive(Debug, Clone, Copy)]
+pub struct NoiseOfMass {
+    /// c.
+    keep: f64,
+    /// √((1 − c²)·T/m), σ/τ.
+    width: f64,
+    /// Half the mass.
+    half_mass: f64,
+}
+
+impl NoiseOfMass {
+    /// The next value of one component v of a velocity, with its normal number.
+    #[inline(always)]
+    #[must_use]
+    pub fn next(self, v: f64, normal: f32) -> f64 {
+        self.keep * v + self.width * f64::from(normal)
+    }
+
+    /// The kinetic energy that a particle gains, ε, from what the squares of its three components gain.
+    #[inline(always)]
+    #[must_use]
+    pub fn gained(self, [x, y, z]: [f64; 3]) -> f64 {
+        self.half_mass * (x + y + z)
+    }
+}
+
 impl NoiseOfStep {
-    /// Acts on some particles of one mass, whose numbers are `particles`; writes the kinetic energy that each gains, ε.
+    /// Friction and noise on particles of a mass. A held particle has an infinite mass and stays at rest.
+    #[inline(always)]
+    #[must_use]
+    pub fn on(&self, mass: f64) -> NoiseOfMass {
+        NoiseOfMass {
+            keep: self.keep,
+            width: (self.variance / mass).sqrt(),
+            half_mass: if mass.is_finite() { 0.5 * mass } else { 0.0 },
+        }
+    }
+
+    /// The normal numbers of some particles, whose numbers are `particles`: x, y and z of one after another, then others.
     ///
     /// # Panics
-    /// Where lengths differ: that is a bug of the caller.
+    /// Where there are more than [`LANES`]: that is a bug of the caller.
     #[inline(always)]
-    pub fn act(&self, mass: f64, particles: &[u32], velocities: &mut [DVec3], gained: &mut [f64]) {
-        let scales = self.scales(mass);
-        self.act_by(|_| scales, particles, velocities, gained);
-    }
-
-    /// The width of the noise of a particle and half its mass. A held particle has an infinite mass and stays at rest.
-    fn scales(&self, mass: f64) -> [f64; 2] {
-        let weight = if mass.is_finite() { 0.5 * mass } else { 0.0 };
-        [(self.variance / mass).sqrt(), weight]
-    }
-
-    /// As [`NoiseOfStep::act`], with the scales of the `k`th particle.
-    #[inline(always)]
-    fn act_by(
-        &self,
-        scales: impl Fn(usize) -> [f64; 2],
-        particles: &[u32],
-        velocities: &mut [DVec3],
-        gained: &mut [f64],
-    ) {
-        assert!(
-            particles.len() == velocities.len() && particles.len() == gained.len(),
-            "one number for each particle"
-        );
-        let (blocks, last) = particles.as_chunks();
-        let (all_velocities, last_velocities) = velocities.as_chunks_mut();
-        let (all_gained, last_gained) = gained.as_chunks_mut();
-        let parts = all_velocities.iter_mut().zip(all_gained);
-        for (block, (numbers, (velocities, gained))) in blocks.iter().zip(parts).enumerate() {
-            let scales = |k: usize| scales(block * LANES + k);
-            self.act_on_block(scales, numbers, velocities, gained);
-        }
-        if last.is_empty() {
-            return;
-        }
-        let n = last.len();
+    #[must_use]
+    pub fn normals(&self, particles: &[u32]) -> [f32; 3 * LANES] {
         let mut numbers = [0; LANES];
-        numbers[..n].copy_from_slice(last);
-        let [x, y, z] = self.noise.normals(self.step, numbers);
-        for (k, (v, gained)) in last_velocities.iter_mut().zip(last_gained).enumerate() {
-            let noise = DVec3::new(x[k], y[k], z[k]);
-            (*v, *gained) = self.act_on_one(scales(particles.len() - n + k), *v, noise);
-        }
-    }
-
-    /// Acts on a whole block, with loops of one length that a compiler puts into lanes.
-    #[inline(always)]
-    fn act_on_block(
-        &self,
-        scales: impl Fn(usize) -> [f64; 2],
-        numbers: &[u32; LANES],
-        velocities: &mut [DVec3; LANES],
-        gained: &mut [f64; LANES],
-    ) {
-        let [x, y, z] = self.noise.normals(self.step, *numbers);
-        for k in 0..LANES {
-            let noise = DVec3::new(x[k], y[k], z[k]);
-            (velocities[k], gained[k]) = self.act_on_one(scales(k), velocities[k], noise);
-        }
-    }
-
-    /// The velocity of a particle after friction and noise, and the kinetic energy that it gains, ε.
-    #[inline(always)]
-    fn act_on_one(&self, [width, weight]: [f64; 2], v: DVec3, noise: DVec3) -> (DVec3, f64) {
-        let next = self.keep * v + width * noise;
-        (next, weight * (next.length_squared() - v.length_squared()))
+        numbers[..particles.len()].copy_from_slice(particles);
+        self.noise.normals(self.step, &numbers)
     }
 
     /// Acts on all particles, `[N]`; returns the kinetic energy that they gain, ε.
@@ -142,20 +119,45 @@ struct OnPiece<'a> {
     gained: &'a mut [f64],
 }
 
-impl WithSimd for OnPiece<'_> {
-    type Output = ();
-
+impl OnPiece<'_> {
+    /// Acts, where `of` gives friction and noise on the `i`th particle.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        let (noise, masses) = (self.noise, self.masses);
+    fn act(self, of: impl Fn(usize) -> NoiseOfMass) {
         let blocks = self.velocities.chunks_mut(LANES);
         let blocks = blocks.zip(self.gained.chunks_mut(LANES)).enumerate();
         for (block, (velocities, gained)) in blocks {
             let first = self.first + block * LANES;
             let numbers: [u32; LANES] = std::array::from_fn(|k| (first + k) as u32);
-            let numbers = &numbers[..velocities.len()];
-            let scales = |k: usize| noise.scales(masses.of(first + k));
-            noise.act_by(scales, numbers, velocities, gained);
+            let normals = self.noise.normals(&numbers);
+            let (normals, _) = normals.as_chunks::<3>();
+            let particles = velocities.iter_mut().zip(normals).zip(gained).enumerate();
+            for (k, ((v, normals), gained)) in particles {
+                let of = of(first + k);
+                let before = v.to_array();
+                let next = [0, 1, 2].map(|axis| of.next(before[axis], normals[axis]));
+                *gained = of.gained(
+                    [0, 1, 2].map(|axis| next[axis] * next[axis] - before[axis] * before[axis]),
+                );
+                *v = DVec3::from_array(next);
+            }
+        }
+    }
+}
+
+impl WithSimd for OnPiece<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        match self.masses {
+            Masses::Uniform(mass) => {
+                let of = self.noise.on(*mass);
+                self.act(|_| of);
+            }
+            Masses::Each(masses) => {
+                let noise = self.noise;
+                self.act(|i| noise.on(masses[i]));
+            }
         }
     }
 }
@@ -187,10 +189,10 @@ impl FusedNoise {
         self.noise.in_step(self.step, self.dt)
     }
 
-    /// Ends a step in which the particles gained so much kinetic energy, `[N]`, ε. With a team, they belong to one rank.
-    pub fn pass(&mut self, gained: &[f64], team: Option<&Team>) {
+    /// Ends a step in which the particles gained so much kinetic energy, ε: an exact total.
+    pub fn pass(&mut self, gained: f64) {
         self.step += 1;
-        self.heats.push(exact_sum_of(team, gained, |x| *x));
+        self.heats.push(gained);
     }
 
     /// The heats of the steps so far, ε.

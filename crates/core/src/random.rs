@@ -52,34 +52,41 @@ fn lane_round(c: [u64; 4], key: [u64; 2]) -> [u64; 4] {
     ]
 }
 
-/// Philox for the first block of some particles at a step: the words of [`philox4x32`], each in the low half of a lane.
+/// Particles whose rounds of Philox take turns: each round waits for the one before, and other particles fill the time.
+const IN_TURN: usize = 3;
+
+/// Philox for the first block of some particles at a step: the words of [`philox4x32`].
 ///
 /// The rounds stand one after another, since a loop over rounds would keep a compiler from putting particles into lanes.
 #[inline(always)]
 pub(crate) fn philox_lanes<const N: usize>(
     key: [u32; 2],
     step: u64,
-    particles: [u32; N],
-) -> [[u64; N]; 4] {
+    particles: &[u32; N],
+) -> [[u32; N]; 4] {
+    const { assert!(N.is_multiple_of(IN_TURN)) };
     let mut words = [[0; N]; 4];
     let key_of = |round: u32| {
         let first = key[0].wrapping_add(round.wrapping_mul(0x9E37_79B9));
         let second = key[1].wrapping_add(round.wrapping_mul(0xBB67_AE85));
         [u64::from(first), u64::from(second)]
     };
-    for k in 0..N {
-        let mut c = [0, u64::from(particles[k]), step & 0xffff_ffff, step >> 32];
-        c = lane_round(c, key_of(0));
-        c = lane_round(c, key_of(1));
-        c = lane_round(c, key_of(2));
-        c = lane_round(c, key_of(3));
-        c = lane_round(c, key_of(4));
-        c = lane_round(c, key_of(5));
-        c = lane_round(c, key_of(6));
-        c = lane_round(c, key_of(7));
-        c = lane_round(c, key_of(8));
-        c = lane_round(c, key_of(9));
-        [words[0][k], words[1][k], words[2][k], words[3][k]] = c;
+    let part = N / IN_TURN;
+    for k in 0..part {
+        let start = |k: usize| [0, u64::from(particles[k]), step & 0xffff_ffff, step >> 32];
+        let mut c = [start(k), start(k + part), start(k + 2 * part)];
+        macro_rules! rounds {
+            ($($round:literal)*) => {$(
+                let key = key_of($round);
+                c = [lane_round(c[0], key), lane_round(c[1], key), lane_round(c[2], key)];
+            )*};
+        }
+        rounds!(0 1 2 3 4 5 6 7 8 9);
+        for turn in 0..IN_TURN {
+            for word in 0..4 {
+                words[word][k + turn * part] = c[turn][word] as u32;
+            }
+        }
     }
     words
 }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use glam::DVec3;
+use lennard_core::exact::{PartSum, SumOfParts};
 use lennard_core::{ForceError, FusedBath, FusedSteps, Masses};
 use lennard_neighbor::Positions;
 
@@ -10,7 +11,8 @@ use crate::clock::Clock;
 use crate::share::Share;
 use crate::simd::{
     Detail, Disjoint, KickDrift, Level, ListStatus, LoopOver, Mover, PackedCopies, PairList,
-    Prepared, Request, SlotNoise, SlotState, are_few, by_slot, fused_step, to_particles,
+    Prepared, Request, SlotNoise, SlotState, SumOverChunks, are_few, by_slot, fused_step,
+    to_particles,
 };
 use crate::validity::ListValidity;
 
@@ -22,8 +24,10 @@ pub struct FusedBuffers {
     velocities: Vec<DVec3>,
     /// Positions of the next step, where chunks still read the positions of this step. It is empty for many particles.
     next: Vec<DVec3>,
-    /// Kinetic energy that the particle at each slot gains by friction and noise.
-    gained: Vec<f64>,
+    /// The kinetic energy that a bath asks for, or what particles gain by friction and noise, summed over chunks.
+    sum: SumOfParts,
+    /// The part of each chunk.
+    parts: Vec<PartSum>,
 }
 
 /// Particles in the order of a list.
@@ -34,8 +38,8 @@ struct BySlot<'a> {
     next: &'a mut [DVec3],
     /// Forces of the step, where a bath acts before the next kick; otherwise empty.
     forces: &'a mut [DVec3],
-    /// Kinetic energy that the particle at each slot gains by friction and noise.
-    gained: &'a mut Vec<f64>,
+    sum: &'a mut SumOfParts,
+    parts: &'a mut Vec<PartSum>,
 }
 
 impl FusedBuffers {
@@ -43,7 +47,7 @@ impl FusedBuffers {
     pub fn bytes(&self) -> usize {
         let vectors = [&self.positions, &self.velocities, &self.next];
         let vectors: usize = vectors.iter().map(|v| v.capacity()).sum();
-        24 * vectors + 8 * self.gained.capacity()
+        24 * vectors + self.parts.capacity() * size_of::<PartSum>()
     }
 
     /// The arrays of some steps, in this room and in the room of forces.
@@ -68,7 +72,8 @@ impl FusedBuffers {
             velocities: &mut self.velocities,
             next: &mut self.next,
             forces,
-            gained: &mut self.gained,
+            sum: &mut self.sum,
+            parts: &mut self.parts,
         }
     }
 
@@ -204,12 +209,13 @@ impl BySlot<'_> {
         };
         let rest = Rest {
             forces: self.forces,
-            gained: self.gained,
+            sum: self.sum,
+            parts: self.parts,
         };
         (state, rest)
     }
 
-    /// Lets the bath scale the velocities after half a kick, and goes on with the other half and the drift.
+    /// Kicks by half, lets the bath scale the velocities, and goes on with the other half and the drift.
     fn go_on_from_bath(
         &mut self,
         steps: &mut FusedSteps<'_>,
@@ -217,13 +223,12 @@ impl BySlot<'_> {
         share: Option<&Share>,
     ) {
         let own = self.own(share);
-        let (positions, velocities) = (&mut self.positions[own.clone()], &mut *self.velocities);
-        let velocities = &mut velocities[own.clone()];
-        // All masses are equal, so that the order of the slots serves as well.
-        let kinetic = (steps.masses).kinetic_energy_over(share.map(Share::team), velocities);
+        let positions = &mut self.positions[own.clone()];
+        let velocities = &mut self.velocities[own.clone()];
+        let kinetic = self.sum.value(self.parts, share.map(Share::team));
         let factor = steps.bath.as_mut().map_or(1.0, |bath| bath.factor(kinetic));
         let forces = &self.forces[own];
-        kick_drift.scale_and_go_on(level, factor, positions, velocities, forces);
+        kick_drift.kick_scale_and_go_on(level, factor, positions, velocities, forces);
     }
 
     /// Makes the positions of the next step the present ones; returns the state of their rows.
@@ -237,7 +242,7 @@ impl BySlot<'_> {
             bath.pass();
         }
         if let Some(noise) = &mut steps.noise {
-            noise.pass(&self.gained[self.own(share)], share.map(Share::team));
+            noise.pass(self.sum.value(self.parts, share.map(Share::team)));
         }
         if !self.next.is_empty() {
             std::mem::swap(&mut self.positions, &mut self.next);
@@ -260,30 +265,36 @@ fn request<P: PairList>(prepared: Prepared, n: usize, left: u64) -> Request {
     }
 }
 
-/// Arrays by slot that only some steps use.
+/// Arrays that only some steps use.
 struct Rest<'a> {
     forces: &'a mut [DVec3],
-    gained: &'a mut Vec<f64>,
+    sum: &'a mut SumOfParts,
+    parts: &'a mut Vec<PartSum>,
 }
 
 impl<'a> Rest<'a> {
     /// What moves the particles in the next step; `acts` says whether the bath does after it.
     fn mover(self, acts: bool, steps: &FusedSteps<'_>, particles: &'a [u32]) -> Mover<'a> {
+        let Masses::Uniform(mass) = *steps.masses else {
+            return Mover::Drift;
+        };
+        let Self { forces, sum, parts } = self;
         let n = particles.len();
         if acts {
-            return Mover::Kick(Disjoint::new(self.forces));
+            return Mover::Kick {
+                forces: Disjoint::new(forces),
+                mass,
+                sum: SumOverChunks::begin(sum, parts, n),
+            };
         }
-        match (&steps.noise, steps.masses) {
-            (Some(noise), Masses::Uniform(mass)) => {
-                self.gained.resize(n, 0.0);
-                let noise = SlotNoise {
-                    of_step: noise.next_step(),
-                    mass: *mass,
-                    particles,
-                };
-                Mover::Noise(noise, Disjoint::new(self.gained))
-            }
-            _ => Mover::Drift,
-        }
+        let Some(noise) = &steps.noise else {
+            return Mover::Drift;
+        };
+        let noise = SlotNoise {
+            of_step: noise.next_step(),
+            mass,
+            particles,
+        };
+        Mover::Noise(noise, SumOverChunks::begin(sum, parts, n))
     }
 }

@@ -67,7 +67,8 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
 /// Langevin dynamics m·dv = F·dt − γ·m·v·dt + √(2γmT)·dW by the splitting B A O A B. B is half a
 /// kick, A half a drift, and O the friction and noise of the whole step.
 ///
-/// Noise touches every particle, so total momentum is not conserved and n_dof is 3N.
+/// Noise touches every particle, so total momentum is not conserved and n_dof is 3N. Its normal numbers have 24 bits, in double
+/// precision too.
 /// The heat of a step is the kinetic energy that the O part put in; E minus its sum is conserved
 /// as velocity Verlet conserves energy.
 #[derive(Debug, Clone)]

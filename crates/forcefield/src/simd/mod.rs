@@ -73,7 +73,7 @@ pub use level::Level;
 pub use limit::limit;
 pub use list_in_use::{ListInUse, Ordered};
 pub use motion::{MotionSummary, SomeRows};
-pub use mover::{Mover, SlotNoise};
+pub use mover::{Mover, SlotNoise, SumOverChunks};
 pub use packed::{ListStatus, Outcome, PackedCopies, Prepared, Request, are_few};
 pub use pair_list::{LoopOver, PairList};
 pub use row::{DoubleRow, FixedRow};

@@ -3,29 +3,69 @@
 //! ```text
 //!   Drift   v += kick, v += kick                       x += h·v
 //!   Noise   v += kick, v += kick    x += ½h·v    friction and noise    x += ½h·v
-//!   Kick    v += kick               forces are kept: a bath scales all velocities before the next kick
+//!   Kick    K of v + kick           forces are kept: a bath scales all velocities between the kicks
 //! ```
 
 use std::ops::Range;
 
 use glam::DVec3;
-use lennard_core::NoiseOfStep;
+use lennard_core::exact::{PartSum, SumOfParts};
 use lennard_core::parallel::for_each_piece_pair;
+use lennard_core::{NOISE_LANES, NoiseOfMass, NoiseOfStep};
+use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::disjoint::Disjoint;
 use super::kick_drift::{KickDrift, components, components_mut};
 use super::level::Level;
 
+const _: () = assert!(
+    ATOMS_PER_CHUNK <= NOISE_LANES && ATOMS_PER_CHUNK <= SumOfParts::MOST_TERMS,
+    "a chunk is one part of a sum, and draws its noise at once"
+);
+
 /// What moves the particles of a chunk.
 pub enum Mover<'a> {
     /// Two half kicks and a drift.
     Drift,
-    /// Two half kicks, and friction and noise between two half drifts.
+    /// Two half kicks, and friction and noise between two half drifts. The sum is over the kinetic energy that they put in, ε.
+    Noise(SlotNoise<'a>, SumOverChunks<'a>),
+    /// The kinetic energy after half a kick is summed, ε; velocities stay, and the forces by slot are kept, ε/σ.
+    Kick {
+        /// The forces.
+        forces: Disjoint<'a, DVec3>,
+        /// The mass of each particle.
+        mass: f64,
+        /// The sum of the kinetic energy.
+        sum: SumOverChunks<'a>,
+    },
+}
+
+/// An exact sum over all particles, to which each chunk gives its part.
+pub struct SumOverChunks<'a> {
+    sum: &'a SumOfParts,
+    parts: Disjoint<'a, PartSum>,
+}
+
+impl<'a> SumOverChunks<'a> {
+    /// A sum over `n` particles, whose parts go to an array. Where there are ranks, the chunks of others give nothing.
+    pub fn begin(sum: &'a mut SumOfParts, parts: &'a mut Vec<PartSum>, n: usize) -> Self {
+        sum.begin();
+        parts.clear();
+        parts.resize(n.div_ceil(ATOMS_PER_CHUNK), PartSum::default());
+        Self {
+            sum,
+            parts: Disjoint::new(parts),
+        }
+    }
+
+    /// Gives the terms of the particles of a chunk.
     ///
-    /// The kinetic energy that the particle at each slot gains is written to the array, ε.
-    Noise(SlotNoise<'a>, Disjoint<'a, f64>),
-    /// One half kick; the forces by slot are kept here, ε/σ.
-    Kick(Disjoint<'a, DVec3>),
+    /// # Safety
+    /// No other thread gives the terms of this chunk.
+    pub unsafe fn give(&self, chunk: usize, terms: &[f64]) {
+        // SAFETY: the contract is passed on.
+        unsafe { self.parts.write(chunk, self.sum.part(terms)) };
+    }
 }
 
 /// Friction and noise on particles by slot.
@@ -62,32 +102,44 @@ pub struct Moving<'a> {
 }
 
 impl KickDrift {
-    /// Half a kick: v ← v + (h/2m)·F.
-    pub fn half_kick(self, level: Level, velocities: &mut [DVec3], forces: &[DVec3]) {
+    /// Writes the kinetic energies ½m·|v + (h/2m)·F|² after half a kick, which scaling gives later, ε.
+    pub fn kinetic_after_kick(
+        self,
+        level: Level,
+        mass: f64,
+        velocities: &[DVec3],
+        forces: &[DVec3],
+        kinetic: &mut [f64],
+    ) {
         match level.avx2() {
             // SAFETY: the token proves AVX2.
             #[cfg(target_arch = "x86_64")]
-            Some(_) => unsafe { self.half_kick_avx2(velocities, forces) },
-            _ => self.half_kick_plain(velocities, forces),
+            Some(_) => unsafe { self.kinetic_avx2(mass, velocities, forces, kinetic) },
+            _ => self.kinetic_plain(mass, velocities, forces, kinetic),
         }
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
-    fn half_kick_avx2(self, velocities: &mut [DVec3], forces: &[DVec3]) {
-        self.half_kick_plain(velocities, forces);
+    fn kinetic_avx2(self, mass: f64, velocities: &[DVec3], forces: &[DVec3], kinetic: &mut [f64]) {
+        self.kinetic_plain(mass, velocities, forces, kinetic);
     }
 
     #[inline(always)]
-    fn half_kick_plain(self, velocities: &mut [DVec3], forces: &[DVec3]) {
-        let velocities = components_mut(velocities);
-        for (v, f) in velocities.iter_mut().zip(components(forces)) {
-            *v += self.half_kick * *f;
+    fn kinetic_plain(self, mass: f64, velocities: &[DVec3], forces: &[DVec3], kinetic: &mut [f64]) {
+        let mut squares = [0.0; 3 * ATOMS_PER_CHUNK];
+        let (velocities, forces) = (components(velocities), components(forces));
+        for ((square, v), f) in squares.iter_mut().zip(velocities).zip(forces) {
+            let v = *v + self.half_kick * *f;
+            *square = v * v;
+        }
+        for (kinetic, [x, y, z]) in kinetic.iter_mut().zip(squares.as_chunks::<3>().0) {
+            *kinetic = 0.5 * mass * (x + y + z);
         }
     }
 
-    /// Scales all velocities and goes on from there: v ← factor·v + (h/2m)·F, then x ← x + h·v.
-    pub fn scale_and_go_on(
+    /// Kicks by half, scales, and goes on: v ← factor·(v + (h/2m)·F) + (h/2m)·F, then x ← x + h·v.
+    pub fn kick_scale_and_go_on(
         self,
         level: Level,
         factor: f64,
@@ -116,8 +168,10 @@ impl KickDrift {
     fn go_on_plain(self, factor: f64, xs: &mut [DVec3], vs: &mut [DVec3], forces: &[DVec3]) {
         let (xs, vs) = (components_mut(xs), components_mut(vs));
         for ((x, v), f) in xs.iter_mut().zip(vs).zip(components(forces)) {
+            let kick = self.half_kick * *f;
+            *v += kick;
             *v *= factor;
-            *v += self.half_kick * *f;
+            *v += kick;
             *x += self.dt * *v;
         }
     }
@@ -158,65 +212,79 @@ impl KickDrift {
             forces,
             gained,
         } = moving;
-        let half = 0.5 * self.dt;
-        let mut longest = [[0.0; TWELVE]; 2];
-        let (x, x_rest) = components_mut(positions).as_chunks_mut::<TWELVE>();
-        let (v, v_rest) = components_mut(velocities).as_chunks_mut::<TWELVE>();
-        let (f, f_rest) = components(forces).as_chunks::<TWELVE>();
-        let (x_rest, v_rest) = (x_rest.as_chunks_mut::<3>().0, v_rest.as_chunks_mut::<3>().0);
-        for ((x, v), f) in x.iter_mut().zip(v).zip(f) {
-            self.kick_twice(v, f);
-            drift(half, x, v, &mut longest[0]);
+        let of_mass = noise.of_step.on(noise.mass);
+        let normals = noise.of_step.normals(noise.particles);
+        let mut grown = [0.0; 3 * NOISE_LANES];
+        let (mut longest, mut longest_of_rest) = ([0.0; GROUP], [0.0; 3]);
+        let (x, x_rest) = components_mut(positions).as_chunks_mut::<GROUP>();
+        let (v, v_rest) = components_mut(velocities).as_chunks_mut::<GROUP>();
+        let (f, f_rest) = components(forces).as_chunks::<GROUP>();
+        let (normals, grown_by) = (normals.as_chunks().0, grown.as_chunks_mut().0);
+        let groups = x.iter_mut().zip(v).zip(f).zip(normals).zip(&mut *grown_by);
+        let whole = groups.len();
+        for ((((x, v), f), normals), grown) in groups {
+            self.kick_drift_and_noise(of_mass, (x, v, f), normals, grown, &mut longest);
         }
-        for ((x, v), f) in x_rest.iter_mut().zip(v_rest).zip(f_rest.as_chunks::<3>().0) {
-            self.kick_twice(v, f);
-            drift(half, x, v, &mut longest[0]);
+        let (x, v) = (x_rest.as_chunks_mut::<3>().0, v_rest.as_chunks_mut().0);
+        let normals = normals[whole..].as_flattened().as_chunks().0;
+        let grown_by = grown_by[whole..].as_flattened_mut().as_chunks_mut().0;
+        let rest = x.iter_mut().zip(v).zip(f_rest.as_chunks().0);
+        for ((((x, v), f), normals), grown) in rest.zip(normals).zip(grown_by) {
+            self.kick_drift_and_noise(of_mass, (x, v, f), normals, grown, &mut longest_of_rest);
         }
-        noise
-            .of_step
-            .act(noise.mass, noise.particles, velocities, gained);
-        let (v, v_rest) = components(velocities).as_chunks::<TWELVE>();
-        for (x, v) in x.iter_mut().zip(v) {
-            drift(half, x, v, &mut longest[1]);
+        for (gained, grown) in gained.iter_mut().zip(grown.as_chunks().0) {
+            *gained = of_mass.gained(*grown);
         }
-        for (x, v) in x_rest.iter_mut().zip(v_rest.as_chunks::<3>().0) {
-            drift(half, x, v, &mut longest[1]);
-        }
-        let [before_noise, after] = longest.map(longest_along_axes);
         // The factor covers the rounding of the bound.
-        (before_noise + after).length() * (1.0 + 1e-12)
+        let of_rest = DVec3::from_array(longest_of_rest);
+        longest_along_axes(longest).max(of_rest).length() * (1.0 + 1e-12)
     }
 
-    /// v ← v + (h/2m)·F twice, for some components.
+    /// Moves some components. What the squares of v gain by friction and noise is written to `grown`, and the longest step of
+    /// each component is kept.
     #[inline(always)]
-    fn kick_twice<const N: usize>(self, v: &mut [f64; N], f: &[f64; N]) {
+    fn kick_drift_and_noise<const N: usize>(
+        self,
+        noise: NoiseOfMass,
+        (x, v, f): (&mut [f64; N], &mut [f64; N], &[f64; N]),
+        normals: &[f32; N],
+        grown: &mut [f64; N],
+        longest: &mut [f64; N],
+    ) {
+        let half = 0.5 * self.dt;
         for k in 0..N {
             let kick = self.half_kick * f[k];
-            v[k] += kick;
-            v[k] += kick;
+            let before = v[k] + kick + kick;
+            let at_noise = x[k] + half * before;
+            let next = noise.next(before, normals[k]);
+            let after = at_noise + half * next;
+            longest[k] = larger((after - x[k]).abs(), longest[k]);
+            grown[k] = next * next - before * before;
+            x[k] = after;
+            v[k] = next;
         }
     }
 }
 
-/// Components of four vectors.
-const TWELVE: usize = 12;
-
-/// x ← x + h·v for some components. The longest steps are kept for each of twelve components that follow each other.
-#[inline(always)]
-fn drift<const N: usize>(h: f64, x: &mut [f64; N], v: &[f64; N], longest: &mut [f64; TWELVE]) {
-    for k in 0..N {
-        let before = x[k];
-        x[k] += h * v[k];
-        let step = (x[k] - before).abs();
-        longest[k] = if step > longest[k] { step } else { longest[k] };
-    }
-}
+/// Components of eight vectors, which fill whole registers.
+const GROUP: usize = 24;
 
 /// The longest steps along x, y and z.
-fn longest_along_axes(of_components: [f64; TWELVE]) -> DVec3 {
-    let (vectors, _) = of_components.as_chunks::<3>();
-    let vectors = vectors.iter().map(|v| DVec3::from_array(*v));
-    vectors.fold(DVec3::ZERO, DVec3::max)
+// The loops have lengths that a compiler knows, so that the steps stay in registers before them.
+#[inline(always)]
+fn longest_along_axes(mut longest: [f64; GROUP]) -> DVec3 {
+    for half in [GROUP / 2, GROUP / 4, GROUP / 8] {
+        for k in 0..half {
+            longest[k] = larger(longest[k + half], longest[k]);
+        }
+    }
+    DVec3::new(longest[0], longest[1], longest[2])
+}
+
+/// The larger of two numbers; the second where one is no number.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 #[cfg(test)]

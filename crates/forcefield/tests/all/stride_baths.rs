@@ -169,8 +169,8 @@ fn a_stride_that_fails_under_a_bath_changes_no_particle() {
             kernel,
             ..ForceFieldOptions::default()
         };
-        let mut fluid = start.clone();
-        let taken = fluid.stride(&mut built(&options, None, cell, n), None, 9);
+        let (mut fluid, mut forces) = (start.clone(), built(&options, None, cell, n));
+        let taken = fluid.stride(&mut forces, None, 9);
         assert_eq!(taken, 0);
         assert_eq!(fluid.positions, start.positions);
         assert_eq!(fluid.velocities, start.velocities);
@@ -178,5 +178,13 @@ fn a_stride_that_fails_under_a_bath_changes_no_particle() {
             fluid.bath != start.bath,
             "the caller gives the bath its memory back"
         );
+        // The kinetic energy of the next stride has nothing of the last one.
+        let [mut other, mut alone] = [start.clone(), start.clone()].map(|mut fluid| {
+            fluid.velocities[77] = DVec3::X;
+            fluid
+        });
+        assert_eq!(other.stride(&mut forces, None, 9), 9);
+        alone.stride(&mut built(&options, None, cell, n), None, 9);
+        assert!(other == alone, "{kernel:?}");
     }
 }

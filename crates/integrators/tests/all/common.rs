@@ -84,13 +84,8 @@ impl Backend for Cluster {
                 continue;
             };
             sweeps::drift(stride.positions, velocities, 0.5 * h);
-            let mut gained = vec![0.0; velocities.len()];
-            let of_step = noise.next_step();
-            for (i, (v, gained)) in velocities.iter_mut().zip(&mut gained).enumerate() {
-                let (v, gained) = (std::slice::from_mut(v), std::slice::from_mut(gained));
-                of_step.act(stride.masses.of(i), &[i as u32], v, gained);
-            }
-            noise.pass(&gained, None);
+            let gained = noise.next_step().act_on_all(stride.masses, velocities);
+            noise.pass(gained);
             sweeps::drift(stride.positions, velocities, 0.5 * h);
         }
         steps

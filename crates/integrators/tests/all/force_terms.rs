@@ -182,7 +182,7 @@ impl Backend for Vain {
             bath.factor(7.0);
         }
         if let Some(noise) = &mut steps.noise {
-            noise.pass(&[7.0], None);
+            noise.pass(7.0);
         }
         0
     }

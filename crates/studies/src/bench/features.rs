@@ -20,8 +20,8 @@ use crate::Progress;
 use crate::jobs::pool;
 use crate::lab::ByHand;
 
-/// Blocks of the bare loop, and of the engine with everything off, in each round. The best counts: their ratio must be
-/// known to a per cent, on machines where one block is known to ten.
+/// Blocks of the bare loop, and of the engine with everything off, in each round. The best counts for their ratio, which must be
+/// known to a per cent, on machines where one block is known to ten. Features are compared with the median.
 const BASE_BLOCKS: usize = 4;
 /// Steps between two frames in the measurement.
 const FRAMES_EVERY: u64 = 100;
@@ -99,15 +99,17 @@ pub(super) fn measure(
     let seconds = in_turns(&labels, options, progress, |i| {
         pool.install(|| block(&items[i].on, &variant.scene, blocks, &options.scratch))
     })?;
-    // Of each round the best of the blocks from `first` on, every second one.
-    let best = |first: usize| -> Vec<f64> {
+    // In each round, the blocks from `first` on, every second one.
+    let in_rounds = |first: usize, of: &dyn Fn(Spread) -> f64| -> Vec<f64> {
         let base = &seconds[features + first..];
         let of_round = |round: usize| base.iter().step_by(2).map(move |s| s[round]);
         (0..options.repeats)
-            .map(|round| of_round(round).fold(f64::INFINITY, f64::min))
+            .map(|round| of(spread(of_round(round))))
             .collect()
     };
-    let (bare, off) = (best(0), best(1));
+    let (bare, off) = (in_rounds(0, &|s| s.lowest), in_rounds(1, &|s| s.lowest));
+    // A feature has one block in each round. Beside the best of several, it would seem to cost what blocks differ by.
+    let usual = in_rounds(1, &|s| s.median);
     let shares = |seconds: &[f64], base: &[f64]| {
         spread(seconds.iter().zip(base).map(|(s, base)| s / base - 1.0))
     };
@@ -121,7 +123,7 @@ pub(super) fn measure(
     };
     let over_blocks = items[..features].iter().zip(&seconds);
     let mut found: Vec<Feature> = over_blocks
-        .map(|(item, s)| feature(item.name.clone(), item.how.clone(), shares(s, &off)))
+        .map(|(item, s)| feature(item.name.clone(), item.how.clone(), shares(s, &usual)))
         .collect();
     let step = spread(off.iter().copied()).median / blocks.steps as f64;
     let singly = pool.install(|| called_singly(&variant.scene, blocks, options, step))?;
@@ -199,9 +201,11 @@ fn items(scene: &Scene, blocks: &Blocks) -> (Vec<Item>, Vec<String>) {
         .map(|(name, want)| item(name, EVERY_STEP, On::Wanted(want)))
         .into();
     for spec in lennard_integrators::thermostats() {
-        let options: Result<ThermostatOptions, _> =
-            toml::from_str(&format!("kind = \"{}\"", spec.name));
-        if let Ok(options) = options {
+        // A bath that may act every so many steps acts in each.
+        let options = ["\nevery = 1", ""].into_iter().find_map(|more| {
+            toml::from_str::<ThermostatOptions>(&format!("kind = \"{}\"{more}", spec.name)).ok()
+        });
+        if let Some(options) = options {
             let scene = with(&|s| s.stages[0].thermostat = Some(options.clone()));
             let name = format!("thermostat {}", spec.name);
             items.push(item(name, EVERY_STEP, On::More(scene)));

@@ -27,7 +27,7 @@ pub struct SlotState<'a> {
 
 /// Judges the list where the request demands it, and takes one step where the list is complete.
 ///
-/// With [`Mover::Kick`] the step ends with half a kick: positions stay, and chunks pack nothing.
+/// With [`Mover::Kick`] the step ends with its forces: positions and velocities stay, and chunks pack nothing.
 ///
 /// Where a number is not finite, the written arrays have no meaning.
 pub fn fused_step<P: PairList>(
@@ -68,7 +68,7 @@ pub fn fused_step<P: PairList>(
         // SAFETY: each chunk runs once, and its slots belong to no other chunk. This holds for all blocks below.
         let (positions, velocities) = unsafe {
             let positions = match (&next, mover) {
-                (_, Mover::Kick(_)) => &mut [][..],
+                (_, Mover::Kick { .. }) => &mut [][..],
                 (Some(next), _) => {
                     let next = next.part(slots.clone());
                     next.copy_from_slice(&at().positions[slots.clone()]);
@@ -81,7 +81,7 @@ pub fn fused_step<P: PairList>(
         let mut of_chunk = [DVec3::ZERO; ATOMS_PER_CHUNK];
         let forces = match mover {
             // SAFETY: as above.
-            Mover::Kick(kept) => unsafe { kept.part(slots.clone()) },
+            Mover::Kick { forces, .. } => unsafe { forces.part(slots.clone()) },
             _ => &mut of_chunk[..slots.len()],
         };
         // SAFETY: as above.
@@ -91,18 +91,25 @@ pub fn fused_step<P: PairList>(
         let totals = unsafe { over_list.run(used.level, rows, chunk, request.detail, &output) };
         let step = match mover {
             Mover::Drift => kick_drift.apply(used.level, positions, velocities, forces),
-            Mover::Noise(noise, gained) => {
+            Mover::Noise(noise, sum) => {
+                let gained = &mut [0.0; ATOMS_PER_CHUNK][..slots.len()];
                 let moving = Moving {
                     positions,
                     velocities,
                     forces,
-                    // SAFETY: as above.
-                    gained: unsafe { gained.part(slots.clone()) },
+                    gained: &mut *gained,
                 };
-                kick_drift.apply_with_noise(used.level, noise.part(slots.clone()), moving)
+                let of_chunk = noise.part(slots.clone());
+                let step = kick_drift.apply_with_noise(used.level, of_chunk, moving);
+                // SAFETY: as above.
+                unsafe { sum.give(chunk, gained) };
+                step
             }
-            Mover::Kick(_) => {
-                kick_drift.half_kick(used.level, velocities, forces);
+            Mover::Kick { mass, sum, .. } => {
+                let kinetic = &mut [0.0; ATOMS_PER_CHUNK][..slots.len()];
+                kick_drift.kinetic_after_kick(used.level, *mass, velocities, forces, kinetic);
+                // SAFETY: as above.
+                unsafe { sum.give(chunk, kinetic) };
                 return totals;
             }
         };
