@@ -6,11 +6,11 @@
 //!   normal numbers          x = r1·cos, y = r1·sin           z = r2·sin
 //! ```
 //!
-//! An angle lies within a quarter of a turn to either side. The sign of the radius then makes a whole turn of a half, and the
-//! sine of such an angle has the distribution of the sine of any angle.
+//! An angle lies within a quarter of a turn to either side. The sign of the radius makes a whole turn of the half. The sine of
+//! such an angle has the distribution of the sine of any angle.
 //!
 //! The numbers have the 24 bits of a single: noise needs no more, and a register holds twice as many of them. Every operation is
-//! exact or rounded once, as IEEE 754 has it, in a fixed order: a compiler may put the particles into lanes of any width, and the
+//! exact or rounded once, as IEEE 754 has it, in a fixed order. A compiler may put the particles into lanes of any width, and the
 //! bits stay. Source: Box and Muller, "A note on the generation of random normal deviates", Ann. Math. Stat. 29, 610 (1958).
 //! Polynomials are near the best of their degree: the largest error is least.
 

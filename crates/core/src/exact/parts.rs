@@ -109,7 +109,7 @@ mod tests {
             let term = |k: usize| scale * ((k + 31 * round) as f64 * 12.9898).sin();
             let mut terms: Vec<f64> = (0..n).map(term).collect();
             // A term far below the others has a rest below the slices.
-            terms[round] = scale * 1e-12 * terms[round];
+            terms[round] *= scale * 1e-12;
             let parts: Vec<PartSum> = terms.chunks(BLOCK).map(|part| sum.part(part)).collect();
             spilled.push(parts.iter().filter(|part| part.0 == [0.0; 2]).count());
             let value = sum.value(&parts, None);
