@@ -2,7 +2,7 @@
 
 use crate::exact::total;
 use crate::lanes::{Simd, WithSimd, in_lanes};
-use crate::normals::LANES;
+use crate::normals::{Aligned, LANES};
 use crate::parallel::for_each_piece_pair;
 use crate::random::NoiseStream;
 use crate::{DVec3, Masses, Ramp};
@@ -88,7 +88,7 @@ impl NoiseOfStep {
     /// Where there are more than [`LANES`]: that is a bug of the caller.
     #[inline(always)]
     #[must_use]
-    pub fn normals(&self, particles: &[u32]) -> [f32; 3 * LANES] {
+    pub fn normals(&self, particles: &[u32]) -> Aligned<[f32; 3 * LANES]> {
         let mut numbers = [0; LANES];
         numbers[..particles.len()].copy_from_slice(particles);
         self.noise.normals(self.step, &numbers)
@@ -128,7 +128,7 @@ impl OnPiece<'_> {
         for (block, (velocities, gained)) in blocks {
             let first = self.first + block * LANES;
             let numbers: [u32; LANES] = std::array::from_fn(|k| (first + k) as u32);
-            let normals = self.noise.normals(&numbers);
+            let Aligned(normals) = &self.noise.normals(&numbers);
             let (normals, _) = normals.as_chunks::<3>();
             let particles = velocities.iter_mut().zip(normals).zip(gained).enumerate();
             for (k, ((v, normals), gained)) in particles {

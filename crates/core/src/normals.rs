@@ -21,6 +21,11 @@ use crate::random::{NoiseStream, philox_lanes};
 /// Particles that are worked on side by side.
 pub const LANES: usize = 48;
 
+/// Numbers that begin where a line of the cache does: registers of them are written and read without a split.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub struct Aligned<T>(pub T);
+
 /// The mantissa of a single.
 const MANTISSA: u32 = (1 << 23) - 1;
 /// The bits of √½.
@@ -95,9 +100,10 @@ impl NoiseStream {
     /// Three normal numbers for each of some particles at a step: x, y and z of one after another.
     #[inline(always)]
     #[must_use]
-    pub fn normals(&self, step: u64, particles: &[u32; LANES]) -> [f32; 3 * LANES] {
-        let bits = philox_lanes(self.key(), step, particles);
-        let [mut x, mut y, mut z] = [[0.0; LANES]; 3];
+    pub fn normals(&self, step: u64, particles: &[u32; LANES]) -> Aligned<[f32; 3 * LANES]> {
+        let Aligned(bits) = philox_lanes(self.key(), step, particles);
+        let mut axes = Aligned([[0.0; LANES]; 3]);
+        let [x, y, z] = &mut axes.0;
         for k in 0..LANES {
             let first = radius(bits[0][k]);
             let [cosine, sine] = cosine_and_sine(bits[1][k]);
@@ -106,11 +112,11 @@ impl NoiseStream {
             let [_, sine] = cosine_and_sine(bits[3][k]);
             z[k] = radius(bits[2][k]) * sine;
         }
-        let mut normals = [0.0; 3 * LANES];
+        let mut normals = Aligned([0.0; 3 * LANES]);
         for k in 0..LANES {
-            normals[3 * k] = x[k];
-            normals[3 * k + 1] = y[k];
-            normals[3 * k + 2] = z[k];
+            normals.0[3 * k] = x[k];
+            normals.0[3 * k + 1] = y[k];
+            normals.0[3 * k + 2] = z[k];
         }
         normals
     }
@@ -149,9 +155,9 @@ mod tests {
         let mut particles: [u32; LANES] = std::array::from_fn(|k| 3 * k as u32);
         particles[4..7].copy_from_slice(&[1 << 20, u32::MAX, 7]);
         let step = (7 << 40) + 9;
-        let together = noise.normals(step, &particles);
+        let Aligned(together) = noise.normals(step, &particles);
         for (k, particle) in particles.into_iter().enumerate() {
-            let alone = noise.normals(step, &[particle; LANES]);
+            let Aligned(alone) = noise.normals(step, &[particle; LANES]);
             let [u0, u1, u2, u3] = philox4x32([0, particle, 9, 7 << 8], noise.key());
             let [cosine, sine] = cosine_and_sine(u1);
             let block = [
@@ -178,7 +184,7 @@ mod tests {
         let (mut moments, mut crossed, mut beyond) = ([[0.0; 4]; 3], [0.0; 3], [0_u32; 3]);
         for block in 0..blocks {
             let first = block * LANES as u32;
-            let normals = noise.normals(9, &std::array::from_fn(|k| first + k as u32));
+            let Aligned(normals) = noise.normals(9, &std::array::from_fn(|k| first + k as u32));
             for r in normals.as_chunks::<3>().0 {
                 let r = r.map(f64::from);
                 for axis in 0..3 {

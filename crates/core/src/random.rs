@@ -9,6 +9,8 @@ use std::convert::Infallible;
 use rand::{SeedableRng, TryRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use crate::normals::Aligned;
+
 /// One round of Philox: two 32×32-bit products, crossed.
 #[inline(always)]
 fn philox_round(c: [u32; 4], k: [u32; 2]) -> [u32; 4] {
@@ -63,9 +65,9 @@ pub(crate) fn philox_lanes<const N: usize>(
     key: [u32; 2],
     step: u64,
     particles: &[u32; N],
-) -> [[u32; N]; 4] {
+) -> Aligned<[[u32; N]; 4]> {
     const { assert!(N.is_multiple_of(IN_TURN)) };
-    let mut words = [[0; N]; 4];
+    let mut words = Aligned([[0; N]; 4]);
     let key_of = |round: u32| {
         let first = key[0].wrapping_add(round.wrapping_mul(0x9E37_79B9));
         let second = key[1].wrapping_add(round.wrapping_mul(0xBB67_AE85));
@@ -84,7 +86,7 @@ pub(crate) fn philox_lanes<const N: usize>(
         rounds!(0 1 2 3 4 5 6 7 8 9);
         for turn in 0..IN_TURN {
             for word in 0..4 {
-                words[word][k + turn * part] = c[turn][word] as u32;
+                words.0[word][k + turn * part] = c[turn][word] as u32;
             }
         }
     }

@@ -10,8 +10,8 @@ use std::ops::Range;
 
 use glam::DVec3;
 use lennard_core::exact::{PartSum, SumOfParts};
-use lennard_core::parallel::for_each_piece_pair;
-use lennard_core::{NOISE_LANES, NoiseOfMass, NoiseOfStep};
+use lennard_core::parallel::for_each_piece_pair_from_last;
+use lennard_core::{Aligned, NOISE_LANES, NoiseOfMass, NoiseOfStep};
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::disjoint::Disjoint;
@@ -111,12 +111,27 @@ impl KickDrift {
         forces: &[DVec3],
         kinetic: &mut [f64],
     ) {
-        match level.avx2() {
-            // SAFETY: the token proves AVX2.
+        match level {
+            // SAFETY: the level holds a token, which proves the instruction set.
             #[cfg(target_arch = "x86_64")]
-            Some(_) => unsafe { self.kinetic_avx2(mass, velocities, forces, kinetic) },
+            Level::Avx512(_) => unsafe { self.kinetic_avx512(mass, velocities, forces, kinetic) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(_) => unsafe { self.kinetic_avx2(mass, velocities, forces, kinetic) },
             _ => self.kinetic_plain(mass, velocities, forces, kinetic),
         }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2")]
+    fn kinetic_avx512(
+        self,
+        mass: f64,
+        velocities: &[DVec3],
+        forces: &[DVec3],
+        kinetic: &mut [f64],
+    ) {
+        self.kinetic_plain(mass, velocities, forces, kinetic);
     }
 
     #[cfg(target_arch = "x86_64")]
@@ -127,7 +142,7 @@ impl KickDrift {
 
     #[inline(always)]
     fn kinetic_plain(self, mass: f64, velocities: &[DVec3], forces: &[DVec3], kinetic: &mut [f64]) {
-        let mut squares = [0.0; 3 * ATOMS_PER_CHUNK];
+        let Aligned(squares) = &mut Aligned([0.0; 3 * ATOMS_PER_CHUNK]);
         let (velocities, forces) = (components(velocities), components(forces));
         for ((square, v), f) in squares.iter_mut().zip(velocities).zip(forces) {
             let v = *v + self.half_kick * *f;
@@ -147,7 +162,7 @@ impl KickDrift {
         velocities: &mut [DVec3],
         forces: &[DVec3],
     ) {
-        for_each_piece_pair(positions, velocities, |first, xs, vs| {
+        for_each_piece_pair_from_last(positions, velocities, |first, xs, vs| {
             let forces = &forces[first..];
             match level.avx2() {
                 // SAFETY: the token proves AVX2.
@@ -213,8 +228,8 @@ impl KickDrift {
             gained,
         } = moving;
         let of_mass = noise.of_step.on(noise.mass);
-        let normals = noise.of_step.normals(noise.particles);
-        let mut grown = [0.0; 3 * NOISE_LANES];
+        let Aligned(normals) = &noise.of_step.normals(noise.particles);
+        let Aligned(grown) = &mut Aligned([0.0; 3 * NOISE_LANES]);
         let (mut longest, mut longest_of_rest) = ([0.0; GROUP], [0.0; 3]);
         let (x, x_rest) = components_mut(positions).as_chunks_mut::<GROUP>();
         let (v, v_rest) = components_mut(velocities).as_chunks_mut::<GROUP>();
