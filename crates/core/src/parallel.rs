@@ -140,25 +140,6 @@ where
     for_each_item(pieces, |(), k, (x, y)| work(k * size, x, y));
 }
 
-/// As [`for_each_piece_pair`], from the last piece to the first: what a loop has just read lies in a cache there.
-///
-/// # Panics
-/// As [`for_each_piece_pair`].
-pub fn for_each_piece_pair_from_last<A, B, F>(a: &mut [A], b: &mut [B], work: F)
-where
-    A: Send,
-    B: Send,
-    F: Fn(usize, &mut [A], &mut [B]) + Sync,
-{
-    assert_eq!(a.len(), b.len(), "both arrays hold one item per particle");
-    let size = piece(a.len());
-    let pieces = a.chunks_mut(size).zip(b.chunks_mut(size));
-    let last = pieces.len();
-    for_each_item(pieces.rev(), |(), k, (x, y)| {
-        work((last - 1 - k) * size, x, y)
-    });
-}
-
 /// Runs `work(first_index, piece_a, piece_b, piece_c)` over pieces of three arrays of the same length; as
 /// [`for_each_piece`].
 ///

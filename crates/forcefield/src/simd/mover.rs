@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 use lennard_core::exact::{PartSum, SumOfParts};
-use lennard_core::parallel::for_each_piece_pair_from_last;
+use lennard_core::parallel::for_each_piece_pair;
 use lennard_core::{Aligned, NOISE_LANES, NoiseOfMass, NoiseOfStep};
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
@@ -162,7 +162,7 @@ impl KickDrift {
         velocities: &mut [DVec3],
         forces: &[DVec3],
     ) {
-        for_each_piece_pair_from_last(positions, velocities, |first, xs, vs| {
+        for_each_piece_pair(positions, velocities, |first, xs, vs| {
             let forces = &forces[first..];
             match level.avx2() {
                 // SAFETY: the token proves AVX2.
