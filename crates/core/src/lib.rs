@@ -57,10 +57,11 @@ pub use force_sum::ForceSum;
 pub use friction::{FrictionAndNoise, FusedNoise, NoiseOfMass, NoiseOfStep};
 pub use glam::{DMat3, DVec3};
 pub use integrator::Integrator;
+pub use lanes::Aligned;
 pub use masses::Masses;
 pub use method::{Method, rigid_bonds_alone, without_constraints};
 pub use molecules::{Bonds, Exclusions, MOLECULES_PER_TASK, Molecules};
-pub use normals::{Aligned, LANES as NOISE_LANES};
+pub use normals::LANES as NOISE_LANES;
 pub use observable::{
     Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Shared, Suits, TailCorrection,
     View,

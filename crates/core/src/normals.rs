@@ -16,15 +16,11 @@
 
 use std::f32::consts::LN_2;
 
+use crate::lanes::Aligned;
 use crate::random::{NoiseStream, philox_lanes};
 
 /// Particles that are worked on side by side.
 pub const LANES: usize = 48;
-
-/// Numbers that begin where a line of the cache does: registers of them are written and read without a split.
-#[derive(Debug, Clone, Copy)]
-#[repr(align(64))]
-pub struct Aligned<T>(pub T);
 
 /// The mantissa of a single.
 const MANTISSA: u32 = (1 << 23) - 1;

@@ -9,7 +9,7 @@ use std::convert::Infallible;
 use rand::{SeedableRng, TryRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use crate::normals::Aligned;
+use crate::lanes::Aligned;
 
 /// One round of Philox: two 32×32-bit products, crossed.
 #[inline(always)]
@@ -60,6 +60,8 @@ const IN_TURN: usize = 3;
 /// Philox for the first block of some particles at a step: the words of [`philox4x32`].
 ///
 /// The rounds stand one after another, since a loop over rounds would keep a compiler from putting particles into lanes.
+// Loops of numbers keep the words in registers.
+#[allow(clippy::needless_range_loop)]
 #[inline(always)]
 pub(crate) fn philox_lanes<const N: usize>(
     key: [u32; 2],
