@@ -1,7 +1,8 @@
 //! Friction and noise on every particle: the Ornstein–Uhlenbeck part of Langevin dynamics.
 
+use crate::aligned::Aligned;
 use crate::exact::total;
-use crate::lanes::{Aligned, Simd, WithSimd, in_lanes};
+use crate::lanes::{Simd, WithSimd, in_lanes};
 use crate::normals::LANES;
 use crate::parallel::for_each_piece_pair;
 use crate::random::NoiseStream;

@@ -12,11 +12,6 @@ use crate::DVec3;
 /// The most lanes of any register.
 pub const MOST_LANES: usize = 8;
 
-/// Numbers that begin where a line of the cache does: registers of them are written and read without a split.
-#[derive(Debug, Clone, Copy)]
-#[repr(align(64))]
-pub struct Aligned<T>(pub T);
-
 /// Runs `work` with the widest registers of this machine.
 pub fn in_lanes<W: WithSimd>(work: W) -> W::Output {
     pulp::Arch::new().dispatch(work)

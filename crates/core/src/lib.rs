@@ -6,6 +6,7 @@
 //! lengths in σ, times in τ = σ√(m/ε), energies in ε, forces in ε/σ, pressures in ε/σ³.
 //! Pair vectors are `r_ij = r_i − r_j`; the pair virial is `W = Σ r_ij·F_ij` without a factor 1/3.
 
+mod aligned;
 mod axis;
 mod barostat;
 mod bonds;
@@ -43,6 +44,7 @@ mod team;
 mod thermostat;
 mod topology;
 
+pub use aligned::Aligned;
 pub use axis::Axis;
 pub use barostat::{Barostat, BarostatSpec, BoxMoves, PressureBath};
 pub use bonds::{BondSolver, BoundDrift, Drifted};
@@ -57,7 +59,6 @@ pub use force_sum::ForceSum;
 pub use friction::{FrictionAndNoise, FusedNoise, NoiseOfMass, NoiseOfStep};
 pub use glam::{DMat3, DVec3};
 pub use integrator::Integrator;
-pub use lanes::Aligned;
 pub use masses::Masses;
 pub use method::{Method, rigid_bonds_alone, without_constraints};
 pub use molecules::{Bonds, Exclusions, MOLECULES_PER_TASK, Molecules};

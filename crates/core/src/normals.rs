@@ -16,7 +16,7 @@
 
 use std::f32::consts::LN_2;
 
-use crate::lanes::Aligned;
+use crate::aligned::Aligned;
 use crate::random::{NoiseStream, philox_lanes};
 
 /// Particles that are worked on side by side.
