@@ -58,21 +58,19 @@ impl ListValidity {
         }
     }
 
-    /// Shares a list of `n` particles with the other ranks of a team. It may use the room of its `rows`, as a build does.
+    /// Shares a list of `n` particles with the other ranks of a team.
     pub fn share<P: PairList>(
         &mut self,
-        (list, rows): (&mut P, &mut Vec<P::Row>),
+        list: &mut P,
         team: &Team,
         n: usize,
     ) -> Result<(), TooManyRanks> {
         let mut share = Share::new(team, n)?;
         list.keep(share.chunks());
         if let Some(build) = &self.build {
-            // The particles of a list that is there are placed no longer.
-            list.swap_room(rows);
-            list.place(&build.cell, &[share.own()], &self.built);
-            let found = around(self.level, list, build.extent(self.r_cut), &share.own());
-            list.swap_room(rows);
+            // No search follows: it needs no other columns than the ones around the slots.
+            let (lengths, r_list) = (build.cell.lengths(), build.r_list);
+            let found = Around::new(list.cells(), lengths, r_list, &share.own());
             share.agree(list, &found, &self.built);
         }
         self.share = Some(share);
@@ -378,7 +376,7 @@ impl ListValidity {
     }
 }
 
-/// What lies around some slots in a list that is being built, or was.
+/// What lies around some slots in a list that is being built.
 fn around<P: PairList>(
     level: Level,
     list: &P,

@@ -114,12 +114,8 @@ impl Listed {
         let validity = &mut self.validity;
         match &mut self.pairs {
             Pairs::Canonical(..) => return Ok(false),
-            Pairs::Rows(list, copies) => {
-                validity.share((&mut **list, copies.packed.rows()), team, n)?;
-            }
-            Pairs::Clusters(list, copies) => {
-                validity.share((&mut **list, copies.packed.rows()), team, n)?;
-            }
+            Pairs::Rows(list, _) => validity.share(&mut **list, team, n)?,
+            Pairs::Clusters(list, _) => validity.share(&mut **list, team, n)?,
         }
         Ok(true)
     }
