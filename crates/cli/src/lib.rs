@@ -85,6 +85,7 @@ fn exit_code(done: Result<u8, Failure>) -> u8 {
     match done.and_then(|code| out::finish().map(|()| code)) {
         Ok(code) => code,
         Err(Failure { message, code }) => {
+            signals::let_a_signal_end();
             if !message.is_empty() {
                 eprintln!(
                     "{} {message}",

@@ -15,6 +15,18 @@ use crate::failure::{Failure, OTHER, STOPPED};
 /// What a shell says of a program that SIGINT has ended.
 const ENDED_BY_SIGINT: i32 = 130;
 
+/// Held while a signal ends the program, from before files are removed.
+static ENDING: Mutex<()> = Mutex::new(());
+
+fn ending() -> MutexGuard<'static, ()> {
+    ENDING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Returns at once, or never where a signal ends the program: what fails meanwhile may only lack files that were removed.
+pub fn let_a_signal_end() {
+    drop(ending());
+}
+
 /// What a signal does while nothing is under way.
 pub struct StartUp {
     /// What is true then, for standard error.
@@ -79,6 +91,7 @@ impl StartUp {
     }
 
     fn end(&self) -> ! {
+        let _until_the_exit = ending();
         let folder = self.folder.as_deref().map(OutputFolder::path);
         let kept = self
             .kept
@@ -274,6 +287,21 @@ impl<P: lennard_studies::Progress> lennard_studies::Progress for FirstStep<'_, P
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_failure_waits_for_the_signal_that_ends_the_program() {
+        let held = ending();
+        let (tell, told) = std::sync::mpsc::channel();
+        let waiting = std::thread::spawn(move || {
+            let_a_signal_end();
+            tell.send(()).unwrap();
+        });
+        let a_while = std::time::Duration::from_millis(100);
+        assert!(told.recv_timeout(a_while).is_err());
+        drop(held);
+        told.recv().unwrap();
+        waiting.join().unwrap();
+    }
 
     #[test]
     fn what_nohup_ignores_is_seen() {

@@ -79,7 +79,7 @@ pub(crate) fn main() -> lennard::Result<()> {
         .set("integrator.dt", 0.01)
         .stages([
             toml! { name = "spread" steps = 2000 thermostat = "langevin" },
-            toml! { name = "production" steps = 4000 thermostat = "langevin" },
+            toml! { name = "production" steps = 16000 thermostat = "langevin" },
         ])
         .observables([toml! { kind = "density-profile" every = 10 bins = 10 }])
         .build()?;
