@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Runs what the package managers offer beside Lennard, in alternation, on the cases A, B, C and D.
 
-    python3 benches/peers/compare.py [--cases AB] [--threads 1] [--repeats 3] [--isa avx2] [--gmx PATH] [--only WORDS]
-                                     [--out results.json]
+    python3 benches/peers/compare.py [--cases AB] [--threads 1] [--repeats 3] [--longer 5] [--isa avx2] [--gmx PATH]
+                                     [--only WORDS] [--out results.json]
 
 Engines:
 
@@ -198,6 +198,7 @@ def main():
     parser.add_argument("--cases", default="AB")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--longer", type=int, default=1, help="times as many steps, so that what is written at the end counts less")
     parser.add_argument("--isa", choices=["auto", "avx512", "avx2", "portable"], default="auto",
                         help="the instruction set of Lennard")
     parser.add_argument("--gmx", type=pathlib.Path, action="append", default=[],
@@ -207,6 +208,10 @@ def main():
     options = parser.parse_args()
     if unknown := set(options.cases) - set(CASES):
         parser.error(f"argument --cases: no case {', '.join(sorted(unknown))}; there are {', '.join(CASES)}")
+    if options.longer < 1:
+        parser.error(f"argument --longer: {options.longer} is below 1")
+    for case, (cells, dt, steps) in CASES.items():
+        CASES[case] = (cells, dt, options.longer * steps)
     engines = chosen(options, parser.error)
     results = {}
     for case in options.cases:
@@ -228,7 +233,7 @@ def main():
             speed = f"{medians[name]:.2f} ({min(values):.2f} to {max(values):.2f})"
             print(f"  {name:45s} {speed:>24s}" + "".join(f"{ratio:11.2f}" for ratio in ratios[name].values()))
             ranges[name] = {own: [rounds[0], rounds[-1]] for own, rounds in of_rounds.items()}
-        results[case] = {"threads": options.threads, "isa": options.isa, "speeds": speeds, "medians": medians, "ratios": ratios, "ranges": ranges}
+        results[case] = {"threads": options.threads, "isa": options.isa, "steps": CASES[case][2], "speeds": speeds, "medians": medians, "ratios": ratios, "ranges": ranges}
     if options.out:
         options.out.write_text(json.dumps(results, indent=2) + "\n")
 
