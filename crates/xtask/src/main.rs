@@ -6,6 +6,7 @@ mod book;
 mod counts;
 mod coverage;
 mod fuzz;
+mod ledger;
 mod python;
 mod running;
 mod sessions;
@@ -34,6 +35,8 @@ Commands:
            text is in a test, no machine path, registry host or large file is tracked
   soak     Kill runs at random times, go on with them, and compare every byte with an undisturbed
            run; --quick for 10 kills in place of 200, --long for ten million steps
+  ledger   Bits of every shipped scene, and names of keys, options and methods, against validation/ledger;
+           --write makes the record anew, --names compares names alone, --binary FILE takes another build
   fuzz     Seeded mutations of fuzz/corpus through every reader; --runs N, --target NAME, --seed N
   coverage Do the printed errors cover? 30 seeds at ten states, in three ensembles and at three
            lengths; --quick for eight seeds at two states, --again DATA for other statistics of runs
@@ -75,6 +78,7 @@ fn main() -> ExitCode {
         ["soak", rest @ ..] => return soak::build_and_run(&workspace, rest),
         ["accuracy", rest @ ..] => return accuracy::run(&workspace, rest),
         ["coverage", rest @ ..] => return coverage::run(&workspace, rest),
+        ["ledger", rest @ ..] => return ledger::run(workspace, rest),
         ["fuzz", rest @ ..] => return fuzz::run(&workspace, rest),
         ["check", crates @ ..] => {
             return match workspace.with_crates(crates) {

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use crate::counts::{Counts, Format};
 use crate::python::Environment;
-use crate::running::{ONE_PASSED, Tier, Work, by_counts, by_status};
+use crate::running::{ONE_FAILED, ONE_PASSED, Tier, Work, by_counts, by_status};
 use crate::workspace::{Workspace, cargo};
 use crate::{book, python, sessions, tidy};
 
@@ -127,6 +127,17 @@ const TIDINESS: Tier = Tier {
         Ok(counts)
     }),
 };
+const NAMES: Tier = Tier {
+    name: "names",
+    work: Work::Live(|w| match crate::ledger::names(w) {
+        Ok(0) => Ok(ONE_PASSED),
+        Ok(_) => {
+            println!("`cargo xtask ledger --names --write` records names that changed on purpose");
+            Ok(ONE_FAILED)
+        }
+        Err(error) => Err(error as Box<dyn Error>),
+    }),
+};
 const SESSIONS: Tier = Tier {
     name: "documents",
     work: Work::Live(sessions::run),
@@ -187,6 +198,7 @@ pub fn test() -> Vec<Tier> {
         SOAK,
         COVERAGE,
         TIDINESS,
+        NAMES,
         SESSIONS,
         BOOK,
         PACKAGE,
@@ -216,7 +228,7 @@ pub fn mpi() -> Vec<Tier> {
 
 /// What `cargo xtask tidy` runs, on a workspace [as tested](Workspace::with_tested_binary).
 pub fn tidy() -> Vec<Tier> {
-    vec![TESTED_BUILD, TIDINESS]
+    vec![TESTED_BUILD, TIDINESS, NAMES]
 }
 
 /// What `cargo xtask docs` runs.

@@ -26,8 +26,8 @@ pub struct Workspace {
     pub target: PathBuf,
     /// All packages.
     pub packages: Vec<Package>,
-    /// The folder in `target` of the binary that is looked at.
-    folder: &'static str,
+    /// The program that is looked at.
+    binary: PathBuf,
     /// Names of the packages that lints and tests look at; empty for all.
     selection: Vec<String>,
 }
@@ -118,11 +118,12 @@ impl Workspace {
                 test_binaries,
             });
         }
+        let target: PathBuf = text(metadata, "target_directory")?.into();
         Ok(Self {
             root: text(metadata, "workspace_root")?.into(),
-            target: text(metadata, "target_directory")?.into(),
+            binary: program_in(&target, "release"),
+            target,
             packages,
-            folder: "release",
             selection: Vec::new(),
         })
     }
@@ -162,18 +163,20 @@ impl Workspace {
     /// The same, looking at the binary that `cargo test` has built: optimised too, with assertions, and already there.
     #[must_use]
     pub fn with_tested_binary(self) -> Self {
-        Self {
-            folder: "debug",
-            ..self
-        }
+        let binary = program_in(&self.target, "debug");
+        self.with_binary(binary)
+    }
+
+    /// The workspace with another build of the program.
+    #[must_use]
+    pub fn with_binary(self, binary: PathBuf) -> Self {
+        Self { binary, ..self }
     }
 
     /// The binary that checks look at: the release one, unless [`Self::with_tested_binary`].
     #[must_use]
     pub fn binary(&self) -> PathBuf {
-        self.target
-            .join(self.folder)
-            .join(format!("lennard{}", std::env::consts::EXE_SUFFIX))
+        self.binary.clone()
     }
 
     /// A command that runs in the root of the workspace.
@@ -197,6 +200,13 @@ impl Workspace {
             }
         }
     }
+}
+
+/// The program in a folder of builds.
+fn program_in(target: &Path, folder: &str) -> PathBuf {
+    target
+        .join(folder)
+        .join(format!("lennard{}", std::env::consts::EXE_SUFFIX))
 }
 
 /// The name of a package without the prefix of this workspace.

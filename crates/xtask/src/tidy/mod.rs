@@ -17,7 +17,7 @@ use std::error::Error;
 
 use crate::workspace::Workspace;
 use finding::Finding;
-pub use readme::lennard_commands;
+pub use readme::{commands, lennard_commands};
 
 /// Runs every check.
 pub fn all(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {

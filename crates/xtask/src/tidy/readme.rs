@@ -7,13 +7,13 @@ use std::path::Path;
 use crate::workspace::Workspace;
 
 /// Commands of a program with the options that each knows.
-type Commands = BTreeMap<String, Vec<String>>;
+pub type Commands = BTreeMap<String, Vec<String>>;
 
 /// Folders that runs and builds make.
 const MADE_LATER: [&str; 3] = ["runs", "target", ".venv"];
-const XTASK: [&str; 13] = [
+const XTASK: [&str; 14] = [
     "docs", "test", "check", "physics", "cluster", "mpi", "tidy", "soak", "fuzz", "coverage",
-    "accuracy", "python", "help",
+    "accuracy", "ledger", "python", "help",
 ];
 const CARGO: [&str; 12] = [
     "check", "run", "xtask", "test", "build", "bench", "fmt", "clippy", "doc", "install",
@@ -40,8 +40,8 @@ pub fn lennard_commands(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Er
     Ok(names.filter(|name| name != "help").collect())
 }
 
-/// The commands of `lennard`, from its own help.
-fn commands(workspace: &Workspace) -> Result<Commands, Box<dyn Error>> {
+/// The commands of `lennard` with their options, from its own help.
+pub fn commands(workspace: &Workspace) -> Result<Commands, Box<dyn Error>> {
     let help = |arguments: &[&str]| -> Result<String, Box<dyn Error>> {
         let output = workspace
             .command(workspace.binary())
