@@ -1,8 +1,37 @@
-//! What a source claims, what theory says, what was measured, and the verdict that follows.
+//! Who claims what, what theory says, what was measured, and the verdict that follows.
 
 use lennard_core::{Cell, Table, Tone};
 use lennard_report::significant;
 use serde::Serialize;
+
+/// A tolerance of rounding.
+pub(crate) const ROUNDING: &str = "rounding over the steps";
+/// A tolerance of an order.
+pub(crate) const NEXT_TERM: &str = "next term of the error expansion at the smallest step";
+
+/// Who makes a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Source {
+    /// The article on Verlet integration.
+    Article,
+    /// The manual of the SPOOK integrator.
+    Manual,
+    /// This program: declared by a method, or derived here.
+    Ours,
+}
+
+impl Source {
+    /// The source in words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Article => "article on Verlet integration",
+            Self::Manual => "manual of the SPOOK integrator",
+            Self::Ours => "ours",
+        }
+    }
+}
 
 /// What a claim demands of the measured number.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -67,8 +96,8 @@ impl Verdict {
 /// One claim beside its measurement.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Claim {
-    /// Who says it.
-    pub source: &'static str,
+    /// Who makes it.
+    pub source: Source,
     /// What is said.
     pub statement: String,
     /// The number that decides.
@@ -89,73 +118,81 @@ pub struct Claim {
     pub verdict: Verdict,
 }
 
+/// A claim judged by a measured number.
+pub(crate) fn judged(
+    source: Source,
+    statement: impl Into<String>,
+    quantity: impl Into<String>,
+    demand: Demand,
+    measured: f64,
+) -> Claim {
+    Claim {
+        source,
+        statement: statement.into(),
+        quantity: quantity.into(),
+        demand,
+        theory: None,
+        measured,
+        tolerance: 0.0,
+        tolerance_reason: "",
+        theory_agrees: true,
+        verdict: match demand.met_by(measured) {
+            true => Verdict::Holds,
+            false => Verdict::DoesNotHold,
+        },
+    }
+}
+
+/// A claim that a number is the one of theory, within a tolerance with a cause.
+pub(crate) fn near(
+    source: Source,
+    statement: impl Into<String>,
+    quantity: impl Into<String>,
+    theory: (f64, f64, &'static str),
+    measured: f64,
+) -> Claim {
+    let (value, within, _) = theory;
+    let near = Demand::Near { value, within };
+    judged(source, statement, quantity, near, measured).with_theory(theory)
+}
+
 impl Claim {
-    /// A claim judged by a measured number.
+    /// With what theory gives, how far the measurement may be from it, and why.
     #[must_use]
-    pub fn judge(
-        source: &'static str,
-        statement: impl Into<String>,
-        quantity: impl Into<String>,
-        demand: Demand,
-        measured: f64,
-    ) -> Self {
-        Self {
-            source,
-            statement: statement.into(),
-            quantity: quantity.into(),
-            demand,
-            theory: None,
-            measured,
-            tolerance: 0.0,
-            tolerance_reason: "",
-            theory_agrees: true,
-            verdict: if demand.met_by(measured) {
-                Verdict::Holds
-            } else {
-                Verdict::DoesNotHold
-            },
-        }
-    }
-
-    /// A claim that a number is the one of theory, within a tolerance with a cause.
-    pub(crate) fn of_theory(
-        source: &'static str,
-        statement: impl Into<String>,
-        quantity: impl Into<String>,
-        (theory, tolerance, reason): (f64, f64, &'static str),
-        measured: f64,
-    ) -> Self {
-        let near = Demand::Near {
-            value: theory,
-            within: tolerance,
-        };
-        Self::judge(source, statement, quantity, near, measured)
-            .with_theory(theory, tolerance, reason)
-    }
-
-    /// With what theory gives, and how far the measurement may be from it.
-    #[must_use]
-    pub fn with_theory(self, theory: f64, tolerance: f64, tolerance_reason: &'static str) -> Self {
+    pub fn with_theory(self, (theory, tolerance, reason): (f64, f64, &'static str)) -> Self {
         Self {
             theory: Some(theory),
             tolerance,
-            tolerance_reason,
+            tolerance_reason: reason,
             theory_agrees: (self.measured - theory).abs() <= tolerance,
             ..self
         }
     }
 }
 
+/// How many claims there are, and how many of them hold, as the end of a sentence.
+pub(crate) fn tally(claims: &[Claim]) -> String {
+    let failing = claims.iter().filter(|c| c.verdict == Verdict::DoesNotHold);
+    let failing = failing.count();
+    format!(
+        "Of {} claims, {} hold and {failing} {} not",
+        claims.len(),
+        claims.len() - failing,
+        if failing == 1 { "does" } else { "do" },
+    )
+}
+
 /// The claims for a reader.
 #[must_use]
 pub fn table(claims: &[Claim]) -> Table {
-    let caption = "What each source claims beside what was measured. A verdict is computed: it says whether \
+    let caption = "What each source claims beside what was measured. “Ours” is what a method of this program declares, \
+                   or what is derived here. A verdict is computed: it says whether \
                    the measured number meets the claim. In the column of the theory, “differs” \
                    means that theory and measurement disagree by more than a stated cause explains. `claims.csv` \
                    has tolerances and their causes.";
     Table::rows_of("claims", claims)
         .caption(caption)
-        .column("Source", |c| c.source)
+        .column("Source", |c| c.source.words())
         .column("Claim", |c| &c.statement)
         .column("Judged by", |c| &c.quantity)
         .column("Wanted", |c| Cell::figures(c.demand.in_words()))
@@ -178,7 +215,7 @@ pub fn table(claims: &[Claim]) -> Table {
 /// The claims for a program.
 pub(crate) fn csv(claims: &[Claim]) -> Table {
     Table::rows_of("claims", claims)
-        .column("source", |c| c.source)
+        .column("source", |c| c.source.words())
         .column("claim", |c| &c.statement)
         .column("judged by", |c| &c.quantity)
         .column("theory", |c| c.theory)
@@ -196,7 +233,7 @@ mod tests {
 
     #[test]
     fn verdicts_follow_the_numbers() {
-        let judge = |demand, measured| Claim::judge("s", "c", "q", demand, measured).verdict;
+        let judge = |demand, measured| judged(Source::Ours, "c", "q", demand, measured).verdict;
         assert_eq!(judge(Demand::Above(1.0), 1.1), Verdict::Holds);
         assert_eq!(judge(Demand::Above(1.0), 1.0), Verdict::DoesNotHold);
         assert_eq!(judge(Demand::Below(1.0), f64::NAN), Verdict::DoesNotHold);
@@ -206,7 +243,8 @@ mod tests {
         };
         assert_eq!(judge(near, 2.04), Verdict::Holds);
         assert_eq!(judge(near, 1.9), Verdict::DoesNotHold);
-        let off = Claim::judge("s", "c", "q", near, 2.0).with_theory(2.1, 0.01, "rounding");
+        let off = judged(Source::Ours, "c", "q", near, 2.0);
+        let off = off.with_theory((2.1, 0.01, "rounding"));
         assert!(!off.theory_agrees && off.verdict == Verdict::Holds);
     }
 }

@@ -2,9 +2,10 @@
 
 use super::fluid::FluidDrift;
 use super::found::MechanicsFound;
-use super::judgement::{ARTICLE, OURS, ROUNDING, above, below, near};
 use super::unilateral;
-use crate::claims::Claim;
+use crate::claims::Demand::{Above, Below};
+use crate::claims::Source::{Article, Ours};
+use crate::claims::{Claim, ROUNDING, judged, near};
 
 const SAMPLING: &str = "scatter of a short run";
 
@@ -24,78 +25,78 @@ fn collisions(found: &MechanicsFound) -> Vec<Claim> {
     };
     let mut all = vec![
         near(
-            ARTICLE,
-            "A11: a penalty force that is too weak lets things pass: v > ω·D",
+            Article,
+            "A11: a penalty force that is too weak lets things pass",
             "smallest speed that passes, over ω·D",
             (1.0, 0.01, "the step of the run"),
             c.passes[1],
         ),
-        below(
-            OURS,
+        judged(
+            Ours,
             "A11: a penalty force keeps the energy while ωh ≤ 0.2",
             "mean relative gain per hit at ωh = 0.2",
-            1e-4,
+            Below(1e-4),
             gain(0.2),
         ),
-        above(
-            ARTICLE,
-            "A11: a penalty force that is too strong is unstable, long before ωh = 2",
+        judged(
+            Article,
+            "A11: a penalty force that is too strong is unstable",
             "mean relative gain per hit at ωh = 1.2",
-            0.03,
+            Above(0.03),
             gain(1.2),
         ),
-        below(
-            OURS,
+        judged(
+            Ours,
             "A11: the gain is not monotonic",
             "gain at ωh = 1.4 over gain at 1.2",
-            1.0,
+            Below(1.0),
             gain(1.4) / gain(1.2),
         ),
         near(
-            OURS,
+            Ours,
             "A11: a Hertz contact lasts 2.9432·δ/v",
             "time over theory",
             (1.0, 0.005, "the step of the run"),
             c.hertz[0],
         ),
         near(
-            OURS,
+            Ours,
             "A11: a Hertz contact is (5mv²/(4k))^{2/5} deep",
             "depth over theory",
             (1.0, 0.001, "the step of the run"),
             c.hertz[1],
         ),
-        below(
-            ARTICLE,
-            "A11: after a projection Verlet's velocity does the rest: no normal speed is left after two steps",
-            "speed that is left",
-            1e-12,
+        judged(
+            Article,
+            "A11: after a projection Verlet's velocity does the rest",
+            "normal speed that is left after two steps",
+            Below(1e-12),
             c.projected,
         ),
-        below(
-            OURS,
+        judged(
+            Ours,
             "A11: the billiard rule keeps the energy of a ball in gravity within v·g·h",
             "largest |E/E₀ − 1| at h = 0.01",
-            2.0_f64.sqrt() * 0.01,
+            Below(2.0_f64.sqrt() * 0.01),
             c.billiard[0],
         ),
-        below(
-            OURS,
+        judged(
+            Ours,
             "A11: and without a trend",
             "mean of the second half less mean of the first",
-            1e-3,
+            Below(1e-3),
             c.billiard[1].abs(),
         ),
     ];
     all.extend(c.damped.iter().map(|hit| {
         let reason = "the phase at which a step begins the contact, ωh = 0.1";
         near(
-            ARTICLE,
-            &format!(
+            Ours,
+            format!(
                 "A11: a {} penalty force keeps the restitution that is set",
                 hit.law
             ),
-            &format!("mean restitution over phases, e = {}", hit.set),
+            format!("mean restitution over phases, e = {}", hit.set),
             (hit.set, 0.005, reason),
             hit.mean,
         )
@@ -104,18 +105,21 @@ fn collisions(found: &MechanicsFound) -> Vec<Claim> {
         let off = bouncing.energies.iter().map(|e| (e - 1.0).abs());
         let off = off.fold(0.0, f64::max);
         match bouncing.rule {
-            "event" => all.push(below(
-                ARTICLE,
-                "A11: the velocity after contact may be set to any e in [0, 1]: heights e²ⁿ under the event rule",
-                &format!("largest |E/(e²ⁿE₀) − 1|, e = {}", bouncing.restitution),
-                1e-9,
+            "event" => all.push(judged(
+                Article,
+                "A11: the velocity after contact may be set, with a coefficient of restitution",
+                format!(
+                    "largest |E/(e²ⁿE₀) − 1| of n bounces, event rule, e = {}",
+                    bouncing.restitution
+                ),
+                Below(1e-9),
                 off,
             )),
-            "mirror" => all.push(above(
-                OURS,
+            "mirror" => all.push(judged(
+                Ours,
                 "A11: a mirrored position and velocity gain energy in gravity at each bounce",
                 "E/E₀ − 1 after the bounces of 12 τ at h = 0.01",
-                0.0,
+                Above(0.0),
                 bouncing.energies.last().map_or(f64::NAN, |e| e - 1.0),
             )),
             _ => {}
@@ -137,71 +141,65 @@ fn contacts(found: &MechanicsFound) -> Vec<Claim> {
             } else {
                 2e-4
             };
-            below(
-                OURS,
-                &format!("A11: a row of balls, {}", cradle.rule),
+            judged(
+                Ours,
+                format!("A11: a row of balls, {}", cradle.rule),
                 "largest difference from the known velocities",
-                bound,
+                Below(bound),
                 off,
             )
         })
         .collect();
     let gamma = 1.0 / 9.0;
     all.extend([
-        below(
-            OURS,
+        judged(
+            Ours,
             "A11: a stack of five at rest has contact forces of exactly 5, 4, 3, 2, 1 times m·g",
             "largest relative deviation",
-            1e-12,
+            Below(1e-12),
             c.stack,
         ),
         near(
-            OURS,
+            Ours,
             "B1: a contact of SPOOK alone bounces by the phase of the step, up to 3γ",
             "largest rebound at τ = 2h",
             (3.0 * gamma, 1e-9, ROUNDING),
             c.spook_alone[1],
         ),
         near(
-            OURS,
+            Ours,
             "B1: and up to three times the speed at τ = 0",
             "largest rebound at τ = 0",
             (3.0, 1e-9, ROUNDING),
             c.spook_alone[0],
         ),
-        below(
-            OURS,
+        judged(
+            Ours,
             "B1: with an impact stage before it the restitution is what was set",
-            &format!("largest difference from e = {} over phases", unilateral::SHARE),
-            1e-12,
+            format!("largest difference from e = {} over phases", unilateral::SHARE),
+            Below(1e-12),
             c.unilateral.restitution.abs(),
         ),
-        below(
-            OURS,
+        judged(
+            Ours,
             "B1: under unilateral contacts of SPOOK a stack at rest sinks in by compliance × force",
             "largest relative deviation of five depths, ε = 10⁻³ σ²/ε",
-            1e-8,
+            Below(1e-8),
             c.unilateral.sunk,
         ),
-        below(
-            OURS,
+        judged(
+            Ours,
             "B1: and the floor carries its weight",
             "relative deviation over 2000 steps",
-            1e-10,
+            Below(1e-10),
             c.unilateral.weight.abs(),
         ),
-        below(
-            OURS,
-            "B1: with e = 1 a ball in gravity keeps its energy",
-            &format!(
+        judged(Ours, "B1: with e = 1 a ball in gravity keeps its energy",format!(
                 "largest |E/E₀ − 1| over {} steps, with velocities that belong to the positions",
                 unilateral::steps_of_ball(found.is_quick)
-            ),
-            1e-9,
-            c.unilateral.energy,
-        ),
+            ),Below(1e-9),c.unilateral.energy),
         near(
-            OURS,
+            Ours,
             "B1: a sweep of projected Gauss–Seidel over a stack of n lowers the error by cos²(π/(2n))",
             "factor at n = 10",
             (c.unilateral.sweep[1], 1e-8 * c.unilateral.sweep[1], ROUNDING),
@@ -221,31 +219,31 @@ fn fluids(found: &MechanicsFound) -> Vec<Claim> {
     if let (Some(gas), Some(liquid)) = (new.first(), new.last()) {
         let reason = "terms of higher order in h, and a temperature that drifts meanwhile";
         all.push(near(
-            OURS,
+            Ours,
             "A8: in a gas the drift along the new bond is −h·⟨T_b·r·Ω²⟩",
             "drift at ρ = 0.05, ε/τ per molecule",
             (gas.law, 0.35 * gas.law.abs() + 3.0 * gas.error, reason),
             gas.drift,
         ));
-        all.push(above(
-            OURS,
+        all.push(judged(
+            Ours,
             "A8: and it changes its sign in a dense liquid",
             "drift at ρ = 0.52, ε/τ per molecule",
-            0.0,
+            Above(0.0),
             liquid.drift,
         ));
     }
     let mut direct = of("direct", 0.002);
     direct.extend(of("direct", 0.004));
     for run in of("direct", 0.002) {
-        all.push(below(
-            ARTICLE,
+        all.push(judged(
+            Ours,
             "C: a fluid with bonds of the direct solve does not drift",
-            &format!(
+            format!(
                 "|drift| less 3 standard errors, ε/τ per molecule, ρ = {}",
                 run.density
             ),
-            1e-4,
+            Below(1e-4),
             run.drift.abs() - 3.0 * run.error,
         ));
     }
@@ -254,7 +252,7 @@ fn fluids(found: &MechanicsFound) -> Vec<Claim> {
         run.map_or(f64::NAN, |r| r.rms)
     };
     all.push(near(
-        ARTICLE,
+        Ours,
         "C: its energy oscillates within a bound that falls as h²",
         "order of the RMS between h = 0.002 and 0.004",
         (2.0, 0.3, SAMPLING),
@@ -265,17 +263,17 @@ fn fluids(found: &MechanicsFound) -> Vec<Claim> {
         run.map_or(f64::NAN, |r| r.drift)
     };
     all.push(near(
-        OURS,
+        Ours,
         "C: the drift of SPOOK in a fluid falls as h³ at τ = 2h",
         "order of the drift between h = 0.002 and 0.004",
         (3.0, 0.4, SAMPLING),
         (spook(0.004) / spook(0.002)).log2(),
     ));
-    all.push(below(
-        OURS,
+    all.push(judged(
+        Ours,
         "A11: the pressure on hard walls is the virial's, step by step, with the boundary term",
         "relative difference",
-        1e-11,
+        Below(1e-11),
         found.pressure.identity,
     ));
     for state in &found.states {
@@ -288,18 +286,18 @@ fn fluids(found: &MechanicsFound) -> Vec<Claim> {
             nearer - 3.0 * error
         };
         let slack = if found.is_quick { 0.1 } else { 0.0 };
-        all.push(below(
-            OURS,
+        all.push(judged(
+            Ours,
             "C: a fluid of rigid dumbbells has the energy of the equation of state",
-            &format!("|u − u_EOS| less 3 errors, ρ = {}", state.density),
-            0.02 + slack,
+            format!("|u − u_EOS| less 3 errors, ρ = {}", state.density),
+            Below(0.02 + slack),
             off(state.energy, [state.lisal.0, state.mecke.0]),
         ));
-        all.push(below(
-            OURS,
+        all.push(judged(
+            Ours,
             "C: and its pressure",
-            &format!("|p − p_EOS| less 3 errors, ρ = {}", state.density),
-            0.03 + slack,
+            format!("|p − p_EOS| less 3 errors, ρ = {}", state.density),
+            Below(0.03 + slack),
             off(state.pressure, [state.lisal.1, state.mecke.1]),
         ));
     }

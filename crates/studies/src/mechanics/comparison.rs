@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::rig::{Case, Few, Rig, distance, run};
 use super::ways::{Way, ways};
 use crate::StudyError;
+use crate::stability::fit::slope;
 
 /// End of the run, τ.
 const END: f64 = 2.5;
@@ -40,6 +41,45 @@ pub struct AtStep {
     pub strain: f64,
 }
 
+/// What the error of a position does at the smallest steps.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Convergence {
+    /// It falls as this power of the step.
+    Order(f64),
+    /// It is the distance of another model, which no step makes smaller.
+    Model,
+    /// It falls as no single power: a tolerance is left, or two powers meet.
+    Unsettled,
+}
+
+impl Convergence {
+    /// From the last (step, error), and from the distance between the last two runs.
+    fn of(bonds: &BondOptions, errors: &[(f64, f64)], between: f64) -> Self {
+        let [.., a, b, c] = errors else {
+            return Self::Unsettled;
+        };
+        let (coarse, fine) = (slope(*a, *b), slope(*b, *c));
+        // An error ∝ h^p is at most 1/(2^p − 1) of what the last halving of the step changed.
+        if matches!(bonds, BondOptions::Spring(_)) && between < 0.5 * c.1 {
+            Self::Model
+        } else if (coarse - fine).abs() < 0.25 {
+            Self::Order(fine)
+        } else {
+            Self::Unsettled
+        }
+    }
+
+    /// The order, where there is one.
+    #[must_use]
+    pub fn order(self) -> Option<f64> {
+        match self {
+            Self::Order(order) => Some(order),
+            Self::Model | Self::Unsettled => None,
+        }
+    }
+}
+
 /// A way to hold bonds with what it showed.
 #[derive(Debug, Clone, Serialize)]
 pub struct WayFound {
@@ -47,8 +87,8 @@ pub struct WayFound {
     pub name: String,
     /// At each step at which it ran to the end.
     pub points: Vec<AtStep>,
-    /// Order of the position error between the two smallest steps.
-    pub order: f64,
+    /// What the position error does at the smallest steps.
+    pub convergence: Convergence,
     /// Largest stable step on a vibrating rotor with Ω = 2 τ⁻¹; `None` where all up to 4 τ are stable.
     pub largest_step: Option<f64>,
     /// Nanoseconds of a whole step without pair forces, per bond: dumbbells, and chains of ten bonds.
@@ -65,10 +105,13 @@ pub(crate) fn measure(quick: bool) -> Result<Vec<WayFound>, StudyError> {
 fn of_way(way: &Way, steps: &[u32], quick: bool) -> Result<WayFound, StudyError> {
     let case = Case::two_dumbbells();
     let mut points = Vec::new();
+    let (mut last, mut between) = (Vec::new(), f64::NAN);
     for steps in steps {
         let Ok(ran) = run(&case, &way.bonds, END, *steps)? else {
             continue;
         };
+        between = distance(&ran.positions, &last);
+        last = ran.positions.clone();
         let position_error = distance(&ran.positions, &KNOWN);
         if position_error < 1.0 {
             points.push(AtStep {
@@ -80,16 +123,13 @@ fn of_way(way: &Way, steps: &[u32], quick: bool) -> Result<WayFound, StudyError>
             });
         }
     }
-    let order = match points.as_slice() {
-        [.., a, b] => (a.position_error / b.position_error).ln() / (a.dt / b.dt).ln(),
-        _ => f64::NAN,
-    };
+    let errors: Vec<_> = points.iter().map(|p| (p.dt, p.position_error)).collect();
     let budget = Duration::from_millis(if quick { 2 } else { 100 });
     let [dumbbells, chains] = MOLECULES.map(|(sites, n)| cost(way, sites, n, budget));
     Ok(WayFound {
         name: way.name.clone(),
         points,
-        order,
+        convergence: Convergence::of(&way.bonds, &errors, between),
         largest_step: largest_step(&way.bonds, if quick { 500 } else { 5000 })?,
         cost: [dumbbells?, chains?],
     })

@@ -41,6 +41,6 @@ pub struct MechanicsStudy {
     pub options: MechanicsOptions,
     /// The measurements.
     pub found: MechanicsFound,
-    /// What the sources claim, and whether it holds.
+    /// What is claimed, by whom, and whether it holds.
     pub claims: Vec<Claim>,
 }

@@ -9,6 +9,7 @@ use lennard_integrators::oscillator::OscillatorConstraint;
 use lennard_integrators::{BondOptions, spook};
 use serde::Serialize;
 
+use super::precise::G;
 use super::rig::{Case, Rig, run};
 use super::ways::{damped, springs};
 use crate::StudyError;
@@ -44,9 +45,9 @@ pub struct Maps {
     pub rotor_length: f64,
     /// The same by theory.
     pub rotor_theory: f64,
-    /// Loss of energy of a pendulum from 90° in 1000 s at h = 0.005 s, J: τ = h/2, 2h, 4h, and rigid bonds.
+    /// Loss of energy of a pendulum from 90° in 1000 τ at h = 0.005 τ, ε: τ = h/2, 2h, 4h, and rigid bonds.
     pub pendulum: [f64; 4],
-    /// RMS of E − E(0) of the pendulum without damping, which a scene refuses, J; infinite where it failed.
+    /// RMS of E − E(0) of the pendulum without damping, which a scene refuses, ε; infinite where it failed.
     pub undamped_pendulum: f64,
     /// Order of the strain of a rotor in h at τ = 2h, and at a fixed τ.
     pub strain_orders: [f64; 2],
@@ -167,7 +168,7 @@ fn rotor_against_theory() -> Result<(f64, f64), StudyError> {
 /// Measures everything.
 pub(crate) fn measure() -> Result<Maps, StudyError> {
     let (rotor_length_found, rotor_theory) = rotor_against_theory()?;
-    let pendulum = Case::hanging(1, 1.0, 9.81);
+    let pendulum = Case::hanging(1, 1.0, G);
     let loss = |bonds: &BondOptions| -> Result<f64, StudyError> {
         Ok(run(&pendulum, bonds, 1000.0, 200_000)?.map_or(f64::NAN, |ran| ran.loss))
     };

@@ -1,5 +1,5 @@
-//! `lennard mechanics`: constraints, springs, collisions and SPOOK, theory beside measurement, with a verdict for each claim of
-//! the two documents behind the project.
+//! `lennard mechanics`: constraints, springs, collisions and SPOOK, theory beside measurement, with a verdict for each
+//! claim, whoever makes it.
 //!
 //! The comparison goes over the list of ways to hold bonds. A way that is added there is measured and drawn here without a
 //! change of this crate.

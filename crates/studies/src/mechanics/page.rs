@@ -4,16 +4,11 @@ use lennard_report::{Block, Page, Section};
 
 use super::found::MechanicsStudy;
 use super::{collision_figures, figures, tables};
-use crate::claims::{self, Verdict};
+use crate::claims;
 
 /// The whole page.
 pub(super) fn page(study: &MechanicsStudy) -> Page {
     let (found, options) = (&study.found, &study.options);
-    let failing = study
-        .claims
-        .iter()
-        .filter(|c| c.verdict == Verdict::DoesNotHold)
-        .count();
     let settings = if options.quick {
         "quick: shorter runs"
     } else {
@@ -28,11 +23,9 @@ pub(super) fn page(study: &MechanicsStudy) -> Page {
     Page {
         title: "Constraints, springs and collisions".into(),
         lead: format!(
-            "{} ways to hold a bond, relaxation, SPOOK, walls and contacts, run by the code of the fluid. Of {} claims, {} hold and {failing} {} not.",
+            "{} ways to hold a bond, relaxation, SPOOK, walls and contacts, run by the code of the fluid. {}.",
             found.ways.len(),
-            study.claims.len(),
-            study.claims.len() - failing,
-            if failing == 1 { "does" } else { "do" },
+            claims::tally(&study.claims),
         ),
         command: Some(options.command.clone()),
         sections: vec![
@@ -52,7 +45,7 @@ pub(super) fn page(study: &MechanicsStudy) -> Page {
             .figures([vec![figures::rates(found)], figures::tolerances(found)].concat()),
             one(
                 "Pendulums and chains",
-                "Solutions by a Runge–Kutta method of order 8 with a tolerance of 2.3·10⁻¹⁴, with g = 9.81 and beads of unit mass.",
+                "Solutions by a Runge–Kutta method of order 8 with a tolerance of 2.3·10⁻¹⁴, with g = 9.81 σ/τ² and beads of unit mass.",
             )
             .table(tables::solved(found)),
             spook(study),

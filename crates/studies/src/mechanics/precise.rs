@@ -7,9 +7,10 @@ use serde::Serialize;
 use super::rig::{Case, distance, run};
 use super::ways::{damped, projected, relaxed};
 use crate::StudyError;
+use crate::stability::fit::slope;
 
-/// Standard gravity in the units of the sources, m/s².
-const G: f64 = 9.81;
+/// Gravity, σ/τ²: the number of standard gravity in SI.
+pub(crate) const G: f64 = 9.81;
 
 /// A problem with a known answer.
 struct Problem {
@@ -20,7 +21,7 @@ struct Problem {
     known: Vec<DVec3>,
 }
 
-/// The position of a pendulum of length 1 at an angle from the downward vertical, m.
+/// The position of a pendulum of length 1 at an angle from the downward vertical, σ.
 fn at_angle(theta: f64) -> DVec3 {
     DVec3::new(theta.sin(), 0.0, -theta.cos())
 }
@@ -34,19 +35,19 @@ fn problems() -> Vec<Problem> {
     spherical.v[1] = DVec3::new(0.0, 1.0, 0.0);
     vec![
         Problem {
-            name: "pendulum from 90°, t = 1 s",
+            name: "pendulum from 90°, t = 1 τ",
             case: pendulum,
             end: 1.0,
             known: vec![at_angle(-1.405027311525)],
         },
         Problem {
-            name: "spherical pendulum, t = 2 s",
+            name: "spherical pendulum, t = 2 τ",
             case: spherical,
             end: 2.0,
             known: vec![DVec3::new(0.672563575976, 0.460552636972, -0.579266350523)],
         },
         Problem {
-            name: "double pendulum from 90°, t = 1 s",
+            name: "double pendulum from 90°, t = 1 τ",
             case: Case::hanging(2, 1.0, G),
             end: 1.0,
             known: vec![
@@ -55,7 +56,7 @@ fn problems() -> Vec<Problem> {
             ],
         },
         Problem {
-            name: "chain of 5, t = 0.5 s",
+            name: "chain of 5, t = 0.5 τ",
             case: Case::hanging(5, 0.2, G),
             end: 0.5,
             known: vec![DVec3::new(-0.056664541268, 0.0, -0.975802326581)],
@@ -72,7 +73,7 @@ pub struct Solved {
     pub way: &'static str,
     /// The order that theory gives.
     pub theory: f64,
-    /// Steps and the largest error of a position, m.
+    /// Steps and the largest error of a position, σ.
     pub errors: Vec<(f64, f64)>,
     /// Order between the two smallest steps.
     pub order: f64,
@@ -103,7 +104,7 @@ pub(crate) fn measure(quick: bool) -> Result<Vec<Solved>, StudyError> {
                 }
             }
             let order = match errors.as_slice() {
-                [.., a, b] => (a.1 / b.1).ln() / (a.0 / b.0).ln(),
+                [.., a, b] => slope(*a, *b),
                 _ => f64::NAN,
             };
             all.push(Solved {

@@ -6,6 +6,7 @@ use lennard_integrators::BondOptions;
 use lennard_integrators::bonds::relaxation;
 use serde::Serialize;
 
+use super::precise::G;
 use super::rig::{Case, Rig, distance, run};
 use super::ways::{projected, relaxed};
 use crate::StudyError;
@@ -236,7 +237,7 @@ pub(crate) fn measure(quick: bool) -> Result<Relaxing, StudyError> {
     let (old, rotor_energy) = rotor(&BondOptions::default(), ALPHA, &[100])?;
     let falling = |bonds: &BondOptions| -> Result<_, StudyError> {
         let steps = if quick { 100 } else { 1000 };
-        let case = Case::hanging(10, 0.2, 9.81);
+        let case = Case::hanging(10, 0.2, G);
         Ok(run(&case, bonds, 1e-3 * f64::from(steps), steps)?.ok())
     };
     let tight = BondOptions::Direct(lennard_integrators::bonds::direct::Options {

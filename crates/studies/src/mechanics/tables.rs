@@ -2,7 +2,7 @@
 
 use lennard_core::{Cell, Table};
 
-use super::comparison::LARGEST_STEP;
+use super::comparison::{Convergence, LARGEST_STEP};
 use super::found::MechanicsFound;
 
 /// All tables with every digit.
@@ -113,7 +113,7 @@ pub(super) fn csv(found: &MechanicsFound) -> Vec<Table> {
 /// Each way in a line.
 pub(super) fn ways(found: &MechanicsFound) -> Table {
     let caption = format!(
-        "Order of the position error, and RMS of the energy at the step nearest to 0.0025 τ. The largest stable step is for a rotor with Ω = 2 τ⁻¹ \
+        "Order of the position error, where it falls as a power of h, and RMS of the energy at the step nearest to 0.0025 τ. The largest stable step is for a rotor with Ω = 2 τ⁻¹ \
          that also vibrates, and was looked for up to {LARGEST_STEP} τ. The time is the fastest of a whole step without pair forces, per bond."
     );
     let near = |w: &super::comparison::WayFound| {
@@ -124,7 +124,11 @@ pub(super) fn ways(found: &MechanicsFound) -> Table {
     Table::rows_of("ways-in-a-line", &found.ways)
         .caption(caption)
         .column("Way", |w| &w.name)
-        .column("Order", |w| Cell::rounded(w.order, 3))
+        .column("Order", |w| match w.convergence {
+            Convergence::Order(order) => Cell::rounded(order, 3),
+            Convergence::Model => Cell::words("error of the model"),
+            Convergence::Unsettled => Cell::words("no power of h"),
+        })
         .column("RMS of E [ε]", |w| Cell::rounded(near(w), 3))
         .column("Largest stable step [τ]", |w| match w.largest_step {
             Some(step) => Cell::rounded(step, 3),

@@ -56,8 +56,8 @@ pub(crate) fn variable_step(study: &OscillatorStudy) -> Vec<Picture> {
     let mut path = Figure::new(
         "variable-step",
         "A step that changes by a factor of two",
-        Axis::linear("time / s"),
-        Axis::linear("x / m"),
+        Axis::linear("time / τ"),
+        Axis::linear("x / σ"),
     )
     .with(Series::new(
         "analytic",
@@ -68,7 +68,7 @@ pub(crate) fn variable_step(study: &OscillatorStudy) -> Vec<Picture> {
     let mut errors = log_log(
         "variable-step-error",
         "Error with a changing step",
-        "largest error of x / m",
+        "largest error of x / σ",
     );
     for (i, run) in study.step_rules.iter().enumerate() {
         // Three of four lie on the analytic line: each shows every third point, so that all can be seen.
@@ -94,13 +94,13 @@ pub(crate) fn variable_step(study: &OscillatorStudy) -> Vec<Picture> {
     vec![
         Picture::new(
             path,
-            "Four steps of h and four of h/2 by turns, h = 0.125 s, ω = 1/s: the plain rule takes each \
+            "Four steps of h and four of h/2 by turns, h = 0.125 τ, ω = 1 τ⁻¹: the plain rule takes each \
              change of the step for a change of velocity.",
             "variable-step.csv",
         ),
         Picture::new(
             errors,
-            "Largest error over 12 s against the long step.",
+            "Largest error over 12 τ against the long step.",
             "orders.csv",
         ),
     ]
@@ -110,7 +110,7 @@ fn log_log(name: &str, title: &str, y: &str) -> Figure {
     Figure::new(
         name,
         title,
-        Axis::logarithmic("step h / s"),
+        Axis::logarithmic("step h / τ"),
         Axis::logarithmic(y),
     )
 }
@@ -148,7 +148,7 @@ pub(crate) fn orders(study: &OscillatorStudy) -> Vec<Picture> {
             let line = lines.iter().find(|l| l.name == first)?;
             Some((g, group.name.as_str(), line))
         });
-        let caption = "Largest error over 2 s on the oscillator with ω = 1/s, against the step. Lines: the \
+        let caption = "Largest error over 2 τ on the oscillator with ω = 1 τ⁻¹, against the step. Lines: the \
                        declared order through the middle point. Marks that level off have reached rounding.";
         Picture::new(with_lines(figure, of_groups), caption, "orders.csv")
     };
@@ -165,13 +165,13 @@ pub(crate) fn orders(study: &OscillatorStudy) -> Vec<Picture> {
         global(
             "order-positions",
             "Global error of positions",
-            "largest error of x / m",
+            "largest error of x / σ",
             &orders.positions,
         ),
         global(
             "order-velocities",
             "Global error of velocities",
-            "largest error of v / (m/s)",
+            "largest error of v / (σ/τ)",
             &orders.velocities,
         ),
         listed(

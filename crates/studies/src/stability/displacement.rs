@@ -12,16 +12,16 @@ use super::map::StepMap;
 use super::rig::{Rig, Spring, excursion, measured_map};
 use crate::StudyError;
 
-/// Mass of the study, kg.
+/// Mass of the study, m.
 pub const MASS: f64 = 1.0;
-/// Step of the study, s.
+/// Step of the study, τ.
 pub const STEP: f64 = 0.0167;
-/// Displacement at the start, m; the velocity is zero.
+/// Displacement at the start, σ; the velocity is zero.
 pub const START: f64 = 1.0;
 /// Steps of the long runs. Just outside the limit SPOOK turns by a quarter of a circle less 3·10⁻⁵ per step.
 /// After so many steps, each half of the run has a sample close to a crest.
 const LONG_RUN: u32 = 100_000;
-/// |x| at which a long run counts as diverging, m.
+/// |x| at which a long run counts as diverging, σ.
 const DIVERGED: f64 = 1e12;
 
 /// One stiffness.
@@ -31,7 +31,7 @@ pub struct Case {
     pub name: &'static str,
     /// The stiffness in words.
     pub title: &'static str,
-    /// k, N/m.
+    /// k, ε/σ².
     pub stiffness: f64,
     /// ωh.
     pub omega_h: f64,
@@ -48,10 +48,10 @@ pub struct Run {
     pub method: &'static str,
     /// Index of the group.
     pub group: usize,
-    /// x in m, from time 0, one per step; ends early where the method stopped.
+    /// x in σ, from time 0, one per step; ends early where the method stopped.
     #[serde(skip)]
     pub positions: Vec<f64>,
-    /// ½kx² + ½mv² in J, one per step.
+    /// ½kx² + ½mv² in ε, one per step.
     #[serde(skip)]
     pub energies: Vec<f64>,
     /// Why the method stopped, if it did.
@@ -67,9 +67,9 @@ pub struct Summary {
     pub steps: u32,
     /// Growth per step by the one-step map.
     pub theory_radius: f64,
-    /// Amplitude by the one-step map, m; `None` where it grows, shrinks or has real eigenvalues.
+    /// Amplitude by the one-step map, σ; `None` where it grows, shrinks or has real eigenvalues.
     pub theory_amplitude: Option<f64>,
-    /// max |x| of the long run, m; `None` where it diverged.
+    /// max |x| of the long run, σ; `None` where it diverged.
     pub measured_amplitude: Option<f64>,
     /// max |x| of its second half over the same of its first half: 1 where bounded, 0 where it dies away.
     pub growth_of_halves: Option<f64>,
@@ -83,7 +83,7 @@ pub struct Summary {
 fn stiffnesses() -> [(&'static str, &'static str, f64, u32); 4] {
     let scale = MASS / (STEP * STEP);
     [
-        ("k-100", "k = 100 N/m", 100.0, 300),
+        ("k-100", "k = 100 ε/σ²", 100.0, 300),
         ("k-inside", "k = 4m/h² − 1", 4.0 * scale - 1.0, 400),
         ("k-outside", "k = 4m/h² + 1", 4.0 * scale + 1.0, 400),
         ("k-aliasing", "k = 4π²m/h²", 4.0 * PI * PI * scale, 100),

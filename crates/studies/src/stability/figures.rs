@@ -10,7 +10,7 @@ use super::map::StepMap;
 
 /// The largest spectral radius shown.
 const TALLEST: f64 = 3.0;
-/// |x| in m at which a line that leaves its figure is not followed any further.
+/// |x| in σ at which a line that leaves its figure is not followed any further.
 const OUT_OF_SIGHT: f64 = 2e4;
 /// Steps shown in the close view of a stiff case.
 const CLOSE_STEPS: usize = 24;
@@ -103,7 +103,7 @@ pub(crate) fn case(case: &Case, groups: &[Group]) -> Vec<Picture> {
     let steps = runs.iter().map(|r| r.positions.len()).max();
     let last = steps.unwrap_or(1) - 1;
     let picture = |stem: &str, title: &str, last: usize, y: Axis, value: Value, caption: String| {
-        let x = Axis::linear("time / s").from_to(0.0, last as f64 * STEP);
+        let x = Axis::linear("time / τ").from_to(0.0, last as f64 * STEP);
         let name = format!("{stem}-{}", case.name);
         let mut figure = Figure::new(name, format!("{title}, {}", case.title), x, y);
         for run in &runs {
@@ -120,10 +120,10 @@ pub(crate) fn case(case: &Case, groups: &[Group]) -> Vec<Picture> {
         "displacement",
         "Displacement",
         last,
-        Axis::linear("x / m").from_to(-reach, reach),
+        Axis::linear("x / σ").from_to(-reach, reach),
         position,
         format!(
-            "Displacement against time at {} (ωh = {:.6}), from 1 m at rest, h = {STEP} s; one line for \
+            "Displacement against time at {} (ωh = {:.6}), from 1 σ at rest, h = {STEP} τ; one line for \
              each distinct one-step map.",
             case.title, case.omega_h
         ),
@@ -133,7 +133,7 @@ pub(crate) fn case(case: &Case, groups: &[Group]) -> Vec<Picture> {
             "first-steps",
             &format!("The first {CLOSE_STEPS} steps"),
             CLOSE_STEPS,
-            Axis::linear("x / m").from_to(-3.5, 3.5),
+            Axis::linear("x / σ").from_to(-3.5, 3.5),
             position,
             "The same, close up: with so few steps in a period every line is a zigzag between its points.".into(),
         ));
@@ -175,7 +175,7 @@ pub(crate) fn infinite(study: &OscillatorStudy) -> Picture {
         "infinite-stiffness",
         "SPOOK as k → ∞",
         Axis::logarithmic("step n"),
-        Axis::logarithmic("|x| / m").from_to(1e-6, 1e5),
+        Axis::logarithmic("|x| / σ").from_to(1e-6, 1e5),
     );
     for (i, run) in found.rigid.iter().enumerate() {
         let name = if run.damping_steps == 0.0 {

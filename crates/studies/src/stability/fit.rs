@@ -11,6 +11,11 @@ pub(crate) fn line(points: &[(f64, f64)]) -> (f64, f64) {
     (mean_y - slope * mean_x, slope)
 }
 
+/// The slope between two points in logarithms.
+pub(crate) fn slope(a: (f64, f64), b: (f64, f64)) -> f64 {
+    (a.1 / b.1).ln() / (a.0 / b.0).ln()
+}
+
 /// The order p of an error e(h) ∝ h^p·(1 + c·h + …), from the smallest steps whose error stands
 /// above `floor`. It is the slope between the last two points. The slope before them removes the
 /// first correction.
@@ -25,8 +30,7 @@ pub(crate) fn order(points: &[(f64, f64)], floor: f64) -> Option<f64> {
     let [.., a, b, c] = usable.as_slice() else {
         return None;
     };
-    let slope = |p: &(f64, f64), q: &(f64, f64)| (p.1 / q.1).ln() / (p.0 / q.0).ln();
-    let (coarse, fine) = (slope(a, b), slope(b, c));
+    let (coarse, fine) = (slope(*a, *b), slope(*b, *c));
     // The deviation of the slope falls at least as h does: by the factor of the steps.
     let factor = b.0 / c.0;
     Some(fine + (fine - coarse) / (factor - 1.0))

@@ -1,13 +1,15 @@
-//! SPOOK at k = ∞ (ε = 0): the one-step map derived, and measured over many steps.
+//! SPOOK at k = ∞ (ε = 0): the one-step map derived, and measured over many steps. Without damping it is the map of
+//! symplectic Euler at its limit k = 4m/h².
 
 use serde::Serialize;
 
-use super::displacement::STEP;
+use super::displacement::{MASS, STEP};
 use super::groups::entry;
 use super::map::StepMap;
 use super::rig::{Rig, Spring, excursion};
 use crate::StudyError;
 
+const SPOOK: &str = "spook";
 /// Steps of the runs with ε = 0.
 const STEPS: u32 = 100_000;
 /// Damping times of the runs, in steps: none, one with complex eigenvalues, the critical one, one beyond.
@@ -28,13 +30,22 @@ pub struct RigidRun {
     pub theory_radius: f64,
     /// The same from three consecutive states.
     pub measured_radius: f64,
-    /// |x_n| at the last step, m.
+    /// |x_n| at the last step, σ.
     pub last_displacement: f64,
     /// max |x| of the second half of the run over the same of the first half: 2 for linear growth.
     pub growth_of_halves: f64,
-    /// |x| in m at the steps of [`Infinite::shown_steps`].
+    /// |x| in σ at the steps of [`Infinite::shown_steps`].
     #[serde(skip)]
     pub displacements: Vec<f64>,
+}
+
+/// Symplectic Euler at its limit: its map on (x, h·v) is [[−3, 1], [−4, 1]], the one of SPOOK at ε = 0 and τ = 0.
+#[derive(Debug, Clone, Serialize)]
+pub struct AtLimit {
+    /// max |x| of the second half of the run over the same of the first half: 2 for linear growth.
+    pub growth_of_halves: f64,
+    /// Largest relative deviation of |x_n| from 2n + 1.
+    pub deviation_from_linear: f64,
 }
 
 /// One large finite stiffness, τ = 0.
@@ -42,11 +53,11 @@ pub struct RigidRun {
 pub struct StiffRun {
     /// ωh.
     pub omega_h: f64,
-    /// √(1 + (ωh/2)²), m.
+    /// √(1 + (ωh/2)²), σ.
     pub theory_amplitude: f64,
-    /// max |x| over enough steps for more than a whole beat, m.
+    /// max |x| over enough steps for more than a whole beat, σ.
     pub measured_amplitude: f64,
-    /// |x| in m at the steps of [`Infinite::shown_steps`].
+    /// |x| in σ at the steps of [`Infinite::shown_steps`].
     #[serde(skip)]
     pub displacements: Vec<f64>,
 }
@@ -63,6 +74,8 @@ pub struct Infinite {
     pub rigid: Vec<RigidRun>,
     /// Largest relative deviation of |x_n| from 2n + 1 over the run with τ = 0.
     pub deviation_from_linear: f64,
+    /// Symplectic Euler at k = 4m/h².
+    pub at_limit: AtLimit,
     /// Finite stiffnesses.
     pub stiff: Vec<StiffRun>,
 }
@@ -84,15 +97,28 @@ fn shown_steps() -> Vec<u32> {
     steps
 }
 
-/// SPOOK on a spring, from x = 1 m at rest.
-fn start(spring: Spring) -> Result<Rig, StudyError> {
-    Rig::start(entry("spook")?, spring, (1.0, 0.0), STEP)
+/// A method on a spring, from x = 1 σ at rest.
+fn start(method: &'static str, spring: Spring) -> Result<Rig, StudyError> {
+    Rig::start(entry(method)?, spring, (1.0, 0.0), STEP)
 }
 
-/// |x| after each of the steps, m.
-fn displacements(spring: Spring, steps: u32) -> Result<Vec<f64>, StudyError> {
-    let mut rig = start(spring)?;
+/// |x| after each of the steps, σ.
+fn displacements(method: &'static str, spring: Spring, steps: u32) -> Result<Vec<f64>, StudyError> {
+    let mut rig = start(method, spring)?;
     (0..steps).map(|_| Ok(rig.step(STEP)?.x.abs())).collect()
+}
+
+fn growth_of_halves(x: &[f64]) -> f64 {
+    let largest = |x: &[f64]| x.iter().copied().fold(0.0, f64::max);
+    let (first, second) = x.split_at(x.len() / 2);
+    largest(second) / largest(first)
+}
+
+fn deviation_from_linear(x: &[f64]) -> f64 {
+    let off = (1..)
+        .zip(x)
+        .map(|(n, x)| (x / (2.0 * f64::from(n) + 1.0) - 1.0).abs());
+    off.fold(0.0, f64::max)
 }
 
 /// The values at the steps that are shown.
@@ -103,30 +129,27 @@ fn shown(values: &[f64], steps: &[u32]) -> Vec<f64> {
 
 /// Measures everything.
 pub(crate) fn measure(quick: bool) -> Result<Infinite, StudyError> {
-    let spook = entry("spook")?;
+    let spook = entry(SPOOK)?;
     let steps = if quick { STEPS / 5 } else { STEPS };
     let shown_steps = shown_steps();
-    let mut deviation_from_linear = 0.0_f64;
+    let mut undamped_deviation = f64::NAN;
     let mut rigid = Vec::new();
     for damping_steps in DAMPING_STEPS {
         let spring = Spring::Rigid {
             damping_time: damping_steps * STEP,
         };
         let gamma = 1.0 / (1.0 + 4.0 * damping_steps);
-        let x = displacements(spring, steps)?;
+        let x = displacements(SPOOK, spring, steps)?;
         if damping_steps == 0.0 {
-            for (n, x) in (1..).zip(&x) {
-                let linear = 2.0 * f64::from(n) + 1.0;
-                deviation_from_linear = deviation_from_linear.max((x / linear - 1.0).abs());
-            }
+            undamped_deviation = deviation_from_linear(&x);
         }
         rigid.push(RigidRun {
             damping_steps,
             gamma,
             theory_radius: rigid_map(gamma).radius(),
-            measured_radius: start(spring)?.map(STEP)?.radius(),
+            measured_radius: start(SPOOK, spring)?.map(STEP)?.radius(),
             last_displacement: x.last().copied().unwrap_or(f64::NAN),
-            growth_of_halves: excursion(spook, spring, STEP, steps, f64::INFINITY)?.growth(),
+            growth_of_halves: growth_of_halves(&x),
             displacements: shown(&x, &shown_steps),
         });
     }
@@ -141,15 +164,21 @@ pub(crate) fn measure(quick: bool) -> Result<Infinite, StudyError> {
                 theory_amplitude: 1.0_f64.hypot(0.5 * omega_h),
                 measured_amplitude: excursion(spook, spring, STEP, enough, f64::INFINITY)?
                     .largest(),
-                displacements: shown(&displacements(spring, SHOWN)?, &shown_steps),
+                displacements: shown(&displacements(SPOOK, spring, SHOWN)?, &shown_steps),
             })
         })
         .collect::<Result<_, StudyError>>()?;
+    let limit = Spring::Stiffness(4.0 * MASS / (STEP * STEP));
+    let at_limit = displacements("symplectic-euler", limit, steps)?;
     Ok(Infinite {
         steps,
         shown_steps,
         rigid,
-        deviation_from_linear,
+        deviation_from_linear: undamped_deviation,
+        at_limit: AtLimit {
+            growth_of_halves: growth_of_halves(&at_limit),
+            deviation_from_linear: deviation_from_linear(&at_limit),
+        },
         stiff,
     })
 }

@@ -65,6 +65,8 @@ pub struct OscillatorStudy {
     pub growth: Vec<discretisation::GrowthError>,
     /// The three rules for a changing step.
     pub step_rules: Vec<variable_step::StepRuleRun>,
+    /// The share of changes of its step that SPOOK refuses.
+    pub refused_changes: f64,
     /// Orders.
     pub orders: orders::Orders,
 }
@@ -78,7 +80,7 @@ pub struct StabilityStudy {
     pub oscillator: OscillatorStudy,
     /// The fluid.
     pub fluid: FluidStudy,
-    /// What the sources claim, and whether it holds.
+    /// What is claimed, by whom, and whether it holds.
     pub claims: Vec<Claim>,
 }
 
@@ -134,6 +136,7 @@ fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<OscillatorStud
         infinite,
         growth: discretisation::measure()?,
         step_rules: variable_step::measure()?,
+        refused_changes: variable_step::refused_changes()?,
         orders: orders::measure(&groups, quick)?,
         groups,
     })

@@ -9,14 +9,16 @@ use super::groups::{Group, entry};
 use super::rig::{Rig, Spring};
 use crate::StudyError;
 
-/// Start (x, v) at ω = 1/s: neither at rest nor at zero, so that no error vanishes by symmetry.
+/// Start (x, v) at ω = 1 τ⁻¹: neither at rest nor at zero, so that no error vanishes by symmetry.
 const START: (f64, f64) = (1.0, 0.5);
-/// End of the runs, s.
+/// End of the runs, τ.
 const END: f64 = 2.0;
 /// The coarsest step is END over this number of steps; each further one is half as long.
 const COARSEST: u32 = 16;
 /// Number of step lengths.
 const REFINEMENTS: u32 = 7;
+/// Steps after which added errors are looked at.
+const SUMMED: [u32; 4] = [2, 3, 5, 30];
 /// Errors below this are rounding: 512 steps of a few 10⁻¹⁶ each.
 const ROUNDING: f64 = 2e-13;
 
@@ -46,6 +48,8 @@ pub struct Orders {
     pub velocity_estimates: Vec<OrderLine>,
     /// Local errors: the recurrence, the central velocity, one step of velocity Verlet.
     pub local: Vec<OrderLine>,
+    /// Steps n, and the error of a position after them over the error after one, under Störmer–Verlet.
+    pub accumulation: Vec<(u32, f64)>,
     /// Amplitude of the energy's oscillation under velocity Verlet.
     pub energy: OrderLine,
     /// Drift of that energy over a long run, as a share of its oscillation.
@@ -144,6 +148,7 @@ pub(crate) fn measure(groups: &[Group], quick: bool) -> Result<Orders, StudyErro
         starts: starts()?,
         velocity_estimates: velocity_estimates()?,
         local: local()?,
+        accumulation: accumulation()?,
         energy,
         energy_drift_share,
         velocity_verlet_against_stormer: equivalence()?,
@@ -212,6 +217,23 @@ fn local() -> Result<Vec<OrderLine>, StudyError> {
     ])
 }
 
+/// Errors of Störmer–Verlet from two positions of cos t, over the first error. At the crest the local errors of a few
+/// steps are equal but for terms of the order (nh)².
+fn accumulation() -> Result<Vec<(u32, f64)>, StudyError> {
+    let h = 0.004_f64;
+    // The method begins with x + v·h + ½·a·h². This velocity makes that 2·cos 0 − cos h − h².
+    let v = (1.0 - 0.5 * h * h - h.cos()) / h;
+    let spring = Spring::Stiffness(1.0);
+    let mut rig = Rig::start(entry("stormer-verlet")?, spring, (1.0, v), h)?;
+    let errors = (1..=SUMMED[SUMMED.len() - 1]).map(|n| {
+        let x = rig.step(h)?.x;
+        Ok(x - (f64::from(n) * h).cos())
+    });
+    let errors = errors.collect::<Result<Vec<f64>, StudyError>>()?;
+    let over_first = |n: u32| (n, errors[n as usize - 1] / errors[0]);
+    Ok(SUMMED.map(over_first).to_vec())
+}
+
 /// The energy of velocity Verlet: the order of its oscillation, and its drift over a long run as a
 /// share of that oscillation.
 fn energy(quick: bool) -> Result<(OrderLine, f64), StudyError> {
@@ -221,7 +243,7 @@ fn energy(quick: bool) -> Result<(OrderLine, f64), StudyError> {
     let order = line("|E − E₀| of velocity Verlet", 2.0, |n, _| {
         Ok(swing(&path(verlet, START, n)?))
     })?;
-    // The same method with ω = 1 and a long way to go: a step of 0.05 s.
+    // The same method with ω = 1 and a long way to go: a step of 0.05 τ.
     let dt = 0.05;
     let steps = if quick { 20_000 } else { 200_000 };
     let mut rig = Rig::start(verlet, Spring::Stiffness(1.0), START, dt)?;

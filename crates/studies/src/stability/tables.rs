@@ -92,7 +92,7 @@ fn orders(study: &OscillatorStudy) -> Table {
         .column("name", |p| p.name)
         .column("order by theory", |p| p.theory)
         .column("order measured", |p| p.measured)
-        .column("h [s]", |p| p.at.0)
+        .column("h [tau]", |p| p.at.0)
         .column("error", |p| p.at.1)
         .table()
 }
@@ -134,7 +134,7 @@ fn infinite(study: &OscillatorStudy) -> Table {
     Table::rows_of("infinite-stiffness", &points)
         .column("run", |(name, _)| *name)
         .column("step", |(_, (n, _))| **n)
-        .column("|x| [m]", |(_, (_, x))| **x)
+        .column("|x| [sigma]", |(_, (_, x))| **x)
         .table()
 }
 
@@ -143,14 +143,14 @@ fn displacement(study: &OscillatorStudy, case: &Case) -> Table {
     let steps = case.runs.iter().map(|r| r.positions.len()).max();
     let steps: Vec<usize> = (0..steps.unwrap_or(0)).collect();
     let mut table = Table::rows_of(format!("displacement-{}", case.name), &steps)
-        .column("time [s]", |n| *n as f64 * STEP);
+        .column("time [tau]", |n| *n as f64 * STEP);
     for run in &case.runs {
         let label = &study.groups[run.group].name;
         table = table
-            .column(&format!("{label}: x [m]"), |n| {
+            .column(&format!("{label}: x [sigma]"), |n| {
                 run.positions.get(*n).copied()
             })
-            .column(&format!("{label}: energy [J]"), |n| {
+            .column(&format!("{label}: energy [epsilon]"), |n| {
                 run.energies.get(*n).copied()
             });
     }
@@ -164,12 +164,12 @@ fn summaries(study: &OscillatorStudy) -> Table {
         .flat_map(|case| case.summaries.iter().map(move |s| (case, s)))
         .collect();
     Table::rows_of("stiffnesses", &all)
-        .column("k [N/m]", |(case, _)| case.stiffness)
+        .column("k [epsilon/sigma^2]", |(case, _)| case.stiffness)
         .column("omega h", |(case, _)| case.omega_h)
         .column("method", |(_, s)| s.method)
         .column("radius by theory", |(_, s)| s.theory_radius)
-        .column("amplitude by theory [m]", |(_, s)| s.theory_amplitude)
-        .column("amplitude measured [m]", |(_, s)| s.measured_amplitude)
+        .column("amplitude by theory [sigma]", |(_, s)| s.theory_amplitude)
+        .column("amplitude measured [sigma]", |(_, s)| s.measured_amplitude)
         .column("growth of halves", |(_, s)| s.growth_of_halves)
         .column("period ratio by theory", |(_, s)| s.theory_period_ratio)
         .column("period ratio measured", |(_, s)| s.measured_period_ratio)
@@ -184,8 +184,8 @@ fn paths(study: &OscillatorStudy) -> Table {
         .collect();
     Table::rows_of("variable-step", &points)
         .column("rule", |(rule, _)| *rule)
-        .column("time [s]", |(_, p)| p.0)
-        .column("x [m]", |(_, p)| p.1)
+        .column("time [tau]", |(_, p)| p.0)
+        .column("x [sigma]", |(_, p)| p.1)
         .table()
 }
 
@@ -222,7 +222,7 @@ pub(crate) fn limits_on_page(study: &OscillatorStudy) -> Table {
 pub(crate) fn case_on_page(case: &Case) -> Table {
     let steps = case.summaries.first().map_or(0, |s| s.steps);
     let caption = format!(
-        "{} = {} N/m, ωh = {:.6}, over {steps} steps. The amplitude by theory is the amplitude of the one-step \
+        "{} = {} ε/σ², ωh = {:.6}, over {steps} steps. The amplitude by theory is the amplitude of the one-step \
          map; the measured one is the largest |x|.",
         case.title,
         significant(case.stiffness, 7),
@@ -241,10 +241,10 @@ pub(crate) fn case_on_page(case: &Case) -> Table {
             Cell::words(fate).toned(tone)
         })
         .column("Growth per step", |s| Cell::rounded(s.theory_radius, 6))
-        .column("Amplitude by theory [m]", |s| {
+        .column("Amplitude by theory [σ]", |s| {
             Cell::rounded(s.theory_amplitude, 7)
         })
-        .column("measured [m]", |s| Cell::rounded(s.measured_amplitude, 7))
+        .column("measured [σ]", |s| Cell::rounded(s.measured_amplitude, 7))
         .column("Period over the true one, theory", |s| {
             Cell::rounded(s.theory_period_ratio, 6)
         })

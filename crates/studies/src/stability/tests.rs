@@ -7,7 +7,7 @@ use super::map::StepMap;
 use super::rig::{Spring, excursion, measured_map};
 use super::*;
 use crate::Silent;
-use crate::claims::Verdict;
+use crate::claims::{Source, Verdict};
 
 /// The quick oscillator part, run once for all tests.
 static QUICK: LazyLock<OscillatorStudy> =
@@ -206,17 +206,56 @@ fn the_energy_of_velocity_verlet_does_not_drift_and_it_equals_stormer_verlet() {
 }
 
 #[test]
-fn the_one_claim_that_fails_is_the_undamped_rigid_constraint() {
+fn two_claims_of_the_manual_fail_where_a_map_has_one_eigenvector() {
     let claims = judgement::claims(&QUICK).unwrap();
-    let failing: Vec<&str> = claims
-        .iter()
-        .filter(|c| c.verdict == Verdict::DoesNotHold)
-        .map(|c| c.statement.as_str())
-        .collect();
-    assert_eq!(failing, ["k = ∞, τ = 0: SPOOK does not diverge"]);
+    let failing = claims.iter().filter(|c| c.verdict == Verdict::DoesNotHold);
+    let failing: Vec<_> = failing.map(|c| (c.source, c.statement.as_str())).collect();
+    let limit = "k ≤ 4m/h²: semi-implicit Euler is stable, the limit itself included";
+    let rigid = "k = ∞, τ = 0: SPOOK does not diverge";
+    assert_eq!(failing, [(Source::Manual, limit), (Source::Manual, rigid)]);
     for claim in &claims {
         assert!(claim.theory_agrees, "{claim:?}");
     }
+}
+
+#[test]
+fn at_its_limit_symplectic_euler_grows_as_two_n_plus_one() {
+    let found = &QUICK.infinite.at_limit;
+    // ωh is rounded, which splits the double eigenvalue −1 by some 10⁻⁸.
+    assert!(found.deviation_from_linear < 1e-6, "{found:?}");
+    assert!((found.growth_of_halves - 2.0).abs() < 1e-3, "{found:?}");
+}
+
+#[test]
+fn local_errors_add_up_to_triangular_numbers() {
+    for (n, errors) in &QUICK.orders.accumulation {
+        let sum = f64::from(n * (n + 1) / 2);
+        assert!((errors / sum - 1.0).abs() < 0.01, "{n}: {errors}");
+    }
+    assert_eq!(QUICK.refused_changes, 1.0);
+}
+
+#[test]
+fn a_claim_of_ours_is_in_no_mouth_of_a_document() {
+    let claims = judgement::claims(&QUICK).unwrap();
+    let source = |words: &str| {
+        let claim = claims.iter().find(|c| c.statement.contains(words));
+        claim
+            .unwrap_or_else(|| panic!("no claim has “{words}”"))
+            .source
+    };
+    for ours in [
+        "the Taylor start adds an offset",
+        "one velocity-Verlet step errs by O(h³) in x",
+        "amplitude √(1 + ω²h²/4)",
+        "`pefrl` is stable below",
+    ] {
+        assert_eq!(source(ours), Source::Ours, "{ours}");
+    }
+    for manual in ["SPOOK is of order 1", "SPOOK takes no variable step"] {
+        assert_eq!(source(manual), Source::Manual, "{manual}");
+    }
+    assert_eq!(source("n(n + 1)/2"), Source::Article);
 }
 
 #[test]

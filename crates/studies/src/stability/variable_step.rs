@@ -12,11 +12,11 @@ use crate::StudyError;
 const BLOCK: u32 = 4;
 /// Short step over long step.
 const RATIO: f64 = 0.5;
-/// End of the runs, s, at ω = 1/s: a whole number of blocks for every long step below.
+/// End of the runs, τ, at ω = 1 τ⁻¹: a whole number of blocks for every long step below.
 const END: f64 = 12.0;
-/// Long steps of the order measurement, s.
+/// Long steps of the order measurement, τ.
 const LONG_STEPS: u32 = 7;
-/// Long step of the figure, s.
+/// Long step of the figure, τ.
 const SHOWN_STEP: f64 = 0.125;
 /// Start (x, v): neither at rest nor at zero.
 const START: (f64, f64) = (1.0, 0.3);
@@ -112,6 +112,18 @@ pub(crate) fn measure() -> Result<Vec<StepRuleRun>, StudyError> {
         })
     })
     .collect()
+}
+
+/// The share of changes of its step that SPOOK refuses, after one step of another length.
+pub(crate) fn refused_changes() -> Result<f64, StudyError> {
+    let changes = [0.5, 1.001, 2.0];
+    let mut refused = 0.0;
+    for change in changes {
+        let mut rig = Rig::start(entry("spook")?, Spring::Stiffness(1.0), START, SHOWN_STEP)?;
+        rig.step(SHOWN_STEP)?;
+        refused += f64::from(u8::from(rig.try_step(change * SHOWN_STEP).is_err()));
+    }
+    Ok(refused / changes.len() as f64)
 }
 
 /// The exact solution on the figure's times.
