@@ -1,6 +1,8 @@
 //! Checks of the repository itself.
 
 mod circles;
+#[cfg(test)]
+mod documents;
 mod errors;
 mod features;
 mod finding;
