@@ -48,8 +48,8 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
         &[past.wall, step, observe, write].map(|d| d.as_secs_f64()),
     );
     run.put_u64("owes_output", &[u64::from(past.owes_output)]);
-    let text = past.remarks.join("\n");
-    run.put_u64("remarks", &text.bytes().map(u64::from).collect::<Vec<_>>());
+    let remarks = past.remarks.join("\n");
+    run.put_u64("remarks", &packed(remarks.as_bytes(), LETTERS_PER_NUMBER));
     let name = simulation.scene.output.format.spec().file;
     let trajectory = marks.trajectory.map(|mark| (name.to_owned(), mark));
     Checkpoint {
@@ -101,18 +101,9 @@ pub(crate) fn reinstate(
         write,
     };
     let [owed] = run.u64s("owes_output")?;
-    let bytes: Vec<u8> = run
-        .u64("remarks")?
-        .iter()
-        .filter_map(|&b| u8::try_from(b).ok())
-        .collect();
-    let remarks = String::from_utf8_lossy(&bytes)
-        .lines()
-        .map(str::to_owned)
-        .collect();
     Ok(Past {
         wall,
-        remarks,
+        remarks: restored_remarks(&run)?,
         owes_output: owed != 0,
     })
 }
@@ -177,18 +168,36 @@ pub(crate) fn saved_start_cell(
 
 /// Species in one number of a checkpoint.
 const SPECIES_PER_NUMBER: usize = size_of::<u64>();
+/// Bytes of a text in one number: eight could look like a count above [`LARGEST_COUNT`].
+const LETTERS_PER_NUMBER: usize = 7;
+
+/// Bytes as numbers, so many in each; zeros fill the last one.
+fn packed(bytes: &[u8], per_number: usize) -> Vec<u64> {
+    let number = |chunk: &[u8]| {
+        let mut bytes = [0; size_of::<u64>()];
+        bytes[..chunk.len()].copy_from_slice(chunk);
+        u64::from_le_bytes(bytes)
+    };
+    bytes.chunks(per_number).map(number).collect()
+}
+
+/// The bytes of numbers, with the zeros that fill them.
+fn unpacked(numbers: &[u64]) -> impl Iterator<Item = u8> {
+    numbers.iter().flat_map(|number| number.to_le_bytes())
+}
+
+fn restored_remarks(from: &StateReader<'_>) -> Result<Vec<String>, lennard_core::RestoreError> {
+    let bytes = unpacked(from.u64("remarks")?).filter(|byte| *byte != 0);
+    let text = String::from_utf8_lossy(&bytes.collect::<Vec<_>>()).into_owned();
+    Ok(text.lines().map(str::to_owned).collect())
+}
 
 /// The species of each particle, one byte each; nothing where there is one species.
 fn save_species(species: &SpeciesTable, to: &mut lennard_core::StateWriter<'_>) {
     let Some(of_particles) = species.of_particles() else {
         return;
     };
-    let packed = of_particles.chunks(SPECIES_PER_NUMBER).map(|chunk| {
-        let mut bytes = [0; SPECIES_PER_NUMBER];
-        bytes[..chunk.len()].copy_from_slice(chunk);
-        u64::from_le_bytes(bytes)
-    });
-    to.put_u64("species", &packed.collect::<Vec<_>>());
+    to.put_u64("species", &packed(of_particles, SPECIES_PER_NUMBER));
 }
 
 /// The species of the `n` particles of a saved run.
@@ -202,11 +211,10 @@ pub(crate) fn saved_species(
         return Ok(scene.species_table(n, &[]));
     }
     let reader = archive.reader().section("run");
-    let packed = reader.u64("species")?;
-    let bytes = packed.iter().flat_map(|number| number.to_le_bytes());
-    let of_particle: Vec<u8> = bytes.take(n).collect();
-    if packed.len() != n.div_ceil(SPECIES_PER_NUMBER) {
-        return Err(reader.misfit("species", format!("{} numbers", packed.len())));
+    let numbers = reader.u64("species")?;
+    let of_particle: Vec<u8> = unpacked(numbers).take(n).collect();
+    if numbers.len() != n.div_ceil(SPECIES_PER_NUMBER) {
+        return Err(reader.misfit("species", format!("{} numbers", numbers.len())));
     }
     match of_particle.iter().find(|a| usize::from(**a) >= count) {
         Some(a) => Err(reader.misfit("species", format!("species {a} of {count}"))),
@@ -303,5 +311,29 @@ impl Checkpointer {
         self.last_written = Instant::now();
         self.last_step = Some(simulation.state.step);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn remarks_come_back_and_take_a_byte_a_letter() {
+        let remarks = ["ÿÿÿÿÿÿÿÿ σ²/τ".to_owned(), "instruction set ".repeat(20)];
+        let text = remarks.join("\n");
+        let mut archive = StateArchive::default();
+        let numbers = packed(text.as_bytes(), LETTERS_PER_NUMBER);
+        archive.writer().put_u64("remarks", &numbers);
+        assert!(archive.arrays["remarks"].bytes() <= text.len() * 8 / 7 + 8);
+        check_particles(&archive, 1).expect("no count is too large");
+        assert_eq!(restored_remarks(&archive.reader()).unwrap(), remarks);
+        // Checkpoints that have one byte in each number are read too.
+        assert_eq!(
+            unpacked(&packed(b"one", 1))
+                .filter(|b| *b != 0)
+                .collect::<Vec<_>>(),
+            b"one"
+        );
     }
 }
