@@ -26,7 +26,7 @@ pub(crate) fn claims(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> 
         Manual,
         "B1: SPOOK takes no variable step",
         "share of changes of the step that are refused",
-        (1.0, 0.0, ""),
+        (1.0, 0.0, "a count has no error"),
         study.refused_changes,
     ));
     claims.extend(manual_judgement::finite(study)?);
