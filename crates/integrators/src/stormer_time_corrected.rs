@@ -30,7 +30,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: Some(oscillator_map),
-    source: "Störmer–Verlet for a step that changes: methods A4 of the article on Verlet integration, Wikipedia, section \"Non-constant time differences\"",
+    source: "Störmer–Verlet for a step that changes: article on Verlet integration, Wikipedia, section \"Non-constant time differences\"",
 };
 
 impl MethodOptions for Options {

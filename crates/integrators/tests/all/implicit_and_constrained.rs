@@ -173,7 +173,7 @@ fn spook_reproduces_its_closed_form_for_one_damped_oscillator() {
                     .step(&system, &mut state, &mut free, H, Want::NOTHING)
                     .unwrap();
 
-                // methods.md B2, term by term.
+                // B2, term by term.
                 let gamma = 1.0 / (1.0 + 4.0 * damping_time / H);
                 let stiff = 4.0 * gamma * compliance * mass / (H * H);
                 let v_next = (-4.0 / H * gamma * x + gamma * v + stiff * v) / (1.0 + stiff);
@@ -254,7 +254,7 @@ fn rigid_spook_without_damping_grows_linearly_and_with_damping_decays() {
 
 #[test]
 fn at_its_limit_symplectic_euler_is_bounded_just_inside_and_diverges_just_outside() {
-    // methods.md B3, m = 1, x₀ = 1: k = 4/h² − 1 gives an amplitude over 100, as the map's invariant
+    // B3, m = 1, x₀ = 1: k = 4/h² − 1 gives an amplitude over 100, as the map's invariant
     // v² − ω²h·x·v + ω²x² (an ellipse) says; k = 4/h² + 1 diverges.
     let run = |stiffness: f64| {
         OscillatorBench::new(OscillatorModel::Force, stiffness, 0.0)

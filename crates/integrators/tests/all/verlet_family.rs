@@ -1,4 +1,4 @@
-//! The claims about the Verlet family (methods.md A1–A7). They are about two starts, three velocities,
+//! The claims about the Verlet family (A1–A7). They are about two starts, three velocities,
 //! the factor 1/24, three rules for a changing step, local errors, and methods that are the same
 //! method.
 

@@ -73,8 +73,8 @@ fn amplification(study: &StabilityStudy) -> Section {
 fn cases(study: &StabilityStudy) -> Section {
     let mut section = Section::new("Displacement and energy at each stiffness").text(format!(
         "One oscillator, m = 1, from x = 1 σ at rest, with the step h = {STEP} τ throughout; only the \
-         stiffness changes. The manual has these numbers in kg, m and s. A cross at the upper edge marks where a method stopped by itself, because its \
-         numbers left the range it can represent."
+         stiffness changes. The manual has these numbers in kg, m and s. A cross at the upper edge marks \
+         where a method stopped by itself, because its numbers left the range it can represent."
     ));
     for case in &study.oscillator.cases {
         section = section
