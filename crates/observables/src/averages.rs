@@ -36,8 +36,6 @@ pub(crate) fn of_fluctuations(
 }
 
 /// The error of the mean of `influence`, which is made of squares and products of fluctuations.
-///
-/// Such series are not anticorrelated over long times: an error below the one of independent blocks is noise of the widest window.
 pub(crate) fn estimate_of_fluctuations(influence: &[f64]) -> Estimate {
     with_overlap(statistics::mean(influence), influence, 1.0)
 }
@@ -48,8 +46,7 @@ fn with_overlap(mean: f64, series: &[f64], overlap: f64) -> Estimate {
     Estimate {
         mean,
         standard_error: error.standard_error,
-        // Blocks that are anticorrelated are noise of the estimate, not more samples.
-        n_effective: error.n_effective.min(series.len() as f64),
+        n_effective: error.n_effective,
         least_effective: error.least_effective,
         freedom: error.freedom,
         equilibration_cut: 0,

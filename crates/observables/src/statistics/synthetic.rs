@@ -1,7 +1,7 @@
 //! Series with known statistics, for tests.
 
 use lennard_core::random::Streams;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
 /// The autoregressive process x_{i+1} = φ x_i + √(1 − φ²) ξ with unit variance and ρ(t) = φᵗ.
 pub(crate) struct Ar1 {
@@ -49,4 +49,37 @@ pub(crate) fn damped_rotation(r: f64, omega: f64, seed: u64, n: usize) -> Vec<f6
             x
         })
         .collect()
+}
+
+/// The momentum per time that `particles` of unit mass hand to one of two thermal walls at T = 1, in each of `n` times of `interval`
+/// τ. They fly `apart` σ from wall to wall without collisions.
+pub(crate) fn free_gas_between_thermal_walls(
+    seed: u64,
+    particles: u64,
+    apart: f64,
+    interval: f64,
+    n: usize,
+) -> Vec<f64> {
+    let noise = Streams::new(seed).noise("free gas");
+    let mut series = vec![0.0; n];
+    for particle in 0..particles {
+        let mut rng = noise.at(particle, 0);
+        let mut uniform = || -> f64 { StandardUniform.sample(&mut rng) };
+        // Where and how fast a flight of the equilibrium is met.
+        let mut goes_up = uniform() < 0.5;
+        let left = apart * uniform();
+        let mut speed: f64 = StandardNormal.sample(&mut noise.at(particle, 1));
+        let mut time = left / speed.abs();
+        while time < interval * n as f64 {
+            let arrives = speed.abs();
+            // A wall sends particles off with the density v·exp(−v²/2) of their speeds.
+            speed = (-2.0 * (1.0 - uniform()).ln()).sqrt();
+            if goes_up {
+                series[(time / interval) as usize] += (arrives + speed) / interval;
+            }
+            goes_up = !goes_up;
+            time += apart / speed;
+        }
+    }
+    series
 }
