@@ -24,7 +24,7 @@ use crate::schedule::Observer;
 use crate::simulation::Simulation;
 use crate::starting_molecules::{remark_on_damping, remark_on_springs};
 use crate::timers::Timers;
-use crate::{EngineError, compare, exchange, jump, pressure};
+use crate::{EngineError, compare, ends, exchange, pressure};
 
 /// The temperature and step for which the list is laid out. They are the highest temperature and the
 /// largest step of all stages, since one list serves all.
@@ -283,7 +283,7 @@ pub(crate) fn thermodynamics(
     let context =
         scene.observable_context(cell, species, measured_dt(scene), scene.output.thermo_every);
     let mut thermodynamics = Thermodynamics::with_options(&options, &context);
-    thermodynamics.set_force_jump(jump::of_force(scene, species)?);
+    thermodynamics.set_ends(ends::of_pairs(scene, species)?);
     thermodynamics.set_curvature(curvature(scene)?);
     thermodynamics.set_ensemble(last_measured(scene).and_then(|stage| ensemble(scene, stage, own)));
     thermodynamics.set_bath(held_temperature(scene));

@@ -20,27 +20,18 @@ pub(crate) fn curvature(scene: &Scene) -> Result<Option<Curvature>, EngineError>
         return Ok(None);
     }
     let truncation = &scene.truncation;
-    // Each pair of species has a shift of its own, which the mean energy does not tell.
-    if scene.mixture.is_some() && truncation.kind == TruncationKind::Shift {
-        return Ok(None);
-    }
     if !matches!(truncation.kind, TruncationKind::Cut | TruncationKind::Shift) {
         return Ok(None);
     }
     let mut plain = *truncation;
     plain.kind = TruncationKind::Cut;
     let plain = Model::new(&scene.potential, &plain).map_err(|e| misfit(&scene.source, &e))?;
-    let at_cutoff = plain.eval(plain.r_cut * plain.r_cut).energy;
     let inside = DISTANCES.iter().filter(|r| **r <= plain.r_cut);
     let values: Vec<[f64; 3]> = inside.map(|r| in_three(plain.eval(r * r), *r)).collect();
     Ok(line(&values).map(|[of_virial, of_energy]| Curvature {
         of_virial,
         of_energy,
-        shift: match truncation.kind {
-            TruncationKind::Shift => at_cutoff,
-            _ => 0.0,
-        },
-        jumps: !truncation.tail_correction,
+        of_truncated: !truncation.tail_correction,
     }))
 }
 
@@ -94,7 +85,7 @@ mod tests {
             found
         };
         let full = is(of(&[]), 19.0, 72.0);
-        assert_eq!((full.shift, full.jumps), (0.0, false));
+        assert!(!full.of_truncated);
         is(
             of(&[(
                 "potential",
@@ -113,7 +104,7 @@ mod tests {
             19.0,
             72.0,
         );
-        assert!((shifted.shift + 0.016_316_891).abs() < 1e-8 && shifted.jumps);
+        assert!(shifted.of_truncated);
         assert_eq!(
             of(&[("truncation", "{ kind = \"force-shift\", r_cut = 2.5 }")]),
             None

@@ -150,7 +150,7 @@ fn box_fits(
         Some(Coupling::Z) => cell.shortest().min(cell.lengths().z * ratio),
         _ => cell.shortest() * ratio.cbrt(),
     };
-    let r_cut = scene.truncation.r_cut;
+    let r_cut = scene.longest_cutoff();
     let deviation = (volume * stage.temperature * foreseen.compressibility).sqrt();
     let room = 1.0 + DEVIATIONS * deviation / (3.0 * volume);
     let name = &foreseen.equation.spec().name;

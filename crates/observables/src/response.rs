@@ -156,12 +156,12 @@ pub(crate) fn remark(setting: &Setting) -> String {
     match (setting.ensemble, setting.curvature) {
         (Ensemble::Isobaric { .. }, _) => format!("{RESPONSES_REMARK}{how}"),
         (_, None) => format!(
-            "{RESPONSES_REMARK}{how}; not given, since Σ r²u″ does not follow from U and W of this potential: {}",
+            "{RESPONSES_REMARK}{how}; not given, since Σ r²u″ does not follow from U and W alone: {}",
             missing.join(", ")
         ),
-        (_, Some(curvature)) if curvature.jumps => format!(
-            "{RESPONSES_REMARK}{how}, with Σ r²u″ from U and W; the jump of the force at the cutoff counts with g(r_cut) = 1"
-        ),
+        (_, Some(curvature)) if curvature.of_truncated => {
+            format!("{RESPONSES_REMARK}{how}, with Σ r²u″ from U, W and the pairs at the cutoff")
+        }
         _ => format!("{RESPONSES_REMARK}{how}, with Σ r²u″ from U and W of the full potential"),
     }
 }

@@ -65,6 +65,8 @@ pub struct ThermoSeries {
     pub volume_squared: Vec<f64>,
     /// Mean of (U_s/N)(V/N).
     pub sampled_energy_volume: Vec<f64>,
+    /// What the cutoff adds to Σ r²u″/N, ε.
+    pub curvature_of_ends: Vec<f64>,
 }
 
 impl_columns!(ThermoSeries {
@@ -95,6 +97,7 @@ impl_columns!(ThermoSeries {
     volume,
     volume_squared,
     sampled_energy_volume,
+    curvature_of_ends,
 });
 
 impl ThermoSeries {

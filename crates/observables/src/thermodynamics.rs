@@ -1,13 +1,12 @@
 //! Temperature, energies, pressure and what ought to be conserved.
 
 mod conservation;
+mod cutoffs;
 mod equilibrium;
 mod instant;
 mod remarks;
 mod responses;
 mod species;
-
-use std::f64::consts::PI;
 
 use lennard_core::exact::exact_sum;
 use lennard_core::{
@@ -23,6 +22,9 @@ use crate::thermo_series::ThermoSeries;
 use crate::{BuildContext, Curvature, Ensemble, ObservableError, Recipe, heat_capacity};
 
 pub use conservation::Conservation;
+pub(crate) use cutoffs::EndSums;
+use cutoffs::Ends;
+pub use cutoffs::PairEnd;
 pub use equilibrium::{Equilibrium, HeldTemperature};
 pub use instant::Recorded;
 pub use remarks::Confined;
@@ -82,8 +84,8 @@ impl Recipe for ThermodynamicsOptions {
 ///   gradient (for a plain cutoff the shifted one). In a box that changes V·P_tail is added, the energy of the tail
 ///   that the motion of the box feels.
 /// - **Configurational temperature** T_conf = ⟨|∇U|²⟩/⟨∇²U⟩. A force that jumps at the cutoff adds a
-///   delta function to ∇²U that no pair loop can see. Its mean is −4πρ r_cut² U′(r_cut) per particle
-///   for g(r_cut) = 1. The mean is added where [`Thermodynamics::set_force_jump`] has set the jump.
+///   delta function to ∇²U that no pair loop can see, −2 Σ U′(r_cut)·δ(r − r_cut) over pairs. The pairs of the run that lie at the
+///   cutoff give it, where [`Thermodynamics::set_ends`] has told how the potential ends.
 /// - **Temperature of each species** of a mixture.
 ///
 /// All averages share one equilibration cut ([`Thermodynamics::equilibrium`]), so that all are over the same samples.
@@ -96,7 +98,7 @@ pub struct Thermodynamics {
     of_species: Option<SpeciesTemperatures>,
     energy_line: RunningLine,
     largest_momentum: f64,
-    force_jump: f64,
+    ends: Ends,
     ensemble: Option<Ensemble>,
     bath: Option<HeldTemperature>,
     n_dof: f64,
@@ -124,7 +126,7 @@ impl Thermodynamics {
             of_species: SpeciesTemperatures::new(&context.species),
             energy_line: RunningLine::default(),
             largest_momentum: 0.0,
-            force_jump: 0.0,
+            ends: Ends::default(),
             ensemble: None,
             bath: None,
             n_dof: f64::NAN,
@@ -135,11 +137,10 @@ impl Thermodynamics {
         }
     }
 
-    /// Sets U′(r_cut) in ε/σ: the derivative of the pair potential just inside a cutoff at which the
-    /// force jumps to zero (plain and shifted cutoffs). Zero, the default, for truncations whose force
-    /// is continuous.
-    pub fn set_force_jump(&mut self, derivative_at_cutoff: f64) {
-        self.force_jump = derivative_at_cutoff;
+    /// Tells how the potential of each pair of species ends, row by row, `[species]²`. None, the default, is right where energy and
+    /// force are continuous.
+    pub fn set_ends(&mut self, ends: Vec<PairEnd>) {
+        self.ends = Ends::new(ends);
     }
 
     /// Tells the ensemble that the measured stages sample, from whose fluctuations c_v is then taken;
@@ -172,13 +173,6 @@ impl Thermodynamics {
             equilibration_cut: estimate.equilibration_cut * self.series.stride(),
             ..estimate
         }
-    }
-
-    /// Mean Laplacian of the jump of the force, per particle, for g(r_cut) = 1 in this volume (σ³).
-    fn jump_laplacian(&self, volume: f64) -> f64 {
-        let c = &self.context;
-        let (sites, density) = (c.molecules.sites() as f64, c.n_atoms as f64 / volume);
-        -4.0 * PI * sites * density * c.r_cut.powi(2) * self.force_jump
     }
 }
 
@@ -279,7 +273,6 @@ impl Observable for Thermodynamics {
             averages,
             ..Findings::default()
         };
-        findings.remarks = self.remarks();
         if let Some(of_species) = &self.of_species {
             of_species.finish(discarded, &mut findings);
         }

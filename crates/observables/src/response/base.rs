@@ -1,6 +1,7 @@
 //! What response functions are made of, and how all of them follow from a few.
 
 use crate::Ensemble;
+use crate::thermodynamics::EndSums;
 
 /// How Σ r²u″ follows from the energy and the virial of the same pairs: X = `of_virial`·W − `of_energy`·U.
 ///
@@ -12,11 +13,19 @@ pub struct Curvature {
     pub of_virial: f64,
     /// n·m of a Mie potential.
     pub of_energy: f64,
-    /// U(r_cut) of the potential before it was shifted, ε; zero where the energy is not shifted.
-    pub shift: f64,
-    /// Whether the fluid is the one of the truncated potential, whose force jumps at the cutoff. With a tail it is the
-    /// full one, and there is no jump.
-    pub jumps: bool,
+    /// Whether the fluid is the one of the truncated potential. With a tail it is the full one, which has no end.
+    pub of_truncated: bool,
+}
+
+impl Curvature {
+    /// What the end of a truncated potential adds to X: −Σ U′·r²·δ(r − r_cut), and the energy that a shift took from the pairs.
+    pub(crate) fn of_ends(&self, ends: &EndSums) -> f64 {
+        if self.of_truncated {
+            -ends.jump_r2 - self.of_energy * ends.shift
+        } else {
+            0.0
+        }
+    }
 }
 
 /// What response functions need to know besides the series.
@@ -28,8 +37,6 @@ pub(crate) struct Setting {
     pub n_dof: f64,
     /// Mass of a particle.
     pub mass: f64,
-    /// U′ just inside the cutoff, ε/σ.
-    pub force_jump: f64,
     /// The mean volume, σ³.
     pub volume: f64,
 }

@@ -3,14 +3,13 @@
 //! Source: R. Lustig, Statistical thermodynamics in the classical molecular dynamics ensemble, J. Chem. Phys. 100, 3048 (1994),
 //! for constant energy; the derivatives of the Helmholtz energy in the canonical ensemble follow from its definition.
 
-use std::f64::consts::PI;
-
 use super::base::{Base, Setting};
 use super::influence::Part;
 use crate::statistics::{error_of_mean, mean};
 use crate::{BuildContext, Ensemble, ThermoSeries};
 
-/// Means per particle: temperature, potential energy and virial with their tails, and then what the ensemble needs.
+/// Means per particle: temperature, potential energy and virial with their tails, what the cutoff adds to Σ r²u″, and then what the
+/// ensemble needs.
 pub(super) fn parts(
     setting: &Setting,
     rows: &ThermoSeries,
@@ -28,6 +27,7 @@ pub(super) fn parts(
         Part::mean_of(temperature),
         Part::mean_of(after(&rows.potential_energy)),
         Part::mean_of(virial),
+        Part::mean_of(after(&rows.curvature_of_ends)),
     ];
     match setting.ensemble {
         Ensemble::Canonical => {
@@ -105,39 +105,24 @@ pub(super) fn base(setting: &Setting, context: &BuildContext, means: &[f64]) -> 
 }
 
 /// V² ∂²U/∂V² per particle under affine scaling, (X + 2W)/9; not a number where X is not known.
-fn second_volume_derivative(
-    setting: &Setting,
-    context: &BuildContext,
-    energy: f64,
-    virial: f64,
-) -> f64 {
+fn second_volume_derivative(setting: &Setting, energy: f64, virial: f64, of_ends: f64) -> f64 {
     let Some(curvature) = setting.curvature else {
         return f64::NAN;
     };
-    let rho = context.n_molecules() as f64 / setting.volume;
-    let r_cut = context.r_cut;
-    // Pairs inside the cutoff, and pairs at it, with g = 1.
-    let inside = 2.0 / 3.0 * PI * rho * r_cut.powi(3);
-    let energy = energy + inside * curvature.shift;
-    let jump = if curvature.jumps {
-        -setting.force_jump * r_cut.powi(4) * 2.0 * PI * rho
-    } else {
-        0.0
-    };
-    let x = curvature.of_virial * virial - curvature.of_energy * energy + jump;
+    let x = curvature.of_virial * virial - curvature.of_energy * energy + of_ends;
     (x + 2.0 * virial) / 9.0
 }
 
 /// A20, A11, A01 and A02, the derivatives of the residual Helmholtz energy, from var(U), cov(U, U_V), var(U_V) and means, with
 /// V·U_V = −W/3.
 fn canonical(setting: &Setting, context: &BuildContext, means: &[f64]) -> Base {
-    let &[t, energy, virial, uu, uw, ww] = means else {
-        unreachable!("the canonical ensemble has six means");
+    let &[t, energy, virial, of_ends, uu, uw, ww] = means else {
+        unreachable!("the canonical ensemble has seven means");
     };
     let n = context.n_molecules() as f64;
     let rho = n / setting.volume;
     let beta = 1.0 / t;
-    let second = second_volume_derivative(setting, context, energy, virial);
+    let second = second_volume_derivative(setting, energy, virial, of_ends);
     let a01 = beta * virial / 3.0;
     let a20 = -beta * beta * n * uu;
     let a11 = a01 - beta * beta * n * uw / 3.0;
@@ -162,6 +147,7 @@ fn microcanonical(setting: &Setting, context: &BuildContext, means: &[f64]) -> B
         t,
         energy,
         virial,
+        of_ends,
         kinetic,
         inverse,
         k_inverse,
@@ -169,7 +155,7 @@ fn microcanonical(setting: &Setting, context: &BuildContext, means: &[f64]) -> B
         ww_inverse,
     ] = means
     else {
-        unreachable!("constant energy has eight means");
+        unreachable!("constant energy has nine means");
     };
     let atoms = context.n_molecules() as f64;
     let volume = setting.volume;
@@ -187,7 +173,7 @@ fn microcanonical(setting: &Setting, context: &BuildContext, means: &[f64]) -> B
     let ww_over_k = ww_inverse + 2.0 * virial * w_inverse + virial * virial * inverse;
     let slope = n / volume + capacity * (m - 1.0) * atoms * w_inverse / (3.0 * volume);
     let omega = n / volume + (m - 1.0) * atoms * w_over_k / (3.0 * volume);
-    let second = atoms * second_volume_derivative(setting, context, energy, virial);
+    let second = atoms * second_volume_derivative(setting, energy, virial, of_ends);
     let mean_slope = -atoms * virial / (3.0 * volume);
     let pressure = n * t / volume - mean_slope;
     let of_volume = n * (n - 1.0) * t / volume.powi(2) - 2.0 * n / volume * mean_slope
@@ -211,8 +197,8 @@ fn microcanonical(setting: &Setting, context: &BuildContext, means: &[f64]) -> B
 
 /// κ_T, α_P and c_p from the fluctuations of V and of H = U + P₀V, with the energy that the motion feels.
 fn isobaric(setting: &Setting, context: &BuildContext, means: &[f64], pressure: f64) -> Base {
-    let &[t, _, _, volume, vv, vu, uu] = means else {
-        unreachable!("constant pressure has seven means");
+    let &[t, _, _, _, volume, vv, vu, uu] = means else {
+        unreachable!("constant pressure has eight means");
     };
     let n = context.n_molecules() as f64;
     let vh = vu + pressure * vv;

@@ -14,12 +14,10 @@ fn setting(ensemble: Ensemble) -> Setting {
         curvature: Some(Curvature {
             of_virial: 19.0,
             of_energy: 72.0,
-            shift: 0.0,
-            jumps: false,
+            of_truncated: false,
         }),
         n_dof: 3.0 * N as f64 - 3.0,
         mass: 1.0,
-        force_jump: 0.0,
         volume: 1000.0,
     }
 }

@@ -4,6 +4,7 @@ use lennard_core::exact::exact_sum;
 use lennard_core::{DVec3, TailCorrection, View};
 
 use super::Thermodynamics;
+use super::cutoffs::EndSums;
 
 /// The values of one moment; energies, virial and volume are per molecule.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +21,8 @@ pub(super) struct Instant {
     pub conserved_energy: f64,
     pub squared_force: f64,
     pub laplacian: f64,
+    /// What the cutoff adds to Σ r²u″.
+    pub curvature_of_ends: f64,
     /// The potential energy that configurations are sampled with.
     pub sampled_energy: f64,
     pub momentum: DVec3,
@@ -30,7 +33,7 @@ pub(super) struct Instant {
 
 impl Instant {
     /// The row of the series, in the order of [`crate::ThermoSeries`].
-    pub fn row(&self) -> [f64; 27] {
+    pub fn row(&self) -> [f64; 28] {
         let Self {
             kinetic_energy: kinetic,
             sampled_energy: sampled,
@@ -66,6 +69,7 @@ impl Instant {
             volume,
             volume * volume,
             sampled * volume,
+            self.curvature_of_ends,
         ]
     }
 }
@@ -101,6 +105,10 @@ impl Thermodynamics {
         self.half_steps = half_steps;
         let cell = self.context.cell;
         self.seen.see(&cell);
+        // Such rows do not tell how many pairs lie at the cutoff.
+        self.curvature = self
+            .curvature
+            .filter(|c| !c.of_truncated || self.ends.are_none());
     }
 
     /// Takes a row that a run of atoms has written.
@@ -123,12 +131,24 @@ impl Thermodynamics {
             conserved_energy: row.conserved_energy,
             squared_force: 0.0,
             laplacian: 0.0,
+            curvature_of_ends: 0.0,
             sampled_energy: row.conserved_energy + row.heat - kinetic,
             momentum: DVec3::ZERO,
             virial: 3.0 * (pressure * row.volume - of_positions),
             volume: row.volume,
         };
         self.series.push(&instant.row());
+    }
+
+    /// What the cutoff adds to sums over pairs; nothing where no number needs it.
+    fn sums_of_ends(&self, view: &View<'_>) -> EndSums {
+        let is_asked = self.options.configurational_temperature || self.curvature.is_some();
+        if self.ends.are_none() || !is_asked {
+            return EndSums::default();
+        }
+        let c = &self.context;
+        let at = (self.energy_line.len(), c.every);
+        self.ends.sums(view, &c.species, &c.molecules, at)
     }
 
     /// The values of a state.
@@ -149,10 +169,11 @@ impl Thermodynamics {
             .expect(asked);
         let virial = energetics.scalar_virial().expect(asked) - view.intramolecular_virial();
         let of_positions = view.temperature_of_positions();
+        let ends = self.sums_of_ends(view);
         let (squared_force, laplacian) = if self.options.configurational_temperature {
             let squares: f64 = exact_sum(state.len(), |i| state.forces[i].length_squared());
             let laplacian = energetics.laplacian.expect(asked);
-            (squares / n, laplacian / n + self.jump_laplacian(volume))
+            (squares / n, (laplacian - 2.0 * ends.jump) / n)
         } else {
             (0.0, 0.0)
         };
@@ -167,6 +188,7 @@ impl Thermodynamics {
             conserved_energy: kinetic + (conserved + view.tail_work - view.heat) / n,
             squared_force,
             laplacian,
+            curvature_of_ends: self.curvature.map_or(0.0, |c| c.of_ends(&ends)) / n,
             // In a box that changes, configurations are weighted with the energy of the tail too.
             sampled_energy: (conserved + view.tail_work) / n,
             momentum: view.system.momentum(&state.velocities) / n,

@@ -20,18 +20,6 @@ impl Thermodynamics {
         self.confined = confined;
     }
 
-    /// What was assumed.
-    pub(super) fn remarks(&self) -> Vec<String> {
-        let mut remarks = Vec::new();
-        if self.options.configurational_temperature && self.force_jump != 0.0 {
-            remarks.push(format!(
-                "the configurational temperature counts the jump of the force at the cutoff with g(r_cut) = 1: {:.4} ε/σ² in the Laplacian of each particle",
-                self.jump_laplacian(self.seen.volume())
-            ));
-        }
-        remarks
-    }
-
     /// Says of averages that mean nothing between walls or in a field why they do not.
     pub(super) fn doubt_of_confined(&self, averages: &mut [Average]) {
         let Some(confined) = self.confined else {
@@ -47,9 +35,6 @@ impl Thermodynamics {
                 }
                 "configurational_temperature" if confined.by_hits => {
                     "the momentum of hits is in no force: terms of the planes are missing"
-                }
-                "configurational_temperature" if self.force_jump != 0.0 => {
-                    "the jump of the force at the cutoff is counted for a homogeneous fluid"
                 }
                 _ => continue,
             };

@@ -25,7 +25,6 @@ impl Thermodynamics {
             curvature: self.curvature,
             n_dof: self.n_dof,
             mass: self.mass,
-            force_jump: self.force_jump,
             volume,
         }
     }

@@ -6,7 +6,7 @@ use lennard_core::{
     State, System, View,
 };
 use lennard_observables::{
-    BuildContext, MeanSquareDisplacement, MsdOptions, RadialDistribution, RdfOptions,
+    BuildContext, MeanSquareDisplacement, MsdOptions, PairEnd, RadialDistribution, RdfOptions,
     Thermodynamics, VacfOptions, VelocityAutocorrelation,
 };
 use rand_distr::{Distribution, StandardNormal};
@@ -124,7 +124,11 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
         insertion: None,
     };
     let mut thermodynamics = Thermodynamics::new(&context);
-    thermodynamics.set_force_jump(derivatives(R_CUT * R_CUT).0);
+    thermodynamics.set_ends(vec![PairEnd {
+        r_cut: R_CUT,
+        slope: derivatives(R_CUT * R_CUT).0,
+        shift: 0.0,
+    }]);
     let mut msd = MeanSquareDisplacement::new(&MsdOptions::default(), &context).unwrap();
     let options = VacfOptions {
         window: 2.0,
