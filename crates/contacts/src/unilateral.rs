@@ -23,7 +23,7 @@ use crate::impacts::{Flown, work_of};
 use crate::near::NearPairs;
 
 /// Bodies that approach or part by no more than so many kicks of a step rest on each other, at the depth 0.
-const KICKS_OF_REST: f64 = 2.0;
+const KICKS_OF_CONTACT: f64 = 2.0;
 /// At a depth δ a body that sinks in from rest under the acceleration a has v² ≤ 2a·δ: twice as much still counts as rest.
 const SINKING: f64 = 4.0;
 /// Approach slower than this share of the fastest speed is rounding.
@@ -65,7 +65,7 @@ struct Touching {
 
 /// The rate up to which bodies at a depth δ ≥ 0 rest on each other, where a step of h has the kicks `kick`, σ/τ.
 fn rate_of_rest(kick: f64, depth: f64, h: f64) -> f64 {
-    KICKS_OF_REST * kick + (SINKING * kick / h * depth).sqrt()
+    KICKS_OF_CONTACT * kick + (SINKING * kick / h * depth).sqrt()
 }
 
 impl Touching {

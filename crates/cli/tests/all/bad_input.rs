@@ -37,6 +37,19 @@ fn every_bad_scene_ends_with_exit_code_2_and_its_message_and_writes_nothing() {
 }
 
 #[test]
+fn the_refusal_that_the_documents_show_is_the_one_that_the_program_gives() {
+    let document = std::fs::read_to_string(root().join("docs/reliability.md")).unwrap();
+    let output = lennard(&["run", "inputs/bad/unknown-key.toml"])
+        .output()
+        .unwrap();
+    let message = stderr(&output);
+    assert!(
+        message.contains("allowed: ") && document.contains(&message),
+        "{message}"
+    );
+}
+
+#[test]
 fn an_existing_folder_is_refused_unless_forced() {
     let temporary = tempfile::tempdir().unwrap();
     std::fs::write(temporary.path().join("precious.txt"), "keep me").unwrap();

@@ -118,8 +118,8 @@ fn of_conservation() -> Vec<Kind> {
             name: "temperatures",
             title: "Kinetic against configurational temperature",
             label: "|T − T_conf| / (ε/k_B)",
-            about: "They are equal in equilibrium; a large step heats one of them. Where the force jumps at the cutoff, the jump is counted \
-                    with g(r_cut) = 1. This is an error of its own, which continuous forces do not have."
+            about: "They are equal in equilibrium; a large step heats one of them. Where the force jumps at the cutoff, the pairs at the cutoff \
+                    give the jump."
                 .into(),
             floor: Floor::Statistical,
             read: of_run(|m| value(m.temperature_difference)),
