@@ -67,7 +67,7 @@ impl Ends {
                 k
             } else {
                 let turn = (sample * centres as u64 + k as u64).wrapping_mul(GOLDEN);
-                (u128::from(turn) * n as u128 >> 64) as usize
+                ((u128::from(turn) * n as u128) >> 64) as usize
             };
             let row = &self.0[species.of(i) * species.n_species()..];
             for (j, r) in positions.iter().enumerate() {
