@@ -15,7 +15,7 @@ use lennard_scene::{ObservableTable, Scene, Stage};
 use crate::baths::{ensemble, held_temperature, measured_baths, measured_pressure};
 use crate::beginning::{Beginning, begin_in_memory, begin_with_remarks};
 use crate::confinement::Confinement;
-use crate::curvature::curvature;
+use crate::curvature::{curvature, pair_ends};
 use crate::error::misfit;
 use crate::force_check::ForceCheck;
 use crate::initial;
@@ -24,7 +24,7 @@ use crate::schedule::Observer;
 use crate::simulation::Simulation;
 use crate::starting_molecules::{remark_on_damping, remark_on_springs};
 use crate::timers::Timers;
-use crate::{EngineError, compare, ends, exchange, pressure};
+use crate::{EngineError, compare, exchange, pressure};
 
 /// The temperature and step for which the list is laid out. They are the highest temperature and the
 /// largest step of all stages, since one list serves all.
@@ -283,7 +283,7 @@ pub(crate) fn thermodynamics(
     let context =
         scene.observable_context(cell, species, measured_dt(scene), scene.output.thermo_every);
     let mut thermodynamics = Thermodynamics::with_options(&options, &context);
-    thermodynamics.set_ends(ends::of_pairs(scene, species)?);
+    thermodynamics.set_ends(pair_ends(scene, species)?);
     thermodynamics.set_curvature(curvature(scene)?);
     thermodynamics.set_ensemble(last_measured(scene).and_then(|stage| ensemble(scene, stage, own)));
     thermodynamics.set_bath(held_temperature(scene));

@@ -10,7 +10,6 @@ mod compare;
 mod compare_at_pressure;
 mod confinement;
 mod curvature;
-mod ends;
 mod energy;
 mod error;
 mod exchange;

@@ -50,9 +50,9 @@ const LOWEST_PART: f64 = 0.5;
 /// A slow part of small amplitude, which an estimate of the correlation function loses in its noise, shows in the
 /// widest windows.
 ///
-/// The error is never below that of independent samples. Anticorrelation over short times often hides a correlation that falls as 1/t
-/// and lasts longer than the widest window. Hits of a thin gas on a thermal wall are such a series: each particle comes back after a
-/// flight, and slow particles after any time.
+/// The error is never smaller than the error of independent samples. Anticorrelation over short times often hides a correlation that falls as 1/t
+/// and lasts longer than the widest window. Hits of a thin gas on a thermal wall are such a series: a slow particle
+/// comes back after any time.
 ///
 /// The error is widened by the factor 1 + 5/(4ν) + 49/(32ν²), the first terms of Cornish and Fisher. Two
 /// errors then cover as much of Student's t with ν degrees of freedom as two standard deviations cover of a normal
@@ -344,7 +344,7 @@ mod tests {
         let means: Vec<f64> = found.iter().map(|f| f.0).collect();
         let squares: Vec<f64> = found.iter().map(|f| f.1 * f.1).collect();
         let ratio = (variance(&means) * 24.0 / 23.0 / mean(&squares)).sqrt();
-        // 24 seeds know their spread to 15 %: two of these. Errors below those of independent samples gave 1.4.
+        // 24 seeds know their spread to 15 %: two of these. Without the bound by independent samples the ratio is 1.4.
         assert!((0.7..1.3).contains(&ratio), "{ratio}");
     }
 }
