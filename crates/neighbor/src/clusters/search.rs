@@ -262,8 +262,8 @@ impl<'a> Search<'a> {
                     continue;
                 }
                 let column = self.table.grid.column(x.number, y.number);
-                // Two units are added, since coordinates are rounded.
-                let reach = ((half + left.sqrt()) * units) as i64 + 2;
+                // Two units are added, since coordinates are rounded. No point is farther away than the box is long.
+                let reach = ((half + left.sqrt()) * units).min(FIXED_UNITS) as i64 + 2;
                 for slices in self.slices_near(bounds.middle[2], reach) {
                     runs.push(self.table.slots_of(column, slices));
                 }
@@ -297,9 +297,9 @@ impl<'a> Search<'a> {
         let half = f64::from(bounds.half[axis]);
         let radius = f64::from(bounds.radius2).sqrt();
         let (low, high) = (middle - half, middle + half);
-        let first = ((low - radius) / edge).floor() as i64;
-        let last = ((high + radius) / edge).floor() as i64;
-        if last - first + 1 >= count {
+        let first = ((low - radius) / edge).floor();
+        let last = ((high + radius) / edge).floor();
+        if last - first + 1.0 >= count as f64 {
             // All columns are near, and each may stand for several images: no distance is safe to claim.
             let all = (0..count).map(|number| AxisCell {
                 number: number as u32,
@@ -308,7 +308,7 @@ impl<'a> Search<'a> {
             columns.extend(all);
             return;
         }
-        for k in first..=last {
+        for k in first as i64..=last as i64 {
             let below = k as f64 * edge - high;
             let above = low - (k + 1) as f64 * edge;
             // The factor is a margin: the sort used coordinates in fixed point.

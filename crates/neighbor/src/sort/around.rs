@@ -72,7 +72,7 @@ impl Around {
             lengths,
             edges,
             radius2: radius * radius,
-            offsets: offsets_within(radius, edges),
+            offsets: offsets_within(radius, edges, [nx, ny]),
             columns: Vec::new(),
         };
         let column = |[x, y]: [u32; 2]| {
@@ -227,9 +227,9 @@ fn with_rounding(lengths: DVec3, r_list: f64) -> f64 {
     r_list + last_places * (extent + extent * extent / r_list)
 }
 
-/// The columns of these sides within a radius of a column, the nearest ones first.
-fn offsets_within(radius: f64, edges: [f64; 2]) -> Vec<Offset> {
-    let reach = edges.map(|edge| (radius / edge).ceil() as i64);
+/// The columns of these sides within a radius of a column, the nearest ones first; farther than across the box there are none.
+fn offsets_within(radius: f64, edges: [f64; 2], count: [u32; 2]) -> Vec<Offset> {
+    let reach = [0, 1].map(|axis| (radius / edges[axis]).ceil().min(count[axis].into()) as i64);
     let mut offsets = Vec::new();
     for x in -reach[0]..=reach[0] {
         for y in -reach[1]..=reach[1] {

@@ -2,16 +2,12 @@
 
 /// The cell of the box, one of `count`, that is the image of a cell numbered on beyond the faces.
 #[inline(always)]
-pub(crate) fn wrap_cell(mut cell: i64, count: u32) -> u32 {
+pub(crate) fn wrap_cell(cell: i64, count: u32) -> u32 {
     let count = i64::from(count);
-    // No range goes far beyond the faces, and a division is slow.
-    while cell < 0 {
-        cell += count;
-    }
-    while cell >= count {
-        cell -= count;
-    }
-    cell as u32
+    // Nearly all cells lie in the box or beside it, and a division is slow.
+    let near = [cell, cell.wrapping_add(count), cell.wrapping_sub(count)];
+    let inside = near.into_iter().find(|cell| (0..count).contains(cell));
+    inside.unwrap_or_else(|| cell.rem_euclid(count)) as u32
 }
 
 /// Consecutive cells along an axis, both ends included.
@@ -26,7 +22,7 @@ impl CellRange {
     #[inline(always)]
     fn at_most(self, count: u32) -> Self {
         let all = i64::from(count);
-        if self.last - self.first + 1 < all {
+        if self.last.saturating_sub(self.first) < all - 1 {
             return self;
         }
         Self {
@@ -70,6 +66,8 @@ mod tests {
         assert_eq!(runs(-2, 1), [[3, 4], [0, 1]]);
         assert_eq!(runs(6, 8), [[1, 3]]);
         assert_eq!(runs(-1, 6), [[0, 4]]);
+        assert_eq!(runs(i64::MIN, i64::MAX), [[0, 4]]);
+        assert_eq!([i64::MIN, i64::MAX].map(|k| wrap_cell(k, 8)), [0, 7]);
         assert_eq!(
             [-11, -1, 0, 4, 5, 13].map(|k| wrap_cell(k, 5)),
             [4, 4, 0, 4, 0, 3]
