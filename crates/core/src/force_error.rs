@@ -29,6 +29,17 @@ pub enum ForceError {
         /// Half the shortest side, σ.
         largest: f64,
     },
+    /// The box changed, and the loop in use does not resolve positions in it.
+    #[error(
+        "the box has grown to {widest:.3} σ, and mixed precision resolves positions up to {largest:.0} σ a side; \
+         take `kernel.precision = \"double\"` or a higher pressure"
+    )]
+    BoxTooWide {
+        /// The longest side, σ.
+        widest: f64,
+        /// The longest side that the loop takes, σ.
+        largest: f64,
+    },
     /// A particle is beyond a wall, where the wall exerts no force that could bring it back.
     #[error("particle {particle} is {depth:.4} σ beyond the wall at the {end} end of {axis}")]
     BeyondWall {

@@ -215,6 +215,9 @@ impl PhysicsFailure {
                 2.0 * r_cut
             );
         }
+        if let Symptom::NonFinite(ForceError::BoxTooWide { .. }) = self.symptom {
+            return "the barostat expands the fluid: at this pressure it becomes a thin gas".into();
+        }
         if self.density > HIGHEST_USUAL_DENSITY {
             return format!(
                 "the density is ρ = {:.4} σ⁻³, where no fluid is known: check `system.density` or `system.box`",

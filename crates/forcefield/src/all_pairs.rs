@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use lennard_core::{Exclusions, PeriodicBox};
+use lennard_neighbor::FIXED_UNITS;
 
 use crate::error::ForceFieldError;
 use crate::options::{ForceFieldOptions, Precision, SplitOptions};
@@ -16,8 +17,6 @@ const PLACES: f64 = 4.0;
 const SINGLE: f64 = 2e-6;
 /// How far off a particle may lie from the point that single-precision coordinates are seen from, besides r_cut, σ.
 const FROM_AFAR: f64 = 3.0;
-/// The unit of coordinates in fixed point, as a share of a side of the box.
-const FIXED_POINT_UNIT: f64 = 1.0 / 4_294_967_296.0;
 /// By how much pairs are sought beyond what counts, as a share of r_cut: far more than any rounding.
 const SOUGHT_BEYOND: f64 = 1e-6;
 
@@ -128,7 +127,7 @@ impl AllPairs {
         match self.precision {
             Precision::Double => (DOUBLE, 0.0),
             Precision::Mixed => {
-                let units = 4.0 * FIXED_POINT_UNIT * cell.lengths().max_element();
+                let units = 4.0 * cell.lengths().max_element() / FIXED_UNITS;
                 let seen = f64::from(f32::EPSILON) * (FROM_AFAR + self.model.r_cut);
                 (SINGLE, 2.0 * seen + units)
             }

@@ -88,6 +88,9 @@ pub struct ForcePlan {
     pub isa: &'static str,
     /// The precision of pairs: `double` or `mixed`.
     pub precision: Precision,
+    /// What a user must know of it: mixed precision was asked for, and the box is too wide.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub remark: Option<String>,
     /// Threads worth using for this many particles.
     pub recommended_threads: usize,
 }
@@ -146,18 +149,21 @@ pub(crate) fn decide(
         check_split(o, laws.as_ref().map_or(r_cut, |laws| laws.smallest_r_cut))?;
     }
     let tie = largest - r_cut < TIE_MARGIN * largest;
+    let widest = c.cell.lengths().max_element();
+    let is_mixed = o.kernel.precision == Precision::Mixed;
+    let too_wide = is_mixed && widest > Loop::Cluster.widest();
     let listed = match o.kernel.precision {
         _ if o.canonical || tie => Loop::Canonical,
-        Precision::Double => Loop::Rows,
-        Precision::Mixed => Loop::Cluster,
+        Precision::Mixed if !too_wide => Loop::Cluster,
+        Precision::Double | Precision::Mixed => Loop::Rows,
     };
     let (search, skin, mut reason) = search(o, c, r_cut, listed)?;
     let canonical = search != Search::Verlet || listed == Loop::Canonical;
-    let precision = if canonical {
-        Precision::Double
-    } else {
-        o.kernel.precision
+    let precision = match (search, listed) {
+        (Search::Verlet, Loop::Cluster) => Precision::Mixed,
+        _ => Precision::Double,
     };
+    let remark = too_wide.then(|| too_wide_for_mixed(widest));
     let kernel = match (search, listed) {
         (Search::Nothing, _) => "none",
         (Search::Reference, _) => "reference",
@@ -167,7 +173,9 @@ pub(crate) fn decide(
         (Search::Verlet, Loop::Cluster) => "cluster",
     };
     let isa = if canonical { Level::Portable } else { level };
-    if canonical && o.kernel.precision == Precision::Mixed {
+    if let Some(remark) = &remark {
+        reason.push_str(&format!("; {remark}"));
+    } else if is_mixed && precision == Precision::Double {
         reason.push_str("; this loop is always in double precision");
     }
     match (&laws, c.mixture) {
@@ -188,6 +196,7 @@ pub(crate) fn decide(
         kernel,
         isa: isa.name(),
         precision,
+        remark,
         recommended_threads: recommended_threads(c.n_atoms, usize::MAX),
     };
     Ok(Decision {
@@ -217,6 +226,14 @@ pub(crate) fn interaction(
         energy_at_cutoff: 0.0,
     };
     Ok((model, Some(laws)))
+}
+
+/// Why pairs are in double precision in a box whose longest side is `widest` σ.
+fn too_wide_for_mixed(widest: f64) -> String {
+    format!(
+        "mixed precision resolves positions up to {:.0} σ a side: in this box of {widest} σ, pairs are in double precision",
+        Loop::Cluster.widest()
+    )
 }
 
 fn check_split(o: &ForceFieldOptions, r_cut: f64) -> Result<(), ForceFieldError> {
@@ -269,6 +286,11 @@ fn search(
             0.0,
             "the reference loop was asked for".into(),
         ));
+    }
+    let widest = c.cell.lengths().max_element();
+    if widest > listed.widest() {
+        let reason = format!("no list tells positions apart in a box of {widest:e} σ");
+        return Ok((Search::Direct, 0.0, reason));
     }
     let cheapest = cheapest_skin(&SkinInputs {
         n_atoms: n,

@@ -42,6 +42,8 @@ struct Split {
 pub struct PairForces {
     /// The largest share of half the shortest side of the box that the cutoff may have.
     largest_share: f64,
+    /// The longest side of the box that the loop takes, σ.
+    widest: f64,
     n_atoms: usize,
     model: Model,
     /// The potentials of each pair of species, where pairs differ.
@@ -84,9 +86,14 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<PairForces, Fo
         options,
         near: matches!(strategy, Strategy::Verlet(_)).then(|| listed(options.r_split)),
     });
-    let needs_one_image =
-        matches!(strategy, Strategy::Verlet(_)) && decision.listed != Loop::Canonical;
+    let is_listed = matches!(strategy, Strategy::Verlet(_));
+    let needs_one_image = is_listed && decision.listed != Loop::Canonical;
     Ok(PairForces {
+        widest: if is_listed {
+            decision.listed.widest()
+        } else {
+            f64::INFINITY
+        },
         largest_share: if needs_one_image {
             1.0 - TIE_MARGIN
         } else {
@@ -147,13 +154,17 @@ impl PairForces {
         }
     }
 
-    /// Checks that each pair has one image inside the cutoff at most, in the box of a configuration.
-    fn check_cutoff(&self, cell: &PeriodicBox) -> Result<(), ForceError> {
+    /// Checks that each pair has one image inside the cutoff at most in a box, and that the loop resolves positions in it.
+    fn check_box(&self, cell: &PeriodicBox) -> Result<(), ForceError> {
         let (r_cut, largest) = (self.model.r_cut, cell.largest_cutoff());
-        if r_cut <= largest * self.largest_share {
-            return Ok(());
+        if r_cut > largest * self.largest_share {
+            return Err(ForceError::CutoffOverHalfBox { r_cut, largest });
         }
-        Err(ForceError::CutoffOverHalfBox { r_cut, largest })
+        let (widest, largest) = (cell.lengths().max_element(), self.widest);
+        if widest > largest {
+            return Err(ForceError::BoxTooWide { widest, largest });
+        }
+        Ok(())
     }
 
     /// No force on any particle.
@@ -236,7 +247,7 @@ impl ForceTerm for PairForces {
         if matches!(self.strategy, Strategy::Nothing) {
             return self.nothing(at, want, forces);
         }
-        self.check_cutoff(at.cell)?;
+        self.check_box(at.cell)?;
         let split = match (part, &self.split) {
             (Part::All, _) => None,
             (_, Some(split)) => Some(SplitWeights::new(&split.options, part == Part::Near)),
@@ -328,7 +339,7 @@ impl Backend for PairForces {
             half_kick: 0.5 * steps.dt / mass,
             dt: steps.dt,
         };
-        if self.check_cutoff(steps.cell).is_err() {
+        if self.check_box(steps.cell).is_err() {
             return 0;
         }
         let Strategy::Verlet(listed) = &mut self.strategy else {

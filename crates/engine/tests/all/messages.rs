@@ -139,6 +139,15 @@ fn forces_and_steps_that_fail_say_which_particle_and_which_method() {
          a lower pressure"
     );
     assert_eq!(
+        ForceError::BoxTooWide {
+            widest: 4300.0,
+            largest: 4294.967_296
+        }
+        .to_string(),
+        "the box has grown to 4300.000 σ, and mixed precision resolves positions up to 4295 σ a side; take \
+         `kernel.precision = \"double\"` or a higher pressure"
+    );
+    assert_eq!(
         lennard_neighbor::GridError::BadPosition { particle: 7 }.to_string(),
         "the position of particle 7 is not a usable number"
     );

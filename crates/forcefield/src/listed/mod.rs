@@ -10,7 +10,7 @@ use glam::DVec3;
 use lennard_core::{
     Configuration, Exclusions, ForceError, FusedSteps, HaloSize, PeriodicBox, Team, TooManyRanks,
 };
-use lennard_neighbor::{ClusterList, Images, NeighborList, Positions};
+use lennard_neighbor::{ClusterList, FIXED_UNITS, Images, NeighborList, Positions};
 
 use self::evaluated::Evaluated;
 use self::folded::Folded;
@@ -67,6 +67,21 @@ pub enum Loop {
     Rows,
     /// One list per cluster of four particles, in mixed precision.
     Cluster,
+}
+
+/// The coarsest unit of coordinates that forces bear, σ: a force changes by less than 1e-4 of itself over it.
+const COARSEST_UNIT: f64 = 1e-6;
+/// The longest side of a box in which single precision searches for neighbors, σ: squares of distances stay finite.
+const WIDEST_SEARCH: f64 = 1e15;
+
+impl Loop {
+    /// The longest side of a box whose positions the loop and its list tell apart, σ.
+    pub fn widest(self) -> f64 {
+        match self {
+            Self::Cluster => COARSEST_UNIT * FIXED_UNITS,
+            Self::Rows | Self::Canonical => WIDEST_SEARCH,
+        }
+    }
 }
 
 /// Evaluates `$body` with `$list` bound to the list of any kind.

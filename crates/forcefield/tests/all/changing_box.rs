@@ -3,8 +3,8 @@
 use crate::common::*;
 use lennard_core::sweeps::{drift, kick};
 use lennard_core::{
-    Backend, DVec3, ForceError, ForceTerm, FusedSteps, Masses, Part, PeriodicBox, Persist,
-    StateArchive, Want,
+    Backend, DVec3, Energetics, ForceError, ForceTerm, FusedSteps, Masses, Part, PeriodicBox,
+    Persist, StateArchive, Want,
 };
 use lennard_forcefield::{
     AllPairs, ForceFieldOptions, Kernel, KernelOptions, ListMode, NeighborOptions, PairForces,
@@ -318,4 +318,83 @@ fn a_shrinking_box_gets_a_thinner_skin_and_ends_with_an_error_at_twice_the_cutof
         // The forces are usable again once the box is large enough.
         all(&mut forces, fluid.cell, &fluid.positions, Want::TOTALS);
     }
+}
+
+/// Particles 1.3 σ apart in one corner of a box with these sides, σ, and as many in the middle of it, where they have digits left.
+fn clumps(sides: DVec3) -> Fluid {
+    let cell = PeriodicBox::new(sides).unwrap();
+    let clump =
+        (0..27).map(|i| DVec3::new(f64::from(i % 3), f64::from(i / 3 % 3), f64::from(i / 9)));
+    let clump: Vec<DVec3> = clump.map(|r| 1.3 * r + DVec3::splat(1.0)).collect();
+    let middle = clump.iter().map(|r| *r + (0.5 * sides).floor());
+    let has_digits = sides.max_element() < 1e14;
+    let middle = middle.filter(|_| has_digits);
+    let positions = clump.iter().copied().chain(middle).collect();
+    Fluid { cell, positions }
+}
+
+#[test]
+fn in_a_box_too_wide_for_fixed_point_mixed_precision_has_the_bits_of_double() {
+    let with = |precision| ForceFieldOptions {
+        kernel: KernelOptions {
+            precision,
+            ..KernelOptions::default()
+        },
+        truncation: TruncationOptions {
+            r_cut: 1.32,
+            ..TruncationOptions::default()
+        },
+        ..ForceFieldOptions::default()
+    };
+    // A long slab and a cube, on either side of 10⁻⁶·2³² = 4294.97 σ, and boxes beyond any search.
+    for (x, z, is_mixed) in [
+        (20.0, 4294.0, true),
+        (20.0, 4296.0, false),
+        (1e9, 1e9, false),
+        (1e30, 1e30, false),
+        (1e300, 1e300, false),
+    ] {
+        let fluid = clumps(DVec3::new(x, x, z));
+        let n = fluid.positions.len();
+        let [mixed, double] = [Precision::Mixed, Precision::Double].map(|precision| {
+            let mut forces = build(&with(precision), &conditions(fluid.cell, n)).unwrap();
+            let plan = forces.plan();
+            assert_eq!(
+                plan.precision == Precision::Mixed,
+                is_mixed && precision == Precision::Mixed
+            );
+            assert_eq!(
+                plan.remark.is_some(),
+                !is_mixed && precision == Precision::Mixed
+            );
+            all(&mut forces, fluid.cell, &fluid.positions, Want::TOTALS)
+        });
+        assert_eq!(mixed == double, !is_mixed, "{x} {z}");
+        let energy = |found: &(_, Energetics)| found.1.potential_energy.unwrap();
+        let (a, b) = (energy(&mixed), energy(&double));
+        assert!((a - b).abs() < 1e-4 * b.abs(), "{a} {b}");
+        // Each clump has 54 pairs.
+        assert_eq!(double.1.pairs, Some(2 * n as u64));
+    }
+}
+
+#[test]
+fn a_box_that_grows_too_wide_for_fixed_point_ends_with_an_error() {
+    let mut fluid = clumps(DVec3::new(30.0, 20.0, 4294.0));
+    let options = ForceFieldOptions {
+        kernel: KernelOptions {
+            precision: Precision::Mixed,
+            ..KernelOptions::default()
+        },
+        ..ForceFieldOptions::default()
+    };
+    let n = fluid.positions.len();
+    let mut forces = build(&options, &conditions(fluid.cell, n)).unwrap();
+    all(&mut forces, fluid.cell, &fluid.positions, Want::TOTALS);
+    fluid.scale(DVec3::new(1.0, 1.0, 1.001));
+    let (at, want) = (&fluid.positions, Want::NOTHING);
+    let error = evaluate(&mut forces, fluid.cell, at, Part::All, want).unwrap_err();
+    assert!(matches!(error, ForceError::BoxTooWide { .. }), "{error}");
+    fluid.scale(DVec3::new(1.0, 1.0, 0.999));
+    all(&mut forces, fluid.cell, &fluid.positions, Want::TOTALS);
 }
