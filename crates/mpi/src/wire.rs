@@ -12,6 +12,21 @@ use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Equivalenc
 
 /// Ranks up to which each sends its part of an array to each other one, which copies no vector besides.
 const FEW_RANKS: usize = 8;
+/// The most vectors of one message: MPI counts its numbers in 32 bits.
+const PIECE: usize = Count::MAX as usize / 3;
+
+/// A number of words as MPI counts it.
+///
+/// # Panics
+/// Where one message cannot have so many, which ends all ranks.
+fn count(words: usize) -> Count {
+    Count::try_from(words).unwrap_or_else(|_| {
+        panic!(
+            "{words} words between ranks: MPI counts at most {}",
+            Count::MAX
+        )
+    })
+}
 
 /// All ranks that MPI has started.
 pub struct World {
@@ -33,12 +48,18 @@ impl World {
 /// The lists that ranks give, one after another, where each may have another length.
 fn all_of<T: Equivalence + Clone + Default>(world: &SimpleCommunicator, mine: &[T]) -> Vec<T> {
     let mut counts: Vec<Count> = vec![0; world.size() as usize];
-    world.all_gather_into(&(mine.len() as Count), &mut counts[..]);
-    let mut all = vec![T::default(); counts.iter().sum::<Count>() as usize];
+    world.all_gather_into(&count(mine.len()), &mut counts[..]);
+    let mut all = vec![T::default(); total(&counts)];
     let starts = starts_of(&counts);
     let mut parts = PartitionMut::new(&mut all[..], counts, starts);
     world.all_gather_varcount_into(mine, &mut parts);
     all
+}
+
+/// The number of words of all parts together, which MPI can count.
+fn total(counts: &[Count]) -> usize {
+    let words = counts.iter().map(|count| *count as usize).sum();
+    count(words) as usize
 }
 
 /// Where each part begins, if one follows another.
@@ -76,11 +97,12 @@ impl Wire for World {
 
     fn trade(&self, words: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
         let world = SimpleCommunicator::world();
-        let given: Vec<Count> = words.iter().map(|list| list.len() as Count).collect();
+        let given: Vec<Count> = words.iter().map(|list| count(list.len())).collect();
         let mut got: Vec<Count> = vec![0; self.ranks];
         world.all_to_all_into(&given[..], &mut got[..]);
         let sent = words.concat();
-        let mut received = vec![0_u32; got.iter().sum::<Count>() as usize];
+        count(sent.len());
+        let mut received = vec![0_u32; total(&got)];
         let starts = starts_of(&given);
         let outgoing = Partition::new(&sent[..], given, starts);
         let starts = starts_of(&got);
@@ -97,17 +119,17 @@ impl Wire for World {
 
     fn gather(&self, array: &mut [[f64; 3]], ranges: &[Range<usize>]) {
         let world = SimpleCommunicator::world();
-        if self.ranks > FEW_RANKS {
+        if self.ranks > FEW_RANKS && array.len() <= PIECE {
             let mine = array[ranges[self.rank].clone()].to_vec();
-            let counts: Vec<Count> = ranges.iter().map(|r| 3 * r.len() as Count).collect();
-            let starts: Vec<Count> = ranges.iter().map(|r| 3 * r.start as Count).collect();
+            let counts: Vec<Count> = ranges.iter().map(|r| count(3 * r.len())).collect();
+            let starts: Vec<Count> = ranges.iter().map(|r| count(3 * r.start)).collect();
             let mut parts = PartitionMut::new(array.as_flattened_mut(), counts, starts);
             world.all_gather_varcount_into(mine.as_flattened(), &mut parts);
             return;
         }
         let (before, rest) = array.split_at_mut(ranges[self.rank].start);
         let (own, behind) = rest.split_at_mut(ranges[self.rank].len());
-        let own = own.as_flattened();
+        let own = &*own;
         let others = || (0..).zip(ranges).filter(|(rank, _)| *rank != self.rank);
         let mut rest = [before, behind];
         mpi::request::scope(|scope| {
@@ -116,13 +138,18 @@ impl Wire for World {
                 let side = &mut rest[usize::from(rank > self.rank)];
                 let part = side.split_off_mut(..range.len()).unwrap_or_default();
                 let from = world.process_at_rank(rank as i32);
-                let part = part.as_flattened_mut();
-                running.push(WaitGuard::from(from.immediate_receive_into(scope, part)));
+                for piece in part.chunks_mut(PIECE) {
+                    let piece = piece.as_flattened_mut();
+                    running.push(WaitGuard::from(from.immediate_receive_into(scope, piece)));
+                }
             }
             let mut sending = Vec::with_capacity(self.ranks);
             for (rank, _) in others() {
                 let to = world.process_at_rank(rank as i32);
-                sending.push(WaitGuard::from(to.immediate_send(scope, own)));
+                for piece in own.chunks(PIECE) {
+                    let piece = piece.as_flattened();
+                    sending.push(WaitGuard::from(to.immediate_send(scope, piece)));
+                }
             }
             // Each guard waits where it is dropped.
             drop(running);
@@ -136,14 +163,18 @@ impl Wire for World {
             let mut running = Vec::with_capacity(outgoing.len() + incoming.len());
             for parcel in incoming {
                 let from = world.process_at_rank(parcel.rank as i32);
-                let vectors = parcel.vectors.as_flattened_mut();
-                running.push(WaitGuard::from(from.immediate_receive_into(scope, vectors)));
+                for piece in parcel.vectors.chunks_mut(PIECE) {
+                    let piece = piece.as_flattened_mut();
+                    running.push(WaitGuard::from(from.immediate_receive_into(scope, piece)));
+                }
             }
             let mut sending = Vec::with_capacity(outgoing.len());
             for parcel in outgoing {
                 let to = world.process_at_rank(parcel.rank as i32);
-                let vectors = parcel.vectors.as_flattened();
-                sending.push(WaitGuard::from(to.immediate_send(scope, vectors)));
+                for piece in parcel.vectors.chunks(PIECE) {
+                    let piece = piece.as_flattened();
+                    sending.push(WaitGuard::from(to.immediate_send(scope, piece)));
+                }
             }
             meanwhile();
             // Each guard waits where it is dropped.
@@ -154,5 +185,26 @@ impl Wire for World {
 
     fn abort(&self, code: u8) -> ! {
         SimpleCommunicator::world().abort(code.into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thousand_million_particles_are_counted_or_refused_and_never_wrapped() {
+        // 3·PIECE numbers are the most that one message counts.
+        assert_eq!(count(3 * PIECE), 2_147_483_646);
+        assert_eq!(1_000_000_000_usize.div_ceil(PIECE), 2);
+        assert_eq!(total(&[1 << 30, (1 << 30) - 1]), Count::MAX as usize);
+        for refused in [|| count(3 * (PIECE + 1)) as usize, || total(&[1 << 30; 2])] {
+            let panic = std::panic::catch_unwind(refused).unwrap_err();
+            let words = panic.downcast_ref::<String>().unwrap();
+            assert!(
+                words.ends_with("words between ranks: MPI counts at most 2147483647"),
+                "{words}"
+            );
+        }
     }
 }
