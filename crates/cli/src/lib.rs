@@ -29,6 +29,7 @@ use crate::failure::Failure;
 ///
 /// Results go to standard output, messages to standard error.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    signals::let_long_files_fail();
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) => {
@@ -65,6 +66,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 ///
 /// Every rank is given the same arguments. What only one rank meets ends all of them ([`Team::abort`]).
 pub fn main_on_ranks(arguments: impl IntoIterator<Item = OsString>, team: &Team) -> u8 {
+    signals::let_long_files_fail();
     let cli = match RanksCli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) => {

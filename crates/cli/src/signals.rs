@@ -198,6 +198,19 @@ fn listen(shared: &Arc<Shared>) -> std::io::Result<()> {
     Ok(())
 }
 
+/// Lets a write beyond a limit on the size of files fail as any other write does, where the signal of that limit would end the
+/// program without a word.
+pub fn let_long_files_fail() {
+    #[cfg(unix)]
+    {
+        use signal_hook::consts::SIGXFSZ;
+        if !is_ignored(SIGXFSZ) {
+            // Without a handler, the program is as it would have been.
+            let _ = signal_hook::flag::register(SIGXFSZ, Arc::default());
+        }
+    }
+}
+
 /// Whether the program was started with a signal ignored, as `nohup` does with SIGHUP: it stays ignored then.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {

@@ -234,8 +234,7 @@ impl Rig {
             let blocks = self.random.random_range(largest / 8..largest) / 512 + 1;
             let inner = self.command(&arguments);
             let mut command = Command::new("sh");
-            // The signal that comes with the limit is ignored, so that the write itself reports the failure.
-            let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
+            let script = format!("ulimit -f {blocks}; exec \"$0\" \"$@\"");
             command
                 .args(["-c", &script])
                 .arg(inner.get_program())
