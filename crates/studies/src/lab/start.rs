@@ -16,8 +16,15 @@ use crate::StudyError;
 
 /// Time for which a scene that goes straight to measuring is brought to its temperature, τ.
 const EQUILIBRATION_TIME: f64 = 8.0;
+/// The most steps of that stage, however short they are.
+const MOST_STEPS: u64 = 100_000;
 /// Relaxation time of the bath that does it, τ.
 const RELAXATION_TIME: f64 = 0.1;
+
+/// Steps of `dt` τ that bring a scene to its temperature.
+fn equilibration_steps(dt: f64) -> u64 {
+    ((EQUILIBRATION_TIME / dt).ceil() as u64).min(MOST_STEPS)
+}
 
 /// Where all runs begin.
 #[derive(Debug, Clone)]
@@ -50,7 +57,7 @@ impl Start {
         if before.stages.is_empty() {
             before.stages.push(Stage {
                 name: "equilibrate".into(),
-                steps: (EQUILIBRATION_TIME / scene.integrator.dt).ceil() as u64,
+                steps: equilibration_steps(scene.integrator.dt),
                 temperature: measured_stage(scene).temperature,
                 temperature_from: None,
                 barostat: None,
@@ -143,5 +150,16 @@ impl From<Simulation> for Start {
             velocities: simulation.state.velocities,
             species: simulation.system.species().clone(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::equilibration_steps;
+
+    #[test]
+    fn a_tiny_step_does_not_make_an_endless_equilibration() {
+        assert_eq!(equilibration_steps(0.004), 2000);
+        assert_eq!(equilibration_steps(1e-9), 100_000);
     }
 }

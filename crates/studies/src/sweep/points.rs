@@ -109,7 +109,7 @@ fn lists(axes: &Axes) -> [Option<Vec<String>>; KEYS.len()] {
     ]
 }
 
-/// Every combination of the values of some axes, the last axis running fastest.
+/// Every combination of the values of some axes, the last axis running fastest; one more than [`MOST_POINTS`] where there are more.
 fn product(axes: &Axes) -> Vec<Choice> {
     let mut choices: Vec<Choice> = vec![Choice::default()];
     for (k, list) in lists(axes).into_iter().enumerate() {
@@ -123,6 +123,7 @@ fn product(axes: &Axes) -> Vec<Choice> {
                     choice
                 })
             })
+            .take(MOST_POINTS + 1)
             .collect();
     }
     choices
@@ -166,7 +167,11 @@ pub(super) fn expand(
     let listed: Vec<Choice> = if points.is_empty() {
         vec![Choice::default()]
     } else {
-        points.iter().flat_map(product).collect()
+        points
+            .iter()
+            .flat_map(product)
+            .take(MOST_POINTS + 1)
+            .collect()
     };
     let mut choices = Vec::new();
     for one in &listed {

@@ -121,6 +121,19 @@ fn the_isotherm_is_held_at_its_temperature() {
 }
 
 #[test]
+fn a_grid_of_many_lists_is_refused_before_it_is_multiplied_out() {
+    let numbers: Vec<String> = (1..1000)
+        .map(|k| format!("{}", 0.5 + 1e-4 * f64::from(k)))
+        .collect();
+    let list = numbers.join(", ");
+    let axes = ["density", "temperature", "r_cut", "dt"].map(|key| format!("{key} = [{list}]\n"));
+    for table in ["[grid]", "[[point]]"] {
+        let message = sweep_of(&format!("{table}\n{}", axes.concat())).unwrap_err();
+        assert!(message.contains("more than 10000 points"), "{message}");
+    }
+}
+
+#[test]
 fn what_is_no_sweep_is_said_clearly() {
     for (text, wanted) in [
         ("", "no points"),
