@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
+use lennard_core::parallel::{most_threads, processors};
 
 mod eos;
 mod studies;
@@ -226,8 +227,8 @@ pub struct SceneArgs {
     /// Seed of all random streams (short for --set system.seed=N).
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Threads; by default as many as make this scene faster.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    /// Threads, at most four for each processor (or 16); by default as many as make this scene faster.
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<u16>,
     /// Instruction set of the pair kernel (short for --set kernel.isa=NAME).
     #[arg(long, value_name = "NAME")]
@@ -330,8 +331,9 @@ pub struct ResumeArgs {
     /// Go on from the checkpoint before the newest.
     #[arg(long)]
     pub older: bool,
-    /// Threads; by default as many as make this run faster. The bits do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    /// Threads, at most four for each processor (or 16); by default as many as make this run faster. The bits do not depend
+    /// on it.
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<u16>,
     /// Go on with this instruction set. Where the run had another, bits may differ, and run.json says so.
     #[arg(long, value_name = "NAME")]
@@ -356,6 +358,15 @@ fn key_value(text: &str) -> Result<(String, String), String> {
         }
         _ => Err("wanted KEY=VALUE, such as system.density=0.8".into()),
     }
+}
+
+/// A number of threads that this machine may be asked for.
+fn threads(text: &str) -> Result<u16, String> {
+    let most = most_threads();
+    let number = text.parse().ok();
+    number
+        .filter(|number| (1..=most).contains(&usize::from(*number)))
+        .ok_or_else(|| format!("allowed: 1 to {most} on {} processors", processors()))
 }
 
 /// A time above zero.

@@ -40,6 +40,55 @@ pub fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
+/// The most threads of a pool for each processor: more would only take turns.
+const MOST_PER_PROCESSOR: usize = 4;
+/// Threads that a pool may have on any machine, so that the same command runs on small ones.
+const ON_ANY_MACHINE: usize = 16;
+
+/// The most threads that [`pool`] starts: four for each processor, and sixteen where those are fewer.
+#[must_use]
+pub fn most_threads() -> usize {
+    (MOST_PER_PROCESSOR * processors()).max(ON_ANY_MACHINE)
+}
+
+/// Why there is no pool of so many threads.
+#[derive(Debug, thiserror::Error)]
+pub enum PoolError {
+    /// No thread, or more than could ever help.
+    #[error(
+        "{0} threads\n  allowed: 1 to {most} on {processors} processors",
+        most = most_threads(),
+        processors = processors()
+    )]
+    Number(usize),
+    /// The system gives none.
+    #[error(transparent)]
+    System(#[from] rayon::ThreadPoolBuildError),
+}
+
+/// Refuses a number of threads that [`pool`] does not start.
+///
+/// # Errors
+/// [`PoolError::Number`] for no thread and for more than [`most_threads`].
+pub fn can_have(threads: usize) -> Result<(), PoolError> {
+    if (1..=most_threads()).contains(&threads) {
+        Ok(())
+    } else {
+        Err(PoolError::Number(threads))
+    }
+}
+
+/// A pool of so many threads.
+///
+/// # Errors
+/// [`PoolError`] for no thread and for more than [`most_threads`], and where the system gives no threads.
+pub fn pool(threads: usize) -> Result<rayon::ThreadPool, PoolError> {
+    can_have(threads)?;
+    Ok(rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()?)
+}
+
 /// Looks for work that a waiting thread makes before it offers its processor to others.
 const LOOKS: u32 = 200;
 
@@ -164,6 +213,16 @@ where
 mod tests {
     use super::*;
     use crate::exact::exact_sum;
+
+    #[test]
+    fn a_pool_has_no_more_threads_than_a_few_for_each_processor() {
+        for threads in [1, 2, most_threads()] {
+            assert_eq!(pool(threads).unwrap().current_num_threads(), threads);
+        }
+        for threads in [0, most_threads() + 1, usize::MAX] {
+            assert!(matches!(pool(threads), Err(PoolError::Number(n)) if n == threads));
+        }
+    }
 
     #[test]
     fn a_pool_that_is_kept_awake_computes_the_same_and_ends_with_its_work() {

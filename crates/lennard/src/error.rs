@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use lennard_core::parallel::PoolError;
 use lennard_engine::{EngineError, StartError};
 use lennard_io::CheckpointError;
 use lennard_scene::SceneError;
@@ -40,9 +41,9 @@ pub enum Error {
         "a folder takes a whole run, and this simulation has done {0} steps\n  allowed: a new simulation of the same scene"
     )]
     Begun(u64),
-    /// The system gives no threads.
+    /// There is no pool of so many threads.
     #[error("starting threads: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
+    Threads(#[from] PoolError),
 }
 
 fn hint(nearest: &Option<String>) -> String {

@@ -250,6 +250,5 @@ impl Simulation {
 }
 
 fn pool(threads: usize) -> Result<ThreadPool> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-    Ok(pool.build()?)
+    Ok(lennard_core::parallel::pool(threads)?)
 }

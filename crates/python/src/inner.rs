@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use lennard_core::DVec3;
+use lennard_core::parallel::PoolError;
 use lennard_engine::{Measurement, OwnParts, Recording, Simulation, planned_steps};
 use lennard_io::{Checkpoint, StartConfiguration};
 use lennard_scene::{Scene, SceneError};
@@ -16,10 +17,10 @@ use crate::{errors, numbers};
 
 /// Threads that live as long as a simulation.
 pub fn pool(threads: usize) -> PyResult<ThreadPool> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|e| PyRuntimeError::new_err(format!("starting threads: {e}")))
+    lennard_core::parallel::pool(threads).map_err(|e| match e {
+        PoolError::Number(_) => PyValueError::new_err(e.to_string()),
+        PoolError::System(e) => PyRuntimeError::new_err(format!("starting threads: {e}")),
+    })
 }
 
 /// A simulation with what belongs to it.

@@ -1,6 +1,7 @@
 //! Why a study fails. That a method fails at a step is no failure of a study: it is a result.
 
 use lennard_core::StepError;
+use lennard_core::parallel::PoolError;
 use lennard_forcefield::ForceFieldError;
 use lennard_io::WriteError;
 use lennard_report::ReportError;
@@ -46,14 +47,9 @@ pub enum StudyError {
         /// What happened.
         source: lennard_core::ForceError,
     },
-    /// The system gives no threads.
-    #[error("cannot start {threads} threads: {source}")]
-    Threads {
-        /// How many were asked for.
-        threads: usize,
-        /// What the system said.
-        source: rayon::ThreadPoolBuildError,
-    },
+    /// There is no pool of so many threads.
+    #[error("starting threads: {0}")]
+    Threads(#[from] PoolError),
     /// A figure cannot be drawn.
     #[error(transparent)]
     Report(#[from] ReportError),

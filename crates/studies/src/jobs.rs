@@ -4,6 +4,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
+use lennard_core::parallel;
+
 use crate::StudyError;
 
 /// Runs `work` on every item, on all threads of the present pool, and returns the results in the order of the
@@ -79,10 +81,7 @@ pub(crate) fn side_by_side_on<I: Sync, R: Send>(
 
 /// A pool of `threads` threads.
 pub(crate) fn pool(threads: usize) -> Result<rayon::ThreadPool, StudyError> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|source| StudyError::Threads { threads, source })
+    Ok(parallel::pool(threads)?)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 
-use super::{SceneArgs, key_value, scene_file};
+use super::{SceneArgs, key_value, scene_file, threads};
 
 /// Arguments of `plan`.
 #[derive(Debug, Args)]
@@ -110,8 +110,8 @@ pub struct StabilityArgs {
     /// Shorter runs on coarser grids.
     #[arg(long)]
     pub quick: bool,
-    /// Threads; by default all.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    /// Threads, at most four for each processor (or 16); by default all processors.
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<u16>,
     /// One JSON document on standard output, nothing else.
     #[arg(long)]
@@ -153,10 +153,10 @@ pub struct ChartArgs {
     #[arg(long)]
     pub with_peers: bool,
     /// Points whose errors are measured at once, one thread each; by default as many as there are processors.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub workers: Option<u16>,
-    /// Threads of each timed run.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    /// Threads of each timed run, at most four for each processor (or 16).
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     pub threads: u16,
     /// One JSON document on standard output, nothing else.
     #[arg(long)]
@@ -212,7 +212,8 @@ pub struct SweepArgs {
     #[arg(long)]
     pub force: bool,
     /// Threads for all points together: one for each point at work. Points of 4000 particles and more also take threads
-    /// that are left over. By default as many as there are processors.
+    /// that are left over. By default as many as there are processors, and at most four for each (or 16), unless --emit writes
+    /// a script for another machine.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
     /// Write no report.html for the single points.
@@ -255,8 +256,8 @@ pub struct BenchArgs {
     /// Precisions: double, mixed; by default both.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub precision: Vec<String>,
-    /// Numbers of threads, such as 1,2; by default one and all.
-    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..))]
+    /// Numbers of threads, such as 1,2, at most four for each processor (or 16); by default one and all.
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', value_parser = threads)]
     pub threads: Vec<u16>,
     /// Blocks of steps for each variant, in shuffled order; by default 7, with --quick 3.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]

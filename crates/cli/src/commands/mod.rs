@@ -21,6 +21,7 @@ pub mod tune;
 
 use std::path::Path;
 
+use lennard_core::parallel::{self, PoolError};
 use lennard_engine::EngineError;
 use lennard_io::{Existing, OutputFolder};
 use lennard_scene::{Scene, UsedLock};
@@ -28,7 +29,7 @@ use serde::Serialize;
 
 use crate::args::SceneArgs;
 pub use crate::commands::inputs::Inputs;
-use crate::failure::{DONE, Failure, OTHER};
+use crate::failure::{DONE, Failure, INPUT, OTHER};
 
 /// Loads the scene of a command with its overrides. Where the scene asks for an accuracy, the settings of its
 /// lock file are added, if there is one. Without a lock file, a scene that leaves settings to be chosen is
@@ -50,10 +51,20 @@ impl SceneArgs {
 
 /// As many threads as asked for, or as the lock file says and this machine has, or as pay for so many particles.
 pub fn threads_with(asked: Option<u16>, lock: Option<&UsedLock>, n_atoms: usize) -> usize {
-    let available = lennard_core::parallel::processors();
+    let available = parallel::processors();
     match (asked, lock) {
         (None, Some(lock)) => lock.threads.min(available),
         _ => threads(asked, n_atoms),
+    }
+}
+
+impl From<PoolError> for Failure {
+    fn from(error: PoolError) -> Self {
+        let code = match error {
+            PoolError::Number(_) => INPUT,
+            PoolError::System(_) => OTHER,
+        };
+        Self::new("starting threads", error, code)
     }
 }
 
@@ -62,11 +73,7 @@ pub fn on_threads<T: Send>(
     threads: usize,
     work: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> Result<T, Failure> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|e| Failure::new("starting threads", e, OTHER))?;
-    pool.install(work)
+    parallel::pool(threads)?.install(work)
 }
 
 /// As many threads as asked for, or as pay for so many particles.
@@ -133,7 +140,7 @@ pub fn version(json: bool) -> Result<u8, Failure> {
         version: env!("CARGO_PKG_VERSION"),
         cpu: lennard_io::cpu_name(),
         isa: lennard_forcefield::available_isas(),
-        threads: lennard_core::parallel::processors(),
+        threads: parallel::processors(),
     };
     if json {
         print_json(&version)?;

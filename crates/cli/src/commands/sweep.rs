@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use lennard_core::parallel::{can_have, processors};
 use lennard_io::Existing;
 use lennard_studies::sweep::{self, Ending, SweepError, SweepOptions};
 
@@ -37,15 +38,14 @@ fn whole(args: &SweepArgs, started: Instant) -> Result<u8, Failure> {
     if let Some(folder) = &args.out {
         keep_inputs(&args.sweep, &sweep, folder)?;
     }
+    let threads = args.threads.map_or_else(processors, usize::from);
+    can_have(threads)?;
     // What an earlier sweep has left there is looked at point by point.
     let folder = signals.claim(
         || output_folder(args.out.as_deref(), Existing::Keep, &sweep.name),
         // What a point has done is kept, and the sweep itself gives up what only starts.
         |_| None,
     )?;
-    let threads = args
-        .threads
-        .map_or_else(lennard_core::parallel::processors, usize::from);
     let quiet = args.quiet || args.json;
     let command = command(args, folder.path());
     if !quiet {

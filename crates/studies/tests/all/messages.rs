@@ -120,14 +120,8 @@ fn a_chart_or_a_tuning_that_cannot_be_made_says_why() {
     let refused = rayon::ThreadPoolBuilder::new()
         .spawn_handler(|_| Err(std::io::Error::other("no more of them")))
         .build();
-    let threads = StudyError::Threads {
-        threads: 2,
-        source: refused.unwrap_err(),
-    };
-    assert_eq!(
-        threads.to_string(),
-        "cannot start 2 threads: no more of them"
-    );
+    let threads = StudyError::Threads(refused.unwrap_err().into());
+    assert_eq!(threads.to_string(), "starting threads: no more of them");
     let sample = TuneError::Force(lost().to_string());
     let wanted = "the forces of the sample: the force on particle 3";
     assert!(sample.to_string().starts_with(wanted), "{sample}");
