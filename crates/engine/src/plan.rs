@@ -19,7 +19,7 @@ use shares::{Costs, barostat_name, bath_name};
 pub use nodes::{Network, Nodes, NodesError, OnNodes};
 
 use nodes::OneNode;
-pub use shares::watching_seconds;
+pub use shares::{PATIENCE, watching_seconds};
 
 /// One part of the work.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -60,12 +60,12 @@ pub struct Plan {
     pub bytes: u64,
     /// Bytes that the program itself holds, with its libraries, whatever the scene.
     pub program_bytes: u64,
-    /// Median time of a step with everything off, seconds.
-    pub seconds_per_step: f64,
-    /// Steps in the measurement.
+    /// Median time of a step with everything off, seconds; `None` where steps are too slow to measure.
+    pub seconds_per_step: Option<f64>,
+    /// Steps in the measurement, without the first.
     pub measured_steps: u64,
-    /// Estimated wall time of the whole run, seconds.
-    pub estimated_seconds: f64,
+    /// Estimated wall time of the whole run, seconds; `None` where steps are too slow to measure.
+    pub estimated_seconds: Option<f64>,
     /// Sides of the box at the start, σ.
     pub lengths: DVec3,
     /// The distance that forces and lists reach, σ.
@@ -97,12 +97,10 @@ pub fn plan(
     let ranks = network.map_or(Vec::new(), |network| network.sizes(most));
     let costs = Costs::measure(simulation, &ranks)?;
     let seconds = costs.of_run(&scene);
-    let total: f64 = seconds.values().sum();
+    let total = seconds.as_ref().map(|parts| parts.values().sum::<f64>());
     for item in &mut items {
-        item.share = seconds
-            .get(&item.part)
-            .filter(|_| item.on)
-            .map(|s| s / total);
+        let of_part = seconds.as_ref().and_then(|parts| parts.get(&item.part));
+        item.share = of_part.zip(total).filter(|_| item.on).map(|(s, t)| s / t);
     }
     let (n, molecules) = (simulation.state.len(), simulation.system.n_molecules());
     let state = n * STATE_BYTES;
@@ -134,12 +132,15 @@ pub fn plan(
         items,
         bytes,
         program_bytes: PROGRAM_BYTES,
-        seconds_per_step: costs.median_step,
+        seconds_per_step: costs.step.map(|_| costs.median_step),
         measured_steps: costs.steps,
         estimated_seconds: total,
         lengths: simulation.state.cell.lengths(),
         reach: provider.plan().r_list,
-        nodes: network.map(|network| one_node.on(network)).transpose()?,
+        nodes: network
+            .filter(|_| total.is_some())
+            .map(|network| one_node.on(network))
+            .transpose()?,
     })
 }
 

@@ -15,8 +15,12 @@ use lennard_scene::Scene;
 
 use cells::Cells;
 
+use crate::EngineError;
+
 /// The largest wave number of the sum, σ⁻¹: beyond it neither the transform nor the profile of a slab has anything left.
 const LARGEST_WAVE_NUMBER: f64 = 4.0;
+/// The most waves: their tables grow as the square of their number, to 0.3 GB.
+const MOST_WAVES: usize = 4096;
 /// The axis across the surfaces.
 const Z: usize = 2;
 
@@ -60,7 +64,25 @@ remembers_nothing!(PlanarTail);
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Waves(Vec<[f64; 2]>);
 
+/// The number of waves along z in a box of some length, σ.
+fn n_waves(length: f64) -> usize {
+    (LARGEST_WAVE_NUMBER * length / TAU).ceil() as usize
+}
+
 impl PlanarTail {
+    /// Refuses a planar tail in a box that is too long for its waves.
+    pub(crate) fn check(scene: &Scene, cell: &PeriodicBox) -> Result<(), EngineError> {
+        let length = cell.lengths()[Z];
+        if !scene.planar_tail || n_waves(length) <= MOST_WAVES {
+            return Ok(());
+        }
+        let most = MOST_WAVES as f64 * TAU / LARGEST_WAVE_NUMBER;
+        let found = format!("\"planar\" in a box of {length} σ along z");
+        let allowed = format!("a box of at most {most:.0} σ along z, or no tail correction");
+        let key = "truncation.tail_correction";
+        Err(scene.source.invalid(key, found, allowed).into())
+    }
+
     /// The tail of a scene in a box; `None` where the scene has no planar tail, or no model that could have one.
     #[must_use]
     pub fn of(scene: &Scene, cell: &PeriodicBox) -> Option<Self> {
@@ -97,7 +119,7 @@ impl PlanarTail {
                 slope: found.slope,
             }
         };
-        let most = (LARGEST_WAVE_NUMBER * length / TAU).ceil() as usize;
+        let most = n_waves(length);
         Some(Self {
             cells: Cells::new(length, most),
             homogeneous: Mode {

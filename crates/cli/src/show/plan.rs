@@ -1,7 +1,7 @@
 //! What a scene computes, in ten lines or in full.
 
 use lennard_core::{Cell, Table};
-use lennard_engine::{Nodes, Plan, PlanItem};
+use lennard_engine::{Nodes, PATIENCE, Plan, PlanItem};
 
 use super::{bytes, duration, table};
 use crate::args::RATES;
@@ -36,18 +36,30 @@ pub fn plan(plan: &Plan, verbose: bool) {
         plan.bytes as f64 / plan.atoms as f64,
         bytes(plan.program_bytes)
     );
-    println!(
-        "  time: about {} on {}; a step that nothing looks at took {} here (median of {})",
-        duration(plan.estimated_seconds),
-        lennard_report::counted(plan.threads, "thread"),
-        duration(plan.seconds_per_step),
-        plan.measured_steps
-    );
+    println!("  time: {}", time(plan));
     if let Some(nodes) = &plan.nodes {
         println!("{}", table(&of_nodes(nodes)));
         for line in in_words(nodes) {
             println!("  {line}");
         }
+    }
+}
+
+/// How long the run takes.
+fn time(plan: &Plan) -> String {
+    let threads = lennard_report::counted(plan.threads, "thread");
+    match plan.estimated_seconds.zip(plan.seconds_per_step) {
+        Some((run, step)) => format!(
+            "about {} on {threads}; a step that nothing looks at took {} here (median of {})",
+            duration(run),
+            duration(step),
+            plan.measured_steps
+        ),
+        None => format!(
+            "too slow to measure: in {} on {threads}, {} after the first",
+            duration(PATIENCE.as_secs_f64()),
+            lennard_report::counted(plan.measured_steps as usize, "step")
+        ),
     }
 }
 
@@ -206,13 +218,27 @@ mod tests {
             items,
             bytes: 1,
             program_bytes: 1,
-            seconds_per_step: 1.0,
-            measured_steps: 1,
-            estimated_seconds: 1.0,
+            seconds_per_step: Some(1.0),
+            measured_steps: 3,
+            estimated_seconds: Some(1.0),
             lengths: DVec3::ONE,
             reach: 1.0,
             nodes: None,
         };
+        assert_eq!(
+            time(&plan),
+            "about 1.0 s on 1 thread; a step that nothing looks at took 1.0 s here (median of 3)"
+        );
+        let slow = Plan {
+            seconds_per_step: None,
+            measured_steps: 1,
+            estimated_seconds: None,
+            ..plan.clone()
+        };
+        assert_eq!(
+            time(&slow),
+            "too slow to measure: in 10.0 s on 1 thread, 1 step after the first"
+        );
         assert_eq!(
             lines(&plan),
             [

@@ -1,5 +1,6 @@
 //! What each part of a run costs: a short measurement, which decides nothing.
 
+mod first_steps;
 mod memory;
 mod names;
 
@@ -18,18 +19,18 @@ use crate::beginning::Beginning;
 use crate::build::prepare_from;
 use crate::failure::LARGEST_MOVE;
 use crate::files::{header, style};
-use crate::follower::{Follower, StopAt, Verdict};
+use crate::follower::StopAt;
 use crate::planar_tail::PlanarTail;
 use crate::run::{aside, set_aside};
 use crate::schedule::{Action, Observer, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
 use crate::{EngineError, SET_ASIDE_EVERY, watchdog};
 
+use self::first_steps::FirstSteps;
 use self::memory::{bytes_under_a_bath, checkpoint_bytes};
+pub use first_steps::PATIENCE;
 pub(super) use names::{barostat_name, bath_name};
 
-/// How long the steps are measured.
-const STEPS_FOR: Duration = Duration::from_millis(400);
 /// How long one part is measured alone.
 const PART_FOR: Duration = Duration::from_millis(30);
 /// Calls of a part that is measured alone, at most.
@@ -41,8 +42,8 @@ const WATCHING_CALLS: u32 = 50;
 pub(super) struct Costs {
     /// Steps in the measurement.
     pub(super) steps: u64,
-    /// A step with everything off, mean.
-    pub(super) step: f64,
+    /// A step with everything off, mean; `None` where steps are too slow to measure.
+    pub(super) step: Option<f64>,
     /// The same, median.
     pub(super) median_step: f64,
     /// Pair loops of such a step.
@@ -81,22 +82,13 @@ impl Costs {
         ranks: &[usize],
     ) -> Result<Self, EngineError> {
         let mut bare = with_everything_off(simulation)?;
-        let now = Instant::now();
-        let each_step = Operation::new(Action::Call, Trigger::Always);
-        let mut follower = ForAWhile {
-            schedule: Schedule::empty().with(each_step),
-            end: now + STEPS_FOR,
-            last: now,
-            steps: Vec::new(),
-        };
-        bare.run(&mut follower)?;
-        let statistics = bare.forces.statistics();
+        let mut measured = FirstSteps::from(Instant::now());
+        bare.run(&mut measured)?;
+        let (first, last) = (measured.first.unwrap_or_default(), bare.forces.statistics());
         let halo = |n: &usize| Some((*n, bare.forces.halo_on(*n)?));
         let halos = ranks.iter().filter_map(halo).collect();
-        let all = follower.steps.len() as f64;
-        // The first step also builds the list and warms the caches.
-        let first = usize::from(follower.steps.len() > 1);
-        let times = follower.steps.split_off(first);
+        let (step, times) = (measured.mean(), measured.seconds);
+        let all = times.len().max(1) as f64;
         let evaluate = |bare: &mut Simulation, want| -> Result<f64, EngineError> {
             let mut fault = None;
             let time = median(|| {
@@ -135,13 +127,12 @@ impl Costs {
         let stages = simulation.scene.stages.iter();
         let baths = stages.map(|stage| bath(&bare, stage)).collect();
         let under_a_bath = bytes_under_a_bath(&simulation.scene) * bare.state.len() as u64;
-        let step = times.iter().sum::<f64>() / times.len() as f64;
         Ok(Self {
             steps: times.len() as u64,
             step,
             median_step: Spread::of(times).map_or(f64::NAN, |steps| steps.median),
-            force: statistics.force_seconds / all,
-            neighbor: statistics.neighbor_seconds / all,
+            force: (last.force_seconds - first.force_seconds) / all,
+            neighbor: (last.neighbor_seconds - first.neighbor_seconds) / all,
             tail,
             force_bytes: bare.forces.statistics().bytes + under_a_bath,
             checkpoint_bytes: checkpoint_bytes(&bare),
@@ -154,13 +145,14 @@ impl Costs {
             baths,
             frame: frame(&bare),
             watch: watching_seconds(&bare),
-            builds: statistics.builds as f64 / all,
+            builds: (last.builds - first.builds) as f64 / all,
             halos,
         })
     }
 
-    /// Seconds of each part in the whole run, by the part's name in the plan.
-    pub(super) fn of_run(&self, scene: &Scene) -> BTreeMap<String, f64> {
+    /// Seconds of each part in the whole run, by the part's name in the plan; `None` where steps are too slow to measure.
+    pub(super) fn of_run(&self, scene: &Scene) -> Option<BTreeMap<String, f64>> {
+        let step = self.step?;
         let mut parts: BTreeMap<String, f64> = BTreeMap::new();
         let mut add = |part: &str, seconds: f64| {
             // Differences of two measurements may come out below nothing.
@@ -173,7 +165,7 @@ impl Costs {
             add("neighbor list", steps * self.neighbor);
             add(
                 "integrator",
-                steps * (self.step - self.force - self.neighbor - self.tail - self.watch),
+                steps * (step - self.force - self.neighbor - self.tail - self.watch),
             );
             if self.tail > 0.0 {
                 add("tail correction", steps * self.tail);
@@ -215,7 +207,7 @@ impl Costs {
                 add("trajectory", steps / every as f64 * (self.frame + wanted));
             }
         }
-        parts
+        Some(parts)
     }
 
     /// Seconds that `want` costs at the forces, where a share `alone` of the steps has no other reason to compute totals.
@@ -358,31 +350,6 @@ impl Sink for Nowhere {
     }
     fn is_still_at(&self, _path: &Path) -> bool {
         true
-    }
-}
-
-/// Stops after a while, asks for nothing.
-struct ForAWhile {
-    schedule: Schedule,
-    end: Instant,
-    last: Instant,
-    steps: Vec<f64>,
-}
-
-impl Follower for ForAWhile {
-    fn schedule(&self) -> &Schedule {
-        &self.schedule
-    }
-
-    fn after_step(&mut self, _simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        let now = Instant::now();
-        self.steps.push((now - self.last).as_secs_f64());
-        self.last = now;
-        Ok(if now >= self.end {
-            Verdict::Stop
-        } else {
-            Verdict::Continue
-        })
     }
 }
 

@@ -10,8 +10,8 @@ fn scene(more: &str) -> Scene {
 
 fn costs(observers: Vec<(Want, f64)>, baths: Vec<f64>) -> Costs {
     Costs {
-        steps: 1,
-        step: 10.0,
+        steps: 3,
+        step: Some(10.0),
         median_step: 10.0,
         force: 6.0,
         tail: 0.0,
@@ -65,7 +65,9 @@ fn parts_are_paid_as_often_as_the_scene_says() {
         "trajectory_every = 15\n[[stage]]\nname = \"a\"\nsteps = 300\nthermostat = \"bussi\"\n\
          [[stage]]\nname = \"b\"\nsteps = 600\n[[observable]]\nkind = \"rdf\"\nevery = 20\n",
     );
-    let parts = costs(vec![(Want::NOTHING, 4.0)], vec![0.1, 0.0]).of_run(&scene);
+    let parts = costs(vec![(Want::NOTHING, 4.0)], vec![0.1, 0.0])
+        .of_run(&scene)
+        .unwrap();
     let near = |part: &str, wanted: f64| {
         let found = parts[part];
         assert!(
@@ -87,4 +89,28 @@ fn parts_are_paid_as_often_as_the_scene_says() {
     // Frames on steps 15, 30, 45, …: every second one falls on a row.
     near("trajectory", 40.0 * (3.0 + 0.5 * 5.0));
     assert!(!parts.contains_key("msd"));
+}
+
+#[test]
+fn a_slow_first_step_is_followed_by_three_or_nothing_is_told_of_the_time() {
+    let mut bare = with_everything_off(
+        &crate::prepare(scene("[[stage]]\nname = \"a\"\nsteps = 2\n")).unwrap(),
+    )
+    .unwrap();
+    let began = |before: Duration| FirstSteps::from(Instant::now() - before);
+    // The first step has taken longer than all steps are measured for.
+    let mut slow = began(Duration::from_secs(1));
+    bare.run(&mut slow).unwrap();
+    assert!(slow.seconds.len() >= 3 && slow.mean().is_some());
+    // The list is built again, or is as good as never built.
+    let builds = bare.forces.statistics().builds;
+    assert!(builds > slow.first.unwrap().builds || slow.seconds.len() >= 50);
+    let mut too_slow = began(PATIENCE);
+    bare.run(&mut too_slow).unwrap();
+    assert_eq!((too_slow.seconds.len(), too_slow.mean()), (0, None));
+    let costs = Costs {
+        step: None,
+        ..costs(Vec::new(), vec![0.0])
+    };
+    assert!(costs.of_run(&bare.scene).is_none());
 }
