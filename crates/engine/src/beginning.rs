@@ -10,7 +10,9 @@ use lennard_scene::{Geometry, Lattice, Placement, Scene, Start};
 use crate::EngineError;
 use crate::confinement::{Confinement, place_between_walls};
 use crate::starting_molecules::Origin;
-use crate::{initial, overlaps, species, starting_crystal, starting_molecules, starting_slab};
+use crate::{
+    initial, overlaps, room, species, starting_crystal, starting_molecules, starting_slab,
+};
 
 /// Where the particles are, and how fast, before the first step.
 pub struct Beginning {
@@ -36,6 +38,9 @@ pub fn begin(scene: &Scene) -> Result<Beginning, EngineError> {
 
 /// The same with what is to be known of it: which frame of a file it is, and what its velocities lose.
 pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String>), EngineError> {
+    if let Some((n, cell)) = size(scene)? {
+        room::is_there(scene, &cell, n)?;
+    }
     match &scene.system.start {
         Start::Lattice {
             lattice, n_atoms, ..
@@ -190,16 +195,21 @@ pub(crate) fn begin_in_memory(
 /// # Errors
 /// [`EngineError`] where the start cannot be made.
 pub fn size_and_density(scene: &Scene) -> Result<(usize, f64), EngineError> {
-    let start = &scene.system.start;
-    let particles = start.particles(scene.molecules().sites());
-    let (n, cell) = match (particles, scene.placement()?) {
-        (Some(n), Some(placement)) => (n, placement.cell),
-        _ => {
+    let (n, cell) = match size(scene)? {
+        Some(size) => size,
+        None => {
             let beginning = begin(scene)?;
             (beginning.positions.len(), beginning.cell)
         }
     };
     Ok((n, n as f64 / cell.volume()))
+}
+
+/// Number of particles and their box, where the scene alone says them.
+fn size(scene: &Scene) -> Result<Option<(usize, PeriodicBox)>, EngineError> {
+    let particles = scene.system.start.particles(scene.molecules().sites());
+    let cell = scene.placement()?.map(|placement| placement.cell);
+    Ok(particles.zip(cell))
 }
 
 /// What is to be known of a start that was read from a file.

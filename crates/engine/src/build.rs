@@ -20,11 +20,12 @@ use crate::error::misfit;
 use crate::force_check::ForceCheck;
 use crate::initial;
 use crate::own::OwnParts;
+use crate::planar_tail::PlanarTail;
 use crate::schedule::Observer;
 use crate::simulation::Simulation;
 use crate::starting_molecules::{remark_on_damping, remark_on_springs};
 use crate::timers::Timers;
-use crate::{EngineError, compare, exchange, pressure};
+use crate::{EngineError, compare, exchange, pressure, room};
 
 /// The temperature and step for which the list is laid out. They are the highest temperature and the
 /// largest step of all stages, since one list serves all.
@@ -52,21 +53,24 @@ pub fn conditions<'a>(
     }
 }
 
-/// The force field of a scene for a box and its particles.
+/// The force field of a scene for a box and its particles, beside the options in force: their precision is that of the loop.
 ///
 /// # Errors
 /// [`EngineError::Scene`] where cutoff or skin do not fit the box, and where the settings for an accuracy have
-/// not been chosen.
+/// not been chosen. [`EngineError::Memory`] where the memory of a run is not there.
 pub fn forces(
     scene: &Scene,
     cell: PeriodicBox,
     species: &SpeciesTable,
 ) -> Result<(ForceFieldOptions, PairForces), EngineError> {
     scene.settled()?;
-    let options = scene.force_field();
+    let mut options = scene.force_field();
     let mixture = scene.mixture_of(species);
     let conditions = conditions(scene, cell, species.n_particles(), mixture.as_ref());
     let built = lennard_forcefield::build(&options, &conditions).map_err(|e| scene.misfit(&e))?;
+    room::is_there(scene, &cell, species.n_particles())?;
+    PlanarTail::check(scene, &cell)?;
+    options.kernel.precision = built.plan().precision;
     Ok((options, built))
 }
 
@@ -122,6 +126,7 @@ pub(crate) fn prepare_own_from(
     let cell = beginning.cell;
     let (options, provider) = forces(&scene, cell, &beginning.species)?;
     let mut remarks = pressure::foresee(&scene, &cell, n, provider.plan().skin)?;
+    remarks.extend(provider.plan().remark.clone());
     remarks.extend(remark_on_springs(&scene));
     remarks.extend(remark_on_damping(&scene));
     remarks.extend(scene.potential.remark_at(hottest(&scene)));

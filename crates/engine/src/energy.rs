@@ -72,10 +72,11 @@ pub struct Evaluated {
 /// [`EngineError`] for everything that is wrong with the scene.
 pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     let scene = &OwnParts::none().enter(scene.clone())?;
-    let (beginning, remarks) = crate::beginning::begin_with_remarks(scene)?;
+    let (beginning, mut remarks) = crate::beginning::begin_with_remarks(scene)?;
     let n = beginning.positions.len();
     let cell = beginning.cell;
     let (options, provider) = build::forces(scene, cell, &beginning.species)?;
+    remarks.extend(provider.plan().remark.clone());
     let has_velocities = beginning.velocities.is_some();
     let mixture = scene.mixture_of(&beginning.species);
     let (system, confinement) = Confinement::with_system(scene, &cell, beginning.species);

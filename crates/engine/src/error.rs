@@ -10,6 +10,7 @@ use crate::failure::PhysicsFailure;
 use crate::names::SCENE;
 use crate::plan::NodesError;
 use crate::ranks_error::RanksError;
+use crate::room::NoRoom;
 
 /// Why a run did not start or did not end.
 #[derive(Debug, thiserror::Error)]
@@ -35,6 +36,9 @@ pub enum EngineError {
     /// Several ranks cannot run together: exit code 2, and 1 where their machines differ on the way.
     #[error(transparent)]
     Ranks(#[from] RanksError),
+    /// The memory is not there: exit code 1.
+    #[error(transparent)]
+    Memory(#[from] NoRoom),
     /// A scene cannot be planned for so many machines: exit code 2.
     #[error(transparent)]
     Nodes(#[from] NodesError),
@@ -58,7 +62,7 @@ impl EngineError {
             | Self::Resume(_)
             | Self::Nodes(_) => 2,
             Self::Physics(_) => 3,
-            Self::Write(_) => 1,
+            Self::Write(_) | Self::Memory(_) => 1,
             Self::Ranks(error) => error.exit_code(),
         }
     }

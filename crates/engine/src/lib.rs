@@ -41,6 +41,7 @@ mod ranks_error;
 mod record;
 mod recorded;
 mod resume;
+mod room;
 mod run;
 mod saved;
 mod schedule;
@@ -82,11 +83,14 @@ pub use lammps::{LammpsExport, export_to_lammps};
 pub use moment::Moment;
 pub use overlaps::SMALLEST_START_DISTANCE;
 pub use own::OwnParts;
-pub use plan::{Network, Nodes, NodesError, OnNodes, Plan, PlanItem, plan, watching_seconds};
+pub use plan::{
+    Network, Nodes, NodesError, OnNodes, PATIENCE, Plan, PlanItem, plan, watching_seconds,
+};
 pub use ranks::run_beside;
 pub use ranks_error::RanksError;
 pub use recorded::responses_of_recorded;
 pub use resume::{ResumeOptions, Resumed, restored, restored_with, resume, resume_with, way_on};
+pub use room::NoRoom;
 pub use run::{Instantaneous, Outcome, Progress, RunOptions, go_on, run};
 pub use schedule::{Action, Observer, Operation, SET_ASIDE_EVERY, Schedule, Trigger};
 pub use separated::SEPARATED_REMARK;

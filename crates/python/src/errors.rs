@@ -2,7 +2,7 @@
 
 use lennard_engine::{EngineError, PhysicsFailure};
 use lennard_scene::SceneError;
-use pyo3::exceptions::{PyOSError, PyRuntimeError};
+use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -56,6 +56,7 @@ pub fn of_engine(error: EngineError, from_file: bool) -> PyErr {
         EngineError::Configuration(_) => with_message("ConfigurationError", &error),
         EngineError::Folder(_) => with_message("FolderError", &error),
         EngineError::Resume(_) => with_message("CheckpointError", &error),
+        EngineError::Memory(_) => PyMemoryError::new_err(error.to_string()),
         EngineError::Ranks(_) | EngineError::Nodes(_) => PyRuntimeError::new_err(error.to_string()),
     }
 }

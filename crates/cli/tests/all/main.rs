@@ -9,6 +9,7 @@ mod eos;
 mod export;
 mod faults;
 mod first_steps;
+mod limits;
 mod literature;
 mod messages;
 mod mixtures;
