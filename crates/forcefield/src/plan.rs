@@ -163,7 +163,7 @@ pub(crate) fn decide(
         (Search::Verlet, Loop::Cluster) => Precision::Mixed,
         _ => Precision::Double,
     };
-    let remark = too_wide.then(|| too_wide_for_mixed(widest));
+    let remark = too_wide.then(too_wide_for_mixed);
     let kernel = match (search, listed) {
         (Search::Nothing, _) => "none",
         (Search::Reference, _) => "reference",
@@ -228,10 +228,10 @@ pub(crate) fn interaction(
     Ok((model, Some(laws)))
 }
 
-/// Why pairs are in double precision in a box whose longest side is `widest` σ.
-fn too_wide_for_mixed(widest: f64) -> String {
+/// Why pairs are in double precision where mixed precision was asked for.
+fn too_wide_for_mixed() -> String {
     format!(
-        "mixed precision resolves positions up to {:.0} σ a side: in this box of {widest} σ, pairs are in double precision",
+        "mixed precision resolves positions up to {:.0} σ a side: pairs in this longer box are in double precision",
         Loop::Cluster.widest()
     )
 }
