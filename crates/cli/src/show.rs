@@ -88,7 +88,7 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
     println!(
         "  {}, dt = {} τ, {} steps in {}",
         scene.method_name(),
-        scene.integrator.dt,
+        lennard_core::number::short(scene.integrator.dt),
         scene.total_steps(),
         lennard_report::counted(scene.stages.len(), "stage")
     );

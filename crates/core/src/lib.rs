@@ -24,6 +24,7 @@ mod masses;
 mod method;
 mod molecules;
 mod normals;
+pub mod number;
 mod observable;
 pub mod options;
 pub mod parallel;

@@ -3,6 +3,8 @@
 //! [`options!`](crate::options!) declares a struct of options. From each of its fields come the key of the scene file, its default,
 //! the check of its range and its row in the reference. [`choices!`](crate::choices!) declares an enum of names.
 
+use crate::number::short;
+
 /// The most steps that a scene may ask for: at 10⁴ steps per second, three thousand years.
 pub const MOST_STEPS: i64 = 1_000_000_000_000_000;
 
@@ -82,15 +84,6 @@ impl Allowed {
 #[must_use]
 pub fn upper_bound(largest: f64) -> String {
     ((largest * 1e4).floor() / 1e4).to_string()
-}
-
-/// A number as a person writes it: `0.1`, `1000`, `1e-9`.
-fn short(x: f64) -> String {
-    if x == 0.0 || (1e-3..1e5).contains(&x.abs()) {
-        x.to_string()
-    } else {
-        format!("{x:e}")
-    }
 }
 
 /// Names in quotes, with commas between them.

@@ -1,5 +1,6 @@
 //! A run that physics stopped: what was found, and what probably caused it.
 
+use lennard_core::number::short;
 use lennard_core::{DVec3, ForceError, StepError};
 
 use crate::close_pairs::ClosePair;
@@ -109,7 +110,8 @@ impl std::fmt::Display for PhysicsFailure {
         } = self;
         write!(
             f,
-            "the run failed at step {step} (t = {time:.4} τ, stage `{stage}`, {method} with dt = {dt} τ): "
+            "the run failed at step {step} (t = {time:.4} τ, stage `{stage}`, {method} with dt = {} τ): ",
+            short(*dt)
         )?;
         match &self.symptom {
             Symptom::NonFinite(e) => write!(f, "{e}")?,
@@ -200,19 +202,19 @@ impl PhysicsFailure {
         if let Symptom::NonFinite(ForceError::BeyondWall { .. }) = self.symptom {
             return format!(
                 "the wall is too weak for a particle so fast, or dt = {} τ is too large: take a stiffer wall or a smaller dt",
-                self.dt
+                short(self.dt)
             );
         }
         if let Symptom::NonFinite(ForceError::ContactTooDeep { .. }) = self.symptom {
             return format!(
                 "the spring of the contact is too weak for bodies so fast or so heavy, or dt = {} τ is too large: take a larger `contact.stiffness`, a smaller `contact.compliance` or a smaller dt",
-                self.dt
+                short(self.dt)
             );
         }
         if let Symptom::NonFinite(ForceError::CutoffOverHalfBox { r_cut, .. }) = self.symptom {
             return format!(
                 "the barostat compresses the fluid: at this pressure so few particles do not fill a box of {} σ",
-                2.0 * r_cut
+                short(2.0 * r_cut)
             );
         }
         if let Symptom::NonFinite(ForceError::BoxTooWide { .. }) = self.symptom {
@@ -233,7 +235,7 @@ impl PhysicsFailure {
             });
             return format!(
                 "the temperature is T = {} ε/k_B, far above the critical 1.3: check `system.temperature` and the temperature of the stage{limit}",
-                self.temperature
+                short(self.temperature)
             );
         }
         let limit = self.dt_limit.filter(|limit| self.dt > 0.5 * limit);
@@ -246,7 +248,8 @@ impl PhysicsFailure {
         if let Some(limit) = limit {
             return format!(
                 "dt = {} τ is too large: {} is stable below about {limit:.3} τ here; use at most a quarter of it",
-                self.dt, self.method
+                short(self.dt),
+                self.method
             );
         }
         if self.steps_into_stage < 50 && self.closest.is_some_and(|p| p.in_own_units() < OVERLAP) {
@@ -254,7 +257,7 @@ impl PhysicsFailure {
         }
         format!(
             "dt = {} τ too large for this temperature, or a mistyped temperature or density; try half the dt first",
-            self.dt
+            short(self.dt)
         )
     }
 }

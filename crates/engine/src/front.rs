@@ -1,5 +1,6 @@
 //! Which phase of a crystal beside its liquid grows, by the order of bonds.
 
+use lennard_core::number::plus_minus;
 use lennard_core::{Average, Doubt, Estimate, Findings};
 use lennard_observables::statistics::drift;
 
@@ -90,8 +91,8 @@ impl Motion {
             return format!("{CRYSTAL_REMARK}neither phase is seen to grow: {shares}");
         };
         format!(
-            "{CRYSTAL_REMARK}{what}, and each front moves by {:.4} ± {:.4} σ/τ while both phases are there: {shares}",
-            self.velocity, self.error
+            "{CRYSTAL_REMARK}{what}, and each front moves by {} σ/τ while both phases are there: {shares}",
+            plus_minus(self.velocity, self.error)
         )
     }
 }

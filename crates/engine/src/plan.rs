@@ -3,6 +3,7 @@
 mod nodes;
 mod shares;
 
+use lennard_core::number::short;
 use lennard_core::{DVec3, Observable};
 use lennard_forcefield::{ForcePlan, Search};
 use lennard_scene::{Scene, Stage};
@@ -121,7 +122,7 @@ pub fn plan(
         program_bytes: PROGRAM_BYTES,
     };
     Ok(Plan {
-        schema: "lennard-plan-3",
+        schema: lennard_io::schema!("plan", 3),
         scene: scene.name.clone(),
         model: scene.model_name(),
         atoms: n,
@@ -263,7 +264,7 @@ fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [Plan
     let method = scene.method_name();
     let [pairs, integrator, energies] = [
         format!("every step, `{kernel}` loop, {isa} in {precision} precision"),
-        format!("{method}, dt = {} τ", scene.integrator.dt),
+        format!("{method}, dt = {} τ", short(scene.integrator.dt)),
         format!("on every {rows}th step, for thermo.csv and the averages; not between"),
     ];
     let wants_laplacian = simulation.thermodynamics().want().laplacian;

@@ -1,6 +1,7 @@
 //! What the equation of state foresees of a stage with a barostat, before its first step.
 
 use lennard_core::PeriodicBox;
+use lennard_core::number::short;
 use lennard_integrators::Coupling;
 use lennard_literature::{EquationOfState, Phase};
 use lennard_scene::{PressureControl, Scene, Stage, model_kind};
@@ -196,9 +197,9 @@ fn changes_phase(
     Some(format!(
         "stage `{}`: the vapor pressure at T = {} is {:.5} ε/σ³ by {}, and P = {}: {what}",
         stage.name,
-        stage.temperature,
+        short(stage.temperature),
         saturation.pressure,
         foreseen.equation.spec().name,
-        control.pressure
+        short(control.pressure)
     ))
 }

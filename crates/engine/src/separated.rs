@@ -1,5 +1,6 @@
 //! Whether the last state of a run has separated into vapor and liquid, though the scene names no surface.
 
+use lennard_core::number::particles;
 use lennard_observables::largest_density_wave;
 
 use crate::Simulation;
@@ -33,8 +34,9 @@ pub(crate) fn separated(simulation: &Simulation) -> Option<String> {
     (wave > allowed).then(|| {
         format!(
             "the density of the last state has a wave across the box of {:.0} % of its mean, where a homogeneous fluid of \
-             {molecules} molecules has less than {:.0} %",
+             {} has less than {:.0} %",
             100.0 * wave,
+            particles(state.len(), molecules),
             100.0 * allowed
         )
     })

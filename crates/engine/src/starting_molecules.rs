@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use lennard_core::number::short;
 use lennard_core::options::upper_bound;
 use lennard_core::{Bond, DVec3, PeriodicBox, Topology};
 use lennard_scene::{MoleculeKind, Scene};
@@ -176,8 +177,9 @@ pub(crate) fn remark_on_springs(scene: &Scene) -> Option<String> {
     let dt = steps.fold(0.0, f64::max);
     (omega * dt > LONG_STEP).then(|| {
         format!(
-            "dt = {dt} τ is long for the springs of the bonds: ω·dt = {:.2}, and their vibration is off by {:.0} %; \
+            "dt = {} τ is long for the springs of the bonds: ω·dt = {:.2}, and their vibration is off by {:.0} %; \
              at {:.2e} τ it is off by 1 %",
+            short(dt),
             omega * dt,
             100.0 * (omega * dt).powi(2) / 24.0,
             LONG_STEP / omega

@@ -1,6 +1,7 @@
 //! What a scene file may say about forces: potential, truncation, list and kernel.
 
 use lennard_core::Exclusions;
+use lennard_core::number::short;
 use lennard_core::options::{Keys, OptionError, Options};
 use serde::{Deserialize, Serialize};
 
@@ -121,7 +122,7 @@ impl TruncationOptions {
             Some(CutoffUnit::Pair) => "σ_ab",
             Some(CutoffUnit::Sigma) | None => "σ",
         };
-        format!("{length} {unit}")
+        format!("{} {unit}", short(length))
     }
 }
 

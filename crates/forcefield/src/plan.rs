@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use lennard_core::PeriodicBox;
+use lennard_core::number::short;
 use lennard_neighbor::skin::{SkinInputs, cheapest_skin};
 use serde::Serialize;
 
@@ -313,7 +314,7 @@ fn search(
         (_, Some(skin)) => Ok((
             Search::Verlet,
             skin,
-            format!("the scene fixes a skin of {skin} σ"),
+            format!("the scene fixes a skin of {} σ", short(skin)),
         )),
         (ListMode::Verlet, None) => Ok((
             Search::Verlet,

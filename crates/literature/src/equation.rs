@@ -77,7 +77,8 @@ impl EquationSpec {
 pub enum OutsideRange {
     /// Density or temperature is not a finite positive number.
     #[error(
-        "density and temperature must be finite positive numbers, found density {rho} and temperature {temperature}"
+        "density and temperature must be finite positive numbers, found density {} and temperature {}",
+        short(*rho), short(*temperature)
     )]
     NotAState {
         /// The density asked for.
@@ -86,7 +87,7 @@ pub enum OutsideRange {
         temperature: f64,
     },
     /// The temperature is outside.
-    #[error("{equation} covers temperatures from {} to {}, found {temperature}", short(*t_min), short(*t_max))]
+    #[error("{equation} covers temperatures from {} to {}, found {}", short(*t_min), short(*t_max), short(*temperature))]
     Temperature {
         /// Which equation.
         equation: String,
@@ -98,7 +99,7 @@ pub enum OutsideRange {
         temperature: f64,
     },
     /// The density is outside.
-    #[error("{equation} covers densities up to {}, found {rho}", short(*rho_max))]
+    #[error("{equation} covers densities up to {}, found {}", short(*rho_max), short(*rho))]
     Density {
         /// Which equation.
         equation: String,
@@ -109,7 +110,8 @@ pub enum OutsideRange {
     },
     /// The pressure is outside.
     #[error(
-        "{equation} covers pressures up to {}, and at density {rho} and temperature {temperature} it gives {pressure:.4}", short(*p_max)
+        "{equation} covers pressures up to {}, and at density {} and temperature {} it gives {pressure:.4}",
+        short(*p_max), short(*rho), short(*temperature)
     )]
     Pressure {
         /// Which equation.
@@ -125,9 +127,9 @@ pub enum OutsideRange {
     },
 }
 
-/// A limit in words, with six decimals at most.
-fn short(limit: f64) -> f64 {
-    (limit * 1e6).round() / 1e6
+/// A number with six decimals at most.
+fn short(number: f64) -> f64 {
+    (number * 1e6).round() / 1e6
 }
 
 /// An equation of state: gives the residual Helmholtz energy, from which all else follows.

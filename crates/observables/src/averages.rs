@@ -1,5 +1,6 @@
 //! From estimates to averages: what has an error, and what is said in its place.
 
+use lennard_core::number::significant;
 use lennard_core::{Average, Doubt, Estimate, Findings};
 
 use crate::statistics::{self, TRANSIENT_OF_MANY_ERRORS, Trend};
@@ -72,8 +73,8 @@ fn with_doubts(
 /// A trend of what a derived quantity is made of.
 fn fluctuations_change(trend: &Trend) -> String {
     format!(
-        "what it is made of still changes from the first to the last third ({:.0} standard errors)",
-        trend.errors
+        "what it is made of still changes from the first to the last third ({} standard errors)",
+        significant(trend.errors, 2)
     )
 }
 
@@ -135,37 +136,16 @@ pub(crate) fn changes(what: &str, trend: &Trend) -> String {
         "falls"
     };
     format!(
-        "{what} still {verb} from {} to {} (first and last third, {:.0} standard errors)",
-        short(trend.first),
-        short(trend.last),
-        trend.errors
+        "{what} still {verb} from {} to {} (first and last third, {} standard errors)",
+        significant(trend.first, 4),
+        significant(trend.last, 4),
+        significant(trend.errors, 2)
     )
-}
-
-/// Four significant digits, with a true minus.
-fn short(value: f64) -> String {
-    if value < 0.0 {
-        return format!("−{}", short(-value));
-    }
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    if value < 1e-4 {
-        return format!("{value:.3e}");
-    }
-    let decimals = (3.0 - value.log10().floor()).max(0.0) as usize;
-    format!("{value:.decimals$}")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_in_reasons_have_four_digits() {
-        let written = [1.82e-9, -0.0123456, 8.3, 12_345.6].map(short);
-        assert_eq!(written, ["1.820e-9", "−0.01235", "8.300", "12346"]);
-    }
 
     use crate::statistics::synthetic::Ar1;
 

@@ -273,12 +273,14 @@ impl Observable for Thermodynamics {
             averages,
             ..Findings::default()
         };
+        // Without a sample there is nothing to say of how it was taken.
+        let ensemble = self.ensemble.filter(|_| !rows.time.is_empty());
         if let Some(of_species) = &self.of_species {
             of_species.finish(discarded, &mut findings);
         }
         findings
             .remarks
-            .extend(self.ensemble.map(|e| e.remark(&self.context, self.n_dof)));
+            .extend(ensemble.map(|e| e.remark(&self.context, self.n_dof)));
         findings.remarks.extend(self.remark_on_responses());
         findings
             .tables

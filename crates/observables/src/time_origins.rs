@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use lennard_core::number::short;
 use lennard_core::{DVec3, Doubt, RestoreError, StateReader, StateWriter};
 
 use crate::ObservableError;
@@ -45,7 +46,8 @@ impl TimeOrigins {
                 "window",
                 window,
                 format!(
-                    "from 2 to {MOST_LAGS} sampling intervals of {interval} τ (change `window` or `every`)"
+                    "from 2 to {MOST_LAGS} sampling intervals of {} τ (change `window` or `every`)",
+                    short(interval)
                 ),
             ));
         }

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
+use lennard_core::number::{significant, superscript};
 use plotters::coord::ranged1d::{
     KeyPointHint, KeyPointWeight, NoDefaultFormatting, Ranged, ValueFormatter,
 };
 
 use crate::ReportError;
-use crate::number::{significant, superscript};
 
 /// Share of a linear range left free at each end.
 const LINEAR_MARGIN: f64 = 0.04;

@@ -1,12 +1,13 @@
 //! Horizontal bars: cost or speed of named things.
 
+use lennard_core::number::significant;
+
 use crate::axis::Span;
 use crate::canvas::{
     AFTER, BEFORE, BELOW, GREY, GRID, INK, Sheet, TEXT, WIDTH, color, drawing, font, ink,
     text_width,
 };
 use crate::legend::LEGEND_ROW;
-use crate::number::significant;
 use crate::{Axis, Dash, ReportError};
 
 /// Height of a bar, design units.

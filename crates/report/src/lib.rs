@@ -11,7 +11,6 @@ mod draw;
 mod escape;
 mod figure;
 mod legend;
-mod number;
 mod page;
 mod palette;
 mod particles;
@@ -22,7 +21,7 @@ pub use axis::{Axis, Scale};
 pub use bars::{BarFigure, BarSeries};
 pub use escape::{escape, inline_markup};
 pub use figure::{FailedPoint, Figure, Guide, Look, Point, Series};
-pub use number::{
+pub use lennard_core::number::{
     counted, particles, percent, plain_or_scientific, plus_minus, signed, significant, with_error,
 };
 pub use page::{Block, Page, Section};

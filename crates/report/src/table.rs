@@ -1,9 +1,9 @@
 //! Tables for readers: on a page, or as texts for a terminal.
 
+use lennard_core::number::{plain_or_scientific, plus_minus, significant, with_error};
 use lennard_core::{Cell, Column, Table, Tone, Value};
 
 use crate::escape::{inline_markup, made_by};
-use crate::number::{plain_or_scientific, plus_minus, significant, with_error};
 
 /// Characters from which a text counts as long.
 const LONG_TEXT: usize = 32;

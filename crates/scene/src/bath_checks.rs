@@ -1,5 +1,6 @@
 //! What must hold between the baths of a stage, its step and what is measured.
 
+use lennard_core::number::short;
 use lennard_integrators::thermostats;
 
 use crate::reference::quoted;
@@ -120,7 +121,8 @@ fn is_slow_enough(
             scene.stage_dt(stage)
         ))
         .allowed(format!(
-            "at least {FEWEST_INTERVALS}·interval·dt = {shortest} τ, or a smaller `interval`"
+            "at least {FEWEST_INTERVALS}·interval·dt = {} τ, or a smaller `interval`",
+            short(shortest)
         )))
 }
 

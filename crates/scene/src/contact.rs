@@ -1,6 +1,7 @@
 //! The table `[contact]`: bodies that touch, and what must hold of them.
 
 use lennard_contacts::{Bodies, ContactOptions, Contacts, Response};
+use lennard_core::number::short;
 use lennard_core::options::upper_bound;
 use lennard_core::{Bonds, Integrator, PeriodicBox, SpeciesTable};
 use lennard_forcefield::{HitRule, Walls};
@@ -196,8 +197,9 @@ fn springs_are_stable(scene: &Scene, table: &ContactTable) -> Result<(), SceneEr
         .source
         .refuse("contact.stiffness", "is too stiff for the step")
         .found(format!(
-            "ω·dt = {:.3} with ω = √(2k/m) = {omega:.3} per τ and dt = {dt}",
-            omega * dt
+            "ω·dt = {:.3} with ω = √(2k/m) = {omega:.3} per τ and dt = {}",
+            omega * dt,
+            short(dt)
         ))
         .allowed(format!(
             "a stiffness below {:.4e} ε/σ²; bodies in a row vibrate up to √2 times as fast",

@@ -1,5 +1,6 @@
 //! What starts with two phases have in common: densities that are not written, and the box.
 
+use lennard_core::number::short;
 use lennard_core::{DVec3, PeriodicBox};
 
 use crate::Scene;
@@ -39,7 +40,11 @@ impl Scene {
         PeriodicBox::new(sides).map_err(|_| {
             self.source
                 .refuse(table, "makes an impossible box")
-                .found(format!("sides of {} and {} σ", sides.x, sides.z))
+                .found(format!(
+                    "sides of {} and {} σ",
+                    short(sides.x),
+                    short(sides.z)
+                ))
                 .allowed("finite sides above 0")
         })
     }

@@ -1,6 +1,7 @@
 //! The table `[slab]`: a start with liquid in the middle of the box and vapor on both sides.
 
 use lennard_core::DVec3;
+use lennard_core::number::short;
 use lennard_literature::{ModelKind, TwoPhaseSource};
 
 use crate::error::SceneError;
@@ -128,8 +129,9 @@ impl Reader<'_> {
                 .refuse("slab.thickness", "leaves no room for vapor")
                 .found(thickness)
                 .allowed(format!(
-                    "{} σ below the length of the box, {length} σ",
-                    Slab::LEAST_VAPOR
+                    "{} σ below the length of the box, {} σ",
+                    Slab::LEAST_VAPOR,
+                    short(length)
                 )));
         }
         Ok(Slab {

@@ -1,5 +1,6 @@
 //! The tables `[[wall]]` and `[field]`: what confines a fluid, and what must hold of it.
 
+use lennard_core::number::short;
 use lennard_core::random::Streams;
 use lennard_core::{Axis, DVec3, Integrator, Masses, PeriodicBox};
 use lennard_forcefield::{
@@ -303,8 +304,9 @@ fn springs_are_stable(scene: &Scene, i: usize, table: &WallTable) -> Result<(), 
         .source
         .refuse(&format!("wall.{i}.stiffness"), "is too stiff for the step")
         .found(format!(
-            "ω·dt = {:.3} with ω = √(k/m) = {omega:.3} per τ and dt = {dt}",
-            omega * dt
+            "ω·dt = {:.3} with ω = √(k/m) = {omega:.3} per τ and dt = {}",
+            omega * dt,
+            short(dt)
         ))
         .allowed(format!(
             "a stiffness below {:.4e} ε/σ²; hits keep their energy to 10⁻⁴ below {:.4e} ε/σ²",

@@ -114,11 +114,9 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         }
         Ok(equation) if !state.is_single_stable_phase() => {
             remarks.push(format!(
-                "by {} the state ρ = {:.4}, {} = {:.4} is {}: nothing is judged by it",
+                "by {} the state {} is {}: nothing is judged by it",
                 equation.spec().name,
-                state.density,
-                state.temperature_words(),
-                state.temperature,
+                state.in_numbers(),
                 state.words
             ));
             Some(state.words.clone())

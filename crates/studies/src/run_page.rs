@@ -53,11 +53,9 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
     let is_fluid = !compared.is_of_few_bodies();
     let state = match is_fluid {
         true => format!(
-            ": {} at ρ = {:.4}, {} = {:.4}",
+            ": {} at {}",
             compared.state.words,
-            compared.state.density,
-            compared.state.temperature_words(),
-            compared.state.temperature,
+            compared.state.in_numbers()
         ),
         false => String::new(),
     };

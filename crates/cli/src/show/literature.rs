@@ -72,12 +72,10 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
 pub fn compared(run: &ComparedRun, verbose: bool) {
     println!("{}", console::style(&run.run).bold());
     println!(
-        "  {}, {} measured steps, ρ = {:.4}, {} = {:.4}: {}",
+        "  {}, {} measured steps, {}: {}",
         lennard_report::particles(run.atoms as usize, run.molecules as usize),
         run.measured_steps,
-        run.state.density,
-        run.state.temperature_words(),
-        run.state.temperature,
+        run.state.in_numbers(),
         run.state.words
     );
     println!("{}", quantities(run, verbose));
@@ -193,10 +191,8 @@ pub(super) fn below_quantities(run: &ComparedRun, verbose: bool) {
     };
     if let Some(equation) = run.equation.as_ref().filter(judged_by) {
         note(&format!(
-            "reference: {equation}, at ρ = {:.4} and {} = {:.4}, for {}",
-            run.state.density,
-            run.state.temperature_words(),
-            run.state.temperature,
+            "reference: {equation}, at {}, for {}",
+            run.state.in_numbers(),
             lennard_report::particles(run.atoms as usize, run.molecules as usize)
         ));
     }

@@ -1,5 +1,6 @@
 //! Settings for an accuracy, as a person reads them.
 
+use lennard_core::number::UNKNOWN;
 use lennard_core::{Cell, Table};
 use lennard_studies::lab::Cost;
 use lennard_studies::tune::Tuning;
@@ -86,8 +87,9 @@ pub fn tuning(tuning: &Tuning) {
 
 /// `+1.2e-4 ± 3.0e-5`, in powers of ten: errors are small.
 fn with_error(mean: f64, error: f64) -> String {
-    if error == 0.0 {
-        return format!("{mean:+.1e}");
+    match (mean.is_finite(), error.is_finite() && error != 0.0) {
+        (false, _) => UNKNOWN.into(),
+        (true, false) => format!("{mean:+.1e}"),
+        (true, true) => format!("{mean:+.1e} ± {error:.0e}"),
     }
-    format!("{mean:+.1e} ± {error:.0e}")
 }

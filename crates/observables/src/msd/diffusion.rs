@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use lennard_core::number::short;
 use lennard_core::{Doubt, Findings};
 
 use super::{MeanSquareDisplacement, YEH_HUMMER_XI};
@@ -64,7 +65,8 @@ impl MeanSquareDisplacement {
                 add("diffusion_coefficient", uncorrected + correction);
                 add("diffusion_coefficient_uncorrected", uncorrected);
                 format!(
-                    "diffusion_coefficient{suffix} is corrected for finite size after Yeh and Hummer: +{correction:.6} σ²/τ with viscosity {viscosity} ε τ/σ³, whose own error is not counted"
+                    "diffusion_coefficient{suffix} is corrected for finite size after Yeh and Hummer: +{correction:.6} σ²/τ with viscosity {} ε τ/σ³, whose own error is not counted",
+                    short(viscosity)
                 )
             }
             (Some(_), None) => {

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use lennard_core::Doubt;
+use lennard_core::number::{plus_minus, short, significant};
 
 use super::Thermodynamics;
 use crate::averages::changes;
@@ -111,13 +112,18 @@ impl Thermodynamics {
             &rows.temperature
         };
         let found = statistics::estimate_after(column, cut);
+        // Without an error nothing is known of how far off the mean is: the run is too short, not out of equilibrium.
+        if !found.standard_error.is_finite() {
+            return None;
+        }
         let off = (found.mean - bath.temperature).abs();
         let allowed = (HeldTemperature::ERRORS * found.standard_error)
             .max(HeldTemperature::PART * bath.temperature);
         (off > allowed).then(|| {
             Doubt::NotInEquilibrium(format!(
-                "T is {:.4} ± {:.4} where its bath has {}",
-                found.mean, found.standard_error, bath.temperature
+                "T is {} where its bath has {}",
+                plus_minus(found.mean, found.standard_error),
+                short(bath.temperature)
             ))
         })
     }
@@ -137,7 +143,7 @@ impl Thermodynamics {
         few.then(|| Doubt::TooShort {
             why: format!(
                 "a particle collides {} times where {FEWEST_COLLISIONS} are needed",
-                few_words(collisions)
+                significant(collisions, 2)
             ),
             longer: FEWEST_COLLISIONS / collisions,
         })
@@ -148,18 +154,10 @@ impl Thermodynamics {
         (times < FEWEST_RELAXATIONS).then(|| Doubt::TooShort {
             why: format!(
                 "{} relaxation times of its bath where {FEWEST_RELAXATIONS} are needed",
-                few_words(times)
+                significant(times, 2)
             ),
             longer: FEWEST_RELAXATIONS / times,
         })
-    }
-}
-
-fn few_words(number: f64) -> String {
-    if number < 9.5 {
-        format!("{number:.1}")
-    } else {
-        format!("{number:.0}")
     }
 }
 
@@ -211,6 +209,22 @@ mod tests {
             why.starts_with("T is ") && why.ends_with("where its bath has 1.02"),
             "{why}"
         );
+    }
+
+    #[test]
+    fn a_mean_without_an_error_is_not_said_to_miss_its_bath() {
+        for samples in 1..4 {
+            let mut run = run(5.0, samples);
+            run.set_bath(Some(HeldTemperature {
+                temperature: 2.0,
+                half_steps: false,
+                relaxation: 0.5,
+            }));
+            let Some(Doubt::TooShort { why, .. }) = run.equilibrium().doubt else {
+                panic!("{:?}", run.equilibrium().doubt)
+            };
+            assert!(!why.contains("NaN"), "{why}");
+        }
     }
 
     #[test]

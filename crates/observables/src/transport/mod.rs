@@ -11,6 +11,8 @@ pub use conductivity::{ThermalConductivity, ThermalConductivityOptions};
 pub use mutual_diffusion::{MutualDiffusion, MutualDiffusionOptions};
 pub use viscosity::{ShearViscosity, ShearViscosityOptions};
 
+use lennard_core::number::short;
+
 use crate::error::positive;
 use crate::{BuildContext, ObservableError};
 
@@ -30,7 +32,8 @@ fn checked_interval(window: f64, context: &BuildContext) -> Result<f64, Observab
             "window",
             window,
             format!(
-                "at least {FEWEST_LAGS} sampling intervals of {interval} τ (change `window` or `every`)"
+                "at least {FEWEST_LAGS} sampling intervals of {} τ (change `window` or `every`)",
+                short(interval)
             ),
         ));
     }

@@ -25,8 +25,12 @@ impl StateOfMatter {
     /// A state by density (σ⁻³) and temperature (ε/k_B).
     #[must_use]
     pub fn new(density: f64, temperature: f64, equation: Option<&dyn EquationOfState>) -> Self {
-        let phase = equation.map(|e| e.phase(density, temperature));
+        let is_known = temperature.is_finite();
+        let phase = equation
+            .filter(|_| is_known)
+            .map(|e| e.phase(density, temperature));
         let words = match phase {
+            None if !is_known => "unknown: no temperature was sampled".into(),
             None => "unknown: there is no equation of state for this model".into(),
             Some(Phase::OutsideRange) => equation
                 .and_then(|e| e.check(density, temperature).err())
@@ -55,14 +59,18 @@ impl StateOfMatter {
         }
     }
 
-    /// Which temperature it is, in words.
+    /// Density and temperature, with which temperature it is: `ρ = 0.8000, T, half steps = 1.0012`.
     #[must_use]
-    pub fn temperature_words(&self) -> &'static str {
-        if self.half_steps {
-            "T, half steps"
-        } else {
-            "T, whole steps"
-        }
+    pub fn in_numbers(&self) -> String {
+        let steps = match self.half_steps {
+            true => "half steps",
+            false => "whole steps",
+        };
+        let temperature = match self.temperature.is_finite() {
+            true => format!("T, {steps} = {:.4}", self.temperature),
+            false => "no T".to_owned(),
+        };
+        format!("ρ = {:.4}, {temperature}", self.density)
     }
 
     /// Whether a run there may be judged by the equation of state.

@@ -1,5 +1,6 @@
 //! What is said about a choice: what cannot be met, what is spent below the noise, what was judged by what.
 
+use lennard_core::number::{short, signed, significant};
 use lennard_scene::{Accuracy, Judged, Scene, SceneError};
 
 use super::choose::{Candidate, Choice, Freedom, choose};
@@ -204,7 +205,13 @@ pub(super) fn relaxed(accuracy: &Accuracy, planned: [f64; 2]) -> Accuracy {
 
 /// How the chosen settings stand beside an equation of state, or why they do not.
 pub(super) fn beside_equation(scene: &Scene, runs: &Runs) -> String {
-    let value = |v: &Value| format!("{:+.4} ± {:.4}", v.mean, v.standard_error);
+    let value = |v: &Value| {
+        format!(
+            "{} ± {}",
+            signed(v.mean, 2),
+            significant(v.standard_error, 1)
+        )
+    };
     match &runs.against_equation {
         Some((source, u, p)) => {
             let said = format!("beside {source}: U {}, P {}", value(u), value(p));
@@ -261,8 +268,8 @@ fn modes(scene: &Scene, sample: &Sample) -> Vec<String> {
         let masses = pair.species.map(|a| species.species(a).mass);
         notes.push(format!(
             "the fastest pair is {a}–{b} (σ {}, ε {}, masses {} and {}): ω·dt = 2 near dt {}",
-            size.sigma,
-            size.epsilon,
+            short(size.sigma),
+            short(size.epsilon),
             masses[0],
             masses[1],
             digits(pair.stable_dt)

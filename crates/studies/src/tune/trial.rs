@@ -324,8 +324,8 @@ fn miss(key: &str, target: f64, error: &Value) -> Option<String> {
 
 fn off(key: &str, error: &Value) -> String {
     format!(
-        "{key} off by {:+.1e} ± {:.0e}",
-        error.mean, error.standard_error
+        "{key} off by {}",
+        lennard_report::plus_minus(error.mean, error.standard_error)
     )
 }
 

@@ -6,6 +6,7 @@ use crate::options::TruncationOptions;
 use crate::pair::smoothstep::{Smoothstep, weighted};
 use crate::pair::{Constants, Pair, PairForm, PairPotential};
 use crate::real::Real;
+use lennard_core::number::short;
 
 pub(super) const SPEC: TruncationSpec = TruncationSpec {
     name: "switch",
@@ -27,7 +28,7 @@ pub(super) fn begins(options: &TruncationOptions) -> f64 {
 pub(super) fn in_words(options: &TruncationOptions) -> String {
     format!(
         "switched off from {} to {}",
-        begins(options),
+        short(begins(options)),
         options.length_in_words(options.r_cut)
     )
 }

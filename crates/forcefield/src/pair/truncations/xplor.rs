@@ -6,6 +6,7 @@ use crate::options::TruncationOptions;
 use crate::pair::smoothstep::{Smoothstep, weighted};
 use crate::pair::{Constants, Pair, PairForm, PairPotential};
 use crate::real::Real;
+use lennard_core::number::short;
 
 pub(super) const SPEC: TruncationSpec = TruncationSpec {
     name: "xplor",
@@ -19,7 +20,7 @@ pub(super) const SPEC: TruncationSpec = TruncationSpec {
 pub(super) fn in_words(options: &TruncationOptions) -> String {
     format!(
         "switched off (xplor) from {} to {}",
-        switch::begins(options),
+        short(switch::begins(options)),
         options.length_in_words(options.r_cut)
     )
 }

@@ -1,7 +1,13 @@
-//! Numbers as people read them.
+//! Numbers as people read them, in tables, figures, messages and remarks alike.
+//!
+//! No function here writes a number that is not finite, or more digits than say something: [`UNKNOWN`] stands in its place.
+
+/// What stands where there is no finite number.
+pub const UNKNOWN: &str = "–";
 
 /// An exponent in superscript digits.
-pub(crate) fn superscript(n: i32) -> String {
+#[must_use]
+pub fn superscript(n: i32) -> String {
     n.to_string()
         .chars()
         .map(|c| match c {
@@ -17,14 +23,11 @@ pub(crate) fn superscript(n: i32) -> String {
 
 /// A number with so many significant digits, as `1.25·10⁻⁷` or plain between 10⁻³ and 10⁵.
 ///
-/// Not-a-number and the infinities are written as words.
+/// [`UNKNOWN`] for a number that is not finite.
 #[must_use]
 pub fn significant(value: f64, digits: usize) -> String {
-    if value.is_nan() {
-        return "not a number".into();
-    }
-    if value.is_infinite() {
-        return if value > 0.0 { "∞" } else { "−∞" }.into();
+    if !value.is_finite() {
+        return UNKNOWN.into();
     }
     if value == 0.0 {
         return "0".into();
@@ -47,10 +50,25 @@ pub fn significant(value: f64, digits: usize) -> String {
 #[must_use]
 pub fn signed(value: f64, digits: usize) -> String {
     let text = significant(value, digits);
-    if value > 0.0 {
+    if value.is_finite() && value > 0.0 {
         format!("+{text}")
     } else {
         text
+    }
+}
+
+/// A number as a person writes it, with six digits at most: `0.1`, `1000`, `1e-9`.
+#[must_use]
+pub fn short(value: f64) -> String {
+    if !value.is_finite() {
+        return UNKNOWN.into();
+    }
+    // The shortest text of the nearest number that six digits can hold.
+    let rounded = format!("{value:.5e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-3..1e5).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
     }
 }
 
@@ -67,6 +85,9 @@ pub fn plain_or_scientific(value: f64) -> String {
 /// A part of a whole: `12.3 %`.
 #[must_use]
 pub fn percent(part: f64) -> String {
+    if !part.is_finite() {
+        return UNKNOWN.into();
+    }
     format!("{:.1} %", 100.0 * part)
 }
 
@@ -134,7 +155,7 @@ fn fixed(value: f64, decimals: usize) -> String {
 /// where it has no error.
 #[must_use]
 pub fn plus_minus(value: f64, error: f64) -> String {
-    if !error.is_finite() {
+    if !(value.is_finite() && error.is_finite()) {
         return significant(value, 5);
     }
     if error <= 0.0 {
@@ -158,9 +179,28 @@ mod tests {
         assert_eq!(significant(-1.25e-7, 3), "−1.25·10⁻⁷");
         assert_eq!(significant(119.760_479, 6), "119.760");
         assert_eq!(significant(123_456.0, 3), "1.23·10⁵");
-        assert_eq!(significant(f64::NAN, 3), "not a number");
+        assert_eq!(short(2.117_467_066_384_583_6), "2.11747");
+        assert_eq!(
+            [0.0, 0.1, 1000.0, 1e-9, -2.5e7].map(short),
+            ["0", "0.1", "1000", "1e-9", "-2.5e7"]
+        );
         assert_eq!(plain_or_scientific(-864.0), "−864");
         assert_eq!(superscript(-1_234_567_890), "⁻¹²³⁴⁵⁶⁷⁸⁹⁰");
+    }
+
+    #[test]
+    fn no_function_writes_a_number_that_is_not_finite() {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(significant(bad, 3), UNKNOWN);
+            assert_eq!(signed(bad, 3), UNKNOWN);
+            assert_eq!(plain_or_scientific(bad), UNKNOWN);
+            assert_eq!(percent(bad), UNKNOWN);
+            assert_eq!(short(bad), UNKNOWN);
+            assert_eq!(with_error(bad, 0.1), UNKNOWN);
+            assert_eq!(plus_minus(bad, 0.1), UNKNOWN);
+            assert_eq!(with_error(0.5599, bad), "0.559900");
+            assert_eq!(plus_minus(0.5599, bad), "0.55990");
+        }
     }
 
     #[test]
