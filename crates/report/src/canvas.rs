@@ -227,6 +227,14 @@ impl<'a> Sheet<'a> {
                 .draw(&Circle::new(fine(at), size, style))
                 .map_err(|e| self.failed(e))
         };
+        const UPRIGHT: [(f64, f64); 3] = [(0.0, -1.15), (1.0, 0.7), (-1.0, 0.7)];
+        const ON_ITS_TIP: [(f64, f64); 3] = [(0.0, 1.15), (1.0, -0.7), (-1.0, -0.7)];
+        const DIAMOND: [(f64, f64); 4] = [(0.0, -1.25), (1.0, 0.0), (0.0, 1.25), (-1.0, 0.0)];
+        let ring = |corners: &[(f64, f64)]| {
+            let mut corners = around(corners);
+            corners.extend(corners.first().copied());
+            self.line(&corners, Dash::Solid, color, 1.6)
+        };
         match symbol {
             Symbol::Disc => circle(color.filled()),
             Symbol::Ring => circle(stroke(color, 1.6)),
@@ -235,9 +243,12 @@ impl<'a> Sheet<'a> {
                 let corners = around(&[(-0.9, -0.9), (0.9, 0.9)]);
                 self.outline(corners[0], corners[1], color, 1.6)
             }
-            Symbol::Triangle => fill(&[(0.0, -1.15), (1.0, 0.7), (-1.0, 0.7)]),
-            Symbol::Wedge => fill(&[(0.0, 1.15), (1.0, -0.7), (-1.0, -0.7)]),
-            Symbol::Diamond => fill(&[(0.0, -1.25), (1.0, 0.0), (0.0, 1.25), (-1.0, 0.0)]),
+            Symbol::Triangle => fill(&UPRIGHT),
+            Symbol::Wedge => fill(&ON_ITS_TIP),
+            Symbol::Diamond => fill(&DIAMOND),
+            Symbol::OpenTriangle => ring(&UPRIGHT),
+            Symbol::OpenWedge => ring(&ON_ITS_TIP),
+            Symbol::OpenDiamond => ring(&DIAMOND),
             Symbol::Plus => {
                 for ends in [[(-1.1, 0.0), (1.1, 0.0)], [(0.0, -1.1), (0.0, 1.1)]] {
                     self.line(&around(&ends), Dash::Solid, color, 2.0)?;

@@ -274,7 +274,10 @@ fn draw_point(
     symbol: Symbol,
     color_index: usize,
 ) -> Result<(), ReportError> {
-    let paint = color(color_index);
+    let (paint, symbol) = match point.is_no_result() {
+        true => (GREY, symbol.open()),
+        false => (color(color_index), symbol),
+    };
     let Some(fx) = frame
         .x
         .fraction(point.x)

@@ -9,7 +9,8 @@ pub struct Point {
     pub x: f64,
     /// Ordinate; a value that is not finite breaks the line.
     pub y: f64,
-    /// Standard error of `y`, drawn as a bar of ± that length.
+    /// Standard error of `y`, drawn as a bar of ± that length. An error that is not finite is not known: the point is then
+    /// no result, and its mark is open and grey. `None` for a number without a statistical error.
     pub error: Option<f64>,
     /// What a reader sees who points at it.
     pub note: Option<String>,
@@ -19,6 +20,14 @@ pub struct Point {
     pub x_range: Option<(f64, f64)>,
     /// A word or a number written beside it.
     pub label: Option<String>,
+}
+
+impl Point {
+    /// Whether the value has an error that is not known, so that it is no result.
+    #[must_use]
+    pub fn is_no_result(&self) -> bool {
+        self.error.is_some_and(|error| !error.is_finite())
+    }
 }
 
 impl From<(f64, f64)> for Point {

@@ -44,10 +44,29 @@ pub enum Symbol {
     Diamond,
     /// An upright cross.
     Plus,
+    /// An open triangle, upright.
+    OpenTriangle,
+    /// An open triangle on its tip.
+    OpenWedge,
+    /// An open diamond.
+    OpenDiamond,
 }
 
 impl Symbol {
-    /// All symbols, in the order in which series take them.
+    /// The open form of a filled symbol.
+    #[must_use]
+    pub fn open(self) -> Self {
+        match self {
+            Self::Disc => Self::Ring,
+            Self::Square => Self::Frame,
+            Self::Triangle => Self::OpenTriangle,
+            Self::Wedge => Self::OpenWedge,
+            Self::Diamond => Self::OpenDiamond,
+            open => open,
+        }
+    }
+
+    /// The symbols in the order in which series take them.
     pub const ALL: [Self; 8] = [
         Self::Disc,
         Self::Frame,

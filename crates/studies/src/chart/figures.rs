@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use lennard_forcefield::{Precision, TruncationKind};
 use lennard_report::{
-    Dash, FailedPoint, Figure, Guide, Look, Picture, Point, Series, Symbol, significant,
+    Dash, FailedPoint, Figure, Guide, Look, Picture, Point, Series, Symbol, plus_minus, significant,
 };
 
 use super::panels::{Axis, Mark, Panel};
@@ -178,9 +178,7 @@ fn label(point: &ChartedPoint, mark: &Mark, axis: Axis) -> Option<String> {
 /// The note that appears when a reader points at a mark.
 fn note(chart: &Chart, mark: &Mark) -> String {
     let value = match (mark.error, mark.standard_error, &mark.failure) {
-        (Some(e), Some(se), _) => {
-            format!("error {} ± {}", significant(e, 3), significant(se, 2))
-        }
+        (Some(e), Some(se), _) => format!("error {}", plus_minus(e, se)),
         (Some(e), None, _) => format!("error {}", significant(e, 3)),
         (None, _, Some(why)) => format!("failed: {why}"),
         (None, _, None) => "no value".into(),

@@ -35,7 +35,7 @@ pub struct Mark {
     pub pair_forces: f64,
     /// The error with its sign; absent where the run failed.
     pub error: Option<f64>,
-    /// Its standard error, where it is statistical.
+    /// Its standard error, where it is statistical; not a number where the run was too short to know it.
     pub standard_error: Option<f64>,
     /// Why there is no error.
     pub failure: Option<String>,
@@ -112,7 +112,7 @@ fn panel(bench: &Workbench, chart: &Chart, kind: &Kind) -> Panel {
                 wall_range: spread,
                 pair_forces,
                 error,
-                standard_error: standard_error.filter(|e| e.is_finite()),
+                standard_error,
                 failure,
                 on_wall_front: false,
                 on_forces_front: false,
@@ -182,12 +182,13 @@ fn cost(bench: &Workbench, chart: &Chart, point: &ChartedPoint) -> Option<(f64, 
 }
 
 /// Those that nothing cheaper, or equally cheap, equals in error, up to a twentieth. Errors below the floor count as the floor: chance has
-/// no place on the front.
+/// no place on the front. An error that is not known has none either.
 fn front(marks: &[Mark], axis: Axis, floor: f64) -> Vec<usize> {
     let size = |m: &Mark| m.error.map(|e| e.abs().max(floor));
-    let mut order: Vec<usize> = (0..marks.len())
-        .filter(|i| marks[*i].error.is_some_and(f64::is_finite))
-        .collect();
+    let is_result = |m: &Mark| {
+        m.error.is_some_and(f64::is_finite) && m.standard_error.is_none_or(f64::is_finite)
+    };
+    let mut order: Vec<usize> = (0..marks.len()).filter(|i| is_result(&marks[*i])).collect();
     order.sort_by(|a, b| {
         let (a, b) = (&marks[*a], &marks[*b]);
         a.cost(axis).total_cmp(&b.cost(axis)).then(

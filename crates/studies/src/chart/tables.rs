@@ -114,7 +114,9 @@ pub(super) fn panel(chart: &Chart, panel: &Panel) -> Table {
         })
         .column("pair forces per atom and tau", |m| m.pair_forces)
         .column(panel.label, |m| m.error)
-        .column("standard error", |m| m.standard_error)
+        .column("standard error", |m| {
+            m.standard_error.filter(|e| e.is_finite())
+        })
         .column("on the front by wall time", |m| m.on_wall_front)
         .column("on the front by pair forces", |m| m.on_forces_front)
         .column("failure", |m| m.failure.as_deref().unwrap_or_default())
@@ -145,7 +147,7 @@ pub(super) struct PanelJson<'a> {
 /// A panel as a document of its own.
 pub(super) fn panel_json<'a>(chart: &'a Chart, panel: &'a Panel) -> PanelJson<'a> {
     PanelJson {
-        schema: "lennard-chart-panel/1",
+        schema: lennard_io::schema!("chart-panel", 1),
         scene: &chart.scene,
         panel,
         settings: panel

@@ -1,5 +1,6 @@
 //! The phase diagram of the model that was run, with the run in it.
 
+use lennard_io::AverageRecord;
 use lennard_literature::{
     EquationOfState, FreezingLine, KnownPoint, Saturation, equation_of_state_for, freezing_line,
     freezing_lines, known_points,
@@ -172,22 +173,25 @@ impl Lines {
             }));
         }
         let figure = self.points_of_others(figure, |p| Some((p.density?, p.temperature)));
-        let error = run
-            .temperature()
-            .filter(|t| t.is_sound())
-            .map(|t| t.standard_error);
-        let phases = ["vapor_density", "liquid_density"].map(|name| run.average(name));
-        let densities = match phases {
-            [Some(vapor), Some(liquid)] => vec![vapor.mean, liquid.mean],
-            _ => vec![state.density],
+        let error = run.temperature().map_or(f64::NAN, |t| t.standard_error);
+        let with_error = |a: &AverageRecord| (a.mean, a.standard_error);
+        let densities = match ["vapor_density", "liquid_density"].map(|name| run.average(name)) {
+            [Some(vapor), Some(liquid)] => [vapor, liquid].map(with_error).to_vec(),
+            // The density of a box that does not change is exact.
+            _ => vec![
+                run.average("density")
+                    .map_or((state.density, 0.0), with_error),
+            ],
         };
-        let here: Vec<Point> = densities
-            .into_iter()
-            .map(|density| Point {
-                error,
-                ..Point::from((density, state.temperature))
-            })
-            .collect();
+        let here = densities.into_iter().map(|(density, of_density)| Point {
+            // Without an error of either, the point is no result.
+            error: Some(if of_density.is_finite() {
+                error
+            } else {
+                f64::NAN
+            }),
+            ..Point::from((density, state.temperature))
+        });
         let figure = figure.with(Series::new(
             "this run",
             Look::Points(Symbol::Square),

@@ -55,11 +55,12 @@ pub(super) fn picture(record: &SweepRecord) -> Option<Picture> {
             .iter()
             .filter_map(|p| {
                 let mean = p.mean(QUANTITY)?;
-                Some((p.temperature()?, mean.value, mean.error?, *p))
+                Some((p.temperature()?, mean.value, mean.error, *p))
             })
             .filter(|(_, d, ..)| *d > 0.0)
             .collect();
-        let plain: Vec<(f64, f64, f64)> = measured.iter().map(|m| (m.0, m.1, m.2)).collect();
+        let results = measured.iter().filter(|m| m.2.is_finite());
+        let plain: Vec<(f64, f64, f64)> = results.map(|m| (m.0, m.1, m.2)).collect();
         let Some(fit) = Arrhenius::through(&plain) else {
             continue;
         };

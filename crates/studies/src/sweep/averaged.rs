@@ -19,8 +19,8 @@ pub(super) struct Averaged<'a> {
 pub(super) struct Mean {
     /// The mean.
     pub value: f64,
-    /// Its standard error; `None` where a run gives none.
-    pub error: Option<f64>,
+    /// Its standard error; not a number where no run gives one, so that the mean is no result.
+    pub error: f64,
 }
 
 /// The points of a sweep, seeds together, in the order of the sweep.
@@ -59,7 +59,7 @@ impl Averaged<'_> {
             let values: Vec<f64> = rows().map(|r| r.measured).collect();
             return (!values.is_empty()).then(|| Mean {
                 value: values.iter().sum::<f64>() / values.len() as f64,
-                error: None,
+                error: f64::NAN,
             });
         }
         Some(mean_of(&sound))
@@ -102,10 +102,7 @@ fn mean_of(sound: &[[f64; 2]]) -> Mean {
     } else {
         printed
     };
-    Mean {
-        value,
-        error: Some(error),
-    }
+    Mean { value, error }
 }
 
 #[cfg(test)]
@@ -116,12 +113,12 @@ mod tests {
     fn the_error_of_seeds_is_the_printed_one_or_their_scatter_where_it_is_larger() {
         let two = mean_of(&[[1.0, 0.3], [2.0, 0.4]]);
         assert_eq!(two.value, 1.5);
-        assert!((two.error.unwrap() - 0.25).abs() < 1e-15);
+        assert!((two.error - 0.25).abs() < 1e-15);
         // Four seeds scatter by far more than they print.
         let four = mean_of(&[[0.0, 0.1], [2.0, 0.1], [0.0, 0.1], [2.0, 0.1]]);
-        assert!((four.error.unwrap() - (4.0_f64 / 12.0).sqrt()).abs() < 1e-15);
+        assert!((four.error - (4.0_f64 / 12.0).sqrt()).abs() < 1e-15);
         let quiet = mean_of(&[[1.0, 0.1]; 4]);
-        assert!((quiet.error.unwrap() - 0.05).abs() < 1e-15);
+        assert!((quiet.error - 0.05).abs() < 1e-15);
     }
 
     #[test]

@@ -34,8 +34,8 @@ const MEASURED: usize = 1;
 fn pairs(points: &[SweptPoint]) -> Vec<Pair> {
     let pair = |point: &Averaged<'_>| {
         let density = |name: &str| {
-            let mean = point.mean(name)?;
-            Some([mean.value, mean.error?])
+            let mean = point.mean(name).filter(|m| m.error.is_finite())?;
+            Some([mean.value, mean.error])
         };
         Some(Pair {
             temperature: point.temperature()?,
@@ -218,7 +218,7 @@ impl Lines {
             .filter_map(|p| {
                 let mean = p.mean(name)?;
                 Some(Point {
-                    error: mean.error,
+                    error: Some(mean.error),
                     note: Some(p.name()),
                     link: p.page(),
                     ..Point::from((p.temperature()?, mean.value))
@@ -288,11 +288,13 @@ impl Lines {
     }
 }
 
-/// A density with its error along the abscissa.
+/// A density with its error along the abscissa, where it has one.
 fn mark_at_density(point: &Averaged<'_>, name: &str) -> Option<Point> {
     let mean = point.mean(name)?;
+    let is_result = mean.error.is_finite();
     Some(Point {
-        x_range: mean.error.map(|e| (mean.value - e, mean.value + e)),
+        x_range: is_result.then_some((mean.value - mean.error, mean.value + mean.error)),
+        error: (!is_result).then_some(mean.error),
         note: Some(point.name()),
         link: point.page(),
         ..Point::from((mean.value, point.temperature()?))

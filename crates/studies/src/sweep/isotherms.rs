@@ -66,7 +66,7 @@ fn marks(points: &[&SweptPoint]) -> Vec<Point> {
         Some(Point {
             x: point.planned.density,
             y: row.measured,
-            error: Some(row.standard_error).filter(|error| error.is_finite()),
+            error: Some(row.standard_error),
             note: Some(point.name.clone()),
             link: point.page.clone(),
             ..Point::default()

@@ -144,7 +144,7 @@ fn picture(
             .filter_map(|p| {
                 let mean = p.mean(quantity)?;
                 Some(Point {
-                    error: mean.error,
+                    error: Some(mean.error),
                     note: Some(p.name()),
                     link: p.page(),
                     ..Point::from((p.setting(key)?, mean.value))
