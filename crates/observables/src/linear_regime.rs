@@ -37,6 +37,8 @@ pub(crate) struct LagCurve {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LinearFit {
     pub slope: f64,
+    /// Value of the line at lag 0.
+    pub intercept: f64,
     /// The same fit to each block.
     pub block_slopes: Vec<f64>,
     /// What the slope changes where the fit begins at twice the lag; 0 where the range was given.
@@ -50,10 +52,10 @@ pub(crate) struct LinearFit {
     pub settled: bool,
 }
 
-/// The slope of the least-squares line with free intercept. The variance of a mean-square displacement grows
+/// Slope and intercept of the least-squares line. The variance of a mean-square displacement grows
 /// as t³, which gives the weights 1/t³. For Gaussian increments, the variance of the square gives t² and the
 /// overlap of origins gives t. One set of weights for all blocks keeps the fit linear in the data.
-fn weighted_slope(times: &[f64], values: &[f64]) -> f64 {
+fn weighted_line(times: &[f64], values: &[f64]) -> [f64; 2] {
     let weights = times.iter().map(|t| t.powi(-3));
     let (mut w, mut wt, mut wy) = (0.0, 0.0, 0.0);
     for ((weight, t), y) in weights.clone().zip(times).zip(values) {
@@ -67,7 +69,24 @@ fn weighted_slope(times: &[f64], values: &[f64]) -> f64 {
         tt += weight * (t - t0).powi(2);
         ty += weight * (t - t0) * (y - y0);
     }
-    ty / tt
+    let slope = ty / tt;
+    [slope, y0 - slope * t0]
+}
+
+fn weighted_slope(times: &[f64], values: &[f64]) -> f64 {
+    let [slope, _] = weighted_line(times, values);
+    slope
+}
+
+impl LinearFit {
+    /// The line at each lag of its range; not a number at any other lag.
+    pub(crate) fn line(&self, times: &[f64]) -> Vec<f64> {
+        let at = |t: &f64| match (self.from..=self.to).contains(t) {
+            true => self.intercept + self.slope * t,
+            false => f64::NAN,
+        };
+        times.iter().map(at).collect()
+    }
 }
 
 /// Fits the linear regime of a lag curve; `None` where there are too few lags. `blocks(end)` gives the values
@@ -91,12 +110,17 @@ pub(crate) fn fit_linear_regime(
     let first_from = |time: f64| curve.times.partition_point(|t| *t * slack < time);
     let fit = |start: usize, settled: bool| -> Option<LinearFit> {
         let later = first_from(2.0 * curve.times.get(start)?);
-        let slope_from =
-            |first: usize| weighted_slope(&curve.times[first..end], &curve.values[first..end]);
-        (end >= start + FEWEST_POINTS).then(|| LinearFit {
-            slope: slope_from(start),
+        if end < start + FEWEST_POINTS {
+            return None;
+        }
+        let line_from =
+            |first: usize| weighted_line(&curve.times[first..end], &curve.values[first..end]);
+        let [slope, intercept] = line_from(start);
+        Some(LinearFit {
+            slope,
+            intercept,
             change: if fit_from.is_none() && later + FEWEST_POINTS <= end {
-                slope_from(later) - slope_from(start)
+                line_from(later)[0] - slope
             } else {
                 0.0
             },
@@ -179,7 +203,9 @@ mod tests {
     #[test]
     fn a_straight_line_with_an_intercept_is_fitted_exactly() {
         let fit = fit(&curve(|t| 0.4 + 0.2 * t), Some(1.0), Some(8.0)).unwrap();
-        assert!((fit.slope - 0.2).abs() < 1e-12);
+        assert!((fit.slope - 0.2).abs() < 1e-12 && (fit.intercept - 0.4).abs() < 1e-12);
+        let line = fit.line(&[0.5, 2.0, 9.0]);
+        assert!(line[0].is_nan() && (line[1] - 0.8).abs() < 1e-12 && line[2].is_nan());
         assert!((fit.from - 1.0).abs() < 1e-9 && (fit.to - 8.0).abs() < 1e-9);
     }
 

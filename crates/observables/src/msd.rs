@@ -248,6 +248,7 @@ impl Observable for MeanSquareDisplacement {
             .zip(&curve.values)
             .map(|(t, m)| m / (6.0 * t))
             .collect();
+        let line = fit.map(|fit| fit.line(&curve.times));
         let table = Table::new(
             "msd",
             "mean-square displacement relative to the centre of mass against lag",
@@ -264,9 +265,12 @@ impl Observable for MeanSquareDisplacement {
                 curve.errors,
             )
         };
-        findings
-            .tables
-            .push(of_species.into_iter().fold(table, with));
+        let table = of_species.into_iter().fold(table, with);
+        // What the line is fitted to: empty at lags outside its range.
+        findings.tables.push(match line {
+            Some(line) => table.with("fit", "σ²", line),
+            None => table,
+        });
         findings
     }
 }

@@ -1,7 +1,9 @@
 //! The figures of a run's page.
 
 use lennard_core::Table;
-use lennard_report::{Axis, Dash, Figure, Guide, Look, Picture, Point, Series, Symbol, with_error};
+use lennard_report::{
+    Axis, Dash, Figure, Guide, Look, Picture, Point, Series, Symbol, significant, with_error,
+};
 
 use crate::compare::{HANSEN_VERLET, RunFolder};
 
@@ -21,6 +23,9 @@ pub(super) const MOTION: &str = "Mean-square displacement, velocity autocorrelat
 const MOST_POINTS: usize = 600;
 /// Shells that are marked in g(r).
 const SHELLS: usize = 3;
+
+/// The diffusion coefficient by the integral of the velocity autocorrelation.
+const GREEN_KUBO: &str = "diffusion_coefficient_green_kubo";
 
 const LINE: Look = Look::Line(Dash::Solid);
 const MARKS: Look = Look::LineAndPoints(Dash::Dotted, Symbol::Disc);
@@ -54,18 +59,36 @@ fn with_errors(table: &Table, [x, y, error]: [&str; 3]) -> Option<Vec<Point>> {
         .zip(table.numbers(error)?)
         .filter(|((x, y), _)| x.is_finite() && y.is_finite())
         .map(|((x, y), error)| Point {
-            error: Some(error).filter(|e| e.is_finite()),
+            error: Some(error),
             ..Point::from((x, y))
         })
         .collect();
     (!points.is_empty()).then_some(points)
 }
 
-/// A sentence with a mean of the run and its error in the place of `{}`; nothing where the run has no such mean.
+/// A sentence with a mean of the run and its error in the place of `{}`; nothing where the run has no such mean. A mean that is
+/// no result says why.
 fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String {
     run.average(average).map_or(String::new(), |a| {
-        sentence.replace("{}", &with_error(a.mean, a.standard_error))
+        let value = match a.standard_error.is_finite() {
+            true => with_error(a.mean, a.standard_error),
+            false => format!(
+                "{} (no result: {})",
+                significant(a.mean, 4),
+                a.standing.replace('-', " ")
+            ),
+        };
+        sentence.replace("{}", &value)
     })
+}
+
+/// A level at a mean of the run, with a word beside it that says whether the mean is a result.
+fn level_at(run: &RunFolder, figure: Figure, average: &str, word: &str) -> Figure {
+    match run.average(average) {
+        Some(a) if a.standard_error.is_finite() => figure.level(a.mean, word),
+        Some(a) => figure.level(a.mean, format!("{word}: no result")),
+        None => figure,
+    }
 }
 
 /// Temperature, energy, pressure and conserved energy against time; density and volume where the box changes. Of a fluid, the
@@ -337,17 +360,56 @@ pub(super) fn motion(run: &RunFolder) -> Vec<Picture> {
     .collect()
 }
 
+/// The names of the diffusion coefficient of the slope as measured, and corrected for finite size; the second is empty where the run
+/// has no correction.
+fn diffusion(run: &RunFolder) -> [&'static str; 2] {
+    const CORRECTED: &str = "diffusion_coefficient";
+    const PLAIN: &str = "diffusion_coefficient_uncorrected";
+    match run.average(PLAIN) {
+        Some(_) => [PLAIN, CORRECTED],
+        None => [CORRECTED, ""],
+    }
+}
+
 fn displacement(run: &RunFolder) -> Option<Picture> {
-    let mut msd = curve(&run.table("msd")?, "time", "msd")?;
-    msd.retain(|(t, x)| *t > 0.0 && *x > 0.0);
-    let figure = Figure::new(
+    let table = run.table("msd")?;
+    let shown = |column: &str| {
+        let mut curve = curve(&table, "time", column)?;
+        curve.retain(|(t, x)| *t > 0.0 && *x > 0.0);
+        Some(curve)
+    };
+    let mut figure = Figure::new(
         "msd",
         "Mean-square displacement",
         Axis::logarithmic("lag / τ"),
         Axis::logarithmic("⟨|r(t) − r(0)|²⟩ / σ²"),
     )
-    .with(series(LINE, msd));
-    let caption = said_of(run, "diffusion_coefficient", "D = {} σ²/τ from the slope.");
+    .with(Series::new("measured", LINE, 0, shown("msd")?));
+    let mut caption = "No straight part was found: the run is too short.".to_owned();
+    if let Some(fit) = shown("fit").filter(|fit| fit.len() > 1) {
+        let (from, to) = (fit[0].0, fit[fit.len() - 1].0);
+        let [plain, corrected] = diffusion(run);
+        caption = format!(
+            "The dashed line is fitted from {} to {} τ.{}{}",
+            significant(from, 3),
+            significant(to, 3),
+            said_of(
+                run,
+                plain,
+                " A sixth of its slope: D = {} σ²/τ in this box."
+            ),
+            said_of(
+                run,
+                corrected,
+                " Corrected for finite size (Yeh and Hummer): D = {} σ²/τ."
+            ),
+        );
+        let look = Look::Line(Dash::Dashed);
+        figure = figure
+            .with(Series::new("fit", look, 1, fit))
+            .guided(Guide::Vertical(from, "fit".into()))
+            .guided(Guide::Vertical(to, String::new()));
+    }
     Some(Picture::new(figure, caption, "msd.csv"))
 }
 
@@ -361,23 +423,26 @@ fn autocorrelation(run: &RunFolder) -> Option<Picture> {
     )
     .with(series(LINE, c))
     .level(0.0, "");
-    let integral = "D = {} σ²/τ from its integral.";
-    let caption = said_of(run, "diffusion_coefficient_green_kubo", integral);
+    let integral = "A third of its integral: D = {} σ²/τ in this box";
+    let mut caption = said_of(run, GREEN_KUBO, integral);
+    let [plain, _] = diffusion(run);
+    caption += &said_of(run, plain, "; the slope of the displacement gives {}");
+    if !caption.is_empty() {
+        caption += ". Neither is corrected for finite size.";
+    }
     Some(Picture::new(figure, caption, "vacf.csv"))
 }
 
 fn running_integral(run: &RunFolder) -> Option<Picture> {
     let integral = curve(&run.table("vacf")?, "time", "diffusion")?;
-    let mut figure = Figure::new(
+    let figure = Figure::new(
         "vacf_integral",
         "Running integral of the velocity autocorrelation",
         Axis::linear("upper limit / τ"),
         Axis::linear("D(t) / (σ²/τ)"),
     )
     .with(series(LINE, integral));
-    if let Some(d) = run.average("diffusion_coefficient_green_kubo") {
-        figure = figure.level(d.mean, "D");
-    }
+    let figure = level_at(run, figure, GREEN_KUBO, "D in this box");
     Some(Picture::new(figure, "", "vacf.csv"))
 }
 
@@ -393,7 +458,7 @@ fn green_kubo(run: &RunFolder, [name, words, label]: [&str; 3]) -> Option<Pictur
     .with(series(MARKS, points));
     let mut caption = "No plateau was found.".to_owned();
     if let Some(a) = run.average(name) {
-        figure = figure.level(a.mean, "plateau");
+        figure = level_at(run, figure, name, "plateau");
         caption = said_of(run, name, &format!("Plateau {{}} {}.", a.unit));
     }
     Some(Picture::new(figure, caption, format!("{name}.csv")))
