@@ -4,14 +4,14 @@ use std::time::{Duration, Instant};
 
 use lennard_core::stopwatch::{Spread, in_turn, timed};
 use lennard_core::{Momentum, Want};
-use lennard_engine::{EngineError, Simulation, take};
+use lennard_engine::{ENDLESS, EngineError, Simulation, take};
 use lennard_forcefield::measure;
 use lennard_scene::Scene;
 
 use super::{BenchError, BenchOptions};
 use crate::Progress;
 use crate::jobs::pool;
-use crate::lab::Start;
+use crate::lab::{Start, to_temperature};
 
 /// Steps before the clock starts: the list is built, memory is touched, caches are warm.
 pub(super) const SETTLING: u64 = 5;
@@ -39,7 +39,8 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
-    /// Runs a scene on `threads` threads from its start until it is warm.
+    /// Runs a scene on `threads` threads from its start until it is warm. Where the scene of the user has a bath, the state has the
+    /// temperature of its measured stage. Without one a lattice melts at constant energy and cools, as it does in a run.
     pub(super) fn warmed(
         scene: &Scene,
         threads: usize,
@@ -52,7 +53,12 @@ impl Blocks {
         } else {
             (WARM_STEPS, BLOCK)
         };
-        let mut simulation = lennard_engine::prepare(scene.clone())?;
+        let mut warming = scene.clone();
+        let asked = options.subject.load(&options.overrides)?;
+        if asked.stages.iter().any(|stage| stage.thermostat.is_some()) {
+            warming.stages = vec![to_temperature(scene, ENDLESS)];
+        }
+        let mut simulation = lennard_engine::prepare(warming)?;
         let seconds = pool(threads)?.install(|| -> Result<f64, EngineError> {
             let end = Instant::now() + WARM_FOR;
             while simulation.state.step < steps && Instant::now() < end {
@@ -105,6 +111,14 @@ pub(super) fn in_turns<T>(
         Ok::<(), BenchError>(())
     })?;
     Ok(blocks)
+}
+
+/// What is read of a block, in words.
+pub(super) fn clock_name(is_of_processor: bool) -> &'static str {
+    match is_of_processor {
+        true => "processor time",
+        false => "wall clock",
+    }
 }
 
 /// The spread of repeated blocks.

@@ -13,7 +13,7 @@ use lennard_observables::ObservableOptions;
 use lennard_scene::{ObservableTable, PressureControl, Scene};
 use serde::Serialize;
 
-use super::blocks::{Blocks, SETTLING, in_turns, spread};
+use super::blocks::{Blocks, SETTLING, clock_name, in_turns, spread};
 use super::variants::Variant;
 use super::{BenchError, BenchOptions};
 use crate::Progress;
@@ -132,11 +132,7 @@ pub(super) fn measure(
     Ok(FeatureStudy {
         threads: variant.threads,
         steps: blocks.steps,
-        clock: if Stopwatch::tells_processor_time() {
-            "processor time"
-        } else {
-            "wall clock"
-        },
+        clock: clock_name(Stopwatch::tells_processor_time()),
         bare_ns: ns(&bare),
         off_ns,
         engine_share: shares(&off, &bare),

@@ -35,7 +35,7 @@ fn skins(study: &BenchStudy, skin: &SkinStudy) -> Picture {
     )
     .guided(Guide::Vertical(skin.chosen, "chosen".into()))
     .with(Series::new(
-        "whole step",
+        format!("whole step, {}", skin.clock),
         Look::Points(Symbol::Disc),
         0,
         points,
@@ -115,7 +115,8 @@ fn parts(study: &BenchStudy) -> Picture {
         found.map(|k| k.and_then(part).and_then(bar)).collect()
     };
     let series = [
-        ("whole step", of(&|k| k.processor_ns.or(Some(k.step_ns)))),
+        ("whole step", of(&|k| Some(k.step_ns))),
+        ("whole step, processor time", of(&|k| k.processor_ns)),
         (
             "forces alone, the list given",
             of(&|k| Some(best(k.forces_ns))),

@@ -43,7 +43,8 @@ pub(super) fn csv(study: &BenchStudy) -> Vec<Table> {
     }
     tables.extend(study.skin.iter().map(|skin| {
         let table = Table::rows_of("skins", &skin.points).column("skin [σ]", |p| p.skin);
-        spread(table, "step [ns/atom]", |p| p.step_ns).table()
+        let heading = format!("step, {} [ns/atom]", skin.clock);
+        spread(table, &heading, |p| p.step_ns).table()
     }));
     tables.extend(study.features.iter().map(|found| {
         let table = Table::rows_of("features", &found.features)

@@ -5,7 +5,7 @@ use lennard_core::stopwatch::{Spread, Stopwatch};
 use lennard_engine::take;
 use serde::Serialize;
 
-use super::blocks::{Blocks, in_turns, spread};
+use super::blocks::{Blocks, clock_name, in_turns, spread};
 use super::variants::Variant;
 use super::{BenchError, BenchOptions};
 use crate::Progress;
@@ -28,6 +28,8 @@ pub struct SkinPoint {
 pub struct SkinStudy {
     /// Instruction set, precision and threads that it was made with.
     pub with: String,
+    /// What was read: `processor time` or `wall clock`.
+    pub clock: &'static str,
     /// The skin that the scene gets, σ.
     pub chosen: f64,
     /// The cheapest skin that was tried, σ.
@@ -83,17 +85,14 @@ pub(super) fn measure(
     let (Some(cheapest), Some(chosen)) = (cheapest, chosen) else {
         return Ok(None);
     };
+    let clock = clock_name(by_processor);
     Ok(Some(SkinStudy {
         with: format!(
-            "{}, {}, {}",
+            "{}, {}, {clock}",
             variant.kernel(),
             lennard_report::counted(variant.threads, "thread"),
-            if by_processor {
-                "processor time"
-            } else {
-                "wall clock"
-            }
         ),
+        clock,
         chosen: chosen.skin,
         cheapest: cheapest.skin,
         excess: chosen.step_ns.median / cheapest.step_ns.median - 1.0,

@@ -47,6 +47,20 @@ fn each_variant_is_measured_once_and_its_numbers_agree_with_one_another() {
     assert_ne!(study.kernels[0].precision, study.kernels[1].precision);
     let skin = study.skin.as_ref().unwrap();
     assert!(skin.points.iter().any(|p| p.skin == skin.chosen) && skin.excess >= 0.0);
+    // A name in a figure is the number that has this name in the table.
+    let pictures = figures::all(&study);
+    let parts = pictures.iter().find(|p| p.name() == "parts").unwrap();
+    let lennard_report::Drawing::Bars(bars) = &parts.drawing else {
+        panic!("{parts:?}")
+    };
+    let first = |name: &str| {
+        let series = bars.series.iter().find(|s| s.name == name)?;
+        series.values[0].map(|(median, _)| median)
+    };
+    let kernel = &study.kernels[0];
+    assert_eq!(first("whole step"), Some(kernel.step_ns.median));
+    let on_processor = kernel.processor_ns.map(|s| s.median);
+    assert_eq!(first("whole step, processor time"), on_processor);
     let folder = tempfile::tempdir().unwrap();
     write(&study, folder.path()).unwrap();
     for file in [
@@ -60,6 +74,22 @@ fn each_variant_is_measured_once_and_its_numbers_agree_with_one_another() {
     ] {
         assert!(folder.path().join(file).exists(), "{file}");
     }
+}
+
+#[test]
+fn the_state_that_is_timed_has_the_temperature_that_a_bath_of_the_scene_holds() {
+    let options = options(&[
+        ("system.n_atoms", "864"),
+        ("stage.melt.thermostat", "bussi"),
+    ]);
+    let scene = options.subject.load(&options.overrides).unwrap();
+    let wanted = lennard_engine::measured_stage(&scene).temperature;
+    let bare = lennard_engine::bare(&scene);
+    let blocks = Blocks::warmed(&bare, 1, &options, &mut Silent).unwrap();
+    // Four times the canonical fluctuation of 864 particles, T·√(2/3N).
+    let allowed = 4.0 * (2.0 / (3.0 * 864.0_f64)).sqrt();
+    let off = blocks.temperature() / wanted - 1.0;
+    assert!(off.abs() < allowed, "{off}");
 }
 
 #[test]

@@ -26,6 +26,23 @@ fn equilibration_steps(dt: f64) -> u64 {
     ((EQUILIBRATION_TIME / dt).ceil() as u64).min(MOST_STEPS)
 }
 
+/// A stage that brings a scene to the temperature of its measured stage, with a bath that acts within 0.1 τ.
+pub(crate) fn to_temperature(scene: &Scene, steps: u64) -> Stage {
+    Stage {
+        name: "equilibrate".into(),
+        steps,
+        temperature: measured_stage(scene).temperature,
+        temperature_from: None,
+        barostat: None,
+        exchange: None,
+        dt: None,
+        thermostat: Some(ThermostatOptions::Bussi(bussi::Options {
+            tau: RELAXATION_TIME,
+        })),
+        measure: false,
+    }
+}
+
 /// Where all runs begin.
 #[derive(Debug, Clone)]
 pub struct Start {
@@ -55,19 +72,10 @@ impl Start {
             .cloned()
             .collect();
         if before.stages.is_empty() {
-            before.stages.push(Stage {
-                name: "equilibrate".into(),
-                steps: equilibration_steps(scene.integrator.dt),
-                temperature: measured_stage(scene).temperature,
-                temperature_from: None,
-                barostat: None,
-                exchange: None,
-                dt: None,
-                thermostat: Some(ThermostatOptions::Bussi(bussi::Options {
-                    tau: RELAXATION_TIME,
-                })),
-                measure: false,
-            });
+            before.stages.push(to_temperature(
+                scene,
+                equilibration_steps(scene.integrator.dt),
+            ));
         }
         let mut simulation = lennard_engine::prepare(before)?;
         simulation.run(&mut Unfollowed)?;
