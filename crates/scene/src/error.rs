@@ -156,9 +156,12 @@ impl fmt::Display for SceneError {
             Some(Place::Override(text)) => write!(f, "{file}, override `{text}`")?,
             None => write!(f, "{file}")?,
         }
-        match key {
-            Some(key) => write!(f, ": `{key}` {message}")?,
-            None => write!(f, ": {message}")?,
+        match (key, place) {
+            (Some(key), Some(Place::Override(text))) => {
+                write!(f, ": `{}` {message}", as_typed(key, text))?;
+            }
+            (Some(key), _) => write!(f, ": `{key}` {message}")?,
+            (None, _) => write!(f, ": {message}")?,
         }
         if let Some(found) = found {
             write!(f, "\n  found:   {found}")?;
@@ -171,6 +174,19 @@ impl fmt::Display for SceneError {
         }
         Ok(())
     }
+}
+
+/// A key in the words of the override that it came from: `stage.production.steps` for `stage.2.steps`, where the override names
+/// the stage.
+fn as_typed(key: &str, text: &str) -> String {
+    let (typed, _) = text.split_once('=').unwrap_or((text, ""));
+    let mut typed = typed.split('.').map(str::trim);
+    let is_index = |part: &str| part.parse::<usize>().is_ok();
+    let parts = key.split('.').map(|part| match typed.next() {
+        Some(name) if is_index(part) => name,
+        _ => part,
+    });
+    parts.collect::<Vec<_>>().join(".")
 }
 
 /// Where each key of a scene was written, so that trouble found later can still be put on a line.
@@ -253,5 +269,36 @@ impl Source {
         SceneError::new(&self.file, message)
             .at(self.place(key).cloned())
             .key(key)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Scene;
+
+    #[test]
+    fn a_key_of_an_override_is_told_as_it_was_typed() {
+        const TEXT: &str = "[system]\nn_atoms = 108\ndensity = 0.5\ntemperature = 1.0\n[integrator]\ndt = 0.004\n\
+            [[stage]]\nname = \"melt\"\nsteps = 10\n[[stage]]\nname = \"production\"\nsteps = 10\n[[observable]]\nkind = \"rdf\"\n";
+        for (key, value, told) in [
+            (
+                "stage.production.thermostat",
+                "\"andersen\"",
+                "`stage.production.thermostat`",
+            ),
+            ("stage.1.thermostat", "\"andersen\"", "`stage.1.thermostat`"),
+            (
+                "stage.melt.thermostat",
+                "{ kind = \"bussi\", tau = -1 }",
+                "`stage.melt.thermostat.tau`",
+            ),
+            ("observable.rdf.every", "0", "`observable.rdf.every`"),
+        ] {
+            let overrides = [(key.to_owned(), value.to_owned())];
+            let error = Scene::parse(TEXT, "a.toml", &overrides)
+                .unwrap_err()
+                .to_string();
+            assert!(error.contains(told), "{told}: {error}");
+        }
     }
 }

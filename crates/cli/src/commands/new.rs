@@ -100,19 +100,44 @@ fn unknown(like: &Path) -> Failure {
     )
 }
 
-/// The text of a shipped scene as the text of `file`, with the command that runs this file. The base of a sweep has its shipped
-/// name.
+/// The text of a shipped scene as the text of `file`: commands and files are those of the copy. The base of a sweep has its
+/// shipped name.
 fn copy_of(scene: &Shipped, file: &Path) -> String {
-    let verb = if scene.is_sweep() { "sweep" } else { "run" };
-    let old = format!("cargo run --release -- {verb} inputs/{}.toml", scene.name);
-    let new = format!("lennard {verb} {}", path_in_shell(file));
-    let mut text = scene.text.replace(&old, &new);
+    let last = scene.name.rsplit('/').next().unwrap_or(scene.name);
+    let own = file.file_stem().map(Path::new).unwrap_or(file);
+    let lock = file.with_extension("lock.toml");
+    let mut text = scene.text.replace("cargo run --release -- ", "lennard ");
+    for (shipped, copy) in [
+        (format!("inputs/{}.toml", scene.name), path_in_shell(file)),
+        (
+            format!("inputs/{}.lock.toml", scene.name),
+            path_in_shell(&lock),
+        ),
+        (
+            format!("runs/{last}"),
+            path_in_shell(&Path::new("runs").join(own)),
+        ),
+    ] {
+        text = with_path(&text, &shipped, &copy);
+    }
     if scene.name == TEMPLATE {
         text = text.replace("# `lennard new NAME` writes a copy. Every", "# Every");
     }
     text.split_inclusive('\n')
         .map(|line| with_base(scene, line))
         .collect()
+}
+
+/// The text with another path in the place of one, where the path ends there: `runs/a` stands in `runs/a/b`, and not in `runs/ab`.
+fn with_path(text: &str, old: &str, new: &str) -> String {
+    let mut parts = text.split(old);
+    let mut copy = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let goes_on = part.starts_with(|c: char| c.is_alphanumeric() || "-_".contains(c));
+        copy += if goes_on { old } else { new };
+        copy += part;
+    }
+    copy
 }
 
 /// A line, with the base of a sweep by its shipped name.

@@ -90,6 +90,55 @@ fn a_new_scene_has_the_comments_of_its_model_and_its_own_command() {
 }
 
 #[test]
+fn every_command_and_file_in_a_copy_is_of_the_copy() {
+    let place = Place::with(&[]);
+    for (shipped, commands) in [
+        (
+            "fluid/accuracy",
+            &[
+                "lennard tune mine.toml\n",
+                "lennard run mine.toml\n",
+                "writes them to mine.lock.toml.",
+            ][..],
+        ),
+        (
+            "npt/baths",
+            &[
+                "lennard run mine.toml\n",
+                "lennard chart mine.toml --ensemble\n",
+            ],
+        ),
+        (
+            "sweep/transport",
+            &[
+                "lennard sweep mine.toml --out runs/mine\n",
+                "lennard compare runs/mine/*/\n",
+            ],
+        ),
+        (
+            "verlet-1967/table",
+            &["lennard sweep mine.toml --out runs/verlet-4 --set truncation.r_cut=4\n"],
+        ),
+    ] {
+        success(&mut place.command(&["new", "mine", "--like", shipped, "--force"]));
+        let text = place.read("mine.toml");
+        for command in commands {
+            assert!(text.contains(command), "{shipped}: {command}: {text}");
+        }
+    }
+    for scene in lennard_scene::shipped::scenes() {
+        success(&mut place.command(&["new", "mine", "--like", scene.name, "--force"]));
+        let text = place.read("mine.toml");
+        let own = format!("inputs/{}.", scene.name);
+        assert!(
+            !text.contains("cargo run") && !text.contains(&own),
+            "{}: {text}",
+            scene.name
+        );
+    }
+}
+
+#[test]
 fn a_name_with_a_space_stands_in_quotes_where_it_can_be_typed() {
     let place = Place::with(&[]);
     let said = success(&mut place.command(&["new", "my fluid"]));

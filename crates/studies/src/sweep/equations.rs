@@ -191,14 +191,14 @@ fn judged<'a>(items: impl Iterator<Item = Item<'a>>) -> Vec<Judgement> {
     found
 }
 
-/// χ² of each equation for each property.
-pub(super) fn table(judgements: &[Judgement]) -> Table {
+/// χ² of each equation for each property, which `named` writes for a file or for a reader.
+pub(super) fn table(judgements: &[Judgement], named: impl Fn(&str) -> String) -> Table {
     let caption = "Each equation beside all points that it covers, with the errors of the runs alone. χ² per point is 1 where an equation is exact to these errors. U and P are \
                    compared for as many particles and less the known bias of the cutoff, with errors at the given temperature. A point under a barostat has neither. Other \
                    properties are compared for an infinite system.";
     Table::rows_of("equations", judgements)
         .caption(caption)
-        .column("property", |j| j.property.as_str())
+        .column("property", |j| named(&j.property))
         .column("equation", |j| {
             let tone = if j.counts { Tone::Plain } else { Tone::Faint };
             Cell::words(j.equation.clone()).toned(tone)
@@ -346,7 +346,7 @@ mod tests {
         assert!((off.mean_difference + 0.3).abs() < 1e-12 && !off.counts);
         assert!((off.largest_in_errors + 4.0).abs() < 1e-9);
         assert_eq!(off.at, "point-1");
-        let table = table(&found);
+        let table = table(&found, str::to_owned);
         assert_eq!(table.rows(), 2);
     }
 }

@@ -135,8 +135,8 @@ pub(super) fn page(
         Kind::Slabs | Kind::Crystals => vec![points],
     };
     if !judgements.is_empty() {
-        sections
-            .push(Section::new("Equations beside the points").table(equations::table(judgements)));
+        let table = equations::table(judgements, quantity_words);
+        sections.push(Section::new("Equations beside the points").table(table));
     }
     if !pictures.properties.is_empty() {
         sections.push(Section::new("Each property").figures(pictures.properties));

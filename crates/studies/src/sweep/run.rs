@@ -19,7 +19,7 @@ use crate::compare::{ComparedRun, Row, RunFolder, StateOfMatter, compare};
 use crate::kept::same_scene;
 
 /// Name and version of the schema of [`SweepRecord`].
-const SWEEP_SCHEMA: &str = "lennard-sweep/1";
+const SWEEP_SCHEMA: &str = lennard_io::schema!("sweep", 1);
 
 /// The files that a sweep writes in its folder: record, table, page, and figures.
 pub const FILES: [&str; 11] = [
@@ -239,7 +239,7 @@ pub(super) fn write(
     lennard_io::write_table_csv(&table, &page::csv(record))?;
     let judgements = equations::judgements(sweep, record);
     if !judgements.is_empty() {
-        lennard_io::write_table_csv(&judged, &equations::table(&judgements))?;
+        lennard_io::write_table_csv(&judged, &equations::table(&judgements, str::to_owned))?;
         lennard_io::write_table_csv(&beside, &equations::beside_equations(sweep, record))?;
     }
     let pictures = figures::all(sweep, record);
