@@ -111,7 +111,7 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     let volume = cell.volume();
     let inside = rigid::intramolecular_virial(&system, &state.positions, &state.forces);
     let report = EnergyReport {
-        schema: "lennard-energy-1",
+        schema: lennard_io::schema!("energy", 1),
         model: scene.model_name(),
         atoms: n,
         molecules: system.n_molecules(),

@@ -22,7 +22,7 @@ use crate::{Scene, Source, checks, shipped};
 use text::{Pairs, identity};
 
 /// Name and version of the format.
-const SCHEMA: &str = "lennard-lock/1";
+const SCHEMA: &str = lennard_io::schema!("lock", 1);
 /// The most threads that a lock may name.
 const MOST_THREADS: i64 = 65_535;
 

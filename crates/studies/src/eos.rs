@@ -10,6 +10,9 @@ use serde_json::Value;
 
 pub use tables::{coexistence, curve, freezing, single};
 
+/// Name and version of the schema of every document about equations of state.
+const SCHEMA: &str = lennard_io::schema!("eos", 1);
+
 /// By what a state is given besides its temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Given {
@@ -200,7 +203,7 @@ pub fn freezing_json(equation: &dyn EquationOfState, rows: &[Freezing]) -> Value
         })
         .collect();
     serde_json::json!({
-        "schema": "lennard-eos/1",
+        "schema": SCHEMA,
         "equation": spec.key,
         "source": spec.citation(),
         "critical_point": spec.critical,
@@ -236,7 +239,7 @@ pub fn states_json(evaluated: &[Evaluated], properties: &[&Property]) -> Value {
             state
         })
         .collect();
-    serde_json::json!({ "schema": "lennard-eos/1", "states": states })
+    serde_json::json!({ "schema": SCHEMA, "states": states })
 }
 
 /// Coexistence as one JSON document.
@@ -244,7 +247,7 @@ pub fn states_json(evaluated: &[Evaluated], properties: &[&Property]) -> Value {
 pub fn coexistence_json(equation: &dyn EquationOfState, rows: &[Coexistence]) -> Value {
     let spec = equation.spec();
     serde_json::json!({
-        "schema": "lennard-eos/1",
+        "schema": SCHEMA,
         "equation": spec.key,
         "source": spec.citation(),
         "critical_point": spec.critical,

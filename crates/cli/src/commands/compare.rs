@@ -24,7 +24,7 @@ pub fn compare(args: &CompareArgs) -> Result<u8, Failure> {
             runs: &'a [ComparedRun],
         }
         print_json(&Document {
-            schema: "lennard-compare/1",
+            schema: lennard_io::schema!("compare", 1),
             runs: &compared,
         })?;
     } else {

@@ -52,7 +52,7 @@ pub fn export(args: &ExportArgs) -> Result<u8, Failure> {
     let files: Vec<String> = done.files.iter().map(|f| f.display().to_string()).collect();
     if args.scene.json {
         print_json(&Document {
-            schema: "lennard-export-1",
+            schema: lennard_io::schema!("export", 1),
             files,
             remarks: &done.remarks,
         })?;

@@ -131,12 +131,14 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
 pub fn version(json: bool) -> Result<u8, Failure> {
     #[derive(Serialize)]
     struct Version {
+        schema: &'static str,
         version: &'static str,
         cpu: String,
         isa: Vec<&'static str>,
         threads: usize,
     }
     let version = Version {
+        schema: lennard_io::schema!("version", 1),
         version: env!("CARGO_PKG_VERSION"),
         cpu: lennard_io::cpu_name(),
         isa: lennard_forcefield::available_isas(),

@@ -13,6 +13,7 @@ mod limits;
 mod literature;
 mod messages;
 mod mixtures;
+mod numbers;
 mod output_folders;
 mod ranks;
 mod restart;

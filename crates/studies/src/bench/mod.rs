@@ -192,7 +192,7 @@ pub fn run(options: &BenchOptions, progress: &mut dyn Progress) -> Result<BenchS
     let most = plan.iter().map(|variant| variant.threads).max();
     let blocks = Blocks::warmed(&plan[0].scene, most.unwrap_or(1), options, progress)?;
     let mut study = BenchStudy {
-        schema: "lennard-bench/1",
+        schema: lennard_io::schema!("bench", 1),
         scene: plan[0].scene.name.clone(),
         model: plan[0].scene.model_name(),
         atoms: blocks.start.len(),

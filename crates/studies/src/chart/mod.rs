@@ -34,7 +34,7 @@ use crate::lab::Slopes;
 use crate::{Progress, StudyError, files};
 
 /// Name and version of the schema of [`Chart`].
-const SCHEMA: &str = "lennard-chart/2";
+const SCHEMA: &str = lennard_io::schema!("chart", 2);
 
 /// Why a chart cannot be made.
 #[derive(Debug, thiserror::Error)]

@@ -37,6 +37,8 @@ pub struct MechanicsFound {
 /// The study: what was found, and what follows.
 #[derive(Debug, Clone, Serialize)]
 pub struct MechanicsStudy {
+    /// Name and version of the schema.
+    pub schema: &'static str,
     /// What was asked for.
     pub options: MechanicsOptions,
     /// The measurements.

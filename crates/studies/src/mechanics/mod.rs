@@ -74,6 +74,7 @@ pub fn run(
     let mut claims = judgement::claims(&found);
     claims.extend(collision_judgement::claims(&found));
     Ok(MechanicsStudy {
+        schema: lennard_io::schema!("mechanics", 1),
         options: options.clone(),
         claims,
         found,

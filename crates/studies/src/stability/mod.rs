@@ -74,6 +74,8 @@ pub struct OscillatorStudy {
 /// Everything found.
 #[derive(Debug, Clone, Serialize)]
 pub struct StabilityStudy {
+    /// Name and version of the schema.
+    pub schema: &'static str,
     /// What was asked for.
     pub options: StabilityOptions,
     /// The oscillator.
@@ -112,6 +114,7 @@ pub fn run(
     claims.extend(judgement::on_the_fluid(&fluid));
     progress.update("done", 1.0);
     Ok(StabilityStudy {
+        schema: lennard_io::schema!("stability", 1),
         options: options.clone(),
         oscillator,
         fluid,

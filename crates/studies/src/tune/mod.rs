@@ -35,7 +35,7 @@ use crate::lab::{Cost, Value, Workbench};
 use crate::settings::Settings;
 
 /// Name and version of the schema of [`Tuning`].
-const SCHEMA: &str = "lennard-tune/1";
+const SCHEMA: &str = lennard_io::schema!("tune", 1);
 
 /// How to tune.
 #[derive(Debug, Clone, Copy)]

@@ -7,7 +7,7 @@ use super::reference::Reference;
 use crate::chart::{LeftOut, Plan};
 
 /// Name and version of the schema of [`EnsembleChart`].
-pub(super) const SCHEMA: &str = "lennard-chart-ensembles/1";
+pub(super) const SCHEMA: &str = lennard_io::schema!("chart-ensembles", 1);
 
 /// The chart.
 #[derive(Debug, Clone, PartialEq, Serialize)]
