@@ -70,6 +70,13 @@ pub const TARGETS: &[Target] = &[
         words: LAMMPS_WORDS,
     },
     Target {
+        name: "gro",
+        body: start,
+        repair: None,
+        reshape: None,
+        words: LAMMPS_WORDS,
+    },
+    Target {
         name: "gzip",
         body: gzip,
         repair: None,
@@ -146,11 +153,13 @@ pub fn extended_xyz(bytes: &[u8]) -> bool {
     }
 }
 
-/// A start configuration in NIST columns, LAMMPS dump or data, or whatever else the bytes look like.
+/// A start configuration in NIST columns, LAMMPS dump or data, GRO, or whatever else the bytes look like.
 pub fn start(bytes: &[u8]) -> bool {
     match read_configuration_bytes(bytes) {
         Ok(start) => {
-            assert!(!start.positions.is_empty() && start.positions.iter().all(|r| r.is_finite()));
+            let vectors = start.velocities.iter().chain(&start.momenta).flatten();
+            assert!(!start.positions.is_empty());
+            assert!(start.positions.iter().chain(vectors).all(|r| r.is_finite()));
             assert!(start.cell.volume() > 0.0 && start.cell.volume().is_finite());
             assert!(
                 start

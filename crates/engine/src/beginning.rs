@@ -4,7 +4,7 @@ use std::path::Path;
 
 use lennard_core::random::Streams;
 use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
-use lennard_io::StartConfiguration;
+use lennard_io::{Beside, StartConfiguration};
 use lennard_scene::{Geometry, Lattice, Placement, Scene, Start};
 
 use crate::EngineError;
@@ -99,7 +99,11 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
             let beginning = as_listed(scene, placement, positions, velocities.clone())?;
             Ok((beginning, Vec::new()))
         }
-        Start::Configuration { path, geometry } => {
+        Start::Configuration {
+            path,
+            geometry,
+            units,
+        } => {
             let given = match geometry {
                 Some(Geometry::Box(sides)) => {
                     Some(PeriodicBox::new(DVec3::from_array(*sides)).map_err(|e| {
@@ -111,8 +115,15 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
                 Some(Geometry::Density(_)) | None => None,
             };
             // Read without the scene's box first: where both name one and they differ, the scene is to blame.
-            let read = match lennard_io::read_configuration(path) {
-                Err(_) if given.is_some() => lennard_io::read_configuration_in(path, given)?,
+            let in_box = |cell| {
+                let beside = Beside {
+                    cell,
+                    units: *units,
+                };
+                lennard_io::read_configuration_in(path, beside)
+            };
+            let read = match in_box(None) {
+                Err(_) if given.is_some() => in_box(given)?,
                 read => read?,
             };
             begin_at(scene, path, read, given)
@@ -285,6 +296,11 @@ fn from_configuration(
     starting_molecules::unfold(scene, path, &read.cell, &mut read.positions)?;
     starting_molecules::check(scene, &origin, &read.cell, &read.positions)?;
     let species = species::of_file(scene, path, &read.species, read.positions.len())?;
+    let mass = |i: usize| species.species(species.of(i)).mass;
+    read.take_momenta(mass).map_err(|(found, allowed)| {
+        let found = format!("{found} of {}", path.display());
+        scene.source.invalid(origin.key, found, allowed)
+    })?;
     overlaps::pairs(scene, &origin, &read.cell, &read.positions, &species)?;
     overlaps::contacts(scene, origin.key, &read.cell, &read.positions, &species)?;
     Ok(Beginning {

@@ -10,7 +10,7 @@ use lennard_integrators::BondHolder;
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
 use lennard_observables::{ChangingBox, Confined, ObservableOptions, Thermodynamics};
-use lennard_scene::{ObservableTable, Scene, Stage};
+use lennard_scene::{ObservableTable, Scene, Stage, Start};
 
 use crate::baths::{ensemble, held_temperature, measured_baths, measured_pressure};
 use crate::beginning::{Beginning, begin_in_memory, begin_with_remarks};
@@ -148,12 +148,17 @@ pub(crate) fn prepare_own_from(
             initial::make_suit(&system, &beginning.positions, &mut given);
             given
         }
-        None => initial::thermal_velocities(
-            &system,
-            &beginning.positions,
-            scene.system.temperature,
-            streams,
-        ),
+        None => {
+            let temperature = scene.system.temperature;
+            if let Start::Configuration { path, .. } = &scene.system.start {
+                remarks.push(format!(
+                    "{} has no velocities: they are drawn at T = {temperature} with seed {}",
+                    path.display(),
+                    scene.system.seed
+                ));
+            }
+            initial::thermal_velocities(&system, &beginning.positions, temperature, streams)
+        }
     };
     own.check_forces(&scene, &cell, &beginning.positions, &velocities)?;
     let observers = observers(&scene, cell, system.species(), &own)?;

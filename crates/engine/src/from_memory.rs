@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lennard_core::{BoxError, DVec3, PeriodicBox, State};
-use lennard_io::{FoundSpecies, Frame, FrameStyle, StartConfiguration, WriteError};
+use lennard_io::{FoundSpecies, Frame, FrameStyle, LARGEST, StartConfiguration, WriteError};
 
 use crate::Simulation;
 use crate::files::style;
@@ -14,9 +14,9 @@ pub enum StartError {
     /// The arrays differ in length.
     #[error("one velocity for each position is wanted")]
     OneVelocityEach,
-    /// A number is not finite.
-    #[error("a position or velocity is not a finite number")]
-    NotFinite,
+    /// A number is not finite, or too large.
+    #[error("a position or velocity is not a finite number from -{LARGEST:e} to {LARGEST:e}")]
+    OutOfBounds,
     /// The sides make no box.
     #[error(transparent)]
     Box(#[from] BoxError),
@@ -26,7 +26,7 @@ pub enum StartError {
 /// temperature of the scene.
 ///
 /// # Errors
-/// [`StartError`] where lengths differ, a number is not finite, or the sides make no box.
+/// [`StartError`] where lengths differ, a number is out of bounds, or the sides make no box.
 pub fn start_from_arrays(
     sides: DVec3,
     positions: Vec<DVec3>,
@@ -37,13 +37,14 @@ pub fn start_from_arrays(
         return Err(StartError::OneVelocityEach);
     }
     let mut all = positions.iter().chain(velocities.iter().flatten());
-    if !all.all(|v| v.is_finite()) {
-        return Err(StartError::NotFinite);
+    if !all.all(|v| v.abs().cmple(DVec3::splat(LARGEST)).all()) {
+        return Err(StartError::OutOfBounds);
     }
     Ok(StartConfiguration {
         cell: PeriodicBox::new(sides)?,
         positions,
         velocities,
+        momenta: None,
         species: FoundSpecies::default(),
         step: None,
         time: None,

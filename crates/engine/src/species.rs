@@ -55,11 +55,14 @@ pub(crate) fn of_file(
             .into()
     };
     let file = path.display();
-    let names = found.names.join(", ");
     let Some(mixture) = &scene.mixture else {
         if found.names.len() > 1 {
+            let words = match found.elements_tell_apart() {
+                true => format!("species {}", found.names.join(", ")),
+                false => format!("types {}", found.types.join(", ")),
+            };
             return Err(refuse(
-                format!("species {names} in {file}"),
+                format!("{words} in {file}"),
                 "one species, or a table `[[species]]` for each".to_owned(),
             ));
         }
@@ -92,9 +95,9 @@ pub(crate) fn of_file(
 }
 
 /// The number of the species of each name of a file, or the name that is of none. A type of LAMMPS is a number: the species in
-/// the order of the scene.
+/// the order of the scene. It counts where elements do not tell particles apart that types do.
 fn numbers(mixture: &MixtureTables, found: &FoundSpecies) -> Result<Vec<usize>, String> {
-    let numbers = found.names.iter().map(|name| {
+    let number = |name: &String| {
         let by_name = mixture.species.iter().position(|s| s.name == *name);
         let by_element = || mixture.species.iter().position(|s| s.element == *name);
         let by_number = || name.parse::<usize>().ok()?.checked_sub(1);
@@ -102,8 +105,17 @@ fn numbers(mixture: &MixtureTables, found: &FoundSpecies) -> Result<Vec<usize>, 
             .or_else(by_element)
             .or_else(|| by_number().filter(|a| *a < mixture.species.len()))
             .ok_or_else(|| name.clone())
-    });
-    numbers.collect()
+    };
+    let of = |names: &[String]| {
+        names
+            .iter()
+            .map(number)
+            .collect::<Result<Vec<usize>, String>>()
+    };
+    match found.elements_tell_apart() {
+        true => of(&found.names),
+        false => of(&found.types).or_else(|_| of(&found.names)),
+    }
 }
 
 /// Refuses masses of a file that are in other proportions than the scene's.

@@ -57,6 +57,9 @@ impl FormatError {
     }
 }
 
+/// What is wrong with a piece of a file: what was found, and what is allowed.
+pub(crate) type Refusal = (String, String);
+
 /// A piece of a file as it may be shown in a message: short, printable, in quotes.
 pub(crate) fn excerpt(bytes: &[u8]) -> String {
     // Four bytes a character at most, so that a long line is not converted whole.

@@ -9,6 +9,8 @@ use lennard_core::{DVec3, PeriodicBox};
 pub struct FoundSpecies {
     /// The names, in the order in which they appear; none where the file names none.
     pub names: Vec<String>,
+    /// The type of LAMMPS beside each name, where a file has both; an element may have several types.
+    pub types: Vec<String>,
     /// The number of the name of each particle, `[N]`; empty where there is one name at most.
     pub of_particle: Vec<u8>,
     /// The mass of the particles with each name; one mass where there is no name, and none where the file has no masses.
@@ -16,6 +18,12 @@ pub struct FoundSpecies {
 }
 
 impl FoundSpecies {
+    /// Whether no two types have one name.
+    #[must_use]
+    pub fn elements_tell_apart(&self) -> bool {
+        (1..self.types.len()).all(|k| !self.names[..k].contains(&self.names[k]))
+    }
+
     /// The number of the name of particle `i`.
     #[must_use]
     pub fn of(&self, i: usize) -> usize {
@@ -32,6 +40,8 @@ pub struct TrajectoryFrame {
     pub positions: Vec<DVec3>,
     /// Velocities, `[N]`, σ/τ.
     pub velocities: Option<Vec<DVec3>>,
+    /// Momenta, `[N]`, m σ/τ, where the file has no masses that make velocities of them.
+    pub momenta: Option<Vec<DVec3>>,
     /// Forces, `[N]`, ε/σ.
     pub forces: Option<Vec<DVec3>>,
     /// The species of the particles.
@@ -53,6 +63,8 @@ pub struct StartConfiguration {
     pub positions: Vec<DVec3>,
     /// Velocities, `[N]`, σ/τ, where the file has them.
     pub velocities: Option<Vec<DVec3>>,
+    /// Momenta, `[N]`, m σ/τ, where the file has no masses that make velocities of them.
+    pub momenta: Option<Vec<DVec3>>,
     /// Number of the step, where the file has one.
     pub step: Option<u64>,
     /// Time in τ, where the file has one.

@@ -5,14 +5,15 @@
 use std::collections::HashMap;
 use std::io::BufRead;
 
-use glam::{DVec3, IVec3};
+use glam::DVec3;
 
-use crate::error::excerpt;
-use crate::lammps::{Bounds, Order, bound, number, triclinic, whole};
-use crate::lines::{Lines, tokens};
-use crate::species_reader::SpeciesReader;
-use crate::xyz_header::Refusal;
-use crate::{FormatError, StartConfiguration};
+use crate::columns::{Column, Columns, Scalar, Vector, number, particle_number};
+use crate::error::{Refusal, excerpt};
+use crate::lammps::{Bounds, bound, triclinic};
+use crate::lines::{Lines, finite, tokens};
+use crate::particles::{ParticleReader, Place, mass, velocity};
+use crate::units::{FileUnits, Scales, stated};
+use crate::{FormatError, TrajectoryFrame};
 
 /// Lines that are looked at for the number of atoms, before a file is taken for something else.
 pub(crate) const LINES_OF_A_HEADER: usize = 40;
@@ -48,23 +49,37 @@ pub(crate) fn is_count(line: &[u8]) -> bool {
 /// What the sections of a file say.
 #[derive(Default)]
 struct Sections {
+    units: FileUnits,
     n: Option<usize>,
+    types: Option<usize>,
     low: [Option<[f64; 2]>; 3],
     labels: HashMap<Vec<u8>, String>,
     masses: HashMap<String, f64>,
-    ids: Vec<u64>,
-    kinds: Vec<String>,
-    of_particle: Vec<u16>,
-    positions: Vec<DVec3>,
-    images: Vec<IVec3>,
+    atoms: Option<Atoms>,
     velocities: HashMap<u64, DVec3>,
 }
 
+/// The section `Atoms`.
+struct Atoms {
+    place: Place,
+    without_image: Columns,
+    with_image: Columns,
+    rows: usize,
+    particles: ParticleReader,
+}
+
 /// Reads the whole file; nothing of it has been read yet.
-pub(crate) fn parse<R: BufRead>(mut lines: Lines<R>) -> Result<StartConfiguration, FormatError> {
-    let mut all = Sections::default();
-    // The first line is a title, whatever it says.
+pub(crate) fn parse<R: BufRead>(
+    mut lines: Lines<R>,
+    units: FileUnits,
+) -> Result<TrajectoryFrame, FormatError> {
+    let mut all = Sections {
+        units,
+        ..Sections::default()
+    };
+    // The first line is a title, whatever it says of anything but units.
     lines.advance()?;
+    all.check_units(&lines, lines.line())?;
     let mut section = all.header(&mut lines)?;
     while let Some(name) = section {
         section = all.section(&mut lines, &name)?;
@@ -72,30 +87,48 @@ pub(crate) fn parse<R: BufRead>(mut lines: Lines<R>) -> Result<StartConfiguratio
     all.finish(&lines)
 }
 
-/// Goes to the next line that holds more than a comment; false at the end of the file.
-fn next<R: BufRead>(lines: &mut Lines<R>) -> Result<bool, FormatError> {
-    while lines.advance()? {
-        if tokens(content(lines.line())).next().is_some() {
-            return Ok(true);
-        }
-    }
-    Ok(false)
-}
-
 impl Sections {
+    /// Goes to the next line that holds more than a comment; false at the end of the file.
+    fn next<R: BufRead>(&self, lines: &mut Lines<R>) -> Result<bool, FormatError> {
+        while lines.advance()? {
+            if let Some(at) = lines.line().iter().position(|b| *b == b'#') {
+                self.check_units(lines, &lines.line()[at..])?;
+            }
+            if tokens(content(lines.line())).next().is_some() {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// The scales for the units that a title or comment states.
+    fn check_units<R: BufRead>(
+        &self,
+        lines: &Lines<R>,
+        text: &[u8],
+    ) -> Result<Scales, FormatError> {
+        let said = stated(&String::from_utf8_lossy(text));
+        self.units
+            .scales(said.as_deref())
+            .map_err(|(f, a)| lines.refuse(f, a))
+    }
+
     /// Reads the header; the line of the first section is the current line then, and is given back.
     fn header<R: BufRead>(&mut self, lines: &mut Lines<R>) -> Result<Option<Vec<u8>>, FormatError> {
-        while next(lines)? {
+        while self.next(lines)? {
             let line = lines.line().to_vec();
             let words: Vec<&[u8]> = tokens(content(&line)).collect();
             match words.as_slice() {
                 [first, ..] if first[0].is_ascii_alphabetic() => return Ok(Some(line)),
                 [_, b"atoms"] => self.n = Some(self.count(lines, words[0])?),
+                [n, b"atom", b"types"] => {
+                    self.types = std::str::from_utf8(n).ok().and_then(|n| n.parse().ok())
+                }
                 [_, _, b"xlo", b"xhi"] => self.low[0] = Some(self.bound(lines)?),
                 [_, _, b"ylo", b"yhi"] => self.low[1] = Some(self.bound(lines)?),
                 [_, _, b"zlo", b"zhi"] => self.low[2] = Some(self.bound(lines)?),
                 [tilts @ .., b"xy", b"xz", b"yz"]
-                    if tilts.iter().any(|t| whole::<f64>(t) != Some(0.0)) =>
+                    if tilts.iter().any(|t| finite(t) != Some(0.0)) =>
                 {
                     let (found, allowed) = triclinic(&line);
                     return Err(lines.refuse(found, allowed));
@@ -114,12 +147,15 @@ impl Sections {
     }
 
     fn count<R: BufRead>(&self, lines: &Lines<R>, word: &[u8]) -> Result<usize, FormatError> {
-        let n = whole::<u64>(word).filter(|n| *n > 0).ok_or_else(|| {
-            lines.refuse(
-                excerpt(word),
-                "the number of atoms, an integer of at least 1",
-            )
-        })?;
+        let n = particle_number(word)
+            .ok()
+            .filter(|n| *n > 0)
+            .ok_or_else(|| {
+                lines.refuse(
+                    excerpt(word),
+                    "the number of atoms, an integer of at least 1",
+                )
+            })?;
         let fits = lines.check_room(n, 0, LEAST_BYTES_A_PARTICLE);
         fits.then_some(n)
             .and_then(|n| usize::try_from(n).ok())
@@ -148,10 +184,11 @@ impl Sections {
         match name.as_slice() {
             [b"Atoms"] => {
                 check_style(first).map_err(|(f, a)| lines.refuse(f, a))?;
-                self.rows(lines, |all, row| all.atom(row))
+                self.atoms = Some(self.atoms_of(lines)?);
+                self.rows(lines, Self::atom)
             }
-            [b"Velocities"] => self.rows(lines, |all, row| all.velocity(row)),
-            [b"Masses"] => self.rows(lines, |all, row| all.mass(row)),
+            [b"Velocities"] => self.rows(lines, Self::velocity),
+            [b"Masses"] => self.rows(lines, Self::mass),
             [b"Atom", b"Type", b"Labels"] => self.rows(lines, |all, row| {
                 let [number, label] = row else {
                     return Err(wrong_row(row, "`type label`"));
@@ -175,7 +212,7 @@ impl Sections {
         lines: &mut Lines<R>,
         mut take: impl FnMut(&mut Self, &[&[u8]]) -> Result<(), Refusal>,
     ) -> Result<Option<Vec<u8>>, FormatError> {
-        while next(lines)? {
+        while self.next(lines)? {
             let words: Vec<&[u8]> = tokens(content(lines.line())).collect();
             if words[0][0].is_ascii_alphabetic() {
                 return Ok(Some(lines.line().to_vec()));
@@ -185,73 +222,95 @@ impl Sections {
         Ok(None)
     }
 
-    fn atom(&mut self, row: &[&[u8]]) -> Result<(), Refusal> {
-        let (image, row) = match row {
-            [row @ .., ix, iy, iz] if row.len() == 5 => {
-                let flag = |token: &[u8]| {
-                    whole::<i32>(token)
-                        .ok_or_else(|| (excerpt(token), "an integer of 32 bits".to_string()))
-                };
-                (IVec3::new(flag(ix)?, flag(iy)?, flag(iz)?), row)
-            }
-            row => (IVec3::ZERO, row),
+    /// The section `Atoms` before its first row.
+    fn atoms_of<R: BufRead>(&self, lines: &Lines<R>) -> Result<Atoms, FormatError> {
+        let n = self
+            .n
+            .ok_or_else(|| lines.refuse("the section Atoms", "the number of atoms before it"))?;
+        let [Some([x0, x1]), Some([y0, y1]), Some([z0, z1])] = self.low else {
+            let allowed = "box sides before it: `xlo xhi`, `ylo yhi`, `zlo zhi`";
+            return Err(lines.refuse("the section Atoms", allowed));
         };
-        let [id, kind, x, y, z] = row else {
-            return Err(wrong_row(
+        if self.atoms.is_some() {
+            return Err(lines.refuse("a second section Atoms", "one of them"));
+        }
+        let scales = self
+            .units
+            .scales(None)
+            .map_err(|(f, a)| lines.refuse(f, a))?;
+        let bounds = Bounds::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
+        let place = bounds.and_then(|bounds| Place::new(bounds.low, Some(bounds.cell), scales));
+        let columns = [
+            Column::Scalar(Scalar::Id),
+            Column::Scalar(Scalar::Type),
+            Column::Vector(Vector::Position),
+        ];
+        let without_image = Columns::fixed(&columns);
+        Ok(Atoms {
+            place: place.map_err(|(f, a)| lines.refuse(f, a))?,
+            with_image: Columns::fixed(&[&columns[..], &[Column::Vector(Vector::Image)]].concat()),
+            particles: ParticleReader::new(n, &without_image),
+            without_image,
+            rows: 0,
+        })
+    }
+
+    fn atom(&mut self, row: &[&[u8]]) -> Result<(), Refusal> {
+        let atoms = self.atoms.as_mut().expect("the section has begun");
+        let layouts = [&atoms.without_image, &atoms.with_image];
+        let columns = layouts
+            .into_iter()
+            .find(|columns| columns.width() == row.len());
+        let columns = columns.ok_or_else(|| {
+            wrong_row(
                 row,
                 "`id type x y z`, with or without `ix iy iz` (atom_style atomic)",
-            ));
-        };
-        if Some(self.ids.len()) == self.n {
+            )
+        })?;
+        if Some(atoms.rows) == self.n {
             return Err((
-                format!("a row after {} atoms", self.ids.len()),
+                format!("a row after {} atoms", atoms.rows),
                 "as many rows as the header says".into(),
             ));
         }
-        let position = DVec3::new(number(x)?, number(y)?, number(z)?);
-        let name = self.name_of(kind);
-        let number = match self.kinds.iter().position(|known| *known == name) {
-            Some(number) => number,
-            None => {
-                self.kinds.push(name);
-                self.kinds.len() - 1
-            }
-        };
-        self.of_particle.push(u16::try_from(number).map_err(|_| {
-            let allowed = format!("at most {} types", u16::MAX);
-            (format!("{} types", self.kinds.len()), allowed)
-        })?);
-        self.ids.push(particle_number(id)?);
-        self.positions.push(position);
-        self.images.push(image);
-        Ok(())
+        let mut read = columns.row_of(row)?;
+        let number = read.kind.and_then(|kind| kind.parse::<usize>().ok());
+        if let (Some(number), Some(types)) = (number, self.types)
+            && number > types
+        {
+            return Err((
+                format!("the type {number}"),
+                format!("types up to {types}, as the header says"),
+            ));
+        }
+        read.kind = read.kind.map(|kind| {
+            self.labels
+                .get(kind.as_bytes())
+                .map_or(kind, String::as_str)
+        });
+        atoms.rows += 1;
+        atoms.particles.take(read, &atoms.place)
     }
 
     fn velocity(&mut self, row: &[&[u8]]) -> Result<(), Refusal> {
         let [id, x, y, z] = row else {
             return Err(wrong_row(row, "`id vx vy vz`"));
         };
-        let velocity = DVec3::new(number(x)?, number(y)?, number(z)?);
-        self.velocities.insert(particle_number(id)?, velocity);
-        Ok(())
+        let found = DVec3::new(number(x)?, number(y)?, number(z)?);
+        let found = velocity(self.units.scales(None)?.velocity(found)?)?;
+        once(
+            self.velocities.insert(particle_number(id)?, found),
+            id,
+            "velocity",
+        )
     }
 
     fn mass(&mut self, row: &[&[u8]]) -> Result<(), Refusal> {
-        let [kind, mass] = row else {
+        let [kind, found] = row else {
             return Err(wrong_row(row, "`type mass`"));
         };
-        let mass = number(mass)
-            .ok()
-            .filter(|mass| *mass > 0.0)
-            .ok_or_else(|| {
-                (
-                    format!("the mass {}", excerpt(mass)),
-                    "a positive number".to_string(),
-                )
-            })?;
-        let name = self.name_of(kind);
-        self.masses.insert(name, mass);
-        Ok(())
+        let found = mass(number(found)?)?;
+        once(self.masses.insert(self.name_of(kind), found), kind, "mass")
     }
 
     /// The label of a type, or its number.
@@ -260,71 +319,43 @@ impl Sections {
         self.labels.get(kind).cloned().unwrap_or_else(number)
     }
 
-    fn finish<R: BufRead>(self, lines: &Lines<R>) -> Result<StartConfiguration, FormatError> {
+    fn finish<R: BufRead>(self, lines: &Lines<R>) -> Result<TrajectoryFrame, FormatError> {
         let absent = |what: &str| lines.refuse_end(what);
         let n = self.n.ok_or_else(|| absent("the number of atoms"))?;
-        let [Some([x0, x1]), Some([y0, y1]), Some([z0, z1])] = self.low else {
-            return Err(absent(
-                "box sides before it: `xlo xhi`, `ylo yhi`, `zlo zhi`",
-            ));
-        };
-        let bounds = Bounds::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1))
+        let atoms = self.atoms.ok_or_else(|| absent("the section Atoms"))?;
+        if atoms.rows != n {
+            let rows = atoms.rows;
+            return Err(absent(&format!(
+                "{n} rows in the section Atoms, where it has {rows}: the file is truncated"
+            )));
+        }
+        let mut found = atoms
+            .particles
+            .finish()
             .map_err(|(f, a)| lines.refuse(f, a))?;
-        if self.ids.len() != n {
-            let atoms = self.ids.len();
-            return Err(absent(&format!(
-                "{n} rows in the section Atoms, where it has {atoms}: the file is truncated"
-            )));
+        if !self.masses.is_empty() {
+            let of = |kind: &String| {
+                let wanted = || format!("a row in the section Masses for the type {kind}");
+                self.masses
+                    .get(kind)
+                    .copied()
+                    .ok_or_else(|| absent(&wanted()))
+            };
+            found.species.masses = found
+                .species
+                .names
+                .iter()
+                .map(of)
+                .collect::<Result<_, _>>()?;
         }
-        let without = |kind: &&String| !self.masses.contains_key(*kind);
-        if let Some(kind) = self.kinds.iter().find(without)
-            && !self.masses.is_empty()
-        {
-            let wanted = format!("a row in the section Masses for the type {kind}");
-            return Err(absent(&wanted));
+        if !self.velocities.is_empty() {
+            let of = |id: &u64| self.velocities.get(id).copied();
+            let velocities: Option<Vec<DVec3>> = found.ids.iter().map(of).collect();
+            let velocities = velocities.filter(|_| self.velocities.len() == n);
+            let wanted = "a row in the section Velocities for every atom";
+            found.velocities = Some(velocities.ok_or_else(|| absent(wanted))?);
         }
-        let mut species = SpeciesReader::new(n);
-        for kind in &self.of_particle {
-            let name = &self.kinds[usize::from(*kind)];
-            species
-                .take(Some(name), self.masses.get(name).copied())
-                .map_err(|(f, a)| lines.refuse(f, a))?;
-        }
-        let unfolded = self.positions.iter().zip(&self.images);
-        let mut positions: Vec<DVec3> = unfolded
-            .map(|(r, image)| *r - bounds.low + image.as_dvec3() * bounds.cell.lengths())
-            .collect();
-        if let Some(i) = positions.iter().position(|r| !r.is_finite()) {
-            return Err(absent(&format!(
-                "positions that stay finite, unlike the one of atom {}",
-                self.ids[i]
-            )));
-        }
-        let velocities = match self.velocities.len() {
-            0 => None,
-            _ => {
-                let of = |id: &u64| self.velocities.get(id).copied();
-                let found: Option<Vec<DVec3>> = self.ids.iter().map(of).collect();
-                let wanted = "a row in the section Velocities for every atom";
-                Some(found.ok_or_else(|| absent(wanted))?)
-            }
-        };
-        let order = Order::of(&self.ids).map_err(|(f, a)| lines.refuse(f, a))?;
-        order.sort(&mut positions);
-        let velocities = velocities.map(|mut velocities| {
-            order.sort(&mut velocities);
-            velocities
-        });
-        order.sort(&mut species.found.of_particle);
-        Ok(StartConfiguration {
-            frames: 1,
-            cell: bounds.cell,
-            positions,
-            velocities,
-            step: None,
-            time: None,
-            species: species.found,
-        })
+        Ok(TrajectoryFrame::of(found, atoms.place.cell))
     }
 }
 
@@ -340,9 +371,15 @@ fn check_style(line: &[u8]) -> Result<(), Refusal> {
     }
 }
 
-fn particle_number(id: &[u8]) -> Result<u64, Refusal> {
-    let allowed = "the number of an atom, an integer of at least 0";
-    whole::<u64>(id).ok_or_else(|| (excerpt(id), allowed.to_string()))
+/// Refuses a second row for one thing.
+fn once<T>(before: Option<T>, of: &[u8], what: &str) -> Result<(), Refusal> {
+    match before {
+        None => Ok(()),
+        Some(_) => Err((
+            format!("a second {what} of {}", excerpt(of)),
+            "one row for each".into(),
+        )),
+    }
 }
 
 fn wrong_row(row: &[&[u8]], allowed: &str) -> Refusal {

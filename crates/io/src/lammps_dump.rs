@@ -2,16 +2,16 @@
 //!
 //! Source: LAMMPS documentation, "dump command".
 
-use std::collections::BTreeMap;
 use std::io::BufRead;
 
-use glam::{DVec3, IVec3};
+use glam::DVec3;
 
-use crate::error::excerpt;
-use crate::lammps::{Bounds, Order, bound, number, triclinic, whole};
+use crate::columns::{Column, Columns, MOST_COLUMNS, Scalar, Vector, motion};
+use crate::error::{Refusal, excerpt};
+use crate::lammps::{Bounds, bound, triclinic};
 use crate::lines::{Lines, tokens};
-use crate::species_reader::SpeciesReader;
-use crate::xyz_header::Refusal;
+use crate::particles::{ParticleReader, Place};
+use crate::units::FileUnits;
 use crate::{FormatError, TrajectoryFrame};
 
 /// What the first line of a frame begins with.
@@ -19,9 +19,6 @@ pub(crate) const FIRST_WORD: &[u8] = b"ITEM:";
 
 /// Shortest line of a particle, `0 0 0` and its end, in bytes.
 const LEAST_BYTES_A_PARTICLE: u64 = 6;
-
-/// Most columns that a line may have.
-const MOST_COLUMNS: usize = 256;
 
 /// How coordinates are written, the best for reading first.
 const COORDINATES: [[&str; 3]; 4] = [
@@ -33,107 +30,141 @@ const COORDINATES: [[&str; 3]; 4] = [
 /// The one of them that is folded into the box, from which on image flags count.
 const FOLDED: usize = 2;
 
+/// What LAMMPS puts before the names of numbers that it computes.
+const COMPUTED: [&str; 6] = ["c_", "f_", "v_", "d_", "d2_", "i_"];
+
 /// What a frame says before its particles.
 struct Header {
     step: u64,
     n: usize,
-    bounds: Bounds,
+    place: Place,
     columns: Columns,
 }
 
-/// Where in a line everything stands.
-struct Columns {
-    width: usize,
-    id: Option<usize>,
-    kind: Option<usize>,
-    element: Option<usize>,
-    mass: Option<usize>,
-    position: [usize; 3],
-    scaled: bool,
-    velocity: Option<[usize; 3]>,
-    force: Option<[usize; 3]>,
-    image: Option<[usize; 3]>,
-}
-
-impl Columns {
-    fn parse(line: &[u8]) -> Result<Self, Refusal> {
-        let names: Vec<&[u8]> = tokens(line).skip(2).collect();
-        if names.len() > MOST_COLUMNS {
+/// Where in a line everything stands, and whether positions are shares of the box.
+fn columns(line: &[u8]) -> Result<(Columns, bool), Refusal> {
+    let names: Vec<&str> = tokens(line)
+        .skip(2)
+        .map(|n| std::str::from_utf8(n).unwrap_or_default())
+        .collect();
+    if names.len() > MOST_COLUMNS {
+        return Err((
+            format!("{} columns", names.len()),
+            format!("at most {MOST_COLUMNS} columns"),
+        ));
+    }
+    let has = |coordinates: &[&str; 3]| coordinates.iter().all(|name| names.contains(name));
+    let Some(style) = COORDINATES.iter().position(has) else {
+        return Err((
+            excerpt(line),
+            "positions among the columns: x y z, xu yu zu, xs ys zs or xsu ysu zsu".into(),
+        ));
+    };
+    let axis = |of: &[&str; 3], name: &str| of.iter().position(|n| *n == name);
+    let mut all = Columns::default();
+    for name in names {
+        let vectors = [
+            (Vector::Position, COORDINATES[style]),
+            (Vector::Image, ["ix", "iy", "iz"]),
+            (Vector::Force, ["fx", "fy", "fz"]),
+        ];
+        let of_vector = vectors
+            .iter()
+            .find_map(|(vector, of)| Some(Column::Component(*vector, axis(of, name)?)));
+        let column = match (name, of_vector) {
+            (_, Some(column)) => column,
+            ("id", _) => Column::Scalar(Scalar::Id),
+            ("type", _) => Column::Scalar(Scalar::Type),
+            ("element", _) => Column::Scalar(Scalar::Name),
+            ("mass", _) => Column::Scalar(Scalar::Mass),
+            _ => match COMPUTED
+                .iter()
+                .find_map(|prefix| name.strip_prefix(prefix))
+                .map(motion)
+            {
+                Some(Column::Vector(_) | Column::Component(..)) => {
+                    let found = format!(
+                        "{}, a velocity or momentum that was computed",
+                        excerpt(name.as_bytes())
+                    );
+                    return Err((found, "velocities as vx vy vz, or no such column".into()));
+                }
+                Some(_) => Column::Other,
+                None => motion(name),
+            },
+        };
+        // A vector has three columns here, each with its name.
+        let column = if let Column::Vector(vector) = column {
+            Column::Component(vector, 0)
+        } else {
+            column
+        };
+        if !all.add(column, 1) {
             return Err((
-                format!("{} columns", names.len()),
-                format!("at most {MOST_COLUMNS} columns"),
+                format!("{} twice", excerpt(name.as_bytes())),
+                "each quantity once".into(),
             ));
         }
-        let find = |name: &str| names.iter().position(|n| *n == name.as_bytes());
-        let all = |names: [&str; 3]| Some([find(names[0])?, find(names[1])?, find(names[2])?]);
-        let found = COORDINATES.iter().position(|names| all(*names).is_some());
-        let Some(style) = found else {
-            return Err((
-                excerpt(line),
-                "positions among the columns: x y z, xu yu zu, xs ys zs or xsu ysu zsu".into(),
-            ));
-        };
-        Ok(Self {
-            width: names.len(),
-            id: find("id"),
-            kind: find("type"),
-            element: find("element"),
-            mass: find("mass"),
-            position: all(COORDINATES[style]).expect("it was found"),
-            scaled: COORDINATES[style][0].starts_with("xs"),
-            velocity: all(["vx", "vy", "vz"]),
-            force: all(["fx", "fy", "fz"]),
-            image: all(["ix", "iy", "iz"]).filter(|_| style >= FOLDED),
-        })
     }
-}
-
-/// Goes to the next line, which must be there.
-fn next<R: BufRead>(lines: &mut Lines<R>, wanted: &str) -> Result<(), FormatError> {
-    match lines.advance()? {
-        true => Ok(()),
-        false => Err(lines.refuse_end(wanted)),
+    if style < FOLDED {
+        all.forget(Vector::Image);
+    }
+    match all.in_part() {
+        Some(vector) => Err((
+            format!("a part of {vector} in {}", excerpt(line)),
+            "all three components, or none".into(),
+        )),
+        None => Ok((all, COORDINATES[style][0].starts_with("xs"))),
     }
 }
 
 /// Reads the lines before the particles; the current line is the first.
-fn header<R: BufRead>(lines: &mut Lines<R>) -> Result<Header, FormatError> {
-    let (mut step, mut n, mut bounds) = (None, None, None);
+fn header<R: BufRead>(lines: &mut Lines<R>, units: FileUnits) -> Result<Header, FormatError> {
+    let (mut step, mut n, mut bounds, mut said) = (None, None, None, None);
     loop {
         let item = lines.line().strip_prefix(FIRST_WORD).map(<[u8]>::to_vec);
         let item = item.ok_or_else(|| lines.refuse(excerpt(lines.line()), "a line `ITEM: …`"))?;
         let words: Vec<&[u8]> = tokens(&item).collect();
         match words.as_slice() {
             [b"TIMESTEP"] => {
-                next(lines, "the number of the step")?;
-                let found = tokens(lines.line()).next().and_then(whole::<u64>);
-                step = Some(found.ok_or_else(|| {
-                    lines.refuse(excerpt(lines.line()), "an integer of at least 0")
-                })?);
+                lines.next_or("the number of the step")?;
+                let text = std::str::from_utf8(lines.line()).unwrap_or_default().trim();
+                let refuse = |_| lines.refuse(excerpt(lines.line()), "an integer of at least 0");
+                step = Some(text.parse::<u64>().map_err(refuse)?);
             }
             [b"NUMBER", b"OF", b"ATOMS"] => {
-                next(lines, "the number of particles")?;
+                lines.next_or("the number of particles")?;
                 n = Some(lines.particle_count(1, LEAST_BYTES_A_PARTICLE)?);
             }
             [b"UNITS"] => {
-                next(lines, "the units")?;
-                if tokens(lines.line()).next() != Some(b"lj") {
-                    let found = format!("units {}", excerpt(lines.line()));
-                    return Err(lines.refuse(found, "lj (reduced units), or no such entry"));
-                }
+                lines.next_or("the units")?;
+                let unit = String::from_utf8_lossy(lines.line()).trim().to_owned();
+                units
+                    .scales(Some(&unit))
+                    .map_err(|(f, a)| lines.refuse(f, a))?;
+                said = Some(unit);
             }
-            [b"TIME"] => next(lines, "the time")?,
+            [b"TIME"] => lines.next_or("the time")?,
             [b"BOX", b"BOUNDS", edges @ ..] => bounds = Some(read_bounds(lines, edges)?),
             [b"ATOMS", ..] => {
-                let columns = Columns::parse(lines.line()).map_err(|(f, a)| lines.refuse(f, a))?;
+                let refuse = |(found, allowed): Refusal| lines.refuse(found, allowed);
+                let (columns, scaled) = columns(lines.line()).map_err(refuse)?;
                 let missing = |item: &str| {
                     let found = format!("particles before `ITEM: {item}`");
                     lines.refuse(found, format!("`ITEM: {item}` before them"))
                 };
+                let step = step.ok_or_else(|| missing("TIMESTEP"))?;
+                let n = n.ok_or_else(|| missing("NUMBER OF ATOMS"))?;
+                let Bounds { low, cell } = bounds.ok_or_else(|| missing("BOX BOUNDS"))?;
+                let scales = units.scales(said.as_deref()).map_err(refuse)?;
+                let place = Place {
+                    scaled,
+                    ..Place::new(low, Some(cell), scales).map_err(refuse)?
+                };
                 return Ok(Header {
-                    step: step.ok_or_else(|| missing("TIMESTEP"))?,
-                    n: n.ok_or_else(|| missing("NUMBER OF ATOMS"))?,
-                    bounds: bounds.ok_or_else(|| missing("BOX BOUNDS"))?,
+                    step,
+                    n,
+                    place,
                     columns,
                 });
             }
@@ -142,7 +173,7 @@ fn header<R: BufRead>(lines: &mut Lines<R>) -> Result<Header, FormatError> {
                 return Err(lines.refuse(excerpt(lines.line()), allowed));
             }
         }
-        next(lines, "`ITEM: ATOMS` with the names of the columns")?;
+        lines.next_or("`ITEM: ATOMS` with the names of the columns")?;
     }
 }
 
@@ -159,7 +190,7 @@ fn read_bounds<R: BufRead>(lines: &mut Lines<R>, edges: &[&[u8]]) -> Result<Boun
     }
     let (mut low, mut high) = (DVec3::ZERO, DVec3::ZERO);
     for axis in 0..3 {
-        next(lines, "where the box begins and ends")?;
+        lines.next_or("where the box begins and ends")?;
         [low[axis], high[axis]] = bound(lines.line()).map_err(|(f, a)| lines.refuse(f, a))?;
     }
     Bounds::new(low, high).map_err(|(f, a)| lines.refuse(f, a))
@@ -170,10 +201,13 @@ fn missing(row: usize, n: usize) -> String {
 }
 
 /// Passes over the frame whose first line is the current line.
-pub(crate) fn skip_frame<R: BufRead>(lines: &mut Lines<R>) -> Result<(), FormatError> {
-    let n = header(lines)?.n;
+pub(crate) fn skip_frame<R: BufRead>(
+    lines: &mut Lines<R>,
+    units: FileUnits,
+) -> Result<(), FormatError> {
+    let n = header(lines, units)?.n;
     for row in 1..=n {
-        next(lines, &missing(row, n))?;
+        lines.next_or(&missing(row, n))?;
     }
     Ok(())
 }
@@ -181,14 +215,15 @@ pub(crate) fn skip_frame<R: BufRead>(lines: &mut Lines<R>) -> Result<(), FormatE
 /// Reads the frame whose first line is the current line.
 pub(crate) fn parse_frame<R: BufRead>(
     lines: &mut Lines<R>,
+    units: FileUnits,
 ) -> Result<TrajectoryFrame, FormatError> {
     let Header {
         step,
         n,
-        bounds,
+        place,
         columns,
-    } = header(lines)?;
-    let least = 2 * columns.width as u64;
+    } = header(lines, units)?;
+    let least = 2 * columns.width() as u64;
     if !lines.check_room(n as u64, 0, least) {
         let allowed = format!(
             "at most what the {} bytes left in the file can hold: the count is wrong or the frame is truncated",
@@ -196,114 +231,16 @@ pub(crate) fn parse_frame<R: BufRead>(
         );
         return Err(lines.refuse(format!("{n} particles"), allowed));
     }
-    let (mut ids, mut positions) = (Vec::with_capacity(n), Vec::with_capacity(n));
-    let (mut velocities, mut forces) = (Vec::new(), Vec::new());
-    let mut species = SpeciesReader::new(n);
+    let mut particles = ParticleReader::new(n, &columns);
     for row in 1..=n {
-        next(lines, &missing(row, n))?;
-        let particle = parse_particle(lines.line(), &columns, &bounds);
-        let particle = particle.map_err(|(f, a)| lines.refuse(f, a))?;
-        ids.extend(particle.id);
-        positions.push(particle.position);
-        velocities.extend(particle.velocity);
-        forces.extend(particle.force);
-        species
-            .take(particle.name, particle.mass)
+        lines.next_or(&missing(row, n))?;
+        let read = columns.row(lines.line(), "as `ITEM: ATOMS` says");
+        read.and_then(|row| particles.take(row, &place))
             .map_err(|(f, a)| lines.refuse(f, a))?;
     }
-    let order = Order::of(&ids).map_err(|(f, a)| lines.refuse(f, a))?;
-    order.sort(&mut positions);
-    order.sort(&mut velocities);
-    order.sort(&mut forces);
-    order.sort(&mut species.found.of_particle);
+    let particles = particles.finish().map_err(|(f, a)| lines.refuse(f, a))?;
     Ok(TrajectoryFrame {
-        cell: Some(bounds.cell),
-        positions,
-        velocities: columns.velocity.map(|_| velocities),
-        forces: columns.force.map(|_| forces),
-        species: species.found,
         step: Some(step),
-        time: None,
-        info: BTreeMap::new(),
-    })
-}
-
-/// One line of a frame.
-struct Particle<'a> {
-    id: Option<u64>,
-    name: Option<&'a str>,
-    mass: Option<f64>,
-    position: DVec3,
-    velocity: Option<DVec3>,
-    force: Option<DVec3>,
-}
-
-fn parse_particle<'a>(
-    line: &'a [u8],
-    columns: &Columns,
-    bounds: &Bounds,
-) -> Result<Particle<'a>, Refusal> {
-    let mut all: [&[u8]; MOST_COLUMNS] = [&[]; MOST_COLUMNS];
-    let mut width = 0;
-    for token in tokens(line) {
-        if width == columns.width {
-            width += 1;
-            break;
-        }
-        all[width] = token;
-        width += 1;
-    }
-    if width != columns.width {
-        return Err((
-            format!("{} columns in {}", tokens(line).count(), excerpt(line)),
-            format!("{} columns, as `ITEM: ATOMS` says", columns.width),
-        ));
-    }
-    let vector = |at: [usize; 3]| -> Result<DVec3, Refusal> {
-        Ok(DVec3::new(
-            number(all[at[0]])?,
-            number(all[at[1]])?,
-            number(all[at[2]])?,
-        ))
-    };
-    let integer = |at: usize, allowed: &str| {
-        whole::<u64>(all[at]).ok_or_else(|| (excerpt(all[at]), allowed.to_string()))
-    };
-    let mut position = vector(columns.position)?;
-    let sides = bounds.cell.lengths();
-    if columns.scaled {
-        position *= sides;
-    } else {
-        position -= bounds.low;
-    }
-    if let Some(at) = columns.image {
-        let flag = |at: usize| {
-            whole::<i32>(all[at])
-                .ok_or_else(|| (excerpt(all[at]), "an integer of 32 bits".to_string()))
-        };
-        let image = IVec3::new(flag(at[0])?, flag(at[1])?, flag(at[2])?);
-        position += image.as_dvec3() * sides;
-    }
-    if !position.is_finite() {
-        return Err((excerpt(line), "a position that stays finite".into()));
-    }
-    let name = columns.element.or(columns.kind).map(|at| {
-        std::str::from_utf8(all[at]).map_err(|_| {
-            (
-                excerpt(all[at]),
-                "the name of a species in UTF-8".to_string(),
-            )
-        })
-    });
-    Ok(Particle {
-        id: columns
-            .id
-            .map(|at| integer(at, "the number of a particle, an integer of at least 0"))
-            .transpose()?,
-        name: name.transpose()?,
-        mass: columns.mass.map(|at| number(all[at])).transpose()?,
-        position,
-        velocity: columns.velocity.map(vector).transpose()?,
-        force: columns.force.map(vector).transpose()?,
+        ..TrajectoryFrame::of(particles, place.cell)
     })
 }

@@ -13,13 +13,16 @@ mod checkpoint_codec;
 mod checkpoint_contents;
 mod checkpoint_folder;
 mod claim;
+mod columns;
 mod configuration;
 mod error;
 mod extended_xyz;
 mod folder;
+mod foreign;
 mod formats;
 mod found;
 mod frame;
+mod gro;
 mod holder;
 mod host;
 mod lammps;
@@ -29,6 +32,7 @@ mod lammps_dump;
 mod lines;
 mod mixture_record;
 mod nist;
+mod particles;
 mod record;
 mod rewind;
 mod shell;
@@ -39,6 +43,7 @@ mod text;
 mod topology;
 mod trajectory;
 mod trajectory_reader;
+mod units;
 mod xyz_header;
 
 pub use atomic::{write_json_atomically, write_text_atomically};
@@ -50,7 +55,9 @@ pub use checkpoint_contents::{
     CHECKPOINT_VERSION, Checkpoint, CheckpointMetadata, CheckpointProblem,
 };
 pub use checkpoint_folder::CheckpointFolder;
-pub use configuration::{read_configuration, read_configuration_bytes, read_configuration_in};
+pub use configuration::{
+    Beside, read_configuration, read_configuration_bytes, read_configuration_in,
+};
 pub use error::{FormatError, WriteError};
 pub use folder::{
     Existing, FolderError, OutputFolder, create_named_folder, create_numbered_folder,
@@ -63,6 +70,7 @@ pub use holder::Holder;
 pub use host::cpu_name;
 pub use lammps_data_writer::write_lammps_data;
 pub use mixture_record::{PairRecord, SpeciesRecord};
+pub use particles::LARGEST;
 pub use record::{
     AverageRecord, BarostatRecord, Comparison, Conservation, Host, NeighborRecord, Performance,
     RUN_SCHEMA, RanksRecord, RunRecord, SOUND, StageSeconds, StatePoint, ThermostatRecord,
@@ -76,3 +84,4 @@ pub use trajectory::{TrajectoryWriter, write_frame};
 pub use trajectory_reader::{
     TrajectoryReader, read_trajectory, read_trajectory_bytes, whole_frames,
 };
+pub use units::FileUnits;

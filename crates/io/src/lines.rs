@@ -81,6 +81,14 @@ impl<R: BufRead> Lines<R> {
         Ok(true)
     }
 
+    /// Goes to the next line, which must be there and hold what is `wanted`.
+    pub(crate) fn next_or(&mut self, wanted: &str) -> Result<(), FormatError> {
+        match self.advance()? {
+            true => Ok(()),
+            false => Err(self.refuse_end(wanted)),
+        }
+    }
+
     /// Says that reading starts behind the first `offset` bytes and `number` lines of the file.
     pub(crate) fn start_at(&mut self, offset: u64, number: u64) {
         self.offset = offset;

@@ -9,9 +9,12 @@ use std::io::BufRead;
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 
+use crate::columns::{Column, Columns, Scalar, Vector};
 use crate::error::excerpt;
 use crate::lines::{Lines, finite, tokens};
-use crate::{FormatError, FoundSpecies, StartConfiguration};
+use crate::particles::{ParticleReader, Place};
+use crate::units::FileUnits;
+use crate::{FormatError, TrajectoryFrame};
 
 /// Shortest line of a particle, `1 0 0 0` and its end, in bytes.
 const LEAST_BYTES_A_PARTICLE: u64 = 8;
@@ -26,15 +29,18 @@ pub(crate) fn is_triclinic_line(line: &[u8]) -> bool {
     tokens(line).count() == 7 && tokens(line).all(is_number)
 }
 
-fn is_number(token: &[u8]) -> bool {
+/// Whether this piece of a line is a number, finite or not.
+pub(crate) fn is_number(token: &[u8]) -> bool {
     std::str::from_utf8(token).is_ok_and(|text| text.parse::<f64>().is_ok())
 }
 
 /// Reads the whole file; nothing of it has been read yet.
-pub(crate) fn parse<R: BufRead>(mut lines: Lines<R>) -> Result<StartConfiguration, FormatError> {
-    if !lines.advance()? {
-        return Err(lines.refuse_end("three box sides"));
-    }
+pub(crate) fn parse<R: BufRead>(
+    mut lines: Lines<R>,
+    units: FileUnits,
+) -> Result<TrajectoryFrame, FormatError> {
+    lines.next_or("three box sides")?;
+    let scales = units.scales(None).map_err(|(f, a)| lines.refuse(f, a))?;
     let sides: Option<Vec<f64>> = tokens(lines.line()).map(finite).collect();
     let cell = match sides.as_deref() {
         Some(&[x, y, z]) => PeriodicBox::new(DVec3::new(x, y, z)).ok(),
@@ -46,29 +52,28 @@ pub(crate) fn parse<R: BufRead>(mut lines: Lines<R>) -> Result<StartConfiguratio
             "three box sides, finite positive numbers",
         )
     })?;
-    if !lines.advance()? {
-        return Err(lines.refuse_end("the number of particles"));
-    }
+    lines.next_or("the number of particles")?;
     let n = lines.particle_count(0, LEAST_BYTES_A_PARTICLE)?;
-    let mut positions = Vec::with_capacity(n);
-    for row in 1..=n {
-        if !lines.advance()? {
-            return Err(lines.refuse_end(format!("particle {row} of {n}: the file is truncated")));
-        }
-        let mut columns = tokens(lines.line());
-        let id = columns
-            .next()
-            .and_then(|t| std::str::from_utf8(t).ok()?.parse::<usize>().ok());
-        let numbers: Option<Vec<f64>> = columns.map(finite).collect();
-        match (id, numbers.as_deref()) {
-            (Some(id), Some(&[x, y, z])) if id == row => positions.push(DVec3::new(x, y, z)),
-            _ => {
-                return Err(lines.refuse(
+    let columns = Columns::fixed(&[Column::Scalar(Scalar::Id), Column::Vector(Vector::Position)]);
+    let place = Place::new(DVec3::ZERO, Some(cell), scales).map_err(|(f, a)| lines.refuse(f, a))?;
+    let mut particles = ParticleReader::new(n, &columns);
+    for number in 1..=n {
+        lines.next_or(&format!("particle {number} of {n}: the file is truncated"))?;
+        let row = columns.row(lines.line(), "");
+        let row = row
+            .ok()
+            .filter(|row| row.id == Some(number as u64))
+            .ok_or_else(|| {
+                lines.refuse(
                     excerpt(lines.line()),
-                    format!("`{row} x y z`: the particle's number, then three finite coordinates"),
-                ));
-            }
-        }
+                    format!(
+                        "`{number} x y z`: the particle's number, then three finite coordinates"
+                    ),
+                )
+            })?;
+        particles
+            .take(row, &place)
+            .map_err(|(f, a)| lines.refuse(f, a))?;
     }
     while lines.advance()? {
         if !lines.is_blank() {
@@ -78,13 +83,6 @@ pub(crate) fn parse<R: BufRead>(mut lines: Lines<R>) -> Result<StartConfiguratio
             ));
         }
     }
-    Ok(StartConfiguration {
-        frames: 1,
-        cell,
-        positions,
-        velocities: None,
-        step: None,
-        time: None,
-        species: FoundSpecies::default(),
-    })
+    let particles = particles.finish().map_err(|(f, a)| lines.refuse(f, a))?;
+    Ok(TrajectoryFrame::of(particles, place.cell))
 }

@@ -1,8 +1,7 @@
 //! The names and masses of particles, gathered line by line.
 
 use crate::FoundSpecies;
-use crate::error::excerpt;
-use crate::xyz_header::Refusal;
+use crate::error::{Refusal, excerpt};
 
 /// The most names of a file.
 const MOST_NAMES: usize = 255;
@@ -25,24 +24,37 @@ impl SpeciesReader {
         }
     }
 
-    /// Takes name and mass of the next particle.
-    pub(crate) fn take(&mut self, name: Option<&str>, mass: Option<f64>) -> Result<(), Refusal> {
+    /// Takes name, type and mass of the next particle. A type is its name where it has no other.
+    pub(crate) fn take(
+        &mut self,
+        name: Option<&str>,
+        kind: Option<&str>,
+        mass: Option<f64>,
+    ) -> Result<(), Refusal> {
         let found = &mut self.found;
+        let (name, kind) = match name {
+            None => (kind, None),
+            name => (name, kind),
+        };
+        let is_kind = |k: usize| kind.is_none_or(|kind| found.types[k] == kind);
         let of = match name {
             None => 0,
-            Some(name) => match found.names.iter().position(|known| known == name) {
-                Some(known) => known,
-                None if found.names.len() == MOST_NAMES => {
-                    return Err((
-                        excerpt(name.as_bytes()),
-                        format!("at most {MOST_NAMES} names of species"),
-                    ));
+            Some(name) => {
+                match (0..found.names.len()).find(|k| found.names[*k] == name && is_kind(*k)) {
+                    Some(known) => known,
+                    None if found.names.len() == MOST_NAMES => {
+                        return Err((
+                            excerpt(name.as_bytes()),
+                            format!("at most {MOST_NAMES} names of species"),
+                        ));
+                    }
+                    None => {
+                        found.names.push(name.to_owned());
+                        found.types.extend(kind.map(str::to_owned));
+                        found.names.len() - 1
+                    }
                 }
-                None => {
-                    found.names.push(name.to_owned());
-                    found.names.len() - 1
-                }
-            },
+            }
         };
         if found.of_particle.is_empty() && of > 0 {
             found.of_particle.reserve(self.n);
@@ -79,7 +91,7 @@ mod tests {
         let mut reader = SpeciesReader::new(4);
         for name in ["Ar", "Ar", "Kr", "Ar"] {
             let mass = if name == "Ar" { 1.0 } else { 2.0 };
-            reader.take(Some(name), Some(mass)).unwrap();
+            reader.take(Some(name), None, Some(mass)).unwrap();
         }
         let found = reader.found;
         assert_eq!(found.names, ["Ar", "Kr"]);
@@ -87,22 +99,22 @@ mod tests {
         assert_eq!(found.masses, [1.0, 2.0]);
         assert_eq!((found.of(1), found.of(2)), (0, 1));
         let mut one = SpeciesReader::new(2);
-        one.take(Some("Ar"), None).unwrap();
-        one.take(Some("Ar"), None).unwrap();
+        one.take(Some("Ar"), None, None).unwrap();
+        one.take(Some("Ar"), None, None).unwrap();
         assert_eq!(one.found.of_particle, Vec::<u8>::new());
     }
 
     #[test]
     fn a_species_has_one_mass() {
         let mut reader = SpeciesReader::new(3);
-        reader.take(Some("Ar"), Some(1.0)).unwrap();
-        let (found, allowed) = reader.take(Some("Ar"), Some(1.5)).unwrap_err();
+        reader.take(Some("Ar"), None, Some(1.0)).unwrap();
+        let (found, allowed) = reader.take(Some("Ar"), None, Some(1.5)).unwrap_err();
         assert_eq!(
             (found.as_str(), allowed.as_str()),
             ("mass 1.5", "1, like the `Ar` before")
         );
         let mut nameless = SpeciesReader::new(2);
-        nameless.take(None, Some(1.0)).unwrap();
-        assert!(nameless.take(None, Some(2.0)).is_err());
+        nameless.take(None, None, Some(1.0)).unwrap();
+        assert!(nameless.take(None, None, Some(2.0)).is_err());
     }
 }

@@ -7,13 +7,15 @@ use std::path::Path;
 use crate::found::TrajectoryFrame;
 use crate::lines::{Lines, open_regular};
 use crate::rewind::Rewind;
-use crate::{FileMark, FormatError, extended_xyz, lammps_dump};
+use crate::units::FileUnits;
+use crate::{FileMark, FormatError, extended_xyz, gro, lammps_dump};
 
 /// What frames of text look like.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Grammar {
     ExtendedXyz,
     LammpsDump,
+    Gro,
 }
 
 impl Grammar {
@@ -22,6 +24,7 @@ impl Grammar {
         match self {
             Self::ExtendedXyz => "the number of particles of the next frame",
             Self::LammpsDump => "`ITEM: TIMESTEP` of the next frame",
+            Self::Gro => "the title of the next frame",
         }
     }
 
@@ -42,29 +45,36 @@ impl Grammar {
         Ok(false)
     }
 
-    fn skip<R: BufRead>(self, lines: &mut Lines<R>) -> Result<(), FormatError> {
+    fn skip<R: BufRead>(self, lines: &mut Lines<R>, units: FileUnits) -> Result<(), FormatError> {
         match self {
             Self::ExtendedXyz => extended_xyz::skip_frame(lines),
-            Self::LammpsDump => lammps_dump::skip_frame(lines),
+            Self::LammpsDump => lammps_dump::skip_frame(lines, units),
+            Self::Gro => gro::skip_frame(lines),
         }
     }
 
-    fn parse<R: BufRead>(self, lines: &mut Lines<R>) -> Result<TrajectoryFrame, FormatError> {
+    fn parse<R: BufRead>(
+        self,
+        lines: &mut Lines<R>,
+        units: FileUnits,
+    ) -> Result<TrajectoryFrame, FormatError> {
         match self {
-            Self::ExtendedXyz => extended_xyz::parse_frame(lines),
-            Self::LammpsDump => lammps_dump::parse_frame(lines),
+            Self::ExtendedXyz => extended_xyz::parse_frame(lines, units),
+            Self::LammpsDump => lammps_dump::parse_frame(lines, units),
+            Self::Gro => gro::parse_frame(lines, units),
         }
     }
 }
 
 /// Reads the frames of an extended XYZ file one after another, one in memory at a time.
 ///
-/// Columns may stand in any order; `species`, `pos`, `velo` or `vel`, `forces` and `map_shift` are used,
-/// others passed over. After an error it ends.
+/// Columns may stand in any order; `species`, `pos`, `masses`, `forces`, `map_shift`, and velocities and momenta by any usual
+/// name are used, others passed over. After an error it ends.
 #[derive(Debug)]
 pub struct TrajectoryReader<R> {
     lines: Lines<R>,
     grammar: Grammar,
+    units: FileUnits,
     ended: bool,
 }
 
@@ -75,7 +85,13 @@ impl TrajectoryReader<BufReader<File>> {
     /// Where the file cannot be opened or is no regular file.
     pub fn open(path: &Path) -> Result<Self, FormatError> {
         let (reader, size) = open_regular(path)?;
-        Ok(Self::new(reader, size, path, Grammar::ExtendedXyz))
+        Ok(Self::new(
+            reader,
+            size,
+            path,
+            Grammar::ExtendedXyz,
+            FileUnits::default(),
+        ))
     }
 }
 
@@ -83,20 +99,23 @@ impl<'a> TrajectoryReader<Cursor<&'a [u8]>> {
     /// Reads from memory; `path` is for messages.
     #[must_use]
     pub fn over(bytes: &'a [u8], path: &Path) -> Self {
+        let size = bytes.len() as u64;
         Self::new(
             Cursor::new(bytes),
-            bytes.len() as u64,
+            size,
             path,
             Grammar::ExtendedXyz,
+            FileUnits::default(),
         )
     }
 }
 
 impl<R: BufRead> TrajectoryReader<R> {
-    fn new(reader: R, size: u64, path: &Path, grammar: Grammar) -> Self {
+    fn new(reader: R, size: u64, path: &Path, grammar: Grammar, units: FileUnits) -> Self {
         Self {
             lines: Lines::new(reader, size, path),
             grammar,
+            units,
             ended: false,
         }
     }
@@ -122,8 +141,8 @@ impl<R: BufRead> TrajectoryReader<R> {
     /// # Errors
     /// Where the frame is truncated or holds what its header does not allow.
     pub fn next_frame(&mut self) -> Result<Option<TrajectoryFrame>, FormatError> {
-        let grammar = self.grammar;
-        self.at_frame(|lines| grammar.parse(lines))
+        let (grammar, units) = (self.grammar, self.units);
+        self.at_frame(|lines| grammar.parse(lines, units))
     }
 
     /// Passes over the next frame, looking at its count and its lines but not into them; false at the end.
@@ -131,8 +150,8 @@ impl<R: BufRead> TrajectoryReader<R> {
     /// # Errors
     /// Where the frame is truncated or its count is impossible.
     pub fn skip_frame(&mut self) -> Result<bool, FormatError> {
-        let grammar = self.grammar;
-        Ok(self.at_frame(|lines| grammar.skip(lines))?.is_some())
+        let (grammar, units) = (self.grammar, self.units);
+        Ok(self.at_frame(|lines| grammar.skip(lines, units))?.is_some())
     }
 }
 
@@ -151,10 +170,11 @@ pub(crate) fn last_frame<R: Rewind>(
     size: u64,
     path: &Path,
     grammar: Grammar,
+    units: FileUnits,
 ) -> Result<Option<(TrajectoryFrame, u64, u64)>, FormatError> {
     let mut start = None;
     let mut frames = 0;
-    let mut scan = TrajectoryReader::new(&mut reader, size, path, grammar);
+    let mut scan = TrajectoryReader::new(&mut reader, size, path, grammar, units);
     loop {
         let before = (scan.lines.offset(), scan.lines.number());
         if !scan.skip_frame()? {
@@ -168,7 +188,7 @@ pub(crate) fn last_frame<R: Rewind>(
         return Ok(None);
     };
     reader.go_to(offset).map_err(|e| FormatError::io(path, e))?;
-    let mut last = TrajectoryReader::new(reader, length, path, grammar);
+    let mut last = TrajectoryReader::new(reader, length, path, grammar, units);
     last.lines.start_at(offset, line);
     Ok(last.next_frame()?.map(|frame| (frame, line + 1, frames)))
 }

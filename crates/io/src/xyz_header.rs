@@ -5,71 +5,49 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 
-use crate::error::excerpt;
+use crate::columns::{Column, Columns, MOST_COLUMNS, Scalar, Vector, motion};
+use crate::error::{Refusal, excerpt};
 use crate::lines::{finite, tokens};
-
-/// Most columns that a line may have.
-const MOST_COLUMNS: usize = 256;
-
-/// What is wrong with a header: found, allowed.
-pub(crate) type Refusal = (String, String);
-
-/// What a column holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Column {
-    Species,
-    Position,
-    Velocity,
-    Force,
-    ImageFlags,
-    Mass,
-    /// Something that is not used, this many columns wide.
-    Other(usize),
-}
-
-impl Column {
-    pub(crate) fn width(self) -> usize {
-        match self {
-            Self::Species | Self::Mass => 1,
-            Self::Position | Self::Velocity | Self::Force | Self::ImageFlags => 3,
-            Self::Other(width) => width,
-        }
-    }
-}
+use crate::units::{FileUnits, Scales, stated};
 
 /// What a header says.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Header {
-    /// In units of the file: lengths still multiplied by `length_scale`.
+    /// In units of the file.
     pub(crate) cell: Option<PeriodicBox>,
-    pub(crate) columns: Vec<Column>,
+    pub(crate) columns: Columns,
     pub(crate) step: Option<u64>,
     pub(crate) time: Option<f64>,
-    pub(crate) length_scale: f64,
+    pub(crate) scales: Scales,
     /// Everything else, as it stands there.
     pub(crate) info: BTreeMap<String, String>,
 }
 
 impl Header {
-    pub(crate) fn parse(line: &[u8]) -> Result<Self, Refusal> {
+    /// Reads a header; `units` are those that the scene names.
+    pub(crate) fn parse(line: &[u8], units: FileUnits) -> Result<Self, Refusal> {
+        let text = String::from_utf8_lossy(line);
+        let is_extended = text.split_whitespace().any(|word| {
+            ["Lattice=", "lattice=\"", "Properties=", "properties="]
+                .iter()
+                .any(|key| word.starts_with(key))
+        });
+        if !is_extended {
+            return Self::of_comment(&text, units);
+        }
         let text = std::str::from_utf8(line)
             .map_err(|_| (excerpt(line), "a header line in UTF-8".to_string()))?;
         let mut info = pairs(text)?;
-        let columns = match info.remove("Properties") {
+        let columns = match take_either(&mut info, ["Properties", "properties"]) {
             Some(text) => columns(&text)?,
-            // What a plain XYZ file holds.
-            None => vec![Column::Species, Column::Position],
+            None => plain(),
         };
-        let cell = info.remove("Lattice").map(|t| lattice(&t)).transpose()?;
+        let cell = take_either(&mut info, ["Lattice", "lattice"]);
+        let cell = cell.map(|t| lattice(&t)).transpose()?;
         if let Some(text) = info.remove("pbc") {
             check_periodic(&text, cell.is_some())?;
         }
-        if let Some(units) = info.get("units").filter(|u| *u != "lj") {
-            return Err((
-                format!("units={}", excerpt(units.as_bytes())),
-                "units=lj (reduced units), or no such entry".into(),
-            ));
-        }
+        let scales = scales(&mut info, units)?;
         let number = |key: &str, text: String| {
             finite(text.as_bytes()).ok_or_else(|| {
                 (
@@ -91,19 +69,7 @@ impl Header {
                 })
             })
             .transpose()?;
-        let length_scale = match info.remove("length_scale") {
-            None => 1.0,
-            Some(text) => match number("length_scale", text)? {
-                scale if scale > 0.0 => scale,
-                scale => {
-                    return Err((
-                        format!("length_scale={scale}"),
-                        "a finite positive number".into(),
-                    ));
-                }
-            },
-        };
-        if cell.is_none() && columns.contains(&Column::ImageFlags) {
+        if cell.is_none() && columns.has(Vector::Image) {
             return Err((
                 "image flags (map_shift) without a box".into(),
                 "a Lattice=\"…\" entry beside them".into(),
@@ -114,9 +80,64 @@ impl Header {
             columns,
             step,
             time,
-            length_scale,
+            scales,
             info,
         })
+    }
+
+    /// The second line of a plain XYZ file says what it likes, of units alone what the file means.
+    fn of_comment(text: &str, units: FileUnits) -> Result<Self, Refusal> {
+        let entry = text
+            .split_whitespace()
+            .find_map(|word| word.strip_prefix("length_scale="));
+        let mut info: BTreeMap<String, String> = entry
+            .map(|scale| ("length_scale".into(), scale.into()))
+            .into_iter()
+            .collect();
+        info.extend(stated(text).map(|unit| ("units".into(), unit)));
+        let scales = scales(&mut info, units)?;
+        Ok(Self {
+            cell: None,
+            columns: plain(),
+            step: None,
+            time: None,
+            scales,
+            info: BTreeMap::new(),
+        })
+    }
+}
+
+/// What a plain XYZ file holds.
+fn plain() -> Columns {
+    Columns::fixed(&[
+        Column::Scalar(Scalar::Name),
+        Column::Vector(Vector::Position),
+    ])
+}
+
+/// The scales for what the entries say of units. An entry `length_scale` multiplies lengths alone.
+fn scales(info: &mut BTreeMap<String, String>, units: FileUnits) -> Result<Scales, Refusal> {
+    let own = info.remove("length_scale").map(|text| {
+        let scale = finite(text.as_bytes()).filter(|scale| *scale > 0.0);
+        let found = || format!("length_scale={}", excerpt(text.as_bytes()));
+        scale.ok_or_else(|| (found(), "a finite positive number".to_string()))
+    });
+    let own = own.transpose()?;
+    let names_unit = |key: &str| {
+        let key = key.to_ascii_lowercase();
+        key.ends_with("unit") || key.ends_with("units") || key.starts_with("units_")
+    };
+    let mut scales = units.scales(None)?;
+    for (_, unit) in info.iter().filter(|(key, _)| names_unit(key)) {
+        scales = units.scales(Some(unit))?;
+    }
+    match own {
+        None => Ok(scales),
+        Some(_) if units.length.is_some() => Err((
+            "length_scale beside `system.length_scale` in the scene".into(),
+            "one of them".into(),
+        )),
+        Some(length) => Ok(Scales { length, ..scales }),
     }
 }
 
@@ -184,7 +205,7 @@ fn value(text: &str) -> Result<(String, &str), Refusal> {
 }
 
 /// `name:type:width` triples.
-fn columns(text: &str) -> Result<Vec<Column>, Refusal> {
+fn columns(text: &str) -> Result<Columns, Refusal> {
     let refuse = |allowed: &str| {
         (
             format!("Properties={}", excerpt(text.as_bytes())),
@@ -195,8 +216,7 @@ fn columns(text: &str) -> Result<Vec<Column>, Refusal> {
     if !parts.len().is_multiple_of(3) || parts.len() > 3 * MOST_COLUMNS {
         return Err(refuse("name:type:width triples joined by colons"));
     }
-    let mut all = Vec::new();
-    let mut total = 0;
+    let mut all = Columns::default();
     for triple in parts.chunks_exact(3) {
         let (name, kind) = (triple[0], triple[1]);
         let width: usize = triple[2].parse().unwrap_or(0);
@@ -205,28 +225,39 @@ fn columns(text: &str) -> Result<Vec<Column>, Refusal> {
                 "name:type:width triples with a type of S, R, I or L and a width of at least 1",
             ));
         }
-        let (column, wanted) = match name {
-            "species" => (Column::Species, "S:1"),
-            "pos" => (Column::Position, "R:3"),
-            "velo" | "vel" => (Column::Velocity, "R:3"),
-            "forces" | "force" => (Column::Force, "R:3"),
-            "map_shift" => (Column::ImageFlags, "I:3"),
-            "mass" | "masses" => (Column::Mass, "R:1"),
-            _ => (Column::Other(width), ""),
+        let column = match name {
+            "species" => Column::Scalar(Scalar::Name),
+            "pos" => Column::Vector(Vector::Position),
+            "forces" | "force" => Column::Vector(Vector::Force),
+            "map_shift" => Column::Vector(Vector::Image),
+            "mass" | "masses" => Column::Scalar(Scalar::Mass),
+            // One column of this name is a volume, a pressure, …
+            "v" | "p" if width == 1 => Column::Other,
+            _ => motion(name),
+        };
+        let wanted = match column {
+            Column::Scalar(Scalar::Name) => "S:1",
+            Column::Scalar(_) | Column::Component(..) => "R:1",
+            Column::Vector(Vector::Image) => "I:3",
+            Column::Vector(_) => "R:3",
+            Column::Other => "",
         };
         if !wanted.is_empty() && wanted != format!("{kind}:{width}") {
             return Err(refuse(&format!("{name}:{wanted}")));
         }
-        if !matches!(column, Column::Other(_)) && all.contains(&column) {
-            return Err(refuse("each quantity once"));
-        }
-        total += width.min(MOST_COLUMNS + 1);
-        if total > MOST_COLUMNS {
+        if all.width() + width.min(MOST_COLUMNS + 1) > MOST_COLUMNS {
             return Err(refuse(&format!("at most {MOST_COLUMNS} columns")));
         }
-        all.push(column);
+        if !all.add(column, width) {
+            return Err(refuse("each quantity once"));
+        }
     }
-    if !all.contains(&Column::Position) {
+    if let Some(vector) = all.in_part() {
+        return Err(refuse(&format!(
+            "all three components of {vector}, or none"
+        )));
+    }
+    if !all.has(Vector::Position) {
         return Err(refuse("positions among them, pos:R:3"));
     }
     Ok(all)

@@ -1,6 +1,7 @@
 //! Particles that the scene lists one by one, and particles that are held.
 
 use lennard_core::DVec3;
+use lennard_io::LARGEST;
 
 use crate::error::SceneError;
 use crate::read::Reader;
@@ -46,9 +47,10 @@ impl Reader<'_> {
                 .into_iter()
                 .flatten()
                 .flatten()
-                .find(|x| !x.is_finite());
+                .find(|x| !(-LARGEST..=LARGEST).contains(*x));
             if let Some(x) = bad {
-                return refuse(key, "is not allowed", x.to_string(), "finite numbers");
+                let allowed = format!("numbers from -{LARGEST:e} to {LARGEST:e}");
+                return refuse(key, "is not allowed", x.to_string(), &allowed);
             }
         }
         if let Some(velocities) = velocities

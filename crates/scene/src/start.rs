@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use lennard_core::DVec3;
+use lennard_io::FileUnits;
 
 use crate::{Geometry, HalfCrystal, Lattice, Slab};
 
@@ -36,10 +37,12 @@ pub enum Start {
     },
     /// As a file says.
     Configuration {
-        /// The file: extended XYZ, LAMMPS dump or data, or the NIST columns.
+        /// The file: extended XYZ, LAMMPS dump or data, GRO, or the NIST columns.
         path: PathBuf,
         /// The box, for files that name none.
         geometry: Option<Geometry>,
+        /// The units of the file.
+        units: FileUnits,
     },
 }
 

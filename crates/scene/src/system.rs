@@ -4,6 +4,7 @@ use std::path::Path;
 
 use lennard_core::DVec3;
 use lennard_core::options::OptionValue;
+use lennard_io::FileUnits;
 use lennard_literature::ModelKind;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -34,8 +35,12 @@ lennard_core::options! {
         velocities: Option<Vec<[f64; 3]>> = None, else "velocities of `temperature`", Words("a list with one velocity [vx, vy, vz] for each of `positions`"), in "σ/τ";
         /// Particles that never move: their mass is infinite.
         held: Option<Numbers> = None, else "none", Words("a list of numbers of particles, from 1, each once, and not all of them");
-        /// Start from this file (extended XYZ, LAMMPS dump or data, or the NIST columns; each may be compressed by gzip), relative to the scene file. Takes the place of `lattice`, `n_atoms` and `density`.
+        /// Start from this file (extended XYZ, LAMMPS dump or data, GRO, NIST columns; each may be compressed by gzip), relative to the scene file. Takes the place of `lattice`, `n_atoms` and `density`.
         configuration: Option<String> = None, else "none", Words("the path of a file that can be read");
+        /// One σ in the unit of length of the `configuration` file, where that is not σ: 0.3405 for argon in nm, 3.405 in ångström.
+        length_scale: Option<f64> = None, else "the file holds reduced units", Between(1e-12, 1e12), in "file units per σ";
+        /// One τ in the unit of time of the `configuration` file, for its velocities: 2.156 for argon in ps.
+        time_scale: Option<f64> = None, else "needed with `length_scale`, where the file has velocities", Between(1e-12, 1e12), in "file units per τ";
         /// Temperature of the first velocities (where neither scene nor file gives them) and of every thermostat that names no other.
         temperature: Option<f64> = None, else "needed; `0.0` with `positions`", ZeroOrBetween(COLDEST, HOTTEST), in "ε/k_B";
         /// Seed of every random stream.
@@ -95,7 +100,12 @@ impl From<&Scene> for SystemKeys {
                 keys.positions = Some(in_rows(positions));
                 keys.velocities = velocities.as_ref().map(in_rows);
             }
-            Start::Configuration { path, geometry } => {
+            Start::Configuration {
+                path,
+                geometry,
+                units,
+            } => {
+                (keys.length_scale, keys.time_scale) = (units.length, units.time);
                 if let Some(geometry) = geometry {
                     place(geometry);
                 }
@@ -209,6 +219,26 @@ impl Reader<'_> {
                 .found("`velocities` alone")
                 .allowed("`positions` with one position for each velocity"));
         }
+        let units = FileUnits {
+            length: table.length_scale,
+            time: table.time_scale,
+        };
+        let alone = match units {
+            _ if table.configuration.is_some() => units.time.filter(|_| units.length.is_none()),
+            units => units.length.or(units.time),
+        };
+        if let Some(found) = alone {
+            let key = if units.length.is_some() {
+                "length_scale"
+            } else {
+                "time_scale"
+            };
+            return Err(self
+                .source
+                .refuse(&format!("system.{key}"), "is of a file in other units")
+                .found(found)
+                .allowed("`configuration` with the file, and `length_scale` beside it"));
+        }
         let is_listed = table.positions.is_some();
         let phases = ["slab", "crystal"];
         let both = phases.iter().filter(|t| self.source.wrote(t));
@@ -246,7 +276,11 @@ impl Reader<'_> {
                     "no such key: the configuration file has it",
                 )?;
                 let path = resolve(self.source, "system.configuration", Path::new(path))?;
-                Start::Configuration { path, geometry }
+                Start::Configuration {
+                    path,
+                    geometry,
+                    units,
+                }
             }
             (None, None) if let Some(phases) = side_by_side => {
                 let of_table = format!("[{phases}]");

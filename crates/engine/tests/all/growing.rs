@@ -143,6 +143,7 @@ fn a_start_from_memory_needs_a_scene_that_names_a_configuration() {
         cell: PeriodicBox::new(DVec3::splat(8.0)).unwrap(),
         positions: vec![DVec3::ZERO, DVec3::splat(3.0)],
         velocities: None,
+        momenta: None,
         species: lennard_io::FoundSpecies::default(),
         step: None,
         time: None,

@@ -6,6 +6,7 @@ mod common;
 mod crystals;
 mod damped_bonds;
 mod exchange;
+mod foreign_starts;
 mod growing;
 mod hostile;
 mod invariants;

@@ -8,7 +8,7 @@ use lennard_forcefield::{
     Conditions, ForceFieldError, ForceFieldOptions, Isa, PotentialOptions, SoftSphere,
     SplitOptions, TruncationKind, TruncationOptions, Wca, build, check,
 };
-use lennard_scene::Scene;
+use lennard_scene::{Scene, Start};
 
 use crate::common;
 
@@ -258,17 +258,13 @@ fn starts_that_cannot_be_say_what_would_be() {
 
 #[test]
 fn a_start_whose_forces_are_not_finite_has_no_energy() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("start.xyz");
-    // A pair closer than any pair may start is refused earlier. A place so far away that no digit of it is left within the box
-    // is not refused there.
-    std::fs::write(
-        &file,
-        "2\nLattice=\"9 0 0 0 9 0 0 0 9\"\nAr 1.4e10 2 3\nAr 5 5 5\n",
-    )
-    .unwrap();
-    let start = format!("configuration = {:?}", file.display().to_string());
-    match evaluate_energy(&scene(&start, "[neighbor]\nmode = \"verlet\"")) {
+    // No reader lets a place pass that is so far away that no digit of it is left within the box.
+    let text = "positions = [[1.4, 2, 3], [5, 5, 5]]\nbox = 9";
+    let mut scene = scene(text, "[neighbor]\nmode = \"verlet\"");
+    if let Start::Listed { positions, .. } = &mut scene.system.start {
+        positions[0].x = 1.4e10;
+    }
+    match evaluate_energy(&scene) {
         Ok(_) => panic!("the energy was evaluated"),
         Err(error) => {
             let message = error.to_string();

@@ -183,7 +183,7 @@ fn what_is_not_read_is_refused_with_line_found_and_allowed() {
             data("3 atoms\n", "2 atoms\n"),
             26,
             "a row after 2 atoms",
-            "as the header says",
+            "as many rows as the header says",
         ),
         (
             data("3 atoms\n", "99999 atoms\n"),
@@ -205,8 +205,8 @@ fn what_is_not_read_is_refused_with_line_found_and_allowed() {
         ),
         (
             data("0.0 8.5 ylo yhi", ""),
-            33,
-            "the end of the file",
+            22,
+            "the section Atoms",
             "box sides before it: `xlo xhi`, `ylo yhi`, `zlo zhi`",
         ),
         (
@@ -230,14 +230,14 @@ fn what_is_not_read_is_refused_with_line_found_and_allowed() {
         (
             dump("0 8.5\n", "0 1e308\n").replace("3.0 0 -1 0", "3.0 0 -99 0"),
             10,
-            "`3 2 1.0",
-            "a position that stays finite",
+            "the position (2e0, -inf, 2.5e0) σ",
+            "coordinates from -1e9 to 1e9 σ",
         ),
         (
             data("0.0 8.5 y", "0.0 1e308 y").replace("3.0 0 -1 0", "3.0 0 -99 0"),
-            33,
-            "the end of the file",
-            "positions that stay finite, unlike the one of atom 3",
+            24,
+            "the position (2e0, -inf, 2.5e0) σ",
+            "coordinates from -1e9 to 1e9 σ",
         ),
         (
             data(
@@ -264,8 +264,8 @@ fn what_is_not_read_is_refused_with_line_found_and_allowed() {
         (
             data("2 2.5", "2 -2.5"),
             15,
-            "the mass `-2.5`",
-            "a positive number",
+            "the mass -2.5e0",
+            "a mass from 1e-6 to 1e6",
         ),
     ];
     for (text, line, found, allowed) in table {

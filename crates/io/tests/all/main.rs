@@ -1,7 +1,9 @@
 //! Tests of file formats from outside: reading, writing, checkpoints, hostile input, error texts.
 
 mod checkpoints;
+mod columns;
 mod common;
+mod foreign;
 mod formats;
 mod hostile;
 mod lammps;

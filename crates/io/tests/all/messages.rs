@@ -19,7 +19,7 @@ fn readers_say_what_they_would_take() {
         (
             "two words\n".into(),
             "the number of particles (extended XYZ), three box sides (NIST columns), `ITEM: TIMESTEP` (LAMMPS dump), \
-             or a title before `N atoms` (LAMMPS data)",
+             or a title before `N atoms` (LAMMPS data) or before the number of particles (GRO)",
         ),
         (
             "4\n1 10 9 8 0 0 0\n".into(),
@@ -53,14 +53,14 @@ fn readers_say_what_they_would_take() {
         ),
         (
             frame(
-                &format!("{BOX} length_scale=1e-3 Properties=pos:R:3:velo:R:3"),
+                &format!("{BOX} length_scale=1e3 Properties=pos:R:3:forces:R:3"),
                 "1 2 3 1e306 0 0\n1 2 3 0 0 0",
             ),
             "allowed: numbers that stay finite when the length scale is taken out",
         ),
         (
             frame(&format!("{BOX} units=metal"), two),
-            "units=lj (reduced units), or no such entry",
+            "units lj (reduced units), or `system.length_scale` and `system.time_scale` in the scene: one σ and one τ in units of the file",
         ),
         (
             frame("Lattice=\"4 0 0", two),

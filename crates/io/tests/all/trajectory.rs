@@ -4,7 +4,7 @@ use crate::common::{cell, system};
 use glam::DVec3;
 use lennard_core::{PeriodicBox, Species, SpeciesTable, State};
 use lennard_io::{
-    FileMark, Frame, FrameStyle, TrajectoryFormat, TrajectoryWriter, WriteError,
+    Beside, FileMark, Frame, FrameStyle, TrajectoryFormat, TrajectoryWriter, WriteError,
     read_configuration, read_configuration_in, read_trajectory, whole_frames, write_frame,
 };
 use proptest::prelude::*;
@@ -220,9 +220,13 @@ fn a_start_configuration_is_the_last_frame() {
     let start = read_configuration(&path).unwrap();
     assert_eq!(start.step, Some(2));
     assert_eq!(start.velocities.unwrap(), system(10, 0.9, 2).velocities);
-    read_configuration_in(&path, Some(cell())).expect("the same box is no contradiction");
+    let inside = |cell| Beside {
+        cell: Some(cell),
+        ..Beside::default()
+    };
+    read_configuration_in(&path, inside(cell())).expect("the same box is no contradiction");
     let other = PeriodicBox::new(DVec3::splat(20.0)).unwrap();
-    let error = read_configuration_in(&path, Some(other)).unwrap_err();
+    let error = read_configuration_in(&path, inside(other)).unwrap_err();
     assert_eq!(error.line(), Some(2 * 12 + 2));
     assert!(error.to_string().contains("the same box"), "{error}");
 }

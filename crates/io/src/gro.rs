@@ -1,0 +1,193 @@
+//! One frame of GROMACS' `.gro`, read.
+//!
+//! Source: GROMACS reference manual, "File formats: gro". Positions have n decimals in n + 5 columns, velocities n + 1 in as many.
+
+use std::io::BufRead;
+
+use glam::DVec3;
+use lennard_core::PeriodicBox;
+
+use crate::columns::{Column, Columns, Scalar, Vector};
+use crate::error::{Refusal, excerpt};
+use crate::lines::{Lines, finite, tokens};
+use crate::particles::{ParticleReader, Place};
+use crate::units::{FileUnits, stated};
+use crate::{FormatError, TrajectoryFrame};
+
+/// Residue number and name, atom name and number have five columns each.
+const WIDTH_OF_NAMES: usize = 5;
+/// Where the position begins.
+const NAMES: usize = 4 * WIDTH_OF_NAMES;
+/// Columns before the point of a position, a space and a sign among them, and the point.
+const BEFORE_DECIMALS: usize = 5;
+
+/// Shortest line of a particle and its end, in bytes: positions without decimals.
+const LEAST_BYTES_A_PARTICLE: u64 = (NAMES + 3 * BEFORE_DECIMALS) as u64 + 1;
+
+/// How the title of a topology begins that this program wrote.
+const OWN_TITLE: &[u8] = b"Lennard: names";
+
+/// How the numbers of a file are laid out.
+#[derive(Debug, Clone, PartialEq)]
+struct Layout {
+    /// Columns of a number.
+    width: usize,
+    columns: Columns,
+}
+
+impl Layout {
+    /// The layout of a line; the distance of the points tells the number of decimals.
+    fn of(line: &[u8]) -> Option<Self> {
+        let line = line.trim_ascii_end();
+        let mut points = line
+            .iter()
+            .skip(NAMES)
+            .enumerate()
+            .filter(|(_, b)| **b == b'.')
+            .map(|(at, _)| at);
+        let width = points
+            .next()
+            .zip(points.next())
+            .map(|(first, second)| second - first)?;
+        let mut columns = vec![
+            Column::Other,
+            Column::Other,
+            Column::Scalar(Scalar::Name),
+            Column::Other,
+        ];
+        columns.push(Column::Vector(Vector::Position));
+        match line.len().checked_sub(NAMES)?.checked_div(width) {
+            Some(3) => {}
+            Some(6) => columns.push(Column::Vector(Vector::Velocity)),
+            _ => return None,
+        }
+        let columns = Columns::fixed(&columns);
+        (width > BEFORE_DECIMALS).then_some(Self { width, columns })
+    }
+
+    /// The pieces of a line, by their places.
+    fn pieces<'a>(&self, line: &'a [u8]) -> Result<Vec<&'a [u8]>, Refusal> {
+        let line = line.trim_ascii_end();
+        let width = NAMES + (self.columns.width() - 4) * self.width;
+        if line.len() != width {
+            let found = format!("{} characters in {}", line.len(), excerpt(line));
+            return Err((
+                found,
+                format!("{width} characters, as in the first line of a particle"),
+            ));
+        }
+        let (names, numbers) = line.split_at(NAMES);
+        let all = names
+            .chunks(WIDTH_OF_NAMES)
+            .chain(numbers.chunks(self.width));
+        Ok(all.map(<[u8]>::trim_ascii).collect())
+    }
+}
+
+/// Whether this can be the line of a particle.
+pub(crate) fn is_row(line: &[u8]) -> bool {
+    let row = |layout: Layout| {
+        let pieces = layout.pieces(line).ok()?;
+        let counts = [pieces[0], pieces[3]]
+            .iter()
+            .all(|n| n.iter().all(u8::is_ascii_digit));
+        counts
+            .then(|| layout.columns.row_of(&pieces).ok())
+            .flatten()
+    };
+    Layout::of(line).and_then(row).is_some()
+}
+
+/// Reads the number of particles; the title is the current line.
+fn count<R: BufRead>(lines: &mut Lines<R>) -> Result<usize, FormatError> {
+    lines.next_or("the number of particles")?;
+    lines.particle_count(1, LEAST_BYTES_A_PARTICLE)
+}
+
+fn missing(row: usize, n: usize) -> String {
+    format!("particle {row} of {n}: the frame is truncated")
+}
+
+/// Passes over the frame whose title is the current line.
+pub(crate) fn skip_frame<R: BufRead>(lines: &mut Lines<R>) -> Result<(), FormatError> {
+    let n = count(lines)?;
+    for row in 1..=n {
+        lines.next_or(&missing(row, n))?;
+    }
+    lines.next_or(SIDES)
+}
+
+const SIDES: &str = "the sides of the box after the particles";
+
+/// Reads the frame whose title is the current line.
+pub(crate) fn parse_frame<R: BufRead>(
+    lines: &mut Lines<R>,
+    units: FileUnits,
+) -> Result<TrajectoryFrame, FormatError> {
+    let title = lines.line().to_vec();
+    let said = stated(&String::from_utf8_lossy(&title));
+    if said.is_none() && units.length.is_none() {
+        let (found, first) = match title.starts_with(OWN_TITLE) {
+            true => (
+                "a topology of this program, whose positions are rounded",
+                "the `final.xyz` beside it, or ",
+            ),
+            false => ("a GRO file, in nm and ps", ""),
+        };
+        let allowed = "`system.length_scale` and `system.time_scale` in the scene: one σ in nm and one τ in ps";
+        return Err(lines.refuse(found, format!("{first}{allowed}")));
+    }
+    let scales = units
+        .scales(said.as_deref())
+        .map_err(|(f, a)| lines.refuse(f, a))?;
+    let n = count(lines)?;
+    // The box comes last.
+    let mut rows = Vec::with_capacity(n);
+    for row in 1..=n {
+        lines.next_or(&missing(row, n))?;
+        rows.push((lines.number(), lines.line().to_vec()));
+    }
+    lines.next_or(SIDES)?;
+    let cell = sides(lines.line()).map_err(|(f, a)| lines.refuse(f, a))?;
+    let place = Place::new(DVec3::ZERO, cell, scales).map_err(|(f, a)| lines.refuse(f, a))?;
+    let first = &rows[0];
+    let layout = Layout::of(&first.1).ok_or_else(|| {
+        let allowed = "names and numbers in 20 columns, then a position, or a position and a velocity, in columns of one width";
+        lines.refuse_at(first.0, excerpt(&first.1), allowed)
+    })?;
+    let mut particles = ParticleReader::new(n, &layout.columns);
+    for (number, row) in &rows {
+        let read = layout
+            .pieces(row)
+            .and_then(|pieces| layout.columns.row_of(&pieces));
+        let taken = read.and_then(|row| particles.take(row, &place));
+        taken.map_err(|(f, a)| lines.refuse_at(*number, f, a))?;
+    }
+    let particles = particles.finish().map_err(|(f, a)| lines.refuse(f, a))?;
+    Ok(TrajectoryFrame::of(particles, place.cell))
+}
+
+/// The sides of the box; none where they are zeros.
+fn sides(line: &[u8]) -> Result<Option<PeriodicBox>, Refusal> {
+    let numbers: Option<Vec<f64>> = tokens(line).map(finite).collect();
+    let (sides, tilts) = match numbers.as_deref() {
+        Some(&[x, y, z]) => (DVec3::new(x, y, z), [0.0; 6]),
+        Some(&[x, y, z, a, b, c, d, e, f]) => (DVec3::new(x, y, z), [a, b, c, d, e, f]),
+        _ => {
+            return Err((
+                excerpt(line),
+                "three or nine finite numbers, the sides of the box".into(),
+            ));
+        }
+    };
+    if tilts != [0.0; 6] {
+        return Err(crate::lammps::triclinic(line));
+    }
+    if sides == DVec3::ZERO {
+        return Ok(None);
+    }
+    let allowed = "sides that are positive, or three zeros for no box";
+    PeriodicBox::new(sides)
+        .map(Some)
+        .map_err(|_| (excerpt(line), allowed.into()))
+}

@@ -1,0 +1,273 @@
+//! The particles of a file, row by row: one bound and one rule for every format.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use lennard_core::PeriodicBox;
+
+use crate::columns::{Columns, Row, Vector};
+use crate::error::Refusal;
+use crate::species_reader::SpeciesReader;
+use crate::units::Scales;
+use crate::{FoundSpecies, StartConfiguration, TrajectoryFrame};
+
+/// The largest coordinate in σ and component of a velocity in σ/τ of a start: beyond, positions have fewer than seven decimals.
+pub const LARGEST: f64 = 1e9;
+
+/// The smallest mass in m; the largest is its inverse. Scenes have the same bounds.
+const SMALLEST_MASS: f64 = 1e-6;
+
+/// A momentum and a velocity may differ by this share: files are rounded.
+const SAME_MOTION: f64 = 1e-4;
+/// Below this, in σ/τ, they do not differ.
+const AT_REST: f64 = 1e-6;
+
+/// Where the coordinates of a file begin, and its units.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place {
+    /// The lower corner of the box, in units of the file.
+    pub(crate) low: DVec3,
+    /// The box, σ.
+    pub(crate) cell: Option<PeriodicBox>,
+    /// Whether positions are shares of the box.
+    pub(crate) scaled: bool,
+    pub(crate) scales: Scales,
+}
+
+impl Place {
+    /// From the lower corner and the box, both in units of the file.
+    pub(crate) fn new(
+        low: DVec3,
+        cell: Option<PeriodicBox>,
+        scales: Scales,
+    ) -> Result<Self, Refusal> {
+        let cell = cell
+            .map(|cell| PeriodicBox::new(cell.lengths() / scales.length))
+            .transpose();
+        let cell = cell.map_err(|e| {
+            (
+                e.to_string(),
+                "a box that its length scale allows".to_string(),
+            )
+        })?;
+        Ok(Self {
+            low,
+            cell,
+            scaled: false,
+            scales,
+        })
+    }
+
+    fn position(&self, row: &Row<'_>) -> Result<DVec3, Refusal> {
+        let sides = self.cell.map(|cell| cell.lengths());
+        let mut position = match sides.filter(|_| self.scaled) {
+            Some(sides) => row.position * sides,
+            None => (row.position - self.low) / self.scales.length,
+        };
+        if let (Some(image), Some(sides)) = (row.image, sides) {
+            position += image.as_dvec3() * sides;
+        }
+        within(position, "the position", "coordinates", "σ")
+    }
+}
+
+fn within(found: DVec3, what: &str, parts: &str, unit: &str) -> Result<DVec3, Refusal> {
+    if found.abs().cmple(DVec3::splat(LARGEST)).all() {
+        return Ok(found);
+    }
+    let [x, y, z] = found.to_array();
+    Err((
+        format!("{what} ({x:e}, {y:e}, {z:e}) {unit}"),
+        format!("{parts} from -{LARGEST:e} to {LARGEST:e} {unit}"),
+    ))
+}
+
+/// A velocity that a run can start with.
+pub(crate) fn velocity(found: DVec3) -> Result<DVec3, Refusal> {
+    within(found, "the velocity", "components", "σ/τ")
+}
+
+/// A mass that a run can start with.
+pub(crate) fn mass(found: f64) -> Result<f64, Refusal> {
+    match (SMALLEST_MASS..=1.0 / SMALLEST_MASS).contains(&found) {
+        true => Ok(found),
+        false => Err((
+            format!("the mass {found:e}"),
+            format!("a mass from {SMALLEST_MASS:e} to {:e}", 1.0 / SMALLEST_MASS),
+        )),
+    }
+}
+
+/// The velocity v = p/m, which must agree with a velocity that stands beside the momentum.
+pub(crate) fn velocity_of(
+    momentum: DVec3,
+    mass: f64,
+    beside: Option<DVec3>,
+) -> Result<DVec3, Refusal> {
+    let of_momentum = velocity(momentum / mass)?;
+    let Some(beside) = beside else {
+        return Ok(of_momentum);
+    };
+    let size = |v: DVec3| v.abs().max_element();
+    let allowed = SAME_MOTION * size(of_momentum).max(size(beside)) + AT_REST;
+    if size(of_momentum - beside) <= allowed {
+        return Ok(beside);
+    }
+    Err((
+        format!("the velocity {beside} beside the momentum {momentum} of a mass {mass}"),
+        "a momentum that is mass times velocity, or one of the two".into(),
+    ))
+}
+
+/// What a file has of its particles, σ and τ taken out.
+#[derive(Debug, Default)]
+pub(crate) struct Particles {
+    pub(crate) ids: Vec<u64>,
+    pub(crate) positions: Vec<DVec3>,
+    pub(crate) velocities: Option<Vec<DVec3>>,
+    /// Momenta whose masses the file does not name.
+    pub(crate) momenta: Option<Vec<DVec3>>,
+    pub(crate) forces: Option<Vec<DVec3>>,
+    pub(crate) species: FoundSpecies,
+}
+
+/// Gathers the particles of a frame.
+pub(crate) struct ParticleReader {
+    found: Particles,
+    species: SpeciesReader,
+}
+
+impl ParticleReader {
+    /// For `n` particles whose lines have these columns.
+    pub(crate) fn new(n: usize, columns: &Columns) -> Self {
+        let array = |wanted: bool| wanted.then(|| Vec::with_capacity(n));
+        let has_masses = columns.has_masses();
+        let momenta = columns.has(Vector::Momentum);
+        Self {
+            found: Particles {
+                positions: Vec::with_capacity(n),
+                velocities: array(columns.has(Vector::Velocity) || momenta && has_masses),
+                momenta: array(momenta && !has_masses),
+                forces: array(columns.has(Vector::Force)),
+                ..Particles::default()
+            },
+            species: SpeciesReader::new(n),
+        }
+    }
+
+    /// Takes the next particle.
+    pub(crate) fn take(&mut self, row: Row<'_>, place: &Place) -> Result<(), Refusal> {
+        let found = &mut self.found;
+        let scales = &place.scales;
+        found.ids.extend(row.id);
+        found.positions.push(place.position(&row)?);
+        let mass = row.mass.map(mass).transpose()?;
+        let own = row
+            .velocity
+            .map(|v| velocity(scales.velocity(v)?))
+            .transpose()?;
+        let momentum = row.momentum.map(|p| scales.velocity(p)).transpose()?;
+        let own = match (momentum, mass) {
+            (Some(momentum), Some(mass)) => Some(velocity_of(momentum, mass, own)?),
+            _ => own,
+        };
+        if let (Some(all), Some(velocity)) = (&mut found.velocities, own) {
+            all.push(velocity);
+        }
+        if let (Some(all), Some(momentum)) = (&mut found.momenta, momentum) {
+            all.push(momentum);
+        }
+        if let (Some(all), Some(force)) = (&mut found.forces, row.force) {
+            let force = force * scales.length;
+            if !force.is_finite() {
+                let allowed = "numbers that stay finite when the length scale is taken out";
+                return Err((format!("the force {force}"), allowed.into()));
+            }
+            all.push(force);
+        }
+        self.species.take(row.name, row.kind, mass)
+    }
+
+    /// The particles in the order of their numbers, where they have some.
+    pub(crate) fn finish(self) -> Result<Particles, Refusal> {
+        let mut found = self.found;
+        found.species = self.species.found;
+        let ids = &found.ids;
+        if ids.windows(2).all(|pair| pair[0] < pair[1]) {
+            return Ok(found);
+        }
+        let mut order: Vec<usize> = (0..ids.len()).collect();
+        order.sort_by_key(|i| ids[*i]);
+        if let Some(pair) = order.windows(2).find(|pair| ids[pair[0]] == ids[pair[1]]) {
+            return Err((
+                format!("two particles with the number {}", ids[pair[0]]),
+                "a number of its own for each particle".into(),
+            ));
+        }
+        sort(&order, &mut found.positions);
+        for all in [&mut found.velocities, &mut found.momenta, &mut found.forces] {
+            all.iter_mut().for_each(|all| sort(&order, all));
+        }
+        sort(&order, &mut found.species.of_particle);
+        sort(&order, &mut found.ids);
+        Ok(found)
+    }
+}
+
+/// Brings an array into an order; an empty one stays so.
+fn sort<T: Copy>(order: &[usize], all: &mut Vec<T>) {
+    if !all.is_empty() {
+        *all = order.iter().map(|i| all[*i]).collect();
+    }
+}
+
+impl TrajectoryFrame {
+    /// Particles in a box, with nothing else to say.
+    pub(crate) fn of(particles: Particles, cell: Option<PeriodicBox>) -> Self {
+        let Particles {
+            positions,
+            velocities,
+            momenta,
+            forces,
+            species,
+            ..
+        } = particles;
+        let (step, time, info) = (None, None, BTreeMap::new());
+        Self {
+            cell,
+            positions,
+            velocities,
+            momenta,
+            forces,
+            species,
+            step,
+            time,
+            info,
+        }
+    }
+}
+
+impl StartConfiguration {
+    /// Makes velocities of momenta, by the mass in m of each particle.
+    ///
+    /// # Errors
+    /// What was found and what is allowed, where velocities beside the momenta are others.
+    pub fn take_momenta(&mut self, mass: impl Fn(usize) -> f64) -> Result<(), (String, String)> {
+        let Some(momenta) = self.momenta.take() else {
+            return Ok(());
+        };
+        let beside = |i: usize| self.velocities.as_ref().map(|all| all[i]);
+        let velocity = |(i, p): (usize, &DVec3)| {
+            let velocity = velocity_of(*p, mass(i), beside(i));
+            velocity.map_err(|(found, allowed)| (format!("{found}, particle {}", i + 1), allowed))
+        };
+        self.velocities = Some(
+            momenta
+                .iter()
+                .enumerate()
+                .map(velocity)
+                .collect::<Result<_, _>>()?,
+        );
+        Ok(())
+    }
+}
