@@ -2,7 +2,7 @@
 
 use lennard_core::{Average, Observable};
 use lennard_io::StatePoint;
-use lennard_literature::{EquationOfState, FiniteSize, Kept, ModelKind};
+use lennard_literature::{EquationOfState, FiniteSize, FiniteSizeDoubt, Kept, ModelKind};
 use lennard_observables::Thermodynamics;
 use lennard_scene::{Scene, model_kind};
 
@@ -169,11 +169,14 @@ pub fn beside_equation_of_state(
             own.as_ref().map(|u| u.pressure),
         ),
     ];
-    for (name, infinite, finite_size, against, reference_uncertainty) in quantities {
+    let doubt = finite_size.and_then(|f| f.doubt);
+    let applies = doubt != Some(FiniteSizeDoubt::NotSmall);
+    for (name, infinite, term, against, reference_uncertainty) in quantities {
         let sound = |a: &&Average| a.name == name && (a.doubt.is_none() || !results);
         let Some(average) = averages.iter().find(sound) else {
             continue;
         };
+        let finite_size = term.filter(|_| applies);
         let reference = infinite + finite_size.unwrap_or(0.0);
         let difference = average.estimate.mean - reference;
         comparison.entries.push(lennard_io::Comparison {
@@ -182,6 +185,7 @@ pub fn beside_equation_of_state(
             measured: average.estimate.mean,
             reference,
             finite_size,
+            finite_size_uncertainty: term.filter(|_| doubt.is_some()).map(f64::abs),
             reference_uncertainty,
             difference,
             standard_error: against.standard_error,
@@ -195,21 +199,10 @@ pub fn beside_equation_of_state(
             remark: equation.spec().model.clone(),
         });
     }
-    if let Some(shift) = finite_size {
+    if let Some(shift) = finite_size.filter(|_| applies) {
         comparison.remarks.push(format!(
             "the references are for {atoms} particles in a closed box: {:+.5} ε and {:+.5} ε/σ³ beside an infinite system",
             shift.potential_energy, shift.pressure
-        ));
-    }
-    if let ModelKind::TwoCenter { bond_length, .. } = model
-        && let Some([_, other]) = lennard_literature::two_center(bond_length)
-    {
-        let there = other.at(density, mean_temperature);
-        comparison.remarks.push(format!(
-            "{} gives U = {:.4} ε per molecule and P = {:.4} ε/σ³ at this state",
-            other.spec().name,
-            there.potential_energy,
-            there.pressure
         ));
     }
     comparison

@@ -94,6 +94,7 @@ fn entry(
         measured: average.estimate.mean,
         reference,
         finite_size: None,
+        finite_size_uncertainty: None,
         reference_uncertainty: None,
         difference,
         standard_error,

@@ -309,6 +309,9 @@ pub struct Comparison {
     /// What was added to the value of an infinite system to obtain the value of N particles; `null` where nothing was.
     #[serde(default)]
     pub finite_size: Option<f64>,
+    /// How far the value of N particles may be off by a finite-size term that is not small, or not trusted; `null` where it is.
+    #[serde(default)]
+    pub finite_size_uncertainty: Option<f64>,
     /// Uncertainty that the source states of its value; `null` where it states none.
     pub reference_uncertainty: Option<f64>,
     /// Measured − reference.

@@ -18,13 +18,25 @@ use crate::{EquationOfState, Phase};
 /// At constant energy the temperature fluctuates too. Means of X at the mean temperature then differ from X(T̄) by
 /// −½⟨δT²⟩·∂²X/∂T² with ⟨δT²⟩ = T²/(N·c_v), the same relation in the other pair of variables.
 ///
-/// Errors: the next order is some S₀/N of these, a per cent in a liquid and a tenth near the critical point.
+/// Errors: the next order is some S₀/N of these, a per cent in a liquid and a tenth near the critical point. S₀ is the equation's,
+/// which has another critical point than the fluid: near it the term is no better than an order of magnitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FiniteSize {
     /// Of the potential energy per particle, in ε.
     pub potential_energy: f64,
     /// Of the pressure, in ε/σ³.
     pub pressure: f64,
+    /// Why a tolerance must hold the terms.
+    pub doubt: Option<FiniteSizeDoubt>,
+}
+
+/// Why a finite-size term is no better than an order of magnitude.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FiniteSizeDoubt {
+    /// S₀/N is not small: no reference should contain the term.
+    NotSmall,
+    /// The state is near the critical point of the equation.
+    NearCritical,
 }
 
 /// What is kept in a closed box besides the number of particles and the volume.
@@ -38,13 +50,16 @@ pub enum Kept {
 
 /// The largest S₀/N at which the first order says anything.
 const LARGEST_SHARE: f64 = 0.05;
+/// How near the critical temperature of the equation a state is near its critical point, as a part of this temperature.
+const NEAR_TEMPERATURE: f64 = 0.05;
+/// The same for the density: up to so many times the critical one, or down to this part of it.
+const NEAR_DENSITY: f64 = 2.0;
 
 /// Relative steps of the derivatives: errors of 1e-7 of them.
 const STEP: f64 = 1e-4;
 
 impl FiniteSize {
-    /// At a density (σ⁻³) and temperature (ε/k_B) for `n` particles; `None` where the fluid is not stable there or the
-    /// box too small for the first order.
+    /// At a density (σ⁻³) and temperature (ε/k_B) for `n` particles; `None` where the fluid is not stable there.
     #[must_use]
     pub fn of(
         equation: &dyn EquationOfState,
@@ -58,9 +73,20 @@ impl FiniteSize {
         let stiffness = state.dp_drho;
         // Inside the dome the equations have loops, where a slope may be positive by chance.
         let unstable = equation.phase(density, temperature) == Phase::InsideDome;
-        if unstable || stiffness <= 0.0 || temperature / stiffness > LARGEST_SHARE * n {
+        if unstable || stiffness <= 0.0 {
             return None;
         }
+        let critical = equation.spec().critical;
+        let from_critical = (density / critical.density).ln().abs();
+        let doubt = if temperature / stiffness > LARGEST_SHARE * n {
+            Some(FiniteSizeDoubt::NotSmall)
+        } else if (temperature / critical.temperature - 1.0).abs() < NEAR_TEMPERATURE
+            && from_critical < NEAR_DENSITY.ln()
+        {
+            Some(FiniteSizeDoubt::NearCritical)
+        } else {
+            None
+        };
         let (dr, dt) = (STEP * density, STEP * temperature);
         let at = |rho: f64, t: f64| equation.at(rho, t);
         let (thin, dense) = (at(density - dr, temperature), at(density + dr, temperature));
@@ -72,6 +98,7 @@ impl FiniteSize {
         let mut shift = Self {
             potential_energy: -0.5 * temperature.powi(2) * by_temperature / n,
             pressure: 0.5 * temperature * density.powi(2) * by_density / n,
+            doubt,
         };
         if kept == Kept::Energy {
             let half_variance = 0.5 * temperature.powi(2) / (n * state.heat_capacity_volume);
@@ -124,14 +151,18 @@ mod tests {
     }
 
     #[test]
-    fn unstable_states_and_boxes_that_are_too_small_have_none() {
-        assert_eq!(
-            FiniteSize::of(thol_2016(), 0.3, 0.9, 1000, Kept::Energy),
-            None
-        );
-        assert_eq!(
-            FiniteSize::of(thol_2016(), 0.31, 1.33, 20, Kept::Energy),
-            None
-        );
+    fn unstable_states_have_none_and_doubtful_terms_say_so() {
+        let at = |rho, t, n| FiniteSize::of(thol_2016(), rho, t, n, Kept::Energy);
+        assert_eq!(at(0.3, 0.9, 1000), None);
+        for (rho, t, n, doubt) in [
+            (0.31, 1.33, 20, Some(FiniteSizeDoubt::NotSmall)),
+            (0.45, 1.33, 864, Some(FiniteSizeDoubt::NearCritical)),
+            (0.45, 1.29, 864, Some(FiniteSizeDoubt::NearCritical)),
+            (0.35, 1.41, 864, None),
+            (0.7, 1.32, 864, None),
+            (0.1, 3.0, 32, None),
+        ] {
+            assert_eq!(at(rho, t, n).unwrap().doubt, doubt, "{rho} {t} {n}");
+        }
     }
 }

@@ -44,7 +44,7 @@ mod virial;
 
 pub use coexistence_data::coexistence_by_simulation;
 pub use equation::{EquationOfState, EquationSpec, OutsideRange, OwnUncertainty, Range};
-pub use finite_size::{FiniteSize, Kept};
+pub use finite_size::{FiniteSize, FiniteSizeDoubt, Kept};
 pub use fluid_state::{CriticalPoint, FluidState};
 pub use freezing::{FreezingLine, freezing_line, freezing_lines, freezing_lines_of};
 pub use jet::Jet;
@@ -61,7 +61,7 @@ pub use model::{
 pub use one_fluid::{LARGEST_SIZE_RATIO, OneFluid, OneFluidEquation, one_fluid};
 pub use phase::Phase;
 pub use pohl::{Pohl, pohl_2023};
-pub use properties::{PROPERTIES, Property, property};
+pub use properties::{PROPERTIES, Property, Scale, property};
 pub use saturation::Saturation;
 pub use tables::{ReferenceTable, Status, reference_table, reference_tables};
 pub use thol::Thol;

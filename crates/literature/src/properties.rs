@@ -2,6 +2,35 @@
 
 use crate::fluid_state::FluidState;
 
+/// The size beside which a difference in a property is small or large.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// The size of the value, which cannot pass through zero.
+    Value,
+    /// 1.
+    One,
+    /// k_B T.
+    Thermal,
+    /// ρ k_B T.
+    IdealPressure,
+    /// 1/c_p: the product of μ_JT and c_p is a volume of the size of σ³.
+    PerHeat,
+}
+
+impl Scale {
+    /// The size at a density (σ⁻³), a temperature (ε/k_B) and a heat capacity c_p (k_B); `None` for the size of the value itself.
+    #[must_use]
+    pub fn at(self, rho: f64, temperature: f64, heat_capacity_pressure: f64) -> Option<f64> {
+        match self {
+            Self::Value => None,
+            Self::One => Some(1.0),
+            Self::Thermal => Some(temperature),
+            Self::IdealPressure => Some(rho * temperature),
+            Self::PerHeat => Some(1.0 / heat_capacity_pressure),
+        }
+    }
+}
+
 /// A property of a fluid in a state.
 #[derive(Debug, Clone, Copy)]
 pub struct Property {
@@ -13,43 +42,46 @@ pub struct Property {
     pub equation: &'static str,
     /// Unit; empty for a plain number.
     pub unit: &'static str,
+    /// The size beside which a difference in it is small or large.
+    pub scale: Scale,
     /// Its value.
     pub of: fn(&FluidState) -> f64,
 }
 
 macro_rules! properties {
-    ($($key:literal, $name:literal, $equation:literal, $unit:literal, $of:expr;)*) => {
+    ($($key:literal, $name:literal, $equation:literal, $unit:literal, $scale:ident, $of:expr;)*) => {
         /// All properties, in the order of a table.
         pub const PROPERTIES: &[Property] = &[$(Property {
             key: $key,
             name: $name,
             equation: $equation,
             unit: $unit,
+            scale: Scale::$scale,
             of: $of,
         }),*];
     };
 }
 
 properties! {
-    "pressure", "pressure P", "ρT(1 + ρ ∂α/∂ρ), α = a_res/T", "ε/σ³", |s| s.pressure;
-    "compressibility_factor", "compressibility factor Z", "P/(ρT)", "", |s| s.pressure / (s.rho * s.temperature);
-    "potential_energy", "potential energy U/N", "∂α/∂β", "ε", |s| s.potential_energy;
-    "total_energy", "energy E/N", "U/N + kinetic part", "ε", FluidState::total_energy;
-    "enthalpy", "enthalpy H/N", "E/N + P/ρ", "ε", |s| s.total_energy() + s.pressure / s.rho;
-    "heat_capacity", "heat capacity c_v", "kinetic part − β² ∂²α/∂β²", "k_B", |s| s.heat_capacity_volume;
-    "heat_capacity_pressure", "heat capacity c_p", "c_v + T γ_V² κ_T/ρ", "k_B", |s| s.heat_capacity_pressure;
-    "thermal_pressure_coefficient", "thermal pressure coefficient γ_V", "∂P/∂T at constant V", "k_B/σ³", |s| s.dp_dt;
-    "isothermal_compressibility", "isothermal compressibility κ_T", "(1/ρ) ∂ρ/∂P at constant T", "σ³/ε", FluidState::isothermal_compressibility;
-    "isentropic_compressibility", "isentropic compressibility κ_S", "κ_T c_v/c_p", "σ³/ε", |s| s.isothermal_compressibility() * s.heat_capacity_volume / s.heat_capacity_pressure;
-    "thermal_expansion", "thermal expansion α_P", "γ_V κ_T", "k_B/ε", |s| s.dp_dt * s.isothermal_compressibility();
-    "speed_of_sound", "speed of sound w", "1/√(ρ m κ_S)", "σ/τ", |s| s.speed_of_sound;
-    "joule_thomson_coefficient", "Joule–Thomson coefficient μ_JT", "(T α_P − 1)/(ρ c_p)", "σ³/k_B", FluidState::joule_thomson;
-    "grueneisen_parameter", "Grüneisen parameter Γ", "γ_V/(ρ c_v)", "", |s| s.dp_dt / (s.rho * s.heat_capacity_volume);
-    "density_scaling_exponent", "density-scaling exponent γ", "⟨δW δU⟩/(3⟨δU²⟩) = (γ_V/ρ − 1)/(∂u/∂T)", "", |s| (s.dp_dt / s.rho - 1.0) / s.du_dt;
-    "structure_factor_zero", "structure factor S(0)", "ρ T κ_T", "", |s| s.temperature / s.dp_drho;
-    "residual_helmholtz_energy", "residual Helmholtz energy a_res", "T α", "ε", |s| s.temperature * s.residual_helmholtz;
-    "residual_entropy", "residual entropy s_res", "(U/N − a_res)/T", "k_B", |s| s.potential_energy / s.temperature - s.residual_helmholtz;
-    "residual_chemical_potential", "residual chemical potential μ_res", "a_res + T(Z − 1)", "ε", |s| s.temperature * (s.residual_helmholtz - 1.0) + s.pressure / s.rho;
+    "pressure", "pressure P", "ρT(1 + ρ ∂α/∂ρ), α = a_res/T", "ε/σ³", IdealPressure, |s| s.pressure;
+    "compressibility_factor", "compressibility factor Z", "P/(ρT)", "", One, |s| s.pressure / (s.rho * s.temperature);
+    "potential_energy", "potential energy U/N", "∂α/∂β", "ε", Thermal, |s| s.potential_energy;
+    "total_energy", "energy E/N", "U/N + kinetic part", "ε", Thermal, FluidState::total_energy;
+    "enthalpy", "enthalpy H/N", "E/N + P/ρ", "ε", Thermal, |s| s.total_energy() + s.pressure / s.rho;
+    "heat_capacity", "heat capacity c_v", "kinetic part − β² ∂²α/∂β²", "k_B", Value, |s| s.heat_capacity_volume;
+    "heat_capacity_pressure", "heat capacity c_p", "c_v + T γ_V² κ_T/ρ", "k_B", Value, |s| s.heat_capacity_pressure;
+    "thermal_pressure_coefficient", "thermal pressure coefficient γ_V", "∂P/∂T at constant V", "k_B/σ³", Value, |s| s.dp_dt;
+    "isothermal_compressibility", "isothermal compressibility κ_T", "(1/ρ) ∂ρ/∂P at constant T", "σ³/ε", Value, FluidState::isothermal_compressibility;
+    "isentropic_compressibility", "isentropic compressibility κ_S", "κ_T c_v/c_p", "σ³/ε", Value, |s| s.isothermal_compressibility() * s.heat_capacity_volume / s.heat_capacity_pressure;
+    "thermal_expansion", "thermal expansion α_P", "γ_V κ_T", "k_B/ε", Value, |s| s.dp_dt * s.isothermal_compressibility();
+    "speed_of_sound", "speed of sound w", "1/√(ρ m κ_S)", "σ/τ", Value, |s| s.speed_of_sound;
+    "joule_thomson_coefficient", "Joule–Thomson coefficient μ_JT", "(T α_P − 1)/(ρ c_p)", "σ³/k_B", PerHeat, FluidState::joule_thomson;
+    "grueneisen_parameter", "Grüneisen parameter Γ", "γ_V/(ρ c_v)", "", Value, |s| s.dp_dt / (s.rho * s.heat_capacity_volume);
+    "density_scaling_exponent", "density-scaling exponent γ", "⟨δW δU⟩/(3⟨δU²⟩) = (γ_V/ρ − 1)/(∂u/∂T)", "", Value, |s| (s.dp_dt / s.rho - 1.0) / s.du_dt;
+    "structure_factor_zero", "structure factor S(0)", "ρ T κ_T", "", Value, |s| s.temperature / s.dp_drho;
+    "residual_helmholtz_energy", "residual Helmholtz energy a_res", "T α", "ε", Thermal, |s| s.temperature * s.residual_helmholtz;
+    "residual_entropy", "residual entropy s_res", "(U/N − a_res)/T", "k_B", Value, |s| s.potential_energy / s.temperature - s.residual_helmholtz;
+    "residual_chemical_potential", "residual chemical potential μ_res", "a_res + T(Z − 1)", "ε", Thermal, |s| s.temperature * (s.residual_helmholtz - 1.0) + s.pressure / s.rho;
 }
 
 /// The property with this name.

@@ -1,6 +1,7 @@
 //! Finished runs beside the literature: every quantity with its difference in standard errors and a verdict.
 
 mod card;
+mod judge;
 mod missing;
 mod phase;
 mod primary;
@@ -15,11 +16,12 @@ mod two_phases;
 mod verdict;
 
 pub(crate) use card::is_a_part;
-pub use card::{CardEquation, CardRow, Standing, StateCard, card_table};
+pub use card::{CardEquation, CardRow, StateCard, card_table};
+pub use judge::Verdict;
 pub use phase::{StateOfMatter, state_of};
 pub use read::{ReadError, RunFolder};
 pub use table::table;
-pub use verdict::{Row, Verdict};
+pub use verdict::Row;
 
 use lennard_literature::{equation_of_state_for, remark_for};
 use read::is_of_few_bodies;
@@ -131,7 +133,7 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     remarks.extend(others.remark());
     // A run beside runs of others has references, whatever the equations say.
     let missing = no_reference.clone().filter(|_| !others.are_there());
-    let rows = rows::all(&Compared {
+    let mut rows = rows::all(&Compared {
         run,
         state: &state,
         model,
@@ -140,9 +142,22 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     });
     let card = no_reference
         .is_none()
-        .then(|| card::card(run, &state, model))
+        .then(|| card::card(run, &state, model, &rows))
         .flatten()
         .filter(StateCard::has_a_result);
+    // A run that tells the equations apart is not too coarse, and another equation may be nearer than the one that judges.
+    for beside in card.iter().flat_map(|card| &card.rows) {
+        let is_settled = |row: &Row| !matches!(row.verdict, Verdict::Differs | Verdict::TooCoarse);
+        let mut rows = rows
+            .iter_mut()
+            .filter(|row| row.quantity == beside.property);
+        if let Some(row) = rows.next().filter(|row| !is_settled(row))
+            && beside.verdict == Verdict::Sharper
+        {
+            row.verdict = Verdict::Sharper;
+            row.reason.clear();
+        }
+    }
     ComparedRun {
         card,
         run: run.folder.display().to_string(),
@@ -175,7 +190,7 @@ fn shared_reason(rows: &[Row]) -> Option<&Row> {
     let primary = || rows.iter().filter(|r| r.primary);
     primary().find(|row| {
         let same = primary().filter(|r| r.reason == row.reason).count();
-        !row.reason.is_empty() && 2 * same > primary().count()
+        !row.reason.is_empty() && !row.verdict.is_judged() && 2 * same > primary().count()
     })
 }
 
@@ -242,9 +257,15 @@ fn headline(rows: &[Row], no_reference: Option<&str>) -> String {
             first.reason
         );
     }
-    let differing = with(Verdict::Differs);
-    if !differing.is_empty() {
-        text += &format!(" Not explained: the difference in {}.", names(&differing));
+    for (verdict, lead) in [
+        (Verdict::Differs, "Not explained: the difference in"),
+        (Verdict::Sharper, "The run is sharper than the equations in"),
+        (Verdict::TooCoarse, "Too coarse to tell:"),
+    ] {
+        let rows = with(verdict);
+        if !rows.is_empty() {
+            text += &format!(" {lead} {}.", names(&rows));
+        }
     }
     let short = primary(&|r| !r.is_sound());
     if !short.is_empty() {

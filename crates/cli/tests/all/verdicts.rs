@@ -335,20 +335,145 @@ fn a_fluid_between_walls_is_said_to_be_in_no_phase() {
     assert!(!page.contains("stable"), "{page:.2000}");
 }
 
+/// 108 dumbbells at T = 2.5.
+fn dumbbells(density: &str, bond_length: &str) -> String {
+    let molecule = format!("[molecule]\nkind = \"dumbbell\"\n{bond_length}\n[truncation]");
+    SCENE
+        .replace("n_atoms = 108", "n_molecules = 108")
+        .replace("density = 0.7", density)
+        .replace("temperature = 1.5", "temperature = 2.5")
+        .replace("dt = 0.004", "dt = 0.002")
+        .replace("[truncation]", &molecule)
+        .replace("[[observable]]\nkind = \"structure-factor\"", "")
+        .replace("[[observable]]\nkind = \"msd\"", "")
+}
+
+/// The equation has its critical point at T = 2.52, and its S(0) makes a finite-size term that the fluid does not have.
+#[test]
+fn the_tolerance_holds_a_finite_size_term_near_the_critical_point_of_the_equation() {
+    let scene = dumbbells("density = 0.3", "bond_length = 0.6");
+    let place = Place::with(&[("scene.toml", &scene)]);
+    let bath = "stage.production.thermostat={ kind = \"bussi\", tau = 0.2 }";
+    let run = [
+        "run",
+        "scene.toml",
+        "--out",
+        "out",
+        "--quiet",
+        "--no-report",
+    ];
+    let longer = ["--set", bath, "--set", "stage.production.steps=20000"];
+    assert!(
+        lennard_in(place.root(), &[&run[..], &longer].concat())
+            .status
+            .success()
+    );
+    let compared = lennard_in(place.root(), &["compare", "out", "--json"]).stdout;
+    let compared: Value = serde_json::from_slice(&compared).unwrap();
+    let row = row(&compared["runs"][0], "potential_energy");
+    let number = |key: &str| row[key].as_f64().unwrap();
+    // 4 combined errors, 0.02 of the equations, and a term of 0.08.
+    let statistical = 4.0 * number("combined_error") + 0.02;
+    assert!(number("tolerance") > statistical + 0.06, "{row}");
+    assert!(
+        ["agrees", "too-coarse"]
+            .iter()
+            .any(|v| row["verdict"] == *v),
+        "{row}"
+    );
+    let words = row["tolerance_words"].as_str().unwrap();
+    assert!(words.contains("of the finite-size term"), "{row}");
+    let table = lennard_in(place.root(), &["compare", "out"]).stdout;
+    let table = String::from_utf8_lossy(&table);
+    let words: Vec<&str> = table.split_whitespace().collect();
+    let near = "not trusted near the critical point of the equation";
+    assert!(words.join(" ").contains(near), "{table}");
+}
+
+/// One reference, one error and one tolerance for a number: the card forgets neither the number of particles nor the cutoff.
+#[test]
+fn the_card_says_what_the_table_says() {
+    let bath = "stage.production.thermostat={ kind = \"bussi\", tau = 0.2 }";
+    let few = [
+        "system.n_atoms=32",
+        "system.density=0.1",
+        "system.temperature=3.0",
+        "system.seed=1",
+        "truncation.r_cut=3.0",
+        "stage.melt.steps=5000",
+        "stage.production.steps=60000",
+        bath,
+    ];
+    // The bias of the cutoff is many errors large.
+    let biased = [
+        "system.density=0.8442",
+        "system.temperature=0.73",
+        "stage.melt.temperature=2.0",
+        "truncation.r_cut=2.5",
+        "system.seed=2",
+        "observable.0.r_max=3.3",
+        "stage.production.steps=30000",
+        "system.n_atoms=256",
+        bath,
+    ];
+    let mut seen = Vec::new();
+    for changes in [&few[..], &biased] {
+        let (_, compared, _) = run(changes);
+        let rows = compared["card"]["rows"].as_array().unwrap();
+        for beside in rows {
+            let property = beside["property"].as_str().unwrap();
+            let row = row(&compared, property);
+            if row["reference"].is_null() {
+                continue;
+            }
+            let first = beside["values"][0].as_f64().unwrap();
+            let reference = row["reference"].as_f64().unwrap();
+            assert!(
+                (first - reference).abs() <= 1e-12 * reference.abs(),
+                "{row}"
+            );
+            let pair = [&row["verdict"], &beside["verdict"]].map(|v| v.as_str().unwrap());
+            let [
+                "agrees" | "sharper" | "too-coarse" | "predicted-bias" | "differs",
+                there,
+            ] = pair
+            else {
+                panic!("{row}");
+            };
+            let fits = match pair[0] {
+                "agrees" => matches!(there, "agrees" | "sharper"),
+                "differs" => there != "predicted-bias",
+                same => there == same,
+            };
+            assert!(fits, "{property}: {pair:?} {row} {beside}");
+            let number = |key: &str| row[key].as_f64().unwrap();
+            let is_fine = number("tolerance") <= 0.05 * number("scale");
+            assert!(pair[0] != "agrees" || is_fine, "{row}");
+            assert!(pair[0] != "too-coarse" || !is_fine, "{row}");
+            seen.push((changes.len(), property.to_owned(), pair[0].to_owned()));
+        }
+    }
+    // A barostat holds P, and U stands beside the equation at that pressure: the card is at the measured density.
+    let barostat =
+        "stage.production.barostat={ kind = \"stochastic-cell-rescaling\", pressure = 2.0 }";
+    let (_, compared, _) = run(&[bath, barostat, "stage.production.steps=20000"]);
+    assert!(row(&compared, "pressure")["reference"].is_number());
+    let rows = compared["card"]["rows"].as_array().unwrap();
+    assert!(rows.iter().all(|r| r["property"] != "pressure"), "{rows:?}");
+    let has = |changes: &[&str], property: &str, verdict: &str| {
+        let wanted = (changes.len(), property.to_owned(), verdict.to_owned());
+        assert!(seen.contains(&wanted), "{wanted:?} {seen:?}");
+    };
+    has(&few, "potential_energy", "agrees");
+    has(&few, "isothermal_compressibility", "too-coarse");
+    has(&biased, "potential_energy", "predicted-bias");
+    has(&biased, "heat_capacity_pressure", "too-coarse");
+}
+
 /// Densities count molecules, in the comparison too: a run of dumbbells has the equation of Lísal beside it.
 #[test]
 fn a_run_of_dumbbells_is_compared_at_the_density_of_its_molecules() {
-    let scene = SCENE
-        .replace("n_atoms = 108", "n_molecules = 108")
-        .replace("density = 0.7", "density = 0.4")
-        .replace("temperature = 1.5", "temperature = 2.5")
-        .replace("dt = 0.004", "dt = 0.002")
-        .replace(
-            "[truncation]",
-            "[molecule]\nkind = \"dumbbell\"\nbond_length = 0.67\n[truncation]",
-        )
-        .replace("[[observable]]\nkind = \"structure-factor\"", "")
-        .replace("[[observable]]\nkind = \"msd\"", "");
+    let scene = dumbbells("density = 0.4", "bond_length = 0.67");
     let place = Place::with(&[("scene.toml", &scene)]);
     let run = [
         "run",
@@ -391,7 +516,9 @@ fn a_run_of_dumbbells_is_compared_at_the_density_of_its_molecules() {
         let row = row(run, quantity);
         let source = row["source"].as_str().unwrap();
         assert!(source.starts_with("Lísal 2004"), "{row}");
-        assert_eq!(row["verdict"], "agrees", "{row}");
+        let is_coarse = row["tolerance"].as_f64() > row["scale"].as_f64().map(|s| 0.05 * s);
+        let verdict = if is_coarse { "too-coarse" } else { "agrees" };
+        assert_eq!(row["verdict"], verdict, "{row}");
         let note = row["remark"].to_string();
         assert!(
             note.contains("for 216 sites in 108 molecules in a closed box"),

@@ -225,6 +225,7 @@ fn record() -> RunRecord {
             measured: 0.31,
             reference: 0.3,
             finite_size: Some(0.25),
+            finite_size_uncertainty: Some(0.5),
             reference_uncertainty: None,
             difference: 0.01,
             standard_error: 0.02,

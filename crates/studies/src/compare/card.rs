@@ -5,7 +5,8 @@ use lennard_literature::{EquationOfState, ModelKind, PROPERTIES, Property, equat
 use lennard_report::significant;
 use serde::Serialize;
 
-use super::{RunFolder, StateOfMatter};
+use super::judge::{Judged, judge};
+use super::{Row, RunFolder, StateOfMatter, Verdict};
 
 /// Means that are compared at the number of particles of the run, and stand in the comparison for that reason.
 const OF_THE_WHOLE_SYSTEM: [&str; 2] = ["total_energy", "enthalpy"];
@@ -25,10 +26,10 @@ pub(crate) fn is_a_part(property: &str) -> bool {
 /// Means that belong to the temperature of the bath, and not to the measured one: trial particles have weights of that.
 const AT_THE_BATH: [&str; 1] = ["residual_chemical_potential"];
 
-/// A run is sharper than the literature where its error is below this part of the band.
-const SHARPER: f64 = 0.5;
-/// Errors by which a value must leave the band to be said to lie outside.
-const OUTSIDE: f64 = 3.0;
+/// Means that belong to the pressure of a barostat, where there is one: they have no row, since a card is at the measured density.
+const AT_THE_PRESSURE: [&str; 2] = ["pressure", "potential_energy"];
+/// A property that the comparison holds against nothing may be so many errors off.
+const ERRORS: f64 = 3.0;
 
 /// Every measured property beside every equation that applies.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -44,8 +45,7 @@ pub struct StateCard {
 impl StateCard {
     /// Whether any property has a result: a run that was not in equilibrium has none.
     pub(super) fn has_a_result(&self) -> bool {
-        let results = |row: &CardRow| row.standing != Standing::NoResult;
-        self.rows.iter().any(results)
+        self.rows.iter().any(|row| row.error.is_finite())
     }
 }
 
@@ -73,53 +73,34 @@ pub struct CardRow {
     pub measured: f64,
     /// Its standard error; not a number where the run gives none.
     pub standard_error: f64,
-    /// By each equation, in their order.
+    /// Standard error of a difference from an equation: U, P and T fluctuate together. Not a number where the run gives none, or no equation applies.
+    pub error: f64,
+    /// The difference that a known bias of the run makes, where it can be predicted.
+    pub predicted_bias: Option<f64>,
+    /// By each equation, in their order; U and P for as many particles as the run has.
     pub values: Vec<f64>,
     /// The smallest and the largest value of the equations that count; absent with fewer than two of them.
     pub band: Option<[f64; 2]>,
-    /// What can be said.
-    pub standing: Standing,
+    /// What can be said beside the band.
+    pub verdict: Verdict,
 }
 
-/// How a measured property stands to the band of the literature.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Standing {
-    /// The run gives no error for it.
-    NoResult,
-    /// There are fewer than two equations to make a band.
-    NoBand,
-    /// Its error is at most as large as half the band: the run tells the equations apart.
-    Sharper,
-    /// It lies within three errors of the band.
-    Within,
-    /// It lies outside the band by more than three errors.
-    Outside,
-}
-
-impl Standing {
-    fn words(self) -> &'static str {
-        match self {
-            Self::NoResult => "no result",
-            Self::NoBand => "",
-            Self::Sharper => "sharper than the band",
-            Self::Within => "within the band",
-            Self::Outside => "outside the band",
-        }
-    }
-
-    fn tone(self) -> Tone {
-        match self {
-            Self::Outside => Tone::Careful,
-            Self::NoResult => Tone::Faint,
-            _ => Tone::Plain,
-        }
+impl CardRow {
+    /// Measured − each equation, without the known bias of the cutoff, which is no fault of an equation.
+    pub(crate) fn differences(&self) -> impl Iterator<Item = f64> {
+        let measured = self.measured - self.predicted_bias.unwrap_or(0.0);
+        self.values.iter().map(move |value| measured - value)
     }
 }
 
-/// The card of a run in a single stable phase; `None` where no equation covers its state.
+/// The card of a run in a single stable phase, from the rows of its comparison; `None` where no equation covers its state.
 #[must_use]
-pub fn card(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> Option<StateCard> {
+pub fn card(
+    run: &RunFolder,
+    state: &StateOfMatter,
+    model: ModelKind,
+    compared: &[Row],
+) -> Option<StateCard> {
     if !state.is_single_stable_phase() {
         return None;
     }
@@ -132,29 +113,40 @@ pub fn card(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> Option<
     let states: Vec<_> = states_at(t);
     let at_the_bath: Vec<_> = states_at(run.bath_temperature().unwrap_or(t));
     let counts: Vec<bool> = equations.iter().map(|e| counts(*e)).collect();
+    let at_pressure = run
+        .scene
+        .stages
+        .iter()
+        .any(|s| s.measure && s.barostat.is_some());
     let row = |mean: &str, name: &str, property: &Property, judged: bool| -> Option<CardRow> {
-        let average = run.average(mean)?;
+        let row = compared.iter().find(|r| r.quantity == mean)?;
         let states = if AT_THE_BATH.contains(&mean) {
             &at_the_bath
         } else {
             &states
         };
-        let values: Vec<f64> = states.iter().map(property.of).collect();
+        let mut values: Vec<f64> = states.iter().map(property.of).collect();
+        // The first equation judges the run. Its value and the reference differ by the finite-size term of U and P.
+        let finite_size = row
+            .reference
+            .zip(values.first())
+            .map_or(0.0, |(r, v)| r - v);
+        values.iter_mut().for_each(|value| *value += finite_size);
         let counted = values.iter().zip(&counts).filter(|(_, counts)| **counts);
-        let counted = counted.filter(|_| judged);
-        let band = band(counted.map(|(value, _)| *value));
-        let error = if average.is_sound() {
-            average.standard_error
-        } else {
-            f64::NAN
-        };
+        let band = band(counted.filter(|_| judged).map(|(value, _)| *value));
+        let or_none = |holds: bool, error: f64| if holds { error } else { f64::NAN };
         Some(CardRow {
             property: mean.to_owned(),
             name: name.to_owned(),
             unit: property.unit.to_owned(),
-            measured: average.mean,
-            standard_error: error,
-            standing: standing(average.mean, error, band),
+            measured: row.measured,
+            standard_error: or_none(row.is_sound(), row.standard_error),
+            error: or_none(
+                applies(row),
+                row.combined_error.unwrap_or(row.standard_error),
+            ),
+            predicted_bias: row.predicted_bias,
+            verdict: beside_band(row, band),
             values,
             band,
         })
@@ -162,6 +154,7 @@ pub fn card(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> Option<
     let mut rows: Vec<CardRow> = PROPERTIES
         .iter()
         .filter(|p| !OF_THE_WHOLE_SYSTEM.contains(&p.key))
+        .filter(|p| !(at_pressure && AT_THE_PRESSURE.contains(&p.key)))
         .filter_map(|p| row(p.key, p.name, p, true))
         .collect();
     rows.extend(PARTS.iter().filter_map(|(mean, whole, name)| {
@@ -182,6 +175,32 @@ pub fn card(run: &RunFolder, state: &StateOfMatter, model: ModelKind) -> Option<
             })
             .collect(),
         rows,
+    })
+}
+
+/// Whether a row may stand beside equations. A reason without a reference says why none applies.
+fn applies(row: &Row) -> bool {
+    row.is_sound() && (row.reference.is_some() || row.reason.is_empty())
+}
+
+/// The verdict on a row of the comparison beside the band, with the tolerance of the comparison.
+fn beside_band(row: &Row, band: Option<[f64; 2]>) -> Verdict {
+    // The bias of the cutoff explains a difference from the whole band, or from none of it.
+    if !row.is_sound() || row.verdict == Verdict::PredictedBias {
+        return row.verdict;
+    }
+    let Some([low, high]) = band.filter(|_| applies(row)) else {
+        return Verdict::NoReference;
+    };
+    judge(Judged {
+        difference: row.measured - row.measured.clamp(low, high),
+        error: row
+            .standard_error
+            .hypot(row.finite_size_uncertainty.unwrap_or(0.0)),
+        tolerance: row.tolerance.unwrap_or(ERRORS * row.standard_error),
+        scale: row.scale.unwrap_or(0.5 * (low + high).abs()),
+        bias: None,
+        width: high - low,
     })
 }
 
@@ -210,59 +229,35 @@ pub(super) fn spread(model: ModelKind, rho: f64, t: f64, property: &Property) ->
     band(values).map(|[low, high]| high - low)
 }
 
-fn standing(measured: f64, error: f64, band: Option<[f64; 2]>) -> Standing {
-    let Some([low, high]) = band else {
-        return if error.is_finite() {
-            Standing::NoBand
-        } else {
-            Standing::NoResult
-        };
-    };
-    let beyond = (measured - high).max(low - measured);
-    if !error.is_finite() {
-        Standing::NoResult
-    } else if beyond > OUTSIDE * error {
-        Standing::Outside
-    } else if error < SHARPER * (high - low) {
-        Standing::Sharper
-    } else {
-        Standing::Within
-    }
-}
-
 /// What the rows say together.
 fn sentence(rows: &[CardRow]) -> String {
-    let with = |standing: Standing| -> Vec<&str> {
-        let rows = rows.iter().filter(|r| r.standing == standing);
-        rows.map(|r| r.name.as_str()).collect()
+    let with = |(verdict, lead): &(Verdict, &str)| {
+        let rows = rows.iter().filter(|r| r.verdict == *verdict);
+        let names: Vec<&str> = rows.map(|r| r.name.as_str()).collect();
+        (!names.is_empty()).then(|| format!("{lead}: {}.", names.join(", ")))
     };
-    let mut text = String::new();
-    let outside = with(Standing::Outside);
-    if !outside.is_empty() {
-        text += &format!(
-            "Outside the band of the equations: {}. ",
-            outside.join(", ")
-        );
-    }
-    let sharper = with(Standing::Sharper);
-    if !sharper.is_empty() {
-        text += &format!(
-            "This run is sharper than the literature here in: {}. ",
-            sharper.join(", ")
-        );
-    }
-    let within = with(Standing::Within);
-    if !within.is_empty() {
-        text += &format!("Within the band: {}. ", within.join(", "));
-    }
-    text.trim_end().to_owned()
+    let said = [
+        (Verdict::Differs, "Outside the band of the equations"),
+        (
+            Verdict::PredictedBias,
+            "Outside the band by the predicted bias of the cutoff",
+        ),
+        (
+            Verdict::Sharper,
+            "This run is sharper than the literature here in",
+        ),
+        (Verdict::Agrees, "Within the band"),
+        (Verdict::TooCoarse, "Too coarse to tell"),
+    ];
+    said.iter().filter_map(with).collect::<Vec<_>>().join(" ")
 }
 
 /// The card for a reader.
 #[must_use]
 pub fn card_table(card: &StateCard) -> Table {
-    let caption = "Every measured property beside every equation at the measured density and temperature, for an infinite system; a chemical potential is at the temperature of the bath. The band reaches from the smallest to the \
-                   largest value of the equations that count; what is greyed does not count.";
+    let caption = "Every measured property beside every equation at the measured density and temperature; a chemical potential is at the temperature of the bath. U and P are for \
+                   as many particles as the run has, other properties for an infinite system. The band reaches from the smallest to the largest value of the equations that count; what is \
+                   greyed does not count. A value is outside the band where it is further off than the tolerance of the comparison.";
     let mut table = Table::rows_of("state_card", &card.rows)
         .caption(caption)
         .column("Property", |r| {
@@ -302,9 +297,9 @@ pub fn card_table(card: &StateCard) -> Table {
         cells: card
             .rows
             .iter()
-            .map(|r| Cell::words(r.standing.words()).toned(r.standing.tone()))
+            .map(|r| Cell::words(r.verdict.words_beside_band()).toned(r.verdict.tone()))
             .collect(),
-        ..Column::headed("Standing")
+        ..Column::headed("Verdict")
     });
     table
 }
@@ -313,24 +308,74 @@ pub fn card_table(card: &StateCard) -> Table {
 mod tests {
     use super::*;
 
+    fn row(measured: f64, standard_error: f64) -> Row {
+        let average = lennard_io::AverageRecord {
+            mean: measured,
+            standard_error,
+            n_effective: 500.0,
+            freedom: 64.0,
+            equilibration_cut: 0,
+            unit: String::new(),
+            standing: lennard_io::SOUND.into(),
+            reason: String::new(),
+        };
+        Row::measured("heat_capacity_pressure", &average)
+    }
+
     #[test]
     fn a_value_stands_to_the_band_as_its_error_allows() {
-        let band = Some([1.0, 1.2]);
+        let band = Some([4.802, 4.818]);
         for (measured, error, expected) in [
-            (1.1, 0.2, Standing::Within),
-            (1.1, 0.05, Standing::Sharper),
-            (1.4, 0.05, Standing::Outside),
-            (0.9, 0.05, Standing::Sharper),
-            (0.9, 0.2, Standing::Within),
-            (1.1, f64::NAN, Standing::NoResult),
+            // An error of a sixth of the value sees no band.
+            (4.10, 0.70, Verdict::TooCoarse),
+            (4.78, 0.09, Verdict::TooCoarse),
+            (4.78, 0.07, Verdict::Agrees),
+            (4.81, 0.007, Verdict::Sharper),
+            (4.79, 0.007, Verdict::Sharper),
+            (4.85, 0.007, Verdict::Differs),
+            (3.0, 0.5, Verdict::Differs),
         ] {
-            assert_eq!(
-                standing(measured, error, band),
-                expected,
-                "{measured} {error}"
-            );
+            let found = beside_band(&row(measured, error), band);
+            assert_eq!(found, expected, "{measured} {error}");
         }
-        assert_eq!(standing(1.1, 0.1, None), Standing::NoBand);
+        assert_eq!(beside_band(&row(4.8, 0.1), None), Verdict::NoReference);
+        // A wide band makes a run that tells its equations apart, though its error is a tenth of the value.
+        assert_eq!(
+            beside_band(&row(4.8, 0.5), Some([3.5, 5.5])),
+            Verdict::Sharper
+        );
+    }
+
+    /// What the comparison says of a number is not said otherwise beside the band.
+    #[test]
+    fn the_band_has_the_tolerance_and_the_bias_of_the_comparison() {
+        let band = Some([4.802, 4.818]);
+        let compared = Row {
+            tolerance: Some(0.1),
+            reference: Some(4.81),
+            ..row(4.75, 0.01)
+        };
+        assert_eq!(beside_band(&compared, band), Verdict::Agrees);
+        assert_eq!(beside_band(&row(4.75, 0.01), band), Verdict::Differs);
+        let biased = Row {
+            verdict: Verdict::PredictedBias,
+            ..compared.clone()
+        };
+        assert_eq!(beside_band(&biased, band), Verdict::PredictedBias);
+        // A run tells no equations apart by a term that is not trusted.
+        let few = Row {
+            finite_size_uncertainty: Some(0.05),
+            ..row(4.81, 0.001)
+        };
+        assert_eq!(beside_band(&row(4.81, 0.001), band), Verdict::Sharper);
+        assert_eq!(beside_band(&few, band), Verdict::Agrees);
+        // A crystal beside the equation of a fluid.
+        let frozen = Row {
+            reference: None,
+            reason: "hardly diffuses".into(),
+            ..compared
+        };
+        assert_eq!(beside_band(&frozen, band), Verdict::NoReference);
     }
 
     #[test]

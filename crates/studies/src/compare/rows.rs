@@ -134,7 +134,10 @@ pub(super) fn all(compared: &Compared<'_>) -> Vec<Row> {
 impl Compared<'_> {
     /// One quantity with what it is held against; `None` where the run has not measured it.
     fn row(&self, name: &str) -> Option<Row> {
-        let row = Row::measured(name, self.run.average(name)?);
+        let row = Row {
+            scale: self.scale(name),
+            ..Row::measured(name, self.run.average(name)?)
+        };
         if let Some(of_others) = self.others.of(name) {
             return Some(self.others.hold(row, of_others));
         }
@@ -143,6 +146,15 @@ impl Compared<'_> {
             Some((_, beside)) => beside(self, row),
             None => row,
         })
+    }
+
+    /// The size beside which a difference in a quantity is small or large; `None` for the size of its reference.
+    pub(super) fn scale(&self, name: &str) -> Option<f64> {
+        let (density, temperature) = (self.state.density, self.state.temperature);
+        let state = self.equation().map(|e| e.at(density, temperature));
+        let heat_capacity = state.map_or(f64::NAN, |s| s.heat_capacity_pressure);
+        let scale = property(name)?.scale;
+        scale.at(density, temperature, heat_capacity)
     }
 
     /// The kinetic temperature beside the temperature of the bath, where the bath holds this very temperature.
@@ -184,7 +196,9 @@ impl Compared<'_> {
             .against_with_error(
                 compared.reference,
                 compared.standard_error,
-                tolerance.for_reference(compared.reference_uncertainty),
+                tolerance
+                    .for_reference(compared.reference_uncertainty)
+                    .holding(compared.finite_size_uncertainty),
                 &compared.source,
             )
             .noted(compared.finite_size.map_or(
@@ -192,6 +206,7 @@ impl Compared<'_> {
                 |s| format!("for {particles} in a closed box: {s:+.5} beside an infinite system"),
             ));
         row.reference_error = compared.reference_uncertainty;
+        row.finite_size_uncertainty = compared.finite_size_uncertainty;
         if let ModelKind::CutWithTail { r_cut } = self.model
             && let Some(bias) = tail_bias(run, r_cut)
         {
@@ -202,7 +217,20 @@ impl Compared<'_> {
             };
             row = row.biased_by(bias, &format!("the tail beyond a cutoff of {r_cut} σ"));
         }
-        self.unless_frozen(row)
+        if let Some(held) = compared.finite_size_uncertainty
+            && row.is_sound()
+            && row.reason.is_empty()
+        {
+            let why = match compared.finite_size {
+                Some(_) => "near the critical point of the equation",
+                None => "for so few particles",
+            };
+            let held = lennard_report::significant(held, 2);
+            row.reason = format!(
+                "the tolerance holds a finite-size term of ± {held}, which is not trusted {why}"
+            );
+        }
+        self.where_it_applies(row)
     }
 
     /// The barostat of the measured stages.
@@ -259,23 +287,35 @@ impl Compared<'_> {
                 &compared.source,
             )
             .noted("at the pressure of the barostat and the measured temperature");
-        self.unless_frozen(row)
+        self.where_it_applies(row)
     }
 
-    /// A fluid's reference does not apply to what does not flow.
-    fn unless_frozen(&self, row: Row) -> Row {
+    /// A difference is no finding where the reference does not apply: to what does not flow, and for a response function where
+    /// finite-size terms are not small or not trusted.
+    fn where_it_applies(&self, row: Row) -> Row {
         if row.verdict != Verdict::Differs {
             return row;
         }
         let diffusion = self.run.average("diffusion_coefficient");
         let frozen =
             diffusion.filter(|d| d.mean < FROZEN_DIFFUSION * self.state.temperature.sqrt());
-        let Some(d) = frozen else { return row };
-        Row {
-            reason: format!(
+        let comparison = &self.run.record.comparison;
+        let has_term = comparison.iter().any(|c| c.quantity == row.quantity);
+        let in_doubt = comparison
+            .iter()
+            .any(|c| c.finite_size_uncertainty.is_some());
+        let reason = match frozen {
+            Some(d) => format!(
                 "its particles hardly diffuse (D = {}): a crystal or a glass, which this fluid equation does not describe",
                 lennard_report::significant(d.mean, 2)
             ),
+            None if in_doubt && !has_term => {
+                "its finite-size term is not known, and no longer small in this state".into()
+            }
+            None => return row,
+        };
+        Row {
+            reason,
             verdict: Verdict::NoReference,
             reference: None,
             difference: None,
@@ -296,7 +336,12 @@ impl Compared<'_> {
             return self.or_why_none(row);
         };
         let reference = equation.heat_capacity_volume(density, temperature);
-        self.unless_frozen(row.against(reference, None, HEAT_CAPACITY, &equation.spec().citation()))
+        self.where_it_applies(row.against(
+            reference,
+            None,
+            HEAT_CAPACITY,
+            &equation.spec().citation(),
+        ))
     }
 
     /// A response function beside the equation of state; the tolerance has the spread of the good equations.
@@ -305,16 +350,16 @@ impl Compared<'_> {
         let (Some(equation), Some(property)) = (self.equation(), property(&row.quantity)) else {
             return self.or_why_none(row);
         };
-        let spread = spread(self.model, density, temperature, property);
-        let own = spread.unwrap_or(RESPONSE_PART * row.measured.abs());
         let reference = (property.of)(&equation.at(density, temperature));
+        let spread = spread(self.model, density, temperature, property);
+        let own = spread.unwrap_or(RESPONSE_PART * reference.abs());
         let row = row.against(
             reference,
             None,
             RESPONSE.for_reference(Some(own)),
             &equation.spec().citation(),
         );
-        self.unless_frozen(row)
+        self.where_it_applies(row)
     }
 
     fn configurational_temperature(&self, row: Row) -> Row {

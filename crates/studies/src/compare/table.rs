@@ -10,7 +10,7 @@ use super::{Row, quantity_words};
 pub fn table(rows: &[&Row], verdict: impl Fn(&Row) -> String) -> Table {
     let caption = "Digits in brackets are one standard error (s.e.) in the last digits; a number without them has none, and the verdict or a line below says why. Energy and pressure agree within 4 standard errors plus the \
                    uncertainty of the equation of state (for atoms 0.003 ε and 0.005 ε/σ³). c_v agrees within 2 standard errors and 2 %, and transport coefficients within 2 \
-                   combined standard errors and 3 %.";
+                   combined standard errors and 3 %. A tolerance above 5 % of the scale of a quantity is too coarse to tell. The scale is the size of the reference, for U k_B T and for P ρ k_B T.";
     Table::rows_of("comparison", rows)
         .caption(caption)
         .column("Quantity", |r| {

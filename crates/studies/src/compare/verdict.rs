@@ -1,93 +1,9 @@
 //! A measured number beside a reference, and what follows.
 
-use lennard_core::Tone;
 use lennard_io::AverageRecord;
 use serde::Serialize;
 
-use crate::claims::Demand;
-
-/// What can be said of a measured number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// Within the tolerance.
-    Agrees,
-    /// Outside the tolerance, for no reason that is known.
-    Differs,
-    /// Outside the tolerance by as much as a known bias of the run makes it.
-    PredictedBias,
-    /// The run, or this quantity, still changes, or is not at the temperature of its bath.
-    NotInEquilibrium,
-    /// The run is too short for an error that covers.
-    TooShort,
-    /// The number lacks a part that is not known.
-    Incomplete,
-    /// A thermostat changes what is measured.
-    Thermostat,
-    /// There is nothing to compare it with, in this state or at all.
-    NoReference,
-}
-
-impl Verdict {
-    /// Every verdict.
-    pub const ALL: [Self; 8] = [
-        Self::Agrees,
-        Self::Differs,
-        Self::PredictedBias,
-        Self::NotInEquilibrium,
-        Self::TooShort,
-        Self::Incomplete,
-        Self::Thermostat,
-        Self::NoReference,
-    ];
-
-    /// A word or two for a table.
-    #[must_use]
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Agrees => "agrees",
-            Self::Differs => "differs",
-            Self::PredictedBias => "predicted bias",
-            Self::NotInEquilibrium => "not in equilibrium",
-            Self::TooShort => "too short",
-            Self::Incomplete => "incomplete",
-            Self::Thermostat => "changed by a bath or an exchange",
-            Self::NoReference => "no reference",
-        }
-    }
-
-    /// The tone of a cell that says it.
-    #[must_use]
-    pub fn tone(self) -> Tone {
-        match self {
-            Self::Agrees => Tone::Good,
-            Self::Differs => Tone::Bad,
-            Self::PredictedBias
-            | Self::NotInEquilibrium
-            | Self::TooShort
-            | Self::Incomplete
-            | Self::Thermostat => Tone::Careful,
-            Self::NoReference => Tone::Plain,
-        }
-    }
-
-    /// Whether the number was held against a reference.
-    #[must_use]
-    pub fn is_judged(self) -> bool {
-        matches!(self, Self::Agrees | Self::Differs | Self::PredictedBias)
-    }
-
-    /// The verdict of an average by its standing in the run record.
-    fn of_standing(average: &AverageRecord) -> Self {
-        match average.standing.as_str() {
-            "not-in-equilibrium" => Self::NotInEquilibrium,
-            "too-short" => Self::TooShort,
-            "incomplete" => Self::Incomplete,
-            "thermostat" => Self::Thermostat,
-            _ => Self::NoReference,
-        }
-    }
-}
+use super::judge::{Judged, Verdict, judge};
 
 /// A quantity of a run beside its reference. Numbers that are not finite are `null` in JSON.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -108,6 +24,8 @@ pub struct Row {
     pub reference: Option<f64>,
     /// One standard error of the reference, where its source gives one.
     pub reference_error: Option<f64>,
+    /// How far the reference may be off by a finite-size term that is not small, or not trusted.
+    pub finite_size_uncertainty: Option<f64>,
     /// Measured − reference; where there is a range, its distance from the reference (zero inside).
     pub difference: Option<f64>,
     /// The range in which the measured value lies, where it is not known which correction the reference contains.
@@ -118,6 +36,8 @@ pub struct Row {
     pub in_standard_errors: Option<f64>,
     /// The largest difference at which the two are said to agree.
     pub tolerance: Option<f64>,
+    /// The size beside which a difference is small or large; a tolerance above 5 % of it sees nothing.
+    pub scale: Option<f64>,
     /// What the tolerance is made of, in words.
     pub tolerance_words: String,
     /// The difference that a known bias of the run makes, where it can be predicted.
@@ -141,10 +61,8 @@ pub(super) struct Tolerance {
     errors: f64,
     absolute: f64,
     relative: f64,
+    finite_size: f64,
 }
-
-/// A predicted bias is known to this part of itself: it leaves out how the cutoff changes the structure inside it.
-const BIAS_KNOWN_TO: f64 = 0.35;
 
 impl Tolerance {
     /// So many combined standard errors, a difference, and a part of the reference.
@@ -153,6 +71,7 @@ impl Tolerance {
             errors,
             absolute,
             relative,
+            finite_size: 0.0,
         }
     }
 
@@ -162,8 +81,17 @@ impl Tolerance {
         Self { absolute, ..self }
     }
 
+    /// The same where a finite-size term of the reference is no better than `uncertainty`.
+    pub(super) fn holding(self, uncertainty: Option<f64>) -> Self {
+        let finite_size = uncertainty.map_or(0.0, rounded_up);
+        Self {
+            finite_size,
+            ..self
+        }
+    }
+
     fn of(self, combined: f64, reference: f64) -> f64 {
-        self.errors * combined + self.absolute + self.relative * reference.abs()
+        self.errors * combined + self.absolute + self.relative * reference.abs() + self.finite_size
     }
 
     fn words(self) -> String {
@@ -173,6 +101,9 @@ impl Tolerance {
         }
         if self.relative > 0.0 {
             words += &format!(" + {} %", 100.0 * self.relative);
+        }
+        if self.finite_size > 0.0 {
+            words += &format!(" + {} of the finite-size term", self.finite_size);
         }
         words
     }
@@ -203,11 +134,13 @@ impl Row {
             error_known_to,
             reference: None,
             reference_error: None,
+            finite_size_uncertainty: None,
             difference: None,
             measured_range: None,
             combined_error: None,
             in_standard_errors: None,
             tolerance: None,
+            scale: None,
             tolerance_words: String::new(),
             predicted_bias: None,
             verdict: Verdict::of_standing(average),
@@ -242,11 +175,11 @@ impl Row {
         words
     }
 
-    /// Whether the reason would fill several lines of a cell, so that it stands below the table.
+    /// Whether the reason would fill several lines of a cell, so that it stands below the table. A predicted bias has a cell of its own.
     #[must_use]
     pub fn has_long_reason(&self) -> bool {
         const LONGEST: usize = 20;
-        self.reason.chars().count() > LONGEST && !self.verdict.is_judged()
+        self.reason.chars().count() > LONGEST && self.verdict != Verdict::PredictedBias
     }
 
     /// Sets a reference with its own error beside a sound number. A number that is no result is left as it is.
@@ -281,40 +214,46 @@ impl Row {
         self.combined_error = Some(combined);
         self.in_standard_errors = Some(difference / combined);
         self.tolerance = Some(allowed);
-        self.tolerance_words = tolerance.words();
+        let scale = *self.scale.get_or_insert(reference.abs());
+        let share = lennard_report::significant(100.0 * allowed / scale, 3);
+        self.tolerance_words = format!("{}, {share} % of its scale", tolerance.words());
         self.judge();
         self.source = source.to_owned();
         self
     }
 
     fn judge(&mut self) {
-        if let (Some(difference), Some(within)) = (self.difference, self.tolerance) {
-            let nothing = Demand::Near { value: 0.0, within };
-            (self.verdict, self.reason) = if nothing.met_by(difference) {
-                (Verdict::Agrees, String::new())
-            } else {
-                (Verdict::Differs, "not explained".into())
-            };
-        }
+        let (Some(difference), Some(tolerance), Some(scale)) =
+            (self.difference, self.tolerance, self.scale)
+        else {
+            return;
+        };
+        self.verdict = judge(Judged {
+            difference,
+            error: self.standard_error,
+            tolerance,
+            scale,
+            bias: self.predicted_bias,
+            width: 0.0,
+        });
+        self.reason = match self.verdict {
+            Verdict::Differs => "not explained".into(),
+            _ => String::new(),
+        };
     }
 
     /// Takes a bias that the run is known to have. A difference outside the tolerance that is this bias, within the tolerance
-    /// and [`BIAS_KNOWN_TO`] of the bias, is explained by it; any other is not.
+    /// and a third of the bias, is explained by it; any other is not.
     pub(super) fn biased_by(mut self, bias: f64, because: &str) -> Self {
         self.predicted_bias = Some(bias);
-        if let (Verdict::Differs, Some(difference), Some(allowed)) =
-            (self.verdict, self.difference, self.tolerance)
-        {
-            let explained = (difference - bias).abs() <= allowed + BIAS_KNOWN_TO * bias.abs();
-            if explained && bias * difference > 0.0 {
-                self.verdict = Verdict::PredictedBias;
-                self.reason = because.to_owned();
-            } else {
-                self.reason = format!(
-                    "not explained: {because} makes {}",
-                    lennard_report::signed(bias, 2)
-                );
+        self.judge();
+        match self.verdict {
+            Verdict::PredictedBias => because.clone_into(&mut self.reason),
+            Verdict::Differs => {
+                let bias = lennard_report::signed(bias, 2);
+                self.reason += &format!(": {because} makes {bias}");
             }
+            _ => {}
         }
         self
     }

@@ -15,6 +15,8 @@ pub struct Agreement {
     pub points: usize,
     /// How many of them agree.
     pub agree: usize,
+    /// How many of them have a tolerance that is too large to see a difference.
+    pub too_coarse: usize,
     /// Mean difference.
     pub mean_difference: f64,
     /// Largest difference by size, with its sign.
@@ -70,10 +72,12 @@ pub fn agreement(points: &[SweptPoint], quantity: &str) -> Option<Agreement> {
             .sum()
     };
     let (plain, with) = (chi(false), chi(true));
+    let count = |verdict: Verdict| rows.iter().filter(|r| r.verdict == verdict).count();
     Some(Agreement {
         quantity: quantity.to_owned(),
         points: differences.len(),
-        agree: rows.iter().filter(|r| r.verdict == Verdict::Agrees).count(),
+        agree: count(Verdict::Agrees),
+        too_coarse: count(Verdict::TooCoarse),
         mean_difference: differences.iter().sum::<f64>() / differences.len() as f64,
         largest_difference: differences
             .iter()

@@ -1,21 +1,14 @@
 //! Every property of every point beside every equation of state, and χ² of each equation.
 
-use std::collections::HashMap;
-
 use lennard_core::{Cell, Table, Tone};
-use lennard_literature::{EquationOfState, equation_of_state_for};
 use lennard_report::significant;
-use lennard_scene::Scene;
 
 use super::agreement::tail_probability;
-use super::{Sweep, SweepRecord, SweptPoint, probability_words};
-use crate::compare::{CardRow, ComparedRun, Row, StateCard, is_a_part};
+use super::{SweepRecord, SweptPoint, probability_words};
+use crate::compare::{CardRow, ComparedRun, StateCard, is_a_part};
 
 /// Fewest points that say anything of an equation.
 const FEWEST: usize = 3;
-
-/// Properties that the comparison of a run sets beside the equation at the given temperature.
-const AT_GIVEN_TEMPERATURE: [&str; 2] = ["potential_energy", "pressure"];
 
 /// A measured property of a point beside the equations.
 #[derive(Clone, Copy)]
@@ -24,8 +17,6 @@ struct Beside<'a> {
     run: &'a ComparedRun,
     card: &'a StateCard,
     row: &'a CardRow,
-    /// The equation that judges U and P at the density and the temperature of the run; `None` where none does.
-    judge: Option<&'static dyn EquationOfState>,
 }
 
 /// How an equation does for one property over the points that it covers.
@@ -60,60 +51,14 @@ struct Item<'a> {
     equations: Vec<(&'a str, bool, f64, f64)>,
 }
 
-/// Measured − each equation of a card, and the error of these differences.
-type Differences = (Vec<f64>, f64);
-
-/// What U or P of a run is more than by the equation that judges it, with the error of this difference.
-///
-/// `None` where the reference is not this equation at the density and the temperature of the run. The known bias of the cutoff is no fault
-/// of an equation, and is taken out.
-fn beyond_judge(row: &Row, judge: &dyn EquationOfState) -> Option<(f64, f64)> {
-    let difference = row.measured - row.reference?;
-    let is_of_judge = row.source == judge.spec().citation();
-    let own = difference - row.predicted_bias.unwrap_or(0.0);
-    is_of_judge.then_some((own, row.combined_error?))
-}
-
-impl Beside<'_> {
-    /// Measured − each equation, and the error of these differences; `None` where a difference would be of something else.
-    ///
-    /// U and P of a run in a closed box have a known shift by their size, and they fluctuate with T. The comparison with the equation that judges
-    /// the run knows both. Other equations differ from that equation by what the card says.
-    fn differences(&self) -> Option<Differences> {
-        let row = self.row;
-        let from = |value: f64| row.values.iter().map(|v| value - v).collect();
-        if !AT_GIVEN_TEMPERATURE.contains(&row.property.as_str()) {
-            return Some((from(row.measured), row.standard_error));
-        }
-        let judge = self.judge?;
-        let mut equations = self.card.equations.iter();
-        let column = equations.position(|e| e.key == judge.spec().key)?;
-        let (own, error) = beyond_judge(self.point.row(&row.property)?, judge)?;
-        Some((from(own + row.values[column]), error))
-    }
-}
-
-/// The equation that judges U and P at the density and the temperature of a run. Under a barostat P is held, and U is judged at the pressure.
-fn judge(scene: &Scene) -> Option<&'static dyn EquationOfState> {
-    let is_held = scene
-        .stages
-        .iter()
-        .any(|s| s.measure && s.barostat.is_some());
-    let equation = equation_of_state_for(lennard_scene::model_kind(scene)).ok();
-    equation.filter(|_| !is_held)
-}
-
 /// Whether a row says anything of equations: it has an error, and is the whole of a property.
 fn judges(row: &CardRow) -> bool {
-    row.standard_error > 0.0 && !is_a_part(&row.property)
+    row.error > 0.0 && !is_a_part(&row.property)
 }
 
 /// All properties with an error, of all points that have a card, in the order of the cards.
-fn all<'a>(sweep: &'a Sweep, record: &'a SweepRecord) -> impl Iterator<Item = Beside<'a>> {
-    let scenes = sweep.points.iter().map(|p| (p.name.as_str(), &p.scene));
-    let scenes: HashMap<&str, &Scene> = scenes.collect();
-    record.points.iter().flat_map(move |point| {
-        let judge = scenes.get(point.name.as_str()).and_then(|s| judge(s));
+fn all(record: &SweepRecord) -> impl Iterator<Item = Beside<'_>> {
+    record.points.iter().flat_map(|point| {
         let run = point.compared.as_ref();
         let card = run.and_then(|run| Some((run, run.card.as_ref()?)));
         card.into_iter().flat_map(move |(run, card)| {
@@ -123,28 +68,23 @@ fn all<'a>(sweep: &'a Sweep, record: &'a SweepRecord) -> impl Iterator<Item = Be
                 run,
                 card,
                 row,
-                judge,
             })
         })
     })
 }
 
 /// Every equation for every property that has enough points.
-pub(super) fn judgements(sweep: &Sweep, record: &SweepRecord) -> Vec<Judgement> {
-    judged(all(sweep, record).filter_map(|beside| {
-        let Beside {
-            point, card, row, ..
-        } = beside;
-        let (differences, error) = beside.differences()?;
-        let equations = card.equations.iter().zip(differences);
-        Some(Item {
-            point: &point.name,
-            property: &row.property,
-            measured: row.measured,
+pub(super) fn judgements(record: &SweepRecord) -> Vec<Judgement> {
+    judged(all(record).map(|beside| {
+        let equations = beside.card.equations.iter().zip(beside.row.differences());
+        Item {
+            point: &beside.point.name,
+            property: &beside.row.property,
+            measured: beside.row.measured,
             equations: equations
-                .map(|(e, difference)| (e.name.as_str(), e.counts, difference, error))
+                .map(|(e, difference)| (e.name.as_str(), e.counts, difference, beside.row.error))
                 .collect(),
-        })
+        }
     }))
 }
 
@@ -222,96 +162,65 @@ pub(super) fn table(judgements: &[Judgement], named: impl Fn(&str) -> String) ->
 }
 
 /// Every property of every point beside every equation: measured value, error, and a column for each equation of any card. Then the
-/// differences that χ² is made of, and their error. These columns are empty where nothing is judged.
-pub(super) fn beside_equations(sweep: &Sweep, record: &SweepRecord) -> Table {
-    let rows: Vec<(Beside<'_>, Option<Differences>)> = all(sweep, record)
-        .map(|beside| (beside, beside.differences()))
-        .collect();
+/// differences that χ² is made of, and their error.
+pub(super) fn beside_equations(record: &SweepRecord) -> Table {
+    let rows: Vec<Beside<'_>> = all(record).collect();
     let mut keys: Vec<&str> = Vec::new();
-    for equation in rows.iter().flat_map(|(b, _)| &b.card.equations) {
+    for equation in rows.iter().flat_map(|b| &b.card.equations) {
         if !keys.contains(&equation.key.as_str()) {
             keys.push(&equation.key);
         }
     }
     let column = |b: &Beside<'_>, key: &str| b.card.equations.iter().position(|e| e.key == key);
     let mut table = Table::rows_of("beside_equations", &rows)
-        .column("point", |(b, _)| b.point.name.as_str())
-        .column("density", |(b, _)| b.run.state.density)
-        .column("temperature", |(b, _)| b.run.state.temperature)
-        .column("property", |(b, _)| b.row.property.as_str())
-        .column("measured", |(b, _)| b.row.measured)
-        .column("standard_error", |(b, _)| b.row.standard_error);
+        .column("point", |b| b.point.name.as_str())
+        .column("density", |b| b.run.state.density)
+        .column("temperature", |b| b.run.state.temperature)
+        .column("property", |b| b.row.property.as_str())
+        .column("measured", |b| b.row.measured)
+        .column("standard_error", |b| b.row.standard_error);
     for key in &keys {
-        table = table.column(key, |(b, _)| Some(b.row.values[column(b, key)?]));
+        table = table.column(key, |b| Some(b.row.values[column(b, key)?]));
     }
     for key in &keys {
-        table = table.column(&format!("difference_{key}"), |(b, found)| {
-            Some(found.as_ref()?.0[column(b, key)?])
+        table = table.column(&format!("difference_{key}"), |b| {
+            b.row.differences().nth(column(b, key)?)
         });
     }
-    table
-        .column("error_of_difference", |(_, found)| {
-            found.as_ref().map(|(_, error)| *error)
-        })
-        .table()
+    table.column("error_of_difference", |b| b.row.error).table()
 }
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
-    use lennard_io::AverageRecord;
-    use lennard_literature::thol_2016;
-
     use super::*;
-    use crate::compare::Standing;
-
-    #[test]
-    fn a_known_bias_is_no_fault_of_the_equation_and_a_held_pressure_judges_none() {
-        let average = AverageRecord {
-            mean: -5.0,
-            standard_error: 0.004,
-            n_effective: 500.0,
-            freedom: 64.0,
-            equilibration_cut: 0,
-            unit: "ε".into(),
-            standing: lennard_io::SOUND.into(),
-            reason: String::new(),
-        };
-        let row = |source: &str, predicted_bias| Row {
-            reference: Some(-5.01),
-            combined_error: Some(0.001),
-            predicted_bias,
-            source: source.into(),
-            ..Row::measured("potential_energy", &average)
-        };
-        let source = thol_2016().spec().citation();
-        let of = |row: Row| beyond_judge(&row, thol_2016());
-        let (plain, error) = of(row(&source, None)).unwrap();
-        assert!((plain - 0.01).abs() < 1e-12 && error == 0.001);
-        let (less, _) = of(row(&source, Some(0.008))).unwrap();
-        assert!((less - 0.002).abs() < 1e-12, "{less}");
-        assert_eq!(of(row("the pressure of the barostat", None)), None);
-
-        let load =
-            |name| Scene::load(&lennard_scene::shipped::locate(Path::new(name)), &[]).unwrap();
-        assert!(judge(&load("verlet-1967/triple-point")).is_some());
-        assert!(judge(&load("npt/liquid")).is_none());
-    }
+    use crate::compare::Verdict;
 
     #[test]
     fn a_part_of_the_entropy_judges_no_equation_of_the_whole() {
-        let row = |property: &str, standard_error| CardRow {
+        let row = |property: &str, error| CardRow {
             property: property.to_owned(),
             name: String::new(),
             unit: String::new(),
             measured: -2.1,
-            standard_error,
+            standard_error: error,
+            error,
+            predicted_bias: None,
             values: vec![-2.5],
             band: None,
-            standing: Standing::NoBand,
+            verdict: Verdict::NoReference,
         };
         assert!(judges(&row("pressure", 0.01)));
+        let biased = CardRow {
+            predicted_bias: Some(0.3),
+            ..row("pressure", 0.01)
+        };
+        let [difference] = biased.differences().collect::<Vec<_>>()[..] else {
+            panic!()
+        };
+        assert!(
+            (difference - 0.1).abs() < 1e-12,
+            "a bias is no fault of an equation"
+        );
         assert!(!judges(&row("pressure", f64::NAN)));
         assert!(!judges(&row("two_body_entropy", 0.01)));
     }

@@ -243,6 +243,7 @@ pub fn agreement_table(record: &SweepRecord) -> Table {
             let all = a.agree == a.points;
             Cell::from(a.agree).toned(if all { Tone::Good } else { Tone::Careful })
         })
+        .column("Too coarse to tell", |a| a.too_coarse)
         .column("Mean difference", |a| Cell::rounded(a.mean_difference, 3))
         .column("Largest", |a| Cell::rounded(a.largest_difference, 3))
         .column("Largest standard error", |a| {

@@ -138,7 +138,7 @@ pub(super) fn of_points(points: &[SweptPoint]) -> Table {
         Kind::Crystals => "Digits in brackets are one standard error in the last digits.",
         Kind::Fluids | Kind::Slabs => {
             "Digits in brackets are one standard error in the last digits. Differences in green agree, in red they do not; in brown they are as large as the predicted bias of a short \
-             cutoff."
+             cutoff, or the tolerance is too large to tell."
         }
     };
     let mean =

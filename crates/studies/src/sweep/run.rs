@@ -237,10 +237,10 @@ pub(super) fn write(
     let [json, table, report, judged, beside, ..] = FILES.map(|name| folder.join(name));
     lennard_io::write_json_atomically(&json, record)?;
     lennard_io::write_table_csv(&table, &page::csv(record))?;
-    let judgements = equations::judgements(sweep, record);
+    let judgements = equations::judgements(record);
     if !judgements.is_empty() {
         lennard_io::write_table_csv(&judged, &equations::table(&judgements, str::to_owned))?;
-        lennard_io::write_table_csv(&beside, &equations::beside_equations(sweep, record))?;
+        lennard_io::write_table_csv(&beside, &equations::beside_equations(record))?;
     }
     let pictures = figures::all(sweep, record);
     for (file, picture) in pictures.files() {

@@ -30,6 +30,38 @@ fn a_verdict_weighs_both_errors_and_the_allowance() {
     assert_eq!(row(f64::NAN).verdict, Verdict::Differs);
 }
 
+/// c_p 4.10 ± 0.70 beside 4.80 is no agreement: such an error sees no difference.
+#[test]
+fn a_tolerance_above_a_twentieth_of_the_scale_tells_nothing() {
+    let three = Tolerance::new(3.0, 0.0, 0.0);
+    let verdict = |measured, error, scale| {
+        let row = Row {
+            scale,
+            ..Row::measured("c_p", &average(measured, error))
+        };
+        row.against(4.8, None, three, "x").verdict
+    };
+    assert_eq!(verdict(4.10, 0.70, None), Verdict::TooCoarse);
+    assert_eq!(verdict(4.80, 0.0801, None), Verdict::TooCoarse);
+    assert_eq!(verdict(4.80, 0.0799, None), Verdict::Agrees);
+    assert_eq!(verdict(2.60, 0.70, None), Verdict::Differs);
+    // The scale may be another than the size of the value, which passes through zero.
+    assert_eq!(verdict(4.80, 0.0799, Some(4.0)), Verdict::TooCoarse);
+    assert_eq!(verdict(4.10, 0.70, Some(50.0)), Verdict::Agrees);
+}
+
+#[test]
+fn a_finite_size_term_that_is_not_trusted_is_in_the_tolerance() {
+    let allowed = TOLERANCE.for_reference(Some(0.02)).holding(Some(0.0769));
+    assert_eq!(
+        allowed.words(),
+        "4 standard errors + 0.02 + 0.077 of the finite-size term"
+    );
+    let row = Row::measured("u", &average(-5.06, 0.003)).against(-5.0, None, allowed, "x");
+    assert_eq!(row.verdict, Verdict::Agrees);
+    assert_eq!(TOLERANCE.holding(None).words(), TOLERANCE.words());
+}
+
 #[test]
 fn the_allowance_of_a_reference_has_two_digits_and_is_never_too_small() {
     for (own, words) in [
