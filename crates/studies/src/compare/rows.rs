@@ -290,8 +290,8 @@ impl Compared<'_> {
         self.where_it_applies(row)
     }
 
-    /// A difference is no finding where the reference does not apply: to what does not flow, and for a response function where
-    /// finite-size terms are not small or not trusted.
+    /// A difference is no finding where the reference does not apply. A fluid's reference does not apply to what does not flow.
+    /// A response function has none where finite-size terms are not small or not trusted.
     fn where_it_applies(&self, row: Row) -> Row {
         if row.verdict != Verdict::Differs {
             return row;

@@ -242,8 +242,8 @@ impl Row {
         };
     }
 
-    /// Takes a bias that the run is known to have. A difference outside the tolerance that is this bias, within the tolerance
-    /// and a third of the bias, is explained by it; any other is not.
+    /// Takes a bias that the run is known to have. It explains a difference that is this bias, within the tolerance and a third
+    /// of the bias.
     pub(super) fn biased_by(mut self, bias: f64, because: &str) -> Self {
         self.predicted_bias = Some(bias);
         self.judge();
