@@ -70,6 +70,14 @@ pub fn write_text_atomically(path: &Path, text: &str) -> Result<(), WriteError> 
     write_bytes_atomically(path, text.as_bytes())
 }
 
+/// The name of the schema of a document, `lennard-NAME/VERSION`. The number grows where an entry changes its meaning.
+#[macro_export]
+macro_rules! schema {
+    ($name:literal, $version:literal) => {
+        concat!("lennard-", $name, "/", $version)
+    };
+}
+
 /// Writes `value` as indented JSON with a line end, like [`write_text_atomically`].
 ///
 /// # Errors Where the operating system refuses, or where `value` cannot be JSON (a map with keys

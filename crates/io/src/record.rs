@@ -11,16 +11,8 @@ use crate::FormatError;
 use crate::lines::open_regular;
 use crate::mixture_record::{PairRecord, SpeciesRecord};
 
-/// The name of the schema of a document, `lennard-NAME/VERSION`. The number grows where an entry changes its meaning.
-#[macro_export]
-macro_rules! schema {
-    ($name:literal, $version:literal) => {
-        concat!("lennard-", $name, "/", $version)
-    };
-}
-
 /// Name and version of the schema of [`RunRecord`].
-pub const RUN_SCHEMA: &str = schema!("run", 1);
+pub const RUN_SCHEMA: &str = crate::schema!("run", 1);
 
 /// The record of a run. Quantities are in reduced units, averages per atom.
 ///

@@ -16,28 +16,23 @@ pub(super) const ERROR_BARS: &str = "Apparent standard error of the mean when su
      the correlation, and the plateau is the error.";
 pub(super) const STRUCTURE: &str = "Pair distribution and static structure factor. A liquid freezes where the first peak of S(k) reaches 2.85 (Hansen and Verlet 1969).";
 pub(super) const INTERFACE: &str = "Density across the slab about its own middle, with the fit of two hyperbolic tangents that both densities and the thickness come from.";
-pub(super) const MOTION: &str = "Mean-square displacement, velocity autocorrelation, and the correlations of stress and heat flux whose integrals are the viscosity and the \
-     conductivity.";
 
 /// Points of a curve that can be told apart on a page.
 const MOST_POINTS: usize = 600;
 /// Shells that are marked in g(r).
 const SHELLS: usize = 3;
 
-/// The diffusion coefficient by the integral of the velocity autocorrelation.
-const GREEN_KUBO: &str = "diffusion_coefficient_green_kubo";
-
-const LINE: Look = Look::Line(Dash::Solid);
-const MARKS: Look = Look::LineAndPoints(Dash::Dotted, Symbol::Disc);
+pub(super) const LINE: Look = Look::Line(Dash::Solid);
+pub(super) const MARKS: Look = Look::LineAndPoints(Dash::Dotted, Symbol::Disc);
 const JOINED_MARKS: Look = Look::LineAndPoints(Dash::Solid, Symbol::Disc);
 
 /// The only series of a figure.
-fn series<P: Into<Point>>(look: Look, points: Vec<P>) -> Series {
+pub(super) fn series<P: Into<Point>>(look: Look, points: Vec<P>) -> Series {
     Series::new("", look, 0, points)
 }
 
 /// Pairs of two columns, finite ones, neighbors averaged where there are more than can be seen.
-fn curve(table: &Table, x: &str, y: &str) -> Option<Vec<(f64, f64)>> {
+pub(super) fn curve(table: &Table, x: &str, y: &str) -> Option<Vec<(f64, f64)>> {
     let pairs = table.numbers(x)?.into_iter().zip(table.numbers(y)?);
     let pairs: Vec<(f64, f64)> = pairs
         .filter(|(a, b)| a.is_finite() && b.is_finite())
@@ -53,7 +48,7 @@ fn curve(table: &Table, x: &str, y: &str) -> Option<Vec<(f64, f64)>> {
 }
 
 /// Points with error bars.
-fn with_errors(table: &Table, [x, y, error]: [&str; 3]) -> Option<Vec<Point>> {
+pub(super) fn with_errors(table: &Table, [x, y, error]: [&str; 3]) -> Option<Vec<Point>> {
     let pairs = table.numbers(x)?.into_iter().zip(table.numbers(y)?);
     let points: Vec<Point> = pairs
         .zip(table.numbers(error)?)
@@ -68,7 +63,7 @@ fn with_errors(table: &Table, [x, y, error]: [&str; 3]) -> Option<Vec<Point>> {
 
 /// A sentence with a mean of the run and its error in the place of `{}`; nothing where the run has no such mean. A mean that is
 /// no result says why.
-fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String {
+pub(super) fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String {
     run.average(average).map_or(String::new(), |a| {
         let value = match a.standard_error.is_finite() {
             true => with_error(a.mean, a.standard_error),
@@ -80,15 +75,6 @@ fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String {
         };
         sentence.replace("{}", &value)
     })
-}
-
-/// A level at a mean of the run, with a word beside it that says whether the mean is a result.
-fn level_at(run: &RunFolder, figure: Figure, average: &str, word: &str) -> Figure {
-    match run.average(average) {
-        Some(a) if a.standard_error.is_finite() => figure.level(a.mean, word),
-        Some(a) => figure.level(a.mean, format!("{word}: no result")),
-        None => figure,
-    }
 }
 
 /// Temperature, energy, pressure and conserved energy against time; density and volume where the box changes. Of a fluid, the
@@ -338,128 +324,4 @@ fn structure_factor(run: &RunFolder) -> Option<Picture> {
     .level(1.0, "");
     let caption = said_of(run, "structure_factor_first_peak", "First peak {}.");
     Some(Picture::new(figure, caption, "structure_factor.csv"))
-}
-
-/// Mean-square displacement, velocity autocorrelation, Green–Kubo integrals.
-pub(super) fn motion(run: &RunFolder) -> Vec<Picture> {
-    let viscosity = ["shear_viscosity", "shear viscosity", "η / (ετ/σ³)"];
-    let conductivity = [
-        "thermal_conductivity",
-        "thermal conductivity",
-        "λ / (k_B/(στ))",
-    ];
-    [
-        displacement(run),
-        autocorrelation(run),
-        running_integral(run),
-        green_kubo(run, viscosity),
-        green_kubo(run, conductivity),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
-}
-
-/// The names of the diffusion coefficient of the slope as measured, and corrected for finite size; the second is empty where the run
-/// has no correction.
-fn diffusion(run: &RunFolder) -> [&'static str; 2] {
-    const CORRECTED: &str = "diffusion_coefficient";
-    const PLAIN: &str = "diffusion_coefficient_uncorrected";
-    match run.average(PLAIN) {
-        Some(_) => [PLAIN, CORRECTED],
-        None => [CORRECTED, ""],
-    }
-}
-
-fn displacement(run: &RunFolder) -> Option<Picture> {
-    let table = run.table("msd")?;
-    let shown = |column: &str| {
-        let mut curve = curve(&table, "time", column)?;
-        curve.retain(|(t, x)| *t > 0.0 && *x > 0.0);
-        Some(curve)
-    };
-    let mut figure = Figure::new(
-        "msd",
-        "Mean-square displacement",
-        Axis::logarithmic("lag / τ"),
-        Axis::logarithmic("⟨|r(t) − r(0)|²⟩ / σ²"),
-    )
-    .with(Series::new("measured", LINE, 0, shown("msd")?));
-    let mut caption = "No straight part was found: the run is too short.".to_owned();
-    if let Some(fit) = shown("fit").filter(|fit| fit.len() > 1) {
-        let (from, to) = (fit[0].0, fit[fit.len() - 1].0);
-        let [plain, corrected] = diffusion(run);
-        caption = format!(
-            "The dashed line is fitted from {} to {} τ.{}{}",
-            significant(from, 3),
-            significant(to, 3),
-            said_of(
-                run,
-                plain,
-                " A sixth of its slope: D = {} σ²/τ in this box."
-            ),
-            said_of(
-                run,
-                corrected,
-                " Corrected for finite size (Yeh and Hummer): D = {} σ²/τ."
-            ),
-        );
-        let look = Look::Line(Dash::Dashed);
-        figure = figure
-            .with(Series::new("fit", look, 1, fit))
-            .guided(Guide::Vertical(from, "fit".into()))
-            .guided(Guide::Vertical(to, String::new()));
-    }
-    Some(Picture::new(figure, caption, "msd.csv"))
-}
-
-fn autocorrelation(run: &RunFolder) -> Option<Picture> {
-    let c = curve(&run.table("vacf")?, "time", "normalised")?;
-    let figure = Figure::new(
-        "vacf",
-        "Velocity autocorrelation",
-        Axis::linear("lag / τ"),
-        Axis::linear("C(t)/C(0)"),
-    )
-    .with(series(LINE, c))
-    .level(0.0, "");
-    let integral = "A third of its integral: D = {} σ²/τ in this box";
-    let mut caption = said_of(run, GREEN_KUBO, integral);
-    let [plain, _] = diffusion(run);
-    caption += &said_of(run, plain, "; the slope of the displacement gives {}");
-    if !caption.is_empty() {
-        caption += ". Neither is corrected for finite size.";
-    }
-    Some(Picture::new(figure, caption, "vacf.csv"))
-}
-
-fn running_integral(run: &RunFolder) -> Option<Picture> {
-    let integral = curve(&run.table("vacf")?, "time", "diffusion")?;
-    let figure = Figure::new(
-        "vacf_integral",
-        "Running integral of the velocity autocorrelation",
-        Axis::linear("upper limit / τ"),
-        Axis::linear("D(t) / (σ²/τ)"),
-    )
-    .with(series(LINE, integral));
-    let figure = level_at(run, figure, GREEN_KUBO, "D in this box");
-    Some(Picture::new(figure, "", "vacf.csv"))
-}
-
-fn green_kubo(run: &RunFolder, [name, words, label]: [&str; 3]) -> Option<Picture> {
-    let columns = ["time", "integral", "integral_standard_error"];
-    let points = with_errors(&run.table(name)?, columns)?;
-    let mut figure = Figure::new(
-        name,
-        format!("Green–Kubo integral of the {words}"),
-        Axis::linear("upper limit / τ"),
-        Axis::linear(label),
-    )
-    .with(series(MARKS, points));
-    let mut caption = "No plateau was found.".to_owned();
-    if let Some(a) = run.average(name) {
-        figure = level_at(run, figure, name, "plateau");
-        caption = said_of(run, name, &format!("Plateau {{}} {}.", a.unit));
-    }
-    Some(Picture::new(figure, caption, format!("{name}.csv")))
 }

@@ -173,23 +173,17 @@ impl Lines {
             }));
         }
         let figure = self.points_of_others(figure, |p| Some((p.density?, p.temperature)));
-        let error = run.temperature().map_or(f64::NAN, |t| t.standard_error);
         let with_error = |a: &AverageRecord| (a.mean, a.standard_error);
+        // The density of a box that does not change is exact.
+        let density = run.average("density").map(with_error);
         let densities = match ["vapor_density", "liquid_density"].map(|name| run.average(name)) {
             [Some(vapor), Some(liquid)] => [vapor, liquid].map(with_error).to_vec(),
-            // The density of a box that does not change is exact.
-            _ => vec![
-                run.average("density")
-                    .map_or((state.density, 0.0), with_error),
-            ],
+            _ => vec![density.unwrap_or((state.density, 0.0))],
         };
+        let error = run.temperature().map_or(f64::NAN, |t| t.standard_error);
         let here = densities.into_iter().map(|(density, of_density)| Point {
-            // Without an error of either, the point is no result.
-            error: Some(if of_density.is_finite() {
-                error
-            } else {
-                f64::NAN
-            }),
+            // Not a number where one of both errors is not known: the point is then no result.
+            error: Some(error + 0.0 * of_density),
             ..Point::from((density, state.temperature))
         });
         let figure = figure.with(Series::new(
