@@ -100,7 +100,7 @@ fn unknown(like: &Path) -> Failure {
     )
 }
 
-/// The text of a shipped scene as the text of `file`: commands and files are those of the copy. The base of a sweep has its
+/// The text of a shipped scene as the text of `file`: its commands name the copy. The base of a sweep has its
 /// shipped name.
 fn copy_of(scene: &Shipped, file: &Path) -> String {
     let last = scene.name.rsplit('/').next().unwrap_or(scene.name);

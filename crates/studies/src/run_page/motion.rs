@@ -40,8 +40,8 @@ pub(super) fn motion(run: &RunFolder) -> Vec<Picture> {
     .collect()
 }
 
-/// The names of the diffusion coefficient of the slope as measured, and corrected for finite size; the second is empty where the run
-/// has no correction.
+/// The names of the diffusion coefficient as measured, and corrected for finite size. The second is empty where the run has no
+/// correction.
 fn diffusion(run: &RunFolder) -> [&'static str; 2] {
     const CORRECTED: &str = "diffusion_coefficient";
     const PLAIN: &str = "diffusion_coefficient_uncorrected";
