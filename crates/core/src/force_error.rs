@@ -31,7 +31,7 @@ pub enum ForceError {
     },
     /// The box changed, and the loop in use does not resolve positions in it.
     #[error(
-        "the box has grown to {widest:.3} σ, and mixed precision resolves positions up to {largest:.0} σ a side; \
+        "the box has grown to {widest:.3} σ, and its pair loop resolves positions up to {largest:.0} σ a side; \
          take `kernel.precision = \"double\"` or a higher pressure"
     )]
     BoxTooWide {

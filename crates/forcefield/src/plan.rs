@@ -290,8 +290,8 @@ fn search(
     }
     let widest = c.cell.lengths().max_element();
     if widest > listed.widest() {
-        let reason = format!("no list tells positions apart in a box of {widest:e} σ");
-        return Ok((Search::Direct, 0.0, reason));
+        let reason = format!("folded into a box of {widest:e} σ, positions lose their digits");
+        return Ok((Search::Reference, 0.0, reason));
     }
     let cheapest = cheapest_skin(&SkinInputs {
         n_atoms: n,

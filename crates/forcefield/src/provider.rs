@@ -89,10 +89,10 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<PairForces, Fo
     let is_listed = matches!(strategy, Strategy::Verlet(_));
     let needs_one_image = is_listed && decision.listed != Loop::Canonical;
     Ok(PairForces {
-        widest: if is_listed {
-            decision.listed.widest()
-        } else {
-            f64::INFINITY
+        widest: match strategy {
+            Strategy::Verlet(_) => decision.listed.widest(),
+            Strategy::Direct { .. } => Loop::Canonical.widest(),
+            Strategy::Reference | Strategy::Nothing => f64::INFINITY,
         },
         largest_share: if needs_one_image {
             1.0 - TIE_MARGIN

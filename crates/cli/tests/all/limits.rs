@@ -15,9 +15,9 @@ fn in_shell(folder: &Path, command: &str) -> Output {
     shell.output().unwrap()
 }
 
-/// Writes 27 particles 1.3 σ apart in a cube of a side (σ) and their scene.
+/// Writes 27 particles 1.3 σ apart around a corner of a cube of a side (σ) and their scene.
 fn write_clump(folder: &Path, side: &str) {
-    let at = |k: i32| 1.0 + 1.3 * f64::from(k);
+    let at = |k: i32| 1.3 * f64::from(k) - 1.5;
     let rows: Vec<String> = (0..27)
         .map(|i| format!("Ar {} {} {}\n", at(i % 3), at(i / 3 % 3), at(i / 9)))
         .collect();
@@ -71,7 +71,7 @@ fn a_box_that_grows_too_wide_for_mixed_precision_stops_the_run_with_a_way_out() 
     let temporary = tempfile::tempdir().unwrap();
     let scene = "[system]\nn_atoms = 108\nbox = 4294.9\ntemperature = 1.0\n[kernel]\nprecision = \"mixed\"\n\
                  [truncation]\nkind = \"shift\"\n[[stage]]\nname = \"production\"\nsteps = 20_000\nthermostat = \"bussi\"\n\
-                 barostat = { kind = \"stochastic-cell-rescaling\", pressure = 1e-12, tau = 0.1 }\n";
+                 barostat = { kind = \"stochastic-cell-rescaling\", pressure = 1e-12, tau = 1.0 }\n";
     fs::write(temporary.path().join("gas.toml"), scene).unwrap();
     let run = ["run", "gas.toml", "--no-report", "--quiet", "--out"];
     let mixed = lennard_in(temporary.path(), &[&run[..], &["mixed"]].concat());
@@ -145,7 +145,7 @@ fn a_file_beyond_the_limit_of_the_shell_is_reported_by_every_command_that_writes
     .unwrap();
     for command in [
         "energy gas.toml --forces forces.xyz",
-        "export gas.toml --out lammps",
+        "export gas.toml lammps",
         "run gas.toml --out run",
     ] {
         let output = in_shell(folder, &format!("ulimit -f 1; exec lennard {command}"));

@@ -144,7 +144,7 @@ fn forces_and_steps_that_fail_say_which_particle_and_which_method() {
             largest: 4294.967_296
         }
         .to_string(),
-        "the box has grown to 4300.000 σ, and mixed precision resolves positions up to 4295 σ a side; take \
+        "the box has grown to 4300.000 σ, and its pair loop resolves positions up to 4295 σ a side; take \
          `kernel.precision = \"double\"` or a higher pressure"
     );
     assert_eq!(

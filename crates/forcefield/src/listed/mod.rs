@@ -71,15 +71,15 @@ pub enum Loop {
 
 /// The coarsest unit of coordinates that forces bear, σ: a force changes by less than 1e-4 of itself over it.
 const COARSEST_UNIT: f64 = 1e-6;
-/// The longest side of a box in which single precision searches for neighbors, σ: squares of distances stay finite.
-const WIDEST_SEARCH: f64 = 1e15;
+/// 2⁵³, the number of places of a folded coordinate in double precision along each side.
+const DOUBLE_UNITS: f64 = 9_007_199_254_740_992.0;
 
 impl Loop {
-    /// The longest side of a box whose positions the loop and its list tell apart, σ.
+    /// The longest side of a box in which the coordinates of the loop resolve positions, σ.
     pub fn widest(self) -> f64 {
         match self {
             Self::Cluster => COARSEST_UNIT * FIXED_UNITS,
-            Self::Rows | Self::Canonical => WIDEST_SEARCH,
+            Self::Rows | Self::Canonical => COARSEST_UNIT * DOUBLE_UNITS,
         }
     }
 }
