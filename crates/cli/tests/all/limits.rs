@@ -102,11 +102,7 @@ fn a_system_without_memory_for_it_is_refused_with_what_would_fit() {
     )
     .unwrap();
     for command in ["run", "energy", "plan", "export"] {
-        let more = if command == "export" {
-            "--out lammps"
-        } else {
-            ""
-        };
+        let more = if command == "export" { "lammps" } else { "" };
         let limited = format!("ulimit -v 6000000; exec lennard {command} big.toml {more}");
         let output = in_shell(folder, &limited);
         let said = stderr(&output);
