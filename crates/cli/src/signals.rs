@@ -198,8 +198,9 @@ fn listen(shared: &Arc<Shared>) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Lets a write beyond a limit on the size of files fail as any other write does, where the signal of that limit would end the
-/// program without a word.
+/// Lets a write beyond a limit on the size of files fail as any other write does.
+///
+/// The signal of that limit would end the program without a word.
 pub fn let_long_files_fail() {
     #[cfg(unix)]
     {

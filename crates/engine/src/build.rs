@@ -53,7 +53,7 @@ pub fn conditions<'a>(
     }
 }
 
-/// The force field of a scene for a box and its particles, beside the options in force: their precision is that of the loop.
+/// The force field of a scene for a box and its particles, beside the options in force, with the precision of the loop.
 ///
 /// # Errors
 /// [`EngineError::Scene`] where cutoff or skin do not fit the box, and where the settings for an accuracy have

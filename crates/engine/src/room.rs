@@ -6,8 +6,6 @@ use lennard_core::PeriodicBox;
 use lennard_forcefield::Precision;
 use lennard_scene::Scene;
 
-use crate::EngineError;
-
 /// Bytes per particle of state, copies and checkpoint, and per neighbor in a list, as `lennard plan` counts them.
 ///
 /// They hold within a tenth from a thin gas to a crystal with a cutoff of 4 σ.
@@ -51,8 +49,8 @@ fn foreseen(scene: &Scene, cell: &PeriodicBox, n: usize) -> f64 {
 /// Asks the system for the memory of a run, and gives it back.
 ///
 /// # Errors
-/// [`EngineError::Memory`] where it is not there.
-pub(crate) fn is_there(scene: &Scene, cell: &PeriodicBox, n: usize) -> Result<(), EngineError> {
+/// [`NoRoom`] where it is not there.
+pub(crate) fn is_there(scene: &Scene, cell: &PeriodicBox, n: usize) -> Result<(), NoRoom> {
     let needed = foreseen(scene, cell, n);
     if can_be_had(needed) {
         return Ok(());
@@ -66,12 +64,12 @@ pub(crate) fn is_there(scene: &Scene, cell: &PeriodicBox, n: usize) -> Result<()
             above = middle;
         }
     }
-    Err(EngineError::Memory(NoRoom {
+    Err(NoRoom {
         particles: n,
         needed,
         limit,
         fit: (n as f64 * limit / needed) as usize,
-    }))
+    })
 }
 
 /// Whether so many bytes can be had at once. None of them is touched.

@@ -141,7 +141,7 @@ fn forces_and_steps_that_fail_say_which_particle_and_which_method() {
     assert_eq!(
         ForceError::BoxTooWide {
             widest: 4300.0,
-            largest: 4294.967_296
+            largest: 4295.0
         }
         .to_string(),
         "the box has grown to 4300.000 σ, and its pair loop resolves positions up to 4295 σ a side; take \
