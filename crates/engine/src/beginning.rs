@@ -269,7 +269,7 @@ fn from_configuration(
     given: Option<PeriodicBox>,
 ) -> Result<Beginning, EngineError> {
     if let Some(given) = given
-        && given != read.cell
+        && !lennard_io::is_same_box(&given, &read.cell)
     {
         let sides = given.lengths().to_array();
         let found = format!(

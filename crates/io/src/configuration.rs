@@ -7,15 +7,12 @@ use lennard_core::PeriodicBox;
 
 use crate::error::excerpt;
 use crate::found::{StartConfiguration, TrajectoryFrame};
+use crate::geometry::is_same_box;
 use crate::lines::{Lines, one_token, open_regular};
 use crate::rewind::{GZIP, Gunzip, MOST_INFLATED, Rewind};
 use crate::trajectory_reader::{Grammar, last_frame};
 use crate::units::FileUnits;
 use crate::{FormatError, foreign, gro, lammps_data, lammps_dump, nist};
-
-/// Two statements of the same box may differ by this much of a side: one may have been rounded to
-/// 15 digits.
-const SAME_BOX: f64 = 1e-14;
 
 /// What a scene says of the file that it names.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -167,16 +164,14 @@ fn parse_text<R: Rewind>(
             "a Lattice=\"Lx 0.0 0.0 0.0 Ly 0.0 0.0 0.0 Lz\" entry, or a box in the scene",
         )
     })?;
-    if let Some(given) = beside.cell {
+    if let Some(given) = beside.cell.filter(|given| !is_same_box(given, &cell)) {
         let (ours, theirs) = (given.lengths(), cell.lengths());
-        if !(ours - theirs).abs().cmple(theirs * SAME_BOX).all() {
-            let allowed = format!("the same box as the scene's, {ours}, or none in one of them");
-            return Err(content(
-                first_line + 1,
-                &format!("the box {theirs}"),
-                &allowed,
-            ));
-        }
+        let allowed = format!("the same box as the scene's, {ours}, or none in one of them");
+        return Err(content(
+            first_line + 1,
+            &format!("the box {theirs}"),
+            &allowed,
+        ));
     }
     let TrajectoryFrame {
         positions,

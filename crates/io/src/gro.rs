@@ -9,6 +9,7 @@ use lennard_core::PeriodicBox;
 
 use crate::columns::{Column, Columns, Scalar, Vector};
 use crate::error::{Refusal, excerpt};
+use crate::geometry::{EdgeError, UPRIGHT, box_of_edges};
 use crate::lines::{Lines, finite, tokens};
 use crate::particles::{ParticleReader, Place};
 use crate::units::{FileUnits, stated};
@@ -170,9 +171,9 @@ pub(crate) fn parse_frame<R: BufRead>(
 /// The sides of the box; none where they are zeros.
 fn sides(line: &[u8]) -> Result<Option<PeriodicBox>, Refusal> {
     let numbers: Option<Vec<f64>> = tokens(line).map(finite).collect();
-    let (sides, tilts) = match numbers.as_deref() {
-        Some(&[x, y, z]) => (DVec3::new(x, y, z), [0.0; 6]),
-        Some(&[x, y, z, a, b, c, d, e, f]) => (DVec3::new(x, y, z), [a, b, c, d, e, f]),
+    let edges = match numbers.as_deref() {
+        Some(&[x, y, z]) => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
+        Some(&[ax, by, cz, ay, az, bx, bz, cx, cy]) => [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
         _ => {
             return Err((
                 excerpt(line),
@@ -180,14 +181,18 @@ fn sides(line: &[u8]) -> Result<Option<PeriodicBox>, Refusal> {
             ));
         }
     };
-    if tilts != [0.0; 6] {
-        return Err(crate::lammps::triclinic(line));
-    }
-    if sides == DVec3::ZERO {
+    if edges == [[0.0; 3]; 3] {
         return Ok(None);
     }
-    let allowed = "sides that are positive, or three zeros for no box";
-    PeriodicBox::new(sides)
-        .map(Some)
-        .map_err(|_| (excerpt(line), allowed.into()))
+    let cell = box_of_edges(edges.map(DVec3::from_array));
+    cell.map(Some).map_err(|error| match error {
+        EdgeError::Tilt => (
+            format!("{}, a triclinic box", excerpt(line)),
+            UPRIGHT.into(),
+        ),
+        EdgeError::Side => {
+            let allowed = "sides that are positive, or three zeros for no box";
+            (excerpt(line), allowed.into())
+        }
+    })
 }

@@ -4,6 +4,7 @@ use glam::DVec3;
 use lennard_core::PeriodicBox;
 
 use crate::error::{Refusal, excerpt};
+use crate::geometry::{EdgeError, UPRIGHT, box_of_edges};
 use crate::lines::{finite, tokens};
 
 /// Where a box begins, and the box.
@@ -14,34 +15,33 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// The box between two corners.
-    pub(crate) fn new(low: DVec3, high: DVec3) -> Result<Self, Refusal> {
-        let cell = PeriodicBox::new(high - low).map_err(|_| {
-            (
+    /// The box between two corners, with LAMMPS' tilts xy, xz and yz.
+    pub(crate) fn new(low: DVec3, high: DVec3, [xy, xz, yz]: [f64; 3]) -> Result<Self, Refusal> {
+        let sides = high - low;
+        let b = DVec3::new(xy, sides.y, 0.0);
+        let c = DVec3::new(xz, yz, sides.z);
+        let cell = box_of_edges([DVec3::X * sides.x, b, c]).map_err(|error| match error {
+            EdgeError::Tilt => (
+                format!("the tilts {xy} {xz} {yz}, a triclinic box"),
+                UPRIGHT.to_string(),
+            ),
+            EdgeError::Side => (
                 format!("a box from {low} to {high}"),
                 "box sides that are positive".to_string(),
-            )
+            ),
         })?;
         Ok(Self { low, cell })
     }
 }
 
-/// The two numbers that a line begins with.
-pub(crate) fn bound(line: &[u8]) -> Result<[f64; 2], Refusal> {
-    let numbers: Vec<Option<f64>> = tokens(line).take(2).map(finite).collect();
-    match numbers.as_slice() {
-        [Some(low), Some(high)] => Ok([*low, *high]),
-        _ => Err((
-            excerpt(line),
-            "two finite numbers, where the box begins and where it ends".into(),
-        )),
-    }
-}
-
-/// What is said of a box that is not orthorhombic.
-pub(crate) fn triclinic(line: &[u8]) -> Refusal {
-    (
-        format!("{}, a triclinic box", excerpt(line)),
-        "an orthorhombic box; triclinic boxes are not there yet".into(),
-    )
+/// The numbers that a line begins with: where the box begins, where it ends, and a tilt in some files.
+pub(crate) fn bound<const N: usize>(line: &[u8]) -> Result<[f64; N], Refusal> {
+    let numbers: Option<Vec<f64>> = tokens(line).take(N).map(finite).collect();
+    numbers.and_then(|all| all.try_into().ok()).ok_or_else(|| {
+        let allowed = match N {
+            2 => "two finite numbers, where the box begins and where it ends",
+            _ => "three finite numbers",
+        };
+        (excerpt(line), allowed.into())
+    })
 }

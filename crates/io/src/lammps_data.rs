@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::columns::{Column, Columns, Scalar, Vector, number, particle_number};
 use crate::error::{Refusal, excerpt};
-use crate::lammps::{Bounds, bound, triclinic};
+use crate::lammps::{Bounds, bound};
 use crate::lines::{Lines, finite, tokens};
 use crate::particles::{ParticleReader, Place, mass, velocity};
 use crate::units::{FileUnits, Scales, stated};
@@ -53,6 +53,8 @@ struct Sections {
     n: Option<usize>,
     types: Option<usize>,
     low: [Option<[f64; 2]>; 3],
+    /// The tilts xy, xz and yz, and their line.
+    tilts: Option<([f64; 3], u64)>,
     labels: HashMap<Vec<u8>, String>,
     masses: HashMap<String, f64>,
     atoms: Option<Atoms>,
@@ -127,11 +129,8 @@ impl Sections {
                 [_, _, b"xlo", b"xhi"] => self.low[0] = Some(self.bound(lines)?),
                 [_, _, b"ylo", b"yhi"] => self.low[1] = Some(self.bound(lines)?),
                 [_, _, b"zlo", b"zhi"] => self.low[2] = Some(self.bound(lines)?),
-                [tilts @ .., b"xy", b"xz", b"yz"]
-                    if tilts.iter().any(|t| finite(t) != Some(0.0)) =>
-                {
-                    let (found, allowed) = triclinic(&line);
-                    return Err(lines.refuse(found, allowed));
+                [_, _, _, b"xy", b"xz", b"yz"] => {
+                    self.tilts = Some((self.bound(lines)?, lines.number()));
                 }
                 [n, what] if BONDED.contains(what) && *n != b"0" => {
                     return Err(lines.refuse(
@@ -139,7 +138,7 @@ impl Sections {
                         "atoms alone: bonds of molecules are written in the scene",
                     ));
                 }
-                // Numbers of types, room for more, and tilts of zero.
+                // Numbers of types, room for more.
                 _ => {}
             }
         }
@@ -170,7 +169,7 @@ impl Sections {
             })
     }
 
-    fn bound<R: BufRead>(&self, lines: &Lines<R>) -> Result<[f64; 2], FormatError> {
+    fn bound<R: BufRead, const N: usize>(&self, lines: &Lines<R>) -> Result<[f64; N], FormatError> {
         bound(content(lines.line())).map_err(|(f, a)| lines.refuse(f, a))
     }
 
@@ -238,8 +237,10 @@ impl Sections {
             .units
             .scales(None)
             .map_err(|(f, a)| lines.refuse(f, a))?;
-        let bounds = Bounds::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
-        let place = bounds.and_then(|bounds| Place::new(bounds.low, Some(bounds.cell), scales));
+        let (low, high) = (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
+        let (tilts, line) = self.tilts.unwrap_or(([0.0; 3], lines.number()));
+        let bounds = Bounds::new(low, high, tilts).map_err(|(f, a)| lines.refuse_at(line, f, a))?;
+        let place = Place::new(bounds.low, Some(bounds.cell), scales);
         let columns = [
             Column::Scalar(Scalar::Id),
             Column::Scalar(Scalar::Type),

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::columns::{Column, Columns, MOST_COLUMNS, Scalar, Vector, motion};
 use crate::error::{Refusal, excerpt};
-use crate::lammps::{Bounds, bound, triclinic};
+use crate::lammps::{Bounds, bound};
 use crate::lines::{Lines, tokens};
 use crate::particles::{ParticleReader, Place};
 use crate::units::FileUnits;
@@ -178,22 +178,26 @@ fn header<R: BufRead>(lines: &mut Lines<R>, units: FileUnits) -> Result<Header, 
 }
 
 fn read_bounds<R: BufRead>(lines: &mut Lines<R>, edges: &[&[u8]]) -> Result<Bounds, FormatError> {
-    if edges.iter().any(|word| word.contains(&b'x')) {
-        let (found, allowed) = triclinic(lines.line());
-        return Err(lines.refuse(found, allowed));
-    }
+    let (edges, is_tilted) = match edges {
+        [b"xy", b"xz", b"yz", edges @ ..] => (edges, true),
+        edges => (edges, false),
+    };
     if let Some(edge) = edges.iter().find(|edge| **edge != b"pp") {
         return Err(lines.refuse(
             format!("the boundary {}", excerpt(edge)),
             "pp pp pp; boxes that are not periodic in all directions are not there yet",
         ));
     }
-    let (mut low, mut high) = (DVec3::ZERO, DVec3::ZERO);
+    let (mut low, mut high, mut tilts) = (DVec3::ZERO, DVec3::ZERO, [0.0; 3]);
     for axis in 0..3 {
         lines.next_or("where the box begins and ends")?;
-        [low[axis], high[axis]] = bound(lines.line()).map_err(|(f, a)| lines.refuse(f, a))?;
+        let row = match is_tilted {
+            true => bound(lines.line()),
+            false => bound(lines.line()).map(|[low, high]| [low, high, 0.0]),
+        };
+        [low[axis], high[axis], tilts[axis]] = row.map_err(|(f, a)| lines.refuse(f, a))?;
     }
-    Bounds::new(low, high).map_err(|(f, a)| lines.refuse(f, a))
+    Bounds::new(low, high, tilts).map_err(|(f, a)| lines.refuse(f, a))
 }
 
 fn missing(row: usize, n: usize) -> String {

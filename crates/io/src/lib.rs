@@ -22,6 +22,7 @@ mod foreign;
 mod formats;
 mod found;
 mod frame;
+mod geometry;
 mod gro;
 mod holder;
 mod host;
@@ -66,6 +67,7 @@ pub use folder::{
 pub use formats::{FormatSpec, Limits, TrajectoryFormat};
 pub use found::{FoundSpecies, StartConfiguration, TrajectoryFrame};
 pub use frame::{DEFAULT_PRECISION, Frame, FrameStyle, is_element_symbol};
+pub use geometry::{EdgeError, box_of_edges, is_same_box};
 pub use holder::Holder;
 pub use host::cpu_name;
 pub use lammps_data_writer::write_lammps_data;

@@ -7,6 +7,7 @@ use lennard_core::PeriodicBox;
 
 use crate::columns::{Column, Columns, MOST_COLUMNS, Scalar, Vector, motion};
 use crate::error::{Refusal, excerpt};
+use crate::geometry::{EdgeError, box_of_edges};
 use crate::lines::{finite, tokens};
 use crate::units::{FileUnits, Scales, stated};
 
@@ -273,15 +274,15 @@ fn lattice(text: &str) -> Result<PeriodicBox, Refusal> {
             "nine finite numbers, the box vectors a, b and c".into(),
         ));
     };
-    if [ay, az, bx, bz, cx, cy] != [0.0; 6] {
-        return Err((
+    let edges = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]].map(DVec3::from_array);
+    box_of_edges(edges).map_err(|error| match error {
+        EdgeError::Tilt => (
             format!("{}, a triclinic box", found()),
-            "an orthorhombic box, \"Lx 0.0 0.0 0.0 Ly 0.0 0.0 0.0 Lz\"; triclinic boxes are not there yet"
+            "an orthorhombic box, \"Lx 0.0 0.0 0.0 Ly 0.0 0.0 0.0 Lz\", to 1e-10 of a side; triclinic boxes are not there yet"
                 .into(),
-        ));
-    }
-    PeriodicBox::new(DVec3::new(ax, by, cz))
-        .map_err(|_| (found(), "box sides that are positive".into()))
+        ),
+        EdgeError::Side => (found(), "box sides that are positive".into()),
+    })
 }
 
 /// Every direction must be periodic where there is a box.

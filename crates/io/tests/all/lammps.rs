@@ -40,6 +40,25 @@ fn dumps_and_data_files_are_read_from_their_corner_and_in_the_order_of_their_num
     );
 }
 
+/// The dump with a tilt of its box along z.
+fn tilted(tilt: &str) -> String {
+    let bounds = format!("xy xz yz pp pp pp\n-1.0 7.0 0\n0 8.5 {tilt}\n0.5 9 0\n");
+    DUMP.replace("pp pp pp\n-1.0 7.0\n0 8.5\n0.5 9\n", &bounds)
+}
+
+#[test]
+fn a_tilt_that_rounding_has_left_is_none() {
+    for text in [
+        tilted("0.0"),
+        tilted("-7.9e-10"),
+        DATA.replace("0 0 0 xy", "3e-14 0 -7.9e-10 xy"),
+    ] {
+        let start = read_configuration_bytes(text.as_bytes()).unwrap();
+        assert_eq!(start.cell.lengths(), DVec3::new(8.0, 8.5, 8.5));
+        assert_eq!(start.positions[0], DVec3::ONE);
+    }
+}
+
 trait MapX {
     fn map_x(&self) -> Vec<f64>;
 }
@@ -109,10 +128,10 @@ fn what_is_not_read_is_refused_with_line_found_and_allowed() {
             "pp pp pp; boxes that are not periodic in all directions are not there yet",
         ),
         (
-            dump("pp pp pp", "xy xz yz pp pp pp"),
-            5,
-            "a triclinic box",
-            "orthorhombic",
+            tilted("1e-9"),
+            8,
+            "the tilts 0 0.000000001 0, a triclinic box",
+            "an orthorhombic box, to 1e-10 of a side",
         ),
         (dump("-1.0 7.0", "7.0 -1.0"), 8, "a box from", "positive"),
         (dump("\n7\n", "\n-7\n"), 2, "`-7`", "at least 0"),
@@ -170,8 +189,14 @@ fn what_is_not_read_is_refused_with_line_found_and_allowed() {
         (
             data("0 0 0 xy", "0 0.5 0 xy"),
             10,
-            "a triclinic box",
-            "orthorhombic",
+            "the tilts 0 0.5 0, a triclinic box",
+            "an orthorhombic box, to 1e-10 of a side",
+        ),
+        (
+            data("0 0 0 xy", "0 x 0 xy"),
+            10,
+            "`0 x 0 xy xz yz",
+            "three finite numbers",
         ),
         (
             data("3 atoms\n", "4 atoms\n"),

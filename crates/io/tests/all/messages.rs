@@ -76,7 +76,7 @@ fn readers_say_what_they_would_take() {
         ),
         (
             frame("Lattice=\"4 1 0 0 5 0 0 0 6\"", two),
-            "an orthorhombic box, \"Lx 0.0 0.0 0.0 Ly 0.0 0.0 0.0 Lz\"; triclinic boxes are not there yet",
+            "an orthorhombic box, \"Lx 0.0 0.0 0.0 Ly 0.0 0.0 0.0 Lz\", to 1e-10 of a side; triclinic boxes are not there yet",
         ),
     ] {
         let message = read_configuration_bytes(text.as_bytes())

@@ -225,6 +225,8 @@ fn a_start_configuration_is_the_last_frame() {
         ..Beside::default()
     };
     read_configuration_in(&path, inside(cell())).expect("the same box is no contradiction");
+    let rounded = PeriodicBox::new(cell().lengths() * (1.0 + 5e-11)).unwrap();
+    read_configuration_in(&path, inside(rounded)).expect("rounding is no contradiction");
     let other = PeriodicBox::new(DVec3::splat(20.0)).unwrap();
     let error = read_configuration_in(&path, inside(other)).unwrap_err();
     assert_eq!(error.line(), Some(2 * 12 + 2));
