@@ -40,21 +40,32 @@ ARGON: Species = {"sigma": 3.405, "epsilon": 119.8 * units.kB}
 _VOIGT = ([0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1])
 
 
-def _box(atoms: Atoms) -> Floats:
-    """The sides of the box, Å, where the engine can use it."""
+def _in_box(atoms: Atoms) -> tuple[Floats, Floats]:
+    """The sides of the box, where the engine can use it, and the positions in it, Å.
+
+    A relaxation of a cell leaves rounding across the axes. Positions follow the cell when this is taken out: a crystal stays
+    without strain, and no shear grows from one step to the next.
+    """
+    if len(atoms) == 0:
+        raise ValueError("there are no atoms\n  allowed: at least one atom")
     cell: Floats = np.asarray(atoms.cell.array)
     if not all(atoms.pbc):
         raise ValueError(
             f"the fluid is periodic along each axis\n  found:   pbc = {[bool(p) for p in atoms.pbc]}\n"
             "  allowed: pbc = True, with vacuum in the cell where a surface is wanted"
         )
-    sides: Floats = np.diagonal(cell).copy()
-    if np.any(cell - np.diag(sides)) or np.any(sides <= 0.0):
+    sides = _lennard.box_sides(cell.tolist())
+    if sides is None:
         raise ValueError(
             f"the cell must be a box along x, y and z\n  found:   {cell.tolist()}\n"
-            "  allowed: a cell with positive numbers on its diagonal and zeros elsewhere"
+            "  allowed: a cell with positive numbers on its diagonal and zeros elsewhere, to 1e-10 of a side\n"
+            "  a filter of ASE keeps it a box with mask=[1, 1, 1, 0, 0, 0]"
         )
-    return sides
+    straight = np.diag(sides)
+    positions: Floats = atoms.positions
+    if np.any(cell != straight):
+        positions = atoms.get_scaled_positions(wrap=False) @ straight
+    return np.array(sides), positions
 
 
 def _one_species(atoms: Atoms) -> str:
@@ -158,7 +169,7 @@ class Lennard(Calculator):
         super().calculate(atoms, properties, system_changes)  # type: ignore[no-untyped-call]
         if self.atoms is None:
             raise ValueError("there are no atoms to calculate for")
-        sides = _box(self.atoms)
+        sides, positions = _in_box(self.atoms)
         n = len(self.atoms)
         if "numbers" in system_changes:
             _one_species(self.atoms)
@@ -168,7 +179,7 @@ class Lennard(Calculator):
         _check_reach(given["rc"], given["truncation"], given["potential"], sigma, sides)
         evaluator = self._evaluator_for(n, lengths)
         energy, forces, virial, energies, self.list_builds = evaluator.evaluate(
-            np.ascontiguousarray(self.atoms.positions) / sigma, lengths, "energies" in properties
+            np.ascontiguousarray(positions) / sigma, lengths, "energies" in properties
         )
         self.results = {
             "energy": energy * epsilon,
@@ -251,12 +262,12 @@ def simulation(
             f"constraints of ASE have no form in the engine\n  found:   {kinds}\n"
             "  allowed: atoms without constraints; `ase.md` with the calculator Lennard keeps them"
         )
-    sides = _box(atoms)
+    sides, positions = _in_box(atoms)
     _check_reach(rc, truncation, tables.get("potential"), sigma, sides)
     symbol = _one_species(atoms)
     masses = atoms.get_masses()
-    if len(masses) == 0 or np.any(masses != masses[0]):
-        raise ValueError("all atoms must have one mass, and there must be at least one atom")
+    if np.any(masses != masses[0]):
+        raise ValueError("all atoms must have one mass")
     mass = float(masses[0])
     momenta = atoms.get_momenta()
     velocities = None
@@ -275,7 +286,7 @@ def simulation(
     if dt is not None:
         scene["integrator"] = {"dt": dt * speed / sigma, **scene.get("integrator", {})}
     return Simulation.from_arrays(
-        atoms.positions / sigma,
+        positions / sigma,
         sides / sigma,
         velocities,
         temperature=kelvin * units.kB / epsilon,

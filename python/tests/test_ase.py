@@ -15,10 +15,11 @@ from ase.build import bulk  # noqa: E402
 from ase.calculators.fd import calculate_numerical_forces  # noqa: E402
 from ase.calculators.lj import LennardJones  # noqa: E402
 from ase.constraints import FixAtoms  # noqa: E402
+from ase.filters import FrechetCellFilter  # noqa: E402
 from ase.md.langevin import Langevin  # noqa: E402
 from ase.md.velocitydistribution import thermalize_momenta  # noqa: E402
 from ase.md.verlet import VelocityVerlet  # noqa: E402
-from ase.optimize import BFGS  # noqa: E402
+from ase.optimize import BFGS, FIRE, LBFGS  # noqa: E402
 from lennard.ase import ARGON, Lennard  # noqa: E402
 
 
@@ -161,6 +162,9 @@ def test_what_it_cannot_do_is_refused_with_a_reason():
     tilted.cell[0, 1] = 0.5
     with pytest.raises(ValueError, match="a box along x, y and z"):
         Lennard().get_property("energy", tilted)
+    for door in (Lennard().get_potential_energy, lambda none: lennard.ase.simulation(none, temperature=60)):
+        with pytest.raises(ValueError, match="there are no atoms"):
+            door(atoms[:0])
     mixed = atoms.copy()
     mixed.symbols[0] = "Kr"
     with pytest.raises(ValueError, match="found:   Ar, Kr"):
@@ -192,6 +196,42 @@ def test_what_it_cannot_do_is_refused_with_a_reason():
         Lennard(sigma=-1.0)
     with pytest.raises(lennard.SceneError, match="truncation"):
         Lennard(truncation="shifted").get_property("energy", atoms)
+
+
+@pytest.mark.parametrize("optimizer", [BFGS, FIRE, LBFGS])
+@pytest.mark.parametrize("rattle, mask", [(0.0, None), (0.05, [1, 1, 1, 0, 0, 0])])
+def test_a_crystal_and_its_cell_relax_to_the_end(optimizer, rattle, mask):
+    atoms = bulk("Ar", "fcc", a=5.45, cubic=True) * (3, 3, 3)
+    if rattle:
+        atoms.rattle(rattle, seed=1)
+    atoms.calc = Lennard(**ARGON, rc=7.4, truncation="force-shift")
+    assert optimizer(FrechetCellFilter(atoms, mask=mask), logfile=None).run(fmax=1e-3, steps=200)
+    sides = np.diagonal(atoms.cell.array)
+    assert np.abs(atoms.cell.array - np.diag(sides)).max() < 1e-10 * sides.min()
+    # The minimum of the perfect crystal, from its energy alone.
+    energies = []
+    lattice = np.linspace(5.31, 5.37, 7)
+    for a in lattice:
+        crystal = bulk("Ar", "fcc", a=a, cubic=True) * (3, 3, 3)
+        energies.append(Lennard(**ARGON, rc=7.4, truncation="force-shift").get_property("energy", crystal))
+    fit = np.polyfit(lattice - 5.34, energies, 4)
+    minima = [5.34 + root.real for root in np.roots(np.polyder(fit)) if abs(root) < 0.03]
+    assert sides / 3 == pytest.approx(minima[0], abs=0.003)
+
+
+def test_rounding_across_the_axes_of_a_cell_is_none():
+    atoms = fluid(5, 256)
+    straight = Lennard().get_property("energy", atoms)
+    sides = atoms.cell.lengths()
+    for tilt, is_box in [(4.9e-14, True), (0.9e-10 * sides[0], True), (1.1e-10 * sides[0], False)]:
+        tilted = atoms.copy()
+        tilted.set_cell(atoms.cell.array + tilt * np.array([[0, 0, 0], [-1, 0, 0], [0, 1, 0]]), scale_atoms=True)
+        if is_box:
+            assert Lennard().get_property("energy", tilted) == pytest.approx(straight, rel=1e-12)
+            assert lennard.ase.simulation(tilted, temperature=1 / units.kB).box == pytest.approx(sides, rel=1e-15)
+        else:
+            with pytest.raises(ValueError, match=r"to 1e-10 of a side\n.*mask=\[1, 1, 1, 0, 0, 0\]"):
+                Lennard().get_property("energy", tilted)
 
 
 def test_ase_drives_it():

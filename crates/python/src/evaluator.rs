@@ -7,14 +7,14 @@ use lennard_forcefield::{ForceFieldOptions, PairForces};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rayon::ThreadPool;
 
+use crate::threads::Threads;
 use crate::{errors, numbers};
 
 struct Inner {
     options: ForceFieldOptions,
     forces: PairForces,
-    pool: ThreadPool,
+    threads: Threads,
     n: usize,
 }
 
@@ -37,11 +37,24 @@ fn cell(lengths: [f64; 3]) -> PyResult<PeriodicBox> {
     PeriodicBox::new(DVec3::from_array(lengths)).map_err(|e| PyValueError::new_err(e.to_string()))
 }
 
+/// The sides of the box whose edges are the rows of a cell, in any unit of length; `None` where the cell is no box.
+#[pyfunction]
+pub fn box_sides(cell: [[f64; 3]; 3]) -> Option<[f64; 3]> {
+    let cell = lennard_io::box_of_edges(cell.map(DVec3::from_array));
+    cell.ok().map(|cell| cell.lengths().to_array())
+}
+
 #[pymethods]
 impl Evaluator {
     /// Forces for `n` particles in a box with these sides; the scene's own start is not looked at.
     #[new]
-    fn new(scene: &str, n: usize, lengths: [f64; 3], threads: Option<usize>) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        scene: &str,
+        n: usize,
+        lengths: [f64; 3],
+        threads: Option<usize>,
+    ) -> PyResult<Self> {
         let overrides = Vec::new();
         let scene = lennard_engine::from_text(scene, "calculator", &overrides)
             .map_err(|e| errors::of_scene(&e))?;
@@ -51,13 +64,15 @@ impl Evaluator {
             ));
         }
         let species = scene.species_table(n, &[]);
-        let (options, forces) = lennard_engine::forces(&scene, cell(lengths)?, &species)
-            .map_err(|e| errors::of_engine(e, false))?;
         let threads = threads.unwrap_or_else(|| lennard_engine::recommended_threads(n));
+        let mut threads = Threads::new(threads)?;
+        let cell = cell(lengths)?;
+        let built = threads.run(py, || lennard_engine::forces(&scene, cell, &species))?;
+        let (options, forces) = built.map_err(|e| errors::of_engine(e, false))?;
         let inner = Mutex::new(Inner {
             options,
             forces,
-            pool: crate::inner::pool(threads)?,
+            threads,
             n,
         });
         Ok(Self { inner })
@@ -73,16 +88,20 @@ impl Evaluator {
     ) -> PyResult<Evaluation<'py>> {
         let positions = numbers::vectors(&positions, "positions")?;
         let cell = cell(lengths)?;
+        let wrong = PyValueError::new_err::<String>;
         let evaluated = py.detach(|| {
             let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
             let Inner {
                 options,
                 forces,
-                pool,
+                threads,
                 n,
             } = &mut *inner;
             if positions.len() != *n {
-                return Err(format!("{} positions, made for {n}", positions.len()));
+                return Err(wrong(format!(
+                    "{} positions, made for {n}",
+                    positions.len()
+                )));
             }
             let mut out = vec![DVec3::ZERO; *n];
             let want = Want {
@@ -90,12 +109,13 @@ impl Evaluator {
                 ..(Want::ENERGY_AND_VIRIAL | Want::VIRIAL_TENSOR)
             };
             let at = Configuration::at_rest(&cell, &positions);
-            let found = pool.install(|| forces.evaluate(at, Part::All, want, &mut out));
-            let energetics = found.map_err(|e| e.to_string())?;
+            let evaluate = || forces.evaluate(at, Part::All, want, &mut out);
+            let found = threads.pool()?.install(evaluate);
+            let energetics = found.map_err(|e| wrong(e.to_string()))?;
             let tail = lennard_forcefield::tail_correction(options, *n, cell.volume());
             Ok((out, energetics, tail, forces.statistics().builds))
         });
-        let (forces, energetics, tail, builds) = evaluated.map_err(PyValueError::new_err)?;
+        let (forces, energetics, tail, builds) = evaluated?;
         let Energetics {
             potential_energy,
             virial,

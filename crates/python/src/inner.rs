@@ -2,33 +2,25 @@
 
 use std::path::Path;
 
-use lennard_core::DVec3;
-use lennard_core::parallel::PoolError;
-use lennard_engine::{Measurement, OwnParts, Recording, Simulation, planned_steps};
+use lennard_core::{DVec3, parallel};
+use lennard_engine::{
+    EngineError, Measurement, OwnParts, Recording, Simulation, planned_steps, recommended_threads,
+};
 use lennard_io::{Checkpoint, StartConfiguration};
 use lennard_scene::{Scene, SceneError};
 use numpy::PyReadonlyArray2;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rayon::ThreadPool;
 
+use crate::threads::Threads;
 use crate::view::View;
 use crate::{errors, numbers};
-
-/// Threads that live as long as a simulation.
-pub fn pool(threads: usize) -> PyResult<ThreadPool> {
-    lennard_core::parallel::pool(threads).map_err(|e| match e {
-        PoolError::Number(_) => PyValueError::new_err(e.to_string()),
-        PoolError::System(e) => PyRuntimeError::new_err(format!("starting threads: {e}")),
-    })
-}
 
 /// A simulation with what belongs to it.
 pub struct Inner {
     pub simulation: Simulation,
     pub recording: Recording,
-    pub pool: ThreadPool,
-    pub threads: usize,
+    pub threads: Threads,
     /// Whether lines of the scene mean anything to the user.
     pub from_file: bool,
     /// The start, where it came as arrays.
@@ -71,33 +63,41 @@ impl Inner {
             threads,
             start,
         } = made;
-        let prepared =
-            py.detach(|| lennard_engine::prepare_with(scene, start.clone(), OwnParts::none()));
-        let simulation = prepared.map_err(|e| errors::of_engine(e, from_file))?;
+        let begin = start.clone();
+        let prepare = || lennard_engine::prepare_with(scene, begin, OwnParts::none());
         Ok(Self {
             start,
-            ..Self::around(simulation, from_file, threads)?
+            ..Self::built(py, from_file, threads, prepare)?
         })
     }
 
     /// Brings a saved simulation back.
     pub fn restored(
+        py: Python<'_>,
         checkpoint: &Checkpoint,
         path: &Path,
         threads: Option<usize>,
     ) -> PyResult<Self> {
-        let simulation =
-            lennard_engine::restored(checkpoint, path).map_err(|e| errors::of_engine(e, false))?;
-        Self::around(simulation, false, threads)
+        Self::built(py, false, threads, || {
+            lennard_engine::restored(checkpoint, path)
+        })
     }
 
-    fn around(simulation: Simulation, from_file: bool, threads: Option<usize>) -> PyResult<Self> {
-        let n = simulation.state.len();
-        let threads = threads.unwrap_or_else(|| lennard_engine::recommended_threads(n));
+    fn built(
+        py: Python<'_>,
+        from_file: bool,
+        asked: Option<usize>,
+        build: impl FnOnce() -> Result<Simulation, EngineError> + Send,
+    ) -> PyResult<Self> {
+        let mut threads = Threads::new(asked.unwrap_or_else(parallel::processors))?;
+        let built = threads.run(py, build)?;
+        let simulation = built.map_err(|e| errors::of_engine(e, from_file))?;
+        if asked.is_none() {
+            threads = Threads::new(recommended_threads(simulation.state.len()))?;
+        }
         Ok(Self {
             simulation,
             recording: Recording::default(),
-            pool: pool(threads)?,
             threads,
             from_file,
             start: None,
@@ -105,15 +105,36 @@ impl Inner {
         })
     }
 
+    /// Does `work` on the threads of the simulation.
+    pub fn on_threads<R: Send>(
+        &mut self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut Simulation) -> R + Send,
+    ) -> PyResult<R> {
+        let simulation = &mut self.simulation;
+        self.threads.run(py, move || work(simulation))
+    }
+
+    /// Forces on all particles where they are now, ε/σ.
+    pub fn present_forces(&mut self, py: Python<'_>) -> PyResult<Vec<DVec3>> {
+        let forces = self.on_threads(py, |simulation| simulation.present_forces())?;
+        forces.map_err(|e| errors::of_engine(e, self.from_file))
+    }
+
+    /// All that is needed to go on from here, to the bit.
+    pub fn snapshot(&mut self, py: Python<'_>) -> PyResult<Checkpoint> {
+        self.on_threads(py, |simulation| lennard_engine::snapshot(simulation))
+    }
+
     /// Takes a scene with other stages to come.
     pub fn grow(
         &mut self,
+        py: Python<'_>,
         scene: Result<Scene, SceneError>,
         measurement: Measurement,
     ) -> PyResult<()> {
         let scene = scene.map_err(|e| errors::of_scene(&e))?;
-        self.simulation
-            .grow(scene, measurement)
+        self.on_threads(py, |simulation| simulation.grow(scene, measurement))?
             .map_err(|e| errors::of_engine(e, false))?;
         if measurement == Measurement::Anew {
             self.recording = Recording::default();

@@ -11,6 +11,7 @@ mod numbers;
 mod run;
 mod scenes;
 mod simulation;
+mod threads;
 mod view;
 
 use pyo3::prelude::*;
@@ -24,7 +25,7 @@ mod _lennard {
         property_list,
     };
     #[pymodule_export]
-    use crate::evaluator::Evaluator;
+    use crate::evaluator::{Evaluator, box_sides};
     #[pymodule_export]
     use crate::scenes::{key_reference, resolve, resolve_file};
     #[pymodule_export]

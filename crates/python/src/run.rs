@@ -119,7 +119,6 @@ pub fn in_folder(
 ) -> PyResult<RunRecord> {
     let Inner {
         simulation,
-        pool,
         threads,
         from_file,
         ..
@@ -133,11 +132,11 @@ pub fn in_folder(
     let engine = |e| errors::of_engine(e, *from_file);
     let claimed = lennard_io::create_named_folder(folder, existing)
         .map_err(|e| engine(EngineError::Folder(e)))?;
-    let threads = *threads;
-    let (done, raised) = watched(py, pool, callback, |stop, progress| {
+    let count = threads.count();
+    let (done, raised) = watched(py, threads.pool()?, callback, |stop, progress| {
         let options = RunOptions {
             folder: &claimed,
-            threads,
+            threads: count,
             stop,
             deadline: None,
             progress,
@@ -148,8 +147,9 @@ pub fn in_folder(
     raised?;
     let outcome = outcome.ok_or_else(|| PyRuntimeError::new_err("the run has no end"))?;
     if report && outcome.ending == Ending::Finished {
-        lennard_studies::run_page::write(claimed.path())
-            .map_err(|e| PyOSError::new_err(e.to_string()))?;
+        let path = claimed.path();
+        let written = threads.run(py, || lennard_studies::run_page::write(path))?;
+        written.map_err(|e| PyOSError::new_err(e.to_string()))?;
     }
     Ok(outcome.record)
 }

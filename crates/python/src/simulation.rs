@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-use lennard_core::DVec3;
 use lennard_engine::{
-    Addition, Measurement, MemoryOptions, ended, from_text, planned_stages, planned_steps,
-    planned_text, prolonged, run_in_memory, with_stage,
+    Addition, Measurement, MemoryOptions, Simulation, ended, from_text, planned_stages,
+    planned_steps, planned_text, prolonged, run_in_memory, with_stage,
 };
 use lennard_io::Existing;
 use lennard_scene::{Scene, Start, shipped};
@@ -115,32 +114,31 @@ impl Core {
     /// A simulation as it was when it was saved, to the bit.
     #[staticmethod]
     #[pyo3(signature = (path, threads))]
-    fn load(path: PathBuf, threads: Option<usize>) -> PyResult<Self> {
+    fn load(py: Python<'_>, path: PathBuf, threads: Option<usize>) -> PyResult<Self> {
         let checkpoint =
             lennard_io::read_checkpoint(&path).map_err(|e| PyValueError::new_err(e.to_string()))?;
-        Inner::restored(&checkpoint, &path, threads).map(Self::around)
+        Inner::restored(py, &checkpoint, &path, threads).map(Self::around)
     }
 
     /// The same from bytes.
     #[staticmethod]
     #[pyo3(signature = (bytes, threads))]
-    fn from_bytes(bytes: &[u8], threads: Option<usize>) -> PyResult<Self> {
+    fn from_bytes(py: Python<'_>, bytes: &[u8], threads: Option<usize>) -> PyResult<Self> {
         let checkpoint = lennard_io::read_checkpoint_bytes(bytes)
             .map_err(|e| PyValueError::new_err(e.to_string()))?;
-        Inner::restored(&checkpoint, "bytes".as_ref(), threads).map(Self::around)
+        Inner::restored(py, &checkpoint, "bytes".as_ref(), threads).map(Self::around)
     }
 
     /// Saves all that is needed to go on from here to the bit.
-    fn save(&self, path: PathBuf) -> PyResult<()> {
-        let inner = self.whole()?;
-        lennard_io::write_checkpoint(&path, &lennard_engine::snapshot(&inner.simulation))
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let snapshot = self.whole()?.snapshot(py)?;
+        lennard_io::write_checkpoint(&path, &snapshot)
             .map_err(|e| PyOSError::new_err(e.to_string()))
     }
 
     /// The bytes that `save` writes.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let inner = self.whole()?;
-        let snapshot = lennard_engine::snapshot(&inner.simulation);
+        let snapshot = self.whole()?.snapshot(py)?;
         Ok(PyBytes::new(py, &lennard_io::checkpoint_bytes(&snapshot)))
     }
 
@@ -151,26 +149,35 @@ impl Core {
     }
 
     /// Writes the scene, and the start where it came as arrays, into a folder.
-    fn export(&self, folder: PathBuf) -> PyResult<()> {
-        let inner = self.used()?;
+    fn export(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+        let mut inner = self.used()?;
+        let Inner {
+            simulation,
+            start,
+            threads,
+            ..
+        } = &mut *inner;
         let failed = |e: String| PyOSError::new_err(e);
         std::fs::create_dir_all(&folder)?;
-        let text = planned_text(&inner.simulation.scene);
+        let text = planned_text(&simulation.scene);
         lennard_io::write_text_atomically(&folder.join("scene.toml"), &text)
             .map_err(|e| failed(e.to_string()))?;
         let (Some(start), Start::Configuration { path, .. }) =
-            (&inner.start, &inner.simulation.scene.system.start)
+            (start, &simulation.scene.system.start)
         else {
             return Ok(());
         };
-        lennard_engine::write_start(&folder.join(path), &inner.simulation, start)
-            .map_err(|e| failed(e.to_string()))
+        let path = folder.join(path);
+        let write = move || lennard_engine::write_start(&path, simulation, start);
+        let written = threads.run(py, write)?;
+        written.map_err(|e| failed(e.to_string()))
     }
 
     /// Adds a stage and begins to measure anew; keys of the stage, observables and output come as TOML.
     #[pyo3(signature = (stage, observables, output))]
     fn add_stage(
         &self,
+        py: Python<'_>,
         stage: &str,
         observables: Option<&str>,
         output: Option<&str>,
@@ -182,21 +189,21 @@ impl Core {
             output,
         };
         let scene = with_stage(&inner.simulation, &addition);
-        inner.grow(scene, Measurement::Anew)
+        inner.grow(py, scene, Measurement::Anew)
     }
 
     /// Makes the last stage longer.
-    fn prolong(&self, steps: u64) -> PyResult<()> {
+    fn prolong(&self, py: Python<'_>, steps: u64) -> PyResult<()> {
         let mut inner = self.whole()?;
         let scene = prolonged(&inner.simulation, steps);
-        inner.grow(scene, Measurement::GoesOn)
+        inner.grow(py, scene, Measurement::GoesOn)
     }
 
     /// Ends the stage under way here, and drops the stages after it.
-    fn end_stage(&self) -> PyResult<()> {
+    fn end_stage(&self, py: Python<'_>) -> PyResult<()> {
         let mut inner = self.whole()?;
         let scene = ended(&inner.simulation);
-        inner.grow(Ok(scene), Measurement::GoesOn)
+        inner.grow(py, Ok(scene), Measurement::GoesOn)
     }
 
     /// Runs up to a step, or to the end of the scene, without Python's lock.
@@ -209,20 +216,21 @@ impl Core {
         let Inner {
             simulation,
             recording,
-            pool,
+            threads,
             from_file,
             ..
         } = &mut *inner;
         let end = planned_steps(&simulation.scene);
         let until = Some(until.unwrap_or(end).min(end));
-        let (done, raised) = run::watched(py, pool, callback.as_ref(), |stop, progress| {
-            let options = MemoryOptions {
-                until,
-                stop,
-                progress,
-            };
-            run_in_memory(simulation, recording, options)
-        });
+        let (done, raised) =
+            run::watched(py, threads.pool()?, callback.as_ref(), |stop, progress| {
+                let options = MemoryOptions {
+                    until,
+                    stop,
+                    progress,
+                };
+                run_in_memory(simulation, recording, options)
+            });
         // Physics that failed is the more important news.
         if let Some(Err(error)) = done {
             return Err(errors::of_engine(error, *from_file));
@@ -253,9 +261,15 @@ impl Core {
     /// The record of what was measured, as JSON, and the tables of the observables.
     fn results<'py>(&self, py: Python<'py>) -> PyResult<(String, Vec<Bound<'py, PyDict>>)> {
         let mut inner = self.whole()?;
-        let inner = &mut *inner;
-        let (record, tables) =
-            py.detach(move || inner.recording.results(&inner.simulation, inner.threads));
+        let Inner {
+            simulation,
+            recording,
+            threads,
+            ..
+        } = &mut *inner;
+        let count = threads.count();
+        let found = move || recording.results(simulation, count);
+        let (record, tables) = threads.run(py, found)?;
         let tables = tables.iter().map(|t| numbers::table(py, t));
         Ok((as_json(&record)?, tables.collect::<PyResult<_>>()?))
     }
@@ -276,7 +290,7 @@ impl Core {
     fn open_view(&self, py: Python<'_>) -> PyResult<Py<View>> {
         let mut inner = self.whole()?;
         if inner.simulation.stage.is_none() {
-            inner.simulation.state.forces = present_forces(&inner)?;
+            inner.simulation.state.forces = inner.present_forces(py)?;
         }
         let view = View::open(py, &mut inner.simulation.state)?;
         inner.view = Some(view.clone_ref(py));
@@ -307,7 +321,7 @@ impl Core {
     /// A copy of the forces, `[N, 3]`, ε/σ.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        numbers::array(py, &present_forces(&*self.whole()?)?)
+        numbers::array(py, &self.whole()?.present_forces(py)?)
     }
 
     /// The box sides, σ.
@@ -337,11 +351,8 @@ impl Core {
     /// Temperature, kinetic and potential energy of a particle, and pressure.
     fn moment(&self, py: Python<'_>) -> PyResult<(f64, f64, f64, f64)> {
         let mut inner = self.whole()?;
-        let from_file = inner.from_file;
-        let simulation = &mut inner.simulation;
-        let moment = py
-            .detach(move || simulation.moment())
-            .map_err(|e| errors::of_engine(e, from_file))?;
+        let moment = inner.on_threads(py, Simulation::moment)?;
+        let moment = moment.map_err(|e| errors::of_engine(e, inner.from_file))?;
         Ok((
             moment.temperature,
             moment.kinetic_energy,
@@ -367,7 +378,11 @@ impl Core {
     fn names(&self) -> PyResult<(String, String, usize)> {
         let inner = self.used()?;
         let scene = &inner.simulation.scene;
-        Ok((scene.name.clone(), scene.model_name(), inner.threads))
+        Ok((
+            scene.name.clone(),
+            scene.model_name(),
+            inner.threads.count(),
+        ))
     }
 
     /// Element and mass of each species, and the species of each particle.
@@ -379,13 +394,6 @@ impl Core {
 
 /// A stage: its name, its steps, and whether it is measured.
 type StageEntry = (String, u64, bool);
-
-fn present_forces(inner: &Inner) -> PyResult<Vec<DVec3>> {
-    inner
-        .simulation
-        .present_forces()
-        .map_err(|e| errors::of_engine(e, inner.from_file))
-}
 
 fn as_json(record: &lennard_io::RunRecord) -> PyResult<String> {
     serde_json::to_string(record).map_err(|e| PyValueError::new_err(e.to_string()))
