@@ -32,6 +32,7 @@ class Frames:
         velocities: Floats | None = None,
         forces: Floats | None = None,
         elements: Sequence[str] | None = None,
+        sites_per_molecule: int = 1,
     ) -> None:
         self.step = step
         self.time = time
@@ -41,10 +42,12 @@ class Frames:
         self.forces = forces
         #: The element symbol of each particle.
         self.elements = list(elements) if elements is not None else ["Ar"] * positions.shape[1]
+        #: Consecutive particles that are folded into the box together.
+        self.sites_per_molecule = sites_per_molecule
 
     @classmethod
-    def _of(cls, raw: dict[str, Any], elements: Sequence[str]) -> Frames:
-        return cls(elements=elements, **raw)
+    def _of(cls, raw: dict[str, Any], elements: Sequence[str], sites: int) -> Frames:
+        return cls(elements=elements, sites_per_molecule=sites, **raw)
 
     def __len__(self) -> int:
         return len(self.step)
@@ -55,9 +58,11 @@ class Frames:
 
     @property
     def wrapped(self) -> Floats:
-        """Positions folded into the box, ``[F, N, 3]``."""
+        """Positions folded into the box, ``[F, N, 3]``; the sites of a molecule together, by the first, unless ``output.whole``
+        is false."""
         box = self.box[:, None, :]
-        folded: Floats = self.positions - box * np.floor(self.positions / box)
+        images = np.floor(self.positions[:, :: self.sites_per_molecule] / box)
+        folded: Floats = self.positions - box * np.repeat(images, self.sites_per_molecule, axis=1)
         return folded
 
     def to_ase(self, *, sigma: float = 1.0, epsilon: float = 1.0) -> list[ase.Atoms]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _lennard, _toml
+from . import _arrays, _lennard, _toml
 from ._frames import Frames
 from ._progress import Progress, told
 from ._results import Run
@@ -143,13 +143,18 @@ class Simulation:
         scene: dict[str, Any] = {name: table for name, table in tables.items()}
         system = {"configuration": "start.xyz", "temperature": temperature, **scene.pop("system", {})}
         scene["system"] = system
-        given = np.asarray(box, dtype=np.float64)
+        given = _arrays.numbers("box", box)
         if given.shape not in [(), (1,), (3,)]:
             raise ValueError(f"box has the shape {given.shape}\n  allowed: one side, or three sides along x, y and z")
         sides = np.broadcast_to(given, (3,))
         lengths = (float(sides[0]), float(sides[1]), float(sides[2]))
-        speeds = None if velocities is None else np.asarray(velocities, dtype=np.float64)
-        start = (np.asarray(positions, dtype=np.float64), speeds, lengths)
+        places = _arrays.vectors("positions", positions)
+        speeds = None if velocities is None else _arrays.vectors("velocities", velocities)
+        if speeds is not None and speeds.shape != places.shape:
+            raise ValueError(
+                f"velocities has the shape {speeds.shape}\n  allowed: {places.shape}, one velocity for each position"
+            )
+        start = (places, speeds, lengths)
         overrides = changes(set, {})
         return cls._around(_lennard.Core.parse(as_text(scene), NAME, overrides, threads, start))
 
@@ -283,11 +288,13 @@ class Simulation:
         # A scene without a measured stage has one at its end that stands in and is never run.
         record["scene"]["stage"] = record["scene"]["stage"][: len(self._core.stages[0])]
         record["finished"] = self.steps_left == 0
+        whole = record["scene"]["output"].get("whole", False)
+        sites = self.n_atoms // self.n_molecules if whole else 1
         return Run(
             record=record,
             tables={table.name: table for table in found},
             thermo=Table._of(self._core.thermo()),
-            frames=Frames._of(self._core.frames(), self.elements),
+            frames=Frames._of(self._core.frames(), self.elements, sites),
             scene=self.scene,
         )
 

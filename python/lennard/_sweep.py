@@ -116,11 +116,13 @@ def sweep(
         assert grid is not None
         names = list(grid)
         for name, listed in grid.items():
-            if isinstance(listed, str) or not hasattr(listed, "__iter__"):
+            if isinstance(listed, str) or not hasattr(listed, "__iter__") or getattr(listed, "ndim", 1) == 0:
                 raise TypeError(f"`{name}` of a grid needs a list of values\n  found:   {listed!r}\n  allowed: [{listed!r}]")
         points = [dict(zip(names, values, strict=True)) for values in itertools.product(*grid.values())]
-    if not points:
+    if len(points) == 0:
         raise ValueError("a sweep needs at least one point")
+    if wrong := [point for point in points if not isinstance(point, Mapping)]:
+        raise TypeError(f"a point of a sweep is a dictionary\n  found:   {wrong[0]!r}\n  allowed: {{key: value}}")
     scene = _wherever(base)
     jobs = []
     for values in points:

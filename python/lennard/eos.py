@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _lennard
+from ._arrays import number, numbers
 
 __all__ = [
     "Coexistence",
@@ -82,7 +83,7 @@ class EquationOfState:
 
     def at(self, density: float, temperature: float) -> dict[str, float]:
         """All properties at a density (σ⁻³) and a temperature (ε/k_B), by name, for each particle."""
-        return _lennard.properties(self.key, float(density), float(temperature))
+        return _lennard.properties(self.key, number("density", density), number("temperature", temperature))
 
     @overload
     def property(self, name: str, density: float, temperature: float) -> float: ...
@@ -94,8 +95,9 @@ class EquationOfState:
         """A property by its key in :data:`properties`."""
         if name not in properties:
             raise ValueError(f"there is no such property\n  found:   {name!r}\n  allowed: {', '.join(properties)}")
-        if np.ndim(density) == 0 and np.ndim(temperature) == 0:
-            return self.at(density, temperature)[name]
+        given = numbers("density", density), numbers("temperature", temperature)
+        if given[0].ndim == given[1].ndim == 0:
+            return self.at(float(given[0]), float(given[1]))[name]
 
         def one(rho: float, t: float) -> float:
             try:
@@ -103,7 +105,7 @@ class EquationOfState:
             except ValueError:
                 return float("nan")
 
-        return _each(one, density, temperature)
+        return _each(one, *given)
 
     @overload
     def pressure(self, density: float, temperature: float) -> float: ...
@@ -147,27 +149,33 @@ class EquationOfState:
 
     def density(self, pressure: float, temperature: float) -> float | None:
         """Density of the stable fluid at a pressure, σ⁻³; ``None`` where the equation covers no such state."""
-        return _lennard.density_at(self.key, float(pressure), float(temperature))
+        return _lennard.density_at(self.key, number("pressure", pressure), number("temperature", temperature))
 
     def coexistence(self, temperature: float) -> Coexistence | None:
         """Vapor and liquid in equilibrium; ``None`` from the critical temperature on."""
-        found = _lennard.coexistence(self.key, float(temperature))
+        found = _lennard.coexistence(self.key, number("temperature", temperature))
         return None if found is None else Coexistence(float(temperature), *found)
 
     def freezing_density(self, temperature: float) -> float | None:
         """Density at which the liquid freezes, σ⁻³; ``None`` where that is not known."""
-        return _lennard.freezing_density(self.key, float(temperature))
+        return _lennard.freezing_density(self.key, number("temperature", temperature))
 
     def phase(self, density: float, temperature: float) -> Phase:
         """The phase of a state: ``liquid``, ``metastable-vapor``, ``outside-range``, …"""
-        return Phase(*_lennard.phase_of(self.key, float(density), float(temperature)))
+        return Phase(*_lennard.phase_of(self.key, number("density", density), number("temperature", temperature)))
 
     def __repr__(self) -> str:
         return f"<{self.name}, for {self.model}; doi:{self.doi}>"
 
 
-def _each(one: Callable[[float, float], float], first: Any, second: Any) -> Floats:
-    xs, ys = np.broadcast_arrays(np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64))
+def _each(one: Callable[[float, float], float], density: Floats, temperature: Floats) -> Floats:
+    try:
+        xs, ys = np.broadcast_arrays(density, temperature)
+    except ValueError:
+        raise ValueError(
+            f"density and temperature differ in shape\n  found:   {density.shape} and {temperature.shape}\n"
+            "  allowed: numbers, or arrays of one shape"
+        ) from None
     found = [one(float(x), float(y)) for x, y in zip(xs.ravel(), ys.ravel(), strict=True)]
     return np.array(found).reshape(xs.shape)
 

@@ -94,3 +94,23 @@ def judge(run, g: np.ndarray) -> None:
     inside = run.rdf["r"] > 0.8
     assert np.abs(g - ours)[inside].max() <= 3 * one_pair[inside].max()
     assert np.median(np.abs(g - ours)[inside]) < 1e-9
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_molecules_stay_whole_in_frames_unless_the_scene_says_otherwise(whole):
+    simulation = lennard.Simulation.liquid(
+        density=0.4, temperature=2.0, n=108, r_cut=2.5, molecule={"bond_length": 0.67}, output={"whole": whole}
+    )
+    simulation.equilibrate(600)
+    frames = simulation.frames(every=50, n=4)
+
+    def longest(positions: np.ndarray) -> float:
+        return float(np.linalg.norm(positions[:, ::2] - positions[:, 1::2], axis=-1).max())
+
+    assert longest(frames.positions) < 0.68
+    assert (longest(frames.wrapped) < 0.68) == whole
+    inside = frames.wrapped[:, ::2] / frames.box[:, None, :]
+    assert inside.min() >= 0 and inside.max() <= 1
+    mdtraj = pytest.importorskip("mdtraj")
+    assert isinstance(frames.to_mdtraj(), mdtraj.Trajectory)
+    assert (longest(frames.to_mdtraj().xyz) < 0.68) == whole
