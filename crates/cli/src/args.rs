@@ -338,6 +338,9 @@ pub struct ResumeArgs {
     /// Go on with this instruction set. Where the run had another, bits may differ, and run.json says so.
     #[arg(long, value_name = "NAME")]
     pub isa: Option<String>,
+    /// Another value of a key of [output], any number of times: output.format=xyz, or output.trajectory_every=0 for no more frames.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
     /// One JSON document on standard output, nothing else.
     #[arg(long)]
     pub json: bool,

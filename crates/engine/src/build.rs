@@ -21,6 +21,7 @@ use crate::force_check::ForceCheck;
 use crate::initial;
 use crate::own::OwnParts;
 use crate::planar_tail::PlanarTail;
+use crate::reach::remark_on_reach;
 use crate::schedule::Observer;
 use crate::simulation::Simulation;
 use crate::starting_molecules::{remark_on_damping, remark_on_springs};
@@ -130,6 +131,13 @@ pub(crate) fn prepare_own_from(
     remarks.extend(remark_on_springs(&scene));
     remarks.extend(remark_on_damping(&scene));
     remarks.extend(scene.potential.remark_at(hottest(&scene)));
+    remarks.extend(remark_on_reach(
+        &scene,
+        hottest(&scene),
+        &cell,
+        &beginning.species,
+        &beginning.positions,
+    ));
     if !scene.program.is_empty() {
         let parts = scene.program.in_words();
         remarks.push(format!(

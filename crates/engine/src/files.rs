@@ -23,6 +23,7 @@ use lennard_io::{
 };
 
 use crate::names::{RECORD, SCENE, THERMO, TOPOLOGY};
+use crate::reach::less_precision;
 use crate::{EngineError, Simulation};
 
 /// Energies over the number of particles, or of molecules.
@@ -119,6 +120,7 @@ pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
         velocities: output.velocities,
         forces: output.forces,
         wrapped: !output.unwrapped,
+        whole: output.whole,
         for_ase: output.ase,
         length_scale: output.length_scale,
         precision: output.precision,
@@ -164,12 +166,16 @@ impl RunFiles {
         let format = simulation.scene.output.format;
         let columns = thermo_columns(simulation);
         let thermo = TableWriter::resume_at(&folder.join(THERMO), &columns, marks.thermo)?;
-        let trajectory = marks
-            .trajectory
-            .map(|mark| {
-                TrajectoryWriter::resume_at(&folder.join(format.spec().file), format, &style, mark)
-            })
-            .transpose()?;
+        let path = folder.join(format.spec().file);
+        let trajectory = match marks.trajectory {
+            None => None,
+            Some(mark) if mark == FileMark::default() && !path.exists() => {
+                // Readers of another format take lengths for other units.
+                let _ = std::fs::remove_file(folder.join(TOPOLOGY));
+                Some(TrajectoryWriter::create(&path, format, &style)?)
+            }
+            Some(mark) => Some(TrajectoryWriter::resume_at(&path, format, &style, mark)?),
+        };
         Ok(Self {
             folder: folder.to_owned(),
             thermo,
@@ -222,21 +228,20 @@ impl RunFiles {
         self.thermo.write(&thermo_row(simulation))
     }
 
-    /// Writes a frame to the trajectory.
+    /// Writes a frame to the trajectory. Returns a remark where it has less precision than asked for.
     ///
     /// # Errors
     /// [`WriteError`] where the frame cannot be written.
-    pub fn write_frame(&mut self, simulation: &Simulation) -> Result<(), WriteError> {
-        match &mut self.trajectory {
-            None => Ok(()),
-            Some(trajectory) => {
-                let extra = header(simulation);
-                trajectory.write(&Frame {
-                    state: &simulation.state,
-                    extra: &extra,
-                })
-            }
-        }
+    pub fn write_frame(&mut self, simulation: &Simulation) -> Result<Option<String>, WriteError> {
+        let Some(trajectory) = &mut self.trajectory else {
+            return Ok(None);
+        };
+        let extra = header(simulation);
+        let precision = trajectory.write(&Frame {
+            state: &simulation.state,
+            extra: &extra,
+        })?;
+        Ok(precision.and_then(|kept| less_precision(&simulation.scene.output, kept)))
     }
 
     /// Writes a state into a file of its own.

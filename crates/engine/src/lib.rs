@@ -38,6 +38,7 @@ mod planar_tail;
 mod pressure;
 mod ranks;
 mod ranks_error;
+mod reach;
 mod record;
 mod recorded;
 mod resume;

@@ -4,7 +4,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use lennard_core::{DVec3, PeriodicBox};
-use lennard_io::{Checkpoint, CheckpointFolder, CheckpointProblem, path_in_shell};
+use lennard_io::{
+    Checkpoint, CheckpointFolder, CheckpointProblem, TrajectoryFormat, path_in_shell,
+};
 use lennard_scene::Scene;
 
 use crate::beginning::Beginning;
@@ -25,6 +27,8 @@ pub struct ResumeOptions {
     pub isa: Option<String>,
     /// Go on from the checkpoint before the newest.
     pub older: bool,
+    /// Other values of keys of `[output]`, as `("output.precision", "100")`.
+    pub output: Vec<(String, String)>,
 }
 
 /// A run brought back from its checkpoint.
@@ -70,9 +74,8 @@ pub fn resume_with(
     options: &ResumeOptions,
     own: &OwnParts,
 ) -> Result<Resumed, EngineError> {
-    let (path, checkpoint) = load(folder, options.older)?;
+    let (path, mut checkpoint) = load(folder, options.older)?;
     same_program(&checkpoint, &path)?;
-    let metadata = &checkpoint.metadata;
     let misfit = |reason: String| ResumeError::DoesNotFit {
         checkpoint: path.clone(),
         reason,
@@ -80,19 +83,28 @@ pub fn resume_with(
     let name = path.display().to_string();
     let scene = Scene::parse(&checkpoint.scene, &name, &[]).map_err(|e| misfit(e.to_string()))?;
     same_scene(&folder.join(SCENE), &scene, &path)?;
-    let mark = |file: &str| metadata.files.get(file).copied();
-    let trajectory = scene.output.format.spec().file;
-    let marks = Marks {
-        thermo: mark(THERMO)
-            .ok_or_else(|| misfit(format!("it does not say how long {THERMO} was")))?,
-        trajectory: mark(trajectory),
-    };
-    if scene.output.trajectory_every.is_some() != marks.trajectory.is_some() {
-        return Err(misfit(format!(
-            "scene and checkpoint disagree whether there is a {trajectory}"
-        ))
-        .into());
+    let mark = |file: &str| checkpoint.metadata.files.get(file).copied();
+    let thermo =
+        mark(THERMO).ok_or_else(|| misfit(format!("it does not say how long {THERMO} was")))?;
+    let before = mark(scene.output.format.spec().file);
+    if scene.output.trajectory_every.is_some() != before.is_some() {
+        let file = scene.output.format.spec().file;
+        let reason = format!("scene and checkpoint disagree whether there is a {file}");
+        return Err(misfit(reason).into());
     }
+    let scene = with_output(scene, &options.output)?;
+    let file = scene.output.format.spec().file;
+    let trajectory = scene.output.trajectory_every.map(|_| mark(file));
+    if trajectory == Some(None) && folder.join(file).exists() {
+        let found = format!("an earlier {file} in the folder, which the checkpoint does not know");
+        let allowed = "another format, or a folder from which this file was moved away";
+        return Err(scene.source.invalid("output.format", found, allowed).into());
+    }
+    let marks = Marks {
+        thermo,
+        trajectory: trajectory.map(Option::unwrap_or_default),
+    };
+    checkpoint.scene = scene.resolved_toml();
     let mut overrides = Vec::new();
     if options.more_steps > 0 {
         let last = scene.stages.len() - 1;
@@ -211,8 +223,34 @@ fn load(folder: &Path, older: bool) -> Result<(PathBuf, Checkpoint), EngineError
     })
 }
 
-/// Refuses a checkpoint that was put beside the scene of another run. Two things may differ, since a
-/// resumed run may have changed them: the number of steps of the last stage, and the instruction set.
+/// A scene with other values of keys of `[output]`.
+///
+/// # Errors
+/// [`EngineError::Scene`] where another key is named, or a value does not fit.
+fn with_output(mut scene: Scene, changes: &[(String, String)]) -> Result<Scene, EngineError> {
+    if changes.is_empty() {
+        return Ok(scene);
+    }
+    let is_of_output = |key: &str| key.starts_with("output.") && key != "output.thermo_every";
+    if let Some((key, value)) = changes.iter().find(|(key, _)| !is_of_output(key)) {
+        let allowed =
+            "keys of [output] other than thermo_every: the rest of the scene stays as it is";
+        return Err(scene.source.invalid(key, value, allowed).into());
+    }
+    let written = changes.iter().rfind(|(key, _)| key == "output.format");
+    let named = written.and_then(|(_, name)| {
+        let name = name.trim_matches('"');
+        TrajectoryFormat::ALL.iter().find(|f| f.name() == name)
+    });
+    // What has no place in the other format must not be asked for.
+    let format = named.copied().unwrap_or(scene.output.format);
+    scene.output = scene.output.in_format(format);
+    let name = scene.source.file().to_owned();
+    Ok(Scene::parse(&scene.resolved_toml(), &name, changes)?)
+}
+
+/// Refuses a checkpoint that was put beside the scene of another run. What a resumed run may have changed may differ: the number
+/// of steps of the last stage, the instruction set, and what is written.
 fn same_scene(file: &Path, of_checkpoint: &Scene, checkpoint: &Path) -> Result<(), EngineError> {
     let other = |difference: String| ResumeError::OtherScene {
         checkpoint: checkpoint.to_owned(),
@@ -228,6 +266,7 @@ fn same_scene(file: &Path, of_checkpoint: &Scene, checkpoint: &Path) -> Result<(
     let mut there =
         Scene::parse(&text, &file.display().to_string(), &[]).map_err(|e| other(e.to_string()))?;
     there.kernel.isa = of_checkpoint.kernel.isa;
+    there.output = of_checkpoint.output.clone();
     if let (Some(a), Some(b)) = (there.stages.last_mut(), of_checkpoint.stages.last()) {
         a.steps = b.steps;
     }

@@ -200,7 +200,12 @@ impl Recorder<'_> {
             written = self.files.write_thermo(simulation);
         }
         if frame {
-            written = written.and_then(|()| self.files.write_frame(simulation));
+            written = written.and_then(|()| {
+                let remark = self.files.write_frame(simulation)?;
+                let is_new = |remark: &String| !self.past.remarks.contains(remark);
+                self.past.remarks.extend(remark.filter(is_new));
+                Ok(())
+            });
         }
         written.map_err(|error| {
             // What cannot be written now is written when the run goes on: where there is room for a checkpoint,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::{DVec3, IVec3};
-use lennard_core::{Species, SpeciesTable, State};
+use lennard_core::{PeriodicBox, Species, SpeciesTable, State};
 
 use crate::WriteError;
 
@@ -24,7 +24,7 @@ pub const DEFAULT_PRECISION: f64 = 1e4;
 /// unwrapped positions are therefore exact. A wrapped position with its image flags, r = w + k·L, is exact
 /// too, with two exceptions: −L/2 < r < 0, and r within rounding of a face. There the wrapped coordinate
 /// has fewer bits below the point than r had. The position read back then differs by less than one unit in
-/// the last place of L (or of r, where r is larger).
+/// the last place of L (or of r, where r is larger). A site that is folded with its molecule is such a position too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameStyle {
     /// The species, whose chemical symbol (or `X`) stands in the first column: readers refuse anything else. The header of a
@@ -44,11 +44,14 @@ pub struct FrameStyle {
     /// header then says `length_scale=3.405`. Positions, box and velocities (length/τ) are multiplied by
     /// it, forces (ε/length) divided; our own reader takes it out again, to within rounding.
     pub length_scale: f64,
-    /// Positions of XTC are whole multiples of σ over this number.
+    /// Positions of XTC are whole multiples of σ over this number, where coordinates are not too large for it.
     pub precision: f64,
-    /// Consecutive particles that make up a molecule. Above 1, each line ends with the number of its molecule, from 1
+    /// Consecutive particles that make up a molecule; at least 1. Above 1, each line ends with the number of its molecule, from 1
     /// (`molecule:I:1`).
     pub sites_per_molecule: usize,
+    /// Whether the sites of a molecule are folded into the box together, by the image flags of its first site. The others may
+    /// then stand outside.
+    pub whole: bool,
 }
 
 impl Default for FrameStyle {
@@ -62,6 +65,7 @@ impl Default for FrameStyle {
             length_scale: 1.0,
             precision: DEFAULT_PRECISION,
             sites_per_molecule: 1,
+            whole: true,
         }
     }
 }
@@ -174,18 +178,26 @@ impl FrameStyle {
         self.species.species(self.species.of(i))
     }
 
-    /// Position of a particle in σ, folded into the box with its image flags where the style says so.
+    /// Position of a particle in σ, folded into the box with its image flags where the style says so: alone, or with its molecule.
     #[inline]
     pub(crate) fn place(
         &self,
-        frame: &Frame<'_>,
+        cell: &PeriodicBox,
+        positions: &[DVec3],
         i: usize,
     ) -> Result<(DVec3, Option<IVec3>), NotFinite> {
-        let position = finite("position", i, frame.state.positions[i])?;
+        let position = finite("position", i, positions[i])?;
         if !self.wrapped {
             return Ok((position, None));
         }
-        let (wrapped, image) = frame.state.cell.split(position);
+        let first = match self.whole {
+            true => i - i % self.sites_per_molecule,
+            false => i,
+        };
+        let (mut wrapped, image) = cell.split(positions[first]);
+        if first != i {
+            wrapped = position - image.as_dvec3() * cell.lengths();
+        }
         // The conversion to 32 bits saturates there: the flag would be wrong.
         if let Some(axis) = (0..3).find(|&a| matches!(image[a], i32::MIN | i32::MAX)) {
             return Err(NotFinite {

@@ -50,7 +50,9 @@ pub fn write_lammps_data(
     }
     text.extend_from_slice(b"\nAtoms # atomic\n\n");
     for i in 0..state.len() {
-        let (position, image) = style.place(&frame, i).map_err(|bad| bad.in_file(path))?;
+        let (position, image) = style
+            .place(&state.cell, &state.positions, i)
+            .map_err(|bad| bad.in_file(path))?;
         push_integer(&mut text, i + 1);
         text.push(b' ');
         push_integer(&mut text, species.of(i) + 1);

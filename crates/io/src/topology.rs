@@ -18,8 +18,8 @@ const COORDINATES_END: f64 = 9999.9995;
 /// Writes `topology.gro` for particles at `positions` (σ), named by the elements of the species; each molecule is a residue.
 ///
 /// Lengths are in nm, as readers understand the trajectory beside it: `length_scale·L/10` beside text, whose unit they
-/// take for Å, and `length_scale·L` beside XTC. Positions are folded into the box and have the three decimals of the
-/// format. The box has all digits. mdtraj then has the right names for
+/// take for Å, and `length_scale·L` beside XTC. Positions are folded into the box, as `whole` of the style
+/// says, and have the three decimals of the format. The box has all digits. mdtraj then has the right names for
 /// `mdtraj.load("trajectory.xyz", top="topology.gro")`, but no unit cell; take its lengths from
 /// `mdtraj.load("topology.gro").unitcell_lengths`. In a box too long for the columns, positions are zeros.
 ///
@@ -43,12 +43,19 @@ pub fn write_topology_gro(
     });
     push_integer(&mut text, positions.len());
     text.push(b'\n');
-    for (i, position) in positions.iter().enumerate() {
+    let folded = FrameStyle {
+        wrapped: true,
+        ..style.clone()
+    };
+    for i in 0..positions.len() {
         let number = (i + 1) % NUMBERS_START_OVER;
         let element = &style.species_of(i).element;
-        let residue = (i / style.sites_per_molecule.max(1) + 1) % NUMBERS_START_OVER;
+        let residue = (i / style.sites_per_molecule + 1) % NUMBERS_START_OVER;
         let [x, y, z] = match fits {
-            true => (cell.split(*position).0 * to_nm).to_array(),
+            true => {
+                let place = folded.place(cell, positions, i);
+                (place.map_err(|bad| bad.in_file(path))?.0 * to_nm).to_array()
+            }
             false => [0.0; 3],
         };
         let line = format!("{residue:5}{element:<5}{element:>5}{number:5}{x:8.3}{y:8.3}{z:8.3}\n");

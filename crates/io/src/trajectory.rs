@@ -79,14 +79,15 @@ impl TrajectoryWriter {
         }
     }
 
-    /// Appends a frame.
+    /// Appends a frame. Returns the precision of its positions, per σ, where the format rounds them. It is below the precision
+    /// of the style where a coordinate is too large.
     ///
     /// # Errors
     /// Where a number is not finite or the operating system refuses; the file then holds the
     /// frames before this one and nothing else.
-    pub fn write(&mut self, frame: &Frame<'_>) -> Result<(), WriteError> {
+    pub fn write(&mut self, frame: &Frame<'_>) -> Result<Option<f64>, WriteError> {
         self.bytes.clear();
-        push_frame(
+        let precision = push_frame(
             &mut self.bytes,
             self.file.path(),
             self.format,
@@ -97,7 +98,7 @@ impl TrajectoryWriter {
         if self.bytes.capacity() > KEPT_BUFFER {
             self.bytes = Vec::new();
         }
-        appended
+        appended.map(|()| precision)
     }
 
     /// How far it is written: what a checkpoint keeps for [`Self::resume_at`].

@@ -30,6 +30,8 @@ lennard_core::options! {
         forces: bool = false, Flag;
         /// Positions as they moved, rather than folded into the box with image flags.
         unwrapped: bool = false, Flag;
+        /// Whether the sites of a molecule are folded into the box together, by its first site; with molecules alone.
+        whole: Option<bool> = None, else "`true`", Flag;
         /// Lengths in the trajectory are multiplied by it (3.405 gives ångström for argon, 0.3405 the nm of XTC); 1 with "lammps-dump", whose files do not name it.
         length_scale: f64 = 1.0, Between(1e-12, 1e12), in "file units per σ";
     }
@@ -58,6 +60,7 @@ impl Scene {
             velocities,
             forces,
             unwrapped,
+            whole,
             length_scale,
         } = self.output;
         let spec = format.spec();
@@ -71,7 +74,28 @@ impl Scene {
             velocities: Some(velocities),
             forces,
             unwrapped,
+            whole: self.molecule.as_ref().map(|_| whole),
             length_scale,
+        }
+    }
+}
+
+impl Output {
+    /// The same in another format, without what that format has no place for.
+    #[must_use]
+    pub fn in_format(self, format: TrajectoryFormat) -> Self {
+        let spec = format.spec();
+        Self {
+            format,
+            ase: self.ase && spec.holds_ase,
+            velocities: self.velocities && spec.holds_vectors,
+            forces: self.forces && spec.holds_vectors,
+            length_scale: if spec.names_scale {
+                self.length_scale
+            } else {
+                1.0
+            },
+            ..self
         }
     }
 }
@@ -95,6 +119,11 @@ impl Reader<'_> {
             let written = written.unwrap_or(&self.empty);
             return Err(self.refuse_value("output", "element", "output.element", written));
         }
+        if let Some(whole) = keys.whole.filter(|_| !self.source.wrote("molecule")) {
+            let error = self.source.refuse("output.whole", "needs molecules");
+            let allowed = "no such key, or a table [molecule]";
+            return Err(error.found(whole).allowed(allowed));
+        }
         let spec = keys.format.spec();
         let output = Output {
             trajectory_every: Some(keys.trajectory_every).filter(|every| *every > 0),
@@ -106,6 +135,7 @@ impl Reader<'_> {
             velocities: keys.velocities.unwrap_or(spec.holds_vectors),
             forces: keys.forces,
             unwrapped: keys.unwrapped,
+            whole: keys.whole.unwrap_or(true),
             length_scale: keys.length_scale,
         };
         self.fits_format(&output, keys.precision.is_some())?;

@@ -339,6 +339,8 @@ pub struct Output {
     pub forces: bool,
     /// Whether positions are written unwrapped; otherwise inside the box, with image flags.
     pub unwrapped: bool,
+    /// Whether the sites of a molecule are folded into the box together.
+    pub whole: bool,
     /// Lengths in the trajectory are those in σ times this factor.
     pub length_scale: f64,
 }

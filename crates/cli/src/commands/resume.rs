@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use lennard_core::Team;
 use lennard_engine::{EngineError, ResumeError, ResumeOptions, RunOptions};
-use lennard_io::{Existing, path_in_shell};
+use lennard_io::{Existing, in_shell, path_in_shell};
 
 use crate::args::ResumeArgs;
 use crate::commands::run::tell;
@@ -34,6 +34,7 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
         more_steps: args.steps.unwrap_or(0),
         isa: args.isa.clone(),
         older: args.older,
+        output: args.set.clone(),
     };
     let resume = || Ok(lennard_engine::resume(&args.folder, &options)?);
     // Claimed before it is read: what another process writes there would change in between.
@@ -98,6 +99,9 @@ fn command(args: &ResumeArgs) -> String {
     }
     if let Some(isa) = &args.isa {
         line += &format!(" --isa {isa}");
+    }
+    for (key, value) in &args.set {
+        line += &format!(" --set {}", in_shell(&format!("{key}={value}")));
     }
     line
 }

@@ -238,6 +238,35 @@ fn a_finished_run_can_be_made_longer() {
 }
 
 #[test]
+fn a_resumed_run_may_drop_its_trajectory_and_change_nothing_else_of_its_scene() {
+    let bench = Bench::new();
+    ok(&bench.run("parts", &["--set", "output.trajectory_every=50"]));
+    let frames = || fs::read(bench.path("parts").join("trajectory.xyz")).unwrap();
+    let before = frames();
+    let change = |change: &str, code: i32, words: &[&str]| {
+        refused(&bench.resume("parts", &["--set", change]), code, words);
+    };
+    let allowed = "allowed: keys of [output] other than thermo_every";
+    change(
+        "system.density=0.3",
+        2,
+        &["`system.density`", "0.3", allowed],
+    );
+    change(
+        "output.fromat=xtc",
+        2,
+        &["output.fromat", "nearest: format"],
+    );
+    change("output.trajectory_every", 2, &["KEY=VALUE"]);
+    let more = ["--steps", "100", "--set", "output.trajectory_every=0"];
+    ok(&bench.resume("parts", &more));
+    assert_eq!(frames(), before);
+    ok(&bench.run("whole", &["--set", "stage.production.steps=400"]));
+    let last = |folder: &str| fs::read(bench.path(folder).join("final.xyz")).unwrap();
+    assert_eq!(last("whole"), last("parts"));
+}
+
+#[test]
 fn times_and_numbers_that_make_no_sense_are_refused_with_an_example() {
     let bench = Bench::new();
     for text in ["10", "ten minutes", "0s", "-5m", "10x", ""] {

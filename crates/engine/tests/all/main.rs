@@ -13,6 +13,7 @@ mod invariants;
 mod messages;
 mod mixtures;
 mod molecules;
+mod output;
 mod pressure;
 mod ranks;
 mod response;

@@ -28,12 +28,13 @@ fn push(
     path: &Path,
     style: &FrameStyle,
     frame: &Frame<'_>,
-) -> Result<(), WriteError> {
+) -> Result<Option<f64>, WriteError> {
     push_header(to, style, frame);
     let vectors = 1 + usize::from(style.velocities) + usize::from(style.forces);
     push_lines(to, path, frame.state.len(), vectors, |text, i| {
         push_particle(text, style, frame, i)
-    })
+    })?;
+    Ok(None)
 }
 
 fn push_header(to: &mut Vec<u8>, style: &FrameStyle, frame: &Frame<'_>) {
@@ -74,7 +75,8 @@ fn push_particle(
     frame: &Frame<'_>,
     i: usize,
 ) -> Result<(), NotFinite> {
-    let (position, image) = style.place(frame, i)?;
+    let state = frame.state;
+    let (position, image) = style.place(&state.cell, &state.positions, i)?;
     let species = style.species_of(i);
     push_integer(to, i + 1);
     push_field(to, style.species.of(i) + 1);

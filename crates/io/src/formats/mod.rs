@@ -6,8 +6,9 @@ use std::path::Path;
 
 use crate::{Frame, FrameStyle, WriteError};
 
-/// Appends a frame, which has all that the style asks for, to bytes; the path is for messages.
-type Push = fn(&mut Vec<u8>, &Path, &FrameStyle, &Frame<'_>) -> Result<(), WriteError>;
+/// Appends a frame, which has all that the style asks for, to bytes; the path is for messages. Returns the precision of the
+/// positions, per σ, where the format rounds them.
+type Push = fn(&mut Vec<u8>, &Path, &FrameStyle, &Frame<'_>) -> Result<Option<f64>, WriteError>;
 
 /// What a format that rounds positions can hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +17,18 @@ pub struct Limits {
     pub last_step: u64,
     /// Coordinates are below this number of multiples of the precision.
     pub multiples: f64,
+}
+
+impl Limits {
+    /// The precision at which coordinates up to `reach` σ can be held, per σ: `wanted`, or a tenth of it as often as needed.
+    #[must_use]
+    pub fn precision_for(&self, wanted: f64, reach: f64) -> f64 {
+        let mut tenths = 1.0;
+        while wanted / tenths * reach >= self.multiples {
+            tenths *= 10.0;
+        }
+        wanted / tenths
+    }
 }
 
 /// What a format declares about itself.
@@ -82,14 +95,14 @@ list_of_formats! {
     Xtc = "xtc": xtc,
 }
 
-/// Appends a frame; the path is for messages.
+/// Appends a frame; the path is for messages. Returns the precision of the positions, per σ, where the format rounds them.
 pub(crate) fn push_frame(
     to: &mut Vec<u8>,
     path: &Path,
     format: TrajectoryFormat,
     style: &FrameStyle,
     frame: &Frame<'_>,
-) -> Result<(), WriteError> {
+) -> Result<Option<f64>, WriteError> {
     style.check_frame(path, frame)?;
     (format.spec().push)(to, path, style, frame)
 }

@@ -6,10 +6,10 @@ mod compression;
 
 use std::path::Path;
 
-use glam::Mat3;
+use glam::{DVec3, Mat3};
 
 use super::{FormatSpec, Limits};
-use crate::frame::unwritable;
+use crate::frame::{NotFinite, unwritable};
 use crate::{Frame, FrameStyle, WriteError};
 
 pub(super) const SPEC: FormatSpec = FormatSpec {
@@ -47,7 +47,7 @@ fn push(
     path: &Path,
     style: &FrameStyle,
     frame: &Frame<'_>,
-) -> Result<(), WriteError> {
+) -> Result<Option<f64>, WriteError> {
     let state = frame.state;
     let step = u32::try_from(state.step)
         .ok()
@@ -61,34 +61,12 @@ fn push(
                 format!("at most {} in XTC", LIMITS.last_step),
             )
         })?;
-    let precision = (style.precision / style.length_scale) as f32;
-    // Readers divide by the precision as the file has it.
-    let scale = style.length_scale * f64::from(precision);
-    let is_rounded = state.len() > MOST_UNCOMPRESSED;
-    let (mut multiples, mut singles) = (Vec::new(), Vec::new());
-    if is_rounded {
-        multiples.reserve_exact(state.len());
-    }
-    for i in 0..state.len() {
-        let (position, _) = style.place(frame, i).map_err(|bad| bad.in_file(path))?;
-        if position.abs().max_element() * style.precision >= LIMITS.multiples {
-            return Err(unwritable(
-                path,
-                "position",
-                format!(
-                    "{position} of particle {i}, at precision {}",
-                    style.precision
-                ),
-                format!("coordinates below {}/precision in XTC", LIMITS.multiples),
-            ));
-        }
-        if is_rounded {
-            let whole = position * scale + TO_WHOLE;
-            multiples.push(whole.to_array().map(|x| x.to_bits() as i32));
-        } else {
-            singles.push((position * style.length_scale).as_vec3());
-        }
-    }
+    let places: Result<Vec<DVec3>, NotFinite> = (0..state.len())
+        .map(|i| Ok(style.place(&state.cell, &state.positions, i)?.0))
+        .collect();
+    let places = places.map_err(|bad| bad.in_file(path))?;
+    let reach = places.iter().fold(DVec3::ZERO, |far, r| far.max(r.abs()));
+    let kept = LIMITS.precision_for(style.precision, reach.max_element());
     let long = state.len() > MOST_WITHOUT_LONG;
     let particles = (state.len() as u32).to_be_bytes();
     to.extend(if long { LONG_MAGIC } else { MAGIC }.to_be_bytes());
@@ -100,15 +78,21 @@ fn push(
         to.extend(number.to_be_bytes());
     }
     to.extend(particles);
-    if is_rounded {
+    if state.len() > MOST_UNCOMPRESSED {
+        let precision = (kept / style.length_scale) as f32;
         to.extend(precision.to_be_bytes());
+        // Readers divide by the precision as the file has it.
+        let scale = style.length_scale * f64::from(precision);
+        let multiples: Vec<[i32; 3]> = (places.iter())
+            .map(|r| (*r * scale + TO_WHOLE).to_array().map(|x| x.to_bits() as i32))
+            .collect();
         compression::push(to, &multiples, long);
     } else {
-        for position in singles {
-            for x in position.to_array() {
+        for position in places {
+            for x in (position * style.length_scale).as_vec3().to_array() {
                 to.extend(x.to_be_bytes());
             }
         }
     }
-    Ok(())
+    Ok(Some(kept))
 }

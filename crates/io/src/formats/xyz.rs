@@ -52,13 +52,14 @@ pub(super) fn push(
     path: &Path,
     style: &FrameStyle,
     frame: &Frame<'_>,
-) -> Result<(), WriteError> {
+) -> Result<Option<f64>, WriteError> {
     push_header(to, path, style, frame)?;
     let vectors = [style.velocities, style.forces, style.for_ase];
     let vectors = 1 + vectors.into_iter().filter(|there| *there).count();
     push_lines(to, path, frame.state.len(), vectors, |text, i| {
         push_particle(text, style, frame, i)
-    })
+    })?;
+    Ok(None)
 }
 
 fn push_header(
@@ -148,7 +149,7 @@ fn push_particle(
     i: usize,
 ) -> Result<(), NotFinite> {
     let state = frame.state;
-    let (written, image) = style.place(frame, i)?;
+    let (written, image) = style.place(&state.cell, &state.positions, i)?;
     let species = style.species_of(i);
     to.extend_from_slice(species.element.as_bytes());
     push_vector(to, finite("position", i, written * style.length_scale)?);

@@ -31,7 +31,7 @@ fn push(
     path: &Path,
     style: &FrameStyle,
     frame: &Frame<'_>,
-) -> Result<(), WriteError> {
+) -> Result<Option<f64>, WriteError> {
     let mut text = Vec::new();
     xyz::push(&mut text, path, style, frame)?;
     let members: Vec<std::io::Result<Vec<u8>>> =
@@ -39,7 +39,7 @@ fn push(
     for member in members {
         to.extend_from_slice(&member.map_err(|e| WriteError::io(path, "compress", e))?);
     }
-    Ok(())
+    Ok(None)
 }
 
 fn member(text: &[u8]) -> std::io::Result<Vec<u8>> {

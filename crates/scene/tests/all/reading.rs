@@ -395,7 +395,7 @@ fn the_reference_states_the_defaults_that_the_code_takes() {
                 assert_eq!(scene.stages[1].exchange, None);
                 continue;
             }
-            (None, "molecule" | "bonds", _) => molecular("direct"),
+            (None, "molecule" | "bonds", _) | (None, "output", "whole") => molecular("direct"),
             (None, "species" | "pair" | "mixing", _) | (None, "truncation", "r_cut_in") => {
                 mixed("geometric")
             }
