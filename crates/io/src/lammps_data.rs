@@ -10,7 +10,7 @@ use glam::DVec3;
 use crate::columns::{Column, Columns, Scalar, Vector, number, particle_number};
 use crate::error::{Refusal, excerpt};
 use crate::lammps::{Bounds, bound};
-use crate::lines::{Lines, finite, tokens};
+use crate::lines::{Lines, tokens};
 use crate::particles::{ParticleReader, Place, mass, velocity};
 use crate::units::{FileUnits, Scales, stated};
 use crate::{FormatError, TrajectoryFrame};
