@@ -15,7 +15,7 @@ lennard_core::options! {
     /// The default spacing 2⁻⁴⁸ σ is the resolution of a double at a few dozen σ, with room for ±4096 σ.
     pub struct Options {
         /// Spacing of the grid of positions, best a power of two; the default is 2⁻⁴⁸.
-        grid_spacing: f64 = 2.0_f64.powi(-48), Positive, in "σ";
+        grid_spacing: f64 = 2.0_f64.powi(-48), Between(1e-18, 1e-3), in "σ";
     }
 }
 

@@ -12,7 +12,7 @@ lennard_core::options! {
     /// The default relaxation time, about 1 ps for argon, is a few vibrations: equilibration is quick, the dynamics little disturbed.
     pub struct Options {
         /// Relaxation time of the kinetic energy.
-        tau: f64 = 0.5, Positive, in "τ";
+        tau: f64 = 0.5, Between(1e-6, 1e9), in "τ";
     }
 }
 

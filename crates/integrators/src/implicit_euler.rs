@@ -15,7 +15,7 @@ lennard_core::options! {
     /// Options of implicit Euler. The defaults lie far below what a step of first order leaves, and within reach of double precision.
     pub struct Options {
         /// Largest error of a position in its equation.
-        tolerance: f64 = 1e-12, Positive, in "σ";
+        tolerance: f64 = 1e-12, Between(1e-15, 1e-3), in "σ";
         /// Newton iterations after which a step fails.
         max_iterations: u32 = 60, Whole(1, 1_000_000);
     }

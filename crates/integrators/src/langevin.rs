@@ -12,7 +12,7 @@ lennard_core::options! {
     /// Options of Langevin dynamics: velocities are forgotten within the inverse of the friction.
     pub struct Options {
         /// Friction coefficient γ.
-        friction: f64 = 1.0, Positive, in "τ⁻¹";
+        friction: f64 = 1.0, Between(1e-6, 1e6), in "τ⁻¹";
     }
 }
 

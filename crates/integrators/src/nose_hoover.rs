@@ -15,7 +15,7 @@ lennard_core::options! {
     /// The default period is a few vibrations of a liquid. Three thermostats are the fewest with which one oscillator is ergodic.
     pub struct Options {
         /// Period of the thermostats; their masses are Q₁ = n_dof·T·τ² and Q_j = T·τ².
-        tau: f64 = 0.5, Positive, in "τ";
+        tau: f64 = 0.5, Between(1e-6, 1e9), in "τ";
         /// Thermostats in the chain; 1 is the plain Nosé–Hoover thermostat, which a stiff system defeats.
         chain: u32 = 3, Whole(1, 10), in "thermostats";
     }

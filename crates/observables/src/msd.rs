@@ -43,13 +43,13 @@ lennard_core::options! {
     /// Options of [`MeanSquareDisplacement`].
     pub struct MsdOptions {
         /// Longest lag.
-        longest_lag: f64 = 100.0, Positive, in "τ";
+        longest_lag: f64 = 100.0, Between(1e-9, 1e9), in "τ";
         /// Shortest lag of the straight-line fit for the diffusion coefficient.
-        fit_from: Option<f64> = None, else "where the slope stops changing", Positive, in "τ";
+        fit_from: Option<f64> = None, else "where the slope stops changing", Between(1e-9, 1e9), in "τ";
         /// Longest lag of the fit.
-        fit_to: Option<f64> = None, else "a twentieth of the run", Positive, in "τ";
+        fit_to: Option<f64> = None, else "a twentieth of the run", Between(1e-9, 1e9), in "τ";
         /// Shear viscosity for the finite-size correction of Yeh and Hummer.
-        viscosity: Option<f64> = None, else "the reference table's, where it has one near", Positive, in "ε τ/σ³";
+        viscosity: Option<f64> = None, else "the reference table's, where it has one near", Between(1e-9, 1e9), in "ε τ/σ³";
         /// Number of particles followed, evenly chosen.
         particles: usize = DEFAULT_TRACKED, Whole(1, 10_000_000);
     }

@@ -27,7 +27,7 @@ lennard_core::options! {
     /// Options of [`Orientation`].
     pub struct OrientationOptions {
         /// Longest lag.
-        window: f64 = 4.0, Positive, in "τ";
+        window: f64 = 4.0, Between(1e-9, 1e9), in "τ";
         /// Number of time origins followed at once.
         origins: usize = 16, Whole(1, 10_000);
     }

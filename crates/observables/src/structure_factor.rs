@@ -48,7 +48,7 @@ lennard_core::options! {
     /// Options of [`StructureFactor`].
     pub struct StructureFactorOptions {
         /// Largest wave number.
-        k_max: f64 = 15.0, Positive, in "σ⁻¹";
+        k_max: f64 = 15.0, Between(1e-6, 1e6), in "σ⁻¹";
         /// Number of shells of equal width between 0 and `k_max`.
         shells: usize = 75, Whole(1, 1000);
         /// Wave vectors tried in each shell.

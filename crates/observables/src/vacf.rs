@@ -33,7 +33,7 @@ lennard_core::options! {
     /// Options of [`VelocityAutocorrelation`].
     pub struct VacfOptions {
         /// Longest lag.
-        window: f64 = 4.0, Positive, in "τ";
+        window: f64 = 4.0, Between(1e-9, 1e9), in "τ";
         /// Number of time origins followed at once.
         origins: usize = 16, Whole(1, 10_000);
         /// Number of particles followed, evenly chosen.

@@ -17,11 +17,11 @@ lennard_core::options! {
     #[derive(Copy)]
     pub struct Accuracy {
         /// Largest error of the mean potential energy, at equal temperature: of the full potential, or, where `truncation.kind` and `truncation.r_cut` are both written, of that model.
-        potential_energy: Option<f64> = None, else "not asked for", Positive, in "ε per particle";
+        potential_energy: Option<f64> = None, else "not asked for", Between(1e-15, 1e6), in "ε per particle";
         /// Largest error of the mean pressure, likewise.
-        pressure: Option<f64> = None, else "not asked for", Positive, in "ε/σ³";
+        pressure: Option<f64> = None, else "not asked for", Between(1e-15, 1e6), in "ε/σ³";
         /// Largest drift of the conserved energy.
-        drift: Option<f64> = None, else "not asked for", Positive, in "ε/τ per particle";
+        drift: Option<f64> = None, else "not asked for", Between(1e-15, 1e6), in "ε/τ per particle";
     }
 }
 

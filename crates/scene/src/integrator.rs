@@ -5,7 +5,7 @@ use lennard_integrators::{IntegratorEntry, IntegratorOptions, OscillatorModel, r
 
 use crate::error::SceneError;
 use crate::read::Reader;
-use crate::reference::{LONGEST_STEP, SHORTEST_STEP, quoted};
+use crate::reference::{LONGEST_SIDE, LONGEST_STEP, SHORTEST_STEP, quoted};
 use crate::{IntegratorTable, Scene};
 
 /// Where the near force of RESPA ends, σ, unless the scene says otherwise: beyond the first shell of neighbors.
@@ -26,9 +26,9 @@ lennard_core::options! {
     /// The keys of the split force, which multiple time steps bring along.
     pub(crate) struct SplitKeys {
         /// Where the near force ends; below `truncation.r_cut`.
-        r_split: f64 = DEFAULT_SPLIT.r_split, Positive, in "σ";
+        r_split: f64 = DEFAULT_SPLIT.r_split, Between(1e-6, LONGEST_SIDE), in "σ";
         /// Over which distance it ends; at most `r_split`.
-        split_width: f64 = DEFAULT_SPLIT.width, Positive, in "σ";
+        split_width: f64 = DEFAULT_SPLIT.width, Between(1e-6, LONGEST_SIDE), in "σ";
     }
 }
 

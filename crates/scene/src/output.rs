@@ -43,7 +43,7 @@ lennard_core::options! {
         /// Steps between two checkpoints; 0 for none.
         every_steps: u64 = 0, Whole(0, MOST_STEPS), in "steps";
         /// Wall-clock seconds between two checkpoints; 0 for none.
-        every_seconds: f64 = 600.0, NotNegative, in "s";
+        every_seconds: f64 = 600.0, Between(0.0, 1e9), in "s";
     }
 }
 

@@ -10,7 +10,9 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::error::SceneError;
 use crate::read::{Reader, Resolve};
-use crate::reference::{self, COLDEST, DENSEST, HOTTEST, MOST_ATOMS, THINNEST, as_toml};
+use crate::reference::{
+    self, COLDEST, DENSEST, HOTTEST, LONGEST_SIDE, MOST_ATOMS, THINNEST, as_toml,
+};
 use crate::tree::{Node, Value};
 use crate::{Geometry, Lattice, Scene, Start, System};
 
@@ -28,7 +30,7 @@ lennard_core::options! {
         /// Box sides. With a `configuration`, the box of a file that names none.
         sides as "box": Option<Sides> = None, else "this or `density`", Words("one side, or three sides [Lx, Ly, Lz], each a finite number above 0"), in "σ";
         /// Empty length added to the box along z, with the particles in the middle: a slab between two surfaces. `density` and `box` then describe the filled part.
-        vacuum: Option<f64> = None, else "`0.0`", NotNegative, in "σ";
+        vacuum: Option<f64> = None, else "`0.0`", Between(0.0, LONGEST_SIDE), in "σ";
         /// Start from these positions, in the `box`. Takes the place of `lattice`, `n_atoms` and `density`. With molecules, the sites of each follow each other. Along an axis with walls they count from the lower wall.
         positions: Option<Vec<[f64; 3]>> = None, else "none", Words("a list with one position [x, y, z] for each particle"), in "σ";
         /// Velocities of the `positions`. Their total momentum is kept.

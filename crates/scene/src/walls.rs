@@ -12,6 +12,7 @@ use lennard_observables::Surroundings;
 use crate::error::SceneError;
 use crate::integrator::kinds_that;
 use crate::read::Reader;
+use crate::reference::LONGEST_SIDE;
 use crate::stiff::TooStiff;
 use crate::typed::Section;
 use crate::{Lattice, Scene, Start};
@@ -39,7 +40,7 @@ lennard_core::options! {
         /// The axis across which the walls stand.
         axis: Axis = Axis::Z, Names(Axis::names);
         /// Length of the box behind the planes, which keeps the fluid out of reach of its images; at least `r_cut` + 0.1.
-        thickness: Option<f64> = None, else "`r_cut` + 1.0", Positive, in "σ";
+        thickness: Option<f64> = None, else "`r_cut` + 1.0", Between(1e-6, LONGEST_SIDE), in "σ";
     }
 }
 

@@ -16,11 +16,11 @@ lennard_core::options! {
         /// Restitution e of an impact: the share of the relative normal speed that two bodies keep. What impacts take counts as heat.
         restitution: f64 = 0.0, Between(0.0, 1.0);
         /// Compliance ε, the inverse of a stiffness; 0 is rigid.
-        compliance: f64 = 0.0, NotNegative, in "σ²/ε";
+        compliance: f64 = 0.0, Between(0.0, 1e9), in "σ²/ε";
         /// Damping time τ over the time step; 2 is critical damping for rigid contacts.
-        damping_steps: f64 = 2.0, NotNegative;
+        damping_steps: f64 = 2.0, Between(0.0, 1e9);
         /// Damping time τ, in place of a number of steps.
-        damping_time: Option<f64> = None, else "`damping_steps`·`dt`", NotNegative, in "τ";
+        damping_time: Option<f64> = None, else "`damping_steps`·`dt`", Between(0.0, 1e9), in "τ";
         /// Sweeps of projected Gauss–Seidel over each group of bodies that touch; 0 solves to rounding, small groups directly.
         sweeps: u32 = 0, Whole(0, 100_000);
     }

@@ -18,7 +18,7 @@ lennard_core::options! {
     /// Options of the barostat of Martyna, Tobias and Klein. The thermostat beside it gives the chain of the particles.
     pub struct Options {
         /// Period of the box; its mass is (n_dof + 3)·T·τ², with the degrees of freedom of the centres of molecules.
-        tau: f64 = 1.0, Positive, in "τ";
+        tau: f64 = 1.0, Between(1e-6, 1e9), in "τ";
         /// Thermostats in the chain of the box.
         chain: u32 = 3, Whole(1, 10), in "thermostats";
     }

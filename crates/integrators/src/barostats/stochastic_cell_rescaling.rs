@@ -19,13 +19,13 @@ lennard_core::options! {
     /// The default time is half a sound crossing of a box of 10 σ. At the default interval changes cost about a sixth of the time.
     pub struct Options {
         /// Relaxation time of the volume, where the compressibility is the fluid's own.
-        tau: f64 = 1.0, Positive, in "τ";
+        tau: f64 = 1.0, Between(1e-6, 1e9), in "τ";
         /// Steps between two changes of the box; the ensemble is exact at each interval.
         interval: u64 = 10, Whole(1, lennard_core::options::MOST_STEPS), in "steps";
         /// Which sides change together: "isotropic" for fluids, "z" for slabs across z, "xy-z" for crystals.
         coupling: Coupling = Coupling::Isotropic, Names(Coupling::names);
         /// Estimate of the isothermal compressibility κ, which sets the pace alone.
-        compressibility: Option<f64> = None, else "the equation of state at (T, P); else 1/P for a gas and 0.1 for a liquid", Positive, in "σ³/ε";
+        compressibility: Option<f64> = None, else "the equation of state at (T, P); else 1/P for a gas and 0.1 for a liquid", Between(1e-9, 1e9), in "σ³/ε";
     }
 }
 

@@ -12,11 +12,11 @@ lennard_core::options! {
     /// Options of SPOOK's bonds.
     pub struct Options {
         /// Compliance ε, the inverse of a stiffness; 0 is rigid.
-        compliance: f64 = 0.0, NotNegative, in "σ²/ε";
+        compliance: f64 = 0.0, Between(0.0, 1e9), in "σ²/ε";
         /// Damping time τ over the time step; 2 is critical damping for rigid bonds.
-        damping_steps: f64 = 2.0, NotNegative;
+        damping_steps: f64 = 2.0, Between(0.0, 1e9);
         /// Damping time τ, in place of a number of steps.
-        damping_time: Option<f64> = None, else "`damping_steps`·`dt`", NotNegative, in "τ";
+        damping_time: Option<f64> = None, else "`damping_steps`·`dt`", Between(0.0, 1e9), in "τ";
         /// Gauss–Seidel sweeps over the bonds of each molecule; 0 solves for all of them directly.
         sweeps: u32 = 0, Whole(0, 100_000);
     }

@@ -28,10 +28,10 @@ lennard_core::options! {
     /// Options of springs.
     pub struct Options {
         /// Stiffness k of each bond.
-        stiffness: f64 = 4000.0, Positive, in "ε/σ²";
+        stiffness: f64 = 4000.0, Between(1e-9, 1e12), in "ε/σ²";
         /// Damping c of the dashpot beside each spring, which takes −c times the rate of the length. What it takes is counted as heat; a bath gives no
         /// noise for it.
-        damping: f64 = 0.0, NotNegative, in "ε·τ/σ²";
+        damping: f64 = 0.0, Between(0.0, 1e9), in "ε·τ/σ²";
         /// How springs are integrated: by kicks, or inside the drift, where vibrations do not limit the step, but are slowed (midpoint) or damped.
         scheme: Scheme = Scheme::Explicit, Names(Scheme::names);
     }

@@ -10,6 +10,20 @@ use crate::inputs::good_scenes;
 const SYSTEM: &str = "[system]\nn_atoms = 500\ndensity = 0.8\ntemperature = 1.0\n";
 const STAGE: &str = "[[stage]]\nname = \"a\"\nsteps = 10\n";
 
+/// Proves that no number of a scene may be as large as a machine can write it.
+#[test]
+fn every_number_has_a_largest_value() {
+    use reference::Allowed::{NotNegative, Positive};
+    // Walls and skins stand in the force field, and are checked against the box.
+    let of_forces = |doc: &&reference::KeyDoc| ["wall", "contact", "neighbor"].contains(&doc.table);
+    let without: Vec<String> = reference::keys()
+        .iter()
+        .filter(|doc| matches!(doc.allowed, Positive | NotNegative) && !of_forces(doc))
+        .map(|doc| format!("{}.{}", doc.table, doc.key))
+        .collect();
+    assert!(without.is_empty(), "{without:?}");
+}
+
 /// The key that names the method of a table.
 fn tag(table: &str) -> Option<&'static str> {
     match table {
