@@ -85,18 +85,19 @@ impl Scene {
         let nearest = match (none.below, none.above) {
             (Some(below), Some(above)) => format!("{below} below, {above} above"),
             (None, Some(only)) | (Some(only), None) => only.to_string(),
-            (None, None) => "none near; lattice = \"random\" takes any number".to_owned(),
+            (None, None) => "none near".to_owned(),
+        };
+        let (key, or) = match self.molecule {
+            None => (
+                "system.n_atoms",
+                "; or any number with lattice = \"random\"",
+            ),
+            Some(_) => ("system.n_molecules", ""),
         };
         self.source
-            .refuse(
-                match self.molecule {
-                    None => "system.n_atoms",
-                    Some(_) => "system.n_molecules",
-                },
-                "makes no whole lattice",
-            )
+            .refuse(key, "makes no whole lattice")
             .found(found)
-            .allowed(&none.rule)
+            .allowed(format!("{}{or}", none.rule))
             .suggestion(Some(nearest))
     }
 }

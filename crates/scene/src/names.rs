@@ -23,49 +23,111 @@ pub fn nearest<'a>(found: &str, known: impl Iterator<Item = &'a str>) -> Option<
         .map(|(_, name)| name.to_owned())
 }
 
-/// A feature that people look for and that is not there yet: words that name it, and what to call it.
-struct Planned {
-    words: &'static [&'static str],
-    feature: &'static str,
-}
-
-const PLANNED: &[Planned] = &[
-    Planned {
-        words: &["triclinic", "tilt", "angles", "cell_vectors"],
-        feature: "triclinic boxes are",
-    },
-    Planned {
-        words: &["constraint", "constraints"],
-        feature: "constraints other than the bonds of `[molecule]` are",
-    },
-    Planned {
-        words: &["charge", "charges", "coulomb", "ewald", "pme"],
-        feature: "electric charges are",
-    },
-];
-
-/// Names that belong elsewhere.
-const PRESSURE_WORDS: [&str; 4] = ["barostat", "pressure_control", "pressure_coupling", "npt"];
-
-/// What a name stands for that is not there, or not there yet: "triclinic boxes are not available yet".
-pub(crate) fn not_yet(name: &str) -> Option<String> {
-    let name = name.to_lowercase().replace('-', "_");
-    if PRESSURE_WORDS.contains(&name.as_str()) {
-        return Some(
-            "a barostat belongs to a stage, as `barostat = { kind, pressure }`".to_owned(),
-        );
-    }
-    PLANNED
-        .iter()
-        .find(|planned| planned.words.contains(&name.as_str()))
-        .map(|planned| format!("{} not available yet", planned.feature))
-}
-
-/// A method that others have and this program leaves out: its names, why, and what to take.
+/// A word of other programs: what stands for it here, or why nothing does.
 struct LeftOut {
     words: &'static [&'static str],
     why: &'static str,
 }
+
+/// Words that mean the same wherever they stand.
+const ANYWHERE: &[LeftOut] = &[
+    LeftOut {
+        words: &["triclinic", "tilt", "angles", "cell_vectors"],
+        why: "triclinic boxes are not available yet",
+    },
+    LeftOut {
+        words: &["constraint", "constraints"],
+        why: "constraints other than the bonds of `[molecule]` are not available yet",
+    },
+    LeftOut {
+        words: &["charge", "charges", "coulomb", "ewald", "pme"],
+        why: "electric charges are not available yet",
+    },
+    LeftOut {
+        words: &["barostat", "pressure_control", "pressure_coupling", "npt"],
+        why: "a barostat belongs to a stage, as `barostat = { kind, pressure }`",
+    },
+    LeftOut {
+        words: &["thermostat", "temperature_control", "nvt"],
+        why: "a thermostat belongs to a stage, as `thermostat = \"bussi\"` beside `temperature`",
+    },
+    LeftOut {
+        words: &["nve", "microcanonical"],
+        why: "a stage without `thermostat` and `barostat` runs at constant energy",
+    },
+    LeftOut {
+        words: &["ensemble"],
+        why: "a stage runs at constant energy; `thermostat` makes it NVT, and `barostat` beside that NPT",
+    },
+    LeftOut {
+        words: &["hcp", "hexagonal", "diamond"],
+        why: "take `lattice = \"fcc\"`, which is as dense as hcp",
+    },
+    LeftOut {
+        words: &["rho", "number_density"],
+        why: "its name here is `density`, in `[system]`",
+    },
+    LeftOut {
+        words: &["dump", "nstxout", "dcdfreq"],
+        why: "`trajectory_every` in `[output]` asks for frames",
+    },
+    LeftOut {
+        words: &["thermo", "thermo_style", "nstenergy", "nstlog"],
+        why: "`thermo_every` in `[output]` asks for rows of T, U and P; every run has their means",
+    },
+    LeftOut {
+        words: &["cutoff", "cut_off", "rcut", "rc", "rvdw"],
+        why: "its name here is `r_cut`, in `[truncation]`",
+    },
+    LeftOut {
+        words: &["lj", "lj/cut", "pair_style", "pair_coeff"],
+        why: "`[potential]` with `kind = \"lennard-jones\"`, the default, and `[truncation]` have it",
+    },
+    LeftOut {
+        words: &["timestep", "time_step"],
+        why: "its name here is `dt`, in `[integrator]`",
+    },
+    LeftOut {
+        words: &["nsteps", "n_steps", "run"],
+        why: "its name here is `steps`, in `[[stage]]`",
+    },
+    LeftOut {
+        words: &["none", "off"],
+        why: "what is not wanted is left out of the scene",
+    },
+];
+
+const LATTICES_LEFT_OUT: &[LeftOut] = &[LeftOut {
+    words: &["none", "file"],
+    why: "take `random`, or in its place `positions` or the file of a `configuration`",
+}];
+
+const TRUNCATIONS_LEFT_OUT: &[LeftOut] = &[
+    LeftOut {
+        words: &["none", "full"],
+        why: "take `cut` with its tail correction, which stands for the full potential",
+    },
+    LeftOut {
+        words: &["cutoff", "truncated", "plain"],
+        why: "its name here is `cut`, and the distance is `r_cut`",
+    },
+];
+
+const LISTS_LEFT_OUT: &[LeftOut] = &[LeftOut {
+    words: &["none", "off", "all_pairs"],
+    why: "its name here is `direct`",
+}];
+
+const FORMATS_LEFT_OUT: &[LeftOut] = &[
+    LeftOut {
+        words: &["none", "off"],
+        why: "without `trajectory_every` there is no trajectory",
+    },
+    LeftOut {
+        words: &["dump", "lammpstrj", "lammps", "atom"],
+        why: "its name here is `lammps-dump`",
+    },
+];
 
 const THERMOSTATS_LEFT_OUT: &[LeftOut] = &[
     LeftOut {
@@ -92,7 +154,7 @@ const THERMOSTATS_LEFT_OUT: &[LeftOut] = &[
 
 const INTEGRATORS_LEFT_OUT: &[LeftOut] = &[
     LeftOut {
-        words: &["verlet", "vv", "md", "nve"],
+        words: &["verlet", "vv", "md", "nve", "none"],
         why: "take `velocity-verlet`, or `stormer-verlet` for the form in positions alone",
     },
     LeftOut {
@@ -202,8 +264,8 @@ const MIXING_LEFT_OUT: &[LeftOut] = &[
     },
 ];
 
-/// Why a method that others have is not here, and what to take: `key` says what kind of method it is.
-pub(crate) fn left_out(key: &str, name: &str) -> Option<&'static str> {
+/// What a word of other programs stands for, where it stands for the value or the name of a key.
+pub(crate) fn left_out(key: &str, word: &str) -> Option<&'static str> {
     let list = if key.contains("integrator") {
         INTEGRATORS_LEFT_OUT
     } else if key.starts_with("potential") {
@@ -218,12 +280,26 @@ pub(crate) fn left_out(key: &str, name: &str) -> Option<&'static str> {
         CONTACTS_LEFT_OUT
     } else if key.starts_with("mixing") {
         MIXING_LEFT_OUT
+    } else if key.contains("lattice") {
+        LATTICES_LEFT_OUT
+    } else if key.starts_with("truncation") {
+        TRUNCATIONS_LEFT_OUT
+    } else if key.starts_with("neighbor") {
+        LISTS_LEFT_OUT
+    } else if key.starts_with("output") {
+        FORMATS_LEFT_OUT
     } else {
-        return None;
+        &[]
     };
-    let name = name.to_lowercase().replace(['-', ' '], "_");
-    let found = list.iter().find(|one| one.words.contains(&name.as_str()));
+    let word = word.to_lowercase().replace(['-', ' '], "_");
+    let mut all = list.iter().chain(ANYWHERE);
+    let found = all.find(|one| one.words.contains(&word.as_str()));
     found.map(|one| one.why)
+}
+
+/// What a word of other programs stands for, where a key or a table has its name.
+pub(crate) fn no_key(word: &str) -> Option<&'static str> {
+    left_out("", word)
 }
 
 #[cfg(test)]
@@ -258,6 +334,23 @@ mod tests {
         assert!(rule("sixthpower").contains("waldman-hagler"));
         assert!(rule("Lorentz").contains("lorentz-berthelot"));
         assert!(rule("kong").contains("explicit"));
+        let lattice = |name| left_out("system.lattice", name).unwrap_or_default();
+        assert!(lattice("hcp").contains("fcc") && lattice("none").contains("random"));
+        let words = [
+            "nvt", "npt", "nve", "hcp", "rho", "dump", "none", "lj", "thermo", "cutoff",
+        ];
+        for word in words {
+            for key in [
+                "",
+                "system.lattice",
+                "truncation.kind",
+                "output.format",
+                "observable.0.kind",
+                "stage.0.barostat",
+            ] {
+                assert!(left_out(key, word).is_some(), "{word} as {key}");
+            }
+        }
         for other in ["", "x", "pressure", "wavelet", "фыва"] {
             assert_eq!(meant(other), None, "{other}");
         }

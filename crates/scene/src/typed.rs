@@ -7,7 +7,7 @@ use crate::Source;
 use crate::de::{Fault, Trouble};
 use crate::error::SceneError;
 use crate::methods::Method;
-use crate::names::{left_out, nearest, not_yet};
+use crate::names::{left_out, nearest, no_key};
 use crate::reference::{self, Allowed, Tag, quoted};
 use crate::tags::with_tag;
 use crate::tree::{Entry, Node, Table, Value};
@@ -192,7 +192,7 @@ impl<'a> Section<'a> {
             let others: Vec<&str> = others.filter(|key| !known.contains(key)).collect();
             known.extend(others);
         }
-        if let Some(message) = not_yet(found) {
+        if let Some(message) = no_key(found) {
             return self
                 .source
                 .refuse(&name, format!("cannot be used: {message}"))
@@ -222,9 +222,8 @@ impl<'a> Section<'a> {
     /// The error for a name that nothing is called by.
     pub fn unknown_name(&self, key: &str, found: &str, known: &[&str]) -> SceneError {
         let name = self.name(key);
-        let why = left_out(&name, found).map(str::to_owned);
         // The reason names what to take: a similar name beside it would contradict.
-        let (message, suggestion) = match why.or_else(|| not_yet(found)) {
+        let (message, suggestion) = match left_out(&name, found) {
             Some(message) => (format!("cannot be \"{found}\": {message}"), None),
             None => (
                 "is not a known name".to_owned(),
