@@ -32,11 +32,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     signals::let_long_files_fail();
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
-        Err(error) => {
-            // A reader who has gone needs no usage.
-            let _ = error.print();
-            return u8::try_from(error.exit_code()).unwrap_or(failure::INPUT);
-        }
+        Err(error) => return usage(&error),
     };
     let done = match &cli.command {
         Command::Run(args) => commands::run::run(args),
@@ -69,17 +65,29 @@ pub fn main_on_ranks(arguments: impl IntoIterator<Item = OsString>, team: &Team)
     signals::let_long_files_fail();
     let cli = match RanksCli::try_parse_from(arguments) {
         Ok(cli) => cli,
-        Err(error) => {
-            if team.leads() {
-                let _ = error.print();
-            }
-            return u8::try_from(error.exit_code()).unwrap_or(failure::INPUT);
-        }
+        Err(error) if team.leads() => return usage(&error),
+        Err(error) => return code_of(&error),
     };
     exit_code(match &cli.command {
         RanksCommand::Run(args) => commands::run::run_on(args, Some(team)),
         RanksCommand::Resume(args) => commands::resume::resume_on(args, Some(team)),
     })
+}
+
+/// Prints help, or what is wrong with the arguments, and gives the exit code.
+fn usage(error: &clap::Error) -> u8 {
+    if error.use_stderr() {
+        let text = error.render().to_string();
+        out::failed(text.strip_prefix("error: ").unwrap_or(&text).trim_end());
+    } else {
+        // A reader who has gone needs no help.
+        let _ = error.print();
+    }
+    code_of(error)
+}
+
+fn code_of(error: &clap::Error) -> u8 {
+    u8::try_from(error.exit_code()).unwrap_or(failure::INPUT)
 }
 
 /// Prints a failure, unless another rank does, and gives the exit code.
@@ -89,10 +97,7 @@ fn exit_code(done: Result<u8, Failure>) -> u8 {
         Err(Failure { message, code }) => {
             signals::let_a_signal_end();
             if !message.is_empty() {
-                eprintln!(
-                    "{} {message}",
-                    console::style("error:").for_stderr().red().bold()
-                );
+                out::failed(&message);
             }
             code
         }

@@ -28,6 +28,8 @@ use lennard_studies::compare::ComparedRun;
 
 use tables::{narrow_table, table};
 
+use crate::out;
+
 /// Columns of a terminal for which tables are made, and of output that no terminal shows.
 const WIDTH: u16 = 100;
 
@@ -81,7 +83,7 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) {
     let molecules = simulation.system.n_molecules();
     let density = molecules as f64 / simulation.state.cell.volume();
     let [x, y, z] = simulation.state.cell.lengths().to_array();
-    println!("{}", console::style(&scene.name).bold());
+    out::heading(&scene.name);
     let particles = lennard_report::particles(n, molecules);
     println!("  {particles}, density {density:.4}, box {x:.4} × {y:.4} × {z:.4} σ");
     println!("  {}", scene.model_name());

@@ -78,7 +78,7 @@ pub use record::{
     RUN_SCHEMA, RanksRecord, RunRecord, SOUND, StageSeconds, StatePoint, ThermostatRecord,
     read_run_record, read_run_record_bytes,
 };
-pub use shell::{in_shell, path_in_shell};
+pub use shell::{Shown, in_shell, path_in_shell, shown};
 pub use sink::{FileMark, Sink};
 pub use tables::{TableWriter, read_table_csv, read_table_csv_bytes, write_table_csv};
 pub use topology::write_topology_gro;

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
+use lennard_io::shown;
+
 /// Where a key was written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Place {
@@ -151,28 +153,29 @@ impl fmt::Display for SceneError {
             allowed,
             suggestion,
         } = &*self.0;
+        write!(f, "{}", shown(file))?;
         match place {
-            Some(Place::Line(line)) => write!(f, "{file}, line {line}")?,
-            Some(Place::Override(text)) => write!(f, "{file}, override `{text}`")?,
-            None => write!(f, "{file}")?,
+            Some(Place::Line(line)) => write!(f, ", line {line}")?,
+            Some(Place::Override(text)) => write!(f, ", override `{}`", shown(&**text))?,
+            None => {}
         }
-        match (key, place) {
-            (Some(key), Some(Place::Override(text))) => {
-                write!(f, ": `{}` {message}", as_typed(key, text))?;
-            }
-            (Some(key), _) => write!(f, ": `{key}` {message}")?,
-            (None, _) => write!(f, ": {message}")?,
+        let key = key.as_ref().map(|key| match place {
+            Some(Place::Override(text)) => as_typed(key, text),
+            _ => key.into(),
+        });
+        match key {
+            Some(key) => write!(f, ": `{}` {}", shown(&*key), shown(message))?,
+            None => write!(f, ": {}", shown(message))?,
         }
-        if let Some(found) = found {
-            write!(f, "\n  found:   {found}")?;
-        }
-        if let Some(allowed) = allowed {
-            write!(f, "\n  allowed: {allowed}")?;
-        }
-        if let Some(name) = suggestion {
-            write!(f, "\n  nearest: {name}")?;
-        }
-        Ok(())
+        let rest = [
+            ("found:  ", found),
+            ("allowed:", allowed),
+            ("nearest:", suggestion),
+        ];
+        rest.into_iter().try_for_each(|(head, text)| match text {
+            Some(text) => write!(f, "\n  {head} {}", shown(text)),
+            None => Ok(()),
+        })
     }
 }
 

@@ -30,6 +30,7 @@ use serde::Serialize;
 use crate::args::SceneArgs;
 pub use crate::commands::inputs::Inputs;
 use crate::failure::{DONE, Failure, INPUT, OTHER};
+use crate::out;
 
 /// Loads the scene of a command with its overrides. Where the scene asks for an accuracy, the settings of its
 /// lock file are added, if there is one. Without a lock file, a scene that leaves settings to be chosen is
@@ -123,7 +124,7 @@ pub fn write_report(
 pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     let text =
         serde_json::to_string_pretty(value).map_err(|e| Failure::new("writing JSON", e, OTHER))?;
-    println!("{text}");
+    out::json(&text);
     Ok(())
 }
 

@@ -8,10 +8,11 @@ use lennard_studies::bench::{
 };
 
 use super::table;
+use crate::out;
 
 /// What was measured.
 pub fn bench(study: &BenchStudy, folder: &Path) {
-    println!("{}", console::style(&study.scene).bold());
+    out::heading(&study.scene);
     println!(
         "  {} particles, density {:.4}, {}, {:.1} pairs per atom within the cutoff",
         study.atoms, study.density, study.model, study.pairs_per_atom

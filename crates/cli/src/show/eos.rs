@@ -4,6 +4,7 @@ use lennard_literature::{EquationOfState, Property, freezing_lines_of};
 use lennard_studies::eos::{self, Coexistence, Evaluated, Freezing};
 
 use super::{note, table};
+use crate::out;
 
 /// One state by every equation that covers it.
 pub fn state(evaluated: &[Evaluated], properties: &[&Property]) {
@@ -37,17 +38,14 @@ pub fn curve(evaluated: &[Evaluated], properties: &[&Property]) {
     let Some(first) = evaluated.first() else {
         return;
     };
-    println!(
-        "{}",
-        console::style(&first.equation.spec().citation()).bold()
-    );
+    out::heading(&first.equation.spec().citation());
     println!("{}", table(&eos::curve(evaluated, properties)));
 }
 
 /// Vapor and liquid side by side.
 pub fn coexistence(equation: &dyn EquationOfState, rows: &[Coexistence]) {
     let shown = eos::coexistence(equation, rows);
-    println!("{}", console::style(equation.spec().citation()).bold());
+    out::heading(equation.spec().citation());
     println!("  {}", shown.caption);
     println!("{}", table(&shown));
 }
@@ -55,10 +53,7 @@ pub fn coexistence(equation: &dyn EquationOfState, rows: &[Coexistence]) {
 /// Liquid and crystal side by side.
 pub fn freezing(equation: &dyn EquationOfState, rows: &[Freezing]) {
     let shown = eos::freezing(equation, rows);
-    println!(
-        "{}",
-        console::style(format!("P of {}", equation.spec().citation())).bold()
-    );
+    out::heading(format!("P of {}", equation.spec().citation()));
     println!("{}", table(&shown));
     note(&shown.caption);
     for line in freezing_lines_of(equation) {

@@ -4,6 +4,7 @@ use comfy_table::{ColumnConstraint, ContentArrangement, Width};
 
 use super::WIDTH;
 use crate::list_entry::Entry;
+use crate::out;
 
 /// Names with what they are, one after the other.
 pub fn list(entries: &[Entry]) {
@@ -29,7 +30,7 @@ pub fn list(entries: &[Entry]) {
 /// Everything that is known of each entry.
 pub fn entries(entries: &[Entry]) {
     for entry in entries {
-        println!("{}", console::style(&entry.name).bold());
+        out::heading(&entry.name);
         println!("  {}", entry.summary);
         if let Some(equation) = &entry.equation {
             println!("  {equation}");

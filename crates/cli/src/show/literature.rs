@@ -9,11 +9,12 @@ use lennard_studies::compare::{self, ComparedRun, Row, StateOfMatter, quantity_w
 use lennard_studies::sweep::{self, Sweep, SweepRecord, workers};
 
 use super::{WIDTH, narrow_table, note, table, wrapped};
+use crate::out;
 
 /// What is about to run, with the points that are no single stable phase. Two phases that the start puts side by side are
 /// meant, and are judged by saturation.
 pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
-    println!("{}", console::style(&sweep.name).bold());
+    out::heading(&sweep.name);
     println!(
         "  {}, {} at a time, output in {}",
         counted(sweep.points.len(), "point"),
@@ -70,7 +71,7 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
 
 /// One run beside the literature.
 pub fn compared(run: &ComparedRun, verbose: bool) {
-    println!("{}", console::style(&run.run).bold());
+    out::heading(&run.run);
     println!(
         "  {}, {} measured steps, {}: {}",
         lennard_report::particles(run.atoms as usize, run.molecules as usize),
@@ -153,7 +154,7 @@ fn narrow(run: &ComparedRun) -> Table {
 /// The verdict on a run in one sentence or two.
 pub(super) fn headline(run: &ComparedRun) {
     for line in wrapped(&run.headline) {
-        println!("{}", console::style(line).bold());
+        out::heading(line);
     }
 }
 

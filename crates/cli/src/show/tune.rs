@@ -6,10 +6,11 @@ use lennard_studies::lab::Cost;
 use lennard_studies::tune::Tuning;
 
 use super::{duration, table};
+use crate::out;
 
 /// What was chosen, what it errs and what it costs.
 pub fn tuning(tuning: &Tuning) {
-    println!("{}", console::style(&tuning.scene).bold());
+    out::heading(&tuning.scene);
     println!(
         "  ρ = {:.4}, T = {:.4}; wanted: U and P of {}",
         tuning.density, tuning.temperature, tuning.about

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use lennard_forcefield::{NeighborOptions, Precision, TruncationOptions};
-use lennard_io::in_shell;
+use lennard_io::{in_shell, shown};
 use serde::{Deserialize, Serialize};
 
 use super::{Chosen, Judged, Lock, SCHEMA};
@@ -90,9 +90,10 @@ impl Lock {
         let file = scene.source.file();
         let _ = writeln!(
             text,
-            "# Settings for the accuracy that {file} asks for, chosen by `lennard tune {}`.\n\
+            "# Settings for the accuracy that {} asks for, chosen by `lennard tune {}`.\n\
              # `lennard run` takes them from here, as long as the scene is the one below; seed, numbers of steps,\n\
              # observables and outputs may change.\n",
+            shown(file),
             in_shell(file)
         );
         text += &toml::to_string(&document).expect("every value of a lock fits TOML");
