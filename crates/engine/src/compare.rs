@@ -96,6 +96,20 @@ pub fn with_equation_of_state(
     beside_equation_of_state(scene, density, atoms, thermodynamics, Compared::Results)
 }
 
+/// What a state is by an equation of state that covers it, where it is no stable fluid.
+pub(crate) fn unstable(
+    equation: &dyn EquationOfState,
+    density: f64,
+    temperature: f64,
+) -> Option<String> {
+    let phase = equation.phase(density, temperature);
+    (!phase.is_stable()).then(|| {
+        let name = &equation.spec().name;
+        let phase = phase.describe();
+        format!("by {name} the state ρ = {density:.4}, T = {temperature:.4} is {phase}")
+    })
+}
+
 /// What is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compared {
@@ -140,13 +154,8 @@ pub fn beside_equation_of_state(
         comparison.remarks.push(format!("not compared: {outside}"));
         return comparison;
     }
-    let phase = equation.phase(density, mean_temperature);
-    if results && !phase.is_stable() {
-        comparison.remarks.push(format!(
-            "not compared: by {} the state ρ = {density:.4}, T = {mean_temperature:.4} is {}",
-            equation.spec().name,
-            phase.describe()
-        ));
+    if results && let Some(unstable) = unstable(equation, density, mean_temperature) {
+        comparison.remarks.push(format!("not compared: {unstable}"));
         return comparison;
     }
     let state = equation.at(density, mean_temperature);

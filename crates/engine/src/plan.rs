@@ -67,6 +67,8 @@ pub struct Plan {
     pub measured_steps: u64,
     /// Estimated wall time of the whole run, seconds; `None` where steps are too slow to measure.
     pub estimated_seconds: Option<f64>,
+    /// What is known of the start, and what speaks against the run, a sentence each.
+    pub remarks: Vec<String>,
     /// Sides of the box at the start, σ.
     pub lengths: DVec3,
     /// The distance that forces and lists reach, σ.
@@ -94,6 +96,7 @@ pub fn plan(
     let scene = simulation.scene.clone();
     let (_, provider) = build::forces(&scene, simulation.state.cell, simulation.system.species())?;
     let mut items = items(&scene, simulation, provider.plan(), threads);
+    let foreseen = simulation.foreseen();
     let most = lennard_forcefield::most_ranks(simulation.state.len());
     let ranks = network.map_or(Vec::new(), |network| network.sizes(most));
     let costs = Costs::measure(simulation, &ranks)?;
@@ -123,7 +126,7 @@ pub fn plan(
     };
     Ok(Plan {
         schema: lennard_io::schema!("plan", 3),
-        scene: scene.name.clone(),
+        scene: scene.name.to_string(),
         model: scene.model_name(),
         atoms: n,
         molecules,
@@ -136,6 +139,7 @@ pub fn plan(
         seconds_per_step: costs.step.map(|_| costs.median_step),
         measured_steps: costs.steps,
         estimated_seconds: total,
+        remarks: [simulation.remarks.clone(), foreseen].concat(),
         lengths: simulation.state.cell.lengths(),
         reach: provider.plan().r_list,
         nodes: network

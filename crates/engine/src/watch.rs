@@ -1,6 +1,6 @@
 //! Where the watchdog looks during a run, and what its findings become.
 
-use lennard_core::{Configuration, StepError};
+use lennard_core::{Configuration, IntegratorSpec, StepError};
 
 use crate::close_pairs::Sizes;
 use crate::failure::{LARGEST_MOVE, PhysicsFailure, Symptom};
@@ -81,11 +81,14 @@ impl Simulation {
         }
     }
 
-    /// The estimate of [`watchdog::rough_stable_dt`], τ, for the pair of species with the shortest step.
-    fn rough_stable_dt(&self, temperature: f64, limit: f64) -> f64 {
+    /// The estimate of [`watchdog::rough_stable_dt`], τ, for the pair of species with the shortest step; `None` where a method
+    /// has no such limit, and without pair forces.
+    pub(crate) fn rough_stable_dt(&self, method: &IntegratorSpec, temperature: f64) -> Option<f64> {
+        let acts = self.scene.longest_cutoff() > 0.0;
+        let limit = method.stability_limit.filter(|_| acts)?;
         let species = self.system.species();
-        watchdog::fastest_pair(&self.scene, species, temperature, limit)
-            .map_or(f64::INFINITY, |pair| pair.stable_dt)
+        let fastest = watchdog::fastest_pair(&self.scene, species, temperature, limit);
+        Some(fastest.map_or(f64::INFINITY, |pair| pair.stable_dt))
     }
 
     fn diagnosed(&self, symptom: Symptom) -> EngineError {
@@ -96,10 +99,7 @@ impl Simulation {
             stage: &plan.name,
             method: spec.name,
             dt: stage.dt,
-            dt_limit: spec
-                .stability_limit
-                .filter(|_| self.scene.longest_cutoff() > 0.0)
-                .map(|limit| self.rough_stable_dt(plan.temperature, limit)),
+            dt_limit: self.rough_stable_dt(spec, plan.temperature),
             steps_into_stage: stage.steps_done,
             temperature: plan.temperature,
             density: self.state.len() as f64 / self.state.cell.volume(),

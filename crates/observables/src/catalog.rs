@@ -68,6 +68,14 @@ macro_rules! catalog {
                 }
             }
 
+            /// The shortest measured part of a run that gives the observable an error, τ.
+            #[must_use]
+            pub fn least_length(&self) -> f64 {
+                match self {
+                    $(Self::$variant(o) => o.least_length(),)*
+                }
+            }
+
             /// The scene keys of every observable, by its name.
             #[must_use]
             pub fn keys() -> Vec<(&'static str, Keys)> {

@@ -115,6 +115,11 @@ pub trait Recipe: Options {
         1..=MOST_SPECIES
     }
 
+    /// The shortest measured part of a run that gives it an error, τ.
+    fn least_length(&self) -> f64 {
+        0.0
+    }
+
     /// Builds the observable.
     ///
     /// # Errors

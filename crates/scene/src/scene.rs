@@ -11,14 +11,14 @@ use lennard_io::TrajectoryFormat;
 use lennard_observables::ObservableOptions;
 
 use crate::{
-    Accuracy, ContactTable, MixtureTables, Molecule, ProgramParts, Source, Start, WallTable,
+    Accuracy, ContactTable, MixtureTables, Molecule, Name, ProgramParts, Source, Start, WallTable,
 };
 
 /// A scene: everything that a run depends on but the machine. Reduced units throughout.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// Its name; the file's stem unless the file gives another.
-    pub name: String,
+    pub name: Name,
     /// Where the particles start.
     pub system: System,
     /// The species of the particles and their pairs; `None` where the scene names none: σ = ε = m = 1 for all.
@@ -132,7 +132,8 @@ impl Scene {
 
     /// The method of a stage with its bath: a bath that stands inside the step takes the place of the integrator. It draws from
     /// a stream of its own, and serves to ask what the method is.
-    pub(crate) fn method_of(&self, stage: &Stage) -> Integrator {
+    #[must_use]
+    pub fn method_of(&self, stage: &Stage) -> Integrator {
         let method = lennard_integrators::build(&self.integrator.method);
         match &stage.thermostat {
             Some(bath) => {
@@ -234,7 +235,7 @@ pub struct IntegratorTable {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stage {
     /// Its name; every stage has another name.
-    pub name: String,
+    pub name: Name,
     /// Number of steps.
     pub steps: u64,
     /// Temperature of its thermostat in ε/k_B, at the end of a ramp; the temperature of the system where none is given.

@@ -57,7 +57,8 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
         if let Some(lock) = &lock {
             println!("  settings from {}", lock.path.display());
         }
-        for remark in &simulation.remarks {
+        let foreseen = simulation.foreseen();
+        for remark in simulation.remarks.iter().chain(&foreseen) {
             println!("  {remark}");
         }
     }

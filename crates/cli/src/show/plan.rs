@@ -37,6 +37,9 @@ pub fn plan(plan: &Plan, verbose: bool) {
         bytes(plan.program_bytes)
     );
     println!("  time: {}", time(plan));
+    for remark in &plan.remarks {
+        println!("  {remark}");
+    }
     if let Some(nodes) = &plan.nodes {
         println!("{}", table(&of_nodes(nodes)));
         for line in in_words(nodes) {
@@ -148,9 +151,14 @@ fn lines(plan: &Plan) -> Vec<String> {
     let mut parts: Vec<(&PlanItem, f64)> =
         on().filter_map(|item| Some((item, item.share?))).collect();
     parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+    // A plan stays at ten lines, whatever is said about the run.
+    let most = match plan.remarks.len() {
+        0 => MOST_LINES,
+        remarks => MOST_LINES.saturating_sub(1 + remarks).max(1),
+    };
     let large = parts
         .iter()
-        .take(MOST_LINES)
+        .take(most)
         .take_while(|(_, share)| *share >= SMALL_SHARE);
     let told = large.clone().count();
     lines.extend(large.map(|(item, share)| {
@@ -221,6 +229,7 @@ mod tests {
             seconds_per_step: Some(1.0),
             measured_steps: 3,
             estimated_seconds: Some(1.0),
+            remarks: Vec::new(),
             lengths: DVec3::ONE,
             reach: 1.0,
             nodes: None,

@@ -6,7 +6,7 @@ use lennard_core::Doubt;
 use lennard_core::number::{plus_minus, short, significant};
 
 use super::Thermodynamics;
-use crate::averages::changes;
+use crate::averages::{FEWEST_INDEPENDENT, changes};
 use crate::statistics::{self, equilibration};
 
 /// Collisions of each particle that a run must last. In a gas the energy comes from pairs that meet, and from pairs that
@@ -87,9 +87,11 @@ impl Thermodynamics {
             }
         }
         let n = rows.time.len();
-        let doubt = doubt
-            .or_else(|| self.not_at_bath(cut))
-            .or_else(|| Doubt::graver(self.few_collisions(cut), self.slow_bath(cut)));
+        let doubt = doubt.or_else(|| self.not_at_bath(cut)).or_else(|| {
+            let density = self.context.n_atoms as f64 / self.seen.volume();
+            let temperature = statistics::mean(&rows.temperature[cut..]);
+            self.too_short(self.length(cut), density, temperature)
+        });
         Equilibrium {
             cut,
             discarded: if n == 0 { 0.0 } else { cut as f64 / n as f64 },
@@ -134,30 +136,46 @@ impl Thermodynamics {
         samples * self.context.sample_interval()
     }
 
-    fn few_collisions(&self, cut: usize) -> Option<Doubt> {
-        let rows = self.series.rows();
-        let density = self.context.n_atoms as f64 / self.seen.volume();
-        let temperature = statistics::mean(&rows.temperature[cut..]);
-        let collisions = self.length(cut) / collision_time(density, temperature);
+    /// Why no mean of a run of this length in τ has an error, whatever its samples are.
+    fn too_short(&self, length: f64, density: f64, temperature: f64) -> Option<Doubt> {
+        let collisions = length / collision_time(density, temperature);
         let few = self.context.n_atoms > 1 && collisions < FEWEST_COLLISIONS;
-        few.then(|| Doubt::TooShort {
+        let few_collisions = few.then(|| Doubt::TooShort {
             why: format!(
                 "a particle collides {} times where {FEWEST_COLLISIONS} are needed",
                 significant(collisions, 2)
             ),
             longer: FEWEST_COLLISIONS / collisions,
-        })
+        });
+        let slow_bath = self.bath.and_then(|bath| {
+            let times = length / bath.relaxation;
+            (times < FEWEST_RELAXATIONS).then(|| Doubt::TooShort {
+                why: format!(
+                    "{} relaxation times of its bath where {FEWEST_RELAXATIONS} are needed",
+                    significant(times, 2)
+                ),
+                longer: FEWEST_RELAXATIONS / times,
+            })
+        });
+        Doubt::graver(few_collisions, slow_bath)
     }
 
-    fn slow_bath(&self, cut: usize) -> Option<Doubt> {
-        let times = self.length(cut) / self.bath?.relaxation;
-        (times < FEWEST_RELAXATIONS).then(|| Doubt::TooShort {
-            why: format!(
-                "{} relaxation times of its bath where {FEWEST_RELAXATIONS} are needed",
-                significant(times, 2)
-            ),
-            longer: FEWEST_RELAXATIONS / times,
-        })
+    /// Why no mean of a run will have an error, before its first step: from its measured length in τ, its rows, and the density
+    /// (σ⁻³) and temperature (ε/k_B) of the scene. `None` where it may have one.
+    #[must_use]
+    pub fn foreseen(
+        &self,
+        length: f64,
+        rows: u64,
+        density: f64,
+        temperature: f64,
+    ) -> Option<Doubt> {
+        let few_rows = (rows as f64) < FEWEST_INDEPENDENT;
+        let few_rows = few_rows.then(|| Doubt::TooShort {
+            why: format!("{rows} samples where {FEWEST_INDEPENDENT} independent ones are needed"),
+            longer: FEWEST_INDEPENDENT / rows.max(1) as f64,
+        });
+        Doubt::graver(few_rows, self.too_short(length, density, temperature))
     }
 }
 

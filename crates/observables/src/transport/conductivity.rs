@@ -4,7 +4,7 @@ use lennard_core::exact::exact_sum;
 use lennard_core::{DVec3, Observable, ObservableSpec, View, Want};
 
 use super::DEFAULT_WINDOW;
-use super::green_kubo::Words;
+use super::green_kubo::{LONG_ENOUGH, Words};
 use super::of_flux::{Flux, OfFlux};
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
@@ -29,7 +29,7 @@ lennard_core::options! {
     /// Options of [`ThermalConductivity`].
     pub struct ThermalConductivityOptions {
         /// Longest lag of the correlation of the heat flux.
-        window: f64 = DEFAULT_WINDOW, Positive, in "τ";
+        window: f64 = DEFAULT_WINDOW, Between(1e-9, 1e9), in "τ";
     }
 }
 
@@ -42,6 +42,10 @@ impl Recipe for ThermalConductivityOptions {
 
     fn surroundings(&self) -> Surroundings {
         Surroundings::Periodic
+    }
+
+    fn least_length(&self) -> f64 {
+        LONG_ENOUGH * self.window
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {

@@ -14,7 +14,7 @@ const LAGS_IN_NOISE: usize = 3;
 const STILL_FLAT: f64 = 3.0;
 
 /// A run of fewer windows than this is short: its correlation is lost in noise before it has decayed.
-const LONG_ENOUGH: f64 = 20.0;
+pub(super) const LONG_ENOUGH: f64 = 20.0;
 
 /// Blocks of the run for which temperatures are kept apart.
 const BLOCKS: usize = 64;

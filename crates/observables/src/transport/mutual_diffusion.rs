@@ -6,7 +6,7 @@ use lennard_core::{
     StateWriter, View, Want,
 };
 
-use super::green_kubo::{GreenKubo, Words};
+use super::green_kubo::{GreenKubo, LONG_ENOUGH, Words};
 use super::{DEFAULT_WINDOW, checked_interval};
 use crate::{BuildContext, ObservableError, Recipe};
 
@@ -30,7 +30,7 @@ lennard_core::options! {
     /// Options of [`MutualDiffusion`].
     pub struct MutualDiffusionOptions {
         /// Longest lag of the correlation of the relative velocity.
-        window: f64 = DEFAULT_WINDOW, Positive, in "τ";
+        window: f64 = DEFAULT_WINDOW, Between(1e-9, 1e9), in "τ";
     }
 }
 
@@ -48,6 +48,10 @@ impl Recipe for MutualDiffusionOptions {
 
     fn species(&self) -> std::ops::RangeInclusive<usize> {
         2..=2
+    }
+
+    fn least_length(&self) -> f64 {
+        LONG_ENOUGH * self.window
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
