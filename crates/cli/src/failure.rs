@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lennard_engine::EngineError;
+use lennard_engine::{EngineError, again};
 use lennard_io::{CheckpointFolder, FolderError, WriteError, path_in_shell};
 use lennard_scene::SceneError;
 
@@ -38,15 +38,22 @@ impl Failure {
 impl Failure {
     /// A failure of a run under way in `folder`: where a file cannot be written, with the way to go on.
     pub fn of_run(error: EngineError, folder: &Path) -> Self {
-        let unwritten = matches!(error, EngineError::Write(_));
-        let mut failure = Self::from(error);
         let checkpoints = CheckpointFolder::new(folder).list().unwrap_or_default();
-        if unwritten && let Some((step, _)) = checkpoints.first() {
-            failure.message += &format!(
-                "\n  whole up to step {step}; to go on from there: lennard resume {}",
+        let way = match (&error, checkpoints.first()) {
+            (EngineError::Write(WriteError::NotResumable { .. }), _) => {
+                format!("or, {}", again(folder))
+            }
+            (EngineError::Write(_), Some((step, _))) => format!(
+                "whole up to step {step}; to go on from there: lennard resume {}",
                 path_in_shell(folder)
-            );
-        }
+            ),
+            (EngineError::Write(_), None) => {
+                "no step is kept: give the same command again when the cause is mended".to_owned()
+            }
+            _ => return error.into(),
+        };
+        let mut failure = Self::from(error);
+        failure.message += &format!("\n  {way}");
         failure
     }
 }

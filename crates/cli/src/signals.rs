@@ -104,7 +104,7 @@ impl StartUp {
         if let Some(folder) = &self.folder {
             match &self.leave {
                 Leave::AsItIs => {}
-                Leave::WithoutTheRun => lennard_engine::discard(folder),
+                Leave::WithoutTheRun => folder.abandon(),
                 // A leftover holds nothing of use, and the next command removes it.
                 Leave::Without(below) => {
                     let _ = std::fs::remove_dir_all(folder.path().join(below));

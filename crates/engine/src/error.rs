@@ -140,7 +140,8 @@ pub enum ResumeError {
 }
 
 /// The command that starts the run of a folder again, elsewhere: no command replaces the scene that it reads.
-pub(crate) fn again(folder: &Path) -> String {
+#[must_use]
+pub fn again(folder: &Path) -> String {
     format!(
         "to start again: lennard run {} --out FOLDER, with another folder",
         path_in_shell(&folder.join(SCENE))

@@ -18,8 +18,7 @@ use std::path::{Path, PathBuf};
 
 use lennard_core::{Cell, Energetics, State, Table};
 use lennard_io::{
-    FileMark, Frame, FrameStyle, OutputFolder, RunRecord, TableWriter, TrajectoryFormat,
-    TrajectoryWriter, WriteError,
+    FileMark, Frame, FrameStyle, RunRecord, TableWriter, TrajectoryWriter, WriteError,
 };
 
 use crate::names::{RECORD, SCENE, THERMO, TOPOLOGY};
@@ -134,7 +133,6 @@ impl RunFiles {
     /// # Errors
     /// [`EngineError`] where a file cannot be written.
     pub fn create(folder: &Path, simulation: &Simulation) -> Result<Self, EngineError> {
-        remove_half_written(folder);
         write_descriptions(folder, simulation)?;
         let style = style(simulation);
         let format = simulation.scene.output.format;
@@ -184,12 +182,11 @@ impl RunFiles {
         })
     }
 
-    /// Writes what describes the run anew and removes what a killed process left half written.
+    /// Writes what describes the run anew.
     ///
     /// # Errors
     /// [`WriteError`] where a file cannot be written.
     pub fn refresh(&self, simulation: &Simulation) -> Result<(), WriteError> {
-        remove_half_written(&self.folder);
         write_descriptions(&self.folder, simulation)
     }
 
@@ -308,41 +305,6 @@ impl RunFiles {
     /// [`WriteError`] where it cannot be written.
     pub fn write_record(&self, record: &RunRecord) -> Result<(), WriteError> {
         lennard_io::write_json_atomically(&self.folder.join(RECORD), record)
-    }
-}
-
-/// Removes the first files of a run of which no step can be kept, where nothing else was in the folder.
-pub fn discard(folder: &OutputFolder) {
-    if folder.was_empty() {
-        remove_half_written(folder.path());
-        let trajectories = TrajectoryFormat::ALL.iter().map(|f| f.spec().file);
-        for name in [RECORD, SCENE, THERMO, TOPOLOGY]
-            .into_iter()
-            .chain(trajectories)
-        {
-            // One that is not there need not be removed, and the rest is seen to have no step.
-            let _ = std::fs::remove_file(folder.path().join(name));
-        }
-    }
-}
-
-/// Removes what a killed process left under hidden names.
-fn remove_half_written(folder: &Path) {
-    let ours = |name: &str| {
-        let inner = name
-            .strip_prefix('.')
-            .and_then(|n| n.strip_suffix(".partial"));
-        inner.is_some_and(|n| {
-            ["csv", "xyz", "json", "toml", "gro", "lennard"]
-                .iter()
-                .any(|e| n.ends_with(e))
-        })
-    };
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        if entry.file_name().to_str().is_some_and(ours) {
-            // One that cannot be removed does no harm: it is hidden, and no reader takes it.
-            let _ = std::fs::remove_file(entry.path());
-        }
     }
 }
 

@@ -140,6 +140,7 @@ fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
             conserved_quantity: conserved(simulation),
         }),
         barostat: barostat(simulation),
+        tables: Vec::new(),
         comparison: Vec::new(),
         remarks: Vec::new(),
         trajectory_frames: None,

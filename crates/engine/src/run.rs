@@ -87,6 +87,7 @@ pub struct Outcome {
 /// `run.json` then says `"finished": false`.
 pub fn run(simulation: &mut Simulation, options: RunOptions<'_>) -> Result<Outcome, EngineError> {
     let started = Instant::now();
+    options.folder.remove_half_written();
     let files = RunFiles::create(options.folder.path(), simulation)?;
     let past = Past {
         remarks: simulation.remarks.clone(),
@@ -112,6 +113,7 @@ pub fn go_on(resumed: &mut Resumed, options: RunOptions<'_>) -> Result<Outcome, 
     // First of all, since the scene in it may have more steps than before, or another instruction set.
     Checkpointer::new(options.folder.path(), &simulation.scene.checkpoint)
         .write_unwatched(simulation, *marks, past)?;
+    options.folder.remove_half_written();
     files.refresh(simulation)?;
     drive(simulation, files, past.clone(), options, started)
 }
@@ -124,11 +126,11 @@ fn drive(
     started: Instant,
 ) -> Result<Outcome, EngineError> {
     let threads = options.threads;
-    files.write_record(&record::unfinished(
-        simulation,
-        threads,
-        past.remarks.clone(),
-    ))?;
+    files.write_record(&RunRecord {
+        // A run that goes on beyond its end has its tables there already.
+        tables: options.folder.tables(),
+        ..record::unfinished(simulation, threads, past.remarks.clone())
+    })?;
     let mut recorder = Recorder {
         schedule: Schedule::of_output(&simulation.scene),
         total: simulation.scene.total_steps(),
@@ -156,9 +158,10 @@ fn drive(
             .iter()
             .cloned()
             .chain([error.to_string()]);
-        let _ = recorder
-            .files
-            .write_record(&record::unfinished(simulation, threads, remarks));
+        let _ = recorder.files.write_record(&RunRecord {
+            tables: recorder.options.folder.tables(),
+            ..record::unfinished(simulation, threads, remarks)
+        });
         return Err(error);
     }
     recorder.conclude(simulation)
@@ -281,7 +284,17 @@ impl Recorder<'_> {
             .collect();
         let finished = self.ending == Ending::Finished;
         // What looks like a result is written where the run is done; until then the checkpoint has it all.
+        let listed: Vec<String> = tables
+            .iter()
+            .map(|table| format!("{}.csv", table.name))
+            .collect();
         if finished {
+            let (threads, remarks) = (self.options.threads, self.past.remarks.clone());
+            // Before the tables, so that none is there that no record lists.
+            self.files.write_record(&RunRecord {
+                tables: listed.clone(),
+                ..record::unfinished(simulation, threads, remarks)
+            })?;
             self.files.write_tables(&tables)?;
             self.files.write_state("final.xyz", simulation)?;
         }
@@ -296,6 +309,10 @@ impl Recorder<'_> {
             finished,
         );
         record.remarks.extend(self.past.remarks.iter().cloned());
+        record.tables = match finished {
+            true => listed,
+            false => self.options.folder.tables(),
+        };
         self.files.write_record(&record)?;
         Ok(Outcome {
             ending: self.ending,

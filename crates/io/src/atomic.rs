@@ -3,10 +3,35 @@
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 
 use serde::Serialize;
 
 use crate::WriteError;
+
+/// Folders in which this process makes no file any more.
+static CLOSED: RwLock<Vec<PathBuf>> = RwLock::new(Vec::new());
+
+/// Waits for the files that are being made, and lets none be made in a folder from then on.
+pub(crate) fn close(folder: &Path) {
+    let mut closed = CLOSED.write().unwrap_or_else(PoisonError::into_inner);
+    closed.push(folder.to_path_buf());
+}
+
+/// Held while a file is made, so that its folder is not closed meanwhile.
+pub(crate) fn making(path: &Path) -> Result<RwLockReadGuard<'static, Vec<PathBuf>>, WriteError> {
+    let closed = CLOSED.read().unwrap_or_else(PoisonError::into_inner);
+    if closed.iter().any(|folder| path.parent() == Some(folder)) {
+        let cause = io::Error::new(io::ErrorKind::Interrupted, "the run was given up");
+        return Err(WriteError::io(path, "create the file", cause));
+    }
+    Ok(closed)
+}
+
+/// The name that a half-written file was to take; `None` for any other file.
+pub(crate) fn whole_name(name: &str) -> Option<&str> {
+    name.strip_prefix('.')?.strip_suffix(".partial")
+}
 
 /// Where a file is written before it takes its name: `.NAME.partial` beside it. The name is always
 /// the same one, so that a killed run leaves at most one such file and the next write replaces it.
@@ -44,6 +69,7 @@ pub(crate) fn write_atomically(
     fill: impl FnOnce(&mut File) -> io::Result<()>,
 ) -> Result<(), WriteError> {
     let partial = partial_path(path)?;
+    let _making = making(path)?;
     let attempt = || -> Result<(), (&'static str, io::Error)> {
         let mut file = File::create(&partial).map_err(|e| ("create the file", e))?;
         fill(&mut file).map_err(|e| ("write", e))?;

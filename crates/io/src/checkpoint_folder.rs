@@ -15,6 +15,13 @@ const KEPT: usize = 2;
 const BEFORE_STEP: &str = "checkpoint-";
 const AFTER_STEP: &str = ".lennard";
 
+/// The step of a checkpoint by the name of its file; `None` for any other file.
+pub(crate) fn step_of(name: &str) -> Option<u64> {
+    let digits = name.strip_prefix(BEFORE_STEP)?.strip_suffix(AFTER_STEP)?;
+    let is_number = digits.bytes().all(|b| b.is_ascii_digit());
+    is_number.then(|| digits.parse().ok())?
+}
+
 /// The folder that holds the checkpoints of a run, `checkpoint-<step>.lennard`.
 #[derive(Debug, Clone)]
 pub struct CheckpointFolder {
@@ -45,13 +52,8 @@ impl CheckpointFolder {
         let mut found = Vec::new();
         for entry in fs::read_dir(&self.folder)? {
             let path = entry?.path();
-            let step = path
-                .file_name()
-                .and_then(|name| name.to_str())
-                .and_then(|name| name.strip_prefix(BEFORE_STEP)?.strip_suffix(AFTER_STEP))
-                .filter(|digits| digits.bytes().all(|b| b.is_ascii_digit()))
-                .and_then(|digits| digits.parse().ok());
-            if let Some(step) = step {
+            let name = path.file_name().and_then(|name| name.to_str());
+            if let Some(step) = name.and_then(step_of) {
                 found.push((step, path));
             }
         }

@@ -177,14 +177,16 @@ impl WriteError {
     #[must_use]
     pub fn advice(&self) -> &'static str {
         match self {
+            Self::Io { path, source, .. }
+                if source.kind() == io::ErrorKind::NotFound
+                    && path.parent().is_some_and(Path::is_dir) =>
+            {
+                "the file is gone: leave the output folder alone while the run goes on"
+            }
             Self::Io { source, .. } | Self::NotCutBack { source, .. } => advice_for(source.kind()),
-            Self::Vanished { .. } => {
-                "leave the output folder alone while the run goes on; resume from the last checkpoint"
-            }
-            Self::GivenUp { .. } => "mend the cause of the first error, then resume",
-            Self::NotResumable { .. } => {
-                "put the output files back as the run left them, or resume from the older checkpoint"
-            }
+            Self::Vanished { .. } => "leave the output folder alone while the run goes on",
+            Self::GivenUp { .. } => "mend the cause of the first error",
+            Self::NotResumable { .. } => "put the output files back as the run left them",
             Self::NotFinite { .. } => "the run has failed; start again with a smaller time step",
             Self::Unwritable { .. } => "change the value named",
         }
@@ -195,16 +197,16 @@ impl WriteError {
 pub(crate) fn advice_for(kind: io::ErrorKind) -> &'static str {
     match kind {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            "free space on this disk or write to another one, then resume"
+            "free space on this disk or write to another one"
         }
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-            "give write permission for the folder or write to another one, then resume"
+            "give write permission for the folder or write to another one"
         }
         io::ErrorKind::NotFound => {
             "the folder is gone: leave it alone while the run goes on, or name one that exists"
         }
         io::ErrorKind::BrokenPipe => "whoever read the output has gone: write to a file instead",
-        _ => "check the disk and the folder, then resume",
+        _ => "check the disk and the folder",
     }
 }
 

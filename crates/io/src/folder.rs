@@ -4,17 +4,21 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::TrajectoryFormat;
+use crate::atomic::{close, whole_name};
+use crate::checkpoint_folder::step_of;
 use crate::claim::{Claim, Unclaimed, is_of_claim};
 use crate::error::advice_for;
 use crate::holder::Holder;
+use crate::record::tables_in;
 
 /// What to do with an output folder that is there already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Existing {
     /// Refuse it, unless it is empty.
     Refuse,
-    /// Use it. Where it holds a run (a `run.json` or a checkpoint), the output files of that run are removed first. No old file
-    /// can then be taken for a result of the new run. Other files in the folder are left alone.
+    /// Use it. Where it holds a run (a `run.json` or a checkpoint), the files of that run are removed first. No old file
+    /// can then be taken for a result of the new run. Files that no run wrote are left alone.
     Replace,
     /// Use it and leave alone what is in it, for work that goes on where it was stopped.
     Keep,
@@ -65,18 +69,36 @@ fn name_of(holder: Option<&Holder>) -> String {
     holder.map_or_else(|| "another process".to_owned(), ToString::to_string)
 }
 
-/// Endings of the files that a run writes.
-const OUTPUT_ENDINGS: [&str; 9] = [
-    "xyz",
-    "gz",
-    "lammpstrj",
-    "xtc",
-    "csv",
-    "json",
-    "toml",
-    "gro",
-    "lennard",
+/// The record of a run.
+const RECORD: &str = "run.json";
+
+/// Files that any run may write, beside trajectories, checkpoints and the tables that its record lists.
+const OF_ANY_RUN: [&str; 9] = [
+    RECORD,
+    "scene.toml",
+    "thermo.csv",
+    "topology.gro",
+    "final.xyz",
+    "failed.xyz",
+    "before-failure.xyz",
+    "report.html",
+    "particles.svg",
 ];
+
+/// Whether a file of this name is of a run whose record lists these tables, whole or half written.
+fn is_of_run(file: &Path, tables: &[String]) -> bool {
+    let Some(name) = file.file_name().and_then(|name| name.to_str()) else {
+        return false;
+    };
+    let whole = whole_name(name).unwrap_or(name);
+    let mut trajectories = TrajectoryFormat::ALL
+        .iter()
+        .map(|format| format.spec().file);
+    OF_ANY_RUN.contains(&whole)
+        || step_of(whole).is_some()
+        || trajectories.any(|trajectory| trajectory == whole)
+        || tables.iter().any(|table| table == whole)
+}
 
 fn fail(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> FolderError {
     let path = path.to_path_buf();
@@ -96,8 +118,8 @@ pub struct OutputFolder {
     /// Folders that were made on the way, the innermost first.
     made: Vec<PathBuf>,
     claim: Claim,
-    /// Whether it held nothing when this process began there.
-    was_empty: bool,
+    /// What it held when this process began there.
+    before: Vec<PathBuf>,
 }
 
 impl OutputFolder {
@@ -107,35 +129,57 @@ impl OutputFolder {
         &self.path
     }
 
-    /// Whether it held nothing when this process began there: all that is in it is of this process then.
+    /// The tables that the record of the run in the folder lists; none where there is no record.
     #[must_use]
-    pub fn was_empty(&self) -> bool {
-        self.was_empty
+    pub fn tables(&self) -> Vec<String> {
+        tables_in(&self.path.join(RECORD))
     }
 
-    /// Removes the output files of the run that the folder holds, where it holds one; anything else is left alone.
+    /// Removes the files of the run that the folder holds, where it holds one; anything else is left alone.
     ///
     /// # Errors
     /// Where the operating system refuses.
     pub fn remove_run(&mut self) -> Result<(), FolderError> {
         let path = &self.path;
         let files = content(path).map_err(fail(path, "read"))?;
-        let ends_with = |file: &Path, endings: &[&str]| {
-            file.extension()
-                .is_some_and(|found| endings.iter().any(|e| found == *e))
-        };
-        let holds_run = files.iter().any(|file| {
-            file.file_name().is_some_and(|name| name == "run.json") || ends_with(file, &["lennard"])
-        });
-        if holds_run {
-            for file in files {
-                if ends_with(&file, &OUTPUT_ENDINGS) && file.is_file() {
-                    fs::remove_file(&file).map_err(fail(path, "emptied"))?;
+        let name = |file: &PathBuf| file.file_name()?.to_str().map(str::to_owned);
+        let mut names = files.iter().filter_map(name);
+        if names.any(|name| name == RECORD || step_of(&name).is_some()) {
+            let tables = self.tables();
+            for file in files.iter().filter(|file| is_of_run(file, &tables)) {
+                if file.is_file() {
+                    fs::remove_file(file).map_err(fail(path, "emptied"))?;
                 }
             }
-            self.was_empty = is_empty_folder(path);
+            self.before = content(path).map_err(fail(path, "read"))?;
         }
         Ok(())
+    }
+
+    /// Removes what a killed process of a run left half written.
+    pub fn remove_half_written(&self) {
+        let tables = self.tables();
+        for file in content(&self.path).unwrap_or_default() {
+            let name = file.file_name().and_then(|name| name.to_str());
+            if name.and_then(whole_name).is_some() && is_of_run(&file, &tables) {
+                // One that cannot be removed does no harm: it is hidden, and no reader takes it.
+                let _ = fs::remove_file(file);
+            }
+        }
+    }
+
+    /// Leaves the folder of a run of which no step is kept: removes the files that the run has written, and lets nothing be
+    /// written there any more.
+    pub fn abandon(&self) {
+        close(&self.path);
+        let tables = self.tables();
+        let written = content(&self.path).unwrap_or_default();
+        let new = |file: &&PathBuf| !self.before.contains(file) && is_of_run(file, &tables);
+        for file in written.iter().filter(new) {
+            // One that cannot be removed is seen to be of a run without a step.
+            let _ = fs::remove_file(file);
+        }
+        self.leave();
     }
 
     /// Refuses to go on where another process has taken the folder over.
@@ -173,7 +217,7 @@ impl OutputFolder {
                         path: path.to_path_buf(),
                         made,
                         claim,
-                        was_empty: is_empty_folder(path),
+                        before: content(path).map_err(fail(path, "read"))?,
                     });
                 }
                 Err(Unclaimed::Busy(holder)) => {

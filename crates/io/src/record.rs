@@ -62,6 +62,9 @@ pub struct RunRecord {
     /// What the barostat of the last stage did; absent where none was on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub barostat: Option<BarostatRecord>,
+    /// Names of the files with tables of observables; absent where there is none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tables: Vec<String>,
     /// Measured values beside values of the literature.
     pub comparison: Vec<Comparison>,
     /// Remarks that belong beside the numbers.
@@ -69,6 +72,20 @@ pub struct RunRecord {
     /// Whole frames in the trajectory; `null` where there is none. Some readers drop a truncated last frame
     /// silently: this number tells.
     pub trajectory_frames: Option<u64>,
+}
+
+/// The tables that a record lists; none where it cannot be read.
+pub(crate) fn tables_in(record: &Path) -> Vec<String> {
+    #[derive(Deserialize)]
+    struct Listed {
+        #[serde(default)]
+        tables: Vec<String>,
+    }
+    let listed = fs::read(record).map(|bytes| serde_json::from_slice::<Listed>(&bytes));
+    listed.map_or_else(
+        |_| Vec::new(),
+        |listed| listed.map_or_else(|_| Vec::new(), |l| l.tables),
+    )
 }
 
 /// The machine that a run was made on.

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::WriteError;
+use crate::atomic::making;
 
 /// What a growing file is written to: a file, or in tests something that fails on purpose.
 pub trait Sink: Write + Send {
@@ -82,6 +83,7 @@ impl std::fmt::Debug for WholeFile {
 impl WholeFile {
     /// An empty file; what stood there before is gone.
     pub(crate) fn create(path: &Path) -> Result<Self, WriteError> {
+        let _making = making(path)?;
         let file = File::create(path).map_err(|e| WriteError::io(path, "create the file", e))?;
         Ok(Self::over(path, Box::new(file)))
     }
@@ -107,7 +109,10 @@ impl WholeFile {
             wanted: mark.bytes,
             reason,
         };
-        let open = |e| WriteError::io(path, "open the file to go on", e);
+        let open = |e: io::Error| match e.kind() {
+            io::ErrorKind::NotFound => refuse(format!("the file is not there: {e}")),
+            _ => WriteError::io(path, "open the file to go on", e),
+        };
         let mut file = OpenOptions::new()
             .read(true)
             .write(true)

@@ -28,18 +28,61 @@ fn an_existing_folder_is_refused_and_left_alone_without_force() {
     assert!(path.join("run.json").exists());
 }
 
+/// The names in a folder, in order.
+fn names_in(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
 #[test]
 fn force_removes_the_files_of_the_old_run_and_nothing_else() {
     let root = tempfile::tempdir().unwrap();
-    for name in ["run.json", "rdf.csv", "notes.txt"] {
+    let record = r#"{"tables": ["rdf.csv", "../x.csv"]}"#;
+    fs::write(root.path().join("run.json"), record).unwrap();
+    let of_run = [
+        "rdf.csv",
+        ".rdf.csv.partial",
+        "thermo.csv",
+        "trajectory.xtc",
+        "checkpoint-000000000100.lennard",
+    ];
+    let others = [
+        "checkpoint-x.lennard",
+        "data.csv",
+        "movie.xyz",
+        "notes.txt",
+        "vacf.csv",
+    ];
+    for name in of_run.iter().chain(&others) {
         fs::write(root.path().join(name), "x").unwrap();
     }
-    create_named_folder(root.path(), Existing::Replace).unwrap();
-    let left: Vec<_> = fs::read_dir(root.path())
-        .unwrap()
-        .map(|e| e.unwrap().file_name())
-        .collect();
-    assert_eq!(left, ["notes.txt"]);
+    drop(create_named_folder(root.path(), Existing::Replace).unwrap());
+    assert_eq!(names_in(root.path()), others);
+}
+
+/// Proves that a process which a signal ends leaves nothing: neither what was there nor what comes after.
+#[test]
+fn an_abandoned_folder_has_no_file_of_the_run_and_gets_none() {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("out");
+    let held = create_named_folder(&path, Existing::Refuse).unwrap();
+    crate::write_text_atomically(&path.join("scene.toml"), "x").unwrap();
+    fs::write(path.join(".thermo.csv.partial"), "x").unwrap();
+    held.abandon();
+    let late = crate::write_text_atomically(&path.join("run.json"), "x").unwrap_err();
+    assert!(late.to_string().contains("the run was given up"), "{late}");
+    assert!(!path.exists());
+    // What stood there before stays.
+    fs::create_dir(root.path().join("own")).unwrap();
+    fs::write(root.path().join("own/final.xyz"), "mine").unwrap();
+    let held = create_named_folder(&root.path().join("own"), Existing::Replace).unwrap();
+    crate::write_text_atomically(&held.path().join("scene.toml"), "x").unwrap();
+    held.abandon();
+    assert_eq!(names_in(held.path()), ["final.xyz"]);
 }
 
 #[test]

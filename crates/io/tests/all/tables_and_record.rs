@@ -219,6 +219,7 @@ fn record() -> RunRecord {
             heat: -3.5,
             conserved_quantity: "total energy − heat".into(),
         }),
+        tables: vec!["rdf.csv".to_owned()],
         comparison: vec![Comparison {
             quantity: "pressure".into(),
             unit: "ε/σ³".into(),
