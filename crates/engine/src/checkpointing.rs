@@ -55,7 +55,7 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
     Checkpoint {
         metadata: CheckpointMetadata {
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
-            scene_name: simulation.scene.name.clone(),
+            scene_name: simulation.scene.name.to_string(),
             isa: simulation.isa.clone(),
             precision: simulation.scene.kernel.precision.name().to_owned(),
             step: simulation.state.step,

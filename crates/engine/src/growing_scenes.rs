@@ -74,7 +74,7 @@ pub fn planned_text(scene: &Scene) -> String {
 fn with_stand_in(mut scene: Scene) -> Scene {
     if !scene.stages.iter().any(|s| s.measure) {
         scene.stages.push(Stage {
-            name: STAND_IN.to_owned(),
+            name: STAND_IN.into(),
             steps: 1,
             temperature: scene.system.temperature,
             temperature_from: None,

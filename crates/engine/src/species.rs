@@ -98,7 +98,7 @@ pub(crate) fn of_file(
 /// the order of the scene. It counts where elements do not tell particles apart that types do.
 fn numbers(mixture: &MixtureTables, found: &FoundSpecies) -> Result<Vec<usize>, String> {
     let number = |name: &String| {
-        let by_name = mixture.species.iter().position(|s| s.name == *name);
+        let by_name = mixture.species.iter().position(|s| s.name == name.as_str());
         let by_element = || mixture.species.iter().position(|s| s.element == *name);
         let by_number = || name.parse::<usize>().ok()?.checked_sub(1);
         by_name

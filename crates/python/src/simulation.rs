@@ -368,7 +368,7 @@ impl Core {
         let simulation = &inner.simulation;
         let stages = planned_stages(&simulation.scene).iter();
         let all = stages
-            .map(|s| (s.name.clone(), s.steps, s.measure))
+            .map(|s| (s.name.to_string(), s.steps, s.measure))
             .collect();
         Ok((all, simulation.stage.as_ref().map(|s| s.index)))
     }
@@ -379,7 +379,7 @@ impl Core {
         let inner = self.used()?;
         let scene = &inner.simulation.scene;
         Ok((
-            scene.name.clone(),
+            scene.name.to_string(),
             scene.model_name(),
             inner.threads.count(),
         ))

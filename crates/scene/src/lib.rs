@@ -27,6 +27,7 @@ mod mixture;
 mod model_kind;
 mod molecule;
 mod molecule_checks;
+mod name;
 mod names;
 mod observable;
 mod output;
@@ -61,6 +62,7 @@ pub use lock::{Chosen, Judged, Lock, UsedLock};
 pub use mixture::{Amount, MixtureTables, PairEntry, SpeciesEntry};
 pub use model_kind::model_kind;
 pub use molecule::{Molecule, MoleculeKind, MoleculeOptions};
+pub use name::Name;
 pub use names::nearest;
 pub use program::ProgramParts;
 pub use scene::{

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use lennard_forcefield::{PotentialOptions, TablePath, TruncationOptions};
 
 use crate::error::{Place, SceneError};
-use crate::names::{nearest, not_yet};
+use crate::names::{nearest, no_key};
 use crate::reference::{self, Form, MOST_ENTRIES};
 use crate::tree::{self, Entry, Node, Table, Value};
 use crate::typed::Section;
 use crate::{
-    MixtureTables, Scene, Source, accuracy, checks, model_kind, overrides, planar, shipped,
+    MixtureTables, Name, Scene, Source, accuracy, checks, model_kind, overrides, planar, shipped,
 };
 
 /// Keys outside all tables that make a file a sweep.
@@ -229,7 +229,7 @@ impl<'a> Reader<'a> {
                 .found(format!("`{key}`"))
                 .allowed("`lennard sweep` for this file, or a scene without it");
         }
-        if let Some(message) = not_yet(key) {
+        if let Some(message) = no_key(key) {
             return self
                 .source
                 .refuse(key, format!("cannot be used: {message}"))
@@ -314,33 +314,13 @@ impl<'a> Reader<'a> {
         Ok((truncation, is_planar))
     }
 
-    fn name(&self, file: &str) -> Result<String, SceneError> {
-        let rule = |name: &str| {
-            name.starts_with(|c: char| c.is_ascii_alphanumeric())
-                && name
-                    .chars()
-                    .all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c))
-        };
+    fn name(&self, file: &str) -> Result<Name, SceneError> {
         let Some(node) = self.root.get("name") else {
-            let stem = Path::new(file).file_stem().unwrap_or_default();
-            let plain: String = stem
-                .to_string_lossy()
-                .chars()
-                .map(|c| {
-                    if c.is_ascii_alphanumeric() || "-_.".contains(c) {
-                        c
-                    } else {
-                        '-'
-                    }
-                })
-                .collect();
-            let plain = plain.trim_start_matches(|c: char| !c.is_ascii_alphanumeric());
-            return Ok(if plain.is_empty() { "scene" } else { plain }.to_owned());
+            return Ok(Name::of_file(Path::new(file)));
         };
-        match node.text() {
-            Some(name) if rule(name) => Ok(name.to_owned()),
-            _ => Err(self.refuse_value("", "name", "name", node)),
-        }
+        node.text()
+            .and_then(Name::new)
+            .ok_or_else(|| self.refuse_value("", "name", "name", node))
     }
 
     /// A value that the reference does not allow.

@@ -12,6 +12,8 @@ use serde::Serialize;
 pub use tables::TableDoc;
 pub(crate) use tables::{Form, Tag};
 
+use crate::Name;
+
 /// The most particles that a scene may ask for; their numbers must fit in 32 bits with room to spare.
 pub(crate) const MOST_ATOMS: i64 = 1_000_000_000;
 /// The longest box side in σ: beyond it, image flags and the last digits of positions get scarce.
@@ -56,7 +58,7 @@ lennard_core::options! {
     /// The keys outside all tables.
     pub(crate) struct TopKeys {
         /// Name of the scene; the output folder is called after it.
-        name: Option<String> = None, else "the file's name without `.toml`", Words("letters, digits, `-`, `_` and `.`, beginning with a letter or digit");
+        name: Option<String> = None, else "the file's name without `.toml`", Words(Name::ALLOWED);
     }
 }
 

@@ -4,7 +4,6 @@ use lennard_core::options::OptionValue;
 use lennard_integrators::{ExchangeOptions, ThermostatOptions};
 use serde::{Deserialize, Serialize};
 
-use crate::Stage;
 use crate::baths::{BarostatTable, Ends, Ramped, TemperatureRamp};
 use crate::error::SceneError;
 use crate::methods;
@@ -13,12 +12,13 @@ use crate::reference::{COLDEST, HOTTEST, LONGEST_STEP, MOST_STEPS, SHORTEST_STEP
 use crate::tags::{take, with_tag};
 use crate::tree::{Node, Value};
 use crate::typed::Section;
+use crate::{Name, Stage};
 
 lennard_core::options! {
     /// The keys of `[[stage]]`. Tables among the values are taken out and read one by one.
     pub(crate) struct StageKeys {
         /// Its name, by which `--set stage.NAME.steps=…` finds it.
-        name: Option<String> = None, else "needed", Words("letters, digits, `-` and `_`, not digits alone, and unlike any other stage's");
+        name: Option<String> = None, else "needed", Words("at most 200 letters, digits, `-` and `_`, beginning with a letter or digit, not digits alone, and unlike any other stage's");
         /// Number of steps.
         steps: Option<u64> = None, else "needed", Whole(1, MOST_STEPS);
         /// Temperature of the thermostat, or a ramp `{ from, to }`.
@@ -67,7 +67,7 @@ impl From<&Stage> for StageKeys {
             to: stage.temperature,
         };
         Self {
-            name: Some(stage.name.clone()),
+            name: Some(stage.name.to_string()),
             steps: Some(stage.steps),
             temperature: stage.thermostat.as_ref().map(|_| ends.into()),
             dt: stage.dt,
@@ -120,18 +120,15 @@ impl Reader<'_> {
             "stage.temperature",
         )?;
         let keys: StageKeys = section.read(&node)?;
-        let name = section.needed(&node, "name", keys.name)?;
+        let written = section.needed(&node, "name", keys.name)?;
         let steps = section.needed(&node, "steps", keys.steps)?;
-        let good_name = |name: &str| {
-            name.chars()
-                .all(|c| c.is_ascii_alphanumeric() || "-_".contains(c))
-                && name.chars().any(|c| !c.is_ascii_digit())
-        };
-        if !good_name(&name) {
+        // Overrides find a stage by its name, between dots, or by its number.
+        let finds = |name: &Name| !name.contains('.') && !name.chars().all(|c| c.is_ascii_digit());
+        let Some(name) = Name::new(written).filter(finds) else {
             let written = node.table().and_then(|t| t.get("name"));
             let written = written.unwrap_or(&self.empty);
             return Err(self.refuse_value("stage", "name", &section.name("name"), written));
-        }
+        };
         let thermostat = match &thermostat {
             Some(entry) => self.thermostat(path, &entry.node)?,
             None => None,

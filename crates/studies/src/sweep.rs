@@ -24,6 +24,8 @@ mod threads;
 
 use std::path::PathBuf;
 
+use lennard_scene::Name;
+
 pub use agreement::{Agreement, agreement, probability_words};
 pub use collect::collect;
 pub use critical::CriticalEstimate;
@@ -42,7 +44,7 @@ pub use threads::workers;
 #[derive(Debug, Clone)]
 pub struct Sweep {
     /// Its name; the file's stem unless the file gives another.
-    pub name: String,
+    pub name: Name,
     /// The file of its base scene.
     pub base: PathBuf,
     /// Its points, in the order of the file.

@@ -167,7 +167,7 @@ pub struct ChartArgs {
 }
 
 /// Programs that run the tasks of a sweep.
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum SchedulerName {
     /// Slurm: a job array.
     Slurm,

@@ -1,5 +1,6 @@
 //! `lennard bench`: how fast the parts of a step are.
 
+use lennard_io::{in_shell, path_in_shell};
 use lennard_studies::bench::{self, BenchError, BenchOptions, Subject};
 
 use crate::args::BenchArgs;
@@ -77,12 +78,9 @@ pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
 /// The command as it can be typed again.
 fn command(args: &BenchArgs) -> String {
     let mut words = vec!["lennard bench".to_owned()];
-    words.extend(args.scene.iter().map(|p| p.display().to_string()));
-    words.extend(
-        args.set
-            .iter()
-            .map(|(key, value)| format!("--set {key}={value}")),
-    );
+    words.extend(args.scene.iter().map(|scene| path_in_shell(scene)));
+    let settings = args.set.iter().map(|(key, value)| format!("{key}={value}"));
+    words.extend(settings.map(|setting| format!("--set {}", in_shell(&setting))));
     let lists = [
         ("--isa", args.isa.join(",")),
         ("--precision", args.precision.join(",")),
@@ -91,7 +89,7 @@ fn command(args: &BenchArgs) -> String {
         lists
             .into_iter()
             .filter(|(_, list)| !list.is_empty())
-            .map(|(name, list)| format!("{name} {list}")),
+            .map(|(name, list)| format!("{name} {}", in_shell(&list))),
     );
     if !args.threads.is_empty() {
         let threads: Vec<String> = args.threads.iter().map(u16::to_string).collect();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lennard_io::Existing;
+use lennard_io::{Existing, in_shell, path_in_shell};
 use lennard_scene::Scene;
 use lennard_studies::chart::Size;
 use lennard_studies::chart::{self, ChartError, ChartOptions, ensembles};
@@ -96,14 +96,14 @@ fn kept_points(args: &ChartArgs, folder: &Path) -> String {
 fn command(args: &ChartArgs, folder: &Path) -> String {
     let mut line = format!(
         "lennard chart {} --out {}",
-        args.scene.display(),
-        folder.display()
+        path_in_shell(&args.scene),
+        path_in_shell(folder)
     );
     for (key, value) in &args.set {
-        line += &format!(" --set {key}={value}");
+        line += &format!(" --set {}", in_shell(&format!("{key}={value}")));
     }
     if let Some(lock) = &args.lock {
-        line += &format!(" --lock {}", lock.display());
+        line += &format!(" --lock {}", path_in_shell(lock));
     }
     for (wanted, flag) in [
         (args.quick, " --quick"),

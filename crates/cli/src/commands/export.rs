@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lennard_engine::{LammpsExport, ResumeOptions, Simulation};
-use lennard_io::{Existing, FolderError, create_named_folder};
+use lennard_io::{Existing, FolderError, create_named_folder, path_in_shell};
 use serde::Serialize;
 
 use crate::args::{ExportArgs, ExportFormat};
@@ -67,7 +67,7 @@ pub fn export(args: &ExportArgs) -> Result<u8, Failure> {
     for remark in &done.remarks {
         println!("  not the same: {remark}");
     }
-    println!("  cd {} && lmp -in in.lammps", args.folder.display());
+    println!("  cd {} && lmp -in in.lammps", path_in_shell(&args.folder));
     Ok(DONE)
 }
 

@@ -75,8 +75,7 @@ pub(super) fn deadline(args: &SweepArgs, started: Instant) -> Option<Instant> {
 /// The command that runs or goes on with a sweep, as a shell reads it.
 pub(super) fn command(args: &SweepArgs, folder: &Path) -> String {
     let shipped = shipped::find(&args.sweep).filter(|_| shipped::is_shipped(&args.sweep));
-    let name = shipped.map_or_else(|| args.sweep.to_string_lossy(), |sweep| sweep.name.into());
-    let file = in_shell(&name);
+    let file = path_in_shell(shipped.map_or(&args.sweep, |sweep| Path::new(sweep.name)));
     let line = format!("lennard sweep {file} --out {}", path_in_shell(folder));
     args.set.iter().fold(line, |line, (key, value)| {
         format!("{line} --set {}", in_shell(&format!("{key}={value}")))

@@ -4,15 +4,15 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use lennard_io::Existing;
+use lennard_io::{Existing, shown};
 use lennard_studies::sweep::{self, Plan, Scheduler, Script, SweepOptions};
 use serde::Serialize;
 
 use crate::args::{SchedulerName, SweepArgs};
 use crate::commands::sweep_ends::{NOT_BEGUN, command, deadline, ended, keep_inputs};
 use crate::commands::{output_folder, print_json};
-use crate::failure::DONE;
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure, INPUT};
+use crate::out;
 use crate::progress::Display;
 use crate::show;
 use crate::signals::{Signals, StartUp};
@@ -146,23 +146,29 @@ impl Tasks<'_> {
         let plan = self.plan()?;
         // A wrong scene shows before the script is sent away.
         plan.sweep()?;
+        let folder = shown(self.folder()).to_string();
+        if scheduler == SchedulerName::Snakemake
+            && (Path::new(&folder) != self.folder() || folder.contains(['{', '}']))
+        {
+            let error = format!(
+                "Snakemake cannot name the output folder\n  found:   {folder}\n  allowed: a folder whose name has no braces and no line ends"
+            );
+            return Err(Failure::new("writing the script", error, INPUT));
+        }
         let script = Script {
             command: command(self.args, self.folder()),
-            folder: self.folder().display().to_string(),
+            folder,
             plan: &plan,
             chunk: self.args.chunk as usize,
             // Small points are fastest with a thread each, side by side.
             threads: self.args.threads.map_or(1, usize::from),
             time: self.args.max_walltime,
         };
-        print!(
-            "{}",
-            script.text(match scheduler {
-                SchedulerName::Slurm => Scheduler::Slurm,
-                SchedulerName::Parallel => Scheduler::Parallel,
-                SchedulerName::Snakemake => Scheduler::Snakemake,
-            })
-        );
+        out::text(&script.text(match scheduler {
+            SchedulerName::Slurm => Scheduler::Slurm,
+            SchedulerName::Parallel => Scheduler::Parallel,
+            SchedulerName::Snakemake => Scheduler::Snakemake,
+        }));
         Ok(DONE)
     }
 }

@@ -21,5 +21,6 @@ mod shared_sweeps;
 mod signals;
 mod starts_and_ends;
 mod tables;
+mod texts_of_users;
 mod tune;
 mod verdicts;

@@ -9,7 +9,7 @@ lennard_core::options! {
     /// The keys of `[[species]]`.
     pub(crate) struct SpeciesKeys {
         /// Its name in `[[pair]]`, results and overrides (`--set species.NAME.sigma=…`).
-        name: Option<String> = None, else "needed", Words("letters, digits, `-` and `_`, beginning with a letter, and unlike any other species'");
+        name: Option<String> = None, else "needed", Words("at most 200 letters, digits, `-` and `_`, beginning with a letter, and unlike any other species'");
         /// Share of all particles; the fractions of all species add up to 1.
         fraction: Option<f64> = None, else "this or `count`", Between(1e-9, 1.0);
         /// Number of particles. With `configuration`, the file has them, and neither key is written.
@@ -53,7 +53,7 @@ impl From<&SpeciesEntry> for SpeciesKeys {
             Amount::OfFile => (None, None),
         };
         Self {
-            name: Some(entry.name.clone()),
+            name: Some(entry.name.to_string()),
             fraction,
             count,
             sigma: entry.sigma,
@@ -68,7 +68,7 @@ impl MixtureTables {
     /// The tables `[[pair]]` as a scene writes them.
     pub(crate) fn pair_keys(&self) -> Vec<PairKeys> {
         let keys = |pair: &PairEntry| {
-            let [a, b] = pair.species.map(|a| Some(self.species[a].name.clone()));
+            let [a, b] = pair.species.map(|a| Some(self.species[a].name.to_string()));
             PairKeys {
                 a,
                 b,

@@ -11,13 +11,13 @@ pub(crate) use keys::{PairKeys, SpeciesKeys};
 use lennard_core::{Species, SpeciesTable};
 use lennard_forcefield::{CombiningOptions, CutoffUnit, Deviation, Mixture, Size, SpeciesPair};
 
-use crate::{Scene, SceneError};
+use crate::{Name, Scene, SceneError};
 
 /// A table `[[species]]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeciesEntry {
     /// Its name, unlike any other's.
-    pub name: String,
+    pub name: Name,
     /// How many particles are of it.
     pub amount: Amount,
     /// σ_aa, in σ of the scene.
@@ -109,7 +109,7 @@ impl MixtureTables {
     /// The species as a system has them.
     fn as_species(&self) -> Vec<Species> {
         let species = self.species.iter().map(|s| Species {
-            name: s.name.clone(),
+            name: s.name.to_string(),
             mass: s.mass,
             element: s.element.clone(),
         });

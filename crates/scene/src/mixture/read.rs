@@ -4,6 +4,7 @@ use lennard_core::MOST_SPECIES;
 use lennard_forcefield::{CombiningOptions, combining_rules};
 
 use super::{Amount, MixtureTables, PairEntry, PairKeys, SpeciesEntry, SpeciesKeys};
+use crate::Name;
 use crate::error::SceneError;
 use crate::names::nearest;
 use crate::read::Reader;
@@ -56,7 +57,7 @@ impl Reader<'_> {
             let section = Section::new(self.source, &path, "species");
             let mut row: SpeciesKeys = section.read(node)?;
             let name = section.needed(node, "name", row.name.take())?;
-            self.name_of_species(&path, &name)?;
+            let name = self.name_of_species(&path, name)?;
             if let Some(first) = rows.iter().position(|(n, _)| *n == name) {
                 let first = format!("species.{first}.name");
                 return Err(self.source.twice(&section.name("name"), &name, &first));
@@ -77,21 +78,22 @@ impl Reader<'_> {
         Ok(entries.collect())
     }
 
-    fn name_of_species(&self, path: &str, name: &str) -> Result<(), SceneError> {
-        let starts = name.starts_with(|c: char| c.is_ascii_alphabetic());
-        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-        if starts && name.chars().all(plain) {
-            return Ok(());
-        }
-        Err(self
-            .source
-            .refuse(&format!("{path}.name"), "is not allowed")
-            .found(format!("{name:?}"))
-            .allowed("letters, digits, `-` and `_`, beginning with a letter"))
+    fn name_of_species(&self, path: &str, name: String) -> Result<Name, SceneError> {
+        // Overrides find a species by its name, between dots.
+        let finds = |name: &Name| {
+            !name.contains('.') && name.starts_with(|c: char| c.is_ascii_alphabetic())
+        };
+        let refused = || {
+            self.source
+                .refuse(&format!("{path}.name"), "is not allowed")
+                .found(format!("{name:?}"))
+                .allowed("at most 200 letters, digits, `-` and `_`, beginning with a letter")
+        };
+        Name::new(&*name).filter(finds).ok_or_else(refused)
     }
 
     /// The symbol of each species in files: as written, as its name, or one that no other has.
-    fn elements(&self, rows: &[(String, SpeciesKeys)]) -> Result<Vec<String>, SceneError> {
+    fn elements(&self, rows: &[(Name, SpeciesKeys)]) -> Result<Vec<String>, SceneError> {
         let mut elements: Vec<Option<String>> = Vec::new();
         for (a, (name, row)) in rows.iter().enumerate() {
             let key = format!("species.{a}.element");
@@ -102,7 +104,7 @@ impl Reader<'_> {
                     .found(format!("{element:?}"))
                     .allowed("an element symbol, or \"X\""));
             }
-            let named = is_element_symbol(name).then(|| name.clone());
+            let named = is_element_symbol(name).then(|| name.to_string());
             let element = row.element.clone().or(named);
             let twin = elements.iter().position(|e| e.is_some() && *e == element);
             if let (Some(first), Some(element)) = (twin, &element) {
@@ -128,7 +130,7 @@ impl Reader<'_> {
     }
 
     /// The amount of each species: all as fractions, all as counts, or all in a configuration file.
-    fn amounts(&self, rows: &[(String, SpeciesKeys)]) -> Result<Vec<Amount>, SceneError> {
+    fn amounts(&self, rows: &[(Name, SpeciesKeys)]) -> Result<Vec<Amount>, SceneError> {
         let of_file = self.source.wrote("system.configuration");
         let by_count = rows.iter().any(|(_, row)| row.count.is_some());
         let mut amounts = Vec::new();

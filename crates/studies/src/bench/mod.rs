@@ -193,7 +193,7 @@ pub fn run(options: &BenchOptions, progress: &mut dyn Progress) -> Result<BenchS
     let blocks = Blocks::warmed(&plan[0].scene, most.unwrap_or(1), options, progress)?;
     let mut study = BenchStudy {
         schema: lennard_io::schema!("bench", 1),
-        scene: plan[0].scene.name.clone(),
+        scene: plan[0].scene.name.to_string(),
         model: plan[0].scene.model_name(),
         atoms: blocks.start.len(),
         density: blocks.start.density(),

@@ -85,7 +85,7 @@ pub(super) fn all(
     }
     let mut chart = Chart {
         schema: SCHEMA,
-        scene: scene.name.clone(),
+        scene: scene.name.to_string(),
         atoms: bench.start().len(),
         density: bench.start().density(),
         finished,

@@ -145,7 +145,7 @@ impl Workbench {
         scene.observables.clear();
         scene.output.thermo_every = sample_every;
         let stage = |(i, stage): (usize, &ShortStage)| Stage {
-            name: format!("part-{}", i + 1),
+            name: format!("part-{}", i + 1).as_str().into(),
             steps: stage.steps,
             measure: stage.measure,
             // Settings are judged at the density of the scene.

@@ -153,7 +153,7 @@ pub(super) fn all_stages(run: &RunFolder) -> Vec<Picture> {
         let first = rows.find(|(_, number)| **number == stage as f64)?;
         // Names of short stages would lie on each other.
         let name = if stages[stage].measure {
-            stages[stage].name.clone()
+            stages[stage].name.to_string()
         } else {
             String::new()
         };

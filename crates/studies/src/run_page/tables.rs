@@ -74,7 +74,7 @@ pub(super) fn stages(run: &RunFolder) -> Table {
     );
     Table::rows_of("stages", &scene.stages)
         .caption(caption)
-        .column("Stage", |s| &s.name)
+        .column("Stage", |s| s.name.as_str())
         .column("Steps", |s| s.steps)
         .column("dt [τ]", |s| Cell::rounded(scene.stage_dt(s), 4))
         .column("Thermostat", |s| {

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use lennard_scene::{SceneError, shipped};
+use lennard_scene::{Name, SceneError, shipped};
 use serde::Deserialize;
 
 use super::{Plan, Sweep, points};
@@ -180,18 +180,22 @@ pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepEr
             false => in_words(e.to_string().trim_end()),
         })
     })?;
-    let stem = path
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
+    let name = match file.name {
+        None => Name::of_file(path),
+        Some(name) => Name::new(&*name).ok_or_else(|| SweepError::Value {
+            file: path.to_owned(),
+            key: "name".into(),
+            found: format!("{name:?}"),
+            allowed: Name::ALLOWED.into(),
+        })?,
+    };
     let base = shipped::beside(path, &file.base);
     let mut common: Vec<(String, String)> = Vec::new();
     flatten(&file.set, "", &mut common);
     common.extend(overrides.iter().cloned());
     let points = points::expand(path, &file.point, file.grid.as_ref())?;
     Ok(Plan {
-        name: file.name.unwrap_or(stem),
+        name,
         file: path.to_owned(),
         base,
         common,

@@ -115,7 +115,7 @@ pub(super) fn estimates(sweep: &Sweep, points: &[SweptPoint]) -> Vec<MeltingEsti
     let estimate = |group: &Vec<&Averaged<'_>>| {
         let [temperature, temperature_error, grows_at, melts_at] = crossing(&fronts(group))?;
         let name = &group.first()?.points.first()?.name;
-        let scene = &sweep.points.iter().find(|p| p.name == *name)?.scene;
+        let scene = &sweep.points.iter().find(|p| p.name == name.as_str())?.scene;
         let pressure = pressure(scene);
         Some(MeltingEstimate {
             of: shared(group),
@@ -284,7 +284,7 @@ mod tests {
         )
         .unwrap();
         let planned = |p: &SweptPoint| SweepPoint {
-            name: p.name.clone(),
+            name: p.name.as_str().into(),
             settings: p.settings.clone(),
             scene: scene.clone(),
             atoms: 1000,

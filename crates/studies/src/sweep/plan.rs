@@ -3,6 +3,8 @@
 use std::ops::Range;
 use std::path::PathBuf;
 
+use lennard_scene::Name;
+
 use super::points::{self, PlannedPoint};
 use super::{Sweep, SweepError};
 
@@ -10,7 +12,7 @@ use super::{Sweep, SweepError};
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// Its name; the file's stem unless the file gives another.
-    pub name: String,
+    pub name: Name,
     /// The sweep file.
     pub file: PathBuf,
     /// The file of its base scene.

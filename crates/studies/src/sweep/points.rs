@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use lennard_core::random::Streams;
-use lennard_scene::Scene;
+use lennard_scene::{Name, Scene};
 use rand::Rng;
 use serde::Serialize;
 
@@ -27,7 +27,7 @@ pub struct Setting {
 #[derive(Debug, Clone)]
 pub struct Point {
     /// Its name and the name of its folder: `rho0.85-T1.128`.
-    pub name: String,
+    pub name: Name,
     /// What the sweep chose for it, without the seed.
     pub settings: Vec<Setting>,
     /// Its scene.
@@ -42,7 +42,7 @@ pub struct Point {
 #[derive(Debug, Clone)]
 pub struct PlannedPoint {
     /// The name that the point has.
-    pub name: String,
+    pub name: Name,
     choice: Choice,
 }
 
@@ -211,6 +211,13 @@ pub(super) fn expand(
         .into_iter()
         .map(|choice| {
             let name = name_of(&chosen(&choice), |key| key.scene.is_some());
+            let Some(name) = Name::new(&*name) else {
+                return Err(value(
+                    "point".into(),
+                    format!("values that name the point {name:?}"),
+                    &format!("values that make a name: {}", Name::ALLOWED),
+                ));
+            };
             if !names.insert(name.clone()) {
                 return Err(value(
                     "point".into(),
@@ -270,9 +277,9 @@ pub(super) fn point(
         .cloned()
         .collect();
     all.append(&mut overrides);
-    all.push(("name".into(), format!("{name:?}")));
+    all.push(("name".into(), format!("{:?}", name.as_str())));
     let refused = |source| SweepError::Scene {
-        point: name.clone(),
+        point: name.to_string(),
         source,
     };
     let mut scene = Scene::load(base, &all).map_err(refused)?;
@@ -290,7 +297,7 @@ pub(super) fn point(
     scene.settled().map_err(refused)?;
     let (atoms, density) =
         lennard_engine::size_and_density(&scene).map_err(|source| SweepError::Start {
-            point: name.clone(),
+            point: name.to_string(),
             source: Box::new(source),
         })?;
     let settings = chosen

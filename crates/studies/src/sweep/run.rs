@@ -207,7 +207,7 @@ pub(super) fn record(
 ) -> SweepRecord {
     SweepRecord {
         schema: SWEEP_SCHEMA,
-        name: sweep.name.clone(),
+        name: sweep.name.to_string(),
         ending,
         version: env!("CARGO_PKG_VERSION"),
         cpu: lennard_io::cpu_name(),
@@ -293,7 +293,7 @@ pub(super) fn conclude(point: &Point, outcome: Result<Ran, Failed>, folder: &Pat
     let model = lennard_scene::model_kind(&point.scene);
     let equation = lennard_literature::equation_of_state_for(model).ok();
     let mut swept = SweptPoint {
-        name: point.name.clone(),
+        name: point.name.to_string(),
         settings: point.settings.clone(),
         page: folder
             .join("report.html")

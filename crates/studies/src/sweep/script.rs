@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use lennard_io::in_shell;
+
 use super::Plan;
 
 /// Seconds between the signal of Slurm and the end of a task: time for a checkpoint.
@@ -26,9 +28,9 @@ pub enum Scheduler {
 pub struct Script<'a> {
     /// The sweep.
     pub plan: &'a Plan,
-    /// The command of the whole sweep, such as `lennard sweep isotherm.toml --out runs/isotherm`.
+    /// The command of the whole sweep as a shell reads it, such as `lennard sweep isotherm.toml --out runs/isotherm`.
     pub command: String,
-    /// The output folder.
+    /// The output folder, without braces.
     pub folder: String,
     /// Points in one task.
     pub chunk: usize,
@@ -55,8 +57,7 @@ impl Script<'_> {
     }
 
     /// The command of one task, with number and threads as the scheduler writes them.
-    fn task(&self, number: &str, threads: &str) -> String {
-        let command = &self.command;
+    fn task(&self, command: &str, number: &str, threads: &str) -> String {
         let mut task = format!("{command} --quiet --threads {threads} --point {number}");
         if self.chunk > 1 {
             let _ = write!(task, " --chunk {}", self.chunk);
@@ -79,7 +80,7 @@ impl Script<'_> {
         format!(
             "#!/bin/bash\n{about}\n\
              #   job=$(sbatch --parsable THIS_FILE)\n\
-             #   sbatch --dependency=afterany:$job --wrap \"{command} --collect\"\n\
+             #   sbatch --dependency=afterany:$job --wrap {collect}\n\
              # A task that runs out of time leaves a checkpoint: submit the file again, and it goes on.\n\
              #SBATCH --job-name={name}\n\
              #SBATCH --array=0-{last}\n\
@@ -90,11 +91,15 @@ impl Script<'_> {
              #SBATCH --signal=B:TERM@{WARNED}\n\
              exec {task}\n",
             about = self.about(),
-            command = self.command,
-            name = self.plan.name.replace(char::is_whitespace, "-"),
+            collect = in_shell(&format!("{} --collect", self.command)),
+            name = self.plan.name,
             last = self.last(),
             threads = self.threads,
-            task = self.task("\"$SLURM_ARRAY_TASK_ID\"", "\"$SLURM_CPUS_PER_TASK\""),
+            task = self.task(
+                &self.command,
+                "\"$SLURM_ARRAY_TASK_ID\"",
+                "\"$SLURM_CPUS_PER_TASK\""
+            ),
         )
     }
 
@@ -102,35 +107,46 @@ impl Script<'_> {
         format!(
             "#!/bin/bash\n{about}\n\
              # With --sshloginfile NODES --workdir . the tasks run on many machines that share this folder.\n\
-             seq 0 {last} | parallel --line-buffer {task}\n\
+             task() {{ {task}; }}\n\
+             export -f task\n\
+             seq 0 {last} | parallel --line-buffer --env task task\n\
              {command} --collect\n",
             about = self.about(),
             last = self.last(),
-            task = self.task("{}", &self.threads.to_string()),
+            task = self.task(&self.command, "\"$1\"", &self.threads.to_string()),
             command = self.command,
         )
     }
 
     fn snakemake(&self) -> String {
+        // Snakemake takes what stands in braces for a name of its own.
+        let command = self.command.replace('{', "{{").replace('}', "}}");
+        let marker = format!("{}/.tasks/{{task}}", self.folder);
         format!(
             "{about}\n\
              # snakemake --cores all --snakefile THIS_FILE\n\n\
              rule collect:\n    \
-                 input: expand(\"{folder}/.tasks/{{task}}\", task=range({tasks}))\n    \
-                 output: \"{folder}/table.csv\"\n    \
-                 shell: \"{command} --collect\"\n\n\
+                 input: expand({marker}, task=range({tasks}))\n    \
+                 output: {table}\n    \
+                 shell: {collect}\n\n\
              rule task:\n    \
-                 output: touch(\"{folder}/.tasks/{{task}}\")\n    \
+                 output: touch({marker})\n    \
                  threads: {threads}\n    \
-                 shell: \"{task}\"\n",
+                 shell: {task}\n",
             about = self.about(),
-            folder = self.folder,
+            marker = in_python(&marker),
+            table = in_python(&format!("{}/table.csv", self.folder)),
+            collect = in_python(&format!("{command} --collect")),
             tasks = self.last() + 1,
             threads = self.threads,
-            command = self.command,
-            task = self.task("{wildcards.task}", "{threads}"),
+            task = in_python(&self.task(&command, "{wildcards.task}", "{threads}")),
         )
     }
+}
+
+/// A text as Python reads it, on one line: texts of JSON are texts of Python.
+fn in_python(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
 }
 
 #[cfg(test)]
@@ -171,10 +187,10 @@ mod tests {
     fn parallel_and_snakemake_get_each_task_and_collect_at_the_end() {
         let text = script(Scheduler::Parallel, 1, None);
         assert!(
-            text.contains("seq 0 7 | parallel --line-buffer lennard sweep"),
+            text.contains("seq 0 7 | parallel --line-buffer --env task task\n"),
             "{text}"
         );
-        assert!(text.contains("--threads 2 --point {}\n"), "{text}");
+        assert!(text.contains("--threads 2 --point \"$1\"; }\n"), "{text}");
         assert!(text.ends_with("--out runs/iso --collect\n"), "{text}");
         let text = script(Scheduler::Snakemake, 1, None);
         assert!(text.contains("task=range(8))"), "{text}");

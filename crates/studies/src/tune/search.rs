@@ -138,7 +138,7 @@ pub(super) fn tune_and<T>(
     progress.update("done", 1.0);
     let tuning = Tuning {
         schema: SCHEMA,
-        scene: scene.name.clone(),
+        scene: scene.name.to_string(),
         density: survey.density(),
         temperature: sample.temperature,
         atoms_judged: sample.start.len(),

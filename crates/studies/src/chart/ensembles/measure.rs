@@ -81,7 +81,7 @@ pub(super) fn all(
     }
     Ok(EnsembleChart {
         schema: SCHEMA,
-        scene: scene.name.clone(),
+        scene: scene.name.to_string(),
         atoms: start.len(),
         temperature,
         pressure,

@@ -12,7 +12,7 @@ fn sweep_of(text: &str) -> Result<Vec<String>, String> {
     let path = folder.path().join("sweep.toml");
     std::fs::write(&path, format!("base = {base:?}\n{text}")).unwrap();
     match load(&path, &[]) {
-        Ok(sweep) => Ok(sweep.points.iter().map(|p| p.name.clone()).collect()),
+        Ok(sweep) => Ok(sweep.points.iter().map(|p| p.name.to_string()).collect()),
         Err(e) => Err(e.to_string()),
     }
 }
@@ -82,7 +82,7 @@ fn every_point_has_a_seed_of_its_own() {
         let points = load(&path, set).unwrap().points;
         points
             .into_iter()
-            .map(|p| (p.name, p.scene.system.seed))
+            .map(|p| (p.name.to_string(), p.scene.system.seed))
             .collect()
     };
     let grid = "[grid]\ndensity = [0.5, 0.6]\ntemperature = [1.5, 2]\n";
