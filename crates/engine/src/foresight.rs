@@ -1,4 +1,4 @@
-//! What is known of a run before its first step: a step that is too long, a state that is no stable fluid, means without an error.
+//! Remarks on a run before its first step: a step that is too long, an unstable state, or means without an error.
 
 use lennard_literature::freezing_lines_of;
 use lennard_scene::Stage;
@@ -20,9 +20,9 @@ impl Simulation {
         }
         let stages = &self.scene.stages;
         let long_step = stages.iter().find_map(|stage| self.long_step(stage));
-        let measured = (0..stages.len()).filter(|i| stages[*i].measure);
+        let mut measured = (0..stages.len()).filter(|i| stages[*i].measure);
         let state = measured.clone().find_map(|i| self.no_stable_fluid(i));
-        let too_short = measured.last().map(|last| self.without_errors(last));
+        let too_short = measured.next_back().map(|last| self.without_errors(last));
         let states = long_step.into_iter().chain(state);
         states.chain(too_short.into_iter().flatten()).collect()
     }

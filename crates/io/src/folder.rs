@@ -168,7 +168,7 @@ impl OutputFolder {
         }
     }
 
-    /// Leaves the folder of a run of which no step is kept: removes the files that the run has written, and lets nothing be
+    /// Leaves the folder of a run without a kept step. It removes the files of the run, and lets nothing be
     /// written there any more.
     pub fn abandon(&self) {
         close(&self.path);

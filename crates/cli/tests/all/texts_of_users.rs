@@ -38,7 +38,7 @@ fn a_sweep_is_named_by_a_name_and_by_nothing_else() {
     let place = place();
     for name in [
         "../../evil",
-        "/tmp/evil",
+        "/evil/place",
         "a/b",
         "..",
         ".hidden",
@@ -321,5 +321,27 @@ fn a_plan_says_what_speaks_against_the_run() {
         stdout(&run).contains("above a quarter of the stability limit"),
         "{}",
         stdout(&run)
+    );
+}
+
+#[test]
+fn snakemake_names_no_folder_with_braces() {
+    let place = place();
+    let arguments = [
+        "sweep",
+        "sweep.toml",
+        "--emit",
+        "snakemake",
+        "--out",
+        "a{b}",
+    ];
+    let output = lennard_in(&place, &arguments);
+    refused(
+        &output,
+        &[
+            "writing the script",
+            "Snakemake cannot name the output folder",
+            "no braces",
+        ],
     );
 }
