@@ -335,7 +335,7 @@ fn snakemake_names_no_folder_with_braces() {
         "--out",
         "a{b}",
     ];
-    let output = lennard_in(&place, &arguments);
+    let output = lennard_in(place.root(), &arguments);
     refused(
         &output,
         &[
