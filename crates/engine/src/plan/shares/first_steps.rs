@@ -15,7 +15,7 @@ const STEPS_FOR: Duration = Duration::from_millis(400);
 const FEWEST_STEPS: usize = 3;
 /// Steps that are as good as a whole life of a list, where none is built again.
 const MANY_STEPS: usize = 50;
-/// How long [`FEWEST_STEPS`] are waited for, and a second build of the list.
+/// How long `FEWEST_STEPS` are waited for, and a second build of the list.
 pub const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Times steps, and stops once they are enough.
