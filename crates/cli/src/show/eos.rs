@@ -38,7 +38,7 @@ pub fn curve(evaluated: &[Evaluated], properties: &[&Property]) {
     let Some(first) = evaluated.first() else {
         return;
     };
-    out::heading(&first.equation.spec().citation());
+    out::heading(first.equation.spec().citation());
     println!("{}", table(&eos::curve(evaluated, properties)));
 }
 

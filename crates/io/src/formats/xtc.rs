@@ -84,7 +84,11 @@ fn push(
         // Readers divide by the precision as the file has it.
         let scale = style.length_scale * f64::from(precision);
         let multiples: Vec<[i32; 3]> = (places.iter())
-            .map(|r| (*r * scale + TO_WHOLE).to_array().map(|x| x.to_bits() as i32))
+            .map(|r| {
+                (*r * scale + TO_WHOLE)
+                    .to_array()
+                    .map(|x| x.to_bits() as i32)
+            })
             .collect();
         compression::push(to, &multiples, long);
     } else {
