@@ -234,7 +234,7 @@ fn errors_of_overrides_name_the_override() {
         (
             "stage.heat.thermostat",
             "bussy",
-            "scene.toml, override `stage.heat.thermostat=bussy`: `stage.0.thermostat` is not a known name",
+            "scene.toml, override `stage.heat.thermostat=bussy`: `stage.heat.thermostat` is not a known name",
         ),
         (
             "truncation.r_cut",
