@@ -137,7 +137,10 @@ fn arrays_start_where_another_simulation_is() {
     assert_eq!(short, "one velocity for each position is wanted");
     let hot = vec![lennard::DVec3::NAN; state.len()];
     let hot = started(Some(hot)).err().expect("refused").to_string();
-    assert_eq!(hot, "a position or velocity is not a finite number");
+    assert_eq!(
+        hot,
+        "a position or velocity is not a finite number from -1e9 to 1e9"
+    );
 }
 
 /// The same liquid from a file that is not there: arrays stand for it.

@@ -99,7 +99,7 @@ fn a_field_goes_with_no_tail_and_a_bath_inside_the_step_with_no_method_of_ones_o
     says(
         &refused(Simulation::with_parts(langevin, own)),
         &[
-            "`stage.0.thermostat` does not fit",
+            "`stage.melt.thermostat` does not fit",
             "`langevin`, which steps in the place of `position-verlet`",
             "none, or a bath that acts between steps, such as `bussi`",
         ],
