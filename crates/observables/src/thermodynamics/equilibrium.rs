@@ -160,7 +160,7 @@ impl Thermodynamics {
         Doubt::graver(few_collisions, slow_bath)
     }
 
-    /// Why no mean of a run will have an error, foreseen from its measured length in τ, its rows, and the density
+    /// Why no mean of a run will have an error, from its measured length in τ, its rows, and the density
     /// (σ⁻³) and temperature (ε/k_B) of the scene. `None` where it may have one.
     #[must_use]
     pub fn foreseen(
