@@ -161,7 +161,7 @@ fn a_box_that_the_equation_of_state_makes_too_small_is_refused_before_the_first_
     overrides.push(("stage.equilibrate.barostat", dense));
     let message = refused(&overrides);
     for part in [
-        "stage.0.barostat.pressure",
+        "stage.equilibrate.barostat.pressure",
         "a box of 5.24",
         "below twice the cutoff of 2.64 σ",
         "more particles, a shorter cutoff",
