@@ -23,7 +23,7 @@ pub use motion::TrajectoryError;
 pub use slopes::Slopes;
 pub(crate) use stable::{rough_stable_dt, stable_dt_of_springs};
 pub use start::Start;
-pub(crate) use start::to_temperature;
+pub(crate) use start::{to_temperature, under_bussi};
 pub use tight::TightTrajectory;
 pub use timing::{Cost, Timing, costs, modelled_work};
 pub use untruncated::Untruncated;

@@ -29,16 +29,26 @@ fn equilibration_steps(dt: f64) -> u64 {
 /// A stage that brings a scene to the temperature of its measured stage, with a bath that acts within 0.1 τ.
 pub(crate) fn to_temperature(scene: &Scene, steps: u64) -> Stage {
     Stage {
-        name: "equilibrate".into(),
         steps,
-        temperature: measured_stage(scene).temperature,
+        ..under_bussi(
+            "equilibrate",
+            measured_stage(scene).temperature,
+            RELAXATION_TIME,
+        )
+    }
+}
+
+/// A stage without steps under a bath of Bussi, Donadio and Parrinello with the relaxation time `tau`, at one temperature.
+pub(crate) fn under_bussi(name: &str, temperature: f64, tau: f64) -> Stage {
+    Stage {
+        name: name.into(),
+        steps: 0,
+        temperature,
         temperature_from: None,
         barostat: None,
         exchange: None,
         dt: None,
-        thermostat: Some(ThermostatOptions::Bussi(bussi::Options {
-            tau: RELAXATION_TIME,
-        })),
+        thermostat: Some(ThermostatOptions::Bussi(bussi::Options { tau })),
         measure: false,
     }
 }

@@ -3,12 +3,12 @@
 
 use lennard_engine::watchdog::{FastestPair, fastest_pair};
 use lennard_forcefield::{Kernel, NeighborOptions, Precision, TruncationKind, TruncationOptions};
-use lennard_integrators::{ThermostatOptions, bussi, velocity_verlet};
+use lennard_integrators::velocity_verlet;
 use lennard_scene::{Geometry, Lattice, MoleculeKind, Scene, Stage, Start as SceneStart};
 
 use super::TuneError;
 use super::pairs::Fluid;
-use crate::lab::{self, Start};
+use crate::lab::{self, Start, under_bussi};
 use crate::settings::Settings;
 
 /// Fluids of this many particles are judged as they are. In a smaller fluid, half the box is too short to see what a
@@ -207,16 +207,8 @@ fn temperature(scene: &Scene) -> f64 {
 
 fn canonical_stage(temperature: f64, steps: u64, measure: bool) -> Stage {
     Stage {
-        name: "canonical".into(),
         steps,
-        temperature,
-        temperature_from: None,
-        barostat: None,
-        exchange: None,
-        dt: None,
-        thermostat: Some(ThermostatOptions::Bussi(bussi::Options {
-            tau: RELAXATION_TIME,
-        })),
         measure,
+        ..under_bussi("canonical", temperature, RELAXATION_TIME)
     }
 }

@@ -33,14 +33,6 @@ const NOT_FOR_USERS: &[&str] = &["crates/xtask", "crates/literature/examples"];
 /// Texts that no user can meet, each with the reason.
 const EXCEPTIONS: &[(&str, &str)] = &[
     (
-        "values that name the point",
-        "short keys with numbers and words that a scene allows make the name, and no file makes it too long",
-    ),
-    (
-        "values that make a name:",
-        "the other half of the same refusal",
-    ),
-    (
         "species of the particles",
         "the writer gets the species of the state that it writes, which no input can make unlike",
     ),

@@ -242,3 +242,16 @@ fn the_sweeps_that_come_along_are_whole() {
     .unwrap();
     assert!(table.points.iter().all(|p| p.scene.truncation.r_cut == 4.0));
 }
+
+#[test]
+fn a_value_with_hundreds_of_digits_names_no_point() {
+    for grid in ["dt = [1e-250]", "temperature = [1e250, 1e251]"] {
+        let refused = sweep_of(&format!("[grid]\n{grid}\n")).unwrap_err();
+        for words in [
+            "values that name the point",
+            "values that make a name: at most 200 letters",
+        ] {
+            assert!(refused.contains(words), "{refused}");
+        }
+    }
+}
