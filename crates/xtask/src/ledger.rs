@@ -285,10 +285,8 @@ impl Ledger<'_> {
             } else {
                 String::new()
             };
-            found.push(format!(
-                "exit={} {files}",
-                output.status.code().unwrap_or(-1)
-            ));
+            let code = output.status.code().unwrap_or(-1);
+            found.push(format!("exit={code} {files}").trim_end().to_owned());
             let _ = fs::remove_dir_all(&folder);
         }
         if found[0] != found[1] {
