@@ -81,9 +81,7 @@ impl Arguments {
     /// # Errors
     /// [`BadArgument`] where it is none.
     pub fn number(&self, key: &str, least: usize) -> Result<Option<usize>, BadArgument> {
-        self.value(key)
-            .map(|value| number(&format!("`{key}`"), value, least))
-            .transpose()
+        self.value(key).map(|value| number(&format!("`{key}`"), value, least)).transpose()
     }
 
     /// The value of a key, a length in σ above zero.
@@ -92,14 +90,9 @@ impl Arguments {
     /// [`BadArgument`] where it is none.
     pub fn length(&self, key: &str) -> Result<Option<f64>, BadArgument> {
         let length = |found: &str| {
-            let length = found
-                .parse()
-                .ok()
-                .filter(|l: &f64| l.is_finite() && *l > 0.0);
+            let length = found.parse().ok().filter(|l: &f64| l.is_finite() && *l > 0.0);
             length.ok_or_else(|| {
-                BadArgument(format!(
-                    "`{key}` = {found} is not allowed: a length in σ above 0"
-                ))
+                BadArgument(format!("`{key}` = {found} is not allowed: a length in σ above 0"))
             })
         };
         self.value(key).map(length).transpose()
@@ -111,10 +104,7 @@ impl Arguments {
     /// [`BadArgument`] where it is none.
     pub fn one_of<T: Copy>(&self, key: &str, all: &[(&str, T)]) -> Result<T, BadArgument> {
         let name = self.value(key).unwrap_or(all[0].0);
-        let found = all
-            .iter()
-            .find(|(n, _)| *n == name)
-            .map(|(_, value)| *value);
+        let found = all.iter().find(|(n, _)| *n == name).map(|(_, value)| *value);
         found.ok_or_else(|| {
             let names: Vec<&str> = all.iter().map(|(name, _)| *name).collect();
             let names = names.join(", ");
@@ -126,9 +116,7 @@ impl Arguments {
 fn number(what: &str, found: &str, least: usize) -> Result<usize, BadArgument> {
     let number = found.parse().ok().filter(|n| *n >= least);
     number.ok_or_else(|| {
-        BadArgument(format!(
-            "{what} = {found} is not allowed: a whole number of at least {least}"
-        ))
+        BadArgument(format!("{what} = {found} is not allowed: a whole number of at least {least}"))
     })
 }
 

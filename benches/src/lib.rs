@@ -37,24 +37,9 @@ const SEED: u64 = 1967;
 
 /// The cases A (32,000 particles), B (864) and C (953,312).
 pub const CASES: [Case; 3] = [
-    Case {
-        name: "A",
-        cells: 20,
-        dt: 0.005,
-        seed: SEED,
-    },
-    Case {
-        name: "B",
-        cells: 6,
-        dt: 0.004,
-        seed: SEED,
-    },
-    Case {
-        name: "C",
-        cells: 62,
-        dt: 0.005,
-        seed: SEED,
-    },
+    Case { name: "A", cells: 20, dt: 0.005, seed: SEED },
+    Case { name: "B", cells: 6, dt: 0.004, seed: SEED },
+    Case { name: "C", cells: 62, dt: 0.005, seed: SEED },
 ];
 
 /// A system under way.
@@ -119,10 +104,7 @@ impl Case {
         let options = ForceFieldOptions {
             kernel,
             truncation: TruncationOptions::new(kind, 2.5),
-            neighbor: NeighborOptions {
-                skin,
-                ..NeighborOptions::default()
-            },
+            neighbor: NeighborOptions { skin, ..NeighborOptions::default() },
             ..ForceFieldOptions::default()
         };
         let conditions = Conditions {
@@ -154,8 +136,7 @@ impl Case {
             dt: self.dt,
             time: 0.0,
         };
-        run.evaluate(Want::NOTHING)
-            .expect("a lattice has finite forces");
+        run.evaluate(Want::NOTHING).expect("a lattice has finite forces");
         Ok(run)
     }
 }
@@ -172,8 +153,7 @@ impl Run {
             velocities: None,
             time: self.time,
         };
-        self.provider
-            .evaluate(at, Part::All, want, &mut self.forces)
+        self.provider.evaluate(at, Part::All, want, &mut self.forces)
     }
 
     /// Takes `steps` steps of velocity Verlet, as many as possible in strides, and gives what `want` asks for at the last one.

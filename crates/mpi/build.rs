@@ -8,11 +8,7 @@ fn main() {
     println!("cargo::rerun-if-env-changed=MPICC");
     let compiler = env::var("MPICC").unwrap_or_else(|_| "mpicc".to_owned());
     let silent = || Stdio::null();
-    let asked = Command::new(&compiler)
-        .arg("-show")
-        .stdout(silent())
-        .stderr(silent())
-        .status();
+    let asked = Command::new(&compiler).arg("-show").stdout(silent()).stderr(silent()).status();
     if asked.is_err() {
         for line in [
             &format!("MPI is missing: `{compiler}` does not start"),

@@ -37,16 +37,10 @@ struct Arguments {
 }
 
 fn arguments() -> Result<Arguments, String> {
-    let mut found = Arguments {
-        runs: DEFAULT_RUNS,
-        seed: 1,
-        target: None,
-    };
+    let mut found = Arguments { runs: DEFAULT_RUNS, seed: 1, target: None };
     let mut given = std::env::args().skip(1);
     while let Some(name) = given.next() {
-        let value = given
-            .next()
-            .ok_or_else(|| format!("{name} wants a value"))?;
+        let value = given.next().ok_or_else(|| format!("{name} wants a value"))?;
         let number = || {
             value
                 .parse::<u64>()
@@ -71,20 +65,15 @@ fn main() -> ExitCode {
         }
     };
     let mut failed = false;
-    for target in TARGETS
-        .iter()
-        .filter(|t| arguments.target.as_ref().is_none_or(|name| name == t.name))
+    for target in
+        TARGETS.iter().filter(|t| arguments.target.as_ref().is_none_or(|name| name == t.name))
     {
         if let Err(error) = count(target, &arguments) {
             eprintln!("{}: {error}", target.name);
             failed = true;
         }
     }
-    if failed {
-        ExitCode::FAILURE
-    } else {
-        ExitCode::SUCCESS
-    }
+    if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
 /// Feeds one reader, and says how many inputs it took and how many it accepted.
@@ -94,11 +83,8 @@ fn count(target: &Target, arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         read(target, bytes, path)?;
     }
     let files = corpus.len();
-    let mut mutator = Mutator::new(
-        target,
-        corpus.into_iter().map(|(_, bytes)| bytes).collect(),
-        arguments.seed,
-    );
+    let mut mutator =
+        Mutator::new(target, corpus.into_iter().map(|(_, bytes)| bytes).collect(), arguments.seed);
     let start = Instant::now();
     let (mut accepted, mut slowest) = (0_u64, Duration::ZERO);
     for run in 0..arguments.runs {
@@ -152,9 +138,7 @@ type CorpusFile = (PathBuf, Vec<u8>);
 
 /// The files that mutations start from, in the order of their names.
 fn corpus(target: &Target) -> Result<Vec<CorpusFile>, Box<dyn Error>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("corpus")
-        .join(target.name);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target.name);
     let mut files = Vec::new();
     for entry in fs::read_dir(&folder)? {
         let path = entry?.path();
@@ -167,8 +151,6 @@ fn corpus(target: &Target) -> Result<Vec<CorpusFile>, Box<dyn Error>> {
 /// The most memory that this process has held so far, in kB, where the system tells.
 fn most_memory() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix("kB")?.trim().parse().ok()
 }

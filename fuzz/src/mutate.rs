@@ -30,11 +30,7 @@ impl<'a> Mutator<'a> {
     #[must_use]
     pub fn new(target: &'a Target, corpus: Vec<Vec<u8>>, seed: u64) -> Self {
         assert!(!corpus.is_empty(), "the corpus of {} is empty", target.name);
-        Self {
-            target,
-            corpus,
-            random: Xoshiro256PlusPlus::seed_from_u64(seed),
-        }
+        Self { target, corpus, random: Xoshiro256PlusPlus::seed_from_u64(seed) }
     }
 
     fn below(&mut self, end: usize) -> usize {
@@ -93,19 +89,14 @@ impl<'a> Mutator<'a> {
             }
             6 => {
                 let word = self.target.words[self.below(self.target.words.len())];
-                let over = if self.below(2) == 0 {
-                    at
-                } else {
-                    (at + word.len()).min(bytes.len())
-                };
+                let over = if self.below(2) == 0 { at } else { (at + word.len()).min(bytes.len()) };
                 bytes.splice(at..over, word.bytes());
             }
             7 => {
                 // A line of another file of the corpus.
                 let other = self.below(self.corpus.len());
-                let lines: Vec<&[u8]> = self.corpus[other]
-                    .split_inclusive(|b| *b == b'\n')
-                    .collect();
+                let lines: Vec<&[u8]> =
+                    self.corpus[other].split_inclusive(|b| *b == b'\n').collect();
                 let chosen = self.random.random_range(0..lines.len().max(1));
                 let line = lines.get(chosen).map(|line| line.to_vec());
                 bytes.splice(at..at, line.unwrap_or_default());
@@ -128,11 +119,8 @@ mod tests {
     #[test]
     fn the_same_seed_makes_the_same_inputs_and_another_seed_makes_others() {
         let inputs = |seed| {
-            let mut mutator = Mutator::new(
-                &TARGETS[0],
-                vec![b"[system]\nn_atoms = 108\n".to_vec()],
-                seed,
-            );
+            let mut mutator =
+                Mutator::new(&TARGETS[0], vec![b"[system]\nn_atoms = 108\n".to_vec()], seed);
             (0..50).map(|_| mutator.input()).collect::<Vec<_>>()
         };
         assert_eq!(inputs(7), inputs(7));

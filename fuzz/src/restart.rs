@@ -59,18 +59,8 @@ pub fn restart(bytes: &[u8]) -> bool {
 }
 
 /// Numbers that have no business in a saved run.
-const ABSURD: [f64; 10] = [
-    f64::NAN,
-    f64::INFINITY,
-    f64::NEG_INFINITY,
-    1e308,
-    -1e308,
-    1e-308,
-    0.0,
-    -1.0,
-    1e10,
-    0.5,
-];
+const ABSURD: [f64; 10] =
+    [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308, -1e308, 1e-308, 0.0, -1.0, 1e10, 0.5];
 const ABSURD_COUNTS: [u64; 8] = [0, 1, 2, 1000, 1 << 31, 1 << 40, u64::MAX / 2, u64::MAX];
 
 /// Wrong lengths, types and values, missing and foreign arrays, other counts of steps: whatever the checksum, sealed
@@ -94,12 +84,8 @@ pub fn reshape(bytes: &mut Vec<u8>, below: &mut dyn FnMut(usize) -> usize) {
             }
         }
         2 => {
-            let empty = [
-                Array::F64(vec![]),
-                Array::I64(vec![]),
-                Array::U64(vec![]),
-                Array::Vec3(vec![]),
-            ];
+            let empty =
+                [Array::F64(vec![]), Array::I64(vec![]), Array::U64(vec![]), Array::Vec3(vec![])];
             arrays.insert(name, empty[below(empty.len())].clone());
         }
         3 => drop(arrays.insert(format!("{name}/{}", below(9)), Array::F64(vec![0.0]))),

@@ -34,13 +34,7 @@ pub struct Target {
 
 /// Every reader.
 pub const TARGETS: &[Target] = &[
-    Target {
-        name: "scene",
-        body: scene,
-        repair: None,
-        reshape: None,
-        words: SCENE_WORDS,
-    },
+    Target { name: "scene", body: scene, repair: None, reshape: None, words: SCENE_WORDS },
     Target {
         name: "extended-xyz",
         body: extended_xyz,
@@ -48,48 +42,12 @@ pub const TARGETS: &[Target] = &[
         reshape: None,
         words: XYZ_WORDS,
     },
-    Target {
-        name: "nist",
-        body: start,
-        repair: None,
-        reshape: None,
-        words: XYZ_WORDS,
-    },
-    Target {
-        name: "lammps-dump",
-        body: start,
-        repair: None,
-        reshape: None,
-        words: LAMMPS_WORDS,
-    },
-    Target {
-        name: "lammps-data",
-        body: start,
-        repair: None,
-        reshape: None,
-        words: LAMMPS_WORDS,
-    },
-    Target {
-        name: "gro",
-        body: start,
-        repair: None,
-        reshape: None,
-        words: LAMMPS_WORDS,
-    },
-    Target {
-        name: "gzip",
-        body: gzip,
-        repair: None,
-        reshape: None,
-        words: XYZ_WORDS,
-    },
-    Target {
-        name: "table",
-        body: table,
-        repair: None,
-        reshape: None,
-        words: TABLE_WORDS,
-    },
+    Target { name: "nist", body: start, repair: None, reshape: None, words: XYZ_WORDS },
+    Target { name: "lammps-dump", body: start, repair: None, reshape: None, words: LAMMPS_WORDS },
+    Target { name: "lammps-data", body: start, repair: None, reshape: None, words: LAMMPS_WORDS },
+    Target { name: "gro", body: start, repair: None, reshape: None, words: LAMMPS_WORDS },
+    Target { name: "gzip", body: gzip, repair: None, reshape: None, words: XYZ_WORDS },
+    Target { name: "table", body: table, repair: None, reshape: None, words: TABLE_WORDS },
     Target {
         name: "checkpoint",
         body: checkpoint,
@@ -133,13 +91,7 @@ pub fn extended_xyz(bytes: &[u8]) -> bool {
                 assert!(n > 0);
                 let optional = frame.velocities.iter().chain(&frame.forces);
                 assert!(optional.clone().all(|v| v.len() == n));
-                assert!(
-                    frame
-                        .positions
-                        .iter()
-                        .chain(optional.flatten())
-                        .all(|r| r.is_finite())
-                );
+                assert!(frame.positions.iter().chain(optional.flatten()).all(|r| r.is_finite()));
                 // Every particle takes at least a letter and three digits with their blanks and line end.
                 assert!(8 * n <= bytes.len() + 8);
             }
@@ -161,11 +113,7 @@ pub fn start(bytes: &[u8]) -> bool {
             assert!(!start.positions.is_empty());
             assert!(start.positions.iter().chain(vectors).all(|r| r.is_finite()));
             assert!(start.cell.volume() > 0.0 && start.cell.volume().is_finite());
-            assert!(
-                start
-                    .velocities
-                    .is_none_or(|v| v.len() == start.positions.len())
-            );
+            assert!(start.velocities.is_none_or(|v| v.len() == start.positions.len()));
             true
         }
         Err(error) => {
@@ -182,10 +130,7 @@ pub fn gzip(bytes: &[u8]) -> bool {
     let compressed = encoder.write_all(bytes).and_then(|()| encoder.finish());
     let compressed = compressed.expect("memory takes all bytes");
     let twice = bytes.starts_with(&[0x1f, 0x8b]);
-    match (
-        read_configuration_bytes(bytes),
-        read_configuration_bytes(&compressed),
-    ) {
+    match (read_configuration_bytes(bytes), read_configuration_bytes(&compressed)) {
         (Ok(plain), Ok(inflated)) => assert_eq!(plain, inflated),
         (Err(_), Err(_)) => {}
         // Text within gzip within gzip is not looked for.
@@ -256,10 +201,7 @@ fn words(array: &Array) -> usize {
 }
 
 pub(crate) fn assert_short(message: &str) {
-    assert!(
-        !message.is_empty() && message.len() < LONGEST_MESSAGE,
-        "{message}"
-    );
+    assert!(!message.is_empty() && message.len() < LONGEST_MESSAGE, "{message}");
 }
 
 /// Bytes of the prefix of a checkpoint, and where its length stands in it.

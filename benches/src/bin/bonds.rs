@@ -44,10 +44,7 @@ fn main() -> ExitCode {
 
 fn measure() -> Result<(), Box<dyn std::error::Error>> {
     let keys: Vec<&str> = OF_SCENE.iter().map(|(key, _)| *key).collect();
-    let given = Arguments::read(
-        std::env::args().skip(1),
-        &[keys.as_slice(), &[REPEATS]].concat(),
-    )?;
+    let given = Arguments::read(std::env::args().skip(1), &[keys.as_slice(), &[REPEATS]].concat())?;
     let no_scene = || BadArgument("the first word is a scene".to_owned());
     let path = given.word(0).ok_or_else(no_scene)?;
     let steps = given.steps(2000, TO_AND_FRO)?;

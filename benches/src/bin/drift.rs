@@ -27,10 +27,8 @@ fn main() -> ExitCode {
 }
 
 fn measure() -> Result<(), Box<dyn std::error::Error>> {
-    let given = Arguments::read(
-        std::env::args().skip(1),
-        &["from", "precision", "seed", "truncation"],
-    )?;
+    let given =
+        Arguments::read(std::env::args().skip(1), &["from", "precision", "seed", "truncation"])?;
     let mut case = given.case()?;
     if let Some(seed) = given.number("seed", 0)? {
         case.seed = seed as u64;
@@ -45,16 +43,9 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
     }
     let truncation = given.one_of("truncation", &TRUNCATIONS)?;
     let both = [("double", Precision::Double), ("mixed", Precision::Mixed)];
-    let choices = [
-        ("double,mixed", &both[..]),
-        ("double", &both[..1]),
-        ("mixed", &both[1..]),
-    ];
+    let choices = [("double,mixed", &both[..]), ("double", &both[..1]), ("mixed", &both[1..])];
     for (name, precision) in given.one_of("precision", &choices)? {
-        let kernel = KernelOptions {
-            precision: *precision,
-            ..KernelOptions::default()
-        };
+        let kernel = KernelOptions { precision: *precision, ..KernelOptions::default() };
         let mut run = case.start(kernel, None, truncation)?;
         let n = case.n_atoms() as f64;
         let mut energies = Vec::with_capacity(steps / EVERY);
@@ -63,9 +54,7 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
             energies.push((u.ok_or("no energy")? + run.kinetic_energy()) / n);
         }
         let settled = from / EVERY..;
-        let times: Vec<f64> = (0..energies.len())
-            .map(|k| (k * EVERY) as f64 * case.dt)
-            .collect();
+        let times: Vec<f64> = (0..energies.len()).map(|k| (k * EVERY) as f64 * case.dt).collect();
         let line = drift(&times[settled.clone()], &energies[settled]);
         let momentum = run.velocities.iter().sum::<DVec3>().length() / n;
         let s = run.provider.statistics();

@@ -16,16 +16,8 @@ use lennard_core::stopwatch::{in_turn, timed};
 use lennard_core::{Energetics, ForceError, ForceTerm, Want};
 use lennard_forcefield::{Isa, KernelOptions, Precision, TruncationKind};
 
-const KEYS: [&str; 8] = [
-    "threads",
-    "beside",
-    "precision",
-    "isa",
-    "skin",
-    "energies",
-    "repeats",
-    "warm",
-];
+const KEYS: [&str; 8] =
+    ["threads", "beside", "precision", "isa", "skin", "energies", "repeats", "warm"];
 
 fn main() -> ExitCode {
     exit_code(measure())
@@ -56,10 +48,7 @@ fn measure() -> Result<(), Box<dyn std::error::Error>> {
     let energies = given.number("energies", 1)?;
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let counts: Vec<usize> = [threads].into_iter().chain(beside).collect();
-    let pools = counts
-        .iter()
-        .map(|n| pool(*n))
-        .collect::<Result<Vec<_>, _>>()?;
+    let pools = counts.iter().map(|n| pool(*n)).collect::<Result<Vec<_>, _>>()?;
     let mut run = pools[0].install(|| case.start(kernel, skin, TruncationKind::Cut))?;
     pools[0].install(|| run.steps(warm, Want::NOTHING))?;
     let mut seconds = vec![Vec::new(); pools.len()];

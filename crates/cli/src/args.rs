@@ -253,11 +253,7 @@ impl SceneArgs {
             ("kernel.isa", self.isa.clone()),
             ("kernel.precision", self.precision.clone()),
         ];
-        all.extend(
-            short
-                .into_iter()
-                .filter_map(|(key, value)| Some((key.to_owned(), value?))),
-        );
+        all.extend(short.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))));
         all
     }
 }

@@ -28,10 +28,7 @@ pub struct Failure {
 impl Failure {
     /// A failure while `doing` something.
     pub fn new(doing: &str, error: impl std::fmt::Display, code: u8) -> Self {
-        Self {
-            message: format!("{doing}: {error}"),
-            code,
-        }
+        Self { message: format!("{doing}: {error}"), code }
     }
 }
 
@@ -79,10 +76,7 @@ impl From<EngineError> for Failure {
             EngineError::Nodes(e) => Self::new("planning for several machines", e, code),
             EngineError::Ranks(e) => Self::new("sharing the run between ranks", e, code),
             EngineError::Resume(e) => Self::new("going on with a run", e, code),
-            EngineError::Physics(e) => Self {
-                message: e.to_string(),
-                code,
-            },
+            EngineError::Physics(e) => Self { message: e.to_string(), code },
         }
     }
 }

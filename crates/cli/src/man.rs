@@ -30,11 +30,7 @@ fn page(command: Command, folder: &Path) -> io::Result<()> {
     let name = command.get_display_name().unwrap_or(command.get_name());
     let title = name.to_uppercase();
     let source = format!("lennard {}", command.get_version().unwrap_or_default());
-    let man = Man::new(command)
-        .title(title)
-        .date(DATE)
-        .source(source)
-        .manual("Lennard");
+    let man = Man::new(command).title(title).date(DATE).source(source).manual("Lennard");
     let mut text = Vec::new();
     man.render(&mut text)?;
     let text = String::from_utf8(text).map_err(io::Error::other)?;

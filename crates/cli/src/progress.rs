@@ -73,11 +73,7 @@ impl Display {
 
 /// "T 0.722  U −6.070  P 0.19": what is not known at this step is left out.
 fn in_words(fluid: Instantaneous) -> String {
-    let values = [
-        ("T", fluid.temperature),
-        ("U", fluid.potential_energy),
-        ("P", fluid.pressure),
-    ];
+    let values = [("T", fluid.temperature), ("U", fluid.potential_energy), ("P", fluid.pressure)];
     let known = values.into_iter().filter(|(_, value)| value.is_finite());
     let words: Vec<String> = known
         .map(|(symbol, value)| format!("{symbol} {}", lennard_report::significant(value, 4)))
@@ -88,11 +84,7 @@ fn in_words(fluid: Instantaneous) -> String {
 impl Display {
     /// Time between two updates.
     fn interval(&self) -> Duration {
-        if self.bar.is_some() {
-            BAR_INTERVAL
-        } else {
-            LINE_INTERVAL
-        }
+        if self.bar.is_some() { BAR_INTERVAL } else { LINE_INTERVAL }
     }
 
     /// Whether it is time to show how far things are.
@@ -143,10 +135,8 @@ impl Progress for Display {
                 };
                 match self.what {
                     What::Steps => {
-                        let fluid = self
-                            .fluid
-                            .take()
-                            .map_or_else(String::new, |f| format!("; {f}"));
+                        let fluid =
+                            self.fluid.take().map_or_else(String::new, |f| format!("; {f}"));
                         eprintln!("{stage}: step {done} of {total} ({percent:.0} %){left}{fluid}")
                     }
                     What::Share => eprintln!("{percent:.0} %{left}: {stage}"),
@@ -182,11 +172,8 @@ mod tests {
 
     #[test]
     fn the_fluid_is_told_in_symbols_and_what_is_unknown_is_left_out() {
-        let fluid = |pressure| Instantaneous {
-            temperature: 0.72213,
-            potential_energy: -6.0701,
-            pressure,
-        };
+        let fluid =
+            |pressure| Instantaneous { temperature: 0.72213, potential_energy: -6.0701, pressure };
         assert_eq!(in_words(fluid(0.19)), "T 0.7221  U −6.070  P 0.1900");
         assert_eq!(in_words(fluid(f64::NAN)), "T 0.7221  U −6.070");
     }
@@ -198,11 +185,7 @@ mod tests {
         let asked = std::cell::Cell::new(0);
         let fluid = || {
             asked.set(asked.get() + 1);
-            Instantaneous {
-                temperature: 1.0,
-                potential_energy: -1.0,
-                pressure: 0.1,
-            }
+            Instantaneous { temperature: 1.0, potential_energy: -1.0, pressure: 0.1 }
         };
         display.at_row(&fluid);
         assert_eq!(asked.get(), 0);

@@ -20,10 +20,7 @@ pub fn together<T>(team: Option<&Team>, got: Result<T, Failure>) -> Result<T, Fa
     };
     match got {
         Err(failure) if first == team.rank() => Err(failure),
-        _ => Err(Failure {
-            message: String::new(),
-            code: codes[first] as u8,
-        }),
+        _ => Err(Failure { message: String::new(), code: codes[first] as u8 }),
     }
 }
 
@@ -73,10 +70,7 @@ pub fn beside(
         Ok(Ending::Finished) => Ok(DONE),
         Ok(Ending::Stopped | Ending::OutOfTime) => Ok(STOPPED),
         // Rank 0 tells.
-        Err(failure) => Err(Failure {
-            message: String::new(),
-            ..failure
-        }),
+        Err(failure) => Err(Failure { message: String::new(), ..failure }),
     }
 }
 
@@ -115,14 +109,9 @@ mod tests {
             (failure.message, failure.code)
         });
         let silent = (String::new(), 2);
-        assert_eq!(
-            found,
-            [silent.clone(), ("reading: 1".to_owned(), 2), silent]
-        );
+        assert_eq!(found, [silent.clone(), ("reading: 1".to_owned(), 2), silent]);
         assert!(together(None, Ok(7)).is_ok_and(|got| got == 7));
-        let made = team_of_threads(2, |team| {
-            made_by_first(Some(&team), || Ok(team.rank())).ok()
-        });
+        let made = team_of_threads(2, |team| made_by_first(Some(&team), || Ok(team.rank())).ok());
         assert_eq!(made, [Some(Some(0)), Some(None)]);
         assert_eq!(
             on_rank(2, "the disk is full"),

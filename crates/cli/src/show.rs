@@ -123,18 +123,10 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, verbos
     }
     println!();
     note(&conserved_energy(&record.conservation, energy_unit(record)));
-    if let Some(words) = record
-        .barostat
-        .as_ref()
-        .and_then(|b| b.acceptance_in_words())
-    {
+    if let Some(words) = record.barostat.as_ref().and_then(|b| b.acceptance_in_words()) {
         println!("  {words}");
     }
-    for remark in record
-        .remarks
-        .iter()
-        .filter(|r| r.starts_with("barostat: ") && !verbose)
-    {
+    for remark in record.remarks.iter().filter(|r| r.starts_with("barostat: ") && !verbose) {
         note(&format!("note: {remark}"));
     }
     if verbose {
@@ -156,18 +148,11 @@ pub fn results(record: &RunRecord, compared: &ComparedRun, folder: &Path, verbos
             p.ns_per_atom_step
         ),
     };
-    println!(
-        "  {} steps in {}{speed}",
-        record.steps,
-        duration(record.wall_s)
-    );
+    println!("  {} steps in {}{speed}", record.steps, duration(record.wall_s));
     if let Some(ranks) = &p.ranks {
         let number = lennard_report::counted(ranks.ranks as usize, "rank");
         let halo = match ranks.shared_forces {
-            true => format!(
-                "rank 0 got {:.0} particles of others for its lists",
-                ranks.halo
-            ),
+            true => format!("rank 0 got {:.0} particles of others for its lists", ranks.halo),
             false => "pair forces were not shared".to_owned(),
         };
         println!(
@@ -191,12 +176,8 @@ const PAGE: &str = "report.html";
 /// Shares of the wall time, and what the lists did.
 fn where_the_time_went(record: &RunRecord) {
     let s = &record.performance.stages;
-    let share = |seconds: f64| {
-        format!(
-            "{:.0} %",
-            100.0 * seconds / record.wall_s.max(f64::MIN_POSITIVE)
-        )
-    };
+    let share =
+        |seconds: f64| format!("{:.0} %", 100.0 * seconds / record.wall_s.max(f64::MIN_POSITIVE));
     println!(
         "  force {}, neighbor list {}, integrate {}, observe {}, write {}",
         share(s.force),
@@ -221,21 +202,13 @@ fn energy_unit(record: &RunRecord) -> &str {
 
 /// How well the energy was conserved, in words.
 fn conserved_energy(c: &Conservation, energy: &str) -> String {
-    let (drift, error) = (
-        c.energy_drift_per_atom_per_tau,
-        c.energy_drift_standard_error,
-    );
+    let (drift, error) = (c.energy_drift_per_atom_per_tau, c.energy_drift_standard_error);
     let unit = format!("{energy} per τ");
     let drift = match (drift.is_finite(), error.is_finite()) {
-        (true, true) => format!(
-            "drift {} ± {} {unit}",
-            signed(drift, 3),
-            significant(error, 2)
-        ),
-        (true, false) => format!(
-            "drift {} {unit} (too few samples for an error)",
-            signed(drift, 3)
-        ),
+        (true, true) => format!("drift {} ± {} {unit}", signed(drift, 3), significant(error, 2)),
+        (true, false) => {
+            format!("drift {} {unit} (too few samples for an error)", signed(drift, 3))
+        }
         (false, _) => "too few samples for a drift".to_owned(),
     };
     let rms = c.energy_rms_per_atom;
@@ -317,22 +290,11 @@ mod tests {
         };
         let end = ", fluctuation 5.40·10⁻⁵ ε per particle (RMS)";
         for (drift, error, words) in [
-            (
-                -1.04e-7,
-                4.5e-7,
-                "drift −1.04·10⁻⁷ ± 4.5·10⁻⁷ ε per particle per τ",
-            ),
-            (
-                2e-3,
-                f64::NAN,
-                "drift +0.00200 ε per particle per τ (too few samples for an error)",
-            ),
+            (-1.04e-7, 4.5e-7, "drift −1.04·10⁻⁷ ± 4.5·10⁻⁷ ε per particle per τ"),
+            (2e-3, f64::NAN, "drift +0.00200 ε per particle per τ (too few samples for an error)"),
             (f64::NAN, f64::NAN, "too few samples for a drift"),
         ] {
-            assert_eq!(
-                said(drift, error, 5.4e-5),
-                format!("conserved energy: {words}{end}")
-            );
+            assert_eq!(said(drift, error, 5.4e-5), format!("conserved energy: {words}{end}"));
         }
         // Of two samples there is no fluctuation about a line.
         let none = said(f64::NAN, f64::NAN, f64::NAN);
@@ -342,16 +304,12 @@ mod tests {
     #[test]
     fn numbers_stand_on_the_right_and_errors_beside_them() {
         let items = [("a", Some((1.5, 0.25))), ("longer", None)];
-        let items = Table::rows_of("t", &items)
-            .column("name", |i| i.0)
-            .measured("x [σ]", |i| i.1)
-            .table();
+        let items =
+            Table::rows_of("t", &items).column("name", |i| i.0).measured("x [σ]", |i| i.1).table();
         let text = table(&items).to_string();
-        for line in [
-            "│ name   ┆       x / σ │",
-            "│ a      ┆ 1.50 ± 0.25 │",
-            "│ longer ┆           – │",
-        ] {
+        for line in
+            ["│ name   ┆       x / σ │", "│ a      ┆ 1.50 ± 0.25 │", "│ longer ┆           – │"]
+        {
             assert!(text.contains(line), "{line} in\n{text}");
         }
     }

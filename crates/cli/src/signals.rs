@@ -71,10 +71,7 @@ impl StartUp {
 
     /// The work can go on.
     pub fn resumable(sentence: &str) -> Self {
-        Self {
-            code: STOPPED,
-            ..Self::of_nothing(sentence)
-        }
+        Self { code: STOPPED, ..Self::of_nothing(sentence) }
     }
 
     /// The same with something else to do with the output folder.
@@ -84,19 +81,13 @@ impl StartUp {
 
     /// The same, unless the output folder holds something to go on with when the signal comes.
     pub fn unless_kept(self, is_in: fn(&Path) -> bool, sentence: String) -> Self {
-        Self {
-            kept: Some(Kept { is_in, sentence }),
-            ..self
-        }
+        Self { kept: Some(Kept { is_in, sentence }), ..self }
     }
 
     fn end(&self) -> ! {
         let _until_the_exit = ending();
         let folder = self.folder.as_deref().map(OutputFolder::path);
-        let kept = self
-            .kept
-            .as_ref()
-            .filter(|kept| folder.is_some_and(kept.is_in));
+        let kept = self.kept.as_ref().filter(|kept| folder.is_some_and(kept.is_in));
         let (sentence, code) = match kept {
             Some(kept) => (&kept.sentence, STOPPED),
             None => (&self.sentence, self.code),
@@ -130,10 +121,8 @@ struct Shared {
 impl Signals {
     /// Begins to listen, with something to do while nothing is under way.
     pub fn listen(start_up: StartUp) -> Result<Self, Failure> {
-        let shared = Arc::new(Shared {
-            stop: Arc::default(),
-            start_up: Mutex::new(Some(start_up)),
-        });
+        let shared =
+            Arc::new(Shared { stop: Arc::default(), start_up: Mutex::new(Some(start_up)) });
         listen(&shared).map_err(|e| Failure::new("listening for signals", e, OTHER))?;
         Ok(Self(shared))
     }
@@ -152,10 +141,8 @@ impl Signals {
     ) -> Result<Arc<OutputFolder>, Failure> {
         let mut start_up = self.0.start_up();
         let folder = Arc::new(make()?);
-        *start_up = then(folder.path()).map(|start_up| StartUp {
-            folder: Some(Arc::clone(&folder)),
-            ..start_up
-        });
+        *start_up = then(folder.path())
+            .map(|start_up| StartUp { folder: Some(Arc::clone(&folder)), ..start_up });
         Ok(folder)
     }
 
@@ -238,18 +225,16 @@ fn listen(shared: &Arc<Shared>) -> std::io::Result<()> {
         signal_hook::flag::register(*signal, Arc::clone(flag))?;
     }
     let shared = Arc::clone(shared);
-    std::thread::Builder::new()
-        .name("signals".into())
-        .spawn(move || {
-            loop {
-                std::thread::sleep(LOOK_EVERY);
-                for (signal, flag) in &received {
-                    if flag.swap(false, Ordering::Relaxed) {
-                        shared.received(*signal);
-                    }
+    std::thread::Builder::new().name("signals".into()).spawn(move || {
+        loop {
+            std::thread::sleep(LOOK_EVERY);
+            for (signal, flag) in &received {
+                if flag.swap(false, Ordering::Relaxed) {
+                    shared.received(*signal);
                 }
             }
-        })?;
+        }
+    })?;
     Ok(())
 }
 
@@ -263,11 +248,7 @@ pub struct FirstStep<'a, P> {
 impl<'a, P> FirstStep<'a, P> {
     /// Nothing is done yet.
     pub fn new(signals: &'a Signals, progress: P) -> Self {
-        Self {
-            signals,
-            is_done: false,
-            progress,
-        }
+        Self { signals, is_done: false, progress }
     }
 
     fn done(&mut self) {

@@ -15,11 +15,7 @@ impl Bodies {
     /// Equal spheres of a diameter, σ.
     #[must_use]
     pub fn alike(diameter: f64, exclusions: Exclusions) -> Self {
-        Self {
-            species: None,
-            distances: vec![diameter],
-            exclusions,
-        }
+        Self { species: None, distances: vec![diameter], exclusions }
     }
 
     /// Bodies of several species, where `distance(a, b)` is the contact distance of two of them, σ.

@@ -28,9 +28,7 @@ pub(crate) fn damp<'p>(
     let mut heat = 0.0;
     for [i, j] in pairs {
         let (i, j) = (*i as usize, *j as usize);
-        let apart = moving
-            .cell
-            .minimum_image(moving.positions[j] - moving.positions[i]);
+        let apart = moving.cell.minimum_image(moving.positions[j] - moving.positions[i]);
         let distance = bodies.distance(i, j);
         let r2 = apart.length_squared();
         if r2 >= distance * distance || r2 == 0.0 {

@@ -31,10 +31,7 @@ pub(crate) struct Flown {
 
 /// The kinetic energy that impulses λ of contacts put in, ε: ½·Σ λ·(G·v + G·v′).
 pub(crate) fn work_of(impulses: &[f64], before: &[f64], after: &[f64]) -> f64 {
-    let rates = before
-        .iter()
-        .zip(after)
-        .map(|(before, after)| before + after);
+    let rates = before.iter().zip(after).map(|(before, after)| before + after);
     0.5 * impulses.iter().zip(rates).map(|(i, r)| i * r).sum::<f64>()
 }
 
@@ -140,14 +137,10 @@ impl Run<'_> {
         self.limit = MARGIN * self.fastest();
         self.scale = self.scale.max(self.limit);
         let travel = (self.flight.h - time) * self.limit;
-        let pairs = self
-            .near
-            .at(self.bodies, self.flight.cell, self.flight.positions, travel);
+        let pairs = self.near.at(self.bodies, self.flight.cell, self.flight.positions, travel);
         self.pairs.clear();
         self.pairs.extend_from_slice(pairs);
-        self.meetings = (0..self.pairs.len())
-            .map(|k| self.meeting(k, time))
-            .collect();
+        self.meetings = (0..self.pairs.len()).map(|k| self.meeting(k, time)).collect();
         (0..n).for_each(|body| self.look_for_wall(body, time));
     }
 
@@ -356,12 +349,7 @@ impl Run<'_> {
                     let hit = walls.next_hit(x, v, TOUCHING * largest);
                     if let Some((gap, plane)) = hit.filter(|_| !self.flight.masses.is_held(body)) {
                         planes.push(plane);
-                        contacts.push(Contact {
-                            first: None,
-                            second: body,
-                            normal: -v,
-                            gap,
-                        });
+                        contacts.push(Contact { first: None, second: body, normal: -v, gap });
                     }
                 }
             }

@@ -95,10 +95,7 @@ impl Contacts {
     /// The same contacts, solved for together with the bonds of the molecules of a system. The method is then told of no bonds.
     #[must_use]
     pub fn with_bonds(self, bonds: SpookBonds, system: System) -> Self {
-        Self {
-            held: Some(HeldBonds { bonds, system }),
-            ..self
-        }
+        Self { held: Some(HeldBonds { bonds, system }), ..self }
     }
 
     /// What the contacts have done so far.
@@ -113,8 +110,7 @@ impl Contacts {
         };
         let pairs = self.near.at(&self.bodies, at.cell, at.positions, 0.0);
         let all = pairs.iter().map(|pair| pair.map(|body| body as usize));
-        all.filter_map(|pair| Touch::of(law, &self.bodies, pair, at))
-            .collect()
+        all.filter_map(|pair| Touch::of(law, &self.bodies, pair, at)).collect()
     }
 
     /// Refuses bodies of unilateral contacts that overlap too deeply: the first pair of them.
@@ -145,13 +141,7 @@ impl Contacts {
             return Ok(());
         }
         let middle = at.positions[first] - 0.5 * apart;
-        Err(ForceError::ContactTooDeep {
-            first,
-            second,
-            depth,
-            deepest,
-            at: at.cell.wrap(middle),
-        })
+        Err(ForceError::ContactTooDeep { first, second, depth, deepest, at: at.cell.wrap(middle) })
     }
 }
 
@@ -179,9 +169,7 @@ impl ForceTerm for Contacts {
             Part::Far => Vec::new(),
             Part::All | Part::Near => self.touches(&at),
         };
-        let mut each = want
-            .per_particle
-            .then(|| vec![(0.0, DMat3::ZERO); forces.len()]);
+        let mut each = want.per_particle.then(|| vec![(0.0, DMat3::ZERO); forces.len()]);
         let (mut energy, mut virial, mut laplacian) = (0.0, DMat3::ZERO, 0.0);
         for touch in &touches {
             self.too_deep(touch.pair, touch.apart, &at)?;
@@ -291,23 +279,11 @@ fn between_dashpots(
     walls: Option<&mut Walls>,
     flight: Flight<'_>,
 ) -> Result<Drifted, StepError> {
-    let Flight {
-        cell,
-        positions,
-        velocities,
-        masses,
-        h,
-        ..
-    } = flight;
+    let Flight { cell, positions, velocities, masses, h, .. } = flight;
     let half = 0.5 * h;
     let mut dashpots = |positions: &[DVec3], velocities: &mut [DVec3], is_after: bool| {
         let pairs = near.at(bodies, cell, positions, 0.0);
-        let mut moving = Moving {
-            cell,
-            positions,
-            velocities,
-            masses,
-        };
+        let mut moving = Moving { cell, positions, velocities, masses };
         match is_after {
             false => damp(law, bodies, pairs.iter(), &mut moving, half),
             true => damp(law, bodies, pairs.iter().rev(), &mut moving, half),
@@ -326,10 +302,7 @@ fn between_dashpots(
         }
     };
     let after = dashpots(positions, velocities, true);
-    Ok(Drifted {
-        heat: before + on_the_way.heat + after,
-        ..on_the_way
-    })
+    Ok(Drifted { heat: before + on_the_way.heat + after, ..on_the_way })
 }
 
 impl Persist for Contacts {

@@ -95,12 +95,7 @@ impl Touching {
             if gap > 0.0 || apart == DVec3::ZERO {
                 continue;
             }
-            let contact = Contact {
-                first: Some(i),
-                second: j,
-                normal: apart.normalize(),
-                gap,
-            };
+            let contact = Contact { first: Some(i), second: j, normal: apart.normalize(), gap };
             found.push(contact, None, law.restitution, rest(kick(i) + kick(j), gap));
         }
         let Some(walls) = walls else {
@@ -117,12 +112,7 @@ impl Touching {
                 if gap > 0.0 {
                     continue;
                 }
-                let contact = Contact {
-                    first: None,
-                    second: body,
-                    normal: -reading.normal(),
-                    gap,
-                };
+                let contact = Contact { first: None, second: body, normal: -reading.normal(), gap };
                 found.push(contact, Some(plane), restitution, rest(kick(body), gap));
             }
         }
@@ -178,10 +168,7 @@ impl Touching {
 
     /// The bonds as they are in the impact stage.
     fn rigid_bonds(&self) -> TwoSided {
-        TwoSided {
-            contacts: self.bonds,
-            sigma: 0.0,
-        }
+        TwoSided { contacts: self.bonds, sigma: 0.0 }
     }
 }
 
@@ -200,9 +187,7 @@ pub(crate) fn step(
     let mut done = Flown::default();
     if !touching.is_empty() {
         let (forces, masses, h) = (flight.forces, flight.masses, flight.h);
-        let kick: Vec<DVec3> = (0..forces.len())
-            .map(|i| h / masses.of(i) * forces[i])
-            .collect();
+        let kick: Vec<DVec3> = (0..forces.len()).map(|i| h / masses.of(i) * forces[i]).collect();
         done = impact(law, &mut touching, &mut flight, &kick, walls.as_deref_mut())?;
         let velocities = &mut *flight.velocities;
         let rates = touching.rates(&half_back(velocities, &kick));
@@ -305,8 +290,5 @@ fn impact(
             contact.gap += contact.rate(&moved);
         }
     }
-    Ok(Flown {
-        drifted,
-        impacts: (0..rates.len()).filter(|c| is_hit(*c)).count() as u64,
-    })
+    Ok(Flown { drifted, impacts: (0..rates.len()).filter(|c| is_hit(*c)).count() as u64 })
 }

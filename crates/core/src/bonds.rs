@@ -17,10 +17,7 @@ impl Drifted {
     /// A drift in which nothing was solved for, and which put in this energy, ε.
     #[must_use]
     pub fn with_heat(heat: f64) -> Self {
-        Self {
-            heat,
-            ..Self::default()
-        }
+        Self { heat, ..Self::default() }
     }
 
     /// What happened in this drift and in another one.

@@ -27,14 +27,7 @@ impl WallReading {
     /// A wall that has felt nothing.
     #[must_use]
     pub fn new(axis: usize, is_upper: bool, position: f64) -> Self {
-        Self {
-            axis,
-            is_upper,
-            position,
-            force: 0.0,
-            impulse: 0.0,
-            hits: 0,
-        }
+        Self { axis, is_upper, position, force: 0.0, impulse: 0.0, hits: 0 }
     }
 
     /// The outward direction along the axis: −1 at the lower end, +1 at the upper.

@@ -46,9 +46,7 @@ impl PeriodicBox {
     /// Minimum images are the pair vectors themselves, nothing wraps, and the volume is infinite.
     #[must_use]
     pub const fn boundless() -> Self {
-        Self {
-            lengths: DVec3::splat(1e150),
-        }
+        Self { lengths: DVec3::splat(1e150) }
     }
 
     /// The same box with each side multiplied by a factor.

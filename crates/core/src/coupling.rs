@@ -10,12 +10,8 @@ pub fn couple(bath: &mut dyn Thermostat, s: &mut Step<'_>) -> bool {
     if !bath.acts_after(state.step) {
         return false;
     }
-    let at = BathStep {
-        kinetic: system.kinetic_energy(&state.velocities),
-        n_dof,
-        dt,
-        step: state.step,
-    };
+    let at =
+        BathStep { kinetic: system.kinetic_energy(&state.velocities), n_dof, dt, step: state.step };
     let Some((factor, heat)) = act(bath, at) else {
         return false;
     };

@@ -337,11 +337,7 @@ pub fn exact_sum_of<T: Sync>(
     term: impl Fn(&T) -> f64 + Sync,
 ) -> f64 {
     let (sums, _) = exact_sums(items.len(), |range, sums: &mut ExactSums<1>| {
-        in_lanes(AddItems {
-            sum: &mut sums.sums[0],
-            items: &items[range],
-            term: &term,
-        });
+        in_lanes(AddItems { sum: &mut sums.sums[0], items: &items[range], term: &term });
     });
     let [sum] = sums.over(team).values();
     sum

@@ -169,9 +169,7 @@ pub trait ForceTerm: Persist + Send {
         direction: &[DVec3],
         out: &mut [DVec3],
     ) -> Result<(), ForceError> {
-        let largest = direction
-            .iter()
-            .fold(0.0_f64, |m, d| m.max(d.abs().max_element()));
+        let largest = direction.iter().fold(0.0_f64, |m, d| m.max(d.abs().max_element()));
         if largest == 0.0 {
             out.fill(DVec3::ZERO);
             return Ok(());
@@ -293,11 +291,7 @@ impl ForceTerm for NoForces {
     }
 
     fn properties(&self) -> ForceProperties {
-        ForceProperties {
-            linear: true,
-            splits: true,
-            ..ForceProperties::default()
-        }
+        ForceProperties { linear: true, splits: true, ..ForceProperties::default() }
     }
 }
 

@@ -19,11 +19,7 @@ impl<B: Backend> ForceSum<B> {
     /// One term, at the cost of that term.
     #[must_use]
     pub fn new(first: B) -> Self {
-        Self {
-            first,
-            others: Vec::new(),
-            scratch: Vec::new(),
-        }
+        Self { first, others: Vec::new(), scratch: Vec::new() }
     }
 
     /// The same sum with one term more.
@@ -70,9 +66,7 @@ impl<B: Backend> ForceTerm for ForceSum<B> {
     fn properties(&self) -> ForceProperties {
         self.others
             .iter()
-            .fold(self.first.properties(), |all, term| {
-                all.with_term(term.properties())
-            })
+            .fold(self.first.properties(), |all, term| all.with_term(term.properties()))
     }
 
     fn statistics(&self) -> ForceStatistics {
@@ -110,11 +104,7 @@ impl<B: Backend> ForceTerm for ForceSum<B> {
 impl<B: Backend> Backend for ForceSum<B> {
     fn advance(&mut self, steps: &mut FusedSteps<'_>) -> u64 {
         // The first term knows nothing of the others.
-        if self.others.is_empty() {
-            self.first.advance(steps)
-        } else {
-            0
-        }
+        if self.others.is_empty() { self.first.advance(steps) } else { 0 }
     }
 
     /// The first term alone is shared: the others touch few particles, and each rank computes them.

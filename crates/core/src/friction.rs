@@ -99,13 +99,7 @@ impl NoiseOfStep {
     pub fn act_on_all(&self, masses: &Masses, velocities: &mut [DVec3]) -> f64 {
         let mut gained = vec![0.0; velocities.len()];
         for_each_piece_pair(velocities, &mut gained, |first, velocities, gained| {
-            in_lanes(OnPiece {
-                noise: self,
-                masses,
-                first,
-                velocities,
-                gained,
-            });
+            in_lanes(OnPiece { noise: self, masses, first, velocities, gained });
         });
         total(&gained)
     }
@@ -176,12 +170,7 @@ impl FusedNoise {
     /// Friction and noise in steps of `dt` τ, of which the first begins at a number of steps.
     #[must_use]
     pub fn new(noise: FrictionAndNoise, dt: f64, step: u64) -> Self {
-        Self {
-            noise,
-            dt,
-            step,
-            heats: Vec::new(),
-        }
+        Self { noise, dt, step, heats: Vec::new() }
     }
 
     /// Friction and noise of the next step.

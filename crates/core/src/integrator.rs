@@ -21,40 +21,25 @@ impl Integrator {
     /// The integrator of a method, without a bath.
     #[must_use]
     pub fn new(method: impl Method + 'static) -> Self {
-        Self {
-            method: Box::new(method),
-            bath: None,
-            bonds: None,
-            barostat: None,
-            started_dt: 0.0,
-        }
+        Self { method: Box::new(method), bath: None, bonds: None, barostat: None, started_dt: 0.0 }
     }
 
     /// The same method with a bath after its steps.
     #[must_use]
     pub fn with_bath(self, bath: impl Thermostat + 'static) -> Self {
-        Self {
-            bath: Some(Box::new(bath)),
-            ..self
-        }
+        Self { bath: Some(Box::new(bath)), ..self }
     }
 
     /// The same method, whose drifts hold rigid bonds by this solver.
     #[must_use]
     pub fn with_bonds(self, bonds: Box<dyn BondSolver>) -> Self {
-        Self {
-            bonds: Some(bonds),
-            ..self
-        }
+        Self { bonds: Some(bonds), ..self }
     }
 
     /// The same method and bath with a barostat after its steps.
     #[must_use]
     pub fn with_barostat(self, barostat: impl Barostat + 'static) -> Self {
-        Self {
-            barostat: Some(Box::new(barostat)),
-            ..self
-        }
+        Self { barostat: Some(Box::new(barostat)), ..self }
     }
 
     /// What became of the changes of the box that a barostat proposed; `None` without one that proposes.
@@ -102,10 +87,7 @@ impl Integrator {
     ) -> Result<(), StepError> {
         let spec = self.spec();
         check_suited(spec, forces, dt)?;
-        let unsuited = |reason| StepError::Unsuited {
-            method: spec.name,
-            reason,
-        };
+        let unsuited = |reason| StepError::Unsuited { method: spec.name, reason };
         if forces.properties().bounds_flight && !self.takes_hard_walls() {
             return Err(unsuited(
                 "particles would pass its hard walls, which act in drifts".to_owned(),
@@ -116,9 +98,7 @@ impl Integrator {
                 "its unilateral contacts are solved for in the step of SPOOK alone".to_owned(),
             ));
         }
-        self.method
-            .suits(system, forces.properties())
-            .map_err(unsuited)?;
+        self.method.suits(system, forces.properties()).map_err(unsuited)?;
         if self.barostat.is_some() {
             let allowed = self.method.lets_box_change();
             allowed.map_err(|reason| unsuited(reason.to_owned()))?;
@@ -175,11 +155,7 @@ impl Integrator {
         } else {
             1
         };
-        let mut want = if at_once == steps {
-            want
-        } else {
-            Want::NOTHING
-        };
+        let mut want = if at_once == steps { want } else { Want::NOTHING };
         want |= self.method.wants();
         if let Some(barostat) = &self.barostat
             && barostat.acts_after(first + at_once)
@@ -198,11 +174,7 @@ impl Integrator {
         {
             self.method.remember(&mut step)?;
         }
-        press(
-            self.method.as_mut(),
-            self.barostat.as_deref_mut(),
-            &mut step,
-        )?;
+        press(self.method.as_mut(), self.barostat.as_deref_mut(), &mut step)?;
         let report = step.finish();
         Ok((state.step - first, report))
     }
@@ -212,9 +184,7 @@ impl Integrator {
         let Some(barostat) = &self.barostat else {
             return most;
         };
-        (1..most)
-            .find(|ahead| barostat.acts_after(step + ahead))
-            .unwrap_or(most)
+        (1..most).find(|ahead| barostat.acts_after(step + ahead)).unwrap_or(most)
     }
 }
 

@@ -152,11 +152,7 @@ impl<S: Simd, const W: usize> RegisterVector<S, W> {
     #[inline(always)]
     pub fn all(simd: S, vector: DVec3) -> Self {
         let DVec3 { x, y, z } = vector;
-        Self([
-            Register::all(simd, x),
-            Register::all(simd, y),
-            Register::all(simd, z),
-        ])
+        Self([Register::all(simd, x), Register::all(simd, y), Register::all(simd, z)])
     }
 
     /// a·b in each lane.

@@ -73,9 +73,9 @@ impl Masses {
     pub fn kinetic_energy_over(&self, team: Option<&Team>, velocities: &[DVec3]) -> f64 {
         match self {
             Self::Uniform(m) => exact_sum_of(team, velocities, |v| 0.5 * m * v.length_squared()),
-            Self::Each(_) => exact_sum_over(team, velocities.len(), |i| {
-                self.kinetic_energy_of(i, velocities[i])
-            }),
+            Self::Each(_) => {
+                exact_sum_over(team, velocities.len(), |i| self.kinetic_energy_of(i, velocities[i]))
+            }
         }
     }
 

@@ -39,18 +39,12 @@ pub struct Molecules {
 
 impl Molecules {
     /// No bonds: each particle is a molecule of its own.
-    pub const ATOMS: Self = Self {
-        topology: None,
-        bonds: Bonds::Springs,
-    };
+    pub const ATOMS: Self = Self { topology: None, bonds: Bonds::Springs };
 
     /// Molecules whose sites are bonded so.
     #[must_use]
     pub fn new(topology: Arc<Topology>, bonds: Bonds) -> Self {
-        Self {
-            topology: (topology.sites() > 1).then_some(topology),
-            bonds,
-        }
+        Self { topology: (topology.sites() > 1).then_some(topology), bonds }
     }
 
     /// Chains of `sites` sites with bonds of `bond_length` σ, each between two consecutive sites.
@@ -90,11 +84,7 @@ impl Molecules {
     /// The unit of energies that are divided by the number of molecules.
     #[must_use]
     pub fn energy_unit(&self) -> &'static str {
-        if self.are_atoms() {
-            "ε per particle"
-        } else {
-            "ε per molecule"
-        }
+        if self.are_atoms() { "ε per particle" } else { "ε per molecule" }
     }
 
     /// Whether there are bonds and constraints hold them.
@@ -112,10 +102,7 @@ impl Molecules {
     /// The pairs of particles that do not interact.
     #[must_use]
     pub fn exclusions(&self) -> Exclusions {
-        let mut exclusions = Exclusions {
-            sites: self.sites() as u32,
-            partners: [0; MOST_SITES],
-        };
+        let mut exclusions = Exclusions { sites: self.sites() as u32, partners: [0; MOST_SITES] };
         for bond in self.bonds() {
             let [i, j] = bond.sites;
             exclusions.partners[i] |= 1 << j;
@@ -156,10 +143,7 @@ impl Molecules {
         }
         let mass: f64 = (0..sites.len()).map(|k| masses.of(first + k)).sum();
         let weighted = sites.iter().enumerate();
-        weighted
-            .map(|(k, r)| masses.of(first + k) * *r)
-            .sum::<DVec3>()
-            / mass
+        weighted.map(|(k, r)| masses.of(first + k) * *r).sum::<DVec3>() / mass
     }
 }
 
@@ -177,10 +161,7 @@ pub struct Exclusions {
 
 impl Exclusions {
     /// Nothing is excluded.
-    pub const NONE: Self = Self {
-        sites: 1,
-        partners: [0; MOST_SITES],
-    };
+    pub const NONE: Self = Self { sites: 1, partners: [0; MOST_SITES] };
 
     /// Whether nothing is excluded.
     #[inline]

@@ -70,26 +70,11 @@ fn radius(bits: u32) -> f32 {
 /// Cosine and sine of the angle of `bits`/2³² half turns, where the bits are a signed number: a quarter of a turn at most.
 #[inline(always)]
 fn cosine_and_sine(bits: u32) -> [f32; 2] {
-    const COSINE: [f32; 5] = [
-        0.999_999_94,
-        -4.934_793,
-        4.058_412,
-        -1.331_880_2,
-        0.219_696_8,
-    ];
-    const SINE: [f32; 5] = [
-        3.141_592_5,
-        -5.167_707,
-        2.550_031_4,
-        -0.598_045_2,
-        0.077_220_13,
-    ];
+    const COSINE: [f32; 5] = [0.999_999_94, -4.934_793, 4.058_412, -1.331_880_2, 0.219_696_8];
+    const SINE: [f32; 5] = [3.141_592_5, -5.167_707, 2.550_031_4, -0.598_045_2, 0.077_220_13];
     let half_turns = bits as i32 as f32 * (1.0 / 4_294_967_296.0);
     let square = half_turns * half_turns;
-    [
-        polynomial(COSINE, square),
-        half_turns * polynomial(SINE, square),
-    ]
+    [polynomial(COSINE, square), half_turns * polynomial(SINE, square)]
 }
 
 impl NoiseStream {
@@ -156,19 +141,10 @@ mod tests {
             let Aligned(alone) = noise.normals(step, &[particle; LANES]);
             let [u0, u1, u2, u3] = philox4x32([0, particle, 9, 7 << 8], noise.key());
             let [cosine, sine] = cosine_and_sine(u1);
-            let block = [
-                radius(u0) * cosine,
-                radius(u0) * sine,
-                radius(u2) * cosine_and_sine(u3)[1],
-            ];
+            let block =
+                [radius(u0) * cosine, radius(u0) * sine, radius(u2) * cosine_and_sine(u3)[1]];
             assert_eq!(together[3 * k..3 * k + 3], block);
-            assert!(
-                alone
-                    .as_chunks::<3>()
-                    .0
-                    .iter()
-                    .all(|normals| *normals == block)
-            );
+            assert!(alone.as_chunks::<3>().0.iter().all(|normals| *normals == block));
         }
     }
 

@@ -50,11 +50,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 #[must_use]
 pub fn signed(value: f64, digits: usize) -> String {
     let text = significant(value, digits);
-    if value.is_finite() && value > 0.0 {
-        format!("+{text}")
-    } else {
-        text
-    }
+    if value.is_finite() && value > 0.0 { format!("+{text}") } else { text }
 }
 
 /// A number as a person writes it, with six digits at most: `0.1`, `1000`, `1e-9`.
@@ -103,11 +99,7 @@ pub fn particles(sites: usize, molecules: usize) -> String {
     if sites == molecules {
         counted(sites, "particle")
     } else {
-        format!(
-            "{} in {}",
-            counted(sites, "site"),
-            counted(molecules, "molecule")
-        )
+        format!("{} in {}", counted(sites, "site"), counted(molecules, "molecule"))
     }
 }
 
@@ -129,11 +121,7 @@ pub fn with_error(value: f64, error: f64) -> String {
     }
     if largest < SMALL {
         let unit = 10f64.powi(power);
-        return format!(
-            "{}·10{}",
-            with_error(value / unit, error / unit),
-            superscript(power)
-        );
+        return format!("{}·10{}", with_error(value / unit, error / unit), superscript(power));
     }
     if last >= 0 {
         return format!("{}({error:.0})", fixed(value, 0));
@@ -205,10 +193,7 @@ mod tests {
 
     #[test]
     fn one_thing_is_no_plural() {
-        assert_eq!(
-            [0, 1, 2].map(|n| counted(n, "thread")),
-            ["0 threads", "1 thread", "2 threads"]
-        );
+        assert_eq!([0, 1, 2].map(|n| counted(n, "thread")), ["0 threads", "1 thread", "2 threads"]);
     }
 
     #[test]

@@ -183,9 +183,7 @@ impl<'a> View<'a> {
     /// where there is one, else of the whole step.
     #[must_use]
     pub fn temperature_of_positions(&self) -> f64 {
-        let kinetic = self
-            .half_step_kinetic_energy()
-            .unwrap_or_else(|| self.kinetic_energy());
+        let kinetic = self.half_step_kinetic_energy().unwrap_or_else(|| self.kinetic_energy());
         2.0 * kinetic / self.n_dof()
     }
 }
@@ -322,12 +320,7 @@ impl Average {
     /// A mean against which nothing speaks yet.
     #[must_use]
     pub fn new(name: impl Into<String>, unit: impl Into<String>, estimate: Estimate) -> Self {
-        Self {
-            name: name.into(),
-            unit: unit.into(),
-            estimate,
-            doubt: None,
-        }
+        Self { name: name.into(), unit: unit.into(), estimate, doubt: None }
     }
 
     /// With a doubt, if there is one; of two the graver stays.

@@ -146,11 +146,9 @@ impl OptionError {
         allowed: Allowed,
     ) -> Result<(), Self> {
         match value.number() {
-            Some(x) if !allowed.admits(x) => Err(Self {
-                key,
-                found: value.written(),
-                allowed: allowed.text(),
-            }),
+            Some(x) if !allowed.admits(x) => {
+                Err(Self { key, found: value.written(), allowed: allowed.text() })
+            }
             _ => Ok(()),
         }
     }
@@ -194,8 +192,7 @@ plain_values! {
 
 impl<T: OptionValue> OptionValue for Option<T> {
     fn written(&self) -> String {
-        self.as_ref()
-            .map_or_else(|| "none".to_owned(), OptionValue::written)
+        self.as_ref().map_or_else(|| "none".to_owned(), OptionValue::written)
     }
     fn number(&self) -> Option<f64> {
         self.as_ref()?.number()

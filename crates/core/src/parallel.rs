@@ -17,8 +17,7 @@ const FEWEST: usize = 128;
 
 /// Particles a task of element-wise work over `n`: two tasks a thread of a small system.
 fn piece(n: usize) -> usize {
-    n.div_ceil(2 * rayon::current_num_threads())
-        .clamp(FEWEST, CHUNK)
+    n.div_ceil(2 * rayon::current_num_threads()).clamp(FEWEST, CHUNK)
 }
 
 /// The `k`th of the ranges of `size` that make up `0..n`; the last one may be shorter.
@@ -71,11 +70,7 @@ pub enum PoolError {
 /// # Errors
 /// [`PoolError::Number`] for no thread and for more than [`most_threads`].
 pub fn can_have(threads: usize) -> Result<(), PoolError> {
-    if (1..=most_threads()).contains(&threads) {
-        Ok(())
-    } else {
-        Err(PoolError::Number(threads))
-    }
+    if (1..=most_threads()).contains(&threads) { Ok(()) } else { Err(PoolError::Number(threads)) }
 }
 
 /// A pool of so many threads.
@@ -84,9 +79,7 @@ pub fn can_have(threads: usize) -> Result<(), PoolError> {
 /// [`PoolError`] for no thread and for more than [`most_threads`], and where the system gives no threads.
 pub fn pool(threads: usize) -> Result<rayon::ThreadPool, PoolError> {
     can_have(threads)?;
-    Ok(rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()?)
+    Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?)
 }
 
 /// Looks for work that a waiting thread makes before it offers its processor to others.
@@ -199,10 +192,7 @@ where
     T: Send,
     F: Fn(usize, &mut [T], &mut [T], &mut [T]) + Sync,
 {
-    assert!(
-        a.len() == b.len() && b.len() == c.len(),
-        "all arrays hold one item per particle"
-    );
+    assert!(a.len() == b.len() && b.len() == c.len(), "all arrays hold one item per particle");
     let size = piece(a.len());
     let rest = b.chunks_mut(size).zip(c.chunks_mut(size));
     let pieces = a.chunks_mut(size).zip(rest);
@@ -230,10 +220,7 @@ mod tests {
         let sum = || exact_sum(values.len(), |i| values[i]);
         let outside = awake(sum);
         for threads in [1, 2, 5] {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let inside = pool.install(|| awake(|| (0..100).map(|_| sum()).next_back().unwrap()));
             assert_eq!(inside.to_bits(), outside.to_bits());
             // A panic inside leaves no thread behind that keeps looking.

@@ -103,36 +103,25 @@ impl StateArchive {
 
     /// A writer at the top level.
     pub fn writer(&mut self) -> StateWriter<'_> {
-        StateWriter {
-            archive: self,
-            prefix: String::new(),
-        }
+        StateWriter { archive: self, prefix: String::new() }
     }
 
     /// A reader at the top level.
     #[must_use]
     pub fn reader(&self) -> StateReader<'_> {
-        StateReader {
-            archive: self,
-            prefix: String::new(),
-        }
+        StateReader { archive: self, prefix: String::new() }
     }
 }
 
 impl StateWriter<'_> {
     /// A writer whose names stand under `name/`.
     pub fn section(&mut self, name: &str) -> StateWriter<'_> {
-        StateWriter {
-            prefix: format!("{}{name}/", self.prefix),
-            archive: self.archive,
-        }
+        StateWriter { prefix: format!("{}{name}/", self.prefix), archive: self.archive }
     }
 
     /// Saves an array.
     pub fn put(&mut self, name: &str, array: Array) {
-        self.archive
-            .arrays
-            .insert(format!("{}{name}", self.prefix), array);
+        self.archive.arrays.insert(format!("{}{name}", self.prefix), array);
     }
 
     /// Saves numbers.
@@ -167,10 +156,7 @@ impl<'a> StateReader<'a> {
     /// A reader whose names stand under `name/`.
     #[must_use]
     pub fn section(&self, name: &str) -> StateReader<'a> {
-        StateReader {
-            archive: self.archive,
-            prefix: format!("{}{name}/", self.prefix),
-        }
+        StateReader { archive: self.archive, prefix: format!("{}{name}/", self.prefix) }
     }
 
     fn get(&self, name: &str) -> Result<(&'a Array, String), RestoreError> {
@@ -250,10 +236,7 @@ impl<'a> StateReader<'a> {
     /// An error that names an entry of this section.
     #[must_use]
     pub fn misfit(&self, name: &str, reason: impl Into<String>) -> RestoreError {
-        RestoreError::Misfit {
-            name: format!("{}{name}", self.prefix),
-            reason: reason.into(),
-        }
+        RestoreError::Misfit { name: format!("{}{name}", self.prefix), reason: reason.into() }
     }
 }
 

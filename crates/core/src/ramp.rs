@@ -19,12 +19,7 @@ impl Ramp {
     /// From one value at step `first` to another, `steps` steps later; constant before and after.
     #[must_use]
     pub fn linear(from: f64, to: f64, first: u64, steps: u64) -> Self {
-        Self {
-            from,
-            to,
-            first,
-            steps,
-        }
+        Self { from, to, first, steps }
     }
 
     /// The value at a step.

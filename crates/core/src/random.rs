@@ -16,12 +16,7 @@ use crate::aligned::Aligned;
 fn philox_round(c: [u32; 4], k: [u32; 2]) -> [u32; 4] {
     let p0 = u64::from(c[0]) * 0xD251_1F53;
     let p1 = u64::from(c[2]) * 0xCD9E_8D57;
-    [
-        (p1 >> 32) as u32 ^ c[1] ^ k[0],
-        p1 as u32,
-        (p0 >> 32) as u32 ^ c[3] ^ k[1],
-        p0 as u32,
-    ]
+    [(p1 >> 32) as u32 ^ c[1] ^ k[0], p1 as u32, (p0 >> 32) as u32 ^ c[3] ^ k[1], p0 as u32]
 }
 
 /// Philox 4×32 with ten rounds: 128 random bits as a pure function of counter and key. Source:
@@ -30,10 +25,7 @@ fn philox_round(c: [u32; 4], k: [u32; 2]) -> [u32; 4] {
 pub fn philox4x32(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     for round in 0..10 {
         if round > 0 {
-            key = [
-                key[0].wrapping_add(0x9E37_79B9),
-                key[1].wrapping_add(0xBB67_AE85),
-            ];
+            key = [key[0].wrapping_add(0x9E37_79B9), key[1].wrapping_add(0xBB67_AE85)];
         }
         counter = philox_round(counter, key);
     }
@@ -46,12 +38,7 @@ fn lane_round(c: [u64; 4], key: [u64; 2]) -> [u64; 4] {
     const LOW: u64 = 0xffff_ffff;
     let p0 = (c[0] & LOW) * 0xD251_1F53;
     let p1 = (c[2] & LOW) * 0xCD9E_8D57;
-    [
-        (p1 >> 32) ^ c[1] ^ key[0],
-        p1 & LOW,
-        (p0 >> 32) ^ c[3] ^ key[1],
-        p0 & LOW,
-    ]
+    [(p1 >> 32) ^ c[1] ^ key[0], p1 & LOW, (p0 >> 32) ^ c[3] ^ key[1], p0 & LOW]
 }
 
 /// Particles whose rounds of Philox take turns: each round waits for the one before, and other particles fill the time.
@@ -97,9 +84,8 @@ pub(crate) fn philox_lanes<const N: usize>(
 
 /// FNV-1a of a name: a fixed 64-bit number for each stream (Fowler, Noll, Vo; RFC 9923 draft constants).
 fn name_hash(name: &str) -> u64 {
-    name.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| {
-        (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3)
-    })
+    name.bytes()
+        .fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
 }
 
 /// All streams of one seed.
@@ -139,9 +125,7 @@ impl Streams {
     /// Counter-based noise, for use during a run.
     #[must_use]
     pub fn noise(self, name: &str) -> NoiseStream {
-        NoiseStream {
-            key: self.key(name),
-        }
+        NoiseStream { key: self.key(name) }
     }
 }
 

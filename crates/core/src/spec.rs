@@ -49,11 +49,7 @@ impl IntegratorSpec {
     /// Whether the motion keeps the total momentum.
     #[must_use]
     pub fn momentum(&self) -> Momentum {
-        if self.conserves_momentum {
-            Momentum::Conserved
-        } else {
-            Momentum::Free
-        }
+        if self.conserves_momentum { Momentum::Conserved } else { Momentum::Free }
     }
 }
 

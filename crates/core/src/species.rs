@@ -20,11 +20,7 @@ impl Species {
     /// The one species of a system that names none: unit mass.
     #[must_use]
     pub fn unnamed() -> Self {
-        Self {
-            name: "A".to_owned(),
-            mass: 1.0,
-            element: "Ar".to_owned(),
-        }
+        Self { name: "A".to_owned(), mass: 1.0, element: "Ar".to_owned() }
     }
 }
 
@@ -41,11 +37,7 @@ impl SpeciesTable {
     /// `n` particles of one species.
     #[must_use]
     pub fn one(species: Species, n: usize) -> Self {
-        Self {
-            species: Arc::new([species]),
-            of_particle: Arc::new([]),
-            counts: Arc::new([n]),
-        }
+        Self { species: Arc::new([species]), of_particle: Arc::new([]), counts: Arc::new([n]) }
     }
 
     /// Several species; `of_particle` has the number of the species of each particle.
@@ -55,10 +47,7 @@ impl SpeciesTable {
     #[must_use]
     pub fn new(species: impl Into<Arc<[Species]>>, of_particle: &[u8]) -> Self {
         let species = species.into();
-        assert!(
-            (1..=MOST_SPECIES).contains(&species.len()),
-            "1 to {MOST_SPECIES} species"
-        );
+        assert!((1..=MOST_SPECIES).contains(&species.len()), "1 to {MOST_SPECIES} species");
         let mut counts = vec![0; species.len()];
         for a in of_particle {
             counts[usize::from(*a)] += 1;
@@ -154,9 +143,8 @@ impl SpeciesTable {
     /// The mean mass Σ x_a·m_a.
     #[must_use]
     pub fn mean_mass(&self) -> f64 {
-        let total: f64 = (0..self.n_species())
-            .map(|a| self.count(a) as f64 * self.species[a].mass)
-            .sum();
+        let total: f64 =
+            (0..self.n_species()).map(|a| self.count(a) as f64 * self.species[a].mass).sum();
         total / self.n_particles() as f64
     }
 }
@@ -166,11 +154,7 @@ mod tests {
     use super::*;
 
     fn named(name: &str, mass: f64) -> Species {
-        Species {
-            name: name.to_owned(),
-            mass,
-            ..Species::unnamed()
-        }
+        Species { name: name.to_owned(), mass, ..Species::unnamed() }
     }
 
     #[test]

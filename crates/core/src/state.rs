@@ -33,11 +33,7 @@ impl State {
     /// Where the two arrays differ in length: that is a bug of the caller.
     #[must_use]
     pub fn new(cell: PeriodicBox, positions: Vec<DVec3>, velocities: Vec<DVec3>) -> Self {
-        assert_eq!(
-            positions.len(),
-            velocities.len(),
-            "one velocity for each position"
-        );
+        assert_eq!(positions.len(), velocities.len(), "one velocity for each position");
         let forces = vec![DVec3::ZERO; positions.len()];
         Self {
             step: 0,
@@ -88,27 +84,13 @@ impl Want {
         per_particle: false,
     };
     /// Energy alone.
-    pub const ENERGY: Self = Self {
-        energy: true,
-        ..Self::NOTHING
-    };
+    pub const ENERGY: Self = Self { energy: true, ..Self::NOTHING };
     /// Energy and scalar virial.
-    pub const ENERGY_AND_VIRIAL: Self = Self {
-        energy: true,
-        virial: true,
-        ..Self::NOTHING
-    };
+    pub const ENERGY_AND_VIRIAL: Self = Self { energy: true, virial: true, ..Self::NOTHING };
     /// The virial as a tensor and as a scalar.
-    pub const VIRIAL_TENSOR: Self = Self {
-        virial: true,
-        virial_tensor: true,
-        ..Self::NOTHING
-    };
+    pub const VIRIAL_TENSOR: Self = Self { virial: true, virial_tensor: true, ..Self::NOTHING };
     /// Energy, scalar virial and Laplacian.
-    pub const TOTALS: Self = Self {
-        laplacian: true,
-        ..Self::ENERGY_AND_VIRIAL
-    };
+    pub const TOTALS: Self = Self { laplacian: true, ..Self::ENERGY_AND_VIRIAL };
 
     /// Whether only forces are wanted.
     #[must_use]
@@ -164,12 +146,7 @@ impl<'a> Configuration<'a> {
     /// Positions in a box at time 0, without velocities.
     #[must_use]
     pub fn at_rest(cell: &'a PeriodicBox, positions: &'a [DVec3]) -> Self {
-        Self {
-            cell,
-            positions,
-            velocities: None,
-            time: 0.0,
-        }
+        Self { cell, positions, velocities: None, time: 0.0 }
     }
 }
 
@@ -212,10 +189,7 @@ impl Energetics {
             (Some(a), Some(b)) => Some(a + b),
             (a, b) => a.or(b),
         };
-        Self {
-            pairs,
-            ..self.plus(other)
-        }
+        Self { pairs, ..self.plus(other) }
     }
 
     /// The sum of two parts (RESPA's near and far); an entry is kept only where both have it.
@@ -236,12 +210,7 @@ impl Energetics {
                 .per_particle
                 .as_ref()
                 .zip(other.per_particle.as_ref())
-                .map(|(a, b)| {
-                    a.iter()
-                        .zip(b)
-                        .map(|(x, y)| (x.0 + y.0, x.1 + y.1))
-                        .collect()
-                }),
+                .map(|(a, b)| a.iter().zip(b).map(|(x, y)| (x.0 + y.0, x.1 + y.1)).collect()),
         }
     }
 }

@@ -266,11 +266,7 @@ impl<'a> Step<'a> {
     /// System, state and forces, for other operators. A kick that waits is given first.
     pub fn parts(&mut self) -> Parts<'_> {
         self.give_waiting_kick();
-        Parts {
-            system: self.system,
-            state: &mut *self.state,
-            backend: &mut *self.backend,
-        }
+        Parts { system: self.system, state: &mut *self.state, backend: &mut *self.backend }
     }
 
     /// Counts energy in ε that a bath puts in.
@@ -300,12 +296,7 @@ impl<'a> Step<'a> {
             return;
         };
         let (state, system, h) = (&mut *self.state, self.system, kick * self.dt);
-        let State {
-            positions,
-            velocities,
-            forces,
-            ..
-        } = state;
+        let State { positions, velocities, forces, .. } = state;
         match &self.bonds {
             Some(bonds) if bonds.has_velocity_stage() && system.molecules.are_rigid() => {
                 rigid::kick_and_project(system, positions, velocities, forces, h);
@@ -335,15 +326,10 @@ impl<'a> Step<'a> {
             cell: &state.cell,
             positions: &state.positions,
             // Only methods made for it may feed velocities to a force.
-            velocities: self
-                .spec
-                .velocity_dependent_forces
-                .then_some(state.velocities.as_slice()),
+            velocities: self.spec.velocity_dependent_forces.then_some(state.velocities.as_slice()),
             time,
         };
-        state.energetics = self
-            .backend
-            .evaluate(at, Part::All, want, &mut state.forces)?;
+        state.energetics = self.backend.evaluate(at, Part::All, want, &mut state.forces)?;
         check_finite(&state.forces)?;
         Ok(())
     }

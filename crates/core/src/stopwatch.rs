@@ -23,10 +23,7 @@ impl Stopwatch {
     /// A stopwatch that starts now.
     #[must_use]
     pub fn start() -> Self {
-        Self {
-            on_processor: seconds_on_processor(),
-            wall: Instant::now(),
-        }
+        Self { on_processor: seconds_on_processor(), wall: Instant::now() }
     }
 
     /// Seconds on the wall.
@@ -226,11 +223,7 @@ mod tests {
         let mut count = 0;
         let stopped = in_turn(5, 3, 1, |turn| {
             count += 1;
-            if turn.done > 0.5 {
-                Err("enough")
-            } else {
-                Ok(())
-            }
+            if turn.done > 0.5 { Err("enough") } else { Ok(()) }
         });
         assert_eq!((stopped, count), (Err("enough"), 9));
     }

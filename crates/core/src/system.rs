@@ -78,10 +78,7 @@ impl System {
     /// ([`crate::ForceProperties::breaks_momentum`]).
     #[must_use]
     pub fn pushed_along(self, axes: [bool; 3]) -> Self {
-        Self {
-            keeps_momentum: axes.map(|pushed| !pushed),
-            ..self
-        }
+        Self { keeps_momentum: axes.map(|pushed| !pushed), ..self }
     }
 
     /// The same system with some particles held in their places: their mass is infinite. A held particle takes up any momentum,
@@ -95,22 +92,14 @@ impl System {
         for i in held {
             masses[*i] = f64::INFINITY;
         }
-        Self {
-            masses: Masses::Each(masses),
-            keeps_momentum: [false; 3],
-            ..self
-        }
+        Self { masses: Masses::Each(masses), keeps_momentum: [false; 3], ..self }
     }
 
     /// A velocity without its components along the axes on which the forces change the total momentum.
     #[must_use]
     pub fn kept_part(&self, v: DVec3) -> DVec3 {
         let kept = |axis: usize| {
-            if self.keeps_momentum[axis] {
-                v[axis]
-            } else {
-                0.0
-            }
+            if self.keeps_momentum[axis] { v[axis] } else { 0.0 }
         };
         DVec3::new(kept(0), kept(1), kept(2))
     }
@@ -136,10 +125,7 @@ impl System {
     /// As [`System::of_molecules`].
     #[must_use]
     pub fn bonded(self, molecules: Molecules) -> Self {
-        assert!(
-            self.len().is_multiple_of(molecules.sites()),
-            "whole molecules"
-        );
+        assert!(self.len().is_multiple_of(molecules.sites()), "whole molecules");
         Self { molecules, ..self }
     }
 
@@ -173,11 +159,7 @@ impl System {
     /// no degree of freedom away.
     #[must_use]
     pub fn n_dof(&self, momentum: Momentum) -> f64 {
-        let mut rigid = self
-            .constraints
-            .iter()
-            .filter(|c| c.compliance() == 0.0)
-            .count();
+        let mut rigid = self.constraints.iter().filter(|c| c.compliance() == 0.0).count();
         if self.molecules.are_rigid() {
             rigid += self.molecules.bonds().len() * self.n_molecules();
         }
@@ -236,10 +218,7 @@ mod tests {
     #[test]
     fn masses_of_a_mixture_are_one_number_where_they_are_alike() {
         let species = |mass: f64| {
-            let b = Species {
-                mass,
-                ..Species::unnamed()
-            };
+            let b = Species { mass, ..Species::unnamed() };
             SpeciesTable::new([Species::unnamed(), b], &[0, 1, 1])
         };
         let alike = System::of_species(species(1.0));

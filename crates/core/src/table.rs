@@ -27,12 +27,7 @@ impl Column {
     /// An empty column.
     #[must_use]
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self {
-            name: name.into(),
-            unit: unit.into(),
-            has_errors: false,
-            cells: Vec::new(),
-        }
+        Self { name: name.into(), unit: unit.into(), has_errors: false, cells: Vec::new() }
     }
 
     /// An empty column with the heading `name [unit]`, or just `name` where there is no unit.
@@ -77,11 +72,7 @@ impl Table {
     /// An empty table.
     #[must_use]
     pub fn new(name: impl Into<String>, caption: impl Into<String>) -> Self {
-        Self {
-            name: name.into(),
-            caption: caption.into(),
-            columns: Vec::new(),
-        }
+        Self { name: name.into(), caption: caption.into(), columns: Vec::new() }
     }
 
     /// Adds a column of numbers.
@@ -102,27 +93,18 @@ impl Table {
     /// A table with one row per item, whose columns are added by [`RowsOf::column`].
     #[must_use]
     pub fn rows_of<T>(name: impl Into<String>, items: &[T]) -> RowsOf<'_, T> {
-        RowsOf {
-            table: Self::new(name, ""),
-            items,
-        }
+        RowsOf { table: Self::new(name, ""), items }
     }
 
     /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.columns
-            .iter()
-            .map(|c| c.cells.len())
-            .max()
-            .unwrap_or(0)
+        self.columns.iter().map(|c| c.cells.len()).max().unwrap_or(0)
     }
 
     /// The cells of a row; missing ones where a column is shorter.
     pub fn row(&self, row: usize) -> impl Iterator<Item = Cell> {
-        self.columns
-            .iter()
-            .map(move |c| c.cells.get(row).cloned().unwrap_or_default())
+        self.columns.iter().map(move |c| c.cells.get(row).cloned().unwrap_or_default())
     }
 
     /// A column as numbers; `None` where no column has the name.

@@ -66,9 +66,7 @@ pub fn for_each_item<S: Default, T: Send>(
 ) {
     if is_for_one_thread(items.len()) {
         let mut scratch = S::default();
-        items
-            .enumerate()
-            .for_each(|(index, item)| work(&mut scratch, index, item));
+        items.enumerate().for_each(|(index, item)| work(&mut scratch, index, item));
         return;
     }
     // No thread ever waits at a lock: each item is taken once.
@@ -143,9 +141,7 @@ impl Share {
     /// Tasks `0..n` in so many shares of equal size, more or less.
     fn all(n: usize, shares: usize) -> Vec<Self> {
         let begin = |share: usize| (n * share / shares) as u64;
-        (0..shares)
-            .map(|s| Self(AtomicU64::new(begin(s) << 32 | begin(s + 1))))
-            .collect()
+        (0..shares).map(|s| Self(AtomicU64::new(begin(s) << 32 | begin(s + 1)))).collect()
     }
 
     fn take_first(&self) -> Option<usize> {
@@ -183,12 +179,9 @@ mod tests {
     use super::*;
 
     fn pools() -> impl Iterator<Item = rayon::ThreadPool> {
-        [1, 2, 3, 8].into_iter().map(|threads| {
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap()
-        })
+        [1, 2, 3, 8]
+            .into_iter()
+            .map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap())
     }
 
     #[test]

@@ -106,11 +106,7 @@ impl Team {
     /// A team whose ranks are connected by a wire.
     #[must_use]
     pub fn new(wire: Box<dyn Wire>) -> Self {
-        Self(Arc::new(Shared {
-            wire,
-            nanoseconds: AtomicU64::new(0),
-            halos: Default::default(),
-        }))
+        Self(Arc::new(Shared { wire, nanoseconds: AtomicU64::new(0), halos: Default::default() }))
     }
 
     /// The number of this rank, from 0.
@@ -188,17 +184,13 @@ impl Team {
     pub fn gather_numbers(&self, array: &mut [u32], ranges: &[Range<usize>]) {
         let (pairs, last) = array[ranges[self.rank()].clone()].as_chunks::<2>();
         let pairs = (pairs.iter()).map(|[a, b]| u64::from(*a) | u64::from(*b) << 32);
-        let words: Vec<u64> = pairs
-            .chain(last.iter().map(|number| u64::from(*number)))
-            .collect();
+        let words: Vec<u64> = pairs.chain(last.iter().map(|number| u64::from(*number))).collect();
         let all = self.concat(&words);
         let mut rest = &all[..];
         for range in ranges {
             let (words, others) = rest.split_at(range.len().div_ceil(2));
             rest = others;
-            let numbers = words
-                .iter()
-                .flat_map(|word| [*word as u32, (word >> 32) as u32]);
+            let numbers = words.iter().flat_map(|word| [*word as u32, (word >> 32) as u32]);
             for (to, number) in array[range.clone()].iter_mut().zip(numbers) {
                 *to = number;
             }
@@ -276,9 +268,7 @@ mod tests {
             let expected = (
                 [(ranks * (ranks - 1) / 2) as i64, -(ranks as i64)],
                 [ranks as u64 - 1, 7],
-                (0..ranks)
-                    .flat_map(|r| vec![r as u64; r])
-                    .collect::<Vec<_>>(),
+                (0..ranks).flat_map(|r| vec![r as u64; r]).collect::<Vec<_>>(),
                 [false, true],
                 (ranks > 2).then_some(2),
             );
@@ -311,16 +301,10 @@ mod tests {
                 let given = team.trade(wants.collect());
                 let parcel = |rank: usize| Parcel {
                     rank,
-                    vectors: given[rank]
-                        .iter()
-                        .map(|k| whole[*k as usize].to_array())
-                        .collect(),
+                    vectors: given[rank].iter().map(|k| whole[*k as usize].to_array()).collect(),
                 };
                 let outgoing: Vec<Parcel> = others().map(parcel).collect();
-                let empty = |rank| Parcel {
-                    rank,
-                    vectors: vec![[f64::NAN; 3]; 1],
-                };
+                let empty = |rank| Parcel { rank, vectors: vec![[f64::NAN; 3]; 1] };
                 let mut incoming: Vec<Parcel> = others().map(empty).collect();
                 let mut worked = 0;
                 team.exchange(&outgoing, &mut incoming, &mut || worked += 1);

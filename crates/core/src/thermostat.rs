@@ -75,13 +75,7 @@ pub struct FusedBath<'a> {
 impl<'a> FusedBath<'a> {
     /// A bath beside steps of `dt` τ, of which `step` ends first.
     pub fn new(bath: &'a mut dyn Thermostat, n_dof: f64, dt: f64, step: u64) -> Self {
-        Self {
-            bath,
-            n_dof,
-            dt,
-            step,
-            heats: Vec::new(),
-        }
+        Self { bath, n_dof, dt, step, heats: Vec::new() }
     }
 
     /// Whether the bath acts after the step that ends next.
@@ -99,12 +93,7 @@ impl<'a> FusedBath<'a> {
     pub fn factor(&mut self, kinetic: f64) -> f64 {
         let step = self.step;
         self.step += 1;
-        let at = BathStep {
-            kinetic,
-            n_dof: self.n_dof,
-            dt: self.dt,
-            step,
-        };
+        let at = BathStep { kinetic, n_dof: self.n_dof, dt: self.dt, step };
         let Some((factor, heat)) = act(self.bath, at) else {
             return 1.0;
         };

@@ -100,10 +100,7 @@ impl Topology {
     /// A chain of `sites` sites whose bonds join consecutive ones.
     #[must_use]
     pub fn chain(sites: usize, length: f64) -> Self {
-        let bonds = (1..sites).map(|k| Bond {
-            sites: [k - 1, k],
-            length,
-        });
+        let bonds = (1..sites).map(|k| Bond { sites: [k - 1, k], length });
         Self::of(sites, bonds.collect())
     }
 
@@ -122,17 +119,11 @@ impl Topology {
                 });
             }
             if i == j {
-                return Err(TopologyError::ToItself {
-                    bond: c + 1,
-                    site: i + 1,
-                });
+                return Err(TopologyError::ToItself { bond: c + 1, site: i + 1 });
             }
             let same = |other: &Bond| other.sites == [i, j] || other.sites == [j, i];
             if let Some(first) = bonds[..c].iter().position(same) {
-                return Err(TopologyError::Twice {
-                    first: first + 1,
-                    second: c + 1,
-                });
+                return Err(TopologyError::Twice { first: first + 1, second: c + 1 });
             }
         }
         let made = Self::of(sites, bonds);
@@ -153,13 +144,7 @@ impl Topology {
                 couplings.iter().map(|c| (c.bonds[0], c.bonds[1])).collect();
             Pattern::new(bonds.len(), &pairs)
         });
-        Self {
-            sites,
-            bonds,
-            is_chain,
-            couplings,
-            pattern,
-        }
+        Self { sites, bonds, is_chain, couplings, pattern }
     }
 
     /// Sites of each molecule.
@@ -188,9 +173,7 @@ impl Topology {
 
     /// The pairs of which bond `c` is one.
     pub fn couplings_of(&self, c: usize) -> impl Iterator<Item = &Coupling> {
-        self.couplings
-            .iter()
-            .filter(move |one| one.bonds.contains(&c))
+        self.couplings.iter().filter(move |one| one.bonds.contains(&c))
     }
 
     /// How the equations of all bonds are eliminated; `None` for a chain, and for few bonds.
@@ -230,11 +213,8 @@ impl Topology {
         /// Rounding of positions in a file leaves pivots near 10⁻⁷; bonds that meet at one degree leave 3·10⁻⁴.
         const SMALLEST_PIVOT: f64 = 1e-6;
         let n = self.bonds.len();
-        let units: Vec<DVec3> = self
-            .bonds
-            .iter()
-            .map(|bond| bond.vector(positions).normalize_or_zero())
-            .collect();
+        let units: Vec<DVec3> =
+            self.bonds.iter().map(|bond| bond.vector(positions).normalize_or_zero()).collect();
         let inverse_mass = |site: usize| if is_held(site) { 0.0 } else { 1.0 };
         let mut a = vec![0.0; n * n];
         for (c, bond) in self.bonds.iter().enumerate() {
@@ -308,10 +288,7 @@ mod tests {
     use super::*;
 
     fn bonds(pairs: &[[usize; 2]]) -> Vec<Bond> {
-        let bond = |sites: &[usize; 2]| Bond {
-            sites: *sites,
-            length: 1.0,
-        };
+        let bond = |sites: &[usize; 2]| Bond { sites: *sites, length: 1.0 };
         pairs.iter().map(bond).collect()
     }
 

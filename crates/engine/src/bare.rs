@@ -18,9 +18,7 @@ pub const ENDLESS: u64 = 1_000_000_000_000_000;
 #[must_use]
 pub fn measured_stage(scene: &Scene) -> &Stage {
     let measured = scene.stages.iter().rev().find(|s| s.measure);
-    measured
-        .or(scene.stages.last())
-        .expect("a scene has a stage: its reader refuses one without")
+    measured.or(scene.stages.last()).expect("a scene has a stage: its reader refuses one without")
 }
 
 /// The scene with its measured stage alone: without end, at constant energy, with nothing to observe or write.
@@ -48,7 +46,5 @@ pub fn take(simulation: &mut Simulation, steps: u64, want: Want) -> Result<(), E
     let wanted =
         (!want.is_nothing()).then(|| Operation::new(Action::Call, Trigger::Always).wanting(want));
     let schedule = wanted.into_iter().collect();
-    simulation
-        .run(&mut StopAt::following(schedule, end))
-        .map(drop)
+    simulation.run(&mut StopAt::following(schedule, end)).map(drop)
 }

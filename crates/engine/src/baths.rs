@@ -9,9 +9,7 @@ use crate::own::OwnParts;
 /// The thermostats of the measured stages.
 pub(crate) fn measured_baths(scene: &Scene) -> Vec<&'static ThermostatSpec> {
     let measured = scene.stages.iter().filter(|s| s.measure);
-    measured
-        .filter_map(|s| Some(s.thermostat.as_ref()?.spec()))
-        .collect()
+    measured.filter_map(|s| Some(s.thermostat.as_ref()?.spec())).collect()
 }
 
 /// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
@@ -21,10 +19,7 @@ pub(crate) fn ensemble(scene: &Scene, stage: &Stage, own: &OwnParts) -> Option<E
     if stage.is_ramp() || stage.exchange.is_some() || by_bonds {
         return None;
     }
-    let canonical = stage
-        .thermostat
-        .as_ref()
-        .is_none_or(|bath| bath.spec().canonical);
+    let canonical = stage.thermostat.as_ref().is_none_or(|bath| bath.spec().canonical);
     if let Some(control) = &stage.barostat {
         // A barostat without a thermostat beside it has one of its own.
         let pressure = control.pressure;
@@ -33,17 +28,13 @@ pub(crate) fn ensemble(scene: &Scene, stage: &Stage, own: &OwnParts) -> Option<E
     match &stage.thermostat {
         Some(bath) => bath.spec().canonical.then_some(Ensemble::Canonical),
         // A method that loses energy stays at no energy.
-        None => method(scene, own)
-            .spec()
-            .symplectic
-            .then_some(Ensemble::Microcanonical),
+        None => method(scene, own).spec().symplectic.then_some(Ensemble::Microcanonical),
     }
 }
 
 /// A fresh method: of the program where it brings one, else of the scene.
 pub(crate) fn method(scene: &Scene, own: &OwnParts) -> Integrator {
-    own.make_method()
-        .unwrap_or_else(|| lennard_integrators::build(&scene.integrator.method))
+    own.make_method().unwrap_or_else(|| lennard_integrators::build(&scene.integrator.method))
 }
 
 /// The temperature that the bath of the measured stages holds; `None` where they have none, or not all the same.

@@ -42,16 +42,12 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
         room::is_there(scene, &cell, n)?;
     }
     match &scene.system.start {
-        Start::Lattice {
-            lattice, n_atoms, ..
-        } => {
+        Start::Lattice { lattice, n_atoms, .. } => {
             let placement = scene.placement()?.expect("a lattice start has a placement");
             let cell = placement.cell;
             if *lattice == Lattice::Random {
                 let filled = PeriodicBox::new(placement.filled).map_err(|e| {
-                    scene
-                        .source
-                        .invalid("system.box", e, "finite positive lengths")
+                    scene.source.invalid("system.box", e, "finite positive lengths")
                 })?;
                 let streams = Streams::new(scene.system.seed);
                 let points = initial::random_points(&filled, *n_atoms, streams)
@@ -90,36 +86,23 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
             };
             Ok((beginning, Vec::new()))
         }
-        Start::Listed {
-            positions,
-            velocities,
-            ..
-        } => {
+        Start::Listed { positions, velocities, .. } => {
             let placement = scene.placement()?.expect("listed particles have a box");
             let beginning = as_listed(scene, placement, positions, velocities.clone())?;
             Ok((beginning, Vec::new()))
         }
-        Start::Configuration {
-            path,
-            geometry,
-            units,
-        } => {
+        Start::Configuration { path, geometry, units } => {
             let given = match geometry {
                 Some(Geometry::Box(sides)) => {
                     Some(PeriodicBox::new(DVec3::from_array(*sides)).map_err(|e| {
-                        scene
-                            .source
-                            .invalid("system.box", e, "finite positive lengths")
+                        scene.source.invalid("system.box", e, "finite positive lengths")
                     })?)
                 }
                 Some(Geometry::Density(_)) | None => None,
             };
             // Read without the scene's box first: where both name one and they differ, the scene is to blame.
             let in_box = |cell| {
-                let beside = Beside {
-                    cell,
-                    units: *units,
-                };
+                let beside = Beside { cell, units: *units };
                 lennard_io::read_configuration_in(path, beside)
             };
             let read = match in_box(None) {
@@ -140,10 +123,7 @@ fn placed(
     let species = species::mixed(scene, positions.len())?;
     let relax = species::overlap(scene, &cell, &positions, &species);
     if !scene.system.held.is_empty() {
-        let origin = Origin {
-            key: "system.held",
-            name: "the start".to_owned(),
-        };
+        let origin = Origin { key: "system.held", name: "the start".to_owned() };
         starting_molecules::check(scene, &origin, &cell, &positions)?;
     }
     overlaps::contacts(scene, "system", &cell, &positions, &species)?;
@@ -157,13 +137,7 @@ fn placed(
             )
             .into());
     }
-    Ok(Beginning {
-        cell,
-        positions,
-        velocities: None,
-        species,
-        relax,
-    })
+    Ok(Beginning { cell, positions, velocities: None, species, relax })
 }
 
 /// The start from a configuration that was read, in the box that the scene gives, if it gives one.
@@ -193,10 +167,7 @@ pub(crate) fn begin_in_memory(
                 _ => "positions beside a lattice",
             };
             let allowed = "a `configuration` in the place of `lattice`, `n_atoms` and `density`";
-            Err(scene
-                .source
-                .invalid("system.lattice", found, allowed)
-                .into())
+            Err(scene.source.invalid("system.lattice", found, allowed).into())
         }
     }
 }
@@ -244,22 +215,13 @@ fn as_listed(
 ) -> Result<Beginning, EngineError> {
     let cell = placement.cell;
     let mut positions: Vec<DVec3> = positions.iter().map(|r| *r + placement.corner).collect();
-    let origin = Origin {
-        key: "system.positions",
-        name: "the scene".to_owned(),
-    };
+    let origin = Origin { key: "system.positions", name: "the scene".to_owned() };
     starting_molecules::check(scene, &origin, &cell, &positions)?;
     let species = scene.species_in_order(&scene.counts(positions.len())?);
     overlaps::pairs(scene, &origin, &cell, &positions, &species)?;
     overlaps::contacts(scene, origin.key, &cell, &positions, &species)?;
     place_between_walls(scene, &cell, &mut positions)?;
-    Ok(Beginning {
-        cell,
-        positions,
-        velocities,
-        species,
-        relax: false,
-    })
+    Ok(Beginning { cell, positions, velocities, species, relax: false })
 }
 
 fn from_configuration(
@@ -272,25 +234,15 @@ fn from_configuration(
         && !lennard_io::is_same_box(&given, &read.cell)
     {
         let sides = given.lengths().to_array();
-        let found = format!(
-            "{sides:?}, where {} has {:?}",
-            path.display(),
-            read.cell.lengths().to_array()
-        );
+        let found =
+            format!("{sides:?}, where {} has {:?}", path.display(), read.cell.lengths().to_array());
         return Err(scene
             .source
-            .invalid(
-                "system.box",
-                found,
-                "the box of the file, or no `box` at all",
-            )
+            .invalid("system.box", found, "the box of the file, or no `box` at all")
             .into());
     }
     let mut read = read;
-    let origin = Origin {
-        key: "system.configuration",
-        name: path.display().to_string(),
-    };
+    let origin = Origin { key: "system.configuration", name: path.display().to_string() };
     scene.held_are_among(read.positions.len())?;
     scene.contact_fits(&read.cell)?;
     starting_molecules::unfold(scene, path, &read.cell, &mut read.positions)?;

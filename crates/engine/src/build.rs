@@ -38,20 +38,11 @@ pub fn conditions<'a>(
     mixture: Option<&'a Mixture>,
 ) -> Conditions<'a> {
     let measured: Vec<&Stage> = scene.stages.iter().filter(|s| s.measure).collect();
-    let stages: Vec<&Stage> = if measured.is_empty() {
-        scene.stages.iter().collect()
-    } else {
-        measured
-    };
+    let stages: Vec<&Stage> =
+        if measured.is_empty() { scene.stages.iter().collect() } else { measured };
     let temperature = stages.iter().map(|s| s.temperature).fold(0.0, f64::max);
     let dt = stages.iter().map(|s| scene.stage_dt(s)).fold(0.0, f64::max);
-    Conditions {
-        cell,
-        n_atoms,
-        temperature,
-        dt,
-        mixture,
-    }
+    Conditions { cell, n_atoms, temperature, dt, mixture }
 }
 
 /// The force field of a scene for a box and its particles, beside the options in force, with the precision of the loop.
@@ -205,14 +196,8 @@ pub(crate) fn prepare_own_from(
 fn planned_list(scene: &Scene, plan: &ForcePlan) -> NeighborOptions {
     match plan.search {
         Search::Nothing | Search::Reference => scene.neighbor,
-        Search::Direct => NeighborOptions {
-            mode: ListMode::Direct,
-            skin: None,
-        },
-        Search::Verlet => NeighborOptions {
-            skin: Some(plan.skin),
-            ..scene.neighbor
-        },
+        Search::Direct => NeighborOptions { mode: ListMode::Direct, skin: None },
+        Search::Verlet => NeighborOptions { skin: Some(plan.skin), ..scene.neighbor },
     }
 }
 
@@ -254,18 +239,16 @@ fn relax(
     let mut relaxing = scene.clone();
     relaxing.kernel.precision = Precision::Double;
     let (_, mut provider) = forces(&relaxing, cell, species)?;
-    fire::relax(&cell, positions, &mut provider, &FireOptions::default())
-        .map(|_| ())
-        .map_err(|e| {
-            scene
-                .source
-                .invalid(
-                    "system.lattice",
-                    format!("`random`, which could not be relaxed: {e}"),
-                    "a lattice, or a lower density",
-                )
-                .into()
-        })
+    fire::relax(&cell, positions, &mut provider, &FireOptions::default()).map(|_| ()).map_err(|e| {
+        scene
+            .source
+            .invalid(
+                "system.lattice",
+                format!("`random`, which could not be relaxed: {e}"),
+                "a lattice, or a lower density",
+            )
+            .into()
+    })
 }
 
 /// The stage that is measured, the last of them; the last stage where none is.
@@ -328,10 +311,7 @@ pub(crate) fn observers(
     let context = |every| scene.observable_context(cell, species, measured_dt(scene), every);
     let every = scene.output.thermo_every;
     let thermodynamics = thermodynamics(scene, cell, species, own)?;
-    let mut observers = vec![Observer {
-        every,
-        observable: Box::new(thermodynamics),
-    }];
+    let mut observers = vec![Observer { every, observable: Box::new(thermodynamics) }];
     let keeps_motion = measured_baths(scene).iter().all(|bath| bath.keeps_motion);
     for (index, table) in scene.observables.iter().enumerate() {
         let mut options = table.options.clone();
@@ -351,10 +331,7 @@ pub(crate) fn observers(
                     e.allowed(),
                 )
             })?;
-        observers.push(Observer {
-            every: table.every,
-            observable,
-        });
+        observers.push(Observer { every: table.every, observable });
     }
     // Behind the others, so that these stand as in the scene.
     if let Some(pressure) = measured_pressure(scene) {
@@ -364,10 +341,7 @@ pub(crate) fn observers(
         });
     }
     if let Some(profile) = exchange::profile(scene, &context(every)) {
-        observers.push(Observer {
-            every,
-            observable: Box::new(profile),
-        });
+        observers.push(Observer { every, observable: Box::new(profile) });
     }
     observers.extend(own.make_observers());
     Ok(observers)

@@ -38,15 +38,8 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
     run.put_vec3("cell", &[simulation.start_cell.lengths()]);
     save_species(simulation.system.species(), &mut run);
     save_energetics(&simulation.state.energetics, &mut run);
-    let Timers {
-        step,
-        observe,
-        write,
-    } = simulation.timers;
-    run.put_f64(
-        "seconds",
-        &[past.wall, step, observe, write].map(|d| d.as_secs_f64()),
-    );
+    let Timers { step, observe, write } = simulation.timers;
+    run.put_f64("seconds", &[past.wall, step, observe, write].map(|d| d.as_secs_f64()));
     run.put_u64("owes_output", &[u64::from(past.owes_output)]);
     let remarks = past.remarks.join("\n");
     run.put_u64("remarks", &packed(remarks.as_bytes(), LETTERS_PER_NUMBER));
@@ -59,10 +52,7 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
             isa: simulation.isa.clone(),
             precision: simulation.scene.kernel.precision.name().to_owned(),
             step: simulation.state.step,
-            files: [(THERMO.to_owned(), marks.thermo)]
-                .into_iter()
-                .chain(trajectory)
-                .collect(),
+            files: [(THERMO.to_owned(), marks.thermo)].into_iter().chain(trajectory).collect(),
         },
         scene: simulation.scene.resolved_toml(),
         archive,
@@ -72,14 +62,8 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
 /// A simulation by itself as a checkpoint: no file grows beside it.
 #[must_use]
 pub fn snapshot(simulation: &Simulation) -> Checkpoint {
-    let nothing = FileMark {
-        bytes: 0,
-        records: 0,
-    };
-    let marks = Marks {
-        thermo: nothing,
-        trajectory: None,
-    };
+    let nothing = FileMark { bytes: 0, records: 0 };
+    let marks = Marks { thermo: nothing, trajectory: None };
     capture(simulation, marks, &Past::default())
 }
 
@@ -95,17 +79,9 @@ pub(crate) fn reinstate(
     let seconds = run.f64s::<4>("seconds")?;
     let [wall, step, observe, write] =
         seconds.map(|s| Duration::try_from_secs_f64(s).unwrap_or_default());
-    simulation.timers = Timers {
-        step,
-        observe,
-        write,
-    };
+    simulation.timers = Timers { step, observe, write };
     let [owed] = run.u64s("owes_output")?;
-    Ok(Past {
-        wall,
-        remarks: restored_remarks(&run)?,
-        owes_output: owed != 0,
-    })
+    Ok(Past { wall, remarks: restored_remarks(&run)?, owes_output: owed != 0 })
 }
 
 /// No run counts so far, and what is counted on from here stays within 64 bits.
@@ -251,10 +227,7 @@ fn restored_energetics(from: &StateReader<'_>) -> Result<Energetics, lennard_cor
             _ => None,
         },
         // Older checkpoints have the tensor alone.
-        virial_trace: from
-            .f64("virial_trace")
-            .ok()
-            .and_then(|w| w.first().copied()),
+        virial_trace: from.f64("virial_trace").ok().and_then(|w| w.first().copied()),
         ..Energetics::default()
     })
 }
@@ -271,9 +244,7 @@ impl Checkpointer {
     pub(crate) fn new(folder: &std::path::Path, plan: &lennard_scene::Checkpoint) -> Self {
         Self {
             folder: CheckpointFolder::new(folder),
-            every: plan
-                .every_seconds
-                .and_then(|s| Duration::try_from_secs_f64(s).ok()),
+            every: plan.every_seconds.and_then(|s| Duration::try_from_secs_f64(s).ok()),
             last_written: Instant::now(),
             last_step: None,
         }
@@ -281,8 +252,7 @@ impl Checkpointer {
 
     /// Whether the time between two checkpoints is over.
     pub(crate) fn time_is_up(&self) -> bool {
-        self.every
-            .is_some_and(|every| self.last_written.elapsed() >= every)
+        self.every.is_some_and(|every| self.last_written.elapsed() >= every)
     }
 
     /// Writes one, unless this step has one already. A state that the watchdog does not like is never written.
@@ -329,11 +299,6 @@ mod tests {
         check_particles(&archive, 1).expect("no count is too large");
         assert_eq!(restored_remarks(&archive.reader()).unwrap(), remarks);
         // Checkpoints that have one byte in each number are read too.
-        assert_eq!(
-            unpacked(&packed(b"one", 1))
-                .filter(|b| *b != 0)
-                .collect::<Vec<_>>(),
-            b"one"
-        );
+        assert_eq!(unpacked(&packed(b"one", 1)).filter(|b| *b != 0).collect::<Vec<_>>(), b"one");
     }
 }

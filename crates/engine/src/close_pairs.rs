@@ -36,11 +36,7 @@ pub struct Sizes<'a> {
 
 impl<'a> Sizes<'a> {
     /// σ_ab = 1 for all.
-    pub const ONE: Sizes<'static> = Sizes {
-        species: None,
-        sigma: Vec::new(),
-        largest: 1.0,
-    };
+    pub const ONE: Sizes<'static> = Sizes { species: None, sigma: Vec::new(), largest: 1.0 };
 
     /// Of the pairs of species of a scene.
     #[must_use]
@@ -60,9 +56,8 @@ impl<'a> Sizes<'a> {
     /// σ_ab of two particles, in σ.
     #[must_use]
     pub fn between(&self, i: usize, j: usize) -> f64 {
-        self.species.map_or(1.0, |species| {
-            self.sigma[species.of(i) * species.n_species() + species.of(j)]
-        })
+        self.species
+            .map_or(1.0, |species| self.sigma[species.of(i) * species.n_species() + species.of(j)])
     }
 }
 
@@ -82,12 +77,7 @@ pub fn closest_pair(
     for (j, r) in positions.iter().enumerate().filter(|(_, r)| r.is_finite()) {
         let size = |i| (!exclusions.exclude(i, j)).then(|| sizes.between(i, j));
         if let Some((i, distance)) = bins.nearest(positions, *r, size) {
-            let pair = ClosePair {
-                i,
-                j,
-                distance,
-                sigma: sizes.between(i, j),
-            };
+            let pair = ClosePair { i, j, distance, sigma: sizes.between(i, j) };
             if pair.in_own_units() < best.map_or(within, |b| b.in_own_units()) {
                 best = Some(pair);
             }
@@ -107,14 +97,9 @@ pub(crate) struct Bins<'a> {
 impl<'a> Bins<'a> {
     pub(crate) fn new(cell: &'a PeriodicBox, smallest: f64) -> Self {
         // 2²⁰ bins an axis are plenty, and keep the index in range for any box.
-        let counts = (cell.lengths() / smallest)
-            .floor()
-            .clamp(DVec3::ONE, DVec3::splat(1_048_576.0));
-        Self {
-            cell,
-            counts: counts.as_ivec3().to_array(),
-            members: HashMap::new(),
-        }
+        let counts =
+            (cell.lengths() / smallest).floor().clamp(DVec3::ONE, DVec3::splat(1_048_576.0));
+        Self { cell, counts: counts.as_ivec3().to_array(), members: HashMap::new() }
     }
 
     fn bin_of(&self, r: DVec3) -> [i32; 3] {
@@ -139,9 +124,7 @@ impl<'a> Bins<'a> {
         let mut best: Option<(usize, f64, f64)> = None;
         let around = |axis: usize| -> Vec<i32> {
             let count = self.counts[axis];
-            let mut bins: Vec<i32> = (-1..=1)
-                .map(|d| (home[axis] + d).rem_euclid(count))
-                .collect();
+            let mut bins: Vec<i32> = (-1..=1).map(|d| (home[axis] + d).rem_euclid(count)).collect();
             bins.sort_unstable();
             bins.dedup();
             bins
@@ -173,11 +156,8 @@ mod tests {
     #[test]
     fn the_closest_pair_is_found_across_the_face_of_the_box() {
         let cell = PeriodicBox::new(DVec3::new(10.0, 1e6, 10.0)).unwrap();
-        let points = [
-            DVec3::new(0.1, 5.0, 5.0),
-            DVec3::new(9.8, 5.0, 5.0),
-            DVec3::new(5.0, 5.0, f64::NAN),
-        ];
+        let points =
+            [DVec3::new(0.1, 5.0, 5.0), DVec3::new(9.8, 5.0, 5.0), DVec3::new(5.0, 5.0, f64::NAN)];
         let closest = |within| closest_pair(&cell, &points, &Exclusions::NONE, &Sizes::ONE, within);
         let pair = closest(0.5).unwrap();
         assert_eq!((pair.i, pair.j), (0, 1));

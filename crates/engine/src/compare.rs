@@ -45,22 +45,11 @@ fn finite_size(
     temperature: f64,
     atoms: usize,
 ) -> Option<FiniteSize> {
-    if scene
-        .stages
-        .iter()
-        .any(|s| s.measure && s.barostat.is_some())
-    {
+    if scene.stages.iter().any(|s| s.measure && s.barostat.is_some()) {
         return None;
     }
-    let with_bath = scene
-        .stages
-        .iter()
-        .any(|s| s.measure && s.thermostat.is_some());
-    let kept = if with_bath {
-        Kept::Temperature
-    } else {
-        Kept::Energy
-    };
+    let with_bath = scene.stages.iter().any(|s| s.measure && s.thermostat.is_some());
+    let kept = if with_bath { Kept::Temperature } else { Kept::Energy };
     FiniteSize::of(equation, density, temperature, atoms, kept)
 }
 
@@ -75,10 +64,7 @@ pub(crate) fn equation_for(
         (None, Err(none)) => none.to_string(),
         (Some(why), _) => format!("not compared with any equation of state: {why}"),
     };
-    Err(Comparison {
-        remarks: vec![why],
-        ..Comparison::default()
-    })
+    Err(Comparison { remarks: vec![why], ..Comparison::default() })
 }
 
 /// U and P of a run beside the equation of state that describes its model, at ρ and the measured temperature that
@@ -144,9 +130,7 @@ pub fn beside_equation_of_state(
     let series = thermodynamics.series();
     let temperatures = &series.temperature_of_positions[equilibrium.cut..];
     if temperatures.len() < 2 {
-        comparison
-            .remarks
-            .push("too few samples to compare with an equation of state".into());
+        comparison.remarks.push("too few samples to compare with an equation of state".into());
         return comparison;
     }
     let mean_temperature = temperatures.iter().sum::<f64>() / temperatures.len() as f64;
@@ -214,8 +198,6 @@ pub fn beside_equation_of_state(
             shift.potential_energy, shift.pressure
         ));
     }
-    comparison
-        .remarks
-        .extend(lennard_literature::remark_for(model));
+    comparison.remarks.extend(lennard_literature::remark_for(model));
     comparison
 }

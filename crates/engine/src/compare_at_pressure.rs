@@ -28,9 +28,7 @@ pub fn at_constant_pressure(
     let mut comparison = Comparison::default();
     let stage = scene.stages.iter().find(|s| s.measure && !s.is_ramp());
     let Some(control) = stage.and_then(|s| s.barostat.as_ref()) else {
-        comparison
-            .remarks
-            .push("not compared: pressure or temperature change on the way".into());
+        comparison.remarks.push("not compared: pressure or temperature change on the way".into());
         return comparison;
     };
     let equilibrium = thermodynamics.equilibrium();
@@ -62,11 +60,8 @@ pub fn at_constant_pressure(
     }
     let averages = thermodynamics.finish(equilibrium.discarded).averages;
     let energy = averages.iter().find(|a| a.name == "potential_energy");
-    let at = StatePoint {
-        temperature,
-        half_steps: thermodynamics.has_half_steps(),
-        density: expected,
-    };
+    let at =
+        StatePoint { temperature, half_steps: thermodynamics.has_half_steps(), density: expected };
     let of_energy = equation.at(expected, temperature).potential_energy;
     let found = [(Some(&density), expected), (energy, of_energy)];
     let sound = found.into_iter().filter_map(|(average, reference)| {
@@ -74,9 +69,7 @@ pub fn at_constant_pressure(
         Some(entry(average, reference, equation, at))
     });
     comparison.entries.extend(sound);
-    comparison
-        .remarks
-        .extend(lennard_literature::remark_for(model));
+    comparison.remarks.extend(lennard_literature::remark_for(model));
     comparison
 }
 

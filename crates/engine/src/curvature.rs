@@ -98,10 +98,8 @@ mod tests {
 
     fn of(settings: &[(&str, &str)]) -> Option<Curvature> {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let settings: Vec<(String, String)> = settings
-            .iter()
-            .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
-            .collect();
+        let settings: Vec<(String, String)> =
+            settings.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
         let scene = Scene::load(&root.join("inputs/fluid/gas.toml"), &settings).unwrap();
         curvature(&scene).unwrap()
     }
@@ -116,41 +114,18 @@ mod tests {
         };
         let full = is(of(&[]), 19.0, 72.0);
         assert!(!full.of_truncated);
-        is(
-            of(&[(
-                "potential",
-                "{ kind = \"mie\", repulsive = 14, attractive = 7 }",
-            )]),
-            22.0,
-            98.0,
-        );
-        is(
-            of(&[("potential", "{ kind = \"soft-sphere\", exponent = 12 }")]),
-            13.0,
-            0.0,
-        );
-        let shifted = is(
-            of(&[("truncation", "{ kind = \"shift\", r_cut = 2.5 }")]),
-            19.0,
-            72.0,
-        );
+        is(of(&[("potential", "{ kind = \"mie\", repulsive = 14, attractive = 7 }")]), 22.0, 98.0);
+        is(of(&[("potential", "{ kind = \"soft-sphere\", exponent = 12 }")]), 13.0, 0.0);
+        let shifted = is(of(&[("truncation", "{ kind = \"shift\", r_cut = 2.5 }")]), 19.0, 72.0);
         assert!(shifted.of_truncated);
-        assert_eq!(
-            of(&[("truncation", "{ kind = \"force-shift\", r_cut = 2.5 }")]),
-            None
-        );
-        assert_eq!(
-            of(&[("potential", "{ kind = \"wca\" }"), ("truncation", "{}")]),
-            None
-        );
+        assert_eq!(of(&[("truncation", "{ kind = \"force-shift\", r_cut = 2.5 }")]), None);
+        assert_eq!(of(&[("potential", "{ kind = \"wca\" }"), ("truncation", "{}")]), None);
     }
 
     fn ends_of(scene: &str, settings: &[(&str, &str)]) -> Vec<PairEnd> {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let settings: Vec<(String, String)> = settings
-            .iter()
-            .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
-            .collect();
+        let settings: Vec<(String, String)> =
+            settings.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
         let scene = Scene::load(&root.join("inputs").join(scene), &settings).unwrap();
         let species = match &scene.mixture {
             None => scene.one_species(4),
@@ -161,10 +136,7 @@ mod tests {
 
     fn close(end: PairEnd, expected: [f64; 3]) {
         for (found, expected) in [end.r_cut, end.slope, end.shift].iter().zip(expected) {
-            assert!(
-                (found - expected).abs() <= 1e-8 * expected.abs(),
-                "{end:?} {expected}"
-            );
+            assert!((found - expected).abs() <= 1e-8 * expected.abs(), "{end:?} {expected}");
         }
     }
 
@@ -174,32 +146,20 @@ mod tests {
         let (slope, shift) = (0.038_999_477_453, -0.016_316_891_136);
         let ends = ends_of("mixture/kob-andersen.toml", &[]);
         for (end, [sigma, epsilon]) in
-            ends.iter()
-                .zip([[1.0, 1.0], [0.8, 1.5], [0.8, 1.5], [0.88, 0.5]])
+            ends.iter().zip([[1.0, 1.0], [0.8, 1.5], [0.8, 1.5], [0.88, 0.5]])
         {
-            close(
-                *end,
-                [2.5 * sigma, slope * epsilon / sigma, shift * epsilon],
-            );
+            close(*end, [2.5 * sigma, slope * epsilon / sigma, shift * epsilon]);
         }
-        let cut = ends_of(
-            "fluid/gas.toml",
-            &[("truncation", "{ kind = \"cut\", r_cut = 2.5 }")],
-        );
+        let cut = ends_of("fluid/gas.toml", &[("truncation", "{ kind = \"cut\", r_cut = 2.5 }")]);
         close(cut[0], [2.5, slope, 0.0]);
         for (potential, truncation) in [
             ("lennard-jones", "{ kind = \"force-shift\", r_cut = 2.5 }"),
-            (
-                "lennard-jones",
-                "{ kind = \"switch\", r_cut = 2.5, switch_from = 2.0 }",
-            ),
+            ("lennard-jones", "{ kind = \"switch\", r_cut = 2.5, switch_from = 2.0 }"),
             ("wca", "{}"),
         ] {
             let potential = format!("{{ kind = \"{potential}\" }}");
-            let found = ends_of(
-                "fluid/gas.toml",
-                &[("potential", &potential), ("truncation", truncation)],
-            );
+            let found =
+                ends_of("fluid/gas.toml", &[("potential", &potential), ("truncation", truncation)]);
             assert!(found[0].slope == 0.0 && found[0].shift == 0.0, "{found:?}");
         }
     }

@@ -87,25 +87,18 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     initial::make_suit(&system, &beginning.positions, &mut velocities);
     let mut state = State::new(cell, beginning.positions, velocities);
     let at = Configuration::at_rest(&cell, &state.positions);
-    let energetics = forces
-        .evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut state.forces)
-        .map_err(|e| {
-            scene
-                .source
-                .invalid("system", e, "a start configuration with finite forces")
-        })?;
+    let energetics =
+        forces.evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut state.forces).map_err(
+            |e| scene.source.invalid("system", e, "a start configuration with finite forces"),
+        )?;
     let (temperature, temperature_from) = if has_velocities {
-        (
-            system.temperature(&state.velocities, Momentum::Conserved),
-            KineticSource::Velocities,
-        )
+        (system.temperature(&state.velocities, Momentum::Conserved), KineticSource::Velocities)
     } else {
         (scene.system.temperature, KineticSource::SceneTemperature)
     };
     let tail = lennard_forcefield::tail_in(&options, mixture.as_ref(), n, cell.volume());
-    let planar = planar_tail.map_or((0.0, 0.0), |tail| {
-        tail.energy_and_virial(&cell, &state.positions)
-    });
+    let planar =
+        planar_tail.map_or((0.0, 0.0), |tail| tail.energy_and_virial(&cell, &state.positions));
     let (tail_energy, tail_virial) = tail.map_or(planar, |t| (t.energy, t.virial));
     let virial = energetics.scalar_virial().unwrap_or(f64::NAN) - planar.1;
     let volume = cell.volume();
@@ -128,9 +121,5 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
         remarks,
     };
     state.energetics = energetics;
-    Ok(Evaluated {
-        report,
-        species: system.species().clone(),
-        state,
-    })
+    Ok(Evaluated { report, species: system.species().clone(), state })
 }

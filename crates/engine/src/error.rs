@@ -71,9 +71,7 @@ impl EngineError {
 /// A force field that does not fit, put on the line of the scene that it is about.
 #[must_use]
 pub fn misfit(source: &Source, error: &ForceFieldError) -> EngineError {
-    source
-        .invalid(&error.key(), error.found(), error.allowed())
-        .into()
+    source.invalid(&error.key(), error.found(), error.allowed()).into()
 }
 
 /// Why a run cannot go on.
@@ -150,10 +148,7 @@ pub fn again(folder: &Path) -> String {
 
 fn older_command(folder: &Path, error: &CheckpointError) -> String {
     if error.older.is_some() {
-        format!(
-            "\n  to go on from that one: lennard resume {} --older",
-            path_in_shell(folder)
-        )
+        format!("\n  to go on from that one: lennard resume {} --older", path_in_shell(folder))
     } else {
         format!("\n  no older one is whole; {}", again(folder))
     }

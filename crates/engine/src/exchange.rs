@@ -28,12 +28,7 @@ pub(crate) fn profile(scene: &Scene, context: &BuildContext) -> Option<ExchangeP
         Exchanged::Heat => Driven::Heat,
         Exchanged::Momentum => Driven::Momentum(options.along()),
     };
-    Some(ExchangeProfile::new(
-        driven,
-        options.axis,
-        options.slabs,
-        context,
-    ))
+    Some(ExchangeProfile::new(driven, options.axis, options.slabs, context))
 }
 
 /// What an exchange makes of the means of other observables.

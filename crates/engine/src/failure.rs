@@ -100,14 +100,7 @@ impl std::error::Error for PhysicsFailure {}
 
 impl std::fmt::Display for PhysicsFailure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self {
-            step,
-            time,
-            stage,
-            method,
-            dt,
-            ..
-        } = self;
+        let Self { step, time, stage, method, dt, .. } = self;
         write!(
             f,
             "the run failed at step {step} (t = {time:.4} τ, stage `{stage}`, {method} with dt = {} τ): ",
@@ -115,11 +108,7 @@ impl std::fmt::Display for PhysicsFailure {
         )?;
         match &self.symptom {
             Symptom::NonFinite(e) => write!(f, "{e}")?,
-            Symptom::TooFast {
-                particle,
-                distance,
-                largest,
-            } => write!(
+            Symptom::TooFast { particle, distance, largest } => write!(
                 f,
                 "particle {particle} moves {distance:.3e} σ in one step, more than {largest} σ"
             )?,
@@ -127,12 +116,7 @@ impl std::fmt::Display for PhysicsFailure {
                 f,
                 "the conserved energy ran from {from:.6} to {to:.6} ε per particle, by more than {LARGEST_ENERGY_CHANGE} ε"
             )?,
-            Symptom::WrongForce {
-                particle,
-                found,
-                wanted,
-                tolerance,
-            } => write!(
+            Symptom::WrongForce { particle, found, wanted, tolerance } => write!(
                 f,
                 "the force on particle {particle} is ({:.6}, {:.6}, {:.6}) ε/σ where all pairs give ({:.6}, {:.6}, {:.6}) ε/σ: \
                  they differ by {:.2e} ε/σ, and rounding explains {tolerance:.1e} ε/σ",
@@ -150,11 +134,7 @@ impl std::fmt::Display for PhysicsFailure {
             write!(f, ", at a speed of {speed:.4} σ/τ")?;
         }
         if let Some(pair) = self.closest {
-            let overlap = if pair.in_own_units() < OVERLAP {
-                ", an overlap"
-            } else {
-                ""
-            };
+            let overlap = if pair.in_own_units() < OVERLAP { ", an overlap" } else { "" };
             write!(
                 f,
                 "\n  closest pair: particles {} and {} at {:.4} σ{overlap}",
@@ -172,16 +152,10 @@ impl std::fmt::Display for PhysicsFailure {
             )?;
         }
         if self.non_finite > 0 {
-            write!(
-                f,
-                "\n  {} positions are not finite numbers",
-                self.non_finite
-            )?;
+            write!(f, "\n  {} positions are not finite numbers", self.non_finite)?;
         }
         write!(f, "\n  likely cause: {}", self.likely_cause())?;
-        self.kept
-            .iter()
-            .try_for_each(|line| write!(f, "\n  {line}"))
+        self.kept.iter().try_for_each(|line| write!(f, "\n  {line}"))
     }
 }
 
@@ -228,10 +202,7 @@ impl PhysicsFailure {
         }
         if self.temperature > HIGHEST_USUAL_TEMPERATURE {
             let limit = self.dt_limit.map_or_else(String::new, |limit| {
-                format!(
-                    "; if it is meant, use a dt of at most {:.2e} τ",
-                    0.25 * limit
-                )
+                format!("; if it is meant, use a dt of at most {:.2e} τ", 0.25 * limit)
             });
             return format!(
                 "the temperature is T = {} ε/k_B, far above the critical 1.3: check `system.temperature` and the temperature of the stage{limit}",

@@ -41,12 +41,8 @@ const THERMO_COLUMNS: &[(&str, &str)] = &[
 ];
 
 /// Columns that follow in a scene with a barostat.
-const BOX_COLUMNS: &[(&str, &str)] = &[
-    ("density", "σ⁻³"),
-    ("box_x", "σ"),
-    ("box_y", "σ"),
-    ("box_z", "σ"),
-];
+const BOX_COLUMNS: &[(&str, &str)] =
+    &[("density", "σ⁻³"), ("box_x", "σ"), ("box_y", "σ"), ("box_z", "σ")];
 
 /// The columns of `thermo.csv`, whose energies are per molecule where there are molecules.
 pub(crate) fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'static str)> {
@@ -54,11 +50,7 @@ pub(crate) fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'st
         PER_PARTICLE => simulation.system.molecules.energy_unit(),
         unit => unit,
     };
-    let more = if simulation.box_changes() {
-        BOX_COLUMNS
-    } else {
-        &[]
-    };
+    let more = if simulation.box_changes() { BOX_COLUMNS } else { &[] };
     let columns = THERMO_COLUMNS.iter().chain(more);
     columns.map(|(name, of)| (*name, unit(of))).collect()
 }
@@ -67,13 +59,9 @@ pub(crate) fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'st
 pub(crate) fn thermo_row(simulation: &Simulation) -> Vec<Cell> {
     let n = simulation.system.n_molecules() as f64;
     let temperature = simulation.view().temperature();
-    let potential = simulation
-        .potential_energy_per_particle()
-        .unwrap_or(f64::NAN);
+    let potential = simulation.potential_energy_per_particle().unwrap_or(f64::NAN);
     let pressure = simulation.pressure().unwrap_or(f64::NAN);
-    let conserved = simulation
-        .conserved_energy_per_particle()
-        .unwrap_or(f64::NAN);
+    let conserved = simulation.conserved_energy_per_particle().unwrap_or(f64::NAN);
     let heat = simulation.stage_run().heat / n;
     let mut row = vec![
         simulation.state.step.into(),
@@ -143,12 +131,7 @@ impl RunFiles {
             .trajectory_every
             .map(|_| TrajectoryWriter::create(&folder.join(format.spec().file), format, &style))
             .transpose()?;
-        Ok(Self {
-            folder: folder.to_owned(),
-            thermo,
-            trajectory,
-            style,
-        })
+        Ok(Self { folder: folder.to_owned(), thermo, trajectory, style })
     }
 
     /// Goes on with the files of an interrupted run, cut back to where its checkpoint was.
@@ -174,12 +157,7 @@ impl RunFiles {
             }
             Some(mark) => Some(TrajectoryWriter::resume_at(&path, format, &style, mark)?),
         };
-        Ok(Self {
-            folder: folder.to_owned(),
-            thermo,
-            trajectory,
-            style,
-        })
+        Ok(Self { folder: folder.to_owned(), thermo, trajectory, style })
     }
 
     /// Writes what describes the run anew.
@@ -234,10 +212,7 @@ impl RunFiles {
             return Ok(None);
         };
         let extra = header(simulation);
-        let precision = trajectory.write(&Frame {
-            state: &simulation.state,
-            extra: &extra,
-        })?;
+        let precision = trajectory.write(&Frame { state: &simulation.state, extra: &extra })?;
         Ok(precision.and_then(|kept| less_precision(&simulation.scene.output, kept)))
     }
 
@@ -246,14 +221,8 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where it cannot be written.
     pub fn write_state(&self, name: &str, simulation: &Simulation) -> Result<(), WriteError> {
-        let style = FrameStyle {
-            forces: self.style.forces,
-            ..self.start_style()
-        };
-        let frame = Frame {
-            state: &simulation.state,
-            extra: &header(simulation),
-        };
+        let style = FrameStyle { forces: self.style.forces, ..self.start_style() };
+        let frame = Frame { state: &simulation.state, extra: &header(simulation) };
         lennard_io::write_frame(&self.folder.join(name), &style, &frame)
     }
 
@@ -271,12 +240,7 @@ impl RunFiles {
 
     /// The style of a start configuration, which needs velocities and reduced units whatever the trajectory has.
     fn start_style(&self) -> FrameStyle {
-        FrameStyle {
-            velocities: true,
-            forces: false,
-            length_scale: 1.0,
-            ..self.style.clone()
-        }
+        FrameStyle { velocities: true, forces: false, length_scale: 1.0, ..self.style.clone() }
     }
 
     /// Frames written so far, where there is a trajectory.
@@ -336,15 +300,10 @@ fn half_steps(simulation: &Simulation) -> Option<f64> {
 /// What the header line of a frame says besides time and step.
 pub(crate) fn header(simulation: &Simulation) -> Vec<(&'static str, f64)> {
     let mut extra = vec![("temperature", simulation.view().temperature())];
-    let Energetics {
-        potential_energy, ..
-    } = simulation.state.energetics;
+    let Energetics { potential_energy, .. } = simulation.state.energetics;
     if let Some(energy) = potential_energy {
         extra.insert(0, ("total_potential_energy", energy));
-        extra.insert(
-            1,
-            ("total_kinetic_energy", simulation.view().kinetic_energy()),
-        );
+        extra.insert(1, ("total_kinetic_energy", simulation.view().kinetic_energy()));
     }
     if let Some(temperature) = half_steps(simulation) {
         extra.push(("temperature_half_steps", temperature));

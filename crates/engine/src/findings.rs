@@ -32,10 +32,7 @@ impl Simulation {
                     &equilibrium,
                     observable.spec().dynamic,
                     &baths,
-                    by_exchange
-                        .clone()
-                        .filter(|_| !is_profile)
-                        .or(by_bonds.clone()),
+                    by_exchange.clone().filter(|_| !is_profile).or(by_bonds.clone()),
                 )
             })
             .collect();
@@ -58,16 +55,8 @@ pub(crate) fn judged(
         let by_bath = by_thermostat(&average.name, dynamic, baths);
         // What speaks against the run speaks first: one reason for all.
         let own = average.doubt.clone();
-        let average = Average {
-            doubt: equilibrium.doubt.clone(),
-            ..average
-        };
-        with_error_if_earned(
-            average
-                .doubted(own)
-                .doubted(by_bath)
-                .doubted(by_the_scene.clone()),
-        )
+        let average = Average { doubt: equilibrium.doubt.clone(), ..average };
+        with_error_if_earned(average.doubted(own).doubted(by_bath).doubted(by_the_scene.clone()))
     };
     findings.averages = findings.averages.into_iter().map(judge).collect();
     findings
@@ -76,10 +65,7 @@ pub(crate) fn judged(
 /// What bonds of no known ensemble make of means.
 fn by_bonds(scene: &Scene) -> Option<Doubt> {
     let why = scene.molecule.as_ref()?.bonds.no_ensemble()?;
-    Some(Doubt::Thermostat {
-        why: why.to_owned(),
-        sets_it: false,
-    })
+    Some(Doubt::Thermostat { why: why.to_owned(), sets_it: false })
 }
 
 /// What a thermostat does to a quantity.
@@ -129,10 +115,7 @@ mod tests {
         let langevin = spec("langevin");
         assert!(by_thermostat("diffusion_coefficient", true, &langevin).is_some());
         assert_eq!(by_thermostat("pressure", false, &langevin), None);
-        assert_eq!(
-            by_thermostat("diffusion_coefficient", true, &spec("bussi")),
-            None
-        );
+        assert_eq!(by_thermostat("diffusion_coefficient", true, &spec("bussi")), None);
         let rescale = spec("rescale");
         assert!(by_thermostat("pressure", false, &rescale).is_some());
         let temperature = by_thermostat("temperature", false, &rescale).expect("a doubt");

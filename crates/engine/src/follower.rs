@@ -81,10 +81,6 @@ impl Follower for StopAt {
     }
 
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        Ok(if simulation.state.step >= self.step {
-            Verdict::Stop
-        } else {
-            Verdict::Continue
-        })
+        Ok(if simulation.state.step >= self.step { Verdict::Stop } else { Verdict::Continue })
     }
 }

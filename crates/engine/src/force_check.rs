@@ -48,10 +48,7 @@ impl ForceCheck {
     /// A check by these sums that has seen nothing yet.
     #[must_use]
     pub fn new(all_pairs: AllPairs) -> Self {
-        Self {
-            all_pairs,
-            seen: Seen::default(),
-        }
+        Self { all_pairs, seen: Seen::default() }
     }
 
     /// What was counted so far.
@@ -81,9 +78,7 @@ impl ForceCheck {
         state: &State,
         other: &dyn Fn(usize) -> DVec3,
     ) -> Result<Seen, Symptom> {
-        let wanted = self
-            .all_pairs
-            .force_on(particle, &state.cell, &state.positions);
+        let wanted = self.all_pairs.force_on(particle, &state.cell, &state.positions);
         // The same formula on the same position gives the same bits: the sum alone rounds.
         let other = other(particle);
         let tolerance = wanted.tolerance + 4.0 * f64::EPSILON * other.length();
@@ -91,17 +86,9 @@ impl ForceCheck {
         let found = state.forces[particle];
         let deviation = (found - wanted).length() / tolerance;
         if deviation <= 1.0 {
-            return Ok(Seen {
-                forces: 1,
-                largest_deviation: deviation,
-            });
+            return Ok(Seen { forces: 1, largest_deviation: deviation });
         }
-        Err(Symptom::WrongForce {
-            particle,
-            found,
-            wanted,
-            tolerance,
-        })
+        Err(Symptom::WrongForce { particle, found, wanted, tolerance })
     }
 }
 
@@ -110,19 +97,14 @@ fn turns(look: u64, n: usize) -> impl Iterator<Item = usize> {
     let count = if ENOUGH.contains(&n) { AT_A_LOOK } else { 1 };
     let n = n as u64;
     let near = (STRIDE * n as f64) as u64;
-    let stride = (near.max(1)..=n + 1)
-        .find(|stride| greatest_common_divisor(*stride, n) == 1)
-        .unwrap_or(1);
+    let stride =
+        (near.max(1)..=n + 1).find(|stride| greatest_common_divisor(*stride, n) == 1).unwrap_or(1);
     let first = look % n.max(1) * count as u64;
     (first..first + count as u64).map(move |turn| (turn % n * stride % n) as usize)
 }
 
 fn greatest_common_divisor(a: u64, b: u64) -> u64 {
-    if b == 0 {
-        a
-    } else {
-        greatest_common_divisor(b, a % b)
-    }
+    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
 impl Persist for ForceCheck {
@@ -138,10 +120,7 @@ impl Persist for ForceCheck {
             forces => forces?,
         };
         let [largest_deviation] = from.f64s("largest_deviation")?;
-        self.seen = Seen {
-            forces,
-            largest_deviation,
-        };
+        self.seen = Seen { forces, largest_deviation };
         Ok(())
     }
 }
@@ -153,11 +132,7 @@ mod tests {
     #[test]
     fn every_particle_has_its_turn_and_neighbors_in_time_lie_far_apart() {
         for n in [1, 2, 3, 4, 108, 256, 499, 500, 864, 1000, 4001] {
-            let looks = if ENOUGH.contains(&n) {
-                n.div_ceil(AT_A_LOOK)
-            } else {
-                n
-            };
+            let looks = if ENOUGH.contains(&n) { n.div_ceil(AT_A_LOOK) } else { n };
             // From anywhere on.
             let first = 7 * n as u64;
             let mut seen = vec![0; n];

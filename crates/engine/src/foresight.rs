@@ -33,9 +33,8 @@ impl Simulation {
             return None;
         }
         let method = self.scene.method_of(stage);
-        let temperature = stage
-            .temperature_from
-            .map_or(stage.temperature, |from| from.max(stage.temperature));
+        let temperature =
+            stage.temperature_from.map_or(stage.temperature, |from| from.max(stage.temperature));
         let limit = self.rough_stable_dt(method.spec(), temperature)?;
         let (name, dt) = (method.spec().name, self.scene.stage_dt(stage));
         if limit == 0.0 {
@@ -84,9 +83,7 @@ impl Simulation {
             });
         }
         let words = unstable(equation, density, temperature)?;
-        let melting = lines
-            .first()
-            .and_then(|line| line.melting_density(temperature));
+        let melting = lines.first().and_then(|line| line.melting_density(temperature));
         Some(match melting.filter(|melting| density > *melting) {
             Some(melting) => format!(
                 "{words}, and above melting: the crystal is stable from ρ = {melting:.4} on"
@@ -104,19 +101,11 @@ impl Simulation {
         let length = steps as f64 * dt;
         let rows = steps / scene.output.thermo_every;
         let temperature = self.temperature_of(last);
-        let doubt = self
-            .thermodynamics()
-            .foreseen(length, rows, self.density(), temperature);
+        let doubt = self.thermodynamics().foreseen(length, rows, self.density(), temperature);
         if let Some(doubt) = doubt {
-            return vec![format!(
-                "no mean will have an error: {}",
-                doubt.reason(steps)
-            )];
+            return vec![format!("no mean will have an error: {}", doubt.reason(steps))];
         }
-        let short = scene
-            .observables
-            .iter()
-            .filter(|table| length < table.options.least_length());
+        let short = scene.observables.iter().filter(|table| length < table.options.least_length());
         let words =
             |least: f64| format!("{length:.1} τ are measured where {least:.1} τ are needed");
         short

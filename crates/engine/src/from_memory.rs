@@ -75,9 +75,6 @@ pub fn write_start(
         start.positions.clone(),
         velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]),
     );
-    let frame = Frame {
-        state: &state,
-        extra: &[],
-    };
+    let frame = Frame { state: &state, extra: &[] };
     lennard_io::write_frame(path, &style, &frame)
 }

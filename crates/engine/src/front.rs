@@ -138,9 +138,7 @@ mod tests {
         let mut noise = 1_u64;
         let share: Vec<f64> = (0..samples)
             .map(|i| {
-                noise = noise
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1);
+                noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
                 let noise = (noise >> 33) as f64 / 2.0_f64.powi(31) - 0.5;
                 (0.5 + rate * i as f64 + 0.01 * noise).clamp(0.03, 0.98)
             })
@@ -155,20 +153,14 @@ mod tests {
             let found = motion(rate, 1000);
             let exact = rate / 0.5 * 12.0;
             assert!(found.samples < 500, "{found:?}");
-            assert!(
-                (found.velocity - exact).abs() < 0.02 * exact.abs(),
-                "{found:?}"
-            );
+            assert!((found.velocity - exact).abs() < 0.02 * exact.abs(), "{found:?}");
             assert!(found.error < 0.5 * exact.abs(), "{found:?}");
             let grows = found.in_words().contains("the crystal grows");
             assert_eq!(grows, rate > 0.0, "{}", found.in_words());
             let average = found.average();
             assert_eq!(average.doubt, None);
             // The error is of ten slopes, and is itself known to 1/√18.
-            assert_eq!(
-                (average.estimate.freedom, average.estimate.n_effective),
-                (9.0, 10.0)
-            );
+            assert_eq!((average.estimate.freedom, average.estimate.n_effective), (9.0, 10.0));
         }
         let still = motion(0.0, 1000);
         assert!(still.in_words().contains("neither phase"), "{still:?}");
@@ -178,16 +170,11 @@ mod tests {
     fn too_few_samples_give_no_error() {
         let found = motion(2e-2, 1000);
         assert!(found.samples < FEWEST && found.error.is_nan(), "{found:?}");
-        let Some(Doubt::Incomplete(why)) = found.average().doubt else {
-            panic!("no doubt")
-        };
+        let Some(Doubt::Incomplete(why)) = found.average().doubt else { panic!("no doubt") };
         assert!(why.contains("look more often"), "{why}");
         let words = found.in_words();
         assert!(words.contains("98 % at the end"), "{words}");
         // The share rises from 50 to 98 %: it is not said that nothing grows.
-        assert!(
-            words.contains("no velocity is told") && !words.contains("neither"),
-            "{words}"
-        );
+        assert!(words.contains("no velocity is told") && !words.contains("neither"), "{words}");
     }
 }

@@ -16,11 +16,7 @@ fn looks(simulation: &Simulation) -> bool {
 
 /// Bytes that the look takes.
 pub(crate) fn bytes(simulation: &Simulation) -> usize {
-    if looks(simulation) {
-        simulation.state.len() * SOLID_SHARE_BYTES
-    } else {
-        0
-    }
+    if looks(simulation) { simulation.state.len() * SOLID_SHARE_BYTES } else { 0 }
 }
 
 /// The remark that belongs beside the means of a run whose last state is a crystal, or has one in it.

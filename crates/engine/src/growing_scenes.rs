@@ -100,8 +100,7 @@ pub struct Addition<'a> {
 
 fn table(text: &str) -> Result<Table, SceneError> {
     // The reader of scenes says what is wrong with a text; it has read ours already.
-    text.parse::<Table>()
-        .or_else(|_| Scene::parse(text, "scene", &[]).map(|_| Table::new()))
+    text.parse::<Table>().or_else(|_| Scene::parse(text, "scene", &[]).map(|_| Table::new()))
 }
 
 /// The scene of a simulation with a stage more. No stage before it is measured any more.
@@ -126,10 +125,7 @@ pub fn with_stage(simulation: &Simulation, addition: &Addition<'_>) -> Result<Sc
     }
     if let Some(text) = addition.observables {
         let observables = table(text)?.remove("observable");
-        all.insert(
-            "observable".to_owned(),
-            observables.unwrap_or(Value::Array(Vec::new())),
-        );
+        all.insert("observable".to_owned(), observables.unwrap_or(Value::Array(Vec::new())));
     }
     if let (Some(text), Some(Value::Table(output))) = (addition.output, all.get_mut("output")) {
         output.extend(table(text)?);
@@ -149,9 +145,7 @@ pub fn prolonged(simulation: &Simulation, steps: u64) -> Result<Scene, SceneErro
     if scene.stages[last].is_ramp() {
         let key = format!("stage.{last}.steps");
         let found = format!("{steps} more steps of a ramp");
-        let refused = scene
-            .source
-            .invalid(&key, found, "a new stage: run(steps, …)");
+        let refused = scene.source.invalid(&key, found, "a new stage: run(steps, …)");
         return Err(refused.without_line());
     }
     let stage = &mut scene.stages[last];

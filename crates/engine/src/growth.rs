@@ -20,10 +20,7 @@ impl Simulation {
     /// The scene with its list as planned: stages that are added later then change nothing about it.
     #[must_use]
     pub fn scene_to_grow(&self) -> Scene {
-        Scene {
-            neighbor: self.list,
-            ..self.scene.clone()
-        }
+        Scene { neighbor: self.list, ..self.scene.clone() }
     }
 
     /// Goes on with a scene that is [`Simulation::scene_to_grow`] with other stages to come.

@@ -79,17 +79,8 @@ pub fn run_in_memory(
     if (often as u64) < watchdog::EVERY {
         schedule = schedule.with(Operation::new(Action::Call, Trigger::Every(often as u64)));
     }
-    recording
-        .thermo
-        .resize(thermo_columns(simulation).len(), Vec::new());
-    let mut keeper = Keeper {
-        schedule,
-        recording,
-        options,
-        end,
-        total,
-        ending: Ending::Finished,
-    };
+    recording.thermo.resize(thermo_columns(simulation).len(), Vec::new());
+    let mut keeper = Keeper { schedule, recording, options, end, total, ending: Ending::Finished };
     let done = simulation.run(&mut keeper);
     let ending = keeper.ending;
     recording.wall += started.elapsed();
@@ -102,16 +93,10 @@ impl Recording {
     pub fn thermo_table(&self, simulation: &Simulation) -> Table {
         let table = Table::new("thermo", "Instantaneous values.");
         let columns = thermo_columns(simulation).into_iter();
-        let numbers = self
-            .thermo
-            .iter()
-            .cloned()
-            .chain(std::iter::repeat(Vec::new()));
+        let numbers = self.thermo.iter().cloned().chain(std::iter::repeat(Vec::new()));
         columns
             .zip(numbers)
-            .fold(table, |table, ((name, unit), numbers)| {
-                table.with(name, unit, numbers)
-            })
+            .fold(table, |table, ((name, unit), numbers)| table.with(name, unit, numbers))
     }
 
     /// The record of the run so far and the tables of its observables, as a run with files writes them.
@@ -157,9 +142,7 @@ impl Follower for Keeper<'_, '_> {
         if self.schedule.does(Action::Frame, step, stage.measure) {
             self.recording.frames.push(frame(simulation));
         }
-        self.options
-            .progress
-            .update(&simulation.current_stage().name, step, self.end);
+        self.options.progress.update(&simulation.current_stage().name, step, self.end);
         simulation.timers.write += clock.elapsed();
         // A request that comes with the last step changes nothing any more.
         if step < self.end && self.options.stop.load(Ordering::Relaxed) {

@@ -91,11 +91,7 @@ fn copies_about(centers: &[DVec3], shapes: &[Vec<DVec3>], scale: f64) -> Vec<DVe
 fn folded(sites: usize) -> Vec<DVec3> {
     let side = (1..).find(|k| k * k * k >= sites).unwrap_or(1);
     let to_and_fro = |k: usize, turn: usize| {
-        if turn.is_multiple_of(2) {
-            k
-        } else {
-            side - 1 - k
-        }
+        if turn.is_multiple_of(2) { k } else { side - 1 - k }
     };
     (0..sites)
         .map(|k| {
@@ -131,9 +127,7 @@ pub fn random_points(cell: &PeriodicBox, n: usize, streams: Streams) -> Option<V
     for _ in 0..n {
         let point = (0..TRIALS_PER_PARTICLE).find_map(|_| {
             let r = cell.lengths() * DVec3::new(rng.random(), rng.random(), rng.random());
-            bins.nearest(&points, r, |_| Some(1.0))
-                .is_none_or(|(_, d)| d >= spacing)
-                .then_some(r)
+            bins.nearest(&points, r, |_| Some(1.0)).is_none_or(|(_, d)| d >= spacing).then_some(r)
         })?;
         bins.insert(points.len() as u32, point);
         points.push(point);
@@ -257,12 +251,7 @@ mod tests {
     #[test]
     fn an_fcc_crystal_has_twelve_nearest_neighbors_at_the_right_distance() {
         let cell = PeriodicBox::cubic_for_density(256, 0.8442).unwrap();
-        let fcc = [
-            [0.0, 0.0, 0.0],
-            [0.5, 0.5, 0.0],
-            [0.5, 0.0, 0.5],
-            [0.0, 0.5, 0.5],
-        ];
+        let fcc = [[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
         let sites = lattice_sites(DVec3::ZERO, cell.lengths(), [4; 3], &fcc);
         assert_eq!(sites.len(), 256);
         let nearest = cell.lengths().x / 4.0 / 2.0_f64.sqrt();

@@ -21,9 +21,7 @@ pub(crate) fn view<'a>(
         tail,
         heat: stage.map_or(0.0, |s| s.heat),
         tail_work: tail_work(state, stage),
-        half_kick_step: stage
-            .filter(|s| s.integrator.spec().half_kicks)
-            .map(|s| s.dt),
+        half_kick_step: stage.filter(|s| s.integrator.spec().half_kicks).map(|s| s.dt),
         walls,
         shared: Shared::default(),
     }

@@ -56,10 +56,7 @@ impl Simulation {
         let is_due = |step: &u64| {
             WATCH.trigger.is_due(*step, measured)
                 || exchange.is_some_and(|trigger| trigger.is_due(*step, measured))
-                || self
-                    .observers
-                    .iter()
-                    .any(|o| o.trigger().is_due(*step, measured))
+                || self.observers.iter().any(|o| o.trigger().is_due(*step, measured))
                 || follower.schedule().is_due(*step, measured)
         };
         let next = self.state.step + 1;
@@ -76,9 +73,7 @@ impl Simulation {
         let samples = self.observers.iter().map(Observer::operation);
         samples
             .filter(|sample| sample.trigger.is_due(step, measured))
-            .fold(follower.schedule().want(step, measured), |all, sample| {
-                all | sample.want
-            })
+            .fold(follower.schedule().want(step, measured), |all, sample| all | sample.want)
     }
 
     /// Advances to a step, by as many steps at once as the integrator takes.

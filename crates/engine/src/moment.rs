@@ -33,14 +33,11 @@ impl Simulation {
             let incomplete = found.potential_energy.is_none() || found.scalar_virial().is_none();
             incomplete || self.stage.is_none()
         };
-        let kept = missing
-            .then(|| self.evaluated())
-            .transpose()?
-            .map(|(forces, energetics)| {
-                let forces = std::mem::replace(&mut self.state.forces, forces);
-                let energetics = std::mem::replace(&mut self.state.energetics, energetics);
-                (forces, energetics)
-            });
+        let kept = missing.then(|| self.evaluated()).transpose()?.map(|(forces, energetics)| {
+            let forces = std::mem::replace(&mut self.state.forces, forces);
+            let energetics = std::mem::replace(&mut self.state.energetics, energetics);
+            (forces, energetics)
+        });
         let view = self.view();
         let n = self.system.n_molecules() as f64;
         let moment = Moment {
@@ -72,13 +69,8 @@ impl Simulation {
         let state = &self.state;
         let (scene, n) = (&self.scene, state.len());
         // A skin of the scene may no longer fit a box that has changed.
-        let apart = Scene {
-            neighbor: NeighborOptions {
-                skin: None,
-                ..scene.neighbor
-            },
-            ..scene.clone()
-        };
+        let apart =
+            Scene { neighbor: NeighborOptions { skin: None, ..scene.neighbor }, ..scene.clone() };
         let (_, provider) = build::forces(&apart, state.cell, self.system.species())?;
         let (_, confinement) = {
             let species = self.system.species().clone();

@@ -32,13 +32,7 @@ pub(crate) fn pairs(
     }
     let exclusions = scene.molecules().exclusions();
     let sizes = Sizes::of(scene, species);
-    let closest = closest_pair(
-        cell,
-        positions,
-        &exclusions,
-        &sizes,
-        SMALLEST_START_DISTANCE,
-    );
+    let closest = closest_pair(cell, positions, &exclusions, &sizes, SMALLEST_START_DISTANCE);
     let Some(pair) = closest else {
         return Ok(());
     };
@@ -71,15 +65,11 @@ pub(crate) fn contacts(
         return Ok(());
     };
     let (share, what) = match table.options.response() {
-        Response::Spring(_) => (
-            1.0 - DEEPEST_AT_START,
-            "soft bodies overlap by a quarter at most",
-        ),
+        Response::Spring(_) => (1.0 - DEEPEST_AT_START, "soft bodies overlap by a quarter at most"),
         Response::Impact { .. } => (HARD, "hard bodies do not overlap"),
-        Response::Unilateral(_) => (
-            HARD,
-            "bodies of unilateral contacts do not overlap at the start",
-        ),
+        Response::Unilateral(_) => {
+            (HARD, "bodies of unilateral contacts do not overlap at the start")
+        }
     };
     let exclusions = scene.molecules().exclusions();
     let sizes = Sizes::of(scene, species);
@@ -94,8 +84,5 @@ pub(crate) fn contacts(
         pair.distance,
         table.diameter * pair.sigma
     );
-    Err(scene
-        .source
-        .invalid(key, found, format!("positions apart: {what}"))
-        .into())
+    Err(scene.source.invalid(key, found, format!("positions apart: {what}")).into())
 }

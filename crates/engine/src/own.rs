@@ -138,8 +138,7 @@ impl OwnParts {
     /// The axes along which a force of the program changes the total momentum.
     pub(crate) fn pushed(&self) -> [bool; 3] {
         let all = self.forces.iter().map(|f| f.properties);
-        all.fold(ForceProperties::default(), ForceProperties::with_term)
-            .breaks_momentum
+        all.fold(ForceProperties::default(), ForceProperties::with_term).breaks_momentum
     }
 
     /// The force terms, made anew.
@@ -154,10 +153,7 @@ impl OwnParts {
 
     /// The observables, made anew.
     pub(crate) fn make_observers(&self) -> impl Iterator<Item = Observer> {
-        self.observables.iter().map(|o| Observer {
-            every: o.every,
-            observable: (o.make)(),
-        })
+        self.observables.iter().map(|o| Observer { every: o.every, observable: (o.make)() })
     }
 
     /// Whether each force keeps its contract at the start.
@@ -174,14 +170,8 @@ impl OwnParts {
         };
         for own in &self.forces {
             own.keeps_its_contract(at).map_err(|(found, allowed)| {
-                let key = if own.is_field() {
-                    "program.fields"
-                } else {
-                    "program.forces"
-                };
-                scene
-                    .source
-                    .invalid(key, format!("`{}`, {found}", own.name), allowed)
+                let key = if own.is_field() { "program.fields" } else { "program.forces" };
+                scene.source.invalid(key, format!("`{}`, {found}", own.name), allowed)
             })?;
         }
         Ok(())
@@ -193,13 +183,8 @@ const SAME_FORCE: f64 = 1e-9;
 /// So many forces are compared at most: of a term that sums over pairs, one alone costs as much as there are particles.
 const FORCES_COMPARED: usize = 200;
 /// Everything that a run may ask of a force.
-const ALL: Want = Want {
-    energy: true,
-    virial: true,
-    virial_tensor: true,
-    laplacian: true,
-    per_particle: true,
-};
+const ALL: Want =
+    Want { energy: true, virial: true, virial_tensor: true, laplacian: true, per_particle: true };
 
 impl OwnForce {
     fn is_field(&self) -> bool {
@@ -215,10 +200,7 @@ impl OwnForce {
             .evaluate(at, Part::All, ALL, &mut forces)
             .map_err(|e| (format!("which fails at the start: {e}"), "finite forces"))?;
         let given = [
-            (
-                "energy",
-                found.potential_energy.is_some() && found.conserved_potential.is_some(),
-            ),
+            ("energy", found.potential_energy.is_some() && found.conserved_potential.is_some()),
             ("virial", found.virial.is_some()),
             ("Laplacian", found.laplacian.is_some()),
             ("energy of each particle", found.per_particle.is_some()),

@@ -26,11 +26,7 @@ impl Simulation {
 
     /// Refuses an observable of the program that has the name of another.
     pub(crate) fn tells_observables_apart(&self) -> Result<(), EngineError> {
-        let names: Vec<&str> = self
-            .observers
-            .iter()
-            .map(|o| o.observable.spec().name)
-            .collect();
+        let names: Vec<&str> = self.observers.iter().map(|o| o.observable.spec().name).collect();
         for name in self.own.observable_names() {
             if names.iter().filter(|n| **n == name).count() > 1 {
                 let allowed = "a name that no other observable of the run has";

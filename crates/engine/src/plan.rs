@@ -173,20 +173,12 @@ fn item(part: &str, how: How<'_>) -> PlanItem {
         How::On(words) => words,
         How::Off(words) => words.to_owned(),
     };
-    PlanItem {
-        part: part.to_owned(),
-        on,
-        why,
-        share: None,
-    }
+    PlanItem { part: part.to_owned(), on, why, share: None }
 }
 
 fn neighbor_in_words(forces: &ForcePlan) -> How<'_> {
     let list = (forces.search == Search::Verlet).then(|| {
-        format!(
-            "list radius {:.3} σ (skin {:.3} σ): {}",
-            forces.r_list, forces.skin, forces.reason
-        )
+        format!("list radius {:.3} σ (skin {:.3} σ): {}", forces.r_list, forces.skin, forces.reason)
     });
     How::of(list, &forces.reason)
 }
@@ -215,10 +207,7 @@ fn items(
         forces.recommended_threads,
         simulation.state.len()
     );
-    items.push(item(
-        "more than one thread",
-        How::either(threads > 1, &more_threads),
-    ));
+    items.push(item("more than one thread", How::either(threads > 1, &more_threads)));
     items.push(item(
         "image flags",
         How::Off("positions are kept unwrapped; flags are made only where a frame is written"),
@@ -299,11 +288,7 @@ fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
         Some(t) => format!("{} at {}", t.name(), stage.temperature_in_words()),
         None => "constant energy, no thermostat".into(),
     };
-    let measured = if stage.measure {
-        ", measured"
-    } else {
-        ", not measured: no observable runs"
-    };
+    let measured = if stage.measure { ", measured" } else { ", not measured: no observable runs" };
     let itself = item(
         &format!("stage {}", stage.name),
         How::On(format!("{} steps, {bath}{measured}", stage.steps)),
@@ -333,21 +318,15 @@ fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
         );
         item(&format!("exchange of {}", stage.name), How::On(how))
     });
-    [itself]
-        .into_iter()
-        .chain(bath)
-        .chain(barostat)
-        .chain(exchange)
+    [itself].into_iter().chain(bath).chain(barostat).chain(exchange)
 }
 
 fn of_observables(scene: &Scene) -> Vec<PlanItem> {
     const THERMO: &str = "thermodynamics";
     let rows = scene.output.thermo_every;
     let averages = format!("averages on every {rows}th step of measured stages");
-    let mut items = vec![item(
-        THERMO,
-        How::either(scene.stages.iter().any(|s| s.measure), &averages),
-    )];
+    let mut items =
+        vec![item(THERMO, How::either(scene.stages.iter().any(|s| s.measure), &averages))];
     let tables = scene.observables.iter();
     let named = tables.map(|table| (table.options.name(), table.every));
     let named: Vec<_> = named.filter(|(name, _)| *name != THERMO).collect();
@@ -371,15 +350,10 @@ fn of_output(scene: &Scene) -> [PlanItem; 2] {
         .into_iter()
         .chain(seconds.map(|s| format!("every {s} s")))
         .collect();
-    let checkpoints = format!(
-        "{}, and at the end; what they cost depends on the disk",
-        when.join(" and ")
-    );
+    let checkpoints =
+        format!("{}, and at the end; what they cost depends on the disk", when.join(" and "));
     [
-        item(
-            "trajectory",
-            How::of(trajectory, "no `trajectory_every` in [output]"),
-        ),
+        item("trajectory", How::of(trajectory, "no `trajectory_every` in [output]")),
         item(
             "checkpoints",
             How::of(

@@ -112,12 +112,7 @@ impl PlanarTail {
             let k = TAU * n as f64 / length;
             let found = transform::transform(&slope, r_cut, k);
             let inside = at_cutoff * transform::of_sphere(r_cut, k);
-            Mode {
-                k,
-                phi: found.value,
-                reported: found.value - inside,
-                slope: found.slope,
-            }
+            Mode { k, phi: found.value, reported: found.value - inside, slope: found.slope }
         };
         let most = n_waves(length);
         Some(Self {
@@ -180,9 +175,7 @@ impl PlanarTail {
         let n = n as f64;
         let sum = |of: &dyn Fn(&Mode, f64) -> f64| -> f64 {
             let both = self.modes.iter().zip(&waves.0);
-            both.map(|(mode, [re, im])| of(mode, re * re + im * im))
-                .sum::<f64>()
-                / volume
+            both.map(|(mode, [re, im])| of(mode, re * re + im * im)).sum::<f64>() / volume
         };
         let homogeneous = |phi: f64| 0.5 * phi * n * n / volume;
         let energy = || homogeneous(self.homogeneous.phi) + sum(&|mode, square| mode.phi * square);
@@ -238,10 +231,7 @@ impl ForceTerm for PlanarTail {
     }
 
     fn properties(&self) -> ForceProperties {
-        ForceProperties {
-            splits: true,
-            ..ForceProperties::default()
-        }
+        ForceProperties { splits: true, ..ForceProperties::default() }
     }
 }
 

@@ -32,11 +32,7 @@ impl Foreseen {
             return None;
         }
         let saturation = self.equation.saturation(stage.temperature)?;
-        Some(compressibility_at(
-            self.equation,
-            saturation.liquid_density,
-            stage.temperature,
-        ))
+        Some(compressibility_at(self.equation, saturation.liquid_density, stage.temperature))
     }
 }
 

@@ -55,9 +55,7 @@ impl Simulation {
         match &self.team {
             Some(team) if step.is_multiple_of(LISTS_EVERY) => {
                 let differs = team.first_that_differs(&[hash_of_state(&self.state)]);
-                differs.map_or(Ok(()), |rank| {
-                    Err(RanksError::Diverged { rank, step }.into())
-                })
+                differs.map_or(Ok(()), |rank| Err(RanksError::Diverged { rank, step }.into()))
             }
             _ => Ok(()),
         }
@@ -77,9 +75,7 @@ fn hash_of_state(state: &State) -> u64 {
         let words = v.to_array().map(f64::to_bits);
         // An odd factor loses no bit, and the rotation brings high bits down.
         words.iter().fold(hash, |hash, word| {
-            (hash ^ word)
-                .wrapping_mul(0x9e37_79b9_7f4a_7c15)
-                .rotate_left(29)
+            (hash ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
         })
     };
     let all = state.positions.iter().chain(&state.velocities);
@@ -132,18 +128,11 @@ fn agree(simulation: &Simulation, own: Decision) -> Result<Decision, EngineError
     };
     simulation.compare_ranks()?;
     let is = |ending| u64::from(own.stop == Some(ending));
-    let mut words = [
-        is(Ending::Stopped),
-        is(Ending::OutOfTime),
-        u64::from(own.checkpoint),
-    ];
+    let mut words = [is(Ending::Stopped), is(Ending::OutOfTime), u64::from(own.checkpoint)];
     team.max(&mut words);
     let [stopped, out_of_time, checkpoint] = words.map(|word| word > 0);
-    let stop = if stopped {
-        Some(Ending::Stopped)
-    } else {
-        out_of_time.then_some(Ending::OutOfTime)
-    };
+    let stop =
+        if stopped { Some(Ending::Stopped) } else { out_of_time.then_some(Ending::OutOfTime) };
     Ok(Decision { stop, checkpoint })
 }
 
@@ -193,10 +182,7 @@ impl Follower for Companion<'_> {
 
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
         let stop = self.stop.load(Ordering::Relaxed);
-        let own = Decision {
-            stop: stop.then_some(Ending::Stopped),
-            checkpoint: false,
-        };
+        let own = Decision { stop: stop.then_some(Ending::Stopped), checkpoint: false };
         match next(simulation, &self.schedule, own)? {
             Next::Stop(ending) => {
                 self.ending = ending;

@@ -48,11 +48,7 @@ mod tests {
 
     #[test]
     fn errors_name_the_rank_and_the_step() {
-        let differs = RanksError::Differs {
-            rank: 3,
-            what: "instruction set",
-            advice: "",
-        };
+        let differs = RanksError::Differs { rank: 3, what: "instruction set", advice: "" };
         assert!(
             differs
                 .to_string()

@@ -47,9 +47,8 @@ pub(crate) fn remark_on_reach(
     }
     let start = positions.iter().map(|r| r.abs().max_element());
     let masses = species.all().iter().map(|one| one.mass);
-    let time: f64 = (scene.stages.iter())
-        .map(|stage| stage.steps as f64 * scene.stage_dt(stage))
-        .sum();
+    let time: f64 =
+        (scene.stages.iter()).map(|stage| stage.steps as f64 * scene.stage_dt(stage)).sum();
     let moved = displacement(
         time,
         temperature,
@@ -59,9 +58,7 @@ pub(crate) fn remark_on_reach(
     let reach = start.fold(0.0, f64::max) + moved;
     let kept = limits.precision_for(output.precision, reach);
     let remark = less_precision(output, kept)?;
-    Some(format!(
-        "unwrapped positions may reach {reach:.0} σ: {remark}"
-    ))
+    Some(format!("unwrapped positions may reach {reach:.0} σ: {remark}"))
 }
 
 #[cfg(test)]

@@ -94,12 +94,7 @@ fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
     let statistics = simulation.forces.statistics();
     let seen = simulation.force_check.seen();
     let stage = simulation.stage.as_ref();
-    let bath = stage.and_then(|s| {
-        scene.stages[s.index]
-            .thermostat
-            .as_ref()
-            .map(|t| (t, s.heat))
-    });
+    let bath = stage.and_then(|s| scene.stages[s.index].thermostat.as_ref().map(|t| (t, s.heat)));
     RunRecord {
         schema: RUN_SCHEMA.to_owned(),
         finished: false,

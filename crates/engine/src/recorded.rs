@@ -31,23 +31,11 @@ pub fn responses_of_recorded(
     if let Some(why) = remarks.find_map(|r| r.strip_prefix(NO_RESPONSES_REMARK)) {
         return Err(why.to_owned());
     }
-    let mut found = judged(
-        found,
-        &equilibrium,
-        false,
-        &measured_baths(scene),
-        crate::exchange::doubt(scene),
-    );
-    found
-        .averages
-        .retain(|average| response_functions().any(|name| name == average.name));
-    found
-        .remarks
-        .retain(|remark| remark.starts_with(RESPONSES_REMARK));
-    Ok(Findings {
-        tables: Vec::new(),
-        ..found
-    })
+    let mut found =
+        judged(found, &equilibrium, false, &measured_baths(scene), crate::exchange::doubt(scene));
+    found.averages.retain(|average| response_functions().any(|name| name == average.name));
+    found.remarks.retain(|remark| remark.starts_with(RESPONSES_REMARK));
+    Ok(Findings { tables: Vec::new(), ..found })
 }
 
 /// The thermodynamics of the measured stages, read back.
@@ -58,10 +46,8 @@ fn recorded(
     n_dof: f64,
     rows: &Table,
 ) -> Result<Thermodynamics, String> {
-    let column = |name: &str| {
-        rows.numbers(name)
-            .ok_or_else(|| format!("thermo.csv has no column `{name}`"))
-    };
+    let column =
+        |name: &str| rows.numbers(name).ok_or_else(|| format!("thermo.csv has no column `{name}`"));
     let mut thermodynamics =
         thermodynamics(scene, cell, species, &OwnParts::none()).map_err(|e| e.to_string())?;
     let (time, stage) = (column("time")?, column("stage")?);
@@ -82,10 +68,7 @@ fn recorded(
     };
     let at_start = tail_at(cell.volume());
     for i in 0..time.len() {
-        let is_measured = scene
-            .stages
-            .get(stage[i] as usize)
-            .is_some_and(|s| s.measure);
+        let is_measured = scene.stages.get(stage[i] as usize).is_some_and(|s| s.measure);
         if !is_measured {
             continue;
         }

@@ -76,10 +76,7 @@ pub fn resume_with(
 ) -> Result<Resumed, EngineError> {
     let (path, mut checkpoint) = load(folder, options.older)?;
     same_program(&checkpoint, &path)?;
-    let misfit = |reason: String| ResumeError::DoesNotFit {
-        checkpoint: path.clone(),
-        reason,
-    };
+    let misfit = |reason: String| ResumeError::DoesNotFit { checkpoint: path.clone(), reason };
     let name = path.display().to_string();
     let scene = Scene::parse(&checkpoint.scene, &name, &[]).map_err(|e| misfit(e.to_string()))?;
     same_scene(&folder.join(SCENE), &scene, &path)?;
@@ -100,10 +97,7 @@ pub fn resume_with(
         let allowed = "another format, or a folder from which this file was moved away";
         return Err(scene.source.invalid("output.format", found, allowed).into());
     }
-    let marks = Marks {
-        thermo,
-        trajectory: trajectory.map(Option::unwrap_or_default),
-    };
+    let marks = Marks { thermo, trajectory: trajectory.map(Option::unwrap_or_default) };
     checkpoint.scene = scene.resolved_toml();
     let mut overrides = Vec::new();
     if options.more_steps > 0 {
@@ -118,20 +112,11 @@ pub fn resume_with(
         let steps = scene.stages[last].steps.saturating_add(options.more_steps);
         overrides.push((format!("stage.{last}.steps"), steps.to_string()));
     }
-    let saved = Saved {
-        checkpoint: &checkpoint,
-        path: &path,
-        own,
-    };
+    let saved = Saved { checkpoint: &checkpoint, path: &path, own };
     let (mut simulation, remark) = saved.with_isa(overrides, options.isa.as_deref())?;
     let mut past = reinstated(&mut simulation, &checkpoint).map_err(misfit)?;
     past.remarks.extend(remark);
-    Ok(Resumed {
-        simulation,
-        marks,
-        past,
-        checkpoint: path,
-    })
+    Ok(Resumed { simulation, marks, past, checkpoint: path })
 }
 
 /// Brings a simulation back from a checkpoint alone, whatever folder it may belong to; `path` is its name in messages.
@@ -152,17 +137,10 @@ pub fn restored_with(
     own: &OwnParts,
 ) -> Result<Simulation, EngineError> {
     same_program(checkpoint, path)?;
-    let saved = Saved {
-        checkpoint,
-        path,
-        own,
-    };
+    let saved = Saved { checkpoint, path, own };
     let (mut simulation, _) = saved.with_isa(Vec::new(), None)?;
-    let past =
-        reinstated(&mut simulation, checkpoint).map_err(|reason| ResumeError::DoesNotFit {
-            checkpoint: path.to_owned(),
-            reason,
-        })?;
+    let past = reinstated(&mut simulation, checkpoint)
+        .map_err(|reason| ResumeError::DoesNotFit { checkpoint: path.to_owned(), reason })?;
     simulation.remarks = past.remarks;
     Ok(simulation)
 }
@@ -184,10 +162,7 @@ fn same_program(checkpoint: &Checkpoint, path: &Path) -> Result<(), ResumeError>
     if found == env!("CARGO_PKG_VERSION") {
         return Ok(());
     }
-    Err(ResumeError::OtherProgram {
-        checkpoint: path.to_owned(),
-        found: found.clone(),
-    })
+    Err(ResumeError::OtherProgram { checkpoint: path.to_owned(), found: found.clone() })
 }
 
 fn load(folder: &Path, older: bool) -> Result<(PathBuf, Checkpoint), EngineError> {
@@ -198,11 +173,8 @@ fn load(folder: &Path, older: bool) -> Result<(PathBuf, Checkpoint), EngineError
         let [_, (_, path), ..] = all.as_slice() else {
             return Err(ResumeError::NoOlder(owned()).into());
         };
-        let checkpoint =
-            lennard_io::read_checkpoint(path).map_err(|source| ResumeError::Refused {
-                folder: owned(),
-                source,
-            })?;
+        let checkpoint = lennard_io::read_checkpoint(path)
+            .map_err(|source| ResumeError::Refused { folder: owned(), source })?;
         return Ok((path.clone(), checkpoint));
     }
     checkpoints.load_newest().map_err(|source| {
@@ -214,10 +186,7 @@ fn load(folder: &Path, older: bool) -> Result<(PathBuf, Checkpoint), EngineError
             CheckpointProblem::Io(e) if !folder.is_dir() && e.kind() == io::ErrorKind::NotFound => {
                 ResumeError::NoRun(owned())
             }
-            _ => ResumeError::Refused {
-                folder: owned(),
-                source,
-            },
+            _ => ResumeError::Refused { folder: owned(), source },
         }
         .into()
     })
@@ -330,10 +299,7 @@ impl Saved<'_> {
             }
             (_, Some(_)) => {}
         }
-        let isa = [(
-            "kernel.isa".to_owned(),
-            wanted.unwrap_or_default().to_owned(),
-        )];
+        let isa = [("kernel.isa".to_owned(), wanted.unwrap_or_default().to_owned())];
         let overrides: Vec<_> = overrides.into_iter().chain(isa).collect();
         let simulation = self.build(&overrides)?;
         let remark = (simulation.isa != *recorded).then(|| {
@@ -349,24 +315,15 @@ impl Saved<'_> {
     ///
     /// Neither a start configuration nor a relaxation is needed: positions come from the checkpoint.
     fn build(&self, overrides: &[(String, String)]) -> Result<Simulation, EngineError> {
-        let Self {
-            checkpoint,
-            path,
-            own,
-        } = *self;
-        let misfit = |reason: String| ResumeError::DoesNotFit {
-            checkpoint: path.to_owned(),
-            reason,
-        };
+        let Self { checkpoint, path, own } = *self;
+        let misfit =
+            |reason: String| ResumeError::DoesNotFit { checkpoint: path.to_owned(), reason };
         let scene = Scene::parse(&checkpoint.scene, &path.display().to_string(), overrides)?;
         let sides = checkpointing::saved_start_cell(&checkpoint.archive)
             .map_err(|e| misfit(e.to_string()))?;
         let cell = PeriodicBox::new(sides).map_err(|e| misfit(e.to_string()))?;
         let state = checkpoint.archive.reader().section("state");
-        let n = state
-            .vec3("positions")
-            .map_err(|e| misfit(e.to_string()))?
-            .len();
+        let n = state.vec3("positions").map_err(|e| misfit(e.to_string()))?.len();
         if n == 0 {
             return Err(misfit("it has no particles".into()).into());
         }

@@ -64,12 +64,7 @@ pub(crate) fn is_there(scene: &Scene, cell: &PeriodicBox, n: usize) -> Result<()
             above = middle;
         }
     }
-    Err(NoRoom {
-        particles: n,
-        needed,
-        limit,
-        fit: (n as f64 * limit / needed) as usize,
-    })
+    Err(NoRoom { particles: n, needed, limit, fit: (n as f64 * limit / needed) as usize })
 }
 
 /// Whether so many bytes can be had at once. None of them is touched.

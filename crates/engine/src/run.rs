@@ -44,9 +44,7 @@ impl Instantaneous {
     fn of(simulation: &Simulation) -> Self {
         Self {
             temperature: simulation.view().temperature(),
-            potential_energy: simulation
-                .potential_energy_per_particle()
-                .unwrap_or(f64::NAN),
+            potential_energy: simulation.potential_energy_per_particle().unwrap_or(f64::NAN),
             pressure: simulation.pressure().unwrap_or(f64::NAN),
         }
     }
@@ -89,10 +87,7 @@ pub fn run(simulation: &mut Simulation, options: RunOptions<'_>) -> Result<Outco
     let started = Instant::now();
     options.folder.remove_half_written();
     let files = RunFiles::create(options.folder.path(), simulation)?;
-    let past = Past {
-        remarks: simulation.remarks.clone(),
-        ..Past::default()
-    };
+    let past = Past { remarks: simulation.remarks.clone(), ..Past::default() };
     drive(simulation, files, past, options, started)
 }
 
@@ -103,12 +98,7 @@ pub fn run(simulation: &mut Simulation, options: RunOptions<'_>) -> Result<Outco
 /// As [`run`].
 pub fn go_on(resumed: &mut Resumed, options: RunOptions<'_>) -> Result<Outcome, EngineError> {
     let started = Instant::now();
-    let Resumed {
-        simulation,
-        marks,
-        past,
-        ..
-    } = resumed;
+    let Resumed { simulation, marks, past, .. } = resumed;
     let files = RunFiles::resume(options.folder.path(), simulation, *marks)?;
     // First of all, since the scene in it may have more steps than before, or another instruction set.
     Checkpointer::new(options.folder.path(), &simulation.scene.checkpoint)
@@ -152,12 +142,7 @@ fn drive(
             recorder.keep_evidence(simulation, failure);
         }
         // The record of a failed run is a courtesy: the error itself matters more than a second one.
-        let remarks = recorder
-            .past
-            .remarks
-            .iter()
-            .cloned()
-            .chain([error.to_string()]);
+        let remarks = recorder.past.remarks.iter().cloned().chain([error.to_string()]);
         let _ = recorder.files.write_record(&RunRecord {
             tables: recorder.options.folder.tables(),
             ..record::unfinished(simulation, threads, remarks)
@@ -213,10 +198,7 @@ impl Recorder<'_> {
         written.map_err(|error| {
             // What cannot be written now is written when the run goes on: where there is room for a checkpoint,
             // not a step is lost. Where there is none, the last one is as good as before.
-            let past = Past {
-                owes_output: true,
-                ..self.past_until_now()
-            };
+            let past = Past { owes_output: true, ..self.past_until_now() };
             if simulation.watch_closely().is_ok() {
                 let _ = self.checkpoints.write_unwatched(simulation, marks, &past);
             }
@@ -225,10 +207,7 @@ impl Recorder<'_> {
     }
 
     fn past_until_now(&self) -> Past {
-        Past {
-            wall: self.past.wall + self.started.elapsed(),
-            ..self.past.clone()
-        }
+        Past { wall: self.past.wall + self.started.elapsed(), ..self.past.clone() }
     }
 
     fn checkpoint(&mut self, simulation: &mut Simulation) -> Result<(), EngineError> {
@@ -252,11 +231,7 @@ impl Recorder<'_> {
                 simulation.state.step
             ));
         }
-        if self
-            .files
-            .write_earlier_state("before-failure.xyz", &self.before)
-            .is_ok()
-        {
+        if self.files.write_earlier_state("before-failure.xyz", &self.before).is_ok() {
             let path = folder.join("before-failure.xyz");
             failure.kept.push(format!(
                 "saved: {} (step {}, before it)",
@@ -267,10 +242,9 @@ impl Recorder<'_> {
         if let Ok(all) = lennard_io::CheckpointFolder::new(folder).list()
             && let Some((_, newest)) = all.first()
         {
-            failure.kept.push(format!(
-                "the last good checkpoint is untouched: {}",
-                newest.display()
-            ));
+            failure
+                .kept
+                .push(format!("the last good checkpoint is untouched: {}", newest.display()));
         }
     }
 
@@ -278,16 +252,11 @@ impl Recorder<'_> {
     fn conclude(&mut self, simulation: &mut Simulation) -> Result<Outcome, EngineError> {
         let clock = Instant::now();
         let findings: Vec<Findings> = simulation.findings();
-        let tables: Vec<Table> = findings
-            .iter()
-            .flat_map(|f| f.tables.iter().cloned())
-            .collect();
+        let tables: Vec<Table> = findings.iter().flat_map(|f| f.tables.iter().cloned()).collect();
         let finished = self.ending == Ending::Finished;
         // What looks like a result is written where the run is done; until then the checkpoint has it all.
-        let listed: Vec<String> = tables
-            .iter()
-            .map(|table| format!("{}.csv", table.name))
-            .collect();
+        let listed: Vec<String> =
+            tables.iter().map(|table| format!("{}.csv", table.name)).collect();
         if finished {
             let (threads, remarks) = (self.options.threads, self.past.remarks.clone());
             // Before the tables, so that none is there that no record lists.
@@ -314,11 +283,7 @@ impl Recorder<'_> {
             false => self.options.folder.tables(),
         };
         self.files.write_record(&record)?;
-        Ok(Outcome {
-            ending: self.ending,
-            record,
-            tables,
-        })
+        Ok(Outcome { ending: self.ending, record, tables })
     }
 
     /// Whether and why to stop now.
@@ -358,13 +323,8 @@ impl Follower for Recorder<'_> {
             set_aside(&simulation.state, &mut self.before);
         }
         simulation.timers.write += clock.elapsed();
-        self.options
-            .progress
-            .update(&simulation.current_stage().name, step, self.total);
-        let own = Decision {
-            stop: self.told_to_stop(),
-            checkpoint: self.checkpoints.time_is_up(),
-        };
+        self.options.progress.update(&simulation.current_stage().name, step, self.total);
+        let own = Decision { stop: self.told_to_stop(), checkpoint: self.checkpoints.time_is_up() };
         match next(simulation, &self.schedule, own)? {
             Next::Stop(ending) => {
                 self.ending = ending;

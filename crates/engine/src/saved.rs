@@ -42,15 +42,11 @@ impl Persist for Simulation {
             stage => stage?,
         };
         if index as usize >= self.scene.stages.len() {
-            return Err(from.misfit(
-                "stage",
-                format!("stage {index} of {}", self.scene.stages.len()),
-            ));
+            return Err(
+                from.misfit("stage", format!("stage {index} of {}", self.scene.stages.len()))
+            );
         }
-        let before: u64 = self.scene.stages[..index as usize]
-            .iter()
-            .map(|s| s.steps)
-            .sum();
+        let before: u64 = self.scene.stages[..index as usize].iter().map(|s| s.steps).sum();
         let of_stage = self.scene.stages[index as usize].steps;
         if steps_done > of_stage || before + steps_done != self.state.step {
             return Err(from.misfit(

@@ -66,11 +66,7 @@ impl Operation {
     /// An operation that wants forces alone.
     #[must_use]
     pub fn new(action: Action, trigger: Trigger) -> Self {
-        Self {
-            action,
-            trigger,
-            want: Want::NOTHING,
-        }
+        Self { action, trigger, want: Want::NOTHING }
     }
 
     /// The same operation with what it wants of the forces.
@@ -181,9 +177,7 @@ mod tests {
         let schedule = Schedule::of_output(&scene);
         let due = |action, measured| -> Vec<u64> {
             let steps = 1..=101;
-            steps
-                .filter(|step| schedule.does(action, *step, measured))
-                .collect()
+            steps.filter(|step| schedule.does(action, *step, measured)).collect()
         };
         assert_eq!(due(Action::Frame, true), [15, 30, 45, 60, 75, 90]);
         assert_eq!(due(Action::Frame, false), [0; 0]);

@@ -89,8 +89,7 @@ impl Simulation {
     /// Where the simulation was put together without them: every scene has them.
     #[must_use]
     pub fn thermodynamics(&self) -> &Thermodynamics {
-        self.observable()
-            .expect("every run measures thermodynamics")
+        self.observable().expect("every run measures thermodynamics")
     }
 
     /// The tail correction in a volume, σ³, if the scene has one: totals of the system.

@@ -49,10 +49,7 @@ pub(crate) fn of_file(
     n: usize,
 ) -> Result<SpeciesTable, EngineError> {
     let refuse = |found: String, allowed: String| -> EngineError {
-        scene
-            .source
-            .invalid("system.configuration", found, allowed)
-            .into()
+        scene.source.invalid("system.configuration", found, allowed).into()
     };
     let file = path.display();
     let Some(mixture) = &scene.mixture else {
@@ -106,12 +103,7 @@ fn numbers(mixture: &MixtureTables, found: &FoundSpecies) -> Result<Vec<usize>, 
             .or_else(|| by_number().filter(|a| *a < mixture.species.len()))
             .ok_or_else(|| name.clone())
     };
-    let of = |names: &[String]| {
-        names
-            .iter()
-            .map(number)
-            .collect::<Result<Vec<usize>, String>>()
-    };
+    let of = |names: &[String]| names.iter().map(number).collect::<Result<Vec<usize>, String>>();
     match found.elements_tell_apart() {
         true => of(&found.names),
         false => of(&found.types).or_else(|_| of(&found.names)),
@@ -132,10 +124,7 @@ fn check_masses(
         let wanted = own(k) / own(0);
         if (mass / first / wanted - 1.0).abs() > SAME_MASS {
             return Err((
-                format!(
-                    "masses {first} of {} and {mass} of {}",
-                    found.names[0], found.names[k]
-                ),
+                format!("masses {first} of {} and {mass} of {}", found.names[0], found.names[k]),
                 format!("masses as {} to {}, as in the scene", own(0), own(k)),
             ));
         }

@@ -19,10 +19,8 @@ impl Simulation {
         if index >= self.scene.stages.len() {
             return Ok(false);
         }
-        let was_noisy = self
-            .stage
-            .as_ref()
-            .is_some_and(|s| s.integrator.momentum() == Momentum::Free);
+        let was_noisy =
+            self.stage.as_ref().is_some_and(|s| s.integrator.momentum() == Momentum::Free);
         let stage = self.stage_run_for(index);
         let keeps_momentum = stage.integrator.momentum() == Momentum::Conserved;
         self.stage = Some(stage);
@@ -109,13 +107,7 @@ impl Simulation {
         let stage = self.stage.as_mut().expect("a stage has been entered");
         stage
             .integrator
-            .start(
-                &self.system,
-                &mut self.state,
-                self.forces.as_mut(),
-                stage.dt,
-                want,
-            )
+            .start(&self.system, &mut self.state, self.forces.as_mut(), stage.dt, want)
             .map_err(|error| self.failed(error))
     }
 }

@@ -73,10 +73,7 @@ pub fn unfold(
     if !n.is_multiple_of(sites) {
         let found = format!("{n} particles in {}", path.display());
         let allowed = format!("a multiple of molecule.sites = {sites}");
-        return Err(scene
-            .source
-            .invalid("system.configuration", found, allowed)
-            .into());
+        return Err(scene.source.invalid("system.configuration", found, allowed).into());
     }
     initial::unfold_molecules(cell, topology, positions);
     Ok(())
@@ -115,9 +112,8 @@ pub fn check(
             return Err(refuse(found, allowed));
         }
         if molecules.are_rigid()
-            && let Some(bond) = topology.redundant_bond(positions, |site| {
-                scene.system.held.contains(&(m * sites + site))
-            })
+            && let Some(bond) = topology
+                .redundant_bond(positions, |site| scene.system.held.contains(&(m * sites + site)))
         {
             let found = format!("molecule {} of {}", m + 1, origin.name);
             return Err(scene.redundant(bond, &found).into());
@@ -160,10 +156,8 @@ fn through_the_box<'a>(
     let half = 0.5 * cell.lengths().min_element();
     let is_long = |bond: &&Bond| bond.vector(positions).length() > half;
     let bond = topology.bonds().iter().find(is_long)?;
-    let allowed = format!(
-        "bonds of at most half the shortest side of the box, {} σ",
-        upper_bound(half)
-    );
+    let allowed =
+        format!("bonds of at most half the shortest side of the box, {} σ", upper_bound(half));
     Some((bond, allowed))
 }
 

@@ -43,11 +43,7 @@ impl Simulation {
     /// Leaves out of the findings what two phases side by side, or a tail among the forces, make meaningless, and says so.
     pub(crate) fn leave_out_meaningless(&self, findings: &mut [Findings]) {
         let known = two_phases(&self.scene, findings);
-        let found = if known.is_none() {
-            separated(self)
-        } else {
-            None
-        };
+        let found = if known.is_none() { separated(self) } else { None };
         if let Some(why) = &found {
             doubt_of_pressure(findings);
             if let Some(first) = findings.first_mut() {
@@ -76,9 +72,7 @@ impl Simulation {
             );
             let left_out = without(findings, |name| WITHOUT_TAIL.contains(&name));
             for table in findings.iter_mut().flat_map(|f| &mut f.tables) {
-                table
-                    .columns
-                    .retain(|c| !WITHOUT_TAIL.contains(&c.name.as_str()));
+                table.columns.retain(|c| !WITHOUT_TAIL.contains(&c.name.as_str()));
             }
             tell(
                 findings,
@@ -135,9 +129,7 @@ fn doubt_of_pressure(findings: &mut [Findings]) {
 
 fn tell(findings: &mut [Findings], left_out: Vec<String>, why: &str) {
     if let Some(first) = findings.first_mut().filter(|_| !left_out.is_empty()) {
-        first
-            .remarks
-            .push(format!("left out: {}. Here {why}", left_out.join(", ")));
+        first.remarks.push(format!("left out: {}. Here {why}", left_out.join(", ")));
     }
 }
 
@@ -211,9 +203,6 @@ mod tests {
         assert_eq!(left_out, ["speed_of_sound"]);
         tell(&mut findings, left_out, "there are two phases");
         assert_eq!(findings[0].averages.len(), 1);
-        assert_eq!(
-            findings[0].remarks,
-            ["left out: speed_of_sound. Here there are two phases"]
-        );
+        assert_eq!(findings[0].remarks, ["left out: speed_of_sound. Here there are two phases"]);
     }
 }

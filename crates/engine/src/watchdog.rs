@@ -71,11 +71,7 @@ pub fn check_speeds(state: &State, dt: f64, largest: f64) -> Result<(), Symptom>
         return Ok(());
     }
     let (particle, speed) = fastest(state).unwrap_or((0, f64::INFINITY));
-    Err(Symptom::TooFast {
-        particle,
-        distance: speed * dt,
-        largest,
-    })
+    Err(Symptom::TooFast { particle, distance: speed * dt, largest })
 }
 
 /// Fails where the conserved energy per particle has left its start by more than `LARGEST_ENERGY_CHANGE`.
@@ -94,13 +90,7 @@ fn fastest(state: &State) -> Option<(usize, f64)> {
     state
         .velocities
         .iter()
-        .map(|v| {
-            if v.is_finite() {
-                v.length()
-            } else {
-                f64::INFINITY
-            }
-        })
+        .map(|v| if v.is_finite() { v.length() } else { f64::INFINITY })
         .enumerate()
         .max_by(|a, b| a.1.total_cmp(&b.1))
 }
@@ -199,10 +189,7 @@ mod tests {
         let dt = 0.01;
         assert!(check_speeds(&state(0.999 * LARGEST_MOVE / dt), dt, LARGEST_MOVE).is_ok());
         let found = check_speeds(&state(1.001 * LARGEST_MOVE / dt), dt, LARGEST_MOVE);
-        assert!(
-            matches!(found, Err(Symptom::TooFast { particle: 1, .. })),
-            "{found:?}"
-        );
+        assert!(matches!(found, Err(Symptom::TooFast { particle: 1, .. })), "{found:?}");
         assert!(check_speeds(&state(f64::NAN), dt, LARGEST_MOVE).is_err());
         assert!(check_energy(-4.0, f64::NAN).is_err());
     }
@@ -220,20 +207,11 @@ mod tests {
             exclusions: Exclusions::NONE,
             sizes: &Sizes::ONE,
         };
-        let symptom = Symptom::TooFast {
-            particle: 1,
-            distance: 3.0,
-            largest: LARGEST_MOVE,
-        };
+        let symptom = Symptom::TooFast { particle: 1, distance: 3.0, largest: LARGEST_MOVE };
         let overlap = diagnose(&state(3e3), at, symptom.clone());
+        assert!(overlap.likely_cause().contains("overlapped at the start"), "{overlap}");
         assert!(
-            overlap.likely_cause().contains("overlapped at the start"),
-            "{overlap}"
-        );
-        assert!(
-            overlap
-                .to_string()
-                .contains("particles 0 and 1 at 0.5000 σ, an overlap"),
+            overlap.to_string().contains("particles 0 and 1 at 0.5000 σ, an overlap"),
             "{overlap}"
         );
         let cause = |at| diagnose(&state(3e3), at, symptom.clone()).likely_cause();
@@ -243,35 +221,16 @@ mod tests {
                 && large.contains("stable below about 0.030 τ"),
             "{large}"
         );
-        let hot = cause(Circumstances {
-            temperature: 722.0,
-            ..at
-        });
-        assert!(
-            hot.contains("T = 722") && hot.contains("`system.temperature`"),
-            "{hot}"
-        );
-        let dense = cause(Circumstances {
-            density: 8.442,
-            ..at
-        });
-        assert!(
-            dense.contains("ρ = 8.4420") && dense.contains("`system.density`"),
-            "{dense}"
-        );
+        let hot = cause(Circumstances { temperature: 722.0, ..at });
+        assert!(hot.contains("T = 722") && hot.contains("`system.temperature`"), "{hot}");
+        let dense = cause(Circumstances { density: 8.442, ..at });
+        assert!(dense.contains("ρ = 8.4420") && dense.contains("`system.density`"), "{dense}");
         let later = diagnose(
             &state(3e3),
-            Circumstances {
-                steps_into_stage: 5000,
-                dt: 0.01,
-                ..at
-            },
+            Circumstances { steps_into_stage: 5000, dt: 0.01, ..at },
             symptom.clone(),
         );
-        assert!(
-            later.likely_cause().contains("try half the dt first"),
-            "{later}"
-        );
+        assert!(later.likely_cause().contains("try half the dt first"), "{later}");
     }
 
     #[test]

@@ -81,12 +81,8 @@ impl AllPairs {
         let (relative, seen) = self.rounding(cell);
         let mut force = DVec3::ZERO;
         let (mut size, mut shaken) = (0.0, 0.0);
-        for (j, other) in within(
-            (1.0 + SOUGHT_BEYOND) * largest_r_cut + seen,
-            own,
-            cell,
-            positions,
-        ) {
+        for (j, other) in within((1.0 + SOUGHT_BEYOND) * largest_r_cut + seen, own, cell, positions)
+        {
             if j == particle || self.exclusions.exclude(j, particle) {
                 continue;
             }

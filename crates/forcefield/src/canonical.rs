@@ -148,12 +148,9 @@ impl CanonicalJob<'_> {
                         self.particle(interaction, i, others, &mut mine)
                     }
                 }
-                NeighborSource::Listed(lists) => self.particle(
-                    interaction,
-                    i,
-                    lists[i].iter().map(|j| *j as usize),
-                    &mut mine,
-                ),
+                NeighborSource::Listed(lists) => {
+                    self.particle(interaction, i, lists[i].iter().map(|j| *j as usize), &mut mine)
+                }
             };
             if let Some(sums) = &mut sums {
                 sums.add(mine.numbers());

@@ -43,11 +43,7 @@ impl ContactLaw {
     /// A spring of a stiffness in ε/σ² (ε/σ^{5/2} for Hertz's) that keeps the share `restitution` of the speed.
     #[must_use]
     pub fn new(law: SpringLaw, stiffness: f64, restitution: f64) -> Self {
-        Self {
-            law,
-            stiffness,
-            damping_ratio: damping_ratio_for(restitution),
-        }
+        Self { law, stiffness, damping_ratio: damping_ratio_for(restitution) }
     }
 
     /// Whether a dashpot takes energy.
@@ -70,11 +66,9 @@ impl ContactLaw {
             return SpringPoint::default();
         }
         match self.law {
-            SpringLaw::Linear => SpringPoint {
-                energy: 0.5 * k * depth * depth,
-                force: k * depth,
-                curvature: k,
-            },
+            SpringLaw::Linear => {
+                SpringPoint { energy: 0.5 * k * depth * depth, force: k * depth, curvature: k }
+            }
             SpringLaw::Hertz => {
                 let root = depth.sqrt();
                 SpringPoint {
@@ -102,11 +96,7 @@ impl ContactLaw {
             }
         };
         let decayed = speed * (-dashpot * h / mass).exp();
-        if speed >= 0.0 {
-            decayed
-        } else {
-            decayed.min(speed + self.at(depth).force * h / mass)
-        }
+        if speed >= 0.0 { decayed } else { decayed.min(speed + self.at(depth).force * h / mass) }
     }
 }
 
@@ -155,19 +145,8 @@ mod tests {
             assert!((restitution_of(zeta) - e).abs() < 1e-6, "{zeta}");
         }
         assert!((restitution_of(1.0) - (-2.0_f64).exp()).abs() < 1e-12);
-        for e in [
-            SMALLEST_SOFT_RESTITUTION,
-            0.1,
-            0.135,
-            0.136,
-            0.5,
-            0.9,
-            0.999,
-        ] {
-            assert!(
-                (restitution_of(damping_ratio_for(e)) - e).abs() < 1e-12,
-                "{e}"
-            );
+        for e in [SMALLEST_SOFT_RESTITUTION, 0.1, 0.135, 0.136, 0.5, 0.9, 0.999] {
+            assert!((restitution_of(damping_ratio_for(e)) - e).abs() < 1e-12, "{e}");
         }
         assert_eq!(damping_ratio_for(1.0), 0.0);
     }

@@ -204,15 +204,11 @@ impl ForceFieldError {
         match self {
             Self::BadCutoff(_) => "a finite number above 0, at most half the shortest side".into(),
             Self::CutoffOverHalfBox { largest, .. } => {
-                format!(
-                    "at most {}, half the shortest side of the box",
-                    upper_bound(*largest)
-                )
+                format!("at most {}, half the shortest side of the box", upper_bound(*largest))
             }
-            Self::CutoffInsideEnd { end, .. } => format!(
-                "at least {} = {:.4}, or nothing at all",
-                end.in_words, end.r
-            ),
+            Self::CutoffInsideEnd { end, .. } => {
+                format!("at least {} = {:.4}, or nothing at all", end.in_words, end.r)
+            }
             Self::SwitchAtOwnEnd { .. } => "cut or shift".into(),
             Self::BadSwitch { r_cut, .. } => format!("above 0 and below r_cut = {r_cut}"),
             Self::SwitchWithoutSwitch(_) => {
@@ -222,10 +218,7 @@ impl ForceFieldError {
             Self::BadPotential(option) => option.allowed.clone(),
             Self::BadSkin(_) => "a finite number, 0 or more".into(),
             Self::SkinTooLarge { largest, .. } => {
-                format!(
-                    "at most {}, so that r_cut + skin fits half the box",
-                    upper_bound(*largest)
-                )
+                format!("at most {}, so that r_cut + skin fits half the box", upper_bound(*largest))
             }
             Self::SkinWithoutList(_) => "only with mode = \"auto\" or \"verlet\"".into(),
             Self::IsaNotAvailable(_) => "auto, or one that this processor has".into(),

@@ -25,10 +25,7 @@ impl ConstantField {
     /// The field that accelerates particles of these masses by g, σ/τ².
     #[must_use]
     pub fn new(acceleration: DVec3, masses: Masses) -> Self {
-        Self {
-            acceleration,
-            masses,
-        }
+        Self { acceleration, masses }
     }
 
     /// Force on particle `i`, ε/σ: none on a held one.

@@ -62,11 +62,8 @@ impl FusedBuffers {
         self.velocities.resize(n, DVec3::ZERO);
         self.next.resize(room(reads_while_it_writes), DVec3::ZERO);
         self.positions.resize(room(keeps_forces), DVec3::ZERO);
-        let (positions, forces) = if keeps_forces {
-            (&mut self.positions[..], forces)
-        } else {
-            (forces, &mut [][..])
-        };
+        let (positions, forces) =
+            if keeps_forces { (&mut self.positions[..], forces) } else { (forces, &mut [][..]) };
         BySlot {
             positions,
             velocities: &mut self.velocities,
@@ -207,11 +204,7 @@ impl BySlot<'_> {
             next: (!self.next.is_empty()).then_some(&mut *self.next),
             velocities: self.velocities,
         };
-        let rest = Rest {
-            forces: self.forces,
-            sum: self.sum,
-            parts: self.parts,
-        };
+        let rest = Rest { forces: self.forces, sum: self.sum, parts: self.parts };
         (state, rest)
     }
 
@@ -247,11 +240,7 @@ impl BySlot<'_> {
         if !self.next.is_empty() {
             std::mem::swap(&mut self.positions, &mut self.next);
         }
-        if request.packs_next {
-            Prepared::Packed
-        } else {
-            Prepared::Nothing
-        }
+        if request.packs_next { Prepared::Packed } else { Prepared::Nothing }
     }
 }
 
@@ -290,11 +279,7 @@ impl<'a> Rest<'a> {
         let Some(noise) = &steps.noise else {
             return Mover::Drift;
         };
-        let noise = SlotNoise {
-            of_step: noise.next_step(),
-            mass,
-            particles,
-        };
+        let noise = SlotNoise { of_step: noise.next_step(), mass, particles };
         Mover::Noise(noise, SumOverChunks::begin(sum, parts, n))
     }
 }

@@ -64,8 +64,5 @@ pub fn check(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<(), ForceField
 /// Names of the instruction sets that this processor has, widest first; each can be forced with `kernel.isa`.
 #[must_use]
 pub fn available_isas() -> Vec<&'static str> {
-    simd::Level::available()
-        .into_iter()
-        .map(simd::Level::name)
-        .collect()
+    simd::Level::available().into_iter().map(simd::Level::name).collect()
 }

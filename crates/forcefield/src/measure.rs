@@ -46,11 +46,7 @@ pub fn part_times(
 ) -> Result<PartTimes, ForceError> {
     let mut out = vec![DVec3::ZERO; at.positions.len()];
     forces.rebuild(at)?;
-    let mut best = PartTimes {
-        forces: f64::INFINITY,
-        totals: f64::INFINITY,
-        build: f64::INFINITY,
-    };
+    let mut best = PartTimes { forces: f64::INFINITY, totals: f64::INFINITY, build: f64::INFINITY };
     for _ in 0..rounds.max(1) {
         let mut evaluation = |want| -> Result<f64, ForceError> {
             let (seconds, found) = timed(|| forces.evaluate(at, Part::All, want, &mut out));
@@ -72,10 +68,7 @@ pub fn part_times(
 pub fn work(forces: &mut PairForces, at: Configuration<'_>) -> Result<Work, ForceError> {
     let mut out = vec![DVec3::ZERO; at.positions.len()];
     let totals = forces.evaluate(at, Part::All, Want::ENERGY, &mut out)?;
-    Ok(Work {
-        lanes: forces.lanes(),
-        pairs: totals.pairs.unwrap_or_default(),
-    })
+    Ok(Work { lanes: forces.lanes(), pairs: totals.pairs.unwrap_or_default() })
 }
 
 /// The pairs per second that one thread computes with everything in registers, without a list and without memory.
@@ -90,10 +83,7 @@ pub fn arithmetic_limit(isa: Isa, precision: Precision) -> Option<f64> {
     const RUNS: usize = 9;
     let level = Level::choose(isa)?;
     let r_cut = TruncationOptions::default().r_cut;
-    let form = Plain {
-        potential: LennardJones {},
-        shift: 0.0,
-    };
+    let form = Plain { potential: LennardJones {}, shift: 0.0 };
     let best = (0..RUNS)
         .map(|_| {
             let (seconds, (pairs, sum)) = timed(|| limit(level, precision, &form, r_cut, ROUNDS));

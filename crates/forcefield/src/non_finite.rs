@@ -5,21 +5,14 @@ use lennard_core::ForceError;
 
 /// The error that names the first particle whose position is not finite.
 pub fn position(positions: &[DVec3]) -> ForceError {
-    ForceError::NonFinitePosition {
-        particle: first(positions),
-    }
+    ForceError::NonFinitePosition { particle: first(positions) }
 }
 
 /// The error that names the first particle whose force is not finite.
 pub fn force(forces: &[DVec3]) -> ForceError {
-    ForceError::NonFiniteForce {
-        particle: first(forces),
-    }
+    ForceError::NonFiniteForce { particle: first(forces) }
 }
 
 fn first(vectors: &[DVec3]) -> usize {
-    vectors
-        .iter()
-        .position(|v| !v.is_finite())
-        .unwrap_or_default()
+    vectors.iter().position(|v| !v.is_finite()).unwrap_or_default()
 }

@@ -93,13 +93,7 @@ impl TruncationOptions {
     /// A truncation of this kind at `r_cut` σ, with the tail correction on for the plain cutoff.
     #[must_use]
     pub fn new(kind: TruncationKind, r_cut: f64) -> Self {
-        Self {
-            kind,
-            r_cut,
-            r_cut_in: None,
-            switch_from: None,
-            tail_correction: kind.spec().jumps,
-        }
+        Self { kind, r_cut, r_cut_in: None, switch_from: None, tail_correction: kind.spec().jumps }
     }
 
     /// The same truncation at another cutoff, σ; a switch keeps its share of it.
@@ -109,11 +103,7 @@ impl TruncationOptions {
             return *self;
         }
         let share = |from: f64| from / self.r_cut * r_cut;
-        Self {
-            r_cut,
-            switch_from: self.switch_from.map(share),
-            ..*self
-        }
+        Self { r_cut, switch_from: self.switch_from.map(share), ..*self }
     }
 
     /// A length of the truncation in words: `2.5 σ`, or `2.5 σ_ab`.

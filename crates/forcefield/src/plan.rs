@@ -128,10 +128,7 @@ pub(crate) fn decide(
         return Err(ForceFieldError::TooManyParticles(c.n_atoms));
     }
     if let Some(found) = c.mixture.map(Mixture::n_atoms).filter(|n| *n != c.n_atoms) {
-        return Err(ForceFieldError::OtherParticles {
-            found,
-            n_atoms: c.n_atoms,
-        });
+        return Err(ForceFieldError::OtherParticles { found, n_atoms: c.n_atoms });
     }
     let r_cut = model.r_cut;
     let largest = c.cell.largest_cutoff();
@@ -200,13 +197,7 @@ pub(crate) fn decide(
         remark,
         recommended_threads: recommended_threads(c.n_atoms, usize::MAX),
     };
-    Ok(Decision {
-        model,
-        laws: laws.map(Arc::new),
-        level,
-        listed,
-        plan,
-    })
+    Ok(Decision { model, laws: laws.map(Arc::new), level, listed, plan })
 }
 
 /// The one truncated potential, or all potentials of a mixture beside a model with its formula and its largest cutoff.
@@ -221,11 +212,7 @@ pub(crate) fn interaction(
         return Ok((Model::new(&o.potential, &truncation)?, None));
     }
     let laws = Laws::new(&o.potential, &o.truncation, mixture)?;
-    let model = Model {
-        form: laws.form,
-        r_cut: laws.r_cut,
-        energy_at_cutoff: 0.0,
-    };
+    let model = Model { form: laws.form, r_cut: laws.r_cut, energy_at_cutoff: 0.0 };
     Ok((model, Some(laws)))
 }
 
@@ -240,10 +227,7 @@ fn too_wide_for_mixed() -> String {
 fn check_split(o: &ForceFieldOptions, r_cut: f64) -> Result<(), ForceFieldError> {
     let Some(split) = o.split else { return Ok(()) };
     if !(split.r_split > 0.0 && split.r_split < r_cut) {
-        return Err(ForceFieldError::BadSplit {
-            found: split.r_split,
-            r_cut,
-        });
+        return Err(ForceFieldError::BadSplit { found: split.r_split, r_cut });
     }
     if !(split.width > 0.0 && split.width <= split.r_split) {
         return Err(ForceFieldError::BadSplitWidth(split.width));
@@ -268,25 +252,14 @@ fn search(
             return Err(ForceFieldError::SkinWithoutList(skin));
         }
         if skin > largest_skin {
-            return Err(ForceFieldError::SkinTooLarge {
-                skin,
-                largest: largest_skin,
-            });
+            return Err(ForceFieldError::SkinTooLarge { skin, largest: largest_skin });
         }
     }
     if r_cut == 0.0 {
-        return Ok((
-            Search::Nothing,
-            0.0,
-            "no pair potential: there is nothing to search".into(),
-        ));
+        return Ok((Search::Nothing, 0.0, "no pair potential: there is nothing to search".into()));
     }
     if o.kernel.kernel == Kernel::Reference {
-        return Ok((
-            Search::Reference,
-            0.0,
-            "the reference loop was asked for".into(),
-        ));
+        return Ok((Search::Reference, 0.0, "the reference loop was asked for".into()));
     }
     let widest = c.cell.lengths().max_element();
     if widest > listed.widest() {
@@ -306,37 +279,25 @@ fn search(
     });
     let chosen = cheapest.min(largest_skin);
     match (o.neighbor.mode, o.neighbor.skin) {
-        (ListMode::Direct, _) => Ok((
-            Search::Direct,
-            0.0,
-            "the scene asks for a direct sum".into(),
-        )),
-        (_, Some(skin)) => Ok((
-            Search::Verlet,
-            skin,
-            format!("the scene fixes a skin of {} σ", short(skin)),
-        )),
-        (ListMode::Verlet, None) => Ok((
-            Search::Verlet,
-            chosen,
-            "the scene asks for a Verlet list".into(),
-        )),
-        (ListMode::Auto, None) if n <= DIRECT_UP_TO => Ok((
-            Search::Direct,
-            0.0,
-            format!("{n} particles are so few that no list pays"),
-        )),
+        (ListMode::Direct, _) => {
+            Ok((Search::Direct, 0.0, "the scene asks for a direct sum".into()))
+        }
+        (_, Some(skin)) => {
+            Ok((Search::Verlet, skin, format!("the scene fixes a skin of {} σ", short(skin))))
+        }
+        (ListMode::Verlet, None) => {
+            Ok((Search::Verlet, chosen, "the scene asks for a Verlet list".into()))
+        }
+        (ListMode::Auto, None) if n <= DIRECT_UP_TO => {
+            Ok((Search::Direct, 0.0, format!("{n} particles are so few that no list pays")))
+        }
         (ListMode::Auto, None) if chosen < USELESS_SKIN && n <= DIRECT_OVER_USELESS_SKIN => Ok((
             Search::Direct,
             0.0,
             format!("half the box leaves only {largest_skin:.3} σ of skin beyond r_cut"),
         )),
         (ListMode::Auto, None) => {
-            let limit = if chosen < cheapest {
-                ", held to half the box"
-            } else {
-                ""
-            };
+            let limit = if chosen < cheapest { ", held to half the box" } else { "" };
             Ok((
                 Search::Verlet,
                 chosen,
@@ -354,10 +315,7 @@ mod tests {
 
     fn decided(precision: Precision, change: impl Fn(&mut ForceFieldOptions)) -> ForcePlan {
         let mut options = ForceFieldOptions {
-            kernel: KernelOptions {
-                precision,
-                ..KernelOptions::default()
-            },
+            kernel: KernelOptions { precision, ..KernelOptions::default() },
             ..ForceFieldOptions::default()
         };
         change(&mut options);
@@ -388,10 +346,7 @@ mod tests {
     #[test]
     fn without_a_list_pairs_are_in_double_precision() {
         let direct = |options: &mut ForceFieldOptions| {
-            options.neighbor = NeighborOptions {
-                mode: ListMode::Direct,
-                skin: None,
-            };
+            options.neighbor = NeighborOptions { mode: ListMode::Direct, skin: None };
         };
         let plan = decided(Precision::Mixed, direct);
         assert_eq!((plan.kernel, plan.skin), ("direct", 0.0));

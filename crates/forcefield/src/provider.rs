@@ -77,9 +77,7 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<PairForces, Fo
     let strategy = match plan.search {
         Search::Nothing => Strategy::Nothing,
         Search::Reference => Strategy::Reference,
-        Search::Direct => Strategy::Direct {
-            wrapped: Vec::new(),
-        },
+        Search::Direct => Strategy::Direct { wrapped: Vec::new() },
         Search::Verlet => Strategy::Verlet(listed(decision.model.r_cut)),
     };
     let split = o.split.map(|options| Split {
@@ -94,11 +92,7 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<PairForces, Fo
             Strategy::Direct { .. } => Loop::Canonical.widest(),
             Strategy::Reference | Strategy::Nothing => f64::INFINITY,
         },
-        largest_share: if needs_one_image {
-            1.0 - TIE_MARGIN
-        } else {
-            1.0
-        },
+        largest_share: if needs_one_image { 1.0 - TIE_MARGIN } else { 1.0 },
         n_atoms: c.n_atoms,
         model: decision.model,
         laws: decision.laws,
@@ -179,9 +173,7 @@ impl PairForces {
             return Err(non_finite::position(at.positions));
         }
         forces.fill(DVec3::ZERO);
-        let each = want
-            .per_particle
-            .then(|| vec![(0.0, DMat3::ZERO); self.n_atoms]);
+        let each = want.per_particle.then(|| vec![(0.0, DMat3::ZERO); self.n_atoms]);
         Ok(Totals::NOTHING.deliver(want, 0.0, each))
     }
 
@@ -196,9 +188,7 @@ impl PairForces {
         each: Option<&mut [PerParticle]>,
     ) -> Result<Totals, ForceError> {
         let clock = &mut self.clock;
-        if let Some(Split {
-            near: Some(list), ..
-        }) = &mut self.split
+        if let Some(Split { near: Some(list), .. }) = &mut self.split
             && near
         {
             return list.evaluate(interaction, at, detail, forces, each, clock);
@@ -254,9 +244,7 @@ impl ForceTerm for PairForces {
             (_, None) => return Err(ForceError::NotSplit),
         };
         self.evaluations += 1;
-        let mut each = want
-            .per_particle
-            .then(|| vec![(0.0, DMat3::ZERO); self.n_atoms]);
+        let mut each = want.per_particle.then(|| vec![(0.0, DMat3::ZERO); self.n_atoms]);
         let detail = if want.per_particle || want.virial_tensor {
             Detail::Everything
         } else if want.is_nothing() {
@@ -335,10 +323,7 @@ impl Backend for PairForces {
         let Masses::Uniform(mass) = steps.masses else {
             return 0;
         };
-        let kick_drift = KickDrift {
-            half_kick: 0.5 * steps.dt / mass,
-            dt: steps.dt,
-        };
+        let kick_drift = KickDrift { half_kick: 0.5 * steps.dt / mass, dt: steps.dt };
         if self.check_box(steps.cell).is_err() {
             return 0;
         }

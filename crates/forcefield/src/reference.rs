@@ -17,9 +17,7 @@ pub fn evaluate<I: Interaction>(
     forces: &mut [DVec3],
     mut each: Option<&mut [PerParticle]>,
 ) -> Totals {
-    let Configuration {
-        cell, positions, ..
-    } = at;
+    let Configuration { cell, positions, .. } = at;
     let mut totals = Totals::NOTHING;
     forces.fill(DVec3::ZERO);
     for i in 0..positions.len() {

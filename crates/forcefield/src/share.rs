@@ -221,10 +221,7 @@ impl Share {
 
     /// Includes in the halo what pairs need that all ranks insert.
     pub fn include<P: PairList>(&mut self, list: &P, pairs: &[[u32; 2]]) {
-        assert!(
-            list.slots_of_ghosts().next().is_none(),
-            "lists with ghosts take no pairs"
-        );
+        assert!(list.slots_of_ghosts().next().is_none(), "lists with ghosts take no pairs");
         let me = self.team().rank();
         for [a, b] in pairs {
             for (own, other) in [(*a, *b), (*b, *a)] {
@@ -273,9 +270,7 @@ impl Share {
         mut put: impl FnMut(u32, DVec3),
     ) {
         let mut buffers = self.buffers();
-        let Buffers {
-            outgoing, incoming, ..
-        } = &mut *buffers;
+        let Buffers { outgoing, incoming, .. } = &mut *buffers;
         address(outgoing, given);
         address(incoming, wanted);
         for parcel in &mut *outgoing {
@@ -344,17 +339,13 @@ impl Share {
         found: &[[u32; 2]],
         is_listed: impl Fn([u32; 2]) -> bool,
     ) -> Vec<[u32; 2]> {
-        let words: Vec<u64> = found
-            .iter()
-            .map(|[a, b]| u64::from(*a) << 32 | u64::from(*b))
-            .collect();
+        let words: Vec<u64> =
+            found.iter().map(|[a, b]| u64::from(*a) << 32 | u64::from(*b)).collect();
         let mut all = self.team().concat(&words);
         all.sort_unstable();
         all.dedup();
-        let pairs: Vec<[u32; 2]> = all
-            .iter()
-            .map(|word| [(word >> 32) as u32, *word as u32])
-            .collect();
+        let pairs: Vec<[u32; 2]> =
+            all.iter().map(|word| [(word >> 32) as u32, *word as u32]).collect();
         if pairs.is_empty() {
             return pairs;
         }

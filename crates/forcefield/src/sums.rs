@@ -60,14 +60,7 @@ impl Totals {
 
     /// The totals where [`ChunkTotals::numbers`] are summed over both ends of every pair.
     pub fn of_both_ends(sums: [f64; ChunkTotals::NUMBERS]) -> Self {
-        let [
-            energy,
-            virial_trace,
-            laplacian,
-            at_cutoff,
-            pairs,
-            virial @ ..,
-        ] = sums;
+        let [energy, virial_trace, laplacian, at_cutoff, pairs, virial @ ..] = sums;
         Self {
             energy: 0.5 * energy,
             virial_trace: 0.5 * virial_trace,

@@ -155,14 +155,11 @@ impl ListValidity {
         } else {
             self.skin
         };
-        let reach = Reach {
-            r_cut: self.r_cut,
-            r_list: self.r_cut + skin + P::rounding(cell, self.r_cut),
-        };
-        list.order(cell, reach, positions)
-            .map_err(
-                |GridError::BadPosition { particle }| ForceError::NonFinitePosition { particle },
-            )?;
+        let reach =
+            Reach { r_cut: self.r_cut, r_list: self.r_cut + skin + P::rounding(cell, self.r_cut) };
+        list.order(cell, reach, positions).map_err(|GridError::BadPosition { particle }| {
+            ForceError::NonFinitePosition { particle }
+        })?;
         let values = positions.values();
         self.built.resize(values.len(), DVec3::ZERO);
         self.knows_all_built = true;
@@ -199,11 +196,7 @@ impl ListValidity {
                 .unwrap_or_else(|| around(self.level, list, (cell, reach), &share.own()));
             share.agree(list, &found, &self.built);
         }
-        self.build = Some(Build {
-            cell: *cell,
-            skin,
-            r_list: reach.r_list,
-        });
+        self.build = Some(Build { cell: *cell, skin, r_list: reach.r_list });
         Ok(())
     }
 
@@ -328,11 +321,7 @@ impl ListValidity {
         let inner = build.inner();
         let found = unlisted_pairs(&build.cell, build.r_list, inner, displacements, &far);
         let missing = share.missing(&found, |pair| list.contains(pair));
-        if missing.is_empty() {
-            ListStatus::Complete
-        } else {
-            ListStatus::Incomplete(missing)
-        }
+        if missing.is_empty() { ListStatus::Complete } else { ListStatus::Incomplete(missing) }
     }
 
     /// The position of the particle at a slot, and its position at the build.
@@ -360,19 +349,10 @@ impl ListValidity {
             largest2: summary.largest2,
             partners: None,
         };
-        let mut unlisted = unlisted_pairs(
-            &build.cell,
-            build.r_list,
-            build.inner(),
-            displacements,
-            &summary.far,
-        );
+        let mut unlisted =
+            unlisted_pairs(&build.cell, build.r_list, build.inner(), displacements, &summary.far);
         unlisted.retain(|pair| !list.contains(*pair));
-        if unlisted.is_empty() {
-            ListStatus::Complete
-        } else {
-            ListStatus::Incomplete(unlisted)
-        }
+        if unlisted.is_empty() { ListStatus::Complete } else { ListStatus::Incomplete(unlisted) }
     }
 }
 

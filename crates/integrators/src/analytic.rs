@@ -73,10 +73,8 @@ impl Method for Analytic {
     fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
         let dt = s.dt();
         let Parts { system, state, .. } = s.parts();
-        let solution = solution(system).map_err(|reason| StepError::Unsuited {
-            method: SPEC.name,
-            reason,
-        })?;
+        let solution =
+            solution(system).map_err(|reason| StepError::Unsuited { method: SPEC.name, reason })?;
         solution.advance(&mut state.positions, &mut state.velocities, dt);
         s.forces()
     }

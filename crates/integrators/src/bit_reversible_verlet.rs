@@ -77,12 +77,9 @@ impl BitReversibleVerlet {
     /// The first particle without room for the next sums, if there is one.
     fn off_the_grid(&self) -> Option<usize> {
         let outside = |q: &Cell| q.iter().any(|c| c.abs() > LARGEST);
-        let inside = all_pieces(self.current.len(), |range| {
-            !self.current[range].iter().any(outside)
-        });
-        (!inside)
-            .then(|| self.current.iter().position(outside))
-            .flatten()
+        let inside =
+            all_pieces(self.current.len(), |range| !self.current[range].iter().any(outside));
+        (!inside).then(|| self.current.iter().position(outside)).flatten()
     }
 
     /// Puts the positions of the state on the grid.
@@ -136,8 +133,7 @@ impl BitReversibleVerlet {
 
 /// The nearest whole numbers; saturating, halves away from zero, so that f(−x) = −f(x).
 fn to_grid(x: DVec3) -> Cell {
-    x.to_array()
-        .map(|c| c.round().clamp(-2.0 * LARGEST as f64, 2.0 * LARGEST as f64) as i64)
+    x.to_array().map(|c| c.round().clamp(-2.0 * LARGEST as f64, 2.0 * LARGEST as f64) as i64)
 }
 
 fn to_position(q: Cell, spacing: f64) -> DVec3 {
@@ -159,10 +155,7 @@ impl Persist for BitReversibleVerlet {
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         [self.started_dt] = from.f64s("started_dt")?;
-        for (name, target) in [
-            ("current", &mut self.current),
-            ("previous", &mut self.previous),
-        ] {
+        for (name, target) in [("current", &mut self.current), ("previous", &mut self.previous)] {
             let (cells, rest) = from.i64(name)?.as_chunks::<3>();
             if !rest.is_empty() {
                 return Err(from.misfit(name, "not three numbers per particle"));

@@ -56,11 +56,7 @@ impl Bussi {
     /// A bath at `temperature` (ε/k_B) that draws from `noise`, keyed by the step.
     #[must_use]
     pub fn new(options: &Options, temperature: impl Into<Ramp>, noise: NoiseStream) -> Self {
-        Self {
-            tau: options.tau,
-            temperature: temperature.into(),
-            noise,
-        }
+        Self { tau: options.tau, temperature: temperature.into(), noise }
     }
 }
 
@@ -87,11 +83,7 @@ impl Thermostat for Bussi {
         let squared = c + g * (normal * normal + others) + 2.0 * normal * (c * g).sqrt();
         // Rounding may bring a sum of squares a hair below zero.
         let magnitude = squared.max(0.0).sqrt();
-        if normal + (c / g).sqrt() < 0.0 {
-            -magnitude
-        } else {
-            magnitude
-        }
+        if normal + (c / g).sqrt() < 0.0 { -magnitude } else { magnitude }
     }
 
     fn copy(&self) -> Box<dyn Thermostat> {

@@ -23,11 +23,7 @@ pub(crate) struct Chain {
 impl Chain {
     /// A chain of `length` thermostats at rest with the period `tau` (τ).
     pub fn new(length: u32, tau: f64) -> Self {
-        Self {
-            tau,
-            velocities: vec![0.0; length as usize],
-            positions: vec![0.0; length as usize],
-        }
+        Self { tau, velocities: vec![0.0; length as usize], positions: vec![0.0; length as usize] }
     }
 
     /// Advances the chain by `h` τ beside a kinetic energy `kinetic` (ε) of `n_dof` degrees of freedom, at `temperature` (ε/k_B).
@@ -87,10 +83,9 @@ impl Persist for Chain {
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        for (name, kept) in [
-            ("velocities", &mut self.velocities),
-            ("positions", &mut self.positions),
-        ] {
+        for (name, kept) in
+            [("velocities", &mut self.velocities), ("positions", &mut self.positions)]
+        {
             let saved = from.f64(name)?;
             if saved.len() != kept.len() {
                 let found = format!("{} thermostats, wanted {}", saved.len(), kept.len());
@@ -142,10 +137,7 @@ mod tests {
             assert!(spread < 0.01, "{length}: {spread}");
         }
         let (single, _) = oscillator(1, steps);
-        assert!(
-            single.iter().any(|moment| (moment - 1.0).abs() > 0.15),
-            "{single:?}"
-        );
+        assert!(single.iter().any(|moment| (moment - 1.0).abs() > 0.15), "{single:?}");
     }
 
     #[test]
@@ -153,11 +145,7 @@ mod tests {
         let mut chain = Chain::new(3, 0.4);
         let run = |chain: &mut Chain| -> Vec<u64> {
             (0..50)
-                .map(|i| {
-                    chain
-                        .advance(20.0 + f64::from(i % 7), 33.0, 1.1, 0.01)
-                        .to_bits()
-                })
+                .map(|i| chain.advance(20.0 + f64::from(i % 7), 33.0, 1.1, 0.01).to_bits())
                 .collect()
         };
         run(&mut chain);

@@ -20,10 +20,8 @@ impl Composition {
         let kick =
             |b: f64| DMat2::from_cols_array_2d(&[[1.0, -omega * omega * b * dt], [0.0, 1.0]]);
         let drift = |a: f64| DMat2::from_cols_array_2d(&[[1.0, 0.0], [a * dt, 1.0]]);
-        let stages = self
-            .stages
-            .iter()
-            .fold(DMat2::IDENTITY, |map, (b, a)| drift(*a) * kick(*b) * map);
+        let stages =
+            self.stages.iter().fold(DMat2::IDENTITY, |map, (b, a)| drift(*a) * kick(*b) * map);
         kick(self.last_kick) * stages
     }
 }

@@ -132,18 +132,13 @@ mod tests {
         // Unwrapped: some boxes away.
         let place = |k: usize| DVec3::new(1.0, 1.0, k as f64 + 0.5 + 10.0 * (k % 3) as f64);
         let positions = (0..10).chain([0, 5]).map(place).collect();
-        let velocities = (0..12)
-            .map(|k| DVec3::new(f64::from(k) - 4.0, 0.1 * f64::from(k), -0.2))
-            .collect();
+        let velocities =
+            (0..12).map(|k| DVec3::new(f64::from(k) - 4.0, 0.1 * f64::from(k), -0.2)).collect();
         (cell, positions, velocities)
     }
 
     fn ten(kind: Exchanged) -> ExchangeOptions {
-        ExchangeOptions {
-            kind,
-            slabs: 10,
-            ..ExchangeOptions::default()
-        }
+        ExchangeOptions { kind, slabs: 10, ..ExchangeOptions::default() }
     }
 
     #[test]
@@ -153,10 +148,7 @@ mod tests {
         // Slab 0 has particles 0 and 10, slab 5 has 5 and 11.
         let carried = ten(Exchanged::Heat).apply(&cell, &positions, 2.0, &mut velocities);
         assert_eq!((velocities[10], velocities[5]), (start[5], start[10]));
-        assert_eq!(
-            carried,
-            start[10].length_squared() - start[5].length_squared()
-        );
+        assert_eq!(carried, start[10].length_squared() - start[5].length_squared());
         let others = |k: &usize| ![5, 10].contains(k);
         assert!((0..12).filter(others).all(|k| velocities[k] == start[k]));
         // Now the fastest of the first slab, 4.005 σ/τ, is slower than the slowest of the middle: nothing is left to carry.
@@ -175,10 +167,7 @@ mod tests {
         // The smallest of slab 0 is −4, the largest of slab 5 is 7.
         assert_eq!(carried, 11.0);
         assert_eq!((velocities[0].x, velocities[11].x), (7.0, -4.0));
-        assert_eq!(
-            (velocities[0].y, velocities[11].y),
-            (start[0].y, start[11].y)
-        );
+        assert_eq!((velocities[0].y, velocities[11].y), (start[0].y, start[11].y));
         let sum = |all: &[DVec3]| all.iter().copied().sum::<DVec3>();
         assert_eq!(sum(&velocities).x, sum(&start).x);
     }

@@ -23,11 +23,7 @@ impl Default for FireOptions {
     /// Forces below 10 ε/σ are harmless to dynamics: a liquid near its triple point has larger
     /// forces. With a twentieth of a diameter per step, overlaps open without jumps over neighbors.
     fn default() -> Self {
-        Self {
-            largest_force: 10.0,
-            max_steps: 20_000,
-            max_displacement: 0.05,
-        }
+        Self { largest_force: 10.0, max_steps: 20_000, max_displacement: 0.05 }
     }
 }
 
@@ -135,14 +131,7 @@ pub fn relax(
                 }
             });
         }
-        step(
-            positions,
-            &mut velocities,
-            &force,
-            dt,
-            mixing,
-            options.max_displacement,
-        );
+        step(positions, &mut velocities, &force, dt, mixing, options.max_displacement);
         potential_energy = evaluate(cell, positions, forces, &mut force)?;
         steps += 1;
     }
@@ -184,11 +173,7 @@ fn step(
     });
     let force_norm = norm(force);
     // Without any force there is no direction to mix in.
-    let towards = if force_norm > 0.0 {
-        mixing * norm(velocities) / force_norm
-    } else {
-        0.0
-    };
+    let towards = if force_norm > 0.0 { mixing * norm(velocities) / force_norm } else { 0.0 };
     for_each_piece_pair(positions, velocities, |first, xs, vs| {
         for ((x, v), f) in xs.iter_mut().zip(vs).zip(&force[first..]) {
             *v = ((1.0 - mixing) * *v + towards * *f).clamp_length_max(cap);
@@ -212,11 +197,7 @@ fn largest(a: &[DVec3]) -> f64 {
     a.iter()
         .map(|f| {
             let scale = f.abs().max_element();
-            if scale == 0.0 {
-                0.0
-            } else {
-                scale * (*f / scale).length()
-            }
+            if scale == 0.0 { 0.0 } else { scale * (*f / scale).length() }
         })
         .fold(0.0, f64::max)
 }

@@ -70,9 +70,7 @@ impl ImplicitEuler {
     /// With the given options.
     #[must_use]
     pub fn new(options: &Options) -> Self {
-        Self {
-            options: options.clone(),
-        }
+        Self { options: options.clone() }
     }
 }
 
@@ -118,12 +116,7 @@ impl Equations<'_> {
     }
 
     fn at<'a>(&'a self, positions: &'a [DVec3]) -> Configuration<'a> {
-        Configuration {
-            cell: &self.cell,
-            positions,
-            velocities: None,
-            time: self.end_time,
-        }
+        Configuration { cell: &self.cell, positions, velocities: None, time: self.end_time }
     }
 
     fn trial(&self, positions: Vec<DVec3>, forces: &mut dyn Backend) -> Result<Trial, ForceError> {
@@ -203,11 +196,8 @@ impl ImplicitEuler {
         let mut direction = Vec::new();
         for iteration in 0..=self.options.max_iterations {
             // A linear system is solved to the floor; so is any where the tolerance lies below it.
-            let wanted = if linear {
-                current.floor
-            } else {
-                self.options.tolerance.max(current.floor)
-            };
+            let wanted =
+                if linear { current.floor } else { self.options.tolerance.max(current.floor) };
             if current.residual <= wanted {
                 return Ok((current, evaluations, products));
             }
@@ -221,11 +211,8 @@ impl ImplicitEuler {
                 return Err(failed(current.residual));
             }
             // Solve the more exactly the closer the end is: convergence faster than linear.
-            let reduction = if linear {
-                f64::EPSILON
-            } else {
-                current.residual.sqrt().clamp(1e-4, 0.1)
-            };
+            let reduction =
+                if linear { f64::EPSILON } else { current.residual.sqrt().clamp(1e-4, 0.1) };
             let at = equations.at(&current.positions);
             let outcome = conjugate_gradients(
                 |d, out| {
@@ -269,12 +256,8 @@ fn line_search(
     let mut length = 1.0;
     let (mut last_error, mut evaluated) = (None, false);
     for tried in 1..=HALVINGS {
-        let positions = current
-            .positions
-            .iter()
-            .zip(direction)
-            .map(|(y, d)| *y + length * *d)
-            .collect();
+        let positions =
+            current.positions.iter().zip(direction).map(|(y, d)| *y + length * *d).collect();
         match equations.trial(positions, forces) {
             Ok(trial) if is_better(&trial, current, length * descent) => {
                 return Ok((trial, tried));
@@ -311,13 +294,8 @@ impl Method for ImplicitEuler {
         let Parts { state, backend, .. } = s.parts();
         let mut inertial = state.positions.clone();
         sweeps::drift(&mut inertial, &state.velocities, dt);
-        let equations = Equations {
-            masses,
-            cell: state.cell,
-            inertial,
-            dt,
-            end_time: state.time + dt,
-        };
+        let equations =
+            Equations { masses, cell: state.cell, inertial, dt, end_time: state.time + dt };
         let (end, evaluations, products) = self.solve(&equations, state, backend)?;
         state.positions = end.positions;
         state.forces = end.forces;

@@ -37,15 +37,9 @@ where
     p.resize(n, DVec3::ZERO);
     // Solved for b/|b|, whose squares neither vanish nor overflow.
     let scale = b.iter().fold(0.0_f64, |m, b| m.max(b.abs().max_element()));
-    let mut residual: Vec<DVec3> = b
-        .iter()
-        .map(|b| *b / scale.max(f64::MIN_POSITIVE))
-        .collect();
+    let mut residual: Vec<DVec3> = b.iter().map(|b| *b / scale.max(f64::MIN_POSITIVE)).collect();
     let precondition = |r: &[DVec3]| -> Vec<DVec3> {
-        r.iter()
-            .enumerate()
-            .map(|(i, r)| inverse_diagonal(i) * *r)
-            .collect()
+        r.iter().enumerate().map(|(i, r)| inverse_diagonal(i) * *r).collect()
     };
     let mut z = precondition(&residual);
     let mut direction = z.clone();
@@ -80,10 +74,7 @@ where
     for p in p.iter_mut() {
         *p *= scale;
     }
-    Ok(Outcome {
-        products,
-        negative_curvature,
-    })
+    Ok(Outcome { products, negative_curvature })
 }
 
 /// Σ aᵢ·bᵢ, an exact total.
@@ -118,18 +109,14 @@ mod tests {
 
     #[test]
     fn the_solution_solves_the_equations() {
-        let b: Vec<DVec3> = (0..50)
-            .map(|i| DVec3::new(f64::from(i).sin(), 1.0, f64::from(i % 7)))
-            .collect();
+        let b: Vec<DVec3> =
+            (0..50).map(|i| DVec3::new(f64::from(i).sin(), 1.0, f64::from(i % 7))).collect();
         let mut p = Vec::new();
         let outcome = conjugate_gradients(chain(0.1), |_| 0.5, &b, &mut p, 1e-14, 1000).unwrap();
         let mut product = vec![DVec3::ZERO; b.len()];
         chain(0.1)(&p, &mut product).unwrap();
-        let worst = product
-            .iter()
-            .zip(&b)
-            .map(|(x, y)| (*x - *y).abs().max_element())
-            .fold(0.0, f64::max);
+        let worst =
+            product.iter().zip(&b).map(|(x, y)| (*x - *y).abs().max_element()).fold(0.0, f64::max);
         // Condition number 41: rounding of 1e-15 grows to 1e-13 at most.
         assert!(worst < 1e-12 && !outcome.negative_curvature, "{worst:e}");
         // Exact arithmetic ends after as many products as there are distinct eigenvalues: 50.

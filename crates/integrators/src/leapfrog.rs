@@ -69,8 +69,7 @@ impl Leapfrog {
         velocities.copy_from_slice(&self.half_step_velocities);
         s.kick(0.5 * (self.last_dt + dt) / dt);
         s.drift(1.0);
-        self.half_step_velocities
-            .copy_from_slice(&s.parts().state.velocities);
+        self.half_step_velocities.copy_from_slice(&s.parts().state.velocities);
         self.last_dt = dt;
         s.forces()?;
         s.kick(0.5);

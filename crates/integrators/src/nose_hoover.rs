@@ -56,10 +56,7 @@ impl NoseHoover {
     /// A chain at `temperature` (ε/k_B) that is at rest.
     #[must_use]
     pub fn new(options: &Options, temperature: impl Into<Ramp>) -> Self {
-        Self {
-            temperature: temperature.into(),
-            chain: Chain::new(options.chain, options.tau),
-        }
+        Self { temperature: temperature.into(), chain: Chain::new(options.chain, options.tau) }
     }
 }
 

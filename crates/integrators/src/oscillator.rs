@@ -25,10 +25,7 @@ impl HarmonicForces {
     /// A spring of stiffness k, in ε/σ².
     #[must_use]
     pub fn new(stiffness: f64) -> Self {
-        Self {
-            stiffness,
-            damping: 0.0,
-        }
+        Self { stiffness, damping: 0.0 }
     }
 
     /// With a damper c, in ε·τ/σ², beside the spring.
@@ -66,12 +63,8 @@ impl ForceTerm for HarmonicForces {
                 *f -= self.damping * *v;
             }
         }
-        let energy = want.energy.then(|| {
-            at.positions
-                .iter()
-                .map(|x| 0.5 * k * x.length_squared())
-                .sum()
-        });
+        let energy =
+            want.energy.then(|| at.positions.iter().map(|x| 0.5 * k * x.length_squared()).sum());
         Ok(Energetics {
             potential_energy: energy,
             conserved_potential: energy,
@@ -115,10 +108,7 @@ impl ExactOscillator {
     /// A spring of stiffness k (ε/σ²) and a damper c (ε·τ/σ²) on the mass m.
     #[must_use]
     pub fn new(stiffness: f64, damping: f64, mass: f64) -> Self {
-        Self {
-            omega_squared: stiffness / mass,
-            decay_rate: damping / (2.0 * mass),
-        }
+        Self { omega_squared: stiffness / mass, decay_rate: damping / (2.0 * mass) }
     }
 
     /// The map of (x, v) over a time t:
@@ -162,10 +152,7 @@ impl OscillatorConstraint {
     /// A constraint of compliance ε = 1/k (0 for a rigid one, σ²/ε) and damping time τ = c/k.
     #[must_use]
     pub fn new(compliance: f64, damping_time: f64) -> Self {
-        Self {
-            compliance,
-            damping_time,
-        }
+        Self { compliance, damping_time }
     }
 
     /// The constraint that stands for a spring of stiffness k with a damper c beside it.

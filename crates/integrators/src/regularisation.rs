@@ -69,9 +69,6 @@ impl Regularisation {
     #[must_use]
     pub fn new(compliance: f64, damping_time: f64, dt: f64) -> Self {
         let gamma = 1.0 / (1.0 + 4.0 * damping_time / dt);
-        Self {
-            sigma: 4.0 / (dt * dt) * compliance * gamma,
-            gamma,
-        }
+        Self { sigma: 4.0 / (dt * dt) * compliance * gamma, gamma }
     }
 }

@@ -47,10 +47,7 @@ impl Rescale {
     /// Rescaling to `temperature` (ε/k_B).
     #[must_use]
     pub fn new(options: &Options, temperature: impl Into<Ramp>) -> Self {
-        Self {
-            every: options.every,
-            temperature: temperature.into(),
-        }
+        Self { every: options.every, temperature: temperature.into() }
     }
 }
 

@@ -79,11 +79,7 @@ impl Respa {
     /// With the given options.
     #[must_use]
     pub fn new(options: &Options) -> Self {
-        Self {
-            inner_steps: options.inner_steps,
-            near: Vec::new(),
-            far: Vec::new(),
-        }
+        Self { inner_steps: options.inner_steps, near: Vec::new(), far: Vec::new() }
     }
 
     /// Exchanges the near forces with the forces of the state, which the kicks of a step give.

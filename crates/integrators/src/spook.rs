@@ -88,9 +88,7 @@ impl Spook {
             Regularisation::new(constraint.compliance(), constraint.damping_time(), dt);
         let wanted_rate = -4.0 / dt * gamma * constraint.value(&state.positions) + gamma * old_rate;
         let entries = self.gradient.iter();
-        let inverse_mass: f64 = entries
-            .map(|(i, g)| g.length_squared() / masses.of(*i))
-            .sum();
+        let inverse_mass: f64 = entries.map(|(i, g)| g.length_squared() / masses.of(*i)).sum();
         let free_rate = rate(&self.gradient, &state.velocities);
         self.multiplier = (wanted_rate - free_rate) / (inverse_mass + sigma);
         if !self.multiplier.is_finite() {
@@ -116,10 +114,7 @@ fn rate(gradient: &[(usize, DVec3)], velocities: &[DVec3]) -> f64 {
 /// SPOOK for the bonds of molecules.
 #[must_use]
 pub fn with_bonds(bonds: SpookBonds) -> Integrator {
-    Integrator::new(Spook {
-        bonds: Some(bonds),
-        ..Spook::default()
-    })
+    Integrator::new(Spook { bonds: Some(bonds), ..Spook::default() })
 }
 
 impl MethodOptions for Options {
@@ -151,9 +146,7 @@ impl Method for Spook {
         }
         match system.constraints.len() {
             0 | 1 => Ok(()),
-            more => Err(format!(
-                "it has {more} constraints, and the method solves for one so far"
-            )),
+            more => Err(format!("it has {more} constraints, and the method solves for one so far")),
         }
     }
 

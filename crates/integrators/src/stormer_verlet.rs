@@ -72,12 +72,7 @@ impl Recurrence {
     /// The recurrence of a method, not yet started.
     #[must_use]
     pub(crate) fn new(rule: StepRule, spec: &'static IntegratorSpec) -> Self {
-        Self {
-            rule,
-            spec,
-            previous: Vec::new(),
-            last_dt: 0.0,
-        }
+        Self { rule, spec, previous: Vec::new(), last_dt: 0.0 }
     }
 }
 

@@ -42,10 +42,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
 pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
     let q = (omega * dt).powi(2);
     let diagonal = 1.0 - 0.5 * q;
-    DMat2::from_cols_array_2d(&[
-        [diagonal, -omega * omega * dt * (1.0 - 0.25 * q)],
-        [dt, diagonal],
-    ])
+    DMat2::from_cols_array_2d(&[[diagonal, -omega * omega * dt * (1.0 - 0.25 * q)], [dt, diagonal]])
 }
 
 /// Velocity Verlet, v ← v + ½h·a, x ← x + h·v, v ← v + ½h·a.

@@ -30,36 +30,24 @@ fn fastest<T>(
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let path = std::env::args()
-        .nth(1)
-        .ok_or("xtc_rate FILE: a start configuration")?;
+    let path = std::env::args().nth(1).ok_or("xtc_rate FILE: a start configuration")?;
     let start = read_configuration(Path::new(&path))?;
     let n = start.positions.len();
     let mut state = State::new(start.cell, start.positions, vec![Default::default(); n]);
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("trajectory.xtc");
     for precision in [1e4, 1e5] {
-        let style = FrameStyle {
-            precision,
-            velocities: false,
-            ..FrameStyle::default()
-        };
+        let style = FrameStyle { precision, velocities: false, ..FrameStyle::default() };
         let (ours, bytes) = fastest(|| {
             let mut writer = TrajectoryWriter::create(&file, TrajectoryFormat::Xtc, &style)?;
             for step in 0..FRAMES {
                 state.step = step;
-                writer.write(&Frame {
-                    state: &state,
-                    extra: &[],
-                })?;
+                writer.write(&Frame { state: &state, extra: &[] })?;
             }
             Ok(writer.finish()?.bytes)
         })?;
-        let singles: Vec<[f32; 3]> = state
-            .positions
-            .iter()
-            .map(|r| state.cell.wrap(*r).as_vec3().to_array())
-            .collect();
+        let singles: Vec<[f32; 3]> =
+            state.positions.iter().map(|r| state.cell.wrap(*r).as_vec3().to_array()).collect();
         let (theirs, their_bytes) = fastest(|| {
             let mut written = Vec::new();
             for step in 0..FRAMES as u32 {

@@ -129,13 +129,7 @@ mod tests {
             Err(io::Error::from(io::ErrorKind::StorageFull))
         })
         .unwrap_err();
-        assert!(matches!(
-            error,
-            WriteError::Io {
-                action: "write",
-                ..
-            }
-        ));
+        assert!(matches!(error, WriteError::Io { action: "write", .. }));
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }

@@ -31,11 +31,7 @@ fn offer(older: Option<&Path>) -> String {
 
 impl CheckpointError {
     pub(crate) fn new(file: &Path, problem: CheckpointProblem) -> Self {
-        Self {
-            file: file.to_path_buf(),
-            problem,
-            older: None,
-        }
+        Self { file: file.to_path_buf(), problem, older: None }
     }
 }
 

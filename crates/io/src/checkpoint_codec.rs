@@ -99,10 +99,7 @@ pub(crate) fn encode<W: Write>(checkpoint: &Checkpoint, to: &mut W) -> io::Resul
             })
             .sum::<u64>()
         + CHECKSUM;
-    let mut out = Summed {
-        to,
-        sum: Hasher::new(),
-    };
+    let mut out = Summed { to, sum: Hasher::new() };
     out.bytes(&MAGIC)?;
     out.bytes(&CHECKPOINT_VERSION.to_le_bytes())?;
     out.bytes(&[0; 4])?;
@@ -143,10 +140,7 @@ pub(crate) fn decode<R: Read + Seek>(
         prefix.get(8..12).and_then(|b| b.try_into().ok()),
         prefix.get(16..24).and_then(|b| b.try_into().ok()),
     ) else {
-        return Err(CheckpointProblem::WrongLength {
-            found: size,
-            wanted: PREFIX + CHECKSUM,
-        });
+        return Err(CheckpointProblem::WrongLength { found: size, wanted: PREFIX + CHECKSUM });
     };
     let found = u32::from_le_bytes(version);
     if found != CHECKPOINT_VERSION {
@@ -154,18 +148,11 @@ pub(crate) fn decode<R: Read + Seek>(
     }
     let wanted = u64::from_le_bytes(wanted).max(PREFIX + CHECKSUM);
     if wanted != size {
-        return Err(CheckpointProblem::WrongLength {
-            found: size,
-            wanted,
-        });
+        return Err(CheckpointProblem::WrongLength { found: size, wanted });
     }
     check_sum(&mut from, &prefix, size)?;
     from.seek(SeekFrom::Start(PREFIX))?;
-    Body {
-        from,
-        left: size - PREFIX - CHECKSUM,
-    }
-    .checkpoint(contents)
+    Body { from, left: size - PREFIX - CHECKSUM }.checkpoint(contents)
 }
 
 /// Reads on to the end and compares the checksum there with the checksum of everything before.
@@ -205,10 +192,7 @@ impl<R: Read> Body<R> {
     /// Takes note of `length` bytes that will be read next.
     fn claim(&mut self, length: u64, what: &str) -> Result<(), CheckpointProblem> {
         self.left = self.left.checked_sub(length).ok_or_else(|| {
-            malformed(format!(
-                "{what} of {length} bytes, where {} are left",
-                self.left
-            ))
+            malformed(format!("{what} of {length} bytes, where {} are left", self.left))
         })?;
         Ok(())
     }
@@ -269,10 +253,8 @@ impl<R: Read> Body<R> {
         if contents == Contents::Everything {
             for _ in 0..self.word()? {
                 let name = self.text("the name of an array")?;
-                let in_order = archive
-                    .arrays
-                    .last_key_value()
-                    .is_none_or(|(before, _)| *before < name);
+                let in_order =
+                    archive.arrays.last_key_value().is_none_or(|(before, _)| *before < name);
                 if !in_order {
                     return Err(malformed(format!("`{name}` is not in order")));
                 }
@@ -290,16 +272,9 @@ impl<R: Read> Body<R> {
                 archive.arrays.insert(name, array);
             }
             if self.left != 0 {
-                return Err(malformed(format!(
-                    "{} bytes after the last array",
-                    self.left
-                )));
+                return Err(malformed(format!("{} bytes after the last array", self.left)));
             }
         }
-        Ok(Checkpoint {
-            metadata,
-            scene,
-            archive,
-        })
+        Ok(Checkpoint { metadata, scene, archive })
     }
 }

@@ -32,16 +32,13 @@ impl CheckpointFolder {
     /// The checkpoints in `folder`, which must be there before [`Self::write`].
     #[must_use]
     pub fn new(folder: &Path) -> Self {
-        Self {
-            folder: folder.to_path_buf(),
-        }
+        Self { folder: folder.to_path_buf() }
     }
 
     /// Where the checkpoint of a step stands.
     #[must_use]
     pub fn path(&self, step: u64) -> PathBuf {
-        self.folder
-            .join(format!("{BEFORE_STEP}{step:012}{AFTER_STEP}"))
+        self.folder.join(format!("{BEFORE_STEP}{step:012}{AFTER_STEP}"))
     }
 
     /// Steps and paths of the checkpoints that are there, newest first; they are not looked into.

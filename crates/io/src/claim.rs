@@ -78,9 +78,7 @@ impl Claim {
                     lost.store(!renew(&mut file, &path), Ordering::Relaxed);
                 }
             };
-            std::thread::Builder::new()
-                .name("claim".into())
-                .spawn(renew)
+            std::thread::Builder::new().name("claim".into()).spawn(renew)
         });
         Self {
             path,
@@ -120,8 +118,7 @@ impl Drop for Claim {
 
 /// Whether a file of a folder belongs to a claim.
 pub(crate) fn is_of_claim(name: &std::ffi::OsStr) -> bool {
-    name.to_str()
-        .is_some_and(|name| name.starts_with(CLAIM_FILE))
+    name.to_str().is_some_and(|name| name.starts_with(CLAIM_FILE))
 }
 
 /// Puts the claim of this process in place, locked and whole; `None` where there is a claim.
@@ -135,11 +132,7 @@ fn begin(path: &Path) -> Result<Option<File>, Unclaimed> {
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists => Ok(None),
         // A file system without links: the file is made first and filled then.
         Err(_) => {
-            let made = OpenOptions::new()
-                .read(true)
-                .write(true)
-                .create_new(true)
-                .open(path);
+            let made = OpenOptions::new().read(true).write(true).create_new(true).open(path);
             let mut file = match made {
                 Err(e) if e.kind() == io::ErrorKind::AlreadyExists => return Ok(None),
                 made => made?,

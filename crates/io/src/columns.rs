@@ -47,10 +47,7 @@ pub(crate) enum Column {
 
 /// Names of velocities and of momenta in the files of other programs.
 const MOTIONS: [(Vector, &[&str]); 2] = [
-    (
-        Vector::Velocity,
-        &["v", "vel", "velo", "velocity", "velocities"],
-    ),
+    (Vector::Velocity, &["v", "vel", "velo", "velocity", "velocities"]),
     (Vector::Momentum, &["p", "mom", "momentum", "momenta"]),
 ];
 
@@ -58,20 +55,13 @@ const MOTIONS: [(Vector, &[&str]); 2] = [
 pub(crate) fn motion(name: &str) -> Column {
     let name = name.to_ascii_lowercase();
     let of = |root: &str| {
-        MOTIONS
-            .iter()
-            .find(|(_, names)| names.contains(&root))
-            .map(|(vector, _)| *vector)
+        MOTIONS.iter().find(|(_, names)| names.contains(&root)).map(|(vector, _)| *vector)
     };
     if let Some(vector) = of(&name) {
         return Column::Vector(vector);
     }
     let bare = name.trim_end_matches(']');
-    let axis = bare
-        .chars()
-        .last()
-        .and_then(|c| "xyz123".find(c))
-        .map(|at| at % 3);
+    let axis = bare.chars().last().and_then(|c| "xyz123".find(c)).map(|at| at % 3);
     let root = bare.get(..bare.len().saturating_sub(1)).unwrap_or_default();
     match (of(root.trim_end_matches(['_', '.', '-', '['])), axis) {
         (Some(vector), Some(axis)) => Column::Component(vector, axis),
@@ -92,14 +82,7 @@ impl Columns {
     pub(crate) fn fixed(columns: &[Column]) -> Self {
         let mut all = Self::default();
         for column in columns {
-            let once = all.add(
-                *column,
-                if matches!(column, Column::Vector(_)) {
-                    3
-                } else {
-                    1
-                },
-            );
+            let once = all.add(*column, if matches!(column, Column::Vector(_)) { 3 } else { 1 });
             debug_assert!(once, "{column:?} twice");
         }
         all
@@ -180,11 +163,7 @@ impl Columns {
             let [Some(x), Some(y), Some(z)] = self.vectors[vector as usize] else {
                 return Ok(None);
             };
-            Ok(Some(DVec3::new(
-                number(all[x])?,
-                number(all[y])?,
-                number(all[z])?,
-            )))
+            Ok(Some(DVec3::new(number(all[x])?, number(all[y])?, number(all[z])?)))
         };
         let image = match self.vectors[Vector::Image as usize] {
             [Some(x), Some(y), Some(z)] => {

@@ -50,12 +50,7 @@ pub fn read_configuration_in(
 /// Where the content has no box or holds what its format does not allow.
 pub fn read_configuration_bytes(bytes: &[u8]) -> Result<StartConfiguration, FormatError> {
     let path = Path::new("configuration in memory");
-    parse(
-        Cursor::new(bytes),
-        bytes.len() as u64,
-        path,
-        Beside::default(),
-    )
+    parse(Cursor::new(bytes), bytes.len() as u64, path, Beside::default())
 }
 
 /// The formats of text.
@@ -149,11 +144,7 @@ fn parse_text<R: Rewind>(
     let units = beside.units;
     let (frame, first_line, frames) = match kind {
         Kind::Nist => (nist::parse(Lines::new(reader, size, path), units)?, 0, 1),
-        Kind::LammpsData => (
-            lammps_data::parse(Lines::new(reader, size, path), units)?,
-            0,
-            1,
-        ),
+        Kind::LammpsData => (lammps_data::parse(Lines::new(reader, size, path), units)?, 0, 1),
         Kind::Frames(grammar) => last_frame(reader, size, path, grammar, units)?
             .ok_or_else(|| content(1, "no frame", "at least one frame"))?,
     };
@@ -167,37 +158,12 @@ fn parse_text<R: Rewind>(
     if let Some(given) = beside.cell.filter(|given| !is_same_box(given, &cell)) {
         let (ours, theirs) = (given.lengths(), cell.lengths());
         let allowed = format!("the same box as the scene's, {ours}, or none in one of them");
-        return Err(content(
-            first_line + 1,
-            &format!("the box {theirs}"),
-            &allowed,
-        ));
+        return Err(content(first_line + 1, &format!("the box {theirs}"), &allowed));
     }
-    let TrajectoryFrame {
-        positions,
-        velocities,
-        momenta,
-        step,
-        time,
-        species,
-        ..
-    } = frame;
+    let TrajectoryFrame { positions, velocities, momenta, step, time, species, .. } = frame;
     if momenta.is_some() && units.length.is_some() {
         let found = "momenta without masses, in units that are not reduced";
-        return Err(content(
-            first_line + 1,
-            found,
-            "a column with the masses beside them",
-        ));
+        return Err(content(first_line + 1, found, "a column with the masses beside them"));
     }
-    Ok(StartConfiguration {
-        cell,
-        positions,
-        velocities,
-        momenta,
-        step,
-        time,
-        species,
-        frames,
-    })
+    Ok(StartConfiguration { cell, positions, velocities, momenta, step, time, species, frames })
 }

@@ -33,10 +33,7 @@ pub enum FormatError {
 
 impl FormatError {
     pub(crate) fn io(file: &Path, source: io::Error) -> Self {
-        Self::Io {
-            file: file.to_path_buf(),
-            source,
-        }
+        Self::Io { file: file.to_path_buf(), source }
     }
 
     /// The file that cannot be read.
@@ -152,11 +149,7 @@ pub enum WriteError {
 
 impl WriteError {
     pub(crate) fn io(path: &Path, action: &'static str, source: io::Error) -> Self {
-        Self::Io {
-            path: path.to_path_buf(),
-            action,
-            source,
-        }
+        Self::Io { path: path.to_path_buf(), action, source }
     }
 
     /// The file that cannot be written.
@@ -231,10 +224,7 @@ mod tests {
             found: "`x`".into(),
             allowed: "a finite number".into(),
         };
-        assert_eq!(
-            error.to_string(),
-            "a.xyz:7: found `x`; allowed: a finite number"
-        );
+        assert_eq!(error.to_string(), "a.xyz:7: found `x`; allowed: a finite number");
     }
 
     #[test]

@@ -62,8 +62,7 @@ pub(crate) fn parse_frame<R: BufRead>(
     for row in 1..=n {
         lines.next_or(&missing(row, n))?;
         let read = columns.row(lines.line(), "as the header says");
-        read.and_then(|row| particles.take(row, &place))
-            .map_err(|(f, a)| lines.refuse(f, a))?;
+        read.and_then(|row| particles.take(row, &place)).map_err(|(f, a)| lines.refuse(f, a))?;
     }
     let particles = particles.finish().map_err(|(f, a)| lines.refuse(f, a))?;
     Ok(TrajectoryFrame {

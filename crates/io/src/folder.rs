@@ -91,9 +91,7 @@ fn is_of_run(file: &Path, tables: &[String]) -> bool {
         return false;
     };
     let whole = whole_name(name).unwrap_or(name);
-    let mut trajectories = TrajectoryFormat::ALL
-        .iter()
-        .map(|format| format.spec().file);
+    let mut trajectories = TrajectoryFormat::ALL.iter().map(|format| format.spec().file);
     OF_ANY_RUN.contains(&whole)
         || step_of(whole).is_some()
         || trajectories.any(|trajectory| trajectory == whole)
@@ -102,11 +100,7 @@ fn is_of_run(file: &Path, tables: &[String]) -> bool {
 
 fn fail(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> FolderError {
     let path = path.to_path_buf();
-    move |source| FolderError::Io {
-        path,
-        action,
-        source,
-    }
+    move |source| FolderError::Io { path, action, source }
 }
 
 /// An output folder that this process holds: no other one can begin there until the value is dropped.
@@ -188,9 +182,7 @@ impl OutputFolder {
     /// [`FolderError::Lost`], within half a minute after it happened.
     pub fn still_held(&self) -> Result<(), FolderError> {
         if self.claim.is_lost() {
-            return Err(FolderError::Lost {
-                path: self.path.clone(),
-            });
+            return Err(FolderError::Lost { path: self.path.clone() });
         }
         Ok(())
     }
@@ -221,10 +213,7 @@ impl OutputFolder {
                     });
                 }
                 Err(Unclaimed::Busy(holder)) => {
-                    return Err(FolderError::Busy {
-                        path: path.to_path_buf(),
-                        holder,
-                    });
+                    return Err(FolderError::Busy { path: path.to_path_buf(), holder });
                 }
                 // Another process made it, wrote nothing, and has just removed it.
                 Err(Unclaimed::Io(e))
@@ -253,9 +242,7 @@ fn missing_folders(path: &Path) -> Result<Vec<PathBuf>, FolderError> {
                 missing.push(folder.to_path_buf());
             }
             Ok(found) if missing.is_empty() && !found.is_dir() => {
-                return Err(FolderError::NotAFolder {
-                    path: path.to_path_buf(),
-                });
+                return Err(FolderError::NotAFolder { path: path.to_path_buf() });
             }
             Err(e) if missing.is_empty() => return Err(fail(path, "made")(e)),
             // What is wrong with a folder above shows when this one is made.
@@ -329,9 +316,7 @@ pub fn create_numbered_folder(parent: &Path, stem: &str) -> Result<OutputFolder,
 /// Where it exists and `existing` does not allow that, a process is at work there, or the operating system refuses.
 pub fn create_named_folder(path: &Path, existing: Existing) -> Result<OutputFolder, FolderError> {
     let refuse = existing == Existing::Refuse;
-    let exists = || FolderError::Exists {
-        path: path.to_path_buf(),
-    };
+    let exists = || FolderError::Exists { path: path.to_path_buf() };
     let mut folder = OutputFolder::claimed(path).map_err(|error| match error {
         // A folder that may not be written to is refused for what it holds.
         FolderError::Io { .. } if refuse && content(path).is_ok_and(|files| !files.is_empty()) => {

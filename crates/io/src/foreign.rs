@@ -20,18 +20,8 @@ const BINARIES: [(usize, &[u8], &str, &str); 17] = [
     (0, b"CDF\x01", NETCDF, BY_MDANALYSIS),
     (0, b"CDF\x02", NETCDF, BY_MDANALYSIS),
     (0, b"CDF\x05", NETCDF, BY_MDANALYSIS),
-    (
-        0,
-        b"\x89HDF\r\n\x1a\n",
-        "a file of HDF5 (NetCDF-4, H5MD)",
-        BY_MDANALYSIS,
-    ),
-    (
-        0,
-        &[0xdf, 0x65, 0xdf, 0x65],
-        "a GSD trajectory",
-        BY_MDANALYSIS,
-    ),
+    (0, b"\x89HDF\r\n\x1a\n", "a file of HDF5 (NetCDF-4, H5MD)", BY_MDANALYSIS),
+    (0, &[0xdf, 0x65, 0xdf, 0x65], "a GSD trajectory", BY_MDANALYSIS),
     (
         0,
         b"LammpS RestartT",
@@ -46,12 +36,7 @@ const BINARIES: [(usize, &[u8], &str, &str); 17] = [
     ),
     (0, b"\xfd7zXZ\0", "a file compressed by xz", BY_GZIP),
     (0, b"BZh", "a file compressed by bzip2", BY_GZIP),
-    (
-        0,
-        &[0x28, 0xb5, 0x2f, 0xfd],
-        "a file compressed by zstd",
-        BY_GZIP,
-    ),
+    (0, &[0x28, 0xb5, 0x2f, 0xfd], "a file compressed by zstd", BY_GZIP),
     (0, b"PK\x03\x04", "a zip archive", BY_GZIP),
     (0, b"7z\xbc\xaf\x27\x1c", "a 7z archive", BY_GZIP),
 ];
@@ -67,10 +52,7 @@ pub(crate) fn binary(head: &[u8]) -> Option<(&'static str, &'static str)> {
     let is = |(at, bytes, ..): &&(usize, &[u8], &str, &str)| {
         head.get(*at..).is_some_and(|rest| rest.starts_with(bytes))
     };
-    BINARIES
-        .iter()
-        .find(is)
-        .map(|(_, _, name, way)| (*name, *way))
+    BINARIES.iter().find(is).map(|(_, _, name, way)| (*name, *way))
 }
 
 /// Records that a PDB file begins with.

@@ -89,10 +89,7 @@ const ELEMENTS: &str = "H He Li Be B C N O F Ne Na Mg Al Si P S Cl Ar K Ca Sc Ti
 /// Whether readers know this particle name: a chemical symbol, or `X` for none.
 #[must_use]
 pub fn is_element_symbol(name: &str) -> bool {
-    name == "X"
-        || ELEMENTS
-            .split_ascii_whitespace()
-            .any(|symbol| symbol == name)
+    name == "X" || ELEMENTS.split_ascii_whitespace().any(|symbol| symbol == name)
 }
 
 /// What cannot be written of a file at `path`.
@@ -123,10 +120,7 @@ impl FrameStyle {
                 ));
             }
         }
-        for (what, number) in [
-            ("length scale", self.length_scale),
-            ("precision", self.precision),
-        ] {
+        for (what, number) in [("length scale", self.length_scale), ("precision", self.precision)] {
             if !(number.is_finite() && number > 0.0) {
                 let found = number.to_string();
                 return Err(unwritable(path, what, found, "a finite positive number"));
@@ -200,11 +194,7 @@ impl FrameStyle {
         }
         // The conversion to 32 bits saturates there: the flag would be wrong.
         if let Some(axis) = (0..3).find(|&a| matches!(image[a], i32::MIN | i32::MAX)) {
-            return Err(NotFinite {
-                quantity: "position",
-                particle: i,
-                value: position[axis],
-            });
+            return Err(NotFinite { quantity: "position", particle: i, value: position[axis] });
         }
         Ok((wrapped, Some(image)))
     }
@@ -234,10 +224,6 @@ impl NotFinite {
 pub(crate) fn finite(quantity: &'static str, i: usize, vector: DVec3) -> Result<DVec3, NotFinite> {
     match vector.to_array().iter().find(|c| !c.is_finite()) {
         None => Ok(vector),
-        Some(&value) => Err(NotFinite {
-            quantity,
-            particle: i,
-            value,
-        }),
+        Some(&value) => Err(NotFinite { quantity, particle: i, value }),
     }
 }

@@ -29,19 +29,12 @@ pub(crate) const UPRIGHT: &str =
 /// [`EdgeError`] where an edge leans by more, or a side is not positive.
 pub fn box_of_edges(edges: [DVec3; 3]) -> Result<PeriodicBox, EdgeError> {
     let sides = DVec3::new(edges[0].x, edges[1].y, edges[2].z);
-    let shortest = edges
-        .map(DVec3::length)
-        .into_iter()
-        .fold(f64::MAX, f64::min);
+    let shortest = edges.map(DVec3::length).into_iter().fold(f64::MAX, f64::min);
     let is_across = |edge: &DVec3, axis: DVec3| {
         let across = *edge * (DVec3::ONE - axis);
         across.abs().max_element() > SAME_LENGTH * shortest
     };
-    if edges
-        .iter()
-        .zip(DVec3::AXES)
-        .any(|(edge, axis)| is_across(edge, axis))
-    {
+    if edges.iter().zip(DVec3::AXES).any(|(edge, axis)| is_across(edge, axis)) {
         return Err(EdgeError::Tilt);
     }
     let is_finite = edges.iter().all(|edge| edge.is_finite());
@@ -80,10 +73,7 @@ mod tests {
             words([DVec3::ONE; 3]),
             "an edge leans away from its axis by more than 1e-10 of a side"
         );
-        assert_eq!(
-            words([DVec3::ZERO; 3]),
-            "a side is not a finite positive number"
-        );
+        assert_eq!(words([DVec3::ZERO; 3]), "a side is not a finite positive number");
         let turned = [DVec3::Y * 5.0, DVec3::X * 5.0, DVec3::Z * 5.0];
         assert_eq!(box_of_edges(turned), Err(EdgeError::Tilt));
         for side in [0.0, -5.0, f64::NAN] {

@@ -40,22 +40,11 @@ impl Layout {
     /// The layout of a line; the distance of the points tells the number of decimals.
     fn of(line: &[u8]) -> Option<Self> {
         let line = line.trim_ascii_end();
-        let mut points = line
-            .iter()
-            .skip(NAMES)
-            .enumerate()
-            .filter(|(_, b)| **b == b'.')
-            .map(|(at, _)| at);
-        let width = points
-            .next()
-            .zip(points.next())
-            .map(|(first, second)| second - first)?;
-        let mut columns = vec![
-            Column::Other,
-            Column::Other,
-            Column::Scalar(Scalar::Name),
-            Column::Other,
-        ];
+        let mut points =
+            line.iter().skip(NAMES).enumerate().filter(|(_, b)| **b == b'.').map(|(at, _)| at);
+        let width = points.next().zip(points.next()).map(|(first, second)| second - first)?;
+        let mut columns =
+            vec![Column::Other, Column::Other, Column::Scalar(Scalar::Name), Column::Other];
         columns.push(Column::Vector(Vector::Position));
         match line.len().checked_sub(NAMES)?.checked_div(width) {
             Some(3) => {}
@@ -72,15 +61,10 @@ impl Layout {
         let width = NAMES + (self.columns.width() - 4) * self.width;
         if line.len() != width {
             let found = format!("{} characters in {}", line.len(), excerpt(line));
-            return Err((
-                found,
-                format!("{width} characters, as in the first line of a particle"),
-            ));
+            return Err((found, format!("{width} characters, as in the first line of a particle")));
         }
         let (names, numbers) = line.split_at(NAMES);
-        let all = names
-            .chunks(WIDTH_OF_NAMES)
-            .chain(numbers.chunks(self.width));
+        let all = names.chunks(WIDTH_OF_NAMES).chain(numbers.chunks(self.width));
         Ok(all.map(<[u8]>::trim_ascii).collect())
     }
 }
@@ -89,12 +73,8 @@ impl Layout {
 pub(crate) fn is_row(line: &[u8]) -> bool {
     let row = |layout: Layout| {
         let pieces = layout.pieces(line).ok()?;
-        let counts = [pieces[0], pieces[3]]
-            .iter()
-            .all(|n| n.iter().all(u8::is_ascii_digit));
-        counts
-            .then(|| layout.columns.row_of(&pieces).ok())
-            .flatten()
+        let counts = [pieces[0], pieces[3]].iter().all(|n| n.iter().all(u8::is_ascii_digit));
+        counts.then(|| layout.columns.row_of(&pieces).ok()).flatten()
     };
     Layout::of(line).and_then(row).is_some()
 }
@@ -138,9 +118,7 @@ pub(crate) fn parse_frame<R: BufRead>(
         let allowed = "`system.length_scale` and `system.time_scale` in the scene: one σ in nm and one τ in ps";
         return Err(lines.refuse(found, format!("{first}{allowed}")));
     }
-    let scales = units
-        .scales(said.as_deref())
-        .map_err(|(f, a)| lines.refuse(f, a))?;
+    let scales = units.scales(said.as_deref()).map_err(|(f, a)| lines.refuse(f, a))?;
     let n = count(lines)?;
     // The box comes last.
     let mut rows = Vec::with_capacity(n);
@@ -158,9 +136,7 @@ pub(crate) fn parse_frame<R: BufRead>(
     })?;
     let mut particles = ParticleReader::new(n, &layout.columns);
     for (number, row) in &rows {
-        let read = layout
-            .pieces(row)
-            .and_then(|pieces| layout.columns.row_of(&pieces));
+        let read = layout.pieces(row).and_then(|pieces| layout.columns.row_of(&pieces));
         let taken = read.and_then(|row| particles.take(row, &place));
         taken.map_err(|(f, a)| lines.refuse_at(*number, f, a))?;
     }
@@ -186,10 +162,7 @@ fn sides(line: &[u8]) -> Result<Option<PeriodicBox>, Refusal> {
     }
     let cell = box_of_edges(edges.map(DVec3::from_array));
     cell.map(Some).map_err(|error| match error {
-        EdgeError::Tilt => (
-            format!("{}, a triclinic box", excerpt(line)),
-            UPRIGHT.into(),
-        ),
+        EdgeError::Tilt => (format!("{}, a triclinic box", excerpt(line)), UPRIGHT.into()),
         EdgeError::Side => {
             let allowed = "sides that are positive, or three zeros for no box";
             (excerpt(line), allowed.into())

@@ -29,11 +29,7 @@ impl Holder {
         let mut lines = text.lines().map(str::trim);
         let process = lines.next()?.parse().ok()?;
         let mut next = || lines.next().unwrap_or_default().to_owned();
-        Some(Self {
-            process,
-            machine: next(),
-            start: next(),
-        })
+        Some(Self { process, machine: next(), start: next() })
     }
 
     /// The content of a claim file.
@@ -64,9 +60,7 @@ impl fmt::Display for Holder {
 
 /// What a file of the system says, where there is one.
 fn said_by(file: &str) -> String {
-    fs::read_to_string(file)
-        .map(|text| text.trim().to_owned())
-        .unwrap_or_default()
+    fs::read_to_string(file).map(|text| text.trim().to_owned()).unwrap_or_default()
 }
 
 #[cfg(test)]

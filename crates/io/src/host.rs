@@ -5,9 +5,7 @@
 pub fn cpu_name() -> String {
     brand()
         .or_else(|| {
-            std::fs::read_to_string("/proc/cpuinfo")
-                .ok()
-                .and_then(|text| from_cpuinfo(&text))
+            std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| from_cpuinfo(&text))
         })
         .unwrap_or_else(|| std::env::consts::ARCH.to_string())
 }
@@ -25,15 +23,12 @@ fn brand() -> Option<String> {
 
 /// What Linux says: the key differs from architecture to architecture.
 fn from_cpuinfo(text: &str) -> Option<String> {
-    ["model name", "cpu model", "Model", "Hardware", "uarch"]
-        .iter()
-        .find_map(|wanted| {
-            text.lines().find_map(|line| {
-                let (key, value) = line.split_once(':')?;
-                (key.trim() == *wanted && !value.trim().is_empty())
-                    .then(|| value.trim().to_string())
-            })
+    ["model name", "cpu model", "Model", "Hardware", "uarch"].iter().find_map(|wanted| {
+        text.lines().find_map(|line| {
+            let (key, value) = line.split_once(':')?;
+            (key.trim() == *wanted && !value.trim().is_empty()).then(|| value.trim().to_string())
         })
+    })
 }
 
 #[cfg(test)]

@@ -21,14 +21,12 @@ impl Bounds {
         let b = DVec3::new(xy, sides.y, 0.0);
         let c = DVec3::new(xz, yz, sides.z);
         let cell = box_of_edges([DVec3::X * sides.x, b, c]).map_err(|error| match error {
-            EdgeError::Tilt => (
-                format!("the tilts {xy} {xz} {yz}, a triclinic box"),
-                UPRIGHT.to_string(),
-            ),
-            EdgeError::Side => (
-                format!("a box from {low} to {high}"),
-                "box sides that are positive".to_string(),
-            ),
+            EdgeError::Tilt => {
+                (format!("the tilts {xy} {xz} {yz}, a triclinic box"), UPRIGHT.to_string())
+            }
+            EdgeError::Side => {
+                (format!("a box from {low} to {high}"), "box sides that are positive".to_string())
+            }
         })?;
         Ok(Self { low, cell })
     }

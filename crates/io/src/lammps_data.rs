@@ -22,14 +22,8 @@ pub(crate) const LINES_OF_A_HEADER: usize = 40;
 const LEAST_BYTES_A_PARTICLE: u64 = 10;
 
 /// Counts of what atoms do not have.
-const BONDED: [&[u8]; 6] = [
-    b"bonds",
-    b"angles",
-    b"dihedrals",
-    b"impropers",
-    b"ellipsoids",
-    b"bodies",
-];
+const BONDED: [&[u8]; 6] =
+    [b"bonds", b"angles", b"dihedrals", b"impropers", b"ellipsoids", b"bodies"];
 
 /// A line without its comment.
 fn content(line: &[u8]) -> &[u8] {
@@ -39,9 +33,7 @@ fn content(line: &[u8]) -> &[u8] {
 /// Whether this line of a header has the number of atoms.
 pub(crate) fn is_count(line: &[u8]) -> bool {
     let mut words = tokens(content(line));
-    words
-        .next()
-        .is_some_and(|n| n.iter().all(u8::is_ascii_digit))
+    words.next().is_some_and(|n| n.iter().all(u8::is_ascii_digit))
         && words.next() == Some(b"atoms")
         && words.next().is_none()
 }
@@ -75,10 +67,7 @@ pub(crate) fn parse<R: BufRead>(
     mut lines: Lines<R>,
     units: FileUnits,
 ) -> Result<TrajectoryFrame, FormatError> {
-    let mut all = Sections {
-        units,
-        ..Sections::default()
-    };
+    let mut all = Sections { units, ..Sections::default() };
     // The first line is a title, whatever it says of anything but units.
     lines.advance()?;
     all.check_units(&lines, lines.line())?;
@@ -110,9 +99,7 @@ impl Sections {
         text: &[u8],
     ) -> Result<Scales, FormatError> {
         let said = stated(&String::from_utf8_lossy(text));
-        self.units
-            .scales(said.as_deref())
-            .map_err(|(f, a)| lines.refuse(f, a))
+        self.units.scales(said.as_deref()).map_err(|(f, a)| lines.refuse(f, a))
     }
 
     /// Reads the header; the line of the first section is the current line then, and is given back.
@@ -146,15 +133,9 @@ impl Sections {
     }
 
     fn count<R: BufRead>(&self, lines: &Lines<R>, word: &[u8]) -> Result<usize, FormatError> {
-        let n = particle_number(word)
-            .ok()
-            .filter(|n| *n > 0)
-            .ok_or_else(|| {
-                lines.refuse(
-                    excerpt(word),
-                    "the number of atoms, an integer of at least 1",
-                )
-            })?;
+        let n = particle_number(word).ok().filter(|n| *n > 0).ok_or_else(|| {
+            lines.refuse(excerpt(word), "the number of atoms, an integer of at least 1")
+        })?;
         let fits = lines.check_room(n, 0, LEAST_BYTES_A_PARTICLE);
         fits.then_some(n)
             .and_then(|n| usize::try_from(n).ok())
@@ -233,10 +214,7 @@ impl Sections {
         if self.atoms.is_some() {
             return Err(lines.refuse("a second section Atoms", "one of them"));
         }
-        let scales = self
-            .units
-            .scales(None)
-            .map_err(|(f, a)| lines.refuse(f, a))?;
+        let scales = self.units.scales(None).map_err(|(f, a)| lines.refuse(f, a))?;
         let (low, high) = (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
         let (tilts, line) = self.tilts.unwrap_or(([0.0; 3], lines.number()));
         let bounds = Bounds::new(low, high, tilts).map_err(|(f, a)| lines.refuse_at(line, f, a))?;
@@ -259,14 +237,9 @@ impl Sections {
     fn atom(&mut self, row: &[&[u8]]) -> Result<(), Refusal> {
         let atoms = self.atoms.as_mut().expect("the section has begun");
         let layouts = [&atoms.without_image, &atoms.with_image];
-        let columns = layouts
-            .into_iter()
-            .find(|columns| columns.width() == row.len());
+        let columns = layouts.into_iter().find(|columns| columns.width() == row.len());
         let columns = columns.ok_or_else(|| {
-            wrong_row(
-                row,
-                "`id type x y z`, with or without `ix iy iz` (atom_style atomic)",
-            )
+            wrong_row(row, "`id type x y z`, with or without `ix iy iz` (atom_style atomic)")
         })?;
         if Some(atoms.rows) == self.n {
             return Err((
@@ -284,11 +257,8 @@ impl Sections {
                 format!("types up to {types}, as the header says"),
             ));
         }
-        read.kind = read.kind.map(|kind| {
-            self.labels
-                .get(kind.as_bytes())
-                .map_or(kind, String::as_str)
-        });
+        read.kind =
+            read.kind.map(|kind| self.labels.get(kind.as_bytes()).map_or(kind, String::as_str));
         atoms.rows += 1;
         atoms.particles.take(read, &atoms.place)
     }
@@ -299,11 +269,7 @@ impl Sections {
         };
         let found = DVec3::new(number(x)?, number(y)?, number(z)?);
         let found = velocity(self.units.scales(None)?.velocity(found)?)?;
-        once(
-            self.velocities.insert(particle_number(id)?, found),
-            id,
-            "velocity",
-        )
+        once(self.velocities.insert(particle_number(id)?, found), id, "velocity")
     }
 
     fn mass(&mut self, row: &[&[u8]]) -> Result<(), Refusal> {
@@ -330,24 +296,13 @@ impl Sections {
                 "{n} rows in the section Atoms, where it has {rows}: the file is truncated"
             )));
         }
-        let mut found = atoms
-            .particles
-            .finish()
-            .map_err(|(f, a)| lines.refuse(f, a))?;
+        let mut found = atoms.particles.finish().map_err(|(f, a)| lines.refuse(f, a))?;
         if !self.masses.is_empty() {
             let of = |kind: &String| {
                 let wanted = || format!("a row in the section Masses for the type {kind}");
-                self.masses
-                    .get(kind)
-                    .copied()
-                    .ok_or_else(|| absent(&wanted()))
+                self.masses.get(kind).copied().ok_or_else(|| absent(&wanted()))
             };
-            found.species.masses = found
-                .species
-                .names
-                .iter()
-                .map(of)
-                .collect::<Result<_, _>>()?;
+            found.species.masses = found.species.names.iter().map(of).collect::<Result<_, _>>()?;
         }
         if !self.velocities.is_empty() {
             let of = |id: &u64| self.velocities.get(id).copied();
@@ -376,10 +331,7 @@ fn check_style(line: &[u8]) -> Result<(), Refusal> {
 fn once<T>(before: Option<T>, of: &[u8], what: &str) -> Result<(), Refusal> {
     match before {
         None => Ok(()),
-        Some(_) => Err((
-            format!("a second {what} of {}", excerpt(of)),
-            "one row for each".into(),
-        )),
+        Some(_) => Err((format!("a second {what} of {}", excerpt(of)), "one row for each".into())),
     }
 }
 

@@ -24,19 +24,13 @@ pub fn write_lammps_data(
     species: &SpeciesTable,
     state: &State,
 ) -> Result<(), WriteError> {
-    let style = FrameStyle {
-        species: species.clone(),
-        ..FrameStyle::default()
-    };
+    let style = FrameStyle { species: species.clone(), ..FrameStyle::default() };
     let frame = Frame { state, extra: &[] };
     style.check(path)?;
     style.check_frame(path, &frame)?;
-    let mut text = format!(
-        "{title}\n\n{} atoms\n{} atom types\n\n",
-        state.len(),
-        species.n_species()
-    )
-    .into_bytes();
+    let mut text =
+        format!("{title}\n\n{} atoms\n{} atom types\n\n", state.len(), species.n_species())
+            .into_bytes();
     let sides = state.cell.lengths().to_array();
     for (side, axis) in sides.into_iter().zip(["x", "y", "z"]) {
         text.extend_from_slice(b"0.0 ");
@@ -50,9 +44,8 @@ pub fn write_lammps_data(
     }
     text.extend_from_slice(b"\nAtoms # atomic\n\n");
     for i in 0..state.len() {
-        let (position, image) = style
-            .place(&state.cell, &state.positions, i)
-            .map_err(|bad| bad.in_file(path))?;
+        let (position, image) =
+            style.place(&state.cell, &state.positions, i).map_err(|bad| bad.in_file(path))?;
         push_integer(&mut text, i + 1);
         text.push(b' ');
         push_integer(&mut text, species.of(i) + 1);

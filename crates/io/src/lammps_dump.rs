@@ -21,12 +21,8 @@ pub(crate) const FIRST_WORD: &[u8] = b"ITEM:";
 const LEAST_BYTES_A_PARTICLE: u64 = 6;
 
 /// How coordinates are written, the best for reading first.
-const COORDINATES: [[&str; 3]; 4] = [
-    ["xu", "yu", "zu"],
-    ["xsu", "ysu", "zsu"],
-    ["x", "y", "z"],
-    ["xs", "ys", "zs"],
-];
+const COORDINATES: [[&str; 3]; 4] =
+    [["xu", "yu", "zu"], ["xsu", "ysu", "zsu"], ["x", "y", "z"], ["xs", "ys", "zs"]];
 /// The one of them that is folded into the box, from which on image flags count.
 const FOLDED: usize = 2;
 
@@ -43,10 +39,8 @@ struct Header {
 
 /// Where in a line everything stands, and whether positions are shares of the box.
 fn columns(line: &[u8]) -> Result<(Columns, bool), Refusal> {
-    let names: Vec<&str> = tokens(line)
-        .skip(2)
-        .map(|n| std::str::from_utf8(n).unwrap_or_default())
-        .collect();
+    let names: Vec<&str> =
+        tokens(line).skip(2).map(|n| std::str::from_utf8(n).unwrap_or_default()).collect();
     if names.len() > MOST_COLUMNS {
         return Err((
             format!("{} columns", names.len()),
@@ -77,11 +71,7 @@ fn columns(line: &[u8]) -> Result<(Columns, bool), Refusal> {
             ("type", _) => Column::Scalar(Scalar::Type),
             ("element", _) => Column::Scalar(Scalar::Name),
             ("mass", _) => Column::Scalar(Scalar::Mass),
-            _ => match COMPUTED
-                .iter()
-                .find_map(|prefix| name.strip_prefix(prefix))
-                .map(motion)
-            {
+            _ => match COMPUTED.iter().find_map(|prefix| name.strip_prefix(prefix)).map(motion) {
                 Some(Column::Vector(_) | Column::Component(..)) => {
                     let found = format!(
                         "{}, a velocity or momentum that was computed",
@@ -94,11 +84,8 @@ fn columns(line: &[u8]) -> Result<(Columns, bool), Refusal> {
             },
         };
         // A vector has three columns here, each with its name.
-        let column = if let Column::Vector(vector) = column {
-            Column::Component(vector, 0)
-        } else {
-            column
-        };
+        let column =
+            if let Column::Vector(vector) = column { Column::Component(vector, 0) } else { column };
         if !all.add(column, 1) {
             return Err((
                 format!("{} twice", excerpt(name.as_bytes())),
@@ -139,9 +126,7 @@ fn header<R: BufRead>(lines: &mut Lines<R>, units: FileUnits) -> Result<Header, 
             [b"UNITS"] => {
                 lines.next_or("the units")?;
                 let unit = String::from_utf8_lossy(lines.line()).trim().to_owned();
-                units
-                    .scales(Some(&unit))
-                    .map_err(|(f, a)| lines.refuse(f, a))?;
+                units.scales(Some(&unit)).map_err(|(f, a)| lines.refuse(f, a))?;
                 said = Some(unit);
             }
             [b"TIME"] => lines.next_or("the time")?,
@@ -157,16 +142,9 @@ fn header<R: BufRead>(lines: &mut Lines<R>, units: FileUnits) -> Result<Header, 
                 let n = n.ok_or_else(|| missing("NUMBER OF ATOMS"))?;
                 let Bounds { low, cell } = bounds.ok_or_else(|| missing("BOX BOUNDS"))?;
                 let scales = units.scales(said.as_deref()).map_err(refuse)?;
-                let place = Place {
-                    scaled,
-                    ..Place::new(low, Some(cell), scales).map_err(refuse)?
-                };
-                return Ok(Header {
-                    step,
-                    n,
-                    place,
-                    columns,
-                });
+                let place =
+                    Place { scaled, ..Place::new(low, Some(cell), scales).map_err(refuse)? };
+                return Ok(Header { step, n, place, columns });
             }
             _ => {
                 let allowed = "TIMESTEP, UNITS, TIME, NUMBER OF ATOMS, BOX BOUNDS or ATOMS";
@@ -221,12 +199,7 @@ pub(crate) fn parse_frame<R: BufRead>(
     lines: &mut Lines<R>,
     units: FileUnits,
 ) -> Result<TrajectoryFrame, FormatError> {
-    let Header {
-        step,
-        n,
-        place,
-        columns,
-    } = header(lines, units)?;
+    let Header { step, n, place, columns } = header(lines, units)?;
     let least = 2 * columns.width() as u64;
     if !lines.check_room(n as u64, 0, least) {
         let allowed = format!(
@@ -239,12 +212,8 @@ pub(crate) fn parse_frame<R: BufRead>(
     for row in 1..=n {
         lines.next_or(&missing(row, n))?;
         let read = columns.row(lines.line(), "as `ITEM: ATOMS` says");
-        read.and_then(|row| particles.take(row, &place))
-            .map_err(|(f, a)| lines.refuse(f, a))?;
+        read.and_then(|row| particles.take(row, &place)).map_err(|(f, a)| lines.refuse(f, a))?;
     }
     let particles = particles.finish().map_err(|(f, a)| lines.refuse(f, a))?;
-    Ok(TrajectoryFrame {
-        step: Some(step),
-        ..TrajectoryFrame::of(particles, place.cell)
-    })
+    Ok(TrajectoryFrame { step: Some(step), ..TrajectoryFrame::of(particles, place.cell) })
 }

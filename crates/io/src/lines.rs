@@ -73,10 +73,9 @@ impl<R: BufRead> Lines<R> {
                 self.current.pop();
             }
         } else if read == LONGEST_LINE {
-            return Err(self.refuse(
-                format!("a line of more than {LONGEST_LINE} bytes"),
-                "shorter lines",
-            ));
+            return Err(
+                self.refuse(format!("a line of more than {LONGEST_LINE} bytes"), "shorter lines")
+            );
         }
         Ok(true)
     }
@@ -196,8 +195,7 @@ impl<R: BufRead> Lines<R> {
 
 /// The pieces of a line between white space.
 pub(crate) fn tokens(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(u8::is_ascii_whitespace)
-        .filter(|t| !t.is_empty())
+    line.split(u8::is_ascii_whitespace).filter(|t| !t.is_empty())
 }
 
 /// The only piece of a line, if it has exactly one.
@@ -233,13 +231,7 @@ mod tests {
     fn a_file_without_line_ends_is_refused_before_it_fills_the_memory() {
         let endless = io::repeat(b'x');
         let mut lines = Lines::new(BufReader::new(endless), u64::MAX, Path::new("f"));
-        assert!(
-            lines
-                .advance()
-                .unwrap_err()
-                .to_string()
-                .contains("more than")
-        );
+        assert!(lines.advance().unwrap_err().to_string().contains("more than"));
     }
 
     #[cfg(unix)]
@@ -253,17 +245,7 @@ mod tests {
 
     #[test]
     fn words_and_overflows_are_no_finite_numbers() {
-        for bad in [
-            "nan",
-            "inf",
-            "-infinity",
-            "1e999",
-            "1,5",
-            "",
-            "1.0D0",
-            "0x10",
-            "\u{661}",
-        ] {
+        for bad in ["nan", "inf", "-infinity", "1e999", "1,5", "", "1.0D0", "0x10", "\u{661}"] {
             assert_eq!(finite(bad.as_bytes()), None, "{bad}");
         }
         assert_eq!(finite(b"-1.5e-3"), Some(-1.5e-3));

@@ -47,10 +47,7 @@ pub(crate) fn parse<R: BufRead>(
         _ => None,
     }
     .ok_or_else(|| {
-        lines.refuse(
-            excerpt(lines.line()),
-            "three box sides, finite positive numbers",
-        )
+        lines.refuse(excerpt(lines.line()), "three box sides, finite positive numbers")
     })?;
     lines.next_or("the number of particles")?;
     let n = lines.particle_count(0, LEAST_BYTES_A_PARTICLE)?;
@@ -60,20 +57,13 @@ pub(crate) fn parse<R: BufRead>(
     for number in 1..=n {
         lines.next_or(&format!("particle {number} of {n}: the file is truncated"))?;
         let row = columns.row(lines.line(), "");
-        let row = row
-            .ok()
-            .filter(|row| row.id == Some(number as u64))
-            .ok_or_else(|| {
-                lines.refuse(
-                    excerpt(lines.line()),
-                    format!(
-                        "`{number} x y z`: the particle's number, then three finite coordinates"
-                    ),
-                )
-            })?;
-        particles
-            .take(row, &place)
-            .map_err(|(f, a)| lines.refuse(f, a))?;
+        let row = row.ok().filter(|row| row.id == Some(number as u64)).ok_or_else(|| {
+            lines.refuse(
+                excerpt(lines.line()),
+                format!("`{number} x y z`: the particle's number, then three finite coordinates"),
+            )
+        })?;
+        particles.take(row, &place).map_err(|(f, a)| lines.refuse(f, a))?;
     }
     while lines.advance()? {
         if !lines.is_blank() {

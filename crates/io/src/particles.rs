@@ -41,21 +41,10 @@ impl Place {
         cell: Option<PeriodicBox>,
         scales: Scales,
     ) -> Result<Self, Refusal> {
-        let cell = cell
-            .map(|cell| PeriodicBox::new(cell.lengths() / scales.length))
-            .transpose();
-        let cell = cell.map_err(|e| {
-            (
-                e.to_string(),
-                "a box that its length scale allows".to_string(),
-            )
-        })?;
-        Ok(Self {
-            low,
-            cell,
-            scaled: false,
-            scales,
-        })
+        let cell = cell.map(|cell| PeriodicBox::new(cell.lengths() / scales.length)).transpose();
+        let cell =
+            cell.map_err(|e| (e.to_string(), "a box that its length scale allows".to_string()))?;
+        Ok(Self { low, cell, scaled: false, scales })
     }
 
     fn position(&self, row: &Row<'_>) -> Result<DVec3, Refusal> {
@@ -162,10 +151,7 @@ impl ParticleReader {
         found.ids.extend(row.id);
         found.positions.push(place.position(&row)?);
         let mass = row.mass.map(mass).transpose()?;
-        let own = row
-            .velocity
-            .map(|v| velocity(scales.velocity(v)?))
-            .transpose()?;
+        let own = row.velocity.map(|v| velocity(scales.velocity(v)?)).transpose()?;
         let momentum = row.momentum.map(|p| scales.velocity(p)).transpose()?;
         let own = match (momentum, mass) {
             (Some(momentum), Some(mass)) => Some(velocity_of(momentum, mass, own)?),
@@ -224,26 +210,9 @@ fn sort<T: Copy>(order: &[usize], all: &mut Vec<T>) {
 impl TrajectoryFrame {
     /// Particles in a box, with nothing else to say.
     pub(crate) fn of(particles: Particles, cell: Option<PeriodicBox>) -> Self {
-        let Particles {
-            positions,
-            velocities,
-            momenta,
-            forces,
-            species,
-            ..
-        } = particles;
+        let Particles { positions, velocities, momenta, forces, species, .. } = particles;
         let (step, time, info) = (None, None, BTreeMap::new());
-        Self {
-            cell,
-            positions,
-            velocities,
-            momenta,
-            forces,
-            species,
-            step,
-            time,
-            info,
-        }
+        Self { cell, positions, velocities, momenta, forces, species, step, time, info }
     }
 }
 
@@ -261,13 +230,7 @@ impl StartConfiguration {
             let velocity = velocity_of(*p, mass(i), beside(i));
             velocity.map_err(|(found, allowed)| (format!("{found}, particle {}", i + 1), allowed))
         };
-        self.velocities = Some(
-            momenta
-                .iter()
-                .enumerate()
-                .map(velocity)
-                .collect::<Result<_, _>>()?,
-        );
+        self.velocities = Some(momenta.iter().enumerate().map(velocity).collect::<Result<_, _>>()?);
         Ok(())
     }
 }

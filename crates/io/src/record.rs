@@ -82,10 +82,7 @@ pub(crate) fn tables_in(record: &Path) -> Vec<String> {
         tables: Vec<String>,
     }
     let listed = fs::read(record).map(|bytes| serde_json::from_slice::<Listed>(&bytes));
-    listed.map_or_else(
-        |_| Vec::new(),
-        |listed| listed.map_or_else(|_| Vec::new(), |l| l.tables),
-    )
+    listed.map_or_else(|_| Vec::new(), |listed| listed.map_or_else(|_| Vec::new(), |l| l.tables))
 }
 
 /// The machine that a run was made on.
@@ -359,11 +356,7 @@ mod number {
     use serde::{Deserialize, Deserializer, Serializer};
 
     pub(super) fn serialize<S: Serializer>(value: &f64, to: S) -> Result<S::Ok, S::Error> {
-        if value.is_finite() {
-            to.serialize_f64(*value)
-        } else {
-            to.serialize_none()
-        }
+        if value.is_finite() { to.serialize_f64(*value) } else { to.serialize_none() }
     }
 
     pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {

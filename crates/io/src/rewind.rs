@@ -31,9 +31,7 @@ impl<R: BufRead + Seek> Gunzip<R> {
     /// The text of what `reader` holds; `reader` is at its start.
     pub(crate) fn new(reader: R) -> Self {
         let members = Members(MultiGzDecoder::new(reader));
-        Self {
-            text: Some(BufReader::new(members)),
-        }
+        Self { text: Some(BufReader::new(members)) }
     }
 
     fn text(&mut self) -> &mut BufReader<Members<R>> {

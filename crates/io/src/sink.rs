@@ -90,12 +90,7 @@ impl WholeFile {
 
     /// Nothing written yet, to any sink; `path` is for messages and for [`Sink::is_still_at`].
     pub(crate) fn over(path: &Path, sink: Box<dyn Sink>) -> Self {
-        Self {
-            path: path.to_path_buf(),
-            sink,
-            mark: FileMark::default(),
-            given_up: false,
-        }
+        Self { path: path.to_path_buf(), sink, mark: FileMark::default(), given_up: false }
     }
 
     /// Goes on after `mark`: everything behind it is cut off. Where records end with a line, one must end there.
@@ -113,11 +108,7 @@ impl WholeFile {
             io::ErrorKind::NotFound => refuse(format!("the file is not there: {e}")),
             _ => WriteError::io(path, "open the file to go on", e),
         };
-        let mut file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .open(path)
-            .map_err(open)?;
+        let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(open)?;
         let length = file.metadata().map_err(open)?.len();
         if length < mark.bytes {
             return Err(refuse(format!("the file has only {length} bytes")));
@@ -130,12 +121,8 @@ impl WholeFile {
                 return Err(refuse("no line ends there: the file was changed".into()));
             }
         }
-        file.cut_back(mark.bytes)
-            .map_err(|e| WriteError::io(path, "cut the file back", e))?;
-        Ok(Self {
-            mark,
-            ..Self::over(path, Box::new(file))
-        })
+        file.cut_back(mark.bytes).map_err(|e| WriteError::io(path, "cut the file back", e))?;
+        Ok(Self { mark, ..Self::over(path, Box::new(file)) })
     }
 
     /// Appends one record with one write, or leaves the file as it was.
@@ -155,12 +142,7 @@ impl WholeFile {
                 Ok(()) => WriteError::io(&self.path, "write", source),
                 Err(cut_back) => {
                     self.given_up = true;
-                    WriteError::NotCutBack {
-                        path: path(),
-                        whole,
-                        source,
-                        cut_back,
-                    }
+                    WriteError::NotCutBack { path: path(), whole, source, cut_back }
                 }
             });
         }
@@ -186,9 +168,7 @@ impl WholeFile {
 
     /// Waits until everything written is on the disk.
     pub(crate) fn sync(&mut self) -> Result<(), WriteError> {
-        self.sink
-            .sync()
-            .map_err(|e| WriteError::io(&self.path, "sync", e))
+        self.sink.sync().map_err(|e| WriteError::io(&self.path, "sync", e))
     }
 }
 
@@ -210,12 +190,7 @@ pub(crate) mod faults {
 
     impl SmallDisk {
         pub(crate) fn with_room(room: usize) -> Self {
-            Self {
-                content: Arc::default(),
-                room,
-                can_cut_back: true,
-                present: true,
-            }
+            Self { content: Arc::default(), room, can_cut_back: true, present: true }
         }
 
         pub(crate) fn content(&self) -> Vec<u8> {
@@ -280,39 +255,22 @@ mod tests {
             assert_eq!(disk.content(), record.repeat(whole));
             assert_eq!(file.mark().records, whole as u64);
             assert_eq!(file.mark().bytes, (whole * record.len()) as u64);
-            assert!(
-                matches!(
-                    error,
-                    WriteError::Io {
-                        action: "write",
-                        ..
-                    }
-                ),
-                "{error}"
-            );
+            assert!(matches!(error, WriteError::Io { action: "write", .. }), "{error}");
         }
     }
 
     #[test]
     fn where_cutting_back_fails_too_nothing_more_is_written() {
-        let disk = SmallDisk {
-            can_cut_back: false,
-            ..SmallDisk::with_room(20)
-        };
+        let disk = SmallDisk { can_cut_back: false, ..SmallDisk::with_room(20) };
         let mut file = WholeFile::over(Path::new("x"), Box::new(disk.clone()));
         file.append(b"0123456789abcde\n").unwrap();
         let error = file.append(b"0123456789abcde\n").unwrap_err();
         assert!(matches!(error, WriteError::NotCutBack { whole: 16, .. }));
         assert!(
-            error
-                .to_string()
-                .contains("; and cannot cut the file back to its 16 whole bytes: "),
+            error.to_string().contains("; and cannot cut the file back to its 16 whole bytes: "),
             "{error}"
         );
-        assert!(matches!(
-            file.append(b"\n").unwrap_err(),
-            WriteError::GivenUp { .. }
-        ));
+        assert!(matches!(file.append(b"\n").unwrap_err(), WriteError::GivenUp { .. }));
     }
 
     #[test]
@@ -322,10 +280,7 @@ mod tests {
         let mut file = WholeFile::create(&path).unwrap();
         file.append(b"a\n").unwrap();
         std::fs::remove_file(&path).unwrap();
-        assert!(matches!(
-            file.append(b"b\n").unwrap_err(),
-            WriteError::Vanished { .. }
-        ));
+        assert!(matches!(file.append(b"b\n").unwrap_err(), WriteError::Vanished { .. }));
         // Another file under the same name is not ours either.
         std::fs::write(&path, "other").unwrap();
         assert!(file.append(b"b\n").is_err());
@@ -344,23 +299,13 @@ mod tests {
         let mut file = WholeFile::resume_at(&path, mark, true).unwrap();
         file.append(b"c\n").unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"a\nc\n");
-        assert_eq!(
-            file.mark(),
-            FileMark {
-                bytes: 4,
-                records: 2
-            }
-        );
+        assert_eq!(file.mark(), FileMark { bytes: 4, records: 2 });
         for (bytes, reason) in [(9, "only 4 bytes"), (3, "no line ends there")] {
             let error =
                 WholeFile::resume_at(&path, FileMark { bytes, records: 2 }, true).unwrap_err();
             assert!(error.to_string().contains(reason), "{error}");
         }
-        assert_eq!(
-            std::fs::read(&path).unwrap(),
-            b"a\nc\n",
-            "refusal changes nothing"
-        );
+        assert_eq!(std::fs::read(&path).unwrap(), b"a\nc\n", "refusal changes nothing");
     }
 
     #[cfg(target_os = "linux")]

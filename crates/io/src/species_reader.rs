@@ -17,11 +17,7 @@ pub(crate) struct SpeciesReader {
 impl SpeciesReader {
     /// For a frame of `n` particles.
     pub(crate) fn new(n: usize) -> Self {
-        Self {
-            found: FoundSpecies::default(),
-            n,
-            particles: 0,
-        }
+        Self { found: FoundSpecies::default(), n, particles: 0 }
     }
 
     /// Takes name, type and mass of the next particle. A type is its name where it has no other.
@@ -109,10 +105,7 @@ mod tests {
         let mut reader = SpeciesReader::new(3);
         reader.take(Some("Ar"), None, Some(1.0)).unwrap();
         let (found, allowed) = reader.take(Some("Ar"), None, Some(1.5)).unwrap_err();
-        assert_eq!(
-            (found.as_str(), allowed.as_str()),
-            ("mass 1.5", "1, like the `Ar` before")
-        );
+        assert_eq!((found.as_str(), allowed.as_str()), ("mass 1.5", "1, like the `Ar` before"));
         let mut nameless = SpeciesReader::new(2);
         nameless.take(None, None, Some(1.0)).unwrap();
         assert!(nameless.take(None, None, Some(2.0)).is_err());

@@ -29,9 +29,7 @@ fn push_record<F: AsRef<[u8]>>(
 
 /// The headings of a column: its own, and one for the standard errors where it has any.
 fn headings(column: &Column) -> impl Iterator<Item = String> {
-    let error = column
-        .has_errors
-        .then(|| format!("{} standard error", column.name));
+    let error = column.has_errors.then(|| format!("{} standard error", column.name));
     std::iter::once(column.heading()).chain(error)
 }
 
@@ -85,11 +83,7 @@ pub fn write_table_csv(path: &Path, table: &Table) -> Result<(), WriteError> {
     let mut text = Vec::new();
     push_record(&mut text, path, table.columns.iter().flat_map(headings))?;
     for row in 0..table.rows() {
-        push_record(
-            &mut text,
-            path,
-            table.columns.iter().flat_map(|c| fields(c, row)),
-        )?;
+        push_record(&mut text, path, table.columns.iter().flat_map(|c| fields(c, row)))?;
     }
     write_bytes_atomically(path, &text)
 }
@@ -126,10 +120,8 @@ fn table_from_bytes(bytes: &[u8], name: &str, path: &Path) -> Result<Table, Form
     };
     let mut reader = csv::Reader::from_reader(bytes);
     let headings = reader.byte_headers().map_err(malformed)?.clone();
-    let mut columns: Vec<Column> = headings
-        .iter()
-        .map(|text| Column::headed(&String::from_utf8_lossy(text)))
-        .collect();
+    let mut columns: Vec<Column> =
+        headings.iter().map(|text| Column::headed(&String::from_utf8_lossy(text))).collect();
     if columns.is_empty() {
         return Err(content(1, "no heading".into(), "one heading line"));
     }
@@ -144,11 +136,7 @@ fn table_from_bytes(bytes: &[u8], name: &str, path: &Path) -> Result<Table, Form
             column.cells.push(value.into());
         }
     }
-    Ok(Table {
-        name: name.into(),
-        caption: String::new(),
-        columns,
-    })
+    Ok(Table { name: name.into(), caption: String::new(), columns })
 }
 
 /// Writes a growing table, whole rows only.
@@ -190,17 +178,11 @@ impl TableWriter {
             });
         }
         let mut text = Vec::new();
-        let headings = columns
-            .iter()
-            .map(|(name, unit)| Column::new(*name, *unit).heading());
+        let headings = columns.iter().map(|(name, unit)| Column::new(*name, *unit).heading());
         push_record(&mut text, file.path(), headings)?;
         file.append(&text)?;
         file.records_start_here();
-        Ok(Self {
-            file,
-            columns: columns.len(),
-            text,
-        })
+        Ok(Self { file, columns: columns.len(), text })
     }
 
     /// Goes on after `mark` (from a checkpoint): later rows, whole or not, are cut off.
@@ -216,9 +198,7 @@ impl TableWriter {
         push_record(
             &mut wanted,
             path,
-            columns
-                .iter()
-                .map(|(name, unit)| Column::new(*name, *unit).heading()),
+            columns.iter().map(|(name, unit)| Column::new(*name, *unit).heading()),
         )?;
         let found = read_start(path, wanted.len())
             .map_err(|e| WriteError::io(path, "open the file to go on", e))?;
@@ -293,8 +273,6 @@ impl TableWriter {
 fn read_start(path: &Path, length: usize) -> std::io::Result<Vec<u8>> {
     use std::io::Read;
     let mut start = Vec::new();
-    fs::File::open(path)?
-        .take(length as u64)
-        .read_to_end(&mut start)?;
+    fs::File::open(path)?.take(length as u64).read_to_end(&mut start)?;
     Ok(start)
 }

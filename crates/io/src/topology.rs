@@ -43,10 +43,7 @@ pub fn write_topology_gro(
     });
     push_integer(&mut text, positions.len());
     text.push(b'\n');
-    let folded = FrameStyle {
-        wrapped: true,
-        ..style.clone()
-    };
+    let folded = FrameStyle { wrapped: true, ..style.clone() };
     for i in 0..positions.len() {
         let number = (i + 1) % NUMBERS_START_OVER;
         let element = &style.species_of(i).element;
@@ -79,10 +76,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("topology.gro");
         let cell = PeriodicBox::new(DVec3::new(10.0, 20.0, 30.0)).unwrap();
-        let style = FrameStyle {
-            length_scale: 2.0,
-            ..FrameStyle::default()
-        };
+        let style = FrameStyle { length_scale: 2.0, ..FrameStyle::default() };
         let positions = [DVec3::new(1.5, 2.0, 3.0), DVec3::new(-1.0, 20.5, 29.999)];
         write_topology_gro(&path, &positions, &cell, TrajectoryFormat::Xyz, &style).unwrap();
         assert_eq!(
@@ -103,14 +97,8 @@ mod tests {
         let path = folder.path().join("topology.gro");
         let cell = PeriodicBox::new(DVec3::splat(2e5)).unwrap();
         let positions = [DVec3::splat(1e5)];
-        write_topology_gro(
-            &path,
-            &positions,
-            &cell,
-            TrajectoryFormat::Xyz,
-            &FrameStyle::default(),
-        )
-        .unwrap();
+        write_topology_gro(&path, &positions, &cell, TrajectoryFormat::Xyz, &FrameStyle::default())
+            .unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         assert!(text.contains("too long"), "{text}");
         assert!(text.contains("    1   0.000   0.000   0.000\n"), "{text}");
@@ -121,18 +109,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("topology.gro");
         let cell = PeriodicBox::new(DVec3::splat(10.0)).unwrap();
-        let style = FrameStyle {
-            sites_per_molecule: 2,
-            ..FrameStyle::default()
-        };
-        write_topology_gro(
-            &path,
-            &[DVec3::ZERO; 4],
-            &cell,
-            TrajectoryFormat::Xyz,
-            &style,
-        )
-        .unwrap();
+        let style = FrameStyle { sites_per_molecule: 2, ..FrameStyle::default() };
+        write_topology_gro(&path, &[DVec3::ZERO; 4], &cell, TrajectoryFormat::Xyz, &style).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let rows: Vec<&str> = text.lines().skip(2).take(4).collect();
         let residues: Vec<&str> = rows.iter().map(|row| row[..5].trim()).collect();

@@ -49,11 +49,7 @@ impl TrajectoryWriter {
     ) -> Result<Self, WriteError> {
         style.check(path)?;
         let ends_with_line = format.spec().ends_with_line;
-        Ok(Self::over(
-            WholeFile::resume_at(path, mark, ends_with_line)?,
-            format,
-            style,
-        ))
+        Ok(Self::over(WholeFile::resume_at(path, mark, ends_with_line)?, format, style))
     }
 
     /// A trajectory to any sink: for tests that make writes fail.
@@ -71,12 +67,7 @@ impl TrajectoryWriter {
     }
 
     fn over(file: WholeFile, format: TrajectoryFormat, style: &FrameStyle) -> Self {
-        Self {
-            file,
-            format,
-            style: style.clone(),
-            bytes: Vec::new(),
-        }
+        Self { file, format, style: style.clone(), bytes: Vec::new() }
     }
 
     /// Appends a frame. Returns the precision of its positions, per σ, where the format rounds them. It is below the precision
@@ -87,13 +78,8 @@ impl TrajectoryWriter {
     /// frames before this one and nothing else.
     pub fn write(&mut self, frame: &Frame<'_>) -> Result<Option<f64>, WriteError> {
         self.bytes.clear();
-        let precision = push_frame(
-            &mut self.bytes,
-            self.file.path(),
-            self.format,
-            &self.style,
-            frame,
-        )?;
+        let precision =
+            push_frame(&mut self.bytes, self.file.path(), self.format, &self.style, frame)?;
         let appended = self.file.append(&self.bytes);
         if self.bytes.capacity() > KEPT_BUFFER {
             self.bytes = Vec::new();

@@ -85,13 +85,7 @@ impl TrajectoryReader<BufReader<File>> {
     /// Where the file cannot be opened or is no regular file.
     pub fn open(path: &Path) -> Result<Self, FormatError> {
         let (reader, size) = open_regular(path)?;
-        Ok(Self::new(
-            reader,
-            size,
-            path,
-            Grammar::ExtendedXyz,
-            FileUnits::default(),
-        ))
+        Ok(Self::new(reader, size, path, Grammar::ExtendedXyz, FileUnits::default()))
     }
 }
 
@@ -100,24 +94,13 @@ impl<'a> TrajectoryReader<Cursor<&'a [u8]>> {
     #[must_use]
     pub fn over(bytes: &'a [u8], path: &Path) -> Self {
         let size = bytes.len() as u64;
-        Self::new(
-            Cursor::new(bytes),
-            size,
-            path,
-            Grammar::ExtendedXyz,
-            FileUnits::default(),
-        )
+        Self::new(Cursor::new(bytes), size, path, Grammar::ExtendedXyz, FileUnits::default())
     }
 }
 
 impl<R: BufRead> TrajectoryReader<R> {
     fn new(reader: R, size: u64, path: &Path, grammar: Grammar, units: FileUnits) -> Self {
-        Self {
-            lines: Lines::new(reader, size, path),
-            grammar,
-            units,
-            ended: false,
-        }
+        Self { lines: Lines::new(reader, size, path), grammar, units, ended: false }
     }
 
     fn at_frame<T>(

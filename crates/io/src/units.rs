@@ -36,9 +36,8 @@ impl Scales {
 /// Words for reduced units.
 const REDUCED: [&str; 3] = ["lj", "reduced", "dimensionless"];
 /// Words that name units beside the word 'units': the styles of LAMMPS, and others.
-const STYLES: [&str; 9] = [
-    "real", "metal", "si", "cgs", "electron", "micro", "nano", "atomic", "physical",
-];
+const STYLES: [&str; 9] =
+    ["real", "metal", "si", "cgs", "electron", "micro", "nano", "atomic", "physical"];
 /// Words that name a unit of length wherever they stand.
 const LENGTHS: [&str; 11] = [
     "angstrom",
@@ -71,11 +70,7 @@ pub(crate) fn stated(text: &str) -> Option<String> {
             ("unit" | "units", ["=", unit, ..]) => Some(*unit),
             ("unit" | "units", after) => {
                 let before = i.checked_sub(1).map(|i| &words[i]);
-                after
-                    .first()
-                    .filter(known)
-                    .or(before.filter(known))
-                    .copied()
+                after.first().filter(known).or(before.filter(known)).copied()
             }
             (word, _) => LENGTHS.contains(&word).then_some(word),
         };
@@ -122,17 +117,11 @@ mod tests {
             ("Units: furlong", Some("furlong")),
             ("units = lj", Some("lj")),
             ("units=lj, later in Angstrom", Some("angstrom")),
-            (
-                "# CELL(abcABC): 5.2 positions{angstrom} cell{angstrom}",
-                Some("angstrom"),
-            ),
+            ("# CELL(abcABC): 5.2 positions{angstrom} cell{angstrom}", Some("angstrom")),
             ("a liquid, in units lj", Some("lj")),
             ("lengths in units of sigma", None),
             ("Atoms. Timestep: 1000", None),
-            (
-                " i =        5, time =        2.500, E =       -31.0000000000",
-                None,
-            ),
+            (" i =        5, time =        2.500, E =       -31.0000000000", None),
             ("a real melt of a metal", None),
             ("units", None),
             ("", None),

@@ -51,15 +51,11 @@ impl Header {
         let scales = scales(&mut info, units)?;
         let number = |key: &str, text: String| {
             finite(text.as_bytes()).ok_or_else(|| {
-                (
-                    format!("{key}={}", excerpt(text.as_bytes())),
-                    "a finite number".to_string(),
-                )
+                (format!("{key}={}", excerpt(text.as_bytes())), "a finite number".to_string())
             })
         };
-        let time = take_either(&mut info, ["Time", "time"])
-            .map(|t| number("Time", t))
-            .transpose()?;
+        let time =
+            take_either(&mut info, ["Time", "time"]).map(|t| number("Time", t)).transpose()?;
         let step = take_either(&mut info, ["Step", "step"])
             .map(|text| {
                 text.parse::<u64>().map_err(|_| {
@@ -76,25 +72,14 @@ impl Header {
                 "a Lattice=\"…\" entry beside them".into(),
             ));
         }
-        Ok(Self {
-            cell,
-            columns,
-            step,
-            time,
-            scales,
-            info,
-        })
+        Ok(Self { cell, columns, step, time, scales, info })
     }
 
     /// The second line of a plain XYZ file says what it likes, of units alone what the file means.
     fn of_comment(text: &str, units: FileUnits) -> Result<Self, Refusal> {
-        let entry = text
-            .split_whitespace()
-            .find_map(|word| word.strip_prefix("length_scale="));
-        let mut info: BTreeMap<String, String> = entry
-            .map(|scale| ("length_scale".into(), scale.into()))
-            .into_iter()
-            .collect();
+        let entry = text.split_whitespace().find_map(|word| word.strip_prefix("length_scale="));
+        let mut info: BTreeMap<String, String> =
+            entry.map(|scale| ("length_scale".into(), scale.into())).into_iter().collect();
         info.extend(stated(text).map(|unit| ("units".into(), unit)));
         let scales = scales(&mut info, units)?;
         Ok(Self {
@@ -110,10 +95,7 @@ impl Header {
 
 /// What a plain XYZ file holds.
 fn plain() -> Columns {
-    Columns::fixed(&[
-        Column::Scalar(Scalar::Name),
-        Column::Vector(Vector::Position),
-    ])
+    Columns::fixed(&[Column::Scalar(Scalar::Name), Column::Vector(Vector::Position)])
 }
 
 /// The scales for what the entries say of units. An entry `length_scale` multiplies lengths alone.
@@ -151,9 +133,7 @@ fn pairs(text: &str) -> Result<BTreeMap<String, String>, Refusal> {
     let mut all = BTreeMap::new();
     let mut rest = text.trim_start();
     while !rest.is_empty() {
-        let end = rest
-            .find(|c: char| c == '=' || c.is_whitespace())
-            .unwrap_or(rest.len());
+        let end = rest.find(|c: char| c == '=' || c.is_whitespace()).unwrap_or(rest.len());
         let (key, after) = rest.split_at(end);
         if key.is_empty() {
             return Err((
@@ -166,10 +146,7 @@ fn pairs(text: &str) -> Result<BTreeMap<String, String>, Refusal> {
             Some(after) => value(after)?,
         };
         if all.insert(key.to_string(), value).is_some() {
-            return Err((
-                format!("{} twice", excerpt(key.as_bytes())),
-                "each key once".into(),
-            ));
+            return Err((format!("{} twice", excerpt(key.as_bytes())), "each key once".into()));
         }
         rest = after.trim_start();
     }
@@ -207,12 +184,8 @@ fn value(text: &str) -> Result<(String, &str), Refusal> {
 
 /// `name:type:width` triples.
 fn columns(text: &str) -> Result<Columns, Refusal> {
-    let refuse = |allowed: &str| {
-        (
-            format!("Properties={}", excerpt(text.as_bytes())),
-            allowed.to_string(),
-        )
-    };
+    let refuse =
+        |allowed: &str| (format!("Properties={}", excerpt(text.as_bytes())), allowed.to_string());
     let parts: Vec<&str> = text.split(':').collect();
     if !parts.len().is_multiple_of(3) || parts.len() > 3 * MOST_COLUMNS {
         return Err(refuse("name:type:width triples joined by colons"));
@@ -254,9 +227,7 @@ fn columns(text: &str) -> Result<Columns, Refusal> {
         }
     }
     if let Some(vector) = all.in_part() {
-        return Err(refuse(&format!(
-            "all three components of {vector}, or none"
-        )));
+        return Err(refuse(&format!("all three components of {vector}, or none")));
     }
     if !all.has(Vector::Position) {
         return Err(refuse("positions among them, pos:R:3"));
@@ -269,10 +240,7 @@ fn lattice(text: &str) -> Result<PeriodicBox, Refusal> {
     let found = || format!("Lattice={}", excerpt(text.as_bytes()));
     let numbers: Option<Vec<f64>> = tokens(text.as_bytes()).map(finite).collect();
     let Some(&[ax, ay, az, bx, by, bz, cx, cy, cz]) = numbers.as_deref() else {
-        return Err((
-            found(),
-            "nine finite numbers, the box vectors a, b and c".into(),
-        ));
+        return Err((found(), "nine finite numbers, the box vectors a, b and c".into()));
     };
     let edges = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]].map(DVec3::from_array);
     box_of_edges(edges).map_err(|error| match error {

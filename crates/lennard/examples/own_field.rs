@@ -62,10 +62,7 @@ impl ForceTerm for Wave {
     }
 
     fn properties(&self) -> ForceProperties {
-        ForceProperties {
-            breaks_momentum: [false, false, true],
-            ..ForceProperties::default()
-        }
+        ForceProperties { breaks_momentum: [false, false, true], ..ForceProperties::default() }
     }
 }
 
@@ -95,10 +92,7 @@ pub(crate) fn main() -> lennard::Result<()> {
         // ρ(z) ∝ exp(−u/T); the mean of exp(a·cos) over a period is I₀(a), the modified Bessel function.
         let formula = 0.01 * (amplitude / temperature * (TAU * z / side).cos()).exp() / 1.063_483;
         println!("z = {z:5.2} σ: {density:.4} σ⁻³, barometric formula {formula:.4}");
-        assert!(
-            (density / formula - 1.0).abs() < 0.25,
-            "{density} and {formula}"
-        );
+        assert!((density / formula - 1.0).abs() < 0.25, "{density} and {formula}");
     }
     Ok(())
 }

@@ -44,10 +44,7 @@ impl Observable for FastShare {
     fn finish(&self, discarded: f64) -> Findings {
         let cut = (discarded * self.samples.len() as f64) as usize;
         let estimate = statistics::estimate_after(&self.samples, cut);
-        Findings {
-            averages: vec![Average::new("fast_share", "", estimate)],
-            ..Findings::default()
-        }
+        Findings { averages: vec![Average::new("fast_share", "", estimate)], ..Findings::default() }
     }
 }
 
@@ -73,20 +70,14 @@ pub(crate) fn main() -> lennard::Result<()> {
             toml! { name = "production" steps = 3000 thermostat = { kind = "bussi", tau = 0.2 } },
         ])
         .build()?;
-    let share = FastShare {
-        temperature,
-        samples: Vec::new(),
-    };
+    let share = FastShare { temperature, samples: Vec::new() };
     let mut fluid = Simulation::with_parts(scene, OwnParts::none().observable(10, share))?;
     fluid.run()?;
 
     let results = fluid.results();
     let share = results.average("fast_share")?;
     assert_eq!(share.reason, "", "nothing speaks against the mean");
-    println!(
-        "fast particles: {:.4} ± {:.4}, by Maxwell 0.2615",
-        share.mean, share.standard_error
-    );
+    println!("fast particles: {:.4} ± {:.4}, by Maxwell 0.2615", share.mean, share.standard_error);
     assert!((share.mean - 0.261_46).abs() < 5.0 * share.standard_error);
     Ok(())
 }

@@ -20,10 +20,7 @@ pub(crate) fn main() -> lennard::Result<()> {
         );
     }
     let g = results.table("rdf")?.numbers("g").unwrap_or_default();
-    println!(
-        "first peak of g(r): {:.2}",
-        g.iter().fold(0.0_f64, |peak, g| peak.max(*g))
-    );
+    println!("first peak of g(r): {:.2}", g.iter().fold(0.0_f64, |peak, g| peak.max(*g)));
 
     liquid.add_stage(toml! { name = "hot" steps = 500 temperature = 2.0 thermostat = "bussi" })?;
     liquid.run()?;

@@ -24,9 +24,7 @@ impl Results {
     pub fn average(&self, name: &str) -> Result<&AverageRecord> {
         let averages = &self.record.averages;
         let known = || averages.keys().map(String::as_str);
-        averages
-            .get(name)
-            .ok_or_else(|| missing("average", name, known()))
+        averages.get(name).ok_or_else(|| missing("average", name, known()))
     }
 
     /// A table by its name, such as `rdf`; [`Table::numbers`] gives a column.

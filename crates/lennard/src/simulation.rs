@@ -79,11 +79,7 @@ impl Simulation {
 
     fn around(engine: lennard_engine::Simulation) -> Result<Self> {
         let threads = lennard_engine::recommended_threads(engine.state.len());
-        Ok(Self {
-            pool: pool(threads)?,
-            recording: Recording::default(),
-            engine,
-        })
+        Ok(Self { pool: pool(threads)?, recording: Recording::default(), engine })
     }
 
     /// The same simulation on so many threads, in the place of as many as pay. The bits do not depend on it.
@@ -91,10 +87,7 @@ impl Simulation {
     /// # Errors
     /// [`Error::Threads`] where the system gives none.
     pub fn on_threads(self, threads: usize) -> Result<Self> {
-        Ok(Self {
-            pool: pool(threads)?,
-            ..self
-        })
+        Ok(Self { pool: pool(threads)?, ..self })
     }
 
     /// Saves all that is needed to go on from here, to the bit. Rows and frames in memory are not saved.
@@ -154,16 +147,8 @@ impl Simulation {
         if self.engine.state.step >= end {
             return Ok(Ending::Finished);
         }
-        let Self {
-            engine,
-            recording,
-            pool,
-        } = self;
-        let options = MemoryOptions {
-            until: Some(end),
-            stop,
-            progress,
-        };
+        let Self { engine, recording, pool } = self;
+        let options = MemoryOptions { until: Some(end), stop, progress };
         Ok(pool.install(|| lennard_engine::run_in_memory(engine, recording, options))?)
     }
 
@@ -172,11 +157,7 @@ impl Simulation {
     /// # Errors
     /// [`Error::Engine`] where the stage is wrong, with the words of the scene reader.
     pub fn add_stage(&mut self, stage: toml::Table) -> Result<()> {
-        let addition = Addition {
-            stage: &stage.to_string(),
-            observables: None,
-            output: None,
-        };
+        let addition = Addition { stage: &stage.to_string(), observables: None, output: None };
         let scene = lennard_engine::with_stage(&self.engine, &addition)?;
         self.engine.grow(scene, Measurement::Anew)?;
         self.recording = Recording::default();

@@ -58,12 +58,7 @@ fn print_state(equation: &dyn EquationOfState, rho: f64, t: f64) {
 }
 
 fn print_saturation(equation: &dyn EquationOfState, t: f64) -> Result<(), Box<dyn Error>> {
-    let s = equation
-        .saturation(t)
-        .ok_or_else(|| format!("no coexistence at {t}"))?;
-    println!(
-        "{t:?},{:?},{:?},{:?}",
-        s.pressure, s.vapor_density, s.liquid_density
-    );
+    let s = equation.saturation(t).ok_or_else(|| format!("no coexistence at {t}"))?;
+    println!("{t:?},{:?},{:?},{:?}", s.pressure, s.vapor_density, s.liquid_density);
     Ok(())
 }

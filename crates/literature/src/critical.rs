@@ -33,10 +33,7 @@ pub(crate) fn critical_point(
         rho -= step_rho.clamp(-0.1 * rho, 0.1 * rho);
         t -= step_t.clamp(-0.05 * t, 0.05 * t);
         if (step_t / t).abs() < CONVERGED {
-            return CriticalPoint {
-                temperature: t,
-                density: rho,
-            };
+            return CriticalPoint { temperature: t, density: rho };
         }
     }
     start

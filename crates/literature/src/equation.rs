@@ -273,11 +273,7 @@ pub trait EquationOfState: Send + Sync + std::fmt::Debug {
             });
         }
         if let Some(rho_max) = range.rho_max.filter(|most| rho > *most) {
-            return Err(OutsideRange::Density {
-                equation: spec.name.clone(),
-                rho_max,
-                rho,
-            });
+            return Err(OutsideRange::Density { equation: spec.name.clone(), rho_max, rho });
         }
         let pressure = self.pressure(rho, temperature);
         if pressure.is_nan() || pressure > range.p_max {

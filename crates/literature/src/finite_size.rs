@@ -131,10 +131,7 @@ mod tests {
             let over_t = |t: f64| excess(rho, t, n) / t;
             let u = -t * t * (over_t(t + h) - over_t(t - h)) / (2.0 * h);
             assert!((found.pressure - p).abs() < 1e-3 * p.abs(), "{found:?} {p}");
-            assert!(
-                (found.potential_energy - u).abs() < 1e-3 * u.abs(),
-                "{found:?} {u}"
-            );
+            assert!((found.potential_energy - u).abs() < 1e-3 * u.abs(), "{found:?} {u}");
         }
     }
 

@@ -122,11 +122,9 @@ mod tests {
     #[test]
     fn freezing_and_melting_densities_are_the_tabulated_ones() {
         // Evaluated independently from the same coefficients, five digits.
-        for (t, freeze, melt) in [
-            (0.7, 0.84750, 0.96151),
-            (1.0, 0.91857, 1.00628),
-            (2.74, 1.13886, 1.20239),
-        ] {
+        for (t, freeze, melt) in
+            [(0.7, 0.84750, 0.96151), (1.0, 0.91857, 1.00628), (2.74, 1.13886, 1.20239)]
+        {
             let line = freezing_line();
             assert!((line.freezing_density(t).unwrap() - freeze).abs() < 5e-6);
             assert!((line.melting_density(t).unwrap() - melt).abs() < 5e-6);
@@ -138,10 +136,7 @@ mod tests {
         let equation = crate::thol_2016();
         for (line, pressure) in freezing_lines().into_iter().zip([0.00125, 0.00113]) {
             let found = line.triple_point(equation).unwrap();
-            assert!(
-                (found.temperature - line.t_triple).abs() < 5e-4,
-                "{found:?}"
-            );
+            assert!((found.temperature - line.t_triple).abs() < 5e-4, "{found:?}");
             assert!((found.pressure - pressure).abs() < 2e-5, "{found:?}");
             let freezing = series(&line.liquid, found.temperature);
             assert!((found.liquid_density - freezing).abs() < 1e-8);

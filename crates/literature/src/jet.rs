@@ -26,32 +26,19 @@ impl Jet {
     /// A constant: all derivatives vanish.
     #[must_use]
     pub const fn constant(value: f64) -> Self {
-        Self {
-            value,
-            x: 0.0,
-            y: 0.0,
-            xx: 0.0,
-            xy: 0.0,
-            yy: 0.0,
-        }
+        Self { value, x: 0.0, y: 0.0, xx: 0.0, xy: 0.0, yy: 0.0 }
     }
 
     /// The variable x itself.
     #[must_use]
     pub const fn first(value: f64) -> Self {
-        Self {
-            x: 1.0,
-            ..Self::constant(value)
-        }
+        Self { x: 1.0, ..Self::constant(value) }
     }
 
     /// The variable y itself.
     #[must_use]
     pub const fn second(value: f64) -> Self {
-        Self {
-            y: 1.0,
-            ..Self::constant(value)
-        }
+        Self { y: 1.0, ..Self::constant(value) }
     }
 
     /// Applies a function g of one variable, given g, g′ and g″ at `self.value`.
@@ -93,17 +80,9 @@ impl Jet {
     pub fn powi(self, n: i32) -> Self {
         // A factor 0 stands before the powers that would diverge at x = 0.
         let power = |factor: i32, exponent: i32| {
-            if factor == 0 {
-                0.0
-            } else {
-                f64::from(factor) * self.value.powi(exponent)
-            }
+            if factor == 0 { 0.0 } else { f64::from(factor) * self.value.powi(exponent) }
         };
-        self.map(
-            self.value.powi(n),
-            power(n, n - 1),
-            power(n * (n - 1), n - 2),
-        )
+        self.map(self.value.powi(n), power(n, n - 1), power(n * (n - 1), n - 2))
     }
 
     /// xᵃ for a real a and positive x.
@@ -179,10 +158,7 @@ impl Div for Jet {
 impl Add<f64> for Jet {
     type Output = Self;
     fn add(self, o: f64) -> Self {
-        Self {
-            value: self.value + o,
-            ..self
-        }
+        Self { value: self.value + o, ..self }
     }
 }
 

@@ -113,12 +113,7 @@ pub fn kob_andersen_states() -> String {
     let mut states: Vec<String> = TABLE
         .iter()
         .filter(|row| row.fraction < 1.0)
-        .map(|row| {
-            format!(
-                "(ρ {}, T {}, x_A {})",
-                row.rho, row.temperature, row.fraction
-            )
-        })
+        .map(|row| format!("(ρ {}, T {}, x_A {})", row.rho, row.temperature, row.fraction))
         .collect();
     states.dedup();
     states.join(", ")
@@ -140,10 +135,7 @@ mod tests {
         assert_eq!(rows.len(), 9);
         let of = |quantity| found(&rows, quantity).unwrap();
         assert!((of(Pressure) - 1.2 * (2.0 + of(Virial))).abs() < 3e-4);
-        assert_eq!(
-            (of(PotentialEnergy), of(DiffusionB)),
-            (-4.653947433, 0.0717919)
-        );
+        assert_eq!((of(PotentialEnergy), of(DiffusionB)), (-4.653947433, 0.0717919));
         let melting = kob_andersen_at(1.2, 1.028, 0.8);
         assert_eq!(found(&melting, Virial), Some(7.444));
         assert_eq!(found(&melting, Pressure), None);

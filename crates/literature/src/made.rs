@@ -19,7 +19,6 @@ impl<const N: usize, T> Made<N, T> {
         make: impl FnOnce() -> T,
     ) -> &'static T {
         let mut made = self.0.lock().expect("no thread panics while it holds this");
-        made.entry(parameters.map(f64::to_bits))
-            .or_insert_with(|| Box::leak(Box::new(make())))
+        made.entry(parameters.map(f64::to_bits)).or_insert_with(|| Box::leak(Box::new(make())))
     }
 }

@@ -160,20 +160,10 @@ pub fn equations_for(model: ModelKind) -> Vec<&'static dyn EquationOfState> {
             virial_series(Mie::LENNARD_JONES),
             johnson_1993(),
         ],
-        ModelKind::Mie {
-            repulsive,
-            attractive,
-            ..
-        } => {
+        ModelKind::Mie { repulsive, attractive, .. } => {
             let first = equation_of_state_for(model).ok();
-            let potential = Mie {
-                repulsive,
-                attractive,
-            };
-            first
-                .into_iter()
-                .chain([virial_series(potential) as &dyn EquationOfState])
-                .collect()
+            let potential = Mie { repulsive, attractive };
+            first.into_iter().chain([virial_series(potential) as &dyn EquationOfState]).collect()
         }
         ModelKind::TwoCenter { bond_length, .. } => two_center(bond_length)
             .into_iter()
@@ -207,12 +197,7 @@ pub const GOOD_TAIL_CUTOFF: f64 = 4.0;
 pub fn equation_of_state_for(
     model: ModelKind,
 ) -> Result<&'static dyn EquationOfState, NoReference> {
-    let none = |model: String, reason: &str| {
-        Err(NoReference {
-            model,
-            reason: reason.to_owned(),
-        })
-    };
+    let none = |model: String, reason: &str| Err(NoReference { model, reason: reason.to_owned() });
     match model {
         ModelKind::CutWithTail { .. } => Ok(thol_2016()),
         ModelKind::Shifted { r_cut } if r_cut == THOL_2015_CUTOFF => Ok(thol_2015()),
@@ -232,17 +217,15 @@ pub fn equation_of_state_for(
             format!("Lennard-Jones switched off at {r_cut} σ"),
             "its thermodynamics depends on the switch, and none was published for it",
         ),
-        ModelKind::Mie {
-            repulsive,
-            attractive,
-            ..
-        } => match pohl_2023(repulsive).filter(|_| attractive == Mie::LENNARD_JONES.attractive) {
-            Some(pohl) => Ok(pohl),
-            None => none(
-                format!("the Mie potential with exponents {repulsive} and {attractive}"),
-                "the one for Mie potentials is for repulsive exponents from 11 to 13 and the attractive exponent 6",
-            ),
-        },
+        ModelKind::Mie { repulsive, attractive, .. } => {
+            match pohl_2023(repulsive).filter(|_| attractive == Mie::LENNARD_JONES.attractive) {
+                Some(pohl) => Ok(pohl),
+                None => none(
+                    format!("the Mie potential with exponents {repulsive} and {attractive}"),
+                    "the one for Mie potentials is for repulsive exponents from 11 to 13 and the attractive exponent 6",
+                ),
+            }
+        }
         ModelKind::TwoCenter { bond_length, .. } => match two_center(bond_length) {
             Some([lisal, _]) => Ok(lisal),
             None => none(
@@ -250,9 +233,9 @@ pub fn equation_of_state_for(
                 "the equations for two-center fluids are for bonds of 0.1 to 1 σ",
             ),
         },
-        ModelKind::Mixture {
-            fluid, size_ratio, ..
-        } if size_ratio <= LARGEST_SIZE_RATIO => Ok(one_fluid(fluid)),
+        ModelKind::Mixture { fluid, size_ratio, .. } if size_ratio <= LARGEST_SIZE_RATIO => {
+            Ok(one_fluid(fluid))
+        }
         ModelKind::Mixture { size_ratio, .. } => none(
             format!("a mixture with a ratio of sizes of {size_ratio:.3}"),
             "the band of the one-fluid theory is stated for ratios up to 1.1",
@@ -261,10 +244,9 @@ pub fn equation_of_state_for(
             "the mixture of Kob and Andersen".to_owned(),
             "single states of it stand in the table `kob-andersen`",
         ),
-        ModelKind::Other { potential } => none(
-            potential.to_owned(),
-            "the equations of state here are for Lennard-Jones",
-        ),
+        ModelKind::Other { potential } => {
+            none(potential.to_owned(), "the equations of state here are for Lennard-Jones")
+        }
     }
 }
 

@@ -41,11 +41,7 @@ impl OneFluid {
                 energy += share * epsilon;
             }
         }
-        Self {
-            sigma: volume.cbrt(),
-            epsilon: energy / volume,
-            mass: 1.0,
-        }
+        Self { sigma: volume.cbrt(), epsilon: energy / volume, mass: 1.0 }
     }
 
     /// The same with another mean mass of a particle, m.
@@ -134,7 +130,5 @@ impl EquationOfState for OneFluidEquation {
 #[must_use]
 pub fn one_fluid(fluid: OneFluid) -> &'static OneFluidEquation {
     static MADE: Made<3, OneFluidEquation> = Made::new();
-    MADE.for_parameters([fluid.sigma, fluid.epsilon, fluid.mass], || {
-        OneFluidEquation::new(fluid)
-    })
+    MADE.for_parameters([fluid.sigma, fluid.epsilon, fluid.mass], || OneFluidEquation::new(fluid))
 }

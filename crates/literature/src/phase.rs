@@ -39,10 +39,7 @@ impl Phase {
     /// Whether the state lies between the densities of the coexisting vapor and liquid.
     #[must_use]
     pub fn is_between_vapor_and_liquid(self) -> bool {
-        matches!(
-            self,
-            Self::MetastableVapor | Self::MetastableLiquid | Self::InsideDome
-        )
+        matches!(self, Self::MetastableVapor | Self::MetastableLiquid | Self::InsideDome)
     }
 
     /// One phrase for a table or a message.
@@ -76,12 +73,7 @@ pub(crate) fn spinodal(
 ) -> Option<[f64; 2]> {
     const STEPS: usize = 256;
     const HALVINGS: usize = 48;
-    let Saturation {
-        temperature,
-        vapor_density: vapor,
-        liquid_density: liquid,
-        ..
-    } = saturation;
+    let Saturation { temperature, vapor_density: vapor, liquid_density: liquid, .. } = saturation;
     let stable = |rho: f64| state_at(rho, temperature).dp_drho > 0.0;
     let first_unstable = |from: f64, to: f64| {
         let at = |step: usize| from + (to - from) * step as f64 / STEPS as f64;
@@ -97,10 +89,7 @@ pub(crate) fn spinodal(
         }
         Some(inside)
     };
-    Some([
-        first_unstable(vapor, liquid)?,
-        first_unstable(liquid, vapor)?,
-    ])
+    Some([first_unstable(vapor, liquid)?, first_unstable(liquid, vapor)?])
 }
 
 /// What [`classify`] needs to know.

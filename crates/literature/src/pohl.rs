@@ -56,10 +56,7 @@ impl Pohl {
         let [r0, r1] = file.rho_reducing;
         let t_red = t0 + t1 / n + t3 / n.powi(3);
         let rho_red = r0 + r1 * n.log10();
-        let reducing = CriticalPoint {
-            temperature: t_red,
-            density: rho_red,
-        };
+        let reducing = CriticalPoint { temperature: t_red, density: rho_red };
         let model = if n == LENNARD_JONES {
             "full Lennard-Jones potential".to_owned()
         } else {

@@ -103,13 +103,7 @@ impl FluidState {
 
     /// μ_JT = ∂T/∂P at constant enthalpy, σ³/k_B; finite where κ_T diverges.
     fn joule_thomson(&self) -> f64 {
-        let Self {
-            rho,
-            temperature: t,
-            dp_dt,
-            dp_drho,
-            ..
-        } = *self;
+        let Self { rho, temperature: t, dp_dt, dp_drho, .. } = *self;
         let per_slope = self.heat_capacity_volume * dp_drho + t * (dp_dt / rho).powi(2);
         (t * dp_dt / rho - dp_drho) / (rho * per_slope)
     }

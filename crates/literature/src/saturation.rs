@@ -139,9 +139,7 @@ fn newton(
                 return None;
             }
         }
-        let change = (next_liquid / liquid - 1.0)
-            .abs()
-            .max((next_vapor / vapor - 1.0).abs());
+        let change = (next_liquid / liquid - 1.0).abs().max((next_vapor / vapor - 1.0).abs());
         liquid = next_liquid;
         vapor = next_vapor;
         if change < CONVERGED {

@@ -70,17 +70,8 @@ impl<N> Terms<N> {
     pub(crate) fn with_amplitudes(&self, amplitude: impl Fn(&N) -> Vec<f64>) -> Terms {
         let (p, e, g) = (&self.poly, &self.exp, &self.gauss);
         Terms {
-            poly: Polynomial {
-                n: amplitude(&p.n),
-                t: p.t.clone(),
-                d: p.d.clone(),
-            },
-            exp: Exponential {
-                n: amplitude(&e.n),
-                t: e.t.clone(),
-                d: e.d.clone(),
-                l: e.l.clone(),
-            },
+            poly: Polynomial { n: amplitude(&p.n), t: p.t.clone(), d: p.d.clone() },
+            exp: Exponential { n: amplitude(&e.n), t: e.t.clone(), d: e.d.clone(), l: e.l.clone() },
             gauss: Gaussian {
                 n: amplitude(&g.n),
                 t: g.t.clone(),

@@ -38,8 +38,6 @@ impl EquationOfState for Thol {
     }
 
     fn freezing_density(&self, temperature: f64) -> Option<f64> {
-        self.full_potential
-            .then(|| freezing_line().freezing_density(temperature))
-            .flatten()
+        self.full_potential.then(|| freezing_line().freezing_density(temperature)).flatten()
     }
 }

@@ -74,11 +74,7 @@ struct ChaparroRow {
     rho: f64,
     #[serde(rename = "T")]
     temperature: f64,
-    #[serde(
-        alias = "shear_viscosity",
-        alias = "self_diffusivity",
-        alias = "thermal_conductivity"
-    )]
+    #[serde(alias = "shear_viscosity", alias = "self_diffusivity", alias = "thermal_conductivity")]
     value: f64,
     #[serde(
         alias = "shear_viscosity_std",
@@ -107,10 +103,7 @@ static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
     let files = [
         (TransportProperty::ShearViscosity, "shear-viscosity"),
         (TransportProperty::SelfDiffusion, "self-diffusion"),
-        (
-            TransportProperty::ThermalConductivity,
-            "thermal-conductivity",
-        ),
+        (TransportProperty::ThermalConductivity, "thermal-conductivity"),
     ];
     let mut table = Vec::new();
     for (property, name) in files {
@@ -166,12 +159,8 @@ pub fn transport_near(
     rho: f64,
     temperature: f64,
 ) -> Option<TransportValue> {
-    let of_property = || {
-        TABLE
-            .iter()
-            .filter(move |row| row.property == property)
-            .map(|row| &row.value)
-    };
+    let of_property =
+        || TABLE.iter().filter(move |row| row.property == property).map(|row| &row.value);
     let same_density = || of_property().filter(|v| (v.rho - rho).abs() <= SAME_DENSITY);
     let below = same_density()
         .filter(|v| v.temperature <= temperature)
@@ -199,10 +188,8 @@ pub fn transport_near(
 /// The value on the line between two states of one density.
 fn between(low: &TransportValue, high: &TransportValue, temperature: f64) -> TransportValue {
     let share = (temperature - low.temperature) / (high.temperature - low.temperature);
-    let uncertainty = low
-        .uncertainty
-        .zip(high.uncertainty)
-        .map(|(l, h)| ((1.0 - share) * l).hypot(share * h));
+    let uncertainty =
+        low.uncertainty.zip(high.uncertainty).map(|(l, h)| ((1.0 - share) * l).hypot(share * h));
     TransportValue {
         value: (1.0 - share) * low.value + share * high.value,
         uncertainty,

@@ -85,10 +85,7 @@ impl TwoCenter {
         let [t0, t1, t2, t3] = coefficients.t;
         let t_red = ((t0 + t1 * l) / (1.0 + t2 * l + t3 * l * l)).sqrt();
         let rho_red = (r0 + r1 * l) / (1.0 + r2 * l + r3 * l * l);
-        let reducing = CriticalPoint {
-            temperature: t_red,
-            density: rho_red,
-        };
+        let reducing = CriticalPoint { temperature: t_red, density: rho_red };
         let mut equation = Self {
             spec: EquationSpec {
                 key: coefficients.key.clone(),
@@ -182,9 +179,7 @@ pub fn two_center(bond_length: f64) -> Option<[&'static TwoCenter; 2]> {
     static MADE: Made<1, [TwoCenter; 2]> = Made::new();
     BOND_LENGTHS.contains(&bond_length).then(|| {
         let pair = MADE.for_parameters([bond_length], || {
-            FILE.equations
-                .each_ref()
-                .map(|coefficients| TwoCenter::new(coefficients, bond_length))
+            FILE.equations.each_ref().map(|coefficients| TwoCenter::new(coefficients, bond_length))
         });
         pair.each_ref()
     })

@@ -85,10 +85,7 @@ impl TwoPhaseSource {
     }
 }
 
-const CRITICAL: CriticalPoint = CriticalPoint {
-    temperature: 1.0779,
-    density: 0.3190,
-};
+const CRITICAL: CriticalPoint = CriticalPoint { temperature: 1.0779, density: 0.3190 };
 /// The lowest temperature of the correlations, ε/k_B: their simulations end there.
 const COLDEST: f64 = 0.62;
 const VRABEC: &str = "J. Vrabec, G. K. Kedia, G. Fuchs, H. Hasse, Mol. Phys. 104, 1509 (2006), doi:10.1080/00268970600556774";
@@ -188,10 +185,7 @@ mod tests {
     #[test]
     fn like_is_compared_with_like() {
         let of = |model| TwoPhaseSource::of(model);
-        assert_eq!(
-            of(ModelKind::CutWithoutTail { r_cut: 2.5 }),
-            Ok(TwoPhaseSource::Vrabec)
-        );
+        assert_eq!(of(ModelKind::CutWithoutTail { r_cut: 2.5 }), Ok(TwoPhaseSource::Vrabec));
         assert!(of(ModelKind::CutWithoutTail { r_cut: 4.0 }).is_err());
         assert!(of(ModelKind::Shifted { r_cut: 3.0 }).is_err());
         let full = of(ModelKind::CutWithTail { r_cut: 2.5 }).unwrap();

@@ -27,10 +27,7 @@ pub struct Mie {
 
 impl Mie {
     /// The Lennard-Jones potential.
-    pub const LENNARD_JONES: Self = Self {
-        repulsive: 12.0,
-        attractive: 6.0,
-    };
+    pub const LENNARD_JONES: Self = Self { repulsive: 12.0, attractive: 6.0 };
 
     fn strength(self) -> f64 {
         let (n, m) = (self.repulsive, self.attractive);
@@ -97,21 +94,13 @@ impl ThirdVirial {
         let h = Self::REACH / Self::STEPS as f64;
         // f, ∂f/∂β and ∂²f/∂β², each times r.
         let mayer = |r: f64| -> [f64; 3] {
-            let u = if r > 0.0 {
-                potential.energy(r)
-            } else {
-                f64::INFINITY
-            };
+            let u = if r > 0.0 { potential.energy(r) } else { f64::INFINITY };
             // Where e^{−βu} underflows, so do its products with u.
             if beta * u > 700.0 {
                 return [-r, 0.0, 0.0];
             }
             let boltzmann = (-beta * u).exp();
-            [
-                r * (-beta * u).exp_m1(),
-                -r * u * boltzmann,
-                r * u * u * boltzmann,
-            ]
+            [r * (-beta * u).exp_m1(), -r * u * boltzmann, r * u * u * boltzmann]
         };
         let at: Vec<[f64; 3]> = (1..Self::STEPS).map(|k| mayer(k as f64 * h)).collect();
         // Integrals of f·t and of ∂f/∂β·t up to each multiple of the step, by four Gauss points a step.
@@ -205,17 +194,11 @@ impl VirialSeries {
     #[must_use]
     pub fn coefficients(&self, temperature: f64) -> [Jet; 2] {
         let beta = 1.0 / temperature;
-        [
-            self.potential.second_virial(Jet::first(beta)),
-            self.third(beta),
-        ]
+        [self.potential.second_virial(Jet::first(beta)), self.third(beta)]
     }
 
     fn third(&self, beta: f64) -> Jet {
-        let mut last = self
-            .last
-            .lock()
-            .expect("no thread panics while it holds this");
+        let mut last = self.last.lock().expect("no thread panics while it holds this");
         match *last {
             Some((at, found)) if at == beta => found,
             _ => last.insert((beta, self.potential.third_virial(beta))).1,
@@ -275,8 +258,7 @@ impl EquationOfState for VirialSeries {
         if self.check(rho, temperature).is_err() {
             return Phase::OutsideRange;
         }
-        self.condensing()
-            .map_or(Phase::Gas, |e| e.phase(rho, temperature))
+        self.condensing().map_or(Phase::Gas, |e| e.phase(rho, temperature))
     }
 }
 

@@ -50,10 +50,7 @@ mod tests {
 
     #[test]
     fn a_library_for_one_thread_is_refused() {
-        assert_eq!(
-            refusal(None),
-            Some("error: starting MPI: it was started before")
-        );
+        assert_eq!(refusal(None), Some("error: starting MPI: it was started before"));
         let single = refusal(Some(Threading::Funneled)).unwrap();
         assert_eq!(
             single,

@@ -21,10 +21,7 @@ const PIECE: usize = Count::MAX as usize / 3;
 /// Where one message cannot have so many, which ends all ranks.
 fn count(words: usize) -> Count {
     Count::try_from(words).unwrap_or_else(|_| {
-        panic!(
-            "{words} words between ranks: MPI counts at most {}",
-            Count::MAX
-        )
+        panic!("{words} words between ranks: MPI counts at most {}", Count::MAX)
     })
 }
 
@@ -38,10 +35,7 @@ impl World {
     /// The ranks of this program.
     pub fn new() -> Self {
         let world = SimpleCommunicator::world();
-        Self {
-            rank: world.rank() as usize,
-            ranks: world.size() as usize,
-        }
+        Self { rank: world.rank() as usize, ranks: world.size() as usize }
     }
 }
 

@@ -37,14 +37,7 @@ mod tests {
     fn lists_that_are_filled_again_keep_room_that_fits() {
         let elements = [3_u16; 1000];
         let mut list = Vec::new();
-        for (len, room) in [
-            (800, 825),
-            (820, 825),
-            (740, 825),
-            (700, 721),
-            (722, 744),
-            (0, 0),
-        ] {
+        for (len, room) in [(800, 825), (820, 825), (740, 825), (700, 721), (722, 744), (0, 0)] {
             refill(&mut list, &elements[..len]);
             assert_eq!((list.len(), list.capacity()), (len, room));
         }
@@ -64,10 +57,6 @@ mod tests {
         assert_eq!(list.capacity(), before, "the next build may need it");
         list.truncate(500);
         give_back(&mut list);
-        assert!(
-            (531..=562).contains(&list.capacity()),
-            "{}",
-            list.capacity()
-        );
+        assert!((531..=562).contains(&list.capacity()), "{}", list.capacity());
     }
 }

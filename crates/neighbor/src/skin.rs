@@ -69,11 +69,7 @@ fn closing(inputs: &SkinInputs, skin: f64) -> f64 {
 #[must_use]
 pub fn cheapest_skin(inputs: &SkinInputs) -> f64 {
     let skin = skin_of_full_lists(inputs);
-    if neighbors(inputs, skin) < FULL_LISTS {
-        skin_of_short_lists(inputs, skin)
-    } else {
-        skin
-    }
+    if neighbors(inputs, skin) < FULL_LISTS { skin_of_short_lists(inputs, skin) } else { skin }
 }
 
 /// The mean number of neighbors in a list, n = (4/3)π·ρ·(r_cut + s)³.
@@ -159,13 +155,9 @@ mod tests {
         let width = 1e-3;
         let steps = ((12.0 - FEW_EXCEED) / width) as usize;
         let density = |u: f64| (2.0 / PI).sqrt() * u * u * (-0.5 * u * u).exp();
-        let chance: f64 = (0..steps)
-            .map(|k| width * density(FEW_EXCEED + (k as f64 + 0.5) * width))
-            .sum();
-        assert!(
-            (chance * Limits::SMALL.far_among as f64 - 1.0).abs() < 0.01,
-            "{chance}"
-        );
+        let chance: f64 =
+            (0..steps).map(|k| width * density(FEW_EXCEED + (k as f64 + 0.5) * width)).sum();
+        assert!((chance * Limits::SMALL.far_among as f64 - 1.0).abs() < 0.01, "{chance}");
     }
 
     #[test]
@@ -181,11 +173,8 @@ mod tests {
 
     #[test]
     fn short_lists_get_thicker_skins_and_full_lists_keep_theirs() {
-        let gas = |density: f64| SkinInputs {
-            density,
-            build_over_force: 6.5,
-            ..inputs(1.5, 0.005)
-        };
+        let gas =
+            |density: f64| SkinInputs { density, build_over_force: 6.5, ..inputs(1.5, 0.005) };
         for density in [0.25, 0.4, 0.8442] {
             let full = skin_of_full_lists(&gas(density));
             assert_eq!(cheapest_skin(&gas(density)), full, "{density}");
@@ -195,16 +184,10 @@ mod tests {
             let found = cheapest_skin(&gas(density));
             assert!(range.contains(&found), "{density}: {found}");
         }
-        let soft = SkinInputs {
-            r_cut: 2.0_f64.powf(1.0 / 6.0),
-            ..gas(0.8)
-        };
+        let soft = SkinInputs { r_cut: 2.0_f64.powf(1.0 / 6.0), ..gas(0.8) };
         let found = cheapest_skin(&soft);
         assert!((0.35..0.6).contains(&found), "{found}");
-        let cold = SkinInputs {
-            temperature: 0.0,
-            ..soft
-        };
+        let cold = SkinInputs { temperature: 0.0, ..soft };
         assert!(cheapest_skin(&cold) < SMALLEST_SKIN * (1.0 + 1e-6));
     }
 

@@ -13,25 +13,15 @@ pub(crate) struct Limits {
 
 impl Limits {
     /// The limits below [`LARGE_SYSTEM`] particles.
-    pub const SMALL: Self = Self {
-        far_among: 32,
-        farthest_together: 2.0,
-    };
+    pub const SMALL: Self = Self { far_among: 32, farthest_together: 2.0 };
 
     /// The limits from [`LARGE_SYSTEM`] particles on: their lists take longer to build, and their fastest particles
     /// are faster.
-    const LARGE: Self = Self {
-        far_among: 16,
-        farthest_together: 3.0,
-    };
+    const LARGE: Self = Self { far_among: 16, farthest_together: 3.0 };
 
     /// The limits for a number of particles.
     pub fn of(n: usize) -> Self {
-        if n < LARGE_SYSTEM {
-            Self::SMALL
-        } else {
-            Self::LARGE
-        }
+        if n < LARGE_SYSTEM { Self::SMALL } else { Self::LARGE }
     }
 }
 
@@ -76,19 +66,13 @@ impl Criterion {
     /// The criterion in the box of the build, for a list with this skin, σ.
     #[must_use]
     pub fn new(skin: f64) -> Self {
-        Self {
-            limit: Self::limit(skin),
-            in_build_box: true,
-        }
+        Self { limit: Self::limit(skin), in_build_box: true }
     }
 
     /// The criterion in a box that changed since the build: `effective_skin` is a·r_list − r_cut, σ.
     #[must_use]
     pub fn in_changed_box(effective_skin: f64) -> Self {
-        Self {
-            limit: Self::limit(effective_skin),
-            in_build_box: false,
-        }
+        Self { limit: Self::limit(effective_skin), in_build_box: false }
     }
 
     fn limit(skin: f64) -> f64 {

@@ -33,11 +33,9 @@ fn main() {
     println!("|---|---|---|---|---|---|");
     for independent in [50.0, 100.0, 500.0] {
         for (height, decay) in
-            [(0.0, 1.0)]
-                .into_iter()
-                .chain([5.0, 10.0].into_iter().flat_map(|height| {
-                    [0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 2.0].map(|decay| (height, decay))
-                }))
+            [(0.0, 1.0)].into_iter().chain([5.0, 10.0].into_iter().flat_map(|height| {
+                [0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 2.0].map(|decay| (height, decay))
+            }))
         {
             let (mut complaints, mut cut, mut kept, mut within) = (0, 0.0, 0, 0);
             for seed in 0..SERIES {
@@ -56,16 +54,9 @@ fn main() {
             let (part, share) = if kept == 0 {
                 ("–".into(), "–".into())
             } else {
-                (
-                    format!("{:.0} %", 100.0 * cut / kept as f64),
-                    format!("{within} of {kept}"),
-                )
+                (format!("{:.0} %", 100.0 * cut / kept as f64), format!("{within} of {kept}"))
             };
-            let decay = if height == 0.0 {
-                "–".into()
-            } else {
-                decay.to_string()
-            };
+            let decay = if height == 0.0 { "–".into() } else { decay.to_string() };
             println!(
                 "| {independent} | {height} | {decay} | {} | {part} | {share} |",
                 percent(complaints)

@@ -19,9 +19,7 @@ pub(crate) const FEWEST_FLUCTUATIONS: f64 = 300.0;
 pub(crate) fn of_series(name: &str, unit: &str, column: &[f64], cut: usize) -> Average {
     let rest = &column[cut.min(column.len())..];
     let estimate = statistics::estimate_after(column, cut);
-    with_doubts(name, unit, estimate, rest, FEWEST_INDEPENDENT, |trend| {
-        changes("it", trend)
-    })
+    with_doubts(name, unit, estimate, rest, FEWEST_INDEPENDENT, |trend| changes("it", trend))
 }
 
 /// An estimate with the error of the mean of `influence`. It is too short with fewer than `fewest` independent samples,
@@ -62,12 +60,10 @@ fn with_doubts(
     fewest: f64,
     words: impl Fn(&Trend) -> String,
 ) -> Average {
-    Average::new(name, unit, estimate)
-        .doubted(too_few(&estimate, influence.len(), fewest))
-        .doubted(
-            statistics::trend(influence, TRANSIENT_OF_MANY_ERRORS)
-                .map(|trend| Doubt::NotInEquilibrium(words(&trend))),
-        )
+    Average::new(name, unit, estimate).doubted(too_few(&estimate, influence.len(), fewest)).doubted(
+        statistics::trend(influence, TRANSIENT_OF_MANY_ERRORS)
+            .map(|trend| Doubt::NotInEquilibrium(words(&trend))),
+    )
 }
 
 /// A trend of what a derived quantity is made of.
@@ -130,11 +126,7 @@ fn too_few(estimate: &Estimate, samples: usize, fewest: f64) -> Option<Doubt> {
 
 /// A trend in words.
 pub(crate) fn changes(what: &str, trend: &Trend) -> String {
-    let verb = if trend.last > trend.first {
-        "rises"
-    } else {
-        "falls"
-    };
+    let verb = if trend.last > trend.first { "rises" } else { "falls" };
     format!(
         "{what} still {verb} from {} to {} (first and last third, {} standard errors)",
         significant(trend.first, 4),
@@ -154,9 +146,7 @@ mod tests {
         // τ = 50 of 1000 samples: worth 10.
         let series = Ar1::new((-0.02_f64).exp(), 1).series(1000);
         let average = of_series("x", "", &series, 0);
-        let Some(Doubt::TooShort { longer, .. }) = &average.doubt else {
-            panic!("{average:?}")
-        };
+        let Some(Doubt::TooShort { longer, .. }) = &average.doubt else { panic!("{average:?}") };
         assert!((1.5..10.0).contains(longer), "{longer}");
         let long = Ar1::new((-0.02_f64).exp(), 1).series(50_000);
         assert_eq!(of_series("x", "", &long, 0).doubt, None);
@@ -167,9 +157,7 @@ mod tests {
         let mut series = Ar1::new(0.5, 2).series(2000);
         (0..2000).for_each(|i| series[i] += 10.0 - i as f64 / 200.0);
         let average = of_series("x", "", &series, 0);
-        let Some(Doubt::NotInEquilibrium(why)) = &average.doubt else {
-            panic!("{average:?}")
-        };
+        let Some(Doubt::NotInEquilibrium(why)) = &average.doubt else { panic!("{average:?}") };
         assert!(why.starts_with("it still falls from 8.3"), "{why}");
     }
 

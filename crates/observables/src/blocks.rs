@@ -104,10 +104,7 @@ impl BlockedSums {
     /// Sum and count of quantity `k` over the whole run.
     #[must_use]
     pub fn total(&self, k: usize) -> (f64, u64) {
-        (
-            self.sums.iter().map(|row| row[k]).sum(),
-            self.counts.iter().map(|row| row[k]).sum(),
-        )
+        (self.sums.iter().map(|row| row[k]).sum(), self.counts.iter().map(|row| row[k]).sum())
     }
 
     /// Mean of quantity `k` over the whole run; `None` where nothing was added.
@@ -120,9 +117,7 @@ impl BlockedSums {
     /// The means of quantity `k` over each complete block that holds any.
     #[must_use]
     pub fn block_means(&self, k: usize) -> Vec<f64> {
-        (0..self.complete_blocks())
-            .filter_map(|b| self.block_mean(b, k))
-            .collect()
+        (0..self.complete_blocks()).filter_map(|b| self.block_mean(b, k)).collect()
     }
 
     /// Mean of quantity `k` over block `b`; `None` where nothing was added there.
@@ -215,11 +210,7 @@ impl BlockedSums {
             let less = |all: &[f64], block: &[f64]| -> Vec<f64> {
                 all.iter().zip(block).map(|(x, y)| x - y).collect()
             };
-            let left: Vec<u64> = counts
-                .iter()
-                .zip(&self.counts[b])
-                .map(|(x, y)| x - y)
-                .collect();
+            let left: Vec<u64> = counts.iter().zip(&self.counts[b]).map(|(x, y)| x - y).collect();
             let without = quantities(&means(&less(&sums, &self.sums[b]), &left));
             for ((whole, pseudo), without) in found.iter_mut().zip(without) {
                 if !without.is_nan() {
@@ -233,15 +224,7 @@ impl BlockedSums {
 
 impl Persist for BlockedSums {
     fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_u64(
-            "shape",
-            &[
-                self.width as u64,
-                self.limit as u64,
-                self.stride,
-                self.samples,
-            ],
-        );
+        to.put_u64("shape", &[self.width as u64, self.limit as u64, self.stride, self.samples]);
         to.put_f64("sums", &self.sums.concat());
         to.put_u64("counts", &self.counts.concat());
     }
@@ -343,10 +326,7 @@ mod tests {
             sum += statistics::error_of_mean(&pseudo).standard_error.powi(2);
         }
         let printed = (sum / seeds as f64).sqrt();
-        assert!(
-            (0.95..1.12).contains(&(printed / exact)),
-            "{printed} {exact}"
-        );
+        assert!((0.95..1.12).contains(&(printed / exact)), "{printed} {exact}");
     }
 
     #[test]

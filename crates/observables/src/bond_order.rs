@@ -116,10 +116,7 @@ impl BondOrder {
         within_box("r_max", options.r_max, &context.cell)?;
         Ok(Self {
             r_max: options.r_max,
-            rule: SolidRule {
-                threshold: options.threshold,
-                bonds: options.bonds,
-            },
+            rule: SolidRule { threshold: options.threshold, bonds: options.bonds },
             orders: [Harmonics::new(4), Harmonics::new(6)],
             series: Series::new(Rows::default(), MOST_ROWS),
         })
@@ -220,14 +217,10 @@ impl Observable for BondOrder {
         let caption =
             format!("order of bonds against time; each row is the mean of {stride} samples");
         let table = Table::new("bond_order", caption).with("time", "τ", rows.time.clone());
-        let table = named.into_iter().fold(table, |table, (name, column)| {
-            table.with(name, "", column.clone())
-        });
-        Findings {
-            averages: averages.into(),
-            tables: vec![table],
-            ..Findings::default()
-        }
+        let table = named
+            .into_iter()
+            .fold(table, |table, (name, column)| table.with(name, "", column.clone()));
+        Findings { averages: averages.into(), tables: vec![table], ..Findings::default() }
     }
 }
 

@@ -106,11 +106,7 @@ impl Cells {
         };
         let mut members = Vec::new();
         members.resize_with(count.iter().product(), Points::default);
-        let mut cells = Self {
-            sides,
-            count,
-            members,
-        };
+        let mut cells = Self { sides, count, members };
         for (id, r) in positions {
             let r = cell.wrap(*r);
             let home = cells.home(r);
@@ -169,11 +165,7 @@ impl Cells {
         offsets.map(move |k| {
             // An offset of 0, 1, 2 stands for −1, 0, 1.
             let [dx, dy, dz] = [k / 9, k / 3 % 3, k % 3];
-            let other = [
-                (x + dx + nx - 1) % nx,
-                (y + dy + ny - 1) % ny,
-                (z + dz + nz - 1) % nz,
-            ];
+            let other = [(x + dx + nx - 1) % nx, (y + dy + ny - 1) % ny, (z + dz + nz - 1) % nz];
             &self.members[self.index(other)]
         })
     }

@@ -31,15 +31,7 @@ struct Columns {
     side_z: Vec<f64>,
 }
 
-impl_columns!(Columns {
-    time,
-    volume,
-    density,
-    enthalpy,
-    side_x,
-    side_y,
-    side_z,
-});
+impl_columns!(Columns { time, volume, density, enthalpy, side_x, side_y, side_z });
 
 /// Volume, density and enthalpy of a run at constant pressure, per particle or per molecule; every such run has it.
 ///
@@ -55,11 +47,7 @@ impl ChangingBox {
     /// For a barostat that holds this pressure, ε/σ³, with energies in ε per particle or per molecule.
     #[must_use]
     pub fn new(pressure: Ramp, energy_unit: &'static str) -> Self {
-        Self {
-            pressure,
-            energy_unit,
-            series: Series::new(Columns::default(), MOST_ROWS),
-        }
+        Self { pressure, energy_unit, series: Series::new(Columns::default(), MOST_ROWS) }
     }
 
     /// The mean density in σ⁻³ after a part of the run, with its standard error.
@@ -105,11 +93,7 @@ impl Observable for ChangingBox {
     }
 
     fn finish(&self, discarded: f64) -> Findings {
-        let (rows, cut, stride) = (
-            self.series.rows(),
-            self.cut(discarded),
-            self.series.stride(),
-        );
+        let (rows, cut, stride) = (self.series.rows(), self.cut(discarded), self.series.stride());
         let mut averages = vec![
             of_series("volume", "σ³", &rows.volume, cut),
             self.density(discarded),
@@ -127,11 +111,7 @@ impl Observable for ChangingBox {
             .with("side_x", "σ", rows.side_x.clone())
             .with("side_y", "σ", rows.side_y.clone())
             .with("side_z", "σ", rows.side_z.clone());
-        Findings {
-            averages,
-            tables: vec![table],
-            ..Findings::default()
-        }
+        Findings { averages, tables: vec![table], ..Findings::default() }
     }
 }
 
@@ -157,24 +137,13 @@ mod tests {
         for side in [4.0, 5.0] {
             let cell = PeriodicBox::new(DVec3::new(side, 2.0, 1.0)).unwrap();
             let mut state = State::new(cell, vec![DVec3::ZERO; 2], vec![DVec3::X; 2]);
-            state.energetics = Energetics {
-                potential_energy: Some(-6.0),
-                ..Energetics::default()
-            };
+            state.energetics = Energetics { potential_energy: Some(-6.0), ..Energetics::default() };
             seen.sample(&View {
-                tail: Some(TailCorrection {
-                    energy_per_particle: -0.25,
-                    pressure: 0.0,
-                }),
+                tail: Some(TailCorrection { energy_per_particle: -0.25, pressure: 0.0 }),
                 ..View::of(&state, &system)
             });
         }
-        let means: Vec<f64> = seen
-            .finish(0.0)
-            .averages
-            .iter()
-            .map(|a| a.estimate.mean)
-            .collect();
+        let means: Vec<f64> = seen.finish(0.0).averages.iter().map(|a| a.estimate.mean).collect();
         // K = 1, U = −6, P₀V = 4 and 5 for two particles, and the tail.
         let enthalpy = 0.5 * (-0.5 + 0.0) - 0.25;
         assert_eq!(means, [9.0, 0.5 * (0.25 + 0.2), enthalpy]);

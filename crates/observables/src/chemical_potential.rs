@@ -148,11 +148,8 @@ impl ChemicalPotential {
         let residual = -t * (mean_weight / mean_volume).ln();
         // By how much each row moves the logarithms of the two means.
         let of_weight = |w: &f64| w / mean_weight - 1.0;
-        let both: Vec<[f64; 2]> = weight
-            .iter()
-            .zip(volume)
-            .map(|(w, v)| [of_weight(w), v / mean_volume - 1.0])
-            .collect();
+        let both: Vec<[f64; 2]> =
+            weight.iter().zip(volume).map(|(w, v)| [of_weight(w), v / mean_volume - 1.0]).collect();
         let n = self.species.count(of.trials.species()) as f64;
         let rare = self.too_rare(of);
         let average = |name: &str, unit: &str, mean: f64, influence: Vec<f64>| -> Average {
@@ -240,8 +237,7 @@ impl Observable for ChemicalPotential {
             let tasks = insertions.div_ceil(INSERTIONS_A_TASK);
             let logarithms = tasks::map_tasks(tasks, |near: &mut Vec<f64>, task| {
                 let own = lennard_core::parallel::part(task, INSERTIONS_A_TASK, insertions);
-                own.map(|k| trials.log_weight(&fluid, place(k), near) - tail)
-                    .collect::<Vec<f64>>()
+                own.map(|k| trials.log_weight(&fluid, place(k), near) - tail).collect::<Vec<f64>>()
             });
             let mut sum = 0.0;
             for log_weight in logarithms.into_iter().flatten() {

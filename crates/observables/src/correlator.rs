@@ -70,10 +70,7 @@ impl Correlator {
     /// The same without the products that end in the first `discarded` part of the samples, from 0 to 1.
     #[must_use]
     pub fn after(&self, discarded: f64) -> Self {
-        Self {
-            products: self.products.after(discarded),
-            ..self.clone()
-        }
+        Self { products: self.products.after(discarded), ..self.clone() }
     }
 
     /// Takes one sample, one value for each channel.
@@ -90,8 +87,7 @@ impl Correlator {
             let now = &level.history[0];
             for (lag, then) in level.history.iter().enumerate().skip(first_lag(l)) {
                 let sum: f64 = now.iter().zip(then).map(|(a, b)| a * b).sum();
-                self.products
-                    .add(l * POINTS + lag, sum / self.channels as f64, 1);
+                self.products.add(l * POINTS + lag, sum / self.channels as f64, 1);
             }
             match level.waiting.take() {
                 None => {
@@ -111,11 +107,7 @@ impl Correlator {
     pub fn integral_blocks(&self, last: usize) -> Vec<Vec<f64>> {
         let (lags, quantities) = self.reached();
         let end = last.min(quantities.len().saturating_sub(1));
-        let times: Vec<f64> = lags
-            .iter()
-            .take(end + 1)
-            .map(|lag| lag * self.interval)
-            .collect();
+        let times: Vec<f64> = lags.iter().take(end + 1).map(|lag| lag * self.interval).collect();
         self.products
             .complete_rows(&quantities[..times.len()])
             .iter()
@@ -136,15 +128,9 @@ impl Correlator {
     pub fn correlation(&self) -> Correlation {
         let (lags, quantities) = self.reached();
         let times: Vec<f64> = lags.iter().map(|lag| lag * self.interval).collect();
-        let values: Vec<f64> = quantities
-            .iter()
-            .filter_map(|q| self.products.mean(*q))
-            .collect();
+        let values: Vec<f64> = quantities.iter().filter_map(|q| self.products.mean(*q)).collect();
         let integral = running_integral(&times, &values);
-        let errors = quantities
-            .iter()
-            .map(|q| self.products.standard_error(*q))
-            .collect();
+        let errors = quantities.iter().map(|q| self.products.standard_error(*q)).collect();
         let integral_errors = (0..quantities.len())
             .map(|end| {
                 let blocks: Vec<f64> = self
@@ -156,13 +142,7 @@ impl Correlator {
                 crate::statistics::error_of_mean(&blocks).standard_error
             })
             .collect();
-        Correlation {
-            times,
-            values,
-            errors,
-            integral,
-            integral_errors,
-        }
+        Correlation { times, values, errors, integral, integral_errors }
     }
 }
 
@@ -243,10 +223,7 @@ mod tests {
             // Averaging over 2^ℓ ≤ t/8 samples blurs an exponential by (2^ℓ ln φ)²/12 at most.
             let blur = exact * (samples / 8.0 * 0.95_f64.ln()).powi(2) / 12.0;
             let off = (found.values[k] - exact).abs();
-            assert!(
-                off < 5.0 * found.errors[k] + blur + 1e-3,
-                "{samples}: {off}"
-            );
+            assert!(off < 5.0 * found.errors[k] + blur + 1e-3, "{samples}: {off}");
         }
         // Trapezoidal sum of φ^k: ½(1 + φ)/(1 − φ) intervals; the coarser lags add below 2 %.
         let exact = 0.5 * 1.95 / 0.05 * interval;
@@ -254,10 +231,7 @@ mod tests {
         let end = found.times.partition_point(|t| *t < 1.5);
         let (value, error) = (found.integral[end], found.integral_errors[end]);
         assert!(error < 0.15 * exact);
-        assert!(
-            (value - exact).abs() < 4.0 * error + 0.02 * exact,
-            "{value} {exact}"
-        );
+        assert!((value - exact).abs() < 4.0 * error + 0.02 * exact, "{value} {exact}");
     }
 
     #[test]

@@ -109,10 +109,7 @@ impl Observable for DensityProfile {
         .with(name, "σ", layers.clone().map(middle).collect::<Vec<f64>>())
         .with("density", "σ⁻³", layers.clone().map(density).collect::<Vec<f64>>())
         .with("standard error", "σ⁻³", layers.map(error).collect::<Vec<f64>>());
-        let mut findings = Findings {
-            tables: vec![table],
-            ..Findings::default()
-        };
+        let mut findings = Findings { tables: vec![table], ..Findings::default() };
         let skipped = self.counts.samples() - counts.samples();
         tell_discarded(&mut findings, skipped);
         findings

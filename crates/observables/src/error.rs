@@ -18,11 +18,7 @@ impl ObservableError {
         found: impl std::fmt::Display,
         allowed: impl Into<String>,
     ) -> Self {
-        Self {
-            key,
-            found: found.to_string(),
-            allowed: allowed.into(),
-        }
+        Self { key, found: found.to_string(), allowed: allowed.into() }
     }
 
     /// The key in the observable's table (`r_max`).
@@ -47,11 +43,9 @@ impl ObservableError {
 /// Checks that an optional number is finite and positive.
 pub(crate) fn positive(key: &'static str, value: Option<f64>) -> Result<(), ObservableError> {
     match value {
-        Some(v) if !(v.is_finite() && v > 0.0) => Err(ObservableError::new(
-            key,
-            v,
-            "a finite number greater than 0",
-        )),
+        Some(v) if !(v.is_finite() && v > 0.0) => {
+            Err(ObservableError::new(key, v, "a finite number greater than 0"))
+        }
         _ => Ok(()),
     }
 }
@@ -68,10 +62,7 @@ pub(crate) fn within_box(
         Some(distance) if distance > largest => Err(ObservableError::new(
             key,
             distance,
-            format!(
-                "at most half the shortest side of the box, {}",
-                upper_bound(largest)
-            ),
+            format!("at most half the shortest side of the box, {}", upper_bound(largest)),
         )),
         _ => Ok(()),
     }

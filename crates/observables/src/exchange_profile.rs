@@ -87,9 +87,7 @@ impl ExchangeProfile {
     /// The folded profile at the slabs of a range: distance from the middle of the first slab, σ, and value.
     fn folded(&self, means: &[f64], range: std::ops::RangeInclusive<usize>) -> Vec<[f64; 2]> {
         let width = self.side / self.slabs as f64;
-        range
-            .map(|k| [k as f64 * width, 0.5 * (means[k] + means[self.slabs - k])])
-            .collect()
+        range.map(|k| [k as f64 * width, 0.5 * (means[k] + means[self.slabs - k])]).collect()
     }
 
     /// The flux through the fluid, ε/(σ²τ) or ε/σ³.
@@ -180,14 +178,9 @@ impl Observable for ExchangeProfile {
                 "temperature",
                 "ε/k_B",
             ),
-            Driven::Momentum(_) => (
-                "viscosity_by_exchange",
-                "ε τ/σ³",
-                "momentum_flux",
-                "ε/σ³",
-                "velocity",
-                "σ/τ",
-            ),
+            Driven::Momentum(_) => {
+                ("viscosity_by_exchange", "ε τ/σ³", "momentum_flux", "ε/σ³", "velocity", "σ/τ")
+            }
         };
         let coefficient = |means: &[f64]| Some(self.flux(means) / self.slope(means, self.fitted()));
         let flux = |means: &[f64]| Some(self.flux(means));
@@ -201,9 +194,8 @@ impl Observable for ExchangeProfile {
             findings.averages.push(average);
         }
         if sums.samples() > 0 {
-            let means: Vec<f64> = (0..=self.slabs)
-                .map(|k| sums.mean(k).unwrap_or(f64::NAN))
-                .collect();
+            let means: Vec<f64> =
+                (0..=self.slabs).map(|k| sums.mean(k).unwrap_or(f64::NAN)).collect();
             self.add_remarks(&means, &mut findings);
         }
         let width = self.side / self.slabs as f64;
@@ -282,10 +274,7 @@ mod tests {
             assert!((findings.averages[1].estimate.mean - flux).abs() < 1e-12);
             let found = findings.averages[0].estimate;
             let exact = flux / slope;
-            assert!(
-                (found.mean - exact).abs() < 4.0 * found.standard_error,
-                "{found:?} {exact}"
-            );
+            assert!((found.mean - exact).abs() < 4.0 * found.standard_error, "{found:?} {exact}");
             assert!(found.standard_error < 0.15 * exact, "{found:?}");
             let columns = &findings.tables[0].columns;
             assert!((columns[1].numbers()[3] - 0.4).abs() < 1e-12);

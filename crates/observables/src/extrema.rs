@@ -26,11 +26,7 @@ pub(crate) fn extrema(x: &[f64], y: &[f64], prominence: impl Fn(usize) -> f64) -
             lowest_before_rise = k;
             best = k;
         }
-        let better = if rising {
-            y[k] > y[best]
-        } else {
-            y[k] < y[best]
-        };
+        let better = if rising { y[k] > y[best] } else { y[k] < y[best] };
         if better {
             best = k;
         } else if (y[k] - y[best]).abs() > prominence(best) {
@@ -47,12 +43,7 @@ pub(crate) fn extrema(x: &[f64], y: &[f64], prominence: impl Fn(usize) -> f64) -
 }
 
 fn vertex(x: &[f64], y: &[f64], bin: usize, maximum: bool) -> Extremum {
-    let here = Extremum {
-        maximum,
-        bin,
-        place: x[bin],
-        height: y[bin],
-    };
+    let here = Extremum { maximum, bin, place: x[bin], height: y[bin] };
     if bin == 0 || bin + 1 >= y.len() {
         return here;
     }
@@ -173,11 +164,8 @@ mod tests {
         let fitted = |y: &[f64], start: f64| fitted_extremum(&x, y, start, 0.2, false);
         let (place, height) = fitted(&y, 1.2).unwrap();
         assert!((place - 1.0).abs() < 1e-8 && (height - 0.5).abs() < 1e-12);
-        let rippled: Vec<f64> = y
-            .iter()
-            .enumerate()
-            .map(|(k, y)| y + if k % 2 == 0 { 0.01 } else { -0.01 })
-            .collect();
+        let rippled: Vec<f64> =
+            y.iter().enumerate().map(|(k, y)| y + if k % 2 == 0 { 0.01 } else { -0.01 }).collect();
         let (place, _) = fitted(&rippled, 1.15).unwrap();
         assert!((place - 1.0).abs() < 0.01, "{place}");
         assert_eq!(fitted_extremum(&x, &y, 1.0, 0.2, true), None);

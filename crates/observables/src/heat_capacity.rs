@@ -116,11 +116,7 @@ pub(crate) fn average(
     let widened = error.standard_error * (1.0 + error.standard_error / value.abs());
     let estimate = Estimate {
         mean: value / n + kinetic_part(context),
-        standard_error: if value == 0.0 {
-            error.standard_error
-        } else {
-            widened
-        } / n,
+        standard_error: if value == 0.0 { error.standard_error } else { widened } / n,
         equilibration_cut: from as u64,
         ..error
     };
@@ -141,11 +137,7 @@ fn unbiased(variance: f64, series: &[f64]) -> f64 {
 
 /// ⟨(x − m)²⟩ of each row from the row means of x² and x.
 fn centred_squares(values: &[f64], squares: &[f64], m: f64) -> Vec<f64> {
-    values
-        .iter()
-        .zip(squares)
-        .map(|(x, xx)| xx - 2.0 * m * x + m * m)
-        .collect()
+    values.iter().zip(squares).map(|(x, xx)| xx - 2.0 * m * x + m * m).collect()
 }
 
 #[cfg(test)]
@@ -185,14 +177,8 @@ mod tests {
         n_atoms: usize,
         n_dof: f64,
     ) -> Estimate {
-        let found = average(
-            ensemble,
-            rows,
-            cut,
-            &crate::testing::context(10.0, n_atoms),
-            n_dof,
-        )
-        .unwrap();
+        let found =
+            average(ensemble, rows, cut, &crate::testing::context(10.0, n_atoms), n_dof).unwrap();
         assert_eq!(found.doubt, None);
         found.estimate
     }
@@ -204,10 +190,7 @@ mod tests {
         // Canonical: C_V = (f + g)/2 exactly.
         let found = estimate(Ensemble::Canonical, &series(n, f, g, t, None, 1), 0, 100, f);
         let exact = 0.5 * g / n + 1.5;
-        assert!(
-            (found.mean - exact).abs() < 4.0 * found.standard_error,
-            "{found:?} {exact}"
-        );
+        assert!((found.mean - exact).abs() < 4.0 * found.standard_error, "{found:?} {exact}");
         assert!(found.standard_error < 0.02 * exact);
         // Constant energy: K/E follows a beta distribution of variance 2fg/((f + g)²(f + g + 2)), so that
         // x = g/(f + g + 2) exactly.
@@ -219,10 +202,7 @@ mod tests {
             f,
         );
         let exact = (0.5 * f / (1.0 - g / (f + g + 2.0)) - 0.5 * f) / n + 1.5;
-        assert!(
-            (found.mean - exact).abs() < 4.0 * found.standard_error,
-            "{found:?} {exact}"
-        );
+        assert!((found.mean - exact).abs() < 4.0 * found.standard_error, "{found:?} {exact}");
         assert!(found.standard_error < 0.02 * exact);
     }
 
@@ -249,14 +229,9 @@ mod tests {
             ] {
                 column.truncate(60);
             }
-            let found = average(
-                Ensemble::Canonical,
-                &rows,
-                0,
-                &crate::testing::context(10.0, 100),
-                297.0,
-            )
-            .unwrap();
+            let found =
+                average(Ensemble::Canonical, &rows, 0, &crate::testing::context(10.0, 100), 297.0)
+                    .unwrap();
             assert!(found.estimate.mean >= 1.5);
             assert!(found.doubt.is_some(), "seed {seed}: {found:?}");
         }

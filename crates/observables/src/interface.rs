@@ -81,13 +81,7 @@ struct Rows {
     outer: Vec<f64>,
 }
 
-impl_columns!(Rows {
-    time,
-    normal,
-    tangential,
-    tension,
-    outer
-});
+impl_columns!(Rows { time, normal, tangential, tension, outer });
 
 /// The density across a slab about its own middle, and what follows from it.
 ///
@@ -219,9 +213,7 @@ impl Interface {
         let (thickness, vapor) = (slab.thickness(), self.length() - slab.thickness());
         let sides = self.seen.sides();
         let across = Axis::ALL.into_iter().filter(|axis| *axis != self.axis);
-        let side = across
-            .map(|axis| sides[axis.index()])
-            .fold(f64::INFINITY, f64::min);
+        let side = across.map(|axis| sides[axis.index()]).fold(f64::INFINITY, f64::min);
         let mut remarks = vec![format!(
             "interface: the width of an interface grows with the cross-section, here {side:.1} σ; the numbers are of the \
              truncation that was run"
@@ -274,11 +266,8 @@ impl Observable for Interface {
         self.seen.see(cell);
         let length = cell.lengths()[self.axis.index()];
         let outer = self.count(&view.state.positions, length);
-        let diagonal = [
-            pressure.x_axis.x + tail,
-            pressure.y_axis.y + tail,
-            pressure.z_axis.z + tail,
-        ];
+        let diagonal =
+            [pressure.x_axis.x + tail, pressure.y_axis.y + tail, pressure.z_axis.z + tail];
         let normal = diagonal[self.axis.index()];
         let tangential = 0.5 * (diagonal.iter().sum::<f64>() - normal);
         self.series.push(&[
@@ -295,10 +284,8 @@ impl Observable for Interface {
         let all: Option<Vec<f64>> = (0..counts.width()).map(|k| counts.mean(k)).collect();
         let density = all.map(|all| all.iter().map(|n| n * self.per_count()).collect::<Vec<_>>());
         let slab = density.and_then(|density| fitted(&density, self.length()));
-        let mut findings = Findings {
-            tables: vec![self.profile(&counts, slab.as_ref())],
-            ..Findings::default()
-        };
+        let mut findings =
+            Findings { tables: vec![self.profile(&counts, slab.as_ref())], ..Findings::default() };
         let Some(slab) = slab else {
             findings.remarks.push(format!(
                 "interface: no slab. The profile about its middle has no two surfaces across {}, at a mean density of {:.4} σ⁻³; \
@@ -312,9 +299,7 @@ impl Observable for Interface {
         let numbers: [(&str, &str, Number); 4] = [
             (LIQUID_DENSITY, "σ⁻³", fit::Slab::liquid),
             ("vapor_density", "σ⁻³", |slab| slab.vapor),
-            ("interface_thickness", "σ", |slab| {
-                TEN_TO_NINETY * slab.width()
-            }),
+            ("interface_thickness", "σ", |slab| TEN_TO_NINETY * slab.width()),
             ("slab_thickness", "σ", fit::Slab::thickness),
         ];
         findings.averages = numbers
@@ -324,20 +309,16 @@ impl Observable for Interface {
         tell_discarded(&mut findings, self.counts.samples() - counts.samples());
         let rows = self.series.rows();
         let cut = (discarded * rows.time.len() as f64).ceil() as usize;
-        for (name, unit, column) in [
-            ("vapor_pressure", "ε/σ³", &rows.normal),
-            ("surface_tension", "ε/σ²", &rows.tension),
-        ] {
+        for (name, unit, column) in
+            [("vapor_pressure", "ε/σ³", &rows.normal), ("surface_tension", "ε/σ²", &rows.tension)]
+        {
             let mut average = of_series(name, unit, column, cut);
             average.estimate.equilibration_cut *= self.series.stride();
             findings.averages.push(average);
         }
         let doubt = self.doubt_of_outer_part(cut);
-        findings.averages = findings
-            .averages
-            .into_iter()
-            .map(|average| average.doubted(doubt.clone()))
-            .collect();
+        findings.averages =
+            findings.averages.into_iter().map(|average| average.doubted(doubt.clone())).collect();
         findings.tables.push(
             Table::new(
                 "interface",

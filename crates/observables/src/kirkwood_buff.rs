@@ -199,10 +199,7 @@ impl Observable for KirkwoodBuff {
         let by_less = self.route(&counts, |means| self.of_counts(means, shorter));
         let by_waves = self.route(&factors, |means| self.of_factors(means, shells));
         let by_fewer = self.route(&factors, |means| self.of_factors(means, shells.div_ceil(2)));
-        let routes = [
-            ("", &by_distance, &by_less),
-            ("_structure", &by_waves, &by_fewer),
-        ];
+        let routes = [("", &by_distance, &by_less), ("_structure", &by_waves, &by_fewer)];
         let last = by_distance.len() - 1;
         for (route, found, otherwise) in routes {
             for (k, (name, unit)) in self.names(route).iter().enumerate() {
@@ -211,18 +208,12 @@ impl Observable for KirkwoodBuff {
                     continue;
                 }
                 // The last number is ρTκ.
-                let unit_of_k = if k == last {
-                    1.0 / (self.density() * temperature)
-                } else {
-                    1.0
-                };
+                let unit_of_k = if k == last { 1.0 / (self.density() * temperature) } else { 1.0 };
                 let blocks: Vec<f64> = blocks.iter().map(|b| unit_of_k * b).collect();
                 let average = of_blocks(name, unit, unit_of_k * value, &blocks, 0.0);
                 let change = unit_of_k * (otherwise[k].0 - value);
                 let doubt = Self::doubt(k, &by_distance, &by_less, &by_waves);
-                findings
-                    .averages
-                    .push(with_choice(average, change).doubted(doubt));
+                findings.averages.push(with_choice(average, change).doubted(doubt));
             }
         }
         tell_discarded(&mut findings, self.counts.samples() - counts.samples());

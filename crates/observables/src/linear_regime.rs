@@ -160,10 +160,8 @@ pub(crate) fn fit_linear_regime(
             && mean(&difference).abs() <= allowed.max(AGREEMENT_PART * late.abs())
     };
     // The last octave that disagrees is followed by the start; one octave at least must agree.
-    let settled_from = octaves
-        .iter()
-        .rposition(|octave| !agrees(octave))
-        .map_or(0, |last| last + 1);
+    let settled_from =
+        octaves.iter().rposition(|octave| !agrees(octave)).map_or(0, |last| last + 1);
     match octaves.get(settled_from) {
         Some(&(start, _)) => {
             let from = curve.times[start];
@@ -181,12 +179,7 @@ mod tests {
     fn curve(value: impl Fn(f64) -> f64) -> LagCurve {
         let times: Vec<f64> = (1..=200).map(|k| 0.1 * f64::from(k)).collect();
         let values: Vec<f64> = times.iter().map(|t| value(*t)).collect();
-        LagCurve {
-            errors: vec![0.0; times.len()],
-            times,
-            values,
-            duration: 400.0,
-        }
+        LagCurve { errors: vec![0.0; times.len()], times, values, duration: 400.0 }
     }
 
     /// Blocks that differ by a small part of the curve.

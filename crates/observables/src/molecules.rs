@@ -122,10 +122,7 @@ fn sums(view: &View<'_>) -> Sums {
     let molecules = &system.molecules;
     let of_molecule = |m: usize| {
         let sites = molecules.sites_of(m);
-        let (x, v) = (
-            &state.positions[sites.clone()],
-            &state.velocities[sites.clone()],
-        );
+        let (x, v) = (&state.positions[sites.clone()], &state.velocities[sites.clone()]);
         let mass: f64 = sites.clone().map(|i| system.masses.of(i)).sum();
         let momentum: DVec3 = sites.zip(v).map(|(i, v)| system.masses.of(i) * *v).sum();
         let (mut length, mut strain_squared) = (0.0, 0.0);
@@ -171,10 +168,7 @@ impl Observable for MolecularMotion {
     }
 
     fn want(&self) -> Want {
-        Want {
-            virial: true,
-            ..Want::NOTHING
-        }
+        Want { virial: true, ..Want::NOTHING }
     }
 
     /// # Panics
@@ -186,11 +180,7 @@ impl Observable for MolecularMotion {
         let kinetic = view.kinetic_energy();
         let n_dof = view.n_dof();
         let kept = 3.0 * view.state.len() as f64
-            - if view.system.molecules.are_rigid() {
-                bonds
-            } else {
-                0.0
-            }
+            - if view.system.molecules.are_rigid() { bonds } else { 0.0 }
             - n_dof;
         let of_centers = 3.0 * molecules - kept;
         let inside = kinetic - found.kinetic_of_centers;
@@ -223,18 +213,8 @@ impl Observable for MolecularMotion {
         let end_to_end = squares(&rows.end_to_end_squared);
         let is_rigid = self.context.molecules.are_rigid();
         let mut averages = vec![
-            of_series(
-                "temperature_of_centers",
-                "ε/k_B",
-                &rows.temperature_of_centers,
-                cut,
-            ),
-            of_series(
-                "temperature_inside_molecules",
-                "ε/k_B",
-                &rows.temperature_inside,
-                cut,
-            ),
+            of_series("temperature_of_centers", "ε/k_B", &rows.temperature_of_centers, cut),
+            of_series("temperature_inside_molecules", "ε/k_B", &rows.temperature_inside, cut),
         ];
         let hidden = self.context.molecules.hide_forces();
         if !hidden {
@@ -262,43 +242,28 @@ impl Observable for MolecularMotion {
         }
         .to_owned()];
         if is_rigid {
-            remarks.push(format!(
-                "largest | |d|/r − 1 | of a bond: {:.2e}",
-                self.largest_residual
-            ));
+            remarks.push(format!("largest | |d|/r − 1 | of a bond: {:.2e}", self.largest_residual));
         }
         let mut table = Table::new("molecules", "molecules against time")
             .with("time", "τ", rows.time.clone())
-            .with(
-                "temperature_of_centers",
-                "ε/k_B",
-                rows.temperature_of_centers.clone(),
-            )
-            .with(
-                "temperature_inside_molecules",
-                "ε/k_B",
-                rows.temperature_inside.clone(),
-            )
+            .with("temperature_of_centers", "ε/k_B", rows.temperature_of_centers.clone())
+            .with("temperature_inside_molecules", "ε/k_B", rows.temperature_inside.clone())
             .with("bond_length", "σ", rows.bond_length.clone())
             .with("bond_strain", "", strain)
             .with("end_to_end_distance", "σ", end_to_end);
         if !is_rigid {
-            let (rotation, vibration) = (
-                &rows.temperature_of_rotation,
-                &rows.temperature_of_vibration,
+            let (rotation, vibration) =
+                (&rows.temperature_of_rotation, &rows.temperature_of_vibration);
+            table = table.with("temperature_of_rotation", "ε/k_B", rotation.clone()).with(
+                "temperature_of_vibration",
+                "ε/k_B",
+                vibration.clone(),
             );
-            table = table
-                .with("temperature_of_rotation", "ε/k_B", rotation.clone())
-                .with("temperature_of_vibration", "ε/k_B", vibration.clone());
         }
         if !hidden {
             table = table.with("pressure_of_sites", "ε/σ³", rows.pressure_of_sites.clone());
         }
-        Findings {
-            averages,
-            tables: vec![table],
-            remarks,
-        }
+        Findings { averages, tables: vec![table], remarks }
     }
 }
 

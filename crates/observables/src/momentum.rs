@@ -61,10 +61,7 @@ impl Momentum {
     /// Nothing seen yet.
     #[must_use]
     pub fn new(_context: &BuildContext) -> Self {
-        Self {
-            series: Series::new(Rows::default(), MOST_ROWS),
-            largest: 0.0,
-        }
+        Self { series: Series::new(Rows::default(), MOST_ROWS), largest: 0.0 }
     }
 }
 
@@ -88,11 +85,7 @@ impl Observable for Momentum {
     fn finish(&self, _discarded: f64) -> Findings {
         let rows = self.series.rows();
         let average = |name: &str, column: &[f64]| {
-            Average::new(
-                name,
-                "σ/τ per particle",
-                statistics::estimate_stationary(column),
-            )
+            Average::new(name, "σ/τ per particle", statistics::estimate_stationary(column))
         };
         Findings {
             averages: vec![
@@ -107,10 +100,7 @@ impl Observable for Momentum {
                     .with("y", "σ/τ", rows.y.clone())
                     .with("z", "σ/τ", rows.z.clone()),
             ],
-            remarks: vec![format!(
-                "largest total momentum per particle: {:.3e} σ/τ",
-                self.largest
-            )],
+            remarks: vec![format!("largest total momentum per particle: {:.3e} σ/τ", self.largest)],
         }
     }
 }

@@ -163,14 +163,8 @@ impl MeanSquareDisplacement {
         let interval = self.context.sample_interval();
         LagCurve {
             times: lags.iter().map(|(lag, _)| *lag as f64 * interval).collect(),
-            values: lags
-                .iter()
-                .filter_map(|(_, k)| displacements.mean(*k))
-                .collect(),
-            errors: lags
-                .iter()
-                .map(|(_, k)| displacements.standard_error(*k))
-                .collect(),
+            values: lags.iter().filter_map(|(_, k)| displacements.mean(*k)).collect(),
+            errors: lags.iter().map(|(_, k)| displacements.standard_error(*k)).collect(),
             duration: displacements.samples().saturating_sub(1) as f64 * interval,
         }
     }
@@ -187,11 +181,8 @@ impl Observable for MeanSquareDisplacement {
 
     fn sample(&mut self, view: &View<'_>) {
         self.seen.see(view.cell());
-        let mut now = self
-            .tracked
-            .relative_to_centre_of_mass(view.system, &view.state.positions);
-        self.paths
-            .follow(view.cell(), &mut now, self.levels[0].front());
+        let mut now = self.tracked.relative_to_centre_of_mass(view.system, &view.state.positions);
+        self.paths.follow(view.cell(), &mut now, self.levels[0].front());
         let weight = 1.0 / now.len().max(1) as f64;
         self.displacements.begin_sample();
         for species in &mut self.of_species {
@@ -242,12 +233,7 @@ impl Observable for MeanSquareDisplacement {
         tell_discarded(&mut findings, self.samples - displacements.samples());
         findings.remarks.extend(self.tracked.remark());
         findings.remarks.extend(self.paths.remark());
-        let diffusion = curve
-            .times
-            .iter()
-            .zip(&curve.values)
-            .map(|(t, m)| m / (6.0 * t))
-            .collect();
+        let diffusion = curve.times.iter().zip(&curve.values).map(|(t, m)| m / (6.0 * t)).collect();
         let line = fit.map(|fit| fit.line(&curve.times));
         let table = Table::new(
             "msd",

@@ -73,10 +73,7 @@ impl Orientation {
         let window = (options.window, options.origins);
         let interval = context.sample_interval();
         let origins = TimeOrigins::new(window, interval, context.n_molecules())?;
-        Ok(Self {
-            products: BlockedSums::new(2 * origins.lags, BLOCKS),
-            origins,
-        })
+        Ok(Self { products: BlockedSums::new(2 * origins.lags, BLOCKS), origins })
     }
 
     /// ∫ C over the window by the trapezoidal rule.
@@ -149,10 +146,8 @@ impl Observable for Orientation {
         let lags = self.origins.lags;
         self.products.begin_sample();
         self.origins.see(&now, |lag, then| {
-            let [c_1, c_2] = [
-                sum_over_pairs(&now, then, first),
-                sum_over_pairs(&now, then, second),
-            ];
+            let [c_1, c_2] =
+                [sum_over_pairs(&now, then, first), sum_over_pairs(&now, then, second)];
             self.products.add(lag, c_1 * weight, 1);
             self.products.add(lags + lag, c_2 * weight, 1);
         });
@@ -207,11 +202,8 @@ mod tests {
     /// Samples of dumbbells whose direction `of(sample, molecule)` gives.
     fn found(n: usize, samples: u64, of: impl Fn(u64, usize) -> DVec3) -> Findings {
         let molecules = Molecules::chains(2, 1.0, Bonds::Rigid);
-        let context = BuildContext {
-            dt: 0.05,
-            molecules: molecules.clone(),
-            ..context(10.0, 2 * n)
-        };
+        let context =
+            BuildContext { dt: 0.05, molecules: molecules.clone(), ..context(10.0, 2 * n) };
         let system = System::of_molecules(2 * n, molecules);
         let options = OrientationOptions::default();
         let mut seen = Orientation::new(&options, &context).unwrap();
@@ -245,10 +237,7 @@ mod tests {
         assert_eq!(findings.averages.len(), 2);
         for average in &findings.averages {
             assert!(average.name.starts_with("reorientation_time_"));
-            assert!(
-                matches!(average.doubt, Some(Doubt::Incomplete(_))),
-                "{average:?}"
-            );
+            assert!(matches!(average.doubt, Some(Doubt::Incomplete(_))), "{average:?}");
         }
     }
 
@@ -275,10 +264,7 @@ mod tests {
                 let wanted = (-rate * dt * k as f64).exp();
                 let c = table.columns[column].numbers()[k];
                 let error = table.columns[column + 1].numbers()[k];
-                assert!(
-                    (c - wanted).abs() < 4.0 * error + 0.005,
-                    "{k}: {c} {wanted}"
-                );
+                assert!((c - wanted).abs() < 4.0 * error + 0.005, "{k}: {c} {wanted}");
             }
         }
         for (average, rate) in findings.averages.iter().zip([2.0 * d, 6.0 * d]) {

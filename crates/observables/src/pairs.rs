@@ -53,13 +53,15 @@ pub fn count_distances_by_species(
         _ => of(&|s| s == a || s == b),
     };
     SpeciesPair::all(species)
-        .map(|SpeciesPair { a, b }| {
-            if a == b {
-                like[a].clone()
-            } else {
-                less(less(together(a, b), &like[a]), &like[b])
-            }
-        })
+        .map(
+            |SpeciesPair { a, b }| {
+                if a == b {
+                    like[a].clone()
+                } else {
+                    less(less(together(a, b), &like[a]), &like[b])
+                }
+            },
+        )
         .collect()
 }
 
@@ -94,12 +96,7 @@ struct Histogram {
 
 impl Histogram {
     fn new(cell: &PeriodicBox, r_max: f64, bins: usize) -> Self {
-        Self {
-            sides: cell.lengths(),
-            r_max,
-            per_length: bins as f64 / r_max,
-            bins,
-        }
+        Self { sides: cell.lengths(), r_max, per_length: bins as f64 / r_max, bins }
     }
 
     /// Counts the distances from one point to those from `first` on; what lies beyond r_max goes to a bin of
@@ -247,10 +244,7 @@ mod tests {
             let expected = brute_force(&positions, &cell, r_max, 37);
             assert!(expected.iter().sum::<u64>() > 50);
             for threads in [1, 3] {
-                let pool = rayon::ThreadPoolBuilder::new()
-                    .num_threads(threads)
-                    .build()
-                    .unwrap();
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let found = pool.install(|| count_distances(&positions, &cell, r_max, 37));
                 assert_eq!(found, expected, "r_max = {r_max}");
             }

@@ -57,15 +57,7 @@ struct Rows {
     yz: Vec<f64>,
 }
 
-impl_columns!(Rows {
-    time,
-    xx,
-    yy,
-    zz,
-    xy,
-    xz,
-    yz
-});
+impl_columns!(Rows { time, xx, yy, zz, xy, xz, yz });
 
 /// The pressure tensor in ε/σ³, with the tail on its diagonal where it is on.
 ///
@@ -82,10 +74,7 @@ impl PressureTensor {
     /// Nothing seen yet.
     #[must_use]
     pub fn new(context: &BuildContext) -> Self {
-        Self {
-            seen: SeenBox::new(&context.cell),
-            series: Series::new(Rows::default(), MOST_ROWS),
-        }
+        Self { seen: SeenBox::new(&context.cell), series: Series::new(Rows::default(), MOST_ROWS) }
     }
 
     /// The pressure tensor of one state, in ε/σ³, without the tail; `None` where the state has no virial.

@@ -127,9 +127,7 @@ impl RadialDistribution {
     /// The middles of the bins in σ.
     #[must_use]
     pub fn radii(&self) -> Vec<f64> {
-        (0..self.bins)
-            .map(|k| (k as f64 + 0.5) * self.width())
-            .collect()
+        (0..self.bins).map(|k| (k as f64 + 0.5) * self.width()).collect()
     }
 
     /// How counts of all pairs are read.
@@ -213,13 +211,9 @@ impl Observable for RadialDistribution {
             .with("coordination", "", running);
         findings.tables.insert(
             0,
-            partial.into_iter().fold(table, |table, (name, numbers)| {
-                table.with(name, "", numbers)
-            }),
+            partial.into_iter().fold(table, |table, (name, numbers)| table.with(name, "", numbers)),
         );
-        findings
-            .remarks
-            .push("g(r) is normalised by N − 1: exactly 1 for an ideal gas".into());
+        findings.remarks.push("g(r) is normalised by N − 1: exactly 1 for an ideal gas".into());
         findings
     }
 }
@@ -236,9 +230,7 @@ impl Persist for RadialDistribution {
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.counts.restore(&from.section("counts"))?;
         self.seen.restore(&from.section("box"))?;
-        self.partial
-            .as_mut()
-            .map_or(Ok(()), |partial| partial.restore(from))
+        self.partial.as_mut().map_or(Ok(()), |partial| partial.restore(from))
     }
 }
 

@@ -46,11 +46,7 @@ impl BuildContext {
     /// The unit of heat capacities that are divided by the number of molecules.
     #[must_use]
     pub fn heat_capacity_unit(&self) -> &'static str {
-        if self.molecules.are_atoms() {
-            "k_B per particle"
-        } else {
-            "k_B per molecule"
-        }
+        if self.molecules.are_atoms() { "k_B per particle" } else { "k_B per molecule" }
     }
 
     /// Refuses other numbers of species.

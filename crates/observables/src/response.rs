@@ -21,20 +21,13 @@ struct Response {
 }
 
 const fn response(name: &'static str, unit: &'static str, needs_curvature: bool) -> Response {
-    Response {
-        name,
-        unit,
-        needs_curvature,
-    }
+    Response { name, unit, needs_curvature }
 }
 
 const COMPRESSIBILITY: &str = "isothermal_compressibility";
 /// What has the bulk modulus 1/κ_T below a fraction bar where the volume is constant.
-const OVER_BULK_MODULUS: [&str; 3] = [
-    COMPRESSIBILITY,
-    "heat_capacity_pressure",
-    "thermal_expansion",
-];
+const OVER_BULK_MODULUS: [&str; 3] =
+    [COMPRESSIBILITY, "heat_capacity_pressure", "thermal_expansion"];
 /// The bulk modulus is so many of its errors from zero at least where its inverse has an error. The inverse is then hardly skewed:
 /// 94 % of the values lie within two of their errors.
 const FEWEST_ERRORS_FROM_ZERO: f64 = 5.0;
@@ -85,11 +78,7 @@ pub(crate) fn averages(
         ensembles::base(setting, context, means).all()
     });
     let unstable = why_unstable(&values);
-    let unresolved = if at_constant_volume {
-        why_unresolved(&values)
-    } else {
-        None
-    };
+    let unresolved = if at_constant_volume { why_unresolved(&values) } else { None };
     RESPONSES
         .iter()
         .zip(values)
@@ -99,15 +88,11 @@ pub(crate) fn averages(
             !(missing && response.needs_curvature) && estimate.mean.is_finite()
         })
         .map(|(response, (estimate, influence))| {
-            of_fluctuations(
-                response.name,
-                response.unit,
-                estimate,
-                &influence,
-                FEWEST_FLUCTUATIONS,
-            )
-            .doubted(unstable.clone().filter(|_| response.needs_curvature))
-            .doubted((unresolved.clone()).filter(|_| OVER_BULK_MODULUS.contains(&response.name)))
+            of_fluctuations(response.name, response.unit, estimate, &influence, FEWEST_FLUCTUATIONS)
+                .doubted(unstable.clone().filter(|_| response.needs_curvature))
+                .doubted(
+                    (unresolved.clone()).filter(|_| OVER_BULK_MODULUS.contains(&response.name)),
+                )
         })
         .collect()
 }
@@ -148,11 +133,8 @@ pub(crate) fn remark(setting: &Setting) -> String {
             "from the fluctuations of volume and enthalpy at constant pressure"
         }
     };
-    let missing: Vec<&str> = RESPONSES
-        .iter()
-        .filter(|r| r.needs_curvature)
-        .map(|r| r.name)
-        .collect();
+    let missing: Vec<&str> =
+        RESPONSES.iter().filter(|r| r.needs_curvature).map(|r| r.name).collect();
     match (setting.ensemble, setting.curvature) {
         (Ensemble::Isobaric { .. }, _) => format!("{RESPONSES_REMARK}{how}"),
         (_, None) => format!(

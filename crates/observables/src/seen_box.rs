@@ -80,10 +80,7 @@ mod tests {
         for _ in 0..1000 {
             seen.see(&cell);
         }
-        assert_eq!(
-            (seen.sides(), seen.volume()),
-            (cell.lengths(), cell.volume())
-        );
+        assert_eq!((seen.sides(), seen.volume()), (cell.lengths(), cell.volume()));
         assert_eq!(seen.half_shortest(), 3.55);
     }
 

@@ -15,9 +15,7 @@ const SHELLS: usize = 3;
 pub fn largest_density_wave(cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
     let waves = WaveVectors::smallest(cell.lengths(), SHELLS);
     let squares = waves.densities(positions, cell).into_iter();
-    let largest = squares
-        .map(|[re, im]| re * re + im * im)
-        .fold(0.0, f64::max);
+    let largest = squares.map(|[re, im]| re * re + im * im).fold(0.0, f64::max);
     2.0 * largest.sqrt() / positions.len() as f64
 }
 
@@ -35,9 +33,7 @@ mod tests {
     fn positions(n: usize, place: impl Fn(DVec3) -> DVec3) -> Vec<DVec3> {
         let mut rng = Streams::new(3).sequential("positions");
         let mut draw = || -> f64 { StandardUniform.sample(&mut rng) };
-        (0..n)
-            .map(|_| place(DVec3::new(draw(), draw(), draw())) * SIDES)
-            .collect()
+        (0..n).map(|_| place(DVec3::new(draw(), draw(), draw())) * SIDES).collect()
     }
 
     fn wave(positions: &[DVec3]) -> f64 {

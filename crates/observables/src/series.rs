@@ -45,11 +45,7 @@ impl<C: Columns> Series<C> {
 
     /// Adds one sample, one value a column in the order of [`Columns::names`].
     pub fn push(&mut self, sample: &[f64]) {
-        debug_assert_eq!(
-            sample.len(),
-            self.pending.len(),
-            "one value for each column"
-        );
+        debug_assert_eq!(sample.len(), self.pending.len(), "one value for each column");
         for (sum, value) in self.pending.iter_mut().zip(sample) {
             *sum += value;
         }
@@ -65,10 +61,7 @@ impl<C: Columns> Series<C> {
         self.pending_samples = 0;
         if self.len() == self.limit {
             for column in self.rows.columns_mut() {
-                *column = column
-                    .chunks_exact(2)
-                    .map(|p| 0.5 * (p[0] + p[1]))
-                    .collect();
+                *column = column.chunks_exact(2).map(|p| 0.5 * (p[0] + p[1])).collect();
             }
             self.stride *= 2;
         }
@@ -121,10 +114,7 @@ impl<C: Columns> Persist for Series<C> {
             ));
         }
         let names = self.rows.names();
-        let saved = names
-            .iter()
-            .map(|name| from.f64(name))
-            .collect::<Result<Vec<_>, _>>()?;
+        let saved = names.iter().map(|name| from.f64(name)).collect::<Result<Vec<_>, _>>()?;
         for (name, column) in names.iter().zip(&saved) {
             if column.len() != saved[0].len() || column.len() >= self.limit {
                 return Err(from.misfit(name, format!("{} rows", column.len())));

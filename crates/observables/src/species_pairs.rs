@@ -18,20 +18,13 @@ impl SpeciesPair {
 
     /// The same two, the other first.
     pub(crate) fn reversed(self) -> Self {
-        Self {
-            a: self.b,
-            b: self.a,
-        }
+        Self { a: self.b, b: self.a }
     }
 
     /// Number of ordered pairs of particles: N_a·N_b, or N_a(N_a − 1).
     pub(crate) fn ordered(self, species: &SpeciesTable) -> f64 {
         let (a, b) = (species.count(self.a) as f64, species.count(self.b) as f64);
-        if self.a == self.b {
-            a * (a - 1.0)
-        } else {
-            a * b
-        }
+        if self.a == self.b { a * (a - 1.0) } else { a * b }
     }
 
     /// What names of results end with: `_A_B`.

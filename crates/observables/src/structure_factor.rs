@@ -147,10 +147,8 @@ impl Observable for StructureFactor {
         }
         let wave_numbers = self.vectors.wave_numbers(self.seen.sides());
         let shells = 0..wave_numbers.len();
-        let values: Vec<f64> = shells
-            .clone()
-            .map(|k| factors.mean(k).unwrap_or(f64::NAN))
-            .collect();
+        let values: Vec<f64> =
+            shells.clone().map(|k| factors.mean(k).unwrap_or(f64::NAN)).collect();
         let errors: Vec<f64> = shells.map(|k| factors.standard_error(k)).collect();
         let found = extrema(&wave_numbers, &values, |k| {
             let noise = if errors[k].is_nan() { 0.0 } else { errors[k] };

@@ -51,20 +51,13 @@ pub(crate) fn normal(seed: u64, step: u64, particle: usize) -> DVec3 {
 pub(crate) fn random_positions(n: usize, side: f64, seed: u64) -> Vec<DVec3> {
     let mut rng = Streams::new(seed).sequential("positions");
     let mut uniform = || -> f64 { StandardUniform.sample(&mut rng) };
-    (0..n)
-        .map(|_| side * DVec3::new(uniform(), uniform(), uniform()))
-        .collect()
+    (0..n).map(|_| side * DVec3::new(uniform(), uniform(), uniform())).collect()
 }
 
 /// A face-centred cubic lattice of `cells`³ unit cells with nearest neighbors at distance `d`.
 pub(crate) fn fcc(cells: usize, d: f64) -> (PeriodicBox, Vec<DVec3>) {
     let a = d * 2.0_f64.sqrt();
-    let basis = [
-        [0.0, 0.0, 0.0],
-        [0.5, 0.5, 0.0],
-        [0.5, 0.0, 0.5],
-        [0.0, 0.5, 0.5],
-    ];
+    let basis = [[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
     let mut positions = Vec::new();
     for x in 0..cells {
         for y in 0..cells {

@@ -106,10 +106,7 @@ impl ThermoSeries {
     /// U takes its energy from K for a while, so that both fluctuate together in a run. What follows from this alone is a quarter
     /// of the error of second derivatives. The leapfrog leaves cov(U, K) = −(T·h²/12)·cov(U, ∇²U/m), some 5·10⁻⁴ of var(U) at h = 0.004.
     pub(crate) fn exchange(&self, cut: usize) -> Vec<f64> {
-        let (k, u) = (
-            &self.kinetic_energy[cut..],
-            &self.sampled_potential_energy[cut..],
-        );
+        let (k, u) = (&self.kinetic_energy[cut..], &self.sampled_potential_energy[cut..]);
         let (mean_k, mean_u) = (mean(k), mean(u));
         let products = self.sampled_energy_kinetic[cut..].iter();
         products
@@ -124,9 +121,11 @@ impl ThermoSeries {
     pub fn table(&self, stride: u64, half_steps: bool, per_particle: &str) -> Table {
         let caption =
             format!("thermodynamics against time; each row is the mean of {stride} samples");
-        let mut table = Table::new("measured", caption)
-            .with("time", "τ", self.time.clone())
-            .with("temperature", "ε/k_B", self.temperature.clone());
+        let mut table = Table::new("measured", caption).with("time", "τ", self.time.clone()).with(
+            "temperature",
+            "ε/k_B",
+            self.temperature.clone(),
+        );
         if half_steps {
             let column = self.temperature_of_positions.clone();
             table = table.with("temperature_half_steps", "ε/k_B", column);
@@ -134,11 +133,7 @@ impl ThermoSeries {
         let columns: [(&str, &str, &[f64]); 9] = [
             ("kinetic_energy", per_particle, &self.kinetic_energy),
             ("potential_energy", per_particle, &self.potential_energy),
-            (
-                "potential_energy_without_tail",
-                per_particle,
-                &self.potential_energy_without_tail,
-            ),
+            ("potential_energy_without_tail", per_particle, &self.potential_energy_without_tail),
             ("pressure", "ε/σ³", &self.pressure),
             ("pressure_without_tail", "ε/σ³", &self.pressure_without_tail),
             ("conserved_energy", per_particle, &self.conserved_energy),
@@ -148,8 +143,6 @@ impl ThermoSeries {
         ];
         columns
             .into_iter()
-            .fold(table, |table, (name, unit, values)| {
-                table.with(name, unit, values.to_vec())
-            })
+            .fold(table, |table, (name, unit, values)| table.with(name, unit, values.to_vec()))
     }
 }

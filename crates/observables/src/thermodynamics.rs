@@ -182,10 +182,7 @@ impl Observable for Thermodynamics {
     }
 
     fn want(&self) -> Want {
-        Want {
-            laplacian: self.options.configurational_temperature,
-            ..Want::ENERGY_AND_VIRIAL
-        }
+        Want { laplacian: self.options.configurational_temperature, ..Want::ENERGY_AND_VIRIAL }
     }
 
     /// # Panics
@@ -205,8 +202,7 @@ impl Observable for Thermodynamics {
         let instant = self.instant(view);
         let kept = view.system.kept_part(instant.momentum);
         self.largest_momentum = self.largest_momentum.max(kept.length());
-        self.energy_line
-            .push(instant.time, instant.conserved_energy);
+        self.energy_line.push(instant.time, instant.conserved_energy);
         self.series.push(&instant.row());
     }
 
@@ -239,52 +235,35 @@ impl Observable for Thermodynamics {
         }
         for (name, column) in [
             ("potential_energy", &rows.potential_energy),
-            (
-                "potential_energy_without_tail",
-                &rows.potential_energy_without_tail,
-            ),
+            ("potential_energy_without_tail", &rows.potential_energy_without_tail),
             ("kinetic_energy", &rows.kinetic_energy),
             ("total_energy", &total),
             ("conserved_energy", &rows.conserved_energy),
         ] {
             averages.push(of_series(name, energy, column, cut));
         }
-        for (name, column) in [
-            ("pressure", &rows.pressure),
-            ("pressure_without_tail", &rows.pressure_without_tail),
-        ] {
+        for (name, column) in
+            [("pressure", &rows.pressure), ("pressure_without_tail", &rows.pressure_without_tail)]
+        {
             averages.push(of_series(name, "ε/σ³", column, cut));
         }
         if let Some(ensemble) = self.ensemble {
-            averages.extend(heat_capacity::average(
-                ensemble,
-                rows,
-                cut,
-                &self.context,
-                self.n_dof,
-            ));
+            averages.extend(heat_capacity::average(ensemble, rows, cut, &self.context, self.n_dof));
         }
         averages.extend(self.responses(cut));
         for average in &mut averages {
             average.estimate = self.in_samples(average.estimate);
         }
         self.doubt_of_confined(&mut averages);
-        let mut findings = Findings {
-            averages,
-            ..Findings::default()
-        };
+        let mut findings = Findings { averages, ..Findings::default() };
         // Without a sample there is nothing to say of how it was taken.
         let ensemble = self.ensemble.filter(|_| !rows.time.is_empty());
         if let Some(of_species) = &self.of_species {
             of_species.finish(discarded, &mut findings);
         }
-        findings
-            .remarks
-            .extend(ensemble.map(|e| e.remark(&self.context, self.n_dof)));
+        findings.remarks.extend(ensemble.map(|e| e.remark(&self.context, self.n_dof)));
         findings.remarks.extend(self.remark_on_responses());
-        findings
-            .tables
-            .push(rows.table(self.series.stride(), self.half_steps, energy));
+        findings.tables.push(rows.table(self.series.stride(), self.half_steps, energy));
         for (name, column) in [
             ("potential_energy", &rows.potential_energy),
             ("pressure", &rows.pressure),

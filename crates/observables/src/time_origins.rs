@@ -119,11 +119,7 @@ impl TimeOrigins {
                 format!("{} vectors for {} origins of {n}", all.len(), born.len()),
             ));
         }
-        self.kept = born
-            .iter()
-            .copied()
-            .zip(all.chunks(n.max(1)).map(<[DVec3]>::to_vec))
-            .collect();
+        self.kept = born.iter().copied().zip(all.chunks(n.max(1)).map(<[DVec3]>::to_vec)).collect();
         Ok(())
     }
 }

@@ -104,10 +104,7 @@ impl Tracked {
         let weighted: DVec3 = exact_sum(values.len(), |i| masses.moving(i) * values[i]);
         let total: f64 = exact_sum(values.len(), |i| masses.moving(i));
         let mean = weighted / total;
-        self.indices
-            .iter()
-            .map(|&i| values[i as usize] - mean)
-            .collect()
+        self.indices.iter().map(|&i| values[i as usize] - mean).collect()
     }
 }
 

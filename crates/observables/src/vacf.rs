@@ -147,11 +147,7 @@ impl VelocityAutocorrelation {
             )
             .doubted(undecayed),
         );
-        Some(Curve {
-            c,
-            errors,
-            integral,
-        })
+        Some(Curve { c, errors, integral })
     }
 }
 
@@ -165,9 +161,7 @@ impl Observable for VelocityAutocorrelation {
     }
 
     fn sample(&mut self, view: &View<'_>) {
-        let now = self
-            .tracked
-            .relative_to_centre_of_mass(view.system, &view.state.velocities);
+        let now = self.tracked.relative_to_centre_of_mass(view.system, &view.state.velocities);
         let weight = 1.0 / now.len().max(1) as f64;
         self.products.begin_sample();
         for species in &mut self.of_species {
@@ -186,12 +180,7 @@ impl Observable for VelocityAutocorrelation {
         let mut findings = Findings::default();
         findings.remarks.extend(self.tracked.remark());
         let products = self.products.after(discarded);
-        let Some(Curve {
-            c,
-            errors,
-            integral,
-        }) = self.report(&products, "", &mut findings)
-        else {
+        let Some(Curve { c, errors, integral }) = self.report(&products, "", &mut findings) else {
             findings
                 .remarks
                 .push("no velocity autocorrelation: the run is shorter than its window".into());

@@ -54,15 +54,7 @@ struct Rows {
     z_upper: Vec<f64>,
 }
 
-impl_columns!(Rows {
-    time,
-    x_lower,
-    x_upper,
-    y_lower,
-    y_upper,
-    z_lower,
-    z_upper
-});
+impl_columns!(Rows { time, x_lower, x_upper, y_lower, y_upper, z_lower, z_upper });
 
 /// The normal force per area on each wall, in ε/σ³, positive where particles push the wall outward.
 ///

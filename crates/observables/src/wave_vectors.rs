@@ -197,10 +197,8 @@ struct Phases {
 impl Phases {
     fn new(chunk: &[DVec3], cell: &PeriodicBox, axis: usize, highest: usize) -> Self {
         let side = cell.lengths()[axis];
-        let (sin, cos): (Vec<f64>, Vec<f64>) = chunk
-            .iter()
-            .map(|r| (-2.0 * PI * cell.wrap(*r)[axis] / side).sin_cos())
-            .unzip();
+        let (sin, cos): (Vec<f64>, Vec<f64>) =
+            chunk.iter().map(|r| (-2.0 * PI * cell.wrap(*r)[axis] / side).sin_cos()).unzip();
         let mut powers = vec![(vec![1.0; chunk.len()], vec![0.0; chunk.len()])];
         for n in 0..highest {
             let (c, s) = &powers[n];

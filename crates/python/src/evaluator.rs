@@ -69,12 +69,7 @@ impl Evaluator {
         let cell = cell(lengths)?;
         let built = threads.run(py, || lennard_engine::forces(&scene, cell, &species))?;
         let (options, forces) = built.map_err(|e| errors::of_engine(e, false))?;
-        let inner = Mutex::new(Inner {
-            options,
-            forces,
-            threads,
-            n,
-        });
+        let inner = Mutex::new(Inner { options, forces, threads, n });
         Ok(Self { inner })
     }
 
@@ -91,23 +86,13 @@ impl Evaluator {
         let wrong = PyValueError::new_err::<String>;
         let evaluated = py.detach(|| {
             let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
-            let Inner {
-                options,
-                forces,
-                threads,
-                n,
-            } = &mut *inner;
+            let Inner { options, forces, threads, n } = &mut *inner;
             if positions.len() != *n {
-                return Err(wrong(format!(
-                    "{} positions, made for {n}",
-                    positions.len()
-                )));
+                return Err(wrong(format!("{} positions, made for {n}", positions.len())));
             }
             let mut out = vec![DVec3::ZERO; *n];
-            let want = Want {
-                per_particle: each,
-                ..(Want::ENERGY_AND_VIRIAL | Want::VIRIAL_TENSOR)
-            };
+            let want =
+                Want { per_particle: each, ..(Want::ENERGY_AND_VIRIAL | Want::VIRIAL_TENSOR) };
             let at = Configuration::at_rest(&cell, &positions);
             let evaluate = || forces.evaluate(at, Part::All, want, &mut out);
             let found = threads.pool()?.install(evaluate);
@@ -116,12 +101,7 @@ impl Evaluator {
             Ok((out, energetics, tail, forces.statistics().builds))
         });
         let (forces, energetics, tail, builds) = evaluated?;
-        let Energetics {
-            potential_energy,
-            virial,
-            per_particle,
-            ..
-        } = energetics;
+        let Energetics { potential_energy, virial, per_particle, .. } = energetics;
         let (tail_energy, tail_virial) = tail.map_or((0.0, 0.0), |t| (t.energy, t.virial));
         let mut virial = virial.unwrap_or_default();
         for axis in 0..3 {

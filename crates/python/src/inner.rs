@@ -38,18 +38,12 @@ pub struct Made {
 }
 
 /// Positions, velocities and box sides.
-pub type Arrays<'py> = (
-    PyReadonlyArray2<'py, f64>,
-    Option<PyReadonlyArray2<'py, f64>>,
-    [f64; 3],
-);
+pub type Arrays<'py> = (PyReadonlyArray2<'py, f64>, Option<PyReadonlyArray2<'py, f64>>, [f64; 3]);
 
 /// A start from arrays.
 pub fn start((positions, velocities, lengths): Arrays<'_>) -> PyResult<StartConfiguration> {
     let positions = numbers::vectors(&positions, "positions")?;
-    let velocities = velocities
-        .map(|v| numbers::vectors(&v, "velocities"))
-        .transpose()?;
+    let velocities = velocities.map(|v| numbers::vectors(&v, "velocities")).transpose()?;
     lennard_engine::start_from_arrays(DVec3::from_array(lengths), positions, velocities)
         .map_err(|e| PyValueError::new_err(e.to_string()))
 }
@@ -57,18 +51,10 @@ pub fn start((positions, velocities, lengths): Arrays<'_>) -> PyResult<StartConf
 impl Inner {
     /// Prepares a scene.
     pub fn make(py: Python<'_>, made: Made) -> PyResult<Self> {
-        let Made {
-            scene,
-            from_file,
-            threads,
-            start,
-        } = made;
+        let Made { scene, from_file, threads, start } = made;
         let begin = start.clone();
         let prepare = || lennard_engine::prepare_with(scene, begin, OwnParts::none());
-        Ok(Self {
-            start,
-            ..Self::built(py, from_file, threads, prepare)?
-        })
+        Ok(Self { start, ..Self::built(py, from_file, threads, prepare)? })
     }
 
     /// Brings a saved simulation back.
@@ -78,9 +64,7 @@ impl Inner {
         path: &Path,
         threads: Option<usize>,
     ) -> PyResult<Self> {
-        Self::built(py, false, threads, || {
-            lennard_engine::restored(checkpoint, path)
-        })
+        Self::built(py, false, threads, || lennard_engine::restored(checkpoint, path))
     }
 
     fn built(

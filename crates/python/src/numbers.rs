@@ -38,11 +38,7 @@ pub fn vectors(array: &PyReadonlyArray2<'_, f64>, name: &str) -> PyResult<Vec<DV
             view.ncols()
         )));
     }
-    Ok(view
-        .rows()
-        .into_iter()
-        .map(|row| DVec3::new(row[0], row[1], row[2]))
-        .collect())
+    Ok(view.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect())
 }
 
 /// A table as `{name, caption, columns: [{name, unit, values, errors}]}`: numbers in arrays, words in lists.

@@ -35,11 +35,7 @@ impl Progress for Teller<'_> {
     fn update(&mut self, stage: &str, done: u64, total: u64) {
         if self.stage != stage {
             stage.clone_into(&mut self.stage);
-            let mut shown = self
-                .position
-                .stage
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner);
+            let mut shown = self.position.stage.lock().unwrap_or_else(PoisonError::into_inner);
             stage.clone_into(&mut shown);
         }
         self.position.total.store(total, Ordering::Relaxed);
@@ -57,11 +53,7 @@ impl Position {
                 return Ok(());
             };
             let done = self.done.load(Ordering::Relaxed);
-            let stage = self
-                .stage
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .clone();
+            let stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner).clone();
             callback.call1(py, (stage, done, total)).map(drop)
         })
     }
@@ -117,12 +109,7 @@ pub fn in_folder(
     report: bool,
     callback: Option<&Py<PyAny>>,
 ) -> PyResult<RunRecord> {
-    let Inner {
-        simulation,
-        threads,
-        from_file,
-        ..
-    } = inner;
+    let Inner { simulation, threads, from_file, .. } = inner;
     if simulation.stage.is_some() {
         return Err(PyValueError::new_err(
             "a folder holds a run from its first step, and this simulation has done some\n  \
@@ -134,13 +121,8 @@ pub fn in_folder(
         .map_err(|e| engine(EngineError::Folder(e)))?;
     let count = threads.count();
     let (done, raised) = watched(py, threads.pool()?, callback, |stop, progress| {
-        let options = RunOptions {
-            folder: &claimed,
-            threads: count,
-            stop,
-            deadline: None,
-            progress,
-        };
+        let options =
+            RunOptions { folder: &claimed, threads: count, stop, deadline: None, progress };
         lennard_engine::run(simulation, options)
     });
     let outcome = done.transpose().map_err(engine)?;

@@ -27,9 +27,7 @@ pub struct Core {
 
 impl Core {
     fn around(inner: Inner) -> Self {
-        Self {
-            inner: Mutex::new(inner),
-        }
+        Self { inner: Mutex::new(inner) }
     }
 
     /// The simulation, where no other thread uses it.
@@ -75,16 +73,8 @@ impl Core {
         let (scene, lock) = loaded.map_err(|e| errors::of_scene(&e))?;
         let processors = lennard_core::parallel::processors();
         let of_lock = lock.map(|l| l.threads.min(processors));
-        Inner::make(
-            py,
-            Made {
-                scene,
-                from_file: true,
-                threads: threads.or(of_lock),
-                start: None,
-            },
-        )
-        .map(Self::around)
+        Inner::make(py, Made { scene, from_file: true, threads: threads.or(of_lock), start: None })
+            .map(Self::around)
     }
 
     /// A simulation of a scene from its text. `start` is positions, velocities and box sides in the place of a file.
@@ -101,12 +91,7 @@ impl Core {
         let scene = from_text(text, name, &overrides).map_err(|e| errors::of_scene(&e))?;
         Inner::make(
             py,
-            Made {
-                scene,
-                from_file: false,
-                threads,
-                start: start.map(inner::start).transpose()?,
-            },
+            Made { scene, from_file: false, threads, start: start.map(inner::start).transpose()? },
         )
         .map(Self::around)
     }
@@ -151,12 +136,7 @@ impl Core {
     /// Writes the scene, and the start where it came as arrays, into a folder.
     fn export(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         let mut inner = self.used()?;
-        let Inner {
-            simulation,
-            start,
-            threads,
-            ..
-        } = &mut *inner;
+        let Inner { simulation, start, threads, .. } = &mut *inner;
         let failed = |e: String| PyOSError::new_err(e);
         std::fs::create_dir_all(&folder)?;
         let text = planned_text(&simulation.scene);
@@ -183,11 +163,7 @@ impl Core {
         output: Option<&str>,
     ) -> PyResult<()> {
         let mut inner = self.whole()?;
-        let addition = Addition {
-            stage,
-            observables,
-            output,
-        };
+        let addition = Addition { stage, observables, output };
         let scene = with_stage(&inner.simulation, &addition);
         inner.grow(py, scene, Measurement::Anew)
     }
@@ -213,22 +189,12 @@ impl Core {
         if inner.steps_left() == 0 {
             return Ok(());
         }
-        let Inner {
-            simulation,
-            recording,
-            threads,
-            from_file,
-            ..
-        } = &mut *inner;
+        let Inner { simulation, recording, threads, from_file, .. } = &mut *inner;
         let end = planned_steps(&simulation.scene);
         let until = Some(until.unwrap_or(end).min(end));
         let (done, raised) =
             run::watched(py, threads.pool()?, callback.as_ref(), |stop, progress| {
-                let options = MemoryOptions {
-                    until,
-                    stop,
-                    progress,
-                };
+                let options = MemoryOptions { until, stop, progress };
                 run_in_memory(simulation, recording, options)
             });
         // Physics that failed is the more important news.
@@ -249,11 +215,7 @@ impl Core {
         callback: Option<Py<PyAny>>,
     ) -> PyResult<String> {
         let mut inner = self.whole()?;
-        let existing = if replace {
-            Existing::Replace
-        } else {
-            Existing::Refuse
-        };
+        let existing = if replace { Existing::Replace } else { Existing::Refuse };
         let record = run::in_folder(py, &mut inner, &folder, existing, report, callback.as_ref())?;
         as_json(&record)
     }
@@ -261,12 +223,7 @@ impl Core {
     /// The record of what was measured, as JSON, and the tables of the observables.
     fn results<'py>(&self, py: Python<'py>) -> PyResult<(String, Vec<Bound<'py, PyDict>>)> {
         let mut inner = self.whole()?;
-        let Inner {
-            simulation,
-            recording,
-            threads,
-            ..
-        } = &mut *inner;
+        let Inner { simulation, recording, threads, .. } = &mut *inner;
         let count = threads.count();
         let found = move || recording.results(simulation, count);
         let (record, tables) = threads.run(py, found)?;
@@ -342,10 +299,7 @@ impl Core {
     #[getter]
     fn size(&self) -> PyResult<(usize, usize)> {
         let system = &self.used()?.simulation.system;
-        Ok((
-            system.n_molecules() * system.molecules.sites(),
-            system.n_molecules(),
-        ))
+        Ok((system.n_molecules() * system.molecules.sites(), system.n_molecules()))
     }
 
     /// Temperature, kinetic and potential energy of a particle, and pressure.
@@ -353,12 +307,7 @@ impl Core {
         let mut inner = self.whole()?;
         let moment = inner.on_threads(py, Simulation::moment)?;
         let moment = moment.map_err(|e| errors::of_engine(e, inner.from_file))?;
-        Ok((
-            moment.temperature,
-            moment.kinetic_energy,
-            moment.potential_energy,
-            moment.pressure,
-        ))
+        Ok((moment.temperature, moment.kinetic_energy, moment.potential_energy, moment.pressure))
     }
 
     /// Names of the stages with their steps, whether they are measured, and the index of the stage under way.
@@ -367,9 +316,7 @@ impl Core {
         let inner = self.used()?;
         let simulation = &inner.simulation;
         let stages = planned_stages(&simulation.scene).iter();
-        let all = stages
-            .map(|s| (s.name.to_string(), s.steps, s.measure))
-            .collect();
+        let all = stages.map(|s| (s.name.to_string(), s.steps, s.measure)).collect();
         Ok((all, simulation.stage.as_ref().map(|s| s.index)))
     }
 
@@ -378,11 +325,7 @@ impl Core {
     fn names(&self) -> PyResult<(String, String, usize)> {
         let inner = self.used()?;
         let scene = &inner.simulation.scene;
-        Ok((
-            scene.name.to_string(),
-            scene.model_name(),
-            inner.threads.count(),
-        ))
+        Ok((scene.name.to_string(), scene.model_name(), inner.threads.count()))
     }
 
     /// Element and mass of each species, and the species of each particle.

@@ -24,11 +24,7 @@ impl Threads {
             PoolError::Number(_) => PyValueError::new_err(e.to_string()),
             PoolError::System(e) => PyRuntimeError::new_err(format!("starting threads: {e}")),
         })?;
-        Ok(Self {
-            count,
-            process: std::process::id(),
-            pool: Arc::new(pool),
-        })
+        Ok(Self { count, process: std::process::id(), pool: Arc::new(pool) })
     }
 
     /// Number of threads.

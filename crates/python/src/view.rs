@@ -20,12 +20,7 @@ struct Keeper {
 /// A read-only array `[N, 3]` on the vectors.
 #[allow(unsafe_code)] // numpy cannot know how long the memory stays
 fn array<'py>(py: Python<'py>, vectors: &Lent) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let keeper = Bound::new(
-        py,
-        Keeper {
-            vectors: Lent::clone(vectors),
-        },
-    )?;
+    let keeper = Bound::new(py, Keeper { vectors: Lent::clone(vectors) })?;
     let first = keeper.get().vectors.as_ptr().cast::<f64>();
     // SAFETY: `DVec3` is three `f64` in a row (`repr(C)`), so that n of them are 3n numbers. The array holds the keeper, and
     // the keeper holds the vectors. `give_back` takes vectors away only where no keeper holds them.
@@ -51,12 +46,7 @@ pub struct View {
 impl View {
     /// Takes the vectors of a state.
     pub fn open(py: Python<'_>, state: &mut State) -> PyResult<Py<Self>> {
-        let State {
-            positions,
-            velocities,
-            forces,
-            ..
-        } = state;
+        let State { positions, velocities, forces, .. } = state;
         let lent = [positions, velocities, forces].map(|v| Arc::new(std::mem::take(v)));
         let lent = Mutex::new(Some(lent));
         Py::new(py, Self { lent })

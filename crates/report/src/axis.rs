@@ -40,29 +40,19 @@ impl Axis {
     /// A linear axis fitted to the values.
     #[must_use]
     pub fn linear(label: impl Into<String>) -> Self {
-        Self {
-            label: label.into(),
-            scale: Scale::Linear,
-            range: None,
-        }
+        Self { label: label.into(), scale: Scale::Linear, range: None }
     }
 
     /// A logarithmic axis fitted to the values.
     #[must_use]
     pub fn logarithmic(label: impl Into<String>) -> Self {
-        Self {
-            scale: Scale::Logarithmic,
-            ..Self::linear(label)
-        }
+        Self { scale: Scale::Logarithmic, ..Self::linear(label) }
     }
 
     /// With fixed ends: what lies outside is cut off, and marks outside are shown as arrows at the edge.
     #[must_use]
     pub fn from_to(self, low: f64, high: f64) -> Self {
-        Self {
-            range: Some((low, high)),
-            ..self
-        }
+        Self { range: Some((low, high)), ..self }
     }
 
     pub(crate) fn span(
@@ -87,13 +77,9 @@ impl Axis {
             None => {
                 let (low, high) = values
                     .filter(showable)
-                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
-                        (a.min(v), b.max(v))
-                    });
+                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
                 if low > high {
-                    return Err(ReportError::NothingToDraw {
-                        figure: figure.into(),
-                    });
+                    return Err(ReportError::NothingToDraw { figure: figure.into() });
                 }
                 self.padded(low, high)
             }
@@ -141,14 +127,7 @@ impl Span {
             Scale::Linear => linear_ticks(low, high),
             Scale::Logarithmic => logarithmic_ticks(low, high),
         };
-        Self {
-            scale,
-            low,
-            high,
-            step,
-            major,
-            minor,
-        }
+        Self { scale, low, high, step, major, minor }
     }
 
     /// Where a value lies between the ends, 0 to 1; `None` where it cannot be shown at all.
@@ -176,11 +155,7 @@ impl Span {
 
     /// Number of characters of the longest label.
     pub(crate) fn widest_label(&self) -> usize {
-        self.major
-            .iter()
-            .map(|v| self.label(*v).chars().count())
-            .max()
-            .unwrap_or(0)
+        self.major.iter().map(|v| self.label(*v).chars().count()).max().unwrap_or(0)
     }
 
     pub(crate) fn label(&self, value: f64) -> String {
@@ -239,11 +214,8 @@ fn logarithmic_ticks(low: f64, high: f64) -> (f64, Vec<f64>, Vec<f64>) {
         return (1.0, major, with_multiples(&[3.0, 4.0, 6.0, 7.0, 8.0, 9.0]));
     }
     let stride = powers.len().div_ceil(MOST_LABELS) as i32;
-    let major = powers
-        .iter()
-        .filter(|e| e.rem_euclid(stride) == 0)
-        .map(|e| 10f64.powi(*e))
-        .collect();
+    let major =
+        powers.iter().filter(|e| e.rem_euclid(stride) == 0).map(|e| 10f64.powi(*e)).collect();
     let minor = if stride == 1 && powers.len() <= 4 {
         with_multiples(&[2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
     } else {
@@ -294,18 +266,12 @@ mod tests {
             labels(Axis::linear("x"), &[0.0, 1.0]),
             ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"].map(|s| if s == "0.0" { "0" } else { s })
         );
-        assert_eq!(
-            labels(Axis::linear("x"), &[-3e7, 3e7]),
-            ["−2·10⁷", "0", "2·10⁷"]
-        );
+        assert_eq!(labels(Axis::linear("x"), &[-3e7, 3e7]), ["−2·10⁷", "0", "2·10⁷"]);
         assert_eq!(
             labels(Axis::logarithmic("x"), &[1e-12, 1.0]),
             ["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "10⁰"]
         );
-        assert_eq!(
-            labels(Axis::logarithmic("x"), &[0.01, 0.02]),
-            ["0.005", "0.01", "0.02"]
-        );
+        assert_eq!(labels(Axis::logarithmic("x"), &[0.01, 0.02]), ["0.005", "0.01", "0.02"]);
     }
 
     #[test]
@@ -330,10 +296,7 @@ mod tests {
                 Err(ReportError::BadRange { .. })
             ));
         }
-        let span = log
-            .from_to(1.0, 100.0)
-            .span("f", std::iter::empty())
-            .unwrap();
+        let span = log.from_to(1.0, 100.0).span("f", std::iter::empty()).unwrap();
         assert_eq!(span.fraction(10.0), Some(0.5));
         assert_eq!(span.fraction(0.0), None);
     }

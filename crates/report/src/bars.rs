@@ -92,12 +92,7 @@ impl BarFigure {
                 self.draw_group(sheet, &frame, g, group)?;
             }
             let start = frame.start();
-            sheet.line(
-                &[(start, TOP), (start, frame.bottom)],
-                Dash::Solid,
-                GREY,
-                1.2,
-            )?;
+            sheet.line(&[(start, TOP), (start, frame.bottom)], Dash::Solid, GREY, 1.2)?;
             self.draw_legend(sheet, &frame, legend_rows)
         })
     }
@@ -164,11 +159,7 @@ impl Frame {
 
     /// Where bars begin.
     fn start(&self) -> f64 {
-        if self.is_linear {
-            self.place(0.0)
-        } else {
-            self.left
-        }
+        if self.is_linear { self.place(0.0) } else { self.left }
     }
 
     /// The upper edge of the label of the axis.
@@ -234,13 +225,6 @@ mod tests {
     fn a_bar_too_few_is_an_error() {
         let mut wrong = example();
         wrong.series[0].values.pop();
-        assert!(matches!(
-            wrong.to_svg(),
-            Err(ReportError::BarCount {
-                found: 1,
-                wanted: 2,
-                ..
-            })
-        ));
+        assert!(matches!(wrong.to_svg(), Err(ReportError::BarCount { found: 1, wanted: 2, .. })));
     }
 }

@@ -39,10 +39,7 @@ pub(crate) const FAINT_GRID: RGBColor = RGBColor(242, 242, 242);
 pub(crate) type Place = (f64, f64);
 
 pub(crate) fn fine(place: Place) -> (i32, i32) {
-    (
-        (place.0 * f64::from(FINE)).round() as i32,
-        (place.1 * f64::from(FINE)).round() as i32,
-    )
+    ((place.0 * f64::from(FINE)).round() as i32, (place.1 * f64::from(FINE)).round() as i32)
 }
 
 pub(crate) fn color(index: usize) -> RGBColor {
@@ -113,10 +110,7 @@ impl<'a> Sheet<'a> {
     }
 
     pub(crate) fn failed(&self, reason: impl std::fmt::Display) -> ReportError {
-        ReportError::Drawing {
-            figure: self.figure.into(),
-            reason: reason.to_string(),
-        }
+        ReportError::Drawing { figure: self.figure.into(), reason: reason.to_string() }
     }
 
     pub(crate) fn text(
@@ -127,9 +121,7 @@ impl<'a> Sheet<'a> {
         (horizontal, vertical): Anchor,
     ) -> Result<(), ReportError> {
         let style = style.pos(Pos::new(horizontal, vertical));
-        self.area
-            .draw(&Text::new(text.to_owned(), fine(at), style))
-            .map_err(|e| self.failed(e))
+        self.area.draw(&Text::new(text.to_owned(), fine(at), style)).map_err(|e| self.failed(e))
     }
 
     fn title(&self, title: &str) -> Result<(), ReportError> {
@@ -155,10 +147,7 @@ impl<'a> Sheet<'a> {
         color: RGBColor,
     ) -> Result<(), ReportError> {
         self.area
-            .draw(&Rectangle::new(
-                [fine(corner), fine(opposite)],
-                color.filled(),
-            ))
+            .draw(&Rectangle::new([fine(corner), fine(opposite)], color.filled()))
             .map_err(|e| self.failed(e))
     }
 
@@ -190,12 +179,10 @@ impl<'a> Sheet<'a> {
         let done = match dash {
             Dash::Solid => self.area.draw(&PathElement::new(path, style)),
             Dash::Dashed => {
-                self.area
-                    .draw(&DashedPathElement::new(path, 9 * FINE, 5 * FINE, style))
+                self.area.draw(&DashedPathElement::new(path, 9 * FINE, 5 * FINE, style))
             }
             Dash::Dotted => {
-                self.area
-                    .draw(&DashedPathElement::new(path, 3 * FINE, 4 * FINE, style))
+                self.area.draw(&DashedPathElement::new(path, 3 * FINE, 4 * FINE, style))
             }
         };
         done.map_err(|e| self.failed(e))
@@ -210,22 +197,15 @@ impl<'a> Sheet<'a> {
         color: RGBColor,
     ) -> Result<(), ReportError> {
         let around = |corners: &[(f64, f64)]| -> Vec<Place> {
-            corners
-                .iter()
-                .map(|(x, y)| (at.0 + radius * x, at.1 + radius * y))
-                .collect()
+            corners.iter().map(|(x, y)| (at.0 + radius * x, at.1 + radius * y)).collect()
         };
         let fill = |corners: &[(f64, f64)]| {
             let corners: Vec<(i32, i32)> = around(corners).into_iter().map(fine).collect();
-            self.area
-                .draw(&Polygon::new(corners, color.filled()))
-                .map_err(|e| self.failed(e))
+            self.area.draw(&Polygon::new(corners, color.filled())).map_err(|e| self.failed(e))
         };
         let circle = |style: ShapeStyle| {
             let size = (radius * f64::from(FINE)).round() as i32;
-            self.area
-                .draw(&Circle::new(fine(at), size, style))
-                .map_err(|e| self.failed(e))
+            self.area.draw(&Circle::new(fine(at), size, style)).map_err(|e| self.failed(e))
         };
         const UPRIGHT: [(f64, f64); 3] = [(0.0, -1.15), (1.0, 0.7), (-1.0, 0.7)];
         const ON_ITS_TIP: [(f64, f64); 3] = [(0.0, 1.15), (1.0, -0.7), (-1.0, -0.7)];

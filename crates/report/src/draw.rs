@@ -30,10 +30,7 @@ struct Frame {
 
 impl Frame {
     fn at(&self, fx: f64, fy: f64) -> Place {
-        (
-            self.left + fx * self.width,
-            self.top + (1.0 - fy) * self.height,
-        )
+        (self.left + fx * self.width, self.top + (1.0 - fy) * self.height)
     }
 
     fn fractions(&self, x: f64, y: f64) -> Option<(f64, f64)> {
@@ -82,14 +79,7 @@ fn svg(figure: &Figure) -> Result<String, ReportError> {
     let plot_bottom = TOP + PLOT_HEIGHT;
     let height = plot_bottom + bottom + legend.height() + 6.0;
     let left = 12.0 + 1.5 * TEXT + (y.widest_label() as f64 + 1.0) * TEXT * 0.54;
-    let frame = Frame {
-        left,
-        top: TOP,
-        width: WIDTH - left - RIGHT,
-        height: PLOT_HEIGHT,
-        x,
-        y,
-    };
+    let frame = Frame { left, top: TOP, width: WIDTH - left - RIGHT, height: PLOT_HEIGHT, x, y };
 
     drawing(&figure.name, &figure.title, height, |sheet, hints| {
         for guide in &figure.guides {
@@ -114,13 +104,10 @@ fn axes(sheet: &Sheet<'_>, figure: &Figure, frame: &Frame) -> Result<(), ReportE
     let (x0, y0) = fine((frame.left, frame.top));
     let (x1, y1) = fine((frame.left + frame.width, frame.top + frame.height));
     let tick_room = TEXT + 12.0;
-    let area = sheet.area.clone().shrink(
-        (0, y0),
-        (
-            x1 as u32,
-            (y1 - y0) as u32 + (tick_room * f64::from(FINE)) as u32,
-        ),
-    );
+    let area = sheet
+        .area
+        .clone()
+        .shrink((0, y0), (x1 as u32, (y1 - y0) as u32 + (tick_room * f64::from(FINE)) as u32));
     let mut chart = ChartBuilder::on(&area)
         .set_label_area_size(plotters::prelude::LabelAreaPosition::Left, x0)
         .set_label_area_size(
@@ -149,11 +136,7 @@ fn axes(sheet: &Sheet<'_>, figure: &Figure, frame: &Frame) -> Result<(), ReportE
     sheet.text(&figure.x.label, (middle, below), ink(TEXT), BELOW)?;
     let width = text_width(&figure.y.label, TEXT);
     let height = TEXT * (frame.height * 1.1 / width).min(1.0);
-    sheet.upright(
-        &figure.y.label,
-        (8.0, frame.top + 0.5 * frame.height),
-        height,
-    )
+    sheet.upright(&figure.y.label, (8.0, frame.top + 0.5 * frame.height), height)
 }
 
 /// The strip below a [`Guide::UpTo`].
@@ -177,11 +160,7 @@ fn draw_labels(sheet: &Sheet<'_>, frame: &Frame, series: &Series) -> Result<(), 
             continue;
         };
         let (x, y) = frame.at(fx.clamp(0.0, 1.0), fy.clamp(0.0, 1.0));
-        let (shift, anchor) = if fx > 0.92 {
-            (-1.6 * MARK, BEFORE)
-        } else {
-            (1.6 * MARK, AFTER)
-        };
+        let (shift, anchor) = if fx > 0.92 { (-1.6 * MARK, BEFORE) } else { (1.6 * MARK, AFTER) };
         let at = (x + shift, y - 2.2 * MARK);
         sheet.text(label, at, ink(0.82 * TEXT), anchor)?;
     }
@@ -196,11 +175,7 @@ fn draw_guide(sheet: &Sheet<'_>, frame: &Frame, guide: &Guide) -> Result<(), Rep
             };
             let ends = [frame.at(f, 0.0), frame.at(f, 1.0)];
             // The word stands on the side where there is room.
-            let (shift, anchor) = if f > 0.6 {
-                (-5.0, HPos::Right)
-            } else {
-                (5.0, HPos::Left)
-            };
+            let (shift, anchor) = if f > 0.6 { (-5.0, HPos::Right) } else { (5.0, HPos::Left) };
             (label, ends, (ends[0].0 + shift, ends[0].1 - 20.0), anchor)
         }
         Guide::Horizontal(y, label) | Guide::UpTo(y, label) => {
@@ -225,11 +200,7 @@ fn draw_series(
 ) -> Result<(), ReportError> {
     let paint = color(series.color);
     if let Look::Line(dash) | Look::LineAndPoints(dash, _) = series.look {
-        let width = if matches!(series.look, Look::Line(_)) {
-            LINE
-        } else {
-            0.6 * LINE
-        };
+        let width = if matches!(series.look, Look::Line(_)) { LINE } else { 0.6 * LINE };
         for piece in visible_pieces(frame, &series.points) {
             sheet.line(&piece, dash, paint, width)?;
         }
@@ -247,21 +218,13 @@ fn draw_series(
         }
     }
     for failure in &series.failures {
-        if let Some(f) = frame
-            .x
-            .fraction(failure.x)
-            .filter(|f| (0.0..=1.0).contains(f))
-        {
+        if let Some(f) = frame.x.fraction(failure.x).filter(|f| (0.0..=1.0).contains(f)) {
             let (px, py) = frame.at(f, 1.0);
             // Series fail at the same places: each has its own height, so that none hides another.
             let row = 9.0 + 11.0 * (series.color % crate::COLORS.len()) as f64;
             let at = (px, py + row);
             sheet.failure(at, 0.95 * MARK, paint)?;
-            hints.extend(failure.note.clone().map(|note| Hint {
-                at,
-                note,
-                link: None,
-            }));
+            hints.extend(failure.note.clone().map(|note| Hint { at, note, link: None }));
         }
     }
     Ok(())
@@ -278,21 +241,14 @@ fn draw_point(
         true => (GREY, symbol.open()),
         false => (color(color_index), symbol),
     };
-    let Some(fx) = frame
-        .x
-        .fraction(point.x)
-        .filter(|f| (-1e-9..=1.0 + 1e-9).contains(f))
-    else {
+    let Some(fx) = frame.x.fraction(point.x).filter(|f| (-1e-9..=1.0 + 1e-9).contains(f)) else {
         return Ok(());
     };
     if point.y.is_nan() {
         return Ok(());
     }
     // What a logarithmic axis cannot show, and what lies beyond a fixed end, is an arrow at that edge.
-    let fy = frame
-        .y
-        .fraction(point.y)
-        .unwrap_or(if point.y > 0.0 { 2.0 } else { -1.0 });
+    let fy = frame.y.fraction(point.y).unwrap_or(if point.y > 0.0 { 2.0 } else { -1.0 });
     if fy > 1.0 + 1e-9 {
         let (x, y) = frame.at(fx, 1.0);
         return sheet.symbol(Symbol::Triangle, (x, y + 6.0), MARK, paint);

@@ -77,9 +77,7 @@ fn with_dois(text: &str) -> String {
         out.push_str(before);
         if is_doi {
             let end = &found[name.len()..];
-            out.push_str(&format!(
-                "<a href=\"https://doi.org/{name}\">{name}</a>{end}"
-            ));
+            out.push_str(&format!("<a href=\"https://doi.org/{name}\">{name}</a>{end}"));
         } else {
             out.push_str(found);
         }

@@ -17,15 +17,8 @@ pub(crate) struct Legend<'a> {
 
 impl<'a> Legend<'a> {
     pub(crate) fn of(figure: &'a Figure) -> Self {
-        let entries: Vec<&Series> = figure
-            .series
-            .iter()
-            .filter(|s| !s.name.is_empty())
-            .collect();
-        let widest = entries
-            .iter()
-            .map(|s| text_width(&s.name, TEXT))
-            .fold(0.0, f64::max);
+        let entries: Vec<&Series> = figure.series.iter().filter(|s| !s.name.is_empty()).collect();
+        let widest = entries.iter().map(|s| text_width(&s.name, TEXT)).fold(0.0, f64::max);
         let columns = ((WIDTH - 16.0) / (widest + SAMPLE + 8.0)).floor() as usize;
         Self {
             columns: columns.clamp(1, entries.len().max(1)),

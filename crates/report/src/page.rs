@@ -42,10 +42,7 @@ impl Section {
     /// An empty section.
     #[must_use]
     pub fn new(title: impl Into<String>) -> Self {
-        Self {
-            title: title.into(),
-            blocks: Vec::new(),
-        }
+        Self { title: title.into(), blocks: Vec::new() }
     }
 
     /// Adds a block.
@@ -158,11 +155,7 @@ impl Page {
         }
         html.push_str("</main>\n<footer>\n<h2>Provenance</h2>\n<dl>\n");
         for (name, value) in &self.provenance {
-            html.push_str(&format!(
-                "<dt>{}</dt><dd>{}</dd>\n",
-                escape(name),
-                inline_markup(value)
-            ));
+            html.push_str(&format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), inline_markup(value)));
         }
         html.push_str("</dl>\n</footer>\n");
         if html.contains("class=\"hint\"") {
@@ -180,10 +173,8 @@ impl Block {
             Self::Heading(text) => format!("<h3>{}</h3>\n", inline_markup(text)),
             Self::Remark(text) => format!("<p class=\"remark\">{}</p>\n", inline_markup(text)),
             Self::List(points) => {
-                let items: String = points
-                    .iter()
-                    .map(|p| format!("<li>{}</li>\n", inline_markup(p)))
-                    .collect();
+                let items: String =
+                    points.iter().map(|p| format!("<li>{}</li>\n", inline_markup(p))).collect();
                 format!("<ul>\n{items}</ul>\n")
             }
             Self::Equations(lines) => {
@@ -214,12 +205,7 @@ mod tests {
     use lennard_core::{Cell, Tone};
 
     fn figure(note: Option<&str>) -> Picture {
-        let point = Point {
-            x: 1.0,
-            y: 2.0,
-            note: note.map(str::to_owned),
-            ..Point::default()
-        };
+        let point = Point { x: 1.0, y: 2.0, note: note.map(str::to_owned), ..Point::default() };
         let look = Look::LineAndPoints(Dash::Solid, crate::Symbol::Disc);
         let figure = Figure::new("f", "F", Axis::linear("x"), Axis::linear("y")).with(Series::new(
             "s",
@@ -278,22 +264,10 @@ mod tests {
         }
         // The script is there where a point can be pointed at, and only there.
         let mut pointed = page();
-        pointed
-            .sections
-            .push(Section::new("S").figures(vec![figure(Some("x"))]));
+        pointed.sections.push(Section::new("S").figures(vec![figure(Some("x"))]));
         assert_eq!(pointed.to_html().unwrap().matches("<script>").count(), 1);
         // Every tag that opens is closed.
-        for tag in [
-            "section",
-            "figure",
-            "table",
-            "div",
-            "main",
-            "ul",
-            "tr",
-            "td",
-            "figcaption",
-        ] {
+        for tag in ["section", "figure", "table", "div", "main", "ul", "tr", "td", "figcaption"] {
             assert_eq!(
                 html.matches(&format!("<{tag}>")).count()
                     + html.matches(&format!("<{tag} ")).count(),

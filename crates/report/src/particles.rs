@@ -53,9 +53,7 @@ impl ParticleFigure {
     /// [`ReportError`] where there is no particle.
     pub fn to_svg(&self) -> Result<String, ReportError> {
         if self.places.is_empty() || self.species.is_empty() {
-            return Err(ReportError::NothingToDraw {
-                figure: self.name.clone(),
-            });
+            return Err(ReportError::NothingToDraw { figure: self.name.clone() });
         }
         let scenery = self.scenery();
         let top = 2.0 * TITLE;
@@ -100,13 +98,7 @@ impl ParticleFigure {
         }
         svg.push_str("</g>\n");
         let words = scenery.sides_in_words();
-        write_text(
-            &mut svg,
-            (0.5 * WIDTH, below),
-            0.88 * TEXT,
-            "middle",
-            &words,
-        );
+        write_text(&mut svg, (0.5 * WIDTH, below), 0.88 * TEXT, "middle", &words);
         self.write_legend(&mut svg, below + 1.3 * SAMPLE);
         svg.push_str("</svg>\n");
         Ok(svg)
@@ -153,10 +145,7 @@ impl ParticleFigure {
         if self.species.len() == 1 {
             return;
         }
-        let widths = self
-            .species
-            .iter()
-            .map(|s| 2.2 * SAMPLE + text_width(&s.name, TEXT));
+        let widths = self.species.iter().map(|s| 2.2 * SAMPLE + text_width(&s.name, TEXT));
         let mut x = 0.5 * (WIDTH - widths.clone().sum::<f64>());
         for ((a, sphere), width) in self.species.iter().enumerate().zip(widths) {
             let _ = writeln!(
@@ -208,11 +197,7 @@ type Rgb = (u8, u8, u8);
 /// A color with a share of another.
 fn toward(one: Rgb, other: Rgb, share: f64) -> Rgb {
     let mix = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
-    (
-        mix(one.0, other.0),
-        mix(one.1, other.1),
-        mix(one.2, other.2),
-    )
+    (mix(one.0, other.0), mix(one.1, other.1), mix(one.2, other.2))
 }
 
 fn hex((r, g, b): Rgb) -> String {

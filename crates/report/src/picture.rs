@@ -60,11 +60,7 @@ impl Picture {
                 caption = format!("{caption} {NO_RESULTS}").trim_start().to_owned();
             }
         }
-        Self {
-            drawing,
-            caption,
-            data: data.into(),
-        }
+        Self { drawing, caption, data: data.into() }
     }
 
     /// File stem.
@@ -96,29 +92,18 @@ mod tests {
 
     #[test]
     fn a_point_without_a_known_error_is_open_and_grey_and_the_caption_says_so() {
-        let point = |x: f64, error: Option<f64>| Point {
-            error,
-            ..Point::from((x, 1.0 + x))
-        };
+        let point = |x: f64, error: Option<f64>| Point { error, ..Point::from((x, 1.0 + x)) };
         for (error, is_result) in [(None, true), (Some(0.1), true), (Some(f64::NAN), false)] {
             let axes = || Axis::linear("x");
             let figure = Figure::new("f", "F", axes(), axes());
             let points = [point(1.0, Some(0.2)), point(2.0, error)];
             let look = Look::Points(Symbol::Disc);
-            let picture = Picture::new(
-                figure.with(Series::new("", look, 0, points)),
-                "About.",
-                "f.csv",
-            );
-            assert_eq!(
-                picture.caption.contains("no results"),
-                !is_result,
-                "{error:?}"
-            );
+            let picture =
+                Picture::new(figure.with(Series::new("", look, 0, points)), "About.", "f.csv");
+            assert_eq!(picture.caption.contains("no results"), !is_result, "{error:?}");
             let svg = picture.to_svg().unwrap();
-            let open = svg
-                .lines()
-                .filter(|l| l.starts_with("<circle") && l.contains("fill=\"none\""));
+            let open =
+                svg.lines().filter(|l| l.starts_with("<circle") && l.contains("fill=\"none\""));
             assert_eq!(open.count(), usize::from(!is_result), "{error:?}: {svg}");
         }
     }

@@ -72,20 +72,12 @@ pub fn is_numeric(column: &Column) -> bool {
 
 /// The table as a figure of a page, with the command that made it.
 pub(crate) fn to_html(table: &Table, command: Option<&str>) -> String {
-    let judged = if ends_with_verdicts(table) {
-        " class=\"judged\""
-    } else {
-        ""
-    };
+    let judged = if ends_with_verdicts(table) { " class=\"judged\"" } else { "" };
     let mut html = format!(
         "<figure class=\"table\">\n<div class=\"scroll\" tabindex=\"0\"><table{judged}>\n<thead><tr>"
     );
     for column in &table.columns {
-        let class = if is_numeric(column) {
-            " class=\"number\""
-        } else {
-            ""
-        };
+        let class = if is_numeric(column) { " class=\"number\"" } else { "" };
         html.push_str(&format!(
             "<th scope=\"col\"{class}>{}</th>",
             inline_markup(&heading(column))
@@ -134,11 +126,7 @@ fn class(cell: &Cell, text: &str, numeric_column: bool) -> String {
         (tone.is_none() && text.chars().count() > LONG_TEXT).then_some("long")
     };
     let classes: Vec<&str> = place.into_iter().chain(tone).collect();
-    if classes.is_empty() {
-        String::new()
-    } else {
-        format!(" class=\"{}\"", classes.join(" "))
-    }
+    if classes.is_empty() { String::new() } else { format!(" class=\"{}\"", classes.join(" ")) }
 }
 
 #[cfg(test)]
@@ -153,15 +141,9 @@ mod tests {
         assert_eq!(texts(Cell::default()), ["–", "–"]);
         assert_eq!(texts(Cell::rounded(0.123_456, 3)), ["0.123", "0.123"]);
         assert_eq!(texts(864_u64.into()), ["864", "864"]);
-        assert_eq!(
-            texts(Cell::measured(-5.481_23, 0.001_27)),
-            ["−5.4812(13)", "−5.4812 ± 0.0013"]
-        );
+        assert_eq!(texts(Cell::measured(-5.481_23, 0.001_27)), ["−5.4812(13)", "−5.4812 ± 0.0013"]);
         assert_eq!(texts(Cell::figures("-4.3")), ["−4.3", "-4.3"]);
-        assert_eq!(
-            texts(Cell::figures("3-5 at -1e-7")).first().unwrap(),
-            "3-5 at −1e-7"
-        );
+        assert_eq!(texts(Cell::figures("3-5 at -1e-7")).first().unwrap(), "3-5 at −1e-7");
     }
 
     #[test]
@@ -169,9 +151,7 @@ mod tests {
         let items = [(Some(1.5), Tone::Good), (None, Tone::Plain)];
         let table = Table::rows_of("t", &items)
             .column("x [σ]", |i| Cell::rounded(i.0, 2).toned(i.1))
-            .column("fate", |i| {
-                Cell::words(if i.0.is_some() { "bounded" } else { "diverges" })
-            })
+            .column("fate", |i| Cell::words(if i.0.is_some() { "bounded" } else { "diverges" }))
             .table();
         let html = to_html(&table, None);
         for text in [

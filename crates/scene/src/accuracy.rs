@@ -27,24 +27,15 @@ lennard_core::options! {
 
 impl Accuracy {
     /// What is asked of a scene that asks for nothing: U to 1e-3 ε, P to 5e-3 ε/σ³, drift to 1e-5 ε/τ.
-    pub const USUAL: Self = Self {
-        potential_energy: Some(1e-3),
-        pressure: Some(5e-3),
-        drift: Some(1e-5),
-    };
+    pub const USUAL: Self =
+        Self { potential_energy: Some(1e-3), pressure: Some(5e-3), drift: Some(1e-5) };
 
     /// The errors asked for with their keys and units.
     #[must_use]
     pub fn asked(&self) -> Vec<(&'static str, f64, &'static str)> {
-        let Self {
-            potential_energy,
-            pressure,
-            drift,
-        } = *self;
+        let Self { potential_energy, pressure, drift } = *self;
         let declared = Self::KEYS.iter().zip([potential_energy, pressure, drift]);
-        declared
-            .filter_map(|(key, value)| Some((key.key, value?, key.unit)))
-            .collect()
+        declared.filter_map(|(key, value)| Some((key.key, value?, key.unit))).collect()
     }
 }
 
@@ -60,9 +51,7 @@ pub(crate) const CHOSEN: [&str; 5] = [
 /// [`Accuracy::USUAL`], as overrides.
 pub(crate) fn usual_overrides() -> Vec<(String, String)> {
     let asked = Accuracy::USUAL.asked().into_iter();
-    asked
-        .map(|(key, value, _)| (format!("accuracy.{key}"), value.to_string()))
-        .collect()
+    asked.map(|(key, value, _)| (format!("accuracy.{key}"), value.to_string())).collect()
 }
 
 /// Takes out of a scene what an accuracy chooses, and what belongs to that.
@@ -129,10 +118,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     if let Some(surfaces) = scene.surfaces() {
         return Err(scene
             .source
-            .refuse(
-                "accuracy",
-                "is judged in a homogeneous fluid, and this one has surfaces",
-            )
+            .refuse("accuracy", "is judged in a homogeneous fluid, and this one has surfaces")
             .found(surfaces)
             .allowed("a scene without surfaces, or settings written by hand and no `accuracy`"));
     }
@@ -145,19 +131,12 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     }
     let method = scene.integrator.method.spec();
     if !method.symplectic {
-        let key = if accuracy.drift.is_some() {
-            "accuracy.drift"
-        } else {
-            "accuracy"
-        };
+        let key = if accuracy.drift.is_some() { "accuracy.drift" } else { "accuracy" };
         return Err(scene
             .source
             .refuse(
                 key,
-                format!(
-                    "contradicts `integrator.kind`: {} keeps no energy at any dt",
-                    method.name
-                ),
+                format!("contradicts `integrator.kind`: {} keeps no energy at any dt", method.name),
             )
             .found(format!("integrator.kind = {:?}", method.name))
             .allowed("a symplectic method (see `lennard list integrators`), or no `accuracy`"));
@@ -196,11 +175,7 @@ impl Scene {
     /// The scene with every free setting at its present value, as a study that tries settings needs it.
     #[must_use]
     pub fn without_accuracy(&self) -> Self {
-        Self {
-            accuracy: None,
-            free: Vec::new(),
-            ..self.clone()
-        }
+        Self { accuracy: None, free: Vec::new(), ..self.clone() }
     }
 
     /// The error that an accuracy cannot be met, on the line of the `key` that is to blame.
@@ -212,9 +187,6 @@ impl Scene {
         found: &str,
         reachable: &str,
     ) -> SceneError {
-        self.source
-            .refuse(key, message)
-            .found(found)
-            .allowed(reachable)
+        self.source.refuse(key, message).found(found).allowed(reachable)
     }
 }

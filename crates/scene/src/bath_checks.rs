@@ -12,10 +12,7 @@ const FEWEST_INTERVALS: f64 = 20.0;
 /// Refuses observables whose equation needs a temperature that is held, where a measured stage holds none.
 pub(crate) fn temperatures_are_held(scene: &Scene) -> Result<(), SceneError> {
     let free = scene.stages.iter();
-    let Some(free) = free
-        .filter(|s| s.measure)
-        .find(|s| !s.holds_one_temperature())
-    else {
+    let Some(free) = free.filter(|s| s.measure).find(|s| !s.holds_one_temperature()) else {
         return Ok(());
     };
     for (i, table) in scene.observables.iter().enumerate() {
@@ -33,19 +30,13 @@ pub(crate) fn temperatures_are_held(scene: &Scene) -> Result<(), SceneError> {
         let names: Vec<&str> = canonical.map(|t| t.name).collect();
         return Err(scene
             .source
-            .refuse(
-                &format!("observable.{i}.kind"),
-                "needs a temperature that is held",
-            )
+            .refuse(&format!("observable.{i}.kind"), "needs a temperature that is held")
             .found(format!(
                 "{:?} in the measured stage {:?} {found}",
                 table.options.name(),
                 free.name
             ))
-            .allowed(format!(
-                "thermostat = one of {}, at one temperature",
-                quoted(&names)
-            )));
+            .allowed(format!("thermostat = one of {}, at one temperature", quoted(&names))));
     }
     Ok(())
 }
@@ -79,10 +70,7 @@ fn has_its_thermostat(
         return Ok(());
     }
     let all = thermostats().iter();
-    let fit: Vec<&str> = all
-        .filter(|t| suits(t.name, t.canonical))
-        .map(|t| t.name)
-        .collect();
+    let fit: Vec<&str> = all.filter(|t| suits(t.name, t.canonical)).map(|t| t.name).collect();
     Err(scene
         .source
         .refuse(
@@ -116,10 +104,7 @@ fn is_slow_enough(
             &format!("stage.{index}.barostat.tau"),
             "is too short for the steps between two changes of the box",
         )
-        .found(format!(
-            "tau = {tau} τ with {interval} steps of {} τ",
-            scene.stage_dt(stage)
-        ))
+        .found(format!("tau = {tau} τ with {interval} steps of {} τ", scene.stage_dt(stage)))
         .allowed(format!(
             "at least {FEWEST_INTERVALS}·interval·dt = {} τ, or a smaller `interval`",
             short(shortest)

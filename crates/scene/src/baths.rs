@@ -55,14 +55,9 @@ pub(crate) struct BarostatTable {
 
 impl From<&PressureControl> for BarostatTable {
     fn from(control: &PressureControl) -> Self {
-        let ends = Ends {
-            from: control.pressure_from,
-            to: control.pressure,
-        };
+        let ends = Ends { from: control.pressure_from, to: control.pressure };
         Self {
-            shared: BarostatKeys {
-                pressure: Some(ends.into()),
-            },
+            shared: BarostatKeys { pressure: Some(ends.into()) },
             method: control.options.clone(),
         }
     }
@@ -101,10 +96,7 @@ impl<R> Ramped<R> {
     /// The ends of a plain number.
     pub fn constant(&self) -> Option<Ends> {
         match self {
-            Self::Constant(to) => Some(Ends {
-                from: None,
-                to: *to,
-            }),
+            Self::Constant(to) => Some(Ends { from: None, to: *to }),
             Self::Linear(_) => None,
         }
     }
@@ -202,10 +194,6 @@ impl Reader<'_> {
                 .found(format!("kind = {:?} without a pressure", options.name()))
                 .allowed("the pressure to hold in ε/σ³, or { from, to }"));
         };
-        Ok(Some(PressureControl {
-            pressure: pressure.to,
-            pressure_from: pressure.from,
-            options,
-        }))
+        Ok(Some(PressureControl { pressure: pressure.to, pressure_from: pressure.from, options }))
     }
 }

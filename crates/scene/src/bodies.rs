@@ -22,11 +22,7 @@ impl Reader<'_> {
     ) -> Result<Start, SceneError> {
         let refuse = |key: &str, message: &str, found: String, allowed: &str| {
             let key = format!("system.{key}");
-            Err(self
-                .source
-                .refuse(&key, message)
-                .found(found)
-                .allowed(allowed))
+            Err(self.source.refuse(&key, message).found(found).allowed(allowed))
         };
         let Some(Geometry::Box(sides)) = geometry else {
             let found = "`positions` without a box".to_owned();
@@ -35,19 +31,11 @@ impl Reader<'_> {
         };
         if positions.is_empty() {
             let found = "an empty list".to_owned();
-            return refuse(
-                "positions",
-                "has no particle",
-                found,
-                "at least one position",
-            );
+            return refuse("positions", "has no particle", found, "at least one position");
         }
         for (key, rows) in [("positions", Some(positions)), ("velocities", velocities)] {
-            let bad = rows
-                .into_iter()
-                .flatten()
-                .flatten()
-                .find(|x| !(-LARGEST..=LARGEST).contains(*x));
+            let bad =
+                rows.into_iter().flatten().flatten().find(|x| !(-LARGEST..=LARGEST).contains(*x));
             if let Some(x) = bad {
                 let allowed = format!("numbers from -{LARGEST:e} to {LARGEST:e}");
                 return refuse(key, "is not allowed", x.to_string(), &allowed);
@@ -56,11 +44,7 @@ impl Reader<'_> {
         if let Some(velocities) = velocities
             && velocities.len() != positions.len()
         {
-            let found = format!(
-                "{} velocities of {} particles",
-                velocities.len(),
-                positions.len()
-            );
+            let found = format!("{} velocities of {} particles", velocities.len(), positions.len());
             let allowed = "one velocity for each of `positions`";
             return refuse("velocities", "has another length", found, allowed);
         }
@@ -110,11 +94,7 @@ impl Scene {
     pub fn held_are_among(&self, n: usize) -> Result<(), SceneError> {
         let held = &self.system.held;
         let refuse = |found: String, allowed: String| {
-            Err(self
-                .source
-                .refuse("system.held", "is not allowed")
-                .found(found)
-                .allowed(allowed))
+            Err(self.source.refuse("system.held", "is not allowed").found(found).allowed(allowed))
         };
         if let Some(missing) = held.iter().find(|i| **i >= n) {
             let found = format!("particle {} of {n}", missing + 1);

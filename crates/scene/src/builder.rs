@@ -52,11 +52,7 @@ impl SceneBuilder {
     }
 
     fn over(base: Base) -> Self {
-        Self {
-            base,
-            overrides: Vec::new(),
-            lock: None,
-        }
+        Self { base, overrides: Vec::new(), lock: None }
     }
 
     /// Writes a value: the key is `system.density`, `stage.production.steps` or `stage.0.steps`.
@@ -165,20 +161,14 @@ mod tests {
             .set("truncation.r_cut", 2.5);
         let scene = opened.build().unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(scene.name, "liquid");
-        assert!(matches!(
-            scene.system.start,
-            crate::Start::Lattice { n_atoms: 256, .. }
-        ));
+        assert!(matches!(scene.system.start, crate::Start::Lattice { n_atoms: 256, .. }));
     }
 
     #[test]
     fn errors_are_the_errors_of_a_scene() {
         let refused = |builder: SceneBuilder| builder.build().unwrap_err().to_string();
         let mistyped = refused(small().set("system.densty", 0.7));
-        assert!(
-            mistyped.contains("`system.densty` is not a known key"),
-            "{mistyped}"
-        );
+        assert!(mistyped.contains("`system.densty` is not a known key"), "{mistyped}");
         assert!(mistyped.contains("nearest: density"), "{mistyped}");
         let kind = refused(small().set("integrator.kind", "velocity-verlt"));
         assert!(kind.contains("nearest: velocity-verlet"), "{kind}");
@@ -189,11 +179,6 @@ mod tests {
     #[test]
     fn a_lock_settles_a_scene_that_no_file_holds() {
         let missing = small().lock("no-such.lock.toml").build();
-        assert!(
-            missing
-                .unwrap_err()
-                .to_string()
-                .contains("no-such.lock.toml")
-        );
+        assert!(missing.unwrap_err().to_string().contains("no-such.lock.toml"));
     }
 }

@@ -27,17 +27,14 @@ impl Scene {
     /// scene that was read from a file has been checked, and never fails.
     pub fn placement(&self) -> Result<Option<Placement>, SceneError> {
         let (lattice, n_atoms, geometry, vacuum) = match &self.system.start {
-            Start::Lattice {
-                lattice,
-                n_atoms,
-                geometry,
-                vacuum,
-            } => (Some(lattice), n_atoms, geometry, vacuum),
+            Start::Lattice { lattice, n_atoms, geometry, vacuum } => {
+                (Some(lattice), n_atoms, geometry, vacuum)
+            }
             Start::Slab(slab) => return self.slab_placement(slab).map(Some),
             Start::HalfCrystal(start) => return self.crystal_placement(start).map(Some),
-            Start::Listed {
-                sides, positions, ..
-            } => (None, &positions.len(), &Geometry::Box(*sides), &0.0),
+            Start::Listed { sides, positions, .. } => {
+                (None, &positions.len(), &Geometry::Box(*sides), &0.0)
+            }
             Start::Configuration { .. } => return Ok(None),
         };
         let (filled, key) = match geometry {
@@ -88,10 +85,7 @@ impl Scene {
             (None, None) => "none near".to_owned(),
         };
         let (key, or) = match self.molecule {
-            None => (
-                "system.n_atoms",
-                "; or any number with lattice = \"random\"",
-            ),
+            None => ("system.n_atoms", "; or any number with lattice = \"random\""),
             Some(_) => ("system.n_molecules", ""),
         };
         self.source
@@ -194,10 +188,7 @@ fn homogeneous(scene: &Scene) -> Result<(), SceneError> {
         };
         return Err(scene
             .source
-            .refuse(
-                key,
-                "assumes a homogeneous fluid, and this one has surfaces",
-            )
+            .refuse(key, "assumes a homogeneous fluid, and this one has surfaces")
             .at(place.cloned())
             .found(format!("{found}, with {surfaces}"))
             .allowed("\"planar\" with kind \"cut\", or false"));
@@ -218,14 +209,8 @@ fn trajectory_steps(scene: &Scene) -> Result<(), SceneError> {
         Some(limits) if total > limits.last_step => Err(scene
             .source
             .refuse("output.format", "cannot count the steps of the run")
-            .found(format!(
-                "{total} steps, with format {:?}",
-                scene.output.format.name()
-            ))
-            .allowed(format!(
-                "at most {} steps, or another format",
-                limits.last_step
-            ))),
+            .found(format!("{total} steps, with format {:?}", scene.output.format.name()))
+            .allowed(format!("at most {} steps, or another format", limits.last_step))),
         _ => Ok(()),
     }
 }
@@ -237,10 +222,7 @@ fn trajectory_fits(scene: &Scene, cell: PeriodicBox) -> Result<(), SceneError> {
     match limits_of_trajectory(scene) {
         Some(limits) if side * precision >= limits.multiples => Err(scene
             .source
-            .refuse(
-                "output.precision",
-                "is finer than single precision in this box",
-            )
+            .refuse("output.precision", "is finer than single precision in this box")
             .found(format!("{precision}, with a side of {side:.4} σ"))
             .allowed(format!("at most {:.1}", limits.multiples / side))),
         _ => Ok(()),

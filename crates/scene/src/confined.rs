@@ -15,14 +15,9 @@ impl Scene {
                 "field",
                 "a field",
             ),
-            (
-                !self.system.held.is_empty(),
-                "system.held",
-                "held particles",
-            ),
+            (!self.system.held.is_empty(), "system.held", "held particles"),
         ];
-        all.into_iter()
-            .filter_map(|(there, key, words)| there.then_some((key, words)))
+        all.into_iter().filter_map(|(there, key, words)| there.then_some((key, words)))
     }
 
     /// What takes the fluid's homogeneity away, in words; `None` where it is periodic along all axes, in no field and free to move.

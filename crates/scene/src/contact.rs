@@ -32,9 +32,7 @@ lennard_core::options! {
 
 impl From<&ContactTable> for ContactKeys {
     fn from(table: &ContactTable) -> Self {
-        Self {
-            diameter: table.diameter,
-        }
+        Self { diameter: table.diameter }
     }
 }
 
@@ -65,9 +63,9 @@ impl Scene {
     pub fn largest_contact(&self) -> f64 {
         match self.contact {
             None => 0.0,
-            Some(_) => (self.species_pairs())
-                .map(|[a, b]| self.contact_distance(a, b))
-                .fold(0.0, f64::max),
+            Some(_) => {
+                (self.species_pairs()).map(|[a, b]| self.contact_distance(a, b)).fold(0.0, f64::max)
+            }
         }
     }
 
@@ -100,11 +98,9 @@ impl Scene {
         let exclusions = self.molecules().exclusions();
         let bodies = match species.is_mixture() {
             false => Bodies::alike(self.contact_distance(0, 0), exclusions),
-            true => Bodies::of_species(
-                species.clone(),
-                |a, b| self.contact_distance(a, b),
-                exclusions,
-            ),
+            true => {
+                Bodies::of_species(species.clone(), |a, b| self.contact_distance(a, b), exclusions)
+            }
         };
         Ok(Contacts::new(table.options.response(), bodies, walls))
     }
@@ -122,20 +118,13 @@ impl Scene {
             .source
             .refuse("contact.diameter", "exceeds half the shortest box side")
             .found(format!("bodies that touch at {found} σ"))
-            .allowed(format!(
-                "at most {} σ, or a larger box",
-                upper_bound(largest)
-            )))
+            .allowed(format!("at most {} σ, or a larger box", upper_bound(largest))))
     }
 
     /// The contacts in words, at the end of a model's name.
     pub(crate) fn contacts_in_words(&self) -> Option<String> {
         let table = self.contact.as_ref()?;
-        let unit = if self.mixture.is_some() {
-            "σ_ab"
-        } else {
-            "σ"
-        };
+        let unit = if self.mixture.is_some() { "σ_ab" } else { "σ" };
         let words = table.options.in_words();
         Some(format!("{words}, at {} {unit}", table.diameter))
     }
@@ -213,16 +202,12 @@ fn acts_in_flight(scene: &Scene, table: &ContactTable) -> Result<(), SceneError>
     let name = table.options.spec().name;
     let response = table.options.response();
     let (key, what, contacts) = match response {
-        Response::Impact { .. } => (
-            "contact.kind",
-            "acts by impacts in drifts",
-            "contacts with impacts",
-        ),
-        Response::Unilateral(_) => (
-            "contact.kind",
-            "acts by impulses in the step of SPOOK",
-            "contacts of SPOOK",
-        ),
+        Response::Impact { .. } => {
+            ("contact.kind", "acts by impacts in drifts", "contacts with impacts")
+        }
+        Response::Unilateral(_) => {
+            ("contact.kind", "acts by impulses in the step of SPOOK", "contacts of SPOOK")
+        }
         Response::Spring(_) => (
             "contact.restitution",
             "below 1 acts by a dashpot in drifts",
@@ -252,19 +237,13 @@ fn acts_in_flight(scene: &Scene, table: &ContactTable) -> Result<(), SceneError>
     {
         return Err(source
             .refuse(key, format!("{what}, where the bonds are held too"))
-            .found(format!(
-                "{name:?} with [bonds] method = {:?}",
-                molecule.bonds.name()
-            ))
+            .found(format!("{name:?} with [bonds] method = {:?}", molecule.bonds.name()))
             .allowed("soft contacts with restitution = 1, or bonds that are explicit springs"));
     }
     for (i, stage) in scene.stages.iter().enumerate() {
         if stage.barostat.is_some() {
             return Err(source
-                .refuse(
-                    &format!("stage.{i}.barostat"),
-                    "needs a virial of all forces",
-                )
+                .refuse(&format!("stage.{i}.barostat"), "needs a virial of all forces")
                 .found(format!("a barostat beside {contacts}"))
                 .allowed("soft contacts with restitution = 1, or a fixed box"));
         }

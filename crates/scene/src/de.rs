@@ -14,20 +14,10 @@ use crate::tree::{Entry, Node, Value};
 /// What a type had against a value.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Trouble {
-    UnknownKey {
-        found: String,
-        known: &'static [&'static str],
-    },
-    UnknownName {
-        found: String,
-        known: &'static [&'static str],
-    },
-    WrongType {
-        expected: String,
-    },
-    Missing {
-        key: &'static str,
-    },
+    UnknownKey { found: String, known: &'static [&'static str] },
+    UnknownName { found: String, known: &'static [&'static str] },
+    WrongType { expected: String },
+    Missing { key: &'static str },
     Other(String),
 }
 
@@ -44,12 +34,7 @@ pub(crate) struct Fault {
 
 impl Fault {
     fn new(trouble: Trouble) -> Self {
-        Self {
-            trouble,
-            path: Vec::new(),
-            place: None,
-            found: None,
-        }
+        Self { trouble, path: Vec::new(), place: None, found: None }
     }
 
     fn within(mut self, key: &str, node: &Node) -> Self {
@@ -76,35 +61,23 @@ impl de::Error for Fault {
     }
 
     fn invalid_type(_: Unexpected<'_>, expected: &dyn Expected) -> Self {
-        Self::new(Trouble::WrongType {
-            expected: expected.to_string(),
-        })
+        Self::new(Trouble::WrongType { expected: expected.to_string() })
     }
 
     fn invalid_value(_: Unexpected<'_>, expected: &dyn Expected) -> Self {
-        Self::new(Trouble::WrongType {
-            expected: expected.to_string(),
-        })
+        Self::new(Trouble::WrongType { expected: expected.to_string() })
     }
 
     fn invalid_length(_: usize, expected: &dyn Expected) -> Self {
-        Self::new(Trouble::WrongType {
-            expected: expected.to_string(),
-        })
+        Self::new(Trouble::WrongType { expected: expected.to_string() })
     }
 
     fn unknown_field(found: &str, known: &'static [&'static str]) -> Self {
-        Self::new(Trouble::UnknownKey {
-            found: found.to_owned(),
-            known,
-        })
+        Self::new(Trouble::UnknownKey { found: found.to_owned(), known })
     }
 
     fn unknown_variant(found: &str, known: &'static [&'static str]) -> Self {
-        Self::new(Trouble::UnknownName {
-            found: found.to_owned(),
-            known,
-        })
+        Self::new(Trouble::UnknownName { found: found.to_owned(), known })
     }
 
     fn missing_field(key: &'static str) -> Self {
@@ -123,10 +96,7 @@ impl<'de> Deserializer<'de> for &'de Node {
             Value::Text(text) => visitor.visit_borrowed_str(text),
             Value::Date(_) => Err(de::Error::invalid_type(Unexpected::Other("date"), &visitor)),
             Value::Array(items) => visitor.visit_seq(Items { items, next: 0 }),
-            Value::Table(table) => visitor.visit_map(Entries {
-                entries: &table.0,
-                current: None,
-            }),
+            Value::Table(table) => visitor.visit_map(Entries { entries: &table.0, current: None }),
         }
     }
 
@@ -150,9 +120,7 @@ impl<'de> Deserializer<'de> for &'de Node {
     ) -> Result<V::Value, Fault> {
         match self.text() {
             Some(text) => visitor.visit_enum(Named(text)),
-            None => Err(Fault::new(Trouble::WrongType {
-                expected: "a name".to_owned(),
-            })),
+            None => Err(Fault::new(Trouble::WrongType { expected: "a name".to_owned() })),
         }
     }
 
@@ -180,10 +148,7 @@ impl<'de> MapAccess<'de> for Entries<'de> {
         self.entries = rest;
         self.current = Some(entry);
         let key: StrDeserializer<'de, Fault> = entry.key.as_str().into_deserializer();
-        let place = |fault: Fault| Fault {
-            place: Some(entry.place.clone()),
-            ..fault
-        };
+        let place = |fault: Fault| Fault { place: Some(entry.place.clone()), ..fault };
         seed.deserialize(key).map(Some).map_err(place)
     }
 
@@ -213,9 +178,7 @@ impl<'de> SeqAccess<'de> for Items<'de> {
         };
         let index = self.next.to_string();
         self.next += 1;
-        seed.deserialize(item)
-            .map(Some)
-            .map_err(|fault| fault.within(&index, item))
+        seed.deserialize(item).map(Some).map_err(|fault| fault.within(&index, item))
     }
 
     fn size_hint(&self) -> Option<usize> {

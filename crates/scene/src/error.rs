@@ -95,10 +95,8 @@ impl SceneError {
     /// Without a place, where that is one of these overrides: the program added them, and the user never typed them.
     pub(crate) fn not_typed(mut self, added: &[(String, String)]) -> Self {
         let is_added = |text: &str| added.iter().any(|(k, v)| format!("{k}={v}") == text);
-        self.0.place = self
-            .0
-            .place
-            .filter(|place| !matches!(place, Place::Override(text) if is_added(text)));
+        self.0.place =
+            self.0.place.filter(|place| !matches!(place, Place::Override(text) if is_added(text)));
         self
     }
 
@@ -144,15 +142,7 @@ impl SceneError {
 
 impl fmt::Display for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Details {
-            file,
-            place,
-            key,
-            message,
-            found,
-            allowed,
-            suggestion,
-        } = &*self.0;
+        let Details { file, place, key, message, found, allowed, suggestion } = &*self.0;
         write!(f, "{}", shown(file))?;
         match place {
             Some(Place::Line(line)) => write!(f, ", line {line}")?,
@@ -167,11 +157,7 @@ impl fmt::Display for SceneError {
             Some(key) => write!(f, ": `{}` {}", shown(&*key), shown(message))?,
             None => write!(f, ": {}", shown(message))?,
         }
-        let rest = [
-            ("found:  ", found),
-            ("allowed:", allowed),
-            ("nearest:", suggestion),
-        ];
+        let rest = [("found:  ", found), ("allowed:", allowed), ("nearest:", suggestion)];
         rest.into_iter().try_for_each(|(head, text)| match text {
             Some(text) => write!(f, "\n  {head} {}", shown(text)),
             None => Ok(()),
@@ -201,10 +187,7 @@ pub struct Source {
 
 impl Source {
     pub(crate) fn new(file: impl Into<String>, places: BTreeMap<String, Place>) -> Self {
-        Self {
-            file: file.into(),
-            places,
-        }
+        Self { file: file.into(), places }
     }
 
     /// The scene file, as it was named.
@@ -250,9 +233,7 @@ impl Source {
         found: impl fmt::Display,
         allowed: impl fmt::Display,
     ) -> SceneError {
-        self.refuse(key, "does not fit")
-            .found(found)
-            .allowed(allowed)
+        self.refuse(key, "does not fit").found(found).allowed(allowed)
     }
 
     /// The error that a name is used twice, `first` being the key where it was before.
@@ -269,9 +250,7 @@ impl Source {
 
     /// The error that a key has this trouble, with file and line.
     pub(crate) fn refuse(&self, key: &str, message: impl Into<String>) -> SceneError {
-        SceneError::new(&self.file, message)
-            .at(self.place(key).cloned())
-            .key(key)
+        SceneError::new(&self.file, message).at(self.place(key).cloned()).key(key)
     }
 }
 
@@ -284,11 +263,7 @@ mod tests {
         const TEXT: &str = "[system]\nn_atoms = 108\ndensity = 0.5\ntemperature = 1.0\n[integrator]\ndt = 0.004\n\
             [[stage]]\nname = \"melt\"\nsteps = 10\n[[stage]]\nname = \"production\"\nsteps = 10\n[[observable]]\nkind = \"rdf\"\n";
         for (key, value, told) in [
-            (
-                "stage.production.thermostat",
-                "\"andersen\"",
-                "`stage.production.thermostat`",
-            ),
+            ("stage.production.thermostat", "\"andersen\"", "`stage.production.thermostat`"),
             ("stage.1.thermostat", "\"andersen\"", "`stage.1.thermostat`"),
             (
                 "stage.melt.thermostat",
@@ -298,9 +273,7 @@ mod tests {
             ("observable.rdf.every", "0", "`observable.rdf.every`"),
         ] {
             let overrides = [(key.to_owned(), value.to_owned())];
-            let error = Scene::parse(TEXT, "a.toml", &overrides)
-                .unwrap_err()
-                .to_string();
+            let error = Scene::parse(TEXT, "a.toml", &overrides).unwrap_err().to_string();
             assert!(error.contains(told), "{told}: {error}");
         }
     }

@@ -23,9 +23,7 @@ impl Reader<'_> {
             return Ok(None);
         };
         let options: ExchangeOptions = section.read(&named)?;
-        options
-            .check()
-            .map_err(|e| section.impossible(e.key, &e.found, &e.allowed))?;
+        options.check().map_err(|e| section.impossible(e.key, &e.found, &e.allowed))?;
         if !options.slabs.is_multiple_of(2) {
             return Err(section.impossible("slabs", &options.slabs.to_string(), "an even number"));
         }
@@ -45,11 +43,7 @@ pub(crate) fn exchanges_fit(scene: &Scene) -> Result<(), SceneError> {
 
 fn fits(scene: &Scene, stage: &Stage, key: &str) -> Result<(), SceneError> {
     let refuse = |message: &str, found: String, allowed: String| {
-        Err(scene
-            .source
-            .refuse(key, message)
-            .found(found)
-            .allowed(allowed))
+        Err(scene.source.refuse(key, message).found(found).allowed(allowed))
     };
     if let Some(bath) = &stage.thermostat {
         // A barostat stands beside a thermostat.

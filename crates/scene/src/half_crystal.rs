@@ -167,9 +167,7 @@ impl Reader<'_> {
                 allowed.clone(),
             ));
         }
-        let on_line = line
-            .melting_density(temperature)
-            .zip(line.freezing_density(temperature));
+        let on_line = line.melting_density(temperature).zip(line.freezing_density(temperature));
         on_line.map(|(c, l)| [c, l]).ok_or_else(|| {
             missing(
                 format!("nothing, at temperature {temperature}"),

@@ -40,9 +40,7 @@ impl Trials {
         };
         Ok(Self {
             pairs: (0..n * n).map(pair).collect::<Result<_, _>>()?,
-            tails: (0..n)
-                .map(|a| tail_of_one_more(scene, species, a))
-                .collect(),
+            tails: (0..n).map(|a| tail_of_one_more(scene, species, a)).collect(),
         })
     }
 
@@ -60,9 +58,7 @@ impl TrialEnergies for Trials {
     fn sum(&self, a: usize, b: usize, squared_distances: &[f64]) -> f64 {
         let pair = self.pair(a, b);
         let per_square = 1.0 / (pair.sigma * pair.sigma);
-        let energies = squared_distances
-            .iter()
-            .map(|r2| pair.formula.eval(r2 * per_square).energy);
+        let energies = squared_distances.iter().map(|r2| pair.formula.eval(r2 * per_square).energy);
         pair.epsilon * energies.sum::<f64>()
     }
 
@@ -110,10 +106,7 @@ impl Scene {
 
     /// What trial particles need; `None` where the measured stages do not hold one temperature, and for molecules.
     fn insertion(&self, species: &SpeciesTable) -> Option<Insertion> {
-        let wanted = self
-            .observables
-            .iter()
-            .any(|o| o.options.needs_temperature());
+        let wanted = self.observables.iter().any(|o| o.options.needs_temperature());
         let measured = self.stages.iter().find(|stage| stage.measure)?;
         if !wanted || self.molecule.is_some() || !measured.holds_one_temperature() {
             return None;

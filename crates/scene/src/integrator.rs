@@ -9,10 +9,7 @@ use crate::reference::{LONGEST_SIDE, LONGEST_STEP, SHORTEST_STEP, quoted};
 use crate::{IntegratorTable, Scene};
 
 /// Where the near force of RESPA ends, σ, unless the scene says otherwise: beyond the first shell of neighbors.
-pub const DEFAULT_SPLIT: SplitOptions = SplitOptions {
-    r_split: 1.7,
-    width: 0.4,
-};
+pub const DEFAULT_SPLIT: SplitOptions = SplitOptions { r_split: 1.7, width: 0.4 };
 
 lennard_core::options! {
     /// The keys of `[integrator]` that all methods have.
@@ -45,10 +42,9 @@ impl From<&IntegratorTable> for StepKeys {
     fn from(table: &IntegratorTable) -> Self {
         Self {
             step: IntegratorKeys { dt: table.dt },
-            split: table.split.map(|split| SplitKeys {
-                r_split: split.r_split,
-                split_width: split.width,
-            }),
+            split: table
+                .split
+                .map(|split| SplitKeys { r_split: split.r_split, split_width: split.width }),
         }
     }
 }
@@ -63,10 +59,7 @@ impl Reader<'_> {
             false => None,
             true => {
                 let keys: SplitKeys = section.take(&mut node)?;
-                Some(SplitOptions {
-                    r_split: keys.r_split,
-                    width: keys.split_width,
-                })
+                Some(SplitOptions { r_split: keys.r_split, width: keys.split_width })
             }
         };
         let method = section.method(&node)?;
@@ -77,9 +70,7 @@ impl Reader<'_> {
     /// Refuses methods that move nothing by pair forces.
     fn suits_a_fluid(&self, method: &IntegratorOptions) -> Result<(), SceneError> {
         let moves_fluids = |entry: &&IntegratorEntry| entry.oscillator == OscillatorModel::Force;
-        let fit = lennard_integrators::integrators()
-            .iter()
-            .filter(moves_fluids);
+        let fit = lennard_integrators::integrators().iter().filter(moves_fluids);
         let names: Vec<&str> = fit.map(|entry| entry.spec.name).collect();
         // Bonds and contacts give SPOOK something to solve for; they are checked with it later.
         let solves = self.source.wrote("molecule") || self.source.wrote("contact");
@@ -135,9 +126,6 @@ pub(crate) fn check_spook(scene: &Scene) -> Result<(), SceneError> {
 /// The integrators that fit, as a scene names them: `integrator.kind = "leapfrog", "velocity-verlet"`.
 pub(crate) fn kinds_that(fit: impl Fn(&IntegratorEntry) -> bool) -> String {
     let all = lennard_integrators::integrators().iter();
-    let names: Vec<&str> = all
-        .filter(|entry| fit(entry))
-        .map(|entry| entry.spec.name)
-        .collect();
+    let names: Vec<&str> = all.filter(|entry| fit(entry)).map(|entry| entry.spec.name).collect();
     format!("integrator.kind = {}", quoted(&names))
 }

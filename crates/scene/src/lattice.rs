@@ -20,12 +20,7 @@ impl Lattice {
     #[must_use]
     pub fn basis(self) -> &'static [[f64; 3]] {
         match self {
-            Self::Fcc => &[
-                [0.0, 0.0, 0.0],
-                [0.5, 0.5, 0.0],
-                [0.5, 0.0, 0.5],
-                [0.0, 0.5, 0.5],
-            ],
+            Self::Fcc => &[[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]],
             Self::Sc => &[[0.0, 0.0, 0.0]],
             Self::Bcc => &[[0.0, 0.0, 0.0], [0.5, 0.5, 0.5]],
             Self::Random => &[],
@@ -80,10 +75,7 @@ fn in_cube(lattice: Lattice, n_atoms: usize) -> Result<usize, NoLattice> {
         p => p.to_string(),
     };
     Err(NoLattice {
-        rule: format!(
-            "{factor}m³ for a whole number m: {} in a cube",
-            lattice.name()
-        ),
+        rule: format!("{factor}m³ for a whole number m: {} in a cube", lattice.name()),
         below: (below > 0).then(|| count(below)),
         above: Some(count(below + 1)),
     })
@@ -122,14 +114,9 @@ fn in_cuboid(lattice: Lattice, n_atoms: usize, sides: DVec3) -> Result<[usize; 3
     for short in range(axes[0]) {
         for middle in range(axes[1]) {
             // The longest count may make its edge a tenth shorter or longer than the other two, no more.
-            let edges = [
-                sides[axes[0]] / short as f64,
-                sides[axes[1]] / middle as f64,
-            ];
+            let edges = [sides[axes[0]] / short as f64, sides[axes[1]] / middle as f64];
             let (least, most) = (edges[0].min(edges[1]), edges[0].max(edges[1]));
-            let fewest = (sides[axes[2]] / (least * MOST_STRETCHED_CELL))
-                .ceil()
-                .max(1.0) as usize;
+            let fewest = (sides[axes[2]] / (least * MOST_STRETCHED_CELL)).ceil().max(1.0) as usize;
             let largest = (sides[axes[2]] * MOST_STRETCHED_CELL / most).floor() as usize;
             if fewest > largest {
                 continue;
@@ -157,9 +144,7 @@ fn in_cuboid(lattice: Lattice, n_atoms: usize, sides: DVec3) -> Result<[usize; 3
             }
         }
     }
-    exact
-        .map(|(_, counts)| counts)
-        .ok_or_else(|| none(below, above))
+    exact.map(|(_, counts)| counts).ok_or_else(|| none(below, above))
 }
 
 #[cfg(test)]
@@ -180,20 +165,14 @@ mod tests {
         let largest = 4 * 629_usize.pow(3);
         assert_eq!(cells(Lattice::Fcc, largest, cube), Ok(Some([629; 3])));
         let wrong = cells(Lattice::Fcc, largest + 1, cube).unwrap_err();
-        assert_eq!(
-            (wrong.below, wrong.above),
-            (Some(largest), Some(4 * 630_usize.pow(3)))
-        );
+        assert_eq!((wrong.below, wrong.above), (Some(largest), Some(4 * 630_usize.pow(3))));
     }
 
     #[test]
     fn a_long_region_takes_nearly_cubic_cells() {
         let sides = DVec3::new(10.0, 10.0, 20.0);
         assert_eq!(cells(Lattice::Fcc, 1000, sides), Ok(Some([5, 5, 10])));
-        assert_eq!(
-            cells(Lattice::Sc, 16, DVec3::new(2.0, 2.0, 4.05)),
-            Ok(Some([2, 2, 4]))
-        );
+        assert_eq!(cells(Lattice::Sc, 16, DVec3::new(2.0, 2.0, 4.05)), Ok(Some([2, 2, 4])));
     }
 
     #[test]
@@ -220,10 +199,7 @@ mod tests {
         let many = MOST_ATOMS as usize;
         assert!(cells(Lattice::Fcc, many, plate).is_ok());
         let wrong = cells(Lattice::Fcc, many - 1, plate).unwrap_err();
-        assert!(
-            wrong.below.is_some_and(|n| n < many && many - n < 100_000),
-            "{wrong:?}"
-        );
+        assert!(wrong.below.is_some_and(|n| n < many && many - n < 100_000), "{wrong:?}");
         assert_eq!(wrong.above, Some(many));
     }
 

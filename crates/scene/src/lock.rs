@@ -130,12 +130,7 @@ impl Lock {
         let chosen = read_settings(settings, &source)?;
         let mut scene = Vec::new();
         flatten("", &Value::Table(table("scene")?.clone()), &mut scene);
-        Ok(Self {
-            file: file.to_owned(),
-            chosen,
-            source,
-            scene,
-        })
+        Ok(Self { file: file.to_owned(), chosen, source, scene })
     }
 
     /// The settings in it.
@@ -198,11 +193,7 @@ impl Lock {
         )
         .at(node.map(|(_, node)| node.place.clone()))
         .key(key)
-        .found(format!(
-            "{} in the lock, {} in {file}",
-            value(&self.scene, key),
-            value(&now, key)
-        ))
+        .found(format!("{} in the lock, {} in {file}", value(&self.scene, key), value(&now, key)))
         .allowed(format!(
             "the scene that the lock was made for, or a new lock: lennard tune {}",
             in_shell(file)
@@ -303,13 +294,7 @@ fn flatten(prefix: &str, value: &Value, out: &mut Vec<(String, Node)>) {
         }
         _ => {
             let place = Place::Line(1);
-            out.push((
-                prefix.to_owned(),
-                Node {
-                    value: value.clone(),
-                    place,
-                },
-            ));
+            out.push((prefix.to_owned(), Node { value: value.clone(), place }));
         }
     }
 }

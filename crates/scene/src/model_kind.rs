@@ -9,14 +9,10 @@ use crate::Scene;
 #[must_use]
 pub fn model_kind(scene: &Scene) -> ModelKind {
     if scene.program.have_forces() {
-        return ModelKind::Other {
-            potential: "a fluid with forces of a program",
-        };
+        return ModelKind::Other { potential: "a fluid with forces of a program" };
     }
     if scene.contact.is_some() {
-        return ModelKind::Other {
-            potential: "bodies that touch",
-        };
+        return ModelKind::Other { potential: "bodies that touch" };
     }
     let Some(r_cut) = scene.cutoff_of_one_fluid() else {
         return mixture_kind(scene);
@@ -29,21 +25,13 @@ pub fn model_kind(scene: &Scene) -> ModelKind {
             && scene.truncation.kind == TruncationKind::Cut
             && scene.truncation.tail_correction;
         return match is_two_center {
-            true => ModelKind::TwoCenter {
-                bond_length: molecules.bonds()[0].length,
-                r_cut,
-            },
+            true => ModelKind::TwoCenter { bond_length: molecules.bonds()[0].length, r_cut },
             false => ModelKind::Other {
                 potential: "molecules other than rigid Lennard-Jones dumbbells with tail correction",
             },
         };
     }
-    of_atoms(
-        &scene.potential,
-        &scene.truncation,
-        r_cut,
-        scene.planar_tail,
-    )
+    of_atoms(&scene.potential, &scene.truncation, r_cut, scene.planar_tail)
 }
 
 /// The model of atoms of one species with a cutoff, σ, and perhaps a planar tail.
@@ -60,23 +48,14 @@ pub(crate) fn of_atoms(
         && has_tail
     {
         let (repulsive, attractive) = (f64::from(mie.repulsive), f64::from(mie.attractive));
-        let potential = lennard_literature::Mie {
-            repulsive,
-            attractive,
-        };
+        let potential = lennard_literature::Mie { repulsive, attractive };
         return match potential == lennard_literature::Mie::LENNARD_JONES {
             true => ModelKind::CutWithTail { r_cut },
-            false => ModelKind::Mie {
-                repulsive,
-                attractive,
-                r_cut,
-            },
+            false => ModelKind::Mie { repulsive, attractive, r_cut },
         };
     }
     if !spec.is_lennard_jones {
-        return ModelKind::Other {
-            potential: spec.title,
-        };
+        return ModelKind::Other { potential: spec.title };
     }
     match truncation.kind {
         TruncationKind::Cut if has_tail => ModelKind::CutWithTail { r_cut },
@@ -85,9 +64,7 @@ pub(crate) fn of_atoms(
         TruncationKind::ForceShift => ModelKind::ForceShifted { r_cut },
         TruncationKind::Switch => ModelKind::Switched { r_cut },
         // No reference knows another truncation.
-        other => ModelKind::Other {
-            potential: other.spec().summary,
-        },
+        other => ModelKind::Other { potential: other.spec().summary },
     }
 }
 
@@ -124,15 +101,9 @@ fn mixture_kind(scene: &Scene) -> ModelKind {
     let pair = |a, b| scene.species_pair(a, b);
     let of_pairs = |of: &dyn Fn(SpeciesPair) -> f64| {
         let values = scene.species_pairs().map(|[a, b]| of(pair(a, b)));
-        values.fold([f64::INFINITY, 0.0], |[least, most], x| {
-            [x.min(least), x.max(most)]
-        })
+        values.fold([f64::INFINITY, 0.0], |[least, most], x| [x.min(least), x.max(most)])
     };
-    let masses = scene
-        .mixture
-        .iter()
-        .flat_map(|m| &m.species)
-        .map(|s| s.mass);
+    let masses = scene.mixture.iter().flat_map(|m| &m.species).map(|s| s.mass);
     let mean_mass = masses.zip(&fractions).map(|(m, x)| m * x).sum();
     let [smallest, largest] = of_pairs(&|p| p.sigma);
     ModelKind::Mixture {

@@ -74,11 +74,7 @@ impl Molecule {
     /// The key that the size of the molecules stands at.
     #[must_use]
     pub fn key_of_size(&self) -> &'static str {
-        let MoleculeOptions {
-            bond_length,
-            bond_lengths,
-            ..
-        } = &self.options;
+        let MoleculeOptions { bond_length, bond_lengths, .. } = &self.options;
         match (bond_length, bond_lengths) {
             (Some(_), _) => "molecule.bond_length",
             (None, Some(_)) => "molecule.bond_lengths",
@@ -113,20 +109,13 @@ impl Scene {
         let Some(molecule) = &self.molecule else {
             return pairs;
         };
-        let Molecule {
-            options,
-            bonds,
-            topology,
-        } = molecule;
+        let Molecule { options, bonds, topology } = molecule;
         let sites = options.sites;
         let kind = match options.kind {
             MoleculeKind::Dumbbell => "dumbbells".to_owned(),
             MoleculeKind::Chain => format!("chains of {sites} sites"),
             MoleculeKind::Sites => {
-                format!(
-                    "molecules of {sites} sites and {} bonds",
-                    topology.bonds().len()
-                )
+                format!("molecules of {sites} sites and {} bonds", topology.bonds().len())
             }
         };
         let lengths = topology.bonds().iter().map(|bond| bond.length);
@@ -146,8 +135,6 @@ impl Scene {
     /// The molecules of the scene; atoms where it has none.
     #[must_use]
     pub fn molecules(&self) -> Molecules {
-        self.molecule
-            .as_ref()
-            .map_or(Molecules::ATOMS, Molecule::molecules)
+        self.molecule.as_ref().map_or(Molecules::ATOMS, Molecule::molecules)
     }
 }

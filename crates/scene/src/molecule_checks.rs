@@ -54,14 +54,8 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
     under_barostats(scene, molecule)?;
     if scene.accuracy.is_some() && molecule.bonds.spec().integrator.is_some() {
         return Err(source
-            .refuse(
-                "accuracy",
-                "does not go with bonds that are solved for in a step of their own",
-            )
-            .found(format!(
-                "`[accuracy]` and [bonds] method = {:?}",
-                molecule.bonds.name()
-            ))
+            .refuse("accuracy", "does not go with bonds that are solved for in a step of their own")
+            .found(format!("`[accuracy]` and [bonds] method = {:?}", molecule.bonds.name()))
             .allowed("another way to hold bonds, or settings of your own"));
     }
     molecule.bonds.check_for(&molecule.topology).map_err(|e| {
@@ -114,9 +108,8 @@ fn under_barostats(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError>
             continue;
         };
         let all = BarostatOptions::all();
-        let fit: Vec<&str> = (all.iter().filter(|options| !inside(options)))
-            .map(BarostatOptions::name)
-            .collect();
+        let fit: Vec<&str> =
+            (all.iter().filter(|options| !inside(options))).map(BarostatOptions::name).collect();
         return Err(scene
             .source
             .refuse(&format!("stage.{i}.barostat"), message)
@@ -175,10 +168,7 @@ fn unsuited_wall(
         && takes_hits
     {
         return source
-            .refuse(
-                &format!("wall.{i}.response"),
-                "moves single sites, off their bonds",
-            )
+            .refuse(&format!("wall.{i}.response"), "moves single sites, off their bonds")
             .found(format!("{:?} with {bonds}", response.name()))
             .allowed(format!("\"billiard\"; or a \"thermal\" wall, or {exerts}"));
     }
@@ -247,10 +237,7 @@ fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> 
             // The bath stands in the place of a method that holds them: another bath lets it.
             let baths = thermostats().iter().filter(|bath| bath.keeps_motion);
             let names: Vec<_> = baths.map(|bath| bath.name).collect();
-            (
-                format!("stage.{i}.thermostat"),
-                format!("thermostat = one of {}", quoted(&names)),
-            )
+            (format!("stage.{i}.thermostat"), format!("thermostat = one of {}", quoted(&names)))
         } else {
             let methods = lennard_integrators::integrators().iter();
             let fit = methods.filter(|entry| suits(entry.spec));
@@ -264,18 +251,12 @@ fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> 
             )
         };
         let (message, or) = match (by_spook, molecule.bonds.bonds()) {
-            (true, _) => (
-                "does not go with the bonds of SPOOK",
-                "another way to hold bonds",
-            ),
+            (true, _) => ("does not go with the bonds of SPOOK", "another way to hold bonds"),
             (false, Bonds::Impulses) => (
                 "has no drift that implicit springs or dashpots can act in",
                 "bonds.scheme = \"explicit\" with bonds.damping = 0",
             ),
-            (false, _) => (
-                "has no form that holds rigid bonds",
-                "[bonds] method = \"spring\"",
-            ),
+            (false, _) => ("has no form that holds rigid bonds", "[bonds] method = \"spring\""),
         };
         let places = [key.as_str(), "bonds", "molecule"];
         let place = places.iter().find_map(|key| scene.source.place(key));
@@ -283,11 +264,7 @@ fn suited_methods(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> 
             .source
             .refuse(&key, message)
             .at(place.cloned())
-            .found(format!(
-                "{:?} with [bonds] method = {:?}",
-                spec.name,
-                molecule.bonds.name()
-            ))
+            .found(format!("{:?} with [bonds] method = {:?}", spec.name, molecule.bonds.name()))
             .allowed(format!("{fit}; or {or}")));
     }
     Ok(())
@@ -306,9 +283,6 @@ fn stable_springs(scene: &Scene, molecule: &Molecule) -> Result<(), SceneError> 
     Err(scene
         .source
         .refuse(&key, "is too long for the springs")
-        .found(format!(
-            "{dt}: ω·dt = {:.3}, with ω = {omega:.3} per τ",
-            omega * dt
-        ))
+        .found(format!("{dt}: ω·dt = {:.3}, with ω = {omega:.3} per τ", omega * dt))
         .allowed(format!("below {:.3e} τ, or softer springs", limit / omega)))
 }

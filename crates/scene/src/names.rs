@@ -63,10 +63,7 @@ const ANYWHERE: &[LeftOut] = &[
         words: &["hcp", "hexagonal", "diamond"],
         why: "take `lattice = \"fcc\"`, which is as dense as hcp",
     },
-    LeftOut {
-        words: &["rho", "number_density"],
-        why: "its name here is `density`, in `[system]`",
-    },
+    LeftOut { words: &["rho", "number_density"], why: "its name here is `density`, in `[system]`" },
     LeftOut {
         words: &["dump", "nstxout", "dcdfreq"],
         why: "`trajectory_every` in `[output]` asks for frames",
@@ -83,18 +80,12 @@ const ANYWHERE: &[LeftOut] = &[
         words: &["lj", "lj/cut", "pair_style", "pair_coeff"],
         why: "`[potential]` with `kind = \"lennard-jones\"`, the default, and `[truncation]` have it",
     },
-    LeftOut {
-        words: &["timestep", "time_step"],
-        why: "its name here is `dt`, in `[integrator]`",
-    },
+    LeftOut { words: &["timestep", "time_step"], why: "its name here is `dt`, in `[integrator]`" },
     LeftOut {
         words: &["nsteps", "n_steps", "run"],
         why: "its name here is `steps`, in `[[stage]]`",
     },
-    LeftOut {
-        words: &["none", "off"],
-        why: "what is not wanted is left out of the scene",
-    },
+    LeftOut { words: &["none", "off"], why: "what is not wanted is left out of the scene" },
 ];
 
 const LATTICES_LEFT_OUT: &[LeftOut] = &[LeftOut {
@@ -113,16 +104,11 @@ const TRUNCATIONS_LEFT_OUT: &[LeftOut] = &[
     },
 ];
 
-const LISTS_LEFT_OUT: &[LeftOut] = &[LeftOut {
-    words: &["none", "off", "all_pairs"],
-    why: "its name here is `direct`",
-}];
+const LISTS_LEFT_OUT: &[LeftOut] =
+    &[LeftOut { words: &["none", "off", "all_pairs"], why: "its name here is `direct`" }];
 
 const FORMATS_LEFT_OUT: &[LeftOut] = &[
-    LeftOut {
-        words: &["none", "off"],
-        why: "without `trajectory_every` there is no trajectory",
-    },
+    LeftOut { words: &["none", "off"], why: "without `trajectory_every` there is no trajectory" },
     LeftOut {
         words: &["dump", "lammpstrj", "lammps", "atom"],
         why: "its name here is `lammps-dump`",
@@ -164,10 +150,7 @@ const INTEGRATORS_LEFT_OUT: &[LeftOut] = &[
 ];
 
 const POTENTIALS_LEFT_OUT: &[LeftOut] = &[
-    LeftOut {
-        words: &["lj", "lj/cut", "lj126", "12_6"],
-        why: "its name here is `lennard-jones`",
-    },
+    LeftOut { words: &["lj", "lj/cut", "lj126", "12_6"], why: "its name here is `lennard-jones`" },
     LeftOut {
         words: &["morse", "buckingham", "yukawa", "exp_6"],
         why: "take `table`, with U and F at a list of distances",
@@ -195,10 +178,7 @@ const BONDS_LEFT_OUT: &[LeftOut] = &[
         words: &["harmonic", "fene", "springs", "elastic"],
         why: "take `spring`, U = ½k(|d| − r)²",
     },
-    LeftOut {
-        words: &["rigid", "constraint", "constraints"],
-        why: "take `direct`",
-    },
+    LeftOut { words: &["rigid", "constraint", "constraints"], why: "take `direct`" },
 ];
 
 const BAROSTATS_LEFT_OUT: &[LeftOut] = &[
@@ -215,13 +195,7 @@ const BAROSTATS_LEFT_OUT: &[LeftOut] = &[
         why: "it does not use the virial: take `stochastic-cell-rescaling`, whose moves have a Metropolis test too",
     },
     LeftOut {
-        words: &[
-            "langevin_piston",
-            "andersen",
-            "nose_hoover",
-            "mttk",
-            "martyna_tobias_klein",
-        ],
+        words: &["langevin_piston", "andersen", "nose_hoover", "mttk", "martyna_tobias_klein"],
         why: "take `mtk`, or `stochastic-cell-rescaling`",
     },
     LeftOut {
@@ -250,14 +224,8 @@ const MIXING_LEFT_OUT: &[LeftOut] = &[
         words: &["arithmetic", "lorentz", "berthelot", "lb"],
         why: "its name here is `lorentz-berthelot`",
     },
-    LeftOut {
-        words: &["sixthpower", "sixth_power"],
-        why: "its name here is `waldman-hagler`",
-    },
-    LeftOut {
-        words: &["good_hope", "jorgensen", "opls"],
-        why: "its name here is `geometric`",
-    },
+    LeftOut { words: &["sixthpower", "sixth_power"], why: "its name here is `waldman-hagler`" },
+    LeftOut { words: &["good_hope", "jorgensen", "opls"], why: "its name here is `geometric`" },
     LeftOut {
         words: &["kong", "tang_toennies", "hogervorst", "custom", "manual"],
         why: "take `explicit`, with σ and ε of each pair in a table `[[pair]]`",
@@ -308,15 +276,7 @@ mod tests {
 
     #[test]
     fn slips_of_the_pen_are_recognised_and_other_words_are_not() {
-        let known = [
-            "n_atoms",
-            "temperature",
-            "seed",
-            "density",
-            "rdf",
-            "msd",
-            "velocity-verlet",
-        ];
+        let known = ["n_atoms", "temperature", "seed", "density", "rdf", "msd", "velocity-verlet"];
         let meant = |found| nearest(found, known.into_iter());
         assert_eq!(meant("n_atom").as_deref(), Some("n_atoms"));
         assert_eq!(meant("temprature").as_deref(), Some("temperature"));
@@ -336,9 +296,7 @@ mod tests {
         assert!(rule("kong").contains("explicit"));
         let lattice = |name| left_out("system.lattice", name).unwrap_or_default();
         assert!(lattice("hcp").contains("fcc") && lattice("none").contains("random"));
-        let words = [
-            "nvt", "npt", "nve", "hcp", "rho", "dump", "none", "lj", "thermo", "cutoff",
-        ];
+        let words = ["nvt", "npt", "nve", "hcp", "rho", "dump", "none", "lj", "thermo", "cutoff"];
         for word in words {
             for key in [
                 "",

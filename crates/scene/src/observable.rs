@@ -18,9 +18,7 @@ lennard_core::options! {
 
 impl From<&ObservableTable> for ObservableKeys {
     fn from(table: &ObservableTable) -> Self {
-        Self {
-            every: Some(table.every),
-        }
+        Self { every: Some(table.every) }
     }
 }
 
@@ -34,14 +32,10 @@ impl Reader<'_> {
             let ObservableKeys { every } = section.take(&mut node)?;
             let options: ObservableOptions = section.method(&node)?;
             let every = every.unwrap_or(options.default_every());
-            let twin = observables
-                .iter()
-                .position(|other| other.options.name() == options.name());
+            let twin = observables.iter().position(|other| other.options.name() == options.name());
             if let Some(first) = twin {
                 let first = format!("observable.{first}.kind");
-                return Err(self
-                    .source
-                    .twice(&section.name("kind"), options.name(), &first));
+                return Err(self.source.twice(&section.name("kind"), options.name(), &first));
             }
             observables.push(ObservableTable { every, options });
         }
@@ -69,10 +63,7 @@ impl Reader<'_> {
             return Err(self
                 .source
                 .refuse(&key, "differs from `output.thermo_every`")
-                .found(format!(
-                    "{} and {}",
-                    observables[i].every, output.thermo_every
-                ))
+                .found(format!("{} and {}", observables[i].every, output.thermo_every))
                 .allowed("the same number, or one of them left out"));
         }
         Ok(())

@@ -90,11 +90,7 @@ impl Output {
             ase: self.ase && spec.holds_ase,
             velocities: self.velocities && spec.holds_vectors,
             forces: self.forces && spec.holds_vectors,
-            length_scale: if spec.names_scale {
-                self.length_scale
-            } else {
-                1.0
-            },
+            length_scale: if spec.names_scale { self.length_scale } else { 1.0 },
             ..self
         }
     }
@@ -149,9 +145,7 @@ impl Reader<'_> {
         let refuse = |key: &str, found: String, allowed: &str| {
             let key = format!("output.{key}");
             let error = self.source.refuse(&key, "does not go with the format");
-            Err(error
-                .found(format!("{found}, with format {name:?}"))
-                .allowed(allowed))
+            Err(error.found(format!("{found}, with format {name:?}")).allowed(allowed))
         };
         let fitting = |fits: fn(&FormatSpec) -> bool| {
             let all = TrajectoryFormat::ALL.iter().filter(|f| fits(f.spec()));
@@ -160,38 +154,22 @@ impl Reader<'_> {
         for (key, there) in [("velocities", output.velocities), ("forces", output.forces)] {
             if there && !spec.holds_vectors {
                 let formats = fitting(|spec| spec.holds_vectors);
-                return refuse(
-                    key,
-                    "true".into(),
-                    &format!("false, or a format of {formats}"),
-                );
+                return refuse(key, "true".into(), &format!("false, or a format of {formats}"));
             }
         }
         if has_precision && spec.limits.is_none() {
             let found = output.precision.to_string();
             let formats = fitting(|spec| spec.limits.is_some());
-            return refuse(
-                "precision",
-                found,
-                &format!("the format {formats}, or no such key"),
-            );
+            return refuse("precision", found, &format!("the format {formats}, or no such key"));
         }
         if output.ase && !spec.holds_ase {
             let formats = fitting(|spec| spec.holds_ase);
-            return refuse(
-                "ase",
-                "true".into(),
-                &format!("false, or a format of {formats}"),
-            );
+            return refuse("ase", "true".into(), &format!("false, or a format of {formats}"));
         }
         if output.length_scale != 1.0 && !spec.names_scale {
             let found = output.length_scale.to_string();
             let formats = fitting(|spec| spec.names_scale);
-            return refuse(
-                "length_scale",
-                found,
-                &format!("1, or a format of {formats}"),
-            );
+            return refuse("length_scale", found, &format!("1, or a format of {formats}"));
         }
         if output.ase && output.length_scale != 1.0 {
             let found = format!("true, with length_scale = {}", output.length_scale);

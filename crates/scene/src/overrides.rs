@@ -14,15 +14,9 @@ pub(crate) fn apply(
 ) -> Result<(), SceneError> {
     for (key, value) in overrides {
         let place = Place::Override(Arc::from(format!("{key}={value}")));
-        let at = At {
-            file,
-            place: &place,
-        };
+        let at = At { file, place: &place };
         let node = tree::parse_value(value, &place).map_err(|(found, allowed)| {
-            at.error("holds a number that cannot be read")
-                .key(key)
-                .found(found)
-                .allowed(allowed)
+            at.error("holds a number that cannot be read").key(key).found(found).allowed(allowed)
         })?;
         let steps: Vec<&str> = key.split('.').map(str::trim).collect();
         if steps.iter().any(|step| step.is_empty()) {
@@ -76,13 +70,7 @@ fn set(
         return Ok(());
     }
     if table.get(first).is_none() {
-        table.set(
-            first,
-            Node {
-                value: Value::Table(Table::default()),
-                place: at.place.clone(),
-            },
-        );
+        table.set(first, Node { value: Value::Table(Table::default()), place: at.place.clone() });
     }
     let Some(inner) = table.get_mut(first) else {
         return Ok(());
@@ -113,10 +101,7 @@ fn join(prefix: &str, name: &str) -> String {
 }
 
 fn not_a_table(node: &Node, at: &At<'_>, name: &str) -> SceneError {
-    at.error("holds a value, not a table")
-        .key(name)
-        .found(node)
-        .allowed("a key that ends here")
+    at.error("holds a value, not a table").key(name).found(node).allowed("a key that ends here")
 }
 
 /// The member of an array of tables that is meant: by its index, or by its `name` or `kind`.

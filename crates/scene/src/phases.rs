@@ -18,10 +18,8 @@ impl MissingDensity {
     /// What is missing of the two densities of a table, where one is at least.
     pub(crate) fn of(table: &str, keys: [&str; 2], written: [Option<f64>; 2]) -> Self {
         let all = keys.into_iter().zip(written);
-        let missing: Vec<&str> = all
-            .filter(|(_, written)| written.is_none())
-            .map(|(key, _)| key)
-            .collect();
+        let missing: Vec<&str> =
+            all.filter(|(_, written)| written.is_none()).map(|(key, _)| key).collect();
         let words: Vec<String> = missing.iter().map(|key| format!("`{key}`")).collect();
         Self {
             key: format!("{table}.{}", missing.first().unwrap_or(&keys[0])),
@@ -40,11 +38,7 @@ impl Scene {
         PeriodicBox::new(sides).map_err(|_| {
             self.source
                 .refuse(table, "makes an impossible box")
-                .found(format!(
-                    "sides of {} and {} σ",
-                    short(sides.x),
-                    short(sides.z)
-                ))
+                .found(format!("sides of {} and {} σ", short(sides.x), short(sides.z)))
                 .allowed("finite sides above 0")
         })
     }

@@ -25,10 +25,7 @@ pub(crate) enum ResolvedTruncation<'a> {
 impl<'a> ResolvedTruncation<'a> {
     pub fn of(scene: &'a Scene) -> Self {
         let options = &scene.truncation;
-        let table = scene
-            .planar_tail
-            .then(|| toml::Table::try_from(options).ok())
-            .flatten();
+        let table = scene.planar_tail.then(|| toml::Table::try_from(options).ok()).flatten();
         match table {
             Some(mut table) => {
                 table.insert("tail_correction".into(), PLANAR.into());
@@ -59,11 +56,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
         return Ok(());
     }
     let refuse = |message: &str, found: String, allowed: &str| {
-        Err(scene
-            .source
-            .refuse(KEY, message)
-            .found(found)
-            .allowed(allowed))
+        Err(scene.source.refuse(KEY, message).found(found).allowed(allowed))
     };
     let kind = scene.truncation.kind;
     if kind != TruncationKind::Cut {

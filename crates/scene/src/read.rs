@@ -56,11 +56,7 @@ impl Scene {
         })?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let good = error.utf8_error().valid_up_to();
-            let line = error.as_bytes()[..good]
-                .iter()
-                .filter(|b| **b == b'\n')
-                .count()
-                + 1;
+            let line = error.as_bytes()[..good].iter().filter(|b| **b == b'\n').count() + 1;
             SceneError::new(&file, "this is not text")
                 .at(Some(Place::Line(line)))
                 .found("bytes that are not UTF-8")
@@ -90,9 +86,7 @@ impl Scene {
         name: &str,
         overrides: &[(String, String)],
     ) -> Result<Self, SceneError> {
-        read(tree::parse(text, name)?, name, overrides, &|_, _, path| {
-            Ok(path.to_owned())
-        })
+        read(tree::parse(text, name)?, name, overrides, &|_, _, path| Ok(path.to_owned()))
     }
 }
 
@@ -169,10 +163,7 @@ impl<'a> Reader<'a> {
         Self {
             root,
             source,
-            empty: Node {
-                value: Value::Table(Table::default()),
-                place: Place::Line(1),
-            },
+            empty: Node { value: Value::Table(Table::default()), place: Place::Line(1) },
         }
     }
 
@@ -215,11 +206,7 @@ impl<'a> Reader<'a> {
 
     fn unknown_table(&self, entry: &Entry) -> SceneError {
         let key = &entry.key;
-        let written = |form: Form| {
-            reference::tables()
-                .iter()
-                .filter(move |doc| doc.form == form)
-        };
+        let written = |form: Form| reference::tables().iter().filter(move |doc| doc.form == form);
         let tables = ROOT.into_iter().flat_map(written).map(|doc| doc.table);
         let known: Vec<&str> = tables.chain(["name"]).collect();
         if KEYS_OF_A_SWEEP.contains(&key.as_str()) {
@@ -278,10 +265,7 @@ impl<'a> Reader<'a> {
         let file = TablePath::from(path.to_string_lossy().into_owned());
         potential.with_file(file).map_err(|error| {
             let key = format!("potential.{}", error.key);
-            self.source
-                .refuse(&key, "cannot be used")
-                .found(error.found)
-                .allowed(error.allowed)
+            self.source.refuse(&key, "cannot be used").found(error.found).allowed(error.allowed)
         })
     }
 
@@ -318,18 +302,13 @@ impl<'a> Reader<'a> {
         let Some(node) = self.root.get("name") else {
             return Ok(Name::of_file(Path::new(file)));
         };
-        node.text()
-            .and_then(Name::new)
-            .ok_or_else(|| self.refuse_value("", "name", "name", node))
+        node.text().and_then(Name::new).ok_or_else(|| self.refuse_value("", "name", "name", node))
     }
 
     /// A value that the reference does not allow.
     pub fn refuse_value(&self, table: &str, key: &str, path: &str, node: &Node) -> SceneError {
         let allowed = reference::find(table, None, key).map(|doc| doc.allowed.text());
-        self.source
-            .refuse(path, "is not allowed")
-            .found(node)
-            .allowed(allowed.unwrap_or_default())
+        self.source.refuse(path, "is not allowed").found(node).allowed(allowed.unwrap_or_default())
     }
 
     pub fn list(&self, name: &str) -> Result<&[Node], SceneError> {

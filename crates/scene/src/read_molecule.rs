@@ -31,11 +31,7 @@ impl Reader<'_> {
             MoleculeKind::Sites => self.sites(&options)?,
         };
         let bonds: BondOptions = self.section("bonds").method(self.node("bonds"))?;
-        let molecule = Molecule {
-            options,
-            bonds,
-            topology: Arc::new(topology),
-        };
+        let molecule = Molecule { options, bonds, topology: Arc::new(topology) };
         if let (Bonds::Rigid, Some(shape)) = (molecule.bonds.bonds(), molecule.shape())
             && let Some(bond) = molecule.topology.redundant_bond(&shape, |_| false)
         {
@@ -141,23 +137,12 @@ impl Reader<'_> {
                 && ((apart / length - 1.0).abs() > LARGEST_STRAIN || apart.is_nan() || apart < 0.01)
             {
                 let found = format!("sites {} and {} at {apart:.6} σ", pair[0], pair[1]);
-                return refuse(
-                    "shape",
-                    found,
-                    format!("a bond of {length} σ, within 0.1 %"),
-                );
+                return refuse("shape", found, format!("a bond of {length} σ, within 0.1 %"));
             }
-            bonds.push(Bond {
-                sites: joined,
-                length,
-            });
+            bonds.push(Bond { sites: joined, length });
         }
         Topology::new(sites, bonds).or_else(|e| {
-            refuse(
-                "bonds",
-                e.to_string(),
-                "pairs of sites, each once, that join all".to_owned(),
-            )
+            refuse("bonds", e.to_string(), "pairs of sites, each once, that join all".to_owned())
         })
     }
 }

@@ -88,9 +88,7 @@ pub(crate) fn table(name: &str) -> Option<&'static TableDoc> {
 /// The keys of a table that holds for every method, and the keys of one method.
 pub(crate) fn keys_of(table: &str, method: Option<&str>) -> impl Iterator<Item = &'static KeyDoc> {
     let of_method = move |doc: &KeyDoc| doc.method.is_none() || doc.method == method;
-    keys()
-        .iter()
-        .filter(move |doc| doc.table == table && of_method(doc))
+    keys().iter().filter(move |doc| doc.table == table && of_method(doc))
 }
 
 /// What is known of a key: `table` without indices (`stage.thermostat`).

@@ -120,22 +120,16 @@ impl Scene {
                 shared: (&self.integrator).into(),
             },
             field: self.field_keys(),
-            contact: self.contact.as_ref().map(|table| WithMethod {
-                method: &table.options,
-                shared: table.into(),
-            }),
+            contact: self
+                .contact
+                .as_ref()
+                .map(|table| WithMethod { method: &table.options, shared: table.into() }),
             wall: (self.walls.iter())
-                .map(|table| WithMethod {
-                    method: &table.options,
-                    shared: table.into(),
-                })
+                .map(|table| WithMethod { method: &table.options, shared: table.into() })
                 .collect(),
             stage: self.stages.iter().map(StageKeys::from).collect(),
             observable: (self.observables.iter())
-                .map(|table| WithMethod {
-                    method: &table.options,
-                    shared: table.into(),
-                })
+                .map(|table| WithMethod { method: &table.options, shared: table.into() })
                 .collect(),
             output: self.output_keys(),
             checkpoint: (&self.checkpoint).into(),

@@ -118,10 +118,7 @@ impl Scene {
     pub fn force_field(&self) -> ForceFieldOptions {
         ForceFieldOptions {
             split: self.integrator.split,
-            canonical: matches!(
-                self.integrator.method,
-                IntegratorOptions::BitReversibleVerlet(_)
-            ),
+            canonical: matches!(self.integrator.method, IntegratorOptions::BitReversibleVerlet(_)),
             potential: self.potential,
             truncation: self.truncation,
             neighbor: self.neighbor,

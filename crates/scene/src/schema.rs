@@ -30,11 +30,7 @@ pub fn schema() -> Value {
 fn table_of(table: &TableDoc) -> Value {
     let mut object = object_of(table.table);
     object["description"] = json!(table.meaning);
-    if table.form == Form::Many {
-        json!({ "type": "array", "items": object })
-    } else {
-        object
-    }
+    if table.form == Form::Many { json!({ "type": "array", "items": object }) } else { object }
 }
 
 /// An object with the keys of one table. Keys of the same name that belong to several methods share one entry.
@@ -43,9 +39,7 @@ fn object_of(table: &str) -> Value {
     let keys: Vec<&KeyDoc> = of_table(table).collect();
     for doc in &keys {
         let same: Vec<&KeyDoc> = keys.iter().filter(|d| d.key == doc.key).copied().collect();
-        properties
-            .entry(doc.key)
-            .or_insert_with(|| property(table, &same));
+        properties.entry(doc.key).or_insert_with(|| property(table, &same));
     }
     // A key of one method is not needed by the others.
     let needed: Vec<&str> = keys
@@ -65,9 +59,7 @@ fn object_of(table: &str) -> Value {
 }
 
 fn of_table(table: &str) -> impl Iterator<Item = &'static KeyDoc> {
-    reference::keys()
-        .iter()
-        .filter(move |doc| doc.table == table)
+    reference::keys().iter().filter(move |doc| doc.table == table)
 }
 
 /// Particles may also come as molecules or from a file.
@@ -110,9 +102,7 @@ fn short_forms(table: &str) -> Vec<&'static str> {
         Allowed::Names(names) if doc.key == "kind" => Some(names()),
         _ => None,
     });
-    std::iter::once("none")
-        .chain(kinds.unwrap_or_default())
-        .collect()
+    std::iter::once("none").chain(kinds.unwrap_or_default()).collect()
 }
 
 /// Type and range of a value; `None` where words alone describe it.
@@ -133,9 +123,7 @@ fn values(allowed: Allowed) -> Option<Value> {
 
 /// A default without the backticks around it, where it is one piece of code and no sentence.
 fn plain(default: &str) -> &str {
-    let code = default
-        .strip_prefix('`')
-        .and_then(|rest| rest.strip_suffix('`'));
+    let code = default.strip_prefix('`').and_then(|rest| rest.strip_suffix('`'));
     code.filter(|code| !code.contains('`')).unwrap_or(default)
 }
 
@@ -145,9 +133,7 @@ fn description(doc: &KeyDoc) -> String {
         "" => String::new(),
         unit => format!(" [{unit}]"),
     };
-    let method = doc
-        .method
-        .map_or(String::new(), |m| format!(" Only with `{m}`."));
+    let method = doc.method.map_or(String::new(), |m| format!(" Only with `{m}`."));
     format!(
         "{}{unit} Allowed: {}. Default: {}.{method}",
         doc.meaning,
@@ -176,10 +162,7 @@ mod tests {
             }
             let key = &at["properties"][doc.key];
             assert!(key.is_object(), "{}.{}", doc.table, doc.key);
-            assert!(
-                key["description"].as_str().unwrap().contains(doc.meaning),
-                "{key}"
-            );
+            assert!(key["description"].as_str().unwrap().contains(doc.meaning), "{key}");
         }
     }
 
@@ -192,12 +175,7 @@ mod tests {
         let stage = &schema["properties"]["stage"]["items"];
         assert_eq!(stage["required"], json!(["name", "steps"]));
         let bath = &stage["properties"]["thermostat"]["anyOf"];
-        assert!(
-            bath[0]["enum"]
-                .as_array()
-                .unwrap()
-                .contains(&json!("bussi"))
-        );
+        assert!(bath[0]["enum"].as_array().unwrap().contains(&json!("bussi")));
         assert_eq!(bath[1]["required"], json!(["kind"]));
         let wall = &schema["properties"]["wall"]["items"];
         assert_eq!(wall["required"], json!(["kind"]));

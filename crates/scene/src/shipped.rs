@@ -154,18 +154,9 @@ pub fn suggestion(written: &Path) -> Option<String> {
     let by_last = || {
         let last = nearest(&name, SCENES.iter().map(last_of))?;
         let named = SCENES.iter().filter(|scene| last_of(scene) == last);
-        Some(
-            named
-                .map(|scene| scene.name)
-                .collect::<Vec<_>>()
-                .join(" or "),
-        )
+        Some(named.map(|scene| scene.name).collect::<Vec<_>>().join(" or "))
     };
-    if name.contains('/') {
-        whole
-    } else {
-        by_last().or(whole)
-    }
+    if name.contains('/') { whole } else { by_last().or(whole) }
 }
 
 #[cfg(test)]
@@ -201,22 +192,13 @@ mod tests {
         assert_eq!(named("triple-point"), Some("verlet-1967/triple-point"));
         assert_eq!(named("gas"), None, "a gas is in `fluid` and in `npt`");
         assert_eq!(named("bad/andersen"), None);
-        assert_eq!(
-            suggestion(Path::new("gas")).as_deref(),
-            Some("fluid/gas or npt/gas")
-        );
+        assert_eq!(suggestion(Path::new("gas")).as_deref(), Some("fluid/gas or npt/gas"));
         assert_eq!(
             suggestion(Path::new("tripel-point")).as_deref(),
             Some("verlet-1967/triple-point")
         );
-        assert_eq!(
-            suggestion(Path::new("fluid/gass")).as_deref(),
-            Some("fluid/gas")
-        );
-        assert_eq!(
-            suggestion(Path::new("gass")).as_deref(),
-            Some("fluid/gas or npt/gas")
-        );
+        assert_eq!(suggestion(Path::new("fluid/gass")).as_deref(), Some("fluid/gas"));
+        assert_eq!(suggestion(Path::new("gass")).as_deref(), Some("fluid/gas or npt/gas"));
         assert_eq!(suggestion(Path::new("wombat")), None);
     }
 
@@ -229,10 +211,7 @@ mod tests {
         assert_eq!(locate(&file.with_extension("")), file);
         assert_eq!(read(&locate(&file)).unwrap(), b"mine");
         let elsewhere = Path::new("triple-point");
-        assert_eq!(
-            locate(elsewhere),
-            Path::new("shipped:/verlet-1967/triple-point.toml")
-        );
+        assert_eq!(locate(elsewhere), Path::new("shipped:/verlet-1967/triple-point.toml"));
         assert_eq!(beside(&file, Path::new("triple-point.toml")), file);
         assert_eq!(
             beside(&file, Path::new("verlet-1967/state-point")),

@@ -105,10 +105,7 @@ impl Reader<'_> {
         if vapor_density >= liquid_density {
             return Err(self
                 .source
-                .refuse(
-                    "slab.vapor_density",
-                    "is not below the density of the liquid",
-                )
+                .refuse("slab.vapor_density", "is not below the density of the liquid")
                 .found(vapor_density)
                 .allowed(format!("below {liquid_density} σ⁻³")));
         }
@@ -134,13 +131,7 @@ impl Reader<'_> {
                     short(length)
                 )));
         }
-        Ok(Slab {
-            n_atoms,
-            liquid_density,
-            vapor_density,
-            thickness,
-            length,
-        })
+        Ok(Slab { n_atoms, liquid_density, vapor_density, thickness, length })
     }
 
     /// The densities of liquid and vapor in the literature.
@@ -155,9 +146,7 @@ impl Reader<'_> {
             refused.found(found).allowed(allowed.clone())
         };
         let Some(model) = model else {
-            return Err(missing(
-                "nothing, and no literature for a slab of several species".into(),
-            ));
+            return Err(missing("nothing, and no literature for a slab of several species".into()));
         };
         let source =
             TwoPhaseSource::of(model).map_err(|none| missing(format!("nothing, and {none}")))?;

@@ -62,10 +62,7 @@ impl<T: Serialize> OptionValue for Part<T> {
 /// Every key in its place, except for baths and exchanges that the stage goes without.
 impl From<&Stage> for StageKeys {
     fn from(stage: &Stage) -> Self {
-        let ends = Ends {
-            from: stage.temperature_from,
-            to: stage.temperature,
-        };
+        let ends = Ends { from: stage.temperature_from, to: stage.temperature };
         Self {
             name: Some(stage.name.to_string()),
             steps: Some(stage.steps),

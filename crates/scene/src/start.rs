@@ -72,12 +72,6 @@ impl Start {
     /// Whether each particle has the velocity that the scene lists, total momentum included.
     #[must_use]
     pub fn lists_velocities(&self) -> bool {
-        matches!(
-            self,
-            Self::Listed {
-                velocities: Some(_),
-                ..
-            }
-        )
+        matches!(self, Self::Listed { velocities: Some(_), .. })
     }
 }

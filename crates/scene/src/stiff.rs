@@ -19,11 +19,7 @@ impl Scene {
             // A bath that stands inside the step takes the place of the integrator.
             let limit = self.method_of(stage).spec().stability_limit?;
             let dt = self.stage_dt(stage);
-            (omega * dt >= limit).then_some(TooStiff {
-                stage: i,
-                dt,
-                limit,
-            })
+            (omega * dt >= limit).then_some(TooStiff { stage: i, dt, limit })
         })
     }
 }

@@ -58,12 +58,7 @@ pub(crate) struct Numbers(Vec<u64>);
 /// The table with every default in its place.
 impl From<&Scene> for SystemKeys {
     fn from(scene: &Scene) -> Self {
-        let System {
-            start,
-            temperature,
-            seed,
-            held,
-        } = &scene.system;
+        let System { start, temperature, seed, held } = &scene.system;
         let held: Vec<u64> = held.iter().map(|i| *i as u64 + 1).collect();
         let mut keys = Self {
             temperature: Some(*temperature),
@@ -76,12 +71,7 @@ impl From<&Scene> for SystemKeys {
             Geometry::Box(sides) => keys.sides = Some(Sides(*sides)),
         };
         match start {
-            Start::Lattice {
-                lattice,
-                n_atoms,
-                geometry,
-                vacuum,
-            } => {
+            Start::Lattice { lattice, n_atoms, geometry, vacuum } => {
                 place(geometry);
                 keys.lattice = Some(*lattice);
                 match &scene.molecule {
@@ -92,21 +82,13 @@ impl From<&Scene> for SystemKeys {
             }
             Start::Slab(slab) => keys.n_atoms = Some(slab.n_atoms),
             Start::HalfCrystal(start) => keys.n_atoms = Some(start.n_atoms),
-            Start::Listed {
-                sides,
-                positions,
-                velocities,
-            } => {
+            Start::Listed { sides, positions, velocities } => {
                 let in_rows = |all: &Vec<DVec3>| all.iter().map(DVec3::to_array).collect();
                 place(&Geometry::Box(*sides));
                 keys.positions = Some(in_rows(positions));
                 keys.velocities = velocities.as_ref().map(in_rows);
             }
-            Start::Configuration {
-                path,
-                geometry,
-                units,
-            } => {
+            Start::Configuration { path, geometry, units } => {
                 (keys.length_scale, keys.time_scale) = (units.length, units.time);
                 if let Some(geometry) = geometry {
                     place(geometry);
@@ -207,10 +189,7 @@ impl Reader<'_> {
             };
             Err(self
                 .source
-                .refuse(
-                    &format!("system.{key}"),
-                    format!("does not go with `{own}`"),
-                )
+                .refuse(&format!("system.{key}"), format!("does not go with `{own}`"))
                 .found(node.table().and_then(|t| t.get(key)).unwrap_or(&self.empty))
                 .allowed(allowed))
         };
@@ -221,20 +200,13 @@ impl Reader<'_> {
                 .found("`velocities` alone")
                 .allowed("`positions` with one position for each velocity"));
         }
-        let units = FileUnits {
-            length: table.length_scale,
-            time: table.time_scale,
-        };
+        let units = FileUnits { length: table.length_scale, time: table.time_scale };
         let alone = match units {
             _ if table.configuration.is_some() => units.time.filter(|_| units.length.is_none()),
             units => units.length.or(units.time),
         };
         if let Some(found) = alone {
-            let key = if units.length.is_some() {
-                "length_scale"
-            } else {
-                "time_scale"
-            };
+            let key = if units.length.is_some() { "length_scale" } else { "time_scale" };
             return Err(self
                 .source
                 .refuse(&format!("system.{key}"), "is of a file in other units")
@@ -278,11 +250,7 @@ impl Reader<'_> {
                     "no such key: the configuration file has it",
                 )?;
                 let path = resolve(self.source, "system.configuration", Path::new(path))?;
-                Start::Configuration {
-                    path,
-                    geometry,
-                    units,
-                }
+                Start::Configuration { path, geometry, units }
             }
             (None, None) if let Some(phases) = side_by_side => {
                 let of_table = format!("[{phases}]");
@@ -293,9 +261,7 @@ impl Reader<'_> {
                         "nothing: the box follows from `n_atoms` and the keys of `{of_table}`"
                     ),
                 )?;
-                let temperature = table
-                    .temperature
-                    .ok_or_else(|| self.needed("temperature"))?;
+                let temperature = table.temperature.ok_or_else(|| self.needed("temperature"))?;
                 let n_atoms = self.count(table.n_atoms.or(counted), table.n_molecules)?;
                 match phases {
                     "slab" => Start::Slab(self.slab(n_atoms, temperature, model)?),
@@ -365,19 +331,14 @@ impl Reader<'_> {
         let triclinic = match &sides.value {
             Value::Array(items) => {
                 TRICLINIC.contains(&items.len())
-                    || items
-                        .iter()
-                        .any(|item| matches!(item.value, Value::Array(_)))
+                    || items.iter().any(|item| matches!(item.value, Value::Array(_)))
             }
             _ => false,
         };
         if triclinic {
             return Err(self
                 .source
-                .refuse(
-                    "system.box",
-                    "cannot be used: triclinic boxes are not available yet",
-                )
+                .refuse("system.box", "cannot be used: triclinic boxes are not available yet")
                 .found(sides)
                 .allowed("one side, or three sides [Lx, Ly, Lz], of a box with right angles"));
         }

@@ -8,10 +8,7 @@ pub(crate) fn with_tag(node: &Node, key: &str, name: &str) -> Node {
     if let Value::Table(table) = &mut node.value
         && table.get(key).is_none()
     {
-        let name = Node {
-            value: Value::Text(name.to_owned()),
-            place: node.place.clone(),
-        };
+        let name = Node { value: Value::Text(name.to_owned()), place: node.place.clone() };
         table.set(key, name);
     }
     node

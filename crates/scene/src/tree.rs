@@ -49,10 +49,7 @@ impl Table {
     }
 
     pub fn get_mut(&mut self, key: &str) -> Option<&mut Node> {
-        self.0
-            .iter_mut()
-            .find(|entry| entry.key == key)
-            .map(|entry| &mut entry.node)
+        self.0.iter_mut().find(|entry| entry.key == key).map(|entry| &mut entry.node)
     }
 
     pub fn remove(&mut self, key: &str) -> Option<Entry> {
@@ -65,11 +62,7 @@ impl Table {
         let place = node.place.clone();
         match self.0.iter_mut().find(|entry| entry.key == key) {
             Some(entry) => (entry.place, entry.node) = (place, node),
-            None => self.0.push(Entry {
-                key: key.to_owned(),
-                place,
-                node,
-            }),
+            None => self.0.push(Entry { key: key.to_owned(), place, node }),
         }
     }
 }
@@ -125,11 +118,7 @@ impl fmt::Display for Node {
                     let comma = if i == 0 { "" } else { ", " };
                     write!(f, "{comma}{item}")?;
                 }
-                let rest = if items.len() > LONGEST_ARRAY {
-                    ", …"
-                } else {
-                    ""
-                };
+                let rest = if items.len() > LONGEST_ARRAY { ", …" } else { "" };
                 write!(f, "{rest}]")
             }
             Value::Table(_) => write!(f, "a table"),
@@ -179,10 +168,7 @@ pub(crate) fn parse_value(text: &str, place: &Place) -> Result<Node, (String, &'
     match DeValue::parse(text) {
         Ok(value) => node(value.get_ref(), 0, &|_| place.clone())
             .map_err(|(_, found, allowed)| (found, allowed)),
-        Err(_) => Ok(Node {
-            value: Value::Text(text.trim().to_owned()),
-            place: place.clone(),
-        }),
+        Err(_) => Ok(Node { value: Value::Text(text.trim().to_owned()), place: place.clone() }),
     }
 }
 
@@ -236,10 +222,7 @@ fn node(
         ),
         DeValue::Table(entries) => Value::Table(table(entries, place)?),
     };
-    Ok(Node {
-        value,
-        place: place(start),
-    })
+    Ok(Node { value, place: place(start) })
 }
 
 /// The place of every key, by its full name (`stage.0.steps`).

@@ -24,11 +24,7 @@ pub(crate) struct Section<'a> {
 
 impl<'a> Section<'a> {
     pub fn new(source: &'a Source, path: &'a str, table: &'static str) -> Self {
-        Self {
-            source,
-            path,
-            table,
-        }
+        Self { source, path, table }
     }
 
     /// The key that names the method of the table; `None` for a table without methods.
@@ -76,9 +72,7 @@ impl<'a> Section<'a> {
             Some((key, usual)) => self.read(&with_tag(node, key, usual))?,
             None => self.read(node)?,
         };
-        method
-            .check()
-            .map_err(|e| self.impossible(e.key, &e.found, &e.allowed))?;
+        method.check().map_err(|e| self.impossible(e.key, &e.found, &e.allowed))?;
         Ok(method)
     }
 
@@ -147,10 +141,7 @@ impl<'a> Section<'a> {
     /// The error for a value that its method refuses.
     pub fn impossible(&self, key: &str, found: &str, allowed: &str) -> SceneError {
         let name = self.name(key);
-        self.source
-            .refuse(&name, "is not allowed")
-            .found(found)
-            .allowed(allowed)
+        self.source.refuse(&name, "is not allowed").found(found).allowed(allowed)
     }
 
     /// The scene error that a fault of the type amounts to.
@@ -177,8 +168,7 @@ impl<'a> Section<'a> {
             Trouble::Other(message) => {
                 let key = culprit();
                 let name = key.map_or_else(|| self.path.to_owned(), |key| self.name(&key));
-                self.source
-                    .refuse(&name, format!("cannot be read: {message}"))
+                self.source.refuse(&name, format!("cannot be read: {message}"))
             }
         }
     }
@@ -225,10 +215,7 @@ impl<'a> Section<'a> {
         // The reason names what to take: a similar name beside it would contradict.
         let (message, suggestion) = match left_out(&name, found) {
             Some(message) => (format!("cannot be \"{found}\": {message}"), None),
-            None => (
-                "is not a known name".to_owned(),
-                nearest(found, known.iter().copied()),
-            ),
+            None => ("is not a known name".to_owned(), nearest(found, known.iter().copied())),
         };
         self.source
             .refuse(&name, message)
@@ -256,10 +243,7 @@ impl<'a> Section<'a> {
             _ => format!("is {}", node.kind()),
         };
         let allowed = allowed.map_or_else(|| in_words(expected), |allowed| allowed.text());
-        self.source
-            .refuse(&self.name(key), message)
-            .found(node)
-            .allowed(allowed)
+        self.source.refuse(&self.name(key), message).found(node).allowed(allowed)
     }
 }
 
@@ -282,19 +266,15 @@ fn culprit(
     }
     let kind = table.entry(tag?)?;
     let probed = |entries: Vec<Entry>| {
-        let trouble = probe(&Node {
-            value: Value::Table(Table(entries)),
-            place: kind.place.clone(),
-        });
+        let trouble =
+            probe(&Node { value: Value::Table(Table(entries)), place: kind.place.clone() });
         trouble.as_ref() == Some(&fault.trouble)
     };
     if probed(vec![kind.clone()]) {
         return Some(kind.key.clone());
     }
     let others = table.0.iter().filter(|entry| entry.key != kind.key);
-    let guilty = others
-        .into_iter()
-        .find(|entry| probed(vec![kind.clone(), (*entry).clone()]));
+    let guilty = others.into_iter().find(|entry| probed(vec![kind.clone(), (*entry).clone()]));
     guilty.map(|entry| entry.key.clone())
 }
 

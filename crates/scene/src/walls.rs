@@ -54,10 +54,7 @@ lennard_core::options! {
 
 impl From<&WallTable> for WallKeys {
     fn from(table: &WallTable) -> Self {
-        Self {
-            axis: table.axis,
-            thickness: Some(table.thickness),
-        }
+        Self { axis: table.axis, thickness: Some(table.thickness) }
     }
 }
 
@@ -73,9 +70,7 @@ impl Reader<'_> {
             let options = section.method(&node)?;
             if let Some(first) = walls.iter().position(|other| other.axis == axis) {
                 let first = format!("wall.{first}.axis");
-                let twice = self
-                    .source
-                    .twice(&section.name("axis"), axis.name(), &first);
+                let twice = self.source.twice(&section.name("axis"), axis.name(), &first);
                 return Err(twice);
             }
             walls.push(WallTable {
@@ -113,9 +108,8 @@ impl Reader<'_> {
 impl Scene {
     /// The constant field as its table says it; `None` without one.
     pub(crate) fn field_keys(&self) -> Option<FieldKeys> {
-        (self.acceleration != DVec3::ZERO).then(|| FieldKeys {
-            acceleration: self.acceleration.to_array().to_vec(),
-        })
+        (self.acceleration != DVec3::ZERO)
+            .then(|| FieldKeys { acceleration: self.acceleration.to_array().to_vec() })
     }
 
     /// Where pair forces and contacts end, σ: the longest cutoff of two species, or the largest contact distance.
@@ -136,9 +130,7 @@ impl Scene {
     }
 
     fn context_of_walls(&self) -> WallContext {
-        WallContext {
-            temperature: self.system.temperature,
-        }
+        WallContext { temperature: self.system.temperature }
     }
 
     /// What the walls of a table do to a particle, at the lower end.
@@ -185,14 +177,12 @@ impl Scene {
 fn observables_suit(scene: &Scene) -> Result<(), SceneError> {
     for (i, table) in scene.observables.iter().enumerate() {
         let (message, allowed) = match (table.options.surroundings(), scene.confined_by()) {
-            (Surroundings::Walls, _) if scene.walls.is_empty() => (
-                "measures walls, and the scene has none",
-                "a scene with `[[wall]]`",
-            ),
-            (Surroundings::Periodic, Some(_)) => (
-                "assumes a homogeneous fluid",
-                "a scene without walls and field",
-            ),
+            (Surroundings::Walls, _) if scene.walls.is_empty() => {
+                ("measures walls, and the scene has none", "a scene with `[[wall]]`")
+            }
+            (Surroundings::Periodic, Some(_)) => {
+                ("assumes a homogeneous fluid", "a scene without walls and field")
+            }
             _ => continue,
         };
         return Err(scene
@@ -239,9 +229,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
             .found(format!("{found}, with {confined}"))
             .allowed("false with walls, a field or held particles"));
     }
-    if let Start::Lattice {
-        lattice, vacuum, ..
-    } = &scene.system.start
+    if let Start::Lattice { lattice, vacuum, .. } = &scene.system.start
         && !scene.walls.is_empty()
     {
         if *vacuum > 0.0 {
@@ -266,9 +254,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
                     "brings the fluid in reach of its image across the wall",
                 )
                 .found(table.thickness)
-                .allowed(format!(
-                    "{smallest} σ or more: the cutoff and {SHALLOWEST_ROOM} σ"
-                )));
+                .allowed(format!("{smallest} σ or more: the cutoff and {SHALLOWEST_ROOM} σ")));
         }
         hard_walls_suit(scene, i, table)?;
         springs_are_stable(scene, i, table)?;
@@ -326,14 +312,10 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
         return Err(without_contacts_of_spook(scene, i));
     }
     let (rule, message) = match (surface.rule(), surface.dashpot()) {
-        (Some(rule), _) => (
-            rule,
-            "is hit in drifts of a kind that the method does not make",
-        ),
-        (None, Some(_)) => (
-            HitRule::OnLines,
-            "has a dashpot, which acts in drifts that the method does not make",
-        ),
+        (Some(rule), _) => (rule, "is hit in drifts of a kind that the method does not make"),
+        (None, Some(_)) => {
+            (HitRule::OnLines, "has a dashpot, which acts in drifts that the method does not make")
+        }
         (None, None) => return Ok(()),
     };
     let suits = |integrator: &Integrator| {
@@ -346,11 +328,7 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
             return Err(scene
                 .source
                 .refuse(&format!("wall.{i}.kind"), message)
-                .found(format!(
-                    "{:?} with {:?}",
-                    table.options.spec().name,
-                    integrator.spec().name
-                ))
+                .found(format!("{:?} with {:?}", table.options.spec().name, integrator.spec().name))
                 .allowed(format!(
                     "{}, or a wall that only exerts a force",
                     kinds_that(|entry| suits(&entry.build()))
@@ -361,10 +339,7 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
     if rule == HitRule::OnParabolas && !is_single {
         return Err(scene
             .source
-            .refuse(
-                &format!("wall.{i}.response"),
-                "is for one particle in a constant field alone",
-            )
+            .refuse(&format!("wall.{i}.response"), "is for one particle in a constant field alone")
             .found("\"event\" with other particles")
             .allowed("\"billiard\", or `system.n_atoms` = 1"));
     }
@@ -374,18 +349,12 @@ fn hard_walls_suit(scene: &Scene, i: usize, table: &WallTable) -> Result<(), Sce
 /// What is said of planes that contacts are to solve for, where no contacts of SPOOK are.
 fn without_contacts_of_spook(scene: &Scene, i: usize) -> SceneError {
     let found = match &scene.contact {
-        Some(table) => format!(
-            "\"contact\" with [contact] kind = {:?}",
-            table.options.spec().name
-        ),
+        Some(table) => format!("\"contact\" with [contact] kind = {:?}", table.options.spec().name),
         None => "\"contact\" without `[contact]`".to_owned(),
     };
     scene
         .source
-        .refuse(
-            &format!("wall.{i}.response"),
-            "is for planes that contacts of SPOOK solve for",
-        )
+        .refuse(&format!("wall.{i}.response"), "is for planes that contacts of SPOOK solve for")
         .found(found)
         .allowed("[contact] kind = \"spook\", or response = \"billiard\"")
 }

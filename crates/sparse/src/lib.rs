@@ -65,12 +65,7 @@ impl Pattern {
         .expect("a pattern of this size fits into memory");
         let (upper, slots) = upper_triangle(n, couplings, &place_of);
         let symbolic = analyse(&upper, n);
-        Self {
-            upper,
-            symbolic,
-            unknown_at: order,
-            slots,
-        }
+        Self { upper, symbolic, unknown_at: order, slots }
     }
 
     /// Number of unknowns.
@@ -132,9 +127,7 @@ pub struct Ldlt {
 
 impl fmt::Debug for Ldlt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Ldlt")
-            .field("values", &self.values)
-            .finish_non_exhaustive()
+        f.debug_struct("Ldlt").field("values", &self.values).finish_non_exhaustive()
     }
 }
 

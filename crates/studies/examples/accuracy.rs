@@ -24,10 +24,7 @@ struct Made {
 }
 
 /// Lennard-Jones particles, all alike.
-const ATOMS: Made = Made {
-    of: "n_atoms",
-    tables: "",
-};
+const ATOMS: Made = Made { of: "n_atoms", tables: "" };
 /// Argon and krypton in equal parts, as in `mixture/argon-krypton`.
 const MIXTURE: Made = Made {
     of: "n_atoms",
@@ -52,13 +49,7 @@ struct State {
 }
 
 const fn state(name: &'static str, density: f64, temperature: f64, errors: [f64; 3]) -> State {
-    State {
-        name,
-        made: ATOMS,
-        density,
-        temperature,
-        errors,
-    }
+    State { name, made: ATOMS, density, temperature, errors }
 }
 
 impl State {
@@ -124,9 +115,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         arguments.join(" "),
         lennard_io::cpu_name(),
     );
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let (mut passed, mut tried) = (0, 0);
     let chosen = |s: &&State| only.as_ref().is_none_or(|o| o == s.name);
     for state in STATES.iter().filter(chosen) {
@@ -148,11 +137,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         "\n{passed} of {tried} states: the target is met, and no settings that cost less by more than a factor of {ALLOWED_FACTOR} meet it, by their runs or by the models"
     );
     let all = passed == tried && tried > 0;
-    Ok(if all {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
-    })
+    Ok(if all { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn show(state: &State, options: &TrialOptions, trial: &Trial, seconds: f64) {
@@ -186,11 +171,7 @@ fn show(state: &State, options: &TrialOptions, trial: &Trial, seconds: f64) {
             u.mean, u.standard_error, p.mean, p.standard_error
         );
     }
-    let open: Vec<_> = trial
-        .cheaper
-        .iter()
-        .filter(|c| c.misses.is_none())
-        .collect();
+    let open: Vec<_> = trial.cheaper.iter().filter(|c| c.misses.is_none()).collect();
     println!(
         "  of the grid, {} settings cost less by more than a factor of {ALLOWED_FACTOR}; {} are not seen to miss",
         trial.cheaper.len(),

@@ -237,10 +237,7 @@ mod tests {
         assert_eq!(judge(Demand::Above(1.0), 1.1), Verdict::Holds);
         assert_eq!(judge(Demand::Above(1.0), 1.0), Verdict::DoesNotHold);
         assert_eq!(judge(Demand::Below(1.0), f64::NAN), Verdict::DoesNotHold);
-        let near = Demand::Near {
-            value: 2.0,
-            within: 0.05,
-        };
+        let near = Demand::Near { value: 2.0, within: 0.05 };
         assert_eq!(judge(near, 2.04), Verdict::Holds);
         assert_eq!(judge(near, 1.9), Verdict::DoesNotHold);
         let off = judged(Source::Ours, "c", "q", near, 2.0);

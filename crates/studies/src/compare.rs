@@ -148,9 +148,7 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     // A run that tells the equations apart is not too coarse, and another equation may be nearer than the one that judges.
     for beside in card.iter().flat_map(|card| &card.rows) {
         let is_settled = |row: &Row| !matches!(row.verdict, Verdict::Differs | Verdict::TooCoarse);
-        let mut rows = rows
-            .iter_mut()
-            .filter(|row| row.quantity == beside.property);
+        let mut rows = rows.iter_mut().filter(|row| row.quantity == beside.property);
         if let Some(row) = rows.next().filter(|row| !is_settled(row))
             && beside.verdict == Verdict::Sharper
         {
@@ -298,11 +296,7 @@ mod tests {
             standing: lennard_io::SOUND.into(),
             reason: String::new(),
         };
-        Row {
-            verdict: Verdict::Agrees,
-            primary: true,
-            ..Row::measured(quantity, &average)
-        }
+        Row { verdict: Verdict::Agrees, primary: true, ..Row::measured(quantity, &average) }
     }
 
     #[test]
@@ -310,10 +304,7 @@ mod tests {
         let rows = ["potential_energy", "pressure", "heat_capacity"].map(agreeing);
         for (n, words) in [
             (1, "Potential energy agrees with its reference."),
-            (
-                2,
-                "Potential energy and pressure agree with their references.",
-            ),
+            (2, "Potential energy and pressure agree with their references."),
             (3, "All 3 quantities that have a reference agree with it."),
         ] {
             assert_eq!(headline(&rows[..n], None), words);

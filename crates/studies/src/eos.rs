@@ -53,9 +53,9 @@ pub fn evaluate(
 ) -> Evaluated {
     let density = match given {
         Given::Density(density) => Ok(density),
-        Given::Pressure(pressure) if !(pressure.is_finite() && pressure > 0.0) => Err(format!(
-            "the pressure must be a finite positive number, found {pressure}"
-        )),
+        Given::Pressure(pressure) if !(pressure.is_finite() && pressure > 0.0) => {
+            Err(format!("the pressure must be a finite positive number, found {pressure}"))
+        }
         Given::Pressure(pressure) => equation
             .density(pressure, temperature)
             // Any density tells whether it is the temperature that lies outside.
@@ -68,20 +68,13 @@ pub fn evaluate(
             }),
     };
     let found = density.and_then(|density| {
-        equation
-            .check(density, temperature)
-            .map_err(|outside| outside.to_string())?;
+        equation.check(density, temperature).map_err(|outside| outside.to_string())?;
         Ok(Found {
             state: equation.at(density, temperature),
             phase: equation.phase(density, temperature),
         })
     });
-    Evaluated {
-        equation,
-        temperature,
-        given,
-        found,
-    }
+    Evaluated { equation, temperature, given, found }
 }
 
 /// A vapor and a liquid side by side, with what they differ by.
@@ -229,9 +222,8 @@ pub fn states_json(evaluated: &[Evaluated], properties: &[&Property]) -> Value {
                 Ok(found) => {
                     state["density"] = found.state.rho.into();
                     state["phase"] = serde_json::to_value(found.phase).unwrap_or_default();
-                    let all = properties
-                        .iter()
-                        .map(|p| (p.key.to_owned(), (p.of)(&found.state).into()));
+                    let all =
+                        properties.iter().map(|p| (p.key.to_owned(), (p.of)(&found.state).into()));
                     state["properties"] = Value::Object(all.collect());
                 }
                 Err(outside) => state["outside"] = outside.as_str().into(),

@@ -18,10 +18,8 @@ pub(crate) fn write_all(
     page: &Page,
 ) -> Result<(), StudyError> {
     let figure_dir = dir.join("figures");
-    std::fs::create_dir_all(&figure_dir).map_err(|source| StudyError::Folder {
-        path: figure_dir.display().to_string(),
-        source,
-    })?;
+    std::fs::create_dir_all(&figure_dir)
+        .map_err(|source| StudyError::Folder { path: figure_dir.display().to_string(), source })?;
     for table in tables {
         write_table_csv(&dir.join(format!("{}.csv", table.name)), table)?;
     }

@@ -73,10 +73,7 @@ pub(crate) fn side_by_side_on<I: Sync, R: Send>(
             done(finished as f64 / items.len() as f64);
         }
     });
-    results
-        .into_iter()
-        .filter_map(|slot| slot.into_inner().ok().flatten())
-        .collect()
+    results.into_iter().filter_map(|slot| slot.into_inner().ok().flatten()).collect()
 }
 
 /// A pool of `threads` threads.

@@ -10,6 +10,5 @@ pub(crate) const SCENE_FILE: &str = "scene.toml";
 /// Whether the folder belongs to this very scene; `None` where it says nothing of a scene.
 pub(crate) fn same_scene(folder: &Path, scene: &Scene) -> Option<bool> {
     let file = folder.join(SCENE_FILE);
-    file.exists()
-        .then(|| Scene::load(&file, &[]).is_ok_and(|there| there == *scene))
+    file.exists().then(|| Scene::load(&file, &[]).is_ok_and(|there| there == *scene))
 }

@@ -37,11 +37,7 @@ impl WeightedLine {
         let slope = sum(&|x, y| (x - middle) * (y - value)) / spread;
         let chi_squared = sum(&|x, y| (y - value - slope * (x - middle)).powi(2));
         let freedom = points.len() as f64 - 2.0;
-        let excess = if freedom > 0.0 {
-            (chi_squared / freedom).max(1.0)
-        } else {
-            1.0
-        };
+        let excess = if freedom > 0.0 { (chi_squared / freedom).max(1.0) } else { 1.0 };
         Some(Self {
             middle,
             value,
@@ -79,9 +75,8 @@ mod tests {
 
     #[test]
     fn a_line_through_exact_points_has_its_numbers_and_the_errors_of_theory() {
-        let points: Vec<_> = (0..5)
-            .map(|i| (f64::from(i), 3.0 - 0.5 * f64::from(i), 0.1))
-            .collect();
+        let points: Vec<_> =
+            (0..5).map(|i| (f64::from(i), 3.0 - 0.5 * f64::from(i), 0.1)).collect();
         let line = WeightedLine::through(&points).unwrap();
         assert!((line.at(0.0) - 3.0).abs() < 1e-13 && (line.slope + 0.5).abs() < 1e-13);
         // σ²/Σ(x − x̄)² with Σ = 10, and σ²/n.
@@ -100,13 +95,7 @@ mod tests {
         let plain = 0.01 / 2.0_f64.sqrt();
         assert!((line.error_of_slope() / plain - 1666.67_f64.sqrt()).abs() < 0.01);
         assert_eq!(WeightedLine::through(&points[..1]), None);
-        assert_eq!(
-            WeightedLine::through(&[(1.0, 0.0, 0.1), (1.0, 1.0, 0.1)]),
-            None
-        );
-        assert_eq!(
-            WeightedLine::through(&[(1.0, 0.0, 0.0), (2.0, 1.0, 0.1)]),
-            None
-        );
+        assert_eq!(WeightedLine::through(&[(1.0, 0.0, 0.1), (1.0, 1.0, 0.1)]), None);
+        assert_eq!(WeightedLine::through(&[(1.0, 0.0, 0.0), (2.0, 1.0, 0.1)]), None);
     }
 }

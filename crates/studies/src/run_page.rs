@@ -53,11 +53,7 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
     let particles = lennard_report::particles(compared.atoms as usize, compared.molecules as usize);
     let is_fluid = !compared.is_of_few_bodies();
     let state = match is_fluid {
-        true => format!(
-            ": {} at {}",
-            compared.state.words,
-            compared.state.in_numbers()
-        ),
+        true => format!(": {} at {}", compared.state.words, compared.state.in_numbers()),
         false => String::new(),
     };
     let lead = format!(
@@ -89,11 +85,7 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
         (
             "Error bars",
             figures::ERROR_BARS,
-            if is_fluid {
-                figures::blocking(run)
-            } else {
-                Vec::new()
-            },
+            if is_fluid { figures::blocking(run) } else { Vec::new() },
         ),
         ("Interface", figures::INTERFACE, figures::interface(run)),
         ("Structure", figures::STRUCTURE, figures::structure(run)),
@@ -129,26 +121,14 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
         sections,
         provenance: vec![
             ("finished".into(), finished_on(run)),
-            (
-                "scene".into(),
-                "`scene.toml` beside this page, every default written out".into(),
-            ),
-            (
-                "the same bits again".into(),
-                "`lennard run scene.toml`".into(),
-            ),
+            ("scene".into(), "`scene.toml` beside this page, every default written out".into()),
+            ("the same bits again".into(), "`lennard run scene.toml`".into()),
             ("seed".into(), record.seed.to_string()),
             ("version".into(), record.version.clone()),
             ("processor".into(), record.host.cpu.clone()),
-            (
-                "instruction set of the pair kernel".into(),
-                record.host.isa.clone(),
-            ),
+            ("instruction set of the pair kernel".into(), record.host.isa.clone()),
             ("threads".into(), record.host.threads.to_string()),
-            (
-                "numbers".into(),
-                "`run.json` and the CSV files beside this page".into(),
-            ),
+            ("numbers".into(), "`run.json` and the CSV files beside this page".into()),
         ],
     }
 }

@@ -52,10 +52,7 @@ impl Settings {
     pub fn are_usual(&self) -> bool {
         let usual = self.usual(f64::INFINITY);
         usual.is_some_and(|usual| {
-            let alike = Self {
-                dt: usual.dt,
-                ..self.clone()
-            };
+            let alike = Self { dt: usual.dt, ..self.clone() };
             usual == alike && (self.dt / usual.dt - 1.0).abs() < 0.05
         })
     }
@@ -82,16 +79,11 @@ impl Settings {
     /// # Errors
     /// [`StudyError::Settings`] where they do not go together or do not fit the scene.
     pub fn apply(&self, scene: &Scene) -> Result<Scene, StudyError> {
-        let refused = |reason: String| StudyError::Settings {
-            label: self.label(),
-            reason,
-        };
+        let refused = |reason: String| StudyError::Settings { label: self.label(), reason };
         if !(self.dt.is_finite() && self.dt > 0.0) {
             return Err(refused(format!("dt must be above 0, found {}", self.dt)));
         }
-        self.integrator
-            .check()
-            .map_err(|e| refused(e.to_string()))?;
+        self.integrator.check().map_err(|e| refused(e.to_string()))?;
         let splits = matches!(self.integrator, IntegratorOptions::Respa(_));
         if splits != self.split.is_some() {
             return Err(refused(
@@ -106,10 +98,7 @@ impl Settings {
         changed.integrator.split = self.split;
         changed.truncation = self.truncation;
         changed.kernel.precision = self.precision;
-        changed.neighbor = NeighborOptions {
-            mode: self.list,
-            skin: self.skin,
-        };
+        changed.neighbor = NeighborOptions { mode: self.list, skin: self.skin };
         for stage in &mut changed.stages {
             stage.steps = scaled(stage.steps);
             stage.dt = stage.dt.map(|dt| dt * ratio);
@@ -225,10 +214,8 @@ pub(crate) mod tests {
             [output]
             thermo_every = 10
         "#;
-        let extra: Vec<(String, String)> = extra
-            .iter()
-            .map(|(k, v)| ((*k).into(), (*v).into()))
-            .collect();
+        let extra: Vec<(String, String)> =
+            extra.iter().map(|(k, v)| ((*k).into(), (*v).into())).collect();
         Scene::parse(TEXT, "test.toml", &extra).unwrap()
     }
 
@@ -247,24 +234,15 @@ pub(crate) mod tests {
     #[test]
     fn simulated_times_stay_when_the_step_changes() {
         let scene = scene(&[("stage.equilibrate.dt", "0.002")]);
-        let settings = Settings {
-            dt: 0.001,
-            ..Settings::of(&scene)
-        };
+        let settings = Settings { dt: 0.001, ..Settings::of(&scene) };
         let changed = settings.apply(&scene).unwrap();
         let time = |s: &Scene, i: usize| s.stages[i].steps as f64 * s.stage_dt(&s.stages[i]);
         for i in 0..2 {
             assert!((time(&changed, i) - time(&scene, i)).abs() < 1e-9);
         }
-        assert_eq!(
-            (changed.observables[0].every, changed.output.thermo_every),
-            (400, 40)
-        );
+        assert_eq!((changed.observables[0].every, changed.output.thermo_every), (400, 40));
         // Rounding to whole steps loses at most half a step.
-        let coarse = Settings {
-            dt: 0.01,
-            ..settings
-        };
+        let coarse = Settings { dt: 0.01, ..settings };
         assert_eq!(coarse.apply(&scene).unwrap().stages[1].steps, 400);
     }
 
@@ -276,35 +254,10 @@ pub(crate) mod tests {
             let text = s.apply(&scene).unwrap_err().to_string();
             assert!(text.contains(word), "{text}");
         };
-        refused(
-            &base.with_truncation(TruncationKind::Shift, 2.5, true),
-            "tail",
-        );
-        refused(
-            &base.with_truncation(TruncationKind::Cut, 3.6, true),
-            "half",
-        );
-        refused(
-            &Settings {
-                dt: f64::NAN,
-                ..base.clone()
-            },
-            "dt",
-        );
-        refused(
-            &Settings {
-                split: Some(DEFAULT_SPLIT),
-                ..base.clone()
-            },
-            "split",
-        );
-        refused(
-            &Settings {
-                list: ListMode::Direct,
-                skin: Some(0.3),
-                ..base
-            },
-            "skin",
-        );
+        refused(&base.with_truncation(TruncationKind::Shift, 2.5, true), "tail");
+        refused(&base.with_truncation(TruncationKind::Cut, 3.6, true), "half");
+        refused(&Settings { dt: f64::NAN, ..base.clone() }, "dt");
+        refused(&Settings { split: Some(DEFAULT_SPLIT), ..base.clone() }, "split");
+        refused(&Settings { list: ListMode::Direct, skin: Some(0.3), ..base }, "skin");
     }
 }

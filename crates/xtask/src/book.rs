@@ -32,9 +32,7 @@ pub fn build(workspace: &Workspace) -> Result<usize, Box<dyn Error>> {
     let folder = workspace.target.join("book");
     let pages = pages(workspace)?;
     let settings = fs::read_to_string(workspace.root.join(SETTINGS))?;
-    let lost = pages
-        .iter()
-        .find(|page| page.is_document() && !page.is_in(&settings));
+    let lost = pages.iter().find(|page| page.is_document() && !page.is_in(&settings));
     if let Some(page) = lost {
         return Err(format!("{SETTINGS}: `nav` has no line for {}", page.target).into());
     }
@@ -58,10 +56,7 @@ pub fn build(workspace: &Workspace) -> Result<usize, Box<dyn Error>> {
     fs::write(written.join("commands.md"), lists::commands(workspace)?)?;
     fs::write(written.join("methods.md"), lists::methods(workspace)?)?;
     fs::write(folder.join("zensical.toml"), settings)?;
-    let environment = Environment {
-        folder: folder.join("venv"),
-        requirements: REQUIREMENTS,
-    };
+    let environment = Environment { folder: folder.join("venv"), requirements: REQUIREMENTS };
     environment.prepare(workspace)?;
     let status = workspace
         .command(environment.program("zensical"))
@@ -81,10 +76,7 @@ fn pages(workspace: &Workspace) -> Result<Vec<Page>, Box<dyn Error>> {
     let docs = workspace.tracked(&["docs/*.md", "docs/*.svg", "docs/*.css"])?;
     let mut pages: Vec<Page> = docs
         .into_iter()
-        .map(|source| Page {
-            target: source["docs/".len()..].to_owned(),
-            source,
-        })
+        .map(|source| Page { target: source["docs/".len()..].to_owned(), source })
         .collect();
     pages.extend(PAGES.iter().map(|(source, target)| Page {
         source: (*source).to_owned(),

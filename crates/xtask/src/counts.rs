@@ -40,8 +40,7 @@ impl Format {
                 let line = line.trim_matches(|c: char| c == '=' || c.is_whitespace());
                 let (list, time) = line.rsplit_once(" in ")?;
                 // `0.12s`, or `63.10s (0:01:03)`.
-                time.starts_with(|c: char| c.is_ascii_digit())
-                    .then_some(list)?
+                time.starts_with(|c: char| c.is_ascii_digit()).then_some(list)?
             }
         };
         let mut counts = Counts::default();
@@ -72,11 +71,7 @@ mod tests {
     use super::*;
 
     fn counts(passed: u64, failed: u64, skipped: u64) -> Option<Counts> {
-        Some(Counts {
-            passed,
-            failed,
-            skipped,
-        })
+        Some(Counts { passed, failed, skipped })
     }
 
     #[test]

@@ -45,10 +45,8 @@ const SET_OF_SWEEPS: &str = "avx2";
 /// Scenes whose system alone takes longer than all others together.
 const LEFT_OUT: [&str; 1] = ["bench/melt-953k"];
 /// Studies whose numbers depend on no clock.
-const STUDIES: [&[&str]; 2] = [
-    &["stability", "--quick", "--json"],
-    &["mechanics", "--quick", "--json"],
-];
+const STUDIES: [&[&str]; 2] =
+    [&["stability", "--quick", "--json"], &["mechanics", "--quick", "--json"]];
 const HELP: &str = "\
 Compares bits of every shipped scene and the names that users know with validation/ledger.
 
@@ -74,17 +72,13 @@ pub fn run(workspace: Workspace, arguments: &[&str]) -> ExitCode {
         }
     }
     let done = match binary {
-        Some(binary) => fs::canonicalize(binary)
-            .map_err(Into::into)
-            .map(|binary| workspace.with_binary(binary)),
+        Some(binary) => {
+            fs::canonicalize(binary).map_err(Into::into).map(|binary| workspace.with_binary(binary))
+        }
         None => built(workspace),
     };
-    let done = done.and_then(|workspace| {
-        Ledger {
-            workspace: &workspace,
-        }
-        .compare(write, names_alone)
-    });
+    let done =
+        done.and_then(|workspace| Ledger { workspace: &workspace }.compare(write, names_alone));
     match done {
         Ok(0) => ExitCode::SUCCESS,
         Ok(differences) => {
@@ -157,10 +151,8 @@ impl Ledger<'_> {
     }
 
     fn said(&self, arguments: &[&str]) -> Fallible<String> {
-        let output = Command::new(self.workspace.binary())
-            .args(arguments)
-            .stdin(Stdio::null())
-            .output()?;
+        let output =
+            Command::new(self.workspace.binary()).args(arguments).stdin(Stdio::null()).output()?;
         if !output.status.success() {
             let message = String::from_utf8_lossy(&output.stderr);
             return Err(format!("lennard {}: {}", arguments.join(" "), message.trim()).into());
@@ -171,24 +163,14 @@ impl Ledger<'_> {
     fn listed(&self, list: &str) -> Fallible<Vec<String>> {
         let entries: Value = serde_json::from_str(&self.said(&["list", list, "--json"])?)?;
         let entries = entries.as_array().ok_or("a list is no list")?;
-        Ok(entries
-            .iter()
-            .filter_map(|e| e["name"].as_str())
-            .map(str::to_owned)
-            .collect())
+        Ok(entries.iter().filter_map(|e| e["name"].as_str()).map(str::to_owned).collect())
     }
 
     /// Instruction sets of this machine that the record is made of.
     fn sets(&self) -> Fallible<Vec<String>> {
         let about: Value = serde_json::from_str(&self.said(&["version", "--json"])?)?;
-        let sets = about["isa"]
-            .as_array()
-            .ok_or("version names no instruction sets")?;
-        Ok(sets
-            .iter()
-            .filter_map(Value::as_str)
-            .map(str::to_owned)
-            .collect())
+        let sets = about["isa"].as_array().ok_or("version names no instruction sets")?;
+        Ok(sets.iter().filter_map(Value::as_str).map(str::to_owned).collect())
     }
 
     /// Checksums of what each scene leaves, by instruction set, and numbers of studies.
@@ -226,11 +208,7 @@ impl Ledger<'_> {
     fn names_in_files(&self) -> Fallible<BTreeSet<(String, String)>> {
         let folder = self.workspace.target.join("ledger-names");
         let mut names = BTreeSet::new();
-        for scene in self
-            .listed("scenes")?
-            .iter()
-            .filter(|scene| scene.ends_with("/everything"))
-        {
+        for scene in self.listed("scenes")?.iter().filter(|scene| scene.ends_with("/everything")) {
             let _ = fs::remove_dir_all(&folder);
             self.run_scene(scene, &["--out".as_ref(), folder.as_os_str()])?;
             for entry in fs::read_dir(&folder)? {
@@ -240,9 +218,7 @@ impl Ledger<'_> {
                     let text = fs::read_to_string(&path)?;
                     let heading = text.lines().next().unwrap_or_default();
                     names.extend(
-                        heading
-                            .split(',')
-                            .map(|name| (format!("column {file}"), name.to_owned())),
+                        heading.split(',').map(|name| (format!("column {file}"), name.to_owned())),
                     );
                 } else if file.ends_with(".json") {
                     let document: Value = serde_json::from_slice(&fs::read(&path)?)?;
@@ -263,10 +239,7 @@ impl Ledger<'_> {
     fn run_scene(&self, scene: &str, arguments: &[&OsStr]) -> Fallible<Output> {
         let (verb, shortened) = shortened(&self.workspace.root, scene)?;
         let mut command = Command::new(self.workspace.binary());
-        command
-            .arg(verb)
-            .arg(scene)
-            .args(["--quiet", "--no-report"]);
+        command.arg(verb).arg(scene).args(["--quiet", "--no-report"]);
         command.args(arguments).args(shortened);
         Ok(command.stdin(Stdio::null()).output()?)
     }
@@ -280,11 +253,7 @@ impl Ledger<'_> {
             let arguments = ["--set", &set, "--threads", threads, "--out"].map(OsStr::new);
             let output =
                 self.run_scene(scene, &[&arguments[..], &[folder.as_os_str()]].concat())?;
-            let files = if folder.exists() {
-                checksums(&folder)?
-            } else {
-                String::new()
-            };
+            let files = if folder.exists() { checksums(&folder)? } else { String::new() };
             let code = output.status.code().unwrap_or(-1);
             found.push(format!("exit={code} {files}").trim_end().to_owned());
             let _ = fs::remove_dir_all(&folder);
@@ -311,9 +280,7 @@ impl Ledger<'_> {
         }
         for (command, options) in tidy::commands(self.workspace).map_err(|e| e.to_string())? {
             add("command", &command);
-            options
-                .iter()
-                .for_each(|option| add("option", &format!("{command} {option}")));
+            options.iter().for_each(|option| add("option", &format!("{command} {option}")));
         }
         for list in LISTS {
             for name in self.listed(list)? {

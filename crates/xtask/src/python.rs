@@ -21,10 +21,7 @@ pub struct Environment {
 impl Environment {
     /// The environment of the validation.
     pub fn validation(workspace: &Workspace) -> Self {
-        Self {
-            folder: workspace.root.join(".venv"),
-            requirements: "validation/requirements.txt",
-        }
+        Self { folder: workspace.root.join(".venv"), requirements: "validation/requirements.txt" }
     }
 
     /// A program in it, such as `python`.
@@ -49,10 +46,7 @@ impl Environment {
             println!("{shown} is up to date");
             return Ok(());
         }
-        println!(
-            "making {shown} with Python {}.{} from {pinned}",
-            version.0, version.1
-        );
+        println!("making {shown} with Python {}.{} from {pinned}", version.0, version.1);
         let status = workspace
             .command(&system)
             .args(["-m", "venv", "--clear"])
@@ -107,15 +101,7 @@ pub fn install_package(workspace: &Workspace) -> Result<(), Box<dyn Error>> {
             Err(format!("`python {}` failed", arguments.join(" ")).into())
         }
     };
-    let build = [
-        "-m",
-        "maturin",
-        "build",
-        "--quiet",
-        "--profile",
-        "dev",
-        "--out",
-    ];
+    let build = ["-m", "maturin", "build", "--quiet", "--profile", "dev", "--out"];
     run(&build, &[&folder])?;
     let wheels = fs::read_dir(&folder)?.collect::<Result<Vec<_>, _>>()?;
     let paths: Vec<PathBuf> = wheels.iter().map(fs::DirEntry::path).collect();

@@ -40,25 +40,13 @@ impl Work {
 }
 
 /// One check that passed.
-pub const ONE_PASSED: Counts = Counts {
-    passed: 1,
-    failed: 0,
-    skipped: 0,
-};
+pub const ONE_PASSED: Counts = Counts { passed: 1, failed: 0, skipped: 0 };
 /// One check that failed.
-pub const ONE_FAILED: Counts = Counts {
-    passed: 0,
-    failed: 1,
-    skipped: 0,
-};
+pub const ONE_FAILED: Counts = Counts { passed: 0, failed: 1, skipped: 0 };
 
 /// One check: the exit status tells.
 pub fn by_status(mut command: Command) -> Outcome {
-    Ok(if command.status()?.success() {
-        ONE_PASSED
-    } else {
-        ONE_FAILED
-    })
+    Ok(if command.status()?.success() { ONE_PASSED } else { ONE_FAILED })
 }
 
 /// Counts the checks in the output of a command, and prints the output.
@@ -118,11 +106,7 @@ pub fn run_all(workspace: &Workspace, tiers: &[Tier], left_out: &[&str]) -> Exit
     let results = run_in_turn(workspace, tiers);
     let (text, failed) = summary(&results, left_out);
     println!("\n{text}");
-    if failed {
-        ExitCode::FAILURE
-    } else {
-        ExitCode::SUCCESS
-    }
+    if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
 /// Each tier with its counts and its time, in the order of the list.
@@ -157,9 +141,8 @@ fn run_in_turn(workspace: &Workspace, tiers: &[Tier]) -> Vec<(&'static str, Coun
             results.push((tier.name, counts, start.elapsed()));
         }
         for (place, aside) in asides {
-            let (counts, lines, time) = aside
-                .join()
-                .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            let (counts, lines, time) =
+                aside.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
             let name = tiers[place].name;
             println!("\n── {name} ──\n{}", lines.join("\n"));
             results[place] = (name, counts, time);
@@ -171,10 +154,8 @@ fn run_in_turn(workspace: &Workspace, tiers: &[Tier]) -> Vec<(&'static str, Coun
 /// The closing table and whether anything failed.
 fn summary(results: &[(&str, Counts, Duration)], left_out: &[&str]) -> (String, bool) {
     let mut total = Counts::default();
-    let mut text = format!(
-        "{:<20}{:>8}{:>8}{:>9}{:>10}\n",
-        "tier", "passed", "failed", "skipped", "time"
-    );
+    let mut text =
+        format!("{:<20}{:>8}{:>8}{:>9}{:>10}\n", "tier", "passed", "failed", "skipped", "time");
     for (name, counts, time) in results {
         total += *counts;
         text += &format!(
@@ -201,11 +182,7 @@ mod tests {
 
     #[test]
     fn the_summary_counts_names_what_was_left_out_and_ends_plainly() {
-        let some = |passed, failed, skipped| Counts {
-            passed,
-            failed,
-            skipped,
-        };
+        let some = |passed, failed, skipped| Counts { passed, failed, skipped };
         let results = [
             ("format", some(1, 0, 0), Duration::from_millis(1500)),
             ("Rust tests", some(40, 2, 3), Duration::from_secs(61)),

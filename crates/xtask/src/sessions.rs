@@ -63,10 +63,7 @@ pub fn run(workspace: &Workspace) -> Result<Counts, Box<dyn Error>> {
 /// Runs one document in a new folder of its own.
 fn document(workspace: &Workspace, name: &str) -> Result<(), Box<dyn Error>> {
     let text = fs::read_to_string(workspace.root.join(name))?;
-    let folder = workspace
-        .target
-        .join("sessions")
-        .join(name.replace(['/', '.'], "-"));
+    let folder = workspace.target.join("sessions").join(name.replace(['/', '.'], "-"));
     if folder.exists() {
         fs::remove_dir_all(&folder)?;
     }
@@ -121,11 +118,8 @@ fn steps(text: &str) -> Vec<Step> {
     let mut lines = (1..).zip(text.lines());
     while let Some((number, line)) = lines.next() {
         if let Some(kind) = line.strip_prefix("```") {
-            let body: Vec<&str> = lines
-                .by_ref()
-                .map(|(_, line)| line)
-                .take_while(|line| *line != "```")
-                .collect();
+            let body: Vec<&str> =
+                lines.by_ref().map(|(_, line)| line).take_while(|line| *line != "```").collect();
             let body = body.join("\n") + "\n";
             let titled = |language: &str| {
                 let title = kind.strip_prefix(language)?.strip_prefix(" title=\"")?;
@@ -159,10 +153,7 @@ struct Measured {
 
 /// The rows with a ± of a table.
 fn rows(text: &str) -> Vec<Measured> {
-    text.lines()
-        .filter(|line| line.starts_with('│'))
-        .filter_map(row)
-        .collect()
+    text.lines().filter(|line| line.starts_with('│')).filter_map(row).collect()
 }
 
 fn row(line: &str) -> Option<Measured> {
@@ -228,10 +219,7 @@ mod tests {
         assert_eq!(differs(SHOWN, &SHOWN.replace("1.003", "1.05")), None);
         assert!(differs(SHOWN, &SHOWN.replace("1.003", "1.503")).is_some());
         assert!(differs(SHOWN, &SHOWN.replace("agrees", "differs")).is_some());
-        assert_eq!(
-            differs(SHOWN, &SHOWN.replace("agrees", "too coarse to tell")),
-            None
-        );
+        assert_eq!(differs(SHOWN, &SHOWN.replace("agrees", "too coarse to tell")), None);
         let wide = SHOWN.replace("pressure, ε/σ³", "pressure,");
         assert_eq!(differs(&wide, SHOWN), None);
         assert!(differs(SHOWN, "").unwrap().contains("pressure"));

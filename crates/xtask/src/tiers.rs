@@ -46,9 +46,7 @@ const BUILDS: Tier = Tier {
                 made.map_err(|error| error.to_string())
             });
             let built = by_status(cargo_command(w, &["test", "--workspace", "--no-run"]));
-            python
-                .join()
-                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+            python.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
             built
         })
     }),
@@ -71,14 +69,7 @@ const LONG_RUST_TESTS: Tier = Tier {
         by_counts(
             cargo_command(
                 w,
-                &[
-                    "test",
-                    "--quiet",
-                    "--workspace",
-                    "--no-fail-fast",
-                    "--",
-                    "--ignored",
-                ],
+                &["test", "--quiet", "--workspace", "--no-fail-fast", "--", "--ignored"],
             ),
             Format::CargoTest,
         )
@@ -87,20 +78,15 @@ const LONG_RUST_TESTS: Tier = Tier {
 const RELEASE_BUILD: Tier = Tier {
     name: "release build",
     work: Work::Live(|w| {
-        by_status(cargo_command(
-            w,
-            &["build", "--release", "--package", "lennard-cli"],
-        ))
+        by_status(cargo_command(w, &["build", "--release", "--package", "lennard-cli"]))
     }),
 };
 const TESTED_BUILD: Tier = Tier {
     name: "build",
     work: Work::Live(|w| by_status(cargo_command(w, &["build", "--package", "lennard-cli"]))),
 };
-const SOAK: Tier = Tier {
-    name: "soak",
-    work: Work::Live(|w| crate::soak::quick(w).map(|()| ONE_PASSED)),
-};
+const SOAK: Tier =
+    Tier { name: "soak", work: Work::Live(|w| crate::soak::quick(w).map(|()| ONE_PASSED)) };
 const COVERAGE: Tier = Tier {
     name: "coverage",
     work: Work::Live(|w| {
@@ -138,10 +124,7 @@ const NAMES: Tier = Tier {
         Err(error) => Err(error as Box<dyn Error>),
     }),
 };
-const SESSIONS: Tier = Tier {
-    name: "documents",
-    work: Work::Live(sessions::run),
-};
+const SESSIONS: Tier = Tier { name: "documents", work: Work::Live(sessions::run) };
 const BOOK: Tier = Tier {
     name: "book",
     work: Work::Live(|w| {

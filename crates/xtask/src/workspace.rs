@@ -38,14 +38,7 @@ impl Workspace {
     /// # Errors
     /// Where git cannot be started or refuses.
     pub fn tracked(&self, patterns: &[&str]) -> Result<Vec<String>, Box<dyn Error>> {
-        let list = [
-            "ls-files",
-            "-z",
-            "--cached",
-            "--others",
-            "--exclude-standard",
-            "--",
-        ];
+        let list = ["ls-files", "-z", "--cached", "--others", "--exclude-standard", "--"];
         let output = self
             .command("git")
             .args(list)
@@ -87,16 +80,10 @@ impl Workspace {
                 .ok_or_else(|| format!("cargo metadata names no `{key}`"))
         };
         let list = |value: &Value, key: &str| {
-            value[key]
-                .as_array()
-                .cloned()
-                .ok_or_else(|| format!("cargo metadata lists no `{key}`"))
+            value[key].as_array().cloned().ok_or_else(|| format!("cargo metadata lists no `{key}`"))
         };
         let described = list(metadata, "packages")?;
-        let names = described
-            .iter()
-            .map(|p| text(p, "name"))
-            .collect::<Result<Vec<_>, _>>()?;
+        let names = described.iter().map(|p| text(p, "name")).collect::<Result<Vec<_>, _>>()?;
         let mut packages = Vec::new();
         for (package, name) in described.iter().zip(&names) {
             let mut needs = Vec::new();
@@ -112,11 +99,7 @@ impl Workspace {
                     test_binaries.push(text(&target, "name")?);
                 }
             }
-            packages.push(Package {
-                name: name.clone(),
-                needs,
-                test_binaries,
-            });
+            packages.push(Package { name: name.clone(), needs, test_binaries });
         }
         let target: PathBuf = text(metadata, "target_directory")?.into();
         Ok(Self {
@@ -204,9 +187,7 @@ impl Workspace {
 
 /// The program in a folder of builds.
 fn program_in(target: &Path, folder: &str) -> PathBuf {
-    target
-        .join(folder)
-        .join(format!("lennard{}", std::env::consts::EXE_SUFFIX))
+    target.join(folder).join(format!("lennard{}", std::env::consts::EXE_SUFFIX))
 }
 
 /// The name of a package without the prefix of this workspace.
@@ -254,10 +235,7 @@ mod tests {
         };
         assert_eq!(workspace().package_arguments(), ["--workspace"]);
         let both = workspace().with_crates(&["core", "xtask"]).unwrap();
-        assert_eq!(
-            both.package_arguments(),
-            ["--package", "lennard-core", "--package", "xtask"]
-        );
+        assert_eq!(both.package_arguments(), ["--package", "lennard-core", "--package", "xtask"]);
         assert!(workspace().with_crates(&["lennard-core"]).is_ok());
         assert_eq!(
             workspace().with_crates(&[]).unwrap_err(),

@@ -55,11 +55,7 @@ fn values(text: &str) -> Result<Values, String> {
     };
     let parts: Vec<&str> = text.split(':').collect();
     match parts[..] {
-        [list] => list
-            .split(',')
-            .map(number)
-            .collect::<Result<_, _>>()
-            .map(Values),
+        [list] => list.split(',').map(number).collect::<Result<_, _>>().map(Values),
         [from, to, step] => {
             let (from, to, step) = (number(from)?, number(to)?, number(step)?);
             // The last value counts where it is reached up to rounding.
@@ -74,9 +70,7 @@ fn values(text: &str) -> Result<Values, String> {
                     "the range has {steps} steps; at most {MOST_VALUES} are taken"
                 ));
             }
-            Ok(Values(
-                (0..=steps as u64).map(|i| from + i as f64 * step).collect(),
-            ))
+            Ok(Values((0..=steps as u64).map(|i| from + i as f64 * step).collect()))
         }
         _ => Err(wanted.into()),
     }
@@ -98,9 +92,7 @@ mod tests {
         }
         // Rounding leaves out no last value.
         assert_eq!(values("0.1:0.7:0.1").unwrap().0.len(), 7);
-        for text in [
-            "", "a", "1:2", "2:1:0.1", "1:2:0", "1:2:-1", "nan", "0:1:1e-9", "1:2:3:4",
-        ] {
+        for text in ["", "a", "1:2", "2:1:0.1", "1:2:0", "1:2:-1", "nan", "0:1:1e-9", "1:2:3:4"] {
             assert!(values(text).is_err(), "{text}");
         }
     }

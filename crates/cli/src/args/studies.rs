@@ -42,11 +42,7 @@ fn bandwidth(text: &str) -> Result<f64, String> {
     let (name, unit) = unit.ok_or_else(wanted)?;
     let number = text[..text.len() - name.len()].trim();
     let rate = number.parse::<f64>().map_or(f64::NAN, |x| x * unit);
-    if rate > 0.0 && rate.is_finite() {
-        Ok(rate)
-    } else {
-        Err(wanted())
-    }
+    if rate > 0.0 && rate.is_finite() { Ok(rate) } else { Err(wanted()) }
 }
 
 /// Arguments of `tune`.
@@ -339,9 +335,7 @@ fn tuning_seconds(text: &str) -> Result<f64, String> {
     const MOST: f64 = 86_400.0;
     match text.parse::<f64>() {
         Ok(seconds) if (FEWEST..=MOST).contains(&seconds) => Ok(seconds),
-        _ => Err(format!(
-            "wanted a number of seconds from {FEWEST} to {MOST}"
-        )),
+        _ => Err(format!("wanted a number of seconds from {FEWEST} to {MOST}")),
     }
 }
 

@@ -40,10 +40,8 @@ pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
         [] if args.features => vec![1],
         given => given.iter().map(|&t| usize::from(t)).collect(),
     };
-    let repeats = args.repeats.map_or(
-        if args.quick { REPEATS_QUICK } else { REPEATS },
-        usize::from,
-    );
+    let repeats =
+        args.repeats.map_or(if args.quick { REPEATS_QUICK } else { REPEATS }, usize::from);
     let scratch = folder.path().join(SCRATCH);
     let made = |e: std::io::Error| Failure::new("making the output folder", e, OTHER);
     std::fs::create_dir_all(&scratch).map_err(made)?;
@@ -81,10 +79,7 @@ fn command(args: &BenchArgs) -> String {
     words.extend(args.scene.iter().map(|scene| path_in_shell(scene)));
     let settings = args.set.iter().map(|(key, value)| format!("{key}={value}"));
     words.extend(settings.map(|setting| format!("--set {}", in_shell(&setting))));
-    let lists = [
-        ("--isa", args.isa.join(",")),
-        ("--precision", args.precision.join(",")),
-    ];
+    let lists = [("--isa", args.isa.join(",")), ("--precision", args.precision.join(","))];
     words.extend(
         lists
             .into_iter()
@@ -97,12 +92,7 @@ fn command(args: &BenchArgs) -> String {
     }
     words.extend(args.repeats.map(|n| format!("--repeats {n}")));
     let switches = [(args.quick, "--quick"), (args.features, "--features")];
-    words.extend(
-        switches
-            .into_iter()
-            .filter(|(on, _)| *on)
-            .map(|(_, name)| name.to_owned()),
-    );
+    words.extend(switches.into_iter().filter(|(on, _)| *on).map(|(_, name)| name.to_owned()));
     words.join(" ")
 }
 
@@ -111,23 +101,15 @@ fn machine() -> Vec<(String, String)> {
     let mut machine = vec![
         ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
         ("processor".into(), lennard_io::cpu_name()),
-        (
-            "threads".into(),
-            lennard_core::parallel::processors().to_string(),
-        ),
-        (
-            "instruction sets".into(),
-            lennard_forcefield::available_isas().join(", "),
-        ),
+        ("threads".into(), lennard_core::parallel::processors().to_string()),
+        ("instruction sets".into(), lennard_forcefield::available_isas().join(", ")),
     ];
     // Who else was at work: the first question about a figure that cannot be had again.
     if let Ok(load) = std::fs::read_to_string("/proc/loadavg")
         && let Some(load) = load.split_whitespace().next()
     {
-        machine.push((
-            "processes at work when it began (load of a minute)".into(),
-            load.to_owned(),
-        ));
+        machine
+            .push(("processes at work when it began (load of a minute)".into(), load.to_owned()));
     }
     machine
 }

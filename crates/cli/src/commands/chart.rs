@@ -32,13 +32,7 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
     }
     let kind = if args.ensemble { "ensemble" } else { "chart" };
     let folder = signals.claim(
-        || {
-            output_folder(
-                args.out.as_deref(),
-                Existing::Keep,
-                &format!("{}-{kind}", scene.name),
-            )
-        },
+        || output_folder(args.out.as_deref(), Existing::Keep, &format!("{}-{kind}", scene.name)),
         |folder| Some(nothing().unless_kept(chart::has_points, kept_points(args, folder))),
     )?;
     let processors = lennard_core::parallel::processors();
@@ -86,19 +80,13 @@ fn tell(args: &ChartArgs, found: &impl Serialize, show: impl FnOnce()) -> Result
 }
 
 fn kept_points(args: &ChartArgs, folder: &Path) -> String {
-    format!(
-        "stopped on request; finished points are kept\n  to go on: {}",
-        command(args, folder)
-    )
+    format!("stopped on request; finished points are kept\n  to go on: {}", command(args, folder))
 }
 
 /// The command that makes the same chart, or goes on with it.
 fn command(args: &ChartArgs, folder: &Path) -> String {
-    let mut line = format!(
-        "lennard chart {} --out {}",
-        path_in_shell(&args.scene),
-        path_in_shell(folder)
-    );
+    let mut line =
+        format!("lennard chart {} --out {}", path_in_shell(&args.scene), path_in_shell(folder));
     for (key, value) in &args.set {
         line += &format!(" --set {}", in_shell(&format!("{key}={value}")));
     }

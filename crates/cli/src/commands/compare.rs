@@ -23,10 +23,7 @@ pub fn compare(args: &CompareArgs) -> Result<u8, Failure> {
             schema: &'static str,
             runs: &'a [ComparedRun],
         }
-        print_json(&Document {
-            schema: lennard_io::schema!("compare", 1),
-            runs: &compared,
-        })?;
+        print_json(&Document { schema: lennard_io::schema!("compare", 1), runs: &compared })?;
     } else {
         for run in &compared {
             show::compared(run, args.verbose);

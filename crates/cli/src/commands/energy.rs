@@ -17,11 +17,7 @@ pub fn energy(args: &EnergyArgs) -> Result<u8, Failure> {
     let threads = args.scene.threads.map_or(1, usize::from);
     let evaluated = on_threads(threads, || Ok(lennard_engine::evaluate_energy(&scene)?))?;
     if let Some(path) = &args.forces {
-        let Evaluated {
-            report,
-            species,
-            state,
-        } = &evaluated;
+        let Evaluated { report, species, state } = &evaluated;
         let style = FrameStyle {
             forces: true,
             wrapped: false,
@@ -30,14 +26,7 @@ pub fn energy(args: &EnergyArgs) -> Result<u8, Failure> {
             ..Default::default()
         };
         let extra = [("total_potential_energy", report.potential_energy)];
-        lennard_io::write_frame(
-            path,
-            &style,
-            &Frame {
-                state,
-                extra: &extra,
-            },
-        )?;
+        lennard_io::write_frame(path, &style, &Frame { state, extra: &extra })?;
     }
     if args.scene.json {
         print_json(&evaluated.report)?;

@@ -14,13 +14,8 @@ use crate::show;
 type Equation = &'static dyn EquationOfState;
 
 /// The columns of a curve where none are named.
-const OF_A_CURVE: [&str; 5] = [
-    "pressure",
-    "potential_energy",
-    "heat_capacity",
-    "heat_capacity_pressure",
-    "speed_of_sound",
-];
+const OF_A_CURVE: [&str; 5] =
+    ["pressure", "potential_energy", "heat_capacity", "heat_capacity_pressure", "speed_of_sound"];
 
 /// Temperatures of a coexistence table where none are named, in parts of the critical one.
 const LOWEST_OF_CRITICAL: f64 = 0.5;
@@ -52,11 +47,8 @@ pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
             ));
         }
     };
-    let states: Vec<(f64, Given)> = temperatures
-        .0
-        .iter()
-        .flat_map(|t| given.iter().map(move |g| (*t, *g)))
-        .collect();
+    let states: Vec<(f64, Given)> =
+        temperatures.0.iter().flat_map(|t| given.iter().map(move |g| (*t, *g))).collect();
     let evaluated = |equation: Equation| -> Vec<Evaluated> {
         let one = |(t, given): &(f64, Given)| eos::evaluate(equation, *t, *given);
         states.iter().map(one).collect()
@@ -114,10 +106,7 @@ impl<R> TwoPhases<R> {
             return Err(refused(format!("{}: {}", self.nothing, limits.join("; "))));
         }
         if args.json {
-            let all: Vec<_> = found
-                .iter()
-                .map(|(e, rows)| (self.json)(*e, rows))
-                .collect();
+            let all: Vec<_> = found.iter().map(|(e, rows)| (self.json)(*e, rows)).collect();
             print_json(&all)?;
         } else {
             found.iter().for_each(|(e, rows)| (self.show)(*e, rows));
@@ -180,9 +169,7 @@ const FREEZING: TwoPhases<Freezing> = TwoPhases {
 /// Temperatures from one to another, ends included.
 fn evenly(from: f64, to: f64) -> Vec<f64> {
     let part = |i| f64::from(i) / f64::from(TEMPERATURE_STEPS);
-    (0..=TEMPERATURE_STEPS)
-        .map(|i| from + part(i) * (to - from))
-        .collect()
+    (0..=TEMPERATURE_STEPS).map(|i| from + part(i) * (to - from)).collect()
 }
 
 /// Why a single state is nothing; `None` where one of the equations covers one of the states.
@@ -205,14 +192,9 @@ fn refused(message: impl std::fmt::Display) -> Failure {
 /// The equations that are asked for.
 fn equations(args: &EosArgs) -> Result<Vec<Equation>, Failure> {
     let [repulsive, attractive] = args.exponents[..] else {
-        return Err(refused(
-            "a Mie potential has two exponents: --exponents 14,6",
-        ));
+        return Err(refused("a Mie potential has two exponents: --exponents 14,6"));
     };
-    let potential = Mie {
-        repulsive,
-        attractive,
-    };
+    let potential = Mie { repulsive, attractive };
     if !(attractive > 3.0 && repulsive > attractive && repulsive <= 100.0) {
         return Err(refused(format!(
             "exponents must be above 3, the first the larger and at most 100, found {repulsive} and {attractive}"
@@ -223,11 +205,7 @@ fn equations(args: &EosArgs) -> Result<Vec<Equation>, Failure> {
         let model = if potential == Mie::LENNARD_JONES {
             ModelKind::CutWithTail { r_cut }
         } else {
-            ModelKind::Mie {
-                repulsive,
-                attractive,
-                r_cut,
-            }
+            ModelKind::Mie { repulsive, attractive, r_cut }
         };
         return Ok(equations_for(model));
     }
@@ -273,19 +251,12 @@ fn properties(names: &[String]) -> Result<Option<Vec<&'static Property>>, Failur
     let by_name = |name: &String| property(name).ok_or_else(|| unknown("property", name, &known));
     match names {
         [] => Ok(None),
-        names => names
-            .iter()
-            .map(by_name)
-            .collect::<Result<_, _>>()
-            .map(Some),
+        names => names.iter().map(by_name).collect::<Result<_, _>>().map(Some),
     }
 }
 
 fn unknown(what: &str, name: &str, known: &[String]) -> Failure {
     let nearest = lennard_scene::nearest(name, known.iter().map(String::as_str));
     let meant = nearest.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
-    refused(format!(
-        "there is no {what} `{name}`{meant}\n  allowed: {}",
-        known.join(", ")
-    ))
+    refused(format!("there is no {what} `{name}`{meant}\n  allowed: {}", known.join(", ")))
 }

@@ -42,9 +42,7 @@ pub fn export(args: &ExportArgs) -> Result<u8, Failure> {
         }
         false => {
             let (scene, lock) = load_locked(&args.scene)?;
-            args.scene
-                .inputs(&scene, lock.as_ref())
-                .not_in(&args.folder)?;
+            args.scene.inputs(&scene, lock.as_ref()).not_in(&args.folder)?;
             on_threads(threads, || Ok(lennard_engine::prepare(scene)?))?
         }
     };

@@ -46,10 +46,8 @@ impl Inputs {
         let Ok(target) = output.canonicalize() else {
             return Ok(());
         };
-        let Some(input) = self
-            .0
-            .iter()
-            .find(|input| places(input).any(|place| hits(&place, &target)))
+        let Some(input) =
+            self.0.iter().find(|input| places(input).any(|place| hits(&place, &target)))
         else {
             return Ok(());
         };
@@ -76,10 +74,7 @@ fn places(input: &Path) -> impl Iterator<Item = PathBuf> {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    let link = folder
-        .canonicalize()
-        .ok()
-        .zip(input.file_name())
-        .map(|(folder, name)| folder.join(name));
+    let link =
+        folder.canonicalize().ok().zip(input.file_name()).map(|(folder, name)| folder.join(name));
     input.canonicalize().ok().into_iter().chain(link)
 }

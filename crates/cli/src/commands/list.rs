@@ -195,9 +195,7 @@ fn reference_tables() -> Vec<Entry> {
     lennard_literature::reference_tables()
         .iter()
         .map(|table| {
-            let doi = table
-                .doi
-                .map_or(String::new(), |doi| format!(", doi:{doi}"));
+            let doi = table.doi.map_or(String::new(), |doi| format!(", doi:{doi}"));
             Entry {
                 name: table.name.into(),
                 summary: table.summary.into(),
@@ -230,9 +228,7 @@ const EXAMPLE_BOND: f64 = 0.67;
 
 fn equations_of_state() -> Vec<Entry> {
     // Two-center equations depend on the length of the bond: one length stands for all.
-    let two_center = lennard_literature::two_center(EXAMPLE_BOND)
-        .into_iter()
-        .flatten();
+    let two_center = lennard_literature::two_center(EXAMPLE_BOND).into_iter().flatten();
     let two_center = two_center.map(|equation| equation as &dyn EquationOfState);
     lennard_literature::list()
         .into_iter()

@@ -36,11 +36,7 @@ use crate::out;
 /// lock file are added, if there is one. Without a lock file, a scene that leaves settings to be chosen is
 /// refused where it would be built.
 pub fn load_locked(args: &SceneArgs) -> Result<(Scene, Option<UsedLock>), Failure> {
-    Ok(Scene::load_settled(
-        &args.scene,
-        &args.overrides(),
-        args.lock.as_deref(),
-    )?)
+    Ok(Scene::load_settled(&args.scene, &args.overrides(), args.lock.as_deref())?)
 }
 
 impl SceneArgs {
@@ -101,11 +97,7 @@ pub const UNFINISHED: &str =
 
 /// What `--force` allows.
 pub fn replace_if(force: bool) -> Existing {
-    if force {
-        Existing::Replace
-    } else {
-        Existing::Refuse
-    }
+    if force { Existing::Replace } else { Existing::Refuse }
 }
 
 /// Writes the page of a finished run.
@@ -150,10 +142,7 @@ pub fn version(json: bool) -> Result<u8, Failure> {
     } else {
         println!("lennard {}", version.version);
         println!("processor: {}, {} threads", version.cpu, version.threads);
-        println!(
-            "instruction sets of the pair kernel: {}",
-            version.isa.join(", ")
-        );
+        println!("instruction sets of the pair kernel: {}", version.isa.join(", "));
     }
     Ok(DONE)
 }

@@ -63,10 +63,7 @@ fn refuse_existing(file: &Path, force: bool) -> Result<(), Failure> {
     };
     Err(Failure::new(
         "writing a scene",
-        format!(
-            "{}: it exists already\n  allowed: {allowed}",
-            file.display()
-        ),
+        format!("{}: it exists already\n  allowed: {allowed}", file.display()),
         INPUT,
     ))
 }
@@ -109,23 +106,15 @@ fn copy_of(scene: &Shipped, file: &Path) -> String {
     let mut text = scene.text.replace("cargo run --release -- ", "lennard ");
     for (shipped, copy) in [
         (format!("inputs/{}.toml", scene.name), path_in_shell(file)),
-        (
-            format!("inputs/{}.lock.toml", scene.name),
-            path_in_shell(&lock),
-        ),
-        (
-            format!("runs/{last}"),
-            path_in_shell(&Path::new("runs").join(own)),
-        ),
+        (format!("inputs/{}.lock.toml", scene.name), path_in_shell(&lock)),
+        (format!("runs/{last}"), path_in_shell(&Path::new("runs").join(own))),
     ] {
         text = with_path(&text, &shipped, &copy);
     }
     if scene.name == TEMPLATE {
         text = text.replace("# `lennard new NAME` writes a copy. Every", "# Every");
     }
-    text.split_inclusive('\n')
-        .map(|line| with_base(scene, line))
-        .collect()
+    text.split_inclusive('\n').map(|line| with_base(scene, line)).collect()
 }
 
 /// The text with another path in the place of one, where the path ends there: `runs/a` stands in `runs/a/b`, and not in `runs/ab`.
@@ -142,13 +131,12 @@ fn with_path(text: &str, old: &str, new: &str) -> String {
 
 /// A line, with the base of a sweep by its shipped name.
 fn with_base(scene: &Shipped, line: &str) -> String {
-    let base = line
-        .strip_prefix("base = \"")
-        .and_then(|rest| rest.split_once('"'))
-        .and_then(|(path, rest)| {
+    let base = line.strip_prefix("base = \"").and_then(|rest| rest.split_once('"')).and_then(
+        |(path, rest)| {
             let joined = Path::new(scene.name).parent()?.join(path);
             Some((shipped::find(&joined)?, rest))
-        });
+        },
+    );
     match base {
         Some((base, rest)) => format!("base = \"{}\"{rest}", base.name),
         None => line.to_owned(),

@@ -17,9 +17,8 @@ pub fn plan(args: &PlanArgs) -> Result<u8, Failure> {
         latency: args.latency.as_secs_f64(),
         bandwidth: args.bandwidth,
     });
-    let plan = on_threads(threads, || {
-        Ok(lennard_engine::plan(&mut simulation, threads, network)?)
-    })?;
+    let plan =
+        on_threads(threads, || Ok(lennard_engine::plan(&mut simulation, threads, network)?))?;
     if args.scene.json {
         print_json(&plan)?;
     } else {

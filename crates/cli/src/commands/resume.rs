@@ -42,17 +42,13 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
         if !args.folder.is_dir() {
             return Err(EngineError::from(ResumeError::NoRun(args.folder.clone())).into());
         }
-        signals.claim(
-            || output_folder(Some(&args.folder), Existing::Keep, ""),
-            |_| Some(loading()),
-        )
+        signals.claim(|| output_folder(Some(&args.folder), Existing::Keep, ""), |_| Some(loading()))
     };
     let folder = ranks::made_by_first(team, claim)?;
     let mut resumed = ranks::together(team, resume())?;
     let quiet = args.control.quiet || args.json;
-    let threads = ranks::threads(team, args.threads, |asked| {
-        threads(asked, resumed.simulation.state.len())
-    });
+    let threads =
+        ranks::threads(team, args.threads, |asked| threads(asked, resumed.simulation.state.len()));
     ranks::share(team, &mut resumed.simulation)?;
     let Some(folder) = folder else {
         return ranks::beside(team, &mut resumed.simulation, threads, &signals);
@@ -61,10 +57,7 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
     let (step, total) = (simulation.state.step, simulation.scene.total_steps());
     if !quiet {
         show::header(simulation, threads, &args.folder);
-        println!(
-            "  goes on after step {step} of {total}, from {}",
-            resumed.checkpoint.display()
-        );
+        println!("  goes on after step {step} of {total}, from {}", resumed.checkpoint.display());
         if step == total {
             println!("  all steps were done already; --steps N goes on for N more");
         }

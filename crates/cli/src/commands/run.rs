@@ -76,13 +76,7 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
     })?;
     drop(display);
     write_report(&outcome, folder.path(), &args.control)?;
-    tell(
-        &outcome,
-        folder.path(),
-        simulation.scene.total_steps(),
-        args.scene.json,
-        &args.control,
-    )
+    tell(&outcome, folder.path(), simulation.scene.total_steps(), args.scene.json, &args.control)
 }
 
 /// Prints what a run found, or where it stopped.

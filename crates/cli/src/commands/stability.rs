@@ -56,9 +56,7 @@ fn study<S: Serialize + Send>(args: &StabilityArgs, kind: &Kind<S>) -> Result<u8
         |_| Some(nothing()),
     )?;
     let quick = if args.quick { " --quick" } else { "" };
-    let threads = args
-        .threads
-        .map_or_else(lennard_core::parallel::processors, usize::from);
+    let threads = args.threads.map_or_else(lennard_core::parallel::processors, usize::from);
     let options = StabilityOptions {
         quick: args.quick,
         command: format!("lennard {}{quick}", kind.name),

@@ -18,10 +18,7 @@ use crate::signals::{Signals, StartUp};
 
 /// Does what is asked of a sweep.
 pub fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
-    let tasks = Tasks {
-        args,
-        started: Instant::now(),
-    };
+    let tasks = Tasks { args, started: Instant::now() };
     match (&args.point, args.emit) {
         (Some(point), _) => tasks.run(point),
         (None, Some(scheduler)) => tasks.emit(scheduler),

@@ -52,10 +52,7 @@ impl Tasks<'_> {
             .map(|(number, point)| Listed {
                 number,
                 name: &point.name,
-                values: point
-                    .values()
-                    .map(|(key, text)| (key.to_owned(), value(text)))
-                    .collect(),
+                values: point.values().map(|(key, text)| (key.to_owned(), value(text))).collect(),
             })
             .collect();
         if self.args.json {
@@ -83,10 +80,9 @@ impl Tasks<'_> {
         plan.number_of(&first.to_string())?;
         let part = plan.part(first..first.saturating_add(chunk))?;
         keep_inputs(&args.sweep, &part, self.folder())?;
-        let threads = args.threads.map_or_else(
-            || lennard_engine::recommended_threads(part.points[0].atoms),
-            usize::from,
-        );
+        let threads = args
+            .threads
+            .map_or_else(|| lennard_engine::recommended_threads(part.points[0].atoms), usize::from);
         signals.under_way();
         let mut display = Display::of_study(args.quiet);
         let command = command(args, self.folder());
@@ -106,22 +102,14 @@ impl Tasks<'_> {
         } else if !args.quiet {
             for point in &points {
                 if point.compared.is_some() {
-                    let before = if point.kept {
-                        ", by an earlier process"
-                    } else {
-                        ""
-                    };
+                    let before = if point.kept { ", by an earlier process" } else { "" };
                     println!("{}: finished{before}", point.name);
                 }
             }
         }
         let ending = sweep::ending_of(&points, self.folder());
         let again = format!("{command} --point {point}");
-        let again = if chunk > 1 {
-            format!("{again} --chunk {chunk}")
-        } else {
-            again
-        };
+        let again = if chunk > 1 { format!("{again} --chunk {chunk}") } else { again };
         Ok(ended(ending, &points, &again))
     }
 

@@ -35,20 +35,12 @@ pub fn tune(args: &TuneArgs) -> Result<u8, Failure> {
     }
     let available = lennard_core::parallel::processors();
     let threads = args.scene.threads.map_or(available, usize::from);
-    let options = TuneOptions {
-        seconds: args.seconds,
-        threads,
-    };
+    let options = TuneOptions { seconds: args.seconds, threads };
     let mut display = Display::of_study(args.quiet);
     let tuning = on_threads(threads, || Ok(tune::tune(&scene, &options, &mut display)?))?;
     drop(display);
     if let Some(lock) = &lock {
-        let text = Lock::text(
-            &scene,
-            &tuning.chosen(),
-            &tuning.judged(),
-            &lennard_io::cpu_name(),
-        );
+        let text = Lock::text(&scene, &tuning.chosen(), &tuning.judged(), &lennard_io::cpu_name());
         let remarks = tuning.speed.remarks.iter().map(|r| format!("# {r}.\n"));
         lennard_io::write_text_atomically(lock, &(remarks.collect::<String>() + &text))?;
     }
@@ -57,10 +49,9 @@ pub fn tune(args: &TuneArgs) -> Result<u8, Failure> {
     } else if !args.quiet {
         show::tuning(&tuning);
         match lock {
-            Some(lock) => println!(
-                "  {}; `lennard run` takes the settings from there",
-                lock.display()
-            ),
+            Some(lock) => {
+                println!("  {}; `lennard run` takes the settings from there", lock.display())
+            }
             None => println!(
                 "  the scene has settings of its own and asks for no `accuracy`, so no lock is written; to run it with these:\n  {}",
                 with_settings(path, &overrides, &tuning.chosen())
@@ -82,22 +73,14 @@ fn can_be_written(lock: &Path) -> Result<(), Failure> {
     let error = format!(
         "{}: the lock file cannot be written there\n  found:   {}\n  allowed: a file in a folder that exists",
         lock.display(),
-        if lock.is_dir() {
-            "a folder"
-        } else {
-            "no such folder"
-        }
+        if lock.is_dir() { "a folder" } else { "no such folder" }
     );
     Err(Failure::new("tuning the scene", error, INPUT))
 }
 
 /// The command that runs a scene with chosen settings.
 fn with_settings(path: &Path, overrides: &[(String, String)], chosen: &Chosen) -> String {
-    let mut command = format!(
-        "lennard run {} --threads {}",
-        path_in_shell(path),
-        chosen.threads
-    );
+    let mut command = format!("lennard run {} --threads {}", path_in_shell(path), chosen.threads);
     let settings = chosen.overrides();
     let is_chosen = |key: &str| settings.iter().any(|(chosen, _)| chosen == key);
     let fixed = overrides.iter().filter(|(key, _)| !is_chosen(key));

@@ -85,11 +85,7 @@ fn features(found: &FeatureStudy) {
         percent(found.engine_share.highest)
     );
     println!("{}", table(&feature_table(found)));
-    println!(
-        "  {} of {}",
-        found.clock,
-        lennard_report::counted(found.threads, "thread")
-    );
+    println!("  {} of {}", found.clock, lennard_report::counted(found.threads, "thread"));
     for left in &found.left_out {
         println!("  left out: {left}");
     }

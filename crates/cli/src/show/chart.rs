@@ -51,11 +51,8 @@ pub fn chart(chart: &Chart, folder: &Path) {
         println!("{}", table(&own));
         println!("  {}", basis(chart));
     }
-    let failed = chart
-        .points
-        .iter()
-        .filter(|p| p.errors.is_some() && p.measured().is_none())
-        .count();
+    let failed =
+        chart.points.iter().filter(|p| p.errors.is_some() && p.measured().is_none()).count();
     if failed > 0 {
         println!("  {failed} settings failed; the page says how");
     }

@@ -25,10 +25,7 @@ pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
     for point in sweep.points.iter().filter(|p| !is_meant(&p.scene)) {
         let state = planned(point);
         if !state.is_single_stable_phase() {
-            println!(
-                "  {}: {}; it is run and not judged",
-                point.name, state.words
-            );
+            println!("  {}: {}; it is run and not judged", point.name, state.words);
         }
     }
 }
@@ -47,12 +44,8 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
         let together = sweep::agreement_table(record).without(&sweep::CHI_SQUARED);
         println!("\n{}", narrow_table(&together));
     }
-    let mut remarks: Vec<&String> = record
-        .points
-        .iter()
-        .filter_map(|p| p.compared.as_ref())
-        .flat_map(|c| &c.remarks)
-        .collect();
+    let mut remarks: Vec<&String> =
+        record.points.iter().filter_map(|p| p.compared.as_ref()).flat_map(|c| &c.remarks).collect();
     remarks.sort();
     remarks.dedup();
     // Which points are no single phase stands in the table.
@@ -105,9 +98,7 @@ pub(super) fn quantities(run: &ComparedRun, verbose: bool) -> String {
         return table(&compare::table(&rows, Row::verdict_words)).to_string();
     }
     let mut shown = table(&narrow(run));
-    shown
-        .load_style(comfy_table::presets::UTF8_BORDERS_ONLY)
-        .set_width(WIDTH);
+    shown.load_style(comfy_table::presets::UTF8_BORDERS_ONLY).set_width(WIDTH);
     // A hyphen begins a number; elsewhere it joins words.
     shown.to_string().replace(" -", " −")
 }
@@ -173,11 +164,7 @@ pub(super) fn below_quantities(run: &ComparedRun, verbose: bool) {
     headline(run);
     if !verbose {
         for row in run.rows.iter().filter(|r| r.primary && has_note(run, r)) {
-            note(&format!(
-                "{}: {}",
-                quantity_words(&row.quantity),
-                row.reason
-            ));
+            note(&format!("{}: {}", quantity_words(&row.quantity), row.reason));
         }
     }
     let molecules = run.molecules != run.atoms;
@@ -205,21 +192,15 @@ pub(super) fn below_quantities(run: &ComparedRun, verbose: bool) {
             }
         }
         if hidden > 0 {
-            note(&format!(
-                "{hidden} more quantities, sources and notes: --verbose"
-            ));
+            note(&format!("{hidden} more quantities, sources and notes: --verbose"));
         }
         return;
     }
     for r in &run.rows {
-        let notes: Vec<&str> = [
-            r.source.as_str(),
-            r.tolerance_words.as_str(),
-            r.remark.as_str(),
-        ]
-        .into_iter()
-        .filter(|t| !t.is_empty())
-        .collect();
+        let notes: Vec<&str> = [r.source.as_str(), r.tolerance_words.as_str(), r.remark.as_str()]
+            .into_iter()
+            .filter(|t| !t.is_empty())
+            .collect();
         if !notes.is_empty() {
             let words = quantity_words(&r.quantity);
             note(&format!("{words}: {}", notes.join("; ")));

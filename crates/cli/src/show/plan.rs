@@ -83,9 +83,7 @@ fn of_nodes(nodes: &Nodes) -> Table {
         .column("gathering, µs", |s| micro(s.gathering))
         .column("decision, µs", |s| micro(s.deciding))
         .column("speedup", |s| Cell::figures(format!("{:.1}", s.speedup)))
-        .column("efficiency", |s| {
-            Cell::figures(format!("{:.2}", s.efficiency))
-        })
+        .column("efficiency", |s| Cell::figures(format!("{:.2}", s.efficiency)))
         .table()
 }
 
@@ -95,10 +93,7 @@ fn in_words(nodes: &Nodes) -> [String; 3] {
         None => "for more there are too few particles: each machine takes 48 or more".to_owned(),
         Some(more) => format!("{more} machines spend more than half of their time on messages"),
     };
-    let (latency, rate) = (
-        duration(nodes.network.latency),
-        rate(nodes.network.bandwidth),
-    );
+    let (latency, rate) = (duration(nodes.network.latency), rate(nodes.network.bandwidth));
     [
         format!(
             "more machines pay up to {} (efficiency {:.2})",
@@ -130,9 +125,7 @@ fn all(plan: &Plan) -> Table {
     Table::rows_of("plan", &plan.items)
         .column("part", |i| &i.part)
         .column("", |i| if i.on { "on" } else { "off" })
-        .column("share", |i| {
-            Cell::figures(i.share.map_or_else(String::new, percent))
-        })
+        .column("share", |i| Cell::figures(i.share.map_or_else(String::new, percent)))
         .column("how, or why not", |i| &i.why)
         .table()
 }
@@ -156,27 +149,19 @@ fn lines(plan: &Plan) -> Vec<String> {
         0 => MOST_LINES,
         remarks => MOST_LINES.saturating_sub(1 + remarks).max(1),
     };
-    let large = parts
-        .iter()
-        .take(most)
-        .take_while(|(_, share)| *share >= SMALL_SHARE);
+    let large = parts.iter().take(most).take_while(|(_, share)| *share >= SMALL_SHARE);
     let told = large.clone().count();
     lines.extend(large.map(|(item, share)| {
         let how = item.why.split([',', ';', ':']).next().unwrap_or_default();
         format!("{:>7}  {}: {how}", percent(*share), item.part)
     }));
-    let (others, rest) = (
-        parts.len() - told,
-        parts[told..].iter().map(|(_, share)| share).sum(),
-    );
+    let (others, rest) = (parts.len() - told, parts[told..].iter().map(|(_, share)| share).sum());
     if others > 0 {
         let others = lennard_report::counted(others, "other part");
         lines.push(format!("{:>7}  {others}", percent(rest)));
     }
     let off = plan.items.len() - on().count();
-    lines.push(format!(
-        "--verbose: every part, and the reason for each of {off} that are off"
-    ));
+    lines.push(format!("--verbose: every part, and the reason for each of {off} that are off"));
     lines
 }
 
@@ -210,10 +195,7 @@ mod tests {
             item("stage melt", "1000 steps, bussi at T = 2", None),
             item("stage production", "20000 steps, measured", None),
         ];
-        items.push(PlanItem {
-            on: false,
-            ..item("vacf", "not in the scene", None)
-        });
+        items.push(PlanItem { on: false, ..item("vacf", "not in the scene", None) });
         let plan = Plan {
             schema: "",
             scene: String::new(),

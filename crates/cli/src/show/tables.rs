@@ -53,9 +53,7 @@ fn keep_words_whole(shown: &mut comfy_table::Table, table: &Table) {
     }
     for (k, (column, width)) in shown.column_iter_mut().zip(widths).enumerate() {
         let padding = if k == 0 { 2 } else { 1 };
-        column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(
-            width + padding,
-        )));
+        column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(width + padding)));
     }
 }
 

@@ -15,17 +15,11 @@ pub fn tuning(tuning: &Tuning) {
         "  ρ = {:.4}, T = {:.4}; wanted: U and P of {}",
         tuning.density, tuning.temperature, tuning.about
     );
-    println!(
-        "  chosen: {}, {}",
-        tuning.label,
-        lennard_report::counted(tuning.threads, "thread")
-    );
+    println!("  chosen: {}, {}", tuning.label, lennard_report::counted(tuning.threads, "thread"));
     println!("  measured against: {}", tuning.safest);
     let errors = Table::rows_of("errors", &tuning.rows)
         .column("error of", |r| r.judged.quantity.replace('_', " "))
-        .column("target", |r| {
-            Cell::figures(format!("{:.1e}", r.judged.target))
-        })
+        .column("target", |r| Cell::figures(format!("{:.1e}", r.judged.target)))
         .column("predicted", |r| {
             let j = &r.judged;
             Cell::figures(with_error(j.predicted, j.predicted_error))
@@ -59,16 +53,12 @@ pub fn tuning(tuning: &Tuning) {
         .collect();
     let costs = Table::rows_of("costs", &costs)
         .column("settings", |(name, _)| *name)
-        .column("per atom and τ", |(_, c)| {
-            Cell::figures(duration(c.wall.median))
-        })
+        .column("per atom and τ", |(_, c)| Cell::figures(duration(c.wall.median)))
         .column("range", |(_, c)| {
             let (low, high) = (duration(c.wall.lowest), duration(c.wall.highest));
             Cell::figures(format!("{low} to {high}"))
         })
-        .column("relative", |(_, c)| {
-            Cell::figures(format!("{:.2}", c.wall.median / chosen))
-        });
+        .column("relative", |(_, c)| Cell::figures(format!("{:.2}", c.wall.median / chosen)));
     println!("\n{}", table(&costs.table()));
     for remark in &tuning.speed.remarks {
         println!("  {remark}");

@@ -14,22 +14,14 @@ fn every_bad_scene_ends_with_exit_code_2_and_its_message_and_writes_nothing() {
             continue;
         }
         seen += 1;
-        let named = format!(
-            "inputs/bad/{}",
-            scene.file_name().unwrap().to_string_lossy()
-        );
-        let output = lennard(&["run", &named, "--out", out.to_str().unwrap()])
-            .output()
-            .unwrap();
+        let named = format!("inputs/bad/{}", scene.file_name().unwrap().to_string_lossy());
+        let output = lennard(&["run", &named, "--out", out.to_str().unwrap()]).output().unwrap();
         let message = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{named}: {message}");
         assert_eq!(stdout(&output), "", "{named}");
         let expected = std::fs::read_to_string(scene.with_extension("expected")).unwrap();
         for line in expected.lines().filter(|l| !l.starts_with('#')) {
-            assert!(
-                message.contains(line),
-                "{named}: wanted `{line}` in\n{message}"
-            );
+            assert!(message.contains(line), "{named}: wanted `{line}` in\n{message}");
         }
         assert!(!out.exists(), "{named} left an output folder");
     }
@@ -39,14 +31,9 @@ fn every_bad_scene_ends_with_exit_code_2_and_its_message_and_writes_nothing() {
 #[test]
 fn the_refusal_that_the_documents_show_is_the_one_that_the_program_gives() {
     let document = std::fs::read_to_string(root().join("docs/reliability.md")).unwrap();
-    let output = lennard(&["run", "inputs/bad/unknown-key.toml"])
-        .output()
-        .unwrap();
+    let output = lennard(&["run", "inputs/bad/unknown-key.toml"]).output().unwrap();
     let message = stderr(&output);
-    assert!(
-        message.contains("allowed: ") && document.contains(&message),
-        "{message}"
-    );
+    assert!(message.contains("allowed: ") && document.contains(&message), "{message}");
 }
 
 #[test]
@@ -62,10 +49,7 @@ fn an_existing_folder_is_refused_unless_forced() {
     assert!(stderr(&refused).contains("--force"), "{}", stderr(&refused));
     let forced = run(&["--force"]);
     assert!(forced.status.success(), "{}", stderr(&forced));
-    assert_eq!(
-        std::fs::read_to_string(temporary.path().join("precious.txt")).unwrap(),
-        "keep me"
-    );
+    assert_eq!(std::fs::read_to_string(temporary.path().join("precious.txt")).unwrap(), "keep me");
 }
 
 #[test]
@@ -74,19 +58,10 @@ fn a_folder_that_cannot_be_made_is_refused() {
     let file = temporary.path().join("file");
     std::fs::write(&file, "").unwrap();
     let below = file.join("out");
-    let args = [
-        "run",
-        "inputs/verlet-1967/triple-point.toml",
-        "--out",
-        below.to_str().unwrap(),
-    ];
+    let args = ["run", "inputs/verlet-1967/triple-point.toml", "--out", below.to_str().unwrap()];
     let output = lennard(&args).output().unwrap();
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(
-        stderr(&output).contains(below.to_str().unwrap()),
-        "{}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).contains(below.to_str().unwrap()), "{}", stderr(&output));
 }
 
 #[test]
@@ -101,11 +76,7 @@ fn overrides_that_fit_nothing_name_the_override() {
             .output()
             .unwrap();
         assert_eq!(output.status.code(), Some(2), "{set}: {}", stderr(&output));
-        assert!(
-            stderr(&output).contains(wanted),
-            "{set}: {}",
-            stderr(&output)
-        );
+        assert!(stderr(&output).contains(wanted), "{set}: {}", stderr(&output));
     }
 }
 

@@ -29,43 +29,21 @@ fn one_document_holds_every_number_and_the_folder_the_pictures() {
     assert_eq!(study["schema"], "lennard-bench/1");
     assert_eq!(study["atoms"], 108);
     assert!(
-        study["command"]
-            .as_str()
-            .unwrap()
-            .starts_with("lennard bench --set system.n_atoms=108")
+        study["command"].as_str().unwrap().starts_with("lennard bench --set system.n_atoms=108")
     );
     let kernels = study["kernels"].as_array().unwrap();
     assert_eq!(kernels.len(), 2, "double and mixed");
     for kernel in kernels {
         assert_eq!(kernel["isa"], "portable");
-        for key in [
-            "speed",
-            "step_ns",
-            "forces_ns",
-            "totals_ns",
-            "build_ns",
-            "list_share",
-        ] {
+        for key in ["speed", "step_ns", "forces_ns", "totals_ns", "build_ns", "list_share"] {
             assert!(kernel[key]["median"].as_f64().unwrap() >= 0.0, "{key}");
         }
-        for key in [
-            "lanes_per_pair",
-            "limit",
-            "limit_share",
-            "bytes_per_atom",
-            "skin",
-        ] {
+        for key in ["lanes_per_pair", "limit", "limit_share", "bytes_per_atom", "skin"] {
             assert!(kernel[key].as_f64().unwrap() > 0.0, "{key}");
         }
     }
     assert!(study["skin"]["excess"].as_f64().unwrap() >= 0.0);
-    for file in [
-        "bench.json",
-        "kernels.csv",
-        "skins.csv",
-        "report.html",
-        "figures/speed.svg",
-    ] {
+    for file in ["bench.json", "kernels.csv", "skins.csv", "report.html", "figures/speed.svg"] {
         assert!(out.join(file).exists(), "{file}");
     }
     assert!(!out.join("scratch").exists());
@@ -98,10 +76,7 @@ fn bad_input_is_refused_before_anything_is_made() {
     let out = folder.path().join("out");
     let mut table = vec![
         (vec!["--isa", "sse9"], "`kernel.isa` is not a known name"),
-        (
-            vec!["--precision", "single"],
-            "`kernel.precision` is not a known name",
-        ),
+        (vec!["--precision", "single"], "`kernel.precision` is not a known name"),
         (vec!["--repeats", "0"], "--repeats"),
         (vec!["--repeats", "many"], "--repeats"),
         (vec!["--threads", "1,0"], "--threads"),
@@ -113,10 +88,7 @@ fn bad_input_is_refused_before_anything_is_made() {
     let here = lennard_forcefield::available_isas();
     for isa in ["avx512", "avx2"] {
         if !here.contains(&isa) {
-            table.push((
-                vec!["--isa", isa],
-                "allowed: auto, or one that this processor has",
-            ));
+            table.push((vec!["--isa", isa], "allowed: auto, or one that this processor has"));
         }
     }
     for (arguments, wanted) in table {
@@ -126,10 +98,7 @@ fn bad_input_is_refused_before_anything_is_made() {
             .unwrap();
         let message = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-        assert!(
-            message.contains(wanted),
-            "{arguments:?}: wanted `{wanted}` in\n{message}"
-        );
+        assert!(message.contains(wanted), "{arguments:?}: wanted `{wanted}` in\n{message}");
         assert!(!out.exists(), "{arguments:?} left a folder");
     }
 }

@@ -31,10 +31,7 @@ steps = 10
 "#;
 
 fn chart(folder: &Path, arguments: &[&str]) -> Output {
-    lennard_in(
-        folder,
-        &[&["chart", "scene.toml", "--quick"], arguments].concat(),
-    )
+    lennard_in(folder, &[&["chart", "scene.toml", "--quick"], arguments].concat())
 }
 
 fn folder(scene: &str) -> tempfile::TempDir {
@@ -70,9 +67,7 @@ fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
         assert!(mark["wall"].as_f64().unwrap() > 0.0);
     }
     // Mixed precision errs more in the forces than double, and every panel has a front.
-    let forces = panel(&first, "forces-same-model")["marks"]
-        .as_array()
-        .unwrap();
+    let forces = panel(&first, "forces-same-model")["marks"].as_array().unwrap();
     let precision = |n: &Value| {
         let points = first["points"].as_array().unwrap();
         let point = points.iter().find(|p| p["number"] == *n).unwrap();
@@ -93,10 +88,7 @@ fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
         for kind in ["wall", "forces"] {
             let svg = out.join(format!("figures/{name}-{kind}.svg"));
             let text = std::fs::read_to_string(&svg).unwrap();
-            assert!(
-                text.contains("Pareto front") && text.contains("<title>"),
-                "{name}"
-            );
+            assert!(text.contains("Pareto front") && text.contains("<title>"), "{name}");
         }
     }
     let html = std::fs::read_to_string(out.join("report.html")).unwrap();
@@ -110,10 +102,7 @@ fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
     let svg = std::fs::read_to_string(out.join("figures/energy-fluctuation-wall.svg")).unwrap();
     let named = |label: &str| svg.contains(&format!("\n{label}\n</text>"));
     assert!(named("scene") && named("usual"), "both are named");
-    assert!(
-        html.contains("Number 2, &quot;usual&quot;"),
-        "the page says what is usual"
-    );
+    assert!(html.contains("Number 2, &quot;usual&quot;"), "the page says what is usual");
 
     // As if it had been interrupted: what is there is kept, what is missing comes out the same.
     let stored = |n: usize| out.join(format!("points/{n:04}.toml"));
@@ -134,14 +123,8 @@ fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(said.contains(words), "{said}");
     };
-    refused(
-        &["--out", "out", "--set", "system.seed=2"],
-        "it belongs to another scene",
-    );
-    refused(
-        &["--out", "out", "--threads", "2"],
-        "its timings are of 1 threads",
-    );
+    refused(&["--out", "out", "--set", "system.seed=2"], "it belongs to another scene");
+    refused(&["--out", "out", "--threads", "2"], "its timings are of 1 threads");
     refused(&["--out", "."], "scene.toml lies in the output folder .");
     std::fs::create_dir(place.path().join("strange")).unwrap();
     std::fs::write(place.path().join("strange/letter.txt"), "x").unwrap();
@@ -155,9 +138,8 @@ fn a_chart_takes_the_settings_of_a_lock_file_and_refuses_that_of_another_scene()
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_eq!(refused.status.code(), Some(2), "{said}");
     assert!(said.contains("the lock belongs to another"), "{said}");
-    let missing = lennard(&["chart", scene, "--quick", "--lock", "none.lock.toml"])
-        .output()
-        .unwrap();
+    let missing =
+        lennard(&["chart", scene, "--quick", "--lock", "none.lock.toml"]).output().unwrap();
     let said = String::from_utf8_lossy(&missing.stderr).into_owned();
     assert_eq!(missing.status.code(), Some(2), "{said}");
     assert!(said.contains("none.lock.toml"), "{said}");
@@ -165,20 +147,10 @@ fn a_chart_takes_the_settings_of_a_lock_file_and_refuses_that_of_another_scene()
     let place = tempfile::tempdir().unwrap();
     std::fs::write(place.path().join("notes.txt"), "mine").unwrap();
     let out = place.path().display().to_string();
-    let fits = [
-        "chart",
-        scene,
-        "--set",
-        "system.density=0.8442",
-        "--out",
-        &out,
-    ];
+    let fits = ["chart", scene, "--set", "system.density=0.8442", "--out", &out];
     let begun = lennard(&fits).output().unwrap();
     let words = String::from_utf8_lossy(&begun.stderr).into_owned();
-    assert!(
-        words.contains("it holds something that is no chart"),
-        "{words}"
-    );
+    assert!(words.contains("it holds something that is no chart"), "{words}");
 }
 
 #[test]
@@ -190,9 +162,7 @@ fn a_scene_without_an_equation_of_state_is_judged_by_the_tightest_run() {
     let about = equation["about"].as_str().unwrap();
     assert!(about.contains("no equation of state for WCA"), "{about}");
     assert!(about.contains("tightest run alone"), "{about}");
-    let tightest = panel(&found, "pressure-tightest")["marks"]
-        .as_array()
-        .unwrap();
+    let tightest = panel(&found, "pressure-tightest")["marks"].as_array().unwrap();
     assert!(tightest.iter().any(|m| m["error"].is_f64()));
     let html = std::fs::read_to_string(place.path().join("out/report.html")).unwrap();
     assert!(html.contains("no equation of state for WCA"));
@@ -216,20 +186,14 @@ fn folders_that_hold_something_else_are_refused_before_anything_is_computed() {
     let refused = chart(place.path(), &["--out", "out"]);
     let words = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_eq!(refused.status.code(), Some(2), "{words}");
-    assert!(
-        words.contains("it holds something that is no chart"),
-        "{words}"
-    );
+    assert!(words.contains("it holds something that is no chart"), "{words}");
     assert!(words.contains("allowed: an empty folder, or one that holds this chart; give another --out, or --force to begin anew"));
     // What looks like a chart whose points are no folder cannot be made room for.
     std::fs::write(out.join("plan.toml"), "").unwrap();
     std::fs::write(out.join("points"), "a file").unwrap();
     let refused = chart(place.path(), &["--out", "out", "--force"]);
     let words = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(
-        !refused.status.success() && words.contains("it cannot be cleared:"),
-        "{words}"
-    );
+    assert!(!refused.status.success() && words.contains("it cannot be cleared:"), "{words}");
     assert!(out.join("notes.txt").exists());
 }
 
@@ -251,13 +215,7 @@ fn a_chart_that_is_interrupted_says_how_to_go_on() {
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
     let id = running.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     let ended = running.wait_with_output().unwrap();
     let words = String::from_utf8_lossy(&ended.stderr);
     assert_eq!(ended.status.code(), Some(4), "{words}");
@@ -272,10 +230,7 @@ fn a_chart_that_is_interrupted_says_how_to_go_on() {
     // A point is stored when its errors are known, and not only when it is timed.
     for point in std::fs::read_dir(&first).unwrap() {
         let point = std::fs::read_to_string(point.unwrap().path()).unwrap();
-        assert!(
-            point.contains("[errors") && !point.contains("[[timings]]"),
-            "{point}"
-        );
+        assert!(point.contains("[errors") && !point.contains("[[timings]]"), "{point}");
     }
     assert!(
         words.contains("stopped on request; finished points are kept\n  to go on: lennard chart scene.toml --out out"),
@@ -316,36 +271,20 @@ fn settings_of_an_ensemble_are_crossed_beside_the_equation_and_a_chart_goes_on()
     assert_eq!(first["schema"], "lennard-chart-ensembles/1");
     assert_eq!(first["finished"], true);
     let reference = &first["reference"];
-    assert!(
-        reference["source"].as_str().unwrap().contains("Thol"),
-        "{reference}"
-    );
+    assert!(reference["source"].as_str().unwrap().contains("Thol"), "{reference}");
     let points = first["points"].as_array().unwrap();
-    let kinds: Vec<&str> = points
-        .iter()
-        .map(|p| p["baths"]["barostat"]["kind"].as_str().unwrap())
-        .collect();
-    assert!(
-        kinds.contains(&"mtk") && kinds.contains(&"stochastic-cell-rescaling"),
-        "{kinds:?}"
-    );
+    let kinds: Vec<&str> =
+        points.iter().map(|p| p["baths"]["barostat"]["kind"].as_str().unwrap()).collect();
+    assert!(kinds.contains(&"mtk") && kinds.contains(&"stochastic-cell-rescaling"), "{kinds:?}");
     // The scene's own stand first, and an interval that τ_p does not bear is left out with the reason.
     assert_eq!(points[0]["baths"]["barostat"]["interval"], 10);
-    assert!(
-        first["left_out"][0]["why"]
-            .as_str()
-            .unwrap()
-            .contains("too short")
-    );
+    assert!(first["left_out"][0]["why"].as_str().unwrap().contains("too short"));
     for point in points {
         let found = &point["sampled"]["found"];
         let number = |key: &str, part: &str| found[key][part].as_f64().unwrap();
         // 10 τ of 108 particles: within five errors and what so short a series does not know of its own error.
         let off = number("density", "mean") - reference["density"].as_f64().unwrap();
-        assert!(
-            off.abs() < 5.0 * number("density", "standard_error") + 0.05,
-            "{point}"
-        );
+        assert!(off.abs() < 5.0 * number("density", "standard_error") + 0.05, "{point}");
         assert!(number("variance", "mean") > 0.0 && number("variance", "standard_error") > 0.0);
         assert!(point["timings"].as_array().unwrap().len() == 3, "{point}");
         // MTK proposes no change that could be refused.
@@ -368,17 +307,11 @@ fn settings_of_an_ensemble_are_crossed_beside_the_equation_and_a_chart_goes_on()
     std::fs::remove_file(stored(1)).unwrap();
     let second = document(&chart(place.path(), &arguments));
     assert_eq!(std::fs::read_to_string(stored(2)).unwrap(), marked);
-    assert_eq!(
-        first["points"][0]["sampled"],
-        second["points"][0]["sampled"]
-    );
+    assert_eq!(first["points"][0]["sampled"], second["points"][0]["sampled"]);
     // The other kind of chart takes no such folder.
     let other = chart(place.path(), &["--out", "out"]);
     let words = String::from_utf8_lossy(&other.stderr).into_owned();
-    assert!(
-        !other.status.success() && words.contains("chart of another plan"),
-        "{words}"
-    );
+    assert!(!other.status.success() && words.contains("chart of another plan"), "{words}");
 }
 
 #[test]
@@ -387,11 +320,9 @@ fn an_ensemble_without_a_barostat_is_refused_with_its_stage() {
     let output = chart(place.path(), &["--ensemble", "--out", "out"]);
     let words = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{words}");
-    for word in [
-        "`stage.1.barostat` is missing",
-        "stage \"production\" at constant volume",
-        "allowed:",
-    ] {
+    for word in
+        ["`stage.1.barostat` is missing", "stage \"production\" at constant volume", "allowed:"]
+    {
         assert!(words.contains(word), "{word}: {words}");
     }
     assert!(!place.path().join("out").exists());
@@ -402,21 +333,9 @@ fn an_ensemble_is_refused_with_other_engines_and_for_two_phases_before_anything_
     let place = folder(HELD);
     for (scene, more, words) in [
         ("scene.toml", "--with-peers", "cannot be used with"),
-        (
-            "two-phase/melting",
-            "--quiet",
-            "`crystal` has no one density",
-        ),
+        ("two-phase/melting", "--quiet", "`crystal` has no one density"),
     ] {
-        let arguments = [
-            "chart",
-            scene,
-            "--ensemble",
-            "--quick",
-            "--out",
-            "out",
-            more,
-        ];
+        let arguments = ["chart", scene, "--ensemble", "--quick", "--out", "out", more];
         let output = lennard_in(place.path(), &arguments);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{said}");

@@ -16,10 +16,7 @@ fn a_run_writes_its_folder_and_prints_the_same_record_as_json() {
     assert_eq!(record["atoms"], 256);
     let neighbor = &record["neighbor"];
     assert!(neighbor["checked_forces"].as_u64() > Some(0), "{neighbor}");
-    assert!(
-        neighbor["largest_deviation"].as_f64() <= Some(1.0),
-        "{neighbor}"
-    );
+    assert!(neighbor["largest_deviation"].as_f64() <= Some(1.0), "{neighbor}");
     for key in [
         "schema",
         "scene",
@@ -64,37 +61,21 @@ fn a_run_writes_its_folder_and_prints_the_same_record_as_json() {
         "final.xyz",
         "particles.svg",
     ] {
-        assert!(
-            out.join(file).metadata().is_ok_and(|m| m.len() > 0),
-            "{file}"
-        );
+        assert!(out.join(file).metadata().is_ok_and(|m| m.len() > 0), "{file}");
     }
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
     let picture = std::fs::read_to_string(out.join("particles.svg")).unwrap();
-    assert!(
-        picture.contains("The particles at step 600"),
-        "{picture:.500}"
-    );
-    assert!(
-        page.contains(&picture),
-        "the page has the picture of the particles"
-    );
+    assert!(picture.contains("The particles at step 600"), "{picture:.500}");
+    assert!(page.contains(&picture), "the page has the picture of the particles");
     let thermo = std::fs::read_to_string(out.join("thermo.csv")).unwrap();
     assert!(thermo.starts_with("step,time [τ],stage,"), "{thermo}");
-    assert_eq!(
-        thermo.lines().count(),
-        1 + 600 / 10,
-        "one row every ten steps of every stage"
-    );
+    assert_eq!(thermo.lines().count(), 1 + 600 / 10, "one row every ten steps of every stage");
 }
 
 #[test]
 fn the_resolved_scene_runs_again_to_the_same_bits() {
     let temporary = tempfile::tempdir().unwrap();
-    let (first, second) = (
-        temporary.path().join("first"),
-        temporary.path().join("second"),
-    );
+    let (first, second) = (temporary.path().join("first"), temporary.path().join("second"));
     success(run_small(&first).arg("--quiet"));
     let resolved = first.join("scene.toml");
     succeed(&[
@@ -106,13 +87,7 @@ fn the_resolved_scene_runs_again_to_the_same_bits() {
         "--out",
         second.to_str().unwrap(),
     ]);
-    for file in [
-        "final.xyz",
-        "trajectory.xyz",
-        "thermo.csv",
-        "rdf.csv",
-        "msd.csv",
-    ] {
+    for file in ["final.xyz", "trajectory.xyz", "thermo.csv", "rdf.csv", "msd.csv"] {
         let read = |folder: &std::path::Path| std::fs::read(folder.join(file)).unwrap();
         assert!(read(&first) == read(&second), "{file} differs");
     }
@@ -121,10 +96,7 @@ fn the_resolved_scene_runs_again_to_the_same_bits() {
 #[test]
 fn final_xyz_starts_a_new_run() {
     let temporary = tempfile::tempdir().unwrap();
-    let (first, second) = (
-        temporary.path().join("first"),
-        temporary.path().join("second"),
-    );
+    let (first, second) = (temporary.path().join("first"), temporary.path().join("second"));
     success(run_small(&first).arg("--quiet"));
     let scene = temporary.path().join("next.toml");
     std::fs::write(
@@ -150,30 +122,13 @@ fn final_xyz_starts_a_new_run() {
 
 #[test]
 fn the_energy_of_a_published_configuration_is_printed_with_all_digits() {
-    let report = json(&succeed(&[
-        "energy",
-        "inputs/fluid/from-configuration.toml",
-        "--json",
-    ]));
-    for key in [
-        "potential_energy",
-        "tail_energy",
-        "virial",
-        "tail_virial",
-        "pressure",
-        "pairs",
-    ] {
+    let report = json(&succeed(&["energy", "inputs/fluid/from-configuration.toml", "--json"]));
+    for key in ["potential_energy", "tail_energy", "virial", "tail_virial", "pressure", "pairs"] {
         assert!(report[key].is_number(), "{key}");
     }
     // NIST SRSW reference calculation 4 at r_cut = 4, five digits as printed there: U = −17.060, U_LRC = −0.23008.
-    assert_eq!(
-        format!("{:.4e}", report["potential_energy"].as_f64().unwrap()),
-        "-1.7060e1"
-    );
-    assert_eq!(
-        format!("{:.4e}", report["tail_energy"].as_f64().unwrap()),
-        "-2.3008e-1"
-    );
+    assert_eq!(format!("{:.4e}", report["potential_energy"].as_f64().unwrap()), "-1.7060e1");
+    assert_eq!(format!("{:.4e}", report["tail_energy"].as_f64().unwrap()), "-2.3008e-1");
     assert_eq!(report["temperature_from"], "scene-temperature");
 }
 
@@ -189,18 +144,12 @@ fn forces_are_written_at_full_precision() {
         "--json",
     ]);
     let text = std::fs::read_to_string(&path).unwrap();
-    assert!(
-        text.lines().nth(1).unwrap().contains("forces:R:3"),
-        "{text}"
-    );
+    assert!(text.lines().nth(1).unwrap().contains("forces:R:3"), "{text}");
     // Newton's third law over the file: the sum of forces vanishes to rounding of numbers of order ten.
     let mut sum = [0.0_f64; 3];
     for line in text.lines().skip(2) {
-        let fields: Vec<f64> = line
-            .split_whitespace()
-            .skip(1)
-            .map(|f| f.parse().unwrap())
-            .collect();
+        let fields: Vec<f64> =
+            line.split_whitespace().skip(1).map(|f| f.parse().unwrap()).collect();
         for axis in 0..3 {
             sum[axis] += fields[fields.len() - 3 + axis];
         }
@@ -212,66 +161,38 @@ fn forces_are_written_at_full_precision() {
 fn plan_says_what_is_on_and_off_and_why() {
     // In short, a part that takes little time is only counted.
     let text = succeed(&["plan", "inputs/verlet-1967/triple-point.toml", "--verbose"]);
-    for wanted in [
-        "neighbor list",
-        "tail correction",
-        "rdf",
-        "off",
-        "memory",
-        "time: about",
-    ] {
+    for wanted in ["neighbor list", "tail correction", "rdf", "off", "memory", "time: about"] {
         assert!(text.contains(wanted), "{wanted} in\n{text}");
     }
     let plan = json(&succeed(&["plan", "inputs/fluid/gas.toml", "--json"]));
-    assert!(
-        plan["items"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .any(|i| i["on"] == false)
-    );
+    assert!(plan["items"].as_array().unwrap().iter().any(|i| i["on"] == false));
 }
 
 #[test]
 fn a_plan_for_several_machines_has_a_line_for_each_number_and_refuses_what_does_not_fit() {
     let scene = "inputs/bench/fluid-864.toml";
     let text = succeed(&["plan", scene, "--nodes", "8", "--latency", "500ns"]);
-    for wanted in [
-        "halo",
-        "gathering",
-        "more machines pay up to",
-        "not measured",
-    ] {
+    for wanted in ["halo", "gathering", "more machines pay up to", "not measured"] {
         assert!(text.contains(wanted), "{wanted} in\n{text}");
     }
     let plan = json(&succeed(&["plan", scene, "--nodes", "8", "--json"]));
     let steps = plan["nodes"]["steps"].as_array().unwrap();
-    let numbers: Vec<_> = steps
-        .iter()
-        .map(|step| step["nodes"].as_u64().unwrap())
-        .collect();
+    let numbers: Vec<_> = steps.iter().map(|step| step["nodes"].as_u64().unwrap()).collect();
     assert_eq!(numbers, [1, 2, 4, 8]);
     assert!(steps[3]["ghosts"].as_f64().unwrap() > 0.0);
     assert_eq!(steps[0]["efficiency"], 1.0);
     for (arguments, wanted) in [
         (["--nodes", "1000"], "up to 18 here"),
-        (
-            ["--nodes=2", "--set=neighbor.mode=direct"],
-            "have no form that several machines share",
-        ),
+        (["--nodes=2", "--set=neighbor.mode=direct"], "have no form that several machines share"),
         (["--nodes", "0"], "0 is not in"),
         (["--latency", "1us"], "--nodes"),
         (["--bandwidth", "25"], "wanted a rate above zero"),
     ] {
-        let output = lennard(&[&["plan", scene], &arguments[..]].concat())
-            .output()
-            .unwrap();
+        let output = lennard(&[&["plan", scene], &arguments[..]].concat()).output().unwrap();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         assert!(stderr(&output).contains(wanted), "{}", stderr(&output));
     }
-    let output = lennard(&["plan", scene, "--nodes", "1000"])
-        .output()
-        .unwrap();
+    let output = lennard(&["plan", scene, "--nodes", "1000"]).output().unwrap();
     let expected = "planning for several machines: too few particles for so many machines\n  found:   --nodes 1000\n  \
                     allowed: up to 18 here, since each takes 48 particles or more";
     assert!(stderr(&output).contains(expected), "{}", stderr(&output));
@@ -303,20 +224,14 @@ fn every_list_names_its_methods() {
 fn list_alone_names_every_list() {
     let said = succeed(&["list"]);
     assert!(said.contains("scenes  "), "{said}");
-    assert!(
-        said.contains("Rules for σ and ε of unlike species"),
-        "{said}"
-    );
+    assert!(said.contains("Rules for σ and ε of unlike species"), "{said}");
     assert!(said.lines().all(|l| l.chars().count() <= 100), "{said}");
     let entries = json(&succeed(&["list", "--json"]));
     for entry in entries.as_array().unwrap() {
         let name = entry["name"].as_str().unwrap();
         assert!(!succeed(&["list", name]).is_empty(), "{name}");
         // A command is no source.
-        assert_eq!(
-            entry["properties"]["command"],
-            format!("lennard list {name}")
-        );
+        assert_eq!(entry["properties"]["command"], format!("lennard list {name}"));
         assert_eq!(entry.get("source"), None);
     }
     let refused = lennard(&["list", "--verbose"]).output().unwrap();
@@ -332,9 +247,7 @@ fn a_list_has_a_line_for_each_and_a_name_tells_everything() {
     let one = succeed(&["list", "integrators", "leapfrog"]);
     assert!(one.contains("source:") && !one.contains("stormer"), "{one}");
     assert!(succeed(&["list", "integrators", "--verbose"]).contains("source:"));
-    let refused = lennard(&["list", "integrators", "leap-frog"])
-        .output()
-        .unwrap();
+    let refused = lennard(&["list", "integrators", "leap-frog"]).output().unwrap();
     assert_eq!(refused.status.code(), Some(2));
     let said = stderr(&refused);
     assert!(
@@ -349,15 +262,9 @@ fn a_plan_is_ten_lines_and_verbose_tells_every_part() {
     let scene = "inputs/bench/fluid-864.toml";
     let short = succeed(&["plan", scene]);
     assert!(short.lines().count() <= 10, "{short}");
-    assert!(
-        short.contains("pair forces") && short.contains("time: about"),
-        "{short}"
-    );
+    assert!(short.contains("pair forces") && short.contains("time: about"), "{short}");
     let all = succeed(&["plan", scene, "--verbose"]);
-    assert!(
-        all.contains("wall-pressure") && all.contains("not in the scene"),
-        "{all}"
-    );
+    assert!(all.contains("wall-pressure") && all.contains("not in the scene"), "{all}");
 }
 
 #[test]
@@ -373,11 +280,8 @@ fn the_default_folder_is_the_first_free_one() {
     let scene = root().join("inputs/verlet-1967/triple-point.toml");
     for n in 1..=2 {
         let mut command = lennard(&["run", scene.to_str().unwrap()]);
-        let output = command
-            .args(crate::common::SMALL)
-            .current_dir(temporary.path())
-            .output()
-            .unwrap();
+        let output =
+            command.args(crate::common::SMALL).current_dir(temporary.path()).output().unwrap();
         assert!(output.status.success(), "{}", stderr(&output));
         let folder = format!("runs/triple-point-{n}");
         assert!(stdout(&output).contains(&folder), "{}", stdout(&output));
@@ -393,40 +297,21 @@ fn progress_comes_as_plain_lines_where_there_is_no_terminal_and_not_at_all_when_
         command.args(more).output().unwrap()
     };
     let plain = run("plain", &[]);
-    assert!(
-        stderr(&plain).contains("production: step 600 of 600 (100 %)"),
-        "{}",
-        stderr(&plain)
-    );
-    assert!(
-        !stderr(&plain).contains('\u{1b}'),
-        "no control codes in a file"
-    );
-    assert!(
-        !stdout(&plain).contains('\u{1b}'),
-        "no control codes in a file"
-    );
+    assert!(stderr(&plain).contains("production: step 600 of 600 (100 %)"), "{}", stderr(&plain));
+    assert!(!stderr(&plain).contains('\u{1b}'), "no control codes in a file");
+    assert!(!stdout(&plain).contains('\u{1b}'), "no control codes in a file");
     let quiet = run("quiet", &["--quiet"]);
-    assert_eq!(
-        (stdout(&quiet), stderr(&quiet)),
-        (String::new(), String::new())
-    );
+    assert_eq!((stdout(&quiet), stderr(&quiet)), (String::new(), String::new()));
 }
 
 #[test]
 fn a_run_that_physics_stops_ends_with_exit_code_3_and_the_cause() {
     let temporary = tempfile::tempdir().unwrap();
     let out = temporary.path().join("out");
-    let output = run_small(&out)
-        .args(["--quiet", "--set", "integrator.dt=0.08"])
-        .output()
-        .unwrap();
+    let output = run_small(&out).args(["--quiet", "--set", "integrator.dt=0.08"]).output().unwrap();
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(3), "{message}");
-    assert!(
-        message.contains("likely cause: dt = 0.08 τ is too large"),
-        "{message}"
-    );
+    assert!(message.contains("likely cause: dt = 0.08 τ is too large"), "{message}");
     assert!(json(&std::fs::read_to_string(out.join("run.json")).unwrap())["finished"] == false);
     let thermo = std::fs::read_to_string(out.join("thermo.csv")).unwrap();
     assert!(!thermo.contains("nan"), "{thermo}");

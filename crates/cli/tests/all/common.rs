@@ -5,10 +5,7 @@ use std::process::{Command, Output, Stdio};
 
 /// The root of the repository.
 pub fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../..")
-        .canonicalize()
-        .unwrap()
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
 }
 
 /// `lennard` with arguments, standing in the root of the repository.
@@ -25,11 +22,7 @@ pub fn lennard_in(folder: &Path, arguments: &[&str]) -> Output {
 
 /// Runs a command whose standard output has no reader: it must still end well.
 pub fn without_a_reader(mut command: Command) {
-    let mut child = command
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     let said = stderr(&output);
@@ -55,12 +48,7 @@ pub fn succeed(args: &[&str]) -> String {
 /// Runs a command, wants success, and returns standard output.
 pub fn success(command: &mut Command) -> String {
     let output = command.output().unwrap();
-    assert!(
-        output.status.success(),
-        "{command:?}\n{}{}",
-        stdout(&output),
-        stderr(&output)
-    );
+    assert!(output.status.success(), "{command:?}\n{}{}", stdout(&output), stderr(&output));
     stdout(&output)
 }
 
@@ -91,9 +79,7 @@ pub struct Place {
 impl Place {
     /// A folder that holds these files: name and text.
     pub fn with(files: &[(&str, &str)]) -> Self {
-        let place = Self {
-            root: tempfile::tempdir().unwrap(),
-        };
+        let place = Self { root: tempfile::tempdir().unwrap() };
         for (name, text) in files {
             place.write(name, text);
         }

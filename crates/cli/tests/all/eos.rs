@@ -92,15 +92,9 @@ fn freezing_is_a_table_of_both_lines_with_the_triple_point() {
     assert_eq!(triple.len(), 2);
     assert!((of(&triple[0], "temperature") - 0.694).abs() < 1e-3);
     let said = succeed(&["eos", "thol-2016", "--freezing"]);
-    assert!(
-        said.contains("triple point T = 0.69") && said.contains("van der Hoef"),
-        "{said}"
-    );
+    assert!(said.contains("triple point T = 0.69") && said.contains("van der Hoef"), "{said}");
     let said = refused(&["thol-2015", "--freezing"]);
-    assert!(
-        said.contains("nothing freezes there: no freezing line is known"),
-        "{said}"
-    );
+    assert!(said.contains("nothing freezes there: no freezing line is known"), "{said}");
     assert!(
         refused(&["thol-2016", "--freezing", "-T", "0.5"]).contains("begin at the triple point")
     );
@@ -109,20 +103,9 @@ fn freezing_is_a_table_of_both_lines_with_the_triple_point() {
 #[test]
 fn what_an_equation_does_not_give_is_refused_by_name() {
     for (arguments, words) in [
+        (&["thol-2061", "-d", "0.5", "-T", "1.5"][..], "did you mean `thol-2016`?"),
         (
-            &["thol-2061", "-d", "0.5", "-T", "1.5"][..],
-            "did you mean `thol-2016`?",
-        ),
-        (
-            &[
-                "thol-2016",
-                "-d",
-                "0.5",
-                "-T",
-                "1.5",
-                "--properties",
-                "presure",
-            ],
+            &["thol-2016", "-d", "0.5", "-T", "1.5", "--properties", "presure"],
             "did you mean `pressure`?",
         ),
         (
@@ -141,10 +124,7 @@ fn what_an_equation_does_not_give_is_refused_by_name() {
             &["virial", "--exponents", "6,12", "-d", "0.01", "-T", "1.5"],
             "exponents must be above 3",
         ),
-        (
-            &["thol-2016", "-T", "1.5"],
-            "--density VALUES or --pressure VALUES",
-        ),
+        (&["thol-2016", "-T", "1.5"], "--density VALUES or --pressure VALUES"),
         (&["thol-2016", "-d", "0.5"], "a state needs a temperature"),
         (
             &["thol-2016", "-p", "-1", "-T", "1"],
@@ -154,18 +134,9 @@ fn what_an_equation_does_not_give_is_refused_by_name() {
             &["thol-2016", "--saturation", "-T", "2"],
             "Thol 2016 has vapor and liquid from T = 0.66 to 1.3200",
         ),
-        (
-            &["virial", "--saturation"],
-            "virial series is for a gas alone",
-        ),
-        (
-            &["lisal-2004", "--bond", "3", "-d", "0.5", "-T", "3"],
-            "found --bond 3",
-        ),
-        (
-            &["thol-2016", "-d", "0.5:0.1:0.1", "-T", "1"],
-            "the range goes from 0.5 to 0.1",
-        ),
+        (&["virial", "--saturation"], "virial series is for a gas alone"),
+        (&["lisal-2004", "--bond", "3", "-d", "0.5", "-T", "3"], "found --bond 3"),
+        (&["thol-2016", "-d", "0.5:0.1:0.1", "-T", "1"], "the range goes from 0.5 to 0.1"),
     ] {
         let said = refused(arguments);
         assert!(said.contains(words), "{arguments:?}: {said}");
@@ -175,14 +146,8 @@ fn what_an_equation_does_not_give_is_refused_by_name() {
 #[test]
 fn what_is_typed_wrongly_says_what_is_wanted() {
     for (arguments, words) in [
-        (
-            &["-d", "x", "-T", "1"][..],
-            "`x` is no finite number; wanted a number",
-        ),
-        (
-            &["-d", "0:1000000:1", "-T", "1"],
-            "the range has 1000000 steps; at most 10000 are taken",
-        ),
+        (&["-d", "x", "-T", "1"][..], "`x` is no finite number; wanted a number"),
+        (&["-d", "0:1000000:1", "-T", "1"], "the range has 1000000 steps; at most 10000 are taken"),
         (
             &["thol-2016", "--saturation", "-T", "5"],
             "nothing coexists there: Thol 2016 has vapor and liquid",
@@ -191,10 +156,7 @@ fn what_is_typed_wrongly_says_what_is_wanted() {
             &["-d", "0.5", "-T", "1", "--exponents", "12"],
             "a Mie potential has two exponents: --exponents 14,6",
         ),
-        (
-            &["lisal-2004", "-d", "0.5", "-T", "2", "--bond", "5"],
-            "lisal-2004 is for bonds from",
-        ),
+        (&["lisal-2004", "-d", "0.5", "-T", "2", "--bond", "5"], "lisal-2004 is for bonds from"),
     ] {
         let said = refused(arguments);
         assert!(said.contains(words), "{arguments:?}: {said}");
@@ -204,8 +166,5 @@ fn what_is_typed_wrongly_says_what_is_wanted() {
             .contains("σ, found --bond 5")
     );
     let twelve = refused(&["-d", "0.5", "-T", "1", "--exponents", "12"]);
-    assert!(
-        twelve.starts_with("error: evaluating an equation of state"),
-        "{twelve}"
-    );
+    assert!(twelve.starts_with("error: evaluating an equation of state"), "{twelve}");
 }

@@ -49,10 +49,7 @@ fn bench(changes: &[(&str, &str)]) -> tempfile::TempDir {
 }
 
 fn export(root: &Path, arguments: &[&str]) -> std::process::Output {
-    lennard(&[&["export"], arguments].concat())
-        .current_dir(root)
-        .output()
-        .unwrap()
+    lennard(&[&["export"], arguments].concat()).current_dir(root).output().unwrap()
 }
 
 fn script(root: &Path, folder: &str) -> String {
@@ -61,12 +58,8 @@ fn script(root: &Path, folder: &str) -> String {
 
 /// The commands, each with single blanks.
 fn commands(script: &str) -> Vec<String> {
-    let lines = script
-        .lines()
-        .filter(|l| !l.is_empty() && !l.starts_with('#'));
-    lines
-        .map(|l| l.split_whitespace().collect::<Vec<_>>().join(" "))
-        .collect()
+    let lines = script.lines().filter(|l| !l.is_empty() && !l.starts_with('#'));
+    lines.map(|l| l.split_whitespace().collect::<Vec<_>>().join(" ")).collect()
 }
 
 #[test]
@@ -130,22 +123,10 @@ fn each_potential_truncation_and_bath_has_its_command() {
     let mtk = format!("{measured}\nbarostat = {{ kind = \"mtk\", pressure = 1.5, tau = 0.8 }}");
     let cells = "thermostat = \"bussi\"\nbarostat = { kind = \"stochastic-cell-rescaling\", pressure = 1.5 }";
     for (from, to, wanted) in [
-        (
-            "kind = \"shift\"",
-            "kind = \"cut\"",
-            "pair_modify shift no tail yes",
-        ),
-        (
-            "kind = \"shift\"",
-            "kind = \"force-shift\"",
-            "pair_style lj/smooth/linear 2.0",
-        ),
+        ("kind = \"shift\"", "kind = \"cut\"", "pair_modify shift no tail yes"),
+        ("kind = \"shift\"", "kind = \"force-shift\"", "pair_style lj/smooth/linear 2.0"),
         ("[truncation]", mie, "pair_coeff 1 1 1.0 1.0 14 7 2.0"),
-        (
-            "[truncation]",
-            wca,
-            "pair_coeff 1 1 1.0 1.0 1.122462048309373",
-        ),
+        ("[truncation]", wca, "pair_coeff 1 1 1.0 1.0 1.122462048309373"),
         ("[truncation]", mixture, "pair_coeff 1 2 1.0 0.75 2.0"),
         (
             bath,
@@ -162,25 +143,14 @@ fn each_potential_truncation_and_bath_has_its_command() {
             "thermostat = { kind = \"langevin\", friction = 0.5 }",
             "compute_modify thermo_temp extra/dof 3",
         ),
-        (
-            measured,
-            &mtk,
-            "fix move all npt temp 1.2 1.2 0.4 tchain 2 iso 1.5 1.5 0.8 pchain 3",
-        ),
-        (
-            measured,
-            cells,
-            "fix move all npt temp 1.2 1.2 0.5 tchain 3 iso 1.5 1.5 1.0 pchain 3",
-        ),
+        (measured, &mtk, "fix move all npt temp 1.2 1.2 0.4 tchain 2 iso 1.5 1.5 0.8 pchain 3"),
+        (measured, cells, "fix move all npt temp 1.2 1.2 0.5 tchain 3 iso 1.5 1.5 1.0 pchain 3"),
     ] {
         let root = bench(&[(from, to)]);
         let output = export(root.path(), &["liquid.toml", "out", "--json"]);
         assert!(output.status.success(), "{to}: {}", stderr(&output));
         let written = commands(&script(root.path(), "out"));
-        assert!(
-            written.iter().any(|c| c == wanted),
-            "wanted `{wanted}` in\n{written:#?}"
-        );
+        assert!(written.iter().any(|c| c == wanted), "wanted `{wanted}` in\n{written:#?}");
     }
 }
 
@@ -195,24 +165,16 @@ fn the_data_file_is_a_start_with_the_same_energy() {
     let output = export(root.path(), &["run", "later", "--json"]);
     assert!(output.status.success(), "{}", stderr(&output));
     let document: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
-    assert_eq!(
-        document["files"],
-        serde_json::json!(["later/start.data", "later/in.lammps"])
-    );
+    assert_eq!(document["files"], serde_json::json!(["later/start.data", "later/in.lammps"]));
     let text = script(root.path(), "later");
-    assert!(
-        text.contains("The run is finished: its last stage once more."),
-        "{text}"
-    );
+    assert!(text.contains("The run is finished: its last stage once more."), "{text}");
     assert!(commands(&text).contains(&"reset_timestep 50".to_owned()));
     let energy = |file: &str| -> serde_json::Value {
         let start = format!("configuration = {file:?}");
         let text = SCENE.replace("lattice = \"bcc\"\nn_atoms = 54\ndensity = 0.8", &start);
         fs::write(root.path().join("start.toml"), text).unwrap();
-        let output = lennard(&["energy", "start.toml", "--json"])
-            .current_dir(root.path())
-            .output()
-            .unwrap();
+        let output =
+            lennard(&["energy", "start.toml", "--json"]).current_dir(root.path()).output().unwrap();
         assert!(output.status.success(), "{}", stderr(&output));
         let mut report: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
         report.as_object_mut().unwrap().remove("remarks");
@@ -224,18 +186,10 @@ fn the_data_file_is_a_start_with_the_same_energy() {
 #[test]
 fn a_run_that_was_stopped_is_exported_with_the_stages_that_are_left() {
     let root = bench(&[("steps = 30", "steps = 2000000")]);
-    let run = lennard(&[
-        "run",
-        "liquid.toml",
-        "--quiet",
-        "--out",
-        "run",
-        "--max-walltime",
-        "1s",
-    ])
-    .current_dir(root.path())
-    .output()
-    .unwrap();
+    let run = lennard(&["run", "liquid.toml", "--quiet", "--out", "run", "--max-walltime", "1s"])
+        .current_dir(root.path())
+        .output()
+        .unwrap();
     assert_eq!(run.status.code(), Some(4), "{}", stderr(&run));
     let output = export(root.path(), &["run", "later"]);
     assert!(output.status.success(), "{}", stderr(&output));
@@ -253,14 +207,8 @@ fn a_run_that_was_stopped_is_exported_with_the_stages_that_are_left() {
 fn what_lammps_does_not_have_is_refused_and_nothing_is_written() {
     let molecules = ("n_atoms = 54", "n_molecules = 54");
     let verlet = ("leapfrog", "velocity-verlet");
-    let bond = (
-        "[integrator]",
-        "[molecule]\nbond_length = 0.6\n[integrator]",
-    );
-    let wall = (
-        "[integrator]",
-        "[[wall]]\nkind = \"wca\"\naxis = \"y\"\n[integrator]",
-    );
+    let bond = ("[integrator]", "[molecule]\nbond_length = 0.6\n[integrator]");
+    let wall = ("[integrator]", "[[wall]]\nkind = \"wca\"\naxis = \"y\"\n[integrator]");
     let measured = "thermostat = { kind = \"nose-hoover\", tau = 0.4, chain = 2 }";
     let z = "thermostat = \"bussi\"\nbarostat = { kind = \"stochastic-cell-rescaling\", pressure = 1.0, coupling = \"z\" }";
     let soft = "[potential]\nkind = \"soft-sphere\"\n[truncation]";
@@ -287,21 +235,14 @@ fn what_lammps_does_not_have_is_refused_and_nothing_is_written() {
         ),
         (
             vec![
-                (
-                    "kind = \"shift\"",
-                    "kind = \"cut\"\ntail_correction = \"planar\"",
-                ),
+                ("kind = \"shift\"", "kind = \"cut\"\ntail_correction = \"planar\""),
                 ("density = 0.8", "density = 0.8\nvacuum = 10.0"),
                 ("kind = \"rdf\"", "kind = \"momentum\""),
             ],
             "the planar tail, in an export to LAMMPS",
             "a scene without",
         ),
-        (
-            vec![(measured, z)],
-            "\"z\", in an export to LAMMPS",
-            "\"isotropic\"",
-        ),
+        (vec![(measured, z)], "\"z\", in an export to LAMMPS", "\"isotropic\""),
     ] {
         let root = bench(&changes);
         let output = export(root.path(), &["liquid.toml", "out"]);
@@ -321,17 +262,10 @@ fn a_folder_that_holds_something_is_written_to_by_force_alone() {
     fs::write(root.path().join("out/notes.txt"), "mine").unwrap();
     let refused = export(root.path(), &["liquid.toml", "out"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(
-        stderr(&refused).contains("making the output folder"),
-        "{}",
-        stderr(&refused)
-    );
+    assert!(stderr(&refused).contains("making the output folder"), "{}", stderr(&refused));
     let forced = export(root.path(), &["liquid.toml", "out", "--force"]);
     assert!(forced.status.success(), "{}", stderr(&forced));
-    assert_eq!(
-        fs::read(root.path().join("out/notes.txt")).unwrap(),
-        b"mine"
-    );
+    assert_eq!(fs::read(root.path().join("out/notes.txt")).unwrap(), b"mine");
     let overridden = export(root.path(), &["out", "other", "--seed", "3"]);
     assert_eq!(overridden.status.code(), Some(2));
     let message = stderr(&overridden);
@@ -343,9 +277,5 @@ fn a_folder_that_holds_something_is_written_to_by_force_alone() {
         assert!(message.contains(word), "wanted `{word}` in\n{message}");
     }
     let no_run = export(root.path(), &["out", "other"]);
-    assert!(
-        stderr(&no_run).contains("out holds no run"),
-        "{}",
-        stderr(&no_run)
-    );
+    assert!(stderr(&no_run).contains("out holds no run"), "{}", stderr(&no_run));
 }

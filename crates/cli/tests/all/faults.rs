@@ -27,10 +27,7 @@ impl Place {
     fn new() -> Self {
         let root = tempfile::tempdir().unwrap();
         fs::write(root.path().join("liquid.toml"), SCENE).unwrap();
-        Self {
-            root,
-            before: Vec::new(),
-        }
+        Self { root, before: Vec::new() }
     }
 
     /// The same for a user whom permissions bind. `None`, with a printed line, where there is no such user.
@@ -39,10 +36,7 @@ impl Place {
         let mut place = Self::new();
         let said = |command: &str, arguments: &[&str]| {
             let output = Command::new(command).args(arguments).output().ok()?;
-            output
-                .status
-                .success()
-                .then(|| stdout(&output).trim().to_owned())
+            output.status.success().then(|| stdout(&output).trim().to_owned())
         };
         if said("id", &["-u"])? != "0" {
             return Some(place);
@@ -54,11 +48,7 @@ impl Place {
             );
             return None;
         }
-        place.before = ["setpriv"]
-            .iter()
-            .chain(&give_up)
-            .map(|s| (*s).to_owned())
-            .collect();
+        place.before = ["setpriv"].iter().chain(&give_up).map(|s| (*s).to_owned()).collect();
         // Folders of root may be closed to others: the program is copied to where they may go.
         fs::copy(env!("CARGO_BIN_EXE_lennard"), place.program()).unwrap();
         allow(place.root.path(), 0o777);
@@ -96,10 +86,7 @@ impl Place {
             .unwrap();
         let start = Instant::now();
         while checkpoints(&self.out()).len() < 2 {
-            assert!(
-                start.elapsed() < Duration::from_secs(60),
-                "no checkpoint after a minute"
-            );
+            assert!(start.elapsed() < Duration::from_secs(60), "no checkpoint after a minute");
             std::thread::sleep(Duration::from_millis(2));
         }
         child
@@ -115,9 +102,7 @@ fn allow(path: &Path, mode: u32) {
 }
 
 fn checkpoints(folder: &Path) -> Vec<PathBuf> {
-    let all = lennard_io::CheckpointFolder::new(folder)
-        .list()
-        .unwrap_or_default();
+    let all = lennard_io::CheckpointFolder::new(folder).list().unwrap_or_default();
     all.into_iter().map(|(_, path)| path).collect()
 }
 
@@ -158,10 +143,8 @@ fn permission_lost_stops_the_run_and_loses_nothing_before() {
     // Nor can one begin in an empty folder that it may not write to.
     fs::create_dir(place.root.path().join("closed")).unwrap();
     allow(&place.root.path().join("closed"), 0o555);
-    let closed = place
-        .command(&["run", "liquid.toml", "--quiet", "--out", "closed"])
-        .output()
-        .unwrap();
+    let closed =
+        place.command(&["run", "liquid.toml", "--quiet", "--out", "closed"]).output().unwrap();
     refused(
         &closed,
         2,
@@ -172,19 +155,15 @@ fn permission_lost_stops_the_run_and_loses_nothing_before() {
     // A new run cannot begin there, and says so.
     allow(&place.out(), 0o755);
     allow(place.root.path(), 0o555);
-    let elsewhere = place
-        .command(&["run", "liquid.toml", "--quiet", "--out", "other"])
-        .output()
-        .unwrap();
+    let elsewhere =
+        place.command(&["run", "liquid.toml", "--quiet", "--out", "other"]).output().unwrap();
     refused(
         &elsewhere,
         2,
         &["making the output folder: the output folder other cannot be made: Permission denied"],
     );
-    let resumed = place
-        .command(&["resume", "out", "--quiet", "--max-walltime", "100ms"])
-        .output()
-        .unwrap();
+    let resumed =
+        place.command(&["resume", "out", "--quiet", "--max-walltime", "100ms"]).output().unwrap();
     refused(&resumed, 4, &["stopped by --max-walltime after step"]);
     allow(place.root.path(), 0o755);
 }
@@ -200,11 +179,7 @@ fn a_folder_that_is_taken_away_stops_the_run() {
         if by_a_file {
             fs::write(place.out(), "in the way").unwrap();
         }
-        refused(
-            &child.wait_with_output().unwrap(),
-            1,
-            &["writing results: out/"],
-        );
+        refused(&child.wait_with_output().unwrap(), 1, &["writing results: out/"]);
         for checkpoint in checkpoints(&place.root.path().join("moved")) {
             lennard_io::read_checkpoint(&checkpoint).unwrap();
         }
@@ -232,23 +207,13 @@ fn a_place_where_no_one_may_write_is_refused_before_the_run() {
 fn json_that_nobody_reads_is_no_failure() {
     let place = Place::new();
     for arguments in [
-        &[
-            "run",
-            "liquid.toml",
-            "--json",
-            "--out",
-            "out",
-            "--set",
-            "stage.0.steps=200",
-        ][..],
+        &["run", "liquid.toml", "--json", "--out", "out", "--set", "stage.0.steps=200"][..],
         &["plan", "liquid.toml", "--json"],
         &["list", "observables", "--json"],
     ] {
         without_a_reader(place.command(arguments));
     }
     assert!(
-        fs::read_to_string(place.out().join("run.json"))
-            .unwrap()
-            .contains("\"finished\": true")
+        fs::read_to_string(place.out().join("run.json")).unwrap().contains("\"finished\": true")
     );
 }

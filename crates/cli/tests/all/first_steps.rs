@@ -11,16 +11,10 @@ fn a_shipped_scene_runs_by_its_name_anywhere_and_a_file_of_that_name_wins() {
         success(&mut command)
     };
     run(&["--out", "shipped"]);
-    assert!(
-        place
-            .read("shipped/scene.toml")
-            .contains("name = \"triple-point\"")
-    );
+    assert!(place.read("shipped/scene.toml").contains("name = \"triple-point\""));
     // The same scene as a file, with another density: the file is what runs.
     success(&mut place.command(&["new", "triple-point", "--like", "verlet-1967/triple-point"]));
-    let mine = place
-        .read("triple-point.toml")
-        .replace("density = 0.8442", "density = 0.7");
+    let mine = place.read("triple-point.toml").replace("density = 0.8442", "density = 0.7");
     place.write("triple-point.toml", &mine);
     run(&["--out", "own"]);
     assert!(place.read("own/scene.toml").contains("density = 0.7\n"));
@@ -76,11 +70,7 @@ fn a_new_scene_has_the_comments_of_its_model_and_its_own_command() {
     assert!(!place.read("my-fluid.toml").starts_with("#:schema"));
     std::fs::create_dir(place.path("taken.toml")).unwrap();
     let folder = place.output(&["new", "taken", "--force"]);
-    assert!(
-        stderr(&folder).contains("allowed: the name of a new file"),
-        "{}",
-        stderr(&folder)
-    );
+    assert!(stderr(&folder).contains("allowed: the name of a new file"), "{}", stderr(&folder));
     let absent = place.output(&["new", "mine", "--like", "fluid/gass"]);
     assert_eq!(absent.status.code(), Some(2));
     let said = stderr(&absent);
@@ -101,19 +91,10 @@ fn every_command_and_file_in_a_copy_is_of_the_copy() {
                 "writes them to mine.lock.toml.",
             ][..],
         ),
-        (
-            "npt/baths",
-            &[
-                "lennard run mine.toml\n",
-                "lennard chart mine.toml --ensemble\n",
-            ],
-        ),
+        ("npt/baths", &["lennard run mine.toml\n", "lennard chart mine.toml --ensemble\n"]),
         (
             "sweep/transport",
-            &[
-                "lennard sweep mine.toml --out runs/mine\n",
-                "lennard compare runs/mine/*/\n",
-            ],
+            &["lennard sweep mine.toml --out runs/mine\n", "lennard compare runs/mine/*/\n"],
         ),
         (
             "verlet-1967/table",
@@ -130,11 +111,7 @@ fn every_command_and_file_in_a_copy_is_of_the_copy() {
         success(&mut place.command(&["new", "mine", "--like", scene.name, "--force"]));
         let text = place.read("mine.toml");
         let own = format!("inputs/{}.", scene.name);
-        assert!(
-            !text.contains("cargo run") && !text.contains(&own),
-            "{}: {text}",
-            scene.name
-        );
+        assert!(!text.contains("cargo run") && !text.contains(&own), "{}: {text}", scene.name);
     }
 }
 
@@ -143,16 +120,10 @@ fn a_name_with_a_space_stands_in_quotes_where_it_can_be_typed() {
     let place = Place::with(&[]);
     let said = success(&mut place.command(&["new", "my fluid"]));
     let lines: Vec<&str> = said.lines().collect();
-    assert!(
-        lines[1].starts_with("  lennard plan 'my fluid.toml' "),
-        "{said}"
-    );
+    assert!(lines[1].starts_with("  lennard plan 'my fluid.toml' "), "{said}");
     assert_eq!(lines[2], "  lennard run 'my fluid.toml'");
     let text = place.read("my fluid.toml");
-    assert!(
-        text.contains("#     lennard run 'my fluid.toml'\n"),
-        "{text}"
-    );
+    assert!(text.contains("#     lennard run 'my fluid.toml'\n"), "{text}");
 }
 
 /// Who has the program alone has no folder `inputs`.
@@ -162,14 +133,9 @@ fn examples_of_the_commands_name_scenes_that_come_with_the_program() {
     let list = success(&mut place.command(&["list", "scenes", "--json"]));
     let shipped = |word: &str| list.contains(&format!("\"name\": \"{word}\""));
     let mut named = 0;
-    for command in [
-        "run", "plan", "energy", "chart", "sweep", "tune", "bench", "export",
-    ] {
+    for command in ["run", "plan", "energy", "chart", "sweep", "tune", "bench", "export"] {
         let help = success(&mut place.command(&[command, "--help"]));
-        for line in help
-            .lines()
-            .filter_map(|line| line.trim().strip_prefix("lennard "))
-        {
+        for line in help.lines().filter_map(|line| line.trim().strip_prefix("lennard ")) {
             let scene = line.split_whitespace().nth(1).unwrap_or_default();
             if scene.contains('/') && !scene.starts_with("runs/") {
                 assert!(shipped(scene), "{command}: {line}");
@@ -191,10 +157,7 @@ fn a_copy_of_every_shipped_scene_is_a_scene() {
         let (name, copy) = (scene["name"].as_str().unwrap(), format!("copy-{i}"));
         success(&mut place.command(&["new", &copy, "--like", name]));
         // A sweep checks the scene of every point; the largest scenes are only read.
-        let sweep = scene["source"]
-            .as_str()
-            .unwrap()
-            .starts_with("lennard sweep");
+        let sweep = scene["source"].as_str().unwrap().starts_with("lennard sweep");
         if sweep {
             let refused = place.output(&["sweep", &copy, "--set", "kernel.isa=x"]);
             let said = stderr(&refused);
@@ -212,19 +175,11 @@ fn every_command_has_a_man_page() {
     success(&mut place.command(&["man", "pages/man1"]));
     let page = place.read("pages/man1/lennard-run.1");
     assert!(page.contains("max\\-walltime"), "{page}");
-    assert!(
-        place
-            .read("pages/man1/lennard.1")
-            .contains("lennard\\-sweep")
-    );
+    assert!(place.read("pages/man1/lennard.1").contains("lennard\\-sweep"));
     place.write("file", "");
     let refused = place.output(&["man", "file"]);
     assert_eq!(refused.status.code(), Some(1), "{}", stdout(&refused));
-    assert!(
-        stderr(&refused).contains("writing man pages: file"),
-        "{}",
-        stderr(&refused)
-    );
+    assert!(stderr(&refused).contains("writing man pages: file"), "{}", stderr(&refused));
 }
 
 #[test]
@@ -234,9 +189,5 @@ fn a_tuned_shipped_scene_looks_for_its_lock_in_the_present_folder() {
     assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
     place.write("accuracy.lock.toml", "not a lock");
     let refused = place.output(&["run", "fluid/accuracy"]);
-    assert!(
-        stderr(&refused).contains("accuracy.lock.toml"),
-        "{}",
-        stderr(&refused)
-    );
+    assert!(stderr(&refused).contains("accuracy.lock.toml"), "{}", stderr(&refused));
 }

@@ -41,18 +41,11 @@ fn text(bytes: &[u8]) -> String {
 fn a_sweep_runs_its_points_once_and_every_run_has_a_page() {
     let folder =
         prepared("base = \"base.toml\"\n[grid]\ndensity = [0.5, 0.7]\ntemperature = 1.5\n");
-    let first = lennard_in(
-        folder.path(),
-        &["sweep", "sweep.toml", "--out", "out", "--json"],
-    );
+    let first = lennard_in(folder.path(), &["sweep", "sweep.toml", "--out", "out", "--json"]);
     let told = text(&first.stderr);
     assert!(first.status.success(), "{told}");
     let whole = told.lines().filter(|line| line.starts_with("100 %"));
-    assert_eq!(
-        whole.collect::<Vec<_>>(),
-        ["100 %: 2 of 2 points"],
-        "{told}"
-    );
+    assert_eq!(whole.collect::<Vec<_>>(), ["100 %: 2 of 2 points"], "{told}");
     let record: serde_json::Value = serde_json::from_slice(&first.stdout).unwrap();
     assert_eq!(record["points"].as_array().unwrap().len(), 2);
     assert_eq!(record["ending"], "finished");
@@ -68,38 +61,18 @@ fn a_sweep_runs_its_points_once_and_every_run_has_a_page() {
     assert!(page.contains("T, half steps") && !page.contains("T, whole steps"));
     // The last column stays in sight on a narrow screen.
     let points = page.split("<th scope=\"col\">Point</th>").next().unwrap();
-    assert!(
-        points
-            .trim_end()
-            .ends_with("<table class=\"judged\">\n<thead><tr>")
-    );
+    assert!(points.trim_end().ends_with("<table class=\"judged\">\n<thead><tr>"));
     let heads = page.split("<th scope=\"col\">Point</th>").nth(1).unwrap();
     let last = heads.split("</th></tr>").next().unwrap();
     assert!(last.ends_with(">Verdicts of U, P, c_v"), "{last}");
 
-    let again = lennard_in(
-        folder.path(),
-        &["sweep", "sweep.toml", "--out", "out", "--json", "--quiet"],
-    );
+    let again =
+        lennard_in(folder.path(), &["sweep", "sweep.toml", "--out", "out", "--json", "--quiet"]);
     let again: serde_json::Value = serde_json::from_slice(&again.stdout).unwrap();
-    assert!(
-        again["points"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .all(|p| p["kept"] == true)
-    );
+    assert!(again["points"].as_array().unwrap().iter().all(|p| p["kept"] == true));
 
     // Another scene must not be taken for the finished one, nor overwrite it unasked.
-    let other = [
-        "sweep",
-        "sweep.toml",
-        "--out",
-        "out",
-        "--quiet",
-        "--set",
-        "truncation.r_cut=2.2",
-    ];
+    let other = ["sweep", "sweep.toml", "--out", "out", "--quiet", "--set", "truncation.r_cut=2.2"];
     let refused = lennard_in(folder.path(), &other);
     assert_eq!(refused.status.code(), Some(2));
     assert!(text(&refused.stderr).contains("another scene"));
@@ -109,23 +82,13 @@ fn a_sweep_runs_its_points_once_and_every_run_has_a_page() {
 fn comparing_refuses_what_did_not_finish_and_names_a_truncation_without_reference() {
     let folder = prepared("");
     let run = |extra: &[&str]| {
-        let all: Vec<&str> = ["run", "base.toml", "--quiet"]
-            .iter()
-            .chain(extra)
-            .copied()
-            .collect();
+        let all: Vec<&str> = ["run", "base.toml", "--quiet"].iter().chain(extra).copied().collect();
         lennard_in(folder.path(), &all)
     };
     assert!(
-        run(&[
-            "--out",
-            "shifted",
-            "--no-report",
-            "--set",
-            "truncation.kind=force-shift"
-        ])
-        .status
-        .success()
+        run(&["--out", "shifted", "--no-report", "--set", "truncation.kind=force-shift"])
+            .status
+            .success()
     );
     assert!(!folder.path().join("shifted/report.html").exists());
     let compared = lennard_in(folder.path(), &["compare", "shifted", "--all"]);
@@ -147,11 +110,7 @@ fn comparing_refuses_what_did_not_finish_and_names_a_truncation_without_referenc
     std::fs::write(&path, record).unwrap();
     let refused = lennard_in(folder.path(), &["compare", "shifted"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(
-        text(&refused.stderr).contains("did not finish"),
-        "{}",
-        text(&refused.stderr)
-    );
+    assert!(text(&refused.stderr).contains("did not finish"), "{}", text(&refused.stderr));
     assert!(refused.stdout.is_empty());
 }
 
@@ -161,10 +120,8 @@ fn swept(points: &str) -> (tempfile::TempDir, serde_json::Value, String) {
         "base = \"base.toml\"\n[set]\n\"truncation.r_cut\" = 2.2\n\"stage.production.steps\" = 3000\n\
          \"stage.production.thermostat\" = {{ kind = \"bussi\", tau = 0.1 }}\n\"output.thermo_every\" = 5\n{points}"
     ));
-    let done = lennard_in(
-        folder.path(),
-        &["sweep", "sweep.toml", "--out", "out", "--json", "--quiet"],
-    );
+    let done =
+        lennard_in(folder.path(), &["sweep", "sweep.toml", "--out", "out", "--json", "--quiet"]);
     assert!(done.status.success(), "{}", text(&done.stderr));
     let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     (folder, serde_json::from_slice(&done.stdout).unwrap(), page)
@@ -189,11 +146,8 @@ fn states_outside_the_equation_inside_the_dome_and_above_freezing_are_said_to_be
         for row in point["compared"]["rows"].as_array().unwrap() {
             let quantity = row["quantity"].as_str().unwrap();
             let verdict = row["verdict"].as_str().unwrap();
-            let of_the_run_itself = [
-                "temperature",
-                "temperature_half_steps",
-                "configurational_temperature",
-            ];
+            let of_the_run_itself =
+                ["temperature", "temperature_half_steps", "configurational_temperature"];
             assert!(
                 of_the_run_itself.contains(&quantity) || row["reference"].is_null(),
                 "{words}: {quantity} {verdict}"
@@ -238,10 +192,7 @@ fn compare_prints_one_document_with_both_temperatures_and_the_state() {
     assert!((gap - energy["difference"].as_f64().unwrap()).abs() < 1e-12);
     assert!(energy["source"].as_str().unwrap().contains("Thol 2016"));
     let shown = text(&lennard_in(folder.path(), &["compare", "out/rho0.5-T2", "--all"]).stdout);
-    assert!(
-        shown.contains("T, whole steps") && shown.contains("T, half steps"),
-        "{shown}"
-    );
+    assert!(shown.contains("T, whole steps") && shown.contains("T, half steps"), "{shown}");
 }
 
 #[test]
@@ -256,11 +207,7 @@ fn sweeps_with_no_points_and_truncations_that_no_equation_fits_are_said_clearly(
     assert!(!folder.path().join("out").exists());
     let refused = lennard_in(folder.path(), &["sweep", "sweep.toml", "--out", "out"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(
-        text(&refused.stderr).contains("a sweep with no points"),
-        "{}",
-        text(&refused.stderr)
-    );
+    assert!(text(&refused.stderr).contains("a sweep with no points"), "{}", text(&refused.stderr));
 
     // There is an equation for shifting at 2.5 σ, and for no other cutoff.
     let (_folder, record, page) =
@@ -268,20 +215,11 @@ fn sweeps_with_no_points_and_truncations_that_no_equation_fits_are_said_clearly(
     let compared = &record["points"][0]["compared"];
     assert!(compared["equation"].is_null());
     let remarks = compared["remarks"].to_string();
-    assert!(
-        remarks.contains("not compared with any equation of state"),
-        "{remarks}"
-    );
+    assert!(remarks.contains("not compared with any equation of state"), "{remarks}");
     assert!(page.contains("not compared with any equation of state"));
     let rows = compared["rows"].as_array().unwrap();
-    let energy = rows
-        .iter()
-        .find(|r| r["quantity"] == "potential_energy")
-        .unwrap();
-    assert!(
-        energy["reference"].is_null() && energy["verdict"] != "agrees",
-        "{energy}"
-    );
+    let energy = rows.iter().find(|r| r["quantity"] == "potential_energy").unwrap();
+    assert!(energy["reference"].is_null() && energy["verdict"] != "agrees", "{energy}");
 }
 
 /// Takes response functions, and what is said of them, out of the record of a run, as older versions wrote it.
@@ -321,11 +259,8 @@ fn an_old_run_gets_the_response_functions_that_a_new_one_has() {
     let bath = "stage.production.thermostat=bussi";
     let barostat =
         "stage.production.barostat={ kind = \"stochastic-cell-rescaling\", pressure = 2.0 }";
-    let settings: [(&str, &[&str]); 3] = [
-        ("energy", &[]),
-        ("bath", &[bath]),
-        ("pressure", &[bath, barostat]),
-    ];
+    let settings: [(&str, &[&str]); 3] =
+        [("energy", &[]), ("bath", &[bath]), ("pressure", &[bath, barostat])];
     for (name, sets) in settings {
         let mut run = vec!["run", "base.toml", "--quiet", "--no-report", "--out", name];
         run.extend(sets.iter().flat_map(|set| ["--set", set]));
@@ -345,10 +280,7 @@ fn an_old_run_gets_the_response_functions_that_a_new_one_has() {
             found += 1;
             let (now, then) = (row["measured"].as_f64(), own["mean"].as_f64());
             let (now, then) = (now.unwrap(), then.unwrap());
-            assert!(
-                (now - then).abs() <= 1e-8 * then.abs(),
-                "{name}: {response}: {now} {then}"
-            );
+            assert!((now - then).abs() <= 1e-8 * then.abs(), "{name}: {response}: {now} {then}");
             // An error that is not there is null on both sides.
             let errors = [&row["standard_error"], &own["standard_error"]].map(|e| e.as_f64());
             let same = match errors {
@@ -387,29 +319,12 @@ fn an_old_run_that_gives_no_response_functions_says_why() {
     let walls = "wall=[{ kind = \"hard\", axis = \"z\" }]";
     let no_tail = "truncation.tail_correction=false";
     let cases: [(&str, &[&str], &str); 3] = [
-        (
-            "scaled",
-            &["stage.production.thermostat=rescale"],
-            "no ensemble",
-        ),
+        ("scaled", &["stage.production.thermostat=rescale"], "no ensemble"),
         ("between-walls", &[walls, no_tail], "walls"),
-        (
-            "slab",
-            &["system.vacuum=8", no_tail],
-            "two phases side by side have no one density",
-        ),
+        ("slab", &["system.vacuum=8", no_tail], "two phases side by side have no one density"),
     ];
-    let ran = lennard_in(
-        folder.path(),
-        &[
-            "run",
-            "base.toml",
-            "--quiet",
-            "--no-report",
-            "--out",
-            "lost",
-        ],
-    );
+    let ran =
+        lennard_in(folder.path(), &["run", "base.toml", "--quiet", "--no-report", "--out", "lost"]);
     assert!(ran.status.success(), "{}", text(&ran.stderr));
     made_old(&folder.path().join("lost"));
     let rows = folder.path().join("lost/thermo.csv");
@@ -418,16 +333,10 @@ fn an_old_run_that_gives_no_response_functions_says_why() {
     let said = text(&lennard_in(folder.path(), &["compare", "lost"]).stdout);
     let said: Vec<&str> = said.split_whitespace().collect();
     let said = said.join(" ");
-    assert!(
-        said.contains("no response functions: lost/thermo.csv:2: found"),
-        "{said}"
-    );
+    assert!(said.contains("no response functions: lost/thermo.csv:2: found"), "{said}");
     std::fs::remove_file(&rows).unwrap();
     let said = text(&lennard_in(folder.path(), &["compare", "lost"]).stdout);
-    assert!(
-        said.contains("no response functions: the run has kept no thermo.csv"),
-        "{said}"
-    );
+    assert!(said.contains("no response functions: the run has kept no thermo.csv"), "{said}");
     for (name, sets, why) in cases {
         let mut run = vec!["run", "base.toml", "--quiet", "--no-report", "--out", name];
         run.extend(sets.iter().flat_map(|set| ["--set", set]));

@@ -11,12 +11,7 @@ const SCENE: &str = "[system]\nn_atoms = 108\ndensity = 0.7\ntemperature = 1.5\n
 
 fn refused(output: &Output, code: i32, words: &[&str]) {
     let message = stderr(output);
-    assert_eq!(
-        output.status.code(),
-        Some(code),
-        "{message}{}",
-        stdout(output)
-    );
+    assert_eq!(output.status.code(), Some(code), "{message}{}", stdout(output));
     for word in words {
         assert!(message.contains(word), "wanted `{word}` in\n{message}");
     }
@@ -38,18 +33,12 @@ fn arguments_that_cannot_be_read_come_with_an_example() {
             ["run", scene, "--max-walltime", "0s"],
             "wanted a time above zero, such as 90s, 10m, 2h or 1h30m",
         ),
-        (
-            ["run", scene, "--max-walltime", "10x"],
-            "; wanted a time such as 90s, 10m, 2h or 1h30m",
-        ),
+        (["run", scene, "--max-walltime", "10x"], "; wanted a time such as 90s, 10m, 2h or 1h30m"),
         (["plan", scene, "--threads", "0"], "allowed: 1 to "),
         (["run", scene, "--threads", "2048"], "allowed: 1 to "),
         (["bench", scene, "--threads", "1,10000"], "allowed: 1 to "),
         (["sweep", sweep, "--threads", "65535"], "allowed: 1 to "),
-        (
-            ["list", "potentials", "--isa", "avx2"],
-            "unexpected argument",
-        ),
+        (["list", "potentials", "--isa", "avx2"], "unexpected argument"),
     ] {
         refused(&lennard(&arguments).output().unwrap(), 2, &[wanted]);
     }
@@ -61,10 +50,7 @@ fn threads_that_the_system_does_not_give_are_no_panic() {
     // Stacks of 400 MB: the third does not fit into one gigabyte. The rest is enough for the small
     // requests of a started thread, at which Rust's runtime would abort.
     for (command, wanted) in [
-        (
-            "plan inputs/fluid/gas.toml --threads 16",
-            "starting threads: ",
-        ),
+        ("plan inputs/fluid/gas.toml --threads 16", "starting threads: "),
         ("bench --quick --threads 16 --out", "starting threads: "),
     ] {
         let folder = tempfile::tempdir().unwrap();
@@ -76,11 +62,7 @@ fn threads_that_the_system_does_not_give_are_no_panic() {
             "ulimit -v 1000000; export RUST_MIN_STACK=400000000; exec '{}' {command} {out}",
             env!("CARGO_BIN_EXE_lennard")
         );
-        let output = Command::new("sh")
-            .args(["-c", &script])
-            .current_dir(root())
-            .output()
-            .unwrap();
+        let output = Command::new("sh").args(["-c", &script]).current_dir(root()).output().unwrap();
         refused(&output, 1, &[wanted]);
     }
 }
@@ -90,11 +72,8 @@ fn a_sweep_says_why_it_cannot_begin_and_how_to_go_on() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     fs::write(path.join("base.toml"), SCENE).unwrap();
-    fs::write(
-        path.join("sweep.toml"),
-        "base = \"base.toml\"\n[grid]\ndensity = [0.5, 0.6]\n",
-    )
-    .unwrap();
+    fs::write(path.join("sweep.toml"), "base = \"base.toml\"\n[grid]\ndensity = [0.5, 0.6]\n")
+        .unwrap();
     fs::write(path.join("file"), "").unwrap();
     refused(
         &within(path, &["sweep", "sweep.toml", "--out", "file/out"]),
@@ -107,34 +86,19 @@ fn a_sweep_says_why_it_cannot_begin_and_how_to_go_on() {
         &["the sweep: nowhere.toml: cannot be read: "],
     );
 
-    let sweep = [
-        "sweep",
-        "sweep.toml",
-        "--out",
-        "out",
-        "--quiet",
-        "--no-report",
-    ];
+    let sweep = ["sweep", "sweep.toml", "--out", "out", "--quiet", "--no-report"];
     assert!(within(path, &sweep).status.success());
     let allowed = "allowed: an empty folder, or what this sweep wrote there; give another --out, or --force to replace the runs of this sweep";
     let mut other = sweep.to_vec();
     other.extend(["--set", "truncation.r_cut=2"]);
-    refused(
-        &within(path, &other),
-        2,
-        &["it holds the run of another scene", allowed],
-    );
+    refused(&within(path, &other), 2, &["it holds the run of another scene", allowed]);
     for entry in fs::read_dir(path.join("out")).unwrap() {
         let record = entry.unwrap().path().join("run.json");
         if record.exists() {
             fs::write(record, "{}").unwrap();
         }
     }
-    refused(
-        &within(path, &sweep),
-        2,
-        &["its run.json cannot be read: ", allowed],
-    );
+    refused(&within(path, &sweep), 2, &["its run.json cannot be read: ", allowed]);
 }
 
 #[cfg(unix)]
@@ -142,16 +106,8 @@ fn a_sweep_says_why_it_cannot_begin_and_how_to_go_on() {
 fn a_sweep_that_is_stopped_says_how_to_go_on() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    fs::write(
-        path.join("base.toml"),
-        SCENE.replace("steps = 100", "steps = 1000000000"),
-    )
-    .unwrap();
-    fs::write(
-        path.join("sweep.toml"),
-        "base = \"base.toml\"\n[grid]\ndensity = 0.5\n",
-    )
-    .unwrap();
+    fs::write(path.join("base.toml"), SCENE.replace("steps = 100", "steps = 1000000000")).unwrap();
+    fs::write(path.join("sweep.toml"), "base = \"base.toml\"\n[grid]\ndensity = 0.5\n").unwrap();
     let child = lennard(&["sweep", "sweep.toml", "--out", "out", "--quiet"])
         .current_dir(path)
         .stderr(Stdio::piped())
@@ -163,13 +119,7 @@ fn a_sweep_that_is_stopped_says_how_to_go_on() {
         std::thread::sleep(std::time::Duration::from_millis(2));
     }
     let id = child.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-TERM", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
+    assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
     let wanted = [
         "stopped on request; what is finished is kept, and points at work have checkpoints",
         "to go on: lennard sweep sweep.toml --out out",
@@ -183,39 +133,16 @@ fn a_run_that_cannot_be_compared_says_why() {
     let path = folder.path();
     fs::write(path.join("first.toml"), SCENE).unwrap();
     assert!(
-        within(
-            path,
-            &[
-                "run",
-                "first.toml",
-                "--out",
-                "first",
-                "--quiet",
-                "--no-report"
-            ]
-        )
-        .status
-        .success()
+        within(path, &["run", "first.toml", "--out", "first", "--quiet", "--no-report"])
+            .status
+            .success()
     );
-    let next = SCENE.replace(
-        "n_atoms = 108\ndensity = 0.7",
-        "configuration = \"first/final.xyz\"",
-    );
+    let next = SCENE.replace("n_atoms = 108\ndensity = 0.7", "configuration = \"first/final.xyz\"");
     fs::write(path.join("next.toml"), next).unwrap();
     assert!(
-        within(
-            path,
-            &[
-                "run",
-                "next.toml",
-                "--out",
-                "next",
-                "--quiet",
-                "--no-report"
-            ]
-        )
-        .status
-        .success()
+        within(path, &["run", "next.toml", "--out", "next", "--quiet", "--no-report"])
+            .status
+            .success()
     );
     fs::remove_file(path.join("next/final.xyz")).unwrap();
     refused(
@@ -241,11 +168,7 @@ fn a_run_that_cannot_be_compared_says_why() {
         "truncation.kind=force-shift",
     ];
     let more = ["--set", "observable=[{kind=\"msd\"}]"];
-    assert!(
-        within(path, &[&shifted[..], &more].concat())
-            .status
-            .success()
-    );
+    assert!(within(path, &[&shifted[..], &more].concat()).status.success());
     let compared = within(path, &["compare", "shifted"]);
     let said = stdout(&compared);
     assert!(

@@ -12,14 +12,8 @@ fn row<'a>(compared: &'a Value, quantity: &str) -> &'a Value {
 /// The shipped scene of Kob and Andersen with 500 particles and changes: what `compare` says of it.
 fn kob_andersen(changes: &[&str]) -> Value {
     let place = Place::with(&[]);
-    let mut arguments = vec![
-        "run",
-        "mixture/kob-andersen",
-        "--out",
-        "out",
-        "--no-report",
-        "--quiet",
-    ];
+    let mut arguments =
+        vec!["run", "mixture/kob-andersen", "--out", "out", "--no-report", "--quiet"];
     let small = ["system.n_atoms=500", "system.lattice=fcc"];
     for change in small.iter().chain(changes) {
         arguments.extend(["--set", change]);
@@ -33,10 +27,7 @@ fn kob_andersen(changes: &[&str]) -> Value {
 
 #[test]
 fn a_run_of_kob_andersen_stands_beside_the_runs_of_others_at_their_states_alone() {
-    let compared = kob_andersen(&[
-        "stage.equilibrate.steps=2000",
-        "stage.production.steps=12000",
-    ]);
+    let compared = kob_andersen(&["stage.equilibrate.steps=2000", "stage.production.steps=12000"]);
     let mut judged = 0;
     for (quantity, reference) in [
         ("potential_energy", -4.653947433),
@@ -62,16 +53,10 @@ fn a_run_of_kob_andersen_stands_beside_the_runs_of_others_at_their_states_alone(
     assert!(row(&compared, "rdf_first_peak_B_B")["reference"].is_null());
     // A third of a per cent colder is another state: nothing is taken between two rows.
     for change in ["system.temperature=1.993", "system.n_atoms=256"] {
-        let compared = kob_andersen(&[
-            change,
-            "stage.equilibrate.steps=100",
-            "stage.production.steps=300",
-        ]);
+        let compared =
+            kob_andersen(&[change, "stage.equilibrate.steps=100", "stage.production.steps=300"]);
         let rows = compared["rows"].as_array().unwrap();
-        assert!(
-            rows.iter()
-                .all(|r| r["source"] != "gamdpy (table `kob-andersen`)")
-        );
+        assert!(rows.iter().all(|r| r["source"] != "gamdpy (table `kob-andersen`)"));
         let remarks = compared["remarks"].to_string();
         assert!(remarks.contains("(ρ 1.2, T 1.028, x_A 0.8)"), "{remarks}");
     }

@@ -81,14 +81,8 @@ fn texts(value: &Value) -> Vec<&str> {
 fn a_production_of_few_steps_is_too_short_and_says_so_without_an_error() {
     let place = Place::with(&[("scene.toml", SCENE)]);
     for steps in [1, 5, 10, 20, 30] {
-        let (out, set) = (
-            format!("out-{steps}"),
-            format!("stage.production.steps={steps}"),
-        );
-        let ran = lennard_in(
-            place.root(),
-            &["run", "scene.toml", "--set", &set, "--out", &out],
-        );
+        let (out, set) = (format!("out-{steps}"), format!("stage.production.steps={steps}"));
+        let ran = lennard_in(place.root(), &["run", "scene.toml", "--set", &set, "--out", &out]);
         let said = stdout(&ran) + &stderr(&ran);
         assert!(ran.status.success(), "{said}");
         assert!(said.contains("The run is too short: "), "{steps}: {said}");
@@ -137,30 +131,18 @@ fn the_figure_of_the_displacement_has_its_fit_and_says_which_d_is_corrected() {
     let caption = |name: &str| {
         let start = page.find(name).unwrap();
         let from = page[start..].find("<figcaption>").unwrap() + start;
-        page[from..]
-            .split("</figcaption>")
-            .next()
-            .unwrap()
-            .to_owned()
+        page[from..].split("</figcaption>").next().unwrap().to_owned()
     };
     let msd = caption("<title>Mean-square displacement</title>");
     // The line in the figure is the line whose slope is told.
     let table = place.read("out/msd.csv");
     let mut rows = table.lines();
     let names: Vec<&str> = rows.next().unwrap().split(',').collect();
-    let column = |of: &str| {
-        names
-            .iter()
-            .position(|name| name.split(' ').next() == Some(of))
-            .unwrap()
-    };
+    let column =
+        |of: &str| names.iter().position(|name| name.split(' ').next() == Some(of)).unwrap();
     let (time, fit) = (column("time"), column("fit"));
     let line: Vec<(f64, f64)> = rows
-        .map(|row| {
-            row.split(',')
-                .map(|x| x.parse::<f64>().unwrap())
-                .collect::<Vec<_>>()
-        })
+        .map(|row| row.split(',').map(|x| x.parse::<f64>().unwrap()).collect::<Vec<_>>())
         .map(|row| (row[time], row[fit]))
         .filter(|(_, y)| y.is_finite())
         .collect();
@@ -187,16 +169,11 @@ fn the_figure_of_the_displacement_has_its_fit_and_says_which_d_is_corrected() {
     }
     // The other route stands on the same footing.
     let vacf = caption("<title>Velocity autocorrelation</title>");
-    let words = format!(
-        "A third of its integral: D = {}",
-        told("diffusion_coefficient_green_kubo")
-    );
+    let words =
+        format!("A third of its integral: D = {}", told("diffusion_coefficient_green_kubo"));
     assert!(vacf.contains(&words), "{words} in {vacf}");
     let words = format!("the slope of the displacement gives {}", told(PLAIN));
-    assert!(
-        vacf.contains(&words) && vacf.contains("Neither is corrected"),
-        "{words} in {vacf}"
-    );
+    assert!(vacf.contains(&words) && vacf.contains("Neither is corrected"), "{words} in {vacf}");
 }
 
 #[test]
@@ -211,26 +188,13 @@ fn every_document_names_its_schema_by_one_rule() {
         &["compare", "out", "--json"],
         &["export", "scene.toml", "lammps", "--json"],
         &["eos", "--temperature", "2", "--density", "0.5", "--json"],
-        &[
-            "mechanics",
-            "--quick",
-            "--quiet",
-            "--out",
-            "mechanics",
-            "--json",
-        ],
+        &["mechanics", "--quick", "--quiet", "--out", "mechanics", "--json"],
     ] {
         let output = lennard_in(place.root(), arguments);
-        assert!(
-            output.status.success(),
-            "{arguments:?}: {}",
-            stderr(&output)
-        );
+        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
         let document: Value = serde_json::from_slice(&output.stdout).unwrap();
         let schema = document["schema"].as_str().unwrap_or_default();
-        let rest = schema
-            .strip_prefix("lennard-")
-            .and_then(|s| s.split_once('/'));
+        let rest = schema.strip_prefix("lennard-").and_then(|s| s.split_once('/'));
         let (name, version) = rest.unwrap_or_else(|| panic!("{arguments:?}: {schema:?}"));
         assert_eq!(name, arguments[0], "{schema}");
         assert!(version.parse::<u32>().is_ok(), "{schema}");
@@ -247,20 +211,15 @@ fn a_point_of_a_sweep_that_is_no_result_has_an_open_mark_and_a_word_in_the_capti
     assert!(ran.status.success(), "{}", stderr(&ran));
     let page = place.read("out/report.html");
     let drawn = |svg: &str| {
-        let marks = svg
-            .lines()
-            .filter(|line| line.starts_with("<circle") && !line.contains("hint"));
-        marks
-            .filter(|mark| mark.contains("#787878") && mark.contains("fill=\"none\""))
-            .count()
+        let marks =
+            svg.lines().filter(|line| line.starts_with("<circle") && !line.contains("hint"));
+        marks.filter(|mark| mark.contains("#787878") && mark.contains("fill=\"none\"")).count()
     };
     // Three marks, and none of them filled; the legend shows the mark of a result.
     let pressure = place.read("out/pressure.svg");
     assert_eq!(drawn(&pressure), 3, "{pressure}");
     let figures = page.matches("Bars are one standard error").count();
-    let said = page
-        .matches("Open grey marks have no known error: they are no results.")
-        .count();
+    let said = page.matches("Open grey marks have no known error: they are no results.").count();
     assert!(figures > 1 && said == figures, "{said} of {figures}");
 }
 
@@ -293,10 +252,7 @@ fn a_length_that_the_program_computes_has_no_more_digits_than_it_is_worth() {
     ];
     let place = Place::with(&[("scene.toml", SCENE)]);
     let dt = ["--set", "integrator.dt=0.0046188021535170061"];
-    let plan = lennard_in(
-        place.root(),
-        &[&["plan", "scene.toml"][..], &switched, &dt].concat(),
-    );
+    let plan = lennard_in(place.root(), &[&["plan", "scene.toml"][..], &switched, &dt].concat());
     let said = stdout(&plan);
     assert!(plan.status.success(), "{}", stderr(&plan));
     assert!(said.contains("switched off from 2.4 to 3 σ"), "{said}");

@@ -76,19 +76,12 @@ fn a_second_sweep_of_a_folder_is_refused_with_the_process_at_work_and_touches_no
     let bench = bench();
     let sweep = ["sweep", "sweep.toml", "--out", "out", "--quiet"];
     let endless = [&sweep[..], &["--threads", "2", "--set", ENDLESS]].concat();
-    let mut first = at_work(
-        &bench,
-        &endless,
-        &["out/T1.1/run.json", "out/T1.3/run.json"],
-    );
+    let mut first = at_work(&bench, &endless, &["out/T1.1/run.json", "out/T1.3/run.json"]);
     let before = contents(&bench.path("out"));
     let process = format!("process {} is at work there", first.0.id());
     for more in [&[][..], &["--force"], &["--set", "system.density=0.7"]] {
         let second = bench.output(&[&sweep[..], more].concat());
-        refused(
-            &second,
-            &["out is in use", &process, "allowed: another folder"],
-        );
+        refused(&second, &["out is in use", &process, "allowed: another folder"]);
     }
     // A run in the folder of the sweep, and one in the folder of a point at work.
     for folder in ["out", "out/T1.3"] {
@@ -100,23 +93,11 @@ fn a_second_sweep_of_a_folder_is_refused_with_the_process_at_work_and_touches_no
     first.0.kill().unwrap();
     first.0.wait().unwrap();
     // A run in the folder of one point keeps the whole sweep from beginning.
-    let run = [
-        "run",
-        "liquid.toml",
-        "--quiet",
-        "--force",
-        "--out",
-        "out/T1.3",
-        "--set",
-        ENDLESS,
-    ];
+    let run = ["run", "liquid.toml", "--quiet", "--force", "--out", "out/T1.3", "--set", ENDLESS];
     fs::remove_file(bench.path("out/T1.3/run.json")).unwrap();
     let one = at_work(&bench, &run, &["out/T1.3/run.json"]);
     let second = bench.output(&[&sweep[..], &["--force"]].concat());
-    refused(
-        &second,
-        &[&format!("out/T1.3 is in use: process {}", one.0.id())],
-    );
+    refused(&second, &[&format!("out/T1.3 is in use: process {}", one.0.id())]);
     drop(one);
     ok(&bench.output(&[&sweep[..], &["--force"]].concat()));
     assert!(bench.path("out/T1.3/final.xyz").exists());
@@ -135,10 +116,8 @@ fn of_runs_started_at_once_in_a_new_folder_one_goes_on_and_the_others_are_told()
                 command.spawn().unwrap()
             })
             .collect();
-        let outputs: Vec<Output> = started
-            .into_iter()
-            .map(|child| child.wait_with_output().unwrap())
-            .collect();
+        let outputs: Vec<Output> =
+            started.into_iter().map(|child| child.wait_with_output().unwrap()).collect();
         let (done, others): (Vec<_>, Vec<_>) =
             outputs.iter().partition(|output| output.status.success());
         assert_eq!(done.len(), 1, "{outputs:?}");
@@ -179,10 +158,8 @@ fn an_input_in_the_output_folder_is_never_replaced() {
     bench.write("study/scene.toml", SCENE);
     bench.write("study/run.json", "{}");
     fs::write(bench.path("study/start.xyz"), &start).unwrap();
-    let from_file = SCENE.replace(
-        "n_atoms = 108\ndensity = 0.8",
-        "configuration = \"study/start.xyz\"",
-    );
+    let from_file =
+        SCENE.replace("n_atoms = 108\ndensity = 0.8", "configuration = \"study/start.xyz\"");
     bench.write("from-file.toml", &from_file);
     std::os::unix::fs::symlink("study", bench.path("link")).unwrap();
     std::os::unix::fs::symlink("study/scene.toml", bench.path("scene-link.toml")).unwrap();
@@ -197,14 +174,8 @@ fn an_input_in_the_output_folder_is_never_replaced() {
     ] {
         for command in ["run", "chart", "bench"] {
             let output = bench.output(&[command, scene, "--out", folder, "--force", "--quiet"]);
-            refused(
-                &output,
-                &[input, "lies in the output folder", "allowed: another"],
-            );
-            assert!(
-                before == contents(&bench.path("study")),
-                "{command} {scene}"
-            );
+            refused(&output, &[input, "lies in the output folder", "allowed: another"]);
+            assert!(before == contents(&bench.path("study")), "{command} {scene}");
         }
     }
     // Standing in the folder itself.
@@ -229,19 +200,10 @@ fn a_sweep_keeps_its_base_and_its_own_file() {
     let sweep = "base = \"out/T1.1/scene.toml\"\n[grid]\ntemperature = [1.1]\n";
     bench.write("of-point.toml", sweep);
     let output = bench.output(&["sweep", "of-point.toml", "--out", "out", "--force"]);
-    refused(
-        &output,
-        &["out/T1.1/scene.toml lies in the output folder out/T1.1"],
-    );
-    assert_eq!(
-        fs::read_to_string(bench.path("out/T1.1/scene.toml")).unwrap(),
-        SCENE
-    );
+    refused(&output, &["out/T1.1/scene.toml lies in the output folder out/T1.1"]);
+    assert_eq!(fs::read_to_string(bench.path("out/T1.1/scene.toml")).unwrap(), SCENE);
     // A sweep beside its points is no danger to it.
-    bench.write(
-        "study/sweep.toml",
-        "base = \"../liquid.toml\"\n[grid]\ntemperature = [1.1]\n",
-    );
+    bench.write("study/sweep.toml", "base = \"../liquid.toml\"\n[grid]\ntemperature = [1.1]\n");
     ok(&bench.output(&["sweep", "study/sweep.toml", "--out", "study", "--quiet"]));
     assert!(bench.path("study/T1.1/final.xyz").exists());
 }
@@ -250,10 +212,8 @@ fn a_sweep_keeps_its_base_and_its_own_file() {
 fn energy_and_tune_write_over_no_input() {
     let bench = bench();
     ok(&bench.output(&["run", "liquid.toml", "--quiet", "--out", "start"]));
-    let from_file = SCENE.replace(
-        "n_atoms = 108\ndensity = 0.8",
-        "configuration = \"start/final.xyz\"",
-    );
+    let from_file =
+        SCENE.replace("n_atoms = 108\ndensity = 0.8", "configuration = \"start/final.xyz\"");
     bench.write("from-file.toml", &from_file);
     let start = fs::read(bench.path("start/final.xyz")).unwrap();
     for file in ["from-file.toml", "./start/../start/final.xyz"] {
@@ -261,20 +221,11 @@ fn energy_and_tune_write_over_no_input() {
         refused(&output, &["would be written over by", file]);
     }
     assert_eq!(fs::read(bench.path("start/final.xyz")).unwrap(), start);
-    assert_eq!(
-        fs::read_to_string(bench.path("from-file.toml")).unwrap(),
-        from_file
-    );
+    assert_eq!(fs::read_to_string(bench.path("from-file.toml")).unwrap(), from_file);
     ok(&bench.output(&["energy", "from-file.toml", "--forces", "forces.xyz"]));
     let accuracy = SCENE.replace("[truncation]\nr_cut = 2.2", "[accuracy]\ndrift = 1e-4");
     bench.write("accuracy.toml", &accuracy);
     let output = bench.output(&["tune", "accuracy.toml", "--lock", "./accuracy.toml"]);
-    refused(
-        &output,
-        &["accuracy.toml would be written over by ./accuracy.toml"],
-    );
-    assert_eq!(
-        fs::read_to_string(bench.path("accuracy.toml")).unwrap(),
-        accuracy
-    );
+    refused(&output, &["accuracy.toml would be written over by ./accuracy.toml"]);
+    assert_eq!(fs::read_to_string(bench.path("accuracy.toml")).unwrap(), accuracy);
 }

@@ -35,11 +35,7 @@ fn ranks_write_what_one_process_writes_and_go_on_with_it() {
     let stages = ["--set", "checkpoint.every_steps=50"];
     let run = |out: &'_ str| -> Vec<String> {
         let words = ["run", &scene, "--out", out].into_iter();
-        words
-            .chain(quiet)
-            .chain(stages)
-            .map(str::to_owned)
-            .collect()
+        words.chain(quiet).chain(stages).map(str::to_owned).collect()
     };
     let words = run(&alone);
     succeed(&words.iter().map(String::as_str).collect::<Vec<_>>());
@@ -65,10 +61,7 @@ fn ranks_write_what_one_process_writes_and_go_on_with_it() {
 fn wrong_input_ends_all_ranks_with_the_same_code() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out").display().to_string();
-    let scene = root()
-        .join("inputs/bench/fluid-864.toml")
-        .display()
-        .to_string();
+    let scene = root().join("inputs/bench/fluid-864.toml").display().to_string();
     let quiet = ["--quiet", "--no-report", "--out", &out];
     for wrong in [
         &["run", &scene, "--set", "system.densty=1"][..],

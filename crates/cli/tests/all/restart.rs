@@ -59,32 +59,19 @@ impl Bench {
     }
 
     fn resume(&self, folder: &str, more: &[&str]) -> Output {
-        self.command(&[&["resume", folder, "--quiet"], more].concat())
-            .output()
-            .unwrap()
+        self.command(&[&["resume", folder, "--quiet"], more].concat()).output().unwrap()
     }
 
     /// A run without end, once it has written a checkpoint.
     fn endless(&self, folder: &str) -> Child {
         let child = self
-            .command(&[
-                "run",
-                "liquid.toml",
-                "--quiet",
-                "--out",
-                folder,
-                "--set",
-                ENDLESS,
-            ])
+            .command(&["run", "liquid.toml", "--quiet", "--out", folder, "--set", ENDLESS])
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
         let start = Instant::now();
         while checkpoints(&self.path(folder)).len() < 2 {
-            assert!(
-                start.elapsed() < Duration::from_secs(60),
-                "no checkpoint after a minute"
-            );
+            assert!(start.elapsed() < Duration::from_secs(60), "no checkpoint after a minute");
             std::thread::sleep(Duration::from_millis(2));
         }
         child
@@ -93,19 +80,12 @@ impl Bench {
 
 /// Newest first.
 fn checkpoints(folder: &Path) -> Vec<PathBuf> {
-    let all = lennard_io::CheckpointFolder::new(folder)
-        .list()
-        .unwrap_or_default();
+    let all = lennard_io::CheckpointFolder::new(folder).list().unwrap_or_default();
     all.into_iter().map(|(_, path)| path).collect()
 }
 
 fn ok(output: &Output) {
-    assert!(
-        output.status.success(),
-        "{}{}",
-        stdout(output),
-        stderr(output)
-    );
+    assert!(output.status.success(), "{}{}", stdout(output), stderr(output));
 }
 
 /// Wants this exit code, and these words on standard error.
@@ -148,33 +128,16 @@ fn each_signal_stops_with_a_checkpoint_and_exit_code_4_and_the_run_goes_on() {
             .output()
             .unwrap());
         let output = child.wait_with_output().unwrap();
-        refused(
-            &output,
-            4,
-            &[
-                "stopped on request after step",
-                "to go on: lennard resume out",
-            ],
-        );
+        refused(&output, 4, &["stopped on request after step", "to go on: lennard resume out"]);
         let out = bench.path("out");
         let stopped = record(&out);
         assert_eq!(stopped["finished"], false);
         assert!(!out.join("final.xyz").exists());
         let steps = stopped["steps"].as_u64().unwrap();
-        assert_eq!(
-            read_checkpoint(&checkpoints(&out)[0])
-                .unwrap()
-                .metadata
-                .step,
-            steps
-        );
+        assert_eq!(read_checkpoint(&checkpoints(&out)[0]).unwrap().metadata.step, steps);
         // It goes on: until its time is up.
         let output = bench.resume("out", &["--max-walltime", "100ms"]);
-        refused(
-            &output,
-            4,
-            &["stopped by --max-walltime after step", "lennard resume out"],
-        );
+        refused(&output, 4, &["stopped by --max-walltime after step", "lennard resume out"]);
         assert!(record(&out)["steps"].as_u64().unwrap() > steps);
     }
 }
@@ -184,33 +147,18 @@ fn a_killed_run_goes_on_to_the_same_bytes_on_another_number_of_threads() {
     let bench = Bench::new();
     let steps = ["--set", "stage.production.steps=20000"];
     ok(&bench.run("whole", &steps));
-    let arguments = [
-        &["run", "liquid.toml", "--quiet", "--out", "parts"],
-        &steps[..],
-    ]
-    .concat();
+    let arguments = [&["run", "liquid.toml", "--quiet", "--out", "parts"], &steps[..]].concat();
     let mut child = bench.command(&arguments).spawn().unwrap();
     while checkpoints(&bench.path("parts")).len() < 2 {
         std::thread::sleep(Duration::from_millis(1));
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    let output = bench
-        .command(&["resume", "parts", "--threads", "3"])
-        .output()
-        .unwrap();
+    let output = bench.command(&["resume", "parts", "--threads", "3"]).output().unwrap();
     ok(&output);
-    assert!(
-        stdout(&output).contains("goes on after step"),
-        "{}",
-        stdout(&output)
-    );
+    assert!(stdout(&output).contains("goes on after step"), "{}", stdout(&output));
     same_results(&bench.path("whole"), &bench.path("parts"));
-    assert_eq!(
-        checkpoints(&bench.path("parts")).len(),
-        2,
-        "the last two are kept"
-    );
+    assert_eq!(checkpoints(&bench.path("parts")).len(), 2, "the last two are kept");
 }
 
 #[test]
@@ -223,18 +171,10 @@ fn a_finished_run_can_be_made_longer() {
     let scene = |folder: &str| fs::read_to_string(bench.path(folder).join("scene.toml")).unwrap();
     assert_eq!(scene("whole"), scene("parts"));
     let output = bench.command(&["resume", "parts"]).output().unwrap();
-    assert!(
-        stdout(&output).contains("--steps N goes on for N more"),
-        "{}",
-        stdout(&output)
-    );
+    assert!(stdout(&output).contains("--steps N goes on for N more"), "{}", stdout(&output));
     same_results(&bench.path("whole"), &bench.path("parts"));
     let output = bench.resume("parts", &["--steps", "1000000000000000"]);
-    refused(
-        &output,
-        2,
-        &["stage.0.steps", "1000000000000500", "allowed"],
-    );
+    refused(&output, 2, &["stage.0.steps", "1000000000000500", "allowed"]);
 }
 
 #[test]
@@ -247,16 +187,8 @@ fn a_resumed_run_may_drop_its_trajectory_and_change_nothing_else_of_its_scene() 
         refused(&bench.resume("parts", &["--set", change]), code, words);
     };
     let allowed = "allowed: keys of [output] other than thermo_every";
-    change(
-        "system.density=0.3",
-        2,
-        &["`system.density`", "0.3", allowed],
-    );
-    change(
-        "output.fromat=xtc",
-        2,
-        &["output.fromat", "nearest: format"],
-    );
+    change("system.density=0.3", 2, &["`system.density`", "0.3", allowed]);
+    change("output.fromat=xtc", 2, &["output.fromat", "nearest: format"]);
     change("output.trajectory_every", 2, &["KEY=VALUE"]);
     let more = ["--steps", "100", "--set", "output.trajectory_every=0"];
     ok(&bench.resume("parts", &more));
@@ -271,11 +203,7 @@ fn times_and_numbers_that_make_no_sense_are_refused_with_an_example() {
     let bench = Bench::new();
     for text in ["10", "ten minutes", "0s", "-5m", "10x", ""] {
         let output = bench.run("out", &["--max-walltime", text]);
-        refused(
-            &output,
-            2,
-            &["--max-walltime", "such as 90s, 10m, 2h or 1h30m"],
-        );
+        refused(&output, 2, &["--max-walltime", "such as 90s, 10m, 2h or 1h30m"]);
     }
     refused(&bench.resume("out", &["--steps", "0"]), 2, &["--steps"]);
     assert!(!bench.path("out").exists());
@@ -304,16 +232,10 @@ fn a_folder_without_a_run_or_without_a_checkpoint_says_what_to_do() {
     refused(
         &output,
         2,
-        &[
-            "holds no checkpoint",
-            "lennard run out/scene.toml --out FOLDER, with another folder",
-        ],
+        &["holds no checkpoint", "lennard run out/scene.toml --out FOLDER, with another folder"],
     );
     // That command does what it says.
-    ok(&bench
-        .command(&["run", "out/scene.toml", "--out", "again", "--quiet"])
-        .output()
-        .unwrap());
+    ok(&bench.command(&["run", "out/scene.toml", "--out", "again", "--quiet"]).output().unwrap());
     refused(&bench.resume("liquid.toml", &[]), 2, &["liquid.toml"]);
 }
 
@@ -327,52 +249,25 @@ fn a_damaged_checkpoint_is_refused_and_the_older_one_offered_and_taken() {
     let mut bytes = whole.clone();
     bytes[whole.len() / 2] ^= 1;
     fs::write(&newest, &bytes).unwrap();
-    let offered = [
-        older.file_name().unwrap().to_str().unwrap(),
-        "lennard resume out --older",
-    ];
-    refused(
-        &bench.resume("out", &[]),
-        2,
-        &["damaged", offered[0], offered[1]],
-    );
+    let offered = [older.file_name().unwrap().to_str().unwrap(), "lennard resume out --older"];
+    refused(&bench.resume("out", &[]), 2, &["damaged", offered[0], offered[1]]);
     fs::write(&newest, &whole[..whole.len() - 9]).unwrap();
-    refused(
-        &bench.resume("out", &[]),
-        2,
-        &["truncated or damaged", offered[0], offered[1]],
-    );
+    refused(&bench.resume("out", &[]), 2, &["truncated or damaged", offered[0], offered[1]]);
     bytes.clone_from(&whole);
     bytes[8] = 99;
     fs::write(&newest, &bytes).unwrap();
-    refused(
-        &bench.resume("out", &[]),
-        2,
-        &["version 99", "reads version 1", offered[1]],
-    );
+    refused(&bench.resume("out", &[]), 2, &["version 99", "reads version 1", offered[1]]);
     fs::write(&newest, "not one of ours").unwrap();
-    refused(
-        &bench.resume("out", &[]),
-        2,
-        &["not a checkpoint of this program", offered[1]],
-    );
+    refused(&bench.resume("out", &[]), 2, &["not a checkpoint of this program", offered[1]]);
     ok(&bench.resume("out", &["--older"]));
     same_results(&bench.path("whole"), &bench.path("out"));
     // Where no other is whole, the way to start again is named.
     for path in checkpoints(&bench.path("out")) {
         fs::write(path, "x").unwrap();
     }
-    refused(
-        &bench.resume("out", &[]),
-        2,
-        &["no older one is whole", "lennard run out/scene.toml"],
-    );
+    refused(&bench.resume("out", &[]), 2, &["no older one is whole", "lennard run out/scene.toml"]);
     fs::remove_file(&checkpoints(&bench.path("out"))[1]).unwrap();
-    refused(
-        &bench.resume("out", &["--older"]),
-        2,
-        &["one checkpoint only"],
-    );
+    refused(&bench.resume("out", &["--older"]), 2, &["one checkpoint only"]);
 }
 
 #[test]
@@ -394,11 +289,7 @@ fn a_checkpoint_of_another_scene_or_version_of_the_program_is_refused() {
     refused(&bench.resume("out", &[]), 2, &["another scene", "`no`"]);
     fs::remove_file(&scene).unwrap();
     fs::create_dir(&scene).unwrap();
-    refused(
-        &bench.resume("out", &[]),
-        2,
-        &["another scene", "the file cannot be read: "],
-    );
+    refused(&bench.resume("out", &[]), 2, &["another scene", "the file cannot be read: "]);
     // A scene file that is gone comes back from the checkpoint.
     fs::remove_dir(&scene).unwrap();
     ok(&bench.resume("out", &[]));
@@ -435,18 +326,10 @@ fn another_instruction_set_needs_consent_and_leaves_a_remark() {
             "bits that may differ: --isa",
         ],
     );
-    refused(
-        &bench.resume("out", &["--isa", "sse9"]),
-        2,
-        &["kernel.isa", "sse9", "portable"],
-    );
+    refused(&bench.resume("out", &["--isa", "sse9"]), 2, &["kernel.isa", "sse9", "portable"]);
     change(&newest, |c| c.metadata.isa = natural.clone());
     ok(&bench.resume("out", &["--isa", &natural]));
-    assert!(
-        !record(&out)["remarks"]
-            .to_string()
-            .contains("bits may differ")
-    );
+    assert!(!record(&out)["remarks"].to_string().contains("bits may differ"));
     if natural != "portable" {
         ok(&bench.resume("out", &["--isa", "portable", "--steps", "100"]));
         let remark =
@@ -477,24 +360,13 @@ fn output_files_that_were_changed_or_removed_are_not_gone_on_with() {
         &["trajectory.xyz", "has only", "put the output files back"],
     );
     fs::remove_file(&trajectory).unwrap();
-    refused(
-        &bench.resume("out", &[]),
-        1,
-        &["trajectory.xyz", "No such file"],
-    );
+    refused(&bench.resume("out", &[]), 1, &["trajectory.xyz", "No such file"]);
     fs::write(&trajectory, &whole).unwrap();
     let thermo = bench.path("out").join("thermo.csv");
-    fs::write(
-        &thermo,
-        format!("another heading\n{}", fs::read_to_string(&thermo).unwrap()),
-    )
-    .unwrap();
+    fs::write(&thermo, format!("another heading\n{}", fs::read_to_string(&thermo).unwrap()))
+        .unwrap();
     refused(&bench.resume("out", &[]), 1, &["thermo.csv", "heading"]);
-    assert_eq!(
-        fs::read(&trajectory).unwrap(),
-        whole,
-        "a refusal changes nothing"
-    );
+    assert_eq!(fs::read(&trajectory).unwrap(), whole, "a refusal changes nothing");
 }
 
 #[test]
@@ -507,28 +379,16 @@ fn a_checkpoint_that_does_not_fit_its_own_scene_is_refused() {
         change(&newest, |c| drop(c.archive.arrays.remove(name)));
         let output = bench.resume("out", &[]);
         // What a method need not have (a heat bath's numbers) may be missing; nothing else may, and nothing panics.
-        assert!(
-            matches!(output.status.code(), Some(0 | 2)),
-            "{name}: {}",
-            stderr(&output)
-        );
+        assert!(matches!(output.status.code(), Some(0 | 2)), "{name}: {}", stderr(&output));
         if output.status.code() == Some(2) {
             refused(&output, 2, &["does not fit its own scene", name]);
         }
         write_checkpoint(&newest, &original).unwrap();
     }
     change(&newest, |c| c.metadata.step += 1);
-    refused(
-        &bench.resume("out", &[]),
-        2,
-        &["its state belongs to another step"],
-    );
+    refused(&bench.resume("out", &[]), 2, &["its state belongs to another step"]);
     change(&newest, |c| c.metadata.files.clear());
-    refused(
-        &bench.resume("out", &[]),
-        2,
-        &["it does not say how long thermo.csv was"],
-    );
+    refused(&bench.resume("out", &[]), 2, &["it does not say how long thermo.csv was"]);
 }
 
 #[test]
@@ -557,10 +417,7 @@ fn a_file_that_vanishes_stops_the_run_cleanly() {
     refused(
         &output,
         1,
-        &[
-            "trajectory.xyz: the file was removed or replaced",
-            "leave the output folder alone",
-        ],
+        &["trajectory.xyz: the file was removed or replaced", "leave the output folder alone"],
     );
     assert_eq!(record(&bench.path("out"))["finished"], false);
 }
@@ -570,20 +427,14 @@ fn a_file_that_vanishes_stops_the_run_cleanly() {
 fn a_full_disk_loses_no_step_where_a_checkpoint_has_room() {
     let bench = Bench::new();
     let steps = "stage.production.steps=3000";
-    ok(&bench.run(
-        "whole",
-        &["--set", steps, "--set", "checkpoint.every_steps=0"],
-    ));
+    ok(&bench.run("whole", &["--set", steps, "--set", "checkpoint.every_steps=0"]));
     // 200 blocks of 512 bytes: a checkpoint of 108 particles fits, the trajectory does not.
     let script = format!(
         "ulimit -f 200; exec '{}' run liquid.toml --quiet --out parts --set {steps} --set checkpoint.every_steps=0",
         env!("CARGO_BIN_EXE_lennard")
     );
-    let output = Command::new("sh")
-        .args(["-c", &script])
-        .current_dir(bench.root.path())
-        .output()
-        .unwrap();
+    let output =
+        Command::new("sh").args(["-c", &script]).current_dir(bench.root.path()).output().unwrap();
     refused(
         &output,
         1,
@@ -626,15 +477,10 @@ fn physics_that_fails_leaves_its_state_the_one_before_and_the_last_checkpoint() 
     assert_eq!(record(&out)["finished"], false);
     assert!(record(&out)["remarks"].to_string().contains("likely cause"));
     // The state before is a start for another run, with a smaller step.
-    let next = SCENE.replace(
-        "n_atoms = 108\ndensity = 0.8442",
-        "configuration = \"out/before-failure.xyz\"",
-    );
+    let next = SCENE
+        .replace("n_atoms = 108\ndensity = 0.8442", "configuration = \"out/before-failure.xyz\"");
     fs::write(bench.path("next.toml"), next).unwrap();
-    ok(&bench
-        .command(&["run", "next.toml", "--quiet", "--out", "next"])
-        .output()
-        .unwrap());
+    ok(&bench.command(&["run", "next.toml", "--quiet", "--out", "next"]).output().unwrap());
     // The last good checkpoint is whole; going on from it fails in the same way.
     refused(&bench.resume("out", &[]), 3, &["the run failed at step"]);
 }
@@ -643,28 +489,10 @@ fn physics_that_fails_leaves_its_state_the_one_before_and_the_last_checkpoint() 
 fn a_mistyped_temperature_or_density_is_named() {
     let bench = Bench::new();
     let output = bench.run("hot", &["--set", "system.temperature=72200"]);
-    refused(
-        &output,
-        3,
-        &[
-            "the temperature is T = 72200 ε/k_B",
-            "check `system.temperature`",
-        ],
-    );
-    let output = bench.run(
-        "dense",
-        &[
-            "--set",
-            "system.density=8.442",
-            "--set",
-            "truncation.r_cut=1.1",
-        ],
-    );
-    refused(
-        &output,
-        3,
-        &["the density is ρ = 8.4420 σ⁻³", "check `system.density`"],
-    );
+    refused(&output, 3, &["the temperature is T = 72200 ε/k_B", "check `system.temperature`"]);
+    let output =
+        bench.run("dense", &["--set", "system.density=8.442", "--set", "truncation.r_cut=1.1"]);
+    refused(&output, 3, &["the density is ρ = 8.4420 σ⁻³", "check `system.density`"]);
 }
 
 #[cfg(unix)]
@@ -679,11 +507,7 @@ fn a_reader_who_has_gone_is_no_failure_and_a_full_disk_is() {
     ] {
         without_a_reader(bench.command(arguments));
     }
-    assert_eq!(
-        record(&bench.path("out"))["finished"],
-        true,
-        "the run came to its end"
-    );
+    assert_eq!(record(&bench.path("out"))["finished"], true, "the run came to its end");
     // Standard error has no reader either.
     let mut child = bench
         .command(&["run", "liquid.toml", "--out", "out"])
@@ -695,15 +519,7 @@ fn a_reader_who_has_gone_is_no_failure_and_a_full_disk_is() {
     #[cfg(target_os = "linux")]
     {
         let full = fs::File::options().write(true).open("/dev/full").unwrap();
-        let output = bench
-            .command(&["list", "integrators"])
-            .stdout(full)
-            .output()
-            .unwrap();
-        refused(
-            &output,
-            1,
-            &["printing on standard output", "No space left"],
-        );
+        let output = bench.command(&["list", "integrators"]).stdout(full).output().unwrap();
+        refused(&output, 1, &["printing on standard output", "No space left"]);
     }
 }

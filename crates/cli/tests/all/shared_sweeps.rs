@@ -61,22 +61,14 @@ fn a_point_whose_folder_cannot_be_made_is_a_fault_of_the_input() {
     let ended = place.output(&["sweep", "sweep.toml", "--out", "out", "--quiet"]);
     assert_eq!(ended.status.code(), Some(2), "{}", stderr(&ended));
     assert!(stderr(&ended).contains("rho0.4-T1.5"), "{}", stderr(&ended));
-    assert!(
-        place.path("out/rho0.5-T2.5/run.json").exists(),
-        "the others are run"
-    );
+    assert!(place.path("out/rho0.5-T2.5/run.json").exists(), "the others are run");
 }
 
 #[test]
 fn four_processes_in_any_order_run_each_point_once_and_give_the_table_of_one() {
     let place = place();
     success(&mut place.command(&["sweep", "sweep.toml", "--out", "one", "--quiet"]));
-    let orders = [
-        [0, 1, 2, 3, 4, 5],
-        [5, 4, 3, 2, 1, 0],
-        [3, 0, 5, 1, 4, 2],
-        [2, 4, 0, 5, 3, 1],
-    ];
+    let orders = [[0, 1, 2, 3, 4, 5], [5, 4, 3, 2, 1, 0], [3, 0, 5, 1, 4, 2], [2, 4, 0, 5, 3, 1]];
     let place = &place;
     let ran: Vec<String> = std::thread::scope(|scope| {
         let loops: Vec<_> = orders
@@ -126,40 +118,20 @@ fn four_processes_in_any_order_run_each_point_once_and_give_the_table_of_one() {
 #[test]
 fn collecting_names_what_is_missing_and_chunks_run_some_points() {
     let place = place();
-    let chunk = [
-        "sweep",
-        "sweep.toml",
-        "--out",
-        "out",
-        "--chunk",
-        "4",
-        "--point",
-        "1",
-    ];
+    let chunk = ["sweep", "sweep.toml", "--out", "out", "--chunk", "4", "--point", "1"];
     success(&mut place.command(&chunk));
     let collected = place.output(&["sweep", "sweep.toml", "--out", "out", "--collect", "--json"]);
     assert_eq!(collected.status.code(), Some(4));
     let wanted = "4 of 6 points are not finished: rho0.4-T1.5, rho0.4-T2, rho0.4-T2.5, rho0.5-T1.5\n  \
         to run them: lennard sweep sweep.toml --out out";
-    assert!(
-        stderr(&collected).contains(wanted),
-        "{}",
-        stderr(&collected)
-    );
+    assert!(stderr(&collected).contains(wanted), "{}", stderr(&collected));
     let record: serde_json::Value = serde_json::from_slice(&collected.stdout).unwrap();
     assert_eq!(record["ending"], "incomplete");
     assert!(record["points"][0]["compared"].is_null());
     assert!(!record["points"][5]["compared"].is_null());
     // The same command as always runs what is missing.
     success(&mut place.command(&["sweep", "sweep.toml", "--out", "out", "--quiet"]));
-    success(&mut place.command(&[
-        "sweep",
-        "sweep.toml",
-        "--out",
-        "out",
-        "--collect",
-        "--quiet",
-    ]));
+    success(&mut place.command(&["sweep", "sweep.toml", "--out", "out", "--collect", "--quiet"]));
 }
 
 #[test]
@@ -167,15 +139,8 @@ fn a_point_that_runs_out_of_time_goes_on_to_the_same_bits() {
     let place = place();
     let long = ["--set", "stage.production.steps=60000"];
     let run = |folder: &str, more: &[&str]| {
-        let mut all = vec![
-            "sweep",
-            "sweep.toml",
-            "--out",
-            folder,
-            "--point",
-            "rho0.4-T2",
-            "--no-report",
-        ];
+        let mut all =
+            vec!["sweep", "sweep.toml", "--out", folder, "--point", "rho0.4-T2", "--no-report"];
         all.extend(long.iter().chain(more));
         place.output(&all)
     };
@@ -193,11 +158,8 @@ fn a_point_that_runs_out_of_time_goes_on_to_the_same_bits() {
 fn a_claim_of_another_machine_is_named_and_nothing_is_run() {
     let place = place();
     std::fs::create_dir_all(place.path("out/rho0.4-T1.5")).unwrap();
-    std::fs::write(
-        place.path("out/rho0.4-T1.5/.lennard-claim"),
-        "17\nnode-7\nanother-start\n",
-    )
-    .unwrap();
+    std::fs::write(place.path("out/rho0.4-T1.5/.lennard-claim"), "17\nnode-7\nanother-start\n")
+        .unwrap();
     let busy = place.output(&["sweep", "sweep.toml", "--out", "out", "--point", "0"]);
     assert_eq!(busy.status.code(), Some(2));
     let wanted = "rho0.4-T1.5: the output folder out/rho0.4-T1.5 is in use: process 17 on node-7 is at work there";
@@ -226,17 +188,8 @@ fn scripts_are_read_by_their_shell_and_say_whatever_the_command_said() {
         let script = emit(scheduler);
         let task = "lennard sweep sweep.toml --out 'my runs' --set system.seed=4 --quiet --threads";
         assert!(script.contains(task), "{script}");
-        let mut shell = Command::new("bash")
-            .arg("-n")
-            .stdin(Stdio::piped())
-            .spawn()
-            .unwrap();
-        shell
-            .stdin
-            .take()
-            .unwrap()
-            .write_all(script.as_bytes())
-            .unwrap();
+        let mut shell = Command::new("bash").arg("-n").stdin(Stdio::piped()).spawn().unwrap();
+        shell.stdin.take().unwrap().write_all(script.as_bytes()).unwrap();
         assert!(shell.wait().unwrap().success(), "{script}");
     }
     assert!(emit("slurm").contains("#SBATCH --array=0-2\n"));
@@ -259,8 +212,6 @@ fn scripts_are_read_by_their_shell_and_say_whatever_the_command_said() {
     ];
     success(&mut place.command(&task));
     assert!(place.path("my runs/rho0.5-T2.5/final.xyz").exists());
-    let without_folder = lennard(&["sweep", "sweep.toml", "--emit", "slurm"])
-        .output()
-        .unwrap();
+    let without_folder = lennard(&["sweep", "sweep.toml", "--emit", "slurm"]).output().unwrap();
     assert_eq!(without_folder.status.code(), Some(2));
 }

@@ -26,25 +26,16 @@ fn bench() -> Place {
 /// would rightly ignore it too.
 fn start(bench: &Place, arguments: &[&str]) -> Child {
     let mut command = Command::new("env");
-    command
-        .args(["--default-signal=HUP", env!("CARGO_BIN_EXE_lennard")])
-        .args(arguments);
+    command.args(["--default-signal=HUP", env!("CARGO_BIN_EXE_lennard")]).args(arguments);
     spawn(bench, &mut command)
 }
 
 fn spawn(bench: &Place, command: &mut Command) -> Child {
-    command
-        .current_dir(bench.root())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap()
+    command.current_dir(bench.root()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
 fn checkpoints(bench: &Place, folder: &str) -> Vec<(u64, PathBuf)> {
-    lennard_io::CheckpointFolder::new(&bench.path(folder))
-        .list()
-        .unwrap_or_default()
+    lennard_io::CheckpointFolder::new(&bench.path(folder)).list().unwrap_or_default()
 }
 
 /// Waits for what must come; one that ended first is shown.
@@ -92,11 +83,7 @@ fn a_run_that_starts_ends_at_once_and_nothing_was_written() {
         let mut child = start(&bench, &["run", "slow.toml", "--quiet", "--out", "new/out"]);
         wait_until_it_listens(&mut child, number);
         kill(&child, signal);
-        ended(
-            child,
-            1,
-            &["stopped before the first step: nothing was written"],
-        );
+        ended(child, 1, &["stopped before the first step: nothing was written"]);
         assert!(!bench.path("new").exists(), "{signal}");
     }
 }
@@ -106,20 +93,12 @@ fn a_run_that_starts_ends_at_once_and_nothing_was_written() {
 fn a_run_whose_first_step_is_under_way_takes_its_files_with_it() {
     let bench = bench();
     // A lattice starts fast; its first step takes longest.
-    let scene = SLOW
-        .replace("lattice = \"random\"\n", "")
-        .replace("100_000", "2_048_000");
+    let scene = SLOW.replace("lattice = \"random\"\n", "").replace("100_000", "2_048_000");
     bench.write("large.toml", &scene);
     let mut child = start(&bench, &["run", "large.toml", "--quiet", "--out", "out"]);
-    wait_for(&mut child, "the record", |_| {
-        bench.path("out/run.json").exists()
-    });
+    wait_for(&mut child, "the record", |_| bench.path("out/run.json").exists());
     kill(&child, "TERM");
-    ended(
-        child,
-        1,
-        &["stopped before the first step: nothing was written"],
-    );
+    ended(child, 1, &["stopped before the first step: nothing was written"]);
     assert!(!bench.path("out").exists());
 }
 
@@ -128,27 +107,16 @@ fn a_run_under_way_keeps_its_steps_when_the_terminal_goes_unless_it_was_told_not
     let bench = bench();
     let run = ["run", "small.toml", "--quiet", "--out", "out"];
     let mut child = start(&bench, &run);
-    wait_for(&mut child, "a checkpoint", |_| {
-        !checkpoints(&bench, "out").is_empty()
-    });
+    wait_for(&mut child, "a checkpoint", |_| !checkpoints(&bench, "out").is_empty());
     kill(&child, "HUP");
-    ended(
-        child,
-        4,
-        &[
-            "stopped on request after step",
-            "to go on: lennard resume out",
-        ],
-    );
+    ended(child, 4, &["stopped on request after step", "to go on: lennard resume out"]);
     // What `nohup` does.
     let script = format!(
         "trap '' HUP; exec '{}' run small.toml --quiet --out other",
         env!("CARGO_BIN_EXE_lennard")
     );
     let mut child = spawn(&bench, Command::new("sh").args(["-c", &script]));
-    wait_for(&mut child, "a checkpoint", |_| {
-        !checkpoints(&bench, "other").is_empty()
-    });
+    wait_for(&mut child, "a checkpoint", |_| !checkpoints(&bench, "other").is_empty());
     kill(&child, "HUP");
     let (step, _) = checkpoints(&bench, "other")[0];
     wait_for(&mut child, "two checkpoints more", |_| {
@@ -162,10 +130,7 @@ fn a_run_under_way_keeps_its_steps_when_the_terminal_goes_unless_it_was_told_not
 #[test]
 fn a_resume_that_loads_leaves_the_checkpoint_and_says_how_to_go_on() {
     let bench = bench();
-    bench.write(
-        "large.toml",
-        &SMALL.replace("n_atoms = 108\n", "n_atoms = 256_000\n"),
-    );
+    bench.write("large.toml", &SMALL.replace("n_atoms = 108\n", "n_atoms = 256_000\n"));
     let made = lennard(&["run", "large.toml", "--quiet", "--out", "out"])
         .args(["--set", "stage.0.steps=2"])
         .current_dir(bench.root())
@@ -192,38 +157,18 @@ fn a_resume_that_loads_leaves_the_checkpoint_and_says_how_to_go_on() {
 #[test]
 fn a_sweep_gives_up_points_that_start_and_keeps_the_others() {
     let bench = bench();
-    bench.write(
-        "slow-sweep.toml",
-        "base = \"slow.toml\"\n[grid]\ntemperature = [1.1, 1.2]\n",
-    );
-    let mut child = start(
-        &bench,
-        &["sweep", "slow-sweep.toml", "--quiet", "--out", "out"],
-    );
+    bench.write("slow-sweep.toml", "base = \"slow.toml\"\n[grid]\ntemperature = [1.1, 1.2]\n");
+    let mut child = start(&bench, &["sweep", "slow-sweep.toml", "--quiet", "--out", "out"]);
     wait_for(&mut child, "the folder", |_| bench.path("out").exists());
     kill(&child, "TERM");
-    ended(
-        child,
-        1,
-        &["stopped before the first step of any point: nothing was written"],
-    );
+    ended(child, 1, &["stopped before the first step of any point: nothing was written"]);
     assert!(!bench.path("out").exists());
 
     let mixed = "base = \"slow.toml\"\n[set]\n\"checkpoint.every_steps\" = 100\n[grid]\nn_atoms = [108, 100_000]\nr_cut = 2.2\n";
     bench.write("mixed.toml", mixed);
-    let sweep = [
-        "sweep",
-        "mixed.toml",
-        "--quiet",
-        "--threads",
-        "2",
-        "--out",
-        "out",
-    ];
+    let sweep = ["sweep", "mixed.toml", "--quiet", "--threads", "2", "--out", "out"];
     let mut child = start(&bench, &sweep);
-    wait_for(&mut child, "a checkpoint", |_| {
-        !checkpoints(&bench, "out/N108-rc2.2").is_empty()
-    });
+    wait_for(&mut child, "a checkpoint", |_| !checkpoints(&bench, "out/N108-rc2.2").is_empty());
     kill(&child, "TERM");
     let words = [
         "stopped on request; what is finished is kept",
@@ -242,15 +187,9 @@ fn studies_that_keep_nothing_say_so_and_leave_no_folder() {
     );
     for (arguments, sentence) in [
         (&["tune", "accuracy.toml"][..], "no lock file was written"),
-        (
-            &["bench", "slow.toml", "--out", "out"],
-            "no result was written",
-        ),
+        (&["bench", "slow.toml", "--out", "out"], "no result was written"),
         (&["stability", "--out", "out"], "no result was written"),
-        (
-            &["chart", "slow.toml", "--out", "out"],
-            "no point was measured",
-        ),
+        (&["chart", "slow.toml", "--out", "out"], "no point was measured"),
     ] {
         let mut child = start(&bench, &[arguments, &["--quiet"]].concat());
         if arguments.contains(&"out") && arguments[0] != "bench" {

@@ -8,10 +8,7 @@ const SCENE: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.2\n
                      [[stage]]\nname = \"production\"\nsteps = 20\n";
 
 fn bench() -> Place {
-    let from_file = SCENE.replace(
-        "n_atoms = 108\ndensity = 0.8",
-        "configuration = \"start.xyz\"",
-    );
+    let from_file = SCENE.replace("n_atoms = 108\ndensity = 0.8", "configuration = \"start.xyz\"");
     Place::with(&[("liquid.toml", SCENE), ("from-file.toml", &from_file)])
 }
 
@@ -36,11 +33,7 @@ fn drifting(frame: &str, drift: f64) -> String {
         fields[VX] = (v + drift).to_string();
         fields.join(" ")
     });
-    let all: Vec<String> = head
-        .into_iter()
-        .map(str::to_owned)
-        .chain(particles)
-        .collect();
+    let all: Vec<String> = head.into_iter().map(str::to_owned).chain(particles).collect();
     all.join("\n") + "\n"
 }
 
@@ -60,11 +53,7 @@ fn the_drift_of_a_file_is_named_and_run_and_energy_agree_on_the_temperature() {
         serde_json::from_str(&text).unwrap()
     };
     let plain = json(&bench);
-    assert_eq!(
-        plain["remarks"],
-        serde_json::Value::Null,
-        "no drift, no remark"
-    );
+    assert_eq!(plain["remarks"], serde_json::Value::Null, "no drift, no remark");
     bench.write("start.xyz", &drifting(&frame, 0.5));
     let with_drift = json(&bench);
     let temperature = plain["temperature"].as_f64().unwrap();
@@ -91,19 +80,13 @@ fn the_drift_of_a_file_is_named_and_run_and_energy_agree_on_the_temperature() {
 /// Temperatures of the remark are over the degrees of freedom of the run: bonds take some.
 #[test]
 fn the_drift_of_a_file_of_molecules_has_the_temperatures_of_molecules() {
-    let scene = SCENE
-        .replace(
-            "n_atoms = 108\ndensity = 0.8",
-            "n_molecules = 108\ndensity = 0.4",
-        )
-        .replace(
+    let scene =
+        SCENE.replace("n_atoms = 108\ndensity = 0.8", "n_molecules = 108\ndensity = 0.4").replace(
             "[truncation]",
             "[molecule]\nkind = \"dumbbell\"\nbond_length = 0.6\n[truncation]",
         );
-    let from_file = scene.replace(
-        "n_molecules = 108\ndensity = 0.4",
-        "configuration = \"start.xyz\"",
-    );
+    let from_file =
+        scene.replace("n_molecules = 108\ndensity = 0.4", "configuration = \"start.xyz\"");
     let bench = Place::with(&[("liquid.toml", &scene), ("from-file.toml", &from_file)]);
     succeed_in(&bench, &["run", "liquid.toml", "--quiet", "--out", "made"]);
     bench.write("start.xyz", &drifting(&bench.read("made/final.xyz"), 0.5));
@@ -124,20 +107,14 @@ fn the_drift_across_walls_stays_and_no_remark_claims_otherwise() {
     let scene = SCENE
         .replace("r_cut = 2.2", "r_cut = 2.2\ntail_correction = false")
         .replace("[[stage]]", wall);
-    let from_file = scene.replace(
-        "n_atoms = 108\ndensity = 0.8",
-        "configuration = \"start.xyz\"",
-    );
+    let from_file = scene.replace("n_atoms = 108\ndensity = 0.8", "configuration = \"start.xyz\"");
     let bench = Place::with(&[("slit.toml", &scene), ("from-file.toml", &from_file)]);
     succeed_in(&bench, &["run", "slit.toml", "--quiet", "--out", "made"]);
     let frame = bench.read("made/final.xyz");
     let temperature = |bench: &Place| -> (f64, serde_json::Value) {
         let text = succeed_in(bench, &["energy", "from-file.toml", "--json"]);
         let json: serde_json::Value = serde_json::from_str(&text).unwrap();
-        (
-            json["temperature"].as_f64().unwrap(),
-            json["remarks"].clone(),
-        )
+        (json["temperature"].as_f64().unwrap(), json["remarks"].clone())
     };
     bench.write("start.xyz", &frame);
     let (still, _) = temperature(&bench);
@@ -150,25 +127,14 @@ fn the_drift_across_walls_stays_and_no_remark_claims_otherwise() {
 #[test]
 fn the_frame_of_a_file_with_many_is_named() {
     let bench = bench();
-    let made = [
-        "run",
-        "liquid.toml",
-        "--quiet",
-        "--out",
-        "made",
-        "--set",
-        "output.trajectory_every=5",
-    ];
+    let made =
+        ["run", "liquid.toml", "--quiet", "--out", "made", "--set", "output.trajectory_every=5"];
     succeed_in(&bench, &made);
     bench.write("start.xyz", &bench.read("made/trajectory.xyz"));
     let words = "the start is frame 4 of 4 of ";
     let said = succeed_in(&bench, &["run", "from-file.toml", "--out", "out"]);
     assert!(said.contains(words) && said.contains("start.xyz"), "{said}");
-    assert!(
-        remarks_in(&bench, "out").contains(words),
-        "{}",
-        remarks_in(&bench, "out")
-    );
+    assert!(remarks_in(&bench, "out").contains(words), "{}", remarks_in(&bench, "out"));
     bench.write("start.xyz", &bench.read("made/final.xyz"));
     let said = succeed_in(&bench, &["run", "from-file.toml", "--out", "other"]);
     assert!(!said.contains("the start is frame"), "{said}");
@@ -181,31 +147,15 @@ fn the_last_state_has_its_energies_whenever_samples_are_taken() {
     let bench = bench();
     let header = |text: &str, key: &str| -> f64 {
         let line = text.lines().nth(1).unwrap();
-        let at = line
-            .find(&format!("{key}="))
-            .unwrap_or_else(|| panic!("no {key} in {line}"));
-        let value = line[at + key.len() + 1..]
-            .split_whitespace()
-            .next()
-            .unwrap();
+        let at = line.find(&format!("{key}=")).unwrap_or_else(|| panic!("no {key} in {line}"));
+        let value = line[at + key.len() + 1..].split_whitespace().next().unwrap();
         value.parse().unwrap()
     };
     for more in [&[][..], &["--set", "kernel.precision=mixed"]] {
         let run = |every: &str, out: &str| {
             let every = format!("output.thermo_every={every}");
-            let run = [
-                "run",
-                "liquid.toml",
-                "--quiet",
-                "--out",
-                out,
-                "--set",
-                &every,
-            ];
-            succeed_in(
-                &bench,
-                &[&run[..], more, &["--set", "stage.0.steps=40"]].concat(),
-            );
+            let run = ["run", "liquid.toml", "--quiet", "--out", out, "--set", &every];
+            succeed_in(&bench, &[&run[..], more, &["--set", "stage.0.steps=40"]].concat());
             let text = bench.read(&format!("{out}/final.xyz"));
             fs::remove_dir_all(bench.path(out)).unwrap();
             text
@@ -224,16 +174,10 @@ fn going_on_is_advised_only_where_there_is_a_checkpoint() {
     let bench = bench();
     succeed_in(&bench, &["run", "liquid.toml", "--quiet", "--out", "out"]);
     let record = bench.read("out/run.json");
-    bench.write(
-        "out/run.json",
-        &record.replace("\"finished\": true", "\"finished\": false"),
-    );
+    bench.write("out/run.json", &record.replace("\"finished\": true", "\"finished\": false"));
     let said = stderr(&bench.output(&["compare", "out"]));
     assert!(said.contains("to go on: lennard resume out"), "{said}");
-    for (_, path) in lennard_io::CheckpointFolder::new(&bench.path("out"))
-        .list()
-        .unwrap()
-    {
+    for (_, path) in lennard_io::CheckpointFolder::new(&bench.path("out")).list().unwrap() {
         fs::remove_file(path).unwrap();
     }
     let said = stderr(&bench.output(&["compare", "out"]));

@@ -85,10 +85,7 @@ fn a_table_that_begins_too_far_out_for_the_temperature_says_so() {
     let said = |temperature: &str, out: &str| {
         let set = format!("system.temperature={temperature}");
         let run = ["run", "scene.toml", "--out", out, "--set", &set];
-        let output = call(
-            at,
-            &[&run[..], &["--set", "stage.production.steps=2"]].concat(),
-        );
+        let output = call(at, &[&run[..], &["--set", "stage.production.steps=2"]].concat());
         ok(&output);
         String::from_utf8_lossy(&output.stdout).into_owned() + &stderr(&output)
     };

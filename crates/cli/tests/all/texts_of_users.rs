@@ -51,16 +51,10 @@ fn a_sweep_is_named_by_a_name_and_by_nothing_else() {
         place.write("named.toml", &format!("name = \"{name}\"\n{SWEEP}"));
         for more in [&[][..], &["--out", "out", "--emit", "parallel"]] {
             let output = place.output(&[&["sweep", "named.toml"], more].concat());
-            refused(
-                &output,
-                &["`name` is not allowed", "at most 200 letters, digits"],
-            );
+            refused(&output, &["`name` is not allowed", "at most 200 letters, digits"]);
         }
         place.write("scene.toml", &format!("name = \"{name}\"\n{SCENE}"));
-        refused(
-            &place.output(&["run", "scene.toml"]),
-            &["`name` is not allowed"],
-        );
+        refused(&place.output(&["run", "scene.toml"]), &["`name` is not allowed"]);
     }
     assert!(!place.path("runs").exists() && !place.path("out").exists());
     // A file of any name gives a name.
@@ -83,10 +77,7 @@ fn scripts_give_every_argument_as_it_was_and_do_nothing_else() {
         fs::set_permissions(place.path(&file), mode).unwrap();
     };
     stand_in("lennard", "printf '%s\\0' \"$@\" >> said\n");
-    stand_in(
-        "parallel",
-        "while read -r n; do \"${@: -1}\" \"$n\"; done\n",
-    );
+    stand_in("parallel", "while read -r n; do \"${@: -1}\" \"$n\"; done\n");
     let path = format!("bin:{}", std::env::var("PATH").unwrap());
     for scheduler in ["parallel", "slurm"] {
         let arguments = ["sweep", "sweep.toml", "--out", hostile, "--emit", scheduler];
@@ -106,47 +97,17 @@ fn scripts_give_every_argument_as_it_was_and_do_nothing_else() {
         assert!(done.status.success(), "{}", stderr(&done));
         let said = place.read("said");
         let said: Vec<&str> = said.split_terminator('\0').collect();
-        let task = [
-            "sweep",
-            "sweep.toml",
-            "--out",
-            hostile,
-            "--quiet",
-            "--threads",
-            "1",
-            "--point",
-            "0",
-        ];
+        let task =
+            ["sweep", "sweep.toml", "--out", hostile, "--quiet", "--threads", "1", "--point", "0"];
         assert_eq!(said[..task.len()], task);
         assert!(!place.path("evil").exists(), "{scheduler}");
     }
-    let braces = [
-        "sweep",
-        "sweep.toml",
-        "--out",
-        "a{b}",
-        "--emit",
-        "snakemake",
-    ];
-    refused(
-        &place.output(&braces),
-        &["Snakemake cannot name the output folder"],
-    );
-    let quotes = [
-        "sweep",
-        "sweep.toml",
-        "--out",
-        "a'\"b",
-        "--set",
-        "name=\"{x}\"",
-        "--emit",
-        "snakemake",
-    ];
+    let braces = ["sweep", "sweep.toml", "--out", "a{b}", "--emit", "snakemake"];
+    refused(&place.output(&braces), &["Snakemake cannot name the output folder"]);
+    let quotes =
+        ["sweep", "sweep.toml", "--out", "a'\"b", "--set", "name=\"{x}\"", "--emit", "snakemake"];
     let script = stdout(&place.output(&quotes));
-    assert!(
-        script.contains(r#"output: touch("a'\"b/.tasks/{task}")"#),
-        "{script}"
-    );
+    assert!(script.contains(r#"output: touch("a'\"b/.tasks/{task}")"#), "{script}");
     assert!(script.contains("{{x}}"), "{script}");
 }
 
@@ -167,10 +128,7 @@ fn what_a_user_wrote_is_shown_and_steers_no_terminal() {
         let output = place.output(&["plan", "hostile.toml"]);
         refused(&output, &[]);
         let lines = stderr(&output);
-        assert!(
-            lines.lines().skip(1).all(|line| line.starts_with("  ")),
-            "{lines}"
-        );
+        assert!(lines.lines().skip(1).all(|line| line.starts_with("  ")), "{lines}");
     }
     place.write("hostile.toml", &format!("\"\\u001b[31m\" = 1\n{SWEEP}"));
     refused(&place.output(&["sweep", "hostile.toml"]), &[]);
@@ -221,12 +179,7 @@ fn force_removes_what_the_run_wrote_and_nothing_else() {
     for name in own {
         assert_eq!(place.read(&format!("out/{name}")), "mine", "{name}");
     }
-    for gone in [
-        "rdf.csv",
-        "trajectory.xyz",
-        "topology.gro",
-        ".rdf.csv.partial",
-    ] {
+    for gone in ["rdf.csv", "trajectory.xyz", "topology.gro", ".rdf.csv.partial"] {
         assert!(!place.path(&format!("out/{gone}")).exists(), "{gone}");
     }
 }
@@ -234,23 +187,13 @@ fn force_removes_what_the_run_wrote_and_nothing_else() {
 #[test]
 fn a_file_that_is_missing_is_named_and_the_way_on_works() {
     let place = place();
-    let run = [
-        "run",
-        "liquid.toml",
-        "--quiet",
-        "--out",
-        "out",
-        "--set",
-        "output.trajectory_every=10",
-    ];
+    let run =
+        ["run", "liquid.toml", "--quiet", "--out", "out", "--set", "output.trajectory_every=10"];
     assert!(place.output(&run).status.success());
     fs::remove_file(place.path("out/trajectory.xyz")).unwrap();
     let output = place.output(&["resume", "out", "--steps", "10"]);
     let message = stderr(&output);
-    assert!(
-        message.contains("trajectory.xyz: cannot go on after byte"),
-        "{message}"
-    );
+    assert!(message.contains("trajectory.xyz: cannot go on after byte"), "{message}");
     assert!(message.contains("the file is not there"), "{message}");
     assert!(
         message.contains("to start again: lennard run out/scene.toml --out FOLDER"),
@@ -267,10 +210,7 @@ fn a_file_that_is_missing_is_named_and_the_way_on_works() {
     let output = place.output(&["run", "liquid.toml", "--quiet", "--force", "--out", "full"]);
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{message}");
-    assert!(
-        message.contains("no step is kept: give the same command again"),
-        "{message}"
-    );
+    assert!(message.contains("no step is kept: give the same command again"), "{message}");
     assert!(!message.contains("resume"), "{message}");
 }
 
@@ -306,42 +246,23 @@ fn a_plan_says_what_speaks_against_the_run() {
         let told = with(&["system.temperature=0.9", set, "truncation.r_cut=2.0"]);
         assert!(told.contains(words), "{set}: {told}");
     }
-    assert!(
-        said(&[bath]).contains("no mean will have an error: "),
-        "{}",
-        said(&[bath])
-    );
+    assert!(said(&[bath]).contains("no mean will have an error: "), "{}", said(&[bath]));
     let viscosity = "observable=[{ kind = \"shear-viscosity\", window = 50 }]";
     assert!(
         with(&[viscosity])
             .contains("shear-viscosity will have no error: 400.0 τ are measured where 1000.0 τ")
     );
     let run = place.output(&["run", "liquid.toml", "--set", "integrator.dt=0.015"]);
-    assert!(
-        stdout(&run).contains("above a quarter of the stability limit"),
-        "{}",
-        stdout(&run)
-    );
+    assert!(stdout(&run).contains("above a quarter of the stability limit"), "{}", stdout(&run));
 }
 
 #[test]
 fn snakemake_names_no_folder_with_braces() {
     let place = place();
-    let arguments = [
-        "sweep",
-        "sweep.toml",
-        "--emit",
-        "snakemake",
-        "--out",
-        "a{b}",
-    ];
+    let arguments = ["sweep", "sweep.toml", "--emit", "snakemake", "--out", "a{b}"];
     let output = lennard_in(place.root(), &arguments);
     refused(
         &output,
-        &[
-            "writing the script",
-            "Snakemake cannot name the output folder",
-            "no braces",
-        ],
+        &["writing the script", "Snakemake cannot name the output folder", "no braces"],
     );
 }

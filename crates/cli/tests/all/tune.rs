@@ -38,10 +38,7 @@ fn refused(args: &[&str], words: &[&str]) {
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
     for word in words {
-        assert!(
-            message.contains(word),
-            "{args:?}: wanted `{word}` in\n{message}"
-        );
+        assert!(message.contains(word), "{args:?}: wanted `{word}` in\n{message}");
     }
 }
 
@@ -53,10 +50,7 @@ fn a_scene_whose_cutoff_fits_is_not_refused_for_the_usual_one() {
     let scene = SCENE
         .replace("n_atoms = 500", "n_atoms = 125\nlattice = \"sc\"")
         .replace("density = 0.3", "density = 0.95")
-        .replace(
-            "{ potential_energy = 0.03, pressure = 0.02,",
-            "{ potential_energy = 0.5,",
-        )
+        .replace("{ potential_energy = 0.03, pressure = 0.02,", "{ potential_energy = 0.5,")
         .replace(
             "[[stage]]\nname = \"equilibrate\"",
             "[truncation]\nr_cut = 2\n\n[[stage]]\nname = \"equilibrate\"",
@@ -75,10 +69,7 @@ fn keep_their_targets(rows: &[serde_json::Value]) {
         let number = |key: &str| row[key].as_f64().unwrap();
         assert!(number("predicted").abs() <= number("target"), "{row}");
         let margin = 4.0 * number("measured_error");
-        assert!(
-            number("measured").abs() <= number("target") + margin,
-            "{row}"
-        );
+        assert!(number("measured").abs() <= number("target") + margin, "{row}");
     }
 }
 
@@ -86,20 +77,14 @@ fn keep_their_targets(rows: &[serde_json::Value]) {
 fn a_tuned_scene_runs_with_its_lock_and_always_to_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let scene = write_scene(folder.path());
-    refused(
-        &["run", &scene],
-        &["`accuracy` needs settings", "lennard tune"],
-    );
+    refused(&["run", &scene], &["`accuracy` needs settings", "lennard tune"]);
 
     let mut tune = vec!["tune", &scene, "--json", "--quiet"];
     tune.extend(SHORT);
     let tuning: serde_json::Value = serde_json::from_str(&succeed(&tune)).unwrap();
     assert_eq!(tuning["schema"], "lennard-tune/1");
     let rows = tuning["rows"].as_array().unwrap();
-    let keys: Vec<&str> = rows
-        .iter()
-        .map(|r| r["quantity"].as_str().unwrap())
-        .collect();
+    let keys: Vec<&str> = rows.iter().map(|r| r["quantity"].as_str().unwrap()).collect();
     assert_eq!(keys, ["potential_energy", "pressure", "drift"]);
     keep_their_targets(rows);
     // What is safest costs more, and what is chosen no more than what most people take.
@@ -137,33 +122,18 @@ fn a_tuned_scene_runs_with_its_lock_and_always_to_the_same_bits() {
     std::fs::rename(&lock, &elsewhere).unwrap();
     let named = elsewhere.to_str().unwrap();
     succeed(&["plan", &scene, "--lock", named, "--seed", "9"]);
-    let denser = [
-        "plan",
-        &scene,
-        "--lock",
-        named,
-        "--set",
-        "system.density=0.31",
-    ];
+    let denser = ["plan", &scene, "--lock", named, "--set", "system.density=0.31"];
     refused(&denser, &["`system.density`", "0.3 in the lock, 0.31 in"]);
     let plain = "inputs/fluid/gas.toml";
-    refused(
-        &["plan", plain, "--lock", named],
-        &["`accuracy`", "nothing to take"],
-    );
-    refused(
-        &["tune", plain, "--lock", named],
-        &["there is no `accuracy`"],
-    );
+    refused(&["plan", plain, "--lock", named], &["`accuracy`", "nothing to take"]);
+    refused(&["tune", plain, "--lock", named], &["there is no `accuracy`"]);
 }
 
 #[test]
 fn a_scene_with_settings_of_its_own_is_told_the_cheapest_for_the_usual_accuracy() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("own.toml");
-    let text = SCENE
-        .replace("accuracy", "# accuracy")
-        .replace("0.3\n", "0.02\n")
+    let text = SCENE.replace("accuracy", "# accuracy").replace("0.3\n", "0.02\n")
         + "[truncation]\nr_cut = 2.5\n[integrator]\ndt = 0.003\n[kernel]\nprecision = \"double\"\n";
     std::fs::write(&path, text).unwrap();
     let scene = path.to_str().unwrap();
@@ -173,11 +143,7 @@ fn a_scene_with_settings_of_its_own_is_told_the_cheapest_for_the_usual_accuracy(
     assert!(found.contains("no lock is written"), "{found}");
     // Nothing beside the scene, and a command that runs: what was fixed beside the file stays, the rest was chosen.
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-    let command = found
-        .lines()
-        .rev()
-        .find(|l| l.contains("lennard run"))
-        .unwrap();
+    let command = found.lines().rev().find(|l| l.contains("lennard run")).unwrap();
     let words: Vec<&str> = command.split_whitespace().skip(2).collect();
     assert!(command.contains("--set truncation.r_cut=3.5"), "{command}");
     assert_eq!(command.matches("truncation.r_cut=").count(), 1, "{command}");
@@ -204,11 +170,7 @@ fn what_cannot_be_met_is_refused_with_what_can_and_leaves_no_lock() {
     };
     refused(
         &with(&["accuracy.pressure=1e-9"]),
-        &[
-            "`accuracy.pressure` cannot be met",
-            "pressure = ",
-            "times the cost",
-        ],
+        &["`accuracy.pressure` cannot be met", "pressure = ", "times the cost"],
     );
     refused(
         &with(&["integrator.dt=0.02", "accuracy.potential_energy=2e-3"]),
@@ -224,11 +186,7 @@ fn a_lock_that_cannot_be_written_is_refused_before_anything_is_measured() {
     let nowhere = folder.path().join("nowhere/x.lock.toml");
     refused(
         &["tune", &scene, "--lock", nowhere.to_str().unwrap()],
-        &[
-            "tuning the scene: ",
-            "the lock file cannot be written there",
-            "no such folder",
-        ],
+        &["tuning the scene: ", "the lock file cannot be written there", "no such folder"],
     );
     refused(
         &["tune", &scene, "--lock", folder.path().to_str().unwrap()],
@@ -319,10 +277,7 @@ method = "direct"
         "potential_energy = 0.3, pressure = 0.2,",
     );
     let tuning = tuned(&scene);
-    assert!(
-        notes(&tuning).contains("bonds (direct) do not limit the step"),
-        "{tuning}"
-    );
+    assert!(notes(&tuning).contains("bonds (direct) do not limit the step"), "{tuning}");
     assert_eq!(tuning["rows"][0]["unit"], "ε per molecule");
     assert!((tuning["density"].as_f64().unwrap() - 0.3).abs() < 1e-9);
 }

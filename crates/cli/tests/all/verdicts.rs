@@ -60,9 +60,7 @@ fn run(changes: &[&str]) -> (Value, Value, String) {
 
 fn row<'a>(compared: &'a Value, quantity: &str) -> &'a Value {
     let rows = compared["rows"].as_array().unwrap();
-    rows.iter()
-        .find(|r| r["quantity"] == quantity)
-        .unwrap_or_else(|| panic!("no {quantity}"))
+    rows.iter().find(|r| r["quantity"] == quantity).unwrap_or_else(|| panic!("no {quantity}"))
 }
 
 #[test]
@@ -83,10 +81,7 @@ fn a_fluid_that_separates_by_itself_is_judged_by_no_equation_of_one_phase() {
     assert_ne!(pressure["standing"], "sound");
     assert!(pressure["standard_error"].is_null());
     let headline = compared["headline"].as_str().unwrap();
-    assert!(
-        headline.starts_with("The fluid has separated into two phases: "),
-        "{headline}"
-    );
+    assert!(headline.starts_with("The fluid has separated into two phases: "), "{headline}");
     assert_eq!(row(&compared, "pressure")["reference"], Value::Null);
     assert!(compared["state"]["phase"].is_null());
     assert!(table.contains("separated"), "{table}");
@@ -100,18 +95,9 @@ fn means_of_a_run_that_still_relaxes_are_no_results() {
         "stage.production.thermostat={ kind = \"langevin\", friction = 0.05 }",
     ]);
     let averages = record["averages"].as_object().unwrap();
-    for name in [
-        "temperature",
-        "potential_energy",
-        "pressure",
-        "heat_capacity",
-        "rdf_first_peak",
-    ] {
+    for name in ["temperature", "potential_energy", "pressure", "heat_capacity", "rdf_first_peak"] {
         let average = &averages[name];
-        assert_eq!(
-            average["standing"], "not-in-equilibrium",
-            "{name}: {average}"
-        );
+        assert_eq!(average["standing"], "not-in-equilibrium", "{name}: {average}");
         assert!(average["standard_error"].is_null(), "{name}: {average}");
         let reason = average["reason"].as_str().unwrap();
         assert!(reason.contains("falls from"), "{reason}");
@@ -119,27 +105,18 @@ fn means_of_a_run_that_still_relaxes_are_no_results() {
     assert!(record["comparison"].as_array().unwrap().is_empty());
     assert_eq!(row(&compared, "pressure")["verdict"], "not-in-equilibrium");
     assert!(table.contains("The run was not in equilibrium"), "{table}");
-    assert!(
-        !table.contains("agrees") && !table.contains("Thol"),
-        "{table}"
-    );
+    assert!(!table.contains("agrees") && !table.contains("Thol"), "{table}");
 }
 
 #[test]
 fn a_run_too_short_says_how_many_steps_are_missing_and_gives_no_error() {
-    let (record, compared, table) = run(&[
-        "system.density=0.003",
-        "system.temperature=0.9",
-        "stage.production.steps=2500",
-    ]);
+    let (record, compared, table) =
+        run(&["system.density=0.003", "system.temperature=0.9", "stage.production.steps=2500"]);
     let energy = &record["averages"]["potential_energy"];
     assert_eq!(energy["standing"], "too-short", "{energy}");
     assert!(energy["standard_error"].is_null());
     let reason = energy["reason"].as_str().unwrap();
-    assert!(
-        reason.contains("collides") && reason.contains("more steps"),
-        "{reason}"
-    );
+    assert!(reason.contains("collides") && reason.contains("more steps"), "{reason}");
     assert_eq!(row(&compared, "potential_energy")["verdict"], "too-short");
     assert!(table.contains("The run is too short"), "{table}");
     let fits = |line: &str| line.chars().count() <= 100;
@@ -152,11 +129,7 @@ fn long_reasons_stand_below_the_table_of_the_page() {
     let place = Place::with(&[("scene.toml", SCENE)]);
     let run = ["run", "scene.toml", "--out", "out", "--quiet"];
     let short = ["--set", "stage.production.steps=1500"];
-    assert!(
-        lennard_in(place.root(), &[&run[..], &short].concat())
-            .status
-            .success()
-    );
+    assert!(lennard_in(place.root(), &[&run[..], &short].concat()).status.success());
     let page = std::fs::read_to_string(place.root().join("out/report.html")).unwrap();
     let (table, below) = page
         .split_once("Beside the literature</h2>")
@@ -201,11 +174,7 @@ fn friction_is_said_beside_diffusion_and_no_correction_is_added() {
     assert!(row["reference"].is_null());
     assert!(table.contains("langevin"), "{table}");
     // What does not move through time is the fluid's own.
-    assert_eq!(
-        averages["pressure"]["standing"], "sound",
-        "{}",
-        averages["pressure"]
-    );
+    assert_eq!(averages["pressure"]["standing"], "sound", "{}", averages["pressure"]);
 }
 
 #[test]
@@ -224,33 +193,18 @@ fn a_state_without_a_reference_is_named_and_has_none() {
     // Inside the vapor–liquid dome.
     let (_, compared, table) = run(&["system.density=0.4", "system.temperature=0.9"]);
     for quantity in ["potential_energy", "pressure", "heat_capacity"] {
-        assert!(
-            row(&compared, quantity)["reference"].is_null(),
-            "{quantity}"
-        );
+        assert!(row(&compared, quantity)["reference"].is_null(), "{quantity}");
     }
-    assert!(
-        table.contains("metastable") || table.contains("dome"),
-        "{table}"
-    );
+    assert!(table.contains("metastable") || table.contains("dome"), "{table}");
     assert!(!table.contains("agrees with its reference: pressure"));
     // The sentence says why, though the two temperatures agree.
     let headline = compared["headline"].as_str().unwrap();
-    assert!(
-        headline.contains("No reference of a homogeneous fluid applies: "),
-        "{headline}"
-    );
+    assert!(headline.contains("No reference of a homogeneous fluid applies: "), "{headline}");
     // A crystal is not set beside the equation of the fluid.
-    let (_, compared, table) = run(&[
-        "system.density=1.1",
-        "system.temperature=0.7",
-        "truncation.r_cut=2.2",
-    ]);
+    let (_, compared, table) =
+        run(&["system.density=1.1", "system.temperature=0.7", "truncation.r_cut=2.2"]);
     assert!(row(&compared, "potential_energy")["reference"].is_null());
-    assert!(
-        table.contains("freezing") || table.contains("range"),
-        "{table}"
-    );
+    assert!(table.contains("freezing") || table.contains("range"), "{table}");
 }
 
 #[test]
@@ -289,10 +243,7 @@ fn a_run_of_few_bodies_ends_with_its_last_state() {
     let run = lennard_in(folder.path(), &["run", "mechanics/cradle", "--out", "out"]);
     let said = String::from_utf8_lossy(&run.stdout).into_owned();
     assert!(run.status.success());
-    assert!(
-        said.contains("So few bodies have no thermodynamic state"),
-        "{said}"
-    );
+    assert!(said.contains("So few bodies have no thermodynamic state"), "{said}");
     assert!(said.contains("last state: out/final.xyz"), "{said}");
     assert!(!said.contains("too short"), "{said}");
     // Energy is conserved to the bit, and the time of five bodies is the time of files.
@@ -302,12 +253,7 @@ fn a_run_of_few_bodies_ends_with_its_last_state() {
     let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(page.contains("So few bodies") && page.contains("Particles"));
     assert!(page.contains("Time series") && !page.contains("Mean ") && !page.contains("averages"));
-    for absent in [
-        "Beside the literature",
-        "State card",
-        "too short",
-        "<h2>Averages",
-    ] {
+    for absent in ["Beside the literature", "State card", "too short", "<h2>Averages"] {
         assert!(!page.contains(absent), "{absent}");
     }
     let stack = ["run", "mechanics/stack", "--out", "stack", "--quiet"];
@@ -354,20 +300,9 @@ fn the_tolerance_holds_a_finite_size_term_near_the_critical_point_of_the_equatio
     let scene = dumbbells("density = 0.3", "bond_length = 0.6");
     let place = Place::with(&[("scene.toml", &scene)]);
     let bath = "stage.production.thermostat={ kind = \"bussi\", tau = 0.2 }";
-    let run = [
-        "run",
-        "scene.toml",
-        "--out",
-        "out",
-        "--quiet",
-        "--no-report",
-    ];
+    let run = ["run", "scene.toml", "--out", "out", "--quiet", "--no-report"];
     let longer = ["--set", bath, "--set", "stage.production.steps=20000"];
-    assert!(
-        lennard_in(place.root(), &[&run[..], &longer].concat())
-            .status
-            .success()
-    );
+    assert!(lennard_in(place.root(), &[&run[..], &longer].concat()).status.success());
     let compared = lennard_in(place.root(), &["compare", "out", "--json"]).stdout;
     let compared: Value = serde_json::from_slice(&compared).unwrap();
     let row = row(&compared["runs"][0], "potential_energy");
@@ -375,12 +310,7 @@ fn the_tolerance_holds_a_finite_size_term_near_the_critical_point_of_the_equatio
     // 4 combined errors, 0.02 of the equations, and a term of 0.08.
     let statistical = 4.0 * number("combined_error") + 0.02;
     assert!(number("tolerance") > statistical + 0.06, "{row}");
-    assert!(
-        ["agrees", "too-coarse"]
-            .iter()
-            .any(|v| row["verdict"] == *v),
-        "{row}"
-    );
+    assert!(["agrees", "too-coarse"].iter().any(|v| row["verdict"] == *v), "{row}");
     let words = row["tolerance_words"].as_str().unwrap();
     assert!(words.contains("of the finite-size term"), "{row}");
     let table = lennard_in(place.root(), &["compare", "out"]).stdout;
@@ -428,15 +358,9 @@ fn the_card_says_what_the_table_says() {
             }
             let first = beside["values"][0].as_f64().unwrap();
             let reference = row["reference"].as_f64().unwrap();
-            assert!(
-                (first - reference).abs() <= 1e-12 * reference.abs(),
-                "{row}"
-            );
+            assert!((first - reference).abs() <= 1e-12 * reference.abs(), "{row}");
             let pair = [&row["verdict"], &beside["verdict"]].map(|v| v.as_str().unwrap());
-            let [
-                "agrees" | "sharper" | "too-coarse" | "predicted-bias" | "differs",
-                there,
-            ] = pair
+            let ["agrees" | "sharper" | "too-coarse" | "predicted-bias" | "differs", there] = pair
             else {
                 panic!("{row}");
             };
@@ -475,31 +399,14 @@ fn the_card_says_what_the_table_says() {
 fn a_run_of_dumbbells_is_compared_at_the_density_of_its_molecules() {
     let scene = dumbbells("density = 0.4", "bond_length = 0.67");
     let place = Place::with(&[("scene.toml", &scene)]);
-    let run = [
-        "run",
-        "scene.toml",
-        "--out",
-        "out",
-        "--quiet",
-        "--no-report",
-    ];
+    let run = ["run", "scene.toml", "--out", "out", "--quiet", "--no-report"];
     let ran = lennard_in(place.root(), &run);
-    assert!(
-        ran.status.success(),
-        "{}",
-        String::from_utf8_lossy(&ran.stderr)
-    );
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
     // Every command counts sites and molecules, and names the density of molecules.
     for (command, words) in [
-        (
-            ["plan", "scene.toml"],
-            "216 sites in 108 molecules at density 0.4000",
-        ),
+        (["plan", "scene.toml"], "216 sites in 108 molecules at density 0.4000"),
         (["energy", "scene.toml"], "216 sites in 108 molecules, "),
-        (
-            ["compare", "out"],
-            "216 sites in 108 molecules, 6000 measured steps, ρ = 0.4000",
-        ),
+        (["compare", "out"], "216 sites in 108 molecules, 6000 measured steps, ρ = 0.4000"),
     ] {
         let said = lennard_in(place.root(), &command).stdout;
         let said = String::from_utf8_lossy(&said);
@@ -508,10 +415,7 @@ fn a_run_of_dumbbells_is_compared_at_the_density_of_its_molecules() {
     let compared = lennard_in(place.root(), &["compare", "out", "--json"]);
     let compared: Value = serde_json::from_slice(&compared.stdout).unwrap();
     let run = &compared["runs"][0];
-    assert!(
-        (run["state"]["density"].as_f64().unwrap() - 0.4).abs() < 1e-9,
-        "{run}"
-    );
+    assert!((run["state"]["density"].as_f64().unwrap() - 0.4).abs() < 1e-9, "{run}");
     for quantity in ["potential_energy", "pressure"] {
         let row = row(run, quantity);
         let source = row["source"].as_str().unwrap();
@@ -520,18 +424,12 @@ fn a_run_of_dumbbells_is_compared_at_the_density_of_its_molecules() {
         let verdict = if is_coarse { "too-coarse" } else { "agrees" };
         assert_eq!(row["verdict"], verdict, "{row}");
         let note = row["remark"].to_string();
-        assert!(
-            note.contains("for 216 sites in 108 molecules in a closed box"),
-            "{row}"
-        );
+        assert!(note.contains("for 216 sites in 108 molecules in a closed box"), "{row}");
         // What the equations disagree by is part of the tolerance.
         let number = |key: &str| row[key].as_f64().unwrap();
         let own = number("reference_error");
         let wanted = own + 4.0 * number("combined_error");
-        assert!(
-            own >= 0.02 && (number("tolerance") - wanted).abs() < 2e-4,
-            "{row}"
-        );
+        assert!(own >= 0.02 && (number("tolerance") - wanted).abs() < 2e-4, "{row}");
     }
 }
 
@@ -541,28 +439,17 @@ fn few_rows_by_default_and_every_one_with_all() {
     let rows = |arguments: &[&str]| {
         let said = lennard_in(place.root(), arguments);
         let text = String::from_utf8_lossy(&said.stdout).into_owned();
-        (
-            text.lines()
-                .filter(|l| l.starts_with('│') && l.contains(" ± "))
-                .count(),
-            text,
-        )
+        (text.lines().filter(|l| l.starts_with('│') && l.contains(" ± ")).count(), text)
     };
     let (few, text) = rows(&["run", "scene.toml", "--out", "out", "--no-report"]);
     assert!((5..=8).contains(&few), "{text}");
     let table = || text.lines().filter(|l| l.starts_with(['┌', '│', '└']));
     assert!(table().count() > 7 && text.contains("Allowed"), "{text}");
     assert!(table().all(|l| l.chars().count() <= 100), "{text}");
-    assert!(
-        text.contains("--verbose") && !text.contains("note:"),
-        "{text}"
-    );
+    assert!(text.contains("--verbose") && !text.contains("note:"), "{text}");
     let (every, text) = rows(&["compare", "out", "--verbose"]);
     assert!(every > 12 && text.contains("kinetic energy"), "{text}");
-    assert!(
-        text.contains("Difference / s.e.") && text.contains("Tolerance"),
-        "{text}"
-    );
+    assert!(text.contains("Difference / s.e.") && text.contains("Tolerance"), "{text}");
 }
 
 #[test]
@@ -586,9 +473,6 @@ fn one_part_of_the_run_is_discarded_for_every_observable() {
         ("diffusion_coefficient", 10),
     ] {
         let own = every * discarded(name);
-        assert!(
-            (steps..=steps + 20_000 / 32).contains(&own),
-            "{name}: {own} {steps}"
-        );
+        assert!((steps..=steps + 20_000 / 32).contains(&own), "{name}: {own} {steps}");
     }
 }

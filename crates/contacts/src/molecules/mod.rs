@@ -136,10 +136,8 @@ impl MoleculesAtWalls {
             }
             for k in 0..self.planes.len() {
                 let plane = self.planes[k];
-                let (before, after) = (
-                    self.distance(plane, from.x[site]),
-                    self.distance(plane, end.x[site]),
-                );
+                let (before, after) =
+                    (self.distance(plane, from.x[site]), self.distance(plane, end.x[site]));
                 if after >= -self.rounding(plane) {
                     continue;
                 }
@@ -251,8 +249,7 @@ impl MoleculesAtWalls {
         };
         let kinetic = |v: &[DVec3]| -> f64 {
             let each = v.iter().enumerate();
-            each.map(|(k, v)| 0.5 * masses.moving(k) * v.length_squared())
-                .sum()
+            each.map(|(k, v)| 0.5 * masses.moving(k) * v.length_squared()).sum()
         };
         let before = (outward_momentum(&sites.v), kinetic(&sites.v));
         let mut is_rest = false;
@@ -292,11 +289,7 @@ impl MoleculesAtWalls {
             true => self.walls.take_momentum(plane, momentum),
             false => self.walls.count_hit(plane, momentum),
         }
-        if is_rest {
-            0.0
-        } else {
-            kinetic(&sites.v) - before.1
-        }
+        if is_rest { 0.0 } else { kinetic(&sites.v) - before.1 }
     }
 
     /// Flies one molecule from hit to hit, where its flight without hits is known. Returns the molecule, and what hits and bonds did.
@@ -323,15 +316,7 @@ impl MoleculesAtWalls {
 
     /// Flies all molecules from what they were `before`.
     fn fly_all(&mut self, before: &Sites, flight: Flight<'_>) -> Result<Drifted, StepError> {
-        let Flight {
-            positions,
-            velocities,
-            forces,
-            h,
-            step,
-            is_later,
-            ..
-        } = flight;
+        let Flight { positions, velocities, forces, h, step, is_later, .. } = flight;
         let drift = BoundDrift {
             positions: &mut *positions,
             velocities: &mut *velocities,
@@ -347,10 +332,8 @@ impl MoleculesAtWalls {
                 continue;
             }
             self.take_masses(&own);
-            let start = Sites {
-                x: before.x[own.clone()].to_vec(),
-                v: before.v[own.clone()].to_vec(),
-            };
+            let start =
+                Sites { x: before.x[own.clone()].to_vec(), v: before.v[own.clone()].to_vec() };
             let given = Given {
                 forces: &forces[own.clone()],
                 h,
@@ -381,15 +364,8 @@ fn of_molecule(mut error: StepError, number: usize) -> StepError {
 
 /// A velocity of a mass, with three components as a wall draws them along its plane.
 fn drawn(wall: &dyn Rebound, mass: f64, random: &mut CounterRng) -> DVec3 {
-    let mut across = |axis: usize| {
-        wall.leave(Hit {
-            axis,
-            outward: 1.0,
-            velocity: DVec3::ZERO,
-            mass,
-            random,
-        })
-    };
+    let mut across =
+        |axis: usize| wall.leave(Hit { axis, outward: 1.0, velocity: DVec3::ZERO, mass, random });
     let (z, x) = (across(2), across(0));
     DVec3::new(z.x, z.y, x.z)
 }

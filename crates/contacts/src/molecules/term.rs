@@ -9,18 +9,9 @@ use super::MoleculesAtWalls;
 
 impl Boundary for MoleculesAtWalls {
     fn fly(&mut self, flight: Flight<'_>) -> Result<Drifted, StepError> {
-        let Flight {
-            positions,
-            velocities,
-            h,
-            ..
-        } = flight;
+        let Flight { positions, velocities, h, .. } = flight;
         let mut heat = self.damp_all(positions, velocities, 0.5 * h, false);
-        let flight = Flight {
-            positions: &mut *positions,
-            velocities: &mut *velocities,
-            ..flight
-        };
+        let flight = Flight { positions: &mut *positions, velocities: &mut *velocities, ..flight };
         let mut before = std::mem::take(&mut self.before);
         before.x.clear();
         before.x.extend_from_slice(flight.positions);

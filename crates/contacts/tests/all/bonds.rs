@@ -24,10 +24,7 @@ struct Chains {
 }
 
 fn bonds_of(molecules: &Molecules, compliance: f64) -> SpookBonds {
-    let options = BondOptions::Spook(spook::Options {
-        compliance,
-        ..Default::default()
-    });
+    let options = BondOptions::Spook(spook::Options { compliance, ..Default::default() });
     match options.build(molecules) {
         BondHolder::Spook(bonds, _) => bonds,
         _ => panic!("SPOOK solves for its bonds"),
@@ -71,9 +68,7 @@ impl Chains {
 
     fn start(&mut self) {
         let (state, forces) = (&mut self.state, &mut self.forces);
-        self.method
-            .start(&self.system, state, forces, self.h, Want::ENERGY)
-            .unwrap();
+        self.method.start(&self.system, state, forces, self.h, Want::ENERGY).unwrap();
     }
 
     fn in_gravity(mut self) -> Self {
@@ -85,9 +80,7 @@ impl Chains {
 
     fn step(&mut self) {
         let (state, forces) = (&mut self.state, &mut self.forces);
-        let report = self
-            .method
-            .step(&self.system, state, forces, self.h, Want::ENERGY);
+        let report = self.method.step(&self.system, state, forces, self.h, Want::ENERGY);
         self.heat += report.unwrap().heat;
     }
 
@@ -103,9 +96,8 @@ fn without_contacts_bonds_move_as_by_the_method_alone() {
         let x: Vec<DVec3> = [[0.0, 0.0], [0.8, 0.6], [1.8, 0.6], [2.4, 1.4]]
             .map(|[x, z]| DVec3::new(6.0 + x, 5.0, 9.0 + z))
             .to_vec();
-        let v: Vec<DVec3> = (0..4)
-            .map(|k| DVec3::new(0.0, f64::from(k).cos(), f64::from(k).sin()))
-            .collect();
+        let v: Vec<DVec3> =
+            (0..4).map(|k| DVec3::new(0.0, f64::from(k).cos(), f64::from(k).sin())).collect();
         let all = (0.5, 0.0, compliance);
         let mut with = Chains::new((x.clone(), v.clone()), 4, all, (0.1, Solver::Exact));
         let mut alone = Chains::new((x, v), 4, all, (0.1, Solver::Exact));
@@ -144,10 +136,7 @@ fn a_chain_that_fell_on_its_end_stands_with_its_weight_in_floor_and_bonds() {
         assert!((weight / n as f64 - 1.0).abs() < 1e-9, "{weight}");
         let x = &chain.state.positions;
         let sunk = 1.0 - x[0].z;
-        assert!(
-            (sunk / (of_contacts * n as f64) - 1.0).abs() < 1e-8,
-            "{sunk}"
-        );
+        assert!((sunk / (of_contacts * n as f64) - 1.0).abs() < 1e-8, "{sunk}");
         for k in 1..n {
             // Bond k carries what stands on it.
             let shorter = 1.0 - (x[k].z - x[k - 1].z);
@@ -178,11 +167,7 @@ fn an_impact_at_one_end_passes_through_the_bond() {
             let momentum = v[0] + v[1];
             assert!((momentum - DVec3::new(0.0, 0.0, wanted - 2.0)).length() < 1e-12);
             let lost = 0.5 * (e * e - 1.0) / kappa;
-            assert!(
-                (fall.heat - lost).abs() < 1e-12,
-                "{degrees} {e}: {}",
-                fall.heat
-            );
+            assert!((fall.heat - lost).abs() < 1e-12, "{degrees} {e}: {}", fall.heat);
         }
     }
 }
@@ -191,14 +176,7 @@ fn an_impact_at_one_end_passes_through_the_bond() {
 fn chains_that_meet_keep_their_momentum_and_their_bonds() {
     let x = [0.0, 1.0, 2.0].map(|k| DVec3::new(5.0 + k, 5.0, 5.0));
     let y = [0.0, 1.0, 2.0].map(|k| DVec3::new(6.3, 4.4 + k, 8.0));
-    let v = [
-        DVec3::Z,
-        DVec3::Z,
-        DVec3::Z,
-        -DVec3::Z,
-        -DVec3::Z,
-        -DVec3::Z,
-    ];
+    let v = [DVec3::Z, DVec3::Z, DVec3::Z, -DVec3::Z, -DVec3::Z, -DVec3::Z];
     let start = ([x, y].concat(), v.to_vec());
     let mut two = Chains::new(start, 3, (1.0, 0.0, 0.0), (1.0, Solver::Exact));
     let before = two.system.kinetic_energy(&two.state.velocities);

@@ -26,13 +26,7 @@ impl Rig {
         forces: ForceSum<NoForces>,
         dt: f64,
     ) -> Self {
-        Self::by(
-            &IntegratorOptions::default(),
-            system,
-            (cell, x, v),
-            forces,
-            dt,
-        )
+        Self::by(&IntegratorOptions::default(), system, (cell, x, v), forces, dt)
     }
 
     /// Bodies under a method of the list.
@@ -51,28 +45,13 @@ impl Rig {
             dt,
             heat: 0.0,
         };
-        let Self {
-            system,
-            state,
-            forces,
-            method,
-            ..
-        } = &mut rig;
-        method
-            .start(system, state, forces, dt, Want::ENERGY)
-            .unwrap();
+        let Self { system, state, forces, method, .. } = &mut rig;
+        method.start(system, state, forces, dt, Want::ENERGY).unwrap();
         rig
     }
 
     pub(crate) fn step(&mut self) {
-        let Self {
-            system,
-            state,
-            forces,
-            method,
-            dt,
-            heat,
-        } = self;
+        let Self { system, state, forces, method, dt, heat } = self;
         let report = method.step(system, state, forces, *dt, Want::ENERGY);
         *heat += report.unwrap().heat;
     }
@@ -110,16 +89,12 @@ pub(crate) fn of_kind(name: &str) -> Response {
 pub(crate) fn random_vectors(n: usize, name: &str) -> Vec<DVec3> {
     let mut random = Streams::new(7).sequential(name);
     let mut number = || 2.0 * random.random::<f64>() - 1.0;
-    (0..n)
-        .map(|_| DVec3::new(number(), number(), number()))
-        .collect()
+    (0..n).map(|_| DVec3::new(number(), number(), number())).collect()
 }
 
 /// A simple cubic lattice of n³ points with a spacing, shaken.
 pub(crate) fn lattice(n: usize, spacing: f64, shaken_by: f64) -> Vec<DVec3> {
     let shaken = random_vectors(n * n * n, "lattice");
     let place = |k: usize| DVec3::new((k % n) as f64, (k / n % n) as f64, (k / n / n) as f64);
-    (0..n * n * n)
-        .map(|k| spacing * (place(k) + 0.5) + shaken_by * shaken[k])
-        .collect()
+    (0..n * n * n).map(|k| spacing * (place(k) + 0.5) + shaken_by * shaken[k]).collect()
 }

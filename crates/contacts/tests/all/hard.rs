@@ -43,18 +43,10 @@ fn two_bodies_meet_at_the_exact_time_and_keep_the_share() {
             let mass = masses.reduced(0, 1);
             let rate = normal.dot(before[1] - before[0]);
             let impulse = -(1.0 + e) * mass * rate * normal;
-            let wanted = [
-                before[0] - impulse / masses.of(0),
-                before[1] + impulse / masses.of(1),
-            ];
+            let wanted = [before[0] - impulse / masses.of(0), before[1] + impulse / masses.of(1)];
             let start = [DVec3::splat(3.0), DVec3::new(4.5, 3.6, 3.0)];
             for i in 0..2 {
-                assert!(
-                    (v[i] - wanted[i]).length() < 1e-13,
-                    "{e}: {} {}",
-                    v[i],
-                    wanted[i]
-                );
+                assert!((v[i] - wanted[i]).length() < 1e-13, "{e}: {} {}", v[i], wanted[i]);
                 let place = start[i] + time * before[i] + (1.0 - time) * wanted[i];
                 assert!((x[i] - place).length() < 1e-13);
             }
@@ -183,11 +175,7 @@ fn an_elastic_ball_on_a_ball_keeps_its_energy() {
 #[test]
 fn hard_bodies_bounce_off_held_ones_and_held_ones_stay() {
     let masses = Masses::Each(vec![f64::INFINITY, 1.0, f64::INFINITY]);
-    let mut x = [
-        DVec3::splat(2.0),
-        DVec3::new(4.0, 2.0, 2.0),
-        DVec3::new(6.0, 2.0, 2.0),
-    ];
+    let mut x = [DVec3::splat(2.0), DVec3::new(4.0, 2.0, 2.0), DVec3::new(6.0, 2.0, 2.0)];
     let mut v = [DVec3::ZERO, DVec3::new(-1.0, 0.0, 0.0), DVec3::ZERO];
     let mut contacts = alone(spheres(of_kind("hard")));
     let mut time = 0.0;
@@ -207,21 +195,14 @@ fn hard_bodies_bounce_off_held_ones_and_held_ones_stay() {
         time += 0.1;
     }
     assert!((time - 4.0_f64).abs() < 1e-12);
-    assert!(
-        (x[1] - DVec3::new(4.0, 2.0, 2.0)).length() < 1e-12,
-        "{}",
-        x[1]
-    );
+    assert!((x[1] - DVec3::new(4.0, 2.0, 2.0)).length() < 1e-12, "{}", x[1]);
     assert_eq!((x[0], v[2]), (DVec3::splat(2.0), DVec3::ZERO));
 }
 
 #[test]
 fn what_contacts_did_is_saved() {
     let mut hard = spheres(of_kind("hard"));
-    let (mut x, mut v) = (
-        [DVec3::splat(3.0), DVec3::new(4.5, 3.0, 3.0)],
-        [DVec3::X, DVec3::ZERO],
-    );
+    let (mut x, mut v) = ([DVec3::splat(3.0), DVec3::new(4.5, 3.0, 3.0)], [DVec3::X, DVec3::ZERO]);
     fly(&mut hard, &mut x, &mut v, &Masses::Uniform(1.0), 1.0);
     assert_eq!(hard.reading().impacts, 1);
     let mut archive = StateArchive::default();
@@ -236,10 +217,8 @@ fn what_contacts_did_is_saved() {
 fn a_wall_at_a_temperature_lets_no_body_rest_however_hard_it_is_pressed() {
     let cell = cube(8.0);
     let planes = SlitPlanes::new(&cell, 2, 2.0, 0.0);
-    let thermal = WallOptions::all()
-        .into_iter()
-        .find(|wall| wall.spec().name == "thermal")
-        .unwrap();
+    let thermal =
+        WallOptions::all().into_iter().find(|wall| wall.spec().name == "thermal").unwrap();
     let pair = WallPair::new(&thermal, planes, &WallContext { temperature: 1e-4 });
     let walls = Walls::new(vec![pair], Streams::new(1).noise("walls"));
     let mut contacts = Contacts::new(hard(0.5), Bodies::alike(1.0, Exclusions::NONE), Some(walls));

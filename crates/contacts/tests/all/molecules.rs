@@ -33,10 +33,7 @@ fn walls(options: &WallOptions) -> Walls {
 }
 
 fn hard(restitution: f64) -> WallOptions {
-    WallOptions::Hard(Hard {
-        restitution: Some(restitution),
-        ..Hard::default()
-    })
+    WallOptions::Hard(Hard { restitution: Some(restitution), ..Hard::default() })
 }
 
 struct Gas {
@@ -78,16 +75,8 @@ impl Gas {
             heat: 0.0,
             report: StepReport::default(),
         };
-        let Self {
-            system,
-            state,
-            forces,
-            method,
-            ..
-        } = &mut gas;
-        method
-            .start(system, state, forces, h, Want::NOTHING)
-            .unwrap();
+        let Self { system, state, forces, method, .. } = &mut gas;
+        method.start(system, state, forces, h, Want::NOTHING).unwrap();
         gas
     }
 
@@ -96,15 +85,7 @@ impl Gas {
     }
 
     fn tried(&mut self) -> Result<(), StepError> {
-        let Self {
-            system,
-            state,
-            forces,
-            method,
-            h,
-            heat,
-            report,
-        } = self;
+        let Self { system, state, forces, method, h, heat, report } = self;
         *report = method.step(system, state, forces, *h, Want::NOTHING)?;
         *heat += report.heat;
         Ok(())
@@ -121,8 +102,7 @@ impl Gas {
     fn outside(&self) -> f64 {
         let beyond = |x: f64| (1.0 - x).max(x - (SIDE - 1.0));
         let all = self.state.positions.iter();
-        all.map(|x| beyond(x.x).max(beyond(x.y)).max(beyond(x.z)))
-            .fold(f64::NEG_INFINITY, f64::max)
+        all.map(|x| beyond(x.x).max(beyond(x.y)).max(beyond(x.z))).fold(f64::NEG_INFINITY, f64::max)
     }
 
     fn impulse(&self) -> f64 {
@@ -187,11 +167,7 @@ fn momentum_goes_to_the_walls_and_hits_that_take_energy_count_it_as_heat() {
     (0..4000).for_each(|_| gas.step());
     let lost = gas.energy() - before;
     // A free chain keeps its energy to the cube of the step.
-    assert!(
-        (lost - gas.heat).abs() < 1e-4 * before,
-        "{lost} {}",
-        gas.heat
-    );
+    assert!((lost - gas.heat).abs() < 1e-4 * before, "{lost} {}", gas.heat);
     assert!(lost < -0.2 * before);
     let gained = gas.system.momentum(&gas.state.velocities) - start;
     for axis in 0..3 {
@@ -204,10 +180,8 @@ fn momentum_goes_to_the_walls_and_hits_that_take_energy_count_it_as_heat() {
 
 #[test]
 fn thermal_walls_bring_molecules_to_their_temperature_in_every_degree_of_freedom() {
-    let options = WallOptions::all()
-        .into_iter()
-        .find(|wall| wall.spec().name == "thermal")
-        .unwrap();
+    let options =
+        WallOptions::all().into_iter().find(|wall| wall.spec().name == "thermal").unwrap();
     let mut gas = Gas::new(&options, 400, 2, 0.02);
     (0..3000).for_each(|_| gas.step());
     let (mut centers, mut inside, mut samples) = (0.0, 0.0, 0.0);
@@ -240,9 +214,7 @@ fn a_dumbbell_that_falls_flat_on_a_floor_bounces_and_rests_with_both_sites() {
         let mut state = State::new(cell, x, vec![DVec3::ZERO; 2]);
         let mut method = build(&IntegratorOptions::default()).with_bonds(solver(&molecules));
         let h = 0.01;
-        method
-            .start(&system, &mut state, &mut forces, h, Want::NOTHING)
-            .unwrap();
+        method.start(&system, &mut state, &mut forces, h, Want::NOTHING).unwrap();
         let (mut heat, mut halfway) = (0.0, (0.0, 0.0));
         for step in 0..3000 {
             if step == 2000 {
@@ -268,11 +240,7 @@ fn a_dumbbell_that_falls_flat_on_a_floor_bounces_and_rests_with_both_sites() {
 /// Mean over phases of the step of −v_out/v_in of a dumbbell that flies at a soft wall, at an angle to its plane.
 fn rebound(law: SpringLaw, e: f64, along: DVec3) -> f64 {
     let (h, phases) = (0.005, 40);
-    let options = WallOptions::Soft(Soft {
-        law,
-        stiffness: 400.0,
-        restitution: e,
-    });
+    let options = WallOptions::Soft(Soft { law, stiffness: 400.0, restitution: e });
     let molecules = Molecules::chains(2, 1.0, Bonds::Rigid);
     let mut sum = 0.0;
     for k in 0..phases {
@@ -286,9 +254,7 @@ fn rebound(law: SpringLaw, e: f64, along: DVec3) -> f64 {
         let mut state = State::new(cube(SIDE), vec![lower, lower + along], state_v);
         let mut method = build(&IntegratorOptions::default()).with_bonds(solver(&molecules));
         let want = Want::ENERGY;
-        method
-            .start(&system, &mut state, &mut forces, h, want)
-            .unwrap();
+        method.start(&system, &mut state, &mut forces, h, want).unwrap();
         let (start, mut heat) = (system.kinetic_energy(&state.velocities), 0.0);
         while state.positions[0].z <= 1.0 || state.velocities[0].z <= 0.0 {
             let report = method.step(&system, &mut state, &mut forces, h, want);
@@ -317,33 +283,20 @@ fn dashpots_of_soft_walls_keep_the_restitution_of_molecules_on_their_end_and_fla
 
 #[test]
 fn dashpots_take_what_they_count_from_a_gas_of_molecules() {
-    let soft = WallOptions::Soft(Soft {
-        restitution: 0.5,
-        ..Soft::default()
-    });
+    let soft = WallOptions::Soft(Soft { restitution: 0.5, ..Soft::default() });
     for sites in [2, 3] {
         let mut gas = Gas::new(&soft, 30, sites, 0.002);
         let before = gas.energy();
         (0..4000).for_each(|_| gas.step());
         assert!(gas.heat < -0.3 * before, "{} of {before}", gas.heat);
         let potential = {
-            let Gas {
-                system,
-                state,
-                forces,
-                method,
-                h,
-                ..
-            } = &mut gas;
+            let Gas { system, state, forces, method, h, .. } = &mut gas;
             let told = method.step(system, state, forces, *h, Want::ENERGY);
             gas.heat += told.unwrap().heat;
             gas.state.energetics.potential_energy.unwrap()
         };
         let left = gas.energy() + potential - gas.heat;
-        assert!(
-            (left / before - 1.0).abs() < 2e-3,
-            "{sites}: {left} {before}"
-        );
+        assert!((left / before - 1.0).abs() < 2e-3, "{sites}: {left} {before}");
         assert!(gas.residual() < 1e-9, "{}", gas.residual());
     }
 }

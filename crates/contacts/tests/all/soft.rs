@@ -28,10 +28,7 @@ fn forces_virial_and_laplacian_are_derivatives_of_the_energy() {
         let mut contacts = spheres(spring(law, 1.0));
         let mut forces = vec![DVec3::ZERO; x.len()];
         let at = Configuration::at_rest(&cell, &x);
-        let want = Want {
-            per_particle: true,
-            ..Want::TOTALS
-        };
+        let want = Want { per_particle: true, ..Want::TOTALS };
         let found = contacts.evaluate(at, Part::All, want, &mut forces).unwrap();
         assert!(found.potential_energy.unwrap() > 1.0);
         let h = 1e-5;

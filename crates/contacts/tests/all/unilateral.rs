@@ -14,12 +14,7 @@ use lennard_integrators::spook::Damping;
 use crate::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
 
 fn law(restitution: f64, compliance: f64) -> UnilateralLaw {
-    UnilateralLaw {
-        restitution,
-        compliance,
-        damping: Damping::Steps(2.0),
-        solver: Solver::Exact,
-    }
+    UnilateralLaw { restitution, compliance, damping: Damping::Steps(2.0), solver: Solver::Exact }
 }
 
 fn spook(restitution: f64) -> Response {
@@ -48,13 +43,7 @@ fn on_planes(law: UnilateralLaw) -> Contacts {
 fn rig(x: &[DVec3], v: &[DVec3], forces: ForceSum<NoForces>, dt: f64) -> Rig {
     let system = System::atoms(x.len());
     let start = (cube(20.0), x.to_vec(), v.to_vec());
-    Rig::by(
-        &IntegratorOptions::Spook(Default::default()),
-        system,
-        start,
-        forces,
-        dt,
-    )
+    Rig::by(&IntegratorOptions::Spook(Default::default()), system, start, forces, dt)
 }
 
 #[test]
@@ -76,10 +65,7 @@ fn an_impact_keeps_its_share_at_any_phase_of_the_step() {
                 assert!((ball.state.positions[0].z - 1.0).abs() < 1e-13);
             }
             // Two balls: the relative speed keeps the same share, and the momentum is kept.
-            let x = [
-                DVec3::splat(5.0),
-                DVec3::new(6.0 + (1.0 - phase) * h, 5.0, 5.0),
-            ];
+            let x = [DVec3::splat(5.0), DVec3::new(6.0 + (1.0 - phase) * h, 5.0, 5.0)];
             let v = [0.75 * DVec3::X, -0.25 * DVec3::X];
             let mut two = rig(&x, &v, alone(spheres(spook(e))), h);
             (0..30).for_each(|_| two.step());
@@ -125,20 +111,13 @@ fn a_ball_in_gravity_bounces_400_times_without_loss_and_to_the_squares_of_its_sh
 
 #[test]
 fn a_stack_that_fell_carries_its_weight_and_sinks_by_compliance_times_force() {
-    for (n, compliance, solver) in [
-        (5, 1e-3, Solver::Exact),
-        (3, 1e-5, Solver::Exact),
-        (5, 1e-3, Solver::Sweeps(400)),
-    ] {
+    for (n, compliance, solver) in
+        [(5, 1e-3, Solver::Exact), (3, 1e-5, Solver::Exact), (5, 1e-3, Solver::Sweeps(400))]
+    {
         let h = 0.005;
-        let law = UnilateralLaw {
-            solver,
-            ..law(0.2, compliance)
-        };
+        let law = UnilateralLaw { solver, ..law(0.2, compliance) };
         let forces = alone(on_planes(law)).with(gravity());
-        let x: Vec<DVec3> = (0..n)
-            .map(|i| DVec3::new(5.0, 5.0, 1.1 + 1.1 * i as f64))
-            .collect();
+        let x: Vec<DVec3> = (0..n).map(|i| DVec3::new(5.0, 5.0, 1.1 + 1.1 * i as f64)).collect();
         let mut stack = rig(&x, &vec![DVec3::ZERO; n], forces, h);
         let mut impulses = [0.0; 2];
         for impulse in &mut impulses {
@@ -154,10 +133,7 @@ fn a_stack_that_fell_carries_its_weight_and_sinks_by_compliance_times_force() {
                 _ => x[i].z - x[i - 1].z - 1.0,
             };
             let wanted = -compliance * (n - i) as f64;
-            assert!(
-                (gap / wanted - 1.0).abs() < 1e-8,
-                "{n}, {i}: {gap} {wanted}"
-            );
+            assert!((gap / wanted - 1.0).abs() < 1e-8, "{n}, {i}: {gap} {wanted}");
             assert!(stack.state.velocities[i].length() < 1e-10);
         }
     }
@@ -166,9 +142,8 @@ fn a_stack_that_fell_carries_its_weight_and_sinks_by_compliance_times_force() {
 #[test]
 fn a_row_that_is_hit_follows_newtons_rule_for_all_contacts_at_once() {
     for n in [2_usize, 3, 5, 40] {
-        let mut x: Vec<DVec3> = (0..n)
-            .map(|i| DVec3::new(2.0 + 0.25 * i as f64, 5.0, 5.0))
-            .collect();
+        let mut x: Vec<DVec3> =
+            (0..n).map(|i| DVec3::new(2.0 + 0.25 * i as f64, 5.0, 5.0)).collect();
         x[0].x -= 0.1;
         let mut v = vec![DVec3::ZERO; n];
         v[0] = DVec3::X;
@@ -219,17 +194,8 @@ fn bodies_that_overlap_by_half_end_the_run_with_who_and_where() {
     let x = [DVec3::splat(3.0), DVec3::new(3.4, 3.0, 3.0)];
     let cell = cube(8.0);
     let at = Configuration::at_rest(&cell, &x);
-    let error = contacts
-        .evaluate(at, Part::All, Want::NOTHING, &mut [DVec3::ZERO; 2])
-        .unwrap_err();
+    let error = contacts.evaluate(at, Part::All, Want::NOTHING, &mut [DVec3::ZERO; 2]).unwrap_err();
     let words = StepError::from(error.clone()).to_string();
-    assert!(matches!(
-        error,
-        ForceError::ContactTooDeep {
-            first: 0,
-            second: 1,
-            ..
-        }
-    ));
+    assert!(matches!(error, ForceError::ContactTooDeep { first: 0, second: 1, .. }));
     assert!(words.contains("overlap by 0.6"), "{words}");
 }

@@ -29,10 +29,7 @@ impl SumOfParts {
 
     /// Forgets parts that no value was asked for.
     pub fn begin(&mut self) {
-        *self
-            .others
-            .get_mut()
-            .unwrap_or_else(PoisonError::into_inner) = ExactSum::default();
+        *self.others.get_mut().unwrap_or_else(PoisonError::into_inner) = ExactSum::default();
     }
 
     /// Sums the terms of a part.
@@ -44,11 +41,7 @@ impl SumOfParts {
         assert!(terms.len() <= BLOCK, "few terms in a part");
         PartSum(in_lanes(Slices(self.window, terms)).unwrap_or_else(|| {
             let sum = &mut *self.others.lock().unwrap_or_else(PoisonError::into_inner);
-            in_lanes(AddItems {
-                sum,
-                items: terms,
-                term: |x: &f64| *x,
-            });
+            in_lanes(AddItems { sum, items: terms, term: |x: &f64| *x });
             [0.0; 2]
         }))
     }
@@ -56,10 +49,7 @@ impl SumOfParts {
     /// The sum of all parts since the last value, rounded once; with a team over the parts of all ranks.
     #[must_use]
     pub fn value(&mut self, parts: &[PartSum], team: Option<&Team>) -> f64 {
-        let others = self
-            .others
-            .get_mut()
-            .unwrap_or_else(PoisonError::into_inner);
+        let others = self.others.get_mut().unwrap_or_else(PoisonError::into_inner);
         let mut sum = std::mem::take(others);
         if sum.window.limit > self.window.limit {
             self.window = sum.window;
@@ -71,10 +61,7 @@ impl SumOfParts {
                 sum.slices[1] += low;
             }
         }
-        let sums = ExactSums {
-            sums: [sum],
-            ..ExactSums::default()
-        };
+        let sums = ExactSums { sums: [sum], ..ExactSums::default() };
         let [value] = sums.over(team).values();
         value
     }
@@ -101,10 +88,7 @@ mod tests {
     fn parts_have_the_sum_of_all_terms_wherever_the_window_lies() {
         let mut sum = SumOfParts::default();
         let mut spilled = Vec::new();
-        for (round, scale) in [1.0, 1.0, 1e3, 1e-3, 1e-30, f64::MAX / 1e6]
-            .into_iter()
-            .enumerate()
-        {
+        for (round, scale) in [1.0, 1.0, 1e3, 1e-3, 1e-30, f64::MAX / 1e6].into_iter().enumerate() {
             // More terms of one sign than one sum of slices holds.
             let n = 60_000 - 17 * round;
             let term = |k: usize| scale * (1.5 + ((k + 31 * round) as f64 * 12.9898).sin());

@@ -19,9 +19,7 @@ fn add_block(sum: &mut ExactSum, items: &[f64]) {
 
 fn sum_of(terms: &[f64]) -> ExactSum {
     let mut sum = ExactSum::default();
-    terms
-        .chunks(BLOCK)
-        .for_each(|block| add_block(&mut sum, block));
+    terms.chunks(BLOCK).for_each(|block| add_block(&mut sum, block));
     sum
 }
 
@@ -123,11 +121,7 @@ fn ties_go_to_even_and_the_ends_of_the_range_hold() {
     ];
     for (terms, expected) in cases {
         assert_eq!(of(&terms).to_bits(), expected.to_bits(), "{terms:?}");
-        assert_eq!(
-            one_by_one(&terms).to_bits(),
-            expected.to_bits(),
-            "{terms:?}"
-        );
+        assert_eq!(one_by_one(&terms).to_bits(), expected.to_bits(), "{terms:?}");
     }
     for terms in [[f64::NAN, 1.0], [f64::INFINITY, f64::NEG_INFINITY]] {
         assert!(of(&terms).is_nan());
@@ -165,24 +159,14 @@ fn a_sum_far_beyond_the_largest_double_is_infinite() {
 
 #[test]
 fn threads_change_no_bit() {
-    let terms: Vec<f64> = (0..50_000)
-        .map(|i| (f64::from(i) * 0.7).sin() * 1e3)
-        .collect();
+    let terms: Vec<f64> = (0..50_000).map(|i| (f64::from(i) * 0.7).sin() * 1e3).collect();
     let vectors = |i: usize| DVec3::new(terms[i], terms[i] * terms[i], 1.0 / terms[i]);
-    let sums = || {
-        (
-            exact_sum(terms.len(), vectors),
-            exact_sum(terms.len(), |i| terms[i]),
-        )
-    };
+    let sums = || (exact_sum(terms.len(), vectors), exact_sum(terms.len(), |i| terms[i]));
     let one = sums();
     assert_eq!(one.0.x.to_bits(), one.1.to_bits());
     assert_eq!(one.1.to_bits(), of(&terms).to_bits());
     for threads in [1, 2, 3, 8] {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         assert_eq!(pool.install(sums), one);
     }
 }

@@ -26,10 +26,7 @@ impl Default for WideSum {
     fn default() -> Self {
         Self {
             digits: [0; DIGITS],
-            used: Range {
-                start: DIGITS,
-                end: 0,
-            },
+            used: Range { start: DIGITS, end: 0 },
             terms: 0,
             not_finite: [0; 3],
         }
@@ -173,11 +170,7 @@ impl WideSum {
 
 /// x·2ᵏ for −1074 ≤ k ≤ 1023, where the result is exact or infinite.
 fn scaled(x: f64, k: i32) -> f64 {
-    if k < -500 {
-        x * power_of_two(k + 537) * power_of_two(-537)
-    } else {
-        x * power_of_two(k)
-    }
+    if k < -500 { x * power_of_two(k + 537) * power_of_two(-537) } else { x * power_of_two(k) }
 }
 
 /// 2ᵏ for −1022 ≤ k ≤ 1023.

@@ -22,10 +22,7 @@ pub struct Window {
 impl Default for Window {
     /// A window that holds zeros alone.
     fn default() -> Self {
-        Self {
-            limit: f64::from_bits(1),
-            rounders: [0.0; 2],
-        }
+        Self { limit: f64::from_bits(1), rounders: [0.0; 2] }
     }
 }
 

@@ -28,11 +28,7 @@ impl<'a, S: Simd, const W: usize> InverseMasses<'a, S, W> {
             Masses::Uniform(m) => (1.0 / m, None),
             Masses::Each(m) => (0.0, Some(m.as_slice())),
         };
-        Self {
-            simd,
-            uniform: Register::all(simd, uniform),
-            each,
-        }
+        Self { simd, uniform: Register::all(simd, uniform), each }
     }
 
     /// 1/m of site `k` of each molecule of a block whose first site is particle `first`.
@@ -86,13 +82,8 @@ impl<B: Fn(usize, &mut [DVec3])> WithSimd for Project<'_, B> {
         let zero = Register::all(simd, 0.0);
         let one = Register::all(simd, 1.0);
         let nowhere = RegisterVector::all(simd, DVec3::ZERO);
-        let none = Row {
-            d: nowhere,
-            factor: zero,
-            inverse_pivot: zero,
-            right: zero,
-            inverse_mass: zero,
-        };
+        let none =
+            Row { d: nowhere, factor: zero, inverse_pivot: zero, right: zero, inverse_mass: zero };
         let mut rows = vec![none; sites - 1];
         let inverse_masses = InverseMasses::new(simd, self.masses);
         let mut first = self.first;
@@ -102,10 +93,7 @@ impl<B: Fn(usize, &mut [DVec3])> WithSimd for Project<'_, B> {
             let block = Block::new(x.len(), sites);
             (self.before)(first, v);
             let first_mass = inverse_masses.of(&block, first, 0);
-            let mut before = Row {
-                inverse_mass: first_mass,
-                ..none
-            };
+            let mut before = Row { inverse_mass: first_mass, ..none };
             let mut x_k = block.gather(simd, x, 0);
             let mut v_k = block.gather(simd, v, 0);
             for (c, row) in rows.iter_mut().enumerate() {

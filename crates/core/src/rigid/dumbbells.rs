@@ -86,13 +86,7 @@ mod tests {
             for sites in Kicked::with_either_masses(2 * n) {
                 let Kicked { masses, x, v, .. } = &sites;
                 let found = in_registers_and_one_by_one(v, |v, way| {
-                    way.run(ProjectDumbbells {
-                        before: &sites.kick(),
-                        masses,
-                        first: 0,
-                        x,
-                        v,
-                    });
+                    way.run(ProjectDumbbells { before: &sites.kick(), masses, first: 0, x, v });
                 });
                 for m in 0..n {
                     let (i, j) = (2 * m, 2 * m + 1);

@@ -118,9 +118,7 @@ struct Few {
 
 impl Default for Few {
     fn default() -> Self {
-        Self {
-            a: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        }
+        Self { a: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] }
     }
 }
 
@@ -158,10 +156,7 @@ mod tests {
     use crate::topology::Bond;
 
     fn topology(sites: usize, pairs: &[[usize; 2]]) -> Topology {
-        let bond = |sites: &[usize; 2]| Bond {
-            sites: *sites,
-            length: 1.0,
-        };
+        let bond = |sites: &[usize; 2]| Bond { sites: *sites, length: 1.0 };
         Topology::new(sites, pairs.iter().map(bond).collect()).unwrap()
     }
 
@@ -191,19 +186,7 @@ mod tests {
             (3, &[[0, 1], [1, 2], [2, 0]]),
             (4, &[[0, 1], [0, 2], [3, 0]]),
             (6, &[[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 0]]),
-            (
-                7,
-                &[
-                    [0, 1],
-                    [1, 2],
-                    [2, 0],
-                    [2, 3],
-                    [4, 3],
-                    [3, 5],
-                    [6, 5],
-                    [4, 6],
-                ],
-            ),
+            (7, &[[0, 1], [1, 2], [2, 0], [2, 3], [4, 3], [3, 5], [6, 5], [4, 6]]),
         ];
         for (sites, pairs) in shapes {
             let topology = topology(sites, pairs);
@@ -223,10 +206,7 @@ mod tests {
                 let mut found = product(&topology, &m, &d, sigma, &wanted);
                 equations.solve(&topology, &mut found);
                 for (found, wanted) in found.iter().zip(&wanted) {
-                    assert!(
-                        (found - wanted).abs() < 1e-12,
-                        "{pairs:?}: {found}, {wanted}"
-                    );
+                    assert!((found - wanted).abs() < 1e-12, "{pairs:?}: {found}, {wanted}");
                 }
             }
         }

@@ -117,23 +117,10 @@ fn on_rigid_molecules(
         let (masses, first) = (&system.masses, task * size);
         let is_single = topology.bonds().len() == 1;
         if topology.is_chain() && !is_single {
-            return in_lanes(Project {
-                before: &before,
-                sites,
-                masses,
-                first,
-                x,
-                v,
-            });
+            return in_lanes(Project { before: &before, sites, masses, first, x, v });
         }
         if is_single {
-            return in_lanes(ProjectDumbbells {
-                before: &before,
-                masses,
-                first,
-                x,
-                v,
-            });
+            return in_lanes(ProjectDumbbells { before: &before, masses, first, x, v });
         }
         before(first, v);
         let both = v.chunks_exact_mut(sites).zip(x.chunks_exact(sites));
@@ -191,11 +178,8 @@ pub struct ConstraintSums {
 
 impl ConstraintSums {
     /// The sums of no bonds.
-    pub const NOTHING: Self = Self {
-        virial: DMat3::ZERO,
-        squared_forces: 0.0,
-        largest_residual: 0.0,
-    };
+    pub const NOTHING: Self =
+        Self { virial: DMat3::ZERO, squared_forces: 0.0, largest_residual: 0.0 };
 }
 
 /// The sums of the instantaneous constraint forces, which belong to positions, velocities and forces of the state:
@@ -240,8 +224,7 @@ impl Workspace {
         bond_vectors(topology, &state.positions[sites.clone()], &mut self.bonds);
         self.total.clear();
         let forces = state.forces[sites].iter().enumerate();
-        self.total
-            .extend(forces.map(|(k, f)| *f / masses.of(first + k)));
+        self.total.extend(forces.map(|(k, f)| *f / masses.of(first + k)));
         self.right.clear();
         let total = &self.total;
         let all = topology.bonds().iter().zip(&self.bonds);
@@ -252,20 +235,10 @@ impl Workspace {
         let equations = equations_of(&mut self.equations, topology);
         let factored = equations.factor(topology, masses, first, &self.bonds, 0.0);
         if factored.is_err() {
-            return ConstraintSums {
-                squared_forces: f64::NAN,
-                ..ConstraintSums::NOTHING
-            };
+            return ConstraintSums { squared_forces: f64::NAN, ..ConstraintSums::NOTHING };
         }
         equations.solve(topology, &mut self.right);
-        add_along_bonds(
-            &mut self.total,
-            topology,
-            masses,
-            first,
-            &self.bonds,
-            &self.right,
-        );
+        add_along_bonds(&mut self.total, topology, masses, first, &self.bonds, &self.right);
         let mut sums = ConstraintSums::NOTHING;
         let all = topology.bonds().iter().zip(&self.bonds);
         for ((bond, d), multiplier) in all.zip(&self.right) {
@@ -275,9 +248,8 @@ impl Workspace {
             sums.largest_residual = sums.largest_residual.max(residual);
         }
         let total = self.total.iter().enumerate();
-        sums.squared_forces = total
-            .map(|(k, a)| masses.moving(first + k) * a.length_squared())
-            .sum();
+        sums.squared_forces =
+            total.map(|(k, a)| masses.moving(first + k) * a.length_squared()).sum();
         sums
     }
 }

@@ -19,11 +19,8 @@ pub struct Tridiagonal {
 
 impl Tridiagonal {
     /// All numbers zero.
-    pub const ZERO: Self = Self {
-        below: [0.0; MOST_BONDS],
-        diagonal: [0.0; MOST_BONDS],
-        above: [0.0; MOST_BONDS],
-    };
+    pub const ZERO: Self =
+        Self { below: [0.0; MOST_BONDS], diagonal: [0.0; MOST_BONDS], above: [0.0; MOST_BONDS] };
 
     /// Writes A = G(`left`)·M⁻¹·G(`right`)ᵀ of a chain whose first site is particle `first`.
     pub fn set(&mut self, masses: &Masses, first: usize, left: &[DVec3], right: &[DVec3]) {
@@ -69,11 +66,7 @@ impl Tridiagonal {
             right[c] -= self.below[c] * right[c - 1];
         }
         for c in (0..n).rev() {
-            let beyond = if c + 1 < n {
-                self.above[c] * right[c + 1]
-            } else {
-                0.0
-            };
+            let beyond = if c + 1 < n { self.above[c] * right[c + 1] } else { 0.0 };
             right[c] = (right[c] - beyond) / self.diagonal[c];
         }
     }

@@ -72,10 +72,7 @@ impl Cell {
     /// A number of which a reader sees so many significant digits.
     #[must_use]
     pub fn rounded(value: impl Into<Option<f64>>, digits: usize) -> Self {
-        let number = |value| Value::Number {
-            value,
-            digits: Some(digits),
-        };
+        let number = |value| Value::Number { value, digits: Some(digits) };
         value.into().map_or(Value::Missing, number).into()
     }
 
@@ -121,10 +118,7 @@ impl Value {
 
 impl From<Value> for Cell {
     fn from(value: Value) -> Self {
-        Self {
-            value,
-            tone: Tone::Plain,
-        }
+        Self { value, tone: Tone::Plain }
     }
 }
 

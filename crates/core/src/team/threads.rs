@@ -30,9 +30,7 @@ pub fn team_of_threads<R: Send>(ranks: usize, work: impl Fn(Team) -> R + Sync) -
         let start = |team| scope.spawn(move || work(team));
         let running: Vec<_> = teams(ranks).map(start).collect();
         let joined = running.into_iter().map(|rank| rank.join());
-        joined
-            .map(|done| done.unwrap_or_else(|panic| resume_unwind(panic)))
-            .collect()
+        joined.map(|done| done.unwrap_or_else(|panic| resume_unwind(panic))).collect()
     })
 }
 
@@ -62,9 +60,7 @@ impl Channels {
     }
 
     fn receive(&self, from: usize) -> Message {
-        let channel = self.from[from]
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let channel = self.from[from].lock().unwrap_or_else(PoisonError::into_inner);
         channel.recv().expect(GONE)
     }
 
@@ -131,9 +127,7 @@ impl Wire for Channels {
             self.send(to, Message::Words(words));
         }
         let narrow = |words: Vec<u64>| words.into_iter().map(|word| word as u32).collect();
-        (0..self.ranks())
-            .map(|from| narrow(self.words(from)))
-            .collect()
+        (0..self.ranks()).map(|from| narrow(self.words(from))).collect()
     }
 
     fn gather(&self, array: &mut [[f64; 3]], ranges: &[Range<usize>]) {

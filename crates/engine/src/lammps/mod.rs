@@ -62,10 +62,7 @@ pub fn export_to_lammps(
     let species = simulation.system.species();
     lennard_io::write_lammps_data(&data, &title, species, &simulation.state)?;
     lennard_io::write_text_atomically(&input, &text)?;
-    Ok(LammpsExport {
-        files: [data, input],
-        remarks,
-    })
+    Ok(LammpsExport { files: [data, input], remarks })
 }
 
 fn refuse_what_has_no_equal(scene: &Scene) -> Result<(), EngineError> {
@@ -77,16 +74,8 @@ fn refuse_what_has_no_equal(scene: &Scene) -> Result<(), EngineError> {
     }
     let others = [
         (scene.contact.is_some(), "contact", "contacts"),
-        (
-            !scene.system.held.is_empty(),
-            "system.held",
-            "held particles",
-        ),
-        (
-            scene.planar_tail,
-            "truncation.tail_correction",
-            "the planar tail",
-        ),
+        (!scene.system.held.is_empty(), "system.held", "held particles"),
+        (scene.planar_tail, "truncation.tail_correction", "the planar tail"),
         (
             scene.stages.iter().any(|stage| stage.exchange.is_some()),
             "stage",
@@ -133,10 +122,7 @@ fn middle(script: &mut Script, simulation: &Simulation) {
     script.command("neighbor", format!("{skin:?} bin"));
     script.command("neigh_modify", "delay 0 every 1 check yes");
     script.gap();
-    script.command(
-        "thermo_style",
-        "custom step time temp pe ke etotal press vol",
-    );
+    script.command("thermo_style", "custom step time temp pe ke etotal press vol");
     script.command("thermo_modify", "norm no format float %.15g");
     script.command("thermo", scene.output.thermo_every.to_string());
     script.gap();

@@ -23,10 +23,8 @@ struct Style {
 /// Writes the pair style and the coefficients of each pair of species.
 pub(super) fn write(script: &mut Script, scene: &Scene) -> Result<(), EngineError> {
     let style = style(scene)?;
-    let pairs: Vec<([usize; 2], SpeciesPair)> = scene
-        .species_pairs()
-        .map(|[a, b]| ([a, b], scene.species_pair(a, b)))
-        .collect();
+    let pairs: Vec<([usize; 2], SpeciesPair)> =
+        scene.species_pairs().map(|[a, b]| ([a, b], scene.species_pair(a, b))).collect();
     let longest = pairs.iter().map(|(_, pair)| (style.cutoff)(pair));
     let longest = longest.fold(0.0, f64::max);
     script.command("pair_style", format!("{} {longest:?}", style.name));
@@ -60,12 +58,9 @@ fn style(scene: &Scene) -> Result<Style, EngineError> {
         _ => None,
     };
     let style = match (&scene.potential, shift) {
-        (PotentialOptions::LennardJones(_), Some(_)) => Style {
-            name: "lj/cut",
-            shift,
-            exponents: None,
-            cutoff: own,
-        },
+        (PotentialOptions::LennardJones(_), Some(_)) => {
+            Style { name: "lj/cut", shift, exponents: None, cutoff: own }
+        }
         (PotentialOptions::Mie(mie), Some(_)) => Style {
             name: "mie/cut",
             shift,
@@ -75,12 +70,7 @@ fn style(scene: &Scene) -> Result<Style, EngineError> {
         (PotentialOptions::LennardJones(_), None)
             if scene.truncation.kind == TruncationKind::ForceShift =>
         {
-            Style {
-                name: "lj/smooth/linear",
-                shift: None,
-                exponents: None,
-                cutoff: own,
-            }
+            Style { name: "lj/smooth/linear", shift: None, exponents: None, cutoff: own }
         }
         (PotentialOptions::Wca(_), _) => Style {
             name: "lj/cut",

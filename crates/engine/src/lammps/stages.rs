@@ -46,10 +46,7 @@ fn write_stage(
     script.gap();
     script.comment(format!("Stage {}", stage.name));
     if steps < stage.steps && stage.is_ramp() {
-        script.remark(format!(
-            "the ramp of stage {} begins anew: part of it is done",
-            stage.name
-        ));
+        script.remark(format!("the ramp of stage {} begins anew: part of it is done", stage.name));
     }
     script.command("timestep", format!("{:?}", scene.stage_dt(stage)));
     let seed = 1 + (scene.system.seed + index as u64) % SEEDS;
@@ -85,10 +82,7 @@ fn fixes(
 ) -> Result<Vec<String>, EngineError> {
     let temperature = from_to(stage.temperature_from, stage.temperature);
     let chain = |options: &nose_hoover::Options| {
-        format!(
-            "temp {temperature} {:?} tchain {}",
-            options.tau, options.chain
-        )
+        format!("temp {temperature} {:?} tchain {}", options.tau, options.chain)
     };
     if let Some(control) = &stage.barostat {
         let chain = match &stage.thermostat {

@@ -159,10 +159,7 @@ impl OneNode {
         if self.halos.is_empty() {
             return Err(NodesError::NotShared { nodes });
         }
-        let refused = || NodesError::TooMany {
-            nodes,
-            most: self.most,
-        };
+        let refused = || NodesError::TooMany { nodes, most: self.most };
         let last = self.step(nodes, network).ok_or_else(refused)?;
         let powers = (0..).map(|k| 1_usize << k);
         let below = powers.take_while(|below| *below < nodes);
@@ -256,19 +253,13 @@ mod tests {
         }
     }
 
-    const FAST: Network = Network {
-        nodes: 1000,
-        latency: 2e-6,
-        bandwidth: 25e9,
-    };
+    const FAST: Network = Network { nodes: 1000, latency: 2e-6, bandwidth: 25e9 };
 
     #[test]
     fn one_machine_has_no_halo_and_its_measured_step() {
         let one = liquid(32_000, 1e-3);
         let nodes = one.on(Network { nodes: 1, ..FAST }).unwrap();
-        let [step] = &nodes.steps[..] else {
-            panic!("one step")
-        };
+        let [step] = &nodes.steps[..] else { panic!("one step") };
         assert_eq!((step.ghosts, step.halo, step.gathering), (0.0, 0.0, 0.0));
         assert_eq!((step.seconds_per_step, step.efficiency), (1e-3, 1.0));
         assert_eq!(step.bytes, (one.bytes + one.program_bytes) as f64);
@@ -287,10 +278,7 @@ mod tests {
         // Of 600 bytes for each particle, half are lists, which eight share out. Sharing takes 50 more, and programs 24 MB.
         assert!((step.bytes / 1e6 - (387.5 + 24.0)).abs() < 1e-9);
         assert!((step.bytes_of_others / 1e6 - (287.5 + 24.0)).abs() < 1e-9);
-        let slow = Network {
-            bandwidth: 1e8,
-            ..FAST
-        };
+        let slow = Network { bandwidth: 1e8, ..FAST };
         assert!(one.step(8, slow).unwrap().efficiency < 0.7 * step.efficiency);
     }
 
@@ -302,11 +290,7 @@ mod tests {
             cells.map(|cell| cell.trim().to_owned()).collect()
         };
         let mut without = Vec::new();
-        for (atoms, name) in [
-            (1_000_000, "10⁶"),
-            (10_000_000, "10⁷"),
-            (100_000_000, "10⁸"),
-        ] {
+        for (atoms, name) in [(1_000_000, "10⁶"), (10_000_000, "10⁷"), (100_000_000, "10⁸")] {
             // 60 ns on each of 64 cores; a list lasts 12 steps, and rows come every 100.
             let one = OneNode {
                 builds: 1.0 / 12.0,
@@ -314,21 +298,14 @@ mod tests {
                 ..liquid(atoms, 60e-9 / 64.0 * atoms as f64)
             };
             let efficiency = |n: usize| format!("{:.2}", one.step(n, FAST).unwrap().efficiency);
-            let row = text
-                .lines()
-                .find(|line| line.starts_with(&format!("| {name} |")));
+            let row = text.lines().find(|line| line.starts_with(&format!("| {name} |")));
             let found = [2, 4, 8, 16].map(efficiency);
             assert_eq!(cells(row.unwrap())[1..], found, "{name}");
-            let no_rows = OneNode {
-                gathers: 0.0,
-                ..one
-            };
+            let no_rows = OneNode { gathers: 0.0, ..one };
             let efficiency = no_rows.step(8, FAST).unwrap().efficiency;
             without.push(format!("{efficiency:.2}"));
         }
-        let [a, b, c] = &without[..] else {
-            panic!("three rows")
-        };
+        let [a, b, c] = &without[..] else { panic!("three rows") };
         let words = format!("8 machines would have {a}, {b} and {c}.");
         assert!(text.contains(&words), "{words}");
     }
@@ -339,10 +316,7 @@ mod tests {
         let nodes = liquid(10_000_000, 0.6 / 64.0).on(FAST).unwrap();
         assert!(nodes.pays_up_to > 1 && nodes.pays_up_to < 1000, "{nodes:?}");
         assert!(nodes.efficiency_there >= 0.5);
-        let more = FAST
-            .sizes(usize::MAX)
-            .into_iter()
-            .find(|n| *n > nodes.pays_up_to);
+        let more = FAST.sizes(usize::MAX).into_iter().find(|n| *n > nodes.pays_up_to);
         assert_eq!(nodes.no_more_at, more);
         let last = nodes.steps.last().unwrap();
         assert!(last.nodes == 1000 && last.efficiency < 0.5);
@@ -350,24 +324,11 @@ mod tests {
         assert!(all.clone().all(|s| s[1].efficiency < s[0].efficiency));
 
         let small = liquid(864, 4e-5);
-        assert_eq!(
-            small.on(FAST).unwrap_err(),
-            NodesError::TooMany {
-                nodes: 1000,
-                most: 18
-            }
-        );
-        let slow = Network {
-            nodes: 2,
-            latency: 0.0,
-            bandwidth: 1e20,
-        };
+        assert_eq!(small.on(FAST).unwrap_err(), NodesError::TooMany { nodes: 1000, most: 18 });
+        let slow = Network { nodes: 2, latency: 0.0, bandwidth: 1e20 };
         let nodes = small.on(slow).unwrap();
         assert_eq!((nodes.pays_up_to, nodes.no_more_at), (18, None));
-        let alone = OneNode {
-            halos: Vec::new(),
-            ..small
-        };
+        let alone = OneNode { halos: Vec::new(), ..small };
         let error = alone.on(FAST).unwrap_err();
         assert!(
             error

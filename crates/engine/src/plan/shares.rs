@@ -111,11 +111,8 @@ impl Costs {
         // Measured only where an observer asks: on a large system it takes memory. It also leaves what observers look at.
         let wants = simulation.observers.iter().map(|o| o.observable.want());
         let wanted = wants.fold(Want::TOTALS, |all, want| all | want);
-        let beyond_totals = if is_beyond_totals(wanted) {
-            evaluate(&mut bare, wanted)? - laplacian
-        } else {
-            0.0
-        };
+        let beyond_totals =
+            if is_beyond_totals(wanted) { evaluate(&mut bare, wanted)? - laplacian } else { 0.0 };
         let view = bare.view();
         let observers = simulation.observers.iter_mut();
         let sampled = |o: &mut Observer| median(|| o.observable.sample(&view));
@@ -163,10 +160,7 @@ impl Costs {
             let steps = stage.steps as f64;
             add("pair forces", steps * self.force);
             add("neighbor list", steps * self.neighbor);
-            add(
-                "integrator",
-                steps * (step - self.force - self.neighbor - self.tail - self.watch),
-            );
+            add("integrator", steps * (step - self.force - self.neighbor - self.tail - self.watch));
             if self.tail > 0.0 {
                 add("tail correction", steps * self.tail);
             }
@@ -180,23 +174,14 @@ impl Costs {
                 let name = barostat_name(stage, control.options.name());
                 // The step before it asks for energy and virial too.
                 let evaluations = control.options.evaluations() as f64;
-                add(
-                    &name,
-                    changes * (evaluations * self.evaluation + self.totals),
-                );
+                add(&name, changes * (evaluations * self.evaluation + self.totals));
             }
             if !stage.measure {
                 continue;
             }
-            add(
-                "configurational temperature",
-                steps / rows as f64 * self.laplacian,
-            );
+            add("configurational temperature", steps / rows as f64 * self.laplacian);
             add("thermodynamics", steps / rows as f64 * self.thermodynamics);
-            let others = scene
-                .observables
-                .iter()
-                .filter(|o| o.options.name() != "thermodynamics");
+            let others = scene.observables.iter().filter(|o| o.options.name() != "thermodynamics");
             for (table, (want, cost)) in others.zip(&self.observers) {
                 let samples = steps / table.every as f64;
                 let wanted = self.wanted(*want, alone(table.every, rows));
@@ -212,16 +197,8 @@ impl Costs {
 
     /// Seconds that `want` costs at the forces, where a share `alone` of the steps has no other reason to compute totals.
     fn wanted(&self, want: Want, alone: f64) -> f64 {
-        let totals = if want.is_nothing() {
-            0.0
-        } else {
-            alone * self.totals.max(0.0)
-        };
-        let beyond = if is_beyond_totals(want) {
-            self.beyond_totals.max(0.0)
-        } else {
-            0.0
-        };
+        let totals = if want.is_nothing() { 0.0 } else { alone * self.totals.max(0.0) };
+        let beyond = if is_beyond_totals(want) { self.beyond_totals.max(0.0) } else { 0.0 };
         totals + beyond
     }
 }
@@ -258,13 +235,8 @@ pub fn watching_seconds(simulation: &Simulation) -> f64 {
     let dt = simulation.stage_run().dt;
     let mut before = aside(state);
     per_call(&mut || drop(watchdog::check_speeds(state, dt, LARGEST_MOVE))) / watchdog::EVERY as f64
-        + per_call(&mut || {
-            drop(
-                simulation
-                    .force_check
-                    .look(state, |_| lennard_core::DVec3::ZERO),
-            )
-        }) / watchdog::LISTS_EVERY as f64
+        + per_call(&mut || drop(simulation.force_check.look(state, |_| lennard_core::DVec3::ZERO)))
+            / watchdog::LISTS_EVERY as f64
         + per_call(&mut || set_aside(state, &mut before)) / SET_ASIDE_EVERY as f64
 }
 
@@ -317,10 +289,7 @@ fn bath(bare: &Simulation, stage: &Stage) -> f64 {
 /// Formatting one frame, without the disk.
 fn frame(bare: &Simulation) -> f64 {
     let extra = header(bare);
-    let frame = Frame {
-        state: &bare.state,
-        extra: &extra,
-    };
+    let frame = Frame { state: &bare.state, extra: &extra };
     let nowhere = Path::new("nowhere");
     let format = bare.scene.output.format;
     match TrajectoryWriter::to_sink(nowhere, format, &style(bare), Box::new(Nowhere)) {

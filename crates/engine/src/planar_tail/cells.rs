@@ -45,16 +45,12 @@ impl Cells {
             [cos, sin]
         };
         let all = 1..=waves;
-        let turns = all
-            .clone()
-            .map(|n| (0..=quarter).map(|i| turn(n, i)).collect());
+        let turns = all.clone().map(|n| (0..=quarter).map(|i| turn(n, i)).collect());
         Self {
             turns_per_length: 1.0 / length,
             half: 2 * quarter,
             turns: turns.collect(),
-            polynomials: all
-                .map(|n| polynomial(PI * n as f64 / cells as f64))
-                .collect(),
+            polynomials: all.map(|n| polynomial(PI * n as f64 / cells as f64)).collect(),
         }
     }
 

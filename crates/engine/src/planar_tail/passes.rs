@@ -31,10 +31,7 @@ impl Cells {
         let n = positions.len();
         let of_range = |(): &mut (), k: usize| -> Vec<Row> {
             let positions = &positions[part(k, CHUNK, n)];
-            in_lanes(Moments {
-                cells: self,
-                positions,
-            })
+            in_lanes(Moments { cells: self, positions })
         };
         let mut of_ranges = map_tasks(n.div_ceil(CHUNK), of_range);
         let rows = if of_ranges.len() == 1 {
@@ -42,10 +39,7 @@ impl Cells {
         } else {
             exact_totals(self.stored(), &of_ranges)
         };
-        in_lanes(WavesFromRows {
-            cells: self,
-            rows: &rows,
-        })
+        in_lanes(WavesFromRows { cells: self, rows: &rows })
     }
 
     /// Adds Σ_n (a_n·sin k_n·z + b_n·cos k_n·z) to F_z of particles, from a_n and b_n.
@@ -93,10 +87,7 @@ impl Place {
         let shifted = in_box * width + TO_WHOLE;
         let from_middle = shifted.to_bits().wrapping_sub(TO_WHOLE.to_bits());
         let cell = from_middle.wrapping_add(cells.half as u64) as usize;
-        Self {
-            cell: cell.min(2 * cells.half),
-            y: 2.0 * (in_box * width - (shifted - TO_WHOLE)),
-        }
+        Self { cell: cell.min(2 * cells.half), y: 2.0 * (in_box * width - (shifted - TO_WHOLE)) }
     }
 
     #[inline(always)]

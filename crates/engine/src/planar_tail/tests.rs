@@ -63,10 +63,7 @@ fn forces_virial_and_laplacian_are_derivatives_of_the_energy() {
         };
         let (up, down) = (moved(h), moved(-h));
         assert_eq!((force.x, force.y), (0.0, 0.0));
-        assert!(
-            (force.z + (up - down) / (2.0 * h)).abs() < 1e-9 * scale,
-            "{i}"
-        );
+        assert!((force.z + (up - down) / (2.0 * h)).abs() < 1e-9 * scale, "{i}");
         curvature += (up - 2.0 * energy(SIDES, &places) + down) / (h * h);
     }
     // Rounding of a second difference.
@@ -102,9 +99,7 @@ fn momentum_is_kept_and_one_force_alone_is_the_same() {
 fn a_homogeneous_fluid_has_the_usual_tail() {
     // Evenly spaced layers have no wave that is shorter than their distance.
     let n = 640;
-    let even: Vec<DVec3> = (0..n)
-        .map(|i| DVec3::new(0.1, 0.2, i as f64 / n as f64))
-        .collect();
+    let even: Vec<DVec3> = (0..n).map(|i| DVec3::new(0.1, 0.2, i as f64 / n as f64)).collect();
     let (found, forces) = evaluate(SIDES, &even);
     let volume = SIDES.element_product();
     let mut usual = options(2.5);
@@ -139,9 +134,7 @@ fn energy_of_few_particles_is_the_sum_over_pairs_and_images() {
     // N particles with the density 1 + cos(2πz/L): |S_1| = N/2, and no other wave.
     let n = layers as f64;
     let waves = Waves(
-        (0..tail.n_modes())
-            .map(|k| [if k == 0 { 0.5 * n * wave } else { 0.0 }, 0.0])
-            .collect(),
+        (0..tail.n_modes()).map(|k| [if k == 0 { 0.5 * n * wave } else { 0.0 }, 0.0]).collect(),
     );
     let volume = sides.element_product();
     let found = tail.energetics(&waves, layers, volume, Want::TOTALS);

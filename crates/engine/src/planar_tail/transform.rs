@@ -40,10 +40,7 @@ pub(super) fn transform(slope: &dyn Fn(f64) -> f64, r_cut: f64, k: f64) -> Trans
         }
         start += length;
     }
-    Transform {
-        value: 4.0 * PI * value,
-        slope: 4.0 * PI * derivative,
-    }
+    Transform { value: 4.0 * PI * value, slope: 4.0 * PI * derivative }
 }
 
 /// The transform of 1 inside a sphere: 4π·r³·F(kr), σ³.

@@ -35,9 +35,7 @@ fn errors(name: &str, dt: f64, steps: u64, body: usize, from_pivot: DVec3) -> [f
 
 /// Whether errors fall by 4 as the step is halved.
 fn is_of_order_two([coarse, fine, finest]: [f64; 3]) -> bool {
-    [coarse / fine, fine / finest]
-        .iter()
-        .all(|ratio| (ratio / 4.0 - 1.0).abs() < 0.05)
+    [coarse / fine, fine / finest].iter().all(|ratio| (ratio / 4.0 - 1.0).abs() < 0.05)
 }
 
 #[test]
@@ -91,18 +89,10 @@ fn the_last_ball_of_a_hard_cradle_flies_off_alone() {
 #[test]
 fn balls_by_hertz_share_the_momentum_of_a_hit() {
     let run = of_inputs("cradle-hertz", &[]);
-    for (v, wanted) in speeds(&run)
-        .iter()
-        .zip([-0.0711, -0.0303, -0.0145, 0.1270, 0.9888])
-    {
+    for (v, wanted) in speeds(&run).iter().zip([-0.0711, -0.0303, -0.0145, 0.1270, 0.9888]) {
         assert!((v - wanted).abs() < 2e-4, "{v} {wanted}");
     }
-    let energy: f64 = run
-        .state
-        .velocities
-        .iter()
-        .map(|v| v.length_squared())
-        .sum();
+    let energy: f64 = run.state.velocities.iter().map(|v| v.length_squared()).sum();
     assert!((energy - 1.0).abs() < 1e-6, "{energy}");
 }
 
@@ -110,12 +100,7 @@ fn balls_by_hertz_share_the_momentum_of_a_hit() {
 fn a_stack_at_rest_sinks_in_by_the_weight_above_over_the_stiffness() {
     let run = of_inputs("stack", &[("stage.0.steps", "8000")]);
     let floor = lennard_core::ForceTerm::walls(run.forces.as_ref())[0];
-    let z: Vec<f64> = run
-        .state
-        .positions
-        .iter()
-        .map(|x| x.z - floor.position)
-        .collect();
+    let z: Vec<f64> = run.state.positions.iter().map(|x| x.z - floor.position).collect();
     let weight = 0.001;
     for i in 0..5 {
         let gap = match i {
@@ -132,10 +117,7 @@ fn a_stack_at_rest_sinks_in_by_the_weight_above_over_the_stiffness() {
 
 #[test]
 fn a_stack_of_spook_carries_its_weight_and_sinks_in_by_the_compliance_times_its_forces() {
-    let mut run = common::prepared(scene_of_inputs(
-        "stack-spook",
-        &[("stage.0.steps", "18000")],
-    ));
+    let mut run = common::prepared(scene_of_inputs("stack-spook", &[("stage.0.steps", "18000")]));
     let mut impulses = [0.0; 2];
     for (impulse, step) in impulses.iter_mut().zip([16_000, 18_000]) {
         let stopped = run.run(&mut StopAt::new(step));
@@ -162,10 +144,7 @@ fn a_stack_of_spook_carries_its_weight_and_sinks_in_by_the_compliance_times_its_
 
 #[test]
 fn a_chain_on_a_floor_is_solved_for_with_its_contacts_and_comes_to_rest_flat() {
-    let mut run = common::prepared(scene_of_inputs(
-        "chain-on-floor",
-        &[("stage.0.steps", "8000")],
-    ));
+    let mut run = common::prepared(scene_of_inputs("chain-on-floor", &[("stage.0.steps", "8000")]));
     let mut impulses = [0.0; 2];
     for (impulse, step) in impulses.iter_mut().zip([6000, 8000]) {
         let stopped = run.run(&mut StopAt::new(step));
@@ -196,17 +175,11 @@ fn a_column_that_sweeps_do_not_solve_ends_the_run_and_a_number_of_sweeps_is_take
     ];
     let mut column: Vec<(&str, &str)> = column.iter().map(|(k, v)| (*k, v.as_str())).collect();
     let falling = format!("[{}]", ["[0, 0, -1]"; 80].join(", "));
-    let hits_the_floor = [
-        ("system.velocities", falling.as_str()),
-        ("contact.compliance", "0.001"),
-    ];
+    let hits_the_floor = [("system.velocities", falling.as_str()), ("contact.compliance", "0.001")];
     let hitting = [column.as_slice(), &hits_the_floor].concat();
     for (column, advice) in [
         (&column, "at rest take `contact.compliance` above 0"),
-        (
-            &hitting,
-            "in impacts, which are rigid, say with `contact.sweeps`",
-        ),
+        (&hitting, "in impacts, which are rigid, say with `contact.sweeps`"),
     ] {
         let mut run = common::prepared(scene_of_inputs("stack-spook", column));
         let words = run.run(&mut Unfollowed).unwrap_err().to_string();
@@ -236,24 +209,15 @@ fn a_row_of_spook_follows_newtons_rule_for_all_contacts_at_once() {
 #[test]
 fn a_ball_that_loses_a_share_at_each_bounce_rises_to_the_squares_of_it() {
     // Under the event rule heights are 2·0.81ⁿ: after the fall of 2 τ, bounce n + 1 comes 4·0.9ⁿ τ after bounce n.
-    let run = of_inputs(
-        "ball",
-        &[("stage.0.steps", "200"), ("integrator.dt", "0.01")],
-    );
+    let run = of_inputs("ball", &[("stage.0.steps", "200"), ("integrator.dt", "0.01")]);
     let floor = lennard_core::ForceTerm::walls(run.forces.as_ref())[0].position;
     let height = |run: &Simulation| run.state.positions[0].z - floor;
     assert!(height(&run) < 1e-9);
     for n in 1..4_i32 {
         let top = 2.0 + (1..n).map(|k| 4.0 * 0.9_f64.powi(k)).sum::<f64>() + 2.0 * 0.9_f64.powi(n);
         let steps = (top / 0.001).round().to_string();
-        let run = of_inputs(
-            "ball",
-            &[("stage.0.steps", &steps), ("integrator.dt", "0.001")],
-        );
-        assert!(
-            (height(&run) / (2.0 * 0.81_f64.powi(n)) - 1.0).abs() < 1e-5,
-            "{n}"
-        );
+        let run = of_inputs("ball", &[("stage.0.steps", &steps), ("integrator.dt", "0.001")]);
+        assert!((height(&run) / (2.0 * 0.81_f64.powi(n)) - 1.0).abs() < 1e-5, "{n}");
     }
 }
 
@@ -276,10 +240,7 @@ const LIQUID: &str = r#"
 fn held_to(simulation: &Simulation) -> f64 {
     let rows = simulation.thermodynamics().series();
     let energies = &rows.conserved_energy;
-    energies
-        .iter()
-        .map(|e| (e - energies[0]).abs())
-        .fold(0.0, f64::max)
+    energies.iter().map(|e| (e - energies[0]).abs()).fold(0.0, f64::max)
 }
 
 #[test]
@@ -294,10 +255,7 @@ fn a_fluid_with_held_particles_keeps_its_energy_and_they_their_places() {
     assert!(held_to(&run) < 1e-3, "{}", held_to(&run));
     let pressure = run.thermodynamics().finish(0.0).averages;
     let pressure = pressure.iter().find(|a| a.name == "pressure").unwrap();
-    assert!(
-        pressure.doubt.is_some(),
-        "no one pressure with held particles"
-    );
+    assert!(pressure.doubt.is_some(), "no one pressure with held particles");
 }
 
 #[test]
@@ -305,15 +263,9 @@ fn molecules_between_walls_that_exert_forces_keep_their_energy_and_their_bonds()
     let run = ran(common::scene(
         LIQUID,
         &[
-            (
-                "system",
-                "{ n_molecules = 108, density = 0.3, temperature = 1.5 }",
-            ),
+            ("system", "{ n_molecules = 108, density = 0.3, temperature = 1.5 }"),
             ("molecule.bond_length", "0.7"),
-            (
-                "wall",
-                "[{ kind = \"lennard-jones-9-3\" }, { kind = \"wca\", axis = \"x\" }]",
-            ),
+            ("wall", "[{ kind = \"lennard-jones-9-3\" }, { kind = \"wca\", axis = \"x\" }]"),
         ],
     ));
     assert_eq!(run.view().n_dof(), 6.0 * 108.0 - 108.0 - 1.0);
@@ -328,10 +280,7 @@ fn a_contact_too_weak_for_its_load_stops_the_run_and_says_who_and_where() {
     let weak = [("contact.stiffness".to_owned(), "3.0".to_owned())];
     let scene = Scene::load(&root.join("stack.toml"), &weak).unwrap();
     let mut run = common::prepared(scene);
-    let error = run
-        .run(&mut lennard_engine::Unfollowed)
-        .unwrap_err()
-        .to_string();
+    let error = run.run(&mut lennard_engine::Unfollowed).unwrap_err().to_string();
     for words in [
         "particles 0 and 1 overlap by 0.5",
         "half their contact distance",

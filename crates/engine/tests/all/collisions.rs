@@ -12,9 +12,7 @@ fn run_until(
     done: impl Fn(&State, &ForceSum<NoForces>) -> bool,
 ) -> f64 {
     let mut method = method();
-    method
-        .start(system, state, forces, h, Want::ENERGY)
-        .unwrap();
+    method.start(system, state, forces, h, Want::ENERGY).unwrap();
     let mut heat = 0.0;
     for _ in 0..most {
         let report = method.step(system, state, forces, h, Want::ENERGY);
@@ -37,9 +35,7 @@ fn a_mirror_keeps_the_restitution_without_a_field_and_gains_its_energy_in_gravit
     let h = 0.01;
     let mut elastic = ball("kind = \"hard\"\nresponse = \"mirror\"", h);
     let bounces = 100;
-    let heat = run_until(&mut elastic, h, 100_000, |_, f| {
-        f.walls()[0].hits >= bounces
-    });
+    let heat = run_until(&mut elastic, h, 100_000, |_, f| f.walls()[0].hits >= bounces);
     let gained = energy(&elastic.0) - 1.0;
     // The speed grows with the energy: dE/dn = √(2E)·g·h, so that √E grows by h/√2 per bounce.
     let wanted = (1.0 + f64::from(bounces as u32) * h / 2.0_f64.sqrt()).powi(2) - 1.0;
@@ -52,11 +48,9 @@ fn a_mirror_keeps_the_restitution_without_a_field_and_gains_its_energy_in_gravit
         state.velocities[0] = DVec3::new(0.0, 0.0, -1.234);
         let mut step = method();
         let mut alone = ForceSum::new(NoForces).with(slit_of(&options));
-        step.start(&system, &mut state, &mut alone, h, Want::ENERGY)
-            .unwrap();
+        step.start(&system, &mut state, &mut alone, h, Want::ENERGY).unwrap();
         while alone.walls()[0].hits == 0 {
-            step.step(&system, &mut state, &mut alone, h, Want::ENERGY)
-                .unwrap();
+            step.step(&system, &mut state, &mut alone, h, Want::ENERGY).unwrap();
         }
         assert!((state.velocities[0].z / (1.234 * e) - 1.0).abs() < 1e-12);
         let impulse = alone.walls()[0].impulse;
@@ -74,15 +68,11 @@ fn a_projection_keeps_no_normal_speed_and_all_of_the_tangential_one() {
         state.velocities[0] = DVec3::new(0.3, -0.2, -1.0);
         state.positions[0].z = 2.0 + (10.0 + phase) * h;
         let mut step = method();
-        step.start(&system, &mut state, &mut walls, h, Want::ENERGY)
-            .unwrap();
+        step.start(&system, &mut state, &mut walls, h, Want::ENERGY).unwrap();
         let mut heat = 0.0;
         let mut speeds = Vec::new();
         for _ in 0..15 {
-            heat += step
-                .step(&system, &mut state, &mut walls, h, Want::ENERGY)
-                .unwrap()
-                .heat;
+            heat += step.step(&system, &mut state, &mut walls, h, Want::ENERGY).unwrap().heat;
             speeds.push(state.velocities[0].z);
         }
         // The step of the hit leaves the fraction that was left, towards the wall; the next leaves nothing.
@@ -106,11 +96,9 @@ fn rebounds(options: &str, h: f64, phases: u32) -> Vec<f64> {
             state.positions[0].z = 2.0 + (2.0 + phase) * h;
             state.velocities[0].z = -1.0;
             let mut step = method();
-            step.start(&system, &mut state, &mut walls, h, Want::ENERGY)
-                .unwrap();
+            step.start(&system, &mut state, &mut walls, h, Want::ENERGY).unwrap();
             for _ in 0..100_000 {
-                step.step(&system, &mut state, &mut walls, h, Want::ENERGY)
-                    .unwrap();
+                step.step(&system, &mut state, &mut walls, h, Want::ENERGY).unwrap();
                 if state.velocities[0].z > 0.0 && state.positions[0].z > 2.0 {
                     break;
                 }
@@ -146,13 +134,7 @@ fn a_spring_that_is_too_stiff_gains_energy_long_before_its_limit() {
         found.iter().map(|v| v * v - 1.0).sum::<f64>() / 2000.0
     };
     assert!(gain(0.1) < 1e-5 && gain(0.2) < 1e-4);
-    for (s, wanted) in [
-        (0.5, 6.4e-4),
-        (1.1, 0.03),
-        (1.2, 0.066),
-        (1.5, 0.068),
-        (1.9, 1.65),
-    ] {
+    for (s, wanted) in [(0.5, 6.4e-4), (1.1, 0.03), (1.2, 0.066), (1.5, 0.068), (1.9, 1.65)] {
         let found = gain(s);
         assert!(found > 0.7 * wanted && found < 1.4 * wanted, "{s}: {found}");
     }

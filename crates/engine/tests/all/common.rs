@@ -55,9 +55,7 @@ pub(crate) fn prepared(scene: Scene) -> Simulation {
 /// The simulation of a scene after its last step.
 pub(crate) fn ran(scene: Scene) -> Simulation {
     let mut simulation = prepared(scene);
-    simulation
-        .run(&mut Unfollowed)
-        .unwrap_or_else(|e| panic!("{e}"));
+    simulation.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     simulation
 }
 
@@ -106,8 +104,5 @@ pub(crate) fn contents(
         }
         (name, bytes)
     };
-    fs::read_dir(folder)
-        .unwrap()
-        .map(|e| entry(e.unwrap()))
-        .collect()
+    fs::read_dir(folder).unwrap().map(|e| entry(e.unwrap())).collect()
 }

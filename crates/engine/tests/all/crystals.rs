@@ -70,16 +70,12 @@ fn half_a_crystal_has_the_same_bits_on_any_number_of_threads_and_in_two_parts() 
     let one = run(1);
     assert!(run(3) == one);
     let mut first = build(&[]);
-    first
-        .run(&mut StopAt::new(50))
-        .unwrap_or_else(|e| panic!("{e}"));
+    first.run(&mut StopAt::new(50)).unwrap_or_else(|e| panic!("{e}"));
     let mut archive = StateArchive::default();
     first.save(&mut archive.writer());
     let mut second = build(&[]);
     second.restore(&archive.reader()).unwrap();
-    second
-        .run(&mut Unfollowed)
-        .unwrap_or_else(|e| panic!("{e}"));
+    second.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     assert!((bits(&second), format!("{:?}", second.findings())) == one);
 }
 

@@ -27,10 +27,7 @@ fn what_dashpots_take_is_counted_as_heat() {
     for scheme in SCHEMES {
         for way in [
             &[][..],
-            &[
-                ("integrator.kind", "respa"),
-                ("integrator.inner_steps", "2"),
-            ],
+            &[("integrator.kind", "respa"), ("integrator.inner_steps", "2")],
             &[("wall", "[{ kind = \"hard\" }]"), ("observable", "[]")],
         ] {
             let mut overrides = vec![
@@ -76,11 +73,7 @@ fn spook_with_a_compliance_has_the_energy_of_its_springs_and_counts_its_damping(
             let rms = s.thermodynamics().conservation().energy_rms_per_atom;
             // Half a step of velocities is some s/2 = 7 % of the vibrations' share of ε.
             assert!(rms < 0.1, "{damping} {sweeps}: {rms}");
-            assert_eq!(
-                damping != "0.0",
-                change < -0.5,
-                "{damping} {sweeps}: {change}"
-            );
+            assert_eq!(damping != "0.0", change < -0.5, "{damping} {sweeps}: {change}");
             let conserved = &series.conserved_energy;
             let off = conserved[conserved.len() - 1] - conserved[0];
             assert!(off.abs() < 0.12, "{damping} {sweeps}: {off} of {change}");
@@ -101,10 +94,7 @@ fn vibrations_with_dashpots_stay_colder_than_their_bath_and_means_say_so() {
                 ("truncation", "{}"),
                 ("integrator.dt", "0.003"),
                 ("stage.0.steps", "6000"),
-                (
-                    "stage.0.thermostat",
-                    "{ kind = \"langevin\", friction = 5.0 }",
-                ),
+                ("stage.0.thermostat", "{ kind = \"langevin\", friction = 5.0 }"),
             ])
         };
         let [free, weak, damped] = ["0.0", "0.02", "10.0"].map(with);

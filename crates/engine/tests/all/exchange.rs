@@ -31,27 +31,15 @@ fn run(exchange: &str, steps: &str, dt: &str) -> Simulation {
         ("integrator.dt", dt),
     ];
     let mut simulation = prepared(common::scene(GAS, &overrides));
-    assert!(
-        simulation
-            .run(&mut Unfollowed)
-            .unwrap_or_else(|e| panic!("{e}"))
-    );
+    assert!(simulation.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}")));
     simulation
 }
 
 /// The profile of a run: a value for each slab, and the mean named.
 fn found(simulation: &Simulation, name: &str) -> (Vec<f64>, f64) {
     let all = simulation.findings();
-    let table = all
-        .iter()
-        .flat_map(|f| &f.tables)
-        .find(|t| t.name == "exchange_profile")
-        .unwrap();
-    let average = all
-        .iter()
-        .flat_map(|f| &f.averages)
-        .find(|a| a.name == name)
-        .unwrap();
+    let table = all.iter().flat_map(|f| &f.tables).find(|t| t.name == "exchange_profile").unwrap();
+    let average = all.iter().flat_map(|f| &f.averages).find(|a| a.name == name).unwrap();
     (table.columns[2].numbers(), average.estimate.mean)
 }
 
@@ -72,28 +60,18 @@ fn exchanges_keep_energy_and_momentum() {
 
 #[test]
 fn heat_goes_to_the_middle_slab_and_momentum_to_the_first() {
-    let driven = run(
-        "{ kind = \"heat\", every = 10, slabs = 12 }",
-        "4000",
-        "0.004",
-    );
+    let driven = run("{ kind = \"heat\", every = 10, slabs = 12 }", "4000", "0.004");
     let (t, lambda) = found(&driven, "thermal_conductivity_by_exchange");
     assert!(t[6] > t[3] + 0.1 && t[3] > t[0] + 0.1, "{t:?}");
     assert!((0.2..3.0).contains(&lambda), "{lambda}");
-    let driven = run(
-        "{ kind = \"momentum\", every = 10, slabs = 12, axis = \"z\" }",
-        "4000",
-        "0.004",
-    );
+    let driven =
+        run("{ kind = \"momentum\", every = 10, slabs = 12, axis = \"z\" }", "4000", "0.004");
     let (v, eta) = found(&driven, "viscosity_by_exchange");
     assert!(v[0] > v[3] + 0.05 && v[3] > v[6] + 0.05, "{v:?}");
     assert!((0.1..2.0).contains(&eta), "{eta}");
     // A fluid with a gradient has no response functions of its own.
     let all = driven.findings();
-    let mut names = all
-        .iter()
-        .flat_map(|f| &f.averages)
-        .map(|a| a.name.as_str());
+    let mut names = all.iter().flat_map(|f| &f.averages).map(|a| a.name.as_str());
     assert!(names.all(|name| name != "heat_capacity_pressure"));
 }
 

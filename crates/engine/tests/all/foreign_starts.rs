@@ -45,17 +45,8 @@ fn dump(elements: [&str; 2]) -> String {
     );
     let line = |text: &mut String, i: usize, r: DVec3| {
         let kind = i % 2;
-        writeln!(
-            text,
-            "{} {} {} {} {} {}",
-            i + 1,
-            kind + 1,
-            elements[kind],
-            r.x,
-            r.y,
-            r.z
-        )
-        .unwrap();
+        writeln!(text, "{} {} {} {} {} {}", i + 1, kind + 1, elements[kind], r.x, r.y, r.z)
+            .unwrap();
     };
     header + &rows(line)
 }
@@ -87,14 +78,9 @@ fn momenta_over_the_masses_of_the_scene_are_the_velocities_of_the_start() {
     std::fs::write(&path, xyz("momenta:R:3", with)).unwrap();
     let simulation = prepare(scene_of(&path, MIXTURE)).unwrap_or_else(|e| panic!("{e}"));
     let mass = |i: usize| if i % 4 < 2 { 2.0 } else { 4.0 };
-    let twice_kinetic: f64 = (0..64)
-        .map(|i| momentum(i).length_squared() / mass(i))
-        .sum();
+    let twice_kinetic: f64 = (0..64).map(|i| momentum(i).length_squared() / mass(i)).sum();
     let wanted = twice_kinetic / (3.0 * 63.0);
-    assert!(
-        (temperature(&simulation) / wanted - 1.0).abs() < 1e-12,
-        "{wanted}"
-    );
+    assert!((temperature(&simulation) / wanted - 1.0).abs() < 1e-12, "{wanted}");
     assert_eq!(simulation.state.velocities[2], momentum(2) / 4.0);
     let drawn = |s: &Simulation| s.remarks.iter().any(|r| r.contains("has no velocities"));
     assert!(!drawn(&simulation), "{:?}", simulation.remarks);
@@ -118,11 +104,7 @@ fn momenta_over_the_masses_of_the_scene_are_the_velocities_of_the_start() {
     let simulation = prepare(scene_of(&path, MIXTURE)).unwrap_or_else(|e| panic!("{e}"));
     assert!((temperature(&simulation) - 1.0).abs() < 1e-12);
     let wanted = "momenta.xyz has no velocities: they are drawn at T = 1 with seed 5";
-    assert!(
-        simulation.remarks[0].ends_with(wanted),
-        "{:?}",
-        simulation.remarks
-    );
+    assert!(simulation.remarks[0].ends_with(wanted), "{:?}", simulation.remarks);
 }
 
 #[test]
@@ -139,18 +121,7 @@ fn types_of_a_dump_tell_species_apart_where_elements_do_not() {
     assert_eq!(energy(["C", "C"], MIXTURE), Ok(named));
     assert_eq!(energy(["Ar", "Ar"], MIXTURE), Ok(named));
     let turned = energy(["Kr", "Ar"], MIXTURE).unwrap();
-    assert!(
-        (turned / named - 1.0).abs() < 1e-12,
-        "each species has half of the sites"
-    );
-    assert!(
-        energy(["C", "N"], MIXTURE)
-            .unwrap_err()
-            .contains("species \"C\"")
-    );
-    assert!(
-        energy(["C", "C"], "")
-            .unwrap_err()
-            .contains("types 1, 2 in")
-    );
+    assert!((turned / named - 1.0).abs() < 1e-12, "each species has half of the sites");
+    assert!(energy(["C", "N"], MIXTURE).unwrap_err().contains("species \"C\""));
+    assert!(energy(["C", "C"], "").unwrap_err().contains("types 1, 2 in"));
 }

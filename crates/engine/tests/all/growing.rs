@@ -24,11 +24,7 @@ fn scene(text: &str) -> Scene {
 }
 
 fn run(simulation: &mut Simulation, recording: &mut Recording, until: Option<u64>) -> Ending {
-    let options = MemoryOptions {
-        until,
-        stop: &AtomicBool::new(false),
-        progress: &mut (),
-    };
+    let options = MemoryOptions { until, stop: &AtomicBool::new(false), progress: &mut () };
     run_in_memory(simulation, recording, options).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -41,18 +37,14 @@ fn grown(simulation: &Simulation, stage: &str) -> Scene {
 #[test]
 fn a_scene_that_grew_has_the_bits_and_means_of_one_that_was_whole() {
     let whole_text = format!("{SYSTEM}{MELT}{MEASURE}");
-    let first = whole_text
-        .replace(MEASURE, "")
-        .replace("measure = false\n", "");
+    let first = whole_text.replace(MEASURE, "").replace("measure = false\n", "");
     let mut simulation = prepare(scene(&first)).unwrap_or_else(|e| panic!("{e}"));
     let mut recording = Recording::default();
     run(&mut simulation, &mut recording, Some(33));
     assert_eq!(simulation.state.step, 33);
     run(&mut simulation, &mut recording, None);
     let longer = grown(&simulation, MEASURE);
-    simulation
-        .grow(longer.clone(), Measurement::Anew)
-        .unwrap_or_else(|e| panic!("{e}"));
+    simulation.grow(longer.clone(), Measurement::Anew).unwrap_or_else(|e| panic!("{e}"));
     let mut recording = Recording::default();
     run(&mut simulation, &mut recording, None);
 
@@ -130,10 +122,7 @@ fn a_simulation_is_saved_by_itself_before_its_first_step_and_after_some() {
         run(&mut other, &mut Recording::default(), None);
         let mut undisturbed = prepare(scene(&text)).unwrap_or_else(|e| panic!("{e}"));
         run(&mut undisturbed, &mut Recording::default(), None);
-        assert_eq!(
-            other.state.positions, undisturbed.state.positions,
-            "from step {until}"
-        );
+        assert_eq!(other.state.positions, undisturbed.state.positions, "from step {until}");
     }
 }
 
@@ -150,9 +139,8 @@ fn a_start_from_memory_needs_a_scene_that_names_a_configuration() {
         frames: 1,
     };
     let lattice = scene(&format!("{SYSTEM}{MEASURE}"));
-    let error = prepare_with(lattice, Some(start.clone()), OwnParts::none())
-        .err()
-        .map(|e| e.to_string());
+    let error =
+        prepare_with(lattice, Some(start.clone()), OwnParts::none()).err().map(|e| e.to_string());
     let message = error.unwrap_or_default();
     assert!(message.contains("positions beside a lattice"), "{message}");
     assert!(

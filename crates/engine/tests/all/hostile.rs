@@ -116,9 +116,7 @@ fn distortions(array: &Array) -> Vec<(&'static str, Option<Array>)> {
     match array {
         Array::F64(v) => {
             lengths(v, &mut |what, v| add(what, Array::F64(v)));
-            absurd
-                .iter()
-                .for_each(|&x| add("one number changed", Array::F64(first(v, x))));
+            absurd.iter().for_each(|&x| add("one number changed", Array::F64(first(v, x))));
         }
         Array::I64(v) => {
             lengths(v, &mut |what, v| add(what, Array::I64(v)));
@@ -180,10 +178,7 @@ fn metadata_that_does_not_fit_is_refused() {
             c.archive.arrays.insert(name.into(), counts);
         }
     };
-    refused(
-        &|c| c.metadata.step = u64::MAX,
-        "its state belongs to another step",
-    );
+    refused(&|c| c.metadata.step = u64::MAX, "its state belongs to another step");
     refused(
         &|c| {
             let mark = FileMark::default();
@@ -191,18 +186,9 @@ fn metadata_that_does_not_fit_is_refused() {
         },
         "scene and checkpoint disagree whether there is a",
     );
-    refused(
-        &|c| c.scene.push_str("[[stage]]\n"),
-        "does not fit its own scene",
-    );
+    refused(&|c| c.scene.push_str("[[stage]]\n"), "does not fit its own scene");
     refused(&with("stage", &[0, 7]), "steps after ");
     refused(&with("stage", &[9, 1]), "stage 9 of 2");
-    refused(
-        &with("measured_steps", &[1 << 50]),
-        "`measured_steps` does not fit: ",
-    );
-    refused(
-        &with("measured_steps", &[u64::MAX]),
-        "a count of 18446744073709551615",
-    );
+    refused(&with("measured_steps", &[1 << 50]), "`measured_steps` does not fit: ");
+    refused(&with("measured_steps", &[u64::MAX]), "a count of 18446744073709551615");
 }

@@ -74,39 +74,21 @@ fn the_bits_are_the_same_for_any_number_of_threads() {
 /// Runs `steps` at once, and `first` then the rest through a saved state: all bits must agree.
 fn split_and_compare(overrides: &[(&str, &str)], first: u64, what: &str) {
     let mut whole = build(overrides);
-    assert!(
-        whole
-            .run(&mut Unfollowed)
-            .unwrap_or_else(|e| panic!("{what}: {e}"))
-    );
+    assert!(whole.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{what}: {e}")));
     let steps = whole.state.step;
 
     let mut begun = build(overrides);
-    assert!(
-        !begun
-            .run(&mut StopAt::new(first))
-            .unwrap_or_else(|e| panic!("{what}: {e}"))
-    );
+    assert!(!begun.run(&mut StopAt::new(first)).unwrap_or_else(|e| panic!("{what}: {e}")));
     let saved = archive(&begun);
     let mut resumed = build(overrides);
-    resumed
-        .restore(&saved.reader())
-        .unwrap_or_else(|e| panic!("{what}: {e}"));
-    assert!(
-        resumed
-            .run(&mut Unfollowed)
-            .unwrap_or_else(|e| panic!("{what}: {e}"))
-    );
+    resumed.restore(&saved.reader()).unwrap_or_else(|e| panic!("{what}: {e}"));
+    assert!(resumed.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{what}: {e}")));
 
     assert_eq!(resumed.state.step, steps);
     assert!(bits(&resumed) == bits(&whole), "{what}");
     assert_eq!(differing(&resumed, &whole), Vec::<String>::new(), "{what}");
     // Going on in the same simulation is the same again.
-    assert!(
-        begun
-            .run(&mut Unfollowed)
-            .unwrap_or_else(|e| panic!("{what}: {e}"))
-    );
+    assert!(begun.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{what}: {e}")));
     assert!(bits(&begun) == bits(&whole), "{what}");
 }
 
@@ -172,11 +154,7 @@ fn observing_changes_no_bit_of_the_trajectory() {
         let samples = |s: &Simulation| s.thermodynamics().series().time.len();
         assert!(samples(&watched) > samples(&bare), "{what}");
         let (a, b) = (bare.forces.statistics(), watched.forces.statistics());
-        assert_eq!(
-            (a.evaluations, a.builds),
-            (b.evaluations, b.builds),
-            "{what}"
-        );
+        assert_eq!((a.evaluations, a.builds), (b.evaluations, b.builds), "{what}");
     }
 }
 
@@ -226,15 +204,9 @@ fn momentum_of_mixed_precision_stays_below_a_random_walk_of_its_rounding() {
         // δ = 7e-7 of the force in mixed precision (benches/NOTES.md); the walk reaches three times its width one time in 400.
         let walk = 7e-7 * (squares / n).sqrt() * 0.004 * (n * f64::from(steps)).sqrt();
         let momentum = s.system.momentum(&s.state.velocities).length();
-        assert!(
-            momentum < 3.0 * walk,
-            "{steps} steps: {momentum:e} of {walk:e}"
-        );
+        assert!(momentum < 3.0 * walk, "{steps} steps: {momentum:e} of {walk:e}");
         // It is the mixed loop that ran.
-        assert!(
-            momentum > 1e-3 * walk,
-            "{steps} steps: {momentum:e} of {walk:e}"
-        );
+        assert!(momentum > 1e-3 * walk, "{steps} steps: {momentum:e} of {walk:e}");
     }
 }
 
@@ -268,9 +240,7 @@ fn the_energy_fluctuation_falls_as_the_square_of_dt() {
 #[test]
 fn a_step_far_too_large_stops_the_run_and_says_why() {
     let mut s = build(&[("integrator.dt", "0.08")]);
-    let error = s
-        .run(&mut Unfollowed)
-        .expect_err("dt = 0.08 is far past the limit of stability");
+    let error = s.run(&mut Unfollowed).expect_err("dt = 0.08 is far past the limit of stability");
     assert_eq!(error.exit_code(), 3);
     let text = error.to_string();
     assert!(text.contains("dt = 0.08 τ is too large"), "{text}");
@@ -283,10 +253,7 @@ fn hot_particles_outrun_no_list() {
     s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     let statistics = s.forces.statistics();
     let seen = s.force_check.seen();
-    assert!(
-        seen.forces >= 10 && seen.largest_deviation < 1.0,
-        "{seen:?}"
-    );
+    assert!(seen.forces >= 10 && seen.largest_deviation < 1.0, "{seen:?}");
     assert_eq!(statistics.evaluations, 1001);
 }
 
@@ -319,10 +286,7 @@ fn a_bath_holds_its_temperature_with_every_method_and_its_heat_is_accounted_for(
             let mean = late.iter().sum::<f64>() / late.len() as f64;
             // Canonical: σ_T = T·√(2/3N) = 0.05 for one sample; several tens of independent ones leave 0.01.
             assert!((mean - 1.0).abs() < 0.04, "{method} {bath}: {mean}");
-            let drift = s
-                .thermodynamics()
-                .conservation()
-                .energy_drift_per_atom_per_tau;
+            let drift = s.thermodynamics().conservation().energy_drift_per_atom_per_tau;
             // The bath moves some 0.1 ε per particle; what is left after its heat is taken off is the method's own error.
             assert!(drift.abs() < 1e-4, "{method} {bath}: {drift:e}");
         }
@@ -340,10 +304,7 @@ fn the_energy_of_the_triple_point_does_not_drift_in_a_hundred_thousand_steps() {
     ]);
     s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     let found = s.thermodynamics().conservation();
-    let (drift, error) = (
-        found.energy_drift_per_atom_per_tau,
-        found.energy_drift_standard_error,
-    );
+    let (drift, error) = (found.energy_drift_per_atom_per_tau, found.energy_drift_standard_error);
     // The 95 % interval lies inside ±5e-7 ε per particle per τ.
     assert!(drift.abs() + 1.96 * error < 5e-7, "{drift:e} ± {error:e}");
 }
@@ -387,11 +348,8 @@ impl Follower for TurnBack {
 fn return_distance(method: &str, n: &str, steps: u64, threads: usize) -> f64 {
     let stages = format!("[{{name=\"there-and-back\", steps={}}}]", 2 * steps - 1);
     on_threads(threads, || {
-        let mut s = build(&[
-            ("integrator.kind", method),
-            ("system.n_atoms", n),
-            ("stage", &stages),
-        ]);
+        let mut s =
+            build(&[("integrator.kind", method), ("system.n_atoms", n), ("stage", &stages)]);
         let mut turn = TurnBack {
             schedule: [1, steps]
                 .map(|step| Operation::new(Action::Call, Trigger::At(step)))
@@ -401,12 +359,7 @@ fn return_distance(method: &str, n: &str, steps: u64, threads: usize) -> f64 {
             first: Vec::new(),
         };
         assert!(s.run(&mut turn).unwrap_or_else(|e| panic!("{e}")));
-        let moved = s
-            .state
-            .positions
-            .iter()
-            .zip(&turn.first)
-            .map(|(a, b)| (*a - *b).length());
+        let moved = s.state.positions.iter().zip(&turn.first).map(|(a, b)| (*a - *b).length());
         moved.fold(0.0, f64::max)
     })
 }
@@ -420,10 +373,7 @@ fn the_bit_reversible_method_returns_to_its_start_exactly_and_velocity_verlet_do
             "{threads} threads"
         );
     }
-    assert!(
-        return_distance("velocity-verlet", "256", 1500, 1) > 1e-9,
-        "the test can tell"
-    );
+    assert!(return_distance("velocity-verlet", "256", 1500, 1) > 1e-9, "the test can tell");
 }
 
 #[test]
@@ -445,10 +395,7 @@ fn particles_nearly_on_top_of_each_other_are_relaxed_in_any_precision() {
         for apart in [3e-3, 1e-5] {
             let scene = common::scene(
                 LIQUID,
-                &[
-                    ("system.lattice", "random"),
-                    ("kernel.precision", precision),
-                ],
+                &[("system.lattice", "random"), ("kernel.precision", precision)],
             );
             let mut beginning = begin(&scene).unwrap_or_else(|e| panic!("{e}"));
             beginning.positions[1] = beginning.positions[0] + DVec3::new(0.0, apart, 0.0);

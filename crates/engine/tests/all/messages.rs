@@ -99,10 +99,7 @@ fn forces_and_steps_that_fail_say_which_particle_and_which_method() {
         let cell = conditions().cell;
         let at = Configuration::at_rest(&cell, positions);
         let mut out = vec![DVec3::ZERO; positions.len()];
-        forces
-            .evaluate(at, part, Want::NOTHING, &mut out)
-            .unwrap_err()
-            .to_string()
+        forces.evaluate(at, part, Want::NOTHING, &mut out).unwrap_err().to_string()
     };
     let place = |i: usize| DVec3::new((i % 8) as f64, (i / 8 % 8) as f64, (i / 64) as f64) * 1.2;
     let mut positions: Vec<DVec3> = (0..500).map(place).collect();
@@ -111,18 +108,12 @@ fn forces_and_steps_that_fail_say_which_particle_and_which_method() {
         "these forces cannot be split into a near and a far part"
     );
     positions[7].x = f64::NAN;
-    assert_eq!(
-        evaluate(&positions, Part::All),
-        "the position of particle 7 is not finite"
-    );
+    assert_eq!(evaluate(&positions, Part::All), "the position of particle 7 is not finite");
     positions[7] = positions[8];
     let message = evaluate(&positions, Part::All);
     assert!(
-        [
-            "the force on particle 7 is not finite",
-            "the force on particle 8 is not finite"
-        ]
-        .contains(&message.as_str()),
+        ["the force on particle 7 is not finite", "the force on particle 8 is not finite"]
+            .contains(&message.as_str()),
         "{message}"
     );
     assert_eq!(
@@ -130,20 +121,12 @@ fn forces_and_steps_that_fail_say_which_particle_and_which_method() {
         "the force depends on velocities, and the method gives none"
     );
     assert_eq!(
-        ForceError::CutoffOverHalfBox {
-            r_cut: 2.5,
-            largest: 2.4
-        }
-        .to_string(),
+        ForceError::CutoffOverHalfBox { r_cut: 2.5, largest: 2.4 }.to_string(),
         "the box has shrunk to 4.800 σ, below twice the cutoff of 2.5 σ; take more particles, a shorter cutoff or \
          a lower pressure"
     );
     assert_eq!(
-        ForceError::BoxTooWide {
-            widest: 4300.0,
-            largest: 4295.0
-        }
-        .to_string(),
+        ForceError::BoxTooWide { widest: 4300.0, largest: 4295.0 }.to_string(),
         "the box has grown to 4300.000 σ, and its pair loop resolves positions up to 4295 σ a side; take \
          `kernel.precision = \"double\"` or a higher pressure"
     );
@@ -152,9 +135,7 @@ fn forces_and_steps_that_fail_say_which_particle_and_which_method() {
         "the position of particle 7 is not a usable number"
     );
     assert_eq!(
-        PeriodicBox::new(DVec3::new(1.0, -2.0, 1.0))
-            .unwrap_err()
-            .to_string(),
+        PeriodicBox::new(DVec3::new(1.0, -2.0, 1.0)).unwrap_err().to_string(),
         "a box side must be a finite positive number, found -2"
     );
     let method = "some-method";
@@ -164,31 +145,16 @@ fn forces_and_steps_that_fail_say_which_particle_and_which_method() {
             "`some-method` assumes that forces depend on positions alone, and these depend on velocities",
         ),
         (
-            StepError::ChangingStep {
-                method,
-                started: 0.1,
-                asked: 0.2,
-            },
+            StepError::ChangingStep { method, started: 0.1, asked: 0.2 },
             "`some-method` needs a fixed step: it was started with dt = 0.1 and asked for dt = 0.2",
         ),
+        (StepError::BadStep(-1.0), "dt must be a finite positive number, found -1"),
         (
-            StepError::BadStep(-1.0),
-            "dt must be a finite positive number, found -1",
-        ),
-        (
-            StepError::NotConverged {
-                method,
-                iterations: 9,
-                residual: 1e-3,
-                wanted: 1e-12,
-            },
+            StepError::NotConverged { method, iterations: 9, residual: 1e-3, wanted: 1e-12 },
             "`some-method` did not solve its equations in 9 iterations: residual 1e-3, wanted 1e-12",
         ),
         (
-            StepError::Unsuited {
-                method,
-                reason: "why".into(),
-            },
+            StepError::Unsuited { method, reason: "why".into() },
             "`some-method` cannot run this system: why",
         ),
     ] {
@@ -239,15 +205,9 @@ fn starts_that_cannot_be_say_what_would_be() {
     // A method that the scene lets pass and the forces do not suit: a particle outside the grid of positions.
     let far = "1\nLattice=\"9 0 0 0 9 0 0 0 9\" Properties=species:S:1:pos:R:3\nAr 1e6 2 3\n";
     std::fs::write(&file, far).unwrap();
-    let mut simulation = prepare(scene(
-        &start,
-        "[integrator]\nkind = \"bit-reversible-verlet\"",
-    ))
-    .unwrap_or_else(|e| panic!("{e}"));
-    let message = simulation
-        .run(&mut lennard_engine::Unfollowed)
-        .unwrap_err()
-        .to_string();
+    let mut simulation = prepare(scene(&start, "[integrator]\nkind = \"bit-reversible-verlet\""))
+        .unwrap_or_else(|e| panic!("{e}"));
+    let message = simulation.run(&mut lennard_engine::Unfollowed).unwrap_err().to_string();
     for wanted in [
         "`bit-reversible-verlet` cannot run this system: particle 0 lies outside the position grid, ±",
         "allowed: a method that suits the forces",
@@ -268,10 +228,7 @@ fn a_start_whose_forces_are_not_finite_has_no_energy() {
         Ok(_) => panic!("the energy was evaluated"),
         Err(error) => {
             let message = error.to_string();
-            assert!(
-                message.contains("a start configuration with finite forces"),
-                "{message}"
-            );
+            assert!(message.contains("a start configuration with finite forces"), "{message}");
         }
     }
 }

@@ -52,10 +52,7 @@ fn species_alike_in_all_but_name_have_the_bits_of_one() {
         let common = [
             ("system.n_atoms", "256"),
             ("stage.0.steps", "300"),
-            (
-                "truncation",
-                &*format!("{{ kind = \"{kind}\", r_cut = 2.5 }}"),
-            ),
+            ("truncation", &*format!("{{ kind = \"{kind}\", r_cut = 2.5 }}")),
         ];
         let one = r#"[{ name = "red" }]"#;
         let named = |species| [("species", species), ("mixing.k", "0.0")];
@@ -85,20 +82,14 @@ fn species_are_mixed_at_random_by_the_seed() {
     assert_ne!(one, other);
     // A layered start has all of B in a few layers; each of twelve layers of 72 has about 22 here.
     for layer in 0..12 {
-        let b = (72 * layer..72 * (layer + 1))
-            .filter(|i| one.of(*i) == 1)
-            .count();
+        let b = (72 * layer..72 * (layer + 1)).filter(|i| one.of(*i) == 1).count();
         assert!((10..=34).contains(&b), "layer {layer}: {b}");
     }
 }
 
 #[test]
 fn a_lattice_too_dense_for_the_larger_species_is_relaxed() {
-    let dense = [
-        ("species.B.sigma", "1.6"),
-        ("system.density", "0.7"),
-        ("system.n_atoms", "256"),
-    ];
+    let dense = [("species.B.sigma", "1.6"), ("system.density", "0.7"), ("system.n_atoms", "256")];
     let start = begin(&scene(&dense)).unwrap_or_else(|e| panic!("{e}"));
     assert!(start.relax);
     let simulation = ran(scene(&[&dense[..], &[("stage.0.steps", "50")]].concat()));
@@ -124,12 +115,9 @@ fn temperatures(system: &System, velocities: &[DVec3]) -> Vec<f64> {
 #[test]
 fn baths_and_barostats_give_each_species_the_temperature_of_the_bath() {
     let tail = r#"{ kind = "cut", r_cut = 2.2 }"#;
-    let canonical = lennard_integrators::thermostats()
-        .iter()
-        .filter(|t| t.canonical);
-    let mut baths: Vec<(String, String)> = canonical
-        .map(|t| (format!("{:?}", t.name), "\"none\"".to_owned()))
-        .collect();
+    let canonical = lennard_integrators::thermostats().iter().filter(|t| t.canonical);
+    let mut baths: Vec<(String, String)> =
+        canonical.map(|t| (format!("{:?}", t.name), "\"none\"".to_owned())).collect();
     for barostat in lennard_integrators::barostats() {
         let bath = barostat.thermostat.unwrap_or("bussi");
         let barostat = format!("{{ kind = {:?}, pressure = 2.0 }}", barostat.name);
@@ -160,10 +148,7 @@ fn baths_and_barostats_give_each_species_the_temperature_of_the_bath() {
             let mean = t.iter().sum::<f64>() / t.len() as f64;
             // 80 samples of a species of 32 particles: σ_T = T·√(2/96)/√80 = 0.024, and some correlation. The step of 0.003
             // makes whole steps colder by up to a per cent.
-            assert!(
-                (mean - 1.5).abs() < 0.12,
-                "{bath}, {barostat}: species {a} at {mean}"
-            );
+            assert!((mean - 1.5).abs() < 0.12, "{bath}, {barostat}: species {a} at {mean}");
         }
     }
 }
@@ -182,10 +167,7 @@ fn barostats_conserve_energy_with_the_tails_of_all_pairs() {
             ("stage.0.barostat", &words),
         ]));
         assert!(simulation.stage_run().tail_work < 0.0, "{words}");
-        let rms = simulation
-            .thermodynamics()
-            .conservation()
-            .energy_rms_per_atom;
+        let rms = simulation.thermodynamics().conservation().energy_rms_per_atom;
         assert!(rms < 2e-3, "{words}: {rms}");
     }
 }
@@ -210,10 +192,7 @@ fn four_hundred_steps_and_six_hundred_are_a_thousand_to_the_bit() {
     let observed = [
         ("system.n_atoms", "256"),
         ("stage.0.thermostat", "bussi"),
-        (
-            "stage.0.barostat",
-            "{ kind = \"stochastic-cell-rescaling\", pressure = 2.0 }",
-        ),
+        ("stage.0.barostat", "{ kind = \"stochastic-cell-rescaling\", pressure = 2.0 }"),
         (
             "observable",
             r#"[{ kind = "msd", every = 5 }, { kind = "vacf", every = 5, window = 0.3 },
@@ -229,15 +208,11 @@ fn four_hundred_steps_and_six_hundred_are_a_thousand_to_the_bit() {
 fn parts_make_the_whole(overrides: &[(&str, &str)]) {
     let whole = ran(scene(overrides));
     let mut begun = prepare(scene(overrides)).unwrap_or_else(|e| panic!("{e}"));
-    begun
-        .run(&mut StopAt::new(400))
-        .unwrap_or_else(|e| panic!("{e}"));
+    begun.run(&mut StopAt::new(400)).unwrap_or_else(|e| panic!("{e}"));
     let mut archive = StateArchive::default();
     begun.save(&mut archive.writer());
     let mut resumed = prepare(scene(overrides)).unwrap_or_else(|e| panic!("{e}"));
-    resumed
-        .restore(&archive.reader())
-        .unwrap_or_else(|e| panic!("{e}"));
+    resumed.restore(&archive.reader()).unwrap_or_else(|e| panic!("{e}"));
     for other in [&mut begun, &mut resumed] {
         other.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         assert!(bits(other) == bits(&whole));
@@ -276,9 +251,7 @@ fn walls_that_are_hit_or_are_springs_take_particles_of_all_species() {
     .unwrap_or_else(|e| panic!("{e}"));
     let mut means = [0.0; 2];
     for sample in 1..=40 {
-        simulation
-            .run(&mut StopAt::new(20_000 + 500 * sample))
-            .unwrap_or_else(|e| panic!("{e}"));
+        simulation.run(&mut StopAt::new(20_000 + 500 * sample)).unwrap_or_else(|e| panic!("{e}"));
         let t = temperatures(&simulation.system, &simulation.state.velocities);
         means[0] += t[0] / 40.0;
         means[1] += t[1] / 40.0;
@@ -337,14 +310,9 @@ fn a_file_of_a_mixture_gives_the_same_energy_and_the_same_species() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("start.xyz");
     let simulation = ran(scene(&[("stage.0.steps", "20")]));
-    let style = FrameStyle {
-        species: simulation.system.species().clone(),
-        ..FrameStyle::default()
-    };
-    let frame = Frame {
-        state: &simulation.state,
-        extra: &[],
-    };
+    let style =
+        FrameStyle { species: simulation.system.species().clone(), ..FrameStyle::default() };
+    let frame = Frame { state: &simulation.state, extra: &[] };
     lennard_io::write_frame(&path, &style, &frame).unwrap();
     let system = MIXTURE
         .replace("n_atoms = 108", &format!("configuration = {path:?}"))
@@ -356,9 +324,7 @@ fn a_file_of_a_mixture_gives_the_same_energy_and_the_same_species() {
     let there = simulation.state.energetics.potential_energy.unwrap();
     assert!((evaluated.report.potential_energy / there - 1.0).abs() < 1e-12);
     // A name in the file that no species has.
-    let text = std::fs::read_to_string(&path)
-        .unwrap()
-        .replace("\nB ", "\nXe ");
+    let text = std::fs::read_to_string(&path).unwrap().replace("\nB ", "\nXe ");
     std::fs::write(&path, text).unwrap();
     match evaluate_energy(&common::scene(&system, &[])) {
         Err(EngineError::Scene(e)) => {
@@ -374,10 +340,7 @@ fn a_file_of_a_mixture_gives_the_same_energy_and_the_same_species() {
 fn the_check_of_forces_knows_the_species() {
     let simulation = ran(scene(&[]));
     let seen = simulation.force_check.seen();
-    assert!(
-        seen.forces >= 10 && seen.largest_deviation <= 1.0,
-        "{seen:?}"
-    );
+    assert!(seen.forces >= 10 && seen.largest_deviation <= 1.0, "{seen:?}");
     let mut other = prepare(scene(&[("system.seed", "8")])).unwrap_or_else(|e| panic!("{e}"));
     other.force_check = simulation.force_check;
     assert!(other.run(&mut Unfollowed).is_err());

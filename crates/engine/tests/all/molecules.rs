@@ -12,10 +12,7 @@ const TRIANGLE: [(&str, &str); 6] = [
     ("molecule.kind", "sites"),
     ("molecule.sites", "3"),
     ("molecule.bonds", "[[1, 2], [2, 3], [3, 1]]"),
-    (
-        "molecule.shape",
-        "[[0, 0, 0], [0.7, 0, 0], [0.35, 0.6062177826, 0]]",
-    ),
+    ("molecule.shape", "[[0, 0, 0], [0.7, 0, 0], [0.35, 0.6062177826, 0]]"),
     ("molecule.bond_length", "0.7"),
     ("system.density", "0.1"),
 ];
@@ -23,10 +20,7 @@ const RING_WITH_A_TAIL: [(&str, &str); 6] = [
     ("molecule.kind", "sites"),
     ("molecule.sites", "5"),
     ("molecule.bonds", "[[1, 2], [2, 3], [3, 4], [1, 4], [5, 4]]"),
-    (
-        "molecule.shape",
-        "[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [-0.6, 1.8, 0]]",
-    ),
+    ("molecule.shape", "[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [-0.6, 1.8, 0]]"),
     ("molecule.bond_length", "1.0"),
     ("system.density", "0.04"),
 ];
@@ -56,17 +50,9 @@ const WAYS: &[&[(&str, &str)]] = &[
     &[("bonds.method", "relaxation"), ("bonds.sweeps", "3")],
     &[("bonds.method", "spring")],
     &[("bonds.method", "spring"), ("bonds.scheme", "midpoint")],
-    &[
-        ("bonds.method", "spring"),
-        ("bonds.scheme", "linearly-implicit"),
-    ],
+    &[("bonds.method", "spring"), ("bonds.scheme", "linearly-implicit")],
     DAMPED,
-    &[
-        DAMPED[0],
-        DAMPED[1],
-        ("bonds.scheme", "midpoint"),
-        ("integrator.kind", "leapfrog"),
-    ],
+    &[DAMPED[0], DAMPED[1], ("bonds.scheme", "midpoint"), ("integrator.kind", "leapfrog")],
     &[DAMPED[0], DAMPED[1], ("bonds.scheme", "linearly-implicit")],
     &[DAMPED[0], DAMPED[1], ("integrator.kind", "respa")],
     &[
@@ -75,60 +61,28 @@ const WAYS: &[&[(&str, &str)]] = &[
         ("wall", "[{ kind = \"hard\", restitution = 0.9 }]"),
         ("observable", "[]"),
     ],
-    &[
-        DAMPED[0],
-        DAMPED[1],
-        ("stage.0.thermostat", "nose-hoover"),
-        ("stage.0.barostat", MTK),
-    ],
+    &[DAMPED[0], DAMPED[1], ("stage.0.thermostat", "nose-hoover"), ("stage.0.barostat", MTK)],
     &[("bonds.method", "spook"), ("integrator.kind", "spook")],
     &[("bonds.method", "direct"), ("kernel.precision", "mixed")],
     &[("bonds.method", "direct"), ("integrator.kind", "leapfrog")],
-    &[
-        ("bonds.method", "relaxation"),
-        ("integrator.kind", "stormer-verlet"),
-    ],
-    &[
-        ("bonds.method", "spring"),
-        ("bonds.scheme", "midpoint"),
-        ("integrator.kind", "leapfrog"),
-    ],
+    &[("bonds.method", "relaxation"), ("integrator.kind", "stormer-verlet")],
+    &[("bonds.method", "spring"), ("bonds.scheme", "midpoint"), ("integrator.kind", "leapfrog")],
     &[("bonds.method", "direct"), ("integrator.kind", "respa")],
-    &[
-        ("bonds.method", "spring"),
-        ("bonds.scheme", "midpoint"),
-        ("integrator.kind", "respa"),
-    ],
-    &[
-        ("wall", "[{ kind = \"soft\", restitution = 0.5 }]"),
-        ("observable", "[]"),
-    ],
+    &[("bonds.method", "spring"), ("bonds.scheme", "midpoint"), ("integrator.kind", "respa")],
+    &[("wall", "[{ kind = \"soft\", restitution = 0.5 }]"), ("observable", "[]")],
     &[
         ("bonds.method", "spook"),
         ("integrator.kind", "spook"),
         ("contact.kind", "spook"),
         ("contact.diameter", "0.8"),
-        (
-            "wall",
-            "[{ kind = \"hard\", response = \"contact\", restitution = 0.5 }]",
-        ),
+        ("wall", "[{ kind = \"hard\", response = \"contact\", restitution = 0.5 }]"),
         ("truncation.tail_correction", "false"),
         ("observable", "[]"),
     ],
-    &[(
-        "observable",
-        "[{ kind = \"orientation\", every = 4, window = 0.1, origins = 3 }]",
-    )],
+    &[("observable", "[{ kind = \"orientation\", every = 4, window = 0.1, origins = 3 }]")],
     &[("wall", "[{ kind = \"wca\" }]"), ("observable", "[]")],
-    &[
-        ("bonds.method", "spring"),
-        ("wall", "[{ kind = \"hard\" }]"),
-        ("observable", "[]"),
-    ],
-    &[
-        ("wall", "[{ kind = \"hard\", restitution = 0.9 }]"),
-        ("observable", "[]"),
-    ],
+    &[("bonds.method", "spring"), ("wall", "[{ kind = \"hard\" }]"), ("observable", "[]")],
+    &[("wall", "[{ kind = \"hard\", restitution = 0.9 }]"), ("observable", "[]")],
     &[("wall", "[{ kind = \"thermal\" }]"), ("observable", "[]")],
     &[
         ("bonds.method", "spring"),
@@ -143,10 +97,7 @@ const WAYS: &[&[(&str, &str)]] = &[
             "{ kind = \"stochastic-cell-rescaling\", pressure = 1.0, tau = 0.5, interval = 5 }",
         ),
     ],
-    &[
-        ("stage.0.thermostat", "nose-hoover"),
-        ("stage.0.barostat", MTK),
-    ],
+    &[("stage.0.thermostat", "nose-hoover"), ("stage.0.barostat", MTK)],
     &[
         ("stage.0.thermostat", "nose-hoover"),
         ("stage.0.barostat", MTK),
@@ -184,11 +135,7 @@ const WAYS: &[&[(&str, &str)]] = &[
     &with_shape(RING_WITH_A_TAIL, ("bonds.method", "direct"), PLAIN),
     &with_shape(RING_WITH_A_TAIL, ("bonds.method", "relaxation"), PLAIN),
     &with_shape(RING_WITH_A_TAIL, ("bonds.method", "spring"), PLAIN),
-    &with_shape(
-        RING_WITH_A_TAIL,
-        ("bonds.method", "spook"),
-        ("integrator.kind", "spook"),
-    ),
+    &with_shape(RING_WITH_A_TAIL, ("bonds.method", "spook"), ("integrator.kind", "spook")),
 ];
 
 fn scene(overrides: &[(&str, &str)]) -> Scene {
@@ -232,16 +179,12 @@ fn forty_steps_and_sixty_are_a_hundred_to_the_bit() {
             let mut whole = build(&overrides);
             whole.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
             let mut begun = build(&overrides);
-            begun
-                .run(&mut StopAt::new(40))
-                .unwrap_or_else(|e| panic!("{e}"));
+            begun.run(&mut StopAt::new(40)).unwrap_or_else(|e| panic!("{e}"));
             let mut archive = StateArchive::default();
             begun.save(&mut archive.writer());
             let mut resumed = build(&overrides);
             resumed.restore(&archive.reader()).unwrap();
-            resumed
-                .run(&mut Unfollowed)
-                .unwrap_or_else(|e| panic!("{e}"));
+            resumed.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
             assert!(bits(&resumed) == bits(&whole), "{way:?} {bath}");
         }
     }
@@ -254,12 +197,7 @@ fn bonds_keep_their_length_and_velocities_have_no_part_along_them() {
         s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         let sums = rigid::constraint_sums(&s.system, &s.state);
         assert!(sums.largest_residual <= tolerance, "{way}: {sums:?}");
-        for (x, v) in s
-            .state
-            .positions
-            .chunks(2)
-            .zip(s.state.velocities.chunks(2))
-        {
+        for (x, v) in s.state.positions.chunks(2).zip(s.state.velocities.chunks(2)) {
             let along = (x[1] - x[0]).dot(v[1] - v[0]).abs();
             assert!(along < 1e-9, "{way}: {along:e}");
         }
@@ -272,17 +210,11 @@ fn bonds_keep_their_length_and_velocities_have_no_part_along_them() {
 #[test]
 fn energy_is_kept_with_an_error_of_second_order() {
     let rms = |dt: &str, steps: &str| {
-        let mut s = build(&[
-            ("integrator.dt", dt),
-            ("stage.0.steps", steps),
-            ("output.thermo_every", "1"),
-        ]);
+        let mut s =
+            build(&[("integrator.dt", dt), ("stage.0.steps", steps), ("output.thermo_every", "1")]);
         s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         let found = s.thermodynamics().conservation();
-        assert!(
-            found.energy_drift_per_atom_per_tau.abs() < 1e-3,
-            "{found:?}"
-        );
+        assert!(found.energy_drift_per_atom_per_tau.abs() < 1e-3, "{found:?}");
         found.energy_rms_per_atom
     };
     let (coarse, fine) = (rms("0.004", "500"), rms("0.002", "1000"));
@@ -300,8 +232,7 @@ fn reversed_velocities_lead_a_fluid_back_over_1000_steps() {
     ]);
     let first = s.state.positions.clone();
     for stop in [1000, 2000] {
-        s.run(&mut StopAt::new(stop))
-            .unwrap_or_else(|e| panic!("{e}"));
+        s.run(&mut StopAt::new(stop)).unwrap_or_else(|e| panic!("{e}"));
         s.state.velocities.iter_mut().for_each(|v| *v = -*v);
     }
     let off = s.state.positions.iter().zip(&first);
@@ -331,11 +262,7 @@ fn respa_holds_bonds_and_keeps_the_energy_as_its_inner_steps_do() {
         (found.energy_rms_per_atom, s.state.positions.clone())
     };
     let respa = |dt: &str, steps: &str| {
-        kept(&[
-            ("integrator.kind", "respa"),
-            ("integrator.dt", dt),
-            ("stage.0.steps", steps),
-        ])
+        kept(&[("integrator.kind", "respa"), ("integrator.dt", dt), ("stage.0.steps", steps)])
     };
     let (coarse, _) = respa("0.008", "250");
     let (fine, _) = respa("0.004", "500");
@@ -346,11 +273,8 @@ fn respa_holds_bonds_and_keeps_the_energy_as_its_inner_steps_do() {
     assert!(coarse < 0.5 * plain, "{coarse:e} {plain:e}");
     // Both follow one path while it is short.
     let short = |kind: &str| {
-        let overrides = [
-            ("integrator.kind", kind),
-            ("integrator.dt", "0.0005"),
-            ("stage.0.steps", "200"),
-        ];
+        let overrides =
+            [("integrator.kind", kind), ("integrator.dt", "0.0005"), ("stage.0.steps", "200")];
         kept(&overrides).1
     };
     let off = short("respa")
@@ -366,8 +290,7 @@ fn respa_holds_bonds_and_keeps_the_energy_as_its_inner_steps_do() {
 fn the_virials_of_sites_and_of_molecules_agree_at_each_instant() {
     let mut s = build(&[("stage.0.thermostat", "bussi"), ("stage.0.steps", "1000")]);
     for stop in [10, 200, 500, 1000] {
-        s.run(&mut StopAt::new(stop))
-            .unwrap_or_else(|e| panic!("{e}"));
+        s.run(&mut StopAt::new(stop)).unwrap_or_else(|e| panic!("{e}"));
         let view = s.view();
         let pairs = s.state.energetics.scalar_virial().expect("a sampled step");
         let w = rigid::constraint_sums(&s.system, &s.state).virial;
@@ -411,10 +334,7 @@ fn the_molecular_virial_is_the_derivative_of_the_energy() {
     let view = s.view();
     let molecular = s.state.energetics.scalar_virial().unwrap() - view.intramolecular_virial();
     // dU/dλ at λ = 1 is 3V·∂U/∂V = −W.
-    assert!(
-        (slope + molecular).abs() < 1e-7 * molecular.abs().max(100.0),
-        "{slope} {molecular}"
-    );
+    assert!((slope + molecular).abs() < 1e-7 * molecular.abs().max(100.0), "{slope} {molecular}");
 }
 
 #[test]
@@ -423,10 +343,8 @@ fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
     let path = folder.path().join("start.xyz");
     let mut first = build(&[("stage.0.steps", "300"), ("stage.0.thermostat", "bussi")]);
     first.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-    let style = lennard_io::FrameStyle {
-        sites_per_molecule: 2,
-        ..lennard_io::FrameStyle::default()
-    };
+    let style =
+        lennard_io::FrameStyle { sites_per_molecule: 2, ..lennard_io::FrameStyle::default() };
     let write = |state: &lennard_core::State, path: &std::path::Path| {
         lennard_io::write_frame(path, &style, &lennard_io::Frame { state, extra: &[] }).unwrap();
     };
@@ -465,10 +383,7 @@ fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
     let path = folder.path().join("broken.xyz");
     write(&broken, &path);
     let message = refused(load(&path, &text));
-    assert!(
-        message.contains("a bond of 0.676700 σ between particles 1 and 2 of "),
-        "{message}"
-    );
+    assert!(message.contains("a bond of 0.676700 σ between particles 1 and 2 of "), "{message}");
     assert!(message.contains("broken.xyz (counted from 1)"), "{message}");
     assert!(message.contains("molecule.bond_length = 0.67"), "{message}");
     let mut odd = folded;
@@ -478,10 +393,7 @@ fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
     let path = folder.path().join("odd.xyz");
     write(&odd, &path);
     let message = refused(load(&path, &text));
-    assert!(
-        message.contains("a multiple of molecule.sites = 2"),
-        "{message}"
-    );
+    assert!(message.contains("a multiple of molecule.sites = 2"), "{message}");
 }
 
 #[test]
@@ -492,10 +404,7 @@ fn a_lattice_on_which_molecules_overlap_is_refused() {
         Err(e) => e.to_string(),
     };
     assert!(message.contains("molecule.bond_length"), "{message}");
-    assert!(
-        message.contains("of the lattice at a distance of"),
-        "{message}"
-    );
+    assert!(message.contains("of the lattice at a distance of"), "{message}");
     assert!(message.contains("σ (counted from 1)"), "{message}");
     assert!(message.contains("no pair nearer than"), "{message}");
 }
@@ -509,9 +418,7 @@ fn a_bond_that_turns_too_far_stops_the_run() {
         ("system.density", "0.01"),
     ]);
     let failed = s.run(&mut Unfollowed).expect_err("a step of 0.2 τ");
-    let EngineError::Physics(failure) = failed else {
-        panic!("{failed}")
-    };
+    let EngineError::Physics(failure) = failed else { panic!("{failed}") };
     let text = failure.to_string();
     assert!(text.contains("turned too far in one step"), "{text}");
 }
@@ -537,19 +444,14 @@ fn a_barostat_moves_molecules_by_their_centres_and_keeps_what_is_inside() {
         let mut s = build(&overrides);
         let start = s.state.cell.volume();
         s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-        assert!(
-            (s.state.cell.volume() / start - 1.0).abs() > 1e-3,
-            "{way:?}"
-        );
+        assert!((s.state.cell.volume() / start - 1.0).abs() > 1e-3, "{way:?}");
         let molecules = &s.system.molecules;
         let longest = |x: &[DVec3]| {
             let strain =
                 |bond: &lennard_core::Bond| (bond.vector(x).length() / bond.length - 1.0).abs();
             molecules.bonds().iter().map(strain).fold(0.0, f64::max)
         };
-        let strain = (s.state.positions.chunks(molecules.sites()))
-            .map(longest)
-            .fold(0.0, f64::max);
+        let strain = (s.state.positions.chunks(molecules.sites())).map(longest).fold(0.0, f64::max);
         let limit = if molecules.are_rigid() { 1e-9 } else { 0.2 };
         assert!(strain < limit, "{strain} {way:?}");
     }
@@ -561,10 +463,7 @@ fn an_ideal_gas_of_rigid_dumbbells_has_the_volume_of_its_centres() {
     let barostat = "{ kind = \"stochastic-cell-rescaling\", pressure = 0.5, tau = 0.05, interval = 1, compressibility = 2.0 }";
     let none = ("potential", "{ kind = \"none\" }");
     let (mean, error) = volume_of_a_gas("bussi", barostat, none);
-    assert!(
-        error < 1.5 && (mean - 128.0).abs() < 4.0 * error,
-        "{mean} ± {error}"
-    );
+    assert!(error < 1.5 && (mean - 128.0).abs() < 4.0 * error, "{mean} ± {error}");
 }
 
 /// The mean volume of 32 dumbbells at T = 2 over 240 τ, with its error.
@@ -596,10 +495,7 @@ fn both_barostats_give_a_gas_of_dumbbells_the_same_volume() {
     let (a, of_a) = volume_of_a_gas("bussi", rescaling, wca);
     let (b, of_b) = volume_of_a_gas("nose-hoover", mtk, wca);
     let error = of_a.hypot(of_b);
-    assert!(
-        error < 0.012 * a && (a - b).abs() < 4.0 * error,
-        "{a} ± {of_a}, {b} ± {of_b}"
-    );
+    assert!(error < 0.012 * a && (a - b).abs() < 4.0 * error, "{a} ± {of_a}, {b} ± {of_b}");
 }
 
 #[test]
@@ -624,10 +520,7 @@ fn the_deterministic_barostat_conserves_its_energy_with_molecules_to_the_square_
         };
         let (coarse, fine) = (off("0.004", "500"), off("0.002", "1000"));
         let order = (coarse / fine).log2();
-        assert!(
-            (order - 2.0).abs() < 0.35 && fine < 2e-3,
-            "{way:?}: {coarse} {fine}"
-        );
+        assert!((order - 2.0).abs() < 0.35 && fine < 2e-3, "{way:?}: {coarse} {fine}");
     }
 }
 

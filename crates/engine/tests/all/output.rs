@@ -22,18 +22,10 @@ fn until(
     let stop = AtomicBool::new(false);
     let progress = &mut AskToStop(step, &stop);
     let held = &create_named_folder(folder, Existing::Keep).unwrap();
-    let options = RunOptions {
-        folder: held,
-        threads: 1,
-        stop: &stop,
-        deadline: None,
-        progress,
-    };
+    let options = RunOptions { folder: held, threads: 1, stop: &stop, deadline: None, progress };
     let owned = |(key, value): &(&str, &str)| ((*key).to_owned(), (*value).to_owned());
-    let changed = ResumeOptions {
-        output: changes.iter().map(owned).collect(),
-        ..ResumeOptions::default()
-    };
+    let changed =
+        ResumeOptions { output: changes.iter().map(owned).collect(), ..ResumeOptions::default() };
     match simulation {
         Some(simulation) => run(simulation, options),
         None => go_on(&mut resume(folder, &changed)?, options),
@@ -53,29 +45,20 @@ fn longest_bond(positions: &[DVec3]) -> f64 {
 /// The positions of the last frame, as a reader takes them who knows no image flags.
 fn without_flags(path: &Path) -> Vec<DVec3> {
     let text = fs::read_to_string(path).unwrap();
-    let text = text
-        .replace("map_shift", "other")
-        .replace(" ix iy iz", " a b c");
-    lennard_io::read_configuration_bytes(text.as_bytes())
-        .unwrap()
-        .positions
+    let text = text.replace("map_shift", "other").replace(" ix iy iz", " a b c");
+    lennard_io::read_configuration_bytes(text.as_bytes()).unwrap().positions
 }
 
 fn double(position: impl Into<[f32; 3]>) -> DVec3 {
     DVec3::from_array(position.into().map(f64::from))
 }
 
-const FRAMES: [(&str, &str); 2] = [
-    ("output.trajectory_every", "400"),
-    ("stage.production.steps", "800"),
-];
+const FRAMES: [(&str, &str); 2] =
+    [("output.trajectory_every", "400"), ("stage.production.steps", "800")];
 
 #[test]
 fn no_frame_cuts_a_molecule_unless_the_scene_asks_for_it() {
-    for (format, file) in [
-        ("xyz", "trajectory.xyz"),
-        ("lammps-dump", "trajectory.lammpstrj"),
-    ] {
+    for (format, file) in [("xyz", "trajectory.xyz"), ("lammps-dump", "trajectory.lammpstrj")] {
         for whole in [true, false] {
             let root = tempfile::tempdir().unwrap();
             let folder = root.path();
@@ -111,10 +94,7 @@ fn xtc_and_topology_have_whole_molecules_of_every_kind() {
         ("molecule.kind", "sites"),
         ("molecule.sites", "4"),
         ("molecule.bonds", "[[1, 2], [2, 3], [3, 4], [4, 1]]"),
-        (
-            "molecule.shape",
-            "[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]",
-        ),
+        ("molecule.shape", "[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]"),
         ("molecule.bond_length", "1.0"),
         ("system.density", "0.05"),
     ];
@@ -135,10 +115,7 @@ fn xtc_and_topology_have_whole_molecules_of_every_kind() {
     let topology = fs::read_to_string(root.path().join("topology.gro")).unwrap();
     let rows: Vec<&str> = topology.lines().skip(2).take(432).collect();
     let x = |row: &str| row[20..28].trim().parse::<f64>().unwrap();
-    assert!(
-        rows.chunks(4)
-            .all(|m| m.iter().all(|row| (x(row) - x(m[0])).abs() < 1.5))
-    );
+    assert!(rows.chunks(4).all(|m| m.iter().all(|row| (x(row) - x(m[0])).abs() < 1.5)));
 }
 
 /// A hot gas whose particles leave the range of the precision at once.
@@ -171,10 +148,7 @@ fn frames_that_reach_too_far_go_on_with_less_precision_and_a_remark() {
     let remark = "frames of trajectory.xtc with coordinates above 33.6 σ have the precision 50000 in place of 500000";
     let mut simulation = prepared(GAS, &[]);
     let foreseen = simulation.remarks.join("\n");
-    assert!(
-        foreseen.contains("unwrapped positions may reach 311 σ: frames"),
-        "{foreseen}"
-    );
+    assert!(foreseen.contains("unwrapped positions may reach 311 σ: frames"), "{foreseen}");
     let outcome = until(&whole, 0, Some(&mut simulation), &[]).unwrap();
     assert_eq!(outcome.ending, Ending::Finished);
     let found = outcome.record.remarks.iter().filter(|r| *r == remark);
@@ -207,10 +181,7 @@ fn a_liquid_and_a_trajectory_inside_the_box_foresee_nothing() {
     ];
     for keys in [&liquid[..], &[("output.unwrapped", "false")]] {
         let remarks = prepared(GAS, keys).remarks;
-        assert!(
-            !remarks.iter().any(|r| r.contains("may reach")),
-            "{remarks:?}"
-        );
+        assert!(!remarks.iter().any(|r| r.contains("may reach")), "{remarks:?}");
     }
 }
 
@@ -243,19 +214,13 @@ fn a_run_goes_on_with_another_trajectory_or_without_one() {
     let message = refused.err().unwrap().to_string();
     assert!(message.contains("an earlier trajectory.xyz"), "{message}");
     let xtc = [("output.trajectory_every", "50"), ("output.format", "xtc")];
-    assert!(
-        until(&folder, 0, None, &xtc).is_err(),
-        "frames before lie there"
-    );
+    assert!(until(&folder, 0, None, &xtc).is_err(), "frames before lie there");
     let end = until(&folder, 0, None, &[]).unwrap();
     assert_eq!(end.ending, Ending::Finished);
     // What was written changes no bit.
     for file in ["thermo.csv", "rdf.csv", "final.xyz"] {
         let bytes = |folder: &Path| fs::read(folder.join(file)).unwrap();
-        assert!(
-            bytes(&folder) == bytes(&root.path().join("whole")),
-            "{file}"
-        );
+        assert!(bytes(&folder) == bytes(&root.path().join("whole")), "{file}");
     }
 }
 
@@ -272,14 +237,8 @@ fn a_run_that_goes_on_changes_nothing_but_its_trajectory() {
         (("output.format", "xct"), "nearest: xtc"),
         (("output.precision", "100"), "does not go with the format"),
     ] {
-        let message = until(root.path(), 0, None, &[change])
-            .err()
-            .unwrap()
-            .to_string();
-        assert!(
-            message.contains(words) && message.contains(change.0),
-            "{message}"
-        );
+        let message = until(root.path(), 0, None, &[change]).err().unwrap().to_string();
+        assert!(message.contains(words) && message.contains(change.0), "{message}");
     }
     let end = until(root.path(), 0, None, &[]).unwrap();
     assert_eq!(end.ending, Ending::Finished);
@@ -302,10 +261,5 @@ fn a_box_in_file_and_scene_may_be_rounded_apart() {
     let file = PeriodicBox::new(DVec3::splat(6.0)).unwrap();
     assert_eq!(near.state.cell, file);
     let far = lennard_engine::prepare(common::scene(&text("6.000000001"), &[]));
-    assert!(
-        far.err()
-            .unwrap()
-            .to_string()
-            .contains("the box of the file")
-    );
+    assert!(far.err().unwrap().to_string().contains("the box of the file"));
 }

@@ -51,9 +51,7 @@ fn with_barostat<'a>(barostat: &'a str, bath: &'a str) -> Vec<(&'a str, &'a str)
 fn barostats() -> Vec<(String, &'static str)> {
     let specs = lennard_integrators::barostats().iter();
     let words = |kind: &str| format!("{{ kind = \"{kind}\", pressure = 1.19 }}");
-    specs
-        .map(|s| (words(s.name), s.thermostat.unwrap_or("bussi")))
-        .collect()
+    specs.map(|s| (words(s.name), s.thermostat.unwrap_or("bussi"))).collect()
 }
 
 #[test]
@@ -88,11 +86,7 @@ fn the_conserved_quantity_has_the_tail_of_the_box_as_it_is() {
         assert!((simulation.stage_run().tail_work / tail - 1.0).abs() < 1e-12);
         let kept = simulation.thermodynamics().conservation();
         // 2·10⁻⁴ ε per particle is the energy error of the steps; U_tail in place of V·P_tail makes it 19 times as much.
-        assert!(
-            kept.energy_rms_per_atom < 4e-4,
-            "{barostat}: {}",
-            kept.energy_rms_per_atom
-        );
+        assert!(kept.energy_rms_per_atom < 4e-4, "{barostat}: {}", kept.energy_rms_per_atom);
         // Sixteen τ of a drift of 10⁻⁵ ε/τ would be as large as the fluctuation.
         let drift = kept.energy_drift_per_atom_per_tau;
         assert!(drift.abs() < 3e-5, "{barostat}: {drift:e}");
@@ -112,10 +106,7 @@ fn nose_hoover_chains_conserve_their_energy_at_constant_volume() {
     let kept = simulation.thermodynamics().conservation();
     assert!(kept.energy_rms_per_atom < 3e-4, "{kept:?}");
     let drift = kept.energy_drift_per_atom_per_tau;
-    assert!(
-        drift.abs() < 1e-6 + 4.0 * kept.energy_drift_standard_error,
-        "{kept:?}"
-    );
+    assert!(drift.abs() < 1e-6 + 4.0 * kept.energy_drift_standard_error, "{kept:?}");
     let series = &simulation.thermodynamics().series().temperature;
     let mean = series.iter().sum::<f64>() / series.len() as f64;
     assert!((mean - 1.2).abs() < 0.02, "{mean}");
@@ -136,10 +127,7 @@ fn a_ramp_takes_the_fluid_from_one_temperature_to_the_other() {
         let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
         // The middle fifth and the last tenth of the way.
         let n = series.len();
-        let (middle, end) = (
-            mean(&series[2 * n / 5..3 * n / 5]),
-            mean(&series[9 * n / 10..]),
-        );
+        let (middle, end) = (mean(&series[2 * n / 5..3 * n / 5]), mean(&series[9 * n / 10..]));
         assert!((middle - 1.8).abs() < 0.1, "{bath}: {middle}");
         assert!((end - 2.34).abs() < 0.12, "{bath}: {end}");
     }
@@ -193,17 +181,11 @@ fn a_liquid_that_will_boil_and_a_great_pressure_have_proposals_of_their_own_size
     for pressure in ["0.01", "500"] {
         let words = format!("{{ kind = \"stochastic-cell-rescaling\", pressure = {pressure} }}");
         let mut overrides = with_barostat(&words, "bussi");
-        overrides.extend([
-            ("stage.equilibrate.steps", "60"),
-            ("stage.production.steps", "60"),
-        ]);
+        overrides.extend([("stage.equilibrate.steps", "60"), ("stage.production.steps", "60")]);
         let smaller = [("truncation.r_cut", "2.0")];
         overrides.extend(smaller);
         let volume = ran(&overrides).state.cell.volume();
-        assert!(
-            volume != 256.0 / 0.72,
-            "{pressure}: no proposal was accepted"
-        );
+        assert!(volume != 256.0 / 0.72, "{pressure}: no proposal was accepted");
     }
 }
 
@@ -252,10 +234,7 @@ fn the_mean_pressure_is_that_of_the_barostat_and_the_density_that_of_the_equatio
         let (pressure, error) = average("pressure");
         // Without total momentum the mean of ρT + W/3V + P_tail is P₀ + T/V.
         let wanted = 1.19 + 1.2 / volume;
-        assert!(
-            (pressure - wanted).abs() < 3.0 * error + 1e-3,
-            "{barostat}: {pressure} ± {error}"
-        );
+        assert!((pressure - wanted).abs() < 3.0 * error + 1e-3, "{barostat}: {pressure} ± {error}");
         let (density, error) = average("density");
         let equation = lennard_literature::thol_2016();
         let reference = equation.density(wanted, 1.2).unwrap();

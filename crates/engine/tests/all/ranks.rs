@@ -108,11 +108,7 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         let arrays = &mut checkpoint.archive.arrays;
         let before = arrays.len();
         arrays.retain(|name, _| !name.ends_with("seconds"));
-        assert_eq!(
-            before - arrays.len(),
-            2,
-            "clock times of the forces and of the run"
-        );
+        assert_eq!(before - arrays.len(), 2, "clock times of the forces and of the run");
         lennard_io::checkpoint_bytes(&checkpoint)
     })
 }
@@ -178,15 +174,8 @@ fn more_kinds_of_fluids_have_the_bytes_of_one_process() {
     let heavy = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3, sigma = 0.9, mass = 4.0 }]"#;
     let mixing = r#"{ rule = "lorentz-berthelot" }"#;
     let cases: [&[(&str, &str)]; 8] = [
-        &[
-            ("stage.production.thermostat", "bussi"),
-            ("stage.production.barostat", barostat),
-        ],
-        &[
-            ("species", species),
-            ("mixing", mixing),
-            ("kernel.precision", "mixed"),
-        ],
+        &[("stage.production.thermostat", "bussi"), ("stage.production.barostat", barostat)],
+        &[("species", species), ("mixing", mixing), ("kernel.precision", "mixed")],
         &[("species", heavy), ("mixing", mixing)],
         &[("integrator.kind", "stormer-verlet")],
         &[("integrator.kind", "leapfrog"), ("neighbor.skin", "0.2")],
@@ -220,10 +209,7 @@ fn dumbbells_have_the_bytes_of_one_process() {
 
 #[test]
 fn a_failure_of_physics_is_met_by_all_ranks_and_one_of_them_tells_it() {
-    let overrides = [
-        ("integrator.dt", "0.06"),
-        ("stage.production.thermostat", "none"),
-    ];
+    let overrides = [("integrator.dt", "0.06"), ("stage.production.thermostat", "none")];
     let root = tempfile::tempdir().unwrap();
     let alone = on_rank((LIQUID, &overrides), &root.path().join("alone"), 0, None).unwrap_err();
     let text = alone.to_string();

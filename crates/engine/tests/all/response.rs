@@ -43,23 +43,15 @@ fn a_power_has_its_exact_scaling_exponent() {
         BATH,
     ]);
     let value = |name| named(&found, name).unwrap().estimate.mean;
-    let (gamma, r) = (
-        value("density_scaling_exponent"),
-        value("energy_virial_correlation"),
-    );
-    assert!(
-        (gamma - 4.0).abs() < 1e-4 && (r - 1.0).abs() < 1e-6,
-        "{gamma} {r}"
-    );
+    let (gamma, r) = (value("density_scaling_exponent"), value("energy_virial_correlation"));
+    assert!((gamma - 4.0).abs() < 1e-4 && (r - 1.0).abs() < 1e-6, "{gamma} {r}");
     assert!(value("speed_of_sound") > 0.0);
 }
 
 #[test]
 fn every_ensemble_gives_response_functions_and_says_how() {
-    let held = (
-        "stage.production.barostat",
-        "{ kind = \"stochastic-cell-rescaling\", pressure = 0.5 }",
-    );
+    let held =
+        ("stage.production.barostat", "{ kind = \"stochastic-cell-rescaling\", pressure = 0.5 }");
     for (overrides, words) in [
         (&[][..], "of K and W at constant energy"),
         (&[BATH], "of U and W at constant temperature"),
@@ -89,8 +81,5 @@ fn what_an_ensemble_or_a_truncation_does_not_give_is_said_by_name() {
     assert!(named(&bent, "speed_of_sound").is_none());
     assert!(named(&bent, "thermal_pressure_coefficient").is_some());
     let said = bent.remarks.join("\n");
-    assert!(
-        said.contains("not given") && said.contains("speed_of_sound"),
-        "{said}"
-    );
+    assert!(said.contains("not given") && said.contains("speed_of_sound"), "{said}");
 }

@@ -55,19 +55,11 @@ fn until(
     let stop = AtomicBool::new(false);
     let progress = &mut AskToStop(step, &stop);
     let held = &create_named_folder(folder, Existing::Keep).unwrap();
-    let run_options = RunOptions {
-        folder: held,
-        threads: 1,
-        stop: &stop,
-        deadline: None,
-        progress,
-    };
+    let run_options =
+        RunOptions { folder: held, threads: 1, stop: &stop, deadline: None, progress };
     match simulation {
         Some(simulation) => run(simulation, run_options),
-        None => go_on(
-            &mut resume(folder, options).unwrap_or_else(|e| panic!("{e}")),
-            run_options,
-        ),
+        None => go_on(&mut resume(folder, options).unwrap_or_else(|e| panic!("{e}")), run_options),
     }
     .unwrap_or_else(|e| panic!("{e}"))
 }
@@ -81,11 +73,8 @@ fn same(whole: &Path, parts: &Path, what: &str) {
     let (mut whole, mut parts) = (contents(whole), contents(parts));
     // The last checkpoint must be there; the one before it is where the run was stopped, or nowhere.
     let checkpoints = |files: &mut BTreeMap<String, Vec<u8>>| {
-        let names: Vec<String> = files
-            .keys()
-            .filter(|n| n.ends_with(".lennard"))
-            .cloned()
-            .collect();
+        let names: Vec<String> =
+            files.keys().filter(|n| n.ends_with(".lennard")).cloned().collect();
         names.iter().for_each(|n| drop(files.remove(n)));
         names.last().cloned()
     };
@@ -110,13 +99,8 @@ fn in_parts(overrides: &[(&str, &str)]) -> bool {
     let never = ResumeOptions::default();
     let stop = AtomicBool::new(false);
     let held = create_named_folder(&whole, Existing::Keep).unwrap();
-    let options = RunOptions {
-        folder: &held,
-        threads: 1,
-        stop: &stop,
-        deadline: None,
-        progress: &mut (),
-    };
+    let options =
+        RunOptions { folder: &held, threads: 1, stop: &stop, deadline: None, progress: &mut () };
     let ran = run(&mut first, options);
     drop(held);
     if ran.is_err() {
@@ -124,10 +108,7 @@ fn in_parts(overrides: &[(&str, &str)]) -> bool {
         return false;
     }
     let mut again = scene(overrides).unwrap();
-    assert_eq!(
-        until(&parts, 37, Some(&mut again), &never).ending,
-        Ending::Stopped
-    );
+    assert_eq!(until(&parts, 37, Some(&mut again), &never).ending, Ending::Stopped);
     for step in [60, 61, 133] {
         assert_eq!(until(&parts, step, None, &never).ending, Ending::Stopped);
         assert!(!parts.join("final.xyz").exists(), "nothing looks finished");
@@ -153,14 +134,9 @@ fn every_integrator_with_every_bath_goes_on_to_the_bit() {
             in_parts(&[method, ("stage.production.thermostat", bath.name)]);
         }
     }
-    for wanted in [
-        "velocity-verlet",
-        "stormer-verlet",
-        "leapfrog",
-        "respa",
-        "pefrl",
-        "bit-reversible-verlet",
-    ] {
+    for wanted in
+        ["velocity-verlet", "stormer-verlet", "leapfrog", "respa", "pefrl", "bit-reversible-verlet"]
+    {
         assert!(ran.contains(&wanted), "{wanted} did not run: {ran:?}");
     }
 }
@@ -168,10 +144,8 @@ fn every_integrator_with_every_bath_goes_on_to_the_bit() {
 #[test]
 fn every_barostat_with_every_bath_and_ramps_go_on_to_the_bit() {
     for spec in lennard_integrators::barostats() {
-        let barostat = format!(
-            "{{ kind = \"{}\", pressure = 3.0, tau = 0.2, interval = 5 }}",
-            spec.name
-        );
+        let barostat =
+            format!("{{ kind = \"{}\", pressure = 3.0, tau = 0.2, interval = 5 }}", spec.name);
         let barostat = if spec.thermostat.is_some() {
             barostat.replace(", interval = 5", "")
         } else {
@@ -234,26 +208,14 @@ fn every_observable_list_state_and_precision_goes_on_to_the_bit() {
 
 #[test]
 fn trial_particles_go_on_to_the_bit_at_constant_temperature_and_pressure_and_in_mixtures() {
-    let trials = (
-        "observable",
-        r#"[{kind="chemical-potential", insertions=50}]"#,
-    );
+    let trials = ("observable", r#"[{kind="chemical-potential", insertions=50}]"#);
     let bath = ("stage.production.thermostat", "nose-hoover");
     let barostat = r#"{ kind = "mtk", pressure = 4.0, tau = 0.5 }"#;
     let species = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3 }]"#;
     let mixing = r#"{ rule = "lorentz-berthelot" }"#;
     assert!(in_parts(&[trials, bath]));
-    assert!(in_parts(&[
-        trials,
-        bath,
-        ("stage.production.barostat", barostat)
-    ]));
-    assert!(in_parts(&[
-        trials,
-        bath,
-        ("species", species),
-        ("mixing", mixing)
-    ]));
+    assert!(in_parts(&[trials, bath, ("stage.production.barostat", barostat)]));
+    assert!(in_parts(&[trials, bath, ("species", species), ("mixing", mixing)]));
     assert!(!in_parts(&[trials]), "at constant energy it is refused");
 }
 
@@ -271,10 +233,7 @@ fn trajectories_of_every_format_go_on_to_the_byte() {
 #[test]
 fn exchanges_go_on_to_the_bit() {
     for spec in lennard_integrators::exchanges() {
-        let exchange = format!(
-            "{{ kind = {:?}, every = 7, slabs = 12, axis = \"y\" }}",
-            spec.name
-        );
+        let exchange = format!("{{ kind = {:?}, every = 7, slabs = 12, axis = \"y\" }}", spec.name);
         assert!(in_parts(&[
             ("stage.production.exchange", &exchange),
             ("observable", ALL_OBSERVABLES),
@@ -300,10 +259,7 @@ fn mixtures_go_on_to_the_bit() {
 #[test]
 fn every_wall_goes_on_to_the_bit() {
     let more = [
-        (
-            "observable",
-            r#"[{kind="wall-pressure"}, {kind="density-profile"}]"#,
-        ),
+        ("observable", r#"[{kind="wall-pressure"}, {kind="density-profile"}]"#),
         ("field.acceleration", "[0.0, 0.0, -0.1]"),
     ];
     for wall in lennard_forcefield::walls() {
@@ -326,10 +282,7 @@ fn every_wall_goes_on_to_the_bit() {
 /// Contacts of every kind, as overrides of the liquid.
 const CONTACTS: [(&str, &[(&str, &str)]); 6] = [
     ("soft", &[("contact.stiffness", "200.0")]),
-    (
-        "soft",
-        &[("contact.law", "hertz"), ("contact.restitution", "0.8")],
-    ),
+    ("soft", &[("contact.law", "hertz"), ("contact.restitution", "0.8")]),
     ("hard", &[("contact.restitution", "0.9")]),
     ("hard", &[("wall", "[{kind=\"thermal\"}]")]),
     ("spook", &[("integrator.kind", "spook")]),
@@ -426,23 +379,12 @@ fn a_run_made_longer_is_the_longer_run() {
     }
     let more = [("observable", ALL_OBSERVABLES)];
     let longer = [more[0], ("stage.production.steps", "340")];
-    until(
-        &whole,
-        0,
-        scene(&longer).as_mut(),
-        &ResumeOptions::default(),
-    );
+    until(&whole, 0, scene(&longer).as_mut(), &ResumeOptions::default());
     until(&parts, 0, scene(&more).as_mut(), &ResumeOptions::default());
-    let options = ResumeOptions {
-        more_steps: 200,
-        ..ResumeOptions::default()
-    };
+    let options = ResumeOptions { more_steps: 200, ..ResumeOptions::default() };
     // Stopped on the way: the longer scene is in the checkpoint by then.
     assert_eq!(until(&parts, 250, None, &options).ending, Ending::Stopped);
-    assert_eq!(
-        until(&parts, 0, None, &ResumeOptions::default()).ending,
-        Ending::Finished
-    );
+    assert_eq!(until(&parts, 0, None, &ResumeOptions::default()).ending, Ending::Finished);
     same(&whole, &parts, "140 + 200 production steps against 340");
 }
 
@@ -457,25 +399,13 @@ fn a_run_goes_on_without_its_start_configuration() {
     let start = root.path().join("start.xyz");
     fs::rename(first.join("final.xyz"), &start).unwrap();
     let text = LIQUID
-        .replace(
-            "n_atoms = 108",
-            &format!("configuration = \"{}\"", start.display()),
-        )
+        .replace("n_atoms = 108", &format!("configuration = \"{}\"", start.display()))
         .replace("density = 0.8442", "");
     let mut simulation = common::prepared(common::scene(&text, &[]));
     assert_eq!(
-        until(
-            &second,
-            50,
-            Some(&mut simulation),
-            &ResumeOptions::default()
-        )
-        .ending,
+        until(&second, 50, Some(&mut simulation), &ResumeOptions::default()).ending,
         Ending::Stopped
     );
     fs::remove_file(&start).unwrap();
-    assert_eq!(
-        until(&second, 0, None, &ResumeOptions::default()).ending,
-        Ending::Finished
-    );
+    assert_eq!(until(&second, 0, None, &ResumeOptions::default()).ending, Ending::Finished);
 }

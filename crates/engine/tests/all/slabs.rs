@@ -66,10 +66,7 @@ fn a_slab_has_its_particles_its_two_densities_and_no_overlap() {
 /// The full potential with its tail as a force, in one step and in the two of RESPA.
 const TAILS: [&[(&str, &str)]; 3] = [
     &[],
-    &[
-        ("truncation.kind", "cut"),
-        ("truncation.tail_correction", "planar"),
-    ],
+    &[("truncation.kind", "cut"), ("truncation.tail_correction", "planar")],
     &[
         ("truncation.kind", "cut"),
         ("truncation.tail_correction", "planar"),
@@ -95,16 +92,12 @@ fn same_in_parts_and_on_threads(overrides: &[(&str, &str)]) {
     let one = run(1);
     assert!(run(3) == one);
     let mut first = build(overrides);
-    first
-        .run(&mut StopAt::new(50))
-        .unwrap_or_else(|e| panic!("{e}"));
+    first.run(&mut StopAt::new(50)).unwrap_or_else(|e| panic!("{e}"));
     let mut archive = StateArchive::default();
     first.save(&mut archive.writer());
     let mut second = build(overrides);
     second.restore(&archive.reader()).unwrap();
-    second
-        .run(&mut Unfollowed)
-        .unwrap_or_else(|e| panic!("{e}"));
+    second.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     assert!((bits(&second), findings(&second)) == one);
 }
 
@@ -132,10 +125,7 @@ fn the_planar_tail_is_conserved_with_the_rest_and_keeps_the_middle_of_the_box() 
     let want = lennard_core::Want::ENERGY_AND_VIRIAL;
     let mut forces = vec![lennard_core::DVec3::ZERO; s.state.len()];
     let at = lennard_core::Configuration::at_rest(&s.state.cell, &s.state.positions);
-    let found = s
-        .forces
-        .evaluate(at, lennard_core::Part::All, want, &mut forces)
-        .unwrap();
+    let found = s.forces.evaluate(at, lennard_core::Part::All, want, &mut forces).unwrap();
     s.state.energetics = found;
     let now = s.conserved_energy_per_particle().unwrap();
     // A tail that were left out of the energy would show with some 0.1.
@@ -161,10 +151,7 @@ fn a_study_of_homogeneous_fluids_refuses_a_planar_tail() {
 #[test]
 fn means_of_one_phase_are_left_out_of_a_slab_and_told_by_name() {
     let told = |overrides: &[(&str, &str)]| {
-        let mut all = vec![(
-            "observable",
-            "[{ kind = \"interface\" }, { kind = \"rdf\" }]",
-        )];
+        let mut all = vec![("observable", "[{ kind = \"interface\" }, { kind = \"rdf\" }]")];
         all.extend_from_slice(overrides);
         let mut s = build(&all);
         s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
@@ -188,10 +175,8 @@ fn means_of_one_phase_are_left_out_of_a_slab_and_told_by_name() {
             assert_eq!(columns.any(|c| c.name == name), !is_planar, "{name}");
         }
         let remarks: Vec<&String> = findings.iter().flat_map(|f| &f.remarks).collect();
-        let left_out: Vec<&&String> = remarks
-            .iter()
-            .filter(|r| r.starts_with("left out: "))
-            .collect();
+        let left_out: Vec<&&String> =
+            remarks.iter().filter(|r| r.starts_with("left out: ")).collect();
         assert_eq!(left_out.len(), 1 + usize::from(is_planar), "{remarks:?}");
         assert!(left_out[0].contains("heat_capacity, "), "{remarks:?}");
         assert!(left_out[0].contains("two_body_entropy"), "{remarks:?}");

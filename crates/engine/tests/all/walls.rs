@@ -39,15 +39,9 @@ pub(crate) fn method() -> lennard_core::Integrator {
 fn virial_balance(mut simulation: Simulation, steps: u32) -> f64 {
     let (system, state) = (&simulation.system, &mut simulation.state);
     let (forces, h, mut method) = (simulation.forces.as_mut(), 0.004, method());
-    method
-        .start(system, state, forces, h, Want::NOTHING)
-        .unwrap();
+    method.start(system, state, forces, h, Want::NOTHING).unwrap();
     let sum = |state: &State, of: &dyn Fn(DVec3, DVec3, DVec3) -> f64| -> f64 {
-        let each = state
-            .positions
-            .iter()
-            .zip(&state.velocities)
-            .zip(&state.forces);
+        let each = state.positions.iter().zip(&state.velocities).zip(&state.forces);
         each.map(|((r, v), f)| of(*r, *v, *f)).sum()
     };
     let moment = |state: &State| sum(state, &|r, v, _| r.z * v.z);
@@ -56,9 +50,7 @@ fn virial_balance(mut simulation: Simulation, steps: u32) -> f64 {
     let (mut kinetic, mut forced) = (0.0, 0.5 * virial(state));
     for _ in 0..steps {
         kinetic += sum(state, &|_, v, f| (v.z + 0.5 * h * f.z).powi(2));
-        method
-            .step(system, state, forces, h, Want::NOTHING)
-            .unwrap();
+        method.step(system, state, forces, h, Want::NOTHING).unwrap();
         forced += virial(state);
     }
     forced -= 0.5 * virial(state);
@@ -85,11 +77,7 @@ fn momentum_across_the_walls_is_thermal_and_along_them_it_is_conserved() {
     for (wall, field, n_dof) in [
         ("[{kind=\"hard\"}]", "[0.0, 0.0, 0.0]", 322.0),
         ("[{kind=\"soft\", axis=\"x\"}]", "[0.1, 0.0, 0.0]", 322.0),
-        (
-            "[{kind=\"wca\"}, {kind=\"hard\", axis=\"y\"}]",
-            "[0.0, 0.0, 0.0]",
-            323.0,
-        ),
+        ("[{kind=\"wca\"}, {kind=\"hard\", axis=\"y\"}]", "[0.0, 0.0, 0.0]", 323.0),
         ("[{kind=\"thermal\"}]", "[0.0, 0.0, 0.0]", 324.0),
     ] {
         let mut simulation = build(&[("wall", wall), ("field.acceleration", field)]);
@@ -99,14 +87,8 @@ fn momentum_across_the_walls_is_thermal_and_along_them_it_is_conserved() {
         assert!((temperature - 1.5).abs() < 1e-12, "{wall}");
         simulation.run(&mut Unfollowed).unwrap();
         let momentum = system.momentum(&simulation.state.velocities);
-        assert!(
-            system.kept_part(momentum).length() < 1e-11,
-            "{wall}: {momentum}"
-        );
-        assert!(
-            n_dof == 324.0 || momentum.length() > 0.1,
-            "{wall}: {momentum}"
-        );
+        assert!(system.kept_part(momentum).length() < 1e-11, "{wall}: {momentum}");
+        assert!(n_dof == 324.0 || momentum.length() > 0.1, "{wall}: {momentum}");
     }
 }
 
@@ -175,10 +157,7 @@ fn the_walls_carry_the_weight_of_a_gas_and_both_feel_a_fluid_alike() {
         let found = pressures(&[("wall", &wall), ("stage.production.steps", "20000")]);
         let [(lower, error), (upper, other)] = found;
         assert!(lower > 0.3, "{kind}: {found:?}");
-        assert!(
-            (lower - upper).abs() < 4.0 * error.hypot(other),
-            "{kind}: {found:?}"
-        );
+        assert!((lower - upper).abs() < 4.0 * error.hypot(other), "{kind}: {found:?}");
     }
     let found = pressures(&[
         ("wall", "[{kind=\"hard\"}]"),
@@ -191,10 +170,7 @@ fn the_walls_carry_the_weight_of_a_gas_and_both_feel_a_fluid_alike() {
     // N·g/A, with N = 108 in a cube of density 0.02.
     let weight = 108.0 * 0.4 / (108.0_f64 / 0.02).powf(2.0 / 3.0);
     let difference = lower - upper - weight;
-    assert!(
-        difference.abs() < 4.0 * error.hypot(other),
-        "{found:?} {weight}"
-    );
+    assert!(difference.abs() < 4.0 * error.hypot(other), "{found:?} {weight}");
     assert!(error < 0.1 * weight, "{found:?}");
 }
 
@@ -215,9 +191,7 @@ pub(crate) fn ball(options: &str, h: f64) -> (State, ForceSum<NoForces>, System)
     let system = System::atoms(1).pushed_along(forces.properties().breaks_momentum);
     let mut state = State::new(cell, vec![DVec3::new(5.0, 5.0, 3.0)], vec![DVec3::ZERO]);
     let mut method = method();
-    method
-        .start(&system, &mut state, &mut forces, h, Want::ENERGY)
-        .unwrap();
+    method.start(&system, &mut state, &mut forces, h, Want::ENERGY).unwrap();
     (state, forces, system)
 }
 
@@ -226,16 +200,12 @@ fn a_ball_on_a_billiard_wall_keeps_its_energy_without_trend_over_2000_bounces() 
     let h = 0.01;
     let (mut state, mut forces, system) = ball("kind = \"hard\"", h);
     let mut method = method();
-    method
-        .start(&system, &mut state, &mut forces, h, Want::ENERGY)
-        .unwrap();
+    method.start(&system, &mut state, &mut forces, h, Want::ENERGY).unwrap();
     // Height above the lower plane at 2 σ: E = 1, and v at the plane is √2.
     let (mut worst, mut halves) = (0.0_f64, [0.0, 0.0]);
     let mut counts = [0.0, 0.0];
     while forces.walls()[0].hits < 2000 {
-        method
-            .step(&system, &mut state, &mut forces, h, Want::ENERGY)
-            .unwrap();
+        method.step(&system, &mut state, &mut forces, h, Want::ENERGY).unwrap();
         let energy = 0.5 * state.velocities[0].z.powi(2) + state.positions[0].z - 2.0;
         worst = worst.max((energy - 1.0).abs());
         let half = usize::from(forces.walls()[0].hits >= 1000);
@@ -255,16 +225,11 @@ fn a_ball_under_the_event_rule_follows_its_bounces_to_rounding() {
         let options = format!("kind = \"hard\"\nresponse = \"event\"\nrestitution = {e:?}");
         let (mut state, mut forces, system) = ball(&options, h);
         let mut method = method();
-        method
-            .start(&system, &mut state, &mut forces, h, Want::ENERGY)
-            .unwrap();
+        method.start(&system, &mut state, &mut forces, h, Want::ENERGY).unwrap();
         let (mut heat, mut energy) = (0.0, 1.0);
         while forces.walls()[0].hits < bounces {
             let before = forces.walls()[0].hits;
-            heat += method
-                .step(&system, &mut state, &mut forces, h, Want::ENERGY)
-                .unwrap()
-                .heat;
+            heat += method.step(&system, &mut state, &mut forces, h, Want::ENERGY).unwrap().heat;
             let now = 0.5 * state.velocities[0].z.powi(2) + state.positions[0].z - 2.0;
             let hits = forces.walls()[0].hits;
             energy *= (e * e).powi((hits - before) as i32);
@@ -288,14 +253,10 @@ fn a_ball_that_lost_its_energy_rests_and_the_wall_carries_its_weight() {
     let options = "kind = \"hard\"\nresponse = \"event\"\nrestitution = 0.5";
     let (mut state, mut forces, system) = ball(options, h);
     let mut method = method();
-    method
-        .start(&system, &mut state, &mut forces, h, Want::ENERGY)
-        .unwrap();
+    method.start(&system, &mut state, &mut forces, h, Want::ENERGY).unwrap();
     let mut impulse_at_rest = 0.0;
     for step in 0..1000 {
-        method
-            .step(&system, &mut state, &mut forces, h, Want::ENERGY)
-            .unwrap();
+        method.step(&system, &mut state, &mut forces, h, Want::ENERGY).unwrap();
         if step == 499 {
             impulse_at_rest = forces.walls()[0].impulse;
         }
@@ -325,9 +286,7 @@ fn a_ball_at_rest_on_a_wall_that_takes_energy_counts_no_heat() {
             state.positions[0].z = 2.0;
         }
         let mut method = method();
-        method
-            .start(&system, &mut state, &mut forces, h, Want::ENERGY)
-            .unwrap();
+        method.start(&system, &mut state, &mut forces, h, Want::ENERGY).unwrap();
         let (mut heat, mut halfway) = (0.0, (0.0, 0.0));
         for step in 0..4000 {
             if step == 2000 {
@@ -352,27 +311,15 @@ fn a_particle_through_a_soft_wall_fails_with_the_wall_and_the_cause() {
     let error = simulation.run(&mut Unfollowed).unwrap_err().to_string();
     assert!(error.contains("σ beyond the wall at the"), "{error}");
     assert!(error.contains(" end of z, at a speed of "), "{error}");
-    assert!(
-        error.contains("likely cause: the wall is too weak for a particle so fast"),
-        "{error}"
-    );
+    assert!(error.contains("likely cause: the wall is too weak for a particle so fast"), "{error}");
 }
 
 #[test]
 fn a_study_of_a_homogeneous_fluid_refuses_walls_and_fields() {
     let scene = build(&[("wall", "[{kind=\"hard\"}]")]).scene;
-    let error = scene
-        .homogeneous_for("lennard bench")
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("`wall` does not go with `lennard bench`"),
-        "{error}"
-    );
-    assert!(
-        error.contains("a scene of atoms, without walls and field"),
-        "{error}"
-    );
+    let error = scene.homogeneous_for("lennard bench").unwrap_err().to_string();
+    assert!(error.contains("`wall` does not go with `lennard bench`"), "{error}");
+    assert!(error.contains("a scene of atoms, without walls and field"), "{error}");
     assert!(error.contains("a fluid with walls"), "{error}");
     assert!(build(&[]).scene.homogeneous_for("lennard bench").is_ok());
 }

@@ -106,14 +106,8 @@ fn faulty(overrides: &[(&str, &str)], misses_after: u64, broken_after: u64) -> S
     let model = Model::new(&scene.potential, &scene.truncation).unwrap_or_else(|e| panic!("{e}"));
     let cell = simulation.state.cell;
     let forces = std::mem::replace(&mut simulation.forces, build(&[]).forces);
-    simulation.forces = Box::new(Faulty {
-        forces,
-        evaluations: 0,
-        misses_after,
-        broken_after,
-        cell,
-        model,
-    });
+    simulation.forces =
+        Box::new(Faulty { forces, evaluations: 0, misses_after, broken_after, cell, model });
     simulation
 }
 
@@ -130,21 +124,11 @@ fn one_missed_pair_just_inside_a_plain_cutoff_stops_the_run() {
             130,
             u64::MAX,
         );
-        let error = simulation
-            .run(&mut Unfollowed)
-            .expect_err("one pair was left out");
+        let error = simulation.run(&mut Unfollowed).expect_err("one pair was left out");
         assert_eq!(error.exit_code(), 3);
         let text = error.to_string();
-        let EngineError::Physics(failure) = error else {
-            panic!("{text}")
-        };
-        let Symptom::WrongForce {
-            particle,
-            found,
-            wanted,
-            tolerance,
-        } = failure.symptom
-        else {
+        let EngineError::Physics(failure) = error else { panic!("{text}") };
+        let Symptom::WrongForce { particle, found, wanted, tolerance } = failure.symptom else {
             panic!("{text}")
         };
         assert!(failure.step.is_multiple_of(watchdog::LISTS_EVERY) && failure.step > 130);
@@ -183,9 +167,7 @@ fn every_method_leaves_the_whole_force_which_is_checked_and_found_right() {
                 continue;
             };
             let mut simulation = prepared(scene);
-            simulation
-                .run(&mut Unfollowed)
-                .unwrap_or_else(|e| panic!("{}: {e}", entry.spec.name));
+            simulation.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{}: {e}", entry.spec.name));
             // At step 100 and at the end.
             let seen = simulation.force_check.seen();
             assert_eq!(seen.forces, 2, "{}", entry.spec.name);
@@ -210,29 +192,21 @@ fn what_was_checked_is_counted_on_after_a_restart() {
     let mut archive = StateArchive::default();
     whole.save(&mut archive.writer());
     let mut again = build(&[("stage.0.steps", "400")]);
-    again
-        .restore(&archive.reader())
-        .unwrap_or_else(|e| panic!("{e}"));
+    again.restore(&archive.reader()).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(again.force_check.seen(), whole.force_check.seen());
     again.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(again.force_check.seen().forces, 5);
     // A checkpoint of a version that checked nothing.
-    archive
-        .arrays
-        .retain(|name, _| !name.starts_with("force_check"));
+    archive.arrays.retain(|name, _| !name.starts_with("force_check"));
     let mut older = build(&[("stage.0.steps", "400")]);
-    older
-        .restore(&archive.reader())
-        .unwrap_or_else(|e| panic!("{e}"));
+    older.restore(&archive.reader()).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(older.force_check.seen().forces, 0);
 }
 
 #[test]
 fn a_force_that_is_not_finite_stops_the_run_at_that_step_and_names_the_particle() {
     let mut simulation = faulty(&[], u64::MAX, 42);
-    let error = simulation
-        .run(&mut Unfollowed)
-        .expect_err("a force was not finite");
+    let error = simulation.run(&mut Unfollowed).expect_err("a force was not finite");
     assert_eq!(error.exit_code(), 3);
     let text = error.to_string();
     for wanted in [
@@ -243,9 +217,7 @@ fn a_force_that_is_not_finite_stops_the_run_at_that_step_and_names_the_particle(
     ] {
         assert!(text.contains(wanted), "wanted `{wanted}` in\n{text}");
     }
-    let EngineError::Physics(failure) = error else {
-        panic!("{text}")
-    };
+    let EngineError::Physics(failure) = error else { panic!("{text}") };
     // The first evaluation belongs to the start, and the forty-third to step 42.
     assert!((41..=42).contains(&failure.step), "{}", failure.step);
 }
@@ -271,9 +243,7 @@ fn what_watching_costs() {
     for n in ["864", "32000", "256000"] {
         let mut simulation = build(&[("system.n_atoms", n), ("stage.0.steps", "200")]);
         let clock = Instant::now();
-        simulation
-            .run(&mut Unfollowed)
-            .unwrap_or_else(|e| panic!("{e}"));
+        simulation.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         let step = clock.elapsed().as_secs_f64() / 200.0;
         let repeats = 100;
         let clock = Instant::now();

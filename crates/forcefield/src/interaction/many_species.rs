@@ -97,18 +97,10 @@ impl<F: PairForm> Interaction for ManySpecies<'_, F> {
         let row = |a: usize| Row::new(&self.laws.of_pairs[a], F::UNIT, r_cut, length);
         // A loop may ask at every step, and no particle has one of the other species.
         let mut rows = [row(0); MOST_SPECIES];
-        for (a, to) in rows
-            .iter_mut()
-            .enumerate()
-            .take(self.laws.mixture.species())
-            .skip(1)
-        {
+        for (a, to) in rows.iter_mut().enumerate().take(self.laws.mixture.species()).skip(1) {
             *to = row(a);
         }
-        Table {
-            rows,
-            unit2: length * length,
-        }
+        Table { rows, unit2: length * length }
     }
 
     #[inline(always)]
@@ -120,10 +112,7 @@ impl<F: PairForm> Interaction for ManySpecies<'_, F> {
             inv_sigma2: L::table(isa, &own.inv_sigma2),
             epsilon: L::table(isa, &own.epsilon),
             stiffness: L::table(isa, &own.stiffness),
-            constants: [
-                L::table(isa, &own.constants[0]),
-                L::table(isa, &own.constants[1]),
-            ],
+            constants: [L::table(isa, &own.constants[0]), L::table(isa, &own.constants[1])],
             energy_at_cutoff: L::table(isa, &own.energy_at_cutoff),
             unit2: L::constant(isa, numbers.unit2),
         }
@@ -142,10 +131,8 @@ impl<F: PairForm> Interaction for ManySpecies<'_, F> {
         r2: L,
     ) -> Pair<L> {
         // There is no closure here: it may be a call, and a call leaves the instruction set.
-        let constants = [
-            L::pick(own.constants[0], neighbors),
-            L::pick(own.constants[1], neighbors),
-        ];
+        let constants =
+            [L::pick(own.constants[0], neighbors), L::pick(own.constants[1], neighbors)];
         let inv_sigma2 = L::pick(own.inv_sigma2, neighbors);
         let sigma2 = L::pick(own.sigma2, neighbors);
         let pair = self.form.eval_with(constants, r2 * inv_sigma2, sigma2 / r2);

@@ -46,11 +46,7 @@ impl<F: PairForm> Interaction for OneSpecies<F> {
 
     fn numbers<T: Number>(&self, r_cut: f64, length: f64) -> Cutoff {
         let unit2 = length * length;
-        Cutoff {
-            r_cut2: r_cut * r_cut / unit2,
-            unit2,
-            inv_unit2: 1.0 / unit2,
-        }
+        Cutoff { r_cut2: r_cut * r_cut / unit2, unit2, inv_unit2: 1.0 / unit2 }
     }
 
     #[inline(always)]
@@ -94,11 +90,7 @@ impl<F: PairForm> Interaction for OneSpecies<F> {
             let pair = self.eval::<L, IN_SIGMA>(own, neighbors, r2);
             return pair.keep(inside).add_up(r2, sums);
         }
-        let inv_r2 = if IN_SIGMA {
-            r2.recip()
-        } else {
-            own.inv_unit2 / r2
-        };
+        let inv_r2 = if IN_SIGMA { r2.recip() } else { own.inv_unit2 / r2 };
         let r2 = Self::in_sigma::<L, IN_SIGMA>(own, r2);
         self.0.add_up(r2, inv_r2.keep(inside), sums)
     }

@@ -19,11 +19,7 @@ pub struct SplitWeights {
 
 impl SplitWeights {
     /// The weight 1: the whole force, in an instance of the loops that parts need anyway.
-    pub const WHOLE: Self = Self {
-        step: Smoothstep::NOWHERE,
-        offset: 1.0,
-        sign: 0.0,
-    };
+    pub const WHOLE: Self = Self { step: Smoothstep::NOWHERE, offset: 1.0, sign: 0.0 };
 
     /// The weights of the near part, or of the far one.
     pub fn new(split: &SplitOptions, near: bool) -> Self {
@@ -36,10 +32,7 @@ impl SplitWeights {
 
     /// An interaction times these weights.
     pub fn of<I: Interaction>(&self, whole: I) -> Part<I> {
-        Part {
-            whole,
-            weights: *self,
-        }
+        Part { whole, weights: *self }
     }
 
     /// The values times the weight at `r2` σ².
@@ -104,8 +97,7 @@ impl<I: Interaction> Interaction for Part<I> {
         r2: L,
     ) -> Pair<L> {
         let pair = self.whole.eval::<L, IN_SIGMA>(own, neighbors, r2);
-        self.weights
-            .apply(pair, I::in_sigma::<L, IN_SIGMA>(own, r2))
+        self.weights.apply(pair, I::in_sigma::<L, IN_SIGMA>(own, r2))
     }
 
     #[inline(always)]

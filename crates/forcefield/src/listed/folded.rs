@@ -46,18 +46,13 @@ impl Folded {
         let order = &used.list.table().particle;
         let at = Ordered::of(positions, order);
         let motion = used.motion(at);
-        let squares: Vec<f64> = (0..order.len())
-            .map(|slot| motion.displacement(slot).length_squared())
-            .collect();
+        let squares: Vec<f64> =
+            (0..order.len()).map(|slot| motion.displacement(slot).length_squared()).collect();
         let mut summary = MotionSummary::NOTHING;
         summary.include(0, &squares, motion.far2);
         let status = (used.judge)(&summary, None, at);
         if status != ListStatus::Complete {
-            return Evaluated {
-                status,
-                totals: Totals::NOTHING,
-                broken: false,
-            };
+            return Evaluated { status, totals: Totals::NOTHING, broken: false };
         }
         let job = CanonicalJob {
             r_cut: used.r_cut,
@@ -66,10 +61,6 @@ impl Folded {
             neighbors: NeighborSource::Listed(&self.lists),
         };
         let totals = interaction.canonical(&job, detail, forces, each);
-        Evaluated {
-            status,
-            totals,
-            broken: !forces.iter().all(|f| f.is_finite()),
-        }
+        Evaluated { status, totals, broken: !forces.iter().all(|f| f.is_finite()) }
     }
 }

@@ -116,10 +116,7 @@ impl Listed {
                 Copies::default(),
             ),
         };
-        Self {
-            validity: ListValidity::new(r_cut, skin, level, of_particle),
-            pairs,
-        }
+        Self { validity: ListValidity::new(r_cut, skin, level, of_particle), pairs }
     }
 
     /// Shares the list of `n` particles with the other ranks of a team; returns whether it can.
@@ -235,11 +232,7 @@ impl Listed {
         if outcome.status == ListStatus::NonFinite {
             return Err(non_finite::position(at.positions));
         }
-        assert_eq!(
-            outcome.status,
-            ListStatus::Complete,
-            "a new list is complete"
-        );
+        assert_eq!(outcome.status, ListStatus::Complete, "a new list is complete");
         if outcome.broken {
             return Err(non_finite::force(forces));
         }

@@ -36,8 +36,7 @@ impl Listed {
                 );
             }
             let cell = build_box(from)?;
-            self.build(&cell, built)
-                .map_err(|e| from.misfit("built_at", e.to_string()))?;
+            self.build(&cell, built).map_err(|e| from.misfit("built_at", e.to_string()))?;
             self.restore_inserted(from, n)?;
         } else {
             self.validity.forget();
@@ -71,10 +70,7 @@ impl Listed {
         if 2 * pairs.len() == inserted.len() && rest.is_empty() && self.insert(&pairs) {
             return Ok(());
         }
-        Err(from.misfit(
-            "named",
-            format!("no pairs of {n} slots that this list can take"),
-        ))
+        Err(from.misfit("named", format!("no pairs of {n} slots that this list can take")))
     }
 }
 

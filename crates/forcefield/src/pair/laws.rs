@@ -90,11 +90,7 @@ impl Laws {
                 let model = in_own_units(potential, truncation, pair, [a, b])?;
                 let r_cut = model.r_cut * pair.sigma;
                 // A product with the inverse of σ rounds. The cutoff of the scene stays what it is.
-                let r_cut = if potential.own_end().is_some() {
-                    r_cut
-                } else {
-                    pair.r_cut
-                };
+                let r_cut = if potential.own_end().is_some() { r_cut } else { pair.r_cut };
                 laws.r_cut = laws.r_cut.max(r_cut);
                 laws.smallest_r_cut = laws.smallest_r_cut.min(r_cut);
                 let sigma2 = pair.sigma * pair.sigma;
@@ -148,8 +144,6 @@ fn in_own_units(
     species: [usize; 2],
 ) -> Result<Model, ForceFieldError> {
     let own = truncation.at_cutoff(pair.r_cut / pair.sigma);
-    Model::new(potential, &own).map_err(|reason| ForceFieldError::OfPair {
-        species,
-        reason: Box::new(reason),
-    })
+    Model::new(potential, &own)
+        .map_err(|reason| ForceFieldError::OfPair { species, reason: Box::new(reason) })
 }

@@ -23,11 +23,7 @@ impl SpeciesPair {
     /// The pair that a fluid of one species has: σ = ε = 1.
     #[must_use]
     pub fn unit(r_cut: f64) -> Self {
-        Self {
-            sigma: 1.0,
-            epsilon: 1.0,
-            r_cut,
-        }
+        Self { sigma: 1.0, epsilon: 1.0, r_cut }
     }
 
     /// The parameter that no pair can have, by name and value.
@@ -92,11 +88,7 @@ impl Mixture {
                 });
             }
         }
-        Ok(Self {
-            pairs,
-            of_particle,
-            counts: counts.into(),
-        })
+        Ok(Self { pairs, of_particle, counts: counts.into() })
     }
 
     /// Number of species.

@@ -28,11 +28,8 @@ impl Model {
         truncation: &TruncationOptions,
     ) -> Result<Self, ForceFieldError> {
         let r_cut = check(potential, truncation)?;
-        let mut model = Self {
-            form: Form::new(potential, truncation),
-            r_cut,
-            energy_at_cutoff: 0.0,
-        };
+        let mut model =
+            Self { form: Form::new(potential, truncation), r_cut, energy_at_cutoff: 0.0 };
         if truncation.kind.spec().jumps && potential.own_end().is_none() {
             model.energy_at_cutoff = model.eval(r_cut * r_cut).energy;
         }
@@ -66,10 +63,7 @@ fn check(
     };
     let title = potential.spec().title;
     if truncation.switch_from.is_some() || kind.spec().weights {
-        return Err(ForceFieldError::SwitchAtOwnEnd {
-            title,
-            kind: kind.name(),
-        });
+        return Err(ForceFieldError::SwitchAtOwnEnd { title, kind: kind.name() });
     }
     if r_cut < end.r {
         return Err(ForceFieldError::CutoffInsideEnd { title, r_cut, end });

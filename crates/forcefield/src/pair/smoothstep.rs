@@ -27,17 +27,11 @@ pub struct Step<R> {
 
 impl Smoothstep {
     /// A step at no distance.
-    pub const NOWHERE: Self = Self {
-        on: 0.0,
-        inv_width: 0.0,
-    };
+    pub const NOWHERE: Self = Self { on: 0.0, inv_width: 0.0 };
 
     /// Falls from 1 at r = `from` to 0 at r = `to`, both in σ.
     pub fn new(from: f64, to: f64) -> Self {
-        Self {
-            on: from * from,
-            inv_width: 1.0 / (to * to - from * from),
-        }
+        Self { on: from * from, inv_width: 1.0 / (to * to - from * from) }
     }
 
     /// s_on and 1/(s_off − s_on).
@@ -55,9 +49,7 @@ impl Smoothstep {
     /// The value and its derivatives at r² = `r2` with [`Smoothstep::constants`] of any step.
     #[inline(always)]
     pub fn with<R: Real>([on, inv_width]: Constants<R>, r2: R) -> Step<R> {
-        let x = ((r2 - on) * inv_width)
-            .max(r2.splat(0.0))
-            .min(r2.splat(1.0));
+        let x = ((r2 - on) * inv_width).max(r2.splat(0.0)).min(r2.splat(1.0));
         let x2 = x * x;
         let polynomial = x.mul_add(x.mul_add(r2.splat(6.0), r2.splat(-15.0)), r2.splat(10.0));
         // 1 − x, exact to the last bit near x = 1, keeps the derivatives' double zero there.

@@ -32,12 +32,7 @@ pub fn tail_correction(o: &ForceFieldOptions, n_atoms: usize, volume: f64) -> Op
     let (energy, virial) = o.potential.tail_integrals(o.truncation.r_cut);
     let n = n_atoms as f64;
     let pairs_density = 2.0 * PI * n * (n / volume);
-    Some(Tail::new(
-        pairs_density * energy,
-        -pairs_density * virial,
-        n,
-        volume,
-    ))
+    Some(Tail::new(pairs_density * energy, -pairs_density * virial, n, volume))
 }
 
 /// The tail correction of a mixture in `volume` σ³; `None` where the options have it off.
@@ -82,11 +77,6 @@ pub fn tail_in(
 impl Tail {
     /// The tail with these totals of `n` particles, ε.
     fn new(energy: f64, virial: f64, n: f64, volume: f64) -> Self {
-        Self {
-            energy,
-            virial,
-            pressure: virial / (3.0 * volume),
-            energy_per_particle: energy / n,
-        }
+        Self { energy, virial, pressure: virial / (3.0 * volume), energy_per_particle: energy / n }
     }
 }

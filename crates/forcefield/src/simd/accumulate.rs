@@ -145,11 +145,7 @@ impl<L: Lanes> Common<L> for CommonSums<L> {
     #[inline(always)]
     fn nothing(isa: L::Isa) -> Self {
         let zero = L::constant(isa, 0.0);
-        Self {
-            sums: [zero; 3],
-            at_cutoff: zero,
-            pairs: L::none(isa),
-        }
+        Self { sums: [zero; 3], at_cutoff: zero, pairs: L::none(isa) }
     }
 
     #[inline(always)]

@@ -98,10 +98,7 @@ impl Lanes for F64x4 {
         // SAFETY: there are eight numbers, aligned; the token proves AVX2.
         unsafe {
             let four = |k: usize| F64x4(_mm256_load_pd(numbers.0.as_ptr().add(k)));
-            Doubles {
-                low: four(0),
-                high: four(4),
-            }
+            Doubles { low: four(0), high: four(4) }
         }
     }
     #[inline(always)]
@@ -145,10 +142,8 @@ impl Lanes for F64x4 {
     fn sum(self) -> f64 {
         // SAFETY: as above.
         unsafe {
-            let pair = _mm_add_pd(
-                _mm256_castpd256_pd128(self.0),
-                _mm256_extractf128_pd::<1>(self.0),
-            );
+            let pair =
+                _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
             _mm_cvtsd_f64(_mm_add_sd(pair, _mm_unpackhi_pd(pair, pair)))
         }
     }

@@ -267,9 +267,4 @@ impl Lanes for F32x16 {
     }
 }
 
-run_loops!(
-    Avx512,
-    "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt",
-    F64x8,
-    F32x16
-);
+run_loops!(Avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt", F64x8, F32x16);

@@ -33,12 +33,7 @@ impl<L: FixedLanes> BlockStream<L> {
         let (rows, block) = (rows.as_ptr(), chunk.blocks.as_ptr());
         // SAFETY: the contract is passed on; a chunk has at least the block that ends it.
         let ahead = unsafe { Self::gather(isa, rows, block, 0) };
-        Self {
-            isa,
-            rows,
-            block,
-            ahead,
-        }
+        Self { isa, rows, block, ahead }
     }
 
     #[inline(always)]

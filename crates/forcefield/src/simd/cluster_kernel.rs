@@ -30,10 +30,7 @@ impl<I: Interaction> FrameUnits<I> {
     /// The units of a frame whose length unit is `length` σ.
     pub fn new(interaction: &I, r_cut: f64, length: f64) -> Self {
         Self {
-            units: Units {
-                energy: I::UNIT,
-                length,
-            },
+            units: Units { energy: I::UNIT, length },
             numbers: interaction.numbers(r_cut, length),
         }
     }
@@ -125,22 +122,10 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
         let [a, b, c, d] = self.frame.members();
         let [of_a, of_b, of_c, of_d] = &self.numbers;
         [
-            Member {
-                at: a,
-                numbers: of_a,
-            },
-            Member {
-                at: b,
-                numbers: of_b,
-            },
-            Member {
-                at: c,
-                numbers: of_c,
-            },
-            Member {
-                at: d,
-                numbers: of_d,
-            },
+            Member { at: a, numbers: of_a },
+            Member { at: b, numbers: of_b },
+            Member { at: c, numbers: of_c },
+            Member { at: d, numbers: of_d },
         ]
     }
 
@@ -179,12 +164,7 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
                     but = *excluded;
                 }
                 let valid = stream.valid();
-                let valid = [
-                    valid & !but[0],
-                    valid & !but[1],
-                    valid & !but[2],
-                    valid & !but[3],
-                ];
+                let valid = [valid & !but[0], valid & !but[1], valid & !but[2], valid & !but[3]];
                 but = [0; CLUSTER];
                 sums = self.block::<A, C, true>(members, stream, valid, sums, common);
             }
@@ -208,10 +188,8 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
         stream: &mut BlockStream<L>,
         common: &mut C,
     ) -> [MemberSums<L, A>; 2] {
-        let nothing = MemberSums {
-            force: [L::constant(self.isa, 0.0); 3],
-            others: A::nothing(self.isa),
-        };
+        let nothing =
+            MemberSums { force: [L::constant(self.isa, 0.0); 3], others: A::nothing(self.isa) };
         let (mut of_first, mut of_second) = (nothing, nothing);
         for _ in 0..blocks {
             // SAFETY: the contract is passed on.
@@ -273,11 +251,7 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
         let [dx, dy, dz] = self.frame.apart(member.at, neighbors);
         let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
         let r_cut2 = I::r_cut2::<L>(member.numbers, species);
-        let inside = if MASKED {
-            r2.at_most_among(r_cut2, bits)
-        } else {
-            r2.at_most(r_cut2)
-        };
+        let inside = if MASKED { r2.at_most_among(r_cut2, bits) } else { r2.at_most(r_cut2) };
         let (interaction, own) = (&self.interaction, member.numbers);
         let f = if V::IN_SIGMA {
             common.force::<I, true>(interaction, own, species, r2, inside)

@@ -95,11 +95,7 @@ pub unsafe fn run<L: FixedLanes, I: Interaction>(
     detail: Detail,
     output: &Output<'_>,
 ) -> ChunkTotals {
-    assert_eq!(
-        rows.len(),
-        job.list.table().particle.len(),
-        "a row for each slot"
-    );
+    assert_eq!(rows.len(), job.list.table().particle.len(), "a row for each slot");
     let chunks = job.list.chunks();
     if let Some(next) = chunks.get(chunk + 1) {
         prefetch(&next.spans);
@@ -174,12 +170,7 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Common<L>>(
                 output.prefetch_next_chunk(first, CLUSTER);
             }
             let own = if first + CLUSTER <= n {
-                [
-                    &rows[first],
-                    &rows[first + 1],
-                    &rows[first + 2],
-                    &rows[first + 3],
-                ]
+                [&rows[first], &rows[first + 1], &rows[first + 2], &rows[first + 3]]
             } else {
                 // A cluster of fewer particles repeats its last one.
                 let row = |member: usize| &rows[(first + member).min(n - 1)];

@@ -20,11 +20,7 @@ unsafe impl<T: Send> Send for Disjoint<'_, T> {}
 impl<'a, T: Copy> Disjoint<'a, T> {
     /// Borrows `array` for writes by several threads.
     pub fn new(array: &'a mut [T]) -> Self {
-        Self {
-            start: array.as_mut_ptr(),
-            len: array.len(),
-            array: PhantomData,
-        }
+        Self { start: array.as_mut_ptr(), len: array.len(), array: PhantomData }
     }
 
     /// Prefetches an element that will soon be written.

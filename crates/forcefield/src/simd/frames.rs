@@ -32,11 +32,7 @@ pub trait Frame<L: FixedLanes> {
 
 #[inline(always)]
 fn constants<L: FixedLanes>(isa: L::Isa, [x, y, z]: [f64; 3]) -> [L; 3] {
-    [
-        L::constant(isa, x),
-        L::constant(isa, y),
-        L::constant(isa, z),
-    ]
+    [L::constant(isa, x), L::constant(isa, y), L::constant(isa, z)]
 }
 
 #[inline(always)]
@@ -55,12 +51,7 @@ impl<L: FixedLanes> AbsoluteFrame<L> {
     #[inline(always)]
     pub fn new(isa: L::Isa, [a, b, c, d]: [&FixedRow; CLUSTER], scale: [f64; 3]) -> Self {
         Self {
-            members: [
-                L::spread(isa, a),
-                L::spread(isa, b),
-                L::spread(isa, c),
-                L::spread(isa, d),
-            ],
+            members: [L::spread(isa, a), L::spread(isa, b), L::spread(isa, c), L::spread(isa, d)],
             scale: constants(isa, scale),
         }
     }
@@ -103,11 +94,7 @@ impl<L: FixedLanes, const CUBIC: bool> ClusterFrame<L, CUBIC> {
     pub fn new(isa: L::Isa, rows: [&FixedRow; CLUSTER], scale: [f64; 3]) -> Self {
         let scale = if CUBIC { [1.0; 3] } else { scale };
         let (center, members) = L::cluster_frame(isa, rows, scale);
-        Self {
-            center,
-            members,
-            scale: constants(isa, scale),
-        }
+        Self { center, members, scale: constants(isa, scale) }
     }
 }
 
@@ -124,19 +111,11 @@ impl<L: FixedLanes, const CUBIC: bool> Frame<L> for ClusterFrame<L, CUBIC> {
     #[inline(always)]
     fn neighbors(&self, rows: L::Rows) -> [L; 3] {
         let apart = L::apart(rows, self.center);
-        if CUBIC {
-            apart
-        } else {
-            stretch(apart, self.scale)
-        }
+        if CUBIC { apart } else { stretch(apart, self.scale) }
     }
 
     #[inline(always)]
     fn apart(&self, member: [L; 3], neighbors: [L; 3]) -> [L; 3] {
-        [
-            member[0] - neighbors[0],
-            member[1] - neighbors[1],
-            member[2] - neighbors[2],
-        ]
+        [member[0] - neighbors[0], member[1] - neighbors[1], member[2] - neighbors[2]]
     }
 }

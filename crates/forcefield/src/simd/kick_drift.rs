@@ -133,10 +133,7 @@ mod tests {
             let at = |k: usize| DVec3::new(noise(k), noise(k + 700), noise(k + 1400)) * scale;
             (from..from + n).map(at).collect()
         };
-        let kick_drift = KickDrift {
-            half_kick: 0.002,
-            dt: 0.004,
-        };
+        let kick_drift = KickDrift { half_kick: 0.002, dt: 0.004 };
         for n in [0, 1, 3, 4, 7, 50] {
             // Each particle in turn has the longest step.
             for fastest in 0..n {

@@ -68,10 +68,7 @@ impl Level {
     pub fn available() -> Vec<Self> {
         let avx512 = Avx512::detect().map(Self::Avx512);
         let avx2 = Avx2::detect().map(Self::Avx2);
-        [avx512, avx2, Some(Self::Portable)]
-            .into_iter()
-            .flatten()
-            .collect()
+        [avx512, avx2, Some(Self::Portable)].into_iter().flatten().collect()
     }
 
     /// The level that an option asks for; `None` where this processor lacks it.

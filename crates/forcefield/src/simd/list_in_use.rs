@@ -89,10 +89,9 @@ impl<P: PairList> ListInUse<'_, P> {
             stretch: self.stretch,
             far2: self.far2,
             lengths: self.cell.lengths(),
-            species: self.species.map(|at| SlotSpecies {
-                at,
-                paddings: DoubleRow::paddings(self.level),
-            }),
+            species: self
+                .species
+                .map(|at| SlotSpecies { at, paddings: DoubleRow::paddings(self.level) }),
         }
     }
 
@@ -174,10 +173,7 @@ impl<P: PairList> ListInUse<'_, P> {
         let which = |which: Which| match (which, self.share) {
             (Which::Own, Some(share)) => share.rows(0),
             (Which::Halo, Some(share)) => share.rows(1),
-            _ => SomeRows {
-                slots: slice::from_ref(&all),
-                ghosts: slice::from_ref(&all_ghosts),
-            },
+            _ => SomeRows { slots: slice::from_ref(&all), ghosts: slice::from_ref(&all_ghosts) },
         };
         copies.run(&Evaluation {
             n: self.list.particles().len(),
@@ -203,12 +199,7 @@ fn gather_entries(share: &Share, entries: &mut [PerParticle]) {
     let own = share.own();
     let (to, _) = vectors.as_chunks_mut::<4>();
     for (to, (energy, virial)) in to[own.clone()].iter_mut().zip(&entries[own]) {
-        *to = [
-            DVec3::X * *energy,
-            virial.x_axis,
-            virial.y_axis,
-            virial.z_axis,
-        ];
+        *to = [DVec3::X * *energy, virial.x_axis, virial.y_axis, virial.z_axis];
     }
     let of_four = |slots: &std::ops::Range<usize>| 4 * slots.start..4 * slots.end;
     let ranges: Vec<_> = share.slots().iter().map(of_four).collect();

@@ -72,10 +72,7 @@ impl SlotSpecies<'_> {
     /// The species at some of the slots.
     #[inline(always)]
     pub fn part(self, slots: Range<usize>) -> Self {
-        Self {
-            at: &self.at[slots],
-            ..self
-        }
+        Self { at: &self.at[slots], ..self }
     }
 }
 
@@ -153,11 +150,7 @@ pub struct MotionSummary {
 
 impl MotionSummary {
     /// The summary of no particle.
-    pub const NOTHING: Self = Self {
-        largest2: 0.0,
-        finite: true,
-        far: Vec::new(),
-    };
+    pub const NOTHING: Self = Self { largest2: 0.0, finite: true, far: Vec::new() };
 
     /// The union of two sets of particles.
     pub fn and(mut self, other: Self) -> Self {

@@ -52,10 +52,7 @@ impl<'a> SumOverChunks<'a> {
         sum.begin();
         parts.clear();
         parts.resize(n.div_ceil(ATOMS_PER_CHUNK), PartSum::default());
-        Self {
-            sum,
-            parts: Disjoint::new(parts),
-        }
+        Self { sum, parts: Disjoint::new(parts) }
     }
 
     /// Gives the terms of the particles of a chunk.
@@ -82,10 +79,7 @@ pub struct SlotNoise<'a> {
 impl SlotNoise<'_> {
     /// Friction and noise on the particles at some slots.
     pub fn part(self, slots: Range<usize>) -> Self {
-        Self {
-            particles: &self.particles[slots],
-            ..self
-        }
+        Self { particles: &self.particles[slots], ..self }
     }
 }
 
@@ -221,12 +215,7 @@ impl KickDrift {
     /// [`KickDrift::apply_with_noise`] with whatever instructions the caller has: the bits are the same.
     #[inline(always)]
     fn noise_plain(self, noise: SlotNoise<'_>, moving: Moving<'_>) -> f64 {
-        let Moving {
-            positions,
-            velocities,
-            forces,
-            gained,
-        } = moving;
+        let Moving { positions, velocities, forces, gained } = moving;
         let of_mass = noise.of_step.on(noise.mass);
         let Aligned(normals) = &noise.of_step.normals(noise.particles);
         let Aligned(grown) = &mut Aligned([0.0; 3 * NOISE_LANES]);
@@ -318,10 +307,7 @@ mod tests {
             temperature: 0.9.into(),
             noise: Streams::new(5).noise("langevin"),
         };
-        let kick_drift = KickDrift {
-            half_kick: 0.002,
-            dt: 0.004,
-        };
+        let kick_drift = KickDrift { half_kick: 0.002, dt: 0.004 };
         let wave = |k: usize| (k as f64 * 12.9898).sin();
         let vectors = |from: usize, n: usize| -> Vec<DVec3> {
             let at = |k: usize| DVec3::new(wave(k), wave(k + 700), wave(k + 1400));
@@ -329,11 +315,8 @@ mod tests {
         };
         for n in [0, 1, 15, 16, 17, ATOMS_PER_CHUNK] {
             let particles: Vec<u32> = (0..n as u32).map(|k| 7919 * k % 1000).collect();
-            let of_chunk = SlotNoise {
-                of_step: noise.in_step(12, 0.004),
-                mass: 1.5,
-                particles: &particles,
-            };
+            let of_chunk =
+                SlotNoise { of_step: noise.in_step(12, 0.004), mass: 1.5, particles: &particles };
             let start = vectors(0, n);
             let run = |level: Level| {
                 let (mut x, mut v) = (start.clone(), vectors(99, n));

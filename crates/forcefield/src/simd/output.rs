@@ -54,10 +54,7 @@ impl<'a> Output<'a> {
         first: usize,
         next_chunk: Option<NextChunk>,
     ) -> Self {
-        Self {
-            next_chunk,
-            ..Self::new(forces, None, order, first)
-        }
+        Self { next_chunk, ..Self::new(forces, None, order, first) }
     }
 
     /// Prefetches the forces of `count` slots from `slot` on, which lie anywhere in memory.

@@ -56,11 +56,7 @@ pub struct Request {
 impl Request {
     /// A request for sums at new positions.
     pub fn of(detail: Detail) -> Self {
-        Self {
-            detail,
-            prepared: Prepared::Nothing,
-            packs_next: false,
-        }
+        Self { detail, prepared: Prepared::Nothing, packs_next: false }
     }
 }
 
@@ -77,11 +73,7 @@ pub struct Outcome {
 impl Outcome {
     /// No sums.
     fn without_sums(status: ListStatus) -> Self {
-        Self {
-            status,
-            totals: Vec::new(),
-            broken: false,
-        }
+        Self { status, totals: Vec::new(), broken: false }
     }
 }
 
@@ -308,9 +300,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
         chunk: impl Fn(usize) -> usize + Sync,
     ) -> Outcome {
         let (rows, next) = self.for_chunks(evaluation);
-        run_chunks(evaluation, chunks, &|(), k| {
-            (evaluation.run)(rows, next.as_ref(), chunk(k))
-        })
+        run_chunks(evaluation, chunks, &|(), k| (evaluation.run)(rows, next.as_ref(), chunk(k)))
     }
 
     /// Runs the chunks of this rank: the inner ones while the halo comes, and then the outer ones.
@@ -337,8 +327,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
         let packs_next = evaluation.request.packs_next;
         if packs_next {
             self.next.resize(evaluation.rows, Row::default());
-            self.displacements
-                .resize(evaluation.chunks, ChunkDisplacement::UNKNOWN);
+            self.displacements.resize(evaluation.chunks, ChunkDisplacement::UNKNOWN);
             self.begin_packed(evaluation);
         }
         let next = packs_next.then(|| NextRows {
@@ -375,9 +364,5 @@ fn run_chunks<Row, S: Default>(
     }
     let totals = map_tasks(chunks, run);
     let broken = totals.iter().any(|c| c.broken);
-    Outcome {
-        status: ListStatus::Complete,
-        totals,
-        broken,
-    }
+    Outcome { status: ListStatus::Complete, totals, broken }
 }

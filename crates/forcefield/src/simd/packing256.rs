@@ -44,10 +44,7 @@ fn squares([a, b, c, d]: [__m256d; 4]) -> __m256d {
     let (c, d) = (_mm256_mul_pd(c, c), _mm256_mul_pd(d, d));
     // The lanes hold x + y of a and b, then z of a and b. The second register holds the same of c and d.
     let (ab, cd) = (_mm256_hadd_pd(a, b), _mm256_hadd_pd(c, d));
-    _mm256_add_pd(
-        _mm256_permute2f128_pd::<0x20>(ab, cd),
-        _mm256_permute2f128_pd::<0x31>(ab, cd),
-    )
+    _mm256_add_pd(_mm256_permute2f128_pd::<0x20>(ab, cd), _mm256_permute2f128_pd::<0x31>(ab, cd))
 }
 
 /// See [`packing::pack_displacements`].
@@ -66,10 +63,8 @@ pub fn pack_displacements(motion: Motion<'_>, squares: &[f64], to: &mut [PackedD
         };
         let first_half = _mm_packs_epi32(whole(0), whole(1));
         let second_half = _mm_packs_epi32(whole(2), whole(3));
-        let squares = _mm256_mul_pd(
-            _mm256_setr_pd(squares[0], squares[1], squares[2], squares[3]),
-            steps,
-        );
+        let squares =
+            _mm256_mul_pd(_mm256_setr_pd(squares[0], squares[1], squares[2], squares[3]), steps);
         // Where the first operand is NaN, the result is the second.
         let squares = _mm256_cvtpd_epi32(_mm256_min_pd(squares, _mm256_set1_pd(254.0)));
         let squares = _mm_slli_epi32::<24>(_mm_add_epi32(squares, _mm_set1_epi32(1)));
@@ -99,9 +94,7 @@ pub unsafe fn pack_double(
     let slots = first..first + to.len();
     let own_rows = fours(&table.row[slots.clone()]);
     let images = fours(&table.image[slots]);
-    let all = fours(motion.indices())
-        .zip(own_rows)
-        .zip(images.zip(fours(motion.built)));
+    let all = fours(motion.indices()).zip(own_rows).zip(images.zip(fours(motion.built)));
     let fours = all.zip(to.as_chunks_mut::<4>().0).enumerate();
     for (four, (((order, own_rows), (images, built)), to)) in fours {
         let mut moved = [_mm256_setzero_pd(); 4];

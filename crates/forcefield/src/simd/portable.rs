@@ -79,23 +79,11 @@ macro_rules! group {
             }
             #[inline(always)]
             fn min(self, o: Self) -> Self {
-                Self(from_fn(|k| {
-                    if self.0[k] < o.0[k] {
-                        self.0[k]
-                    } else {
-                        o.0[k]
-                    }
-                }))
+                Self(from_fn(|k| if self.0[k] < o.0[k] { self.0[k] } else { o.0[k] }))
             }
             #[inline(always)]
             fn max(self, o: Self) -> Self {
-                Self(from_fn(|k| {
-                    if self.0[k] > o.0[k] {
-                        self.0[k]
-                    } else {
-                        o.0[k]
-                    }
-                }))
+                Self(from_fn(|k| if self.0[k] > o.0[k] { self.0[k] } else { o.0[k] }))
             }
             #[inline(always)]
             fn look_up(self, rows: &TableRows) -> (Self, [Self; 4]) {

@@ -13,10 +13,7 @@ const BEGINNING: usize = 8;
 /// A processor finds the lines of a sequential read by itself, and it cannot know where the read begins.
 #[inline(always)]
 pub fn prefetch<T>(array: &[T]) {
-    let beginning = Parts {
-        start: array.as_ptr().cast(),
-        lines: lines(array).min(BEGINNING),
-    };
+    let beginning = Parts { start: array.as_ptr().cast(), lines: lines(array).min(BEGINNING) };
     beginning.prefetch(0);
 }
 
@@ -31,10 +28,7 @@ pub struct Parts {
 impl Parts {
     /// An array in `parts` parts of whole lines.
     pub fn of<T>(array: &[T], parts: usize) -> Self {
-        Self {
-            start: array.as_ptr().cast(),
-            lines: lines(array).div_ceil(parts.max(1)),
-        }
+        Self { start: array.as_ptr().cast(), lines: lines(array).div_ceil(parts.max(1)) }
     }
 
     /// Prefetches one part; the last parts may be empty.
@@ -62,10 +56,7 @@ impl Region {
 
     /// The region of an array that begins at an address.
     pub fn at<T>(start: *const T) -> Self {
-        Self {
-            start: start.addr(),
-            size: size_of::<T>(),
-        }
+        Self { start: start.addr(), size: size_of::<T>() }
     }
 
     /// A region of elements without a size: a prefetch of its first line again and again costs less than a branch.

@@ -20,11 +20,7 @@ pub struct RowJob<'a, I: Interaction> {
 impl<'a, I: Interaction> RowJob<'a, I> {
     /// Prepares an evaluation with a cutoff, σ.
     pub fn new(interaction: I, r_cut: f64, list: &'a NeighborList) -> Self {
-        Self {
-            interaction,
-            numbers: interaction.numbers(r_cut, 1.0),
-            list,
-        }
+        Self { interaction, numbers: interaction.numbers(r_cut, 1.0), list }
     }
 }
 
@@ -44,10 +40,7 @@ pub unsafe fn run<L: RowLanes, I: Interaction>(
     detail: Detail,
     output: &Output<'_>,
 ) -> ChunkTotals {
-    assert!(
-        rows.len() >= job.list.targets(),
-        "a row for each target of the list"
-    );
+    assert!(rows.len() >= job.list.targets(), "a row for each target of the list");
     let chunks = job.list.chunks();
     if let Some(next) = chunks.get(chunk + 1) {
         prefetch(&next.counts);
@@ -57,11 +50,7 @@ pub unsafe fn run<L: RowLanes, I: Interaction>(
         }
     }
     let chunk = &chunks[chunk];
-    assert_eq!(
-        job.list.lanes() % L::WIDTH,
-        0,
-        "entries fill whole registers"
-    );
+    assert_eq!(job.list.lanes() % L::WIDTH, 0, "entries fill whole registers");
     // SAFETY: the contract is passed on.
     unsafe {
         let e = match &chunk.entries {
@@ -104,10 +93,7 @@ unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>, C: Comm
     entries: &[E],
     output: &Output<'_>,
 ) -> ChunkTotals {
-    let units = Units {
-        energy: I::UNIT,
-        length: 1.0,
-    };
+    let units = Units { energy: I::UNIT, length: 1.0 };
     // There is no `array::map` over lanes here: it is a call, and a call leaves the instruction set.
     let zero = L::constant(isa, 0.0);
     let mut common = C::nothing(isa);
@@ -122,10 +108,8 @@ unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>, C: Comm
         let slot = chunk.first_slot as usize + offset;
         output.prefetch_next_chunk(slot, 1);
         let row = &rows[job.list.target_of(slot) as usize];
-        let own = Particle {
-            at: L::spread(isa, row),
-            numbers: I::own::<L>(isa, &job.numbers, row),
-        };
+        let own =
+            Particle { at: L::spread(isa, row), numbers: I::own::<L>(isa, &job.numbers, row) };
         let end = start + count.next_multiple_of(padding);
         let mine = &entries[start..end];
         start = end;

@@ -27,9 +27,7 @@ pub fn gather<const WIDTH: usize>(
             // slots have a register of padding.
             unsafe {
                 for axis in 0..3 {
-                    to[axis]
-                        .add(at)
-                        .copy_from_nonoverlapping(from[axis].add(row), WIDTH);
+                    to[axis].add(at).copy_from_nonoverlapping(from[axis].add(row), WIDTH);
                 }
                 match numbering {
                     Numbering::Rows { base } => {
@@ -38,14 +36,10 @@ pub fn gather<const WIDTH: usize>(
                         for (k, number) in number.iter_mut().enumerate() {
                             *number = number.wrapping_add(k as u32);
                         }
-                        to_number
-                            .add(at)
-                            .copy_from_nonoverlapping(number.as_ptr(), WIDTH);
+                        to_number.add(at).copy_from_nonoverlapping(number.as_ptr(), WIDTH);
                     }
                     Numbering::Slots(slots) => {
-                        to_number
-                            .add(at)
-                            .copy_from_nonoverlapping(slots.as_ptr().add(row), WIDTH);
+                        to_number.add(at).copy_from_nonoverlapping(slots.as_ptr().add(row), WIDTH);
                     }
                 }
             }

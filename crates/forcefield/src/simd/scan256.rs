@@ -69,11 +69,8 @@ macro_rules! near {
                         _mm256_loadu_si256(candidates.number.as_ptr().add(at).cast()),
                     )
                 };
-                let (dx, dy, dz) = (
-                    _mm256_sub_ps(x, xj),
-                    _mm256_sub_ps(y, yj),
-                    _mm256_sub_ps(z, zj),
-                );
+                let (dx, dy, dz) =
+                    (_mm256_sub_ps(x, xj), _mm256_sub_ps(y, yj), _mm256_sub_ps(z, zj));
                 let r2 = _mm256_fmadd_ps(dz, dz, _mm256_fmadd_ps(dy, dy, _mm256_mul_ps(dx, dx)));
                 let near = _mm256_cmp_ps::<_CMP_LE_OQ>(r2, limit);
                 let own = _mm256_castsi256_ps(_mm256_cmpeq_epi32(number, own_number));
@@ -93,10 +90,7 @@ macro_rules! near {
 }
 
 near!(near_narrow, u16, |to, numbers| {
-    let halves = (
-        _mm256_castsi256_si128(numbers),
-        _mm256_extracti128_si256::<1>(numbers),
-    );
+    let halves = (_mm256_castsi256_si128(numbers), _mm256_extracti128_si256::<1>(numbers));
     _mm_storeu_si128(to, _mm_packus_epi32(halves.0, halves.1));
 });
 near!(near_wide, u32, _mm256_storeu_si256);

@@ -51,11 +51,8 @@ macro_rules! near {
                         _mm512_loadu_si512(candidates.number.as_ptr().add(at).cast()),
                     )
                 };
-                let (dx, dy, dz) = (
-                    _mm512_sub_ps(x, xj),
-                    _mm512_sub_ps(y, yj),
-                    _mm512_sub_ps(z, zj),
-                );
+                let (dx, dy, dz) =
+                    (_mm512_sub_ps(x, xj), _mm512_sub_ps(y, yj), _mm512_sub_ps(z, zj));
                 let r2 = _mm512_fmadd_ps(dz, dz, _mm512_fmadd_ps(dy, dy, _mm512_mul_ps(dx, dx)));
                 let other = _mm512_cmpneq_epi32_mask(number, own_number);
                 let near = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(other, r2, limit);
@@ -189,16 +186,8 @@ pub fn near_cluster<const FOLDED: bool>(
             *len += mask.count_ones() as usize;
         };
         write(to[0], &mut for_all, first_half & second_half & others);
-        write(
-            to[1],
-            &mut for_first_half,
-            first_half & !second_half & others,
-        );
-        write(
-            to[2],
-            &mut for_second_half,
-            second_half & !first_half & others,
-        );
+        write(to[1], &mut for_first_half, first_half & !second_half & others);
+        write(to[2], &mut for_second_half, second_half & !first_half & others);
     }
     found.len = [for_all, for_first_half, for_second_half];
 }

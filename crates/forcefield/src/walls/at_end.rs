@@ -17,9 +17,7 @@ impl Walls {
     }
 
     pub(super) fn any_surface(&self, wanted: impl Fn(&Surface) -> bool) -> bool {
-        self.pairs
-            .iter()
-            .any(|pair| pair.surfaces.iter().any(&wanted))
+        self.pairs.iter().any(|pair| pair.surfaces.iter().any(&wanted))
     }
 
     /// Mirrors or projects one particle that has flown from `start` to `x` in a time h; returns the kinetic energy put in.

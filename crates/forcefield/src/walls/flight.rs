@@ -127,13 +127,7 @@ impl Walls {
         };
         let reading = &self.readings[index];
         let (axis, outward) = (reading.axis, reading.outward());
-        let after = wall.leave(Hit {
-            axis,
-            outward,
-            velocity: *v,
-            mass,
-            random,
-        });
+        let after = wall.leave(Hit { axis, outward, velocity: *v, mass, random });
         self.count_hit(index, outward * mass * (v[axis] - after[axis]));
         *v = after;
     }
@@ -141,9 +135,7 @@ impl Walls {
     /// Takes off what rounding put behind a plane.
     pub fn clamp_between_planes(&self, x: &mut DVec3) {
         for pair in self.pairs.iter().filter(|pair| pair.is_hit_on_the_way()) {
-            let SlitPlanes {
-                axis, lower, upper, ..
-            } = pair.planes;
+            let SlitPlanes { axis, lower, upper, .. } = pair.planes;
             x[axis] = x[axis].clamp(lower, upper);
         }
     }
@@ -160,10 +152,7 @@ impl Walls {
         let mut first: Option<(f64, usize)> = None;
         for (p, pair) in self.pairs.iter().enumerate() {
             for (end, z) in pair.distances(x).into_iter().enumerate() {
-                if !pair.surfaces[end]
-                    .rule()
-                    .is_some_and(HitRule::is_on_the_way)
-                {
+                if !pair.surfaces[end].rule().is_some_and(HitRule::is_on_the_way) {
                     continue;
                 }
                 let arrival = time(z, pair.planes.axis, [-1.0, 1.0][end]);

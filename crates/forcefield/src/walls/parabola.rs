@@ -10,9 +10,7 @@ impl Walls {
     /// Whether particles fly along parabolas from hit to hit.
     pub(super) fn follows_parabolas(&self) -> bool {
         let parabolic = |s: &Surface| s.rule() == Some(HitRule::OnParabolas);
-        self.pairs
-            .iter()
-            .any(|pair| pair.surfaces.iter().any(parabolic))
+        self.pairs.iter().any(|pair| pair.surfaces.iter().any(parabolic))
     }
 
     /// Flies one particle of acceleration a over a whole step h of kick-drift-kick; returns the kinetic energy that hits put in.

@@ -22,10 +22,7 @@ impl WallPair {
     /// Walls of a kind at these planes.
     #[must_use]
     pub fn new(options: &WallOptions, planes: SlitPlanes, context: &WallContext) -> Self {
-        Self {
-            planes,
-            surfaces: [false, true].map(|is_upper| options.surface(context, is_upper)),
-        }
+        Self { planes, surfaces: [false, true].map(|is_upper| options.surface(context, is_upper)) }
     }
 
     /// Distance of a coordinate from the planes, σ: positive between them.
@@ -89,25 +86,13 @@ impl Walls {
     pub fn new(pairs: Vec<WallPair>, noise: NoiseStream) -> Self {
         for (i, pair) in pairs.iter().enumerate() {
             let same_axis = |other: &WallPair| other.planes.axis == pair.planes.axis;
-            assert!(
-                !pairs[..i].iter().any(same_axis),
-                "one pair of walls per axis"
-            );
+            assert!(!pairs[..i].iter().any(same_axis), "one pair of walls per axis");
         }
         let readings = pairs.iter().flat_map(|pair| {
-            let SlitPlanes {
-                axis, lower, upper, ..
-            } = pair.planes;
-            [
-                WallReading::new(axis, false, lower),
-                WallReading::new(axis, true, upper),
-            ]
+            let SlitPlanes { axis, lower, upper, .. } = pair.planes;
+            [WallReading::new(axis, false, lower), WallReading::new(axis, true, upper)]
         });
-        Self {
-            readings: readings.collect(),
-            pairs,
-            noise,
-        }
+        Self { readings: readings.collect(), pairs, noise }
     }
 
     /// What the plane with this index in [`ForceTerm::walls`] does to particles.
@@ -160,16 +145,7 @@ impl Walls {
             for i in range {
                 let felt = self.felt_of(i, positions[i]);
                 let [x, y, z] = felt.forces;
-                sums.add([
-                    felt.energy,
-                    felt.laplacian,
-                    x[0],
-                    x[1],
-                    y[0],
-                    y[1],
-                    z[0],
-                    z[1],
-                ]);
+                sums.add([felt.energy, felt.laplacian, x[0], x[1], y[0], y[1], z[0], z[1]]);
                 beyond = beyond.or(felt.beyond);
             }
             beyond
@@ -277,11 +253,7 @@ impl ForceTerm for Walls {
     }
 
     fn boundary(&mut self) -> Option<&mut dyn Boundary> {
-        if self.pairs.iter().any(WallPair::bounds_flight) {
-            Some(self)
-        } else {
-            None
-        }
+        if self.pairs.iter().any(WallPair::bounds_flight) { Some(self) } else { None }
     }
 }
 

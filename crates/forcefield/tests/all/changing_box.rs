@@ -20,10 +20,8 @@ struct Random(u64);
 impl Random {
     fn next(&mut self) -> f64 {
         // Knuth's constants for a linear congruential generator of 64 bits.
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
@@ -82,19 +80,11 @@ fn loops() -> Vec<ForceFieldOptions> {
         neighbor: verlet(Some(SKIN)),
         ..ForceFieldOptions::default()
     };
-    let mut all: Vec<ForceFieldOptions> = kernels()
-        .into_iter()
-        .map(|kernel| ForceFieldOptions { kernel, ..base })
-        .collect();
+    let mut all: Vec<ForceFieldOptions> =
+        kernels().into_iter().map(|kernel| ForceFieldOptions { kernel, ..base }).collect();
+    all.push(ForceFieldOptions { canonical: true, ..base });
     all.push(ForceFieldOptions {
-        canonical: true,
-        ..base
-    });
-    all.push(ForceFieldOptions {
-        neighbor: NeighborOptions {
-            mode: ListMode::Direct,
-            skin: None,
-        },
+        neighbor: NeighborOptions { mode: ListMode::Direct, skin: None },
         ..base
     });
     all
@@ -102,10 +92,7 @@ fn loops() -> Vec<ForceFieldOptions> {
 
 fn of_reference(options: &ForceFieldOptions) -> ForceFieldOptions {
     ForceFieldOptions {
-        kernel: KernelOptions {
-            kernel: Kernel::Reference,
-            ..KernelOptions::default()
-        },
+        kernel: KernelOptions { kernel: Kernel::Reference, ..KernelOptions::default() },
         neighbor: NeighborOptions::default(),
         ..*options
     }
@@ -158,22 +145,15 @@ fn near_and_far_parts_are_those_of_the_reference_while_the_box_changes() {
     let fluids = trajectory([8, 9, 8]);
     let at = conditions(fluids[0].cell, fluids[0].positions.len());
     for base in loops() {
-        let options = ForceFieldOptions {
-            split: Some(SplitOptions {
-                r_split: 1.8,
-                width: 0.4,
-            }),
-            ..base
-        };
+        let options =
+            ForceFieldOptions { split: Some(SplitOptions { r_split: 1.8, width: 0.4 }), ..base };
         let mut forces = build(&options, &at).unwrap();
         let mut reference = build(&of_reference(&options), &at).unwrap();
         for fluid in &fluids {
             let sizes = magnitudes(&options, fluid.cell, &fluid.positions);
             for part in [Part::Near, Part::Far] {
                 let get = |forces: &mut PairForces| {
-                    evaluate(forces, fluid.cell, &fluid.positions, part, Want::NOTHING)
-                        .unwrap()
-                        .0
+                    evaluate(forces, fluid.cell, &fluid.positions, part, Want::NOTHING).unwrap().0
                 };
                 let (found, wanted) = (get(&mut forces), get(&mut reference));
                 let relative = match options.kernel.precision {
@@ -183,10 +163,7 @@ fn near_and_far_parts_are_those_of_the_reference_while_the_box_changes() {
                 };
                 for ((f, w), (size, stiffness)) in found.iter().zip(&wanted).zip(&sizes) {
                     let bound = relative * (size + stiffness) + 1e-12;
-                    assert!(
-                        (*f - *w).length() <= bound,
-                        "{options:?}, {part:?}: {f} {w}"
-                    );
+                    assert!((*f - *w).length() <= bound, "{options:?}, {part:?}: {f} {w}");
                 }
             }
         }
@@ -271,10 +248,7 @@ fn a_shrinking_box_gets_a_thinner_skin_and_ends_with_an_error_at_twice_the_cutof
         if options.neighbor.mode == ListMode::Verlet {
             options.neighbor = verlet(Some(0.3));
         }
-        let mut fluid = Fluid {
-            cell,
-            positions: positions.clone(),
-        };
+        let mut fluid = Fluid { cell, positions: positions.clone() };
         // From half a side of 2.82 σ, where the skin fits, to 2.505 σ, where it is 0.005 σ.
         fluid.scale(DVec3::splat(2.82 / cell.largest_cutoff()));
         let mut forces = build(&options, &conditions(fluid.cell, n)).unwrap();
@@ -290,14 +264,8 @@ fn a_shrinking_box_gets_a_thinner_skin_and_ends_with_an_error_at_twice_the_cutof
         }
         let mut small = fluid.clone();
         small.scale(DVec3::new(1.0, 2.49 / fluid.cell.largest_cutoff(), 1.0));
-        let error = evaluate(
-            &mut forces,
-            small.cell,
-            &small.positions,
-            Part::All,
-            Want::NOTHING,
-        )
-        .unwrap_err();
+        let error = evaluate(&mut forces, small.cell, &small.positions, Part::All, Want::NOTHING)
+            .unwrap_err();
         let ForceError::CutoffOverHalfBox { r_cut, largest } = error else {
             panic!("{options:?}: {error}")
         };
@@ -337,14 +305,8 @@ fn clumps(sides: DVec3) -> Fluid {
 #[test]
 fn in_a_box_too_wide_for_fixed_point_mixed_precision_has_the_bits_of_double() {
     let with = |precision| ForceFieldOptions {
-        kernel: KernelOptions {
-            precision,
-            ..KernelOptions::default()
-        },
-        truncation: TruncationOptions {
-            r_cut: 1.32,
-            ..TruncationOptions::default()
-        },
+        kernel: KernelOptions { precision, ..KernelOptions::default() },
+        truncation: TruncationOptions { r_cut: 1.32, ..TruncationOptions::default() },
         ..ForceFieldOptions::default()
     };
     // A long slab and a cube, on either side of 10⁻⁶·2³² = 4294.97 σ, and boxes beyond any search.
@@ -364,10 +326,7 @@ fn in_a_box_too_wide_for_fixed_point_mixed_precision_has_the_bits_of_double() {
                 plan.precision == Precision::Mixed,
                 is_mixed && precision == Precision::Mixed
             );
-            assert_eq!(
-                plan.remark.is_some(),
-                !is_mixed && precision == Precision::Mixed
-            );
+            assert_eq!(plan.remark.is_some(), !is_mixed && precision == Precision::Mixed);
             all(&mut forces, fluid.cell, &fluid.positions, Want::TOTALS)
         });
         assert_eq!(mixed == double, !is_mixed, "{x} {z}");
@@ -383,10 +342,7 @@ fn in_a_box_too_wide_for_fixed_point_mixed_precision_has_the_bits_of_double() {
 fn a_box_that_grows_too_wide_for_fixed_point_ends_with_an_error() {
     let mut fluid = clumps(DVec3::new(30.0, 20.0, 4294.0));
     let options = ForceFieldOptions {
-        kernel: KernelOptions {
-            precision: Precision::Mixed,
-            ..KernelOptions::default()
-        },
+        kernel: KernelOptions { precision: Precision::Mixed, ..KernelOptions::default() },
         ..ForceFieldOptions::default()
     };
     let n = fluid.positions.len();

@@ -16,9 +16,7 @@ pub const DT: f64 = 0.004;
 /// Reproducible numbers in [0, 1): Weyl's sequence, with one irrational number per axis.
 pub fn scatter(n: usize, lengths: DVec3, seed: f64) -> Vec<DVec3> {
     let step = DVec3::new(0.819_172_513, 0.671_043_607, 0.549_700_478);
-    (0..n)
-        .map(|i| ((i as f64 + 0.5 + seed) * step).fract() * lengths)
-        .collect()
+    (0..n).map(|i| ((i as f64 + 0.5 + seed) * step).fract() * lengths).collect()
 }
 
 /// A perturbed simple cubic lattice at this density: distances as in a liquid, without overlap.
@@ -39,20 +37,11 @@ pub fn liquid(k: [usize; 3], density: f64, shake: f64) -> (PeriodicBox, Vec<DVec
 }
 
 pub fn conditions(cell: PeriodicBox, n_atoms: usize) -> Conditions<'static> {
-    Conditions {
-        cell,
-        n_atoms,
-        temperature: 1.0,
-        dt: DT,
-        mixture: None,
-    }
+    Conditions { cell, n_atoms, temperature: 1.0, dt: DT, mixture: None }
 }
 
 pub fn verlet(skin: Option<f64>) -> NeighborOptions {
-    NeighborOptions {
-        mode: ListMode::Verlet,
-        skin,
-    }
+    NeighborOptions { mode: ListMode::Verlet, skin }
 }
 
 /// Every potential with every truncation.
@@ -69,11 +58,7 @@ pub fn forms_of(potentials: Vec<PotentialOptions>) -> Vec<ForceFieldOptions> {
             if Model::new(&potential, &truncation).is_err() {
                 continue;
             }
-            all.push(ForceFieldOptions {
-                potential,
-                truncation,
-                ..ForceFieldOptions::default()
-            });
+            all.push(ForceFieldOptions { potential, truncation, ..ForceFieldOptions::default() });
         }
     }
     all
@@ -102,15 +87,8 @@ pub fn kernels() -> Vec<KernelOptions> {
     let mut all = Vec::new();
     for isa in [Isa::Avx512, Isa::Avx2, Isa::Portable] {
         for precision in [Precision::Double, Precision::Mixed] {
-            let kernel = KernelOptions {
-                kernel: Kernel::Auto,
-                precision,
-                isa,
-            };
-            let options = ForceFieldOptions {
-                kernel,
-                ..ForceFieldOptions::default()
-            };
+            let kernel = KernelOptions { kernel: Kernel::Auto, precision, isa };
+            let options = ForceFieldOptions { kernel, ..ForceFieldOptions::default() };
             let cell = PeriodicBox::new(DVec3::splat(10.0)).unwrap();
             if build(&options, &conditions(cell, 800)).is_ok() {
                 all.push(kernel);
@@ -149,10 +127,7 @@ pub fn built(
     cell: PeriodicBox,
     n: usize,
 ) -> PairForces {
-    let at = Conditions {
-        mixture,
-        ..conditions(cell, n)
-    };
+    let at = Conditions { mixture, ..conditions(cell, n) };
     build(options, &at).unwrap()
 }
 
@@ -171,24 +146,12 @@ pub fn reference_of(
     positions: &[DVec3],
 ) -> (Vec<DVec3>, Energetics) {
     let options = ForceFieldOptions {
-        kernel: KernelOptions {
-            kernel: Kernel::Reference,
-            ..KernelOptions::default()
-        },
+        kernel: KernelOptions { kernel: Kernel::Reference, ..KernelOptions::default() },
         neighbor: NeighborOptions::default(),
         ..*options
     };
-    let want = Want {
-        per_particle: true,
-        virial_tensor: true,
-        ..Want::TOTALS
-    };
-    all(
-        &mut built(&options, mixture, cell, positions.len()),
-        cell,
-        positions,
-        want,
-    )
+    let want = Want { per_particle: true, virial_tensor: true, ..Want::TOTALS };
+    all(&mut built(&options, mixture, cell, positions.len()), cell, positions, want)
 }
 
 /// Σ_j |F_ij| and Σ_j (|U″| + |U′/r|) of each particle: the scales of rounding errors.
@@ -237,10 +200,7 @@ pub fn magnitudes_of(
 
 /// The table of Lennard-Jones that comes along.
 pub fn table() -> PotentialOptions {
-    let file = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../inputs/potential/lennard-jones.table"
-    );
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../inputs/potential/lennard-jones.table");
     PotentialOptions::Table(Table {
         file: Some(TablePath::from(file.to_owned())),
         tail_exponent: Some(6),
@@ -252,10 +212,7 @@ pub fn table() -> PotentialOptions {
 pub fn models_of(mixture: &Mixture, options: &ForceFieldOptions) -> Vec<Vec<Model>> {
     let model = |a: usize, b: usize| {
         let pair = mixture.pair(a, b);
-        let own = TruncationOptions {
-            r_cut: pair.r_cut / pair.sigma,
-            ..options.truncation
-        };
+        let own = TruncationOptions { r_cut: pair.r_cut / pair.sigma, ..options.truncation };
         Model::new(&options.potential, &own).unwrap()
     };
     let species = mixture.species();
@@ -269,11 +226,7 @@ pub fn mixture_or_one(species: usize, r_cut: f64, n: usize) -> Option<Mixture> {
 }
 
 pub fn in_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .unwrap()
-        .install(work)
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
 }
 
 /// A bath whose factor shows each bit of the kinetic energy, and how often it has acted.

@@ -9,11 +9,8 @@ fn models() -> Vec<(ForceFieldOptions, Model)> {
     for potential in PotentialOptions::examples() {
         for &kind in TruncationKind::ALL {
             let truncation = TruncationOptions::new(kind, 2.5);
-            let options = ForceFieldOptions {
-                potential,
-                truncation,
-                ..ForceFieldOptions::default()
-            };
+            let options =
+                ForceFieldOptions { potential, truncation, ..ForceFieldOptions::default() };
             if let Ok(model) = Model::new(&potential, &truncation) {
                 all.push((options, model));
             }
@@ -70,11 +67,9 @@ fn lennard_jones_crosses_zero_at_sigma_and_has_its_minimum_at_minus_epsilon() {
 fn truncations_are_as_smooth_at_the_cutoff_as_they_claim() {
     for (options, model) in models() {
         let end = model.eval(model.r_cut * model.r_cut);
-        let plain = Model::new(
-            &options.potential,
-            &TruncationOptions::new(TruncationKind::Cut, 2.5),
-        )
-        .unwrap();
+        let plain =
+            Model::new(&options.potential, &TruncationOptions::new(TruncationKind::Cut, 2.5))
+                .unwrap();
         let jump = plain.eval(2.5_f64 * 2.5).energy;
         match (options.potential, options.truncation.kind) {
             (potential, _) if potential.own_end().is_some() => {
@@ -141,22 +136,12 @@ fn xplor_is_the_formula_of_other_programs() {
 fn the_switch_serialises_with_its_default_start_left_out_and_comes_back() {
     for (options, _) in models() {
         let text = toml::to_string(&options).unwrap();
-        assert_eq!(
-            toml::from_str::<ForceFieldOptions>(&text).unwrap(),
-            options,
-            "{text}"
-        );
+        assert_eq!(toml::from_str::<ForceFieldOptions>(&text).unwrap(), options, "{text}");
     }
     let bare: ForceFieldOptions = toml::from_str("[truncation]\nkind = \"shift\"\n").unwrap();
-    assert_eq!(
-        bare.truncation,
-        TruncationOptions::new(TruncationKind::Shift, 2.5)
-    );
+    assert_eq!(bare.truncation, TruncationOptions::new(TruncationKind::Shift, 2.5));
     let soft: ForceFieldOptions = toml::from_str("[potential]\nkind = \"soft-sphere\"\n").unwrap();
-    assert_eq!(
-        soft.potential,
-        PotentialOptions::SoftSphere(SoftSphere { exponent: 12 })
-    );
+    assert_eq!(soft.potential, PotentialOptions::SoftSphere(SoftSphere { exponent: 12 }));
     assert!(
         toml::from_str::<ForceFieldOptions>("[potential]\nkind = \"wca\"\nexponent = 3\n").is_err()
     );
@@ -172,10 +157,7 @@ fn truncated_potentials() -> impl Iterator<Item = PotentialOptions> {
 #[test]
 fn tail_pressure_is_minus_the_volume_derivative_of_the_tail_energy() {
     for potential in truncated_potentials() {
-        let options = ForceFieldOptions {
-            potential,
-            ..ForceFieldOptions::default()
-        };
+        let options = ForceFieldOptions { potential, ..ForceFieldOptions::default() };
         let (n, v) = (864, 1023.45);
         let u = |v: f64| tail_correction(&options, n, v).unwrap().energy;
         let h = v * f64::EPSILON.cbrt();
@@ -206,10 +188,7 @@ fn tail_integrals_are_those_of_the_potential() {
     // Simpson's rule from r_cut to END in ln r. Beyond, r⁻⁴, the slowest decay allowed, leaves 2.5/END of it.
     const END: f64 = 2.5e5;
     for potential in truncated_potentials() {
-        let options = ForceFieldOptions {
-            potential,
-            ..ForceFieldOptions::default()
-        };
+        let options = ForceFieldOptions { potential, ..ForceFieldOptions::default() };
         let model = Model::new(&potential, &options.truncation).unwrap();
         let (a, b) = (2.5_f64.ln(), END.ln());
         let steps = 20_000;
@@ -232,27 +211,15 @@ fn tail_integrals_are_those_of_the_potential() {
         let tail = tail_correction(&options, n, v).unwrap();
         let factor = 2.0 * std::f64::consts::PI * 100.0 * 100.0 / v;
         let near = |closed: f64, summed: f64| (closed / (factor * summed) - 1.0).abs() < 2e-5;
-        assert!(
-            near(tail.energy, energy),
-            "{potential:?}: {tail:?} {energy}"
-        );
-        assert!(
-            near(tail.virial, virial),
-            "{potential:?}: {tail:?} {virial}"
-        );
+        assert!(near(tail.energy, energy), "{potential:?}: {tail:?} {energy}");
+        assert!(near(tail.virial, virial), "{potential:?}: {tail:?} {virial}");
     }
 }
 
 #[test]
 fn what_cannot_be_is_refused_with_the_key_it_is_about() {
     let cell = PeriodicBox::new(DVec3::splat(8.0)).unwrap();
-    let at = Conditions {
-        cell,
-        n_atoms: 400,
-        temperature: 1.0,
-        dt: 0.005,
-        mixture: None,
-    };
+    let at = Conditions { cell, n_atoms: 400, temperature: 1.0, dt: 0.005, mixture: None };
     let base = ForceFieldOptions::default();
     let with = |change: &dyn Fn(&mut ForceFieldOptions)| {
         let mut options = base;
@@ -267,31 +234,19 @@ fn what_cannot_be_is_refused_with_the_key_it_is_about() {
             }
         }
     };
-    assert_eq!(
-        with(&|o| o.truncation.r_cut = 4.000_001),
-        "truncation.r_cut"
-    );
+    assert_eq!(with(&|o| o.truncation.r_cut = 4.000_001), "truncation.r_cut");
     assert_eq!(with(&|o| o.truncation.r_cut = f64::NAN), "truncation.r_cut");
     assert_eq!(with(&|o| o.truncation.r_cut = -1.0), "truncation.r_cut");
     assert_eq!(with(&|o| o.neighbor.skin = Some(1.6)), "neighbor.skin");
     assert_eq!(with(&|o| o.neighbor.skin = Some(-0.1)), "neighbor.skin");
-    assert_eq!(
-        with(&|o| o.truncation.kind = TruncationKind::Shift),
-        "truncation.tail_correction"
-    );
-    assert_eq!(
-        with(&|o| o.truncation.switch_from = Some(2.0)),
-        "truncation.switch_from"
-    );
+    assert_eq!(with(&|o| o.truncation.kind = TruncationKind::Shift), "truncation.tail_correction");
+    assert_eq!(with(&|o| o.truncation.switch_from = Some(2.0)), "truncation.switch_from");
     assert_eq!(
         with(&|o| o.potential = PotentialOptions::SoftSphere(SoftSphere { exponent: 3 })),
         "potential.exponent"
     );
     assert_eq!(
-        with(&|o| o.split = Some(SplitOptions {
-            r_split: 3.0,
-            width: 0.2
-        })),
+        with(&|o| o.split = Some(SplitOptions { r_split: 3.0, width: 0.2 })),
         "integrator.r_split"
     );
     // Half the box is legal, and a skin that the program chooses is clamped or done without.

@@ -69,10 +69,7 @@ fn forces_are_derivatives_of_the_energy() {
     for base in forms() {
         let mixture = mixture(3, base.truncation.r_cut, positions.len());
         let options = ForceFieldOptions {
-            kernel: KernelOptions {
-                kernel: Kernel::Reference,
-                ..base.kernel
-            },
+            kernel: KernelOptions { kernel: Kernel::Reference, ..base.kernel },
             ..base
         };
         let mut forces = built(&options, Some(&mixture), cell, positions.len());
@@ -83,17 +80,12 @@ fn forces_are_derivatives_of_the_energy() {
                 let mut moved = positions.clone();
                 moved[particle].y += by;
                 // The energy without the jumps of pairs that cross their cutoff.
-                all(forces, cell, &moved, Want::ENERGY)
-                    .1
-                    .conserved_potential
+                all(forces, cell, &moved, Want::ENERGY).1.conserved_potential
             };
             let [up, down] = [h, -h].map(|h| energy(h, &mut forces).unwrap());
             let slope = (up - down) / (2.0 * h);
             let off = (slope + f[particle].y).abs();
-            assert!(
-                off < 1e-5 * (1.0 + f[particle].length()),
-                "{options:?}: {off}"
-            );
+            assert!(off < 1e-5 * (1.0 + f[particle].length()), "{options:?}: {off}");
         }
     }
 }
@@ -103,12 +95,9 @@ fn species_that_are_all_alike_have_the_bits_of_one_fluid() {
     let (cell, positions) = liquid([8, 8, 8], 0.8442, 0.15);
     let n = positions.len();
     for base in forms() {
-        let alike = Mixture::new(
-            2,
-            |_, _| SpeciesPair::unit(base.truncation.r_cut),
-            species_of(2, n),
-        )
-        .unwrap();
+        let alike =
+            Mixture::new(2, |_, _| SpeciesPair::unit(base.truncation.r_cut), species_of(2, n))
+                .unwrap();
         for kernel in kernels() {
             let options = ForceFieldOptions { kernel, ..base };
             let run = |mixture: Option<&Mixture>| {
@@ -153,14 +142,8 @@ fn tails_are_the_integrals_of_every_ordered_pair_of_species() {
                 virial += pairs * pair.epsilon * own.virial;
             }
         }
-        assert!(
-            (tail.energy - energy).abs() <= 1e-12 * energy.abs(),
-            "{base:?}"
-        );
-        assert!(
-            (tail.virial - virial).abs() <= 1e-12 * virial.abs(),
-            "{base:?}"
-        );
+        assert!((tail.energy - energy).abs() <= 1e-12 * energy.abs(), "{base:?}");
+        assert!((tail.virial - virial).abs() <= 1e-12 * virial.abs(), "{base:?}");
         assert!((tail.energy_per_particle * n as f64 - tail.energy).abs() <= 1e-12 * energy.abs());
         // P_tail = −∂U_tail/∂V by finite differences: U_tail goes as 1/V.
         let energy_at = |v: f64| tail_of_mixture(&base, &mixture, v).unwrap().energy;
@@ -196,10 +179,7 @@ fn what_cannot_be_is_refused() {
     };
     for species in [0, lennard_core::MOST_SPECIES + 1] {
         let (key, text) = message(Mixture::new(species, unit, of(1)));
-        assert!(
-            key == "species" && text.contains("a mixture has 1 to 8 species, found"),
-            "{text}"
-        );
+        assert!(key == "species" && text.contains("a mixture has 1 to 8 species, found"), "{text}");
     }
     assert!(
         message(Mixture::new(2, unit, of(3)))
@@ -214,11 +194,7 @@ fn what_cannot_be_is_refused() {
     ];
     for (key, sigma, epsilon, r_cut) in bad {
         let pair = |a, b| match (a, b) {
-            (0, 1) => SpeciesPair {
-                sigma,
-                epsilon,
-                r_cut,
-            },
+            (0, 1) => SpeciesPair { sigma, epsilon, r_cut },
             _ => SpeciesPair::unit(2.5),
         };
         let found = message(Mixture::new(2, pair, of(2)));
@@ -228,35 +204,20 @@ fn what_cannot_be_is_refused() {
     }
     let cell = PeriodicBox::new(DVec3::splat(8.0)).unwrap();
     let mixture = |sigma: f64, r_cut| {
-        let pair = |a, b| SpeciesPair {
-            sigma: if a == b { 1.0 } else { sigma },
-            epsilon: 1.0,
-            r_cut,
-        };
+        let pair =
+            |a, b| SpeciesPair { sigma: if a == b { 1.0 } else { sigma }, epsilon: 1.0, r_cut };
         Mixture::new(2, pair, of(2)).unwrap()
     };
     let refused = |o: &ForceFieldOptions, mixture: &Mixture, n_atoms| {
-        let at = Conditions {
-            mixture: Some(mixture),
-            ..conditions(cell, n_atoms)
-        };
+        let at = Conditions { mixture: Some(mixture), ..conditions(cell, n_atoms) };
         check(o, &at).unwrap_err()
     };
     let base = ForceFieldOptions::default();
-    let wca = ForceFieldOptions {
-        potential: PotentialOptions::Wca(Wca {}),
-        ..base
-    };
-    assert_eq!(
-        refused(&base, &mixture(1.1, 4.5), 10).key(),
-        "truncation.r_cut"
-    );
+    let wca = ForceFieldOptions { potential: PotentialOptions::Wca(Wca {}), ..base };
+    assert_eq!(refused(&base, &mixture(1.1, 4.5), 10).key(), "truncation.r_cut");
     let other = refused(&base, &mixture(1.1, 2.5), 11);
     assert_eq!(other.key(), "system.n_atoms");
-    assert_eq!(
-        other.to_string(),
-        "the mixture has 10 particles, and the system has 11"
-    );
+    assert_eq!(other.to_string(), "the mixture has 10 particles, and the system has 11");
     let inside = refused(&wca, &mixture(3.0, 2.5), 10).to_string();
     let words = "the pair of species 0 and 1, in units of its own σ and ε:";
     assert!(inside.contains(words), "{inside}");

@@ -19,9 +19,7 @@ fn configuration(number: &str) -> (PeriodicBox, Vec<DVec3>) {
     let path = folder().join(format!("lj_sample_config_periodic{number}.txt"));
     let text = std::fs::read_to_string(path).unwrap();
     let mut lines = text.lines().map(|line| {
-        line.split_whitespace()
-            .map(|word| word.parse::<f64>().unwrap())
-            .collect::<Vec<f64>>()
+        line.split_whitespace().map(|word| word.parse::<f64>().unwrap()).collect::<Vec<f64>>()
     });
     let lengths = DVec3::from_slice(&lines.next().unwrap());
     let n = lines.next().unwrap()[0] as usize;
@@ -32,10 +30,7 @@ fn configuration(number: &str) -> (PeriodicBox, Vec<DVec3>) {
 
 fn close(found: f64, wanted: f64, what: &str) {
     let error = (found - wanted).abs() / wanted.abs().max(f64::MIN_POSITIVE);
-    assert!(
-        error <= TOLERANCE,
-        "{what}: {found:e} against {wanted:e}, relative error {error:e}"
-    );
+    assert!(error <= TOLERANCE, "{what}: {found:e} against {wanted:e}, relative error {error:e}");
 }
 
 #[test]
@@ -59,14 +54,8 @@ fn nist_energies_and_virials_are_met_by_every_loop() {
             dt: 0.005,
             mixture: None,
         };
-        let list = NeighborOptions {
-            mode: ListMode::Verlet,
-            skin: None,
-        };
-        let direct = NeighborOptions {
-            mode: ListMode::Direct,
-            skin: None,
-        };
+        let list = NeighborOptions { mode: ListMode::Verlet, skin: None };
+        let direct = NeighborOptions { mode: ListMode::Direct, skin: None };
         for (kernel, neighbor, isa) in [
             (Kernel::Reference, NeighborOptions::default(), Isa::Auto),
             (Kernel::Auto, direct, Isa::Auto),
@@ -75,27 +64,16 @@ fn nist_energies_and_virials_are_met_by_every_loop() {
         ] {
             let options = ForceFieldOptions {
                 truncation: TruncationOptions::new(kind, number(5)),
-                kernel: KernelOptions {
-                    kernel,
-                    isa,
-                    ..KernelOptions::default()
-                },
+                kernel: KernelOptions { kernel, isa, ..KernelOptions::default() },
                 neighbor,
                 ..ForceFieldOptions::default()
             };
             let mut forces = build(&options, &conditions).unwrap();
             let mut f = vec![DVec3::ZERO; positions.len()];
             let at = Configuration::at_rest(&periodic, &positions);
-            let found = forces
-                .evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut f)
-                .unwrap();
-            let what = format!(
-                "configuration {}, {} {}, {:?}",
-                cell[0],
-                cell[4],
-                cell[5],
-                forces.plan()
-            );
+            let found = forces.evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut f).unwrap();
+            let what =
+                format!("configuration {}, {} {}, {:?}", cell[0], cell[4], cell[5], forces.plan());
             assert_eq!(found.pairs, Some(number(6) as u64), "{what}");
             close(found.potential_energy.unwrap(), number(10), &what);
             close(found.scalar_virial().unwrap(), number(11), &what);

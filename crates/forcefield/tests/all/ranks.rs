@@ -65,11 +65,7 @@ fn history(start: &Fluid, forces: &mut PairForces, kind: Kind, rounds: usize) ->
     let mut step = 0;
     for round in 0..rounds {
         let want = match round % 3 {
-            0 => Want {
-                per_particle: true,
-                virial_tensor: true,
-                ..Want::TOTALS
-            },
+            0 => Want { per_particle: true, virial_tensor: true, ..Want::TOTALS },
             1 => Want::NOTHING,
             _ => Want::TOTALS,
         };
@@ -88,18 +84,14 @@ fn history(start: &Fluid, forces: &mut PairForces, kind: Kind, rounds: usize) ->
             masses: &masses,
             dt: DT,
             steps: 17 + round as u64,
-            bath: bath
-                .as_mut()
-                .map(|bath| FusedBath::new(bath, 12.0, DT, step)),
+            bath: bath.as_mut().map(|bath| FusedBath::new(bath, 12.0, DT, step)),
             noise: matches!(kind, Kind::Noise).then(|| FusedNoise::new(noise, DT, step)),
         };
         let taken = forces.advance(&mut steps);
         let FusedSteps { bath, noise, .. } = steps;
         // Where no step is taken, heats have no meaning.
-        let heats = (taken > 0).then_some((
-            bath.map(FusedBath::into_heats),
-            noise.map(FusedNoise::into_heats),
-        ));
+        let heats = (taken > 0)
+            .then_some((bath.map(FusedBath::into_heats), noise.map(FusedNoise::into_heats)));
         told.push(format!("{taken} {heats:?}"));
         step += taken;
         let mut archive = StateArchive::default();
@@ -161,10 +153,9 @@ fn compare(
 #[test]
 fn any_number_of_ranks_and_threads_has_the_bits_of_one_process() {
     // Fewer and more particles than each thread packs for itself; neither is a multiple of a chunk.
-    for (k, teams) in [
-        ([9, 10, 9], &[[1, 1], [2, 1], [3, 2], [4, 1]][..]),
-        ([13, 14, 13], &[[2, 2], [5, 1]]),
-    ] {
+    for (k, teams) in
+        [([9, 10, 9], &[[1, 1], [2, 1], [3, 2], [4, 1]][..]), ([13, 14, 13], &[[2, 2], [5, 1]])]
+    {
         let start = fluid(k, 0.75);
         let n = start.positions.len();
         for kernel in kernels() {
@@ -212,11 +203,7 @@ fn groups_in_several_columns_see_what_lies_beside_them_in_a_thin_box() {
 
 /// A gas in which pairs that no list names fly at each other, and meet while the list still lasts.
 fn meeting_pairs(k: [usize; 3]) -> Fluid {
-    let Fluid {
-        cell,
-        mut positions,
-        mut velocities,
-    } = fluid(k, 0.05);
+    let Fluid { cell, mut positions, mut velocities } = fluid(k, 0.05);
     velocities.iter_mut().for_each(|v| *v = v.normalize() * 0.3);
     let toward = DVec3::ONE.normalize();
     for first in (0..30).map(|pair| 60 * pair) {
@@ -225,11 +212,7 @@ fn meeting_pairs(k: [usize; 3]) -> Fluid {
         velocities[first] = toward * 4.0;
         velocities[other] = toward * -4.0;
     }
-    Fluid {
-        cell,
-        positions,
-        velocities,
-    }
+    Fluid { cell, positions, velocities }
 }
 
 #[test]
@@ -262,11 +245,7 @@ struct Watched {
 impl Watched {
     fn over(team: &Team, is_lossy: bool) -> (Team, Arc<AtomicUsize>) {
         let gathered = Arc::new(AtomicUsize::new(0));
-        let watched = Self {
-            team: team.clone(),
-            is_lossy,
-            gathered: gathered.clone(),
-        };
+        let watched = Self { team: team.clone(), is_lossy, gathered: gathered.clone() };
         (Team::new(Box::new(watched)), gathered)
     }
 }
@@ -367,16 +346,10 @@ fn a_near_part_and_excluded_pairs_are_shared_too() {
     let n = start.positions.len();
     for precision in [Precision::Double, Precision::Mixed] {
         let options = ForceFieldOptions {
-            split: Some(SplitOptions {
-                r_split: 1.6,
-                width: 0.3,
-            }),
+            split: Some(SplitOptions { r_split: 1.6, width: 0.3 }),
             exclusions: lennard_core::Molecules::chains(2, 0.45, lennard_core::Bonds::Rigid)
                 .exclusions(),
-            ..options(KernelOptions {
-                precision,
-                ..KernelOptions::default()
-            })
+            ..options(KernelOptions { precision, ..KernelOptions::default() })
         };
         let at = conditions(start.cell, n);
         let parts = |forces: &mut PairForces| {
@@ -476,16 +449,9 @@ fn a_halo_is_as_large_as_was_foreseen() {
             if ranks > 1 {
                 let others = foreseen.lists * (ranks - 1) as f64;
                 let bytes = alone.statistics().bytes as f64 - others + foreseen.buffers;
-                assert!(
-                    (mean_of(1) / bytes - 1.0).abs() < 0.02,
-                    "{} {bytes}",
-                    mean_of(1)
-                );
+                assert!((mean_of(1) / bytes - 1.0).abs() < 0.02, "{} {bytes}", mean_of(1));
             }
-            assert!(
-                (foreseen.particles - mean).abs() < 1e-9,
-                "{ranks}: {foreseen:?}, {mean}"
-            );
+            assert!((foreseen.particles - mean).abs() < 1e-9, "{ranks}: {foreseen:?}, {mean}");
             assert_eq!(foreseen.particles > 0.0, ranks > 1);
             assert!(foreseen.partners < ranks as f64);
             // There are 50 chunks, the last of 14 particles.
@@ -504,27 +470,18 @@ fn more_ranks_than_chunks_are_refused_and_other_searches_are_not_shared() {
         ..ForceFieldOptions::default()
     };
     let at = conditions(start.cell, n);
-    let errors = on_ranks(4, 1, |team| {
-        build(&options, &at).unwrap().share(team).unwrap_err()
-    });
+    let errors = on_ranks(4, 1, |team| build(&options, &at).unwrap().share(team).unwrap_err());
     for error in errors {
         assert_eq!(
             error.to_string(),
             "4 ranks for 100 particles\n  allowed: at most 3, since each rank takes 48 neighbors in space or more"
         );
     }
-    for shared in on_ranks(3, 1, |team| {
-        build(&options, &at).unwrap().share(team).unwrap()
-    }) {
+    for shared in on_ranks(3, 1, |team| build(&options, &at).unwrap().share(team).unwrap()) {
         assert!(shared);
     }
-    let canonical = ForceFieldOptions {
-        canonical: true,
-        ..options
-    };
-    for shared in on_ranks(2, 1, |team| {
-        build(&canonical, &at).unwrap().share(team).unwrap()
-    }) {
+    let canonical = ForceFieldOptions { canonical: true, ..options };
+    for shared in on_ranks(2, 1, |team| build(&canonical, &at).unwrap().share(team).unwrap()) {
         assert!(!shared);
     }
 }

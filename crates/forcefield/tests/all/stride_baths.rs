@@ -32,12 +32,7 @@ impl Fluid {
             && bath.acts_after(self.step)
         {
             let kinetic = masses.kinetic_energy(v);
-            let factor = bath.factor(BathStep {
-                kinetic,
-                n_dof: 12.0,
-                dt: DT,
-                step: self.step,
-            });
+            let factor = bath.factor(BathStep { kinetic, n_dof: 12.0, dt: DT, step: self.step });
             scale(v, factor);
             self.heats.push(factor * factor * kinetic - kinetic);
         }
@@ -115,19 +110,13 @@ fn strides_under_baths_and_noise_have_the_bits_of_single_steps() {
             };
             let fresh = || built(&options, None, cell, n);
             for (bath, noise) in [(bath(1), None), (bath(3), None), (None, Some(noise))] {
-                let start = Fluid {
-                    bath,
-                    ..start.clone()
-                };
+                let start = Fluid { bath, ..start.clone() };
                 let (mut one, mut forces) = (start.clone(), fresh());
                 for _ in 0..40 {
                     one.step(&mut forces, noise);
                 }
                 let builds = forces.statistics().builds;
-                assert!(
-                    (2..40).contains(&builds) && one.heats.len() > 12,
-                    "{builds}"
-                );
+                assert!((2..40).contains(&builds) && one.heats.len() > 12, "{builds}");
                 for (threads, lengths) in [(1, [40, 0]), (2, [39, 1]), (3, [7, 9])] {
                     let (mut all, mut forces) = (start.clone(), fresh());
                     in_threads(threads, || {
@@ -165,19 +154,13 @@ fn a_stride_that_fails_under_a_bath_changes_no_particle() {
         heats: Vec::new(),
     };
     for kernel in kernels() {
-        let options = ForceFieldOptions {
-            kernel,
-            ..ForceFieldOptions::default()
-        };
+        let options = ForceFieldOptions { kernel, ..ForceFieldOptions::default() };
         let (mut fluid, mut forces) = (start.clone(), built(&options, None, cell, n));
         let taken = fluid.stride(&mut forces, None, 9);
         assert_eq!(taken, 0);
         assert_eq!(fluid.positions, start.positions);
         assert_eq!(fluid.velocities, start.velocities);
-        assert!(
-            fluid.bath != start.bath,
-            "the caller gives the bath its memory back"
-        );
+        assert!(fluid.bath != start.bath, "the caller gives the bath its memory back");
         // The kinetic energy of the next stride has nothing of the last one.
         let [mut other, mut alone] = [start.clone(), start.clone()].map(|mut fluid| {
             fluid.velocities[77] = DVec3::X;

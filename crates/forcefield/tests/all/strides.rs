@@ -24,11 +24,7 @@ struct Fluid {
 impl Fluid {
     fn start(cell: PeriodicBox, positions: Vec<DVec3>) -> Self {
         let noise = scatter(positions.len(), DVec3::splat(4.0), 0.7);
-        Self {
-            cell,
-            positions,
-            velocities: noise.iter().map(|v| *v - DVec3::splat(2.0)).collect(),
-        }
+        Self { cell, positions, velocities: noise.iter().map(|v| *v - DVec3::splat(2.0)).collect() }
     }
 
     /// One step of the sequence that fused steps promise.
@@ -131,14 +127,8 @@ fn a_stride_of_very_many_particles_has_the_bits_of_single_steps() {
     for (k, v) in start.velocities.iter_mut().enumerate() {
         *v = v.normalize() * if k % 17 == 0 { 4.0 } else { 1.0 };
     }
-    let kernel = KernelOptions {
-        precision: Precision::Mixed,
-        ..KernelOptions::default()
-    };
-    let (masses, at) = (
-        Masses::Uniform(1.0),
-        conditions(cell, start.positions.len()),
-    );
+    let kernel = KernelOptions { precision: Precision::Mixed, ..KernelOptions::default() };
+    let (masses, at) = (Masses::Uniform(1.0), conditions(cell, start.positions.len()));
     let fresh = || build(&options(kernel, TruncationKind::Shift), &at).unwrap();
     let (mut one, mut forces) = (start.clone(), fresh());
     for _ in 0..36 {
@@ -233,12 +223,9 @@ fn a_stride_leaves_what_is_not_finite_to_single_steps() {
             velocities: meeting.velocities[77..79].to_vec(),
         };
         for kernel in kernels() {
-            for (cell, start, least) in [
-                (cell, &nowhere, 1),
-                (cell, &far, 2),
-                (roomy, &meeting, 4),
-                (roomy, &alone, 4),
-            ] {
+            for (cell, start, least) in
+                [(cell, &nowhere, 1), (cell, &far, 2), (roomy, &meeting, 4), (roomy, &alone, 4)]
+            {
                 let at = conditions(cell, start.positions.len());
                 let fresh = || build(&options(kernel, TruncationKind::Shift), &at).unwrap();
                 let expected = fails(start, fresh, 0);
@@ -252,11 +239,7 @@ fn a_stride_leaves_what_is_not_finite_to_single_steps() {
             // The stride that failed at its first step changed nothing.
             let (mut all, mut forces) = (
                 nowhere.clone(),
-                build(
-                    &options(kernel, TruncationKind::Shift),
-                    &conditions(cell, n),
-                )
-                .unwrap(),
+                build(&options(kernel, TruncationKind::Shift), &conditions(cell, n)).unwrap(),
             );
             assert_eq!(all.stride(&mut forces, &Masses::Uniform(1.0), 9), 0);
             assert!(all == nowhere);
@@ -269,29 +252,17 @@ fn forces_without_a_list_in_that_order_take_no_strides() {
     let (cell, positions) = liquid([8, 8, 8], 0.8, 0.1);
     let start = Fluid::start(cell, positions);
     let base = options(KernelOptions::default(), TruncationKind::Shift);
-    let canonical = ForceFieldOptions {
-        canonical: true,
-        ..base
-    };
+    let canonical = ForceFieldOptions { canonical: true, ..base };
     let direct = ForceFieldOptions {
-        neighbor: NeighborOptions {
-            mode: ListMode::Direct,
-            skin: None,
-        },
+        neighbor: NeighborOptions { mode: ListMode::Direct, skin: None },
         ..base
     };
-    let mut reference = ForceFieldOptions {
-        neighbor: NeighborOptions::default(),
-        ..base
-    };
+    let mut reference = ForceFieldOptions { neighbor: NeighborOptions::default(), ..base };
     reference.kernel.kernel = Kernel::Reference;
     let (same, each) = (Masses::Uniform(1.0), Masses::Each(vec![1.0; 512]));
-    for (options, masses) in [
-        (canonical, &same),
-        (direct, &same),
-        (reference, &same),
-        (base, &each),
-    ] {
+    for (options, masses) in
+        [(canonical, &same), (direct, &same), (reference, &same), (base, &each)]
+    {
         let mut forces = build(&options, &conditions(cell, 512)).unwrap();
         let mut fluid = start.clone();
         assert_eq!(fluid.stride(&mut forces, masses, 20), 0, "{options:?}");
@@ -300,10 +271,7 @@ fn forces_without_a_list_in_that_order_take_no_strides() {
     }
     // A stride of two steps is too short to be worth the gathering of particles.
     let mixed = ForceFieldOptions {
-        kernel: KernelOptions {
-            precision: Precision::Mixed,
-            ..base.kernel
-        },
+        kernel: KernelOptions { precision: Precision::Mixed, ..base.kernel },
         ..base
     };
     let mut forces = build(&mixed, &conditions(cell, 512)).unwrap();
@@ -312,9 +280,7 @@ fn forces_without_a_list_in_that_order_take_no_strides() {
     let at = Configuration::at_rest(&cell, &start.positions);
     // An evaluation at other positions right after a stride builds a list of its own.
     let mut f = vec![DVec3::ZERO; 512];
-    forces
-        .evaluate(at, Part::All, Want::NOTHING, &mut f)
-        .unwrap();
+    forces.evaluate(at, Part::All, Want::NOTHING, &mut f).unwrap();
     let mut fresh = build(&mixed, &conditions(cell, 512)).unwrap();
     let (expected, _) = all(&mut fresh, cell, &start.positions, Want::NOTHING);
     let size: f64 = expected.iter().map(|f| f.length()).fold(0.0, f64::max);

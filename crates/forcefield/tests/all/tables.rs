@@ -18,16 +18,10 @@ fn forces_of_a_liquid_are_the_formulas_within_the_stated_error() {
     assert!(of_force < 1e-4, "{of_force}");
     for &kind in TruncationKind::ALL {
         let truncation = TruncationOptions::new(kind, 2.5);
-        let formula = ForceFieldOptions {
-            truncation,
-            ..ForceFieldOptions::default()
-        };
+        let formula = ForceFieldOptions { truncation, ..ForceFieldOptions::default() };
         let (wanted, totals) = reference(&formula, cell, &positions);
         let sizes = magnitudes(&formula, cell, &positions);
-        let tabulated = ForceFieldOptions {
-            potential: table(),
-            ..formula
-        };
+        let tabulated = ForceFieldOptions { potential: table(), ..formula };
         let mut forces = build(&tabulated, &conditions(cell, positions.len())).unwrap();
         let (found, energetics) = all(&mut forces, cell, &positions, Want::TOTALS);
         // Some 65 neighbors have a stated error of 1 + |F| each; a weight of the truncation adds its slope times U.
@@ -61,33 +55,18 @@ fn the_force_of_a_table_is_the_slope_of_its_energy() {
 #[test]
 fn the_tail_is_that_of_lennard_jones() {
     let tail = |potential| {
-        let options = ForceFieldOptions {
-            potential,
-            ..ForceFieldOptions::default()
-        };
+        let options = ForceFieldOptions { potential, ..ForceFieldOptions::default() };
         tail_correction(&options, 864, 1000.0).unwrap()
     };
     let (found, wanted) = (tail(table()), tail(PotentialOptions::default()));
-    assert!(
-        (found.energy / wanted.energy - 1.0).abs() < 1e-4,
-        "{found:?} {wanted:?}"
-    );
-    assert!(
-        (found.virial / wanted.virial - 1.0).abs() < 1e-4,
-        "{found:?} {wanted:?}"
-    );
+    assert!((found.energy / wanted.energy - 1.0).abs() < 1e-4, "{found:?} {wanted:?}");
+    assert!((found.virial / wanted.virial - 1.0).abs() < 1e-4, "{found:?} {wanted:?}");
 }
 
 #[test]
 fn a_table_names_rows_checksum_errors_and_tail() {
     let words = table().in_words();
-    for part in [
-        "lennard-jones.table",
-        "661 rows",
-        "checksum",
-        "spline within",
-        "tail r^-6",
-    ] {
+    for part in ["lennard-jones.table", "661 rows", "checksum", "spline within", "tail r^-6"] {
         assert!(words.contains(part), "{words}");
     }
 }
@@ -119,11 +98,7 @@ fn what_a_table_cannot_be_is_refused_with_its_key() {
     let without = of(|t| t.tail_exponent = None);
     let allowed = refused(without, cut, "potential.file");
     assert!(allowed.contains("tail_exponent"), "{allowed}");
-    refused(
-        of(|t| t.tail_exponent = Some(9)),
-        cut,
-        "potential.tail_exponent",
-    );
+    refused(of(|t| t.tail_exponent = Some(9)), cut, "potential.tail_exponent");
     let nowhere = of(|t| t.file = Some(TablePath::from("no/such.table".to_owned())));
     refused(nowhere, shift, "potential.file");
     let changed: Table = toml::from_str(&format!(

@@ -26,13 +26,10 @@ fn slit(text: &str) -> Walls {
 }
 
 /// The walls that exert forces, with the formula at the lower end.
-fn exerting() -> Vec<(
-    &'static str,
-    std::sync::Arc<dyn lennard_forcefield::WallForce>,
-)> {
-    let all = WallOptions::all().into_iter().chain([options(
-        "kind = \"soft\"\nlaw = \"hertz\"\nstiffness = 50.0",
-    )]);
+fn exerting() -> Vec<(&'static str, std::sync::Arc<dyn lennard_forcefield::WallForce>)> {
+    let all = WallOptions::all()
+        .into_iter()
+        .chain([options("kind = \"soft\"\nlaw = \"hertz\"\nstiffness = 50.0")]);
     all.filter_map(|wall| match wall.surface(&CONTEXT, false) {
         Surface::Exerts(force) => Some((wall.spec().name, force)),
         Surface::Hit(_) => None,
@@ -46,10 +43,7 @@ fn the_list_the_names_and_the_scene_tables_agree() {
     assert_eq!(all.len(), walls().len());
     for (wall, spec) in all.iter().zip(walls()) {
         let written = toml::to_string(wall).unwrap();
-        assert!(
-            written.contains(&format!("kind = \"{}\"", spec.name)),
-            "{written}"
-        );
+        assert!(written.contains(&format!("kind = \"{}\"", spec.name)), "{written}");
         assert_eq!(&options(&format!("kind = \"{}\"", spec.name)), wall);
         assert!(wall.check().is_ok());
         for text in [spec.summary, spec.equation, spec.source] {
@@ -70,10 +64,7 @@ fn force_and_curvature_are_derivatives_of_the_energy_and_vanish_at_the_end() {
             let h = 1e-5;
             let [below, here, above] = [z - h, z, z + h].map(|z| wall.at(z));
             let close = |a: f64, b: f64| (a - b).abs() < 1e-6 * (1.0 + a.abs());
-            assert!(
-                close(here.force, (below.energy - above.energy) / (2.0 * h)),
-                "{name} at {z}"
-            );
+            assert!(close(here.force, (below.energy - above.energy) / (2.0 * h)), "{name} at {z}");
             assert!(
                 close(here.curvature, (below.force - above.force) / (2.0 * h)),
                 "{name} at {z}"
@@ -92,11 +83,7 @@ fn simpson(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
         k if k == n => 1.0,
         k => f64::from(2 + 2 * (k % 2)),
     };
-    (0..=n)
-        .map(|k| weight(k) * f(from + f64::from(k) * h))
-        .sum::<f64>()
-        * h
-        / 3.0
+    (0..=n).map(|k| weight(k) * f(from + f64::from(k) * h)).sum::<f64>() * h / 3.0
 }
 
 #[test]
@@ -127,10 +114,7 @@ fn walls_are_integrals_of_lennard_jones_sites() {
             y => plane_formula(1.0 / y) / (y * y),
         });
         let strength = 2.0 * std::f64::consts::PI / 3.0;
-        assert!(
-            (strength * half_space.at(z).energy - space).abs() < 1e-7,
-            "{z}"
-        );
+        assert!((strength * half_space.at(z).energy - space).abs() < 1e-7, "{z}");
     }
 }
 
@@ -147,10 +131,7 @@ fn minima_stand_where_the_formulas_say() {
             Surface::Hit(_) => panic!("{text}"),
         }
     };
-    let nine_three = of(
-        "kind = \"lennard-jones-9-3\"\ncutoff = 1000.0",
-        0.858_374_218_932_559,
-    );
+    let nine_three = of("kind = \"lennard-jones-9-3\"\ncutoff = 1000.0", 0.858_374_218_932_559);
     assert!((nine_three.energy + 10_f64.sqrt() / 3.0).abs() < 1e-8);
     assert!(nine_three.force.abs() < 1e-12);
     let ten_four = of("kind = \"lennard-jones-10-4\"\ncutoff = 1000.0", 1.0);
@@ -171,15 +152,9 @@ fn the_term_pushes_inward_from_both_ends_and_the_walls_feel_the_opposite() {
         ];
         let mut forces = vec![DVec3::ONE; 3];
         let at = Configuration::at_rest(&cell, &positions);
-        let want = Want {
-            per_particle: true,
-            ..Want::TOTALS
-        };
+        let want = Want { per_particle: true, ..Want::TOTALS };
         let all = walls.evaluate(at, Part::All, want, &mut forces).unwrap();
-        assert!(
-            forces[0].z > 0.0 && (forces[0].z + forces[1].z).abs() < 1e-9,
-            "{name}"
-        );
+        assert!(forces[0].z > 0.0 && (forces[0].z + forces[1].z).abs() < 1e-9, "{name}");
         assert_eq!(forces[2], DVec3::ZERO);
         let [lower, upper]: [WallReading; 2] = walls.walls().try_into().unwrap();
         assert!((lower.force - forces[0].z).abs() < 1e-12, "{name}");
@@ -202,16 +177,8 @@ fn the_term_pushes_inward_from_both_ends_and_the_walls_feel_the_opposite() {
 fn a_particle_beyond_a_wall_is_an_error_with_axis_end_and_depth() {
     let cell = PeriodicBox::new(DVec3::splat(10.0)).unwrap();
     for (kind, z, words) in [
-        (
-            "wca",
-            1.75,
-            "particle 1 is 0.2500 σ beyond the wall at the lower end of z",
-        ),
-        (
-            "soft",
-            8.875,
-            "particle 1 is 0.8750 σ beyond the wall at the upper end of z",
-        ),
+        ("wca", 1.75, "particle 1 is 0.2500 σ beyond the wall at the lower end of z"),
+        ("soft", 8.875, "particle 1 is 0.8750 σ beyond the wall at the upper end of z"),
     ] {
         let mut walls = slit(&format!("kind = \"{kind}\""));
         let positions = [DVec3::splat(5.0), DVec3::new(0.0, 0.0, z)];
@@ -261,10 +228,8 @@ fn lennard_spec() -> &'static lennard_core::IntegratorSpec {
 #[test]
 fn a_billiard_flight_keeps_the_restitution_to_rounding_and_hands_over_its_momentum() {
     for e in [1.0_f64, 0.9, 0.5, 0.1] {
-        let (state, walls, heat) = fly(
-            slit(&format!("kind = \"hard\"\nrestitution = {e:?}")),
-            DVec3::new(0.5, 0.0, 4.0),
-        );
+        let (state, walls, heat) =
+            fly(slit(&format!("kind = \"hard\"\nrestitution = {e:?}")), DVec3::new(0.5, 0.0, 4.0));
         // Up 3 σ in 0.75 τ, then back at 4e for 0.25 τ.
         assert!((state.velocities[0].z + 4.0 * e).abs() < 1e-12);
         assert!((state.positions[0] - DVec3::new(0.5, 0.0, 8.0 - e)).length() < 1e-12);
@@ -332,9 +297,8 @@ fn a_gas_without_collisions_between_two_temperatures_conducts_as_theory_says() {
     ));
     const N: usize = 2000;
     let mut random = Streams::new(5).sequential("gas");
-    let mut positions: Vec<DVec3> = (0..N)
-        .map(|_| DVec3::new(0.0, 0.0, 2.0 + 6.0 * random.random::<f64>()))
-        .collect();
+    let mut positions: Vec<DVec3> =
+        (0..N).map(|_| DVec3::new(0.0, 0.0, 2.0 + 6.0 * random.random::<f64>())).collect();
     let mut velocities = vec![DVec3::new(0.3, -0.2, 1.0); N];
     let (mut temperature, mut flux, mut lower_half, mut samples) = (0.0, 0.0, 0.0, 0.0);
     for step in 0..3000 {
@@ -360,18 +324,11 @@ fn a_gas_without_collisions_between_two_temperatures_conducts_as_theory_says() {
         }
     }
     let wanted = (lower * upper).sqrt();
-    assert!(
-        (temperature / samples / wanted - 1.0).abs() < 0.01,
-        "{temperature}"
-    );
+    assert!((temperature / samples / wanted - 1.0).abs() < 0.01, "{temperature}");
     // Of n = 1: q = 2n·√(2·T₁·T₂/π)·(√T₁ − √T₂).
     let heat =
         2.0 * (2.0 * lower * upper / std::f64::consts::PI).sqrt() * (lower.sqrt() - upper.sqrt());
-    assert!(
-        (flux / samples / heat - 1.0).abs() < 0.02,
-        "{} {heat}",
-        flux / samples
-    );
+    assert!((flux / samples / heat - 1.0).abs() < 0.02, "{} {heat}", flux / samples);
     assert!((lower_half / samples - 0.5).abs() < 0.005, "{lower_half}");
 }
 
@@ -410,19 +367,12 @@ fn a_field_has_the_energy_of_its_force() {
     let positions = [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0)];
     let at = Configuration::at_rest(&cell, &positions);
     let mut forces = vec![DVec3::ONE; 2];
-    let found = field
-        .evaluate(at, Part::All, Want::TOTALS, &mut forces)
-        .unwrap();
+    let found = field.evaluate(at, Part::All, Want::TOTALS, &mut forces).unwrap();
     assert_eq!(forces, [g, 3.0 * g]);
     let energy = -(1.0 - 6.0) - 3.0 * (2.5 - 12.0);
     assert!((found.potential_energy.unwrap() - energy).abs() < 1e-12);
     assert_eq!(field.properties().breaks_momentum, [false, true, true]);
     let mut far = vec![DVec3::ZERO; 2];
-    let rest = field
-        .add(at, Part::Far, Want::ENERGY, &mut vec![], &mut far)
-        .unwrap();
-    assert_eq!(
-        (far, rest.potential_energy),
-        (vec![DVec3::ZERO; 2], Some(0.0))
-    );
+    let rest = field.add(at, Part::Far, Want::ENERGY, &mut vec![], &mut far).unwrap();
+    assert_eq!((far, rest.potential_energy), (vec![DVec3::ZERO; 2], Some(0.0)));
 }

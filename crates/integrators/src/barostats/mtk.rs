@@ -262,9 +262,7 @@ fn kinetic_energy_of_centers(system: &System, velocities: &[DVec3]) -> f64 {
 fn kick_molecules(s: &mut Step<'_>, (damping, push): (f64, f64), half: f64) {
     s.kick(half / s.dt());
     let Parts { system, state, .. } = s.parts();
-    let State {
-        velocities, forces, ..
-    } = state;
+    let State { velocities, forces, .. } = state;
     let (molecules, masses) = (&system.molecules, &system.masses);
     molecules.for_each(molecules.sites(), velocities, |m, own| {
         let sites = molecules.sites_of(m);
@@ -283,11 +281,7 @@ fn drift_molecules(s: &mut Step<'_>, stretch: f64, way: f64) {
     let h = s.dt();
     s.drift(1.0);
     let Parts { system, state, .. } = s.parts();
-    let State {
-        positions,
-        velocities,
-        ..
-    } = state;
+    let State { positions, velocities, .. } = state;
     let (molecules, masses) = (&system.molecules, &system.masses);
     molecules.for_each(molecules.sites(), positions, |m, own| {
         let sites = molecules.sites_of(m);
@@ -310,15 +304,13 @@ fn sinhc(y: f64) -> f64 {
 impl Persist for Mtk {
     fn save(&self, to: &mut StateWriter<'_>) {
         to.put_f64("box", &[self.expansion, self.virial]);
-        self.of_particles
-            .save(&mut to.section("chain_of_particles"));
+        self.of_particles.save(&mut to.section("chain_of_particles"));
         self.of_box.save(&mut to.section("chain_of_box"));
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         [self.expansion, self.virial] = from.f64s("box")?;
-        self.of_particles
-            .restore(&from.section("chain_of_particles"))?;
+        self.of_particles.restore(&from.section("chain_of_particles"))?;
         self.of_box.restore(&from.section("chain_of_box"))
     }
 }

@@ -34,13 +34,7 @@ impl BondSolver for Chains {
     fn drift(&mut self, system: &System, moving: BoundDrift<'_>) -> Result<Drifted, StepError> {
         let masses = &system.masses;
         over_tasks(system, moving, |_, topology, task, outcome| {
-            in_lanes(DriftChains {
-                tolerance: self.tolerance,
-                topology,
-                masses,
-                task,
-                outcome,
-            });
+            in_lanes(DriftChains { tolerance: self.tolerance, topology, masses, task, outcome });
         })
     }
 }
@@ -84,11 +78,7 @@ impl WithSimd for DriftChains<'_, '_> {
             match chains.solve() {
                 Ok(iterations) => {
                     let residual = chains.finish(&block, x, v, task.h);
-                    self.outcome.solved(Drifted {
-                        iterations,
-                        residual,
-                        ..Drifted::default()
-                    });
+                    self.outcome.solved(Drifted { iterations, residual, ..Drifted::default() });
                 }
                 Err(failures) => {
                     // Copies of the last chain fail with it.
@@ -171,11 +161,7 @@ impl<S: Simd> ChainsInLanes<S> {
             // With |d|/r = 1 − δ it is δ·(1 − δ/2): no bond with δ above the tolerance is within the limit.
             limit: Register::all(simd, tolerance * (1.0 - 0.5 * tolerance)),
             first_mass: zero,
-            rows: topology
-                .bonds()
-                .iter()
-                .map(|bond| row(bond.length))
-                .collect(),
+            rows: topology.bonds().iter().map(|bond| row(bond.length)).collect(),
         }
     }
 
@@ -349,19 +335,12 @@ impl<S: Simd> ChainsInLanes<S> {
     /// The lanes whose residual is above the limit.
     #[cold]
     fn not_converged(&self, off: Register<S>) -> Vec<(usize, NoSolution)> {
-        let found = off
-            .numbers()
-            .into_iter()
-            .take(Register::<S, 1>::LANES)
-            .enumerate();
+        let found = off.numbers().into_iter().take(Register::<S, 1>::LANES).enumerate();
         let limit = self.limit.numbers()[0];
         found
             .filter(|(_, off)| off.is_nan() || *off > limit)
             .map(|(lane, off)| {
-                (
-                    lane,
-                    NoSolution::NotConverged(MOST_ITERATIONS, off, self.tolerance),
-                )
+                (lane, NoSolution::NotConverged(MOST_ITERATIONS, off, self.tolerance))
             })
             .collect()
     }

@@ -68,10 +68,8 @@ impl BondMethod for Options {
 
 /// Some consecutive bonds of a chain as a chain of their own.
 fn part(bonds: &[Bond]) -> Topology {
-    let bonds = bonds.iter().enumerate().map(|(c, bond)| Bond {
-        sites: [c, c + 1],
-        length: bond.length,
-    });
+    let bonds =
+        bonds.iter().enumerate().map(|(c, bond)| Bond { sites: [c, c + 1], length: bond.length });
     let bonds: Vec<Bond> = bonds.collect();
     Topology::new(bonds.len() + 1, bonds).expect("a part of a chain is a chain")
 }
@@ -97,9 +95,7 @@ impl MoleculeRule for Direct {
 fn newton_step(chain: &mut MovedMolecule<'_>, space: &mut Space) -> Result<(), NoSolution> {
     let topology = chain.topology;
     bond_vectors(topology, chain.sites, &mut space.bonds);
-    let matrix = space
-        .tridiagonal
-        .get_or_insert_with(|| Box::new(Tridiagonal::ZERO));
+    let matrix = space.tridiagonal.get_or_insert_with(|| Box::new(Tridiagonal::ZERO));
     matrix.set(chain.masses, chain.first, &space.bonds, chain.before);
     off_by(topology, &space.bonds, &mut space.right);
     if let Err(c) = matrix.factor(space.bonds.len()) {
@@ -145,11 +141,7 @@ fn frozen_newton(
     for iterations in 0..=MOST_ITERATIONS {
         let residual = molecule.residual();
         if residual <= tolerance {
-            return Ok(Drifted {
-                iterations,
-                residual,
-                ..Drifted::default()
-            });
+            return Ok(Drifted { iterations, residual, ..Drifted::default() });
         }
         bond_vectors(topology, molecule.sites, &mut space.bonds);
         off_by(topology, &space.bonds, &mut space.right);
@@ -164,11 +156,7 @@ fn frozen_newton(
         .find(|(c, s)| s.dot(molecule.before[*c]) <= 0.0);
     match turned {
         Some((c, s)) => Err(molecule.turned(c, s)),
-        None => Err(NoSolution::NotConverged(
-            MOST_ITERATIONS,
-            molecule.residual(),
-            tolerance,
-        )),
+        None => Err(NoSolution::NotConverged(MOST_ITERATIONS, molecule.residual(), tolerance)),
     }
 }
 
@@ -190,11 +178,7 @@ impl MoleculeRule for Cut {
         for iterations in 0..=MOST_SWEEPS {
             let residual = molecule.residual();
             if residual <= self.tolerance {
-                return Ok(Drifted {
-                    iterations,
-                    residual,
-                    ..Drifted::default()
-                });
+                return Ok(Drifted { iterations, residual, ..Drifted::default() });
             }
             let mut at = 0;
             for part in &self.parts {
@@ -215,10 +199,6 @@ impl MoleculeRule for Cut {
                 at += bonds;
             }
         }
-        Err(NoSolution::NotConverged(
-            MOST_SWEEPS,
-            molecule.residual(),
-            self.tolerance,
-        ))
+        Err(NoSolution::NotConverged(MOST_SWEEPS, molecule.residual(), self.tolerance))
     }
 }

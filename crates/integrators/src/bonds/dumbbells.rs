@@ -17,12 +17,7 @@ impl BondSolver for Dumbbells {
     fn drift(&mut self, system: &System, moving: BoundDrift<'_>) -> Result<Drifted, StepError> {
         let masses = &system.masses;
         over_tasks(system, moving, |_, topology, task, outcome| {
-            in_lanes(DriftDumbbells {
-                length: topology.bonds()[0].length,
-                masses,
-                task,
-                outcome,
-            });
+            in_lanes(DriftDumbbells { length: topology.bonds()[0].length, masses, task, outcome });
         })
     }
 }

@@ -155,10 +155,7 @@ impl MoleculeRule for LinearlyImplicit {
             let by = space.by[site];
             molecule.displace(site, by);
         }
-        Ok(Drifted {
-            iterations: 1,
-            ..Drifted::default()
-        })
+        Ok(Drifted { iterations: 1, ..Drifted::default() })
     }
 
     /// The rule damps on purpose: what it takes is heat.

@@ -38,12 +38,7 @@ fn directions(topology: &Topology, sites: &[DVec3], to: &mut Vec<DVec3>) {
 impl SpookBonds {
     /// Bonds with a compliance in σ²/ε and a damping, solved directly or by a number of sweeps.
     pub(super) fn new(compliance: f64, damping: Damping, sweeps: u32) -> Self {
-        Self {
-            compliance,
-            damping,
-            sweeps,
-            rates: Vec::new(),
-        }
+        Self { compliance, damping, sweeps, rates: Vec::new() }
     }
 
     /// The bonds as rows of a problem with contacts: from the first site to the second, with the gap |d| − r.

@@ -160,12 +160,7 @@ impl Outcome {
                 length: topology.bonds()[bond].length,
             }),
             Some((m, NoSolution::NotConverged(iterations, residual, wanted))) => {
-                Err(StepError::BondsNotConverged {
-                    molecule: m + 1,
-                    iterations,
-                    residual,
-                    wanted,
-                })
+                Err(StepError::BondsNotConverged { molecule: m + 1, iterations, residual, wanted })
             }
         }
     }
@@ -216,9 +211,8 @@ pub fn over_tasks(
         .chunks_mut(size)
         .zip(moving.velocities.chunks_mut(size))
         .zip(moving.forces.chunks(size));
-    let outcomes = map_items(
-        tasks,
-        |space: &mut Space, task, ((positions, velocities), forces)| {
+    let outcomes =
+        map_items(tasks, |space: &mut Space, task, ((positions, velocities), forces)| {
             let mut outcome = Outcome::default();
             let task = TaskOf {
                 first_molecule: task * MOLECULES_PER_TASK,
@@ -230,8 +224,7 @@ pub fn over_tasks(
             };
             work(space, topology, task, &mut outcome);
             outcome
-        },
-    );
+        });
     // In their order, so that sums have the same bits on any number of threads.
     let mut total = Outcome::default();
     outcomes.into_iter().for_each(|outcome| total.join(outcome));
@@ -240,9 +233,7 @@ pub fn over_tasks(
 
 fn kinetic_energy(masses: &Masses, first: usize, v: &[DVec3]) -> f64 {
     let sites = v.iter().enumerate();
-    sites
-        .map(|(k, v)| 0.5 * masses.moving(first + k) * v.length_squared())
-        .sum()
+    sites.map(|(k, v)| 0.5 * masses.moving(first + k) * v.length_squared()).sum()
 }
 
 impl<R: MoleculeRule> BondSolver for EachMolecule<R> {
@@ -256,10 +247,8 @@ impl<R: MoleculeRule> BondSolver for EachMolecule<R> {
             let (sites, kick, h) = (topology.sites(), task.kick, task.h);
             for (m, (x, v, f)) in task.molecules(sites) {
                 let first = m * sites;
-                let (mut before, mut moved) = (
-                    std::mem::take(&mut space.before),
-                    std::mem::take(&mut space.moved),
-                );
+                let (mut before, mut moved) =
+                    (std::mem::take(&mut space.before), std::mem::take(&mut space.moved));
                 rigid::bond_vectors(topology, x, &mut before);
                 moved.clear();
                 moved.resize(sites, DVec3::ZERO);

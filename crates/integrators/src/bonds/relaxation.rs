@@ -46,9 +46,7 @@ impl BondMethod for Options {
     };
 
     fn build(&self, _molecules: &Molecules) -> BondHolder {
-        let rule = Relaxation {
-            options: self.clone(),
-        };
+        let rule = Relaxation { options: self.clone() };
         BondHolder::Drift(Box::new(EachMolecule(rule)))
     }
 
@@ -107,11 +105,7 @@ fn relax(molecule: &mut MovedMolecule<'_>, options: &Options) -> Result<Drifted,
     for sweeps in 0..=MOST_SWEEPS {
         let residual = molecule.residual();
         if residual <= tolerance {
-            return Ok(Drifted {
-                iterations: sweeps,
-                residual,
-                ..Drifted::default()
-            });
+            return Ok(Drifted { iterations: sweeps, residual, ..Drifted::default() });
         }
         sweep(molecule, options)?;
     }
@@ -124,9 +118,7 @@ fn sweep(molecule: &mut MovedMolecule<'_>, options: &Options) -> Result<(), NoSo
     let topology = molecule.topology;
     for (c, bond) in topology.bonds().iter().enumerate() {
         let s = bond.vector(molecule.sites);
-        let [i, j] = bond
-            .sites
-            .map(|site| 1.0 / molecule.masses.of(molecule.first + site));
+        let [i, j] = bond.sites.map(|site| 1.0 / molecule.masses.of(molecule.first + site));
         let correction = match options.direction {
             Direction::Old => {
                 let d = molecule.before[c];

@@ -60,15 +60,10 @@ impl BondMethod for Options {
             molecules: molecules.clone(),
             pushes: self.scheme == Scheme::Explicit,
         });
-        let spring = DampedSpring {
-            stiffness: self.stiffness,
-            damping: self.damping,
-        };
+        let spring = DampedSpring { stiffness: self.stiffness, damping: self.damping };
         let solver: Box<dyn BondSolver> = match self.scheme {
             Scheme::Explicit if self.is_force() => return BondHolder::Spring(term),
-            Scheme::Explicit => Box::new(Dashpots {
-                damping: self.damping,
-            }),
+            Scheme::Explicit => Box::new(Dashpots { damping: self.damping }),
             Scheme::Midpoint => Box::new(EachMolecule(Midpoint(spring))),
             Scheme::LinearlyImplicit => Box::new(EachMolecule(LinearlyImplicit(spring))),
         };
@@ -114,21 +109,13 @@ struct Sums {
 }
 
 impl Sums {
-    const NOTHING: Self = Self {
-        energy: 0.0,
-        virial: DMat3::ZERO,
-        laplacian: 0.0,
-    };
+    const NOTHING: Self = Self { energy: 0.0, virial: DMat3::ZERO, laplacian: 0.0 };
 }
 
 impl Springs {
     /// Springs whose energy is known alone, since they act elsewhere.
     pub(super) fn of_energy(stiffness: f64, molecules: &Molecules) -> Self {
-        Self {
-            stiffness,
-            molecules: molecules.clone(),
-            pushes: false,
-        }
+        Self { stiffness, molecules: molecules.clone(), pushes: false }
     }
 
     /// The force on the site at the end of a bond with the vector d, and its energy.
@@ -170,11 +157,7 @@ impl Springs {
             terms[2..].copy_from_slice(&virial.to_cols_array());
             terms
         });
-        Sums {
-            energy,
-            virial: DMat3::from_cols_array(&virial),
-            laplacian,
-        }
+        Sums { energy, virial: DMat3::from_cols_array(&virial), laplacian }
     }
 }
 
@@ -196,18 +179,11 @@ impl ForceTerm for Springs {
             if self.pushes {
                 self.add_forces(at.positions, forces);
             }
-            if want.is_nothing() {
-                Sums::NOTHING
-            } else {
-                self.totals(at.positions)
-            }
+            if want.is_nothing() { Sums::NOTHING } else { self.totals(at.positions) }
         };
         let sums = match self.pushes {
             true => sums,
-            false => Sums {
-                energy: sums.energy,
-                ..Sums::NOTHING
-            },
+            false => Sums { energy: sums.energy, ..Sums::NOTHING },
         };
         Ok(Energetics {
             potential_energy: want.energy.then_some(sums.energy),
@@ -234,9 +210,6 @@ impl ForceTerm for Springs {
     }
 
     fn properties(&self) -> ForceProperties {
-        ForceProperties {
-            splits: true,
-            ..ForceProperties::default()
-        }
+        ForceProperties { splits: true, ..ForceProperties::default() }
     }
 }

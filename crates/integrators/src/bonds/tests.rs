@@ -54,12 +54,7 @@ fn molecules_have_the_same_bits_in_registers_and_one_by_one() {
                 };
                 let (masses, outcome_of) = (&masses, &mut outcome);
                 if sites == 2 {
-                    let work = DriftDumbbells {
-                        length: LENGTH,
-                        masses,
-                        task,
-                        outcome: outcome_of,
-                    };
+                    let work = DriftDumbbells { length: LENGTH, masses, task, outcome: outcome_of };
                     by_form(one_by_one, work);
                 } else {
                     let work = DriftChains {

@@ -67,11 +67,7 @@ impl Solution {
     /// What the solution took, as the report of a drift says it.
     #[must_use]
     pub fn report(&self) -> Drifted {
-        Drifted {
-            iterations: self.sweeps,
-            residual: self.residual,
-            heat: 0.0,
-        }
+        Drifted { iterations: self.sweeps, residual: self.residual, heat: 0.0 }
     }
 }
 
@@ -103,10 +99,8 @@ impl Problem<'_> {
     /// The solution λ.
     #[must_use]
     pub fn solve(&self, solver: Solver) -> Solution {
-        let mut solution = Solution {
-            impulses: vec![0.0; self.contacts.len()],
-            ..Solution::default()
-        };
+        let mut solution =
+            Solution { impulses: vec![0.0; self.contacts.len()], ..Solution::default() };
         for group in groups(self.contacts, self.masses) {
             let direct = match solver {
                 Solver::Exact if group.len() <= MOST_DIRECT => self.exchange(&group),
@@ -240,11 +234,7 @@ impl Problem<'_> {
             let wrong: Vec<usize> = (0..n).filter(has_wrong_sign).collect();
             let Some(last) = wrong.last() else {
                 let found = found.iter().zip(&pulls);
-                return Some(
-                    found
-                        .map(|(x, p)| if *p { *x } else { x.max(0.0) })
-                        .collect(),
-                );
+                return Some(found.map(|(x, p)| if *p { *x } else { x.max(0.0) }).collect());
             };
             let at_once = match wrong.len() < fewest {
                 true => {

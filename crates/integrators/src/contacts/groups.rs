@@ -58,12 +58,8 @@ mod tests {
 
     #[test]
     fn a_held_body_joins_no_groups() {
-        let row = |first, second| Contact {
-            first: Some(first),
-            second,
-            normal: DVec3::X,
-            gap: 0.0,
-        };
+        let row =
+            |first, second| Contact { first: Some(first), second, normal: DVec3::X, gap: 0.0 };
         let contacts = [row(0, 1), row(1, 2), row(3, 4), row(4, 2)];
         let free = Masses::Uniform(1.0);
         assert_eq!(groups(&contacts, &free), [vec![0, 1, 2, 3]]);

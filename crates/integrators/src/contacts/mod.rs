@@ -70,9 +70,7 @@ pub fn rates(contacts: &[Contact], v: &[DVec3]) -> Vec<f64> {
 
 /// Impacts one after the other: the contact that approaches fastest takes v → −e·v until none approaches.
 pub fn impacts_in_turn(contacts: &[Contact], masses: &Masses, v: &mut [DVec3], restitution: f64) {
-    let fastest = rates(contacts, v)
-        .iter()
-        .fold(0.0_f64, |m, r| m.max(r.abs()));
+    let fastest = rates(contacts, v).iter().fold(0.0_f64, |m, r| m.max(r.abs()));
     for _ in 0..MOST_IMPACTS {
         let now = rates(contacts, v);
         let worst = (0..now.len()).min_by(|i, j| now[*i].total_cmp(&now[*j]));
@@ -89,12 +87,7 @@ pub fn impacts_in_turn(contacts: &[Contact], masses: &Masses, v: &mut [DVec3], r
 #[must_use]
 pub fn column(n: usize) -> Vec<Contact> {
     (0..n)
-        .map(|second| Contact {
-            first: second.checked_sub(1),
-            second,
-            normal: DVec3::Z,
-            gap: 0.0,
-        })
+        .map(|second| Contact { first: second.checked_sub(1), second, normal: DVec3::Z, gap: 0.0 })
         .collect()
 }
 
@@ -107,10 +100,7 @@ pub fn impacts_at_once(
     v: &mut [DVec3],
     restitution: f64,
 ) -> Solution {
-    let b: Vec<f64> = contacts
-        .iter()
-        .map(|c| (1.0 + restitution) * c.rate(v))
-        .collect();
+    let b: Vec<f64> = contacts.iter().map(|c| (1.0 + restitution) * c.rate(v)).collect();
     let solution = exactly(contacts, masses, &b);
     push_all(contacts, &solution.impulses, masses, v);
     solution
@@ -124,13 +114,7 @@ pub fn push_all(contacts: &[Contact], impulses: &[f64], masses: &Masses, v: &mut
 }
 
 fn exactly(contacts: &[Contact], masses: &Masses, b: &[f64]) -> Solution {
-    let problem = Problem {
-        contacts,
-        masses,
-        sigma: 0.0,
-        b,
-        bonds: TwoSided::default(),
-    };
+    let problem = Problem { contacts, masses, sigma: 0.0, b, bonds: TwoSided::default() };
     problem.solve(Solver::Exact)
 }
 
@@ -151,10 +135,7 @@ pub struct Regular {
 
 impl From<Regularisation> for Regular {
     fn from(contacts: Regularisation) -> Self {
-        Self {
-            contacts,
-            bonds: None,
-        }
+        Self { contacts, bonds: None }
     }
 }
 
@@ -171,10 +152,7 @@ pub fn spook_contacts(
     dt: f64,
     solver: Solver,
 ) -> Solution {
-    let Regular {
-        contacts: Regularisation { sigma, gamma },
-        bonds,
-    } = regular.into();
+    let Regular { contacts: Regularisation { sigma, gamma }, bonds } = regular.into();
     let (n_bonds, of_bonds) = bonds.unwrap_or((0, Regularisation { sigma, gamma }));
     let before = rates(contacts, v);
     for (v, kick) in v.iter_mut().zip(kick) {
@@ -194,10 +172,7 @@ pub fn spook_contacts(
         masses,
         sigma,
         b: &b,
-        bonds: TwoSided {
-            contacts: n_bonds,
-            sigma: of_bonds.sigma,
-        },
+        bonds: TwoSided { contacts: n_bonds, sigma: of_bonds.sigma },
     };
     let solution = problem.solve(solver);
     push_all(contacts, &solution.impulses, masses, v);
@@ -211,12 +186,7 @@ mod tests {
     /// Balls in a row along x that touch; the first moves with speed 1.
     fn cradle(n: usize) -> (Vec<Contact>, Masses, Vec<DVec3>) {
         let contacts = (1..n)
-            .map(|second| Contact {
-                first: Some(second - 1),
-                second,
-                normal: DVec3::X,
-                gap: 0.0,
-            })
+            .map(|second| Contact { first: Some(second - 1), second, normal: DVec3::X, gap: 0.0 })
             .collect();
         let mut v = vec![DVec3::ZERO; n];
         v[0] = DVec3::X;
@@ -224,9 +194,7 @@ mod tests {
     }
 
     fn close(v: &[DVec3], wanted: impl Fn(usize) -> f64) -> bool {
-        v.iter()
-            .enumerate()
-            .all(|(i, v)| (*v - DVec3::new(wanted(i), 0.0, 0.0)).length() < 1e-12)
+        v.iter().enumerate().all(|(i, v)| (*v - DVec3::new(wanted(i), 0.0, 0.0)).length() < 1e-12)
     }
 
     #[test]
@@ -238,10 +206,7 @@ mod tests {
             let (contacts, masses, mut v) = cradle(n);
             impacts_at_once(&contacts, &masses, &mut v, 1.0);
             let share = 2.0 / n as f64;
-            assert!(
-                close(&v, |i| if i == 0 { share - 1.0 } else { share }),
-                "{v:?}"
-            );
+            assert!(close(&v, |i| if i == 0 { share - 1.0 } else { share }), "{v:?}");
             let energy: f64 = v.iter().map(|v| v.length_squared()).sum();
             assert!((energy - 1.0).abs() < 1e-12);
         }
@@ -307,14 +272,8 @@ mod tests {
     fn spook_alone_bounces_by_the_phase_and_the_impact_stage_sets_the_restitution() {
         let masses = Masses::Uniform(1.0);
         let h = 0.01;
-        let at = |phase: f64| {
-            [Contact {
-                first: None,
-                second: 0,
-                normal: DVec3::Z,
-                gap: -phase * h,
-            }]
-        };
+        let at =
+            |phase: f64| [Contact { first: None, second: 0, normal: DVec3::Z, gap: -phase * h }];
         for (damping, gamma) in [(0.0, 1.0), (2.0, 1.0 / 9.0)] {
             for phase in [0.3, 0.6, 1.0] {
                 let mut v = [DVec3::NEG_Z];
@@ -327,10 +286,7 @@ mod tests {
                     h,
                     Solver::Exact,
                 );
-                assert!(
-                    (v[0].z - gamma * (4.0 * phase - 1.0)).abs() < 1e-12,
-                    "{v:?}"
-                );
+                assert!((v[0].z - gamma * (4.0 * phase - 1.0)).abs() < 1e-12, "{v:?}");
                 let mut v = [DVec3::NEG_Z];
                 impacts_at_once(&at(phase), &masses, &mut v, 0.4);
                 assert!((v[0].z - 0.4).abs() < 1e-14);

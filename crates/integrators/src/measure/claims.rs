@@ -19,15 +19,9 @@ fn stormer_verlet_run(
     state.velocities[0] = velocity;
     let mut integrator = build(&IntegratorOptions::StormerVerlet(Default::default()));
     look(&state);
-    run(
-        &mut integrator,
-        &System::atoms(1),
-        &mut KeplerForces,
-        &mut state,
-        dt,
-        steps,
-        |s, _| look(s),
-    )
+    run(&mut integrator, &System::atoms(1), &mut KeplerForces, &mut state, dt, steps, |s, _| {
+        look(s)
+    })
 }
 
 /// The global orders of Störmer–Verlet with each of two starts: (x₁ = x₀ + h·v₀ + ½h²·a₀,
@@ -114,26 +108,15 @@ pub struct ExponentialError {
 /// As the method's own steps.
 pub fn exponential_error(wh: f64, steps: u64) -> Result<ExponentialError, StepError> {
     let relative_errors = |velocity: f64| -> Result<Vec<f64>, StepError> {
-        let mut state = State::new(
-            PeriodicBox::boundless(),
-            vec![DVec3::X],
-            vec![DVec3::X * velocity],
-        );
+        let mut state =
+            State::new(PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::X * velocity]);
         let mut integrator = build(&IntegratorOptions::StormerVerlet(Default::default()));
         let mut forces = crate::oscillator::HarmonicForces::new(-1.0);
         let mut errors = vec![0.0];
-        run(
-            &mut integrator,
-            &System::atoms(1),
-            &mut forces,
-            &mut state,
-            wh,
-            steps,
-            |s, _| {
-                let t = wh * s.step as f64;
-                errors.push(s.positions[0].x / t.exp() - 1.0);
-            },
-        )?;
+        run(&mut integrator, &System::atoms(1), &mut forces, &mut state, wh, steps, |s, _| {
+            let t = wh * s.step as f64;
+            errors.push(s.positions[0].x / t.exp() - 1.0);
+        })?;
         Ok(errors)
     };
     let end = steps as usize;
@@ -164,11 +147,7 @@ pub fn variable_step_errors(
     let orbit = Kepler::for_orders();
     let system = System::atoms(1);
     let mut found = [const { Vec::new() }; 3];
-    let rules = [
-        StepRule::Plain,
-        StepRule::TimeCorrected,
-        StepRule::MoreExact,
-    ];
+    let rules = [StepRule::Plain, StepRule::TimeCorrected, StepRule::MoreExact];
     for (errors, rule) in found.iter_mut().zip(rules) {
         for &n in steps {
             let mean = duration / n as f64;
@@ -223,27 +202,13 @@ pub fn one_step_errors(steps: &[f64]) -> Result<OneStepErrors, StepError> {
         found.recurrence_position.push((dt, (end - x).length()));
         let central = (x - x_before) / (2.0 * dt);
         let exact = orbit.at(0.0).1;
-        found
-            .central_velocity
-            .push((dt, (central - exact).length()));
+        found.central_velocity.push((dt, (central - exact).length()));
 
         let mut state = orbit.start();
         let mut verlet = build(&IntegratorOptions::VelocityVerlet(Default::default()));
-        run(
-            &mut verlet,
-            &System::atoms(1),
-            &mut KeplerForces,
-            &mut state,
-            dt,
-            1,
-            |_, _| {},
-        )?;
-        found
-            .velocity_verlet_position
-            .push((dt, (state.positions[0] - x).length()));
-        found
-            .velocity_verlet_velocity
-            .push((dt, (state.velocities[0] - v).length()));
+        run(&mut verlet, &System::atoms(1), &mut KeplerForces, &mut state, dt, 1, |_, _| {})?;
+        found.velocity_verlet_position.push((dt, (state.positions[0] - x).length()));
+        found.velocity_verlet_velocity.push((dt, (state.velocities[0] - v).length()));
     }
     Ok(found)
 }
@@ -269,14 +234,8 @@ pub fn energy_error(
     let mut bench = super::OscillatorBench::new(entry.oscillator, 1.0, 0.0);
     let samples = bench.trajectory(&mut entry.build(), DVec2::new(1.0, 0.5), dt, steps)?;
     let start = samples[0].energy;
-    let largest = |part: &[super::Sample]| {
-        part.iter()
-            .map(|s| (s.energy - start).abs())
-            .fold(0.0, f64::max)
-    };
+    let largest =
+        |part: &[super::Sample]| part.iter().map(|s| (s.energy - start).abs()).fold(0.0, f64::max);
     let (first, second) = samples.split_at(samples.len() / 2);
-    Ok(EnergyError {
-        first_half: largest(first),
-        second_half: largest(second),
-    })
+    Ok(EnergyError { first_half: largest(first), second_half: largest(second) })
 }

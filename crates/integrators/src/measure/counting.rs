@@ -18,11 +18,7 @@ pub struct CountingForces<F> {
 impl<F> CountingForces<F> {
     /// Counts what `inner` is asked.
     pub fn new(inner: F) -> Self {
-        Self {
-            inner,
-            evaluations: 0,
-            products: 0,
-        }
+        Self { inner, evaluations: 0, products: 0 }
     }
 }
 

@@ -47,10 +47,7 @@ impl ForceTerm for KeplerForces {
     }
 
     fn properties(&self) -> ForceProperties {
-        ForceProperties {
-            splits: true,
-            ..ForceProperties::default()
-        }
+        ForceProperties { splits: true, ..ForceProperties::default() }
     }
 }
 
@@ -67,10 +64,7 @@ impl Kepler {
     /// An ellipse of the given eccentricity below 1; at time 0 the mean anomaly is `start_anomaly` (radians).
     #[must_use]
     pub fn new(eccentricity: f64, start_anomaly: f64) -> Self {
-        Self {
-            eccentricity,
-            start_anomaly,
-        }
+        Self { eccentricity, start_anomaly }
     }
 
     /// The ellipse on which orders are measured. It is round enough for asymptotic behavior at
@@ -93,10 +87,7 @@ impl Kepler {
         let (sin, cos) = anomaly.sin_cos();
         let b = (1.0 - e * e).sqrt();
         let rate = 1.0 / (1.0 - e * cos);
-        (
-            DVec3::new(cos - e, b * sin, 0.0),
-            DVec3::new(-sin * rate, b * cos * rate, 0.0),
-        )
+        (DVec3::new(cos - e, b * sin, 0.0), DVec3::new(-sin * rate, b * cos * rate, 0.0))
     }
 
     /// The acceleration at the time `t`.

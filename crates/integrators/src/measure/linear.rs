@@ -48,11 +48,7 @@ impl OscillatorBench {
                 Box::new(HarmonicForces::new(0.0))
             }
         };
-        Self {
-            stiffness,
-            system,
-            forces,
-        }
+        Self { stiffness, system, forces }
     }
 
     /// A rigid constraint x = 0 (k = ∞) with the damping time τ, for methods that solve for constraints.
@@ -77,15 +73,7 @@ impl OscillatorBench {
     ) -> Result<DVec2, StepError> {
         let mut state = on_the_axis(start);
         let forces = self.forces.as_mut();
-        run(
-            integrator,
-            &self.system,
-            forces,
-            &mut state,
-            dt,
-            steps,
-            |_, _| {},
-        )?;
+        run(integrator, &self.system, forces, &mut state, dt, steps, |_, _| {})?;
         Ok(DVec2::new(state.positions[0].x, state.velocities[0].x))
     }
 
@@ -101,11 +89,7 @@ impl OscillatorBench {
         dt: f64,
         steps: u64,
     ) -> Result<Vec<Sample>, StepError> {
-        let stiffness = if self.stiffness.is_finite() {
-            self.stiffness
-        } else {
-            0.0
-        };
+        let stiffness = if self.stiffness.is_finite() { self.stiffness } else { 0.0 };
         let sample = |s: &State| {
             let (x, v) = (s.positions[0].x, s.velocities[0].x);
             Sample {
@@ -118,15 +102,9 @@ impl OscillatorBench {
         let mut state = on_the_axis(start);
         let mut samples = vec![sample(&state)];
         let forces = self.forces.as_mut();
-        run(
-            integrator,
-            &self.system,
-            forces,
-            &mut state,
-            dt,
-            steps,
-            |s, _| samples.push(sample(s)),
-        )?;
+        run(integrator, &self.system, forces, &mut state, dt, steps, |s, _| {
+            samples.push(sample(s))
+        })?;
         Ok(samples)
     }
 
@@ -147,11 +125,7 @@ impl OscillatorBench {
 }
 
 fn on_the_axis(start: DVec2) -> State {
-    State::new(
-        PeriodicBox::boundless(),
-        vec![DVec3::X * start.x],
-        vec![DVec3::X * start.y],
-    )
+    State::new(PeriodicBox::boundless(), vec![DVec3::X * start.x], vec![DVec3::X * start.y])
 }
 
 /// The measured map of a method of the list over `steps` steps of `dt` on ẍ = −ω²x, as a matrix on (x, v).
@@ -179,17 +153,10 @@ pub fn eigenvalues(map: &DMat2) -> [DVec2; 2] {
     let discriminant = half_difference * half_difference + map.y_axis.x * map.x_axis.y;
     if discriminant < 0.0 {
         let imaginary = (-discriminant).sqrt();
-        return [
-            DVec2::new(half_trace, imaginary),
-            DVec2::new(half_trace, -imaginary),
-        ];
+        return [DVec2::new(half_trace, imaginary), DVec2::new(half_trace, -imaginary)];
     }
     let large = half_trace + discriminant.sqrt().copysign(half_trace);
-    let small = if large == 0.0 {
-        0.0
-    } else {
-        map.determinant() / large
-    };
+    let small = if large == 0.0 { 0.0 } else { map.determinant() / large };
     [DVec2::new(large, 0.0), DVec2::new(small, 0.0)]
 }
 

@@ -31,9 +31,8 @@ pub struct Orders {
 #[must_use]
 pub fn fitted_order(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
-    let (mean_x, mean_y) = points.iter().fold((0.0, 0.0), |(x, y), (dt, error)| {
-        (x + dt.ln() / n, y + error.ln() / n)
-    });
+    let (mean_x, mean_y) =
+        points.iter().fold((0.0, 0.0), |(x, y), (dt, error)| (x + dt.ln() / n, y + error.ln() / n));
     let (xy, xx) = points.iter().fold((0.0, 0.0), |(xy, xx), (dt, error)| {
         let dx = dt.ln() - mean_x;
         (xy + dx * (error.ln() - mean_y), xx + dx * dx)
@@ -73,15 +72,7 @@ pub fn global_errors(
             let dt = duration / n as f64;
             let mut state = orbit.start();
             let mut integrator = entry.build();
-            run(
-                &mut integrator,
-                &system,
-                &mut KeplerForces,
-                &mut state,
-                dt,
-                n,
-                |_, _| {},
-            )?;
+            run(&mut integrator, &system, &mut KeplerForces, &mut state, dt, n, |_, _| {})?;
             Ok(ErrorPoint {
                 dt,
                 position: (state.positions[0] - x).length(),

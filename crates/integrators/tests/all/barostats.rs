@@ -28,11 +28,7 @@ fn gas() -> State {
     let mut velocities = draw();
     let mean = velocities.iter().sum::<DVec3>() / N as f64;
     velocities.iter_mut().for_each(|v| *v -= mean);
-    State::new(
-        PeriodicBox::new(DVec3::splat(side)).unwrap(),
-        draw(),
-        velocities,
-    )
+    State::new(PeriodicBox::new(DVec3::splat(side)).unwrap(), draw(), velocities)
 }
 
 fn bath() -> PressureBath {
@@ -60,16 +56,12 @@ fn volumes(method: &mut Integrator, dt: f64, every: u64, samples: usize) -> Vec<
     let system = System::atoms(N);
     let mut state = gas();
     let mut forces = NoForces;
-    method
-        .start(&system, &mut state, &mut forces, dt, Want::NOTHING)
-        .unwrap();
+    method.start(&system, &mut state, &mut forces, dt, Want::NOTHING).unwrap();
     let mut sample = || {
         let end = state.step + every;
         while state.step < end {
             let left = end - state.step;
-            method
-                .stride(&system, &mut state, &mut forces, dt, left, Want::NOTHING)
-                .unwrap();
+            method.stride(&system, &mut state, &mut forces, dt, left, Want::NOTHING).unwrap();
         }
         state.cell.volume()
     };
@@ -210,15 +202,11 @@ fn a_run_in_parts_through_a_saved_state_has_the_bits_of_one_run() {
         let advance = |method: &mut Integrator, state: &mut State, to: u64| {
             while state.step < to {
                 let left = to - state.step;
-                method
-                    .stride(&system, state, &mut NoForces, 0.02, left, Want::NOTHING)
-                    .unwrap();
+                method.stride(&system, state, &mut NoForces, 0.02, left, Want::NOTHING).unwrap();
             }
         };
         let (mut whole, mut state) = (make(), gas());
-        whole
-            .start(&system, &mut state, &mut NoForces, 0.02, Want::NOTHING)
-            .unwrap();
+        whole.start(&system, &mut state, &mut NoForces, 0.02, Want::NOTHING).unwrap();
         let start = state.cell;
         advance(&mut whole, &mut state, 40);
         let mut archive = StateArchive::default();
@@ -235,10 +223,7 @@ fn a_run_in_parts_through_a_saved_state_has_the_bits_of_one_run() {
 #[test]
 fn methods_that_remember_the_box_as_it_was_are_refused() {
     for (kind, reason) in [
-        (
-            "respa",
-            "it keeps forces of the box as it was; take \"velocity-verlet\" with a barostat",
-        ),
+        ("respa", "it keeps forces of the box as it was; take \"velocity-verlet\" with a barostat"),
         (
             "bit-reversible-verlet",
             "it keeps positions on a grid of the box as it was; take \"velocity-verlet\" with a barostat",
@@ -251,9 +236,8 @@ fn methods_that_remember_the_box_as_it_was_are_refused() {
         let noise = Streams::new(1).noise("barostat");
         let mut method = barostat.couple(build(&options), &thermostat, bath(), noise);
         let system = System::atoms(N);
-        let error = method
-            .start(&system, &mut gas(), &mut NoForces, 0.01, Want::NOTHING)
-            .unwrap_err();
+        let error =
+            method.start(&system, &mut gas(), &mut NoForces, 0.01, Want::NOTHING).unwrap_err();
         assert!(error.to_string().contains(reason), "{error}");
     }
 }

@@ -33,33 +33,16 @@ fn there_and_back(integrator: &mut Integrator, offset: DVec3, steps: u64) -> (St
         *x += offset;
     }
     let system = System::atoms(27);
-    let mut state = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        positions,
-        velocities,
-    );
+    let mut state = State::new(lennard_core::PeriodicBox::boundless(), positions, velocities);
     let dt = 0.004;
-    integrator
-        .start(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
-        .unwrap();
+    integrator.start(&system, &mut state, &mut Cluster, dt, Want::NOTHING).unwrap();
     let start = state.clone();
     for _ in 0..steps {
-        integrator
-            .step(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
-            .unwrap();
+        integrator.step(&system, &mut state, &mut Cluster, dt, Want::NOTHING).unwrap();
     }
     let turning_point = state.clone();
     reverse(&mut state);
-    run(
-        integrator,
-        &system,
-        &mut Cluster,
-        &mut state,
-        dt,
-        steps,
-        |_, _| {},
-    )
-    .unwrap();
+    run(integrator, &system, &mut Cluster, &mut state, dt, steps, |_, _| {}).unwrap();
     reverse(&mut state);
     (start, turning_point, state)
 }
@@ -95,56 +78,29 @@ fn velocity_verlet_does_not_return_exactly() {
 fn it_returns_exactly_through_a_checkpoint() {
     let (positions, velocities) = cluster(3, 0.8, 12);
     let system = System::atoms(27);
-    let mut state = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        positions,
-        velocities,
-    );
+    let mut state = State::new(lennard_core::PeriodicBox::boundless(), positions, velocities);
     let dt = 0.004;
     let mut there = method();
-    run(
-        &mut there,
-        &system,
-        &mut Cluster,
-        &mut state,
-        dt,
-        1,
-        |_, _| {},
-    )
-    .unwrap();
+    run(&mut there, &system, &mut Cluster, &mut state, dt, 1, |_, _| {}).unwrap();
     let start = grid_positions(&there);
     let want = Want::NOTHING;
     for _ in 0..500 {
-        there
-            .step(&system, &mut state, &mut Cluster, dt, want)
-            .unwrap();
+        there.step(&system, &mut state, &mut Cluster, dt, want).unwrap();
     }
     let mut archive = StateArchive::default();
     lennard_core::Persist::save(&there, &mut archive.writer());
     let mut back = method();
     lennard_core::Persist::restore(&mut back, &archive.reader()).unwrap();
     reverse(&mut state);
-    run(
-        &mut back,
-        &system,
-        &mut Cluster,
-        &mut state,
-        dt,
-        500,
-        |_, _| {},
-    )
-    .unwrap();
+    run(&mut back, &system, &mut Cluster, &mut state, dt, 500, |_, _| {}).unwrap();
     assert_eq!(grid_positions(&back), start);
 }
 
 #[test]
 fn a_particle_that_leaves_the_grid_is_an_error() {
     // A repelling spring doubles the distance every 0.7 τ: 4096 σ come soon.
-    let mut state = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        vec![DVec3::X],
-        vec![DVec3::X],
-    );
+    let mut state =
+        State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::X]);
     let result = run(
         &mut method(),
         &System::atoms(1),
@@ -155,22 +111,14 @@ fn a_particle_that_leaves_the_grid_is_an_error() {
         |_, _| {},
     );
     assert!(
-        matches!(
-            result,
-            Err(StepError::Force(ForceError::NonFinitePosition {
-                particle: 0
-            }))
-        ),
+        matches!(result, Err(StepError::Force(ForceError::NonFinitePosition { particle: 0 }))),
         "{result:?}"
     );
     let last = state.positions[0].x;
     assert!(last > 1000.0 && last.is_finite());
     // So is one that starts outside.
-    let mut far = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        vec![DVec3::X * 1e9],
-        vec![DVec3::ZERO],
-    );
+    let mut far =
+        State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X * 1e9], vec![DVec3::ZERO]);
     let mut forces = HarmonicForces::new(1.0);
     let refused = method().start(&System::atoms(1), &mut far, &mut forces, 0.1, Want::NOTHING);
     assert!(matches!(refused, Err(StepError::Unsuited { .. })));

@@ -9,10 +9,7 @@ use lennard_integrators::bonds::{direct, relaxation, spring};
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build};
 
 fn direct() -> BondOptions {
-    BondOptions::Direct(direct::Options {
-        tolerance: 1e-14,
-        ..Default::default()
-    })
+    BondOptions::Direct(direct::Options { tolerance: 1e-14, ..Default::default() })
 }
 
 fn shake(tolerance: f64) -> BondOptions {
@@ -62,13 +59,9 @@ fn run(
     steps: u64,
 ) {
     let mut integrator = velocity_verlet(bonds, &system.molecules);
-    integrator
-        .start(system, state, forces, dt, Want::ENERGY)
-        .unwrap();
+    integrator.start(system, state, forces, dt, Want::ENERGY).unwrap();
     for _ in 0..steps {
-        integrator
-            .step(system, state, forces, dt, Want::ENERGY)
-            .unwrap();
+        integrator.step(system, state, forces, dt, Want::ENERGY).unwrap();
     }
 }
 
@@ -125,10 +118,7 @@ impl Backend for Simple {}
 fn rotor(omega: f64) -> (System, State) {
     let molecules = Molecules::chains(2, 1.0, Bonds::Rigid);
     let x = vec![DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.5, 0.0, 0.0)];
-    let v = vec![
-        DVec3::new(0.0, -0.5 * omega, 0.0),
-        DVec3::new(0.0, 0.5 * omega, 0.0),
-    ];
+    let v = vec![DVec3::new(0.0, -0.5 * omega, 0.0), DVec3::new(0.0, 0.5 * omega, 0.0)];
     start(&molecules, x, v)
 }
 
@@ -169,13 +159,9 @@ fn a_bond_that_turns_too_far_stops_the_step() {
     for bonds in [direct(), shake(1e-12)] {
         let (system, mut state) = rotor(21.0);
         let mut integrator = velocity_verlet(&bonds, &system.molecules);
-        integrator
-            .start(&system, &mut state, &mut NoForces, 0.05, Want::NOTHING)
-            .unwrap();
+        integrator.start(&system, &mut state, &mut NoForces, 0.05, Want::NOTHING).unwrap();
         let failed = (0..50).find_map(|_| {
-            integrator
-                .step(&system, &mut state, &mut NoForces, 0.05, Want::NOTHING)
-                .err()
+            integrator.step(&system, &mut state, &mut NoForces, 0.05, Want::NOTHING).err()
         });
         let text = failed.expect("a bond turned too far").to_string();
         assert!(text.contains("molecule 1"), "{text}");
@@ -193,11 +179,7 @@ fn two_dumbbells() -> (System, State, Simple) {
     ];
     let v = [1.0, 1.0, -1.0, -1.0].map(|v| DVec3::new(v, 0.0, 0.0));
     let (system, state) = start(&molecules, x, v.to_vec());
-    let forces = Simple {
-        molecules,
-        pairs: true,
-        gravity: 0.0,
-    };
+    let forces = Simple { molecules, pairs: true, gravity: 0.0 };
     (system, state, forces)
 }
 
@@ -213,14 +195,7 @@ fn two_dumbbells_later() -> [DVec3; 4] {
 
 fn error_after(bonds: &BondOptions, steps: u64) -> f64 {
     let (system, mut state, mut forces) = two_dumbbells();
-    run(
-        &system,
-        &mut state,
-        &mut forces,
-        bonds,
-        2.5 / steps as f64,
-        steps,
-    );
+    run(&system, &mut state, &mut forces, bonds, 2.5 / steps as f64, steps);
     let off = state.positions.iter().zip(two_dumbbells_later());
     off.map(|(x, y)| (*x - y).length()).fold(0.0, f64::max)
 }
@@ -228,9 +203,8 @@ fn error_after(bonds: &BondOptions, steps: u64) -> f64 {
 #[test]
 fn two_dumbbells_meet_their_high_precision_solution_with_order_two() {
     for bonds in [direct(), shake(1e-13)] {
-        let errors: Vec<f64> = [1000, 2000, 4000, 8000]
-            .map(|steps| error_after(&bonds, steps))
-            .to_vec();
+        let errors: Vec<f64> =
+            [1000, 2000, 4000, 8000].map(|steps| error_after(&bonds, steps)).to_vec();
         assert!(errors[3] < 8e-6, "{errors:?}");
         let order = (errors[1] / errors[3]).log2() / 2.0;
         assert!((order - 2.0).abs() < 0.05, "{order}: {errors:?}");
@@ -262,14 +236,8 @@ fn velocities_and_the_energy_of_two_dumbbells_are_of_order_two() {
     assert!((of_energy - 2.0).abs() < 0.05, "{of_energy}");
     // The parts of the kinetic energy belong to the high-precision solution too.
     let (v, energy) = after(8000);
-    let centers: f64 = v
-        .chunks(2)
-        .map(|v| (0.5 * (v[0] + v[1])).length_squared())
-        .sum();
-    let inside: f64 = v
-        .chunks(2)
-        .map(|v| (0.5 * (v[1] - v[0])).length_squared())
-        .sum();
+    let centers: f64 = v.chunks(2).map(|v| (0.5 * (v[0] + v[1])).length_squared()).sum();
+    let inside: f64 = v.chunks(2).map(|v| (0.5 * (v[1] - v[0])).length_squared()).sum();
     assert!((centers - 0.760835326120).abs() < 1e-5, "{centers}");
     assert!((inside - 1.233605923153).abs() < 1e-5, "{inside}");
     assert!((energy - 1.979878613169).abs() < 1e-5, "{energy}");
@@ -285,23 +253,16 @@ fn multipliers_of_the_stages_are_of_order_one_and_their_mean_is_of_order_two() {
         let mut path = Vec::new();
         let mut method = velocity_verlet(&direct(), &system.molecules);
         let want = Want::ENERGY;
-        method
-            .start(&system, &mut state, &mut forces, dt, want)
-            .unwrap();
+        method.start(&system, &mut state, &mut forces, dt, want).unwrap();
         for step in 1..=steps + 1 {
             if step >= steps {
                 path.push(state.clone());
             }
-            method
-                .step(&system, &mut state, &mut forces, dt, want)
-                .unwrap();
+            method.step(&system, &mut state, &mut forces, dt, want).unwrap();
         }
         path.push(state);
         let [before, now, after] = [&path[0], &path[1], &path[2]];
-        let (d, w) = (
-            now.positions[3] - now.positions[2],
-            now.velocities[3] - now.velocities[2],
-        );
+        let (d, w) = (now.positions[3] - now.positions[2], now.velocities[3] - now.velocities[2]);
         let a = now.forces[3] - now.forces[2];
         // G·M⁻¹·Gᵀ = 2|d|² for unit masses.
         let exact = -(w.length_squared() + d.dot(a)) / (2.0 * d.length_squared());
@@ -331,11 +292,7 @@ fn projection_along_the_new_bond_is_of_order_one() {
 #[test]
 fn every_way_but_the_projection_keeps_both_momenta() {
     let spring = |scheme, damping| {
-        BondOptions::Spring(spring::Options {
-            stiffness: 4000.0,
-            damping,
-            scheme,
-        })
+        BondOptions::Spring(spring::Options { stiffness: 4000.0, damping, scheme })
     };
     let ways = [
         (direct(), Bonds::Rigid),
@@ -345,14 +302,8 @@ fn every_way_but_the_projection_keeps_both_momenta() {
         (spring(spring::Scheme::Explicit, 9.0), Bonds::Impulses),
         (spring(spring::Scheme::Midpoint, 0.0), Bonds::Impulses),
         (spring(spring::Scheme::Midpoint, 9.0), Bonds::Impulses),
-        (
-            spring(spring::Scheme::LinearlyImplicit, 0.0),
-            Bonds::Impulses,
-        ),
-        (
-            spring(spring::Scheme::LinearlyImplicit, 9.0),
-            Bonds::Impulses,
-        ),
+        (spring(spring::Scheme::LinearlyImplicit, 0.0), Bonds::Impulses),
+        (spring(spring::Scheme::LinearlyImplicit, 9.0), Bonds::Impulses),
         (projection(), Bonds::Rigid),
     ];
     for (bonds, kind) in ways {
@@ -365,11 +316,7 @@ fn every_way_but_the_projection_keeps_both_momenta() {
         let momentum = system.momentum(&state.velocities);
         // Velocities of SPOOK stand half a step behind the positions: positions are taken back by half a step.
         let dt = 2.5 / 4000.0;
-        let lag = if matches!(bonds, BondOptions::Spook(_)) {
-            dt
-        } else {
-            0.0
-        };
+        let lag = if matches!(bonds, BondOptions::Spook(_)) { dt } else { 0.0 };
         let angular = |state: &State| -> DVec3 {
             let both = state.positions.iter().zip(&state.velocities);
             both.map(|(x, v)| (*x - lag * *v).cross(*v)).sum()
@@ -399,14 +346,7 @@ fn energy_and_momenta_of_two_dumbbells_are_kept() {
         both.map(|(x, v)| x.cross(*v)).sum()
     };
     let before = angular(&state);
-    run(
-        &system,
-        &mut state,
-        &mut forces,
-        &direct(),
-        2.5 / 8000.0,
-        8000,
-    );
+    run(&system, &mut state, &mut forces, &direct(), 2.5 / 8000.0, 8000);
     let energy =
         system.kinetic_energy(&state.velocities) + state.energetics.potential_energy.unwrap();
     assert!((energy - 1.979878613169).abs() < 1e-5, "{energy}");
@@ -463,16 +403,11 @@ fn closed_form_bonds_keep_their_length_at_any_of_a_million_steps() {
     let (system, mut state) = start(&molecules, x.collect(), v.collect());
     let mut method = velocity_verlet(&direct(), &molecules);
     let (dt, want) = (0.01, Want::NOTHING);
-    method
-        .start(&system, &mut state, &mut NoForces, dt, want)
-        .unwrap();
+    method.start(&system, &mut state, &mut NoForces, dt, want).unwrap();
     let mut worst = [0.0_f64; 2];
     for _ in 0..1_000_000 {
         let told = method.step(&system, &mut state, &mut NoForces, dt, want);
-        let d = state
-            .positions
-            .chunks_exact(2)
-            .map(|x| (x[1] - x[0]).length());
+        let d = state.positions.chunks_exact(2).map(|x| (x[1] - x[0]).length());
         let off = d.map(|d| (d / 0.67 - 1.0).abs()).fold(0.0, f64::max);
         worst = [worst[0].max(off), worst[1].max(told.unwrap().residual)];
         // Free dumbbells would fly out of the range where positions have all their digits.
@@ -490,9 +425,7 @@ fn closed_form_bonds_keep_their_length_at_any_of_a_million_steps() {
 fn a_hanging_chain_at_rest_has_the_weight_below_as_its_tensions() {
     for n in [2_usize, 5, 12] {
         let molecules = Molecules::chains(n + 1, 0.2, Bonds::Rigid);
-        let x = (0..=n)
-            .map(|k| DVec3::new(0.0, 0.0, -0.2 * k as f64))
-            .collect();
+        let x = (0..=n).map(|k| DVec3::new(0.0, 0.0, -0.2 * k as f64)).collect();
         let (system, mut state) = start(&molecules, x, vec![DVec3::ZERO; n + 1]);
         let system = system.holding(&[0]);
         let mut gravity = HeldAtOneEnd(9.81);
@@ -500,10 +433,7 @@ fn a_hanging_chain_at_rest_has_the_weight_below_as_its_tensions() {
         // T_j = (n − j + 1)·m·g, so that Σ λ·|d|² is −Σ T_j·r.
         let sums = rigid::constraint_sums(&system, &state);
         let wanted = -9.81 * 0.2 * (n * (n + 1)) as f64 / 2.0;
-        assert!(
-            (sums.virial.z_axis.z / wanted - 1.0).abs() < 1e-12,
-            "{sums:?}"
-        );
+        assert!((sums.virial.z_axis.z / wanted - 1.0).abs() < 1e-12, "{sums:?}");
         let moved = (state.positions[n].z + 0.2 * n as f64).abs();
         assert!(moved < 1e-13, "{moved:e}");
     }
@@ -513,10 +443,7 @@ fn a_hanging_chain_at_rest_has_the_weight_below_as_its_tensions() {
 #[test]
 fn small_swings_of_a_chain_have_the_frequencies_of_laguerre() {
     let (g, l) = (9.81, 0.2);
-    for zeros in [
-        &[0.585786_f64, 3.414214][..],
-        &[0.415775, 2.294280, 6.289945],
-    ] {
+    for zeros in [&[0.585786_f64, 3.414214][..], &[0.415775, 2.294280, 6.289945]] {
         let n = zeros.len();
         for zero in zeros {
             let omega = (zero * g / l).sqrt();
@@ -534,11 +461,7 @@ fn small_swings_of_a_chain_have_the_frequencies_of_laguerre() {
             let amplitude = 2e-5;
             shape.reverse();
             let bead = |k: usize| {
-                if k == 0 {
-                    0.0
-                } else {
-                    amplitude * shape[k - 1]
-                }
+                if k == 0 { 0.0 } else { amplitude * shape[k - 1] }
             };
             let mut x = vec![DVec3::ZERO];
             for k in 1..=n {
@@ -553,33 +476,16 @@ fn small_swings_of_a_chain_have_the_frequencies_of_laguerre() {
             let steps = 4000_u32;
             let dt = std::f64::consts::TAU / omega / f64::from(steps);
             let mut gravity = HeldAtOneEnd(g);
-            run(
-                &system,
-                &mut state,
-                &mut gravity,
-                &direct(),
-                dt,
-                u64::from(steps) / 4,
-            );
+            run(&system, &mut state, &mut gravity, &direct(), dt, u64::from(steps) / 4);
             // After a quarter of the period all beads pass through the middle.
             let largest = first.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
             for (k, x) in state.positions.iter().enumerate() {
                 assert!(x.x.abs() < 1e-4 * largest, "{n}, {zero}, {k}: {x}");
             }
             let quarter = u64::from(steps) / 4;
-            run(
-                &system,
-                &mut state,
-                &mut gravity,
-                &direct(),
-                dt,
-                3 * quarter,
-            );
+            run(&system, &mut state, &mut gravity, &direct(), dt, 3 * quarter);
             for (x, first) in state.positions.iter().zip(&first) {
-                assert!(
-                    (x.x - first).abs() < 1e-4 * largest,
-                    "{n}, {zero}: {x} {first}"
-                );
+                assert!((x.x - first).abs() < 1e-4 * largest, "{n}, {zero}: {x} {first}");
             }
         }
     }
@@ -597,21 +503,11 @@ fn a_conical_pendulum_turns_at_its_speed_and_has_its_tension() {
     let turn = |steps: u64| {
         let mut state = state.clone();
         let dt = std::f64::consts::TAU / omega / steps as f64;
-        run(
-            &system,
-            &mut state,
-            &mut HeldAtOneEnd(9.81),
-            &direct(),
-            dt,
-            steps,
-        );
+        run(&system, &mut state, &mut HeldAtOneEnd(9.81), &direct(), dt, steps);
         (state.positions[1] - DVec3::new(sin, 0.0, -cos)).length()
     };
     let (coarse, fine) = (turn(1000), turn(2000));
-    assert!(
-        fine < 1e-5 && (coarse / fine / 4.0 - 1.0).abs() < 0.05,
-        "{coarse} {fine}"
-    );
+    assert!(fine < 1e-5 && (coarse / fine / 4.0 - 1.0).abs() < 0.05, "{coarse} {fine}");
     state.forces = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -9.81)];
     let sums = rigid::constraint_sums(&system, &state);
     let virial = sums.virial.x_axis.x + sums.virial.y_axis.y + sums.virial.z_axis.z;
@@ -621,15 +517,9 @@ fn a_conical_pendulum_turns_at_its_speed_and_has_its_tension() {
 /// A chain at rest and horizontal in gravity, whose first bead is so heavy that it hardly moves.
 fn hanging_chain(sites: usize) -> (System, State, Simple) {
     let molecules = Molecules::chains(sites, 0.2, Bonds::Rigid);
-    let x = (0..sites)
-        .map(|k| DVec3::new(0.2 * k as f64, 0.0, 0.0))
-        .collect();
+    let x = (0..sites).map(|k| DVec3::new(0.2 * k as f64, 0.0, 0.0)).collect();
     let (system, state) = start(&molecules, x, vec![DVec3::ZERO; sites]);
-    let forces = Simple {
-        molecules,
-        pairs: false,
-        gravity: 9.81,
-    };
+    let forces = Simple { molecules, pairs: false, gravity: 9.81 };
     (system, state, forces)
 }
 
@@ -663,14 +553,7 @@ impl Backend for HeldAtOneEnd {}
 fn a_chain_held_at_one_end_falls_as_its_high_precision_solution() {
     let (mut system, mut state, _) = hanging_chain(6);
     system.masses = Masses::Each(vec![1e15, 1.0, 1.0, 1.0, 1.0, 1.0]);
-    run(
-        &system,
-        &mut state,
-        &mut HeldAtOneEnd(9.81),
-        &direct(),
-        5e-5,
-        10_000,
-    );
+    run(&system, &mut state, &mut HeldAtOneEnd(9.81), &direct(), 5e-5, 10_000);
     let end = state.positions[5];
     let wanted = DVec3::new(-0.056664541268, 0.0, -0.975802326581);
     assert!((end - wanted).length() < 2e-6, "{end} against {wanted}");
@@ -695,11 +578,7 @@ fn relaxation_and_the_direct_solution_agree_on_a_chain() {
 /// The residual that so many sweeps leave on a straight chain, drifted so that each bond is a little too long.
 fn stretched(bonds: usize, sweeps: u32, over_relaxation: f64) -> f64 {
     let molecules = Molecules::chains(bonds + 1, 1.0, Bonds::Rigid);
-    let along = || {
-        (0..=bonds)
-            .map(|k| DVec3::new(k as f64, 0.0, 0.0))
-            .collect()
-    };
+    let along = || (0..=bonds).map(|k| DVec3::new(k as f64, 0.0, 0.0)).collect();
     let system = System::of_molecules(bonds + 1, molecules.clone());
     let cell = PeriodicBox::new(DVec3::splat(1e3)).unwrap();
     let mut state = State::new(cell, along(), along());
@@ -710,9 +589,7 @@ fn stretched(bonds: usize, sweeps: u32, over_relaxation: f64) -> f64 {
     });
     let mut integrator = velocity_verlet(&options, &molecules);
     let (dt, want) = (1e-4, Want::NOTHING);
-    integrator
-        .start(&system, &mut state, &mut NoForces, dt, want)
-        .unwrap();
+    integrator.start(&system, &mut state, &mut NoForces, dt, want).unwrap();
     let report = integrator.step(&system, &mut state, &mut NoForces, dt, want);
     report.unwrap().residual
 }
@@ -724,10 +601,7 @@ fn sweeps_over_a_straight_chain_converge_by_the_cosine_law() {
         let residual = |sweeps| stretched(bonds, sweeps, 1.0);
         let rate = (residual(sweeps + more) / residual(sweeps)).powf(1.0 / f64::from(more));
         let law = (std::f64::consts::PI / (bonds as f64 + 1.0)).cos().powi(2);
-        assert!(
-            (rate / law - 1.0).abs() < 0.01,
-            "{bonds}: {rate} against {law}"
-        );
+        assert!((rate / law - 1.0).abs() < 0.01, "{bonds}: {rate} against {law}");
     }
 }
 
@@ -740,10 +614,7 @@ fn over_relaxed_sweeps_converge_by_the_theory_of_successive_over_relaxation() {
         let jacobi = omega * (std::f64::consts::PI / (bonds as f64 + 1.0)).cos();
         let root = (jacobi * jacobi - 4.0 * (omega - 1.0)).sqrt();
         let law = (0.5 * (jacobi + root)).powi(2);
-        assert!(
-            (rate / law - 1.0).abs() < 0.01,
-            "{bonds}: {rate} against {law}"
-        );
+        assert!((rate / law - 1.0).abs() < 0.01, "{bonds}: {rate} against {law}");
     }
 }
 
@@ -752,13 +623,8 @@ fn multipliers_are_the_tension_of_a_turning_chain() {
     // A straight chain turning at Ω about its middle: T_j = Ω²·Σ radii of the outer beads.
     let omega = 1.7;
     let molecules = Molecules::chains(4, 1.0, Bonds::Rigid);
-    let x: Vec<DVec3> = [-1.5, -0.5, 0.5, 1.5]
-        .map(|x| DVec3::new(x, 0.0, 0.0))
-        .to_vec();
-    let v = x
-        .iter()
-        .map(|x| DVec3::new(0.0, omega * x.x, 0.0))
-        .collect();
+    let x: Vec<DVec3> = [-1.5, -0.5, 0.5, 1.5].map(|x| DVec3::new(x, 0.0, 0.0)).to_vec();
+    let v = x.iter().map(|x| DVec3::new(0.0, omega * x.x, 0.0)).collect();
     let (system, state) = start(&molecules, x, v);
     let sums = rigid::constraint_sums(&system, &state);
     let tensions = [1.5, 2.0, 1.5].map(|radii| omega * omega * radii);
@@ -766,10 +632,7 @@ fn multipliers_are_the_tension_of_a_turning_chain() {
     let wanted = -tensions.iter().sum::<f64>();
     assert!((sums.virial.x_axis.x - wanted).abs() < 1e-12, "{sums:?}");
     assert!(sums.largest_residual < 1e-15);
-    let squares: f64 = [1.5_f64, 0.5, 0.5, 1.5]
-        .map(|r| (omega * omega * r).powi(2))
-        .iter()
-        .sum();
+    let squares: f64 = [1.5_f64, 0.5, 0.5, 1.5].map(|r| (omega * omega * r).powi(2)).iter().sum();
     assert!((sums.squared_forces - squares).abs() < 1e-12);
 }
 
@@ -795,52 +658,35 @@ fn bonds_of_many_dumbbells_keep_their_length_to_the_last_place() {
     assert!(rigid::constraint_sums(&system, &state).largest_residual < 1e-14);
     let after = system.kinetic_energy(&state.velocities);
     assert!((after / kinetic - 1.0).abs() < 1e-11);
-    assert_eq!(
-        system.n_dof(Momentum::Conserved),
-        3.0 * 1000.0 - 500.0 - 3.0
-    );
+    assert_eq!(system.n_dof(Momentum::Conserved), 3.0 * 1000.0 - 500.0 - 3.0);
 }
 
 #[test]
 fn a_stiff_spring_swings_at_its_frequency_and_its_virial_is_its_force() {
     let stiffness = 900.0;
     let molecules = Molecules::chains(2, 1.0, Bonds::Springs);
-    let options = BondOptions::Spring(spring::Options {
-        stiffness,
-        ..Default::default()
-    });
+    let options = BondOptions::Spring(spring::Options { stiffness, ..Default::default() });
     let omega = options.frequency();
     assert!((omega - (2.0 * stiffness).sqrt()).abs() < 1e-12);
     let x = vec![DVec3::new(-0.51, 0.0, 0.0), DVec3::new(0.51, 0.0, 0.0)];
     let (system, mut state) = start(&molecules, x, vec![DVec3::ZERO; 2]);
-    let BondHolder::Spring(term) = options.build(&molecules) else {
-        panic!("springs are forces")
-    };
+    let BondHolder::Spring(term) = options.build(&molecules) else { panic!("springs are forces") };
     let mut forces = ForceSum::new(NoForces);
     forces.push(term);
     let steps = 1000;
     let dt = std::f64::consts::TAU / omega / f64::from(steps);
     let mut integrator = velocity_verlet(&options, &molecules);
-    integrator
-        .start(&system, &mut state, &mut forces, dt, Want::TOTALS)
-        .unwrap();
+    integrator.start(&system, &mut state, &mut forces, dt, Want::TOTALS).unwrap();
     let first = state.clone();
     let virial = first.energetics.scalar_virial().unwrap();
-    let wanted: f64 = first
-        .positions
-        .iter()
-        .zip(&first.forces)
-        .map(|(x, f)| x.dot(*f))
-        .sum();
+    let wanted: f64 = first.positions.iter().zip(&first.forces).map(|(x, f)| x.dot(*f)).sum();
     assert!((virial - wanted).abs() < 1e-12, "{virial} {wanted}");
     assert!(
         (first.energetics.potential_energy.unwrap() - 0.5 * stiffness * 0.02_f64.powi(2)).abs()
             < 1e-12
     );
     for _ in 0..steps {
-        integrator
-            .step(&system, &mut state, &mut forces, dt, Want::TOTALS)
-            .unwrap();
+        integrator.step(&system, &mut state, &mut forces, dt, Want::TOTALS).unwrap();
     }
     assert!((state.positions[1] - first.positions[1]).length() < 1e-6);
 }
@@ -849,28 +695,16 @@ fn a_stiff_spring_swings_at_its_frequency_and_its_virial_is_its_force() {
 #[test]
 fn the_laplacian_of_springs_is_the_divergence_of_their_forces() {
     let molecules = Molecules::chains(3, 1.0, Bonds::Springs);
-    let options = BondOptions::Spring(spring::Options {
-        stiffness: 50.0,
-        ..Default::default()
-    });
+    let options = BondOptions::Spring(spring::Options { stiffness: 50.0, ..Default::default() });
     let BondHolder::Spring(mut term) = options.build(&molecules) else {
         panic!("springs are forces")
     };
-    let x = vec![
-        DVec3::new(0.0, 0.1, 0.2),
-        DVec3::new(0.9, 0.3, -0.1),
-        DVec3::new(1.2, 1.3, 0.4),
-    ];
+    let x = vec![DVec3::new(0.0, 0.1, 0.2), DVec3::new(0.9, 0.3, -0.1), DVec3::new(1.2, 1.3, 0.4)];
     let cell = PeriodicBox::new(DVec3::splat(1e3)).unwrap();
     let mut at = |x: &[DVec3]| {
         let mut forces = vec![DVec3::ZERO; 3];
         let found = term
-            .evaluate(
-                Configuration::at_rest(&cell, x),
-                Part::All,
-                Want::TOTALS,
-                &mut forces,
-            )
+            .evaluate(Configuration::at_rest(&cell, x), Part::All, Want::TOTALS, &mut forces)
             .unwrap();
         (forces, found.laplacian.unwrap())
     };
@@ -888,10 +722,7 @@ fn the_laplacian_of_springs_is_the_divergence_of_their_forces() {
                 (at(&moved(eta)).0[site][axis] - at(&moved(-eta)).0[site][axis]) / (2.0 * eta);
         }
     }
-    assert!(
-        (laplacian + divergence).abs() < 1e-6 * laplacian,
-        "{laplacian} {divergence}"
-    );
+    assert!((laplacian + divergence).abs() < 1e-6 * laplacian, "{laplacian} {divergence}");
 }
 
 /// A free dumbbell that turns by α per step is an exact fixed motion of SPOOK, at
@@ -922,24 +753,11 @@ fn a_rotor_under_spook_keeps_turning_at_its_stretched_length() {
             damping_time: None,
             sweeps: 0,
         };
-        run(
-            &system,
-            &mut state,
-            &mut NoForces,
-            &spook(options),
-            dt,
-            1000,
-        );
+        run(&system, &mut state, &mut NoForces, &spook(options), dt, 1000);
         let length = (state.positions[1] - state.positions[0]).length();
-        assert!(
-            (length - stretched).abs() < 1e-12,
-            "{length} against {stretched}"
-        );
+        assert!((length - stretched).abs() < 1e-12, "{length} against {stretched}");
         let turned = (angle(&state) - 1000.0 * alpha).rem_euclid(std::f64::consts::TAU);
-        assert!(
-            turned.min(std::f64::consts::TAU - turned) < 1e-9,
-            "{turned}"
-        );
+        assert!(turned.min(std::f64::consts::TAU - turned) < 1e-9, "{turned}");
     }
 }
 
@@ -981,14 +799,7 @@ fn spook_holds_a_chain_and_keeps_its_momentum() {
     }
     rigid::project_velocities(&system, &state.positions, &mut state.velocities);
     let momentum = system.momentum(&state.velocities);
-    run(
-        &system,
-        &mut state,
-        &mut forces,
-        &spook(Default::default()),
-        1e-3,
-        2000,
-    );
+    run(&system, &mut state, &mut forces, &spook(Default::default()), 1e-3, 2000);
     assert!((system.momentum(&state.velocities) - momentum).length() < 1e-12);
     let strain = rigid::constraint_sums(&system, &state).largest_residual;
     assert!((1e-9..0.02).contains(&strain), "{strain}");
@@ -1006,9 +817,7 @@ fn leapfrog_and_positions_alone_hold_bonds_as_velocity_verlet_does() {
             };
             let mut method = method.with_bonds(solver);
             let want = Want::ENERGY;
-            method
-                .start(&system, &mut state, &mut forces, dt, want)
-                .unwrap();
+            method.start(&system, &mut state, &mut forces, dt, want).unwrap();
             for _ in 0..500 {
                 let report = method.step(&system, &mut state, &mut forces, dt, want);
                 assert!(report.unwrap().residual < 1e-13);
@@ -1039,10 +848,7 @@ fn positions_alone_refuse_springs_of_impulses() {
     let mut method = build(&IntegratorOptions::StormerVerlet(Default::default()));
     let refused = method.start(&system, &mut state, &mut NoForces, 0.01, Want::NOTHING);
     let text = refused.unwrap_err().to_string();
-    assert!(
-        text.contains("its springs leave velocities that positions do not tell"),
-        "{text}"
-    );
+    assert!(text.contains("its springs leave velocities that positions do not tell"), "{text}");
 }
 
 #[test]

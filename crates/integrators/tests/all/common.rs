@@ -53,10 +53,7 @@ impl ForceTerm for Cluster {
     }
 
     fn properties(&self) -> ForceProperties {
-        ForceProperties {
-            splits: true,
-            ..ForceProperties::default()
-        }
+        ForceProperties { splits: true, ..ForceProperties::default() }
     }
 }
 
@@ -66,8 +63,7 @@ impl Backend for Cluster {
         let mut forces = vec![DVec3::ZERO; stride.positions.len()];
         for _ in 0..steps {
             let at = Configuration::at_rest(stride.cell, stride.positions);
-            self.evaluate(at, Part::All, Want::NOTHING, &mut forces)
-                .unwrap();
+            self.evaluate(at, Part::All, Want::NOTHING, &mut forces).unwrap();
             let (velocities, h) = (&mut *stride.velocities, stride.dt);
             sweeps::kick(velocities, &forces, stride.masses, 0.5 * h);
             if let Some(bath) = &mut stride.bath {
@@ -111,11 +107,8 @@ pub fn cluster(edge: usize, speed: f64, seed: u64) -> (Vec<DVec3>, Vec<DVec3>) {
     let mut rng = Streams::new(seed).sequential("cluster");
     let mut positions = Vec::new();
     for i in 0..edge.pow(3) {
-        let cell = DVec3::new(
-            (i % edge) as f64,
-            (i / edge % edge) as f64,
-            (i / edge / edge) as f64,
-        );
+        let cell =
+            DVec3::new((i % edge) as f64, (i / edge % edge) as f64, (i / edge / edge) as f64);
         positions.push(1.12 * cell);
     }
     let mut velocities: Vec<DVec3> = positions

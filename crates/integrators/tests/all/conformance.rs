@@ -18,9 +18,7 @@ const ROUNDING: f64 = 1e-13;
 
 /// The methods that can run any forces F(x), with no solution known beforehand.
 fn general_methods() -> impl Iterator<Item = &'static IntegratorEntry> {
-    integrators()
-        .iter()
-        .filter(|e| e.oscillator != OscillatorModel::ExactSolution)
+    integrators().iter().filter(|e| e.oscillator != OscillatorModel::ExactSolution)
 }
 
 fn largest_entry(m: DMat2) -> f64 {
@@ -31,19 +29,9 @@ fn largest_entry(m: DMat2) -> f64 {
 fn moving_cluster() -> (System, State) {
     let (positions, velocities) = cluster(3, 0.5, 3);
     let mut system = System::atoms(positions.len());
-    system.masses = Masses::Each(
-        (0..positions.len())
-            .map(|i| 1.0 + 0.5 * (i % 3) as f64)
-            .collect(),
-    );
-    (
-        system,
-        State::new(
-            lennard_core::PeriodicBox::boundless(),
-            positions,
-            velocities,
-        ),
-    )
+    system.masses =
+        Masses::Each((0..positions.len()).map(|i| 1.0 + 0.5 * (i % 3) as f64).collect());
+    (system, State::new(lennard_core::PeriodicBox::boundless(), positions, velocities))
 }
 
 fn steps(
@@ -55,9 +43,7 @@ fn steps(
     n: u64,
 ) {
     for _ in 0..n {
-        integrator
-            .step(system, state, forces, dt, Want::NOTHING)
-            .unwrap();
+        integrator.step(system, state, forces, dt, Want::NOTHING).unwrap();
     }
 }
 
@@ -70,47 +56,28 @@ fn strides_of_any_method_have_the_bits_of_its_steps() {
         let (mut method, mut other) = (entry.build(), entry.build());
         let dt = 0.001;
         let begin = |method: &mut Integrator, state: &mut State| {
-            method
-                .start(&system, state, &mut Cluster, dt, Want::ENERGY)
-                .unwrap();
+            method.start(&system, state, &mut Cluster, dt, Want::ENERGY).unwrap();
         };
         begin(&mut method, &mut one);
         begin(&mut other, &mut all);
         let (mut evaluations, mut heat, mut at_once) = (0, 0.0, 0.0);
         for step in 1..=13 {
-            let want = if step == 13 {
-                Want::ENERGY
-            } else {
-                Want::NOTHING
-            };
-            let report = method
-                .step(&system, &mut one, &mut Cluster, dt, want)
-                .unwrap();
+            let want = if step == 13 { Want::ENERGY } else { Want::NOTHING };
+            let report = method.step(&system, &mut one, &mut Cluster, dt, want).unwrap();
             evaluations += report.force_evaluations;
             report.add_heat_to(&mut heat);
         }
         while all.step < 13 {
             let before = all.step;
             let (taken, report) = other
-                .stride(
-                    &system,
-                    &mut all,
-                    &mut Cluster,
-                    dt,
-                    13 - before,
-                    Want::ENERGY,
-                )
+                .stride(&system, &mut all, &mut Cluster, dt, 13 - before, Want::ENERGY)
                 .unwrap();
             assert_eq!(all.step, before + taken, "{}", entry.spec.name);
             evaluations -= report.force_evaluations;
             report.add_heat_to(&mut at_once);
             longest = longest.max(taken);
         }
-        assert!(
-            format!("{one:?}") == format!("{all:?}"),
-            "{}: {one:?}\n{all:?}",
-            entry.spec.name
-        );
+        assert!(format!("{one:?}") == format!("{all:?}"), "{}: {one:?}\n{all:?}", entry.spec.name);
         assert_eq!((evaluations, heat), (0, at_once), "{}", entry.spec.name);
     }
     assert_eq!(longest, 3, "two at once, and the one that ends the stride");
@@ -222,19 +189,13 @@ fn forces_and_clock_belong_to_the_new_positions() {
     for entry in general_methods() {
         let (system, mut state) = moving_cluster();
         let mut integrator = entry.build();
-        integrator
-            .start(&system, &mut state, &mut Cluster, 0.004, Want::ENERGY)
-            .unwrap();
+        integrator.start(&system, &mut state, &mut Cluster, 0.004, Want::ENERGY).unwrap();
         for n in 1..=3 {
             let want = if n == 3 { Want::ENERGY } else { Want::NOTHING };
-            integrator
-                .step(&system, &mut state, &mut Cluster, 0.004, want)
-                .unwrap();
+            integrator.step(&system, &mut state, &mut Cluster, 0.004, want).unwrap();
             let mut forces = vec![DVec3::ZERO; state.len()];
             let at = Configuration::at_rest(&state.cell, &state.positions);
-            let found = Cluster
-                .evaluate(at, Part::All, Want::ENERGY, &mut forces)
-                .unwrap();
+            let found = Cluster.evaluate(at, Part::All, Want::ENERGY, &mut forces).unwrap();
             let name = entry.spec.name;
             assert_eq!(state.step, n, "{name}");
             assert!((state.time - 0.004 * n as f64).abs() < 1e-15, "{name}");
@@ -260,9 +221,7 @@ fn methods_that_kick_by_halves_move_with_the_velocities_of_half_steps_and_no_oth
     for entry in general_methods() {
         let (system, mut state) = moving_cluster();
         let mut integrator = entry.build();
-        integrator
-            .start(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
-            .unwrap();
+        integrator.start(&system, &mut state, &mut Cluster, dt, Want::NOTHING).unwrap();
         steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 2);
         let before = state.clone();
         steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 1);
@@ -299,23 +258,16 @@ fn symplectic_methods_keep_phase_space_area_and_no_others_do() {
 fn distance_after_return(entry: &IntegratorEntry, dt: f64, n: u64) -> f64 {
     let (system, mut state) = moving_cluster();
     let mut integrator = entry.build();
-    integrator
-        .start(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
-        .unwrap();
+    integrator.start(&system, &mut state, &mut Cluster, dt, Want::NOTHING).unwrap();
     let start = state.clone();
     steps(&mut integrator, &system, &mut state, &mut Cluster, dt, n);
     for v in &mut state.velocities {
         *v = -*v;
     }
-    integrator
-        .start(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
-        .unwrap();
+    integrator.start(&system, &mut state, &mut Cluster, dt, Want::NOTHING).unwrap();
     steps(&mut integrator, &system, &mut state, &mut Cluster, dt, n);
     let pairs = |a: &[DVec3], b: &[DVec3], sign: f64| {
-        a.iter()
-            .zip(b)
-            .map(|(x, y)| (*x - sign * *y).length())
-            .fold(0.0, f64::max)
+        a.iter().zip(b).map(|(x, y)| (*x - sign * *y).length()).fold(0.0, f64::max)
     };
     pairs(&state.positions, &start.positions, 1.0).max(pairs(
         &state.velocities,
@@ -344,25 +296,18 @@ fn force_evaluations_are_as_many_as_declared_and_reported() {
         let (system, mut state) = moving_cluster();
         let mut forces = CountingForces::new(Cluster);
         let mut integrator = entry.build();
-        integrator
-            .start(&system, &mut state, &mut forces, 0.004, Want::NOTHING)
-            .unwrap();
+        integrator.start(&system, &mut state, &mut forces, 0.004, Want::NOTHING).unwrap();
         for _ in 0..5 {
             let (evaluations, products) = (forces.evaluations, forces.products);
-            let report = integrator
-                .step(&system, &mut state, &mut forces, 0.004, Want::NOTHING)
-                .unwrap();
+            let report =
+                integrator.step(&system, &mut state, &mut forces, 0.004, Want::NOTHING).unwrap();
             let made = forces.evaluations - evaluations;
             let name = entry.spec.name;
             assert_eq!(made, u64::from(report.force_evaluations), "{name}");
             if entry.spec.force_evaluations != 0 {
                 assert_eq!(made, u64::from(entry.spec.force_evaluations), "{name}");
             } else {
-                assert_eq!(
-                    forces.products - products,
-                    u64::from(report.iterations),
-                    "{name}"
-                );
+                assert_eq!(forces.products - products, u64::from(report.iterations), "{name}");
                 assert!(made > 0 && report.iterations > 0);
             }
         }
@@ -375,17 +320,13 @@ fn a_run_in_two_parts_is_the_same_run_to_the_bit() {
         let dt = 0.004;
         let (system, mut whole) = moving_cluster();
         let mut integrator = entry.build();
-        integrator
-            .start(&system, &mut whole, &mut Cluster, dt, Want::NOTHING)
-            .unwrap();
+        integrator.start(&system, &mut whole, &mut Cluster, dt, Want::NOTHING).unwrap();
         let mut first = whole.clone();
         steps(&mut integrator, &system, &mut whole, &mut Cluster, dt, 100);
 
         let mut integrator = entry.build();
         let (_, mut again) = moving_cluster();
-        integrator
-            .start(&system, &mut again, &mut Cluster, dt, Want::NOTHING)
-            .unwrap();
+        integrator.start(&system, &mut again, &mut Cluster, dt, Want::NOTHING).unwrap();
         steps(&mut integrator, &system, &mut again, &mut Cluster, dt, 40);
         let mut archive = StateArchive::default();
         again.save(&mut archive.writer().section("state"));
@@ -394,23 +335,15 @@ fn a_run_in_two_parts_is_the_same_run_to_the_bit() {
 
         let mut fresh = entry.build();
         first.restore(&archive.reader().section("state")).unwrap();
-        fresh
-            .restore(&archive.reader().section("integrator"))
-            .unwrap();
+        fresh.restore(&archive.reader().section("integrator")).unwrap();
         steps(&mut fresh, &system, &mut first, &mut Cluster, dt, 60);
         assert_eq!(first, whole, "{}", entry.spec.name);
 
         // Without any one of its entries an integrator must not restore quietly.
-        for name in archive
-            .arrays
-            .keys()
-            .filter(|n| n.starts_with("integrator/"))
-        {
+        for name in archive.arrays.keys().filter(|n| n.starts_with("integrator/")) {
             let mut without = archive.clone();
             without.arrays.remove(name);
-            let restored = entry
-                .build()
-                .restore(&without.reader().section("integrator"));
+            let restored = entry.build().restore(&without.reader().section("integrator"));
             assert!(restored.is_err(), "{} without {name}", entry.spec.name);
         }
     }
@@ -423,17 +356,8 @@ fn total_momentum_is_conserved() {
         let (system, mut state) = moving_cluster();
         let before = system.momentum(&state.velocities);
         let mut integrator = entry.build();
-        integrator
-            .start(&system, &mut state, &mut Cluster, 0.004, Want::NOTHING)
-            .unwrap();
-        steps(
-            &mut integrator,
-            &system,
-            &mut state,
-            &mut Cluster,
-            0.004,
-            500,
-        );
+        integrator.start(&system, &mut state, &mut Cluster, 0.004, Want::NOTHING).unwrap();
+        steps(&mut integrator, &system, &mut state, &mut Cluster, 0.004, 500);
         let change = (system.momentum(&state.velocities) - before).length();
         // The bit-reversible method is the coarsest. It rounds each kick to δ = 2⁻⁴⁸, so each particle's
         // momentum walks by m·δ/(h·√12) = 4e-13 per step and direction. √(27·500·3) of these add up to
@@ -451,10 +375,7 @@ fn symplectic_methods_keep_the_energy_within_a_bound_that_shrinks_with_the_step(
         let name = entry.spec.name;
         // No drift: the second half is no worse than the first. The bit-reversible method rounds its
         // positions at random, 2⁻⁴⁹/h a step.
-        assert!(
-            coarse.second_half <= coarse.first_half * 1.001 + 1e-11,
-            "{name}: {coarse:?}"
-        );
+        assert!(coarse.second_half <= coarse.first_half * 1.001 + 1e-11, "{name}: {coarse:?}");
         if order > 0 {
             // (1/2)^order within 30 %: at h = 0.2 the next terms are (ωh)² = 4 % and their like.
             let gain = coarse.first_half / fine.first_half;
@@ -466,17 +387,12 @@ fn symplectic_methods_keep_the_energy_within_a_bound_that_shrinks_with_the_step(
 
 #[test]
 fn the_energy_of_the_euler_methods_grows_and_decays_as_their_maps_say() {
-    for (name, factor) in [
-        ("explicit-euler", 1.0 + 0.01),
-        ("implicit-euler", 1.0 / 1.01),
-    ] {
+    for (name, factor) in [("explicit-euler", 1.0 + 0.01), ("implicit-euler", 1.0 / 1.01)] {
         let entry = find(name);
         // (ωh)² = 0.01: each step multiplies the energy by 1 ± 0.01 as the case may be.
         let mut bench = OscillatorBench::new(entry.oscillator, 1.0, 0.0);
         let start = glam::DVec2::new(1.0, 0.5);
-        let samples = bench
-            .trajectory(&mut entry.build(), start, 0.1, 50)
-            .unwrap();
+        let samples = bench.trajectory(&mut entry.build(), start, 0.1, 50).unwrap();
         for pair in samples.windows(2) {
             let ratio = pair[1].energy / pair[0].energy;
             assert!((ratio - factor).abs() < 1e-10, "{name}: {ratio}");
@@ -489,11 +405,7 @@ fn find(name: &str) -> &'static IntegratorEntry {
 }
 
 /// Where stability limits are searched: finer than the narrowest window of instability, 0.005.
-const SEARCH: SearchRange = SearchRange {
-    from: 0.0,
-    to: 4.0,
-    spacing: 0.004,
-};
+const SEARCH: SearchRange = SearchRange { from: 0.0, to: 4.0, spacing: 0.004 };
 
 #[test]
 fn declared_stability_limits_are_those_of_the_declared_maps() {
@@ -561,10 +473,7 @@ fn amplification_of_the_euler_methods_is_known_to_1e_10() {
         for (name, theory) in [("explicit-euler", growth), ("implicit-euler", 1.0 / growth)] {
             let map = measured_map(find(name), 1.0, x, 20).unwrap();
             let measured = amplification_per_step(&map, 20);
-            assert!(
-                (measured / theory - 1.0).abs() < 1e-10,
-                "{name} at {x}: {measured}"
-            );
+            assert!((measured / theory - 1.0).abs() < 1e-10, "{name} at {x}: {measured}");
         }
     }
 }
@@ -599,11 +508,7 @@ fn exactly_the_methods_without_memory_take_new_velocities_without_a_new_start() 
             state
         };
         let name = entry.spec.name;
-        assert_eq!(
-            end(true) != end(false),
-            remembering.contains(&name),
-            "{name}"
-        );
+        assert_eq!(end(true) != end(false), remembering.contains(&name), "{name}");
     }
 }
 
@@ -659,23 +564,15 @@ fn methods_for_a_changing_step_keep_the_order_that_they_claim() {
             let mut integrator = entry.build();
             let step_at = |t: f64| mean * (1.0 + 0.5 * (2.0 * t).sin());
             let mut dt = step_at(0.0);
-            integrator
-                .start(&system, &mut state, &mut KeplerForces, dt, Want::NOTHING)
-                .unwrap();
+            integrator.start(&system, &mut state, &mut KeplerForces, dt, Want::NOTHING).unwrap();
             while state.time < 2.0 {
-                integrator
-                    .step(&system, &mut state, &mut KeplerForces, dt, Want::NOTHING)
-                    .unwrap();
+                integrator.step(&system, &mut state, &mut KeplerForces, dt, Want::NOTHING).unwrap();
                 dt = step_at(state.time);
             }
             (state.positions[0] - orbit.at(state.time).0).length()
         };
         let mean = if order == 4 { 0.02 } else { 0.004 };
         let found = (error(mean) / error(0.5 * mean)).log2();
-        assert!(
-            (found - f64::from(order)).abs() < 0.15,
-            "{}: {found}",
-            entry.spec.name
-        );
+        assert!((found - f64::from(order)).abs() < 0.15, "{}: {found}", entry.spec.name);
     }
 }

@@ -20,13 +20,9 @@ fn a_random_start_with_huge_forces_relaxes() {
     // 100 particles at ρ = 0.8, pairs as close as 0.1 σ: forces of the order 48·10¹³.
     let mut points = scattered(100, 5.0, 0.1, 1);
     assert!(closest_pair(&points) < 0.3);
-    let report = relax(
-        &PeriodicBox::boundless(),
-        &mut points,
-        &mut Cluster,
-        &FireOptions::default(),
-    )
-    .unwrap();
+    let report =
+        relax(&PeriodicBox::boundless(), &mut points, &mut Cluster, &FireOptions::default())
+            .unwrap();
     assert!(report.largest_force_before > 1e8, "{report:?}");
     assert!(report.largest_force <= 10.0);
     // The pair force alone passes 10 ε/σ below r = 1.04 σ; neighbors can hold a pair closer, not far.
@@ -37,17 +33,8 @@ fn a_random_start_with_huge_forces_relaxes() {
 #[test]
 fn relaxation_finds_the_minimum_of_a_pair() {
     let mut points = vec![DVec3::ZERO, DVec3::new(0.6, 0.5, 0.4)];
-    let options = FireOptions {
-        largest_force: 1e-9,
-        ..FireOptions::default()
-    };
-    let report = relax(
-        &PeriodicBox::boundless(),
-        &mut points,
-        &mut Cluster,
-        &options,
-    )
-    .unwrap();
+    let options = FireOptions { largest_force: 1e-9, ..FireOptions::default() };
+    let report = relax(&PeriodicBox::boundless(), &mut points, &mut Cluster, &options).unwrap();
     // r = 2^{1/6}, U = −1; U″ = 57.1 there, so a force of 1e-9 leaves 2e-11 in r.
     assert!((closest_pair(&points) - 2.0_f64.powf(1.0 / 6.0)).abs() < 1e-10);
     assert!((report.potential_energy.unwrap() + 1.0).abs() < 1e-14);
@@ -65,20 +52,9 @@ fn no_particle_moves_farther_than_allowed() {
         })
         .collect();
     let before = points.clone();
-    let options = FireOptions {
-        max_steps: 7,
-        ..FireOptions::default()
-    };
-    let failed = relax(
-        &PeriodicBox::boundless(),
-        &mut points,
-        &mut Cluster,
-        &options,
-    );
-    assert!(matches!(
-        failed,
-        Err(FireError::NotRelaxed { steps: 7, .. })
-    ));
+    let options = FireOptions { max_steps: 7, ..FireOptions::default() };
+    let failed = relax(&PeriodicBox::boundless(), &mut points, &mut Cluster, &options);
+    assert!(matches!(failed, Err(FireError::NotRelaxed { steps: 7, .. })));
     let moved = |i: usize| (points[i] - before[i]).length();
     for i in 0..points.len() {
         // Seven steps of at most 0.05 σ, up to rounding.
@@ -91,22 +67,12 @@ fn no_particle_moves_farther_than_allowed() {
 fn what_cannot_be_relaxed_is_refused() {
     let mut same_place = vec![DVec3::ONE; 2];
     assert!(matches!(
-        relax(
-            &PeriodicBox::boundless(),
-            &mut same_place,
-            &mut Cluster,
-            &FireOptions::default()
-        ),
+        relax(&PeriodicBox::boundless(), &mut same_place, &mut Cluster, &FireOptions::default()),
         Err(FireError::Force(_))
     ));
     let mut damped = HarmonicForces::new(1.0).with_damping(0.1);
     assert!(matches!(
-        relax(
-            &PeriodicBox::boundless(),
-            &mut [DVec3::ONE],
-            &mut damped,
-            &FireOptions::default()
-        ),
+        relax(&PeriodicBox::boundless(), &mut [DVec3::ONE], &mut damped, &FireOptions::default()),
         Err(FireError::VelocityDependentForce)
     ));
 }
@@ -115,12 +81,8 @@ fn what_cannot_be_relaxed_is_refused() {
 fn a_configuration_without_large_forces_is_left_alone() {
     let mut points = vec![DVec3::ZERO, DVec3::X * 1.2];
     let before = points.clone();
-    let report = relax(
-        &PeriodicBox::boundless(),
-        &mut points,
-        &mut Cluster,
-        &FireOptions::default(),
-    )
-    .unwrap();
+    let report =
+        relax(&PeriodicBox::boundless(), &mut points, &mut Cluster, &FireOptions::default())
+            .unwrap();
     assert_eq!((report.steps, points), (0, before));
 }

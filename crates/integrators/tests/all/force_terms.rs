@@ -64,28 +64,15 @@ fn a_sum_has_the_properties_of_all_its_terms_and_conserves_their_energy() {
     let energy = |s: &State| {
         s.energetics.conserved_potential.unwrap() + system.kinetic_energy(&s.velocities)
     };
-    method
-        .start(&system, &mut state, &mut forces, dt, Want::ENERGY)
-        .unwrap();
+    method.start(&system, &mut state, &mut forces, dt, Want::ENERGY).unwrap();
     let first = energy(&state);
     for _ in 0..2000 {
-        method
-            .step(&system, &mut state, &mut forces, dt, Want::ENERGY)
-            .unwrap();
+        method.step(&system, &mut state, &mut forces, dt, Want::ENERGY).unwrap();
         assert!((energy(&state) - first).abs() < 2e-3 * first.abs());
     }
     // Without the trap the same start has another energy and another end.
     let mut free = start();
-    run(
-        &mut method,
-        &system,
-        &mut Cluster,
-        &mut free,
-        dt,
-        2000,
-        |_, _| {},
-    )
-    .unwrap();
+    run(&mut method, &system, &mut Cluster, &mut free, dt, 2000, |_, _| {}).unwrap();
     assert!(state.positions[0].distance(free.positions[0]) > 0.1);
 }
 
@@ -205,9 +192,7 @@ fn steps_under_any_bath_are_taken_at_once_with_the_same_bits_and_the_same_heat()
         let (mut single, mut strides) = (integrator(), integrator());
         let (dt, want) = (0.002, Want::NOTHING);
         for (integrator, state) in [(&mut single, &mut one), (&mut strides, &mut all)] {
-            integrator
-                .start(&system, state, &mut Cluster, dt, want)
-                .unwrap();
+            integrator.start(&system, state, &mut Cluster, dt, want).unwrap();
         }
         let (mut heat, mut at_once, mut most) = (0.0, 0.0, 0);
         for _ in 0..20 {
@@ -216,17 +201,14 @@ fn steps_under_any_bath_are_taken_at_once_with_the_same_bits_and_the_same_heat()
         }
         while all.step < 20 {
             let left = 20 - all.step;
-            let (taken, report) = strides
-                .stride(&system, &mut all, &mut Cluster, dt, left, want)
-                .unwrap();
+            let (taken, report) =
+                strides.stride(&system, &mut all, &mut Cluster, dt, left, want).unwrap();
             report.add_heat_to(&mut at_once);
             most = most.max(taken);
         }
         assert_eq!(one, all, "{}", options.name());
         let (mut all, mut in_vain, mut of_vain) = (start(), integrator(), 0.0);
-        in_vain
-            .start(&system, &mut all, &mut Vain, dt, want)
-            .unwrap();
+        in_vain.start(&system, &mut all, &mut Vain, dt, want).unwrap();
         for left in (1..=20).rev() {
             let stride = in_vain.stride(&system, &mut all, &mut Vain, dt, left, want);
             let (taken, report) = stride.unwrap();
@@ -234,11 +216,7 @@ fn steps_under_any_bath_are_taken_at_once_with_the_same_bits_and_the_same_heat()
             report.add_heat_to(&mut of_vain);
         }
         assert_eq!((&one, heat), (&all, of_vain), "{}", options.name());
-        assert_eq!(
-            (heat, 3),
-            (at_once, most),
-            "two at once, and the one that ends"
-        );
+        assert_eq!((heat, 3), (at_once, most), "two at once, and the one that ends");
         assert!(heat != 0.0, "{}", options.name());
     }
 }
@@ -250,21 +228,10 @@ fn an_implicit_method_counts_the_evaluations_and_products_of_its_forces() {
     let mut method = build(&IntegratorOptions::ImplicitEuler(Default::default()));
     let system = System::atoms(27);
     let (mut evaluations, mut products) = (1, 0);
-    run(
-        &mut method,
-        &system,
-        &mut forces,
-        &mut state,
-        0.1,
-        5,
-        |_, r| {
-            evaluations += u64::from(r.force_evaluations);
-            products += u64::from(r.iterations);
-        },
-    )
+    run(&mut method, &system, &mut forces, &mut state, 0.1, 5, |_, r| {
+        evaluations += u64::from(r.force_evaluations);
+        products += u64::from(r.iterations);
+    })
     .unwrap();
-    assert_eq!(
-        (forces.evaluations, forces.products),
-        (evaluations, products)
-    );
+    assert_eq!((forces.evaluations, forces.products), (evaluations, products));
 }

@@ -23,9 +23,7 @@ fn implicit() -> Integrator {
 fn residual(before: &State, after: &State, system: &System, dt: f64) -> f64 {
     let mut forces = vec![DVec3::ZERO; after.len()];
     let at = lennard_core::Configuration::at_rest(&after.cell, &after.positions);
-    Cluster
-        .evaluate(at, Part::All, Want::NOTHING, &mut forces)
-        .unwrap();
+    Cluster.evaluate(at, Part::All, Want::NOTHING, &mut forces).unwrap();
     (0..after.len())
         .map(|i| {
             let a = forces[i] / system.masses.of(i);
@@ -44,15 +42,9 @@ fn implicit_euler_solves_its_equations_at_any_step() {
         let (positions, velocities) = cluster(4, 2.0, 5);
         let mut system = System::atoms(64);
         system.masses = Masses::Each((0..64).map(|i| 1.0 + f64::from(i % 2)).collect());
-        let mut state = State::new(
-            lennard_core::PeriodicBox::boundless(),
-            positions,
-            velocities,
-        );
+        let mut state = State::new(lennard_core::PeriodicBox::boundless(), positions, velocities);
         let mut integrator = implicit();
-        integrator
-            .start(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
-            .unwrap();
+        integrator.start(&system, &mut state, &mut Cluster, dt, Want::NOTHING).unwrap();
         for step in 0..20 {
             let before = state.clone();
             let report = integrator
@@ -72,23 +64,15 @@ fn implicit_euler_loses_energy_at_every_step() {
     // Each step minimises ½(y − x̂)²/h² + U(y), and staying put would give it E: so E cannot rise.
     let (positions, velocities) = cluster(3, 1.0, 6);
     let system = System::atoms(27);
-    let mut state = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        positions,
-        velocities,
-    );
+    let mut state = State::new(lennard_core::PeriodicBox::boundless(), positions, velocities);
     let mut integrator = implicit();
     let energy =
         |s: &State| system.kinetic_energy(&s.velocities) + s.energetics.potential_energy.unwrap();
-    integrator
-        .start(&system, &mut state, &mut Cluster, 0.02, Want::ENERGY)
-        .unwrap();
+    integrator.start(&system, &mut state, &mut Cluster, 0.02, Want::ENERGY).unwrap();
     let start = energy(&state);
     let mut last = start;
     for _ in 0..200 {
-        integrator
-            .step(&system, &mut state, &mut Cluster, 0.02, Want::ENERGY)
-            .unwrap();
+        integrator.step(&system, &mut state, &mut Cluster, 0.02, Want::ENERGY).unwrap();
         let now = energy(&state);
         assert!(now < last);
         last = now;
@@ -98,19 +82,12 @@ fn implicit_euler_loses_energy_at_every_step() {
 
 #[test]
 fn implicit_euler_that_runs_out_of_iterations_says_so() {
-    let mut integrator = Integrator::new(ImplicitEuler::new(&Options {
-        max_iterations: 1,
-        ..Options::default()
-    }));
-    let mut state = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        vec![DVec3::X],
-        vec![DVec3::Y],
-    );
+    let mut integrator =
+        Integrator::new(ImplicitEuler::new(&Options { max_iterations: 1, ..Options::default() }));
+    let mut state =
+        State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::Y]);
     let system = System::atoms(1);
-    integrator
-        .start(&system, &mut state, &mut KeplerForces, 0.5, Want::NOTHING)
-        .unwrap();
+    integrator.start(&system, &mut state, &mut KeplerForces, 0.5, Want::NOTHING).unwrap();
     let result = integrator.step(&system, &mut state, &mut KeplerForces, 0.5, Want::NOTHING);
     assert!(
         matches!(
@@ -136,12 +113,8 @@ fn implicit_euler_solves_a_linear_force_in_one_direction() {
     );
     let system = System::atoms(1);
     let mut integrator = implicit();
-    integrator
-        .start(&system, &mut state, &mut forces, 0.1, Want::NOTHING)
-        .unwrap();
-    integrator
-        .step(&system, &mut state, &mut forces, 0.1, Want::NOTHING)
-        .unwrap();
+    integrator.start(&system, &mut state, &mut forces, 0.1, Want::NOTHING).unwrap();
+    integrator.step(&system, &mut state, &mut forces, 0.1, Want::NOTHING).unwrap();
     // K is a multiple of the identity: one product finds the answer, a second may polish rounding.
     assert!(forces.products <= 2, "{}", forces.products);
 }
@@ -166,12 +139,8 @@ fn spook_reproduces_its_closed_form_for_one_damped_oscillator() {
                 );
                 let mut spook = build(&IntegratorOptions::Spook(Default::default()));
                 let mut free = HarmonicForces::new(0.0);
-                spook
-                    .start(&system, &mut state, &mut free, H, Want::NOTHING)
-                    .unwrap();
-                spook
-                    .step(&system, &mut state, &mut free, H, Want::NOTHING)
-                    .unwrap();
+                spook.start(&system, &mut state, &mut free, H, Want::NOTHING).unwrap();
+                spook.step(&system, &mut state, &mut free, H, Want::NOTHING).unwrap();
 
                 // B2, term by term.
                 let gamma = 1.0 / (1.0 + 4.0 * damping_time / H);
@@ -196,11 +165,7 @@ fn spook_reproduces_its_closed_form_for_one_damped_oscillator() {
 
 fn spook_map(stiffness: f64, dt: f64) -> DMat2 {
     OscillatorBench::new(OscillatorModel::Constraint, stiffness, 0.0)
-        .map(
-            || build(&IntegratorOptions::Spook(Default::default())),
-            dt,
-            1,
-        )
+        .map(|| build(&IntegratorOptions::Spook(Default::default())), dt, 1)
         .unwrap()
 }
 
@@ -213,10 +178,7 @@ fn spook_turns_at_its_effective_frequency_and_never_grows_at_finite_stiffness() 
         let expected = 2.0 * (0.5 * effective).asin();
         let phase = phase_per_step(&map).unwrap();
         // Near θ = π the angle is the square root of a rounding: 1e-16·(ωh)².
-        assert!(
-            (phase - expected).abs() < 1e-12 * (1.0 + omega_h),
-            "{omega_h}: {phase}"
-        );
+        assert!((phase - expected).abs() < 1e-12 * (1.0 + omega_h), "{omega_h}: {phase}");
         assert!((amplification_per_step(&map, 1) - 1.0).abs() < 1e-13);
     }
 }
@@ -227,23 +189,16 @@ fn rigid_spook_without_damping_grows_linearly_and_with_damping_decays() {
     // the identity: x_n = (−1)ⁿ·(x₀ + n·(2x₀ − h·v₀)). Measured from x₀ = 1, v₀ = 0 over 10,000 steps.
     let spook = || build(&IntegratorOptions::Spook(Default::default()));
     let steps = 10_000;
-    let samples = OscillatorBench::rigid(0.0)
-        .trajectory(&mut spook(), DVec2::X, H, steps)
-        .unwrap();
+    let samples = OscillatorBench::rigid(0.0).trajectory(&mut spook(), DVec2::X, H, steps).unwrap();
     for n in [1, 2, 99, 100, 10_000_usize] {
         let expected = (1.0 + 2.0 * n as f64) * if n % 2 == 0 { 1.0 } else { -1.0 };
         // Rounding enters at each step, grows with what it rounds, and is carried on linearly: relative n²·ε.
         let error = (samples[n].position / expected - 1.0).abs();
-        assert!(
-            error < f64::EPSILON * (n as f64).powi(2) + 1e-14,
-            "{n}: {error:e}"
-        );
+        assert!(error < f64::EPSILON * (n as f64).powi(2) + 1e-14, "{n}: {error:e}");
     }
     // γ < 1: eigenvalues λ² − (1 − 3γ)·λ + γ = 0, modulus √γ where they are conjugates, always below 1.
     for damping_time in [0.001, 0.01, 0.1, 1.0] {
-        let map = OscillatorBench::rigid(damping_time)
-            .map(spook, H, 1)
-            .unwrap();
+        let map = OscillatorBench::rigid(damping_time).map(spook, H, 1).unwrap();
         let gamma = Regularisation::new(0.0, damping_time, H).gamma;
         let [first, second] = eigenvalues(&map);
         assert!((first.x + second.x - (1.0 - 3.0 * gamma)).abs() < 1e-13);
@@ -273,10 +228,7 @@ fn at_its_limit_symplectic_euler_is_bounded_just_inside_and_diverges_just_outsid
     let inside = run(limit - 1.0);
     // From (1, 0) the invariant is k; its largest x is (1 − k·h²/4)^{−1/2} = 2/h = 119.76.
     let amplitude = (1.0 - 0.25 * (limit - 1.0) * H * H).sqrt().recip();
-    assert!(
-        (inside / amplitude - 1.0).abs() < 1e-3,
-        "{inside} {amplitude}"
-    );
+    assert!((inside / amplitude - 1.0).abs() < 1e-3, "{inside} {amplitude}");
     assert!(inside > 100.0);
     assert!(run(limit + 1.0) > 1e6);
 }
@@ -286,11 +238,8 @@ fn systems_that_do_not_suit_are_refused_by_name() {
     let constraint = || Arc::new(OscillatorConstraint::spring(1.0, 0.0));
     let mut system = System::atoms(1);
     system.constraints.push(constraint());
-    let mut state = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        vec![DVec3::X],
-        vec![DVec3::ZERO],
-    );
+    let mut state =
+        State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::ZERO]);
     let mut start = |o: IntegratorOptions, system: &System| {
         let mut forces = HarmonicForces::new(1.0);
         build(&o).start(system, &mut state, &mut forces, 0.1, Want::NOTHING)
@@ -299,11 +248,7 @@ fn systems_that_do_not_suit_are_refused_by_name() {
     // A constraint that the method would ignore.
     for entry in lennard_integrators::integrators() {
         if entry.oscillator == OscillatorModel::Force {
-            assert!(
-                unsuited(start((entry.default_options)(), &system)),
-                "{}",
-                entry.spec.name
-            );
+            assert!(unsuited(start((entry.default_options)(), &system)), "{}", entry.spec.name);
         }
     }
     let spook = || IntegratorOptions::Spook(Default::default());
@@ -312,18 +257,12 @@ fn systems_that_do_not_suit_are_refused_by_name() {
     assert!(unsuited(start(spook(), &system)));
     // No exact solution, and forces that do not split.
     let fluid = System::atoms(1);
-    assert!(unsuited(start(
-        IntegratorOptions::Analytic(Default::default()),
-        &fluid
-    )));
+    assert!(unsuited(start(IntegratorOptions::Analytic(Default::default()), &fluid)));
     let mut damped = HarmonicForces::new(1.0).with_damping(0.0);
     assert!(damped.properties().splits);
     let mut unsplit = Unsplit(&mut damped);
-    let mut state = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        vec![DVec3::X],
-        vec![DVec3::ZERO],
-    );
+    let mut state =
+        State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::ZERO]);
     let refused = build(&IntegratorOptions::Respa(Default::default())).start(
         &fluid,
         &mut state,

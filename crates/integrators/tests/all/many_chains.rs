@@ -107,10 +107,7 @@ impl Chains {
 }
 
 fn exact(tolerance: f64) -> BondOptions {
-    BondOptions::Direct(direct::Options {
-        tolerance,
-        ..Default::default()
-    })
+    BondOptions::Direct(direct::Options { tolerance, ..Default::default() })
 }
 
 #[test]
@@ -224,10 +221,7 @@ fn what_is_left_is_within_the_tolerance_and_is_what_is_told() {
             let [left, _] = chains.off();
             assert!(left <= tolerance, "{left:e} of {tolerance:e}");
             let told = found[0].residual;
-            assert!(
-                (told - left).abs() <= left * left + 1e-15,
-                "{told:e}, {left:e}"
-            );
+            assert!((told - left).abs() <= left * left + 1e-15, "{told:e}, {left:e}");
         }
     }
 }

@@ -12,22 +12,14 @@ use lennard_integrators::oscillator::{HarmonicForces, OscillatorConstraint};
 use lennard_integrators::{IntegratorOptions, integrators};
 
 fn refusal(method: &str, constraints: usize) -> String {
-    let entry = integrators()
-        .iter()
-        .find(|e| e.spec.name == method)
-        .unwrap();
+    let entry = integrators().iter().find(|e| e.spec.name == method).unwrap();
     let mut system = System::atoms(1);
     system.constraints = (0..constraints).map(|_| oscillator_constraint()).collect();
-    let mut state = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        vec![DVec3::X],
-        vec![DVec3::ZERO],
-    );
+    let mut state =
+        State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::ZERO]);
     let mut forces = Unsplit;
     let started: Result<(), StepError> =
-        entry
-            .build()
-            .start(&system, &mut state, &mut forces, 0.1, Want::NOTHING);
+        entry.build().start(&system, &mut state, &mut forces, 0.1, Want::NOTHING);
     started.unwrap_err().to_string()
 }
 
@@ -47,10 +39,7 @@ impl ForceTerm for Unsplit {
         KeplerForces.evaluate(at, part, want, forces)
     }
     fn properties(&self) -> ForceProperties {
-        ForceProperties {
-            splits: false,
-            ..KeplerForces.properties()
-        }
+        ForceProperties { splits: false, ..KeplerForces.properties() }
     }
 }
 
@@ -79,26 +68,16 @@ impl lennard_core::Constraint for Nowhere {
 
 #[test]
 fn a_constraint_that_cannot_be_solved_for_is_refused_at_the_step() {
-    let entry = integrators()
-        .iter()
-        .find(|e| e.spec.name == "spook")
-        .unwrap();
+    let entry = integrators().iter().find(|e| e.spec.name == "spook").unwrap();
     let mut system = System::atoms(1);
     system.constraints = vec![Arc::new(Nowhere)];
-    let mut state = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        vec![DVec3::X],
-        vec![DVec3::ZERO],
-    );
+    let mut state =
+        State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::ZERO]);
     let mut forces = HarmonicForces::new(1.0);
     let mut method = entry.build();
-    method
-        .start(&system, &mut state, &mut forces, 0.1, Want::NOTHING)
-        .unwrap();
-    let message = method
-        .step(&system, &mut state, &mut forces, 0.1, Want::NOTHING)
-        .unwrap_err()
-        .to_string();
+    method.start(&system, &mut state, &mut forces, 0.1, Want::NOTHING).unwrap();
+    let message =
+        method.step(&system, &mut state, &mut forces, 0.1, Want::NOTHING).unwrap_err().to_string();
     assert!(
         message.ends_with("the constraint's gradient vanishes or its value is not finite"),
         "{message}"
@@ -119,11 +98,7 @@ fn methods_say_what_is_missing() {
         FireError::VelocityDependentForce.to_string(),
         "forces that depend on velocities cannot be relaxed"
     );
-    let not = FireError::NotRelaxed {
-        steps: 7,
-        largest_force: 12.0,
-        wanted: 0.1,
-    };
+    let not = FireError::NotRelaxed { steps: 7, largest_force: 12.0, wanted: 0.1 };
     assert_eq!(
         not.to_string(),
         "relaxation stopped after 7 steps with a largest force of 1.200e1 (wanted 1.000e-1)"
@@ -137,10 +112,7 @@ fn methods_say_what_is_missing() {
 
 #[test]
 fn integers_that_are_not_three_a_particle_are_refused() {
-    let entry = integrators()
-        .iter()
-        .find(|e| e.spec.name == "bit-reversible-verlet")
-        .unwrap();
+    let entry = integrators().iter().find(|e| e.spec.name == "bit-reversible-verlet").unwrap();
     let mut archive = lennard_core::StateArchive::default();
     let mut writer = archive.writer();
     writer.put_f64("started_dt", &[0.1]);

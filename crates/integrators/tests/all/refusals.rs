@@ -12,9 +12,7 @@ use lennard_integrators::{IntegratorEntry, IntegratorOptions, OscillatorModel, i
 
 /// The methods that can run any forces F(x), with no solution known beforehand.
 fn general_methods() -> impl Iterator<Item = &'static IntegratorEntry> {
-    integrators()
-        .iter()
-        .filter(|e| e.oscillator != OscillatorModel::ExactSolution)
+    integrators().iter().filter(|e| e.oscillator != OscillatorModel::ExactSolution)
 }
 
 /// Forces that turn bad: after so many evaluations, either by an error or silently.
@@ -54,10 +52,7 @@ impl Backend for Failing {}
 fn forces_that_are_not_finite_stop_the_run() {
     for entry in general_methods() {
         for silently in [false, true] {
-            let mut forces = Failing {
-                good_evaluations: 50,
-                silently,
-            };
+            let mut forces = Failing { good_evaluations: 50, silently };
             let mut state = Kepler::for_orders().start();
             let result = run(
                 &mut entry.build(),
@@ -70,10 +65,7 @@ fn forces_that_are_not_finite_stop_the_run() {
             );
             let name = entry.spec.name;
             assert!(
-                matches!(
-                    result,
-                    Err(StepError::Force(ForceError::NonFiniteForce { particle: 0 }))
-                ),
+                matches!(result, Err(StepError::Force(ForceError::NonFiniteForce { particle: 0 }))),
                 "{name}, silently {silently}: {result:?}"
             );
         }
@@ -84,27 +76,16 @@ fn forces_that_are_not_finite_stop_the_run() {
 fn forces_that_depend_on_velocities_are_refused_where_the_method_assumes_none() {
     for entry in general_methods() {
         let mut forces = HarmonicForces::new(1.0).with_damping(0.1);
-        let mut state = State::new(
-            lennard_core::PeriodicBox::boundless(),
-            vec![DVec3::X],
-            vec![DVec3::Y],
-        );
+        let mut state =
+            State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::Y]);
         let mut integrator = entry.build();
-        let started = integrator.start(
-            &System::atoms(1),
-            &mut state,
-            &mut forces,
-            0.1,
-            Want::NOTHING,
-        );
+        let started =
+            integrator.start(&System::atoms(1), &mut state, &mut forces, 0.1, Want::NOTHING);
         let name = entry.spec.name;
         if entry.spec.velocity_dependent_forces {
             assert_eq!(started, Ok(()), "{name}");
         } else {
-            assert_eq!(
-                started,
-                Err(StepError::VelocityDependentForce { method: name })
-            );
+            assert_eq!(started, Err(StepError::VelocityDependentForce { method: name }));
         }
     }
 }
@@ -130,9 +111,7 @@ fn impossible_steps_are_refused() {
                 refused(integrator.start(&system, &mut state, &mut forces, dt, want)),
                 "{name}"
             );
-            integrator
-                .start(&system, &mut state, &mut forces, 0.1, want)
-                .unwrap();
+            integrator.start(&system, &mut state, &mut forces, 0.1, want).unwrap();
             let before = state.clone();
             let step = integrator.step(&system, &mut state, &mut forces, dt, want);
             assert!(refused(step.map(|_| ())), "{name}");
@@ -147,9 +126,7 @@ fn a_changing_step_is_refused_by_exactly_the_methods_that_say_so() {
         let mut state = Kepler::for_orders().start();
         let mut integrator = entry.build();
         let system = System::atoms(1);
-        integrator
-            .start(&system, &mut state, &mut KeplerForces, 0.01, Want::NOTHING)
-            .unwrap();
+        integrator.start(&system, &mut state, &mut KeplerForces, 0.01, Want::NOTHING).unwrap();
         let result = integrator.step(&system, &mut state, &mut KeplerForces, 0.02, Want::NOTHING);
         if entry.spec.fixed_step_only {
             assert_eq!(
@@ -181,10 +158,7 @@ fn names_summaries_and_sources_are_there_and_options_go_by_the_names() {
         assert_eq!(options.check(), Ok(()));
         // What is written out is read back as the same.
         let written = toml::to_string(&options).unwrap();
-        assert_eq!(
-            toml::from_str::<IntegratorOptions>(&written).unwrap(),
-            options
-        );
+        assert_eq!(toml::from_str::<IntegratorOptions>(&written).unwrap(), options);
         let unknown = format!("{text}\nsurprise = 1");
         assert!(toml::from_str::<IntegratorOptions>(&unknown).is_err());
     }
@@ -198,14 +172,8 @@ fn impossible_options_are_named() {
     for (text, key) in [
         ("kind = \"respa\"\ninner_steps = 0", "inner_steps"),
         ("kind = \"implicit-euler\"\ntolerance = 0.0", "tolerance"),
-        (
-            "kind = \"implicit-euler\"\nmax_iterations = 0",
-            "max_iterations",
-        ),
-        (
-            "kind = \"bit-reversible-verlet\"\ngrid_spacing = nan",
-            "grid_spacing",
-        ),
+        ("kind = \"implicit-euler\"\nmax_iterations = 0", "max_iterations"),
+        ("kind = \"bit-reversible-verlet\"\ngrid_spacing = nan", "grid_spacing"),
     ] {
         let options: IntegratorOptions = toml::from_str(text).unwrap();
         assert_eq!(options.check().unwrap_err().key, key);
@@ -242,15 +210,9 @@ fn only_some_start(own: ForceProperties, takes: impl Fn(&Integrator) -> bool, wh
     let mut started = 0;
     for entry in general_methods() {
         let mut method = entry.build();
-        let mut state = State::new(
-            lennard_core::PeriodicBox::boundless(),
-            vec![DVec3::X],
-            vec![DVec3::ZERO],
-        );
-        let mut forces = InFlight {
-            forces: HarmonicForces::new(1.0),
-            own,
-        };
+        let mut state =
+            State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::ZERO]);
+        let mut forces = InFlight { forces: HarmonicForces::new(1.0), own };
         let mut system = System::atoms(1);
         if entry.oscillator == OscillatorModel::Constraint {
             let spring = lennard_integrators::oscillator::OscillatorConstraint::new(1.0, 0.0);
@@ -270,20 +232,14 @@ fn only_some_start(own: ForceProperties, takes: impl Fn(&Integrator) -> bool, wh
 
 #[test]
 fn methods_whose_particles_would_pass_hard_walls_refuse_them() {
-    let hits = ForceProperties {
-        bounds_flight: true,
-        ..ForceProperties::default()
-    };
+    let hits = ForceProperties { bounds_flight: true, ..ForceProperties::default() };
     let why = "particles would pass its hard walls, which act in drifts";
     assert!(only_some_start(hits, Integrator::takes_hard_walls, why) > 1);
 }
 
 #[test]
 fn spook_alone_takes_unilateral_contacts_and_takes_no_hard_walls() {
-    let solved = ForceProperties {
-        needs_solved_contacts: true,
-        ..ForceProperties::default()
-    };
+    let solved = ForceProperties { needs_solved_contacts: true, ..ForceProperties::default() };
     let why = "its unilateral contacts are solved for in the step of SPOOK alone";
     assert_eq!(only_some_start(solved, Integrator::solves_contacts, why), 1);
     let spook = lennard_integrators::build(&IntegratorOptions::Spook(Default::default()));

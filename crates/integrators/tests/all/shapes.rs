@@ -11,10 +11,7 @@ use lennard_integrators::bonds::{direct, relaxation, spook, spring};
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build};
 
 fn direct(tolerance: f64, max_group: u32) -> BondOptions {
-    BondOptions::Direct(direct::Options {
-        tolerance,
-        max_group,
-    })
+    BondOptions::Direct(direct::Options { tolerance, max_group })
 }
 
 fn shake(tolerance: f64) -> BondOptions {
@@ -42,11 +39,7 @@ fn molecule(places: &[DVec3], pairs: &[[usize; 2]], bonds: Bonds) -> (System, St
 fn throw(system: &System, state: &mut State) {
     for (k, v) in state.velocities.iter_mut().enumerate() {
         let t = k as f64;
-        *v = DVec3::new(
-            (1.7 * t).sin(),
-            (2.3 * t + 0.4).cos(),
-            (0.9 * t - 1.0).sin(),
-        );
+        *v = DVec3::new((1.7 * t).sin(), (2.3 * t + 0.4).cos(), (0.9 * t - 1.0).sin());
     }
     rigid::project_velocities(system, &state.positions, &mut state.velocities);
 }
@@ -65,9 +58,7 @@ fn method(system: &System, bonds: &BondOptions) -> Integrator {
 fn run(system: &System, state: &mut State, bonds: &BondOptions, dt: f64, steps: u32) -> StepReport {
     let mut integrator = method(system, bonds);
     let mut worst = StepReport::default();
-    integrator
-        .start(system, state, &mut NoForces, dt, Want::NOTHING)
-        .unwrap();
+    integrator.start(system, state, &mut NoForces, dt, Want::NOTHING).unwrap();
     for _ in 0..steps {
         let report = integrator.step(system, state, &mut NoForces, dt, Want::NOTHING);
         let report = report.unwrap_or_else(|e| panic!("{e}"));
@@ -100,10 +91,7 @@ fn ring(n: usize) -> Vec<[usize; 2]> {
 fn shapes() -> Vec<(Vec<DVec3>, Vec<[usize; 2]>)> {
     let frame = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
     let star = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X];
-    let tail = [
-        on_a_circle(5),
-        vec![DVec3::new(2.0, 0.2, 0.0), DVec3::new(2.5, 1.0, 0.3)],
-    ];
+    let tail = [on_a_circle(5), vec![DVec3::new(2.0, 0.2, 0.0), DVec3::new(2.5, 1.0, 0.3)]];
     // Chains of 2, 5 and 10 bonds.
     let chain = |bonds: usize| {
         let place = |k: usize| DVec3::new(0.9 * k as f64, 0.4 * (k % 2) as f64, 0.1 * k as f64);
@@ -131,18 +119,10 @@ fn relaxation_and_the_direct_solution_agree_on_molecules_of_any_shape() {
         let mut other = one.clone();
         run(&system, &mut one, &direct(1e-14, 0), 0.01, 1);
         run(&system, &mut other, &shake(1e-13), 0.01, 1);
-        assert!(
-            apart(&one, &other) < 1e-12,
-            "{pairs:?} {:e}",
-            apart(&one, &other)
-        );
+        assert!(apart(&one, &other) < 1e-12, "{pairs:?} {:e}", apart(&one, &other));
         run(&system, &mut one, &direct(1e-14, 0), 0.01, 300);
         run(&system, &mut other, &shake(1e-13), 0.01, 300);
-        assert!(
-            apart(&one, &other) < 1e-9,
-            "{pairs:?} {:e}",
-            apart(&one, &other)
-        );
+        assert!(apart(&one, &other) < 1e-9, "{pairs:?} {:e}", apart(&one, &other));
     }
 }
 
@@ -164,10 +144,7 @@ fn molecules_of_any_shape_keep_bonds_energy_and_momenta() {
         let worst = run(&system, &mut state, &direct(1e-13, 0), 0.002, 2000);
         assert!(worst.residual <= 1e-13, "{pairs:?} {:e}", worst.residual);
         let after = system.kinetic_energy(&state.velocities);
-        assert!(
-            (after / kinetic - 1.0).abs() < 1e-4,
-            "{pairs:?} {kinetic} {after}"
-        );
+        assert!((after / kinetic - 1.0).abs() < 1e-4, "{pairs:?} {kinetic} {after}");
         assert!((system.momentum(&state.velocities) - momentum).length() < 1e-11);
         assert!((angular(&state) - before).length() < 1e-9 * before.length());
         for bond in system.molecules.bonds() {
@@ -181,13 +158,7 @@ fn molecules_of_any_shape_keep_bonds_energy_and_momenta() {
 fn the_order_in_which_bonds_are_listed_changes_nothing_but_round_off() {
     // In order a chain is tridiagonal; out of order it has sparse equations.
     let places: Vec<DVec3> = (0..8)
-        .map(|k| {
-            DVec3::new(
-                0.9 * f64::from(k),
-                f64::from(k % 2),
-                0.1 * f64::from(k * k % 5),
-            )
-        })
+        .map(|k| DVec3::new(0.9 * f64::from(k), f64::from(k % 2), 0.1 * f64::from(k * k % 5)))
         .collect();
     let chain: Vec<[usize; 2]> = (1..8).map(|k| [k - 1, k]).collect();
     let mut shuffled: Vec<[usize; 2]> = [3, 0, 6, 2, 5, 1, 4].map(|c| chain[c]).to_vec();
@@ -222,13 +193,7 @@ fn a_free_trimer_meets_its_high_precision_solution_with_order_two() {
                 DVec3::new(-q, 0.22, -0.4),
                 DVec3::new(2.0 * q, 0.18, 0.1),
             ];
-            run(
-                &system,
-                &mut state,
-                &direct(1e-14, 0),
-                5.0 / f64::from(steps),
-                steps,
-            );
+            run(&system, &mut state, &direct(1e-14, 0), 5.0 / f64::from(steps), steps);
             let both = state.positions.iter().zip(&wanted);
             both.map(|(x, y)| (*x - *y).length()).fold(0.0, f64::max)
         };
@@ -241,9 +206,8 @@ fn a_free_trimer_meets_its_high_precision_solution_with_order_two() {
 
 #[test]
 fn a_chain_that_is_cut_moves_as_a_whole_one() {
-    let places: Vec<DVec3> = (0..11)
-        .map(|k| DVec3::new(0.9 * f64::from(k), f64::from(k % 2) * 0.3, 0.0))
-        .collect();
+    let places: Vec<DVec3> =
+        (0..11).map(|k| DVec3::new(0.9 * f64::from(k), f64::from(k % 2) * 0.3, 0.0)).collect();
     let chain: Vec<[usize; 2]> = (1..11).map(|k| [k - 1, k]).collect();
     let (system, mut whole) = molecule(&places, &chain, Bonds::Rigid);
     throw(&system, &mut whole);
@@ -252,11 +216,7 @@ fn a_chain_that_is_cut_moves_as_a_whole_one() {
     for most in [1, 3, 5] {
         let mut cut = start.clone();
         run(&system, &mut cut, &direct(1e-13, most), 0.005, 50);
-        assert!(
-            apart(&whole, &cut) < 1e-10,
-            "{most}: {:e}",
-            apart(&whole, &cut)
-        );
+        assert!(apart(&whole, &cut) < 1e-10, "{most}: {:e}", apart(&whole, &cut));
     }
 }
 
@@ -277,19 +237,12 @@ fn parts_of_a_straight_chain_converge_by_their_law() {
         let (early, late) = (ended(1e-8), ended(1e-12));
         let sweeps = f64::from(late.iterations - early.iterations);
         let rate = (late.residual / early.residual).powf(1.0 / sweeps);
-        assert!(
-            (rate / law - 1.0).abs() < 0.01,
-            "{p} + {q}: {rate} against {law}"
-        );
+        assert!((rate / law - 1.0).abs() < 0.01, "{p} + {q}: {rate} against {law}");
     }
 }
 
 fn spook(compliance: f64, sweeps: u32) -> BondOptions {
-    BondOptions::Spook(spook::Options {
-        compliance,
-        sweeps,
-        ..Default::default()
-    })
+    BondOptions::Spook(spook::Options { compliance, sweeps, ..Default::default() })
 }
 
 #[test]
@@ -311,9 +264,7 @@ fn sweeps_of_spook_converge_to_its_direct_solution() {
 #[test]
 fn sweeps_of_spook_converge_by_their_law() {
     let n = 6;
-    let places: Vec<DVec3> = (0..=n)
-        .map(|k| DVec3::new(f64::from(k), 0.0, 0.0))
-        .collect();
+    let places: Vec<DVec3> = (0..=n).map(|k| DVec3::new(f64::from(k), 0.0, 0.0)).collect();
     let pairs: Vec<[usize; 2]> = (1..=n as usize).map(|k| [k - 1, k]).collect();
     let (dt, compliance) = (0.01, 1e-5);
     let end = |sweeps: u32| {
@@ -336,14 +287,7 @@ fn spook_with_a_compliance_takes_bonds_that_follow_from_others() {
     let square = square.map(|[x, y]| DVec3::new(x, y, 0.0));
     let pairs = [[0, 1], [1, 2], [2, 3], [3, 0], [0, 2], [1, 3]];
     let (system, mut state) = molecule(&square, &pairs, Bonds::Springs);
-    assert_eq!(
-        system
-            .molecules
-            .topology()
-            .unwrap()
-            .redundant_bond(&square, |_| false),
-        Some(5)
-    );
+    assert_eq!(system.molecules.topology().unwrap().redundant_bond(&square, |_| false), Some(5));
     throw(&system, &mut state);
     run(&system, &mut state, &spook(1e-6, 0), 0.005, 2000);
     for bond in system.molecules.bonds() {
@@ -377,19 +321,14 @@ fn springs(stiffness: f64, scheme: Scheme) -> BondOptions {
 }
 
 fn damped_springs(stiffness: f64, damping: f64, scheme: Scheme) -> BondOptions {
-    BondOptions::Spring(spring::Options {
-        stiffness,
-        damping,
-        scheme,
-    })
+    BondOptions::Spring(spring::Options { stiffness, damping, scheme })
 }
 
 /// ½k(|d| − r)² of all bonds and the kinetic energy.
 fn energy(system: &System, state: &State, stiffness: f64) -> f64 {
     let strain = |bond: &Bond| bond.vector(&state.positions).length() - bond.length;
-    let stretched: f64 = (system.molecules.bonds().iter())
-        .map(|bond| 0.5 * stiffness * strain(bond).powi(2))
-        .sum();
+    let stretched: f64 =
+        (system.molecules.bonds().iter()).map(|bond| 0.5 * stiffness * strain(bond).powi(2)).sum();
     stretched + system.kinetic_energy(&state.velocities)
 }
 
@@ -416,20 +355,14 @@ fn implicit_springs_vibrate_by_their_laws_at_any_step() {
         // The midpoint rule keeps the energy and turns by 2·atan(s/2); the implicit Euler rule damps and turns by atan(s).
         let laws = [
             (Scheme::Midpoint, 2.0 * (0.5 * s).atan(), 1.0),
-            (
-                Scheme::LinearlyImplicit,
-                f64::atan(s),
-                1.0 / f64::hypot(1.0, s),
-            ),
+            (Scheme::LinearlyImplicit, f64::atan(s), 1.0 / f64::hypot(1.0, s)),
         ];
         for (scheme, angle, factor) in laws {
             let motion = vibration(scheme, s, 8);
             for (n, [strain, rate]) in motion.iter().enumerate() {
                 let (turned, amplitude) = (angle * n as f64, 0.01 * factor.powi(n as i32));
-                let off = f64::hypot(
-                    strain - amplitude * turned.cos(),
-                    rate + amplitude * turned.sin(),
-                );
+                let off =
+                    f64::hypot(strain - amplitude * turned.cos(), rate + amplitude * turned.sin());
                 assert!(off < 1e-12, "{scheme:?} s = {s}, step {n}: {off:e}");
             }
         }
@@ -449,18 +382,9 @@ fn midpoint_springs_keep_energy_and_momenta_where_explicit_ones_would_diverge() 
         };
         let (before, start) = (angular(&state), energy(&system, &state, stiffness));
         // ω·h is 2.8 for one bond alone.
-        run(
-            &system,
-            &mut state,
-            &springs(stiffness, Scheme::Midpoint),
-            0.002,
-            2000,
-        );
+        run(&system, &mut state, &springs(stiffness, Scheme::Midpoint), 0.002, 2000);
         let after = energy(&system, &state, stiffness);
-        assert!(
-            (after / start - 1.0).abs() < 0.1,
-            "{pairs:?}: {start} {after}"
-        );
+        assert!((after / start - 1.0).abs() < 0.1, "{pairs:?}: {start} {after}");
         assert!((system.momentum(&state.velocities) - momentum).length() < 1e-10);
         assert!((angular(&state) - before).length() < 1e-9 * before.length().max(1.0));
     }
@@ -547,15 +471,11 @@ fn run_damped(options: &BondOptions, h: f64, steps: u32, mut look: impl FnMut(&S
     };
     forces.push(term);
     let mut method = build(&IntegratorOptions::default()).with_bonds(solver);
-    method
-        .start(&system, &mut state, &mut forces, h, Want::TOTALS)
-        .unwrap();
+    method.start(&system, &mut state, &mut forces, h, Want::TOTALS).unwrap();
     look(&state, 0.0);
     let mut heat = 0.0;
     for _ in 0..steps {
-        let report = method
-            .step(&system, &mut state, &mut forces, h, Want::TOTALS)
-            .unwrap();
+        let report = method.step(&system, &mut state, &mut forces, h, Want::TOTALS).unwrap();
         heat += report.heat;
         look(&state, heat);
     }
@@ -627,22 +547,15 @@ fn damped_springs_of_any_shape_are_of_their_order() {
             forces.push(term);
             let mut method = build(&IntegratorOptions::default()).with_bonds(solver);
             let dt = 0.4 / f64::from(steps);
-            method
-                .start(&system, &mut state, &mut forces, dt, Want::NOTHING)
-                .unwrap();
+            method.start(&system, &mut state, &mut forces, dt, Want::NOTHING).unwrap();
             for _ in 0..steps {
-                method
-                    .step(&system, &mut state, &mut forces, dt, Want::NOTHING)
-                    .unwrap();
+                method.step(&system, &mut state, &mut forces, dt, Want::NOTHING).unwrap();
             }
             state
         };
         let exact = end(102_400);
         let errors = [400, 1600].map(|steps| apart(&end(steps), &exact));
         let order = (errors[0] / errors[1]).log2() / 2.0;
-        assert!(
-            (order - wanted).abs() < 0.1,
-            "{scheme:?}: {order}, {errors:?}"
-        );
+        assert!((order - wanted).abs() < 0.1, "{scheme:?}: {order}, {errors:?}");
     }
 }

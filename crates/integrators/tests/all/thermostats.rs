@@ -55,11 +55,7 @@ fn bussi_bath(tau: f64, seed: u64) -> Bussi {
 fn rescaling_baths() -> [Box<dyn Thermostat>; 3] {
     let chain = NoseHoover::new(&nose_hoover::Options::default(), TEMPERATURE);
     let rescale = Rescale::new(&rescale::Options { every: 1 }, TEMPERATURE);
-    [
-        Box::new(rescale),
-        Box::new(bussi_bath(0.5, 1)),
-        Box::new(chain),
-    ]
+    [Box::new(rescale), Box::new(bussi_bath(0.5, 1)), Box::new(chain)]
 }
 
 /// Lets a bath act once, and returns the heat, or nothing where it did not act.
@@ -76,12 +72,7 @@ fn apply(bath: &mut dyn Thermostat, momentum: Momentum, state: &mut State, dt: f
 }
 
 fn potential(state: &State, stiffness: f64) -> f64 {
-    0.5 * stiffness
-        * state
-            .positions
-            .iter()
-            .map(|x| x.length_squared())
-            .sum::<f64>()
+    0.5 * stiffness * state.positions.iter().map(|x| x.length_squared()).sum::<f64>()
 }
 
 /// P(K ≤ x) of the canonical kinetic energy where n_dof = 2·shape: the Erlang distribution
@@ -123,9 +114,8 @@ fn the_distance_from_the_canonical_distribution_sees_a_wrong_one() {
     assert!(distance_from_canonical(at_mean, 3) > 10.0 * KS_LIMIT);
     let mut rng = Streams::new(5).sequential("gamma");
     let chi_squared = rand_distr::ChiSquared::new(6.0).unwrap();
-    let right: Vec<f64> = (0..n)
-        .map(|_| 0.5 * TEMPERATURE * chi_squared.sample(&mut rng))
-        .collect();
+    let right: Vec<f64> =
+        (0..n).map(|_| 0.5 * TEMPERATURE * chi_squared.sample(&mut rng)).collect();
     let hot = right.iter().map(|k| 1.03 * k).collect();
     assert!(distance_from_canonical(hot, 3) > KS_LIMIT);
     assert!(distance_from_canonical(right, 3) < KS_LIMIT);
@@ -175,12 +165,7 @@ fn kinetic_energies_under_bussi(steps: u64, dt_over_tau: f64, seed: u64) -> Vec<
     (1..=steps)
         .map(|step| {
             state.step = step;
-            apply(
-                &mut bath,
-                Momentum::Conserved,
-                &mut state,
-                0.5 * dt_over_tau,
-            );
+            apply(&mut bath, Momentum::Conserved, &mut state, 0.5 * dt_over_tau);
             system.kinetic_energy(&state.velocities)
         })
         .collect()
@@ -211,18 +196,10 @@ fn stochastic_rescaling_relaxes_with_its_time_constant() {
     let n = kinetic.len() as f64;
     let mean = 3.0 * TEMPERATURE;
     let variance = kinetic.iter().map(|k| (k - mean).powi(2)).sum::<f64>() / n;
-    let lagged = kinetic
-        .windows(2)
-        .map(|w| (w[0] - mean) * (w[1] - mean))
-        .sum::<f64>()
-        / (n - 1.0);
+    let lagged = kinetic.windows(2).map(|w| (w[0] - mean) * (w[1] - mean)).sum::<f64>() / (n - 1.0);
     let rho = (-0.5_f64).exp();
     let error = ((1.0 + rho * rho) / (1.0 - rho * rho) / n).sqrt();
-    assert!(
-        (lagged / variance - rho).abs() < 4.0 * error,
-        "{}",
-        lagged / variance
-    );
+    assert!((lagged / variance - rho).abs() < 4.0 * error, "{}", lagged / variance);
 }
 
 #[test]
@@ -270,9 +247,7 @@ fn energy_minus_heat_is_conserved_under_rescaling_and_stochastic_rescaling() {
         let mut state = canonical_start(n, 4, 3.0 * TEMPERATURE);
         let energy = |s: &State| system.kinetic_energy(&s.velocities) + potential(s, 1.0);
         let start = energy(&state);
-        integrator
-            .start(&system, &mut state, &mut forces, dt, Want::NOTHING)
-            .unwrap();
+        integrator.start(&system, &mut state, &mut forces, dt, Want::NOTHING).unwrap();
         let (mut heat, mut total_heat) = (0.0, 0.0_f64);
         for _ in 0..2000 {
             let step = integrator.step(&system, &mut state, &mut forces, dt, Want::NOTHING);
@@ -317,13 +292,9 @@ fn run_langevin(
 ) -> f64 {
     let system = System::atoms(state.len());
     let mut heat = 0.0;
-    bath.start(&system, state, forces, dt, Want::NOTHING)
-        .unwrap();
+    bath.start(&system, state, forces, dt, Want::NOTHING).unwrap();
     for _ in 0..steps {
-        heat += bath
-            .step(&system, state, forces, dt, Want::NOTHING)
-            .unwrap()
-            .heat;
+        heat += bath.step(&system, state, forces, dt, Want::NOTHING).unwrap().heat;
     }
     heat
 }
@@ -335,13 +306,7 @@ fn langevin_samples_the_canonical_kinetic_energy_of_an_ideal_gas() {
     let pairs = 20_000;
     let mut state = canonical_start(2 * pairs, 7, 0.0);
     let mut forces = HarmonicForces::new(0.0);
-    let heat = run_langevin(
-        &mut baoab(2.0, TEMPERATURE, 21),
-        &mut state,
-        &mut forces,
-        0.5,
-        8,
-    );
+    let heat = run_langevin(&mut baoab(2.0, TEMPERATURE, 21), &mut state, &mut forces, 0.5, 8);
     let kinetic = state
         .velocities
         .chunks(2)
@@ -361,13 +326,7 @@ fn langevin_gives_oscillators_their_exact_spread_at_any_step() {
     for (dt, steps) in [(0.5, 60), (1.5, 30)] {
         let mut state = canonical_start(n, 8, 0.3);
         let mut forces = HarmonicForces::new(1.0);
-        run_langevin(
-            &mut baoab(1.0, TEMPERATURE, 22),
-            &mut state,
-            &mut forces,
-            dt,
-            steps,
-        );
+        run_langevin(&mut baoab(1.0, TEMPERATURE, 22), &mut state, &mut forces, dt, steps);
         let mean_square =
             |a: &[DVec3]| a.iter().map(|x| x.length_squared()).sum::<f64>() / (3 * n) as f64;
         // 60,000 independent normal numbers: relative error of the variance √(2/60,000).
@@ -388,13 +347,11 @@ fn langevin_has_its_temperature_on_half_steps_and_less_on_whole_ones() {
     let mut forces = HarmonicForces::new(1.0);
     let mut state = canonical_start(n, 5, TEMPERATURE);
     let mut bath = baoab(1.0, TEMPERATURE, 6);
-    bath.start(&system, &mut state, &mut forces, dt, Want::NOTHING)
-        .unwrap();
+    bath.start(&system, &mut state, &mut forces, dt, Want::NOTHING).unwrap();
     let (mut whole, mut half) = (0.0, 0.0);
     let (settle, steps) = (50, 1000);
     for s in 0..settle + steps {
-        bath.step(&system, &mut state, &mut forces, dt, Want::NOTHING)
-            .unwrap();
+        bath.step(&system, &mut state, &mut forces, dt, Want::NOTHING).unwrap();
         if s >= settle {
             let view = lennard_core::View {
                 half_kick_step: Some(dt),
@@ -446,13 +403,9 @@ fn langevin_without_friction_is_velocity_verlet() {
     let heat = run_langevin(&mut baoab(1e-300, 1.0, 1), &mut a, &mut forces, 0.1, 100);
     let system = System::atoms(n);
     let mut verlet = build(&IntegratorOptions::default());
-    verlet
-        .start(&system, &mut b, &mut forces, 0.1, Want::NOTHING)
-        .unwrap();
+    verlet.start(&system, &mut b, &mut forces, 0.1, Want::NOTHING).unwrap();
     for _ in 0..100 {
-        verlet
-            .step(&system, &mut b, &mut forces, 0.1, Want::NOTHING)
-            .unwrap();
+        verlet.step(&system, &mut b, &mut forces, 0.1, Want::NOTHING).unwrap();
     }
     // The drift in two halves rounds differently: 100 steps of an ulp each.
     for (x, y) in a.positions.iter().zip(&b.positions) {
@@ -464,10 +417,7 @@ fn langevin_without_friction_is_velocity_verlet() {
 #[test]
 fn langevin_heat_bath_does_not_depend_on_the_number_of_threads() {
     let run = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mut state = canonical_start(10_000, 10, 1.0);
             let mut forces = HarmonicForces::new(1.0);
@@ -490,18 +440,7 @@ fn every_thermostat_has_a_name_that_its_options_go_by() {
     assert!(refused("kind = \"berendsen\""));
     assert!(refused("kind = \"bussi\"\ntua = 1.0"));
     let impossible = |text: &str| toml::from_str::<ThermostatOptions>(text).unwrap().check();
-    assert_eq!(
-        impossible("kind = \"bussi\"\ntau = 0.0").unwrap_err().key,
-        "tau"
-    );
-    assert_eq!(
-        impossible("kind = \"rescale\"\nevery = 0").unwrap_err().key,
-        "every"
-    );
-    assert_eq!(
-        impossible("kind = \"langevin\"\nfriction = -1.0")
-            .unwrap_err()
-            .key,
-        "friction"
-    );
+    assert_eq!(impossible("kind = \"bussi\"\ntau = 0.0").unwrap_err().key, "tau");
+    assert_eq!(impossible("kind = \"rescale\"\nevery = 0").unwrap_err().key, "every");
+    assert_eq!(impossible("kind = \"langevin\"\nfriction = -1.0").unwrap_err().key, "friction");
 }

@@ -24,23 +24,15 @@ fn assert_order(points: &[(f64, f64)], expected: f64, what: &str) {
 
 #[test]
 fn the_fit_finds_the_exponent_of_a_power_and_no_other() {
-    let points: Vec<_> = [0.1, 0.05, 0.02]
-        .map(|h: f64| (h, 3.0 * h.powf(2.5)))
-        .to_vec();
+    let points: Vec<_> = [0.1, 0.05, 0.02].map(|h: f64| (h, 3.0 * h.powf(2.5))).to_vec();
     assert!((fitted_order(&points) - 2.5).abs() < 1e-12);
 }
 
 #[test]
 fn the_taylor_start_keeps_order_2_and_a_start_without_the_force_drops_it_to_1() {
     let (taylor, plain) = start_orders(4.0, &[1000, 2000, 4000]).unwrap();
-    assert!(
-        (taylor.position - 2.0).abs() < ORDER_TOLERANCE,
-        "{taylor:?}"
-    );
-    assert!(
-        (taylor.velocity - 2.0).abs() < ORDER_TOLERANCE,
-        "{taylor:?}"
-    );
+    assert!((taylor.position - 2.0).abs() < ORDER_TOLERANCE, "{taylor:?}");
+    assert!((taylor.velocity - 2.0).abs() < ORDER_TOLERANCE, "{taylor:?}");
     assert!((plain.position - 1.0).abs() < ORDER_TOLERANCE, "{plain:?}");
     assert!((plain.velocity - 1.0).abs() < ORDER_TOLERANCE, "{plain:?}");
 }
@@ -58,19 +50,10 @@ fn the_discretisation_error_on_an_exponential_is_1_24() {
     // wh = 0.01 over wt = 10: the next term is of relative order (wh)² = 1e-4, and the asked 1 % is far.
     let found = exponential_error(0.01, 1000).unwrap();
     let theory = 1.0 / 24.0;
-    assert!(
-        (found.coefficient_from_root / theory - 1.0).abs() < 0.01,
-        "{found:?}"
-    );
-    assert!(
-        (found.coefficient_from_slope / theory - 1.0).abs() < 0.01,
-        "{found:?}"
-    );
+    assert!((found.coefficient_from_root / theory - 1.0).abs() < 0.01, "{found:?}");
+    assert!((found.coefficient_from_slope / theory - 1.0).abs() < 0.01, "{found:?}");
     // The Taylor start's offset is −(wh)²/16 up to terms of (wh)⁴; measured as a small difference.
-    assert!(
-        (found.taylor_offset + 1.0 / 16.0).abs() < 0.01 / 16.0,
-        "{found:?}"
-    );
+    assert!((found.taylor_offset + 1.0 / 16.0).abs() < 0.01 / 16.0, "{found:?}");
 }
 
 #[test]
@@ -95,29 +78,14 @@ fn a_single_step_errs_as_claimed() {
 fn end_of_run(name: &str, steps: u64) -> State {
     let entry = integrators().iter().find(|e| e.spec.name == name).unwrap();
     let (positions, velocities) = cluster(3, 0.5, 3);
-    let mut state = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        positions,
-        velocities,
-    );
-    run(
-        &mut entry.build(),
-        &System::atoms(27),
-        &mut Cluster,
-        &mut state,
-        0.004,
-        steps,
-        |_, _| {},
-    )
-    .unwrap();
+    let mut state = State::new(lennard_core::PeriodicBox::boundless(), positions, velocities);
+    run(&mut entry.build(), &System::atoms(27), &mut Cluster, &mut state, 0.004, steps, |_, _| {})
+        .unwrap();
     state
 }
 
 fn distance(a: &[DVec3], b: &[DVec3]) -> f64 {
-    a.iter()
-        .zip(b)
-        .map(|(x, y)| (*x - *y).length())
-        .fold(0.0, f64::max)
+    a.iter().zip(b).map(|(x, y)| (*x - *y).length()).fold(0.0, f64::max)
 }
 
 #[test]
@@ -152,9 +120,7 @@ fn velocity_verlet_is_newmark_with_beta_0_and_gamma_one_half() {
         let mut f = vec![DVec3::ZERO; x.len()];
         let cell = lennard_core::PeriodicBox::boundless();
         let at = lennard_core::Configuration::at_rest(&cell, x);
-        Cluster
-            .evaluate(at, Part::All, Want::NOTHING, &mut f)
-            .unwrap();
+        Cluster.evaluate(at, Part::All, Want::NOTHING, &mut f).unwrap();
         f
     };
     let mut a = force(&x);
@@ -177,11 +143,8 @@ fn velocity_verlet_is_newmark_with_beta_0_and_gamma_one_half() {
 fn the_shadow_energy_of_velocity_verlet_is_exact_on_the_oscillator() {
     // ½v² + ½ω²x²·(1 − (ωh)²/4) is conserved to rounding: what oscillates is only the difference.
     let (omega, dt) = (1.0, 0.9);
-    let mut state = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        vec![DVec3::X],
-        vec![0.3 * DVec3::X],
-    );
+    let mut state =
+        State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![0.3 * DVec3::X]);
     let shadow = |s: &State| {
         let q = omega * omega * dt * dt;
         0.5 * s.velocities[0].length_squared()
@@ -212,23 +175,15 @@ fn mean_energies(entry: &lennard_integrators::IntegratorEntry, dt: f64) -> (f64,
     // Whole turns of the discrete map leave nothing of the oscillating parts but what the last one lacks.
     let steps = 200_000;
     let mut forces = HarmonicForces::new(1.0);
-    run(
-        &mut entry.build(),
-        &system,
-        &mut forces,
-        &mut state,
-        dt,
-        steps,
-        |state, _| {
-            let view = lennard_core::View {
-                half_kick_step: Some(dt),
-                ..lennard_core::View::of(state, &system)
-            };
-            whole += system.kinetic_energy(&state.velocities);
-            half += view.half_step_kinetic_energy().unwrap();
-            potential += 0.5 * state.positions[0].length_squared();
-        },
-    )
+    run(&mut entry.build(), &system, &mut forces, &mut state, dt, steps, |state, _| {
+        let view = lennard_core::View {
+            half_kick_step: Some(dt),
+            ..lennard_core::View::of(state, &system)
+        };
+        whole += system.kinetic_energy(&state.velocities);
+        half += view.half_step_kinetic_energy().unwrap();
+        potential += 0.5 * state.positions[0].length_squared();
+    })
     .unwrap();
     let n = steps as f64;
     (whole / n, half / n, potential / n)
@@ -240,14 +195,8 @@ fn half_steps_have_the_kinetic_energy_of_the_positions_and_whole_steps_too_littl
         let dt = 0.5;
         let (whole, half, potential) = mean_energies(entry, dt);
         let name = entry.spec.name;
-        assert!(
-            (half / potential - 1.0).abs() < 1e-4,
-            "{name}: {half} {potential}"
-        );
+        assert!((half / potential - 1.0).abs() < 1e-4, "{name}: {half} {potential}");
         let exact = 1.0 - 0.25 * dt * dt;
-        assert!(
-            (whole / potential - exact).abs() < 1e-4,
-            "{name}: {whole} {potential}"
-        );
+        assert!((whole / potential - exact).abs() < 1e-4, "{name}: {whole} {potential}");
     }
 }

@@ -31,9 +31,8 @@ fn an_existing_folder_is_refused_and_left_alone_without_force() {
 /// The names in a folder, in order.
 fn names_in(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
-    let mut names: Vec<String> = entries
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     names
 }
@@ -50,13 +49,7 @@ fn force_removes_the_files_of_the_old_run_and_nothing_else() {
         "trajectory.xtc",
         "checkpoint-000000000100.lennard",
     ];
-    let others = [
-        "checkpoint-x.lennard",
-        "data.csv",
-        "movie.xyz",
-        "notes.txt",
-        "vacf.csv",
-    ];
+    let others = ["checkpoint-x.lennard", "data.csv", "movie.xyz", "notes.txt", "vacf.csv"];
     for name in of_run.iter().chain(&others) {
         fs::write(root.path().join(name), "x").unwrap();
     }
@@ -141,34 +134,19 @@ fn the_claim_of_another_machine_holds_until_it_is_no_longer_renewed() {
     let error = create_named_folder(root.path(), Existing::Keep).unwrap_err();
     let wanted = "is in use: process 17 on node-7 is at work there";
     assert!(error.to_string().contains(wanted), "{error}");
-    assert_eq!(
-        fs::read_dir(root.path()).unwrap().count(),
-        1,
-        "no trace is left"
-    );
+    assert_eq!(fs::read_dir(root.path()).unwrap().count(), 1, "no trace is left");
     let long_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(301);
-    fs::File::options()
-        .write(true)
-        .open(&claim)
-        .unwrap()
-        .set_modified(long_ago)
-        .unwrap();
+    fs::File::options().write(true).open(&claim).unwrap().set_modified(long_ago).unwrap();
     let held = create_named_folder(root.path(), Existing::Keep).unwrap();
     held.still_held().unwrap();
-    assert!(
-        fs::read_to_string(&claim)
-            .unwrap()
-            .starts_with(&std::process::id().to_string())
-    );
+    assert!(fs::read_to_string(&claim).unwrap().starts_with(&std::process::id().to_string()));
     drop(held);
     assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0);
 }
 
 #[test]
 fn a_folder_that_another_process_has_taken_over_is_named() {
-    let lost = FolderError::Lost {
-        path: PathBuf::from("runs/gas-1"),
-    };
+    let lost = FolderError::Lost { path: PathBuf::from("runs/gas-1") };
     assert_eq!(
         lost.to_string(),
         "the output folder runs/gas-1 is lost: this process slept for minutes, and another one has begun there\n  \
@@ -185,10 +163,7 @@ fn of_many_threads_that_find_a_dead_claim_one_takes_the_folder() {
             let tries: Vec<_> = (0..8)
                 .map(|_| scope.spawn(|| create_named_folder(root.path(), Existing::Keep).ok()))
                 .collect();
-            tries
-                .into_iter()
-                .filter_map(|t| t.join().unwrap())
-                .collect()
+            tries.into_iter().filter_map(|t| t.join().unwrap()).collect()
         });
         assert_eq!(taken.len(), 1);
         taken[0].still_held().unwrap();

@@ -44,10 +44,7 @@ pub(super) fn push_lines(
                 .zip(texts.par_iter_mut())
                 .map(|(first, text)| one_task(first, text))
                 .collect();
-            results
-                .into_iter()
-                .collect::<Result<(), _>>()
-                .map_err(|bad| bad.in_file(path))?;
+            results.into_iter().collect::<Result<(), _>>().map_err(|bad| bad.in_file(path))?;
         }
         for text in texts.iter() {
             to.extend_from_slice(text);

@@ -114,10 +114,7 @@ mod tests {
     #[test]
     fn formats_have_names_and_files_of_their_own() {
         let mut names: Vec<&str> = TrajectoryFormat::names();
-        let mut files: Vec<&str> = TrajectoryFormat::ALL
-            .iter()
-            .map(|f| f.spec().file)
-            .collect();
+        let mut files: Vec<&str> = TrajectoryFormat::ALL.iter().map(|f| f.spec().file).collect();
         for all in [&mut names, &mut files] {
             let count = all.len();
             all.sort_unstable();

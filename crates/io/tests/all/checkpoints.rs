@@ -16,9 +16,7 @@ fn checkpoint(step: u64) -> Checkpoint {
     writer.put_f64("time", &[0.1, f64::NAN, -0.0, f64::MIN_POSITIVE / 2.0]);
     writer.put_i64("images", &[i64::MIN, -1, 0, i64::MAX]);
     writer.put_u64("step", &[step, u64::MAX]);
-    let many: Vec<DVec3> = (0..9000)
-        .map(|i| DVec3::splat(f64::from(i)).sqrt())
-        .collect();
+    let many: Vec<DVec3> = (0..9000).map(|i| DVec3::splat(f64::from(i)).sqrt()).collect();
     writer.section("integrator").put_vec3("previous", &many);
     writer.put_vec3("none", &[]);
     Checkpoint {
@@ -28,14 +26,7 @@ fn checkpoint(step: u64) -> Checkpoint {
             isa: "avx2".into(),
             precision: "double".into(),
             step,
-            files: [(
-                "thermo.csv".to_string(),
-                FileMark {
-                    bytes: 77,
-                    records: 3,
-                },
-            )]
-            .into(),
+            files: [("thermo.csv".to_string(), FileMark { bytes: 77, records: 3 })].into(),
         },
         scene: "[system]\nτ = \"ε\"\n".into(),
         archive,
@@ -55,12 +46,7 @@ fn bits(array: &Array) -> (u8, Vec<u64>) {
         Array::F64(v) => (0, v.iter().map(|x| x.to_bits()).collect()),
         Array::I64(v) => (1, v.iter().map(|x| x.cast_unsigned()).collect()),
         Array::U64(v) => (2, v.clone()),
-        Array::Vec3(v) => (
-            3,
-            v.iter()
-                .flat_map(|r| r.to_array().map(f64::to_bits))
-                .collect(),
-        ),
+        Array::Vec3(v) => (3, v.iter().flat_map(|r| r.to_array().map(f64::to_bits)).collect()),
     }
 }
 
@@ -78,10 +64,7 @@ fn every_bit_comes_back() {
     let written = checkpoint(12);
     let bytes = bytes_of(&written);
     assert_same(&written, &read_checkpoint_bytes(&bytes).unwrap());
-    assert!(
-        bytes == bytes_of(&written),
-        "the same state gives the same bytes"
-    );
+    assert!(bytes == bytes_of(&written), "the same state gives the same bytes");
 }
 
 proptest! {
@@ -119,10 +102,7 @@ fn a_flipped_bit_anywhere_is_noticed() {
         for bit in [0, 3, 7] {
             let mut damaged = bytes.clone();
             damaged[at] ^= 1 << bit;
-            assert!(
-                read_checkpoint_bytes(&damaged).is_err(),
-                "byte {at}, bit {bit}"
-            );
+            assert!(read_checkpoint_bytes(&damaged).is_err(), "byte {at}, bit {bit}");
         }
     }
 }
@@ -137,33 +117,18 @@ fn each_kind_of_damage_has_its_own_reason() {
         bytes
     };
     assert!(matches!(reason(b""), CheckpointProblem::NotACheckpoint));
-    assert!(matches!(
-        reason(&changed(0, b'l')),
-        CheckpointProblem::NotACheckpoint
-    ));
-    assert!(matches!(
-        reason(&changed(8, 9)),
-        CheckpointProblem::OtherVersion { found: 9 }
-    ));
-    assert!(matches!(
-        reason(&changed(900, 0x55)),
-        CheckpointProblem::Damaged
-    ));
+    assert!(matches!(reason(&changed(0, b'l')), CheckpointProblem::NotACheckpoint));
+    assert!(matches!(reason(&changed(8, 9)), CheckpointProblem::OtherVersion { found: 9 }));
+    assert!(matches!(reason(&changed(900, 0x55)), CheckpointProblem::Damaged));
     for length in [8, 20, 24, 28, 1000, bytes.len() - 1] {
         assert!(
-            matches!(
-                reason(&bytes[..length]),
-                CheckpointProblem::WrongLength { .. }
-            ),
+            matches!(reason(&bytes[..length]), CheckpointProblem::WrongLength { .. }),
             "{length}"
         );
     }
     let mut longer = bytes.clone();
     longer.push(0);
-    assert!(matches!(
-        reason(&longer),
-        CheckpointProblem::WrongLength { .. }
-    ));
+    assert!(matches!(reason(&longer), CheckpointProblem::WrongLength { .. }));
 }
 
 /// Puts length and checksum right again, as someone would who wants to be believed.
@@ -221,10 +186,7 @@ fn seeded_mutations_never_panic_with_or_without_a_right_checksum() {
 fn the_last_two_are_kept_and_an_abandoned_future_is_not() {
     let root = tempfile::tempdir().unwrap();
     let folder = CheckpointFolder::new(root.path());
-    assert!(matches!(
-        folder.load_newest().unwrap_err().problem,
-        CheckpointProblem::None
-    ));
+    assert!(matches!(folder.load_newest().unwrap_err().problem, CheckpointProblem::None));
     for step in [5, 10, 100, 1_000_000_000_000] {
         folder.write(&checkpoint(step)).unwrap();
     }
@@ -256,14 +218,8 @@ fn a_damaged_newest_checkpoint_is_refused_and_the_whole_older_one_named() {
     assert!(matches!(error.problem, CheckpointProblem::Damaged));
     assert_eq!(error.older.as_deref(), Some(folder.path(5).as_path()));
     let message = error.to_string();
-    assert!(
-        message.contains("checkpoint-000000000010.lennard: it is damaged"),
-        "{message}"
-    );
-    assert!(
-        message.contains("the one before it is whole: "),
-        "{message}"
-    );
+    assert!(message.contains("checkpoint-000000000010.lennard: it is damaged"), "{message}");
+    assert!(message.contains("the one before it is whole: "), "{message}");
     assert_eq!(read_checkpoint_metadata(&folder.path(5)).unwrap().step, 5);
     damage(5);
     let error = folder.load_newest().unwrap_err();
@@ -292,18 +248,9 @@ fn a_failed_write_leaves_the_older_checkpoints_untouched() {
 fn time_for_a_million_atoms() {
     let n = 1_000_000;
     let mut large = checkpoint(1);
-    for name in [
-        "positions",
-        "velocities",
-        "forces",
-        "list/reference",
-        "msd/start",
-    ] {
+    for name in ["positions", "velocities", "forces", "list/reference", "msd/start"] {
         let values = (0..n).map(|i| DVec3::splat(f64::from(i)).sqrt()).collect();
-        large
-            .archive
-            .arrays
-            .insert(name.into(), Array::Vec3(values));
+        large.archive.arrays.insert(name.into(), Array::Vec3(values));
     }
     let root = tempfile::tempdir().unwrap();
     let path = root.path().join("c");

@@ -34,19 +34,14 @@ pub fn data(title: &str, atoms: [&str; 2], more: &str) -> String {
 fn first_velocity(text: &str) -> DVec3 {
     let start = read_configuration_bytes(text.as_bytes()).unwrap_or_else(|e| panic!("{text}\n{e}"));
     assert_eq!(start.momenta, None, "{text}");
-    start
-        .velocities
-        .unwrap_or_else(|| panic!("no velocities in {text}"))[0]
+    start.velocities.unwrap_or_else(|| panic!("no velocities in {text}"))[0]
 }
 
 #[test]
 fn velocities_are_read_under_any_usual_name() {
     let v = ["0.5 0 -0.25", "0 0 0"];
     for name in ["velo", "vel", "v", "velocity", "Velocities", "velocities"] {
-        assert_eq!(
-            first_velocity(&xyz(&format!("{name}:R:3"), v)),
-            DVec3::new(0.5, 0.0, -0.25)
-        );
+        assert_eq!(first_velocity(&xyz(&format!("{name}:R:3"), v)), DVec3::new(0.5, 0.0, -0.25));
     }
     for names in [
         ["vx", "vy", "vz"],
@@ -54,14 +49,8 @@ fn velocities_are_read_under_any_usual_name() {
         ["velocity.x", "velocity.y", "velocity.z"],
     ] {
         let properties = names.map(|name| format!("{name}:R:1")).join(":");
-        assert_eq!(
-            first_velocity(&xyz(&properties, v)),
-            DVec3::new(0.5, 0.0, -0.25)
-        );
-        assert_eq!(
-            first_velocity(&dump(&names.join(" "), v)),
-            DVec3::new(0.5, 0.0, -0.25)
-        );
+        assert_eq!(first_velocity(&xyz(&properties, v)), DVec3::new(0.5, 0.0, -0.25));
+        assert_eq!(first_velocity(&dump(&names.join(" "), v)), DVec3::new(0.5, 0.0, -0.25));
     }
 }
 
@@ -71,15 +60,9 @@ fn momenta_over_masses_are_velocities() {
         ("momenta:R:3:masses:R:1", ["1 0 -0.5 2", "0 0 0 2"]),
         ("masses:R:1:momenta:R:3", ["2 1 0 -0.5", "2 0 0 0"]),
         // Rounded, beside the velocities.
-        (
-            "mass:R:1:p:R:3:velo:R:3",
-            ["2 1.00001 0 -0.5 0.5 0 -0.25", "2 0 0 0 0 0 0"],
-        ),
+        ("mass:R:1:p:R:3:velo:R:3", ["2 1.00001 0 -0.5 0.5 0 -0.25", "2 0 0 0 0 0 0"]),
     ] {
-        assert_eq!(
-            first_velocity(&xyz(properties, rows)),
-            DVec3::new(0.5, 0.0, -0.25)
-        );
+        assert_eq!(first_velocity(&xyz(properties, rows)), DVec3::new(0.5, 0.0, -0.25));
     }
     let of_dump = dump("mass px py pz", ["2 1 0 -0.5", "2 0 0 0"]);
     assert_eq!(first_velocity(&of_dump), DVec3::new(0.5, 0.0, -0.25));
@@ -92,18 +75,10 @@ fn momenta_over_masses_are_velocities() {
         start.velocities.unwrap(),
         [DVec3::new(0.25, 0.0, -0.125), DVec3::new(0.0, 0.0, 0.25)]
     );
-    let text = xyz(
-        "momenta:R:3:vel:R:3",
-        ["1 0 -0.5 1 0 -0.5", "0 0 1 0 0 0.9"],
-    );
-    let (found, allowed) = read_configuration_bytes(text.as_bytes())
-        .unwrap()
-        .take_momenta(|_| 1.0)
-        .unwrap_err();
-    assert!(
-        found.contains("[0, 0, 0.9]") && found.ends_with("particle 2"),
-        "{found}"
-    );
+    let text = xyz("momenta:R:3:vel:R:3", ["1 0 -0.5 1 0 -0.5", "0 0 1 0 0 0.9"]);
+    let (found, allowed) =
+        read_configuration_bytes(text.as_bytes()).unwrap().take_momenta(|_| 1.0).unwrap_err();
+    assert!(found.contains("[0, 0, 0.9]") && found.ends_with("particle 2"), "{found}");
     assert!(allowed.contains("mass times velocity"), "{allowed}");
 }
 
@@ -118,63 +93,20 @@ fn what_is_said_in_part_or_twice_is_refused() {
             "Properties=",
             "all three components of a velocity, or none",
         ),
+        (xyz("momenta:R:1:tag:R:1", pair), 2, "Properties=", "momenta:R:3"),
+        (xyz("vel:R:3:velocities:R:3", ["0 0 0 0 0 0"; 2]), 2, "Properties=", "each quantity once"),
+        (xyz("velo:R:3:vx:R:1", ["0 0 0 0"; 2]), 2, "Properties=", "each quantity once"),
         (
-            xyz("momenta:R:1:tag:R:1", pair),
-            2,
-            "Properties=",
-            "momenta:R:3",
-        ),
-        (
-            xyz("vel:R:3:velocities:R:3", ["0 0 0 0 0 0"; 2]),
-            2,
-            "Properties=",
-            "each quantity once",
-        ),
-        (
-            xyz("velo:R:3:vx:R:1", ["0 0 0 0"; 2]),
-            2,
-            "Properties=",
-            "each quantity once",
-        ),
-        (
-            xyz(
-                "mass:R:1:momenta:R:3:velo:R:3",
-                ["2 1 0 0 0.5 0 0", "2 1 0 0 0.4 0 0"],
-            ),
+            xyz("mass:R:1:momenta:R:3:velo:R:3", ["2 1 0 0 0.5 0 0", "2 1 0 0 0.4 0 0"]),
             4,
             "the velocity [0.4, 0, 0] beside the momentum [1, 0, 0] of a mass 2",
             "mass times velocity",
         ),
-        (
-            dump("vx vy", pair),
-            9,
-            "a part of a velocity",
-            "all three components, or none",
-        ),
-        (
-            dump("fx fz", pair),
-            9,
-            "a part of a force",
-            "all three components, or none",
-        ),
-        (
-            dump("ix iy", pair),
-            9,
-            "a part of image flags",
-            "all three components, or none",
-        ),
-        (
-            dump("velocity", ["0"; 2]),
-            9,
-            "a part of a velocity",
-            "all three components, or none",
-        ),
-        (
-            dump("vx vy vz vx", ["0 0 0 0"; 2]),
-            9,
-            "`vx` twice",
-            "each quantity once",
-        ),
+        (dump("vx vy", pair), 9, "a part of a velocity", "all three components, or none"),
+        (dump("fx fz", pair), 9, "a part of a force", "all three components, or none"),
+        (dump("ix iy", pair), 9, "a part of image flags", "all three components, or none"),
+        (dump("velocity", ["0"; 2]), 9, "a part of a velocity", "all three components, or none"),
+        (dump("vx vy vz vx", ["0 0 0 0"; 2]), 9, "`vx` twice", "each quantity once"),
         (
             dump("c_vel[1] c_vel[2]", pair),
             9,
@@ -182,11 +114,7 @@ fn what_is_said_in_part_or_twice_is_refused() {
             "velocities as vx vy vz, or no such column",
         ),
         (
-            data(
-                "two",
-                ["1 2 3", "2 3 4"],
-                "Velocities\n\n1 0 0 0\n1 0 0 0\n",
-            ),
+            data("two", ["1 2 3", "2 3 4"], "Velocities\n\n1 0 0 0\n1 0 0 0\n"),
             17,
             "a second velocity of `1`",
             "one row for each",
@@ -233,10 +161,7 @@ fn one_bound_holds_for_positions_velocities_and_masses_in_every_reader() {
     let far = |x: &str| {
         [
             (format!("2\n{LATTICE}\nAr 1 2 3\nAr 2 {x} 4\n"), 4),
-            (
-                dump("ix iy iz", flags).replace("2 1 2 3 4", &format!("2 1 2 {x} 4")),
-                11,
-            ),
+            (dump("ix iy iz", flags).replace("2 1 2 3 4", &format!("2 1 2 {x} 4")), 11),
             (data("two", ["1 2 3", &format!("2 {x} 4")], ""), 12),
             (format!("4 5 6\n2\n1 1 2 3\n2 2 {x} 4\n"), 4),
         ]
@@ -259,21 +184,9 @@ fn one_bound_holds_for_positions_velocities_and_masses_in_every_reader() {
     for flag in ["2147483647", "-2147483648", "300000000"] {
         let rows = format!("0 {flag} 0");
         let last = format!("2 3 4 {rows}");
-        cases.push((
-            xyz("map_shift:I:3", ["0 0 0", &rows]),
-            4,
-            "coordinates from -1e9 to 1e9 σ",
-        ));
-        cases.push((
-            dump("ix iy iz", ["0 0 0", &rows]),
-            11,
-            "coordinates from -1e9 to 1e9 σ",
-        ));
-        cases.push((
-            data("two", ["1 2 3", &last], ""),
-            12,
-            "coordinates from -1e9 to 1e9 σ",
-        ));
+        cases.push((xyz("map_shift:I:3", ["0 0 0", &rows]), 4, "coordinates from -1e9 to 1e9 σ"));
+        cases.push((dump("ix iy iz", ["0 0 0", &rows]), 11, "coordinates from -1e9 to 1e9 σ"));
+        cases.push((data("two", ["1 2 3", &last], ""), 12, "coordinates from -1e9 to 1e9 σ"));
     }
     cases.push((
         xyz("map_shift:I:3", ["0 0 0", "0 0 2147483648"]),

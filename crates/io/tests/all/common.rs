@@ -19,14 +19,10 @@ pub fn cell() -> PeriodicBox {
 pub fn system(n: usize, reach: f64, seed: u64) -> State {
     let mut noise = noise(seed);
     let mut vector = |size: DVec3| {
-        DVec3::from_array(std::array::from_fn(|axis| {
-            size[axis] * noise.random_range(-1.0..1.0)
-        }))
+        DVec3::from_array(std::array::from_fn(|axis| size[axis] * noise.random_range(-1.0..1.0)))
     };
     let positions = (0..n).map(|_| vector(reach * cell().lengths())).collect();
-    let velocities = (0..n)
-        .map(|i| vector(DVec3::splat(10_f64.powi(i as i32 % 7 - 3))))
-        .collect();
+    let velocities = (0..n).map(|i| vector(DVec3::splat(10_f64.powi(i as i32 % 7 - 3)))).collect();
     let mut state = State::new(cell(), positions, velocities);
     state.forces = (0..n).map(|_| vector(DVec3::splat(300.0))).collect();
     state.step = 1200;

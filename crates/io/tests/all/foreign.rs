@@ -14,12 +14,8 @@ fn gro(title: &str, velocities: bool) -> String {
     let mut text = format!("{title}\n    2\n");
     for (i, x) in [1.0, 2.0].into_iter().enumerate() {
         let number = i + 1;
-        write!(
-            text,
-            "{number:5}{:<5}{:>5}{number:5}{x:8.3}{:8.3}{:8.3}",
-            "AR", "Ar", 1.5, 2.0
-        )
-        .unwrap();
+        write!(text, "{number:5}{:<5}{:>5}{number:5}{x:8.3}{:8.3}{:8.3}", "AR", "Ar", 1.5, 2.0)
+            .unwrap();
         if velocities {
             write!(text, "{:8.4}{:8.4}{:8.4}", 0.5, 0.0, -0.25).unwrap();
         }
@@ -39,11 +35,7 @@ fn read(text: &str, length: Option<f64>, time: Option<f64>) -> Result<StartConfi
 #[test]
 fn units_are_taken_out_where_the_scene_names_them_and_refused_elsewhere() {
     let row = ["1 2 3", "2 3 4"];
-    let real = data(
-        "written by LAMMPS, units = real",
-        row,
-        "Velocities\n\n1 0.5 0 0\n2 0 0 0\n",
-    );
+    let real = data("written by LAMMPS, units = real", row, "Velocities\n\n1 0.5 0 0\n2 0 0 0\n");
     let metal = dump("vx vy vz", ["0.5 0 0", "0 0 0"]);
     let metal = format!("ITEM: UNITS\nmetal\n{metal}");
     let header = format!(
@@ -68,25 +60,13 @@ fn units_are_taken_out_where_the_scene_names_them_and_refused_elsewhere() {
     }
     let header = |entry: &str| format!("2\n{LATTICE} {entry}\nAr 1 2 3\nAr 2 3 4\n");
     for (text, found) in [
-        (
-            data("units = lj", row, ""),
-            "units `lj` beside `system.length_scale` in the scene",
-        ),
-        (
-            header("units=lj"),
-            "units `lj` beside `system.length_scale` in the scene",
-        ),
-        (
-            header("length_scale=2"),
-            "length_scale beside `system.length_scale` in the scene",
-        ),
+        (data("units = lj", row, ""), "units `lj` beside `system.length_scale` in the scene"),
+        (header("units=lj"), "units `lj` beside `system.length_scale` in the scene"),
+        (header("length_scale=2"), "length_scale beside `system.length_scale` in the scene"),
     ] {
         read(&text, None, None).unwrap();
         let message = read(&text, Some(2.0), None).unwrap_err();
-        assert!(
-            message.contains(found) && message.contains("one of them"),
-            "{message}"
-        );
+        assert!(message.contains(found) && message.contains("one of them"), "{message}");
     }
     // A comment anywhere in a data file.
     let message = read(&data("two", row, "# in metal units\n"), None, None).unwrap_err();
@@ -95,10 +75,7 @@ fn units_are_taken_out_where_the_scene_names_them_and_refused_elsewhere() {
         format!("2\n{LATTICE} Properties=pos:R:3:momenta:R:3\n1 2 3 0.5 0 0\n2 3 4 0 0 0\n");
     let message = read(&momenta, Some(2.0), Some(8.0)).unwrap_err();
     assert!(message.contains("momenta without masses"), "{message}");
-    assert!(
-        message.contains("a column with the masses beside them"),
-        "{message}"
-    );
+    assert!(message.contains("a column with the masses beside them"), "{message}");
 }
 
 #[test]
@@ -125,29 +102,14 @@ fn the_comment_of_a_plain_file_is_free_text_but_for_units() {
         let start = read(comment).unwrap_or_else(|e| panic!("{comment}: {e}"));
         assert_eq!(start.positions[1], DVec3::new(2.0, 3.0, 4.0), "{comment}");
     }
-    assert_eq!(
-        read("length_scale=2").unwrap().positions[1],
-        DVec3::new(1.0, 1.5, 2.0)
-    );
-    for comment in [
-        "units = real",
-        "positions in Angstrom",
-        "# CELL(abcABC): 5 positions{angstrom}",
-    ] {
-        assert!(
-            read(comment).unwrap_err().contains(":2: found units"),
-            "{comment}"
-        );
+    assert_eq!(read("length_scale=2").unwrap().positions[1], DVec3::new(1.0, 1.5, 2.0));
+    for comment in
+        ["units = real", "positions in Angstrom", "# CELL(abcABC): 5 positions{angstrom}"]
+    {
+        assert!(read(comment).unwrap_err().contains(":2: found units"), "{comment}");
     }
     std::fs::write(&path, b"1\ncaf\xe9\nAr 1 2 3\n").unwrap();
-    read_configuration_in(
-        &path,
-        Beside {
-            cell,
-            units: FileUnits::default(),
-        },
-    )
-    .unwrap();
+    read_configuration_in(&path, Beside { cell, units: FileUnits::default() }).unwrap();
 }
 
 #[test]
@@ -166,10 +128,7 @@ fn gro_is_read_in_nanometers_and_picoseconds() {
     );
     let start = read(&text, Some(0.5), Some(2.0)).unwrap();
     assert_eq!(start.cell.lengths(), DVec3::new(10.0, 12.0, 14.0));
-    assert_eq!(
-        start.positions,
-        [DVec3::new(2.0, 3.0, 4.0), DVec3::new(4.0, 3.0, 4.0)]
-    );
+    assert_eq!(start.positions, [DVec3::new(2.0, 3.0, 4.0), DVec3::new(4.0, 3.0, 4.0)]);
     assert_eq!(start.velocities.unwrap()[1], DVec3::new(2.0, 0.0, -1.0));
     assert_eq!(start.species.names, ["Ar"]);
     // The last of several frames, with a number for a title, and no velocities.
@@ -190,14 +149,8 @@ fn gro_is_read_in_nanometers_and_picoseconds() {
     // More decimals have wider columns.
     let fine =
         "fine\n1\n    1AR      Ar    1   1.250000   1.500000   2.000000\n 5 6 7 0 0 0 0 0 0\n";
-    assert_eq!(
-        read(fine, Some(1.0), None).unwrap().positions,
-        [DVec3::new(1.25, 1.5, 2.0)]
-    );
-    let own = gro(
-        "Lennard: names, box, and rounded positions of the start",
-        false,
-    );
+    assert_eq!(read(fine, Some(1.0), None).unwrap().positions, [DVec3::new(1.25, 1.5, 2.0)]);
+    let own = gro("Lennard: names, box, and rounded positions of the start", false);
     let message = read(&own, None, None).unwrap_err();
     assert!(
         message.contains("a topology of this program")
@@ -205,13 +158,7 @@ fn gro_is_read_in_nanometers_and_picoseconds() {
         "{message}"
     );
     for (from, to, line, found, allowed) in [
-        (
-            "   2.000   1.500",
-            "   2.00x   1.500",
-            4,
-            "`2.00x`",
-            "a finite number",
-        ),
+        ("   2.000   1.500", "   2.00x   1.500", 4, "`2.00x`", "a finite number"),
         (
             "  0.5000  0.0000 -0.2500\n   5",
             "  0.5000  0.0000\n   5",
@@ -219,41 +166,11 @@ fn gro_is_read_in_nanometers_and_picoseconds() {
             "60 characters",
             "68 characters, as in the first line of a particle",
         ),
-        (
-            "   5.00000",
-            "   0.00000",
-            5,
-            "`   0.00000",
-            "sides that are positive",
-        ),
-        (
-            "   7.00000",
-            "",
-            5,
-            "`   5.00000   6.00000`",
-            "three or nine finite numbers",
-        ),
-        (
-            "   7.00000",
-            "   7.00000 0 0 1 0 0 0",
-            5,
-            "a triclinic box",
-            "orthorhombic",
-        ),
-        (
-            "   5.00000   6.00000   7.00000\n",
-            "",
-            5,
-            "the end of the file",
-            "the sides of the box",
-        ),
-        (
-            "   5.00000   6.00000   7.00000",
-            "0 0 0",
-            2,
-            "no box",
-            "a box in the scene",
-        ),
+        ("   5.00000", "   0.00000", 5, "`   0.00000", "sides that are positive"),
+        ("   7.00000", "", 5, "`   5.00000   6.00000`", "three or nine finite numbers"),
+        ("   7.00000", "   7.00000 0 0 1 0 0 0", 5, "a triclinic box", "orthorhombic"),
+        ("   5.00000   6.00000   7.00000\n", "", 5, "the end of the file", "the sides of the box"),
+        ("   5.00000   6.00000   7.00000", "0 0 0", 2, "no box", "a box in the scene"),
     ] {
         let message = read(&text.replace(from, to), Some(1.0), Some(1.0)).expect_err(to);
         assert!(
@@ -269,41 +186,17 @@ fn formats_that_are_not_read_are_named_with_the_way_out() {
     let poscar = "argon\n1.0\n5.2 0 0\n0 5.2 0\n0 0 5.2\nAr\n1\nCartesian\n0 0 0\n";
     let pdb = "REMARK made by hand\nATOM      1 AR    AR A   1       0.650   0.650   0.650\n";
     for (bytes, name, way) in [
-        (
-            b"\0\0\x07\xc9rest".as_slice(),
-            "a TRR trajectory",
-            "MDAnalysis",
-        ),
+        (b"\0\0\x07\xc9rest".as_slice(), "a TRR trajectory", "MDAnalysis"),
         (b"\x54\0\0\0CORDrest", "a DCD trajectory", "MDAnalysis"),
         (b"\0\0\0\0\0\0\0\x54CORD", "a DCD trajectory", "MDAnalysis"),
         (b"CDF\x02rest", "a NetCDF trajectory", "MDAnalysis"),
         (b"\x89HDF\r\n\x1a\nrest", "a file of HDF5", "MDAnalysis"),
-        (
-            b"\xfd7zXZ\0rest",
-            "a file compressed by xz",
-            "compressed by gzip",
-        ),
-        (
-            b"BZh91AY",
-            "a file compressed by bzip2",
-            "compressed by gzip",
-        ),
+        (b"\xfd7zXZ\0rest", "a file compressed by xz", "compressed by gzip"),
+        (b"BZh91AY", "a file compressed by bzip2", "compressed by gzip"),
         (b"PK\x03\x04", "a zip archive", "compressed by gzip"),
-        (
-            b"LENNARD\x1a",
-            "a checkpoint of this program",
-            "`lennard resume`",
-        ),
-        (
-            b"LammpS RestartT",
-            "a restart file of LAMMPS",
-            "`write_data`",
-        ),
-        (
-            b"data_argon\n_cell_length_a 5\n",
-            "a CIF file",
-            "ase convert",
-        ),
+        (b"LENNARD\x1a", "a checkpoint of this program", "`lennard resume`"),
+        (b"LammpS RestartT", "a restart file of LAMMPS", "`write_data`"),
+        (b"data_argon\n_cell_length_a 5\n", "a CIF file", "ase convert"),
         (poscar.as_bytes(), "a POSCAR file", "ase convert"),
         (pdb.as_bytes(), "a PDB file", "ase convert"),
     ] {
@@ -319,18 +212,10 @@ fn a_dump_has_types_beside_its_elements() {
     let found = read_configuration_bytes(text.as_bytes()).unwrap().species;
     assert_eq!(
         (found.names.as_slice(), found.types.as_slice()),
-        (
-            ["C".to_owned(), "C".into()].as_slice(),
-            ["1".to_owned(), "2".into()].as_slice()
-        )
+        (["C".to_owned(), "C".into()].as_slice(), ["1".to_owned(), "2".into()].as_slice())
     );
     assert!(!found.elements_tell_apart());
     assert_eq!(found.of_particle, [0, 1]);
     let text = text.replace(" 4 C", " 4 Kr");
-    assert!(
-        read_configuration_bytes(text.as_bytes())
-            .unwrap()
-            .species
-            .elements_tell_apart()
-    );
+    assert!(read_configuration_bytes(text.as_bytes()).unwrap().species.elements_tell_apart());
 }

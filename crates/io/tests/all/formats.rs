@@ -16,18 +16,11 @@ use crate::common::{cell, system};
 const N: usize = 400;
 
 fn style(format: TrajectoryFormat) -> FrameStyle {
-    FrameStyle {
-        velocities: format.spec().holds_vectors,
-        ..FrameStyle::default()
-    }
+    FrameStyle { velocities: format.spec().holds_vectors, ..FrameStyle::default() }
 }
 
 fn states() -> Vec<State> {
-    let state = |k: u64| State {
-        step: 100 * k,
-        time: 0.4 * k as f64,
-        ..system(N, 2.0, 7 + k)
-    };
+    let state = |k: u64| State { step: 100 * k, time: 0.4 * k as f64, ..system(N, 2.0, 7 + k) };
     (1..=3).map(state).collect()
 }
 
@@ -74,14 +67,8 @@ fn every_format_goes_on_after_a_mark_to_the_same_bytes() {
             writer.write(&frame(state)).unwrap();
         }
         assert_eq!(writer.finish().unwrap(), marks[2]);
-        assert!(
-            fs::read(&whole).unwrap() == fs::read(&split).unwrap(),
-            "{format:?}"
-        );
-        let cut = FileMark {
-            bytes: marks[2].bytes + 1,
-            records: 3,
-        };
+        assert!(fs::read(&whole).unwrap() == fs::read(&split).unwrap(), "{format:?}");
+        let cut = FileMark { bytes: marks[2].bytes + 1, records: 3 };
         let error = TrajectoryWriter::resume_at(&split, format, &style, cut).unwrap_err();
         assert!(matches!(error, WriteError::NotResumable { .. }), "{error}");
     }
@@ -96,11 +83,7 @@ fn text_formats_read_back_to_the_bit() {
     let last = &states[2];
     for format in [TrajectoryFormat::XyzGz, TrajectoryFormat::LammpsDump] {
         for wrapped in [false, true] {
-            let style = FrameStyle {
-                wrapped,
-                forces: true,
-                ..style(format)
-            };
+            let style = FrameStyle { wrapped, forces: true, ..style(format) };
             write(&path, format, &style, &states);
             let start = read(&path);
             assert_eq!((start.cell, start.frames), (cell(), 3));
@@ -121,18 +104,8 @@ fn gzip_has_the_text_of_extended_xyz_and_takes_half_the_space() {
     let (text, gzip) = (folder.path().join("a"), folder.path().join("b"));
     // More than one member.
     let states = [system(12_000, 0.5, 3)];
-    write(
-        &text,
-        TrajectoryFormat::Xyz,
-        &style(TrajectoryFormat::Xyz),
-        &states,
-    );
-    write(
-        &gzip,
-        TrajectoryFormat::XyzGz,
-        &style(TrajectoryFormat::XyzGz),
-        &states,
-    );
+    write(&text, TrajectoryFormat::Xyz, &style(TrajectoryFormat::Xyz), &states);
+    write(&gzip, TrajectoryFormat::XyzGz, &style(TrajectoryFormat::XyzGz), &states);
     let text = fs::read(&text).unwrap();
     let mut inflated = Vec::new();
     let compressed = fs::read(&gzip).unwrap();
@@ -152,20 +125,12 @@ fn xtc_has_positions_within_half_its_precision_and_the_box_in_single_precision()
     for (precision, length_scale, wrapped) in
         [(1e4, 1.0, true), (1e5, 0.3405, true), (1e3, 2.0, false)]
     {
-        let style = FrameStyle {
-            precision,
-            length_scale,
-            wrapped,
-            ..style(TrajectoryFormat::Xtc)
-        };
+        let style = FrameStyle { precision, length_scale, wrapped, ..style(TrajectoryFormat::Xtc) };
         let marks = write(&path, TrajectoryFormat::Xtc, &style, &states);
         let frames = XTCReader::open(&path).unwrap().read_all_frames().unwrap();
         assert_eq!(frames.len(), 3);
         for (frame, state) in frames.iter().zip(&states) {
-            assert_eq!(
-                (u64::from(frame.step), frame.time),
-                (state.step, state.time as f32)
-            );
+            assert_eq!((u64::from(frame.step), frame.time), (state.step, state.time as f32));
             let sides = state.cell.lengths() * length_scale;
             let diagonal = [frame.boxvec[0], frame.boxvec[4], frame.boxvec[8]];
             assert_eq!(diagonal, sides.as_vec3().to_array());
@@ -177,17 +142,10 @@ fn xtc_has_positions_within_half_its_precision_and_the_box_in_single_precision()
                 let read = glam::Vec3::from(read).as_dvec3() / length_scale;
                 // Half a multiple, and the rounding of single precision.
                 let most = 0.5 / precision + 25.0 * f64::from(f32::EPSILON);
-                assert!(
-                    (read - written).abs().max_element() <= most,
-                    "{read} {written}"
-                );
+                assert!((read - written).abs().max_element() <= most, "{read} {written}");
             }
         }
-        assert!(
-            marks[2].bytes < 3 * 9 * N as u64,
-            "{} bytes",
-            marks[2].bytes
-        );
+        assert!(marks[2].bytes < 3 * 9 * N as u64, "{} bytes", marks[2].bytes);
     }
 }
 
@@ -230,15 +188,9 @@ fn xtc_has_less_precision_where_a_coordinate_is_too_large_for_it() {
     ] {
         let mut states = states();
         states[1].positions[17].y = far;
-        let style = FrameStyle {
-            wrapped: false,
-            length_scale,
-            ..style(TrajectoryFormat::Xtc)
-        };
+        let style = FrameStyle { wrapped: false, length_scale, ..style(TrajectoryFormat::Xtc) };
         let mut writer = TrajectoryWriter::create(&path, TrajectoryFormat::Xtc, &style).unwrap();
-        let precisions = states
-            .iter()
-            .map(|state| writer.write(&frame(state)).unwrap());
+        let precisions = states.iter().map(|state| writer.write(&frame(state)).unwrap());
         for (precision, wanted) in precisions.zip([1e4, kept, 1e4]) {
             let off: f64 = precision.unwrap() / wanted - 1.0;
             assert!(off.abs() < 1e-12, "{precision:?} at {far}");
@@ -270,19 +222,12 @@ fn xtc_refuses_what_it_cannot_hold_and_leaves_whole_frames() {
     assert_eq!(writer.finish().unwrap(), whole);
     assert_eq!(fs::metadata(&path).unwrap().len(), whole.bytes);
     let error = read_configuration(&path).unwrap_err().to_string();
-    assert!(
-        error.contains("an XTC trajectory, whose positions are rounded"),
-        "{error}"
-    );
+    assert!(error.contains("an XTC trajectory, whose positions are rounded"), "{error}");
 }
 
 #[test]
 fn frames_for_ase_have_momenta_masses_and_the_energy() {
-    let species = Species {
-        name: "heavy".into(),
-        mass: 2.0,
-        element: "Kr".into(),
-    };
+    let species = Species { name: "heavy".into(), mass: 2.0, element: "Kr".into() };
     let style = FrameStyle {
         species: SpeciesTable::one(species, 2),
         for_ase: true,
@@ -295,10 +240,7 @@ fn frames_for_ase_have_momenta_masses_and_the_energy() {
     let extra = [("total_potential_energy", -5.5), ("temperature", 1.0)];
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.xyz");
-    let frame = Frame {
-        state: &state,
-        extra: &extra,
-    };
+    let frame = Frame { state: &state, extra: &extra };
     lennard_io::write_frame(&path, &style, &frame).unwrap();
     assert_eq!(
         fs::read_to_string(&path).unwrap(),

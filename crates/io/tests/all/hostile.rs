@@ -21,10 +21,7 @@ fn trajectory_text() -> Vec<u8> {
             length_scale: if wrapped { 1.0 } else { 3.405 },
             ..FrameStyle::default()
         };
-        let frame = Frame {
-            state: &system(4, 2.0, seed),
-            extra: &[("potential_energy", -5.5)],
-        };
+        let frame = Frame { state: &system(4, 2.0, seed), extra: &[("potential_energy", -5.5)] };
         write_frame(&path, &style, &frame).unwrap();
         text.extend(std::fs::read(&path).unwrap());
     }
@@ -58,10 +55,7 @@ fn mutated_trajectories_are_read_or_refused() {
         let _ = read_configuration_bytes(&mutated);
     }
     // Both ways must be walked for the test to mean anything.
-    assert!(
-        read > CASES / 100 && refused > CASES / 2,
-        "{read} {refused}"
-    );
+    assert!(read > CASES / 100 && refused > CASES / 2, "{read} {refused}");
 }
 
 #[test]

@@ -20,11 +20,8 @@ fn dumps_and_data_files_are_read_from_their_corner_and_in_the_order_of_their_num
     for text in [DUMP, DATA] {
         let start = read_configuration_bytes(text.as_bytes()).unwrap();
         assert_eq!(start.cell.lengths(), DVec3::new(8.0, 8.5, 8.5));
-        let wanted = [
-            DVec3::new(1.0, 1.0, 1.0),
-            DVec3::new(15.0, 3.0, -0.5),
-            DVec3::new(2.0, -6.5, 2.5),
-        ];
+        let wanted =
+            [DVec3::new(1.0, 1.0, 1.0), DVec3::new(15.0, 3.0, -0.5), DVec3::new(2.0, -6.5, 2.5)];
         assert_eq!(start.positions, wanted);
         let velocities = start.velocities.unwrap();
         assert_eq!(velocities.map_x(), [0.1, 0.2, 0.3]);
@@ -34,10 +31,7 @@ fn dumps_and_data_files_are_read_from_their_corner_and_in_the_order_of_their_num
     let data = read_configuration_bytes(DATA.as_bytes()).unwrap();
     let heavy = data.species.of(2);
     assert_eq!((data.species.masses[heavy], data.step), (2.5, None));
-    assert_eq!(
-        read_configuration_bytes(DUMP.as_bytes()).unwrap().step,
-        Some(7)
-    );
+    assert_eq!(read_configuration_bytes(DUMP.as_bytes()).unwrap().step, Some(7));
 }
 
 /// The dump with a tilt of its box along z.
@@ -48,11 +42,8 @@ fn tilted(tilt: &str) -> String {
 
 #[test]
 fn a_tilt_that_rounding_has_left_is_none() {
-    for text in [
-        tilted("0.0"),
-        tilted("-7.9e-10"),
-        DATA.replace("0 0 0 xy", "3e-14 0 -7.9e-10 xy"),
-    ] {
+    for text in [tilted("0.0"), tilted("-7.9e-10"), DATA.replace("0 0 0 xy", "3e-14 0 -7.9e-10 xy")]
+    {
         let start = read_configuration_bytes(text.as_bytes()).unwrap();
         assert_eq!(start.cell.lengths(), DVec3::new(8.0, 8.5, 8.5));
         assert_eq!(start.positions[0], DVec3::ONE);
@@ -80,22 +71,13 @@ fn coordinates_may_be_unwrapped_or_scaled_and_the_last_frame_counts() {
     let at = |columns: &str, row: &str| {
         let text = frame(1, "id element x y z", "1 Kr 2 2 2") + &frame(2, columns, row);
         let start = read_configuration_bytes(text.as_bytes()).unwrap();
-        assert_eq!(
-            (start.step, start.frames, start.velocities),
-            (Some(2), 2, None)
-        );
+        assert_eq!((start.step, start.frames, start.velocities), (Some(2), 2, None));
         start.positions[0]
     };
     assert_eq!(at("xu yu zu", "9 -3 4"), DVec3::new(8.0, -3.0, 4.0));
     assert_eq!(at("id xs ys zs", "1 0.25 0.5 1"), DVec3::new(1.0, 4.0, 8.0));
-    assert_eq!(
-        at("xsu ysu zsu q", "-0.25 0.5 2 9"),
-        DVec3::new(-1.0, 4.0, 16.0)
-    );
-    assert_eq!(
-        at("xu yu zu ix iy iz", "9 -3 4 1 1 1"),
-        DVec3::new(8.0, -3.0, 4.0)
-    );
+    assert_eq!(at("xsu ysu zsu q", "-0.25 0.5 2 9"), DVec3::new(-1.0, 4.0, 16.0));
+    assert_eq!(at("xu yu zu ix iy iz", "9 -3 4 1 1 1"), DVec3::new(8.0, -3.0, 4.0));
 }
 
 #[test]
@@ -105,9 +87,7 @@ fn labels_name_the_types_of_a_data_file() {
         "Atom Type Labels\n\n1 Ar\n2 Kr\n\nMasses\n\nAr 1.0\nKr 2.5\n",
     );
     // Rows of Masses begin with a letter now, which only sections do.
-    let error = read_configuration_bytes(text.as_bytes())
-        .unwrap_err()
-        .to_string();
+    let error = read_configuration_bytes(text.as_bytes()).unwrap_err().to_string();
     assert!(error.contains("the section `Ar 1.0`"), "{error}");
     let text = text.replace("\nAr 1.0\nKr 2.5\n", "\n1 1.0\n2 2.5\n");
     let start = read_configuration_bytes(text.as_bytes()).unwrap();
@@ -135,24 +115,9 @@ fn what_is_not_read_is_refused_with_line_found_and_allowed() {
         ),
         (dump("-1.0 7.0", "7.0 -1.0"), 8, "a box from", "positive"),
         (dump("\n7\n", "\n-7\n"), 2, "`-7`", "at least 0"),
-        (
-            dump("\n3\nITEM", "\n4\nITEM"),
-            13,
-            "the end of the file",
-            "particle 4 of 4",
-        ),
-        (
-            dump("\n3\nITEM", "\n9999\nITEM"),
-            4,
-            "`9999` particles",
-            "bytes left",
-        ),
-        (
-            dump("x y z ix", "x y w ix"),
-            9,
-            "ITEM: ATOMS",
-            "x y z, xu yu zu",
-        ),
+        (dump("\n3\nITEM", "\n4\nITEM"), 13, "the end of the file", "particle 4 of 4"),
+        (dump("\n3\nITEM", "\n9999\nITEM"), 4, "`9999` particles", "bytes left"),
+        (dump("x y z ix", "x y w ix"), 9, "ITEM: ATOMS", "x y z, xu yu zu"),
         (
             dump("2 1 6.0", "1 1 6.0"),
             12,
@@ -161,25 +126,10 @@ fn what_is_not_read_is_refused_with_line_found_and_allowed() {
         ),
         (dump("0.2 0 0", "0.2 0"), 12, "10 columns", "11 columns"),
         (dump("0.2 0 0", "nan 0 0"), 12, "`nan`", "a finite number"),
-        (
-            dump("ITEM: TIMESTEP", "ITEM: UNITS\nmetal\nITEM: TIMESTEP"),
-            2,
-            "units `metal`",
-            "lj",
-        ),
-        (
-            dump("ITEM: BOX", "ITEM: CELL"),
-            5,
-            "`ITEM: CELL",
-            "BOX BOUNDS or ATOMS",
-        ),
+        (dump("ITEM: TIMESTEP", "ITEM: UNITS\nmetal\nITEM: TIMESTEP"), 2, "units `metal`", "lj"),
+        (dump("ITEM: BOX", "ITEM: CELL"), 5, "`ITEM: CELL", "BOX BOUNDS or ATOMS"),
         (data("0 bonds", "2 bonds"), 5, "`2 bonds`", "atoms alone"),
-        (
-            data("# atomic", "# full"),
-            22,
-            "the atom style `full`",
-            "`atomic`",
-        ),
+        (data("# atomic", "# full"), 22, "the atom style `full`", "`atomic`"),
         (
             data("1 1 0.0 1.0 1.5 0 0 0", "1 1 1 0.0 1.0 1.5"),
             25,
@@ -192,12 +142,7 @@ fn what_is_not_read_is_refused_with_line_found_and_allowed() {
             "the tilts 0 0.5 0, a triclinic box",
             "an orthorhombic box, to 1e-10 of a side",
         ),
-        (
-            data("0 0 0 xy", "0 x 0 xy"),
-            10,
-            "`0 x 0 xy xz yz",
-            "three finite numbers",
-        ),
+        (data("0 0 0 xy", "0 x 0 xy"), 10, "`0 x 0 xy xz yz", "three finite numbers"),
         (
             data("3 atoms\n", "4 atoms\n"),
             33,
@@ -210,24 +155,14 @@ fn what_is_not_read_is_refused_with_line_found_and_allowed() {
             "a row after 2 atoms",
             "as many rows as the header says",
         ),
-        (
-            data("3 atoms\n", "99999 atoms\n"),
-            3,
-            "99999 atoms",
-            "bytes left",
-        ),
+        (data("3 atoms\n", "99999 atoms\n"), 3, "99999 atoms", "bytes left"),
         (
             data("3 0.3 0 0\n", ""),
             32,
             "the end of the file",
             "a row in the section Velocities for every atom",
         ),
-        (
-            data("Pair Coeffs", "Bonds"),
-            17,
-            "the section `Bonds",
-            "Masses, Atoms",
-        ),
+        (data("Pair Coeffs", "Bonds"), 17, "the section `Bonds", "Masses, Atoms"),
         (
             data("0.0 8.5 ylo yhi", ""),
             22,
@@ -240,12 +175,7 @@ fn what_is_not_read_is_refused_with_line_found_and_allowed() {
             "`-1.0 high`",
             "two finite numbers, where the box begins and where it ends",
         ),
-        (
-            dump("\n3\nITEM: BOX", "\n3\nBOX"),
-            5,
-            "`BOX BOUNDS",
-            "a line `ITEM: …`",
-        ),
+        (dump("\n3\nITEM: BOX", "\n3\nBOX"), 5, "`BOX BOUNDS", "a line `ITEM: …`"),
         (
             dump("ITEM: TIMESTEP\n7\n", ""),
             7,
@@ -265,20 +195,12 @@ fn what_is_not_read_is_refused_with_line_found_and_allowed() {
             "coordinates from -1e9 to 1e9 σ",
         ),
         (
-            data(
-                "Pair Coeffs # lj/cut\n\n1 1.0 1.0",
-                "Atom Type Labels\n\n1 Ar Kr",
-            ),
+            data("Pair Coeffs # lj/cut\n\n1 1.0 1.0", "Atom Type Labels\n\n1 Ar Kr"),
             19,
             "3 columns",
             "`type label`",
         ),
-        (
-            data("2 0.2 0 0", "2 0.2 0"),
-            31,
-            "3 columns in `2 0.2 0`",
-            "`id vx vy vz`",
-        ),
+        (data("2 0.2 0 0", "2 0.2 0"), 31, "3 columns in `2 0.2 0`", "`id vx vy vz`"),
         (data("2 2.5", "2"), 15, "1 columns in `2`", "`type mass`"),
         (
             data("2 2.5\n", ""),
@@ -286,12 +208,7 @@ fn what_is_not_read_is_refused_with_line_found_and_allowed() {
             "the end of the file",
             "a row in the section Masses for the type 2",
         ),
-        (
-            data("2 2.5", "2 -2.5"),
-            15,
-            "the mass -2.5e0",
-            "a mass from 1e-6 to 1e6",
-        ),
+        (data("2 2.5", "2 -2.5"), 15, "the mass -2.5e0", "a mass from 1e-6 to 1e6"),
     ];
     for (text, line, found, allowed) in table {
         let error = read_configuration_bytes(text.as_bytes()).expect_err(&text);

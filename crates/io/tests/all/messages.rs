@@ -34,10 +34,7 @@ fn readers_say_what_they_would_take() {
             "at most what the 2 bytes left in the file can hold, 6 bytes per particle",
         ),
         (
-            frame(
-                &format!("{BOX} Properties=pos:R:3:velo:R:3:forces:R:3"),
-                two,
-            ),
+            frame(&format!("{BOX} Properties=pos:R:3:velo:R:3:forces:R:3"), two),
             "can hold, 18 bytes per particle: the count is wrong or the frame is truncated",
         ),
         (
@@ -45,10 +42,7 @@ fn readers_say_what_they_would_take() {
             "allowed: a box that its length scale allows",
         ),
         (
-            frame(
-                &format!("{BOX} Properties=pos:R:3:mass:R:1"),
-                "1 2 3 1\n2 3 4 2",
-            ),
+            frame(&format!("{BOX} Properties=pos:R:3:mass:R:1"), "1 2 3 1\n2 3 4 2"),
             "found mass 2; allowed: 1, like the particles before: the file names no species",
         ),
         (
@@ -62,10 +56,7 @@ fn readers_say_what_they_would_take() {
             frame(&format!("{BOX} units=metal"), two),
             "units lj (reduced units), or `system.length_scale` and `system.time_scale` in the scene: one σ and one τ in units of the file",
         ),
-        (
-            frame("Lattice=\"4 0 0", two),
-            "allowed: a value that ends with \"",
-        ),
+        (frame("Lattice=\"4 0 0", two), "allowed: a value that ends with \""),
         (
             frame(&format!("{BOX} Properties=pos:R"), two),
             "allowed: name:type:width triples joined by colons",
@@ -79,32 +70,20 @@ fn readers_say_what_they_would_take() {
             "an orthorhombic box, \"Lx 0.0 0.0 0.0 Ly 0.0 0.0 0.0 Lz\", to 1e-10 of a side; triclinic boxes are not there yet",
         ),
     ] {
-        let message = read_configuration_bytes(text.as_bytes())
-            .unwrap_err()
-            .to_string();
+        let message = read_configuration_bytes(text.as_bytes()).unwrap_err().to_string();
         assert!(message.contains(wanted), "wanted `{wanted}` in\n{message}");
     }
     let message = read_table_csv_bytes(b"").unwrap_err().to_string();
-    assert!(
-        message.ends_with("found no heading; allowed: one heading line"),
-        "{message}"
-    );
+    assert!(message.ends_with("found no heading; allowed: one heading line"), "{message}");
     let folder = tempfile::tempdir().unwrap();
     let absent = folder.path().join("absent");
-    let message = lennard_io::read_configuration(&absent)
-        .unwrap_err()
-        .to_string();
+    let message = lennard_io::read_configuration(&absent).unwrap_err().to_string();
     assert!(message.contains("absent: cannot be read: "), "{message}");
     let message = read_checkpoint(&absent).unwrap_err().to_string();
     assert!(message.contains("absent: it cannot be read: "), "{message}");
-    let message = lennard_io::CheckpointFolder::new(folder.path())
-        .load_newest()
-        .unwrap_err()
-        .to_string();
-    assert!(
-        message.ends_with("there is no checkpoint in this folder"),
-        "{message}"
-    );
+    let message =
+        lennard_io::CheckpointFolder::new(folder.path()).load_newest().unwrap_err().to_string();
+    assert!(message.ends_with("there is no checkpoint in this folder"), "{message}");
 }
 
 /// A checkpoint whose metadata, scene and arrays are these bytes, with a right length and checksum.
@@ -127,32 +106,15 @@ fn a_checkpoint_with_a_right_checksum_and_senseless_content_says_what_makes_no_s
     let metadata = text(&serde_json::to_vec(&lennard_io::CheckpointMetadata::default()).unwrap());
     let word = |n: u64| n.to_le_bytes().to_vec();
     let array = |name: &[u8], kind, values: u64| {
-        [
-            text(name),
-            word(kind),
-            word(values),
-            vec![0; 8 * values as usize],
-        ]
-        .concat()
+        [text(name), word(kind), word(values), vec![0; 8 * values as usize]].concat()
     };
-    let whole = sealed(&[
-        &metadata,
-        &text(b"scene"),
-        &word(2),
-        &array(b"a", 1, 2),
-        &array(b"b", 3, 1),
-    ]);
+    let whole =
+        sealed(&[&metadata, &text(b"scene"), &word(2), &array(b"a", 1, 2), &array(b"b", 3, 1)]);
     assert!(read_checkpoint_bytes(&whole).is_ok());
     let start = [metadata.clone(), text(b"scene")].concat();
     for (bytes, wanted) in [
-        (
-            sealed(&[&word(1 << 40), b"{}"]),
-            "the metadata of 1099511627776 bytes, where 2 are left",
-        ),
-        (
-            sealed(&[&metadata, &text(b"\xff\xfe")]),
-            "the scene is not UTF-8",
-        ),
+        (sealed(&[&word(1 << 40), b"{}"]), "the metadata of 1099511627776 bytes, where 2 are left"),
+        (sealed(&[&metadata, &text(b"\xff\xfe")]), "the scene is not UTF-8"),
         (
             sealed(&[&text(b"{}"), &text(b"")]),
             "its content makes no sense: the metadata: missing field",
@@ -161,14 +123,8 @@ fn a_checkpoint_with_a_right_checksum_and_senseless_content_says_what_makes_no_s
             sealed(&[&start, &word(2), &array(b"b", 1, 1), &array(b"a", 1, 1)]),
             "its content makes no sense: `a` is not in order",
         ),
-        (
-            sealed(&[&start, &word(1), &array(b"a", 9, 1)]),
-            "`a` has the unknown type 9",
-        ),
-        (
-            sealed(&[&start, &word(0), b"more"]),
-            "4 bytes after the last array",
-        ),
+        (sealed(&[&start, &word(1), &array(b"a", 9, 1)]), "`a` has the unknown type 9"),
+        (sealed(&[&start, &word(0), b"more"]), "4 bytes after the last array"),
         (
             sealed(&[&start, &word(1), &text(b"a"), &word(4), &word(u64::MAX)]),
             "`a` holds 18446744073709551615 values",
@@ -182,14 +138,8 @@ fn a_checkpoint_with_a_right_checksum_and_senseless_content_says_what_makes_no_s
     let mut damaged = whole;
     damaged[30] ^= 1;
     for (bytes, wanted) in [
-        (
-            other,
-            "it has version 9 of the format; this program reads version 1",
-        ),
-        (
-            damaged,
-            "it is damaged: its content does not fit its checksum",
-        ),
+        (other, "it has version 9 of the format; this program reads version 1"),
+        (damaged, "it is damaged: its content does not fit its checksum"),
     ] {
         let message = read_checkpoint_bytes(&bytes).unwrap_err().to_string();
         assert!(message.ends_with(wanted), "{message}");
@@ -211,17 +161,9 @@ fn writers_say_what_they_do_not_write() {
         change(&mut state);
         state
     };
-    let scaled = FrameStyle {
-        length_scale: 0.0,
-        ..style.clone()
-    };
-    let with_forces = FrameStyle {
-        forces: true,
-        ..style.clone()
-    };
-    let table = Table::new("t", "ragged")
-        .with("a", "", vec![1.0])
-        .with("b", "", vec![]);
+    let scaled = FrameStyle { length_scale: 0.0, ..style.clone() };
+    let with_forces = FrameStyle { forces: true, ..style.clone() };
+    let table = Table::new("t", "ragged").with("a", "", vec![1.0]).with("b", "", vec![]);
     for (message, wanted) in [
         (
             write(&scaled, &state, &[]),
@@ -244,11 +186,7 @@ fn writers_say_what_they_do_not_write() {
             "key in the header: found `a b`; allowed: letters, digits and _, but none of",
         ),
         (
-            write(
-                &style,
-                &changed(&|s| s.velocities[2].y = f64::INFINITY),
-                &[],
-            ),
+            write(&style, &changed(&|s| s.velocities[2].y = f64::INFINITY), &[]),
             "velocity of particle 2 is inf: such a number is not written",
         ),
         (
@@ -256,9 +194,7 @@ fn writers_say_what_they_do_not_write() {
             "lengths of the columns: found [1, 0]; allowed: at least one column, all of the same length",
         ),
         (
-            write_text_atomically(folder.path().join("..").as_path(), "x")
-                .unwrap_err()
-                .to_string(),
+            write_text_atomically(folder.path().join("..").as_path(), "x").unwrap_err().to_string(),
             "cannot create the file: the path names no file",
         ),
     ] {
@@ -276,29 +212,19 @@ fn files_that_were_changed_are_not_gone_on_with_and_the_reason_is_given() {
     table.write(&[1_u64.into(), 0.5.into()]).unwrap();
     let mark = table.mark();
     let other = [("step", ""), ("energy", "ε")];
-    let message = TableWriter::resume_at(&path, &other, mark)
-        .unwrap_err()
-        .to_string();
-    let wanted = format!(
-        "t.csv: cannot go on after byte {}: it begins with `step,",
-        mark.bytes
-    );
+    let message = TableWriter::resume_at(&path, &other, mark).unwrap_err().to_string();
+    let wanted = format!("t.csv: cannot go on after byte {}: it begins with `step,", mark.bytes);
     assert!(
         message.contains(&wanted) && message.contains(", not with the heading `step,ener"),
         "{message}"
     );
     fs::write(&path, "step,time [τ]\n").unwrap();
-    let message = TableWriter::resume_at(&path, &columns, mark)
-        .unwrap_err()
-        .to_string();
+    let message = TableWriter::resume_at(&path, &columns, mark).unwrap_err().to_string();
     assert!(message.ends_with("the file has only 15 bytes"), "{message}");
 
     let path = folder.path().join("t.xyz");
     let state = crate::common::system(2, 0.4, 1);
-    let frame = Frame {
-        state: &state,
-        extra: &[],
-    };
+    let frame = Frame { state: &state, extra: &[] };
     let mut trajectory =
         TrajectoryWriter::create(&path, TrajectoryFormat::Xyz, &FrameStyle::default()).unwrap();
     fs::remove_file(&path).unwrap();
@@ -318,9 +244,7 @@ fn files_that_were_changed_are_not_gone_on_with_and_the_reason_is_given() {
 fn an_output_folder_that_is_not_free_says_what_would_be() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("file"), "").unwrap();
-    let message = create_named_folder(folder.path(), Existing::Refuse)
-        .unwrap_err()
-        .to_string();
+    let message = create_named_folder(folder.path(), Existing::Refuse).unwrap_err().to_string();
     let wanted = "exists and is not empty; allowed: a folder that is not there yet or is empty, or --force to replace the run in it";
     assert!(message.contains(wanted), "{message}");
     let message = create_named_folder(&folder.path().join("file"), Existing::Replace)
@@ -335,8 +259,7 @@ fn an_output_folder_that_is_not_free_says_what_would_be() {
         scene: String::new(),
         archive: lennard_core::StateArchive::default(),
     };
-    let message = write_checkpoint(&folder.path().join("file/in/it"), &checkpoint)
-        .unwrap_err()
-        .to_string();
+    let message =
+        write_checkpoint(&folder.path().join("file/in/it"), &checkpoint).unwrap_err().to_string();
     assert!(message.contains("cannot create the file: "), "{message}");
 }

@@ -17,18 +17,12 @@ fn columns_may_stand_in_any_order_and_others_are_passed_over() {
             "note=\"two words = \\\"quoted\\\"\" Properties=id:I:1:map_shift:I:3:vel:R:3:tags:R:2:pos:R:3:species:S:1 \
              {BOX} time=2 step=7 converged"
         ),
-        &[
-            "1 0 -1 2  1 2 3  0.5 nan  0.5 0.25 1e0 Kr",
-            "2\t0 0 0  4 5 6  0.5 nan  1 2 3 Kr",
-        ],
+        &["1 0 -1 2  1 2 3  0.5 nan  0.5 0.25 1e0 Kr", "2\t0 0 0  4 5 6  0.5 nan  1 2 3 Kr"],
     );
     let frames = read_trajectory_bytes(text.as_bytes()).unwrap();
     assert_eq!(frames.len(), 1);
     let frame = &frames[0];
-    assert_eq!(
-        frame.positions,
-        [DVec3::new(0.5, -4.75, 13.0), DVec3::new(1.0, 2.0, 3.0)]
-    );
+    assert_eq!(frame.positions, [DVec3::new(0.5, -4.75, 13.0), DVec3::new(1.0, 2.0, 3.0)]);
     assert_eq!(
         frame.velocities.as_deref().unwrap(),
         [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0)]
@@ -56,10 +50,7 @@ fn nist_columns_are_told_by_their_content() {
     let text = "10.0 11.0 12.0\n2\n    1  -1.5E+00  2.0 3\n 2 0 0 1\n";
     let start = read_configuration_bytes(text.as_bytes()).unwrap();
     assert_eq!(start.cell.lengths(), DVec3::new(10.0, 11.0, 12.0));
-    assert_eq!(
-        start.positions,
-        [DVec3::new(-1.5, 2.0, 3.0), DVec3::new(0.0, 0.0, 1.0)]
-    );
+    assert_eq!(start.positions, [DVec3::new(-1.5, 2.0, 3.0), DVec3::new(0.0, 0.0, 1.0)]);
     assert_eq!(start.velocities, None);
     assert_eq!(start.species, FoundSpecies::default());
 }
@@ -78,12 +69,7 @@ fn every_bad_file_is_refused_with_line_found_and_allowed() {
             "the end of the file",
             "extended XYZ, LAMMPS dump or data, GRO, or NIST columns",
         ),
-        (
-            "hello world\n".into(),
-            1,
-            "`hello world`",
-            "the number of particles",
-        ),
+        ("hello world\n".into(), 1, "`hello world`", "the number of particles"),
         ("two\n\n".into(), 1, "`two`", "an integer of at least 1"),
         ("-2\n\n".into(), 1, "`-2`", "an integer of at least 1"),
         ("2.0\n\n".into(), 1, "`2.0`", "an integer of at least 1"),
@@ -100,12 +86,7 @@ fn every_bad_file_is_refused_with_line_found_and_allowed() {
             "particles",
             "left in the file can hold",
         ),
-        (
-            "5\n".into(),
-            1,
-            "`5` particles",
-            "left in the file can hold",
-        ),
+        ("5\n".into(), 1, "`5` particles", "left in the file can hold"),
         // Enough bytes for four short particles, yet only two lines.
         (
             xyz(BOX, &["Argonaut 1.0 2.0 3.0", "Argonaut 1.0 2.0 3.0"]).replacen('2', "4", 1),
@@ -114,42 +95,17 @@ fn every_bad_file_is_refused_with_line_found_and_allowed() {
             "particle 3 of 4: the frame is truncated",
         ),
         (xyz("", &good), 2, "no box", "a Lattice="),
-        (
-            with("Properties=species:S:1"),
-            2,
-            "Properties=`species:S:1`",
-            "pos:R:3",
-        ),
-        (
-            with("Properties=species:S:1:pos:R:2"),
-            2,
-            "Properties=",
-            "pos:R:3",
-        ),
-        (
-            with("Properties=species:S:1:pos:R:3:x:Q:1"),
-            2,
-            "Properties=",
-            "a type of S, R, I or L",
-        ),
-        (
-            with("Properties=species:S:1:pos:R:3:x:R:0"),
-            2,
-            "Properties=",
-            "a width of at least 1",
-        ),
+        (with("Properties=species:S:1"), 2, "Properties=`species:S:1`", "pos:R:3"),
+        (with("Properties=species:S:1:pos:R:2"), 2, "Properties=", "pos:R:3"),
+        (with("Properties=species:S:1:pos:R:3:x:Q:1"), 2, "Properties=", "a type of S, R, I or L"),
+        (with("Properties=species:S:1:pos:R:3:x:R:0"), 2, "Properties=", "a width of at least 1"),
         (
             with("Properties=species:S:1:pos:R:3:x:R:99999999999"),
             2,
             "Properties=",
             "at most 256 columns",
         ),
-        (
-            with("Properties=species:S:1:pos"),
-            2,
-            "Properties=",
-            "triples",
-        ),
+        (with("Properties=species:S:1:pos"), 2, "Properties=", "triples"),
         (
             with("Properties=species:S:1:pos:R:3:velo:R:3:vel:R:3"),
             2,
@@ -168,19 +124,9 @@ fn every_bad_file_is_refused_with_line_found_and_allowed() {
             "Lattice=`4 0 0 0 5 0 0 0`",
             "nine finite numbers, the box vectors a, b and c",
         ),
-        (
-            lattice("4 0 0 0 5 0 0 0 nan"),
-            2,
-            "nan",
-            "nine finite numbers",
-        ),
+        (lattice("4 0 0 0 5 0 0 0 nan"), 2, "nan", "nine finite numbers"),
         (lattice("4 0 0 0 -5 0 0 0 6"), 2, "-5", "positive"),
-        (
-            lattice("4 0 0 0 5 0 0.1 0 6"),
-            2,
-            "a triclinic box",
-            "triclinic boxes are not there yet",
-        ),
+        (lattice("4 0 0 0 5 0 0.1 0 6"), 2, "a triclinic box", "triclinic boxes are not there yet"),
         (
             with("pbc=\"T T F\""),
             2,
@@ -190,38 +136,13 @@ fn every_bad_file_is_refused_with_line_found_and_allowed() {
         (with("pbc=\"T T\""), 2, "pbc=`T T`", "three of T or F"),
         (with("units=metal"), 2, "units `metal`", "units lj"),
         (with("Time=soon"), 2, "Time=`soon`", "a finite number"),
-        (
-            with("Step=1.5"),
-            2,
-            "Step=`1.5`",
-            "an integer of at least 0",
-        ),
-        (
-            with("length_scale=0"),
-            2,
-            "length_scale=`0`",
-            "a finite positive number",
-        ),
+        (with("Step=1.5"), 2, "Step=`1.5`", "an integer of at least 0"),
+        (with("length_scale=0"), 2, "length_scale=`0`", "a finite positive number"),
         (with("a=1 a=2"), 2, "`a` twice", "each key once"),
-        (
-            with("a=\"open"),
-            2,
-            "`\\\"open`, which is not closed",
-            "ends with \"",
-        ),
+        (with("a=\"open"), 2, "`\\\"open`, which is not closed", "ends with \""),
         (with("=1"), 2, "`=1`", "key=value pairs"),
-        (
-            row("Ar 1 2"),
-            4,
-            "3 columns in `Ar 1 2`",
-            "4 columns, as the header says",
-        ),
-        (
-            row("Ar 1 2 3 4"),
-            4,
-            "5 columns in `Ar 1 2 3 4`",
-            "4 columns, as the header says",
-        ),
+        (row("Ar 1 2"), 4, "3 columns in `Ar 1 2`", "4 columns, as the header says"),
+        (row("Ar 1 2 3 4"), 4, "5 columns in `Ar 1 2 3 4`", "4 columns, as the header says"),
         (row("Ar 1 x 3"), 4, "`x`", "a finite number"),
         (row("Ar 1 NaN 3"), 4, "`NaN`", "a finite number"),
         (row("Ar 1 1e999 3"), 4, "`1e999`", "a finite number"),
@@ -241,19 +162,13 @@ fn every_bad_file_is_refused_with_line_found_and_allowed() {
             "1, like the `Kr` before",
         ),
         (
-            xyz(
-                &format!("{BOX} Properties=pos:R:3:masses:R:1"),
-                &["1 2 3 1", "1 2 3 2"],
-            ),
+            xyz(&format!("{BOX} Properties=pos:R:3:masses:R:1"), &["1 2 3 1", "1 2 3 2"]),
             4,
             "mass 2",
             "like the particles before: the file names no species",
         ),
         (
-            xyz(
-                &format!("{BOX} Properties=pos:R:3:map_shift:I:3"),
-                &["1 2 3 0 0 0.5"],
-            ),
+            xyz(&format!("{BOX} Properties=pos:R:3:map_shift:I:3"), &["1 2 3 0 0 0.5"]),
             3,
             "`0.5`",
             "an image flag",
@@ -264,12 +179,7 @@ fn every_bad_file_is_refused_with_line_found_and_allowed() {
             "a blank line",
             "the number of particles of the next frame",
         ),
-        (
-            xyz(BOX, &good) + "Ar 1 2 3\n",
-            5,
-            "`Ar 1 2 3`",
-            "the number of particles",
-        ),
+        (xyz(BOX, &good) + "Ar 1 2 3\n", 5, "`Ar 1 2 3`", "the number of particles"),
         (
             "300\n1 10.0 9.8 9.6 1.7 2.5 0.4\n1 0 0 0\n".into(),
             2,
@@ -282,48 +192,18 @@ fn every_bad_file_is_refused_with_line_found_and_allowed() {
             "`10 10 0`",
             "three box sides, finite positive numbers",
         ),
-        (
-            "10 10 10\n".into(),
-            2,
-            "the end of the file",
-            "the number of particles",
-        ),
-        (
-            "10 10 10\n0\n".into(),
-            2,
-            "0 particles",
-            "an integer of at least 1",
-        ),
-        (
-            "10 10 10\n4000000000\n1 0 0 0\n".into(),
-            2,
-            "particles",
-            "left in the file can hold",
-        ),
+        ("10 10 10\n".into(), 2, "the end of the file", "the number of particles"),
+        ("10 10 10\n0\n".into(), 2, "0 particles", "an integer of at least 1"),
+        ("10 10 10\n4000000000\n1 0 0 0\n".into(), 2, "particles", "left in the file can hold"),
         (
             "10 10 10\n2\n1 0.0000 0.0000 0.0000\n".into(),
             4,
             "the end of the file",
             "particle 2 of 2: the file is truncated",
         ),
-        (
-            "10 10 10\n2\n1 0 0 0\n3 0 0 0\n".into(),
-            4,
-            "`3 0 0 0`",
-            "`2 x y z`",
-        ),
-        (
-            "10 10 10\n2\n1 0 0 0\n2 0.0 0.0\n".into(),
-            4,
-            "`2 0.0 0.0`",
-            "three finite coordinates",
-        ),
-        (
-            "10 10 10\n2\n1 0 0 0\n2 0 nan 0\n".into(),
-            4,
-            "`2 0 nan 0`",
-            "three finite coordinates",
-        ),
+        ("10 10 10\n2\n1 0 0 0\n3 0 0 0\n".into(), 4, "`3 0 0 0`", "`2 x y z`"),
+        ("10 10 10\n2\n1 0 0 0\n2 0.0 0.0\n".into(), 4, "`2 0.0 0.0`", "three finite coordinates"),
+        ("10 10 10\n2\n1 0 0 0\n2 0 nan 0\n".into(), 4, "`2 0 nan 0`", "three finite coordinates"),
         (
             "10 10 10\n1\n1 0 0 0\n2 0 0 0\n".into(),
             4,

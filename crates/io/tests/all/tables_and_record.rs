@@ -37,10 +37,7 @@ fn a_table_has_its_units_in_the_heading_and_reads_back_to_the_bit() {
 
 #[test]
 fn words_errors_and_missing_values_have_fields_of_their_own() {
-    let items = [
-        ("a, b", Some(0.5), Some((1.0, 0.25)), 7_u64),
-        ("c", None, None, 8),
-    ];
+    let items = [("a, b", Some(0.5), Some((1.0, 0.25)), 7_u64), ("c", None, None, 8)];
     let table = Table::rows_of("t", &items)
         .column("name", |i| i.0)
         .column("x [σ]", |i| Cell::rounded(i.1, 2))
@@ -76,10 +73,7 @@ fn a_growing_table_quotes_words_and_leaves_missing_values_empty() {
     writer.write(&[1_u64.into(), "a, b".into()]).unwrap();
     writer.write(&[2_u64.into(), Cell::default()]).unwrap();
     assert_eq!(writer.finish().unwrap().records, 2);
-    assert_eq!(
-        std::fs::read_to_string(&path).unwrap(),
-        "step,word\n1,\"a, b\"\n2,\n"
-    );
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "step,word\n1,\"a, b\"\n2,\n");
 }
 
 #[test]
@@ -95,11 +89,9 @@ fn columns_of_different_lengths_are_refused_and_nothing_is_written() {
 
 #[test]
 fn a_table_with_a_bad_row_is_refused_with_its_line() {
-    for (text, line, found) in [
-        ("a,b\n1,2\n3\n", 3, "3"),
-        ("a,b\n1,2\n3,x\n", 3, "`x`"),
-        ("", 1, "no heading"),
-    ] {
+    for (text, line, found) in
+        [("a,b\n1,2\n3\n", 3, "3"), ("a,b\n1,2\n3,x\n", 3, "`x`"), ("", 1, "no heading")]
+    {
         let error = lennard_io::read_table_csv_bytes(text.as_bytes()).unwrap_err();
         assert_eq!(error.line(), Some(line), "{error}");
         assert!(error.to_string().contains(found), "{error}");
@@ -165,11 +157,7 @@ fn record() -> RunRecord {
         model: "Lennard-Jones, cut at 2.5 σ, with tail correction".into(),
         seed: u64::MAX,
         version: "0.1.0".into(),
-        host: Host {
-            cpu: "a processor".into(),
-            isa: "avx2".into(),
-            threads: 2,
-        },
+        host: Host { cpu: "a processor".into(), isa: "avx2".into(), threads: 2 },
         steps: 20_000,
         atoms: 864,
         species: vec![SpeciesRecord {
@@ -231,11 +219,7 @@ fn record() -> RunRecord {
             difference: 0.01,
             standard_error: 0.02,
             in_standard_errors: 0.5,
-            at: StatePoint {
-                temperature: 0.722,
-                half_steps: true,
-                density: 0.8442,
-            },
+            at: StatePoint { temperature: 0.722, half_steps: true, density: 0.8442 },
             source: "a source".into(),
             remark: String::new(),
         }],
@@ -253,10 +237,7 @@ fn the_run_record_is_written_byte_for_byte_as_the_schema_says() {
     let text = std::fs::read_to_string(&path).unwrap();
     assert_eq!(text, include_str!("../data/run.json"));
     let back = read_run_record(&path).unwrap();
-    assert_eq!(
-        back.averages["pressure"].mean.to_bits(),
-        (0.1_f64 + 0.2).to_bits()
-    );
+    assert_eq!(back.averages["pressure"].mean.to_bits(), (0.1_f64 + 0.2).to_bits());
     assert!(back.averages["pressure"].standard_error.is_nan());
     assert_eq!(back.seed, u64::MAX);
     let again = serde_json::to_string_pretty(&back).unwrap() + "\n";
@@ -307,11 +288,6 @@ fn the_run_record_holds_every_entry_that_scripts_rely_on() {
 #[test]
 fn a_record_of_another_schema_is_refused_by_name() {
     let text = include_str!("../data/run.json").replace("lennard-run/1", "lennard-run/9");
-    let error = read_run_record_bytes(text.as_bytes())
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("lennard-run/9") && error.contains("lennard-run/1"),
-        "{error}"
-    );
+    let error = read_run_record_bytes(text.as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("lennard-run/9") && error.contains("lennard-run/1"), "{error}");
 }

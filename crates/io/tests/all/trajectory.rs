@@ -38,10 +38,7 @@ fn two_particles() -> State {
 fn the_dialect_is_written_byte_for_byte() {
     let state = two_particles();
     let extra = [("potential_energy", -5.5), ("temperature", 1.0)];
-    let frame = Frame {
-        extra: &extra,
-        ..frame(&state)
-    };
+    let frame = Frame { extra: &extra, ..frame(&state) };
     assert_eq!(
         text_of(&style(), &frame),
         "2\n\
@@ -72,11 +69,7 @@ fn the_dialect_is_written_byte_for_byte() {
 
 #[test]
 fn unwrapped_frames_read_back_to_the_bit() {
-    let style = FrameStyle {
-        wrapped: false,
-        forces: true,
-        ..style()
-    };
+    let style = FrameStyle { wrapped: false, forces: true, ..style() };
     let state = system(5000, 40.0, 1);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.xyz");
@@ -220,10 +213,7 @@ fn a_start_configuration_is_the_last_frame() {
     let start = read_configuration(&path).unwrap();
     assert_eq!(start.step, Some(2));
     assert_eq!(start.velocities.unwrap(), system(10, 0.9, 2).velocities);
-    let inside = |cell| Beside {
-        cell: Some(cell),
-        ..Beside::default()
-    };
+    let inside = |cell| Beside { cell: Some(cell), ..Beside::default() };
     read_configuration_in(&path, inside(cell())).expect("the same box is no contradiction");
     let rounded = PeriodicBox::new(cell().lengths() * (1.0 + 5e-11)).unwrap();
     read_configuration_in(&path, inside(rounded)).expect("rounding is no contradiction");
@@ -246,14 +236,7 @@ fn numbers_that_are_not_finite_are_never_written() {
         state.velocities[4999].y = bad;
         let error = writer.write(&frame(&state)).unwrap_err();
         assert!(
-            matches!(
-                error,
-                WriteError::NotFinite {
-                    quantity: "velocity",
-                    particle: 4321,
-                    ..
-                }
-            ),
+            matches!(error, WriteError::NotFinite { quantity: "velocity", particle: 4321, .. }),
             "{error}"
         );
     }
@@ -268,10 +251,7 @@ fn numbers_that_are_not_finite_are_never_written() {
 }
 
 fn named(element: &str) -> SpeciesTable {
-    let species = Species {
-        element: element.to_owned(),
-        ..Species::unnamed()
-    };
+    let species = Species { element: element.to_owned(), ..Species::unnamed() };
     SpeciesTable::one(species, 0)
 }
 
@@ -294,27 +274,15 @@ fn a_mixture_is_written_with_elements_and_masses_and_read_back() {
     };
     let state = two_particles();
     let text = text_of(&style, &frame(&state));
-    assert!(
-        text.contains(" species_names=\"Ar=A Kr=big\" units=lj\n"),
-        "{text}"
-    );
-    assert!(
-        text.contains("Properties=species:S:1:pos:R:3:masses:R:1 "),
-        "{text}"
-    );
-    assert!(
-        text.contains("\nKr ") && text.contains(" 2.5\nAr "),
-        "{text}"
-    );
+    assert!(text.contains(" species_names=\"Ar=A Kr=big\" units=lj\n"), "{text}");
+    assert!(text.contains("Properties=species:S:1:pos:R:3:masses:R:1 "), "{text}");
+    assert!(text.contains("\nKr ") && text.contains(" 2.5\nAr "), "{text}");
     write_frame(&path, &style, &frame(&state)).unwrap();
     let found = read_configuration(&path).unwrap().species;
     assert_eq!(found.names, ["Kr", "Ar"]);
     assert_eq!(found.of_particle, [0, 1]);
     assert_eq!(found.masses, [2.5, 1.0]);
-    let short = FrameStyle {
-        species: SpeciesTable::new(style.species.all(), &[1]),
-        ..style
-    };
+    let short = FrameStyle { species: SpeciesTable::new(style.species.all(), &[1]), ..style };
     let error = write_frame(&path, &short, &frame(&state)).unwrap_err();
     assert!(error.to_string().contains("1 for 2 particles"), "{error}");
 }
@@ -325,19 +293,13 @@ fn what_readers_would_take_for_something_else_is_refused() {
     let path = folder.path().join("t.xyz");
     let state = two_particles();
     for element in ["", "LJ", "ar", "Ar ", "1"] {
-        let style = FrameStyle {
-            species: named(element),
-            ..style()
-        };
+        let style = FrameStyle { species: named(element), ..style() };
         let error = TrajectoryWriter::create(&path, TrajectoryFormat::Xyz, &style).unwrap_err();
         assert!(error.to_string().contains("chemical symbol"), "{error}");
     }
     for key in ["energy", "Lattice", "a b", "", "1st", "a=b"] {
         let extra = [(key, 1.0)];
-        let frame = Frame {
-            extra: &extra,
-            ..frame(&state)
-        };
+        let frame = Frame { extra: &extra, ..frame(&state) };
         assert!(write_frame(&path, &style(), &frame).is_err(), "{key}");
     }
     let empty = State::new(state.cell, vec![], vec![]);
@@ -364,10 +326,7 @@ fn time_for_frames_of_a_million_atoms() {
     assert_eq!(whole_frames(&path).unwrap().records, 2);
     println!("two frames counted in {:?}", start.elapsed());
     let start = std::time::Instant::now();
-    assert_eq!(
-        read_configuration(&path).unwrap().positions.len(),
-        1_000_000
-    );
+    assert_eq!(read_configuration(&path).unwrap().positions.len(), 1_000_000);
     println!("last of two frames read in {:?}", start.elapsed());
 }
 
@@ -375,17 +334,10 @@ fn time_for_frames_of_a_million_atoms() {
 fn sites_of_molecules_carry_the_number_of_their_molecule() {
     let cell = PeriodicBox::new(DVec3::splat(9.0)).unwrap();
     let state = State::new(cell, vec![DVec3::ONE; 5], vec![DVec3::ZERO; 5]);
-    let style = FrameStyle {
-        sites_per_molecule: 2,
-        ..style()
-    };
+    let style = FrameStyle { sites_per_molecule: 2, ..style() };
     let text = text_of(&style, &frame(&state));
     let header = text.lines().nth(1).unwrap();
     assert!(header.contains("map_shift:I:3:molecule:I:1 "), "{header}");
-    let numbers: Vec<&str> = text
-        .lines()
-        .skip(2)
-        .map(|l| l.rsplit(' ').next().unwrap())
-        .collect();
+    let numbers: Vec<&str> = text.lines().skip(2).map(|l| l.rsplit(' ').next().unwrap()).collect();
     assert_eq!(numbers, ["1", "1", "2", "2", "3"]);
 }

@@ -14,12 +14,7 @@ use crate::common::cell;
 const PRECISION: f64 = 8192.0;
 
 fn style() -> FrameStyle {
-    FrameStyle {
-        precision: PRECISION,
-        wrapped: false,
-        velocities: false,
-        ..FrameStyle::default()
-    }
+    FrameStyle { precision: PRECISION, wrapped: false, velocities: false, ..FrameStyle::default() }
 }
 
 fn write(path: &Path, positions: &[[i32; 3]]) -> u64 {
@@ -29,12 +24,7 @@ fn write(path: &Path, positions: &[[i32; 3]]) -> u64 {
     let state = State::new(cell(), positions, velocities);
     let mut writer = TrajectoryWriter::create(path, TrajectoryFormat::Xtc, &style()).unwrap();
     let extra = &[];
-    writer
-        .write(&Frame {
-            state: &state,
-            extra,
-        })
-        .unwrap();
+    writer.write(&Frame { state: &state, extra }).unwrap();
     writer.finish().unwrap().bytes
 }
 
@@ -46,10 +36,8 @@ fn round_trip(positions: &[[i32; 3]]) -> u64 {
     let frames = XTCReader::open(&path).unwrap().read_all_frames().unwrap();
     assert_eq!(frames.len(), 1);
     let whole = |x: f32| (f64::from(x) * PRECISION).round() as i32;
-    let read: Vec<[i32; 3]> = frames[0]
-        .coords()
-        .map(|p| glam::Vec3::from(p).to_array().map(whole))
-        .collect();
+    let read: Vec<[i32; 3]> =
+        frames[0].coords().map(|p| glam::Vec3::from(p).to_array().map(whole)).collect();
     assert_eq!(read, positions);
     bytes
 }
@@ -71,9 +59,8 @@ fn walk(n: usize, octave: u32, corner: i32, mut random: impl FnMut() -> u32) -> 
 fn generator(seed: u64) -> impl FnMut() -> u32 {
     let mut state = seed;
     move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 33) as u32
     }
 }
@@ -107,9 +94,7 @@ fn a_fluid_takes_no_more_bytes_than_with_the_usual_choice_of_reach() {
     for octave in [3, 10, 13, 20] {
         let positions = walk(3000, octave, 0, generator(2));
         let ours = round_trip(&positions);
-        let places = positions
-            .iter()
-            .map(|p| p.map(|x| (f64::from(x) / PRECISION) as f32));
+        let places = positions.iter().map(|p| p.map(|x| (f64::from(x) / PRECISION) as f32));
         let places: Vec<[f32; 3]> = places.collect();
         let mut theirs = Vec::new();
         XTCWriter::new_with_magic(&mut theirs, Magic::Xtc1995)

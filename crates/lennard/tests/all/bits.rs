@@ -42,38 +42,19 @@ fn memory_a_folder_and_the_command_line_have_the_same_bits() {
         "output.trajectory_every=50",
     ];
     let folder = by_hand.to_str().unwrap();
-    let mut arguments = vec![
-        "lennard",
-        "run",
-        "verlet-1967/liquid",
-        "--quiet",
-        "--out",
-        folder,
-    ];
+    let mut arguments = vec!["lennard", "run", "verlet-1967/liquid", "--quiet", "--out", folder];
     arguments.extend(keys.iter().flat_map(|key| ["--set", key]));
     assert_eq!(lennard_cli::main(arguments.into_iter().map(Into::into)), 0);
     let record = prepared(&liquid()).run_in_folder(&by_us).unwrap();
-    for name in [
-        "scene.toml",
-        "thermo.csv",
-        "trajectory.xyz",
-        "final.xyz",
-        "rdf.csv",
-    ] {
+    for name in ["scene.toml", "thermo.csv", "trajectory.xyz", "final.xyz", "rdf.csv"] {
         same_file(&by_hand, &by_us, name);
     }
     let mut in_memory = prepared(&liquid()).on_threads(2).unwrap();
     in_memory.run().unwrap();
-    assert_eq!(
-        averages(&in_memory),
-        serde_json::to_value(&record.averages).unwrap()
-    );
+    assert_eq!(averages(&in_memory), serde_json::to_value(&record.averages).unwrap());
     assert_eq!(in_memory.frames().len(), 4);
     assert_eq!(in_memory.frames()[3].positions, in_memory.state().positions);
-    assert_eq!(
-        in_memory.thermo().numbers("step").unwrap().last(),
-        Some(&300.0)
-    );
+    assert_eq!(in_memory.thermo().numbers("step").unwrap().last(), Some(&300.0));
 }
 
 #[test]
@@ -102,10 +83,7 @@ fn a_stage_that_is_added_is_measured_by_itself_and_stands_in_the_scene() {
     liquid.add_stage(hot).unwrap();
     liquid.run().unwrap();
     assert_eq!(liquid.state().step, 350);
-    assert_eq!(
-        liquid.thermo().numbers("step").unwrap().first(),
-        Some(&310.0)
-    );
+    assert_eq!(liquid.thermo().numbers("step").unwrap().first(), Some(&310.0));
     let again = SceneBuilder::from_toml(liquid.scene().resolved_toml());
     let mut again = prepared(&again);
     again.run().unwrap();
@@ -120,13 +98,7 @@ fn arrays_start_where_another_simulation_is() {
     let scene = liquid_from("start.xyz").build().unwrap();
     let started = |velocities| {
         let (sides, positions) = (state.cell.lengths(), state.positions.clone());
-        Simulation::from_arrays(
-            scene.clone(),
-            sides,
-            positions,
-            velocities,
-            OwnParts::none(),
-        )
+        Simulation::from_arrays(scene.clone(), sides, positions, velocities, OwnParts::none())
     };
     let mut second = started(Some(state.velocities.clone())).unwrap();
     let [one, other] = [&mut first, &mut second].map(|s| s.moment().unwrap());
@@ -137,10 +109,7 @@ fn arrays_start_where_another_simulation_is() {
     assert_eq!(short, "one velocity for each position is wanted");
     let hot = vec![lennard::DVec3::NAN; state.len()];
     let hot = started(Some(hot)).err().expect("refused").to_string();
-    assert_eq!(
-        hot,
-        "a position or velocity is not a finite number from -1e9 to 1e9"
-    );
+    assert_eq!(hot, "a position or velocity is not a finite number from -1e9 to 1e9");
 }
 
 /// The same liquid from a file that is not there: arrays stand for it.

@@ -19,10 +19,7 @@ pub struct Spring {
 
 remembers_nothing!(Spring);
 
-pub const SPRING: Spring = Spring {
-    stiffness: 0.01,
-    fault: None,
-};
+pub const SPRING: Spring = Spring { stiffness: 0.01, fault: None };
 
 impl ForceTerm for Spring {
     fn evaluate(
@@ -54,19 +51,12 @@ impl ForceTerm for Spring {
     }
 
     fn force_on(&self, particle: usize, at: Configuration<'_>) -> DVec3 {
-        let sign = if self.fault == Some("another force") {
-            1.0
-        } else {
-            -1.0
-        };
+        let sign = if self.fault == Some("another force") { 1.0 } else { -1.0 };
         sign * self.stiffness * at.positions[particle].z * DVec3::Z
     }
 
     fn properties(&self) -> ForceProperties {
-        ForceProperties {
-            breaks_momentum: [false, false, true],
-            ..ForceProperties::default()
-        }
+        ForceProperties { breaks_momentum: [false, false, true], ..ForceProperties::default() }
     }
 }
 
@@ -125,9 +115,7 @@ pub fn fluid() -> SceneBuilder {
 }
 
 pub fn parts() -> OwnParts {
-    OwnParts::none()
-        .force("spring", SPRING)
-        .method(PositionVerlet)
+    OwnParts::none().force("spring", SPRING).method(PositionVerlet)
 }
 
 pub fn prepared(parts: OwnParts) -> lennard::Result<Simulation> {
@@ -156,25 +144,11 @@ fn a_field_adds_its_energy_and_its_force_and_takes_a_degree_of_freedom_back() {
     assert!((difference - energy / 108.0).abs() < 1e-12, "{difference}");
     with.run().unwrap();
     let record = with.results().record;
-    assert_eq!(
-        record.n_dof,
-        3 * 108 - 2,
-        "momentum along z is not conserved"
-    );
-    assert!(
-        record.model.contains("with forces of a program"),
-        "{}",
-        record.model
-    );
-    assert!(
-        record.comparison.is_empty(),
-        "nothing in a field has a reference"
-    );
+    assert_eq!(record.n_dof, 3 * 108 - 2, "momentum along z is not conserved");
+    assert!(record.model.contains("with forces of a program"), "{}", record.model);
+    assert!(record.comparison.is_empty(), "nothing in a field has a reference");
     let drift = record.conservation.energy_rms_per_atom;
-    assert!(
-        drift < 1e-3,
-        "the energy of the field is conserved with the rest: {drift}"
-    );
+    assert!(drift < 1e-3, "the energy of the field is conserved with the rest: {drift}");
 }
 
 #[test]
@@ -186,10 +160,7 @@ fn a_method_of_ones_own_steps_and_is_named() {
     assert_ne!(own.state().positions, scene.state().positions);
     assert_eq!(own.scene().method_name(), "position-verlet");
     let text = own.scene().resolved_toml();
-    assert!(
-        text.contains("[program]\nintegrator = \"position-verlet\""),
-        "{text}"
-    );
+    assert!(text.contains("[program]\nintegrator = \"position-verlet\""), "{text}");
 }
 
 #[test]
@@ -207,9 +178,7 @@ fn a_run_with_parts_goes_on_to_the_bit_in_its_program_and_nowhere_else() {
     loaded.run().unwrap();
     assert_eq!(loaded.state(), whole.state());
     let refused = |parts: &OwnParts| {
-        let error = Simulation::load_with_parts(&file, parts)
-            .err()
-            .expect("refused");
+        let error = Simulation::load_with_parts(&file, parts).err().expect("refused");
         error.to_string()
     };
     let without = refused(&OwnParts::none());
@@ -228,31 +197,18 @@ fn the_command_line_refuses_the_folder_of_such_a_run_and_shows_it() {
     let folder = temporary.path().join("run");
     let record = prepared(parts()).unwrap().run_in_folder(&folder).unwrap();
     assert!(
-        record
-            .remarks
-            .iter()
-            .any(|r| r.contains("the program of this run brought field `spring`")),
+        record.remarks.iter().any(|r| r.contains("the program of this run brought field `spring`")),
         "{:?}",
         record.remarks
     );
-    assert!(
-        fs::read_to_string(folder.join("scene.toml"))
-            .unwrap()
-            .contains("[program]")
-    );
+    assert!(fs::read_to_string(folder.join("scene.toml")).unwrap().contains("[program]"));
     let path = folder.to_str().unwrap();
     let lennard = |words: &[&str]| lennard_cli::main(words.iter().map(Into::into));
     assert_eq!(lennard(&["lennard", "compare", path]), 0);
     assert_eq!(lennard(&["lennard", "resume", path, "--steps", "10"]), 2);
     let scene = folder.join("scene.toml");
     let out = temporary.path().join("again");
-    let again = [
-        "lennard",
-        "run",
-        scene.to_str().unwrap(),
-        "--out",
-        out.to_str().unwrap(),
-    ];
+    let again = ["lennard", "run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()];
     assert_eq!(lennard(&again), 2);
     assert!(!out.exists());
 }

@@ -48,10 +48,7 @@ fn says(message: &str, wanted: &[&str]) {
 }
 
 fn with_fault(fault: &'static str) -> String {
-    let spring = Spring {
-        fault: Some(fault),
-        ..SPRING
-    };
+    let spring = Spring { fault: Some(fault), ..SPRING };
     refused(prepared(OwnParts::none().force("spring", spring)))
 }
 
@@ -67,17 +64,11 @@ fn a_force_that_breaks_its_contract_is_refused_before_the_first_step() {
     );
     says(
         &with_fault("another force"),
-        &[
-            "whose `force_on` gives",
-            "the same force by both: the watchdog checks one by the other",
-        ],
+        &["whose `force_on` gives", "the same force by both: the watchdog checks one by the other"],
     );
     says(
         &with_fault("leaves one out"),
-        &[
-            "whose force on particle 4 is",
-            "a finite force for each particle",
-        ],
+        &["whose force on particle 4 is", "a finite force for each particle"],
     );
 }
 
@@ -86,15 +77,9 @@ fn a_field_goes_with_no_tail_and_a_bath_inside_the_step_with_no_method_of_ones_o
     let tail = fluid().set("truncation.kind", "cut").build().unwrap();
     says(
         &refused(Simulation::with_parts(tail, parts())),
-        &[
-            "`truncation.tail_correction` assumes a homogeneous fluid",
-            "with a field",
-        ],
+        &["`truncation.tail_correction` assumes a homogeneous fluid", "with a field"],
     );
-    let langevin = fluid()
-        .set("stage.melt.thermostat", "langevin")
-        .build()
-        .unwrap();
+    let langevin = fluid().set("stage.melt.thermostat", "langevin").build().unwrap();
     let own = OwnParts::none().method(PositionVerlet);
     says(
         &refused(Simulation::with_parts(langevin, own)),
@@ -111,11 +96,7 @@ fn two_observables_of_one_name_are_refused() {
     let twice = OwnParts::none().observable(10, Speed).observable(20, Speed);
     says(
         &refused(prepared(twice)),
-        &[
-            "`program.observables` does not fit",
-            "`speed`",
-            "a name that no other observable",
-        ],
+        &["`program.observables` does not fit", "`speed`", "a name that no other observable"],
     );
     assert!(prepared(OwnParts::none().observable(10, Speed)).is_ok());
 }
@@ -129,10 +110,7 @@ fn a_name_that_no_result_has_is_told_with_the_nearest() {
         &results.average("presure").unwrap_err().to_string(),
         &["the run has no average `presure`", "nearest: pressure"],
     );
-    says(
-        &format!("{:?}", results.table("rdf").unwrap_err()),
-        &["the run has no table `rdf`"],
-    );
+    says(&format!("{:?}", results.table("rdf").unwrap_err()), &["the run has no table `rdf`"]);
 }
 
 #[test]
@@ -142,14 +120,8 @@ fn a_folder_takes_whole_runs_alone_and_none_that_is_there() {
     begun.step(5).unwrap();
     let folder = temporary.path().join("run");
     let error = begun.run_in_folder(&folder).unwrap_err().to_string();
-    says(
-        &error,
-        &["a folder takes a whole run, and this simulation has done 5 steps"],
-    );
+    says(&error, &["a folder takes a whole run, and this simulation has done 5 steps"]);
     assert!(!folder.exists());
-    let error = Simulation::load(&folder)
-        .err()
-        .expect("refused")
-        .to_string();
+    let error = Simulation::load(&folder).err().expect("refused").to_string();
     says(&error, &["run"]);
 }

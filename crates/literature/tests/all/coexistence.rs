@@ -31,11 +31,9 @@ fn saturation_is_the_tabulated_one() {
             other => panic!("no model {other}"),
         };
         let s = equation.saturation(r.t).unwrap();
-        for (found, expected) in [
-            (s.vapor_density, r.rho_vap),
-            (s.liquid_density, r.rho_liq),
-            (s.pressure, r.psat),
-        ] {
+        for (found, expected) in
+            [(s.vapor_density, r.rho_vap), (s.liquid_density, r.rho_liq), (s.pressure, r.psat)]
+        {
             // The table's six digits.
             assert!(
                 (found / expected - 1.0).abs() < 5.1e-6,
@@ -108,12 +106,7 @@ fn critical_point_is_where_pressure_is_flat() {
         let s = equation.at(c.density, c.temperature);
         // The slope is small against T_c, the slope of the ideal gas. It is zero to the digits to
         // which the critical constraint was imposed (Thol) or solved for (Kolafa and Nezbeda).
-        assert!(
-            s.dp_drho.abs() < 3e-3 * c.temperature,
-            "{}: {}",
-            equation.spec().name,
-            s.dp_drho
-        );
+        assert!(s.dp_drho.abs() < 3e-3 * c.temperature, "{}: {}", equation.spec().name, s.dp_drho);
     }
 }
 

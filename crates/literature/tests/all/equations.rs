@@ -124,11 +124,9 @@ fn the_whole_grid_is_reproduced_to_its_six_digits() {
             } else {
                 0.0
             };
-            for (found, expected) in [
-                (s.pressure, p),
-                (s.potential_energy, u),
-                (s.heat_capacity_volume, cv),
-            ] {
+            for (found, expected) in
+                [(s.pressure, p), (s.potential_energy, u), (s.heat_capacity_volume, cv)]
+            {
                 // Half a unit of the sixth digit, which is at most 5e-6 of the number.
                 assert!(
                     (found - expected).abs() <= 5.001e-6 * expected.abs() + missing,
@@ -163,15 +161,8 @@ fn phases_on_the_grid_are_the_tabulated_ones() {
 }
 
 /// States all over the fluid, none inside the dome of either model.
-const STATES: [(f64, f64); 7] = [
-    (0.8442, 0.75),
-    (0.75, 1.0),
-    (0.02, 0.9),
-    (0.3, 1.5),
-    (0.5, 2.0),
-    (0.9, 2.74),
-    (1.05, 6.0),
-];
+const STATES: [(f64, f64); 7] =
+    [(0.8442, 0.75), (0.75, 1.0), (0.02, 0.9), (0.3, 1.5), (0.5, 2.0), (0.9, 2.74), (1.05, 6.0)];
 
 #[test]
 fn derivatives_are_those_of_finite_differences() {
@@ -194,16 +185,8 @@ fn derivatives_are_those_of_finite_differences() {
                 ("du/drho", s.du_drho, at_rho(|s| s.potential_energy)),
                 ("dp/drho", s.dp_drho, at_rho(|s| s.pressure)),
                 // p = ρT + ρ²T ∂α/∂ρ and u = −T² ∂α/∂T.
-                (
-                    "p",
-                    s.pressure,
-                    rho * t + rho * rho * t * at_rho(|s| s.residual_helmholtz),
-                ),
-                (
-                    "u",
-                    s.potential_energy,
-                    -t * t * at_t(|s| s.residual_helmholtz),
-                ),
+                ("p", s.pressure, rho * t + rho * rho * t * at_rho(|s| s.residual_helmholtz)),
+                ("u", s.potential_energy, -t * t * at_t(|s| s.residual_helmholtz)),
             ] {
                 // A few thousand times ε^{2/3}: third derivatives of the equations reach that, Johnson's most.
                 let bound = 3000.0 * f64::EPSILON.powf(2.0 / 3.0) * expected.abs().max(1.0);
@@ -252,10 +235,7 @@ fn dilute_gas_is_ideal_with_the_same_second_virial_coefficient_in_both_full_equa
     let t = 2.0;
     let rho = 1e-8;
     let second_virial = |e: &dyn EquationOfState| (e.pressure(rho, t) / (rho * t) - 1.0) / rho;
-    let (a, b) = (
-        second_virial(thol_2016()),
-        second_virial(kolafa_nezbeda_1994()),
-    );
+    let (a, b) = (second_virial(thol_2016()), second_virial(kolafa_nezbeda_1994()));
     // B₂ = −2π ∫ (exp(−U/T) − 1) r² dr, by Simpson's rule on 0 < r < 40 and the tail −U/T beyond.
     let n = 400_000;
     let r_max = 40.0;
@@ -263,20 +243,12 @@ fn dilute_gas_is_ideal_with_the_same_second_virial_coefficient_in_both_full_equa
     let integrand = |i: i32| {
         let r = f64::from(i) * dr;
         let s6 = if r > 0.0 { r.powi(-6) } else { f64::INFINITY };
-        let boltzmann = if s6 > 1e3 {
-            0.0
-        } else {
-            (-4.0 * (s6 * s6 - s6) / t).exp()
-        };
+        let boltzmann = if s6 > 1e3 { 0.0 } else { (-4.0 * (s6 * s6 - s6) / t).exp() };
         (boltzmann - 1.0) * r * r
     };
     let simpson: f64 = (0..=n)
         .map(|i| {
-            let weight = if i == 0 || i == n {
-                1.0
-            } else {
-                2.0 + 2.0 * f64::from(i % 2)
-            };
+            let weight = if i == 0 || i == n { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
             weight * integrand(i)
         })
         .sum::<f64>()
@@ -286,34 +258,18 @@ fn dilute_gas_is_ideal_with_the_same_second_virial_coefficient_in_both_full_equa
     let exact = -2.0 * std::f64::consts::PI * (simpson + tail);
     // Both equations were fitted to the exact coefficient, to about three digits of 2π/3.
     assert!((a - exact).abs() < 5e-3, "Thol {a}, exact {exact}");
-    assert!(
-        (b - exact).abs() < 5e-3,
-        "Kolafa–Nezbeda {b}, exact {exact}"
-    );
+    assert!((b - exact).abs() < 5e-3, "Kolafa–Nezbeda {b}, exact {exact}");
 }
 
 #[test]
 fn states_outside_the_range_are_refused_in_words() {
     let e = thol_2016();
-    assert!(matches!(
-        e.check(-0.1, 1.0),
-        Err(OutsideRange::NotAState { .. })
-    ));
-    assert!(matches!(
-        e.check(0.5, f64::NAN),
-        Err(OutsideRange::NotAState { .. })
-    ));
-    assert!(matches!(
-        e.check(0.5, 12.0),
-        Err(OutsideRange::Temperature { .. })
-    ));
+    assert!(matches!(e.check(-0.1, 1.0), Err(OutsideRange::NotAState { .. })));
+    assert!(matches!(e.check(0.5, f64::NAN), Err(OutsideRange::NotAState { .. })));
+    assert!(matches!(e.check(0.5, 12.0), Err(OutsideRange::Temperature { .. })));
     let error = e.check(1.3, 5.0).unwrap_err();
     assert!(matches!(error, OutsideRange::Pressure { .. }));
-    assert!(
-        error
-            .to_string()
-            .contains("Thol 2016 covers pressures up to 65")
-    );
+    assert!(error.to_string().contains("Thol 2016 covers pressures up to 65"));
     assert_eq!(e.check(0.8442, 0.722), Ok(()));
 }
 
@@ -363,9 +319,6 @@ fn a_state_that_an_equation_does_not_cover_says_what_it_covers() {
         said(-0.5, 1.0),
         "density and temperature must be finite positive numbers, found density -0.5 and temperature 1"
     );
-    assert_eq!(
-        said(0.8, 0.5),
-        "Thol 2016 covers temperatures from 0.66 to 9.24, found 0.5"
-    );
+    assert_eq!(said(0.8, 0.5), "Thol 2016 covers temperatures from 0.66 to 9.24, found 0.5");
     assert!(said(1.5, 9.0).starts_with("Thol 2016 covers pressures up to "));
 }

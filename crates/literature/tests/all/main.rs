@@ -12,7 +12,5 @@ use lennard_literature::{EquationOfState, list};
 
 /// The equations that have a liquid.
 fn with_liquid() -> impl Iterator<Item = &'static dyn EquationOfState> {
-    list()
-        .into_iter()
-        .filter(|e| e.spec().range.rho_max.is_none())
+    list().into_iter().filter(|e| e.spec().range.rho_max.is_none())
 }

@@ -12,19 +12,10 @@ const KOB_ANDERSEN: Pairs = [[1.0, 1.0], [0.8, 1.5], [0.88, 0.5]];
 
 /// x₁, T, ρ, then σ_x, ε_x, u and p.
 const PREDICTIONS: [(Pairs, [f64; 7]); 4] = [
-    (
-        SYMMETRIC,
-        [0.25, 1.5, 0.65, 1.0, 0.94375, -3.992969, 1.247529],
-    ),
+    (SYMMETRIC, [0.25, 1.5, 0.65, 1.0, 0.94375, -3.992969, 1.247529]),
     (SYMMETRIC, [0.5, 2.0, 0.4, 1.0, 0.925, -2.313914, 0.7793373]),
-    (
-        KOB_ANDERSEN,
-        [0.8, 1.5, 0.65, 0.9401942, 1.082169, -3.924891, 0.4434816],
-    ),
-    (
-        KOB_ANDERSEN,
-        [0.5, 2.0, 0.4, 0.87779752, 1.0633028, -1.887258, 0.602999],
-    ),
+    (KOB_ANDERSEN, [0.8, 1.5, 0.65, 0.9401942, 1.082169, -3.924891, 0.4434816]),
+    (KOB_ANDERSEN, [0.5, 2.0, 0.4, 0.87779752, 1.0633028, -1.887258, 0.602999]),
 ];
 
 #[test]
@@ -45,14 +36,7 @@ fn the_one_fluid_and_its_energy_and_pressure_are_those_of_teqp() {
 #[test]
 fn a_fluid_of_one_size_has_the_equation_of_the_pure_fluid() {
     let fluid = OneFluid::of(&[0.3, 0.7], |_, _| [1.0, 1.0]);
-    assert_eq!(
-        fluid,
-        OneFluid {
-            sigma: 1.0,
-            epsilon: 1.0,
-            mass: 1.0
-        }
-    );
+    assert_eq!(fluid, OneFluid { sigma: 1.0, epsilon: 1.0, mass: 1.0 });
     let pure = lennard_literature::thol_2016().at(0.8, 1.2);
     assert!((one_fluid(fluid).at(0.8, 1.2).pressure - pure.pressure).abs() < 1e-12);
     let heavy = one_fluid(fluid.with_mass(4.0)).at(0.8, 1.2);
@@ -62,18 +46,11 @@ fn a_fluid_of_one_size_has_the_equation_of_the_pure_fluid() {
 #[test]
 fn unlike_sizes_have_no_theory_here() {
     let kind = |size_ratio| ModelKind::Mixture {
-        fluid: OneFluid {
-            sigma: 1.0,
-            epsilon: 1.0,
-            mass: 1.0,
-        },
+        fluid: OneFluid { sigma: 1.0, epsilon: 1.0, mass: 1.0 },
         size_ratio,
         r_cut: 4.0,
     };
     assert!(equation_of_state_for(kind(1.0656)).is_ok());
     let none = equation_of_state_for(kind(1.25)).unwrap_err().to_string();
-    assert!(
-        none.contains("1.250") && none.contains("up to 1.1"),
-        "{none}"
-    );
+    assert!(none.contains("1.250") && none.contains("up to 1.1"), "{none}");
 }

@@ -30,36 +30,22 @@ fn csv_files(folder: &Path, into: &mut Vec<String>) {
 #[test]
 fn every_table_that_comes_along_is_listed_with_source_and_status_and_none_is_recalled() {
     let mut files = Vec::new();
-    csv_files(
-        &Path::new(env!("CARGO_MANIFEST_DIR")).join("data"),
-        &mut files,
-    );
+    csv_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data"), &mut files);
     assert_eq!(files.len(), reference_tables().len());
     let mut names = BTreeSet::new();
     for table in reference_tables() {
         assert!(files.iter().any(|text| text == table.csv), "{}", table.name);
         assert!(names.insert(table.name), "{} twice", table.name);
-        assert!(
-            table.csv.starts_with('#'),
-            "{}: no line that says what it holds",
-            table.name
-        );
+        assert!(table.csv.starts_with('#'), "{}: no line that says what it holds", table.name);
         assert!(!table.source.is_empty() && !table.licence.is_empty());
         assert!(table.doi.is_none_or(|doi| doi.starts_with("10.")));
         let rows = table.csv.lines().filter(|l| !l.starts_with('#'));
         for row in rows {
-            assert!(
-                !row.contains("from memory") && !row.contains("Verlet 1967"),
-                "{row}"
-            );
+            assert!(!row.contains("from memory") && !row.contains("Verlet 1967"), "{row}");
         }
         if table.status == Status::Verified {
             assert!(
-                !table
-                    .csv
-                    .lines()
-                    .filter(|l| !l.starts_with('#'))
-                    .any(|l| l.contains("secondary"))
+                !table.csv.lines().filter(|l| !l.starts_with('#')).any(|l| l.contains("secondary"))
             );
         }
     }
@@ -112,19 +98,10 @@ fn coexistence_by_monte_carlo_is_that_of_thol_2016() {
     for row in table.iter().step_by(10) {
         let s = thol_2016().saturation(row.t).unwrap();
         assert!((s.liquid_density - row.rho_liq).abs() < 0.0025, "{}", row.t);
-        assert!(
-            (s.vapor_density / row.rho_vap - 1.0).abs() < 0.025,
-            "{}",
-            row.t
-        );
+        assert!((s.vapor_density / row.rho_vap - 1.0).abs() < 0.025, "{}", row.t);
         assert!((s.pressure / row.psat - 1.0).abs() < 0.025, "{}", row.t);
         let u = thol_2016().at(s.liquid_density, row.t).potential_energy;
-        assert!(
-            (u - row.u_liquid).abs() < 0.02,
-            "{}: {u} {}",
-            row.t,
-            row.u_liquid
-        );
+        assert!((u - row.u_liquid).abs() < 0.02, "{}: {u} {}", row.t, row.u_liquid);
     }
 }
 
@@ -145,8 +122,5 @@ fn critical_points_of_the_full_potential_lie_around_that_of_the_equation() {
         .map(|r| r.t.split('(').next().unwrap().parse().unwrap())
         .collect();
     assert!(!found.is_empty());
-    assert!(
-        found.iter().all(|t| (t - ours).abs() < 0.015),
-        "{found:?} {ours}"
-    );
+    assert!(found.iter().all(|t| (t - ours).abs() < 0.015), "{found:?} {ours}");
 }

@@ -4,59 +4,25 @@ use lennard_literature::{EquationOfState, ModelKind, equation_of_state_for, two_
 
 /// L, T, ρ, and then p and u of Lísal 2004, p and u of Mecke 1997.
 const STATES: &[[f64; 7]] = &[
-    [
-        0.22, 4.5, 0.3, 0.5168692, -7.9002521, 0.51716669, -7.9087501,
-    ],
+    [0.22, 4.5, 0.3, 0.5168692, -7.9002521, 0.51716669, -7.9087501],
     [0.22, 4.5, 0.5, 1.3859831, -12.64866, 1.3879789, -12.647062],
-    [
-        0.22, 3.5, 0.6, 0.82531878, -15.717584, 0.83072539, -15.705737,
-    ],
-    [
-        0.3292, 4.0, 0.05, 0.16907901, -1.3620591, 0.16904061, -1.3736222,
-    ],
-    [
-        0.3292, 4.0, 0.3, 0.54995743, -7.3873424, 0.55127807, -7.381048,
-    ],
-    [
-        0.3292, 3.0, 0.5, 0.2106172, -12.614149, 0.21578385, -12.588577,
-    ],
-    [
-        0.3292, 2.5, 0.6, 0.82523481, -15.484038, 0.84526352, -15.46156,
-    ],
-    [
-        0.3292, 2.3, 0.62, 0.71648454, -16.157484, 0.73918259, -16.135032,
-    ],
-    [
-        0.505, 3.2, 0.05, 0.13265446, -1.2913986, 0.13246366, -1.3086849,
-    ],
-    [
-        0.505, 3.2, 0.3, 0.5371418, -6.9463701, 0.53506738, -6.9456012,
-    ],
+    [0.22, 3.5, 0.6, 0.82531878, -15.717584, 0.83072539, -15.705737],
+    [0.3292, 4.0, 0.05, 0.16907901, -1.3620591, 0.16904061, -1.3736222],
+    [0.3292, 4.0, 0.3, 0.54995743, -7.3873424, 0.55127807, -7.381048],
+    [0.3292, 3.0, 0.5, 0.2106172, -12.614149, 0.21578385, -12.588577],
+    [0.3292, 2.5, 0.6, 0.82523481, -15.484038, 0.84526352, -15.46156],
+    [0.3292, 2.3, 0.62, 0.71648454, -16.157484, 0.73918259, -16.135032],
+    [0.505, 3.2, 0.05, 0.13265446, -1.2913986, 0.13246366, -1.3086849],
+    [0.505, 3.2, 0.3, 0.5371418, -6.9463701, 0.53506738, -6.9456012],
     [0.505, 2.6, 0.45, 1.083108, -10.750384, 1.0836862, -10.73727],
-    [
-        0.505, 2.0, 0.5, 0.54306861, -12.407188, 0.54640674, -12.3885,
-    ],
-    [
-        0.505, 1.8, 0.52, 0.37565271, -13.080083, 0.38074936, -13.060393,
-    ],
-    [
-        0.67, 2.6, 0.05, 0.10348926, -1.2867598, 0.10334233, -1.2997485,
-    ],
-    [
-        0.67, 2.6, 0.25, 0.31916894, -5.7056644, 0.31506573, -5.7438181,
-    ],
-    [
-        0.67, 3.0, 0.42, 3.3370784, -9.2955599, 3.3185005, -9.2939836,
-    ],
-    [
-        0.67, 2.0, 0.458, 2.0165604, -10.888322, 2.0125166, -10.900017,
-    ],
-    [
-        0.67, 1.6, 0.46, 0.69508364, -11.321027, 0.69738616, -11.341165,
-    ],
-    [
-        1.0, 2.5, 0.05, 0.10833973, -1.1695174, 0.10944564, -1.1499404,
-    ],
+    [0.505, 2.0, 0.5, 0.54306861, -12.407188, 0.54640674, -12.3885],
+    [0.505, 1.8, 0.52, 0.37565271, -13.080083, 0.38074936, -13.060393],
+    [0.67, 2.6, 0.05, 0.10348926, -1.2867598, 0.10334233, -1.2997485],
+    [0.67, 2.6, 0.25, 0.31916894, -5.7056644, 0.31506573, -5.7438181],
+    [0.67, 3.0, 0.42, 3.3370784, -9.2955599, 3.3185005, -9.2939836],
+    [0.67, 2.0, 0.458, 2.0165604, -10.888322, 2.0125166, -10.900017],
+    [0.67, 1.6, 0.46, 0.69508364, -11.321027, 0.69738616, -11.341165],
+    [1.0, 2.5, 0.05, 0.10833973, -1.1695174, 0.10944564, -1.1499404],
     [1.0, 2.0, 0.2, 0.18041244, -4.5895573, 0.44046322, -5.030968],
     [1.0, 2.2, 0.3, 0.98692486, -6.8332835, 2.6407542, -7.3026796],
 ];
@@ -66,10 +32,7 @@ const COEXISTENCE: &[(usize, [f64; 5])] = &[
     (1, [0.22, 4.0506853, 0.28620282, 0.4291322, 0.12697765]),
     (1, [0.22, 2.9847155, 0.041033536, 0.63608345, 0.015417878]),
     (1, [0.3292, 3.2420156, 0.15973763, 0.43565841, 0.075367981]),
-    (
-        1,
-        [0.3292, 2.1613437, 0.0087439181, 0.61691932, 0.0042388036],
-    ),
+    (1, [0.3292, 2.1613437, 0.0087439181, 0.61691932, 0.0042388036]),
     (1, [0.505, 2.2626996, 0.050778944, 0.42899397, 0.028367693]),
     (1, [0.67, 2.2608892, 0.11056442, 0.26870971, 0.08896117]),
     (1, [0.67, 1.6659184, 0.014240736, 0.41886572, 0.0095968892]),
@@ -89,10 +52,8 @@ const COEXISTENCE: &[(usize, [f64; 5])] = &[
 fn pressures_and_energies_are_those_of_another_implementation() {
     for [l, t, rho, p_lisal, u_lisal, p_mecke, u_mecke] in STATES {
         let equations = two_center(*l).expect("a bond length in range");
-        for (equation, p, u) in [
-            (equations[0], p_lisal, u_lisal),
-            (equations[1], p_mecke, u_mecke),
-        ] {
+        for (equation, p, u) in [(equations[0], p_lisal, u_lisal), (equations[1], p_mecke, u_mecke)]
+        {
             let state = equation.at(*rho, *t);
             let name = &equation.spec().name;
             assert!(
@@ -112,19 +73,11 @@ fn pressures_and_energies_are_those_of_another_implementation() {
 fn the_uncertainty_at_a_state_is_the_difference_of_the_two_equations() {
     for [l, t, rho, p_lisal, u_lisal, p_mecke, u_mecke] in STATES {
         for equation in two_center(*l).expect("a bond length in range") {
-            let own = equation
-                .uncertainty(*rho, *t)
-                .expect("known for each state");
+            let own = equation.uncertainty(*rho, *t).expect("known for each state");
             let wanted_p = (p_lisal - p_mecke).abs().max(0.02);
             let wanted_u = (u_lisal - u_mecke).abs().max(0.02);
-            assert!(
-                (own.pressure - wanted_p).abs() < 1e-5,
-                "{l} {t} {rho}: {own:?}"
-            );
-            assert!(
-                (own.potential_energy - wanted_u).abs() < 1e-5,
-                "{l} {t} {rho}: {own:?}"
-            );
+            assert!((own.pressure - wanted_p).abs() < 1e-5, "{l} {t} {rho}: {own:?}");
+            assert!((own.potential_energy - wanted_u).abs() < 1e-5, "{l} {t} {rho}: {own:?}");
         }
     }
 }
@@ -135,14 +88,8 @@ fn vapor_and_liquid_coexist_where_another_implementation_has_them() {
         let equation = two_center(*l).expect("a bond length in range")[*which];
         let s = equation.saturation(*t).expect("below the critical point");
         assert!((s.pressure / p - 1.0).abs() < 1e-5, "{l} {t}: {s:?} {p}");
-        assert!(
-            (s.liquid_density / liquid - 1.0).abs() < 1e-5,
-            "{l} {t}: {s:?}"
-        );
-        assert!(
-            (s.vapor_density / vapor - 1.0).abs() < 1e-5,
-            "{l} {t}: {s:?}"
-        );
+        assert!((s.liquid_density / liquid - 1.0).abs() < 1e-5, "{l} {t}: {s:?}");
+        assert!((s.vapor_density / vapor - 1.0).abs() < 1e-5, "{l} {t}: {s:?}");
     }
 }
 
@@ -161,14 +108,8 @@ fn the_critical_point_ends_the_slope_and_the_curvature_of_the_isotherm() {
 
 #[test]
 fn rigid_dumbbells_have_an_equation_where_their_bond_is_in_range() {
-    let model = |bond_length| ModelKind::TwoCenter {
-        bond_length,
-        r_cut: 3.0,
-    };
-    assert_eq!(
-        equation_of_state_for(model(0.67)).unwrap().spec().key,
-        "lisal-2004"
-    );
+    let model = |bond_length| ModelKind::TwoCenter { bond_length, r_cut: 3.0 };
+    assert_eq!(equation_of_state_for(model(0.67)).unwrap().spec().key, "lisal-2004");
     let none = equation_of_state_for(model(1.5)).unwrap_err().to_string();
     assert!(none.contains("bonds of 1.5 σ"), "{none}");
     // Half the degrees of freedom of a rigid dumbbell.

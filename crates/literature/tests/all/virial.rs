@@ -9,41 +9,11 @@ use lennard_literature::{
 /// B₂ of 12-6 in σ³, T ∂B₂/∂T and T² ∂²B₂/∂T², by the series with 30 digits, checked against quadrature to 1e-15; B₃ in σ⁶
 /// by the sine transform of the Mayer function on 2¹⁶ points up to 60 σ. Computed for this test, not taken from a paper.
 const LENNARD_JONES: [[f64; 5]; 5] = [
-    [
-        0.7,
-        -9.864_679_086_625_1,
-        17.293_661_435_976,
-        -50.396_726_818_442,
-        -14.81199,
-    ],
-    [
-        1.0,
-        -5.315_745_120_262_8,
-        9.274_529_240_452_7,
-        -24.169_012_951_177,
-        1.884_787,
-    ],
-    [
-        1.31,
-        -3.270_434_694_647_5,
-        6.139_060_770_441,
-        -15.102_963_450_229,
-        2.573_231,
-    ],
-    [
-        2.0,
-        -1.314_495_329_569_2,
-        3.413_279_002_423_9,
-        -7.958_105_799_373_3,
-        1.917_201,
-    ],
-    [
-        3.0,
-        -0.241_345_449_479_07,
-        2.010_626_009_731,
-        -4.605_984_176_015_1,
-        1.545_364,
-    ],
+    [0.7, -9.864_679_086_625_1, 17.293_661_435_976, -50.396_726_818_442, -14.81199],
+    [1.0, -5.315_745_120_262_8, 9.274_529_240_452_7, -24.169_012_951_177, 1.884_787],
+    [1.31, -3.270_434_694_647_5, 6.139_060_770_441, -15.102_963_450_229, 2.573_231],
+    [2.0, -1.314_495_329_569_2, 3.413_279_002_423_9, -7.958_105_799_373_3, 1.917_201],
+    [3.0, -0.241_345_449_479_07, 2.010_626_009_731, -4.605_984_176_015_1, 1.545_364],
 ];
 
 /// B₂ of other Mie potentials in σ³, computed in the same way.
@@ -61,28 +31,15 @@ fn second_virial_coefficients_and_their_slopes_are_exact() {
         let beta = 1.0 / t;
         let found = Mie::LENNARD_JONES.second_virial(Jet::first(beta));
         // T ∂/∂T = −β ∂/∂β, and T² ∂²/∂T² = β² ∂²/∂β² + 2β ∂/∂β.
-        let of_t = [
-            found.value,
-            -beta * found.x,
-            beta * beta * found.xx + 2.0 * beta * found.x,
-        ];
+        let of_t = [found.value, -beta * found.x, beta * beta * found.xx + 2.0 * beta * found.x];
         for (found, expected) in of_t.into_iter().zip([b, slope, curvature]) {
-            assert!(
-                (found / expected - 1.0).abs() < 2e-13,
-                "{t}: {found} {expected}"
-            );
+            assert!((found / expected - 1.0).abs() < 2e-13, "{t}: {found} {expected}");
         }
     }
     for (repulsive, attractive, t, b) in OTHERS {
-        let potential = Mie {
-            repulsive,
-            attractive,
-        };
+        let potential = Mie { repulsive, attractive };
         let found = potential.second_virial(Jet::constant(1.0 / t)).value;
-        assert!(
-            (found / b - 1.0).abs() < 1e-10,
-            "{potential:?} {t}: {found} {b}"
-        );
+        assert!((found / b - 1.0).abs() < 1e-10, "{potential:?} {t}: {found} {b}");
     }
 }
 
@@ -104,15 +61,11 @@ fn the_series_is_the_closed_form_in_bessel_functions() {
         let y = 0.5 / t;
         let of_bessel = bessel(-0.75, y) + bessel(0.75, y) - bessel(0.25, y) - bessel(-0.25, y);
         let closed = 2.0_f64.sqrt() * PI * PI / 3.0 / t * y.exp() * of_bessel;
-        let series = Mie::LENNARD_JONES
-            .second_virial(Jet::constant(1.0 / t))
-            .value;
+        let series = Mie::LENNARD_JONES.second_virial(Jet::constant(1.0 / t)).value;
         assert!((closed - series).abs() < 1e-12, "{t}: {closed} {series}");
     }
     // The Boyle temperature, to its thirteen digits.
-    let boyle = Mie::LENNARD_JONES
-        .second_virial(Jet::constant(1.0 / 3.417_928_023_049))
-        .value;
+    let boyle = Mie::LENNARD_JONES.second_virial(Jet::constant(1.0 / 3.417_928_023_049)).value;
     assert!(boyle.abs() < 1e-12, "{boyle}");
 }
 
@@ -134,11 +87,7 @@ fn slopes_of_the_third_coefficient_are_those_of_finite_differences() {
         let slope = (high.value - low.value) / (2.0 * h);
         let curvature = (high.x - low.x) / (2.0 * h);
         assert!((here.x / slope - 1.0).abs() < 1e-5, "{} {slope}", here.x);
-        assert!(
-            (here.xx / curvature - 1.0).abs() < 1e-5,
-            "{} {curvature}",
-            here.xx
-        );
+        assert!((here.xx / curvature - 1.0).abs() < 1e-5, "{} {curvature}", here.xx);
     }
 }
 
@@ -147,10 +96,7 @@ fn good_equations_have_the_series_as_their_limit() {
     let (rho, t) = (0.005, 1.5);
     let series = virial_series(Mie::LENNARD_JONES);
     let ours = series.at(rho, t);
-    for equation in [
-        thol_2016(),
-        pohl_2023(12.0).unwrap() as &dyn EquationOfState,
-    ] {
+    for equation in [thol_2016(), pohl_2023(12.0).unwrap() as &dyn EquationOfState] {
         let theirs = equation.at(rho, t);
         // B₂ of the equations is off by up to 0.002 here, which is 5e-8 in the pressure.
         assert!((ours.pressure - theirs.pressure).abs() < 1e-7);
@@ -171,10 +117,7 @@ fn the_series_is_for_gases() {
     assert_eq!(series.saturation(1.0), None);
     let refused = series.check(0.3, 1.0).unwrap_err();
     assert!(matches!(refused, OutsideRange::Density { .. }));
-    assert_eq!(
-        refused.to_string(),
-        "virial series covers densities up to 0.04, found 0.3"
-    );
+    assert_eq!(refused.to_string(), "virial series covers densities up to 0.04, found 0.3");
     // The next term at ρ = 0.02 is a thousandth of the second.
     let next = series.uncertainty(0.02, 1.0).unwrap().pressure;
     assert!(next > 0.0 && next < 1e-5, "{next}");

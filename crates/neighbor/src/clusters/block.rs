@@ -49,21 +49,14 @@ impl Block {
             let counts = if k < count as u16 { u16::MAX } else { 0 };
             *entry = (slot.wrapping_sub(base) as u16).wrapping_mul(ENTRY_SCALE) & counts;
         }
-        Some(Self {
-            base,
-            valid: u16::MAX >> (BLOCK - count),
-            entries,
-        })
+        Some(Self { base, valid: u16::MAX >> (BLOCK - count), entries })
     }
 
     /// A block of 1 to [`BLOCK`] slots.
     pub(super) fn of(base: u32, slots: &[u32]) -> Self {
         let mut all = [base; BLOCK];
         all[..slots.len()].copy_from_slice(slots);
-        Self {
-            valid: u16::MAX >> (BLOCK - slots.len()),
-            ..Self::full(base, &all)
-        }
+        Self { valid: u16::MAX >> (BLOCK - slots.len()), ..Self::full(base, &all) }
     }
 
     /// Whether the block contains a slot.

@@ -79,11 +79,7 @@ pub struct ClusterBlocks<'a> {
 impl ClusterBlocks<'_> {
     /// The blocks that one member looks at.
     pub fn for_member(&self, member: usize) -> impl Iterator<Item = &Block> {
-        let half = if 2 * member < CLUSTER {
-            self.first_half
-        } else {
-            self.second_half
-        };
+        let half = if 2 * member < CLUSTER { self.first_half } else { self.second_half };
         half.iter().chain(self.masked).chain(self.plain)
     }
 
@@ -119,18 +115,12 @@ impl ClusterChunk {
 
     /// Whether the list of cluster `k` contains a slot for one member.
     pub(super) fn contains(&self, k: usize, member: usize, slot: u32) -> bool {
-        self.list(k)
-            .for_member(member)
-            .any(|block| block.contains(slot))
+        self.list(k).for_member(member).any(|block| block.contains(slot))
     }
 
     /// Inserts a slot into the list of cluster `k`, for all members; one member does not have it yet.
     pub(super) fn insert(&mut self, k: usize, slot: u32) {
-        let begin = if k == 0 {
-            0
-        } else {
-            self.spans[k - 1].end as usize
-        };
+        let begin = if k == 0 { 0 } else { self.spans[k - 1].end as usize };
         let span = &mut self.spans[k];
         let second_half = span.second_half as usize;
         let masked = second_half..span.masked as usize;
@@ -218,8 +208,7 @@ impl ClusterChunk {
         }
         if let Some(excluded) = excluded {
             let blocks = &self.blocks[second_half..masked];
-            self.excluded
-                .extend(blocks.iter().map(|block| excluded.entries(block)));
+            self.excluded.extend(blocks.iter().map(|block| excluded.entries(block)));
         }
         self.spans.push(Span {
             first_half: first_half as u32,
@@ -252,8 +241,7 @@ impl ClusterChunk {
 
     /// Ends the lists with a block that belongs to no cluster, for loops that read one block ahead.
     pub(super) fn finish(&mut self) {
-        self.blocks
-            .push(Block::of(self.first_slot, &[self.first_slot]));
+        self.blocks.push(Block::of(self.first_slot, &[self.first_slot]));
     }
 
     /// Gives back room that the blocks do not need.
@@ -272,13 +260,7 @@ impl ClusterChunk {
     pub(super) fn is_valid(&self, n: usize) -> bool {
         let mut end = 0;
         for span in &self.spans {
-            let ends = [
-                end,
-                span.first_half,
-                span.second_half,
-                span.masked,
-                span.end,
-            ];
+            let ends = [end, span.first_half, span.second_half, span.masked, span.end];
             if !ends.is_sorted() {
                 return false;
             }

@@ -76,9 +76,8 @@ impl ClusterNeighbors {
     /// The others are in ascending order. Returns the number of slots in the first part, and the base.
     pub(super) fn near_first(&mut self) -> (usize, u32) {
         let slots = &mut self.slots[ALL_MEMBERS][..self.len[ALL_MEMBERS]];
-        let (low, high) = slots
-            .iter()
-            .fold((u32::MAX, 0), |(low, high), p| (low.min(*p), high.max(*p)));
+        let (low, high) =
+            slots.iter().fold((u32::MAX, 0), |(low, high), p| (low.min(*p), high.max(*p)));
         if high.saturating_sub(low) <= BLOCK_REACH {
             return (slots.len(), low);
         }

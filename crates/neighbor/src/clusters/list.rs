@@ -186,8 +186,7 @@ impl ClusterList {
     pub fn fill(&mut self, cell: &PeriodicBox, reach: Reach, scanner: &dyn ClusterScanner) {
         let n = self.table.particle.len();
         self.slots_ahead = self.table.grid.slots_ahead(cell.lengths(), reach.r_list, n);
-        self.chunks
-            .resize_with(n.div_ceil(ATOMS_PER_CHUNK), ClusterChunk::default);
+        self.chunks.resize_with(n.div_ceil(ATOMS_PER_CHUNK), ClusterChunk::default);
         if !self.exclusions.are_none() {
             self.slot_of.resize(n, 0);
             for (slot, particle) in (0..).zip(&self.table.particle) {
@@ -284,9 +283,5 @@ impl ClusterList {
 fn address(slot: u32) -> (usize, usize, usize) {
     let slot = slot as usize;
     let in_chunk = slot % ATOMS_PER_CHUNK;
-    (
-        slot / ATOMS_PER_CHUNK,
-        in_chunk / CLUSTER,
-        in_chunk % CLUSTER,
-    )
+    (slot / ATOMS_PER_CHUNK, in_chunk / CLUSTER, in_chunk % CLUSTER)
 }

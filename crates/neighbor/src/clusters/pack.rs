@@ -102,18 +102,8 @@ mod tests {
         assert_eq!(worthwhile([68, 28, 28]), [1, 2]);
         assert_eq!(worthwhile([68, 28, 13]), [1, 1]);
         assert_eq!(worthwhile([60, 16, 4]), [1, 0], "four find room");
-        assert_eq!(
-            worthwhile([64, 33, 12]),
-            [2, 0],
-            "thirteen fill one block for all"
-        );
-        for len in [
-            [4, 0, 0],
-            [4, 1, 0],
-            [70, 26, 31],
-            [61, 16, 48],
-            [90, 5, 47],
-        ] {
+        assert_eq!(worthwhile([64, 33, 12]), [2, 0], "thirteen fill one block for all");
+        for len in [[4, 0, 0], [4, 1, 0], [70, 26, 31], [61, 16, 48], [90, 5, 47]] {
             let cost = |[first, second]: [usize; 2]| {
                 let rest = |len: usize, blocks: usize| len.saturating_sub(blocks * BLOCK);
                 let for_all = len[0] + rest(len[1], first) + rest(len[2], second);
@@ -121,24 +111,14 @@ mod tests {
             };
             let chosen = worthwhile(len);
             let others = (0..5).flat_map(|first| (0..5).map(move |second| [first, second]));
-            assert!(
-                others.map(cost).all(|other| cost(chosen) <= other),
-                "{len:?}"
-            );
+            assert!(others.map(cost).all(|other| cost(chosen) <= other), "{len:?}");
             assert!(chosen[0] <= len[1].div_ceil(BLOCK) && chosen[1] <= len[2].div_ceil(BLOCK));
         }
     }
 
     #[test]
     fn a_list_contains_each_slot_once_for_every_member_that_it_is_near_to() {
-        for len in [
-            [4, 0, 0],
-            [68, 28, 28],
-            [64, 33, 12],
-            [70, 16, 48],
-            [5, 3, 1],
-            [90, 5, 47],
-        ] {
+        for len in [[4, 0, 0], [68, 28, 28], [64, 33, 12], [70, 16, 48], [5, 3, 1], [90, 5, 47]] {
             // One base for all blocks, and a base of its own for each block.
             for base in [Some(0), None] {
                 let mut chunk = ClusterChunk::default();

@@ -100,11 +100,8 @@ impl ClusterScanner for ScalarClusterScanner {
             let is_other = slot.wrapping_sub(first) >= CLUSTER as u32;
             let first_half = (is_near[0] | is_near[1]) & is_other;
             let second_half = (is_near[2] | is_near[3]) & is_other;
-            let kinds = [
-                first_half & second_half,
-                first_half & !second_half,
-                second_half & !first_half,
-            ];
+            let kinds =
+                [first_half & second_half, first_half & !second_half, second_half & !first_half];
             for ((slots, len), is_of_kind) in found.slots.iter_mut().zip(&mut found.len).zip(kinds)
             {
                 slots[*len] = *slot;

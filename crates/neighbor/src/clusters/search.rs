@@ -105,13 +105,7 @@ impl<'a> Search<'a> {
             let bounds = self.bounds(group.clone());
             self.find_runs(&bounds, scratch);
             let base = self.base(&mut scratch.runs);
-            let Scratch {
-                runs,
-                candidates,
-                found,
-                excluded,
-                ..
-            } = scratch;
+            let Scratch { runs, candidates, found, excluded, .. } = scratch;
             self.scanner.gather(self.table, &bounds, runs, candidates);
             for first in group.clone().step_by(CLUSTER) {
                 let end = (first + CLUSTER).min(group.end);
@@ -120,8 +114,7 @@ impl<'a> Search<'a> {
                     std::array::from_fn(|k| self.at((first + k).min(end - 1)));
                 found.begin(first as u32..end as u32, candidates);
                 let own = members.map(|at| bounds.relative(at));
-                self.scanner
-                    .near(candidates, &bounds, own, first as u32, found);
+                self.scanner.near(candidates, &bounds, own, first as u32, found);
                 let members_range = first as u32..end as u32;
                 let excluded = self.exclude(members_range, found, excluded);
                 chunk.push(found, self.is_compact(&members), base, excluded);
@@ -184,10 +177,7 @@ impl<'a> Search<'a> {
                 let units = a[axis].wrapping_sub(b[axis]).unsigned_abs();
                 f64::from(units) * self.scale[axis]
             };
-            let farthest = members
-                .iter()
-                .map(|at| apart(*at, center))
-                .fold(0.0, f64::max);
+            let farthest = members.iter().map(|at| apart(*at, center)).fold(0.0, f64::max);
             // Every particle may move by a skin, and so may the center.
             // No neighbor may come to lie more than half a box from the center.
             // The second and third member may not either, since the center halves their distance.
@@ -301,10 +291,7 @@ impl<'a> Search<'a> {
         let last = ((high + radius) / edge).floor();
         if last - first + 1.0 >= count as f64 {
             // All columns are near, and each may stand for several images: no distance is safe to claim.
-            let all = (0..count).map(|number| AxisCell {
-                number: number as u32,
-                gap2: 0.0,
-            });
+            let all = (0..count).map(|number| AxisCell { number: number as u32, gap2: 0.0 });
             columns.extend(all);
             return;
         }
@@ -313,10 +300,7 @@ impl<'a> Search<'a> {
             let above = low - (k + 1) as f64 * edge;
             // The factor is a margin: the sort used coordinates in fixed point.
             let gap = below.max(above).max(0.0) * (1.0 - 1e-9);
-            columns.push(AxisCell {
-                number: wrap_cell(k, count as u32),
-                gap2: gap * gap,
-            });
+            columns.push(AxisCell { number: wrap_cell(k, count as u32), gap2: gap * gap });
         }
     }
 

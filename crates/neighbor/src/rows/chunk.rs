@@ -84,11 +84,6 @@ pub struct ListChunk {
 
 impl Default for ListChunk {
     fn default() -> Self {
-        Self {
-            first_slot: 0,
-            base: 0,
-            counts: Vec::new(),
-            entries: Entries::Narrow(Vec::new()),
-        }
+        Self { first_slot: 0, base: 0, counts: Vec::new(), entries: Entries::Narrow(Vec::new()) }
     }
 }

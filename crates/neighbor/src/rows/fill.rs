@@ -116,10 +116,7 @@ impl Filler<'_> {
                 Images::Ghosts => self.table.slots()[(base + entry.number()) as usize],
                 Images::Folded => entry.number(),
             };
-            if !self
-                .exclusions
-                .exclude(own, particle[other as usize] as usize)
-            {
+            if !self.exclusions.exclude(own, particle[other as usize] as usize) {
                 found[kept] = entry;
                 kept += 1;
             }
@@ -149,14 +146,11 @@ impl Filler<'_> {
         while first < slots.end {
             let end = table.group_end(first, slots.end);
             table.runs_near(first, end - 1, runs);
-            self.scanner
-                .gather(&table.coordinates, numbering, runs, candidates);
+            self.scanner.gather(&table.coordinates, numbering, runs, candidates);
             for slot in first..end {
                 let row = table.row[slot];
-                let center = Center {
-                    at: table.coordinates.at(row as usize),
-                    number: numbering.of(row),
-                };
+                let center =
+                    Center { at: table.coordinates.at(row as usize), number: numbering.of(row) };
                 let room = written + candidates.len + 2 * PADDING;
                 if entries.len() < room {
                     entries.resize(room, E::default());

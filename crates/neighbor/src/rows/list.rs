@@ -157,8 +157,7 @@ impl NeighborList {
         let margin = self.table.search_margin();
         let radius2 = (radius + margin).powi(2) as f32 * (1.0 + 4.0 * f32::EPSILON);
         let n = self.table.particle.len();
-        self.chunks
-            .resize_with(n.div_ceil(ATOMS_PER_CHUNK), ListChunk::default);
+        self.chunks.resize_with(n.div_ceil(ATOMS_PER_CHUNK), ListChunk::default);
         let filler = Filler {
             table: &self.table,
             radius2,
@@ -178,12 +177,7 @@ impl NeighborList {
     /// Number of pairs in the list, each counted once; of the lists of one rank, half the number of their pairs.
     #[must_use]
     pub fn pairs(&self) -> u64 {
-        let entries: u64 = self
-            .chunks
-            .iter()
-            .flat_map(|c| &c.counts)
-            .map(|n| u64::from(*n))
-            .sum();
+        let entries: u64 = self.chunks.iter().flat_map(|c| &c.counts).map(|n| u64::from(*n)).sum();
         entries / 2
     }
 
@@ -262,12 +256,10 @@ mod tests {
     #[test]
     fn a_list_with_an_entry_beyond_its_rows_is_not_valid() {
         let cell = PeriodicBox::new(DVec3::splat(9.0)).unwrap();
-        let positions: Vec<DVec3> = (0..100)
-            .map(|k| DVec3::new(0.82, 0.67, 0.55) * f64::from(k))
-            .collect();
+        let positions: Vec<DVec3> =
+            (0..100).map(|k| DVec3::new(0.82, 0.67, 0.55) * f64::from(k)).collect();
         let mut list = NeighborList::new(Images::Ghosts, 4);
-        list.build(&cell, 2.5, Positions::ById(&positions), &ScalarScanner)
-            .unwrap();
+        list.build(&cell, 2.5, Positions::ById(&positions), &ScalarScanner).unwrap();
         assert!(list.is_valid());
         let good = list.clone();
         list.chunks[1].first_slot += 1;

@@ -104,8 +104,7 @@ impl Around {
     #[must_use]
     pub fn near(&self) -> Vec<Range<usize>> {
         let runs = self.near_parts().into_iter();
-        runs.map(|(run, _)| run.start as usize..run.end as usize)
-            .collect()
+        runs.map(|(run, _)| run.start as usize..run.end as usize).collect()
     }
 
     /// The slots of other ranks that the lists may name, ascending; `position` gives the sorted positions at slots of
@@ -187,9 +186,7 @@ impl Around {
     /// The columns of some kind, by x, then y.
     fn columns_where(&self, is: impl Fn(&Column) -> bool) -> Vec<[u32; 2]> {
         let all = all_columns(self.count).zip(&self.columns);
-        all.filter(|(_, column)| is(column))
-            .map(|(at, _)| at)
-            .collect()
+        all.filter(|(_, column)| is(column)).map(|(at, _)| at).collect()
     }
 
     fn column(&self, at: [u32; 2]) -> &Column {
@@ -204,10 +201,7 @@ impl Around {
     fn beside(&self, [x, y]: [u32; 2], offset: Offset) -> [u32; 2] {
         let [nx, ny] = self.count;
         let [dx, dy] = offset.columns;
-        [
-            wrap_cell(i64::from(x) + dx, nx),
-            wrap_cell(i64::from(y) + dy, ny),
-        ]
+        [wrap_cell(i64::from(x) + dx, nx), wrap_cell(i64::from(y) + dy, ny)]
     }
 }
 
@@ -301,8 +295,7 @@ mod tests {
         let cell = PeriodicBox::new(LENGTHS).unwrap();
         let positions = positions();
         let mut rows = RowTable::default();
-        rows.sort(&cell, Positions::ById(&positions), RADIUS)
-            .unwrap();
+        rows.sort(&cell, Positions::ById(&positions), RADIUS).unwrap();
         compare(&rows, |slot| positions[rows.particle[slot] as usize]);
         let mut columns = ColumnTable::default();
         columns.sort(&cell, Positions::ById(&positions)).unwrap();
@@ -314,8 +307,7 @@ mod tests {
         let cell = PeriodicBox::new(LENGTHS).unwrap();
         let positions = positions();
         let mut rows = RowTable::default();
-        rows.sort(&cell, Positions::ById(&positions), RADIUS)
-            .unwrap();
+        rows.sort(&cell, Positions::ById(&positions), RADIUS).unwrap();
         // Whole layers of cells along x: the rank ends at a face.
         let [nx, ny, nz] = rows.count();
         let layer = |x: u32| {
@@ -327,9 +319,7 @@ mod tests {
         let edge = LENGTHS.x / f64::from(nx);
         let faces = [3.0 * edge, 6.0 * edge];
         let within = (0..positions.len()).filter(|slot| {
-            let x = positions[rows.particle[*slot] as usize]
-                .x
-                .rem_euclid(LENGTHS.x);
+            let x = positions[rows.particle[*slot] as usize].x.rem_euclid(LENGTHS.x);
             !own.contains(slot) && (faces[0] - RADIUS..faces[1] + RADIUS).contains(&x)
         });
         let within: Vec<u32> = within.map(|slot| slot as u32).collect();

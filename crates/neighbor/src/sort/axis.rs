@@ -25,10 +25,7 @@ impl CellRange {
         if self.last.saturating_sub(self.first) < all - 1 {
             return self;
         }
-        Self {
-            first: 0,
-            last: all - 1,
-        }
+        Self { first: 0, last: all - 1 }
     }
 
     /// The cells of the box that the range covers, each once; the axis has `count` cells.
@@ -43,11 +40,8 @@ impl CellRange {
     pub fn runs(self, count: u32) -> impl Iterator<Item = [u32; 2]> {
         let Self { first, last } = self.at_most(count);
         let (a, b) = (wrap_cell(first, count), wrap_cell(last, count));
-        let (run, beyond_the_face) = if a <= b {
-            ([a, b], None)
-        } else {
-            ([a, count - 1], Some([0, b]))
-        };
+        let (run, beyond_the_face) =
+            if a <= b { ([a, b], None) } else { ([a, count - 1], Some([0, b])) };
         [Some(run), beyond_the_face].into_iter().flatten()
     }
 }
@@ -68,9 +62,6 @@ mod tests {
         assert_eq!(runs(-1, 6), [[0, 4]]);
         assert_eq!(runs(i64::MIN, i64::MAX), [[0, 4]]);
         assert_eq!([i64::MIN, i64::MAX].map(|k| wrap_cell(k, 8)), [0, 7]);
-        assert_eq!(
-            [-11, -1, 0, 4, 5, 13].map(|k| wrap_cell(k, 5)),
-            [4, 4, 0, 4, 0, 3]
-        );
+        assert_eq!([-11, -1, 0, 4, 5, 13].map(|k| wrap_cell(k, 5)), [4, 4, 0, 4, 0, 3]);
     }
 }

@@ -54,11 +54,7 @@ impl CellGrid {
     pub fn choose(&mut self, lengths: DVec3, n: usize, radius: f64) {
         let density = n as f64 / lengths.element_product();
         let small = radius / CELLS_PER_RADIUS;
-        let mut edge = if density * small.powi(3) < SPARSE_CELL {
-            radius
-        } else {
-            small
-        };
+        let mut edge = if density * small.powi(3) < SPARSE_CELL { radius } else { small };
         let most = (CELLS_PER_PARTICLE * n).max(SMALLEST_GRID) as f64;
         let cells = (lengths / edge).floor().max(DVec3::ONE);
         if cells.element_product() > most {

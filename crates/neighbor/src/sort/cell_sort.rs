@@ -33,11 +33,7 @@ impl CellSort {
         particle: &mut Vec<u32>,
         positions: Positions<'_>,
     ) {
-        let Self {
-            home,
-            first,
-            source,
-        } = self;
+        let Self { home, first, source } = self;
         // Counts are stored two cells ahead. The scatter below advances entry c + 1 through cell c.
         // Afterwards entry c + 1 is the first slot of cell c + 1.
         first.clear();

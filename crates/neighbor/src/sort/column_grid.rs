@@ -64,11 +64,7 @@ impl ColumnGrid {
     /// Chooses the grid for a box and a number of particles.
     pub fn choose(lengths: DVec3, n: usize) -> Self {
         let [usual, narrower] = COLUMN_OVER_SPACING.map(|side| Self::with(side, lengths, n));
-        if narrower.strips() < usual.strips() {
-            narrower
-        } else {
-            usual
-        }
+        if narrower.strips() < usual.strips() { narrower } else { usual }
     }
 
     /// The grid whose columns have this side over the particle spacing.
@@ -125,11 +121,7 @@ impl ColumnGrid {
     /// The cell of a column at a slice, in the order of slots.
     #[inline(always)]
     pub fn cell(&self, column: u32, slice: u32) -> usize {
-        let slice = if column % 2 == 1 {
-            self.slices - 1 - slice
-        } else {
-            slice
-        };
+        let slice = if column % 2 == 1 { self.slices - 1 - slice } else { slice };
         column as usize * self.slices as usize + slice as usize
     }
 

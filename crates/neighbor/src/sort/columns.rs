@@ -193,10 +193,7 @@ impl ColumnTable {
     /// The slots of a column between two slices, both included.
     #[inline(always)]
     pub(crate) fn slots_of(&self, column: u32, slices: [u32; 2]) -> Range<u32> {
-        let (a, b) = (
-            self.grid.cell(column, slices[0]),
-            self.grid.cell(column, slices[1]),
-        );
+        let (a, b) = (self.grid.cell(column, slices[0]), self.grid.cell(column, slices[1]));
         let first = &self.sort.first;
         first[a.min(b)]..first[a.max(b) + 1]
     }
@@ -244,10 +241,8 @@ mod tests {
             let [x, y, z] = table.fixed(slot, r, cell.lengths(), units);
             assert_eq!([x, y, z], [0, 1, 2].map(|axis| table.at()[axis][slot]));
             let grid = &table.grid;
-            let column = grid.column(
-                ColumnGrid::part(x, grid.across[0]),
-                ColumnGrid::part(y, grid.across[1]),
-            );
+            let column = grid
+                .column(ColumnGrid::part(x, grid.across[0]), ColumnGrid::part(y, grid.across[1]));
             let slice = ColumnGrid::part(z, grid.slices);
             let slots = table.slots_of(column, [slice, slice]);
             assert!(slots.contains(&(slot as u32)));

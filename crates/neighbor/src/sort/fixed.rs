@@ -23,11 +23,7 @@ pub type FixedRow = [i32; 4];
 #[inline(always)]
 #[must_use]
 pub fn to_fixed(r: DVec3, image: IVec3, lengths: DVec3, units: DVec3) -> [i32; 3] {
-    let home = if image == IVec3::ZERO {
-        r
-    } else {
-        r - image.as_dvec3() * lengths
-    };
+    let home = if image == IVec3::ZERO { r } else { r - image.as_dvec3() * lengths };
     let scaled = home * units + FIXED_ROUNDING;
     [scaled.x, scaled.y, scaled.z].map(|s| s.to_bits() as u32 as i32)
 }

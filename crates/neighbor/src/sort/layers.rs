@@ -15,11 +15,7 @@ pub(super) struct Layers<'a> {
 
 impl<'a> Layers<'a> {
     pub fn of(grid: &'a CellGrid, first_slot: &'a [u32]) -> Self {
-        Self {
-            grid,
-            first_slot,
-            axes: [0, 1, 2].map(|axis| grid.axis(axis)),
-        }
+        Self { grid, first_slot, axes: [0, 1, 2].map(|axis| grid.axis(axis)) }
     }
 
     /// The rows of a layer.

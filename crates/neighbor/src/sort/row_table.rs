@@ -273,11 +273,7 @@ impl RowTable {
                 row = rows.end;
                 if shift != [0; 3] {
                     let sources = &own_rows[slots.start as usize..slots.end as usize];
-                    let ghost = |(row, source): (u32, &u32)| Ghost {
-                        row,
-                        source: *source,
-                        shift,
-                    };
+                    let ghost = |(row, source): (u32, &u32)| Ghost { row, source: *source, shift };
                     ghosts.extend(rows.zip(sources).map(ghost));
                 }
             });
@@ -316,8 +312,7 @@ impl RowTable {
             return 0..0;
         }
         let cell = |slot: usize| self.cell_of_slot[slot];
-        self.grid
-            .rows_near([cell(slots.start), cell(slots.end - 1)])
+        self.grid.rows_near([cell(slots.start), cell(slots.end - 1)])
     }
 
     /// The end of the group of slots that begins with `first` and shares one gathering of candidates.

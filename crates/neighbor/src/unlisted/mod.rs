@@ -184,21 +184,11 @@ struct Search<'a, C, A> {
 impl<C: Cells, A: Fn(u32) -> NowAndThen> Search<'_, C, A> {
     /// Adds the unlisted pairs ahead of a batch of at most [`BATCH`] far movers.
     fn look_ahead(&self, far: &[u32], scratch: &mut Scratch) {
-        let Scratch {
-            movers,
-            parts,
-            slots,
-            pairs,
-            unlisted,
-        } = scratch;
+        let Scratch { movers, parts, slots, pairs, unlisted } = scratch;
         movers.clear();
         movers.extend(far.iter().map(|slot| {
             let (at, moved) = self.displacements.of(*slot);
-            FarMover {
-                slot: *slot,
-                at,
-                moved,
-            }
+            FarMover { slot: *slot, at, moved }
         }));
         parts.clear();
         for (number, mover) in (0..).zip(&*movers) {
@@ -264,11 +254,7 @@ impl<C: Cells, A: Fn(u32) -> NowAndThen> Search<'_, C, A> {
         for x in x.wrapped(nx).filter(|x| has(0, *x)) {
             for y in y.wrapped(ny).filter(|y| has(1, *y)) {
                 for z in z.runs(nz) {
-                    to.push(Ahead {
-                        mover: number,
-                        below,
-                        partners: (x, y, z),
-                    });
+                    to.push(Ahead { mover: number, below, partners: (x, y, z) });
                 }
             }
         }
@@ -301,16 +287,8 @@ impl<C: Cells, A: Fn(u32) -> NowAndThen> Search<'_, C, A> {
         [low, high]: [f64; 2],
     ) -> CellRange {
         let across = ((1.0 - along * along).max(0.0) * (1.0 - cosine * cosine).max(0.0)).sqrt();
-        let most = if along >= cosine {
-            1.0
-        } else {
-            along * cosine + across
-        };
-        let least = if -along >= cosine {
-            -1.0
-        } else {
-            along * cosine - across
-        };
+        let most = if along >= cosine { 1.0 } else { along * cosine + across };
+        let least = if -along >= cosine { -1.0 } else { along * cosine - across };
         let end = most * if most > 0.0 { high } else { low };
         let begin = least * if least < 0.0 { high } else { low };
         let count = f64::from(self.count[axis]);
@@ -343,12 +321,7 @@ fn find_closer(
     let first = |ahead: &Ahead<Range<u32>>| packed.get(ahead.partners.start as usize);
     let squares = slots.iter().filter_map(first).map(|packed| packed.square);
     black_box(squares.fold(0, |all, square| all ^ square));
-    for Ahead {
-        mover,
-        below,
-        partners,
-    } in slots
-    {
+    for Ahead { mover, below, partners } in slots {
         let of_mover = packed[movers[usize::from(*mover)].slot as usize];
         let of_partners = &packed[partners.start as usize..partners.end as usize];
         for (slot, other) in partners.clone().zip(of_partners) {

@@ -37,10 +37,7 @@ impl DisplacementScale {
     #[inline(always)]
     #[must_use]
     pub fn new(far2: f64) -> Self {
-        Self {
-            along: Self::ALONG / far2.sqrt(),
-            squares: Self::SQUARES / far2,
-        }
+        Self { along: Self::ALONG / far2.sqrt(), squares: Self::SQUARES / far2 }
     }
 
     /// Packs the displacement x − x⁰, σ, whose square is `moved2`, σ². NaN counts as a far displacement.
@@ -97,10 +94,7 @@ mod tests {
             // Half as much is not enough, and neither is as much in another direction.
             assert!(!pack(moved * 0.5).may_be_closer(other), "{length}");
             let aside = along.any_orthonormal_vector() * left;
-            assert!(
-                length > 0.38 || !pack(moved).may_be_closer(pack(aside)),
-                "{length}"
-            );
+            assert!(length > 0.38 || !pack(moved).may_be_closer(pack(aside)), "{length}");
         }
         assert_eq!(pack(DVec3::NAN).square, 255);
         assert_eq!(pack(DVec3::X * 1e300).square, 255);

@@ -33,16 +33,11 @@ fn by_cells_of<C: Cells>(
 ) -> Vec<[u32; 2]> {
     let built: Vec<DVec3> = particles.iter().map(|p| built[*p as usize]).collect();
     let at = |slot: u32| now[particles[slot as usize] as usize];
-    let squares: Vec<f64> = (0..)
-        .zip(&built)
-        .map(|(slot, built)| (at(slot) - *built).length_squared())
-        .collect();
+    let squares: Vec<f64> =
+        (0..).zip(&built).map(|(slot, built)| (at(slot) - *built).length_squared()).collect();
     let far2 = (0.5 * (radius - inner)).powi(2);
-    let far: Vec<u32> = (0..)
-        .zip(&squares)
-        .filter(|(_, square)| **square > far2)
-        .map(|(slot, _)| slot)
-        .collect();
+    let far: Vec<u32> =
+        (0..).zip(&squares).filter(|(_, square)| **square > far2).map(|(slot, _)| slot).collect();
     let scale = DisplacementScale::new(far2);
     let packed: Vec<PackedDisplacement> = (0..)
         .zip(&squares)
@@ -170,9 +165,6 @@ fn cells_find_what_all_pairs_find() {
             assert_eq!(by_cells(&cell, 2.54, 2.5, &built, &now), all);
             found += usize::from(!all.is_empty());
         }
-        assert!(
-            (50..290).contains(&found),
-            "{found} of 300 lists lack a pair"
-        );
+        assert!((50..290).contains(&found), "{found} of 300 lists lack a pair");
     }
 }

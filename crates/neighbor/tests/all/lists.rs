@@ -13,9 +13,7 @@ use proptest::prelude::*;
 /// Reproducible numbers in [0, 1): Weyl's sequence, with one irrational number per axis.
 fn scatter(n: usize, lengths: DVec3, seed: f64) -> Vec<DVec3> {
     let step = DVec3::new(0.819_172_513, 0.671_043_607, 0.549_700_478);
-    (0..n)
-        .map(|i| ((i as f64 + 0.5 + seed) * step).fract() * lengths)
-        .collect()
+    (0..n).map(|i| ((i as f64 + 0.5 + seed) * step).fract() * lengths).collect()
 }
 
 fn build_rows(
@@ -86,16 +84,11 @@ fn both_ends_list_each_other_except_inside_the_margin_for_rounding() {
     let (radius, filling) = (3.442004854113472, 0.36792482416237093);
     let (seed, origin) = (444.94401692190166, 48.291509618035214);
     let cell = PeriodicBox::new(sides).unwrap();
-    let positions: Vec<DVec3> = scatter(265, sides * filling, seed)
-        .into_iter()
-        .map(|r| r + DVec3::splat(origin))
-        .collect();
+    let positions: Vec<DVec3> =
+        scatter(265, sides * filling, seed).into_iter().map(|r| r + DVec3::splat(origin)).collect();
     let list = row_list(&cell, radius, Images::Ghosts, &positions);
     let listed = pairs_of(&list);
-    assert_eq!(
-        listed_by_one_alone(&cell, &positions, radius, &listed),
-        None
-    );
+    assert_eq!(listed_by_one_alone(&cell, &positions, radius, &listed), None);
     assert_eq!(
         listed_by_one_alone(&cell, &positions, radius + 2e-5, &listed),
         Some((264, 1)),
@@ -141,21 +134,14 @@ fn lists_built_again_by_place_are_those_of_positions_by_particle() {
         let by_slot = |particles: &[u32]| -> Vec<DVec3> {
             particles.iter().map(|p| now[*p as usize]).collect()
         };
-        let (slots, row_slots) = (
-            clusters.table().particle.clone(),
-            rows.table().particle.clone(),
-        );
+        let (slots, row_slots) = (clusters.table().particle.clone(), rows.table().particle.clone());
         let (by_slot, by_row_slot) = (by_slot(&slots), by_slot(&row_slots));
         let by_slot = Positions::BySlot(&by_slot);
         build_clusters(&mut clusters, &cell, [2.5, 2.7], by_slot).unwrap();
         let by_slot = Positions::BySlot(&by_row_slot);
         build_rows(&mut rows, &cell, 2.7, by_slot).unwrap();
         for (table, source, slots) in [
-            (
-                &clusters.table().particle,
-                clusters.table().source(),
-                &slots,
-            ),
+            (&clusters.table().particle, clusters.table().source(), &slots),
             (&rows.table().particle, rows.table().source(), &row_slots),
         ] {
             for (particle, source) in table.iter().zip(source) {
@@ -203,11 +189,7 @@ fn a_cluster_in_a_vacuum_does_not_pay_for_the_vacuum() {
     let wanted = brute_force_pairs(&cell, &positions, 2.8).len() as u64;
     // The margin for rounding grows with the box: 4e-3 σ here.
     let most = brute_force_pairs(&cell, &positions, 2.81).len() as u64;
-    assert!(
-        (wanted..=most).contains(&list.pairs()),
-        "{} {wanted}",
-        list.pairs()
-    );
+    assert!((wanted..=most).contains(&list.pairs()), "{} {wanted}", list.pairs());
 }
 
 #[test]
@@ -233,26 +215,12 @@ fn cluster_lists_reach_over_more_slots_than_an_entry_can_count() {
     assert!(blocks().any(|b| b.base > 0), "bases are in use");
     let rows = row_list(&cell, 1.5, Images::Ghosts, &positions);
     let mut listed_by_clusters = 0;
-    for (i, (rows, clusters)) in rows
-        .neighbors()
-        .iter()
-        .zip(clusters.neighbors())
-        .enumerate()
-    {
-        assert!(
-            clusters.windows(2).all(|w| w[0] < w[1]),
-            "{i} has each once"
-        );
-        assert!(
-            rows.iter().all(|j| clusters.binary_search(j).is_ok()),
-            "{i}"
-        );
+    for (i, (rows, clusters)) in rows.neighbors().iter().zip(clusters.neighbors()).enumerate() {
+        assert!(clusters.windows(2).all(|w| w[0] < w[1]), "{i} has each once");
+        assert!(rows.iter().all(|j| clusters.binary_search(j).is_ok()), "{i}");
         listed_by_clusters += clusters.len();
     }
-    assert!(
-        listed_by_clusters as u64 > 2 * rows.pairs(),
-        "neighbors of other members too"
-    );
+    assert!(listed_by_clusters as u64 > 2 * rows.pairs(), "neighbors of other members too");
 }
 
 #[test]
@@ -283,10 +251,7 @@ fn cluster_lists_insert_pairs_after_the_build_once_and_lose_none() {
         let after = list.neighbors();
         let mut has: Vec<BTreeSet<u32>> = Vec::new();
         for (i, neighbors) in after.iter().enumerate() {
-            assert!(
-                neighbors.windows(2).all(|w| w[0] < w[1]),
-                "{i} has each once"
-            );
+            assert!(neighbors.windows(2).all(|w| w[0] < w[1]), "{i} has each once");
             has.push(neighbors.iter().copied().collect());
             assert!(before[i].iter().all(|j| has[i].contains(j)), "{i} lost one");
         }

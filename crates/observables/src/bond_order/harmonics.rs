@@ -41,11 +41,7 @@ impl Harmonics {
                 }
             }
         }
-        Self {
-            l: l as usize,
-            factors,
-            couplings,
-        }
+        Self { l: l as usize, factors, couplings }
     }
 
     /// Adds Y_lm of the direction of a bond.

@@ -24,10 +24,7 @@ pub(super) struct SolidRule {
 }
 
 /// The rule of ten Wolde, Ruiz-Montero and Frenkel.
-pub(super) const TEN_WOLDE: SolidRule = SolidRule {
-    threshold: 0.5,
-    bonds: 7,
-};
+pub(super) const TEN_WOLDE: SolidRule = SolidRule { threshold: 0.5, bonds: 7 };
 
 /// Neighbors of all particles, with the moments of N orders of their bonds. The last order tells who is solid-like.
 pub(super) struct Bonds<'a, const N: usize> {
@@ -78,11 +75,7 @@ impl<'a, const N: usize> Bonds<'a, N> {
                 (*neighbors, *moments) = of_particle(first + k);
             }
         });
-        Self {
-            orders,
-            neighbors,
-            moments,
-        }
+        Self { orders, neighbors, moments }
     }
 
     /// The mean moments over all bonds.

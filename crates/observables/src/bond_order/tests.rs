@@ -7,14 +7,7 @@ use crate::testing::{context, fcc, normal, random_positions};
 /// All vectors whose coordinates are these numbers in any order and with any signs.
 fn signed(numbers: [f64; 3]) -> Vec<DVec3> {
     let mut found: Vec<DVec3> = Vec::new();
-    for order in [
-        [0, 1, 2],
-        [0, 2, 1],
-        [1, 0, 2],
-        [1, 2, 0],
-        [2, 0, 1],
-        [2, 1, 0],
-    ] {
+    for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
         for signs in 0..8_u32 {
             let sign = |k: u32| if signs >> k & 1 == 0 { 1.0 } else { -1.0 };
             let v = DVec3::from_array(order.map(|k| numbers[k]));
@@ -59,58 +52,13 @@ fn perfect_shells_have_their_invariants() {
         (
             signed([0.0, 1.0, 1.0]),
             12,
-            [
-                0.190_940_654_0,
-                -0.159_317_373_1,
-                0.574_524_259_7,
-                -0.013_160_600_7,
-            ],
+            [0.190_940_654_0, -0.159_317_373_1, 0.574_524_259_7, -0.013_160_600_7],
         ),
-        (
-            hexagonal(),
-            12,
-            [
-                0.097_222_222_2,
-                0.134_097_046_9,
-                0.484_761_685_2,
-                -0.012_441_959_5,
-            ],
-        ),
-        (
-            diagonal,
-            8,
-            [
-                0.509_175_077_2,
-                -0.159_317_373_1,
-                0.628_539_361_1,
-                0.013_160_600_7,
-            ],
-        ),
-        (
-            both,
-            14,
-            [
-                0.036_369_648_4,
-                0.159_317_373_1,
-                0.510_688_230_9,
-                0.013_160_600_7,
-            ],
-        ),
-        (
-            axis,
-            6,
-            [
-                0.763_762_615_8,
-                0.159_317_373_1,
-                0.353_553_390_6,
-                0.013_160_600_7,
-            ],
-        ),
-        (
-            icosahedron,
-            12,
-            [0.0, 0.0, 0.663_324_958_1, -0.169_753_895_0],
-        ),
+        (hexagonal(), 12, [0.097_222_222_2, 0.134_097_046_9, 0.484_761_685_2, -0.012_441_959_5]),
+        (diagonal, 8, [0.509_175_077_2, -0.159_317_373_1, 0.628_539_361_1, 0.013_160_600_7]),
+        (both, 14, [0.036_369_648_4, 0.159_317_373_1, 0.510_688_230_9, 0.013_160_600_7]),
+        (axis, 6, [0.763_762_615_8, 0.159_317_373_1, 0.353_553_390_6, 0.013_160_600_7]),
+        (icosahedron, 12, [0.0, 0.0, 0.663_324_958_1, -0.169_753_895_0]),
     ];
     let [four, six] = [Harmonics::new(4), Harmonics::new(6)];
     // A rotation changes nothing.
@@ -126,10 +74,7 @@ fn perfect_shells_have_their_invariants() {
             let [a, b] = moments.map(|m| m.map(|c| c.map(|x| x / neighbors as f64)));
             let found = [four.q(&a), four.w(&a), six.q(&b), six.w(&b)];
             for (found, expected) in found.iter().zip(expected) {
-                assert!(
-                    (found - expected).abs() < 1e-8,
-                    "{neighbors}: {found} {expected}"
-                );
+                assert!((found - expected).abs() < 1e-8, "{neighbors}: {found} {expected}");
             }
         }
     }
@@ -141,11 +86,7 @@ fn a_crystal_is_solid_to_the_last_particle_and_random_places_are_not() {
     let n = lattice.len();
     let order = BondOrder::new(
         &BondOrderOptions::default(),
-        &BuildContext {
-            cell,
-            n_atoms: n,
-            ..context(1.0, 1)
-        },
+        &BuildContext { cell, n_atoms: n, ..context(1.0, 1) },
     )
     .unwrap();
     let row = order.look(&cell, &lattice);
@@ -159,9 +100,7 @@ fn a_crystal_is_solid_to_the_last_particle_and_random_places_are_not() {
     ] {
         assert!((row[k] - expected).abs() < 1e-8, "{k}: {}", row[k]);
     }
-    let shaken: Vec<DVec3> = (0..n)
-        .map(|i| lattice[i] + 0.05 * normal(3, 0, i))
-        .collect();
+    let shaken: Vec<DVec3> = (0..n).map(|i| lattice[i] + 0.05 * normal(3, 0, i)).collect();
     assert!(solid_share(&cell, &shaken) > 0.95);
     let side = cell.lengths().x;
     let random = random_positions(n, side, 4);
@@ -178,25 +117,15 @@ fn half_a_crystal_is_half_solid() {
     let side = cell.lengths().x;
     let random = random_positions(lattice.len(), side, 5);
     let crystal = lattice.iter().copied().filter(|r| r.z < half);
-    let both: Vec<DVec3> = crystal
-        .chain(random.into_iter().filter(|r| r.z >= half))
-        .collect();
+    let both: Vec<DVec3> = crystal.chain(random.into_iter().filter(|r| r.z >= half)).collect();
     let share = solid_share(&cell, &both);
     assert!((0.4..0.55).contains(&share), "{share}");
 }
 
 #[test]
 fn a_reach_beyond_the_box_is_refused() {
-    let context = BuildContext {
-        cell: PeriodicBox::new(DVec3::splat(5.0)).unwrap(),
-        ..context(5.0, 100)
-    };
-    let options = BondOrderOptions {
-        r_max: Some(2.6),
-        ..BondOrderOptions::default()
-    };
-    assert_eq!(
-        BondOrder::new(&options, &context).unwrap_err().key(),
-        "r_max"
-    );
+    let context =
+        BuildContext { cell: PeriodicBox::new(DVec3::splat(5.0)).unwrap(), ..context(5.0, 100) };
+    let options = BondOrderOptions { r_max: Some(2.6), ..BondOrderOptions::default() };
+    assert_eq!(BondOrder::new(&options, &context).unwrap_err().key(), "r_max");
 }

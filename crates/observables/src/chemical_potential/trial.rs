@@ -119,12 +119,8 @@ impl Trials {
 fn core(energies: &dyn TrialEnergies, a: usize, b: usize, temperature: f64) -> f64 {
     let step = energies.cutoff(a, b) / CORE_STEPS as f64;
     let at = |k: usize| k as f64 * step;
-    let values: Vec<f64> = (1..=CORE_STEPS)
-        .map(|k| energies.sum(a, b, &[at(k) * at(k)]))
-        .collect();
+    let values: Vec<f64> = (1..=CORE_STEPS).map(|k| energies.sum(a, b, &[at(k) * at(k)])).collect();
     let well = values.iter().fold(0.0, |well: f64, u| well.max(-u));
-    let overlaps = values
-        .iter()
-        .take_while(|u| u.is_nan() || **u > CORE * (temperature + well));
+    let overlaps = values.iter().take_while(|u| u.is_nan() || **u > CORE * (temperature + well));
     at(overlaps.count())
 }

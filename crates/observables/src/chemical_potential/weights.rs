@@ -18,11 +18,7 @@ pub(super) struct Weights {
 
 impl Weights {
     pub(super) fn new() -> Self {
-        Self {
-            counts: vec![0; BINS],
-            sums: vec![0.0; BINS],
-            squares: 0.0,
-        }
+        Self { counts: vec![0; BINS], sums: vec![0.0; BINS], squares: 0.0 }
     }
 
     /// Counts a weight by its logarithm and its value.

@@ -57,24 +57,13 @@ impl Slab {
         };
         let ((t1, s1, u1), (t2, s2, u2)) = (surface(0), surface(1));
         let [d1, d2] = self.widths;
-        let slopes = [
-            1.0,
-            0.5 * (t1 - t2),
-            -2.0 * s1 / d1,
-            2.0 * s2 / d2,
-            -s1 * u1 / d1,
-            s2 * u2 / d2,
-        ];
+        let slopes =
+            [1.0, 0.5 * (t1 - t2), -2.0 * s1 / d1, 2.0 * s2 / d2, -s1 * u1 / d1, s2 * u2 / d2];
         (self.vapor + half * (t1 - t2), slopes)
     }
 
     fn from_numbers([vapor, contrast, z1, z2, d1, d2]: [f64; PARAMETERS]) -> Self {
-        Self {
-            vapor,
-            contrast,
-            places: [z1, z2],
-            widths: [d1, d2],
-        }
+        Self { vapor, contrast, places: [z1, z2], widths: [d1, d2] }
     }
 
     fn numbers(&self) -> [f64; PARAMETERS] {
@@ -112,9 +101,7 @@ impl Slab {
             bins.map(move |(k, rho)| ((k as f64 + 0.5) * step, *rho))
         };
         let squares = |slab: &Self| -> f64 {
-            points()
-                .map(|(z, rho)| (rho - slab.at(z)).powi(2))
-                .sum::<f64>()
+            points().map(|(z, rho)| (rho - slab.at(z)).powi(2)).sum::<f64>()
         };
         let mut slab = guess;
         let mut sum = squares(&slab);
@@ -202,20 +189,14 @@ fn solve(
 mod tests {
     use super::*;
 
-    const TRUE: Slab = Slab {
-        vapor: 0.02,
-        contrast: 0.71,
-        places: [14.2, 29.1],
-        widths: [2.1, 2.6],
-    };
+    const TRUE: Slab =
+        Slab { vapor: 0.02, contrast: 0.71, places: [14.2, 29.1], widths: [2.1, 2.6] };
     const LENGTH: f64 = 45.0;
 
     fn profile(noise: f64) -> Vec<f64> {
         let deviates = crate::statistics::synthetic::Ar1::new(0.0, 4).series(180);
         let place = |k: usize| (k as f64 + 0.5) * LENGTH / 180.0;
-        (0..180)
-            .map(|k| TRUE.at(place(k)) + noise * deviates[k])
-            .collect()
+        (0..180).map(|k| TRUE.at(place(k)) + noise * deviates[k]).collect()
     }
 
     #[test]

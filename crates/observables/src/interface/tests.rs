@@ -82,11 +82,7 @@ fn a_wandering_slab_gives_its_densities_pressure_and_tension_with_errors_that_co
     let area = SIDES.x * SIDES.y;
     for (name, exact, most) in [
         ("liquid_density", LIQUID as f64 / (area * THICKNESS), 0.004),
-        (
-            "vapor_density",
-            VAPOR as f64 / (area * (SIDES.z - THICKNESS)),
-            0.002,
-        ),
+        ("vapor_density", VAPOR as f64 / (area * (SIDES.z - THICKNESS)), 0.002),
         ("slab_thickness", THICKNESS, 0.02),
         ("vapor_pressure", 0.02, 1e-3),
         ("surface_tension", 0.4, 0.03),
@@ -121,17 +117,12 @@ fn a_vapor_that_still_loses_particles_is_not_in_equilibrium() {
     assert!(doubts(0).iter().all(|(_, doubt)| doubt.is_none()));
     let falling = doubts(6);
     for (name, doubt) in &falling {
-        assert!(
-            matches!(doubt, Some(Doubt::NotInEquilibrium(_))),
-            "{name}: {doubt:?}"
-        );
+        assert!(matches!(doubt, Some(Doubt::NotInEquilibrium(_))), "{name}: {doubt:?}");
     }
     let of = |name: &str| &falling.iter().find(|(n, _)| n == name).unwrap().1;
     // Pressures do not change here: the vapor alone tells.
     for name in ["vapor_pressure", "surface_tension"] {
-        let Some(Doubt::NotInEquilibrium(why)) = of(name) else {
-            panic!("{name}")
-        };
+        let Some(Doubt::NotInEquilibrium(why)) = of(name) else { panic!("{name}") };
         let begin = "the density far from the middle of the slab still falls from 0.02";
         assert!(why.starts_with(begin), "{why}");
     }

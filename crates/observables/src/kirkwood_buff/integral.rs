@@ -124,16 +124,9 @@ mod tests {
         };
         for reach in [8.0, 12.0] {
             let (weighted, sphere) = (of(reach, true) - exact, of(reach, false) - exact);
-            assert!(
-                weighted.abs() < 0.25 * sphere.abs(),
-                "{reach}: {weighted} {sphere}"
-            );
+            assert!(weighted.abs() < 0.25 * sphere.abs(), "{reach}: {weighted} {sphere}");
         }
-        assert!(
-            (of(20.0, true) - exact).abs() < 0.003,
-            "{}",
-            of(20.0, true) - exact
-        );
+        assert!((of(20.0, true) - exact).abs() < 0.003, "{}", of(20.0, true) - exact);
     }
 
     #[test]
@@ -143,16 +136,9 @@ mod tests {
         let shell = |k: usize| sphere((k + 1) as f64 * width) - sphere(k as f64 * width);
         let gathered = others / volume * shell(0) + 10.0;
         let outside = (others - gathered) / (volume - shell(0));
-        let neighbors: Vec<f64> = (0..bins)
-            .map(|k| if k == 0 { gathered } else { outside * shell(k) })
-            .collect();
-        let around = Surroundings {
-            width,
-            neighbors: &neighbors,
-            others,
-            alike: false,
-            volume,
-        };
+        let neighbors: Vec<f64> =
+            (0..bins).map(|k| if k == 0 { gathered } else { outside * shell(k) }).collect();
+        let around = Surroundings { width, neighbors: &neighbors, others, alike: false, volume };
         for (k, g) in around.distribution().iter().enumerate().skip(1) {
             assert!((g - 1.0).abs() < 1e-12, "{k}: {g}");
         }

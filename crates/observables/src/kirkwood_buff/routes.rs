@@ -89,11 +89,7 @@ impl KirkwoodBuff {
             }
             _ => (f64::NAN, f64::NAN),
         };
-        Sums {
-            integrals,
-            factor,
-            compressibility,
-        }
+        Sums { integrals, factor, compressibility }
     }
 
     /// All numbers of a route with their pseudo-values: G_ab, then Γ and ρTκ.
@@ -103,11 +99,7 @@ impl KirkwoodBuff {
         integrals: impl Fn(&[f64]) -> Vec<f64>,
     ) -> Vec<(f64, Vec<f64>)> {
         sums.jackknife_of_each(|means| {
-            let Sums {
-                mut integrals,
-                factor,
-                compressibility,
-            } = self.sums(integrals(means));
+            let Sums { mut integrals, factor, compressibility } = self.sums(integrals(means));
             integrals.extend([factor, compressibility]);
             integrals
         })

@@ -52,11 +52,7 @@ impl KirkwoodBuff {
             let mean = |k| factors.mean(k).unwrap_or(f64::NAN);
             let errors = places().map(|k| factors.standard_error(k)).collect();
             table = table
-                .with(
-                    format!("structure_factor{suffix}"),
-                    "",
-                    places().map(mean).collect(),
-                )
+                .with(format!("structure_factor{suffix}"), "", places().map(mean).collect())
                 .with(format!("standard_error{suffix}"), "", errors);
         }
         table

@@ -5,10 +5,7 @@ use lennard_core::DVec3;
 /// What is found in ideal gases, where no particle knows of another.
 fn ideal(kinds: usize, samples: u64) -> Findings {
     let (n, side) = (200, 8.0);
-    let context = BuildContext {
-        species: mixture(n, |i| i % kinds),
-        ..context(side, n)
-    };
+    let context = BuildContext { species: mixture(n, |i| i % kinds), ..context(side, n) };
     let options = KirkwoodBuffOptions::default();
     let mut found = KirkwoodBuff::new(&options, &context).unwrap();
     for seed in 0..samples {
@@ -25,12 +22,7 @@ fn an_ideal_mixture_has_integrals_of_zero_and_a_factor_of_one_by_both_routes() {
     let names: Vec<&str> = findings.averages.iter().map(|a| a.name.as_str()).collect();
     assert_eq!(
         names[..4],
-        [
-            "kirkwood_buff_A_A",
-            "kirkwood_buff_A_B",
-            "kirkwood_buff_B_B",
-            "thermodynamic_factor"
-        ]
+        ["kirkwood_buff_A_A", "kirkwood_buff_A_B", "kirkwood_buff_B_B", "thermodynamic_factor"]
     );
     assert_eq!(names.len(), 10);
     for average in &findings.averages {
@@ -40,15 +32,8 @@ fn an_ideal_mixture_has_integrals_of_zero_and_a_factor_of_one_by_both_routes() {
         }
         assert_eq!(average.doubt, None, "{average:?}");
         let estimate = average.estimate;
-        let exact = if average.name.contains("factor") {
-            1.0
-        } else {
-            0.0
-        };
-        assert!(
-            (estimate.mean - exact).abs() < 4.0 * estimate.standard_error,
-            "{average:?}"
-        );
+        let exact = if average.name.contains("factor") { 1.0 } else { 0.0 };
+        assert!((estimate.mean - exact).abs() < 4.0 * estimate.standard_error, "{average:?}");
         assert!(estimate.standard_error < 1.2, "{average:?}");
     }
 }
@@ -77,10 +62,7 @@ fn one_species_has_one_integral_and_three_have_no_factor() {
 #[test]
 fn bound_pairs_have_one_partner_in_excess_by_both_routes() {
     let (n, side) = (200, 9.0);
-    let context = BuildContext {
-        species: mixture(n, |i| i % 2),
-        ..context(side, n)
-    };
+    let context = BuildContext { species: mixture(n, |i| i % 2), ..context(side, n) };
     let mut found = KirkwoodBuff::new(&KirkwoodBuffOptions::default(), &context).unwrap();
     for seed in 0..400 {
         let mut positions = random_positions(n, side, seed);
@@ -103,10 +85,7 @@ fn bound_pairs_have_one_partner_in_excess_by_both_routes() {
         assert!(unlike.standard_error < 0.6, "{unlike:?}");
         // The line in k² leaves out terms of k⁴·(1.4 σ)⁴/120, a per cent at the largest k.
         let off = (unlike.mean - exact).abs();
-        assert!(
-            off < 4.0 * unlike.standard_error + 0.1,
-            "{route}: {unlike:?}"
-        );
+        assert!(off < 4.0 * unlike.standard_error + 0.1, "{route}: {unlike:?}");
         let like = of(&format!("{route}_A_A"));
         assert!(like.mean.abs() < 4.0 * like.standard_error, "{like:?}");
     }
@@ -116,10 +95,7 @@ fn bound_pairs_have_one_partner_in_excess_by_both_routes() {
 fn routes_that_disagree_are_said_not_to_have_converged() {
     // Two species in two halves of the box: the integral over half a side has no end.
     let (n, side) = (200, 8.0);
-    let context = BuildContext {
-        species: mixture(n, |i| i % 2),
-        ..context(side, n)
-    };
+    let context = BuildContext { species: mixture(n, |i| i % 2), ..context(side, n) };
     let mut found = KirkwoodBuff::new(&KirkwoodBuffOptions::default(), &context).unwrap();
     for seed in 0..100 {
         let mut positions = random_positions(n, side, seed);
@@ -129,25 +105,15 @@ fn routes_that_disagree_are_said_not_to_have_converged() {
         view_of(&context.cell, positions, |view| found.sample(view));
     }
     let findings = found.finish(0.0);
-    let unlike = findings
-        .averages
-        .iter()
-        .find(|a| a.name == "kirkwood_buff_A_B");
+    let unlike = findings.averages.iter().find(|a| a.name == "kirkwood_buff_A_B");
     let doubt = unlike.unwrap().doubt.as_ref().unwrap();
     assert_eq!(doubt.name(), "incomplete");
-    assert!(
-        doubt.reason(1).contains("larger box"),
-        "{}",
-        doubt.reason(1)
-    );
+    assert!(doubt.reason(1).contains("larger box"), "{}", doubt.reason(1));
 }
 
 #[test]
 fn a_range_beyond_half_the_box_is_refused() {
-    let options = KirkwoodBuffOptions {
-        r_max: Some(5.0),
-        ..KirkwoodBuffOptions::default()
-    };
+    let options = KirkwoodBuffOptions { r_max: Some(5.0), ..KirkwoodBuffOptions::default() };
     let error = KirkwoodBuff::new(&options, &context(8.0, 10)).unwrap_err();
     assert_eq!((error.key(), error.found()), ("r_max", "5"));
 }

@@ -69,10 +69,9 @@ mod tests {
     }
 
     fn joined(x: &[DVec3], pairs: &[[usize; 2]]) -> Topology {
-        let bonds = pairs.iter().map(|sites| Bond {
-            sites: *sites,
-            length: (x[sites[1]] - x[sites[0]]).length(),
-        });
+        let bonds = pairs
+            .iter()
+            .map(|sites| Bond { sites: *sites, length: (x[sites[1]] - x[sites[0]]).length() });
         Topology::new(x.len(), bonds.collect()).unwrap()
     }
 
@@ -109,10 +108,7 @@ mod tests {
         assert_eq!(rank, 9.0);
         let fewer = joined(&x, &all(5)[..9]);
         let [of_fewer, _] = vibration(&fewer, &masses, 0, &x, &v);
-        assert!(
-            (energy / of_fewer - 1.0).abs() < 1e-9,
-            "{energy} {of_fewer}"
-        );
+        assert!((energy / of_fewer - 1.0).abs() < 1e-9, "{energy} {of_fewer}");
         let flat: Vec<DVec3> = x[..4].iter().map(|x| DVec3::new(x.x, x.y, 0.0)).collect();
         let [_, rank] = vibration(&joined(&flat, &all(4)), &masses, 0, &flat, &v[..4]);
         assert_eq!(rank, 5.0);

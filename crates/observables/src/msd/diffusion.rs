@@ -107,9 +107,7 @@ impl MeanSquareDisplacement {
         let average = of_blocks("mutual_diffusion_darken", UNIT, value, &blocks, overlap);
         let change = mixed(fit_a.change.abs(), fit_b.change.abs());
         let doubt = unsettled(fit_a).or_else(|| unsettled(fit_b));
-        findings
-            .averages
-            .push(with_choice(average, change).doubted(doubt));
+        findings.averages.push(with_choice(average, change).doubted(doubt));
         findings.remarks.push(format!(
             "mutual_diffusion_darken is x{b}·D{a} + x{a}·D{b}, as if velocities of different particles were not correlated",
             a = a.suffix,

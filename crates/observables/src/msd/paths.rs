@@ -18,10 +18,7 @@ pub(super) struct Paths {
 impl Paths {
     /// Nothing has moved in the box of the start.
     pub(super) fn new(start: &PeriodicBox) -> Self {
-        Self {
-            sides: start.lengths(),
-            moved: Vec::new(),
-        }
+        Self { sides: start.lengths(), moved: Vec::new() }
     }
 
     /// Makes paths of the unwrapped positions of a sample; `before` are the paths of the sample before.

@@ -37,11 +37,7 @@ fn free_flight_gives_the_square_of_speed_times_time_at_every_lag() {
     let table = &msd.finish(0.0).tables[0];
     let longest = table.columns[0].numbers().pop().unwrap();
     assert!(longest > 4.0);
-    for (t, m) in table.columns[0]
-        .numbers()
-        .iter()
-        .zip(&table.columns[1].numbers())
-    {
+    for (t, m) in table.columns[0].numbers().iter().zip(&table.columns[1].numbers()) {
         let exact = v.length_squared() * t * t;
         // Positions near 35 carry rounding of 4e-15; the shortest displacement is 7e-3.
         assert!((m / exact - 1.0).abs() < 1e-10, "{t}: {m} {exact}");
@@ -83,10 +79,7 @@ fn brownian_motion_gives_its_diffusion_coefficient_and_the_spread_of_seeds_its_e
 fn ballistic_lags_are_left_out_of_the_fit() {
     // Langevin velocities with friction γ = 2: msd = (6T/γ)(t − (1 − e^{−γt})/γ), D = T/γ.
     let n = 100;
-    let context = BuildContext {
-        dt: 0.05,
-        ..context(10.0, n)
-    };
+    let context = BuildContext { dt: 0.05, ..context(10.0, n) };
     let (gamma, h) = (2.0_f64, 0.05);
     let decay = (-gamma * h).exp();
     let mut v: Vec<DVec3> = (0..n).map(|i| normal(7, u64::MAX, i)).collect();
@@ -126,10 +119,7 @@ fn ballistic_lags_are_left_out_of_the_fit() {
 #[test]
 fn the_finite_size_correction_is_that_of_yeh_and_hummer() {
     let with = |viscosity| {
-        let options = MsdOptions {
-            viscosity,
-            ..MsdOptions::default()
-        };
+        let options = MsdOptions { viscosity, ..MsdOptions::default() };
         let mut path = [DVec3::ZERO; 4];
         follow(&options, &context(10.0, 4), 400, |s| {
             for (i, r) in path.iter_mut().enumerate() {
@@ -146,13 +136,7 @@ fn the_finite_size_correction_is_that_of_yeh_and_hummer() {
     let difference = average(&findings, "diffusion_coefficient").mean
         - average(&findings, "diffusion_coefficient_uncorrected").mean;
     assert!((difference - 0.003_612_558_7).abs() < 1e-9, "{difference}");
-    assert!(
-        with(None)
-            .finish(0.0)
-            .remarks
-            .iter()
-            .any(|r| r.contains("not corrected"))
-    );
+    assert!(with(None).finish(0.0).remarks.iter().any(|r| r.contains("not corrected")));
 }
 
 #[test]
@@ -176,10 +160,7 @@ fn each_species_has_its_displacement_and_its_diffusion_coefficient() {
     let found = ["A", "B"].map(|a| average(&findings, &format!("diffusion_coefficient_{a}")));
     for (found, exact) in found.iter().zip(exact) {
         // The centre of mass takes and gives a few per cent: below the error.
-        assert!(
-            (found.mean - exact).abs() < 4.0 * found.standard_error,
-            "{found:?}"
-        );
+        assert!((found.mean - exact).abs() < 4.0 * found.standard_error, "{found:?}");
         assert!(found.standard_error < 0.1 * exact);
     }
     assert!((all - 0.1).abs() < 0.01, "{all}");
@@ -233,12 +214,7 @@ fn what_a_changing_box_moves_is_no_displacement() {
     let curve = findings.tables[0].columns[1].numbers();
     // Roundings of positions of 30 σ.
     assert!(curve.iter().all(|m| *m < 1e-24), "{curve:?}");
-    assert!(
-        findings
-            .remarks
-            .iter()
-            .any(|r| r.starts_with("the box changed"))
-    );
+    assert!(findings.remarks.iter().any(|r| r.starts_with("the box changed")));
 }
 
 #[test]
@@ -248,17 +224,13 @@ fn particles_diffuse_in_a_changing_box_as_in_one_that_stays() {
     let step = |s: u64, i: usize| 0.03 * normal(21, s, i);
     let mut path = vec![DVec3::ZERO; n];
     let still = follow_in_boxes(&context, samples, |s| {
-        path.iter_mut()
-            .enumerate()
-            .for_each(|(i, r)| *r += step(s, i));
+        path.iter_mut().enumerate().for_each(|(i, r)| *r += step(s, i));
         (DVec3::splat(10.0), path.clone())
     });
     // The same steps, in a box that scales all positions after each of them.
     let mut path = vec![DVec3::ZERO; n];
     let changing = follow_in_boxes(&context, samples, |s| {
-        path.iter_mut()
-            .enumerate()
-            .for_each(|(i, r)| *r += step(s, i));
+        path.iter_mut().enumerate().for_each(|(i, r)| *r += step(s, i));
         let shown = (sides(s), path.clone());
         path.iter_mut().for_each(|r| *r *= sides(s + 1) / sides(s));
         shown

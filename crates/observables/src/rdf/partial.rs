@@ -69,9 +69,7 @@ impl RadialDistribution {
             let suffix = pair.suffix(species);
             let ordered = pair.ordered(species);
             if ordered == 0.0 {
-                findings
-                    .remarks
-                    .push(format!("g{suffix}(r) needs two particles"));
+                findings.remarks.push(format!("g{suffix}(r) needs two particles"));
                 continue;
             }
             let weight = if pair.a == pair.b { 2.0 } else { 1.0 };
@@ -86,10 +84,7 @@ impl RadialDistribution {
             columns.push((format!("g{suffix}"), g));
             columns.push((format!("standard_error{suffix}"), error));
             for (which, suffix) in reading.neighbors() {
-                columns.push((
-                    format!("coordination{suffix}"),
-                    reading.running(&counts, which),
-                ));
+                columns.push((format!("coordination{suffix}"), reading.running(&counts, which)));
             }
         }
         findings.remarks.push(

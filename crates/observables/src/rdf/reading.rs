@@ -81,8 +81,7 @@ impl Reading {
 
     /// Also counts neighbors, `per_pair` of each particle for each pair.
     pub(super) fn add_neighbors(&mut self, suffix: &str, per_pair: f64) {
-        self.neighbors
-            .push((suffix.to_owned(), per_pair / self.volume));
+        self.neighbors.push((suffix.to_owned(), per_pair / self.volume));
     }
 
     /// The kinds of neighbors that are counted, by the end of their name.
@@ -144,11 +143,7 @@ impl Reading {
             Some(-0.5 * density * bins.map(of_bin).sum::<f64>())
         };
         let (whole, blocks) = counts.jackknife(entropy)?;
-        let value = if blocks.is_empty() {
-            whole
-        } else {
-            statistics::mean(&blocks)
-        };
+        let value = if blocks.is_empty() { whole } else { statistics::mean(&blocks) };
         Some((value, blocks))
     }
 
@@ -170,14 +165,10 @@ impl Reading {
         };
         // All start from where the whole run has it, and end where their own data have it.
         let describes = |height: f64| !maximum || height > SHARPEST_FITTED * g[bin];
-        let whole = from(g, place)
-            .filter(|(_, height)| describes(*height))
-            .map(|(place, _)| place);
+        let whole = from(g, place).filter(|(_, height)| describes(*height)).map(|(place, _)| place);
         move |pairs| {
             let g = self.distribution_from(pairs);
-            whole
-                .and_then(|start| from(&g, start))
-                .unwrap_or((place, g[bin]))
+            whole.and_then(|start| from(&g, start)).unwrap_or((place, g[bin]))
         }
     }
 
@@ -191,21 +182,15 @@ impl Reading {
             .filter(near)
             .max_by(|&a, &b| g[a].total_cmp(&g[b]))
             .unwrap_or(found.bin);
-        Extremum {
-            bin,
-            place: self.radii[bin],
-            ..*found
-        }
+        Extremum { bin, place: self.radii[bin], ..*found }
     }
 
     /// Where the first minimum after a peak is looked for; `None` where there is no shell of neighbors.
     fn first_minimum(&self, smooth: &[f64], peak: f64) -> Option<Extremum> {
         let (radii, bins) = (&self.radii, self.radii.len());
         let within = |r: f64| MINIMUM_BEYOND_PEAK.contains(&(r - peak));
-        let lowest = (0..bins)
-            .filter(|&k| within(radii[k]))
-            .map(|k| smooth[k])
-            .min_by(f64::total_cmp)?;
+        let lowest =
+            (0..bins).filter(|&k| within(radii[k])).map(|k| smooth[k]).min_by(f64::total_cmp)?;
         let first = (0..bins).find(|&k| within(radii[k]) && smooth[k] == lowest)?;
         // Between two shells of a crystal all bins are empty: the middle one stands for them.
         let as_low = smooth[first..].iter().take_while(|g| **g == lowest);
@@ -237,9 +222,8 @@ impl Reading {
         .iter()
         .map(|e| self.sharpest(e, g))
         .collect();
-        let means: Vec<f64> = (0..radii.len())
-            .map(|k| counts.mean(k).unwrap_or(f64::NAN))
-            .collect();
+        let means: Vec<f64> =
+            (0..radii.len()).map(|k| counts.mean(k).unwrap_or(f64::NAN)).collect();
         let (places, heights) = found.iter().map(|e| self.extremum(g, e)(&means)).unzip();
         let kinds = found.iter().map(|e| if e.maximum { 1.0 } else { -1.0 });
         findings.tables.push(
@@ -260,9 +244,7 @@ impl Reading {
         let peak_of = self.extremum(g, top);
         if let Some((height, blocks)) = counts.jackknife(|pairs| Some(peak_of(pairs).1)) {
             let name = format!("rdf_first_peak{suffix}");
-            findings
-                .averages
-                .push(of_blocks(&name, "", height, &blocks, 0.0));
+            findings.averages.push(of_blocks(&name, "", height, &blocks, 0.0));
         }
         let Some(minimum) = self.first_minimum(&smooth, top.place) else {
             findings.remarks.push(format!(
@@ -276,9 +258,7 @@ impl Reading {
                 |pairs: &[f64]| Some(per_pair * self.pairs_within(minimum_of(pairs).0, pairs));
             if let Some((number, blocks)) = counts.jackknife(number) {
                 let name = format!("coordination_number{suffix}");
-                findings
-                    .averages
-                    .push(of_blocks(&name, "", number, &blocks, 0.0));
+                findings.averages.push(of_blocks(&name, "", number, &blocks, 0.0));
             }
         }
         findings.remarks.push(format!(

@@ -9,10 +9,7 @@ fn sampled(rdf: &mut RadialDistribution, cell: &PeriodicBox, positions: Vec<lenn
 #[test]
 fn the_distribution_of_an_ideal_gas_is_one() {
     let context = context(8.0, 200);
-    let options = RdfOptions {
-        r_max: None,
-        bins: 40,
-    };
+    let options = RdfOptions { r_max: None, bins: 40 };
     let mut rdf = RadialDistribution::new(&options, &context).unwrap();
     for seed in 0..400 {
         sampled(&mut rdf, &context.cell, random_positions(200, 8.0, seed));
@@ -32,15 +29,8 @@ fn the_shells_of_a_face_centred_lattice_hold_12_6_24_12_24_8_and_48_neighbors() 
     let d = 1.1;
     let (cell, positions) = fcc(4, d);
     let n = positions.len();
-    let context = BuildContext {
-        cell,
-        n_atoms: n,
-        ..context(1.0, 1)
-    };
-    let options = RdfOptions {
-        r_max: Some(2.8 * d),
-        bins: 280,
-    };
+    let context = BuildContext { cell, n_atoms: n, ..context(1.0, 1) };
+    let options = RdfOptions { r_max: Some(2.8 * d), bins: 280 };
     let mut rdf = RadialDistribution::new(&options, &context).unwrap();
     sampled(&mut rdf, &cell, positions);
     let findings = rdf.finish(0.0);
@@ -61,11 +51,7 @@ fn the_shells_of_a_face_centred_lattice_hold_12_6_24_12_24_8_and_48_neighbors() 
         inner += neighbors;
         assert!((up_to(r + 0.02) - inner).abs() < 1e-9, "after √{shell}");
     }
-    let first = findings
-        .averages
-        .iter()
-        .find(|a| a.name == "coordination_number")
-        .unwrap();
+    let first = findings.averages.iter().find(|a| a.name == "coordination_number").unwrap();
     assert!((first.estimate.mean - 12.0).abs() < 1e-9);
     // A place is known to one bin.
     let peaks = &findings.tables[1];
@@ -75,15 +61,8 @@ fn the_shells_of_a_face_centred_lattice_hold_12_6_24_12_24_8_and_48_neighbors() 
 #[test]
 fn the_discarded_part_leaves_no_trace() {
     let (cell, crystal) = fcc(4, 1.1);
-    let context = BuildContext {
-        cell,
-        n_atoms: crystal.len(),
-        ..context(1.0, 1)
-    };
-    let options = RdfOptions {
-        r_max: Some(2.2),
-        bins: 100,
-    };
+    let context = BuildContext { cell, n_atoms: crystal.len(), ..context(1.0, 1) };
+    let options = RdfOptions { r_max: Some(2.2), bins: 100 };
     let make = || RadialDistribution::new(&options, &context).unwrap();
     let (mut both, mut alone) = (make(), make());
     for seed in 0..32 {
@@ -103,10 +82,7 @@ fn the_discarded_part_leaves_no_trace() {
 fn a_range_beyond_half_the_box_is_refused_and_half_the_box_is_not() {
     let context = context(8.0, 10);
     let with = |r_max| {
-        let options = RdfOptions {
-            r_max: Some(r_max),
-            bins: 10,
-        };
+        let options = RdfOptions { r_max: Some(r_max), bins: 10 };
         RadialDistribution::new(&options, &context)
     };
     assert!(with(4.0).is_ok());
@@ -118,10 +94,7 @@ fn a_range_beyond_half_the_box_is_refused_and_half_the_box_is_not() {
 /// A distribution with a peak at 1.1 σ and a minimum of `lowest` at 1.6 σ, in 40 equal samples.
 fn with_minimum(lowest: f64) -> Findings {
     let context = context(8.0, 200);
-    let options = RdfOptions {
-        r_max: Some(4.0),
-        bins: 200,
-    };
+    let options = RdfOptions { r_max: Some(4.0), bins: 200 };
     let mut rdf = RadialDistribution::new(&options, &context).unwrap();
     let bump = |r: f64, at: f64, width: f64| (-((r - at) / width).powi(2)).exp();
     for _ in 0..40 {
@@ -157,10 +130,7 @@ fn only_a_shell_of_neighbors_is_counted() {
 fn the_distribution_of_an_ideal_gas_is_one_in_a_box_that_changes() {
     // The box breathes by 10 % of its sides: without weights by volume, g would be too low by 3·0.1²·3 ≈ 3 %.
     let context = context(8.0, 200);
-    let options = RdfOptions {
-        r_max: Some(3.5),
-        bins: 35,
-    };
+    let options = RdfOptions { r_max: Some(3.5), bins: 35 };
     let mut rdf = RadialDistribution::new(&options, &context).unwrap();
     let side = |seed: u64| 8.0 * (1.0 + 0.1 * (0.7 * seed as f64).sin());
     for seed in 0..1000 {
@@ -171,70 +141,35 @@ fn the_distribution_of_an_ideal_gas_is_one_in_a_box_that_changes() {
     let far = 10..35;
     let mean = far.clone().map(|k| g[k]).sum::<f64>() / far.len() as f64;
     let noise = far.clone().map(|k| error[k].powi(2)).sum::<f64>().sqrt() / far.len() as f64;
-    assert!(
-        (mean - 1.0).abs() < 4.0 * noise && noise < 0.002,
-        "{mean} {noise}"
-    );
+    assert!((mean - 1.0).abs() < 4.0 * noise && noise < 0.002, "{mean} {noise}");
     // Half of the smallest box is 3.6 σ: every bin counts all its pairs.
     let findings = rdf.finish(0.0);
-    assert!(
-        !findings
-            .remarks
-            .iter()
-            .any(|r| r.contains("pairs are missing"))
-    );
+    assert!(!findings.remarks.iter().any(|r| r.contains("pairs are missing")));
     let short = PeriodicBox::new(lennard_core::DVec3::splat(6.0)).unwrap();
     sampled(&mut rdf, &short, random_positions(200, 6.0, 0));
     let findings = rdf.finish(0.0);
-    assert!(
-        findings
-            .remarks
-            .iter()
-            .any(|r| r.contains("3.000 σ at its smallest"))
-    );
+    assert!(findings.remarks.iter().any(|r| r.contains("3.000 σ at its smallest")));
 }
 
 #[test]
 fn coordination_counts_neighbors_whatever_the_box() {
     // A face-centred lattice blown up by 2 %: each particle has its twelve neighbors still.
     let (cell, positions) = fcc(4, 1.1);
-    let context = BuildContext {
-        cell,
-        n_atoms: positions.len(),
-        ..context(1.0, 1)
-    };
-    let options = RdfOptions {
-        r_max: Some(2.0),
-        bins: 200,
-    };
+    let context = BuildContext { cell, n_atoms: positions.len(), ..context(1.0, 1) };
+    let options = RdfOptions { r_max: Some(2.0), bins: 200 };
     let mut rdf = RadialDistribution::new(&options, &context).unwrap();
     let wider = PeriodicBox::new(1.02 * cell.lengths()).unwrap();
-    sampled(
-        &mut rdf,
-        &wider,
-        positions.iter().map(|r| 1.02 * *r).collect(),
-    );
+    sampled(&mut rdf, &wider, positions.iter().map(|r| 1.02 * *r).collect());
     let coordination = rdf.finish(0.0).tables[0].columns[3].numbers();
-    assert!(
-        (coordination[130] - 12.0).abs() < 1e-9,
-        "{}",
-        coordination[130]
-    );
+    assert!((coordination[130] - 12.0).abs() < 1e-9, "{}", coordination[130]);
 }
 
 #[test]
 fn a_mixture_of_names_has_the_distribution_of_the_pure_fluid_for_each_pair() {
     let (cell, lattice) = fcc(4, 1.1);
     let n = lattice.len();
-    let options = RdfOptions {
-        r_max: Some(3.0),
-        bins: 60,
-    };
-    let pure = BuildContext {
-        cell,
-        n_atoms: n,
-        ..context(1.0, 1)
-    };
+    let options = RdfOptions { r_max: Some(3.0), bins: 60 };
+    let pure = BuildContext { cell, n_atoms: n, ..context(1.0, 1) };
     let mixed = BuildContext {
         species: crate::testing::mixture(n, |i| usize::from(i % 5 == 0)),
         ..pure.clone()
@@ -259,14 +194,9 @@ fn a_mixture_of_names_has_the_distribution_of_the_pure_fluid_for_each_pair() {
     let g = column("g");
     let filled: Vec<usize> = (0..60).filter(|k| g[*k] > 0.3).collect();
     for pair in ["A_A", "A_B", "B_B"] {
-        let (partial, error) = (
-            column(&format!("g_{pair}")),
-            column(&format!("standard_error_{pair}")),
-        );
-        let chi2: f64 = filled
-            .iter()
-            .map(|&k| ((partial[k] - g[k]) / error[k]).powi(2))
-            .sum();
+        let (partial, error) =
+            (column(&format!("g_{pair}")), column(&format!("standard_error_{pair}")));
+        let chi2: f64 = filled.iter().map(|&k| ((partial[k] - g[k]) / error[k]).powi(2)).sum();
         // Mean below the number of bins, since g shares the noise of its parts; deviation √(2m) and correlated bins.
         let m = filled.len() as f64;
         assert!(chi2 < m + 6.0 * (2.0 * m).sqrt(), "{pair}: {chi2} of {m}");
@@ -275,10 +205,7 @@ fn a_mixture_of_names_has_the_distribution_of_the_pure_fluid_for_each_pair() {
             let mut averages = mixed.averages.iter();
             averages.find(|a| a.name == name).unwrap().estimate
         };
-        let (peak, whole) = (
-            average(&format!("rdf_first_peak_{pair}")),
-            average("rdf_first_peak"),
-        );
+        let (peak, whole) = (average(&format!("rdf_first_peak_{pair}")), average("rdf_first_peak"));
         assert!((peak.mean - whole.mean).abs() < 4.0 * peak.standard_error.hypot(0.01));
         let number = average(&format!("coordination_number_{pair}"));
         let share = if pair.ends_with('A') { 0.8 } else { 0.2 };
@@ -288,14 +215,9 @@ fn a_mixture_of_names_has_the_distribution_of_the_pure_fluid_for_each_pair() {
 
 #[test]
 fn partial_distributions_of_three_particles_are_those_by_hand() {
-    let context = BuildContext {
-        species: crate::testing::mixture(3, |i| i.min(1)),
-        ..context(8.0, 3)
-    };
-    let options = RdfOptions {
-        r_max: Some(3.0),
-        bins: 30,
-    };
+    let context =
+        BuildContext { species: crate::testing::mixture(3, |i| i.min(1)), ..context(8.0, 3) };
+    let options = RdfOptions { r_max: Some(3.0), bins: 30 };
     let mut rdf = RadialDistribution::new(&options, &context).unwrap();
     // A — B — B on a line through the border: A–B at 1.05 and 2.12, B–B at 1.07.
     let line = [7.52, 8.57, 9.64].map(|x| lennard_core::DVec3::new(x, 1.0, 1.0));
@@ -321,12 +243,7 @@ fn partial_distributions_of_three_particles_are_those_by_hand() {
     assert_eq!(up_to("coordination_B_B"), 1.0);
     // One A has no other A.
     assert_eq!(column("g_A_A"), None);
-    assert!(
-        findings
-            .remarks
-            .iter()
-            .any(|r| r.contains("g_A_A(r) needs two"))
-    );
+    assert!(findings.remarks.iter().any(|r| r.contains("g_A_A(r) needs two")));
 }
 
 /// The two-body entropy of these findings, with its error.
@@ -341,10 +258,8 @@ fn entropy(findings: &Findings) -> (f64, f64) {
 fn pairs_of_an_ideal_gas_have_no_entropy_and_few_samples_do_not_change_that() {
     let (n, side) = (200, 8.0);
     for kinds in [1, 2] {
-        let context = BuildContext {
-            species: crate::testing::mixture(n, |i| i % kinds),
-            ..context(side, n)
-        };
+        let context =
+            BuildContext { species: crate::testing::mixture(n, |i| i % kinds), ..context(side, n) };
         let mut rdf = RadialDistribution::new(&RdfOptions::default(), &context).unwrap();
         let cell = context.cell;
         for seed in 0..64 {
@@ -355,9 +270,8 @@ fn pairs_of_an_ideal_gas_have_no_entropy_and_few_samples_do_not_change_that() {
         // Noise of g alone would give more than ten errors.
         let (g, of_g) = rdf.distribution();
         let width = 4.0 / 300.0;
-        let noise: f64 = (0..g.len())
-            .map(|k| (of_g[k] * (k as f64 + 0.5) * width).powi(2) * width)
-            .sum();
+        let noise: f64 =
+            (0..g.len()).map(|k| (of_g[k] * (k as f64 + 0.5) * width).powi(2) * width).sum();
         let noise = std::f64::consts::PI * n as f64 / side.powi(3) * noise;
         assert!(noise > 5.0 * error, "{noise} {error}");
     }
@@ -371,9 +285,7 @@ fn an_excluded_volume_costs_the_entropy_of_its_volume() {
     let mut rdf = RadialDistribution::new(&RdfOptions::default(), &context).unwrap();
     let cell = context.cell;
     let pairs = random_positions(40_000, side, 9);
-    let apart = pairs
-        .chunks(2)
-        .filter(|p| cell.minimum_image(p[0] - p[1]).length() > 1.0);
+    let apart = pairs.chunks(2).filter(|p| cell.minimum_image(p[0] - p[1]).length() > 1.0);
     apart.for_each(|pair| sampled(&mut rdf, &cell, pair.to_vec()));
     let (found, error) = entropy(&rdf.finish(0.0));
     // The pairs that are left are more than in an ideal gas by the excluded part of the box.
@@ -381,9 +293,6 @@ fn an_excluded_volume_costs_the_entropy_of_its_volume() {
     let g = 1.0 / (1.0 - v / volume);
     let sphere = 4.0 / 3.0 * std::f64::consts::PI * 27.0;
     let exact = -0.5 * n as f64 / volume * (v + (g * g.ln() - g + 1.0) * (sphere - v));
-    assert!(
-        (found - exact).abs() < 4.0 * error + 2e-5,
-        "{found} ± {error}, exact {exact}"
-    );
+    assert!((found - exact).abs() < 4.0 * error + 2e-5, "{found} ± {error}, exact {exact}");
     assert!(error < 1e-3 && exact < -0.01, "{error} {exact}");
 }

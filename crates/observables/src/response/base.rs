@@ -20,11 +20,7 @@ pub struct Curvature {
 impl Curvature {
     /// What the end of a truncated potential adds to X: −Σ U′·r²·δ(r − r_cut), and the energy that a shift took from the pairs.
     pub(crate) fn of_ends(&self, ends: &EndSums) -> f64 {
-        if self.of_truncated {
-            -ends.jump_r2 - self.of_energy * ends.shift
-        } else {
-            0.0
-        }
+        if self.of_truncated { -ends.jump_r2 - self.of_energy * ends.shift } else { 0.0 }
     }
 }
 

@@ -73,11 +73,8 @@ fn independent(a: &[f64], b: &[f64]) -> f64 {
 
 /// K, 1/K and W per particle: ⟨K⟩, ⟨1/K⟩, cov(K, 1/K), cov(W, 1/K), ⟨(W − W̄)²/K⟩.
 fn at_constant_energy(rows: &ThermoSeries, cut: usize) -> [Part; 5] {
-    let (k, inverse, w) = (
-        &rows.kinetic_energy[cut..],
-        &rows.inverse_kinetic_energy[cut..],
-        &rows.virial[cut..],
-    );
+    let (k, inverse, w) =
+        (&rows.kinetic_energy[cut..], &rows.inverse_kinetic_energy[cut..], &rows.virial[cut..]);
     let w_mean = mean(w);
     let ones = vec![1.0; k.len()];
     let squares = rows.virial_squared_over_kinetic[cut..]
@@ -143,17 +140,7 @@ fn canonical(setting: &Setting, context: &BuildContext, means: &[f64]) -> Base {
 /// The ideal part of the degrees of freedom that the kept momentum takes is added, so that the values are for N_f = 3N.
 /// K is scaled to the temperature of the positions, which a finite step makes differ from its own.
 fn microcanonical(setting: &Setting, context: &BuildContext, means: &[f64]) -> Base {
-    let &[
-        t,
-        energy,
-        virial,
-        of_ends,
-        kinetic,
-        inverse,
-        k_inverse,
-        w_inverse,
-        ww_inverse,
-    ] = means
+    let &[t, energy, virial, of_ends, kinetic, inverse, k_inverse, w_inverse, ww_inverse] = means
     else {
         unreachable!("constant energy has nine means");
     };

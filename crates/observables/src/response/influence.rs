@@ -68,13 +68,7 @@ pub(super) fn of<const N: usize>(
             None => (value, series),
         };
         let error = estimate_of_fluctuations(&series);
-        (
-            Estimate {
-                mean: value,
-                ..error
-            },
-            series,
-        )
+        (Estimate { mean: value, ..error }, series)
     };
     values.into_iter().zip(influence).map(estimate).collect()
 }

@@ -11,11 +11,7 @@ const N: usize = 1000;
 fn setting(ensemble: Ensemble) -> Setting {
     Setting {
         ensemble,
-        curvature: Some(Curvature {
-            of_virial: 19.0,
-            of_energy: 72.0,
-            of_truncated: false,
-        }),
+        curvature: Some(Curvature { of_virial: 19.0, of_energy: 72.0, of_truncated: false }),
         n_dof: 3.0 * N as f64 - 3.0,
         mass: 1.0,
         volume: 1000.0,
@@ -60,12 +56,7 @@ fn an_ideal_gas_at_constant_energy_has_its_textbook_values() {
     let t = 1.5;
     let k = 0.5 * t * (3.0 * N as f64 - 3.0) / N as f64;
     let rows = rows(&[[t, 0.0, 0.0, k]; 64]);
-    let found = averages(
-        &setting(Ensemble::Microcanonical),
-        &rows,
-        0,
-        &context(10.0, N),
-    );
+    let found = averages(&setting(Ensemble::Microcanonical), &rows, 0, &context(10.0, N));
     for (name, expected) in [
         ("heat_capacity_pressure", 2.5),
         ("thermal_pressure_coefficient", 1.0),
@@ -77,10 +68,7 @@ fn an_ideal_gas_at_constant_energy_has_its_textbook_values() {
     ] {
         let value = named(&found, name).mean;
         // One part in N of what the kept momentum takes.
-        assert!(
-            (value - expected).abs() < 2e-3,
-            "{name}: {value} {expected}"
-        );
+        assert!((value - expected).abs() < 2e-3, "{name}: {value} {expected}");
     }
 }
 
@@ -118,23 +106,14 @@ fn the_canonical_values_are_the_derivatives_of_the_helmholtz_energy() {
         ("isothermal_compressibility", 1.0 / (t * k)),
         ("thermal_expansion", g / (t * k)),
         ("speed_of_sound", (t * (k + g * g / c_v)).sqrt()),
-        (
-            "joule_thomson_coefficient",
-            -(a01 + a02 + a11) / (g * g + c_v * k),
-        ),
+        ("joule_thomson_coefficient", -(a01 + a02 + a11) / (g * g + c_v * k)),
         ("density_scaling_exponent", (a11 - a01) / a20),
         ("energy_virial_correlation", uw / (uu * ww).sqrt()),
     ] {
         let value = named(&found, name);
         let off = (value.mean - expected).abs();
-        assert!(
-            off < 4.0 * value.standard_error + 1e-9,
-            "{name}: {value:?} {expected}"
-        );
-        assert!(
-            value.standard_error < 0.1 * expected.abs(),
-            "{name}: {value:?}"
-        );
+        assert!(off < 4.0 * value.standard_error + 1e-9, "{name}: {value:?} {expected}");
+        assert!(value.standard_error < 0.1 * expected.abs(), "{name}: {value:?}");
     }
 }
 
@@ -143,11 +122,8 @@ fn errors_cover_the_scatter_over_seeds() {
     let one = |seed: u64| {
         let rows = rows(&canonical(100 + seed, 6000));
         let found = averages(&setting(Ensemble::Canonical), &rows, 0, &context(10.0, N));
-        let names = [
-            "speed_of_sound",
-            "isothermal_compressibility",
-            "thermal_pressure_coefficient",
-        ];
+        let names =
+            ["speed_of_sound", "isothermal_compressibility", "thermal_pressure_coefficient"];
         names.map(|name| named(&found, name))
     };
     let found: Vec<_> = (0..40).map(one).collect();
@@ -201,10 +177,7 @@ fn at_constant_energy_the_scaling_exponent_is_the_slope_of_w_in_u_with_an_error_
 
 #[test]
 fn without_the_second_derivative_what_needs_it_is_left_out_by_name() {
-    let bent = Setting {
-        curvature: None,
-        ..setting(Ensemble::Canonical)
-    };
+    let bent = Setting { curvature: None, ..setting(Ensemble::Canonical) };
     let rows = rows(&canonical(1, 2000));
     let found = averages(&bent, &rows, 0, &context(10.0, N));
     let names: Vec<&str> = found.iter().map(|a| a.name.as_str()).collect();
@@ -218,10 +191,7 @@ fn without_the_second_derivative_what_needs_it_is_left_out_by_name() {
         ]
     );
     let said = remark(&bent);
-    assert!(
-        said.contains("speed_of_sound") && said.contains("not given"),
-        "{said}"
-    );
+    assert!(said.contains("speed_of_sound") && said.contains("not given"), "{said}");
 }
 
 #[test]
@@ -231,24 +201,12 @@ fn a_fluid_that_separates_has_no_compressibility_and_says_why() {
     for [.., w, _] in &mut samples {
         *w *= 4.0;
     }
-    let found = averages(
-        &setting(Ensemble::Canonical),
-        &rows(&samples),
-        0,
-        &context(10.0, N),
-    );
+    let found = averages(&setting(Ensemble::Canonical), &rows(&samples), 0, &context(10.0, N));
     assert!(named(&found, COMPRESSIBILITY).mean < 0.0);
     for average in &found {
-        let needs = RESPONSES
-            .iter()
-            .any(|r| r.name == average.name && r.needs_curvature);
+        let needs = RESPONSES.iter().any(|r| r.name == average.name && r.needs_curvature);
         let why = format!("{:?}", average.doubt);
-        assert_eq!(
-            why.contains("no stable phase"),
-            needs,
-            "{}: {why}",
-            average.name
-        );
+        assert_eq!(why.contains("no stable phase"), needs, "{}: {why}", average.name);
     }
 }
 
@@ -258,9 +216,8 @@ fn oscillators(seed: u64, samples: usize) -> Vec<[f64; 4]> {
     const FORGOTTEN: f64 = 0.02;
     let noise = Streams::new(seed).noise("oscillators");
     // Frequencies differ: equal ones would keep K − U together.
-    let turns: Vec<(f64, f64)> = (0..OSCILLATORS)
-        .map(|i| (0.4 + 1.5 * i as f64 / OSCILLATORS as f64).sin_cos())
-        .collect();
+    let turns: Vec<(f64, f64)> =
+        (0..OSCILLATORS).map(|i| (0.4 + 1.5 * i as f64 / OSCILLATORS as f64).sin_cos()).collect();
     let (kept, new) = (1.0 - FORGOTTEN, (1.0 - (1.0 - FORGOTTEN).powi(2)).sqrt());
     let mut rng = noise.at(0, 0);
     let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
@@ -310,12 +267,7 @@ fn a_known_correlation_takes_noise_out_of_the_heat_capacity_and_the_error_covers
         mean(&squares).sqrt()
     };
     // 60 seeds know a spread to 9 %.
-    assert!(
-        spread(&found) < 0.8 * spread(&plain),
-        "{} {}",
-        spread(&found),
-        spread(&plain)
-    );
+    assert!(spread(&found) < 0.8 * spread(&plain), "{} {}", spread(&found), spread(&plain));
     assert!((pulls(&found) - 1.0).abs() < 0.35, "{}", pulls(&found));
 }
 
@@ -360,11 +312,7 @@ fn a_bulk_modulus_that_may_be_zero_gives_no_compressibility() {
 fn inverses_from_five_errors_on_have_errors_that_nearly_cover() {
     let covered = |r: f64| {
         let largest = 0.5 * ((r * r + 8.0 * r).sqrt() - r);
-        let smallest = if r > 8.0 {
-            0.5 * ((r * r - 8.0 * r).sqrt() - r)
-        } else {
-            -r
-        };
+        let smallest = if r > 8.0 { 0.5 * ((r * r - 8.0 * r).sqrt() - r) } else { -r };
         // The normal distribution between both, by the midpoint rule.
         let step = (largest - smallest) / 1000.0;
         let at = |k: i32| smallest + step * (f64::from(k) + 0.5);

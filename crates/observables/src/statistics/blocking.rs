@@ -49,9 +49,7 @@ impl BlockingCurve {
             .with(
                 "plateau",
                 "",
-                (0..self.levels.len())
-                    .map(|l| f64::from(self.plateau == Some(l)))
-                    .collect(),
+                (0..self.levels.len()).map(|l| f64::from(self.plateau == Some(l))).collect(),
             )
     }
 }
@@ -80,20 +78,13 @@ pub fn blocking_curve(series: &[f64]) -> BlockingCurve {
             standard_error,
             uncertainty: standard_error / (2.0 * (n - 1.0)).sqrt(),
         });
-        blocks = blocks
-            .chunks_exact(2)
-            .map(|p| 0.5 * (p[0] + p[1]))
-            .collect();
+        blocks = blocks.chunks_exact(2).map(|p| 0.5 * (p[0] + p[1])).collect();
         block *= 2;
     }
     let n = series.len() as f64;
     let plateau = levels.iter().position(|level| {
         let first = levels[0].standard_error;
-        let rise = if first > 0.0 {
-            level.standard_error / first
-        } else {
-            1.0
-        };
+        let rise = if first > 0.0 { level.standard_error / first } else { 1.0 };
         (level.block as f64).powi(3) > 2.0 * n * rise.powi(4)
     });
     BlockingCurve { levels, plateau }

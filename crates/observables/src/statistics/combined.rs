@@ -8,11 +8,7 @@ use super::{equilibration, estimate_after, mean};
 /// must be taken over the same samples.
 #[must_use]
 pub fn common_cut(series: &[&[f64]]) -> usize {
-    series
-        .iter()
-        .map(|s| equilibration(s).cut)
-        .max()
-        .unwrap_or(0)
+    series.iter().map(|s| equilibration(s).cut).max().unwrap_or(0)
 }
 
 /// The ratio of two means, R = ⟨a⟩/⟨b⟩, with the error of the correlated pair, after `cut` samples, and the series z whose
@@ -26,24 +22,13 @@ pub fn common_cut(series: &[&[f64]]) -> usize {
 /// Where the two series differ in length: that is a bug of the caller.
 #[must_use]
 pub fn ratio(numerator: &[f64], denominator: &[f64], cut: usize) -> (Estimate, Vec<f64>) {
-    assert_eq!(
-        numerator.len(),
-        denominator.len(),
-        "both series come from the same samples"
-    );
+    assert_eq!(numerator.len(), denominator.len(), "both series come from the same samples");
     let start = cut.min(numerator.len());
     let (a, b) = (&numerator[start..], &denominator[start..]);
     let below = mean(b);
     let value = mean(a) / below;
-    let z: Vec<f64> = a
-        .iter()
-        .zip(b)
-        .map(|(x, y)| (x - value * y) / below)
-        .collect();
-    let estimate = Estimate {
-        mean: value,
-        ..estimate_after(&z, 0).with_cut(cut)
-    };
+    let z: Vec<f64> = a.iter().zip(b).map(|(x, y)| (x - value * y) / below).collect();
+    let estimate = Estimate { mean: value, ..estimate_after(&z, 0).with_cut(cut) };
     (estimate, z)
 }
 
@@ -58,24 +43,13 @@ pub fn ratio(numerator: &[f64], denominator: &[f64], cut: usize) -> (Estimate, V
 /// Where the two series differ in length: that is a bug of the caller.
 #[must_use]
 pub fn about_line(values: &[f64], abscissae: &[f64], slope: f64, cut: usize) -> Estimate {
-    assert_eq!(
-        values.len(),
-        abscissae.len(),
-        "both series come from the same samples"
-    );
+    assert_eq!(values.len(), abscissae.len(), "both series come from the same samples");
     let start = cut.min(values.len());
     let (y, x) = (&values[start..], &abscissae[start..]);
     let centre = mean(x);
-    let differences: Vec<f64> = y
-        .iter()
-        .zip(x)
-        .map(|(y, x)| y - slope * (x - centre))
-        .collect();
+    let differences: Vec<f64> = y.iter().zip(x).map(|(y, x)| y - slope * (x - centre)).collect();
     // The mean of d is the mean of the values, since Σ(x − x̄) is zero except for rounding.
-    Estimate {
-        mean: mean(y),
-        ..estimate_after(&differences, 0).with_cut(cut)
-    }
+    Estimate { mean: mean(y), ..estimate_after(&differences, 0).with_cut(cut) }
 }
 
 /// Sets the cut of an estimate that was made from the rest of a series.
@@ -85,10 +59,7 @@ trait WithCut {
 
 impl WithCut for Estimate {
     fn with_cut(self, cut: usize) -> Self {
-        Self {
-            equilibration_cut: cut as u64,
-            ..self
-        }
+        Self { equilibration_cut: cut as u64, ..self }
     }
 }
 
@@ -113,11 +84,7 @@ mod tests {
             let x = Ar1::new(0.8, seed).series(4000);
             let y = Ar1::new(0.8, 10_000 + seed).series(4000);
             let b: Vec<f64> = x.iter().map(|x| 10.0 + x).collect();
-            let a: Vec<f64> = x
-                .iter()
-                .zip(&y)
-                .map(|(x, y)| 20.0 + 2.0 * x + 0.3 * y)
-                .collect();
+            let a: Vec<f64> = x.iter().zip(&y).map(|(x, y)| 20.0 + 2.0 * x + 0.3 * y).collect();
             let found = ratio(&a, &b, 0).0;
             // g = 9: the error is 0.3/10·√(9/4000).
             let exact = 0.03 * (9.0_f64 / 4000.0).sqrt();
@@ -140,10 +107,7 @@ mod tests {
             let u: Vec<f64> = t.iter().map(|t| -4.0 - 1.5 * t).collect();
             let found = about_line(&u, &t, 2.0, 0);
             // The true line passes through (0, −4): the difference is the tested quantity.
-            Estimate {
-                mean: found.mean - (-4.0 + 2.0 * mean(&t)),
-                ..found
-            }
+            Estimate { mean: found.mean - (-4.0 + 2.0 * mean(&t)), ..found }
         };
         let quotient = spread_over_printed(make, 200);
         assert!((quotient - 1.0).abs() < 0.15, "{quotient}");

@@ -138,10 +138,7 @@ impl RunningLine {
 
 impl Persist for RunningLine {
     fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_f64(
-            "line",
-            &[self.n, self.mean_t, self.mean_y, self.tt, self.ty, self.yy],
-        );
+        to.put_f64("line", &[self.n, self.mean_t, self.mean_y, self.tt, self.ty, self.yy]);
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {

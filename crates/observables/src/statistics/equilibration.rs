@@ -77,10 +77,7 @@ struct Transient {
 /// nothing where a transient fills the run.
 #[must_use]
 pub fn equilibration(series: &[f64]) -> Equilibration {
-    let whole = Equilibration {
-        cut: 0,
-        trend: None,
-    };
+    let whole = Equilibration { cut: 0, trend: None };
     if series.len() < SHORTEST || !mean(series).is_finite() {
         return whole;
     }
@@ -100,10 +97,7 @@ pub fn equilibration(series: &[f64]) -> Equilibration {
             }
         }
     }
-    Equilibration {
-        cut: start * per_block,
-        ..whole
-    }
+    Equilibration { cut: start * per_block, ..whole }
 }
 
 /// The bar for what is left after a cut of so many samples, in standard errors.
@@ -126,11 +120,7 @@ pub fn trend(series: &[f64], errors: f64) -> Option<Trend> {
 
 fn thirds(blocks: &[f64], errors: f64) -> Trend {
     let third = blocks.len() / 3;
-    Trend {
-        first: mean(&blocks[..third]),
-        last: mean(&blocks[blocks.len() - third..]),
-        errors,
-    }
+    Trend { first: mean(&blocks[..third]), last: mean(&blocks[blocks.len() - third..]), errors }
 }
 
 /// The most significant transient, if it passes the bar.
@@ -142,9 +132,8 @@ fn transient(blocks: &[f64], bar: f64) -> Option<Transient> {
         if decay * (n as f64) < 2.0 {
             continue;
         }
-        let shape: Vec<f64> = (0..n)
-            .map(|i| (-(i as f64 + 0.5) / n as f64 / decay).exp())
-            .collect();
+        let shape: Vec<f64> =
+            (0..n).map(|i| (-(i as f64 + 0.5) / n as f64 / decay).exp()).collect();
         let level = mean(&shape);
         let (mut squares, mut products) = (0.0, 0.0);
         for (f, y) in shape.iter().zip(blocks) {
@@ -152,21 +141,13 @@ fn transient(blocks: &[f64], bar: f64) -> Option<Transient> {
             products += (f - level) * (y - centre);
         }
         let height = products / squares;
-        let rest: Vec<f64> = shape
-            .iter()
-            .zip(blocks)
-            .map(|(f, y)| y - height * (f - level))
-            .collect();
+        let rest: Vec<f64> =
+            shape.iter().zip(blocks).map(|(f, y)| y - height * (f - level)).collect();
         // The fit takes about half a degree of freedom of each of two parameters off the lowest frequencies.
         let noise = spectrum_with(&rest, FREEDOM) / (1.0 - 1.0 / FREEDOM);
         let errors = height.abs() / (noise / squares).sqrt();
         if best.as_ref().is_none_or(|b| errors > b.errors) {
-            best = Some(Transient {
-                height,
-                decay,
-                errors,
-                noise,
-            });
+            best = Some(Transient { height, decay, errors, noise });
         }
     }
     best.filter(|found| found.errors > bar)
@@ -240,9 +221,8 @@ mod tests {
 
     #[test]
     fn a_transient_that_is_over_is_cut_and_its_bias_gone() {
-        let found: Vec<_> = (0..100)
-            .map(|seed| estimate(&relaxing(500.0, 8.0, 0.08, seed)))
-            .collect();
+        let found: Vec<_> =
+            (0..100).map(|seed| estimate(&relaxing(500.0, 8.0, 0.08, seed))).collect();
         let cuts: Vec<f64> = found.iter().map(|e| e.equilibration_cut as f64).collect();
         // The bias falls below a fourth of the error (0.25/√300) after some five decay times of 160 samples.
         assert!((600.0..1100.0).contains(&mean(&cuts)), "{}", mean(&cuts));
@@ -256,9 +236,8 @@ mod tests {
     #[test]
     fn a_stationary_series_keeps_its_error() {
         for phi in [0.0_f64, 0.9] {
-            let found: Vec<_> = (0..400)
-                .map(|seed| estimate(&Ar1::new(phi, 1000 + seed).series(2000)))
-                .collect();
+            let found: Vec<_> =
+                (0..400).map(|seed| estimate(&Ar1::new(phi, 1000 + seed).series(2000))).collect();
             let means: Vec<f64> = found.iter().map(|e| e.mean).collect();
             let squares: Vec<f64> = found.iter().map(|e| e.standard_error.powi(2)).collect();
             // 400 seeds know the spread to 3.5 %. Errors of independent samples are 6 % too large, since they are never below their own.

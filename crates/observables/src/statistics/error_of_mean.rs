@@ -81,10 +81,7 @@ pub fn error_with_overlap(series: &[f64], overlap: f64) -> ErrorOfMean {
     }
     let of_samples = variance(series);
     if of_samples <= 0.0 {
-        return ErrorOfMean {
-            standard_error: 0.0,
-            ..no_error(f64::INFINITY)
-        };
+        return ErrorOfMean { standard_error: 0.0, ..no_error(f64::INFINITY) };
     }
     let per_block = n.div_ceil(MOST_BLOCKS);
     let blocks: Vec<f64> = series.chunks_exact(per_block).map(mean).collect();
@@ -141,12 +138,7 @@ fn agrees(found: &[(f64, f64)], at: usize) -> bool {
 pub(super) fn spectrum_with(series: &[f64], freedom: f64) -> f64 {
     let n = series.len() as f64;
     let width = (0.75 * n / freedom).max(1.0);
-    windowed(
-        &covariances(series, width.ceil() as usize),
-        n,
-        width,
-        freedom,
-    )
+    windowed(&covariances(series, width.ceil() as usize), n, width, freedom)
 }
 
 /// γ(t) for t = 0, …, `longest`.
@@ -173,11 +165,7 @@ fn windowed(covariances: &[f64], n: f64, width: f64, freedom: f64) -> f64 {
         value / (1.0 - weights / n)
     };
     let flat_top = sum(&|t| {
-        if t <= 0.5 {
-            1.0
-        } else {
-            (2.0 - 2.0 * t).max(0.0)
-        }
+        if t <= 0.5 { 1.0 } else { (2.0 - 2.0 * t).max(0.0) }
     });
     let bartlett = sum(&|t| (1.0 - t).max(0.0));
     let lowest = LOWEST_PART * (2.0 / freedom).sqrt() * bartlett;
@@ -203,24 +191,15 @@ mod tests {
         };
         let means: Vec<f64> = found.iter().map(|f| f.0).collect();
         let squares: Vec<f64> = found.iter().map(|f| f.1 * f.1).collect();
-        (
-            share(1.0),
-            share(2.0),
-            (variance(&means) / mean(&squares)).sqrt(),
-        )
+        (share(1.0), share(2.0), (variance(&means) / mean(&squares)).sqrt())
     }
 
     #[test]
     fn errors_cover_whatever_the_correlation() {
         // n independent samples from 50 (the fewest that are judged) to all.
-        for (n, phi) in [
-            (250, 0.0_f64),
-            (250, 0.67),
-            (2000, 0.0),
-            (2000, 0.9),
-            (2000, 0.95),
-            (20_000, 0.99),
-        ] {
+        for (n, phi) in
+            [(250, 0.0_f64), (250, 0.67), (2000, 0.0), (2000, 0.9), (2000, 0.95), (20_000, 0.99)]
+        {
             let (one, two, ratio) = coverage(|seed| Ar1::new(phi, seed).series(n), 600);
             // 600 seeds know the shares to 1.9 % and 0.9 %: the bars are three of these beyond 62 to 74 % and 93 %.
             assert!((0.60..0.76).contains(&one), "n {n}, φ {phi}: {one}");
@@ -255,10 +234,7 @@ mod tests {
         };
         let (one, two, ratio) = coverage(slow, 600);
         // Three standard deviations of 600 seeds below 0.63 and 0.91.
-        assert!(
-            one > 0.57 && two > 0.875 && ratio < 1.15,
-            "{one} {two} {ratio}"
-        );
+        assert!(one > 0.57 && two > 0.875 && ratio < 1.15, "{one} {two} {ratio}");
     }
 
     /// n_eff/n of the correlation rᵗ cos ωt: 1/(1 + 2 Re[z/(1 − z)]) with z = r e^{iω}.
@@ -277,11 +253,7 @@ mod tests {
             .map(|seed| error_of_mean(&damped_rotation(r, omega, seed, n)).n_effective / n as f64)
             .collect();
         // 40 estimates with ν = 64 know their mean to 18 %/√40.
-        assert!(
-            (mean(&found) / exact - 1.0).abs() < 0.15,
-            "{} {exact}",
-            mean(&found)
-        );
+        assert!((mean(&found) / exact - 1.0).abs() < 0.15, "{} {exact}", mean(&found));
     }
 
     /// Narrow windows end before the correlation is negative, and give an error of twice the true one. Wider windows speak against it.
@@ -307,11 +279,7 @@ mod tests {
         assert!((found.standard_error * 3.0_f64.sqrt() - 1.65).abs() < 0.1);
         assert!((widening(8.0) - 1.18).abs() < 0.005 && (widening(64.0) - 1.02).abs() < 0.001);
         assert!(error_of_mean(&[1.0, 2.0, 3.0]).standard_error.is_nan());
-        assert!(
-            error_of_mean(&[1.0, f64::NAN, 3.0, 1.0])
-                .standard_error
-                .is_nan()
-        );
+        assert!(error_of_mean(&[1.0, f64::NAN, 3.0, 1.0]).standard_error.is_nan());
         assert_eq!(error_of_mean(&[0.1; 1000]).standard_error, 0.0);
     }
 
@@ -320,10 +288,7 @@ mod tests {
         for n in [5, 30, 200, 4000, 9000] {
             let x = Ar1::new(0.0, 1).series(n + 1);
             let differences: Vec<f64> = x.windows(2).map(|p| p[1] - p[0]).collect();
-            for found in [
-                error_of_mean(&differences),
-                error_with_overlap(&differences, 1.0),
-            ] {
+            for found in [error_of_mean(&differences), error_with_overlap(&differences, 1.0)] {
                 assert!(found.n_effective <= n as f64 * (1.0 + 1e-12), "{found:?}");
                 assert!(found.least_effective <= found.n_effective, "{found:?}");
             }

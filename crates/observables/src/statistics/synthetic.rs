@@ -33,10 +33,7 @@ pub(crate) fn damped_rotation(r: f64, omega: f64, seed: u64, n: usize) -> Vec<f6
     let noise = Streams::new(seed).noise("rotation");
     let strength = (1.0 - r * r).sqrt();
     let pair = |i: u64| -> (f64, f64) {
-        (
-            StandardNormal.sample(&mut noise.at(i, 0)),
-            StandardNormal.sample(&mut noise.at(i, 1)),
-        )
+        (StandardNormal.sample(&mut noise.at(i, 0)), StandardNormal.sample(&mut noise.at(i, 1)))
     };
     let (mut x, mut y) = pair(u64::MAX);
     (0..n as u64)

@@ -178,9 +178,7 @@ impl StructureFactor {
         let Some(mut partial) = self.partial.take() else {
             return self.vectors.densities(positions, cell);
         };
-        let total = partial.sample(&self.vectors, positions, |r| {
-            self.vectors.densities(r, cell)
-        });
+        let total = partial.sample(&self.vectors, positions, |r| self.vectors.densities(r, cell));
         self.partial = Some(partial);
         total
     }

@@ -14,11 +14,7 @@ fn an_ideal_gas_scatters_with_one_at_every_wave_number() {
     let table = &factor.finish(0.0).tables[0];
     let columns = |k: usize| table.columns[k].numbers();
     assert!(columns(0).len() > 40);
-    let chi2: f64 = columns(1)
-        .iter()
-        .zip(columns(2))
-        .map(|(s, e)| ((s - 1.0) / e).powi(2))
-        .sum();
+    let chi2: f64 = columns(1).iter().zip(columns(2)).map(|(s, e)| ((s - 1.0) / e).powi(2)).sum();
     // χ² over the shells: mean their number m, deviation √(2m); errors from some 40 blocks widen it.
     let m = columns(0).len() as f64;
     assert!((chi2 - m).abs() < 5.0 * (2.0 * m).sqrt(), "{chi2} of {m}");
@@ -30,22 +26,12 @@ fn a_face_centred_lattice_scatters_with_n_at_its_reciprocal_vectors_and_nothing_
     // centring keeps all even or all odd.
     let (cell, positions) = fcc(4, 1.1);
     let n = positions.len();
-    let context = BuildContext {
-        cell,
-        n_atoms: n,
-        ..context(1.0, 1)
-    };
-    let options = StructureFactorOptions {
-        k_max: 16.0,
-        shells: 60,
-        directions: 800,
-    };
+    let context = BuildContext { cell, n_atoms: n, ..context(1.0, 1) };
+    let options = StructureFactorOptions { k_max: 16.0, shells: 60, directions: 800 };
     let factor = StructureFactor::new(&options, &context).unwrap();
     let mut seen = 0;
-    for (v, [re, im]) in factor
-        .vectors
-        .iter()
-        .zip(factor.vectors.densities(&positions, &context.cell))
+    for (v, [re, im]) in
+        factor.vectors.iter().zip(factor.vectors.densities(&positions, &context.cell))
     {
         let s = (re * re + im * im) / n as f64;
         let cubic = v.multiples.iter().all(|m| m % 4 == 0);
@@ -63,10 +49,8 @@ fn a_face_centred_lattice_scatters_with_n_at_its_reciprocal_vectors_and_nothing_
 fn a_negative_multiple_is_summed_as_the_plain_definition_has_it() {
     let context = context(6.0, 30);
     let factor = StructureFactor::new(&StructureFactorOptions::default(), &context).unwrap();
-    let positions: Vec<DVec3> = random_positions(30, 6.0, 3)
-        .into_iter()
-        .map(|r| r + DVec3::new(12.0, -6.0, 0.0))
-        .collect();
+    let positions: Vec<DVec3> =
+        random_positions(30, 6.0, 3).into_iter().map(|r| r + DVec3::new(12.0, -6.0, 0.0)).collect();
     let found = factor.vectors.densities(&positions, &context.cell);
     assert!(factor.vectors.iter().any(|v| v.multiples[2] < 0));
     for (v, [re, im]) in factor.vectors.iter().zip(found) {
@@ -81,10 +65,7 @@ fn a_negative_multiple_is_summed_as_the_plain_definition_has_it() {
 
 #[test]
 fn a_range_without_a_wave_vector_is_refused() {
-    let options = StructureFactorOptions {
-        k_max: 0.1,
-        ..StructureFactorOptions::default()
-    };
+    let options = StructureFactorOptions { k_max: 0.1, ..StructureFactorOptions::default() };
     let error = StructureFactor::new(&options, &context(6.0, 30)).unwrap_err();
     assert_eq!(error.key(), "k_max");
 }
@@ -93,11 +74,7 @@ fn a_range_without_a_wave_vector_is_refused() {
 fn in_a_box_that_changes_wave_vectors_go_with_it() {
     // A lattice blown up by 4 % has the same factors at wave numbers smaller by as much.
     let (cell, positions) = fcc(3, 1.1);
-    let context = BuildContext {
-        cell,
-        n_atoms: positions.len(),
-        ..context(1.0, 1)
-    };
+    let context = BuildContext { cell, n_atoms: positions.len(), ..context(1.0, 1) };
     let measured = |scale: f64| {
         let mut factor =
             StructureFactor::new(&StructureFactorOptions::default(), &context).unwrap();
@@ -121,18 +98,11 @@ fn factors_of_mixture(
 ) -> Findings {
     let (cell, lattice) = fcc(4, 1.1);
     let n = lattice.len();
-    let context = BuildContext {
-        cell,
-        n_atoms: n,
-        species: mixture(n, of),
-        ..context(1.0, 1)
-    };
+    let context = BuildContext { cell, n_atoms: n, species: mixture(n, of), ..context(1.0, 1) };
     let mut factor = StructureFactor::new(&StructureFactorOptions::default(), &context).unwrap();
     for seed in 0..200 {
         let places = lattice.iter().enumerate();
-        let moved = places
-            .map(|(i, r)| *r + 0.15 * normal(5, seed, i))
-            .collect();
+        let moved = places.map(|(i, r)| *r + 0.15 * normal(5, seed, i)).collect();
         view_of(&cell, order(moved, seed), |view| factor.sample(view));
     }
     factor.finish(0.0)
@@ -147,11 +117,8 @@ fn column(findings: &Findings, name: &str) -> Vec<f64> {
 fn in_a_mixture_of_names_concentration_fluctuates_as_in_an_ideal_mixture() {
     let findings = factors_of_mixture(|i| usize::from(i % 5 == 0), |r, seed| shuffled(&r, seed));
     let column = |name: &str| column(&findings, name);
-    let (all, mixed, error) = (
-        column("structure_factor"),
-        column("structure_factor_CC"),
-        column("standard_error_CC"),
-    );
+    let (all, mixed, error) =
+        (column("structure_factor"), column("structure_factor_CC"), column("standard_error_CC"));
     let (cross, cross_error) = (column("structure_factor_NC"), column("standard_error_NC"));
     let n = 256.0;
     let x = 52.0 / n;
@@ -185,11 +152,8 @@ fn factors_of_species_make_up_the_factors_of_number_and_concentration() {
         column("structure_factor_A_B"),
         column("structure_factor_B_B"),
     );
-    let (all, cross, mixed) = (
-        column("structure_factor"),
-        column("structure_factor_NC"),
-        column("structure_factor_CC"),
-    );
+    let (all, cross, mixed) =
+        (column("structure_factor"), column("structure_factor_NC"), column("structure_factor_CC"));
     for k in 0..all.len() {
         let [s, t] = x;
         let number = s * a[k] + t * b[k] + 2.0 * root * ab[k];

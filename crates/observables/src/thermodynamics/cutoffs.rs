@@ -76,11 +76,7 @@ impl Ends {
                 if r2 < end.r_cut * end.r_cut && i != j && !exclusions.exclude(i, j) {
                     let width = SHELL * end.r_cut;
                     let x = (end.r_cut - r2.sqrt()) / width;
-                    let at_end = if x < 1.0 {
-                        (4.0 - 6.0 * x) / width
-                    } else {
-                        0.0
-                    };
+                    let at_end = if x < 1.0 { (4.0 - 6.0 * x) / width } else { 0.0 };
                     sums.jump += end.slope * at_end;
                     sums.jump_r2 += end.slope * at_end * r2;
                     sums.shift += end.shift;
@@ -138,10 +134,7 @@ mod tests {
 
     fn agree((found, error): (f64, f64), expected: f64, part: f64) {
         assert!(error < part * expected.abs(), "{error} of {expected}");
-        assert!(
-            (found - expected).abs() < 4.0 * error,
-            "{found} ± {error}, {expected}"
-        );
+        assert!((found - expected).abs() < 4.0 * error, "{found} ± {error}, {expected}");
     }
 
     #[test]
@@ -149,11 +142,7 @@ mod tests {
         // One fluid under two names, half and half. The pairs of B end at 1.5, the others at 2.5.
         let (n, rho) = (128, 0.6);
         let species = mixture(n, |i| i % 2);
-        let end = |r_cut: f64| PairEnd {
-            r_cut,
-            slope: slope(r_cut),
-            shift: 0.1 * r_cut,
-        };
+        let end = |r_cut: f64| PairEnd { r_cut, slope: slope(r_cut), shift: 0.1 * r_cut };
         let ends = Ends::new(vec![end(2.5), end(2.5), end(2.5), end(1.5)]);
         let others = 1.0 - 1.0 / n as f64;
         let over =
@@ -174,11 +163,7 @@ mod tests {
     fn a_particle_of_few_is_no_pair_with_itself() {
         let (n, rho) = (2, 0.03);
         let species = SpeciesTable::one(Species::unnamed(), n);
-        let end = PairEnd {
-            r_cut: 1.5,
-            slope: slope(1.5),
-            shift: 0.0,
-        };
+        let end = PairEnd { r_cut: 1.5, slope: slope(1.5), shift: 0.0 };
         let ends = Ends::new(vec![end]);
         let found = of_random_points((n, rho), (&species, &ends), 2, 40_000);
         agree(found[0], 0.5 * 2.0 * PI * rho * 2.25 * slope(1.5), 0.06);

@@ -92,11 +92,7 @@ impl Thermodynamics {
             let temperature = statistics::mean(&rows.temperature[cut..]);
             self.too_short(self.length(cut), density, temperature)
         });
-        Equilibrium {
-            cut,
-            discarded: if n == 0 { 0.0 } else { cut as f64 / n as f64 },
-            doubt,
-        }
+        Equilibrium { cut, discarded: if n == 0 { 0.0 } else { cut as f64 / n as f64 }, doubt }
     }
 
     /// The equilibration cut that all averages share, in rows of [`Thermodynamics::series`].
@@ -108,11 +104,8 @@ impl Thermodynamics {
     fn not_at_bath(&self, cut: usize) -> Option<Doubt> {
         let bath = self.bath?;
         let rows = self.series.rows();
-        let column = if bath.half_steps {
-            &rows.temperature_of_positions
-        } else {
-            &rows.temperature
-        };
+        let column =
+            if bath.half_steps { &rows.temperature_of_positions } else { &rows.temperature };
         let found = statistics::estimate_after(column, cut);
         // Without an error nothing is known of how far off the mean is: the run is too short, not out of equilibrium.
         if !found.standard_error.is_finite() {
@@ -209,24 +202,15 @@ mod tests {
 
     fn with_bath(temperature: f64, relaxation: f64) -> Option<Doubt> {
         let mut run = run(5.0, 4000);
-        run.set_bath(Some(HeldTemperature {
-            temperature,
-            half_steps: false,
-            relaxation,
-        }));
+        run.set_bath(Some(HeldTemperature { temperature, half_steps: false, relaxation }));
         run.equilibrium().doubt
     }
 
     #[test]
     fn a_run_that_is_not_at_the_temperature_of_its_bath_says_so() {
         assert_eq!(with_bath(1.0, 0.5), None);
-        let Some(Doubt::NotInEquilibrium(why)) = with_bath(1.02, 0.5) else {
-            panic!("no doubt")
-        };
-        assert!(
-            why.starts_with("T is ") && why.ends_with("where its bath has 1.02"),
-            "{why}"
-        );
+        let Some(Doubt::NotInEquilibrium(why)) = with_bath(1.02, 0.5) else { panic!("no doubt") };
+        assert!(why.starts_with("T is ") && why.ends_with("where its bath has 1.02"), "{why}");
     }
 
     #[test]
@@ -248,13 +232,8 @@ mod tests {
     #[test]
     fn a_run_shorter_than_40_relaxation_times_of_its_bath_is_too_short() {
         // 40 τ.
-        let Some(Doubt::TooShort { longer, why }) = with_bath(1.0, 2.0) else {
-            panic!("no doubt")
-        };
-        assert!(
-            (longer - 2.0).abs() < 1e-9 && why.contains("20 relaxation times"),
-            "{why}"
-        );
+        let Some(Doubt::TooShort { longer, why }) = with_bath(1.0, 2.0) else { panic!("no doubt") };
+        assert!((longer - 2.0).abs() < 1e-9 && why.contains("20 relaxation times"), "{why}");
     }
 
     #[test]

@@ -34,13 +34,7 @@ pub(super) struct Instant {
 impl Instant {
     /// The row of the series, in the order of [`crate::ThermoSeries`].
     pub fn row(&self) -> [f64; 28] {
-        let Self {
-            kinetic_energy: kinetic,
-            sampled_energy: sampled,
-            virial,
-            volume,
-            ..
-        } = *self;
+        let Self { kinetic_energy: kinetic, sampled_energy: sampled, virial, volume, .. } = *self;
         [
             self.time,
             self.temperature,
@@ -106,9 +100,7 @@ impl Thermodynamics {
         let cell = self.context.cell;
         self.seen.see(&cell);
         // Such rows do not tell how many pairs lie at the cutoff.
-        self.curvature = self
-            .curvature
-            .filter(|c| !c.of_truncated || self.ends.are_none());
+        self.curvature = self.curvature.filter(|c| !c.of_truncated || self.ends.are_none());
     }
 
     /// Takes a row that a run of atoms has written.
@@ -163,10 +155,8 @@ impl Thermodynamics {
         let volume = view.cell().volume();
         let kinetic = view.system.kinetic_energy(&state.velocities) / n;
         let potential = energetics.potential_energy.expect(asked) / n;
-        let conserved = energetics
-            .conserved_potential
-            .or(energetics.potential_energy)
-            .expect(asked);
+        let conserved =
+            energetics.conserved_potential.or(energetics.potential_energy).expect(asked);
         let virial = energetics.scalar_virial().expect(asked) - view.intramolecular_virial();
         let of_positions = view.temperature_of_positions();
         let ends = self.sums_of_ends(view);

@@ -20,13 +20,7 @@ impl Thermodynamics {
             }
             _ => self.seen.volume(),
         };
-        Setting {
-            ensemble,
-            curvature: self.curvature,
-            n_dof: self.n_dof,
-            mass: self.mass,
-            volume,
-        }
+        Setting { ensemble, curvature: self.curvature, n_dof: self.n_dof, mass: self.mass, volume }
     }
 
     /// The response functions after `cut` rows; none in a fluid with walls or in a field, which has no one density.

@@ -135,10 +135,7 @@ mod tests {
             // Without the share of the motion of all T would be too low: A by 1/16, B by 1/8.
             let found = average.estimate;
             assert!(found.standard_error < 0.007, "{found:?}");
-            assert!(
-                (found.mean - 0.8).abs() < 4.0 * found.standard_error,
-                "{found:?}"
-            );
+            assert!((found.mean - 0.8).abs() < 4.0 * found.standard_error, "{found:?}");
         }
         assert!(findings.remarks.is_empty(), "{:?}", findings.remarks);
         assert!(measured(1.3).remarks[0].contains("not in equilibrium"));

@@ -72,10 +72,7 @@ pub struct HeatFlux;
 impl Flux for HeatFlux {
     const SPEC: &'static ObservableSpec = &SPEC;
     const WORDS: Words = WORDS;
-    const WANT: Want = Want {
-        per_particle: true,
-        ..Want::NOTHING
-    };
+    const WANT: Want = Want { per_particle: true, ..Want::NOTHING };
     const COMPONENTS: usize = 3;
 
     fn of(view: &View<'_>) -> Option<impl AsRef<[f64]>> {
@@ -109,10 +106,7 @@ mod tests {
         let n = velocities.len();
         let cell = context(2.0, n).cell;
         let mut state = State::new(cell, vec![DVec3::ZERO; n], velocities);
-        state.energetics = Energetics {
-            per_particle: Some(each),
-            ..Energetics::default()
-        };
+        state.energetics = Energetics { per_particle: Some(each), ..Energetics::default() };
         let system = System::atoms(n);
         let view = View::of(&state, &system);
         let flux = HeatFlux::of(&view).unwrap();
@@ -125,13 +119,9 @@ mod tests {
         let (n, temperature, draws) = (200, 0.9_f64, 3000);
         let mut sum = 0.0;
         for s in 0..draws {
-            let still: Vec<DVec3> = (0..n)
-                .map(|i| temperature.sqrt() * normal(5, s, i))
-                .collect();
-            let moving: Vec<DVec3> = still
-                .iter()
-                .map(|v| *v + DVec3::new(3.0, -1.0, 0.5))
-                .collect();
+            let still: Vec<DVec3> = (0..n).map(|i| temperature.sqrt() * normal(5, s, i)).collect();
+            let moving: Vec<DVec3> =
+                still.iter().map(|v| *v + DVec3::new(3.0, -1.0, 0.5)).collect();
             let nothing = || vec![(0.0, DMat3::ZERO); n];
             let (a, b) = (flux(still, nothing()), flux(moving, nothing()));
             // Roundings of sums of 200 numbers up to some ten.
@@ -140,11 +130,7 @@ mod tests {
         }
         let exact = 2.5 * n as f64 * temperature.powi(3);
         // 9000 nearly normal components know a variance to 1.5 %, and the centre of mass takes 1/N.
-        assert!(
-            (sum / draws as f64 / exact - 1.0).abs() < 0.06,
-            "{} {exact}",
-            sum / draws as f64
-        );
+        assert!((sum / draws as f64 / exact - 1.0).abs() < 0.06, "{} {exact}", sum / draws as f64);
     }
 
     #[test]

@@ -90,23 +90,16 @@ impl GreenKubo {
                  a longer run or a longer `window` may help",
                 words.plain, self.window
             ));
-            findings
-                .tables
-                .extend(self.table(&correlation, prefactor, words));
+            findings.tables.extend(self.table(&correlation, prefactor, words));
             return findings;
         };
-        let (from, to) = (
-            correlation.times[plateau.from],
-            correlation.times[plateau.to],
-        );
+        let (from, to) = (correlation.times[plateau.from], correlation.times[plateau.to]);
         let stretch = plateau.from..=plateau.to;
         let mean = |integral: &[f64]| integral.iter().sum::<f64>() / integral.len() as f64;
         let value = prefactor * mean(&correlation.integral[stretch]);
         let rows = correlator.integral_blocks(plateau.to);
-        let blocks: Vec<f64> = rows
-            .iter()
-            .map(|row| prefactor * mean(&row[plateau.from..]))
-            .collect();
+        let blocks: Vec<f64> =
+            rows.iter().map(|row| prefactor * mean(&row[plateau.from..])).collect();
         let length = self.length(&correlation, discarded);
         let doubt = self.doubt(&correlation, &plateau, &rows, length);
         let mut add = |name: &str, value: f64, blocks: &[f64]| {
@@ -127,9 +120,7 @@ impl GreenKubo {
             "{}: plateau of the Green–Kubo integral from {from:.2} to {to:.2} τ; the Einstein–Helfand value is the slope over the same lags",
             words.plain
         ));
-        findings
-            .tables
-            .extend(self.table(&correlation, prefactor, words));
+        findings.tables.extend(self.table(&correlation, prefactor, words));
         findings
     }
 
@@ -159,10 +150,7 @@ impl GreenKubo {
             });
         }
         let rise = correlation.integral[plateau.to] - correlation.integral[plateau.from];
-        let noise: Vec<f64> = rows
-            .iter()
-            .map(|row| row[plateau.to] - row[plateau.from])
-            .collect();
+        let noise: Vec<f64> = rows.iter().map(|row| row[plateau.to] - row[plateau.from]).collect();
         let noise = statistics::error_of_mean(&noise).standard_error;
         (rise.abs() > STILL_FLAT * noise).then(|| {
             Doubt::Incomplete(format!(
@@ -223,18 +211,11 @@ mod tests {
     use crate::statistics::{mean, synthetic::Ar1, variance};
     use lennard_core::Estimate;
 
-    const WORDS: Words = Words {
-        name: "x",
-        plain: "x",
-        unit: "",
-        correlation_unit: "",
-    };
+    const WORDS: Words = Words { name: "x", plain: "x", unit: "", correlation_unit: "" };
 
     /// Three channels with correlation φ^k and unit variance.
     fn found(phi: f64, interval: f64, n: usize, seed: u64) -> Findings {
-        let series: Vec<Vec<f64>> = (0..3)
-            .map(|c| Ar1::new(phi, 3 * seed + c).series(n))
-            .collect();
+        let series: Vec<Vec<f64>> = (0..3).map(|c| Ar1::new(phi, 3 * seed + c).series(n)).collect();
         let mut both = GreenKubo::new(3, interval, 4.0);
         for ((a, b), c) in series[0].iter().zip(&series[1]).zip(&series[2]) {
             both.push(&[*a, *b, *c], 1.0);
@@ -251,12 +232,7 @@ mod tests {
             let estimates: Vec<Estimate> = (0..24)
                 .map(|seed| {
                     let findings = found(phi, interval, 40_000, seed);
-                    findings
-                        .averages
-                        .iter()
-                        .find(|a| a.name == name)
-                        .expect("it decays")
-                        .estimate
+                    findings.averages.iter().find(|a| a.name == name).expect("it decays").estimate
                 })
                 .collect();
             let values: Vec<f64> = estimates.iter().map(|e| e.mean).collect();
@@ -272,10 +248,7 @@ mod tests {
                 mean(&values)
             );
             // 24 seeds know their spread to 15 %; the end of the plateau is chosen anew in each.
-            assert!(
-                (spread / printed - 1.0).abs() < 0.6,
-                "{name}: {spread} {printed}"
-            );
+            assert!((spread / printed - 1.0).abs() < 0.6, "{name}: {spread} {printed}");
             assert!(printed < 0.1 * exact);
         }
     }

@@ -48,10 +48,7 @@ impl Helfand {
 
     /// The same without the changes that end in the first `discarded` part of the samples, from 0 to 1.
     pub(crate) fn after(&self, discarded: f64) -> Self {
-        Self {
-            squares: self.squares.after(discarded),
-            ..self.clone()
-        }
+        Self { squares: self.squares.after(discarded), ..self.clone() }
     }
 
     /// Takes the flux of one sample.
@@ -68,14 +65,8 @@ impl Helfand {
             history.truncate(POINTS - 1);
             history.push_front(self.integral.clone());
             for (lag, then) in history.iter().enumerate().skip(first_lag(l)) {
-                let sum: f64 = self
-                    .integral
-                    .iter()
-                    .zip(then)
-                    .map(|(a, b)| (a - b).powi(2))
-                    .sum();
-                self.squares
-                    .add(l * POINTS + lag, sum / self.channels as f64, 1);
+                let sum: f64 = self.integral.iter().zip(then).map(|(a, b)| (a - b).powi(2)).sum();
+                self.squares.add(l * POINTS + lag, sum / self.channels as f64, 1);
             }
         }
         self.samples += 1;
@@ -95,11 +86,8 @@ impl Helfand {
     /// Half the slope of the mean square change from lag `from` to lag `to` (τ), and the same for each block;
     /// `None` where no two lags lie there.
     pub(crate) fn half_slope(&self, from: f64, to: f64) -> Option<(f64, Vec<f64>)> {
-        let inside: Vec<(f64, usize)> = self
-            .lags()
-            .into_iter()
-            .filter(|(t, _)| (from..=to).contains(t))
-            .collect();
+        let inside: Vec<(f64, usize)> =
+            self.lags().into_iter().filter(|(t, _)| (from..=to).contains(t)).collect();
         let (&(early, a), &(late, b)) = (inside.first()?, inside.last()?);
         if early >= late {
             return None;
@@ -108,12 +96,8 @@ impl Helfand {
             0.5 * (late_square - early_square) / (late - early)
         };
         let value = half(self.squares.mean(a)?, self.squares.mean(b)?);
-        let blocks = self
-            .squares
-            .complete_rows(&[a, b])
-            .iter()
-            .map(|row| half(row[0], row[1]))
-            .collect();
+        let blocks =
+            self.squares.complete_rows(&[a, b]).iter().map(|row| half(row[0], row[1])).collect();
         Some((value, blocks))
     }
 }

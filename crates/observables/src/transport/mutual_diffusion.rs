@@ -146,11 +146,7 @@ mod tests {
     fn independent_particles_have_the_coefficient_of_darken() {
         let (n, temperature, dt) = (30, 0.8_f64, 0.05);
         let species = mixture(n, |i| usize::from(i % 3 == 0));
-        let context = BuildContext {
-            dt,
-            species: species.clone(),
-            ..context(10.0, n)
-        };
+        let context = BuildContext { dt, species: species.clone(), ..context(10.0, n) };
         let options = MutualDiffusionOptions { window: 4.0 };
         let mut found = MutualDiffusion::new(&options, &context).unwrap();
         let system = System::of_species(species.clone());
@@ -191,10 +187,7 @@ mod tests {
     #[test]
     fn one_species_and_three_have_no_such_coefficient() {
         for kinds in [1, 3] {
-            let context = BuildContext {
-                species: mixture(9, |i| i % kinds),
-                ..context(10.0, 9)
-            };
+            let context = BuildContext { species: mixture(9, |i| i % kinds), ..context(10.0, 9) };
             let error = MutualDiffusion::new(&MutualDiffusionOptions { window: 4.0 }, &context);
             assert_eq!(error.unwrap_err().key(), "kind");
         }

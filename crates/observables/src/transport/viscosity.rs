@@ -105,12 +105,11 @@ mod tests {
         let mut sums = [0.0; 5];
         let draws = 4000;
         for s in 0..draws {
-            let velocities: Vec<DVec3> = (0..n)
-                .map(|i| temperature.sqrt() * normal(3, s, i))
-                .collect();
-            let p = velocities.iter().fold(DMat3::ZERO, |m, v| {
-                m + DMat3::from_cols(*v * v.x, *v * v.y, *v * v.z)
-            });
+            let velocities: Vec<DVec3> =
+                (0..n).map(|i| temperature.sqrt() * normal(3, s, i)).collect();
+            let p = velocities
+                .iter()
+                .fold(DMat3::ZERO, |m, v| m + DMat3::from_cols(*v * v.x, *v * v.y, *v * v.z));
             for (sum, c) in sums.iter_mut().zip(shear_components(&p)) {
                 *sum += c * c;
             }
@@ -134,17 +133,10 @@ mod tests {
     #[test]
     fn stress_with_a_known_correlation_gives_its_viscosity() {
         // The virial of an artificial state follows an autoregressive process of variance s² V² per component.
-        let context = BuildContext {
-            dt: 0.02,
-            ..context(5.0, 2)
-        };
+        let context = BuildContext { dt: 0.02, ..context(5.0, 2) };
         let (volume, phi) = (125.0, 0.9_f64);
         let mut viscosity = ShearViscosity::new(4.0, &context).unwrap();
-        let mut state = State::new(
-            context.cell,
-            vec![DVec3::ZERO; 2],
-            vec![DVec3::X, -DVec3::X],
-        );
+        let mut state = State::new(context.cell, vec![DVec3::ZERO; 2], vec![DVec3::X, -DVec3::X]);
         let system = System::atoms(2);
         let temperature = system.temperature(&state.velocities, lennard_core::Momentum::Conserved);
         let mut shear = DVec3::ZERO;
@@ -165,11 +157,7 @@ mod tests {
         // constant kinetic difference P_xx − P_yy of two particles that never turn is small against both.
         let exact = 0.6 * volume / temperature * 0.02 * 0.5 * 1.9 / 0.1;
         let off = (estimate.mean - exact).abs();
-        assert!(
-            off < 4.0 * estimate.standard_error + 0.04 * exact,
-            "{} {exact}",
-            estimate.mean
-        );
+        assert!(off < 4.0 * estimate.standard_error + 0.04 * exact, "{} {exact}", estimate.mean);
         assert!(estimate.standard_error < 0.1 * exact);
     }
 

@@ -7,15 +7,10 @@ use lennard_core::{State, System};
 /// both lose 1/N.
 fn ornstein_uhlenbeck(seed: u64, samples: u64) -> Findings {
     let (n, gamma, temperature) = (50, 3.0_f64, 0.8_f64);
-    let context = BuildContext {
-        dt: 0.05,
-        ..context(10.0, n)
-    };
+    let context = BuildContext { dt: 0.05, ..context(10.0, n) };
     let decay = (-gamma * context.dt).exp();
     let kick = (temperature * (1.0 - decay * decay)).sqrt();
-    let start = (0..n)
-        .map(|i| temperature.sqrt() * normal(seed, u64::MAX, i))
-        .collect();
+    let start = (0..n).map(|i| temperature.sqrt() * normal(seed, u64::MAX, i)).collect();
     let mut state = State::new(context.cell, vec![DVec3::ZERO; n], start);
     let mut vacf = VelocityAutocorrelation::new(&VacfOptions::default(), &context).unwrap();
     for s in 0..samples {
@@ -58,11 +53,7 @@ fn langevin_velocities_decay_exponentially_and_integrate_to_their_diffusion_coef
 fn each_species_has_its_function_and_its_diffusion_coefficient() {
     let (n, h, temperature) = (60, 0.05, 0.8_f64);
     let species = crate::testing::mixture(n, |i| usize::from(i % 3 == 0));
-    let context = BuildContext {
-        dt: h,
-        species: species.clone(),
-        ..context(10.0, n)
-    };
+    let context = BuildContext { dt: h, species: species.clone(), ..context(10.0, n) };
     let gamma = [3.0_f64, 5.0];
     let of = |i: usize| {
         let a = species.of(i);
@@ -89,10 +80,7 @@ fn each_species_has_its_function_and_its_diffusion_coefficient() {
         let exact = temperature / mass * 0.5 * h / (0.5 * gamma[a] * h).tanh();
         // The centre of mass takes a share of 1/N·m_a/m̄ at most.
         let off = (estimate.mean - exact).abs();
-        assert!(
-            off < 4.0 * estimate.standard_error + 0.03 * exact,
-            "{estimate:?} {exact}"
-        );
+        assert!(off < 4.0 * estimate.standard_error + 0.03 * exact, "{estimate:?} {exact}");
         assert!(estimate.standard_error < 0.05 * exact, "{estimate:?}");
     }
     // The function of all is made of its parts at each lag.
@@ -116,10 +104,7 @@ fn a_run_shorter_than_the_window_gives_no_number() {
 fn a_window_that_is_too_coarse_or_too_long_is_refused() {
     let context = context(10.0, 5);
     for window in [0.001, 1e9, f64::NAN, -1.0] {
-        let options = VacfOptions {
-            window,
-            ..VacfOptions::default()
-        };
+        let options = VacfOptions { window, ..VacfOptions::default() };
         let error = VelocityAutocorrelation::new(&options, &context).unwrap_err();
         assert_eq!(error.key(), "window");
     }

@@ -58,10 +58,7 @@ fn species(n_atoms: usize, kinds: usize) -> SpeciesTable {
     let names = &["A", "B", "C"][..kinds];
     let all: Vec<Species> = names
         .iter()
-        .map(|name| Species {
-            name: (*name).to_owned(),
-            ..Species::unnamed()
-        })
+        .map(|name| Species { name: (*name).to_owned(), ..Species::unnamed() })
         .collect();
     let of: Vec<u8> = (0..n_atoms).map(|i| (i % kinds) as u8).collect();
     SpeciesTable::new(all, &of)
@@ -87,11 +84,7 @@ fn molecules_for(spec: &ObservableSpec) -> Molecules {
 fn sample(observable: &mut dyn Observable, view: &View<'_>) {
     let molecules = molecules_for(observable.spec());
     let system = System::of_molecules(view.state.len(), molecules);
-    observable.sample(&View {
-        system: &system,
-        shared: Default::default(),
-        ..*view
-    });
+    observable.sample(&View { system: &system, shared: Default::default(), ..*view });
 }
 
 /// A state of a random walk, with everything that an observable may ask for.
@@ -126,18 +119,10 @@ fn walk_of(n: usize, samples: u64, mut look: impl FnMut(u64, &View<'_>)) {
             virial_trace: None,
             pairs: Some(1),
             per_particle: Some(
-                (0..n)
-                    .map(|i| (-5.0 + 0.1 * w.z * i as f64, DMat3::from_diagonal(w)))
-                    .collect(),
+                (0..n).map(|i| (-5.0 + 0.1 * w.z * i as f64, DMat3::from_diagonal(w))).collect(),
             ),
         };
-        look(
-            s,
-            &View {
-                heat: 0.01 * s as f64,
-                ..View::of(&state, &system)
-            },
-        );
+        look(s, &View { heat: 0.01 * s as f64, ..View::of(&state, &system) });
     }
 }
 
@@ -155,19 +140,10 @@ fn the_list_the_names_and_the_scene_tables_agree() {
         assert_eq!(options.name(), spec.name);
         assert!(options.default_every() > 0);
         let written = toml::to_string(options).unwrap();
-        assert!(
-            written.contains(&format!("kind = \"{}\"", spec.name)),
-            "{written}"
-        );
-        assert_eq!(
-            &toml::from_str::<ObservableOptions>(&written).unwrap(),
-            options
-        );
+        assert!(written.contains(&format!("kind = \"{}\"", spec.name)), "{written}");
+        assert_eq!(&toml::from_str::<ObservableOptions>(&written).unwrap(), options);
         let minimal = format!("kind = \"{}\"", spec.name);
-        assert_eq!(
-            &toml::from_str::<ObservableOptions>(&minimal).unwrap(),
-            options
-        );
+        assert_eq!(&toml::from_str::<ObservableOptions>(&minimal).unwrap(), options);
         let misspelt = format!("{minimal}\nr_maxx = 3.0");
         let error = toml::from_str::<ObservableOptions>(&misspelt).unwrap_err();
         assert!(error.to_string().contains("r_maxx"), "{error}");
@@ -189,10 +165,7 @@ fn an_observable_restored_in_the_middle_ends_with_the_same_bits() {
         ..MsdOptions::default()
     }));
     let make = || -> Vec<Box<dyn Observable>> {
-        options
-            .iter()
-            .map(|o| build(o, &context_for(o, N)).unwrap())
-            .collect()
+        options.iter().map(|o| build(o, &context_for(o, N)).unwrap()).collect()
     };
     let (mut whole, mut first, mut second) = (make(), make(), make());
     walk(180, |s, view| {
@@ -216,10 +189,7 @@ fn an_observable_restored_in_the_middle_ends_with_the_same_bits() {
         assert!(!archive.arrays.is_empty(), "{name} saves nothing");
         assert!(archive == saved(b.as_ref()), "{name}");
         // As text, for which NaN equals NaN.
-        assert_eq!(
-            format!("{:?}", a.finish(0.0)),
-            format!("{:?}", b.finish(0.0))
-        );
+        assert_eq!(format!("{:?}", a.finish(0.0)), format!("{:?}", b.finish(0.0)));
     }
     for (a, b) in first.iter().zip(&second) {
         let name = a.spec().name;
@@ -232,10 +202,7 @@ fn an_observable_restored_in_the_middle_ends_with_the_same_bits() {
 
 #[test]
 fn an_observable_of_a_mixture_restored_in_the_middle_ends_with_the_same_bits() {
-    let context = BuildContext {
-        species: species(N, 3),
-        ..context()
-    };
+    let context = BuildContext { species: species(N, 3), ..context() };
     let system = System::of_species(context.species.clone());
     let make = |context: &BuildContext| -> Vec<Box<dyn Observable>> {
         ObservableOptions::all()
@@ -247,11 +214,7 @@ fn an_observable_of_a_mixture_restored_in_the_middle_ends_with_the_same_bits() {
     };
     let (mut whole, mut first, mut second) = (make(&context), make(&context), make(&context));
     walk(180, |s, view| {
-        let view = View {
-            system: &system,
-            shared: Default::default(),
-            ..*view
-        };
+        let view = View { system: &system, shared: Default::default(), ..*view };
         if s == 77 {
             for (a, b) in first.iter().zip(&mut second) {
                 b.restore(&saved(a.as_ref()).reader()).unwrap();
@@ -265,29 +228,16 @@ fn an_observable_of_a_mixture_restored_in_the_middle_ends_with_the_same_bits() {
     for (a, b) in whole.iter().zip(&second) {
         let name = a.spec().name;
         assert!(saved(a.as_ref()) == saved(b.as_ref()), "{name}");
-        assert_eq!(
-            format!("{:?}", a.finish(0.0)),
-            format!("{:?}", b.finish(0.0))
-        );
+        assert_eq!(format!("{:?}", a.finish(0.0)), format!("{:?}", b.finish(0.0)));
     }
     // What was counted by species is not taken for a pure fluid's, nor missed.
-    for name in [
-        "rdf",
-        "msd",
-        "vacf",
-        "structure-factor",
-        "kirkwood-buff",
-        "thermodynamics",
-    ] {
+    for name in ["rdf", "msd", "vacf", "structure-factor", "kirkwood-buff", "thermodynamics"] {
         let of = |all: Vec<Box<dyn Observable>>| {
             let mut all = all.into_iter();
             all.find(|o| o.spec().name == name).unwrap()
         };
         let archive = saved(of(make(&self::context())).as_ref());
-        assert!(
-            of(make(&context)).restore(&archive.reader()).is_err(),
-            "{name}"
-        );
+        assert!(of(make(&context)).restore(&archive.reader()).is_err(), "{name}");
     }
 }
 
@@ -296,11 +246,7 @@ fn a_saved_state_of_another_run_is_refused() {
     for options in ObservableOptions::all() {
         let mut built = build(&options, &context_for(&options, N)).unwrap();
         let empty = StateArchive::default();
-        assert!(
-            built.restore(&empty.reader()).is_err(),
-            "{}",
-            options.name()
-        );
+        assert!(built.restore(&empty.reader()).is_err(), "{}", options.name());
     }
 }
 
@@ -309,10 +255,7 @@ fn findings_have_the_same_bits_on_any_number_of_threads() {
     // More than one task of the exact sums.
     let n = lennard_core::parallel::CHUNK + 1;
     let run = |threads: usize| -> Vec<StateArchive> {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut all: Vec<_> = ObservableOptions::all()
             .iter()
             .map(|o| build(o, &context_for(o, n)).unwrap())
@@ -328,21 +271,12 @@ fn findings_have_the_same_bits_on_any_number_of_threads() {
 #[test]
 fn only_what_is_needed_is_asked_of_the_forces() {
     let wants = |name: &str| {
-        let options = ObservableOptions::all()
-            .into_iter()
-            .find(|o| o.name() == name)
-            .unwrap();
+        let options = ObservableOptions::all().into_iter().find(|o| o.name() == name).unwrap();
         build(&options, &context_for(&options, N)).unwrap().want()
     };
-    for name in [
-        "momentum",
-        "rdf",
-        "msd",
-        "vacf",
-        "structure-factor",
-        "kirkwood-buff",
-        "mutual-diffusion",
-    ] {
+    for name in
+        ["momentum", "rdf", "msd", "vacf", "structure-factor", "kirkwood-buff", "mutual-diffusion"]
+    {
         assert!(wants(name).is_nothing(), "{name}");
     }
     let tensor = wants("pressure-tensor");
@@ -350,37 +284,26 @@ fn only_what_is_needed_is_asked_of_the_forces() {
     assert_eq!(wants("thermodynamics"), lennard_core::Want::TOTALS);
     let without: ObservableOptions =
         toml::from_str("kind = \"thermodynamics\"\nconfigurational_temperature = false").unwrap();
-    assert_eq!(
-        build(&without, &context()).unwrap().want(),
-        lennard_core::Want::ENERGY_AND_VIRIAL
-    );
+    assert_eq!(build(&without, &context()).unwrap().want(), lennard_core::Want::ENERGY_AND_VIRIAL);
 }
 
 #[test]
 fn every_table_has_columns_of_equal_length_and_every_average_is_a_number() {
-    let mut all: Vec<_> = ObservableOptions::all()
-        .iter()
-        .map(|o| build(o, &context_for(o, N)).unwrap())
-        .collect();
+    let mut all: Vec<_> =
+        ObservableOptions::all().iter().map(|o| build(o, &context_for(o, N)).unwrap()).collect();
     for observable in &all {
         // Nothing seen: no panic, and no number that pretends to be one.
         for average in observable.finish(0.0).averages {
             assert!(average.estimate.mean.is_nan(), "{}", average.name);
         }
     }
-    walk(180, |_, view| {
-        all.iter_mut().for_each(|o| sample(o.as_mut(), view))
-    });
+    walk(180, |_, view| all.iter_mut().for_each(|o| sample(o.as_mut(), view)));
     let mut names = Vec::new();
     for observable in &all {
         let findings = observable.finish(0.0);
         for table in &findings.tables {
             let rows = table.rows();
-            assert!(
-                table.columns.iter().all(|c| c.cells.len() == rows),
-                "{}",
-                table.name
-            );
+            assert!(table.columns.iter().all(|c| c.cells.len() == rows), "{}", table.name);
             names.push(table.name.clone());
         }
         for average in &findings.averages {

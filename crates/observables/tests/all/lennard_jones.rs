@@ -19,10 +19,7 @@ const EVERY: u64 = 5;
 fn derivatives(r2: f64) -> (f64, f64) {
     let (inv_r2, r) = (1.0 / r2, r2.sqrt());
     let s6 = inv_r2.powi(3);
-    (
-        -24.0 * (2.0 * s6 * s6 - s6) / r,
-        24.0 * (26.0 * s6 * s6 - 7.0 * s6) * inv_r2,
-    )
+    (-24.0 * (2.0 * s6 * s6 - s6) / r, 24.0 * (26.0 * s6 * s6 - 7.0 * s6) * inv_r2)
 }
 
 /// Forces and totals of the plain cutoff, by the double loop.
@@ -65,12 +62,7 @@ fn forces(cell: &PeriodicBox, state: &mut State) {
 /// A lattice of 4³ cells, stirred at ρ = 0.8 until it is a fluid near T = 1.2.
 fn fluid(cell: &PeriodicBox) -> State {
     let a = cell.lengths().x / 4.0;
-    let basis = [
-        [0.0, 0.0, 0.0],
-        [0.5, 0.5, 0.0],
-        [0.5, 0.0, 0.5],
-        [0.0, 0.5, 0.5],
-    ];
+    let basis = [[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
     let positions: Vec<DVec3> = (0..256)
         .map(|i| {
             let corner = DVec3::new((i / 64) as f64, (i / 16 % 4) as f64, (i / 4 % 4) as f64);
@@ -130,10 +122,7 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
         shift: 0.0,
     }]);
     let mut msd = MeanSquareDisplacement::new(&MsdOptions::default(), &context).unwrap();
-    let options = VacfOptions {
-        window: 2.0,
-        ..VacfOptions::default()
-    };
+    let options = VacfOptions { window: 2.0, ..VacfOptions::default() };
     let mut vacf = VelocityAutocorrelation::new(&options, &context).unwrap();
     let mut rdf = RadialDistribution::new(&RdfOptions::default(), &context).unwrap();
     let mut state = fluid(&cell);
@@ -151,12 +140,7 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
             rdf.sample(&view);
         }
     }
-    let all = [
-        thermodynamics.finish(0.0),
-        msd.finish(0.0),
-        vacf.finish(0.0),
-        rdf.finish(0.0),
-    ];
+    let all = [thermodynamics.finish(0.0), msd.finish(0.0), vacf.finish(0.0), rdf.finish(0.0)];
     let average = |name: &str| -> Estimate {
         all.iter()
             .flat_map(|f| &f.averages)

@@ -24,22 +24,13 @@ fn an_option_that_does_not_suit_the_run_is_named_with_what_is_allowed() {
             "kind = \"msd\"\nfit_from = 3.0\nfit_to = 2.0",
             "`fit_from` is 3; allowed: less than `fit_to`, which is 2",
         ),
-        (
-            "kind = \"structure-factor\"\nk_max = 1e9",
-            "`k_max` is 1000000000; allowed: from 0.628",
-        ),
-        (
-            "kind = \"structure-factor\"\nk_max = 0.1",
-            " σ⁻¹ in this box",
-        ),
+        ("kind = \"structure-factor\"\nk_max = 1e9", "`k_max` is 1000000000; allowed: from 0.628"),
+        ("kind = \"structure-factor\"\nk_max = 0.1", " σ⁻¹ in this box"),
         (
             "kind = \"shear-viscosity\"\nwindow = 0.5",
             "`window` is 0.5; allowed: at least 32 sampling intervals of 0.04 τ (change `window` or `every`)",
         ),
-        (
-            "kind = \"vacf\"\nwindow = 0.01",
-            "`window` is 0.01; allowed: from 2 to ",
-        ),
+        ("kind = \"vacf\"\nwindow = 0.01", "`window` is 0.01; allowed: from 2 to "),
         (
             "kind = \"vacf\"\nwindow = 1e300",
             " sampling intervals of 0.04 τ (change `window` or `every`)",
@@ -49,9 +40,6 @@ fn an_option_that_does_not_suit_the_run_is_named_with_what_is_allowed() {
         let Err(error) = build(&options, &context) else {
             panic!("{options:?} was taken");
         };
-        assert!(
-            error.to_string().contains(wanted),
-            "wanted `{wanted}` in\n{error}"
-        );
+        assert!(error.to_string().contains(wanted), "wanted `{wanted}` in\n{error}");
     }
 }

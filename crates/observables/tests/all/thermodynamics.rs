@@ -42,11 +42,7 @@ fn average(findings: &Findings, name: &str) -> Estimate {
 fn pair_at_sigma() -> State {
     let direction = DVec3::new(2.0, 1.0, 2.0) / 3.0;
     let v = DVec3::new(0.5, -0.25, 1.0);
-    let mut state = State::new(
-        context(2, 10.0).cell,
-        vec![direction, DVec3::ZERO],
-        vec![v, -v],
-    );
+    let mut state = State::new(context(2, 10.0).cell, vec![direction, DVec3::ZERO], vec![v, -v]);
     let force = 24.0 * direction;
     state.forces = vec![force, -force];
     state.energetics = Energetics {
@@ -70,17 +66,10 @@ fn a_pair_at_sigma_has_the_values_worked_out_by_hand() {
     let context = context(2, 10.0);
     let system = System::atoms(2);
     let state = pair_at_sigma();
-    let tail = TailCorrection {
-        energy_per_particle: -0.5,
-        pressure: -0.25,
-    };
+    let tail = TailCorrection { energy_per_particle: -0.5, pressure: -0.25 };
     let mut thermodynamics = Thermodynamics::new(&context);
     let mut tensor = PressureTensor::new(&context);
-    let view = View {
-        tail: Some(tail),
-        heat: 0.3,
-        ..View::of(&state, &system)
-    };
+    let view = View { tail: Some(tail), heat: 0.3, ..View::of(&state, &system) };
     thermodynamics.sample(&view);
     tensor.sample(&view);
     let rows = thermodynamics.series();
@@ -93,17 +82,11 @@ fn a_pair_at_sigma_has_the_values_worked_out_by_hand() {
     close(rows.pressure[0], pressure - 0.25);
     close(rows.potential_energy_without_tail[0], 0.0);
     close(rows.potential_energy[0], -0.5);
-    close(
-        rows.conserved_energy[0],
-        0.656_25 + (0.016_316_891_136 - 0.3) / 2.0,
-    );
+    close(rows.conserved_energy[0], 0.656_25 + (0.016_316_891_136 - 0.3) / 2.0);
     close(rows.squared_force[0], 576.0);
     close(rows.laplacian[0], 408.0);
     let findings = thermodynamics.finish(0.0);
-    close(
-        average(&findings, "configurational_temperature").mean,
-        576.0 / 408.0,
-    );
+    close(average(&findings, "configurational_temperature").mean, 576.0 / 408.0);
     assert!(average(&findings, "pressure").standard_error.is_nan());
 
     let findings = tensor.finish(0.0);
@@ -122,10 +105,7 @@ fn half_steps_add_the_kicks_of_both_sides_to_temperature_and_pressure() {
     let state = pair_at_sigma();
     let mut thermodynamics = Thermodynamics::new(&context);
     let mut tensor = PressureTensor::new(&context);
-    let view = View {
-        half_kick_step: Some(0.01),
-        ..View::of(&state, &system)
-    };
+    let view = View { half_kick_step: Some(0.01), ..View::of(&state, &system) };
     thermodynamics.sample(&view);
     tensor.sample(&view);
     let rows = thermodynamics.series();
@@ -146,19 +126,10 @@ fn half_steps_add_the_kicks_of_both_sides_to_temperature_and_pressure() {
 
     // A method without half steps has none to show.
     let mut other = Thermodynamics::new(&context);
-    other.sample(&View {
-        half_kick_step: None,
-        ..view
-    });
+    other.sample(&View { half_kick_step: None, ..view });
     assert!(!other.has_half_steps());
     close(other.series().temperature_of_positions[0], 0.875);
-    assert!(
-        other
-            .finish(0.0)
-            .averages
-            .iter()
-            .all(|a| a.name != "temperature_half_steps")
-    );
+    assert!(other.finish(0.0).averages.iter().all(|a| a.name != "temperature_half_steps"));
 }
 
 #[test]
@@ -175,9 +146,7 @@ fn an_ideal_gas_of_any_size_has_the_pressure_of_its_density_and_temperature() {
             virial: Some(DMat3::ZERO),
             ..Energetics::default()
         };
-        let options = ThermodynamicsOptions {
-            configurational_temperature: false,
-        };
+        let options = ThermodynamicsOptions { configurational_temperature: false };
         let mut thermodynamics = Thermodynamics::with_options(&options, &context);
         thermodynamics.sample(&View::of(&state, &system));
         let rows = thermodynamics.series();
@@ -208,10 +177,7 @@ fn sampled(
             ..Energetics::default()
         };
         let heat = set(s, &mut state);
-        thermodynamics.sample(&View {
-            heat,
-            ..View::of(&state, &system)
-        });
+        thermodynamics.sample(&View { heat, ..View::of(&state, &system) });
     }
 }
 
@@ -243,11 +209,7 @@ fn a_force_that_jumps_at_the_cutoff_adds_its_delta_function_to_the_laplacian() {
     let k = 0.039;
     let regular = 4.0 * std::f64::consts::PI * 0.8 * 0.99 * k * 2.5 * 2.5;
     let mut thermodynamics = Thermodynamics::new(&context);
-    thermodynamics.set_ends(vec![PairEnd {
-        r_cut: 2.5,
-        slope: k,
-        shift: 0.0,
-    }]);
+    thermodynamics.set_ends(vec![PairEnd { r_cut: 2.5, slope: k, shift: 0.0 }]);
     sampled(&mut thermodynamics, &context, 4000, |s, state| {
         for (i, r) in state.positions.iter_mut().enumerate() {
             // Normal points three sides wide, folded into the box, are uniform.
@@ -278,10 +240,7 @@ fn drift_and_fluctuation_of_the_conserved_energy_are_those_put_in_and_heat_is_no
     });
     let found = thermodynamics.conservation();
     // The ripple itself adds √12·1e-4/(200·√4000)/√4000-like terms, below 1e-10 over a time of 200.
-    assert!(
-        (found.energy_drift_per_atom_per_tau - slope).abs() < 1e-9,
-        "{found:?}"
-    );
+    assert!((found.energy_drift_per_atom_per_tau - slope).abs() < 1e-9, "{found:?}");
     assert!((found.energy_rms_per_atom / ripple - 1.0).abs() < 1e-3);
     assert!((found.momentum_per_atom - 0.003).abs() < 1e-15);
     assert!(found.energy_drift_standard_error < 1e-7);
@@ -312,9 +271,7 @@ fn all_averages_of_a_run_share_one_equilibration_cut() {
     let slope = 3.0;
     let temperature = average(&findings, "temperature");
     let against = thermodynamics.potential_energy_against(slope);
-    let exact = energy
-        .standard_error
-        .hypot(slope * temperature.standard_error);
+    let exact = energy.standard_error.hypot(slope * temperature.standard_error);
     assert!((against.standard_error / exact - 1.0).abs() < 0.1);
     assert_eq!(against.mean, energy.mean);
 }

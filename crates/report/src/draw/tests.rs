@@ -4,45 +4,34 @@ use super::*;
 use crate::{Axis, Dash, FailedPoint};
 
 fn example() -> Figure {
-    Figure::new(
-        "test",
-        "Growth & <decay>",
-        Axis::linear("ωh"),
-        Axis::logarithmic("error / ε"),
-    )
-    .with(Series::new(
-        "theory",
-        Look::Line(Dash::Dashed),
-        0,
-        (1..50).map(|i| (f64::from(i), f64::from(i).powi(2))),
-    ))
-    .with(
-        Series::new(
-            "measured",
-            Look::Points(Symbol::Disc),
-            1,
-            vec![Point {
-                x: 3.0,
-                y: 9.0,
-                error: Some(20.0),
-                note: Some("n < 3".into()),
-                link: None,
-                x_range: Some((2.5, 3.5)),
-                label: Some("17".into()),
-            }],
+    Figure::new("test", "Growth & <decay>", Axis::linear("ωh"), Axis::logarithmic("error / ε"))
+        .with(Series::new(
+            "theory",
+            Look::Line(Dash::Dashed),
+            0,
+            (1..50).map(|i| (f64::from(i), f64::from(i).powi(2))),
+        ))
+        .with(
+            Series::new(
+                "measured",
+                Look::Points(Symbol::Disc),
+                1,
+                vec![Point {
+                    x: 3.0,
+                    y: 9.0,
+                    error: Some(20.0),
+                    note: Some("n < 3".into()),
+                    link: None,
+                    x_range: Some((2.5, 3.5)),
+                    label: Some("17".into()),
+                }],
+            )
+            .with_noted_failures(vec![
+                FailedPoint { x: 10.0, note: Some("blew up".into()) },
+                FailedPoint { x: 20.0, note: None },
+            ]),
         )
-        .with_noted_failures(vec![
-            FailedPoint {
-                x: 10.0,
-                note: Some("blew up".into()),
-            },
-            FailedPoint {
-                x: 20.0,
-                note: None,
-            },
-        ]),
-    )
-    .guided(Guide::Vertical(2.0, "limit".into()))
+        .guided(Guide::Vertical(2.0, "limit".into()))
 }
 
 #[test]
@@ -58,52 +47,30 @@ fn the_same_data_give_the_same_bytes_and_text_is_escaped() {
     assert!(svg.contains("<title>blew up</title>"));
     assert_eq!(svg.matches("class=\"hint\"").count(), 2);
     // Text stays text, and the legend says what a cross means.
-    for word in [
-        "theory",
-        "measured",
-        "failed: no value",
-        "limit",
-        "error / ε",
-    ] {
+    for word in ["theory", "measured", "failed: no value", "limit", "error / ε"] {
         assert!(svg.contains(word), "{word}");
     }
 }
 
 #[test]
 fn lines_are_cut_at_the_frame_and_broken_where_there_is_no_value() {
-    assert_eq!(
-        clip((-1.0, 0.5), (1.0, 0.5)),
-        Some(((0.0, 0.5), (1.0, 0.5), false, true))
-    );
+    assert_eq!(clip((-1.0, 0.5), (1.0, 0.5)), Some(((0.0, 0.5), (1.0, 0.5), false, true)));
     assert_eq!(clip((-1.0, 2.0), (2.0, 2.0)), None);
     let frame = Frame {
         left: 0.0,
         top: 0.0,
         width: 100.0,
         height: 100.0,
-        x: Axis::linear("x")
-            .from_to(0.0, 4.0)
-            .span("f", [].into_iter())
-            .unwrap(),
-        y: Axis::linear("y")
-            .from_to(0.0, 1.0)
-            .span("f", [].into_iter())
-            .unwrap(),
+        x: Axis::linear("x").from_to(0.0, 4.0).span("f", [].into_iter()).unwrap(),
+        y: Axis::linear("y").from_to(0.0, 1.0).span("f", [].into_iter()).unwrap(),
     };
     let points: Vec<Point> = [0.5, 0.5, f64::NAN, 0.5, 0.5]
         .iter()
         .enumerate()
-        .map(|(i, y)| Point {
-            x: i as f64,
-            y: *y,
-            ..Point::default()
-        })
+        .map(|(i, y)| Point { x: i as f64, y: *y, ..Point::default() })
         .collect();
     let pieces = visible_pieces(&frame, &points);
-    assert_eq!(
-        pieces,
-        [[(0.0, 50.0), (25.0, 50.0)], [(75.0, 50.0), (100.0, 50.0)]]
-    );
+    assert_eq!(pieces, [[(0.0, 50.0), (25.0, 50.0)], [(75.0, 50.0), (100.0, 50.0)]]);
 }
 
 #[test]
@@ -132,8 +99,5 @@ fn a_floor_is_tinted_and_a_point_carries_its_range_and_its_word() {
 #[test]
 fn a_figure_without_values_is_an_error() {
     let empty = Figure::new("empty", "Empty", Axis::linear("x"), Axis::linear("y"));
-    assert!(matches!(
-        empty.to_svg(),
-        Err(ReportError::NothingToDraw { .. })
-    ));
+    assert!(matches!(empty.to_svg(), Err(ReportError::NothingToDraw { .. })));
 }

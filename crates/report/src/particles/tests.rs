@@ -8,10 +8,7 @@ fn figure(sides: DVec3, places: Vec<DVec3>) -> ParticleFigure {
         name: "particles".into(),
         title: "Particles <at the end>".into(),
         sides,
-        species: vec![Sphere {
-            name: "Ar".into(),
-            diameter: 1.0,
-        }],
+        species: vec![Sphere { name: "Ar".into(), diameter: 1.0 }],
         places,
         of_particle: Vec::new(),
     }
@@ -41,11 +38,7 @@ fn what_others_hide_is_not_drawn_and_the_nearest_is_drawn_last() {
     let front = seen.last().unwrap();
     assert!(front.depth < 0.2, "{}", front.depth);
     assert_eq!(spheres(&six.to_svg().unwrap()), seen.len());
-    let apart = vec![
-        DVec3::splat(2.0),
-        DVec3::splat(10.0),
-        DVec3::new(2.0, 14.0, 3.0),
-    ];
+    let apart = vec![DVec3::splat(2.0), DVec3::splat(10.0), DVec3::new(2.0, 14.0, 3.0)];
     assert_eq!(figure(DVec3::splat(16.0), apart).scenery().seen.len(), 3);
 }
 
@@ -55,11 +48,7 @@ fn a_large_system_shows_a_corner_with_a_bounded_number_of_spheres() {
     let svg = large.to_svg().unwrap();
     assert!(spheres(&svg) <= MOST_SPHERES, "{}", spheres(&svg));
     assert!(spheres(&svg) > MOST_SPHERES / 3, "{}", spheres(&svg));
-    assert!(
-        svg.contains("a corner of the box: "),
-        "{}",
-        &svg[svg.len() - 400..]
-    );
+    assert!(svg.contains("a corner of the box: "), "{}", &svg[svg.len() - 400..]);
     assert!(svg.len() < 120_000, "{} bytes", svg.len());
     assert!(!crystal(6).to_svg().unwrap().contains("a corner"));
 }
@@ -78,24 +67,16 @@ fn places_are_folded_into_the_box_and_the_text_is_escaped_and_repeatable() {
 
 #[test]
 fn the_longest_side_lies_from_left_to_right_and_species_have_colors_and_a_legend() {
-    let mut mixture = figure(
-        DVec3::new(5.0, 5.0, 20.0),
-        vec![DVec3::splat(1.0), DVec3::new(1.0, 1.0, 15.0)],
-    );
-    let krypton = Sphere {
-        name: "Kr".into(),
-        diameter: 1.2,
-    };
+    let mut mixture =
+        figure(DVec3::new(5.0, 5.0, 20.0), vec![DVec3::splat(1.0), DVec3::new(1.0, 1.0, 15.0)]);
+    let krypton = Sphere { name: "Kr".into(), diameter: 1.2 };
     mixture.species.push(krypton);
     mixture.of_particle = vec![0, 1];
     let seen = mixture.scenery().seen;
     let [first, second] = [0, 1].map(|a| seen.iter().find(|s| s.species == a).unwrap().at);
     assert!(second.0 - first.0 > 200.0, "{first:?} {second:?}");
     let svg = mixture.to_svg().unwrap();
-    assert!(
-        svg.contains("#particles-0-") && svg.contains("#particles-1-"),
-        "{svg}"
-    );
+    assert!(svg.contains("#particles-0-") && svg.contains("#particles-1-"), "{svg}");
     assert!(svg.contains(">Kr</text>"), "{svg}");
     assert!(svg.contains("5.00 × 5.00 × 20.00 σ"), "{svg}");
 }

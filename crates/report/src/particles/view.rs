@@ -91,10 +91,7 @@ impl Scenery {
             sides,
             axes,
             share,
-            corner: (
-                scale * left - 0.5 * (WIDTH - scale * (right - left)),
-                scale * upper,
-            ),
+            corner: (scale * left - 0.5 * (WIDTH - scale * (right - left)), scale * upper),
         };
         let in_part = all.places.iter().enumerate().filter_map(|(i, r)| {
             let r = turned(*r);
@@ -115,11 +112,8 @@ impl Scenery {
             .into_iter()
             .map(|(r, species)| {
                 let (_, near) = flat(r);
-                let seen = Seen {
-                    at: self.place(r),
-                    species,
-                    depth: 1.0 - (near - farthest) / range,
-                };
+                let seen =
+                    Seen { at: self.place(r), species, depth: 1.0 - (near - farthest) / range };
                 let radius = 0.5 * self.scale * all.diameters[species];
                 (seen, radius)
             })
@@ -134,10 +128,7 @@ impl Scenery {
     /// Where a place is on the sheet.
     fn place(&self, r: DVec3) -> Place {
         let ((x, y), _) = flat(r);
-        (
-            self.scale * x - self.corner.0,
-            self.scale * y - self.corner.1,
-        )
+        (self.scale * x - self.corner.0, self.scale * y - self.corner.1)
     }
 
     /// The edges that meet at the corner nearest to the viewer, or the nine others.
@@ -180,11 +171,7 @@ impl Scenery {
             sides[axis] = side;
         }
         let [x, y, z] = sides;
-        let part = if self.share < 1.0 {
-            "a corner of the box: "
-        } else {
-            ""
-        };
+        let part = if self.share < 1.0 { "a corner of the box: " } else { "" };
         format!("{part}{x:.2} × {y:.2} × {z:.2} σ")
     }
 }
@@ -232,11 +219,7 @@ struct Cover {
 impl Cover {
     fn new(width: f64, height: f64) -> Self {
         let (columns, rows) = (width.ceil() as usize, height.ceil() as usize);
-        Self {
-            columns,
-            rows,
-            covered: vec![false; columns * rows],
-        }
+        Self { columns, rows, covered: vec![false; columns * rows] }
     }
 
     /// Covers the disc around a place, and tells whether any of it was free.

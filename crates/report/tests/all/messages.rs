@@ -14,10 +14,7 @@ fn a_figure_that_cannot_be_drawn_says_which_and_why() {
         "figure `drift` has no value that its axes can show"
     );
     assert_eq!(
-        figure(
-            Axis::linear("y").from_to(2.0, 1.0),
-            vec![(1.0, 1.0), (2.0, 2.0)]
-        ),
+        figure(Axis::linear("y").from_to(2.0, 1.0), vec![(1.0, 1.0), (2.0, 2.0)]),
         "figure `drift`: the axis `y` cannot run from 2 to 1"
     );
     let bars = BarFigure {
@@ -25,11 +22,7 @@ fn a_figure_that_cannot_be_drawn_says_which_and_why() {
         title: "Cost".into(),
         axis: Axis::linear("ns"),
         groups: vec!["a".into(), "b".into()],
-        series: vec![BarSeries {
-            name: "double".into(),
-            color: 0,
-            values: vec![None],
-        }],
+        series: vec![BarSeries { name: "double".into(), color: 0, values: vec![None] }],
     };
     assert_eq!(
         bars.to_svg().unwrap_err().to_string(),

@@ -42,9 +42,7 @@ impl Settings {
             threads: chosen.threads,
             truncation: chosen.truncation,
             integrator: IntegratorKeys { dt: chosen.dt },
-            kernel: Pairs {
-                precision: chosen.precision,
-            },
+            kernel: Pairs { precision: chosen.precision },
             neighbor: chosen.neighbor,
         }
     }
@@ -61,9 +59,7 @@ impl Chosen {
         let mut found = Vec::new();
         for (table, values) in &all {
             for (key, value) in values.as_table().into_iter().flatten() {
-                let value = value
-                    .as_str()
-                    .map_or_else(|| value.to_string(), str::to_owned);
+                let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
                 found.push((format!("{table}.{key}"), value));
             }
         }

@@ -22,10 +22,7 @@ pub(super) fn counts(
         })
         .collect();
     let mut counts: Vec<usize> = exact.iter().map(|x| x.floor() as usize).collect();
-    let is_counted = mixture
-        .species
-        .iter()
-        .all(|s| matches!(s.amount, Amount::Count(_)));
+    let is_counted = mixture.species.iter().all(|s| matches!(s.amount, Amount::Count(_)));
     if is_counted {
         return add_up(scene, counts, n);
     }

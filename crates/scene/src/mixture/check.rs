@@ -34,10 +34,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
         return match scene.truncation.r_cut_in {
             None | Some(CutoffUnit::Sigma) => Ok(()),
             Some(unit) => Err(source
-                .refuse(
-                    "truncation.r_cut_in",
-                    "has no pairs of species to measure by",
-                )
+                .refuse("truncation.r_cut_in", "has no pairs of species to measure by")
                 .found(format!("{:?} without `[[species]]`", unit.name()))
                 .allowed("a table `[[species]]` for each species, or no such key")),
         };
@@ -68,9 +65,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
 
 /// Whether a wall acts as sites do, with a σ and an ε of its own: it is neither hit nor a spring.
 fn has_sites(scene: &Scene, table: &WallTable) -> bool {
-    let context = WallContext {
-        temperature: scene.system.temperature,
-    };
+    let context = WallContext { temperature: scene.system.temperature };
     match table.options.surface(&context, false) {
         Surface::Hit(_) => false,
         Surface::Exerts(wall) => wall.contact().is_none(),
@@ -83,10 +78,7 @@ fn observables_fit(scene: &Scene) -> Result<(), SceneError> {
     for (i, table) in scene.observables.iter().enumerate() {
         let (spec, fits) = (table.options.spec(), table.options.species());
         let (what, allowed) = if n > 1 && !spec.suits.includes_mixtures() {
-            (
-                "is for one species alone",
-                "a scene of one species".to_owned(),
-            )
+            ("is for one species alone", "a scene of one species".to_owned())
         } else if !fits.contains(&n) {
             let allowed = format!("a scene with {} tables `[[species]]`", fits.start());
             ("is for another number of species", allowed)

@@ -72,10 +72,8 @@ pub struct MixtureTables {
 impl MixtureTables {
     /// σ and ε of a pair of species; `None` where neither rule nor table says them.
     fn size(&self, a: usize, b: usize) -> Option<Size> {
-        let own = |a: usize| Size {
-            sigma: self.species[a].sigma,
-            epsilon: self.species[a].epsilon,
-        };
+        let own =
+            |a: usize| Size { sigma: self.species[a].sigma, epsilon: self.species[a].epsilon };
         if a == b {
             return Some(own(a));
         }
@@ -85,9 +83,7 @@ impl MixtureTables {
         let by_rule = rule.and_then(|rule| rule.combine(own(a), own(b), deviation));
         Some(Size {
             sigma: pair.and_then(|p| p.sigma).or(by_rule.map(|s| s.sigma))?,
-            epsilon: pair
-                .and_then(|p| p.epsilon)
-                .or(by_rule.map(|s| s.epsilon))?,
+            epsilon: pair.and_then(|p| p.epsilon).or(by_rule.map(|s| s.epsilon))?,
         })
     }
 
@@ -137,9 +133,7 @@ impl Scene {
         let runs = counts.iter().enumerate();
         let of_particle: Vec<u8> = match counts.len() {
             1 => Vec::new(),
-            _ => runs
-                .flat_map(|(a, count)| std::iter::repeat_n(a as u8, *count))
-                .collect(),
+            _ => runs.flat_map(|(a, count)| std::iter::repeat_n(a as u8, *count)).collect(),
         };
         self.species_table(n, &of_particle)
     }
@@ -147,10 +141,7 @@ impl Scene {
     /// `n` particles of the one species of a scene that names none.
     #[must_use]
     pub fn one_species(&self, n: usize) -> SpeciesTable {
-        let species = Species {
-            element: self.output.element.clone(),
-            ..Species::unnamed()
-        };
+        let species = Species { element: self.output.element.clone(), ..Species::unnamed() };
         SpeciesTable::one(species, n)
     }
 
@@ -158,11 +149,7 @@ impl Scene {
     #[must_use]
     pub fn with_shares_of(&self, species: &SpeciesTable) -> Self {
         let mut scene = self.clone();
-        for (a, entry) in scene
-            .mixture
-            .iter_mut()
-            .flat_map(|m| m.species.iter_mut().enumerate())
-        {
+        for (a, entry) in scene.mixture.iter_mut().flat_map(|m| m.species.iter_mut().enumerate()) {
             entry.amount = Amount::Fraction(species.fraction(a));
         }
         scene
@@ -215,9 +202,8 @@ impl Scene {
     pub fn mixture_of(&self, species: &SpeciesTable) -> Option<Mixture> {
         self.mixture.as_ref()?;
         let pair = |a, b| self.species_pair(a, b);
-        let of_particle: Vec<u8> = (0..species.n_particles())
-            .map(|i| species.of(i) as u8)
-            .collect();
+        let of_particle: Vec<u8> =
+            (0..species.n_particles()).map(|i| species.of(i) as u8).collect();
         let mixture = Mixture::new(species.n_species(), pair, of_particle);
         Some(mixture.expect("checked when the scene was read"))
     }
@@ -274,9 +260,7 @@ impl Scene {
     #[must_use]
     pub fn largest_sigma(&self) -> f64 {
         let sigmas = self.species_pairs();
-        sigmas
-            .map(|[a, b]| self.species_pair(a, b).sigma)
-            .fold(0.0, f64::max)
+        sigmas.map(|[a, b]| self.species_pair(a, b).sigma).fold(0.0, f64::max)
     }
 
     /// The species in words, at the end of a model's name: `species A and B, Lorentz–Berthelot`.
@@ -292,9 +276,6 @@ impl Scene {
             n => format!(", {n} pairs of their own"),
         };
         let title = rule.spec().title;
-        Some(format!(
-            "species {} with {title} pairs{own}",
-            names.join(", ")
-        ))
+        Some(format!("species {} with {title} pairs{own}", names.join(", ")))
     }
 }

@@ -33,11 +33,7 @@ impl Reader<'_> {
         }
         let rule = self.rule(&species)?;
         let pairs = self.pairs(&species, rule.as_ref())?;
-        let mixture = MixtureTables {
-            species,
-            rule,
-            pairs,
-        };
+        let mixture = MixtureTables { species, rule, pairs };
         self.all_pairs_are_said(&mixture)?;
         Ok(Some(mixture))
     }
@@ -111,10 +107,7 @@ impl Reader<'_> {
                 return Err(self
                     .source
                     .refuse(&key, "stands for two species")
-                    .found(format!(
-                        "{element:?} for {:?} and for {name:?}",
-                        rows[first].0
-                    ))
+                    .found(format!("{element:?} for {:?} and for {name:?}", rows[first].0))
                     .allowed("an element for each species: files tell them apart by it"));
             }
             elements.push(element);
@@ -145,22 +138,16 @@ impl Reader<'_> {
                         .allowed("one of them"));
                 }
                 (Some(_), None) | (None, Some(_)) if of_file => {
-                    let key = if row.count.is_some() {
-                        "count"
-                    } else {
-                        "fraction"
-                    };
+                    let key = if row.count.is_some() { "count" } else { "fraction" };
                     return Err(refuse(key, "does not go with `configuration`")
                         .found(format!("`{key}` of {name:?}"))
                         .allowed("no such key: the configuration file has it"));
                 }
                 (None, None) if of_file => Amount::OfFile,
                 (Some(_), None) if by_count => {
-                    return Err(
-                        refuse("fraction", "stands beside a `count` of another species")
-                            .found(format!("`fraction` of {name:?}"))
-                            .allowed("all species by `fraction`, or all by `count`"),
-                    );
+                    return Err(refuse("fraction", "stands beside a `count` of another species")
+                        .found(format!("`fraction` of {name:?}"))
+                        .allowed("all species by `fraction`, or all by `count`"));
                 }
                 (Some(fraction), None) => Amount::Fraction(fraction),
                 (None, Some(count)) => Amount::Count(count),
@@ -202,10 +189,7 @@ impl Reader<'_> {
         let rest = rest.map(|rest| format!("fraction = {} here", rest.trim_end_matches('0')));
         Err(self
             .source
-            .refuse(
-                &format!("species.{last}.fraction"),
-                "leaves a sum other than 1",
-            )
+            .refuse(&format!("species.{last}.fraction"), "leaves a sum other than 1")
             .found(format!("{} = {sum:.6}", each.join(" + ")))
             .allowed("fractions that add up to 1")
             .suggestion(rest))
@@ -219,10 +203,7 @@ impl Reader<'_> {
             }
             return Err(self
                 .source
-                .refuse(
-                    "mixing.rule",
-                    "is missing: no combining rule is the default",
-                )
+                .refuse("mixing.rule", "is missing: no combining rule is the default")
                 .at(self.source.place("species.1").cloned())
                 .found(format!("{} species without `[mixing]`", species.len()))
                 .allowed(format!("[mixing] with rule = {}", quoted(&names))));
@@ -322,11 +303,9 @@ impl Reader<'_> {
                     .allowed("rule = \"lorentz-berthelot\", or sigma and epsilon of the pair"));
             }
             if let Some((_, other)) = find(instead) {
-                return Err(
-                    refuse(deviation, &format!("and `{instead}` are both given"))
-                        .found(format!("{deviation} = {x} and {instead} = {other}"))
-                        .allowed("one of them"),
-                );
+                return Err(refuse(deviation, &format!("and `{instead}` are both given"))
+                    .found(format!("{deviation} = {x} and {instead} = {other}"))
+                    .allowed("one of them"));
             }
         }
         Ok(())
@@ -341,10 +320,8 @@ impl Reader<'_> {
                     continue;
                 }
                 let [one, other] = [a, b].map(|a| &mixture.species[a].name);
-                let entry = mixture
-                    .pairs
-                    .iter()
-                    .position(|p| p.species == [a, b] || p.species == [b, a]);
+                let entry =
+                    mixture.pairs.iter().position(|p| p.species == [a, b] || p.species == [b, a]);
                 let key = entry.map_or("mixing.rule".to_owned(), |i| format!("pair.{i}"));
                 return Err(self
                     .source

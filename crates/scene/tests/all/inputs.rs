@@ -41,10 +41,7 @@ pub(crate) fn good_scenes(folder: &Path) -> Vec<PathBuf> {
 
 /// A list of state points for `lennard sweep`, which names its scene as `base`.
 fn is_sweep(path: &Path) -> bool {
-    std::fs::read_to_string(path)
-        .unwrap()
-        .lines()
-        .any(|line| line.starts_with("base = "))
+    std::fs::read_to_string(path).unwrap().lines().any(|line| line.starts_with("base = "))
 }
 
 /// What a `.expected` file says: the lines, and whether the trouble shows only after the scene was read.
@@ -59,11 +56,8 @@ fn expected(scene: &Path) -> (Vec<String>, bool) {
 /// The text after `# Expected: ` at the head of a bad scene.
 fn announced(scene: &Path) -> String {
     let text = std::fs::read_to_string(scene).unwrap();
-    let line = text
-        .lines()
-        .find_map(|line| line.strip_prefix("# Expected: "));
-    line.unwrap_or_else(|| panic!("{} announces nothing", scene.display()))
-        .to_owned()
+    let line = text.lines().find_map(|line| line.strip_prefix("# Expected: "));
+    line.unwrap_or_else(|| panic!("{} announces nothing", scene.display())).to_owned()
 }
 
 fn refusal(scene: &Path) -> SceneError {
@@ -88,10 +82,7 @@ fn every_bad_scene_is_refused_in_the_words_beside_it() {
         let message = refusal(&path).to_string();
         assert_eq!(message, lines.join("\n"), "{}", path.display());
         let announced = announced(&path);
-        assert!(
-            message.contains(&announced),
-            "{message}\nannounced: {announced}"
-        );
+        assert!(message.contains(&announced), "{message}\nannounced: {announced}");
     }
 }
 
@@ -105,14 +96,9 @@ fn every_refusal_names_file_key_and_what_is_allowed() {
         let error = refusal(&path);
         assert_eq!(error.file(), path.display().to_string());
         let not_there_yet = error.message().contains("not available yet");
-        assert!(
-            not_there_yet || error.what_is_allowed().is_some(),
-            "{error}"
-        );
+        assert!(not_there_yet || error.what_is_allowed().is_some(), "{error}");
         // Text that is no TOML has no keys, and what is missing has no line.
-        let no_key = ["not TOML", "cannot be read"]
-            .iter()
-            .any(|m| error.message().contains(m));
+        let no_key = ["not TOML", "cannot be read"].iter().any(|m| error.message().contains(m));
         assert!(no_key || error.key_path().is_some(), "{error}");
         let missing = error.message() == "is missing" || path.ends_with("tail-with-vacuum.toml");
         assert!(missing || error.line().is_some(), "{error}");
@@ -148,22 +134,12 @@ fn every_good_scene_loads_and_its_resolved_text_loads_back_to_the_same() {
 #[test]
 fn every_scene_says_at_its_head_what_it_shows_and_how_to_run_it() {
     enter_root();
-    for path in good_scenes(Path::new("inputs"))
-        .into_iter()
-        .chain(scenes_in("inputs/bad"))
-    {
+    for path in good_scenes(Path::new("inputs")).into_iter().chain(scenes_in("inputs/bad")) {
         let text = std::fs::read_to_string(&path).unwrap();
-        let head: Vec<&str> = text
-            .lines()
-            .take_while(|line| line.starts_with('#'))
-            .collect();
+        let head: Vec<&str> = text.lines().take_while(|line| line.starts_with('#')).collect();
         let command = format!("cargo run --release -- run {}", path.display());
         assert!(head.len() >= 3, "{}", path.display());
-        assert!(
-            head.iter().any(|line| line.contains(&command)),
-            "{}",
-            path.display()
-        );
+        assert!(head.iter().any(|line| line.contains(&command)), "{}", path.display());
     }
 }
 
@@ -261,10 +237,7 @@ fn write_reference() {
     enter_root();
     let readme = std::fs::read_to_string("inputs/README.md").unwrap();
     let (before, _) = readme.split_once(START).unwrap();
-    std::fs::write(
-        "inputs/README.md",
-        format!("{before}{START}{}", reference::markdown()),
-    )
-    .unwrap();
+    std::fs::write("inputs/README.md", format!("{before}{START}{}", reference::markdown()))
+        .unwrap();
     std::fs::write(SCHEMA, schema_text()).unwrap();
 }

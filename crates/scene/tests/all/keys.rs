@@ -108,10 +108,8 @@ fn the_reader_knows_exactly_the_documented_keys_of_every_table() {
             if table.is_empty() {
                 // Tables stand beside the keys at the top.
                 let root = reference::tables().iter().map(|t| t.table);
-                expected.extend(
-                    root.filter(|t| !t.is_empty() && !t.contains('.'))
-                        .map(str::to_owned),
-                );
+                expected
+                    .extend(root.filter(|t| !t.is_empty() && !t.contains('.')).map(str::to_owned));
             }
             assert_eq!(known(table, method), expected, "[{table}] {method:?}");
         }
@@ -160,14 +158,8 @@ fn scenes_are_written_with_documented_keys_and_each_of_them_is_written() {
     };
     let all = documented(true);
     let unknown: Vec<_> = found.difference(&all).collect();
-    assert!(
-        unknown.is_empty(),
-        "written and not documented: {unknown:?}"
-    );
+    assert!(unknown.is_empty(), "written and not documented: {unknown:?}");
     let shared = documented(false);
     let missing: Vec<_> = shared.difference(&found).collect();
-    assert!(
-        missing.is_empty(),
-        "documented and not written: {missing:?}"
-    );
+    assert!(missing.is_empty(), "documented and not written: {missing:?}");
 }

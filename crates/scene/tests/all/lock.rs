@@ -38,10 +38,7 @@ fn chosen() -> Chosen {
         truncation: TruncationOptions::new(TruncationKind::Cut, 3.25),
         dt: 0.0052,
         precision: Precision::Mixed,
-        neighbor: NeighborOptions {
-            mode: ListMode::Verlet,
-            skin: Some(0.41),
-        },
+        neighbor: NeighborOptions { mode: ListMode::Verlet, skin: Some(0.41) },
         threads: 3,
     }
 }
@@ -79,10 +76,7 @@ fn an_accuracy_that_nobody_typed_is_named_as_no_override() {
     std::fs::write(&path, text.replace("thermostat = \"bussi\"\n", "")).unwrap();
     let cold = ("system.temperature".to_owned(), "0".to_owned());
     let message = Scene::load_freed(&path, &[cold]).unwrap_err().to_string();
-    assert!(
-        message.contains("cold.toml: `accuracy` has no state"),
-        "{message}"
-    );
+    assert!(message.contains("cold.toml: `accuracy` has no state"), "{message}");
 }
 
 fn judged() -> Vec<Judged> {
@@ -123,10 +117,7 @@ fn an_accuracy_leaves_free_what_is_not_written() {
 fn whose_pressure_is_wanted_depends_on_what_is_fixed() {
     let full = |set: &[(&str, &str)]| parse(ASKING, set).wants_full_potential();
     assert!(full(&[]) && full(&[("truncation.r_cut", "2.5")]));
-    assert!(!full(&[
-        ("truncation.r_cut", "2.5"),
-        ("truncation.kind", "shift")
-    ]));
+    assert!(!full(&[("truncation.r_cut", "2.5"), ("truncation.kind", "shift")]));
     assert!(!full(&[("potential.kind", "wca")]));
 }
 
@@ -134,14 +125,8 @@ fn whose_pressure_is_wanted_depends_on_what_is_fixed() {
 fn nothing_may_be_run_before_a_lock_has_brought_the_settings() {
     let scene = parse(ASKING, &[]);
     let error = scene.settled().unwrap_err();
-    assert_eq!(
-        (error.key_path(), error.line()),
-        (Some("accuracy"), Some(1))
-    );
-    assert!(
-        error.to_string().contains("lennard tune asking.toml"),
-        "{error}"
-    );
+    assert_eq!((error.key_path(), error.line()), (Some("accuracy"), Some(1)));
+    assert!(error.to_string().contains("lennard tune asking.toml"), "{error}");
     let settled = lock_of(&scene).settle(&scene).unwrap();
     assert!(settled.settled().is_ok());
     assert_eq!(settled.truncation, chosen().truncation);
@@ -151,21 +136,12 @@ fn nothing_may_be_run_before_a_lock_has_brought_the_settings() {
     assert_eq!(settled.accuracy, scene.accuracy);
     // What the run writes beside its results needs no lock any more.
     let again = parse(&settled.resolved_toml(), &[("name", "asking")]);
-    assert_eq!(
-        again,
-        Scene {
-            name: "asking".into(),
-            ..settled
-        }
-    );
+    assert_eq!(again, Scene { name: "asking".into(), ..settled });
 }
 
 #[test]
 fn what_is_fixed_by_hand_stays_as_it_is() {
-    let scene = parse(
-        ASKING,
-        &[("integrator.dt", "0.001"), ("neighbor.skin", "0.2")],
-    );
+    let scene = parse(ASKING, &[("integrator.dt", "0.001"), ("neighbor.skin", "0.2")]);
     let settled = lock_of(&scene).settle(&scene).unwrap();
     assert_eq!(settled.integrator.dt, 0.001);
     assert_eq!(settled.neighbor.skin, Some(0.2));
@@ -202,10 +178,7 @@ fn seed_lengths_and_outputs_may_change_and_nothing_else() {
         assert_eq!(error.file(), "asking.lock.toml");
         assert!(error.message().contains("belongs to another"), "{error}");
         let text = error.to_string();
-        assert!(
-            text.contains(value) && text.contains("lennard tune asking.toml"),
-            "{text}"
-        );
+        assert!(text.contains(value) && text.contains("lennard tune asking.toml"), "{text}");
     }
 }
 
@@ -220,53 +193,23 @@ fn a_lock_that_was_written_over_is_checked_like_a_scene() {
         lock.and_then(|lock| lock.settle(&scene)).unwrap_err()
     };
     let cases = [
-        (
-            with("dt = 0.0052", "dt = -0.0052"),
-            "integrator.dt",
-            "is negative",
-        ),
-        (
-            with("dt = 0.0052", "dt = nan"),
-            "integrator.dt",
-            "is not a finite number",
-        ),
-        (
-            with("r_cut = 3.25", "r_cut = 5.5"),
-            "truncation.r_cut",
-            "does not fit",
-        ),
-        (
-            with("r_cut = 3.25", "r_kut = 3.25"),
-            "truncation.r_kut",
-            "is not a known key",
-        ),
-        (
-            with("threads = 3", "threads = 0"),
-            "threads",
-            "is not allowed",
-        ),
-        (
-            with("lennard-lock/1", "lennard-lock/9"),
-            "schema",
-            "is not one",
-        ),
+        (with("dt = 0.0052", "dt = -0.0052"), "integrator.dt", "is negative"),
+        (with("dt = 0.0052", "dt = nan"), "integrator.dt", "is not a finite number"),
+        (with("r_cut = 3.25", "r_cut = 5.5"), "truncation.r_cut", "does not fit"),
+        (with("r_cut = 3.25", "r_kut = 3.25"), "truncation.r_kut", "is not a known key"),
+        (with("threads = 3", "threads = 0"), "threads", "is not allowed"),
+        (with("lennard-lock/1", "lennard-lock/9"), "schema", "is not one"),
     ];
     for (error, key, message) in cases {
         assert_eq!(error.key_path(), Some(key), "{error}");
         assert!(error.message().contains(message), "{error}");
-        assert!(
-            error.file() == "hand.lock.toml" && error.line().is_some(),
-            "{error}"
-        );
+        assert!(error.file() == "hand.lock.toml" && error.line().is_some(), "{error}");
     }
     let no_lock = Lock::parse(ASKING, "x.toml").unwrap_err();
     assert!(no_lock.message().contains("no lock file"), "{no_lock}");
     // Dropping a setting brings its default, dropping the step nothing.
     let missing = with("dt = 0.0052\n", "");
-    assert_eq!(
-        (missing.key_path(), missing.message()),
-        (Some("integrator.dt"), "is missing")
-    );
+    assert_eq!((missing.key_path(), missing.message()), (Some("integrator.dt"), "is missing"));
 }
 
 #[test]
@@ -282,10 +225,7 @@ fn a_scene_that_leaves_nothing_open_has_no_use_for_a_lock() {
 fn a_lock_file_that_cannot_serve_says_what_would() {
     let message = |error: lennard_scene::SceneError| error.to_string();
     let missing = message(Lock::load(std::path::Path::new("no/such.lock.toml")).unwrap_err());
-    assert!(
-        missing.contains("the lock file cannot be read"),
-        "{missing}"
-    );
+    assert!(missing.contains("the lock file cannot be read"), "{missing}");
     let other = message(Lock::parse("name = 1\n", "x.lock.toml").unwrap_err());
     assert!(other.contains("this is no lock file"), "{other}");
     assert!(other.contains(", as `lennard tune` writes it"), "{other}");
@@ -308,18 +248,10 @@ fn a_lock_file_that_cannot_serve_says_what_would() {
         ("neighbor.skin", "0.3"),
     ];
     let full = message(lock.settle(&parse(ASKING, &all)).unwrap_err());
-    assert!(
-        full.contains("every setting written in asking.toml"),
-        "{full}"
-    );
-    assert!(
-        full.contains("a scene with [accuracy] and settings left out"),
-        "{full}"
-    );
-    let hotter = message(
-        lock.settle(&parse(ASKING, &[("system.temperature", "2.0")]))
-            .unwrap_err(),
-    );
+    assert!(full.contains("every setting written in asking.toml"), "{full}");
+    assert!(full.contains("a scene with [accuracy] and settings left out"), "{full}");
+    let hotter =
+        message(lock.settle(&parse(ASKING, &[("system.temperature", "2.0")])).unwrap_err());
     assert!(
         hotter.contains(
             "the scene that the lock was made for, or a new lock: lennard tune asking.toml"

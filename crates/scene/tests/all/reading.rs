@@ -46,10 +46,8 @@ fn with_method(table: &str, kind: &str) -> Scene {
         "stage.barostat" => {
             let barostat = format!("{{ kind = {kind:?}, pressure = 1.0 }}");
             let thermostat = bath_of(kind);
-            let baths = [
-                ("stage.heat.barostat", barostat.as_str()),
-                ("stage.heat.thermostat", thermostat),
-            ];
+            let baths =
+                [("stage.heat.barostat", barostat.as_str()), ("stage.heat.thermostat", thermostat)];
             return with(&baths).unwrap();
         }
         "wall" => format!("[[wall]]\nkind = \"{kind}\"\n[truncation]\nkind = \"shift\"\n"),
@@ -59,10 +57,8 @@ fn with_method(table: &str, kind: &str) -> Scene {
         }
         "observable" if kind == "chemical-potential" => {
             let observable = format!("[{{ kind = {kind:?} }}]");
-            let held = [
-                ("observable", observable.as_str()),
-                ("stage.production.thermostat", "bussi"),
-            ];
+            let held =
+                [("observable", observable.as_str()), ("stage.production.thermostat", "bussi")];
             return with(&held).unwrap();
         }
         "observable" if kind == "mutual-diffusion" => {
@@ -82,9 +78,7 @@ fn with_method(table: &str, kind: &str) -> Scene {
     };
     let mut text = SMALL.replace("[[observable]]\nkind = \"rdf\"\n", &extra);
     if ["molecules", "orientation"].contains(&kind) {
-        text = text
-            .replace("n_atoms", "n_molecules")
-            .replace("density = 0.8", "density = 0.4");
+        text = text.replace("n_atoms", "n_molecules").replace("density = 0.8", "density = 0.4");
         text.push_str("\n[molecule]\nbond_length = 1.0\n");
     }
     parse(&text).unwrap_or_else(|e| panic!("{e}\n{text}"))
@@ -92,9 +86,7 @@ fn with_method(table: &str, kind: &str) -> Scene {
 
 /// The small scene as dumbbells, with bonds held this way.
 fn molecular(method: &str) -> Scene {
-    let text = SMALL
-        .replace("n_atoms", "n_molecules")
-        .replace("density = 0.8", "density = 0.4");
+    let text = SMALL.replace("n_atoms", "n_molecules").replace("density = 0.8", "density = 0.4");
     let integrator = match method {
         "spook" => "[integrator]\nkind = \"spook\"\n",
         _ => "",
@@ -130,14 +122,8 @@ fn kinds(table: &str) -> Vec<&'static str> {
 const OSCILLATOR_ONLY: [&str; 2] = ["analytic", "spook"];
 
 fn methods() -> Vec<(&'static str, &'static str)> {
-    let tables = [
-        "potential",
-        "integrator",
-        "wall",
-        "stage.thermostat",
-        "stage.barostat",
-        "observable",
-    ];
+    let tables =
+        ["potential", "integrator", "wall", "stage.thermostat", "stage.barostat", "observable"];
     tables
         .into_iter()
         .flat_map(|table| kinds(table).into_iter().map(move |kind| (table, kind)))
@@ -244,10 +230,7 @@ fn errors_of_overrides_name_the_override() {
     ];
     for (key, value, expected) in cases {
         let error = with(&[(key, value)]).unwrap_err();
-        assert!(
-            error.to_string().starts_with(expected),
-            "{error}\nexpected: {expected}"
-        );
+        assert!(error.to_string().starts_with(expected), "{error}\nexpected: {expected}");
         assert_eq!(error.line(), None);
         assert!(error.overridden_by().is_some());
     }
@@ -290,9 +273,7 @@ fn the_lattice_of_a_density_has_that_density() {
         let Start::Lattice { lattice, .. } = scene.system.start else {
             panic!("a lattice");
         };
-        let sites = placement
-            .cells
-            .map(|c| lattice.basis().len() * c.iter().product::<usize>());
+        let sites = placement.cells.map(|c| lattice.basis().len() * c.iter().product::<usize>());
         assert_eq!(sites, (lattice != Lattice::Random).then_some(n));
     }
 }
@@ -359,11 +340,7 @@ fn the_reference_states_the_defaults_that_the_code_takes() {
     };
     let mut compared = 0;
     for doc in reference::keys() {
-        let Some(stated) = doc
-            .default
-            .strip_prefix('`')
-            .and_then(|d| d.strip_suffix('`'))
-        else {
+        let Some(stated) = doc.default.strip_prefix('`').and_then(|d| d.strip_suffix('`')) else {
             continue;
         };
         let Ok(stated) = format!("x = {stated}").parse::<toml::Table>() else {
@@ -379,11 +356,9 @@ fn the_reference_states_the_defaults_that_the_code_takes() {
             (None, "field", _) => continue,
             // A stage without exchange has no table of it.
             (None, "stage.exchange", _) => {
-                let scene = with(&[
-                    ("stage.heat.thermostat", "none"),
-                    ("stage.heat.exchange", "heat"),
-                ])
-                .unwrap();
+                let scene =
+                    with(&[("stage.heat.thermostat", "none"), ("stage.heat.exchange", "heat")])
+                        .unwrap();
                 let taken = value_in(&scene, "stage.exchange", doc.key);
                 assert_eq!(taken.as_ref(), stated.get("x"), "{}", doc.key);
                 continue;
@@ -415,20 +390,14 @@ fn the_name_is_that_of_the_file_unless_the_scene_has_one() {
     let named = |file: &str| Scene::parse(SMALL, file, &[]).unwrap().name;
     assert_eq!(named("inputs/my fluid (2).toml"), "my-fluid--2-");
     assert_eq!(named("<>"), "scene");
-    assert_eq!(
-        parse(&format!("name = \"a.b\"\n{SMALL}")).unwrap().name,
-        "a.b"
-    );
+    assert_eq!(parse(&format!("name = \"a.b\"\n{SMALL}")).unwrap().name, "a.b");
 }
 
 #[test]
 fn a_configuration_is_looked_for_beside_the_scene() {
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("scene.toml");
-    let text = SMALL.replace(
-        "n_atoms = 500\ndensity = 0.8",
-        "configuration = \"start.xyz\"",
-    );
+    let text = SMALL.replace("n_atoms = 500\ndensity = 0.8", "configuration = \"start.xyz\"");
     std::fs::write(&scene, text).unwrap();
     let error = Scene::load(&scene, &[]).unwrap_err();
     assert_eq!(error.key_path(), Some("system.configuration"));
@@ -447,23 +416,13 @@ fn files_that_are_no_scenes_are_refused_with_their_name() {
     let folder = tempfile::tempdir().unwrap();
     let missing = folder.path().join("missing.toml");
     let error = Scene::load(&missing, &[]).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("missing.toml: the scene file cannot be read")
-    );
+    assert!(error.to_string().contains("missing.toml: the scene file cannot be read"));
     let binary = folder.path().join("binary.toml");
     std::fs::write(&binary, b"[system]\n\xff\xfe").unwrap();
     let error = Scene::load(&binary, &[]).unwrap_err();
-    assert_eq!(
-        (error.line(), error.message()),
-        (Some(2), "this is not text")
-    );
+    assert_eq!((error.line(), error.message()), (Some(2), "this is not text"));
     let huge = "#".repeat(2 << 20);
-    assert_eq!(
-        parse(&huge).unwrap_err().message(),
-        "is too large for a scene"
-    );
+    assert_eq!(parse(&huge).unwrap_err().message(), "is too large for a scene");
     let error = Scene::load(Path::new("/"), &[]).unwrap_err();
     assert_eq!(error.message(), "the scene file cannot be read");
 }
@@ -476,16 +435,10 @@ fn an_integer_beyond_64_bits_is_called_so_wherever_it_is_written() {
     let found = format!("found:   {digits}, an integer beyond 64 bits");
     let allowed = "allowed: whole numbers from −2^63 to 2^63 − 1";
     let overridden = Scene::parse(SCENE, "t.toml", &[("system.seed".into(), digits.into())]);
-    let written = Scene::parse(
-        &SCENE.replace("seed = 1", &format!("seed = {digits}")),
-        "t.toml",
-        &[],
-    );
+    let written =
+        Scene::parse(&SCENE.replace("seed = 1", &format!("seed = {digits}")), "t.toml", &[]);
     for (refused, place) in [
-        (
-            overridden,
-            "override `system.seed=99999999999999999999`: `system.seed` ",
-        ),
+        (overridden, "override `system.seed=99999999999999999999`: `system.seed` "),
         (written, "t.toml, line 5: "),
     ] {
         let message = refused.unwrap_err().to_string();

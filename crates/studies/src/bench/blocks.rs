@@ -48,11 +48,8 @@ impl Blocks {
         progress: &mut dyn Progress,
     ) -> Result<Self, BenchError> {
         progress.update("warming up", 0.0);
-        let (steps, block) = if options.quick {
-            (WARM_STEPS_QUICK, BLOCK_QUICK)
-        } else {
-            (WARM_STEPS, BLOCK)
-        };
+        let (steps, block) =
+            if options.quick { (WARM_STEPS_QUICK, BLOCK_QUICK) } else { (WARM_STEPS, BLOCK) };
         let mut warming = scene.clone();
         let asked = options.subject.load(&options.overrides)?;
         if asked.stages.iter().any(|stage| stage.thermostat.is_some()) {

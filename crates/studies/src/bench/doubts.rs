@@ -61,14 +61,8 @@ pub(super) fn doubts(
     [
         (Doubt::Scattered, seconds.is_scattered()),
         (Doubt::ShortBlocks, seconds.median < SHORT),
-        (
-            Doubt::FewBuilds,
-            builds_per_block.is_some_and(|builds| builds < FEWEST_BUILDS),
-        ),
-        (
-            Doubt::AboveLimit,
-            limit_share.is_some_and(|share| share > 1.0),
-        ),
+        (Doubt::FewBuilds, builds_per_block.is_some_and(|builds| builds < FEWEST_BUILDS)),
+        (Doubt::AboveLimit, limit_share.is_some_and(|share| share > 1.0)),
     ]
     .into_iter()
     .filter_map(|(doubt, holds)| holds.then_some(doubt))
@@ -103,11 +97,7 @@ mod tests {
             [Doubt::ShortBlocks, Doubt::FewBuilds, Doubt::AboveLimit]
         );
         let said = sentences(
-            [
-                &[Doubt::Scattered][..],
-                &[Doubt::Scattered, Doubt::AboveLimit],
-            ]
-            .into_iter(),
+            [&[Doubt::Scattered][..], &[Doubt::Scattered, Doubt::AboveLimit]].into_iter(),
         );
         assert_eq!(said.len(), 2, "{said:?}");
     }

@@ -103,9 +103,7 @@ pub(super) fn measure(
     let in_rounds = |first: usize, of: &dyn Fn(Spread) -> f64| -> Vec<f64> {
         let base = &seconds[features + first..];
         let of_round = |round: usize| base.iter().step_by(2).map(move |s| s[round]);
-        (0..options.repeats)
-            .map(|round| of(spread(of_round(round))))
-            .collect()
+        (0..options.repeats).map(|round| of(spread(of_round(round)))).collect()
     };
     let (bare, off) = (in_rounds(0, &|s| s.lowest), in_rounds(1, &|s| s.lowest));
     // A feature has one block in each round. Beside the best of several, it would seem to cost what blocks differ by.
@@ -161,11 +159,8 @@ fn barostats(scene: &Scene, with: &Changed<'_>) -> Vec<Item> {
         let thermostat: ThermostatOptions = toml::from_str(&format!("kind = \"{bath}\"")).ok()?;
         let text = format!("kind = \"{}\"\n{SLOWEST}", spec.name);
         let options: BarostatOptions = toml::from_str(&text).ok()?;
-        let control = PressureControl {
-            pressure: scene.system.temperature,
-            pressure_from: None,
-            options,
-        };
+        let control =
+            PressureControl { pressure: scene.system.temperature, pressure_from: None, options };
         let how = format!("every {} steps, with {bath}", control.options.interval());
         let on = with(&|s| {
             s.stages[0].thermostat = Some(thermostat.clone());
@@ -193,9 +188,8 @@ fn items(scene: &Scene, blocks: &Blocks) -> (Vec<Item>, Vec<String>) {
         ("energy and virial", Want::ENERGY_AND_VIRIAL),
         ("energy, virial and Laplacian", Want::TOTALS),
     ];
-    let mut items: Vec<Item> = wants
-        .map(|(name, want)| item(name, EVERY_STEP, On::Wanted(want)))
-        .into();
+    let mut items: Vec<Item> =
+        wants.map(|(name, want)| item(name, EVERY_STEP, On::Wanted(want))).into();
     for spec in lennard_integrators::thermostats() {
         // A bath that may act every so many steps acts in each.
         let options = ["\nevery = 1", ""].into_iter().find_map(|more| {
@@ -211,11 +205,7 @@ fn items(scene: &Scene, blocks: &Blocks) -> (Vec<Item>, Vec<String>) {
     let mut left_out = Vec::new();
     for options in ObservableOptions::all() {
         let is_thermo = matches!(options, ObservableOptions::Thermodynamics(_));
-        let every = if is_thermo {
-            rows
-        } else {
-            options.default_every()
-        };
+        let every = if is_thermo { rows } else { options.default_every() };
         let scene = with(&|s| {
             s.stages[0].measure = true;
             if is_thermo {
@@ -275,11 +265,7 @@ fn block(on: &On, scene: &Scene, blocks: &Blocks, scratch: &Path) -> Result<f64,
             let end = simulation.state.step + blocks.steps;
             let stop = Operation::new(Action::Call, Trigger::At(end));
             let schedule = Schedule::of_output(&simulation.scene).with(stop);
-            let mut writing = Writing {
-                files,
-                schedule,
-                end,
-            };
+            let mut writing = Writing { files, schedule, end };
             let watch = Stopwatch::start();
             simulation.run(&mut writing)?;
             Ok(watch.on_processor())
@@ -308,11 +294,7 @@ impl Follower for Writing {
         if frame {
             self.files.write_frame(simulation)?;
         }
-        Ok(if simulation.state.step == self.end {
-            Verdict::Stop
-        } else {
-            Verdict::Continue
-        })
+        Ok(if simulation.state.step == self.end { Verdict::Stop } else { Verdict::Continue })
     }
 }
 
@@ -338,10 +320,7 @@ fn called_singly(
         1e3 * CHECKPOINTS_EVERY * saved.median
     );
     let watched = watchdog::what_is_done();
-    Ok([
-        ("watchdog (always on)", watched, spread(watching)),
-        ("checkpoints", saved_how, saved),
-    ])
+    Ok([("watchdog (always on)", watched, spread(watching)), ("checkpoints", saved_how, saved)])
 }
 
 /// Writes a checkpoint as a run does.

@@ -81,17 +81,11 @@ fn speeds(study: &BenchStudy) -> Picture {
     let mut threads: Vec<usize> = study.kernels.iter().map(|k| k.threads).collect();
     threads.sort_unstable();
     threads.dedup();
-    let series = threads
-        .iter()
-        .enumerate()
-        .map(|(color, &threads)| BarSeries {
-            name: lennard_report::counted(threads, "thread"),
-            color,
-            values: groups
-                .iter()
-                .map(|g| find(study, g, threads).and_then(|k| bar(k.speed)))
-                .collect(),
-        });
+    let series = threads.iter().enumerate().map(|(color, &threads)| BarSeries {
+        name: lennard_report::counted(threads, "thread"),
+        color,
+        values: groups.iter().map(|g| find(study, g, threads).and_then(|k| bar(k.speed))).collect(),
+    });
     let figure = BarFigure {
         name: "speed".into(),
         title: format!("{}: {} atoms, whole steps", study.scene, study.atoms),
@@ -117,14 +111,8 @@ fn parts(study: &BenchStudy) -> Picture {
     let series = [
         ("whole step", of(&|k| Some(k.step_ns))),
         ("whole step, processor time", of(&|k| k.processor_ns)),
-        (
-            "forces alone, the list given",
-            of(&|k| Some(best(k.forces_ns))),
-        ),
-        (
-            "forces with energy, virial and Laplacian",
-            of(&|k| Some(best(k.totals_ns))),
-        ),
+        ("forces alone, the list given", of(&|k| Some(best(k.forces_ns)))),
+        ("forces with energy, virial and Laplacian", of(&|k| Some(best(k.totals_ns)))),
         ("one list build", of(&|k| k.build_ns.map(best))),
     ];
     let series = series
@@ -133,17 +121,10 @@ fn parts(study: &BenchStudy) -> Picture {
         .filter(|(_, (_, values))| values.iter().any(Option::is_some));
     let figure = BarFigure {
         name: "parts".into(),
-        title: format!(
-            "Parts of a step, {}",
-            lennard_report::counted(fewest, "thread")
-        ),
+        title: format!("Parts of a step, {}", lennard_report::counted(fewest, "thread")),
         axis: Axis::linear("ns per atom"),
         series: series
-            .map(|(color, (name, values))| BarSeries {
-                name: name.into(),
-                color,
-                values,
-            })
+            .map(|(color, (name, values))| BarSeries { name: name.into(), color, values })
             .collect(),
         groups,
     };
@@ -157,11 +138,7 @@ fn parts(study: &BenchStudy) -> Picture {
 
 /// The best alone.
 fn best(spread: Spread) -> Spread {
-    Spread {
-        median: spread.lowest,
-        highest: spread.lowest,
-        ..spread
-    }
+    Spread { median: spread.lowest, highest: spread.lowest, ..spread }
 }
 
 fn labels(study: &BenchStudy) -> Vec<String> {

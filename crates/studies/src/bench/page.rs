@@ -8,11 +8,7 @@ use super::{BenchStudy, FeatureStudy, KernelResult, figures, with_range};
 
 /// The best time, in brackets the median of the repeats: `70.1 (74.3)`.
 fn best(spread: Spread) -> String {
-    format!(
-        "{} ({})",
-        significant(spread.lowest, 3),
-        significant(spread.median, 3)
-    )
+    format!("{} ({})", significant(spread.lowest, 3), significant(spread.median, 3))
 }
 
 /// Every number, as CSV.
@@ -29,9 +25,7 @@ pub(super) fn csv(study: &BenchStudy) -> Vec<Table> {
         let table = spread(table, "forces [ns/atom]", |k| k.forces_ns);
         let table = spread(table, "totals [ns/atom]", |k| k.totals_ns)
             .column("build [ns/atom]", |k| k.build_ns.map(|s| s.median))
-            .column("processor time [ns/atom-step]", |k| {
-                k.processor_ns.map(|s| s.median)
-            })
+            .column("processor time [ns/atom-step]", |k| k.processor_ns.map(|s| s.median))
             .column("list share", |k| k.list_share.median)
             .column("steps per build", |k| k.steps_per_build)
             .column("lanes per pair", |k| k.lanes_per_pair)
@@ -50,9 +44,7 @@ pub(super) fn csv(study: &BenchStudy) -> Vec<Table> {
         let table = Table::rows_of("features", &found.features)
             .column("feature", |f| &f.name)
             .column("how often", |f| &f.how);
-        spread(table, "share of a step", |f| f.share)
-            .column("ns/atom-step", |f| f.ns)
-            .table()
+        spread(table, "share of a step", |f| f.share).column("ns/atom-step", |f| f.ns).table()
     }));
     tables
 }
@@ -164,13 +156,9 @@ pub fn kernels(study: &BenchStudy, with_ranges: bool) -> Table {
         .column("Forces alone", |k| part(k.forces_ns))
         .column("With totals", |k| part(k.totals_ns))
         .column("One list build", |k| k.build_ns.map(part))
-        .column("Lists in a step", |k| {
-            Cell::figures(percent(k.list_share.median))
-        })
+        .column("Lists in a step", |k| Cell::figures(percent(k.list_share.median)))
         .column("Lanes per pair", |k| Cell::rounded(k.lanes_per_pair, 3))
         .column("Of the limit", |k| Cell::figures(k.marked_limit_share()))
-        .column("Bytes per atom", |k| {
-            Cell::figures(format!("{:.0}", k.bytes_per_atom))
-        })
+        .column("Bytes per atom", |k| Cell::figures(format!("{:.0}", k.bytes_per_atom)))
         .table()
 }

@@ -52,11 +52,8 @@ pub(super) fn measure(
         return Ok(None);
     }
     let room = blocks.start.cell.largest_cutoff() - variant.scene.truncation.r_cut;
-    let skins: Vec<f64> = TRIED
-        .iter()
-        .map(|factor| factor * own)
-        .filter(|skin| *skin <= room)
-        .collect();
+    let skins: Vec<f64> =
+        TRIED.iter().map(|factor| factor * own).filter(|skin| *skin <= room).collect();
     let labels: Vec<String> = skins.iter().map(|s| format!("skin {s:.3} σ")).collect();
     let pool = pool(variant.threads)?;
     let by_processor = variant.threads == 1 && Stopwatch::tells_processor_time();
@@ -67,11 +64,7 @@ pub(super) fn measure(
             let mut simulation = blocks.simulation(&scene)?;
             let watch = Stopwatch::start();
             take(&mut simulation, blocks.steps, Want::NOTHING)?;
-            Ok(if by_processor {
-                watch.on_processor()
-            } else {
-                watch.wall()
-            })
+            Ok(if by_processor { watch.on_processor() } else { watch.wall() })
         })
     })?;
     let point = |(skin, seconds): (&f64, Vec<f64>)| SkinPoint {

@@ -6,9 +6,7 @@ fn options(set: &[(&str, &str)]) -> BenchOptions {
     let set = small.iter().chain(set);
     BenchOptions {
         subject: Subject::BuiltIn { quick: true },
-        overrides: set
-            .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
-            .collect(),
+        overrides: set.map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect(),
         isas: vec!["portable".into()],
         precisions: vec![],
         threads: vec![1],
@@ -28,19 +26,12 @@ fn each_variant_is_measured_once_and_its_numbers_agree_with_one_another() {
     for k in &study.kernels {
         assert_eq!(k.threads, 1);
         for s in [k.speed, k.step_ns, k.forces_ns, k.totals_ns, k.list_share] {
-            assert!(
-                s.lowest <= s.median && s.median <= s.highest && s.lowest >= 0.0,
-                "{k:?}"
-            );
+            assert!(s.lowest <= s.median && s.median <= s.highest && s.lowest >= 0.0, "{k:?}");
         }
         // ns per atom-step and million atom-steps a second are the same measurement.
         assert!((k.speed.highest * k.step_ns.lowest - 1e3).abs() < 1e-6);
         // A list holds more than the pairs that count, and a pair that counts is never left out.
-        assert!(
-            k.lanes_per_pair >= 1.0 && k.lanes_per_pair < 20.0,
-            "{}",
-            k.lanes_per_pair
-        );
+        assert!(k.lanes_per_pair >= 1.0 && k.lanes_per_pair < 20.0, "{}", k.lanes_per_pair);
         assert!(k.bytes_per_atom > 72.0);
         assert!(k.limit.is_some_and(|l| l > 0.0) && k.limit_share.is_some_and(|s| s > 0.0));
     }
@@ -50,9 +41,7 @@ fn each_variant_is_measured_once_and_its_numbers_agree_with_one_another() {
     // A name in a figure is the number that has this name in the table.
     let pictures = figures::all(&study);
     let parts = pictures.iter().find(|p| p.name() == "parts").unwrap();
-    let lennard_report::Drawing::Bars(bars) = &parts.drawing else {
-        panic!("{parts:?}")
-    };
+    let lennard_report::Drawing::Bars(bars) = &parts.drawing else { panic!("{parts:?}") };
     let first = |name: &str| {
         let series = bars.series.iter().find(|s| s.name == name)?;
         series.values[0].map(|(median, _)| median)
@@ -78,10 +67,7 @@ fn each_variant_is_measured_once_and_its_numbers_agree_with_one_another() {
 
 #[test]
 fn the_state_that_is_timed_has_the_temperature_that_a_bath_of_the_scene_holds() {
-    let options = options(&[
-        ("system.n_atoms", "864"),
-        ("stage.melt.thermostat", "bussi"),
-    ]);
+    let options = options(&[("system.n_atoms", "864"), ("stage.melt.thermostat", "bussi")]);
     let scene = options.subject.load(&options.overrides).unwrap();
     let wanted = lennard_engine::measured_stage(&scene).temperature;
     let bare = lennard_engine::bare(&scene);

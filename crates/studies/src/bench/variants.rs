@@ -105,13 +105,7 @@ impl KernelResult {
         let is_doubted = self.doubts.contains(&Doubt::AboveLimit);
         self.limit_share.map_or_else(
             || "–".into(),
-            |share| {
-                format!(
-                    "{:.1} %{}",
-                    100.0 * share,
-                    if is_doubted { " (?)" } else { "" }
-                )
-            },
+            |share| format!("{:.1} %{}", 100.0 * share, if is_doubted { " (?)" } else { "" }),
         )
     }
 }
@@ -125,11 +119,7 @@ pub(super) fn plan(
     threads: &[usize],
 ) -> Result<Vec<Variant>, BenchError> {
     let or = |given: &[String], all: Vec<&'static str>| -> Vec<String> {
-        if given.is_empty() {
-            all.into_iter().map(str::to_owned).collect()
-        } else {
-            given.to_vec()
-        }
+        if given.is_empty() { all.into_iter().map(str::to_owned).collect() } else { given.to_vec() }
     };
     let isas = or(isas, lennard_forcefield::available_isas());
     let precisions = or(precisions, vec!["double", "mixed"]);
@@ -152,11 +142,7 @@ pub(super) fn plan(
             let plan = forces.plan();
             for &threads in &threads {
                 if !variants.iter().any(|v| v.is_same(plan, threads)) {
-                    variants.push(Variant {
-                        scene: scene.clone(),
-                        plan: plan.clone(),
-                        threads,
-                    });
+                    variants.push(Variant { scene: scene.clone(), plan: plan.clone(), threads });
                 }
             }
         }
@@ -204,9 +190,8 @@ pub(super) fn measure(
     let labels: Vec<String> = variants.iter().map(label).collect();
     let pools = variants.iter().map(|v| pool(v.threads));
     let pools = pools.collect::<Result<Vec<_>, _>>()?;
-    let found = in_turns(&labels, options, progress, |i| {
-        pools[i].install(|| block(&variants[i], blocks))
-    })?;
+    let found =
+        in_turns(&labels, options, progress, |i| pools[i].install(|| block(&variants[i], blocks)))?;
     let result = |(variant, found): (_, &Vec<Block>)| result(variant, found, blocks);
     variants.iter().zip(&found).map(result).collect()
 }
@@ -221,13 +206,7 @@ fn result(variant: &Variant, found: &[Block], blocks: &Blocks) -> Result<KernelR
     let forces_ns = of(&|b| b.parts.forces * 1e9 / n);
     let mut forces = blocks.start.forces(&variant.scene)?;
     let work = measure::work(&mut forces, blocks.start.configuration())?;
-    let ForcePlan {
-        kernel,
-        isa,
-        precision,
-        skin,
-        ..
-    } = variant.plan;
+    let ForcePlan { kernel, isa, precision, skin, .. } = variant.plan;
     let meetings = if kernel == "reference" { 1.0 } else { MEETINGS };
     // Only loops that compute in whole registers could reach the limit.
     let limit = matches!(kernel, "rows" | "cluster")

@@ -19,9 +19,7 @@ pub(super) fn of(chart: &Chart, panel: &Panel) -> Vec<Picture> {
     if !panel.marks.iter().any(has_value) {
         return Vec::new();
     }
-    [Axis::Wall, Axis::Forces]
-        .map(|axis| figure(chart, panel, axis))
-        .into()
+    [Axis::Wall, Axis::Forces].map(|axis| figure(chart, panel, axis)).into()
 }
 
 /// File stem of a figure.
@@ -131,11 +129,7 @@ fn method(chart: &Chart, point: &ChartedPoint) -> (usize, String) {
     let place = names.iter().position(|n| *n == own).unwrap_or(0);
     // The last symbol stands for all that come after the seventh.
     let symbol = (place + 1).min(SYMBOLS.len() - 1);
-    let name = if place + 1 > SYMBOLS.len() - 1 {
-        "other methods"
-    } else {
-        own
-    };
+    let name = if place + 1 > SYMBOLS.len() - 1 { "other methods" } else { own };
     (symbol, name.to_owned())
 }
 
@@ -145,10 +139,7 @@ fn one(chart: &Chart, point: &ChartedPoint, mark: &Mark, axis: Axis, color: usiz
     let note = note(chart, mark);
     let look = Look::Points(SYMBOLS[method(chart, point).0]);
     let Some(error) = mark.error else {
-        let failed = FailedPoint {
-            x,
-            note: Some(note),
-        };
+        let failed = FailedPoint { x, note: Some(note) };
         return Series::entry("", look, color).with_noted_failures(vec![failed]);
     };
     let shown = Point {
@@ -186,13 +177,7 @@ fn note(chart: &Chart, mark: &Mark) -> String {
     let wall = significant(1e6 * mark.wall, 3);
     let range = mark.wall_range.map_or_else(
         || "estimated".into(),
-        |(low, high)| {
-            format!(
-                "{} to {}",
-                significant(1e6 * low, 3),
-                significant(1e6 * high, 3)
-            )
-        },
+        |(low, high)| format!("{} to {}", significant(1e6 * low, 3), significant(1e6 * high, 3)),
     );
     format!(
         "{}: {}\n{value}\n{wall} µs per atom and τ ({range}), {} pair forces",
@@ -209,10 +194,7 @@ fn front_line(panel: &Panel, axis: Axis) -> Series {
     let floor = panel.floor.unwrap_or(0.0);
     let mut line: Vec<(f64, f64)> = Vec::new();
     for mark in front {
-        let (x, y) = (
-            cost(mark, axis),
-            mark.error.unwrap_or(f64::NAN).abs().max(floor),
-        );
+        let (x, y) = (cost(mark, axis), mark.error.unwrap_or(f64::NAN).abs().max(floor));
         if let Some((_, above)) = line.last() {
             line.push((x, *above));
         }

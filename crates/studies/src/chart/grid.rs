@@ -69,10 +69,7 @@ pub(crate) const TRUNCATIONS: [(TruncationKind, bool); 5] = [
 /// The settings around the settings of the workbench's scene. What does not fit the scene is left out, with the reason.
 #[must_use]
 pub fn grid(bench: &Workbench, size: Size) -> Grid {
-    let mut maker = Maker {
-        bench,
-        grid: Grid::default(),
-    };
+    let mut maker = Maker { bench, grid: Grid::default() };
     let base = Settings::of(bench.scene());
     maker.take(&base);
     maker.usual(&base);
@@ -83,10 +80,7 @@ pub fn grid(bench: &Workbench, size: Size) -> Grid {
     }
     maker.methods_left_out(size);
     if !truncation_is_free(bench.scene()) {
-        maker.leave_out(
-            "other truncations and cutoffs",
-            "this potential ends by itself",
-        );
+        maker.leave_out("other truncations and cutoffs", "this potential ends by itself");
     }
     maker.grid
 }
@@ -98,10 +92,7 @@ struct Maker<'a> {
 
 impl Maker<'_> {
     fn leave_out(&mut self, what: impl Into<String>, why: impl Into<String>) {
-        let left = LeftOut {
-            what: what.into(),
-            why: why.into(),
-        };
+        let left = LeftOut { what: what.into(), why: why.into() };
         if !self.grid.left_out.contains(&left) {
             self.grid.left_out.push(left);
         }
@@ -120,10 +111,7 @@ impl Maker<'_> {
             return;
         }
         if settings.precision == Precision::Mixed
-            && matches!(
-                settings.integrator,
-                IntegratorOptions::BitReversibleVerlet(_)
-            )
+            && matches!(settings.integrator, IntegratorOptions::BitReversibleVerlet(_))
         {
             self.leave_out(
                 "mixed precision with `bit-reversible-verlet`",
@@ -150,10 +138,7 @@ impl Maker<'_> {
         if truncation_is_free(self.bench.scene()) && !base.are_usual() {
             let common = COMMON_STEPS * base.dt;
             let steps = (common / usual.dt).round().max(1.0);
-            self.take(&Settings {
-                dt: common / steps,
-                ..usual
-            });
+            self.take(&Settings { dt: common / steps, ..usual });
         }
     }
 
@@ -232,10 +217,7 @@ impl Maker<'_> {
     fn steps(&mut self, base: &Settings, factors: &[f64], long: &[f64]) {
         let bears_more = base.integrator.spec().stability_limit.unwrap_or(0.0) > 2.5;
         for factor in if bears_more { long } else { factors } {
-            self.take(&Settings {
-                dt: base.dt * factor,
-                ..base.clone()
-            });
+            self.take(&Settings { dt: base.dt * factor, ..base.clone() });
         }
     }
 
@@ -248,10 +230,7 @@ impl Maker<'_> {
         for settings in self.truncations(base, &QUICK_CUTOFFS) {
             self.take(&settings);
         }
-        self.take(&Settings {
-            precision: Precision::Mixed,
-            ..base.clone()
-        });
+        self.take(&Settings { precision: Precision::Mixed, ..base.clone() });
         self.lists(base);
     }
 
@@ -270,21 +249,12 @@ impl Maker<'_> {
         }
         for settings in self.truncations(base, &CUTOFFS) {
             self.take(&settings);
-            self.take(&Settings {
-                precision: Precision::Mixed,
-                ..settings.clone()
-            });
+            self.take(&Settings { precision: Precision::Mixed, ..settings.clone() });
             if settings.truncation.tail_correction {
                 // What a longer step saves may pay for a longer cutoff.
-                let longer = Settings {
-                    dt: 2.0 * base.dt,
-                    ..settings.clone()
-                };
+                let longer = Settings { dt: 2.0 * base.dt, ..settings.clone() };
                 self.take(&longer);
-                self.take(&Settings {
-                    precision: Precision::Mixed,
-                    ..longer
-                });
+                self.take(&Settings { precision: Precision::Mixed, ..longer });
             }
         }
         self.lists(base);
@@ -292,10 +262,7 @@ impl Maker<'_> {
 
     fn full(&mut self, base: &Settings) {
         let names: Vec<&str> = integrators().iter().map(|e| e.spec.name).collect();
-        let names: Vec<&str> = names
-            .into_iter()
-            .filter(|name| stands_for_itself(name))
-            .collect();
+        let names: Vec<&str> = names.into_iter().filter(|name| stands_for_itself(name)).collect();
         for model in self.truncations(base, &CUTOFFS) {
             for method in self.methods(&names) {
                 if why_no_fluid(method.name()).is_some() {
@@ -327,11 +294,7 @@ impl Maker<'_> {
             ..base.clone()
         });
         for skin in [0.15, 0.6] {
-            self.take(&Settings {
-                list: ListMode::Verlet,
-                skin: Some(skin),
-                ..base.clone()
-            });
+            self.take(&Settings { list: ListMode::Verlet, skin: Some(skin), ..base.clone() });
         }
     }
 
@@ -345,12 +308,7 @@ impl Maker<'_> {
         }
         for entry in integrators() {
             let name = entry.spec.name;
-            if self
-                .grid
-                .settings
-                .iter()
-                .any(|s| s.integrator.name() == name)
-            {
+            if self.grid.settings.iter().any(|s| s.integrator.name() == name) {
                 continue;
             }
             let why = match why_no_fluid(name) {

@@ -164,19 +164,14 @@ fn of_thermodynamics(bench: &Workbench, chart: &Chart) -> Result<Vec<Kind>, Stud
             judged.push(point.number);
         }
     }
-    let against_equation = |pick: fn(&AgainstEquation) -> Value| -> Read {
-        let (judged, read) = (
-            judged.clone(),
-            of_run(move |m| value(pick(m.against_equation.as_ref()?))),
-        );
-        Box::new(move |point, errors| {
-            if judged.contains(&point.number) {
-                read(point, errors)
-            } else {
-                Reading::None
-            }
-        })
-    };
+    let against_equation =
+        |pick: fn(&AgainstEquation) -> Value| -> Read {
+            let (judged, read) =
+                (judged.clone(), of_run(move |m| value(pick(m.against_equation.as_ref()?))));
+            Box::new(move |point, errors| {
+                if judged.contains(&point.number) { read(point, errors) } else { Reading::None }
+            })
+        };
     let tightest = tight.measured().cloned();
     let number = tight.number;
     type Pick = fn(&Measured) -> Value;

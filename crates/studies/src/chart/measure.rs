@@ -41,21 +41,13 @@ pub(super) fn all(
     let plan = plan(&bench, &grid, tightest, options);
     store.begin(scene, &plan)?;
     let slopes = bench.slopes(&grid.settings[tightest], plan.time)?;
-    let untruncated = if truncation_is_free(scene) {
-        Some(bench.untruncated()?)
-    } else {
-        None
-    };
+    let untruncated = if truncation_is_free(scene) { Some(bench.untruncated()?) } else { None };
 
     let fresh = grid.settings.iter().enumerate();
     let fresh = fresh.map(|(i, settings)| ChartedPoint::new(i + 1, settings.clone()));
     let workshop = Workshop::new(fresh, scene, &store, options, &plan, ERRORS_SHARE);
     workshop.measure("measuring errors", progress, |point| {
-        let time = if point.number == tightest + 1 {
-            plan.tight_time
-        } else {
-            plan.time
-        };
+        let time = if point.number == tightest + 1 { plan.tight_time } else { plan.time };
         point.errors = Some(errors(&bench, &point.settings, time, &plan, &slopes)?);
         Ok(())
     })?;
@@ -118,11 +110,7 @@ fn with_tightest(grid: &mut Grid, bench: &Workbench) -> Result<usize, ChartError
         return Err(nothing_to_compare(grid));
     }
     let base = Settings::of(bench.scene());
-    let widest = grid
-        .settings
-        .iter()
-        .map(|s| s.truncation.r_cut)
-        .fold(0.0, f64::max);
+    let widest = grid.settings.iter().map(|s| s.truncation.r_cut).fold(0.0, f64::max);
     let shortest = grid
         .settings
         .iter()
@@ -152,15 +140,8 @@ fn with_tightest(grid: &mut Grid, bench: &Workbench) -> Result<usize, ChartError
 }
 
 fn nothing_to_compare(grid: &Grid) -> ChartError {
-    let why = grid
-        .left_out
-        .iter()
-        .map(|l| format!("\n  {}: {}", l.what, l.why))
-        .collect();
-    ChartError::NothingToCompare {
-        found: grid.settings.len(),
-        why,
-    }
+    let why = grid.left_out.iter().map(|l| format!("\n  {}: {}", l.what, l.why)).collect();
+    ChartError::NothingToCompare { found: grid.settings.len(), why }
 }
 
 /// How long everything runs: a function of the scene and the grid.
@@ -220,9 +201,6 @@ mod tests {
             }],
         };
         let text = nothing_to_compare(&grid).to_string();
-        assert!(
-            text.contains("0 of the settings") && text.contains("the box is small"),
-            "{text}"
-        );
+        assert!(text.contains("0 of the settings") && text.contains("the box is small"), "{text}");
     }
 }

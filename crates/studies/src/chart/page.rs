@@ -12,19 +12,8 @@ use crate::lab::{Measured, Value};
 /// Sections with the panels that belong to them.
 const SECTIONS: [(&str, &[&str]); 4] = [
     ("Forces", &["forces-same-model", "forces-untruncated"]),
-    (
-        "Energy and temperature",
-        &["energy-fluctuation", "energy-drift", "temperatures"],
-    ),
-    (
-        "U and P",
-        &[
-            "energy-equation",
-            "pressure-equation",
-            "energy-tightest",
-            "pressure-tightest",
-        ],
-    ),
+    ("Energy and temperature", &["energy-fluctuation", "energy-drift", "temperatures"]),
+    ("U and P", &["energy-equation", "pressure-equation", "energy-tightest", "pressure-tightest"]),
     ("Motion", &["trajectory", "reversibility"]),
 ];
 
@@ -122,9 +111,7 @@ fn front(chart: &Chart, panel: &Panel) -> Table {
         .column("", |m| m.number)
         .column("Settings", |m| tables::label(chart, m.number))
         .column("µs per atom and τ", |m| Cell::rounded(1e6 * m.wall, 3))
-        .column("Pair forces per atom and τ", |m| {
-            Cell::rounded(m.pair_forces, 3)
-        })
+        .column("Pair forces per atom and τ", |m| Cell::rounded(m.pair_forces, 3))
         .column("Error", |m| error_cell(m))
         .table()
 }
@@ -134,10 +121,8 @@ fn summary(chart: &Chart) -> Section {
     let Some(own) = chart.points.first() else {
         return section;
     };
-    section = section.text(format!(
-        "Number 1, \"scene\" in the diagrams, is the scene itself: {}.",
-        own.label
-    ));
+    section = section
+        .text(format!("Number 1, \"scene\" in the diagrams, is the scene itself: {}.", own.label));
     let mut others = chart.points[1..].iter();
     if let Some(usual) = others.find(|p| p.engine.is_none() && p.settings.are_usual()) {
         section = section.text(format!(
@@ -218,18 +203,12 @@ fn all_points(chart: &Chart) -> Section {
             .column("µs per atom and τ", |p| {
                 Cell::rounded(p.cost().map(|c| 1e6 * c.wall.median), 3)
             })
-            .column("Force, same model", |p| {
-                errors(p, |e| Some(e.forces.same_model))
-            })
-            .column("Force, untruncated", |p| {
-                errors(p, |e| e.forces.untruncated)
-            })
-            .column("Energy RMS [ε]", |p| {
-                match p.errors.as_ref().map(|e| &e.measured) {
-                    Some(Outcome::Failed(_)) => failed(),
-                    Some(Outcome::Found(m)) => Cell::rounded(m.energy_rms, 3),
-                    None => Cell::default(),
-                }
+            .column("Force, same model", |p| errors(p, |e| Some(e.forces.same_model)))
+            .column("Force, untruncated", |p| errors(p, |e| e.forces.untruncated))
+            .column("Energy RMS [ε]", |p| match p.errors.as_ref().map(|e| &e.measured) {
+                Some(Outcome::Failed(_)) => failed(),
+                Some(Outcome::Found(m)) => Cell::rounded(m.energy_rms, 3),
+                None => Cell::default(),
             })
             .measured("Drift [(ε/τ)]", |p| {
                 let drift = p.measured().map(|m| m.drift);
@@ -239,12 +218,8 @@ fn all_points(chart: &Chart) -> Section {
             .measured("T − T_conf", |p| value(p, |m| m.temperature_difference))
             .measured("U [ε]", |p| value(p, |m| m.potential_energy))
             .measured("P [(ε/σ³)]", |p| value(p, |m| m.pressure))
-            .column("Trajectory [σ]", |p| {
-                errors(p, |e| Some(e.trajectory.found()?.distance))
-            })
-            .column("There and back [σ]", |p| {
-                errors(p, |e| e.reversibility.found().copied())
-            })
+            .column("Trajectory [σ]", |p| errors(p, |e| Some(e.trajectory.found()?.distance)))
+            .column("There and back [σ]", |p| errors(p, |e| e.reversibility.found().copied()))
             .table(),
     );
     let failures: Vec<String> = chart
@@ -256,19 +231,15 @@ fn all_points(chart: &Chart) -> Section {
         })
         .collect();
     if !failures.is_empty() {
-        section = section
-            .with(Block::Heading("Runs that failed".into()))
-            .with(Block::List(failures));
+        section =
+            section.with(Block::Heading("Runs that failed".into())).with(Block::List(failures));
     }
     section
 }
 
 fn left_out(chart: &Chart) -> Section {
-    let mut items: Vec<String> = chart
-        .left_out
-        .iter()
-        .map(|l| format!("{}: {}", l.what, l.why))
-        .collect();
+    let mut items: Vec<String> =
+        chart.left_out.iter().map(|l| format!("{}: {}", l.what, l.why)).collect();
     items.extend(chart.remarks.iter().cloned());
     if items.is_empty() {
         items.push("nothing".into());

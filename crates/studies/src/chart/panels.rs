@@ -122,10 +122,9 @@ fn panel(bench: &Workbench, chart: &Chart, kind: &Kind) -> Panel {
     let (floor, floor_words) = match kind.floor {
         Floor::None => (None, ""),
         Floor::At(value, words) => (Some(value), words),
-        Floor::Statistical => (
-            median(marks.iter().filter_map(|m| m.standard_error).collect()),
-            "one standard error",
-        ),
+        Floor::Statistical => {
+            (median(marks.iter().filter_map(|m| m.standard_error).collect()), "one standard error")
+        }
     };
     for axis in [Axis::Wall, Axis::Forces] {
         for i in front(&marks, axis, floor.unwrap_or(0.0)) {
@@ -154,10 +153,7 @@ fn cost(bench: &Workbench, chart: &Chart, point: &ChartedPoint) -> Option<(f64, 
     }
     point.not_timed.as_ref()?;
     let alike = |other: &&ChartedPoint| {
-        let same_step = Settings {
-            dt: point.settings.dt,
-            ..other.settings.clone()
-        };
+        let same_step = Settings { dt: point.settings.dt, ..other.settings.clone() };
         same_step == point.settings
     };
     let by_step = chart
@@ -167,10 +163,7 @@ fn cost(bench: &Workbench, chart: &Chart, point: &ChartedPoint) -> Option<(f64, 
         .filter_map(|other| {
             let cost = other.cost()?;
             let ratio = other.settings.dt / point.settings.dt;
-            Some((
-                cost.wall.median * ratio,
-                cost.pair_forces_per_atom_tau * ratio,
-            ))
+            Some((cost.wall.median * ratio, cost.pair_forces_per_atom_tau * ratio))
         })
         .next_back();
     by_step.or_else(|| {
@@ -191,11 +184,9 @@ fn front(marks: &[Mark], axis: Axis, floor: f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..marks.len()).filter(|i| is_result(&marks[*i])).collect();
     order.sort_by(|a, b| {
         let (a, b) = (&marks[*a], &marks[*b]);
-        a.cost(axis).total_cmp(&b.cost(axis)).then(
-            size(a)
-                .unwrap_or(f64::NAN)
-                .total_cmp(&size(b).unwrap_or(f64::NAN)),
-        )
+        a.cost(axis)
+            .total_cmp(&b.cost(axis))
+            .then(size(a).unwrap_or(f64::NAN).total_cmp(&size(b).unwrap_or(f64::NAN)))
     });
     let mut least = f64::INFINITY;
     let mut on_front = Vec::new();
@@ -240,10 +231,7 @@ mod tests {
             mark(6, 1.0, Some(0.2)),
         ];
         let numbers = |axis, floor| -> Vec<usize> {
-            front(&marks, axis, floor)
-                .iter()
-                .map(|i| marks[*i].number)
-                .collect()
+            front(&marks, axis, floor).iter().map(|i| marks[*i].number).collect()
         };
         assert_eq!(numbers(Axis::Wall, 0.0), [6, 3, 4]);
         // A hair better is no better.

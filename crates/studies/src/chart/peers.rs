@@ -43,9 +43,7 @@ pub(super) fn of_lammps(
     let mut found = Vec::new();
     for own in settings {
         let fixed = own.truncation == base.truncation && own.dt == base.dt;
-        for (skin, every) in [Some((WHEN_NEEDED, 0)), fixed.then_some(FIXED)]
-            .into_iter()
-            .flatten()
+        for (skin, every) in [Some((WHEN_NEEDED, 0)), fixed.then_some(FIXED)].into_iter().flatten()
         {
             let number = points.len() + found.len() + 1;
             found.push(
@@ -115,11 +113,7 @@ fn one(
         timed_steps,
         repeats: plan.repeats,
     };
-    let settings = Settings {
-        skin: Some(skin),
-        list: ListMode::Verlet,
-        ..own.clone()
-    };
+    let settings = Settings { skin: Some(skin), list: ListMode::Verlet, ..own.clone() };
     let mut point = ChartedPoint::new(number, settings);
     let how = if rebuild_every == 0 {
         "list when needed".to_owned()
@@ -187,8 +181,7 @@ fn measured(
         rows.temperature.push(*temperature);
         rows.temperature_of_positions.push(temperature + more);
         rows.potential_energy.push(*energy);
-        rows.pressure
-            .push(pressure + bench.start().density() * more);
+        rows.pressure.push(pressure + bench.start().density() * more);
         rows.conserved_energy.push(*conserved);
     }
     let cut = statistics::common_cut(&[&rows.potential_energy, &rows.pressure]);
@@ -205,10 +198,8 @@ mod tests {
         assert_eq!(none, "the chart has no settings that it shares");
         let bench = |more: &[(&str, &str)]| {
             let text = "[system]\nn_atoms = 108\ndensity = 0.6\ntemperature = 1.5\n\n[[stage]]\nname = \"run\"\nsteps = 10\n";
-            let overrides: Vec<_> = more
-                .iter()
-                .map(|(key, value)| (key.to_string(), value.to_string()))
-                .collect();
+            let overrides: Vec<_> =
+                more.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect();
             let scene = lennard_scene::Scene::parse(text, "plain.toml", &overrides).unwrap();
             Workbench::new(&scene).unwrap()
         };
@@ -223,11 +214,7 @@ mod tests {
             "only the Lennard-Jones potential is set up for it"
         );
         let two = r#"[{ name = "A", fraction = 0.5 }, { name = "B", fraction = 0.5 }]"#;
-        let mixed = [
-            ("species", two),
-            ("mixing", "{ rule = \"geometric\" }"),
-            cut,
-        ];
+        let mixed = [("species", two), ("mixing", "{ rule = \"geometric\" }"), cut];
         assert_eq!(
             suits(&bench(&mixed)).unwrap_err(),
             "only fluids of one species are set up for it"

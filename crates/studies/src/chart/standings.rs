@@ -77,11 +77,7 @@ pub fn done(chart: &Chart) -> Done {
 pub fn basis(chart: &Chart) -> String {
     let limit = chart.points.first().and_then(|own| {
         let dt = stability_limit(chart, own)?;
-        Some(format!(
-            " ({} τ for {})",
-            significant(dt, 2),
-            own.settings.integrator.name()
-        ))
+        Some(format!(" ({} τ for {})", significant(dt, 2), own.settings.integrator.name()))
     });
     let busy = chart.points.first().and_then(|own| {
         let scatter = own.cost()?.wall.scatter();
@@ -136,10 +132,7 @@ fn advice<'a>(chart: &Chart, panel: &'a Panel, own: &Mark) -> Advice<'a> {
     let is_known = |m: &&&Mark| {
         m.wall_range.is_some_and(|(_, high)| high < own_low) && is_no_worse(m, own, floor)
     };
-    let cheapest = seeming
-        .iter()
-        .filter(is_known)
-        .min_by(|a, b| a.wall.total_cmp(&b.wall));
+    let cheapest = seeming.iter().filter(is_known).min_by(|a, b| a.wall.total_cmp(&b.wall));
     match cheapest {
         Some(mark) => Advice::Cheaper(mark),
         None if seeming.is_empty() => Advice::Itself,
@@ -217,10 +210,7 @@ mod tests {
         let text = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 0.722\n[[stage]]\nname = \"s\"\nsteps = 10";
         let scene = lennard_scene::Scene::parse(text, "s.toml", &[]).unwrap();
         let points = steps.iter().enumerate().map(|(i, dt)| {
-            let settings = Settings {
-                dt: *dt,
-                ..Settings::of(&scene)
-            };
+            let settings = Settings { dt: *dt, ..Settings::of(&scene) };
             ChartedPoint::new(i + 1, settings)
         });
         let panel = Panel {
@@ -239,12 +229,7 @@ mod tests {
             density: 0.8,
             finished: true,
             step_of_fastest: lennard_engine::watchdog::rough_stable_dt(0.722, 1.0),
-            slopes: Slopes {
-                temperature: 0.722,
-                du_dt: 0.0,
-                dp_dt: 0.0,
-                source: String::new(),
-            },
+            slopes: Slopes { temperature: 0.722, du_dt: 0.0, dp_dt: 0.0, source: String::new() },
             reach: None,
             left_out_of_forces: None,
             points: points.collect(),
@@ -288,22 +273,11 @@ mod tests {
         assert_eq!(advised(&of_forces), Some(1));
         of_forces.step_of_fastest *= 4.0;
         // A run that failed at 0.01 tells more than the rough limit.
-        let failed = || crate::lab::Failed {
-            reason: "it blew up".into(),
-            step: None,
-        };
-        let mut point = ChartedPoint::new(
-            4,
-            Settings {
-                dt: 0.01,
-                ..of_forces.points[0].settings.clone()
-            },
-        );
+        let failed = || crate::lab::Failed { reason: "it blew up".into(), step: None };
+        let mut point =
+            ChartedPoint::new(4, Settings { dt: 0.01, ..of_forces.points[0].settings.clone() });
         point.errors = Some(Errors {
-            forces: ForceErrors {
-                same_model: 0.0,
-                untruncated: None,
-            },
+            forces: ForceErrors { same_model: 0.0, untruncated: None },
             measured: Outcome::Failed(failed()),
             trajectory: Outcome::Failed(failed()),
             reversibility: Outcome::Failed(failed()),
@@ -323,11 +297,7 @@ mod tests {
         // Of two errors that are both noise, the smaller is no better.
         let alike = vec![noisy(1, 3.0, 8e-4), noisy(2, 2.0, 2e-4)];
         assert_eq!(advised(&chart(&steps, alike)), None);
-        let told = vec![
-            noisy(1, 3.0, 9e-3),
-            noisy(2, 2.0, 2e-3),
-            noisy(3, 1.0, 8e-3),
-        ];
+        let told = vec![noisy(1, 3.0, 9e-3), noisy(2, 2.0, 2e-3), noisy(3, 1.0, 8e-3)];
         assert_eq!(advised(&chart(&steps, told)), Some(2));
         let worse = vec![noisy(1, 3.0, 2e-3), noisy(2, 2.0, 9e-3)];
         assert_eq!(advised(&chart(&steps, worse)), Some(1));

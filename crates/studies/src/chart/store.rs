@@ -29,9 +29,7 @@ pub(super) struct Store {
 impl Store {
     /// Looks whether the folder is free or belongs to this scene, before anything is computed.
     pub(super) fn open(folder: &Path, scene: &Scene, anew: bool) -> Result<Self, ChartError> {
-        let store = Self {
-            folder: folder.to_owned(),
-        };
+        let store = Self { folder: folder.to_owned() };
         if anew {
             store.clear()?;
         }
@@ -46,10 +44,7 @@ impl Store {
     }
 
     fn other(&self, found: impl Into<String>) -> ChartError {
-        ChartError::Folder {
-            folder: self.folder.clone(),
-            found: found.into(),
-        }
+        ChartError::Folder { folder: self.folder.clone(), found: found.into() }
     }
 
     fn is_empty(&self) -> bool {
@@ -178,9 +173,7 @@ mod tests {
         });
         point.pair_forces_per_atom_tau = Some(f64::NAN);
         store.save(&point).unwrap();
-        let back = store
-            .load(&ChartedPoint::new(1, Settings::of(&scene)))
-            .unwrap();
+        let back = store.load(&ChartedPoint::new(1, Settings::of(&scene))).unwrap();
         assert_eq!(back.timings, point.timings);
         assert!(back.pair_forces_per_atom_tau.unwrap().is_nan());
         let wall = back.cost().unwrap().wall;
@@ -200,40 +193,13 @@ mod tests {
         };
         let store = Store::open(folder.path(), &scene_1, false).unwrap();
         store.begin(&scene_1, &plan()).unwrap();
-        says(
-            Store::open(folder.path(), &scene("2"), false),
-            "another scene",
-        );
+        says(Store::open(folder.path(), &scene("2"), false), "another scene");
         let store = Store::open(folder.path(), &scene_1, false).unwrap();
         for (changed, words) in [
-            (
-                Plan {
-                    cpu: "that one".into(),
-                    ..plan()
-                },
-                "another processor (this one)",
-            ),
-            (
-                Plan {
-                    size: Size::Full,
-                    ..plan()
-                },
-                "another size (quick)",
-            ),
-            (
-                Plan {
-                    version: "2".into(),
-                    ..plan()
-                },
-                "version 1",
-            ),
-            (
-                Plan {
-                    threads: 2,
-                    ..plan()
-                },
-                "of 1 threads",
-            ),
+            (Plan { cpu: "that one".into(), ..plan() }, "another processor (this one)"),
+            (Plan { size: Size::Full, ..plan() }, "another size (quick)"),
+            (Plan { version: "2".into(), ..plan() }, "version 1"),
+            (Plan { threads: 2, ..plan() }, "of 1 threads"),
         ] {
             let text = store.begin(&scene_1, &changed).unwrap_err().to_string();
             assert!(text.contains(words), "{text}");

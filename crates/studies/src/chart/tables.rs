@@ -23,22 +23,12 @@ pub(super) fn points(chart: &Chart) -> Table {
         .column("precision", |p| p.settings.precision.name())
         .column("list", |p| word(&p.settings.list))
         .column("skin [sigma]", |p| p.settings.skin)
-        .column("wall median [s per atom and tau]", |p| {
-            wall(p, |w| w.median)
-        })
-        .column("wall lowest [s per atom and tau]", |p| {
-            wall(p, |w| w.lowest)
-        })
-        .column("wall highest [s per atom and tau]", |p| {
-            wall(p, |w| w.highest)
-        })
+        .column("wall median [s per atom and tau]", |p| wall(p, |w| w.median))
+        .column("wall lowest [s per atom and tau]", |p| wall(p, |w| w.lowest))
+        .column("wall highest [s per atom and tau]", |p| wall(p, |w| w.highest))
         .column("timings", |p| p.timings.len())
-        .column("force evaluations per tau", |p| {
-            p.cost().map(|c| c.evaluations_per_tau)
-        })
-        .column("pair forces per atom and tau", |p| {
-            p.cost().map(|c| c.pair_forces_per_atom_tau)
-        })
+        .column("force evaluations per tau", |p| p.cost().map(|c| c.evaluations_per_tau))
+        .column("pair forces per atom and tau", |p| p.cost().map(|c| c.pair_forces_per_atom_tau))
         .column("relative force error, same model", |p| {
             p.errors.as_ref().map(|e| e.forces.same_model)
         })
@@ -50,17 +40,11 @@ pub(super) fn points(chart: &Chart) -> Table {
     for (name, unit, pick) in VALUES {
         let value = |p: &ChartedPoint| p.measured().map(pick);
         table = table
-            .measured(&format!("{name} [{unit}]"), |p| {
-                value(p).map(|v| (v.mean, v.standard_error))
-            })
-            .column(&format!("{name} n_eff"), |p| {
-                value(p).map(|v| v.n_effective)
-            });
+            .measured(&format!("{name} [{unit}]"), |p| value(p).map(|v| (v.mean, v.standard_error)))
+            .column(&format!("{name} n_eff"), |p| value(p).map(|v| v.n_effective));
     }
     table
-        .column("energy RMS [epsilon per atom]", |p| {
-            p.measured().map(|m| m.energy_rms)
-        })
+        .column("energy RMS [epsilon per atom]", |p| p.measured().map(|m| m.energy_rms))
         .measured("energy drift [epsilon/tau per atom]", |p| {
             let drift = p.measured().map(|m| m.drift);
             drift.map(|d| (d.slope, d.standard_error))
@@ -73,11 +57,9 @@ pub(super) fn points(chart: &Chart) -> Table {
             let errors = p.errors.as_ref();
             errors.and_then(|e| e.reversibility.found().copied())
         })
-        .column("failure", |p| {
-            match p.errors.as_ref().map(|e| &e.measured) {
-                Some(Outcome::Failed(failed)) => failed.reason.as_str(),
-                _ => "",
-            }
+        .column("failure", |p| match p.errors.as_ref().map(|e| &e.measured) {
+            Some(Outcome::Failed(failed)) => failed.reason.as_str(),
+            _ => "",
         })
         .table()
 }
@@ -106,17 +88,11 @@ pub(super) fn panel(chart: &Chart, panel: &Panel) -> Table {
         .column("number", |m| m.number)
         .column("settings", |m| label(chart, m.number))
         .column("wall median [s per atom and tau]", |m| m.wall)
-        .column("wall lowest [s per atom and tau]", |m| {
-            m.wall_range.map(|r| r.0)
-        })
-        .column("wall highest [s per atom and tau]", |m| {
-            m.wall_range.map(|r| r.1)
-        })
+        .column("wall lowest [s per atom and tau]", |m| m.wall_range.map(|r| r.0))
+        .column("wall highest [s per atom and tau]", |m| m.wall_range.map(|r| r.1))
         .column("pair forces per atom and tau", |m| m.pair_forces)
         .column(panel.label, |m| m.error)
-        .column("standard error", |m| {
-            m.standard_error.filter(|e| e.is_finite())
-        })
+        .column("standard error", |m| m.standard_error.filter(|e| e.is_finite()))
         .column("on the front by wall time", |m| m.on_wall_front)
         .column("on the front by pair forces", |m| m.on_forces_front)
         .column("failure", |m| m.failure.as_deref().unwrap_or_default())
@@ -150,10 +126,6 @@ pub(super) fn panel_json<'a>(chart: &'a Chart, panel: &'a Panel) -> PanelJson<'a
         schema: lennard_io::schema!("chart-panel", 1),
         scene: &chart.scene,
         panel,
-        settings: panel
-            .marks
-            .iter()
-            .map(|m| (m.number, label(chart, m.number)))
-            .collect(),
+        settings: panel.marks.iter().map(|m| (m.number, label(chart, m.number))).collect(),
     }
 }

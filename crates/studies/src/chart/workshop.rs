@@ -34,9 +34,7 @@ impl<'a, P: Charted> Workshop<'a, P> {
         measured_share: f64,
     ) -> Self {
         Self {
-            points: fresh
-                .map(|fresh| Mutex::new(store.load(&fresh).unwrap_or(fresh)))
-                .collect(),
+            points: fresh.map(|fresh| Mutex::new(store.load(&fresh).unwrap_or(fresh))).collect(),
             store,
             options,
             plan,
@@ -97,16 +95,12 @@ impl<'a, P: Charted> Workshop<'a, P> {
             .map(|p| p.into_inner().unwrap_or_else(PoisonError::into_inner))
             .collect();
         let repeats = self.plan.repeats;
-        let finished = points
-            .iter()
-            .all(|p| p.is_measured() && p.is_timed(repeats));
+        let finished = points.iter().all(|p| p.is_measured() && p.is_timed(repeats));
         (points, finished)
     }
 
     fn slot(&self, i: usize) -> MutexGuard<'_, P> {
-        self.points[i]
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
+        self.points[i].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn is_stopped(&self) -> bool {

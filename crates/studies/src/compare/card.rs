@@ -12,11 +12,8 @@ use super::{Row, RunFolder, StateOfMatter, Verdict};
 const OF_THE_WHOLE_SYSTEM: [&str; 2] = ["total_energy", "enthalpy"];
 
 /// Means that are a part of a property: the mean, the property, and the name in tables. They stand beside it, and judge nothing.
-const PARTS: [(&str, &str, &str); 1] = [(
-    "two_body_entropy",
-    "residual_entropy",
-    "two-body entropy s₂, beside s_res",
-)];
+const PARTS: [(&str, &str, &str); 1] =
+    [("two_body_entropy", "residual_entropy", "two-body entropy s₂, beside s_res")];
 
 /// Whether a row of a card is a part of the property that it stands beside: no equation is judged by it.
 pub(crate) fn is_a_part(property: &str) -> bool {
@@ -105,32 +102,19 @@ pub fn card(
         return None;
     }
     let (rho, t) = (state.density, state.temperature);
-    let equations: Vec<&'static dyn EquationOfState> = equations_for(model)
-        .into_iter()
-        .filter(|e| e.check(rho, t).is_ok())
-        .collect();
+    let equations: Vec<&'static dyn EquationOfState> =
+        equations_for(model).into_iter().filter(|e| e.check(rho, t).is_ok()).collect();
     let states_at = |t| equations.iter().map(|e| e.at(rho, t)).collect();
     let states: Vec<_> = states_at(t);
     let at_the_bath: Vec<_> = states_at(run.bath_temperature().unwrap_or(t));
     let counts: Vec<bool> = equations.iter().map(|e| counts(*e)).collect();
-    let at_pressure = run
-        .scene
-        .stages
-        .iter()
-        .any(|s| s.measure && s.barostat.is_some());
+    let at_pressure = run.scene.stages.iter().any(|s| s.measure && s.barostat.is_some());
     let row = |mean: &str, name: &str, property: &Property, judged: bool| -> Option<CardRow> {
         let row = compared.iter().find(|r| r.quantity == mean)?;
-        let states = if AT_THE_BATH.contains(&mean) {
-            &at_the_bath
-        } else {
-            &states
-        };
+        let states = if AT_THE_BATH.contains(&mean) { &at_the_bath } else { &states };
         let mut values: Vec<f64> = states.iter().map(property.of).collect();
         // The first equation judges the run. Its value and the reference differ by the finite-size term of U and P.
-        let finite_size = row
-            .reference
-            .zip(values.first())
-            .map_or(0.0, |(r, v)| r - v);
+        let finite_size = row.reference.zip(values.first()).map_or(0.0, |(r, v)| r - v);
         values.iter_mut().for_each(|value| *value += finite_size);
         let counted = values.iter().zip(&counts).filter(|(_, counts)| **counts);
         let band = band(counted.filter(|_| judged).map(|(value, _)| *value));
@@ -141,10 +125,7 @@ pub fn card(
             unit: property.unit.to_owned(),
             measured: row.measured,
             standard_error: or_none(row.is_sound(), row.standard_error),
-            error: or_none(
-                applies(row),
-                row.combined_error.unwrap_or(row.standard_error),
-            ),
+            error: or_none(applies(row), row.combined_error.unwrap_or(row.standard_error)),
             predicted_bias: row.predicted_bias,
             verdict: beside_band(row, band),
             values,
@@ -194,9 +175,7 @@ fn beside_band(row: &Row, band: Option<[f64; 2]>) -> Verdict {
     };
     judge(Judged {
         difference: row.measured - row.measured.clamp(low, high),
-        error: row
-            .standard_error
-            .hypot(row.finite_size_uncertainty.unwrap_or(0.0)),
+        error: row.standard_error.hypot(row.finite_size_uncertainty.unwrap_or(0.0)),
         tolerance: row.tolerance.unwrap_or(ERRORS * row.standard_error),
         scale: row.scale.unwrap_or(0.5 * (low + high).abs()),
         bias: None,
@@ -214,9 +193,7 @@ fn band(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
     (values.len() > 1).then(|| {
         let bounds = [f64::INFINITY, f64::NEG_INFINITY];
-        values
-            .iter()
-            .fold(bounds, |[low, high], v| [low.min(*v), high.max(*v)])
+        values.iter().fold(bounds, |[low, high], v| [low.min(*v), high.max(*v)])
     })
 }
 
@@ -238,14 +215,8 @@ fn sentence(rows: &[CardRow]) -> String {
     };
     let said = [
         (Verdict::Differs, "Outside the band of the equations"),
-        (
-            Verdict::PredictedBias,
-            "Outside the band by the predicted bias of the cutoff",
-        ),
-        (
-            Verdict::Sharper,
-            "This run is sharper than the literature here in",
-        ),
+        (Verdict::PredictedBias, "Outside the band by the predicted bias of the cutoff"),
+        (Verdict::Sharper, "This run is sharper than the literature here in"),
         (Verdict::Agrees, "Within the band"),
         (Verdict::TooCoarse, "Too coarse to tell"),
     ];
@@ -261,36 +232,20 @@ pub fn card_table(card: &StateCard) -> Table {
     let mut table = Table::rows_of("state_card", &card.rows)
         .caption(caption)
         .column("Property", |r| {
-            if r.unit.is_empty() {
-                r.name.clone()
-            } else {
-                format!("{}, {}", r.name, r.unit)
-            }
+            if r.unit.is_empty() { r.name.clone() } else { format!("{}, {}", r.name, r.unit) }
         })
         .measured("Measured", |r| Some((r.measured, r.standard_error)))
         .table();
     for (at, equation) in card.equations.iter().enumerate() {
-        let tone = if equation.counts {
-            Tone::Plain
-        } else {
-            Tone::Faint
-        };
+        let tone = if equation.counts { Tone::Plain } else { Tone::Faint };
         table.columns.push(Column {
-            cells: card
-                .rows
-                .iter()
-                .map(|r| Cell::rounded(r.values[at], 5).toned(tone))
-                .collect(),
+            cells: card.rows.iter().map(|r| Cell::rounded(r.values[at], 5).toned(tone)).collect(),
             ..Column::headed(&equation.name)
         });
     }
     let width = |r: &CardRow| r.band.map(|[low, high]| significant(high - low, 2));
     table.columns.push(Column {
-        cells: card
-            .rows
-            .iter()
-            .map(|r| Cell::from(width(r).map(Cell::figures)))
-            .collect(),
+        cells: card.rows.iter().map(|r| Cell::from(width(r).map(Cell::figures))).collect(),
         ..Column::headed("Band")
     });
     table.columns.push(Column {
@@ -340,41 +295,24 @@ mod tests {
         }
         assert_eq!(beside_band(&row(4.8, 0.1), None), Verdict::NoReference);
         // A wide band makes a run that tells its equations apart, though its error is a tenth of the value.
-        assert_eq!(
-            beside_band(&row(4.8, 0.5), Some([3.5, 5.5])),
-            Verdict::Sharper
-        );
+        assert_eq!(beside_band(&row(4.8, 0.5), Some([3.5, 5.5])), Verdict::Sharper);
     }
 
     /// What the comparison says of a number is not said otherwise beside the band.
     #[test]
     fn the_band_has_the_tolerance_and_the_bias_of_the_comparison() {
         let band = Some([4.802, 4.818]);
-        let compared = Row {
-            tolerance: Some(0.1),
-            reference: Some(4.81),
-            ..row(4.75, 0.01)
-        };
+        let compared = Row { tolerance: Some(0.1), reference: Some(4.81), ..row(4.75, 0.01) };
         assert_eq!(beside_band(&compared, band), Verdict::Agrees);
         assert_eq!(beside_band(&row(4.75, 0.01), band), Verdict::Differs);
-        let biased = Row {
-            verdict: Verdict::PredictedBias,
-            ..compared.clone()
-        };
+        let biased = Row { verdict: Verdict::PredictedBias, ..compared.clone() };
         assert_eq!(beside_band(&biased, band), Verdict::PredictedBias);
         // A run tells no equations apart by a term that is not trusted.
-        let few = Row {
-            finite_size_uncertainty: Some(0.05),
-            ..row(4.81, 0.001)
-        };
+        let few = Row { finite_size_uncertainty: Some(0.05), ..row(4.81, 0.001) };
         assert_eq!(beside_band(&row(4.81, 0.001), band), Verdict::Sharper);
         assert_eq!(beside_band(&few, band), Verdict::Agrees);
         // A crystal beside the equation of a fluid.
-        let frozen = Row {
-            reference: None,
-            reason: "hardly diffuses".into(),
-            ..compared
-        };
+        let frozen = Row { reference: None, reason: "hardly diffuses".into(), ..compared };
         assert_eq!(beside_band(&frozen, band), Verdict::NoReference);
     }
 
@@ -386,9 +324,6 @@ mod tests {
         let width = spread(model, 0.8442, 0.722, c_v).unwrap();
         assert!((0.01..0.1).contains(&width), "{width}");
         let pressure = lennard_literature::property("pressure").unwrap();
-        assert_eq!(
-            spread(ModelKind::Shifted { r_cut: 2.5 }, 0.8, 1.0, pressure),
-            None
-        );
+        assert_eq!(spread(ModelKind::Shifted { r_cut: 2.5 }, 0.8, 1.0, pressure), None);
     }
 }

@@ -22,10 +22,7 @@ mod tests {
         assert_eq!(missing_centers(864, 3 * 864 - 3, &Molecules::ATOMS), 1.0);
         assert_eq!(missing_centers(864, 3 * 864, &Molecules::ATOMS), 0.0);
         let chains = |bonds| Molecules::chains(3, 1.0, bonds);
-        assert_eq!(
-            missing_centers(300, 900 - 200 - 3, &chains(Bonds::Rigid)),
-            1.0
-        );
+        assert_eq!(missing_centers(300, 900 - 200 - 3, &chains(Bonds::Rigid)), 1.0);
         assert_eq!(missing_centers(300, 900 - 3, &chains(Bonds::Springs)), 1.0);
     }
 }

@@ -26,37 +26,22 @@ impl StateOfMatter {
     #[must_use]
     pub fn new(density: f64, temperature: f64, equation: Option<&dyn EquationOfState>) -> Self {
         let is_known = temperature.is_finite();
-        let phase = equation
-            .filter(|_| is_known)
-            .map(|e| e.phase(density, temperature));
+        let phase = equation.filter(|_| is_known).map(|e| e.phase(density, temperature));
         let words = match phase {
             None if !is_known => "unknown: no temperature was sampled".into(),
             None => "unknown: there is no equation of state for this model".into(),
             Some(Phase::OutsideRange) => equation
                 .and_then(|e| e.check(density, temperature).err())
-                .map_or_else(
-                    || Phase::OutsideRange.describe().to_owned(),
-                    |e| e.to_string(),
-                ),
+                .map_or_else(|| Phase::OutsideRange.describe().to_owned(), |e| e.to_string()),
             Some(phase) => phase.describe().to_owned(),
         };
-        Self {
-            density,
-            temperature,
-            half_steps: false,
-            phase,
-            words,
-        }
+        Self { density, temperature, half_steps: false, phase, words }
     }
 
     /// The same where the density over the whole box names no phase; `words` say why.
     #[must_use]
     pub(super) fn of_no_phase(self, words: String) -> Self {
-        Self {
-            phase: None,
-            words,
-            ..self
-        }
+        Self { phase: None, words, ..self }
     }
 
     /// Density and temperature, with which temperature it is: `ρ = 0.8000, T, half steps = 1.0012`.

@@ -43,13 +43,8 @@ const PRIMARY_BETWEEN_WALLS: [&str; 7] = [
 ];
 
 /// The quantities that readers look for where a crystal stands beside its liquid.
-const PRIMARY_OF_A_FRONT: [&str; 5] = [
-    "front_velocity",
-    "solid_share",
-    "potential_energy",
-    "pressure",
-    "density",
-];
+const PRIMARY_OF_A_FRONT: [&str; 5] =
+    ["front_velocity", "solid_share", "potential_energy", "pressure", "density"];
 
 /// What belongs first in the table of a run, besides its temperature.
 pub(super) fn of(run: &RunFolder) -> &'static [&'static str] {

@@ -155,11 +155,7 @@ impl RunFolder {
     /// Its name among the averages.
     #[must_use]
     pub fn temperature_name(&self) -> &'static str {
-        if self.average(HALF_STEPS).is_some() {
-            HALF_STEPS
-        } else {
-            "temperature"
-        }
+        if self.average(HALF_STEPS).is_some() { HALF_STEPS } else { "temperature" }
     }
 
     /// The temperature that the bath gives the positions, ε/k_B. Half steps and whole steps differ by a ratio that hardly
@@ -167,11 +163,7 @@ impl RunFolder {
     #[must_use]
     pub(super) fn bath_temperature(&self) -> Option<f64> {
         let bath = lennard_engine::held_temperature(&self.scene)?;
-        let held = if bath.half_steps {
-            HALF_STEPS
-        } else {
-            "temperature"
-        };
+        let held = if bath.half_steps { HALF_STEPS } else { "temperature" };
         let ratio = self.temperature()?.mean / self.average(held)?.mean;
         Some(bath.temperature * ratio)
     }

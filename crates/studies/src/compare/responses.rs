@@ -24,12 +24,7 @@ impl RunFolder {
             run.notes = complete(&mut run);
             return Ok(run);
         }
-        let why = run
-            .record
-            .remarks
-            .first()
-            .map(|r| format!(": {r}"))
-            .unwrap_or_default();
+        let why = run.record.remarks.first().map(|r| format!(": {r}")).unwrap_or_default();
         Err(ReadError::Unfinished {
             folder: folder.to_owned(),
             steps: run.record.steps,

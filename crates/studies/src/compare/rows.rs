@@ -41,9 +41,7 @@ const REFERENCES: [(&str, Beside); 30] = [
     (HALF_STEPS, |c, row| c.beside_bath(row, true)),
     ("potential_energy", |c, row| c.potential_energy(row)),
     ("pressure", |c, row| c.pressure(row)),
-    ("density", |c, row| {
-        c.beside_equation_at_pressure(row, DENSITY)
-    }),
+    ("density", |c, row| c.beside_equation_at_pressure(row, DENSITY)),
     ("heat_capacity", |c, row| c.heat_capacity(row)),
     ("heat_capacity_pressure", |c, row| c.response(row)),
     ("thermal_pressure_coefficient", |c, row| c.response(row)),
@@ -54,25 +52,13 @@ const REFERENCES: [(&str, Beside); 30] = [
     ("joule_thomson_coefficient", |c, row| c.response(row)),
     ("grueneisen_parameter", |c, row| c.response(row)),
     ("density_scaling_exponent", |c, row| c.response(row)),
-    ("configurational_temperature", |c, row| {
-        c.configurational_temperature(row)
-    }),
+    ("configurational_temperature", |c, row| c.configurational_temperature(row)),
     ("diffusion_coefficient", |c, row| c.diffusion(row)),
-    ("shear_viscosity", |c, row| {
-        c.beside_table(row, TransportProperty::ShearViscosity)
-    }),
-    ("thermal_conductivity", |c, row| {
-        c.beside_table(row, TransportProperty::ThermalConductivity)
-    }),
-    ("shear_viscosity_einstein_helfand", |c, row| {
-        c.cross_check(row, "shear_viscosity")
-    }),
-    ("thermal_conductivity_einstein_helfand", |c, row| {
-        c.cross_check(row, "thermal_conductivity")
-    }),
-    ("viscosity_by_exchange", |c, row| {
-        c.beside_table(row, TransportProperty::ShearViscosity)
-    }),
+    ("shear_viscosity", |c, row| c.beside_table(row, TransportProperty::ShearViscosity)),
+    ("thermal_conductivity", |c, row| c.beside_table(row, TransportProperty::ThermalConductivity)),
+    ("shear_viscosity_einstein_helfand", |c, row| c.cross_check(row, "shear_viscosity")),
+    ("thermal_conductivity_einstein_helfand", |c, row| c.cross_check(row, "thermal_conductivity")),
+    ("viscosity_by_exchange", |c, row| c.beside_table(row, TransportProperty::ShearViscosity)),
     ("thermal_conductivity_by_exchange", |c, row| {
         c.beside_table(row, TransportProperty::ThermalConductivity)
     }),
@@ -123,10 +109,7 @@ pub(super) fn all(compared: &Compared<'_>) -> Vec<Row> {
         .into_iter()
         .filter_map(|name| {
             let row = compared.row(name)?;
-            Some(Row {
-                primary: primary.contains(&name),
-                ..row
-            })
+            Some(Row { primary: primary.contains(&name), ..row })
         })
         .collect()
 }
@@ -134,10 +117,7 @@ pub(super) fn all(compared: &Compared<'_>) -> Vec<Row> {
 impl Compared<'_> {
     /// One quantity with what it is held against; `None` where the run has not measured it.
     fn row(&self, name: &str) -> Option<Row> {
-        let row = Row {
-            scale: self.scale(name),
-            ..Row::measured(name, self.run.average(name)?)
-        };
+        let row = Row { scale: self.scale(name), ..Row::measured(name, self.run.average(name)?) };
         if let Some(of_others) = self.others.of(name) {
             return Some(self.others.hold(row, of_others));
         }
@@ -210,11 +190,7 @@ impl Compared<'_> {
         if let ModelKind::CutWithTail { r_cut } = self.model
             && let Some(bias) = tail_bias(run, r_cut)
         {
-            let bias = if is_pressure {
-                bias.pressure
-            } else {
-                bias.potential_energy
-            };
+            let bias = if is_pressure { bias.pressure } else { bias.potential_energy };
             row = row.biased_by(bias, &format!("the tail beyond a cutoff of {r_cut} σ"));
         }
         if let Some(held) = compared.finite_size_uncertainty
@@ -261,16 +237,11 @@ impl Compared<'_> {
         let missing = missing_centers(record.atoms, record.n_dof, &self.run.scene.molecules());
         let volume = self.run.average("volume").map_or(f64::INFINITY, |v| v.mean);
         let shift = missing * self.state.temperature / volume;
-        row.against(
-            control.pressure + shift,
-            None,
-            HELD_PRESSURE,
-            "the pressure of the barostat",
-        )
-        .noted(format!(
-            "for {} particles without total momentum: {shift:+.5} beside an infinite system",
-            self.run.record.atoms
-        ))
+        row.against(control.pressure + shift, None, HELD_PRESSURE, "the pressure of the barostat")
+            .noted(format!(
+                "for {} particles without total momentum: {shift:+.5} beside an infinite system",
+                self.run.record.atoms
+            ))
     }
 
     /// Density or U beside the equation of state at the pressure of the barostat, as the run itself has compared it.
@@ -301,9 +272,7 @@ impl Compared<'_> {
             diffusion.filter(|d| d.mean < FROZEN_DIFFUSION * self.state.temperature.sqrt());
         let comparison = &self.run.record.comparison;
         let has_term = comparison.iter().any(|c| c.quantity == row.quantity);
-        let in_doubt = comparison
-            .iter()
-            .any(|c| c.finite_size_uncertainty.is_some());
+        let in_doubt = comparison.iter().any(|c| c.finite_size_uncertainty.is_some());
         let reason = match frozen {
             Some(d) => format!(
                 "its particles hardly diffuse (D = {}): a crystal or a glass, which this fluid equation does not describe",
@@ -327,9 +296,7 @@ impl Compared<'_> {
 
     fn heat_capacity(&self, row: Row) -> Row {
         let remarks = &self.run.record.remarks;
-        let how = remarks
-            .iter()
-            .find_map(|r| r.strip_prefix("heat_capacity: "));
+        let how = remarks.iter().find_map(|r| r.strip_prefix("heat_capacity: "));
         let row = row.noted(how.unwrap_or_default());
         let (density, temperature) = (self.state.density, self.state.temperature);
         let Some(equation) = self.equation() else {
@@ -377,11 +344,7 @@ impl Compared<'_> {
 
 /// The height of the first peak of S(k), with that at which a fluid freezes said beside it.
 fn freezing_height(row: Row) -> Row {
-    let side = if row.measured < HANSEN_VERLET {
-        "below"
-    } else {
-        "above"
-    };
+    let side = if row.measured < HANSEN_VERLET { "below" } else { "above" };
     row.noted(format!(
         "{side} {HANSEN_VERLET}, the height at which a fluid freezes ({HANSEN_VERLET_SOURCE})"
     ))

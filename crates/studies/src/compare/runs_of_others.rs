@@ -25,9 +25,7 @@ impl<'a> RunsOfOthers<'a> {
     pub(super) fn beside(run: &'a RunFolder, model: ModelKind) -> Self {
         let is_kob_andersen = model == ModelKind::KobAndersen;
         let held = lennard_engine::held_temperature(&run.scene);
-        let state = held
-            .zip(run.record.species.first())
-            .filter(|_| is_kob_andersen);
+        let state = held.zip(run.record.species.first()).filter(|_| is_kob_andersen);
         let rows = state.map_or(Vec::new(), |(bath, a)| {
             let fraction = a.count as f64 / run.record.atoms as f64;
             let mut rows = kob_andersen_at(run.density, bath.temperature, fraction);
@@ -35,11 +33,7 @@ impl<'a> RunsOfOthers<'a> {
             rows.retain(|row| row.quantity != KobAndersenQuantity::PeakBB);
             rows
         });
-        Self {
-            run,
-            is_kob_andersen,
-            rows,
-        }
+        Self { run, is_kob_andersen, rows }
     }
 
     /// Whether there is anything.
@@ -83,17 +77,13 @@ impl<'a> RunsOfOthers<'a> {
     pub(super) fn of(&self, quantity: &str) -> Option<&'static KobAndersenRow> {
         // The pressure itself stands after the virial in the table, and is the better number.
         let mut from_behind = self.rows.iter().rev();
-        from_behind
-            .find(|row| self.name(row.quantity) == quantity)
-            .copied()
+        from_behind.find(|row| self.name(row.quantity) == quantity).copied()
     }
 
     /// A quantity beside its reference.
     pub(super) fn hold(&self, row: Row, reference: &KobAndersenRow) -> Row {
         use KobAndersenQuantity as Q;
-        let KobAndersenRow {
-            temperature, rho, ..
-        } = *reference;
+        let KobAndersenRow { temperature, rho, .. } = *reference;
         let (value, tolerance) = (reference.value, reference.tolerance);
         let (value, tolerance) = match reference.quantity {
             Q::Virial => (rho * (temperature + value), rho * tolerance),
@@ -105,18 +95,14 @@ impl<'a> RunsOfOthers<'a> {
             _ => (value, tolerance),
         };
         let allowed = Tolerance::new(ERRORS, tolerance, 0.0);
-        row.against(value, None, allowed, &source(reference))
-            .noted(size_words(reference))
+        row.against(value, None, allowed, &source(reference)).noted(size_words(reference))
     }
 
     /// D in a periodic box is smaller than in an infinite one by ξT/(6πηL) (I.-C. Yeh and G. Hummer, J. Phys. Chem. B 108,
     /// 15873 (2004)). The reference is carried to the box of the run with the viscosity of the run.
     fn diffusion(&self, mut row: Row, reference: &KobAndersenRow) -> Row {
-        let Some(viscosity) = self
-            .run
-            .average("shear_viscosity")
-            .filter(|v| v.is_sound())
-            .filter(|_| row.is_sound())
+        let Some(viscosity) =
+            self.run.average("shear_viscosity").filter(|v| v.is_sound()).filter(|_| row.is_sound())
         else {
             if row.is_sound() {
                 row.reason =
@@ -138,20 +124,17 @@ impl<'a> RunsOfOthers<'a> {
             return row;
         }
         let allowed = Tolerance::new(ERRORS, reference.tolerance, SIZE_CORRECTION);
-        row.against(reference.value + shift, None, allowed, &source(reference))
-            .noted(format!(
-                "{}, carried to the box of this run by {}",
-                size_words(reference),
-                lennard_report::signed(shift, 2)
-            ))
+        row.against(reference.value + shift, None, allowed, &source(reference)).noted(format!(
+            "{}, carried to the box of this run by {}",
+            size_words(reference),
+            lennard_report::signed(shift, 2)
+        ))
     }
 }
 
 /// The end of a name that tells the species.
 fn suffix(quantity: &str) -> &str {
-    quantity
-        .strip_prefix("diffusion_coefficient")
-        .unwrap_or_default()
+    quantity.strip_prefix("diffusion_coefficient").unwrap_or_default()
 }
 
 fn source(row: &KobAndersenRow) -> String {
@@ -159,6 +142,5 @@ fn source(row: &KobAndersenRow) -> String {
 }
 
 fn size_words(row: &KobAndersenRow) -> String {
-    row.particles
-        .map_or(String::new(), |n| format!("a run of {n} particles"))
+    row.particles.map_or(String::new(), |n| format!("a run of {n} particles"))
 }

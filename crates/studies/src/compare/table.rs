@@ -15,16 +15,10 @@ pub fn table(rows: &[&Row], verdict: impl Fn(&Row) -> String) -> Table {
         .caption(caption)
         .column("Quantity", |r| {
             let words = quantity_words(&r.quantity);
-            if r.unit.is_empty() {
-                words
-            } else {
-                format!("{words}, {}", r.unit)
-            }
+            if r.unit.is_empty() { words } else { format!("{words}, {}", r.unit) }
         })
         .measured("Measured", |r| Some((r.measured, r.standard_error)))
-        .column("Reference", |r| {
-            with_or_without_error(r.reference, r.reference_error)
-        })
+        .column("Reference", |r| with_or_without_error(r.reference, r.reference_error))
         .column("Difference", |r| {
             if r.is_in_range() {
                 return Cell::figures("in range");
@@ -39,9 +33,7 @@ pub fn table(rows: &[&Row], verdict: impl Fn(&Row) -> String) -> Table {
             let figures = r.tolerance.map(|t| format!("± {}", significant(t, 2)));
             figures.map(Cell::figures)
         })
-        .column("Verdict", |r| {
-            Cell::words(verdict(r)).toned(r.verdict.tone())
-        })
+        .column("Verdict", |r| Cell::words(verdict(r)).toned(r.verdict.tone()))
         .table()
 }
 

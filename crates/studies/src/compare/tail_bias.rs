@@ -30,15 +30,8 @@ fn of_distribution(r: &[f64], g: &[f64], density: f64, r_cut: f64) -> Option<Tai
     if r.last()? - r_cut < SHORTEST_REACH {
         return None;
     }
-    let mut bias = TailBias {
-        potential_energy: 0.0,
-        pressure: 0.0,
-    };
-    for (r, g) in r
-        .iter()
-        .zip(g)
-        .filter(|(r, g)| **r > r_cut && g.is_finite())
-    {
+    let mut bias = TailBias { potential_energy: 0.0, pressure: 0.0 };
+    for (r, g) in r.iter().zip(g).filter(|(r, g)| **r > r_cut && g.is_finite()) {
         let sixth = r.powi(-6);
         let u = 4.0 * (sixth * sixth - sixth);
         let slope = -24.0 * (2.0 * sixth * sixth - sixth) / r;
@@ -63,10 +56,7 @@ mod tests {
         let u = 8.0 * PI / 3.0 * 0.8 * (ninth / 3.0 - third);
         let p = 16.0 * PI / 3.0 * 0.64 * (2.0 * ninth / 3.0 - third);
         // What lies beyond 30 σ, and the sum over bins.
-        assert!(
-            (bias.potential_energy / u - 1.0).abs() < 1e-3,
-            "{bias:?} {u}"
-        );
+        assert!((bias.potential_energy / u - 1.0).abs() < 1e-3, "{bias:?} {u}");
         assert!((bias.pressure / p - 1.0).abs() < 1e-3, "{bias:?} {p}");
         assert_eq!(of_distribution(&r[..280], &vec![1.0; 280], 0.8, 2.5), None);
     }

@@ -15,10 +15,8 @@ impl Compared<'_> {
         if self.no_reference.is_some() {
             return self.or_why_none(row);
         }
-        let full_potential = matches!(
-            self.model,
-            ModelKind::CutWithTail { .. } | ModelKind::CutWithoutTail { .. }
-        );
+        let full_potential =
+            matches!(self.model, ModelKind::CutWithTail { .. } | ModelKind::CutWithoutTail { .. });
         let near = transport_near(property, self.state.density, self.state.temperature);
         match near.filter(|_| full_potential) {
             Some(value) => row
@@ -74,12 +72,7 @@ impl Compared<'_> {
             return row;
         };
         let error = row.standard_error.max(green_kubo.standard_error);
-        row.against_with_error(
-            green_kubo.mean,
-            error,
-            TRANSPORT,
-            "Green–Kubo from the same run",
-        )
+        row.against_with_error(green_kubo.mean, error, TRANSPORT, "Green–Kubo from the same run")
     }
 }
 

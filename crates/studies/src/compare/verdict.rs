@@ -67,12 +67,7 @@ pub(super) struct Tolerance {
 impl Tolerance {
     /// So many combined standard errors, a difference, and a part of the reference.
     pub(super) const fn new(errors: f64, absolute: f64, relative: f64) -> Self {
-        Self {
-            errors,
-            absolute,
-            relative,
-            finite_size: 0.0,
-        }
+        Self { errors, absolute, relative, finite_size: 0.0 }
     }
 
     /// The same where the reference itself is known to be off by up to `own`, rounded up to two digits.
@@ -84,10 +79,7 @@ impl Tolerance {
     /// The same where a finite-size term of the reference is no better than `uncertainty`.
     pub(super) fn holding(self, uncertainty: Option<f64>) -> Self {
         let finite_size = uncertainty.map_or(0.0, rounded_up);
-        Self {
-            finite_size,
-            ..self
-        }
+        Self { finite_size, ..self }
     }
 
     fn of(self, combined: f64, reference: f64) -> f64 {
@@ -167,10 +159,7 @@ impl Row {
             (verdict, reason, _) => format!("{}: {reason}", verdict.words()),
         };
         if self.is_sound() && self.error_known_to > UNCERTAIN_ERROR {
-            return format!(
-                "{words} (error known to {:.0} %)",
-                100.0 * self.error_known_to
-            );
+            return format!("{words} (error known to {:.0} %)", 100.0 * self.error_known_to);
         }
         words
     }

@@ -80,21 +80,11 @@ pub fn coexistence(equation: &dyn EquationOfState, rows: &[Coexistence]) -> Tabl
         |side: usize| move |c: &Coexistence| Cell::rounded(c.spinodal.map(|s| s[side]), DIGITS);
     Table::rows_of("coexistence", rows)
         .caption(caption)
-        .column("T [ε/k_B]", |c| {
-            Cell::rounded(c.saturation.temperature, DIGITS)
-        })
-        .column("P [ε/σ³]", |c| {
-            Cell::rounded(c.saturation.pressure, DIGITS)
-        })
-        .column("ρ vapor [σ⁻³]", |c| {
-            Cell::rounded(c.saturation.vapor_density, DIGITS)
-        })
-        .column("ρ liquid [σ⁻³]", |c| {
-            Cell::rounded(c.saturation.liquid_density, DIGITS)
-        })
-        .column("heat of vaporization [ε]", |c| {
-            Cell::rounded(c.heat_of_vaporization, DIGITS)
-        })
+        .column("T [ε/k_B]", |c| Cell::rounded(c.saturation.temperature, DIGITS))
+        .column("P [ε/σ³]", |c| Cell::rounded(c.saturation.pressure, DIGITS))
+        .column("ρ vapor [σ⁻³]", |c| Cell::rounded(c.saturation.vapor_density, DIGITS))
+        .column("ρ liquid [σ⁻³]", |c| Cell::rounded(c.saturation.liquid_density, DIGITS))
+        .column("heat of vaporization [ε]", |c| Cell::rounded(c.heat_of_vaporization, DIGITS))
         .column("spinodal, vapor [σ⁻³]", spinodal(0))
         .column("spinodal, liquid [σ⁻³]", spinodal(1))
         .table()
@@ -116,12 +106,8 @@ pub fn freezing(equation: &dyn EquationOfState, rows: &[Freezing]) -> Table {
         .caption(triple.join("; "))
         .column("T [ε/k_B]", |f| Cell::rounded(f.temperature, DIGITS))
         .column("P [ε/σ³]", |f| Cell::rounded(f.pressure, DIGITS))
-        .column("ρ liquid [σ⁻³]", |f| {
-            Cell::rounded(f.liquid_density, DIGITS)
-        })
-        .column("ρ crystal [σ⁻³]", |f| {
-            Cell::rounded(f.crystal_density, DIGITS)
-        })
+        .column("ρ liquid [σ⁻³]", |f| Cell::rounded(f.liquid_density, DIGITS))
+        .column("ρ crystal [σ⁻³]", |f| Cell::rounded(f.crystal_density, DIGITS))
         .column("line", |f| f.line)
         .table()
 }

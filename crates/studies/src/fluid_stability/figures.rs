@@ -123,17 +123,12 @@ fn temperature(study: &FluidStudy, state: usize) -> Option<Picture> {
 }
 
 fn truncation(study: &FluidStudy, state: usize) -> Option<Picture> {
-    let title = format!(
-        "Truncation and energy, velocity Verlet, {}",
-        STATES[state].name
-    );
+    let title = format!("Truncation and energy, velocity Verlet, {}", STATES[state].name);
     let y = Axis::logarithmic("RMS of the energy / ε per atom");
     let mut figure = Figure::new(file_stem("truncation", state), title, dt_axis(), y);
     for (i, (_, name)) in TRUNCATIONS.iter().enumerate() {
-        let mut runs: Vec<&FluidRun> = study
-            .runs_at(state, i)
-            .filter(|r| r.method == "velocity-verlet")
-            .collect();
+        let mut runs: Vec<&FluidRun> =
+            study.runs_at(state, i).filter(|r| r.method == "velocity-verlet").collect();
         runs.sort_by(|a, b| a.dt.total_cmp(&b.dt));
         figure = figure.with(series(name, i, &runs, |r| Some((r.fluctuation?, None))));
     }
@@ -184,21 +179,15 @@ pub(super) fn floors(study: &FluidStudy) -> Option<Picture> {
         Axis::logarithmic("dt / τ"),
         Axis::logarithmic("RMS of the energy / ε per atom"),
     );
-    for (i, (name, runs)) in [
-        ("double precision", &study.double),
-        ("mixed precision (pairs in f32)", &study.mixed),
-    ]
-    .into_iter()
-    .enumerate()
+    for (i, (name, runs)) in
+        [("double precision", &study.double), ("mixed precision (pairs in f32)", &study.mixed)]
+            .into_iter()
+            .enumerate()
     {
         let runs: Vec<&FluidRun> = runs.iter().collect();
         figure = figure.with(series(name, i, &runs, |r| Some((r.fluctuation?, None))));
     }
-    if let Some(last) = study
-        .double
-        .last()
-        .and_then(|r| Some((r.dt, r.fluctuation?)))
-    {
+    if let Some(last) = study.double.last().and_then(|r| Some((r.dt, r.fluctuation?))) {
         let first = study.double[0].dt;
         let law = [first, last.0].map(|dt| (dt, last.1 * (dt / last.0).powi(2)));
         figure = figure.with(Series::new("dt² law", Look::Line(Dash::Dotted), 6, law));

@@ -30,10 +30,7 @@ const EQUILIBRATION_DT: f64 = 0.002;
 /// Steps between two scalings of the velocities to the temperature.
 const RESCALE_EVERY: u32 = 20;
 /// Where the near part of the force ends for methods that split it, and over which distance, σ.
-const SPLIT: SplitOptions = SplitOptions {
-    r_split: 1.7,
-    width: 0.3,
-};
+const SPLIT: SplitOptions = SplitOptions { r_split: 1.7, width: 0.3 };
 
 /// A state point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -46,18 +43,9 @@ pub struct StatePoint {
 
 /// The liquid near its triple point, and the same density at T* = 1.5 and 5.
 pub const STATES: [StatePoint; 3] = [
-    StatePoint {
-        name: "T* = 0.722",
-        temperature: 0.722,
-    },
-    StatePoint {
-        name: "T* = 1.5",
-        temperature: 1.5,
-    },
-    StatePoint {
-        name: "T* = 5",
-        temperature: 5.0,
-    },
+    StatePoint { name: "T* = 0.722", temperature: 0.722 },
+    StatePoint { name: "T* = 1.5", temperature: 1.5 },
+    StatePoint { name: "T* = 5", temperature: 5.0 },
 ];
 
 /// The truncations, with their names.
@@ -102,34 +90,16 @@ impl Start {
             positions: lattice(side),
             velocities: velocities(temperature),
         };
-        let mut bench = start.bench(
-            EQUILIBRATION_DT,
-            &IntegratorOptions::default(),
-            Precision::Double,
-        )?;
+        let mut bench =
+            start.bench(EQUILIBRATION_DT, &IntegratorOptions::default(), Precision::Double)?;
         let mut method = lennard_integrators::build(&IntegratorOptions::default());
-        let failed = |source| StudyError::Step {
-            method: "velocity-verlet",
-            dt: EQUILIBRATION_DT,
-            source,
-        };
-        let Bench {
-            system,
-            forces,
-            state,
-        } = &mut bench;
-        method
-            .start(system, state, forces, EQUILIBRATION_DT, Want::NOTHING)
-            .map_err(failed)?;
-        let steps = if quick {
-            EQUILIBRATION_STEPS / 8
-        } else {
-            EQUILIBRATION_STEPS
-        };
+        let failed =
+            |source| StudyError::Step { method: "velocity-verlet", dt: EQUILIBRATION_DT, source };
+        let Bench { system, forces, state } = &mut bench;
+        method.start(system, state, forces, EQUILIBRATION_DT, Want::NOTHING).map_err(failed)?;
+        let steps = if quick { EQUILIBRATION_STEPS / 8 } else { EQUILIBRATION_STEPS };
         for n in 1..=steps {
-            method
-                .step(system, state, forces, EQUILIBRATION_DT, Want::NOTHING)
-                .map_err(failed)?;
+            method.step(system, state, forces, EQUILIBRATION_DT, Want::NOTHING).map_err(failed)?;
             if n % RESCALE_EVERY == 0 {
                 let factor = (temperature
                     / system.temperature(&state.velocities, Momentum::Conserved))
@@ -153,10 +123,7 @@ impl Start {
     ) -> Result<Bench, StudyError> {
         let options = ForceFieldOptions {
             truncation: TruncationOptions::new(TRUNCATIONS[self.truncation].0, R_CUT),
-            kernel: KernelOptions {
-                precision,
-                ..KernelOptions::default()
-            },
+            kernel: KernelOptions { precision, ..KernelOptions::default() },
             split: matches!(method, IntegratorOptions::Respa(_)).then_some(SPLIT),
             ..ForceFieldOptions::default()
         };

@@ -52,10 +52,7 @@ impl FluidLimit {
 }
 
 fn stable(run: &FluidRun, temperature: f64) -> bool {
-    run.completed()
-        && run
-            .change
-            .is_some_and(|c| c.abs() < ALLOWED_CHANGE * 1.5 * temperature)
+    run.completed() && run.change.is_some_and(|c| c.abs() < ALLOWED_CHANGE * 1.5 * temperature)
 }
 
 /// Searches and bisects.

@@ -73,9 +73,7 @@ fn limit_at<'a>(
     truncation: usize,
 ) -> Option<&'a FluidLimit> {
     let (state, truncation) = (STATES[state].name, TRUNCATIONS[truncation].1);
-    limits
-        .iter()
-        .find(|l| l.method == method && l.state == state && l.truncation == truncation)
+    limits.iter().find(|l| l.method == method && l.state == state && l.truncation == truncation)
 }
 
 /// A method of the study.
@@ -90,10 +88,8 @@ fn methods() -> (Vec<Method>, Vec<(&'static str, String)>) {
     for entry in integrators() {
         match entry.oscillator {
             OscillatorModel::ExactSolution => {
-                left_out.push((
-                    entry.spec.name,
-                    "no exact solution of a fluid is known".to_owned(),
-                ));
+                left_out
+                    .push((entry.spec.name, "no exact solution of a fluid is known".to_owned()));
             }
             OscillatorModel::Constraint => {
                 let reason = "without constraints it is `symplectic-euler`, which is here";
@@ -117,9 +113,7 @@ pub(crate) const SHOWN_TRUNCATION: usize = 2;
 /// the best known method stands for all.
 pub(crate) fn stands_for_itself(method: &str) -> bool {
     let groups = groups();
-    let group = groups
-        .iter()
-        .find(|g| g.members.iter().any(|e| e.spec.name == method));
+    let group = groups.iter().find(|g| g.members.iter().any(|e| e.spec.name == method));
     group.is_none_or(|g| g.representative().spec.name == method)
 }
 
@@ -130,14 +124,10 @@ const SHARES: [f64; 4] = [0.06, 0.5, 0.94, 1.0];
 pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidStudy, StudyError> {
     let (methods, left_out) = methods();
     let states = if quick { 1 } else { STATES.len() };
-    let truncations: Vec<usize> = if quick {
-        vec![SHOWN_TRUNCATION]
-    } else {
-        (0..TRUNCATIONS.len()).collect()
-    };
-    let places: Vec<(usize, usize)> = (0..states)
-        .flat_map(|s| truncations.iter().map(move |t| (s, *t)))
-        .collect();
+    let truncations: Vec<usize> =
+        if quick { vec![SHOWN_TRUNCATION] } else { (0..TRUNCATIONS.len()).collect() };
+    let places: Vec<(usize, usize)> =
+        (0..states).flat_map(|s| truncations.iter().map(move |t| (s, *t))).collect();
     let starts = side_by_side(
         &places,
         |(s, t)| Start::equilibrate(*s, *t, quick),
@@ -146,15 +136,10 @@ pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidS
     let starts: Vec<Start> = starts.into_iter().collect::<Result<_, _>>()?;
 
     let mut between = |part: usize, label: &str, share: f64| {
-        progress.update(
-            label,
-            SHARES[part - 1] + (SHARES[part] - SHARES[part - 1]) * share,
-        );
+        progress.update(label, SHARES[part - 1] + (SHARES[part] - SHARES[part - 1]) * share);
     };
     let plans = plans(&methods, &starts, quick);
-    let runs = side_by_side(&plans, run::run, |s| {
-        between(1, "fluid: drift and fluctuation", s)
-    });
+    let runs = side_by_side(&plans, run::run, |s| between(1, "fluid: drift and fluctuation", s));
     let mut runs: Vec<FluidRun> = runs.into_iter().collect::<Result<_, _>>()?;
     let listed = |name: &str| integrators().iter().position(|e| e.spec.name == name);
     let state = |name: &str| STATES.iter().position(|s| s.name == name);
@@ -179,17 +164,9 @@ pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidS
     let mut limits: Vec<FluidLimit> = limits.into_iter().collect::<Result<_, _>>()?;
     limits.sort_by_key(|l| listed(l.method));
 
-    let (double, mixed, past_limit) = edges(&methods, &starts, &limits, quick, |s| {
-        between(3, "fluid: floors and edges", s)
-    })?;
-    Ok(FluidStudy {
-        left_out,
-        runs,
-        limits,
-        double,
-        mixed,
-        past_limit,
-    })
+    let (double, mixed, past_limit) =
+        edges(&methods, &starts, &limits, quick, |s| between(3, "fluid: floors and edges", s))?;
+    Ok(FluidStudy { left_out, runs, limits, double, mixed, past_limit })
 }
 
 fn plans<'a>(methods: &[Method], starts: &'a [Start], quick: bool) -> Vec<Plan<'a>> {
@@ -231,19 +208,12 @@ fn edges(
     done: impl FnMut(f64),
 ) -> Result<Edges, StudyError> {
     let verlet = entry("velocity-verlet")?;
-    let smooth = starts
-        .iter()
-        .find(|s| s.state_point == 0 && s.truncation == TRUNCATIONS.len() - 1);
-    let shown = starts
-        .iter()
-        .find(|s| s.state_point == 0 && s.truncation == SHOWN_TRUNCATION);
+    let smooth =
+        starts.iter().find(|s| s.state_point == 0 && s.truncation == TRUNCATIONS.len() - 1);
+    let shown = starts.iter().find(|s| s.state_point == 0 && s.truncation == SHOWN_TRUNCATION);
     let mut plans: Vec<(Option<f64>, Plan<'_>)> = Vec::new();
     if let Some(start) = smooth.or(shown) {
-        let time = if quick {
-            0.5 * SMALL_STEP_TIME
-        } else {
-            SMALL_STEP_TIME
-        };
+        let time = if quick { 0.5 * SMALL_STEP_TIME } else { SMALL_STEP_TIME };
         for precision in [Precision::Double, Precision::Mixed] {
             plans.extend(SMALL_STEPS.iter().map(|dt| {
                 let plan = Plan {

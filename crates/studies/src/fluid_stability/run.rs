@@ -123,11 +123,7 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
         momentum: None,
         evaluations_per_step: 0.0,
     };
-    let looking = Want {
-        energy: true,
-        laplacian: true,
-        ..Want::NOTHING
-    };
+    let looking = Want { energy: true, laplacian: true, ..Want::NOTHING };
     let every = ((SAMPLE_INTERVAL / plan.dt).round() as u64).max(1);
     let (system, state, forces) = (&system.system, &mut system.state, &mut system.forces);
     let stopped = |step: u64, time: f64, reason: StepError| Outcome::Stopped {
@@ -169,11 +165,7 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
         let change = sample.energy - samples[0].energy;
         // A NaN is as far away as an infinity.
         if change.abs() > limit || change.is_nan() {
-            result.outcome = Outcome::RanAway {
-                step: n,
-                time: sample.time,
-                change,
-            };
+            result.outcome = Outcome::RanAway { step: n, time: sample.time, change };
             break;
         }
         samples.push(sample);
@@ -190,10 +182,7 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
 fn summarise(result: &mut FluidRun, samples: &[Sample], plan: &Plan<'_>) {
     let energies: Vec<(f64, f64)> = samples.iter().map(|s| (s.time, s.energy)).collect();
     let (offset, slope) = fit::line(&energies);
-    let squares: f64 = energies
-        .iter()
-        .map(|(t, e)| (e - offset - slope * t).powi(2))
-        .sum();
+    let squares: f64 = energies.iter().map(|(t, e)| (e - offset - slope * t).powi(2)).sum();
     result.fluctuation = Some((squares / energies.len() as f64).sqrt());
     result.drift = Some(slope);
     result.change = Some(samples[samples.len() - 1].energy - samples[0].energy);
@@ -206,10 +195,7 @@ fn summarise(result: &mut FluidRun, samples: &[Sample], plan: &Plan<'_>) {
     let means: Vec<(f64, f64)> = blocks()
         .map(|b| {
             let n = b.len() as f64;
-            (
-                b.iter().map(|s| s.time).sum::<f64>() / n,
-                b.iter().map(|s| s.energy).sum::<f64>() / n,
-            )
+            (b.iter().map(|s| s.time).sum::<f64>() / n, b.iter().map(|s| s.energy).sum::<f64>() / n)
         })
         .collect();
     let (a, b) = fit::line(&means);

@@ -12,10 +12,7 @@ pub(crate) fn in_words(outcome: &Outcome) -> String {
     match outcome {
         Outcome::Completed => "completed".to_owned(),
         Outcome::Stopped { step, time, reason } => {
-            format!(
-                "stopped at step {step} (t = {}): {reason}",
-                significant(*time, 3)
-            )
+            format!("stopped at step {step} (t = {}): {reason}", significant(*time, 3))
         }
         Outcome::RanAway { step, time, change } => format!(
             "ran away: {} ε per atom by step {step} (t = {})",
@@ -41,9 +38,7 @@ fn of_runs<'a, T>(table: RowsOf<'a, T>, run: impl Fn(&'a T) -> &'a FluidRun) -> 
         .column("temperature error / T", |i| run(i).temperature_error)
         .column("its error", |i| run(i).temperature_error_error)
         .column("momentum per atom", |i| run(i).momentum)
-        .column("force evaluations per step", |i| {
-            run(i).evaluations_per_step
-        })
+        .column("force evaluations per step", |i| run(i).evaluations_per_step)
         .table()
 }
 
@@ -129,9 +124,7 @@ pub(crate) fn cost_on_page(study: &FluidStudy) -> Table {
         .column("Method", |r| format!("`{}`", r.method))
         .column("State", |r| Cell::figures(r.state))
         .column("dt [τ]", |r| Cell::rounded(r.dt, 2))
-        .column("Force evaluations per step", |r| {
-            Cell::rounded(r.evaluations_per_step, 3)
-        })
+        .column("Force evaluations per step", |r| Cell::rounded(r.evaluations_per_step, 3))
         .column("Energy RMS [ε]", |r| Cell::rounded(r.fluctuation, 2))
         .column("Drift [ε/τ]", |r| Cell::rounded(r.drift, 2))
         .column("± ", |r| Cell::rounded(r.drift_error, 1))

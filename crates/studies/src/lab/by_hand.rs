@@ -22,17 +22,10 @@ impl ByHand {
         (system, state): (System, State),
         dt: f64,
     ) -> Result<Self, StepError> {
-        let mut fluid = Self {
-            system,
-            method: lennard_integrators::build(integrator),
-            forces,
-            state,
-            dt,
-        };
+        let mut fluid =
+            Self { system, method: lennard_integrators::build(integrator), forces, state, dt };
         let (state, forces) = (&mut fluid.state, &mut fluid.forces);
-        fluid
-            .method
-            .start(&fluid.system, state, forces, dt, Want::NOTHING)?;
+        fluid.method.start(&fluid.system, state, forces, dt, Want::NOTHING)?;
         Ok(fluid)
     }
 
@@ -42,8 +35,7 @@ impl ByHand {
         while left > 0 {
             let (state, forces) = (&mut self.state, &mut self.forces);
             let (taken, _) =
-                self.method
-                    .stride(&self.system, state, forces, self.dt, left, Want::NOTHING)?;
+                self.method.stride(&self.system, state, forces, self.dt, left, Want::NOTHING)?;
             left -= taken;
         }
         Ok(())

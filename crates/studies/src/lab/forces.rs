@@ -24,11 +24,7 @@ pub struct ForceErrors {
 
 /// √(Σ|a − b|²/Σ|b|²).
 fn relative(found: &[DVec3], right: &[DVec3]) -> f64 {
-    let off: f64 = found
-        .iter()
-        .zip(right)
-        .map(|(a, b)| (*a - *b).length_squared())
-        .sum();
+    let off: f64 = found.iter().zip(right).map(|(a, b)| (*a - *b).length_squared()).sum();
     (off / right.iter().map(|b| b.length_squared()).sum::<f64>()).sqrt()
 }
 
@@ -89,10 +85,7 @@ impl Workbench {
         } else {
             None
         };
-        Ok(ForceErrors {
-            same_model: relative(found, &right),
-            untruncated,
-        })
+        Ok(ForceErrors { same_model: relative(found, &right), untruncated })
     }
 
     fn forces_at_start(
@@ -147,12 +140,8 @@ mod tests {
         let bench = Workbench::new(&scene).unwrap();
         let base = Settings::of(&scene);
         let double = bench.force_errors(&base).unwrap();
-        let mixed = bench
-            .force_errors(&Settings {
-                precision: Precision::Mixed,
-                ..base.clone()
-            })
-            .unwrap();
+        let mixed =
+            bench.force_errors(&Settings { precision: Precision::Mixed, ..base.clone() }).unwrap();
         // f64 has 53 bits and f32 24: rounding of a few tens of terms.
         assert!(double.same_model < 1e-13, "{double:?}");
         assert!((1e-9..1e-5).contains(&mixed.same_model), "{mixed:?}");

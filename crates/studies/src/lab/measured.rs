@@ -31,21 +31,13 @@ pub struct Value {
 
 impl From<Estimate> for Value {
     fn from(e: Estimate) -> Self {
-        Self {
-            mean: e.mean,
-            standard_error: e.standard_error,
-            n_effective: e.n_effective,
-        }
+        Self { mean: e.mean, standard_error: e.standard_error, n_effective: e.n_effective }
     }
 }
 
 impl Value {
     /// A value that was not measured.
-    const UNKNOWN: Self = Self {
-        mean: f64::NAN,
-        standard_error: f64::NAN,
-        n_effective: 0.0,
-    };
+    const UNKNOWN: Self = Self { mean: f64::NAN, standard_error: f64::NAN, n_effective: 0.0 };
 
     /// This less another, independent one.
     #[must_use]
@@ -177,10 +169,7 @@ impl Workbench {
         };
         let at_reference = |column: &[f64], slope: f64| {
             let value = about(column, slope);
-            Value {
-                mean: value.mean - slope * (temperature.mean - slopes.temperature),
-                ..value
-            }
+            Value { mean: value.mean - slope * (temperature.mean - slopes.temperature), ..value }
         };
         let line = statistics::drift(&rows.time, &rows.conserved_energy);
         Ok(Measured {
@@ -194,19 +183,11 @@ impl Workbench {
             potential_energy_at_reference: at_reference(&rows.potential_energy, slopes.du_dt),
             pressure_at_reference: at_reference(&rows.pressure, slopes.dp_dt),
             energy_rms: line.rms,
-            drift: Drift {
-                slope: line.slope,
-                standard_error: line.standard_error,
-            },
+            drift: Drift { slope: line.slope, standard_error: line.standard_error },
             against_equation: self.against_equation(
                 settings,
                 temperature.mean,
-                |du_dt, dp_dt| {
-                    (
-                        about(&rows.potential_energy, du_dt),
-                        about(&rows.pressure, dp_dt),
-                    )
-                },
+                |du_dt, dp_dt| (about(&rows.potential_energy, du_dt), about(&rows.pressure, dp_dt)),
             )?,
             remarks: Vec::new(),
         })
@@ -228,10 +209,7 @@ impl Workbench {
         Ok(covered.map(|equation| {
             let state = equation.at(density, temperature);
             let (u, p) = about(state.du_dt, state.dp_dt);
-            let less = |v: Value, reference: f64| Value {
-                mean: v.mean - reference,
-                ..v
-            };
+            let less = |v: Value, reference: f64| Value { mean: v.mean - reference, ..v };
             AgainstEquation {
                 source: equation.spec().name.clone(),
                 potential_energy: less(u, state.potential_energy),
@@ -276,9 +254,7 @@ fn beside(comparison: &Comparison, rows: &ThermoSeries, cut: usize) -> Option<Ag
 /// force and L the Laplacian of a particle.
 fn temperature_difference(found: &Thermodynamics, cut: usize) -> Value {
     let rows = found.series();
-    let ratio = statistics::ratio(&rows.squared_force, &rows.laplacian, cut)
-        .0
-        .mean;
+    let ratio = statistics::ratio(&rows.squared_force, &rows.laplacian, cut).0.mean;
     let from = cut.min(rows.laplacian.len());
     let laplacian = statistics::mean(&rows.laplacian[from..]);
     let differences: Vec<f64> = (from..rows.laplacian.len())
@@ -355,13 +331,8 @@ mod tests {
         let (coarse, fine) = (run(0.02), run(0.004));
         let heat = coarse.temperature_of_positions.mean - coarse.temperature.mean;
         let seen = slopes.du_dt * heat;
-        let off = coarse
-            .potential_energy_at_reference
-            .minus(&fine.potential_energy_at_reference);
+        let off = coarse.potential_energy_at_reference.minus(&fine.potential_energy_at_reference);
         assert!(seen > 5.0 * off.standard_error, "{seen} {off:?}");
-        assert!(
-            off.mean.abs() < 0.5 * seen + 3.0 * off.standard_error,
-            "{seen} {off:?}"
-        );
+        assert!(off.mean.abs() < 0.5 * seen + 3.0 * off.standard_error, "{seen} {off:?}");
     }
 }

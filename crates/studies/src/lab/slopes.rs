@@ -48,12 +48,7 @@ impl Workbench {
                 source: equation.spec().name.clone(),
             });
         }
-        let none = Slopes {
-            temperature,
-            du_dt: 0.0,
-            dp_dt: 0.0,
-            source: String::new(),
-        };
+        let none = Slopes { temperature, du_dt: 0.0, dp_dt: 0.0, source: String::new() };
         let colder = self.measure(tight, time, &none)?;
         let (mut scene, mut start) = (self.scene().clone(), self.start().clone());
         for stage in &mut scene.stages {

@@ -30,11 +30,7 @@ fn equilibration_steps(dt: f64) -> u64 {
 pub(crate) fn to_temperature(scene: &Scene, steps: u64) -> Stage {
     Stage {
         steps,
-        ..under_bussi(
-            "equilibrate",
-            measured_stage(scene).temperature,
-            RELAXATION_TIME,
-        )
+        ..under_bussi("equilibrate", measured_stage(scene).temperature, RELAXATION_TIME)
     }
 }
 
@@ -75,17 +71,9 @@ impl Start {
     pub fn equilibrate(scene: &Scene) -> Result<Self, StudyError> {
         let mut before = scene.clone();
         before.observables.clear();
-        before.stages = scene
-            .stages
-            .iter()
-            .take_while(|s| !s.measure)
-            .cloned()
-            .collect();
+        before.stages = scene.stages.iter().take_while(|s| !s.measure).cloned().collect();
         if before.stages.is_empty() {
-            before.stages.push(to_temperature(
-                scene,
-                equilibration_steps(scene.integrator.dt),
-            ));
+            before.stages.push(to_temperature(scene, equilibration_steps(scene.integrator.dt)));
         }
         let mut simulation = lennard_engine::prepare(before)?;
         simulation.run(&mut Unfollowed)?;

@@ -23,10 +23,7 @@ pub(super) struct References(Vec<(TruncationOptions, f64, Slot)>);
 impl References {
     pub(super) fn slot(&mut self, truncation: TruncationOptions, time: f64) -> Slot {
         // A tail correction moves no particle.
-        let key = TruncationOptions {
-            tail_correction: false,
-            ..truncation
-        };
+        let key = TruncationOptions { tail_correction: false, ..truncation };
         if let Some((_, _, slot)) = self.0.iter().find(|(t, at, _)| *t == key && *at == time) {
             return Arc::clone(slot);
         }

@@ -110,10 +110,7 @@ impl Workbench {
         let dt = self.stage_dt(settings);
         let per_step = modelled_work(self.scene(), self.start(), settings) * dt;
         let steps = ((seconds / per_step) as u64).clamp(FEWEST_STEPS, MOST_STEPS);
-        let stage = ShortStage {
-            steps: WARM_UP + steps,
-            measure: false,
-        };
+        let stage = ShortStage { steps: WARM_UP + steps, measure: false };
         let mut simulation = self.simulation(settings, &[stage], 1)?;
         take(&mut simulation, WARM_UP, Want::NOTHING)?;
         let before = simulation.forces.statistics().evaluations;
@@ -186,10 +183,8 @@ pub fn costs(
         };
         let evaluations = timings.first().map_or(f64::NAN, |t| t.evaluations_per_tau);
         let pairs = bench.pair_forces(settings, evaluations)?;
-        Ok(Cost::of(&timings, pairs).ok_or_else(|| Failed {
-            reason: "it was not timed".into(),
-            step: None,
-        }))
+        Ok(Cost::of(&timings, pairs)
+            .ok_or_else(|| Failed { reason: "it was not timed".into(), step: None }))
     };
     settings.iter().zip(timings).map(cost).collect()
 }
@@ -217,12 +212,6 @@ mod tests {
         assert!(all < split && split < 3.5 * all, "{split}");
         let blown = Settings { dt: 0.1, ..base };
         let failed = costs(&bench, &[blown], 1, 1, 1e-6, 1).unwrap();
-        assert!(
-            failed[0]
-                .as_ref()
-                .unwrap_err()
-                .reason
-                .contains("failed at step")
-        );
+        assert!(failed[0].as_ref().unwrap_err().reason.contains("failed at step"));
     }
 }

@@ -35,10 +35,7 @@ impl Untruncated {
         let chosen = n.min(MOST_PARTICLES);
         let particles: Vec<usize> = (0..chosen).map(|k| k * n / chosen).collect();
         let shells = |k: u32| f64::from(2 * k + 1).powi(3) * (chosen * n) as f64;
-        let k = (1..=4)
-            .rev()
-            .find(|k| shells(*k) <= MOST_PAIRS)
-            .unwrap_or(0);
+        let k = (1..=4).rev().find(|k| shells(*k) <= MOST_PAIRS).unwrap_or(0);
         // Half a box less a hair, so that no tie between two images is in the sum.
         let reach = (f64::from(k) + 0.5) * start.cell.shortest() * (1.0 - 1e-9);
         let truncation = TruncationOptions::new(TruncationKind::Cut, reach);
@@ -50,12 +47,7 @@ impl Untruncated {
         let mean_square =
             forces.iter().map(|f| f.length_squared()).sum::<f64>() / forces.len() as f64;
         let left_out = (pairs.beyond(start, reach) * start.density() / mean_square).sqrt();
-        Ok(Self {
-            particles,
-            forces,
-            reach,
-            left_out,
-        })
+        Ok(Self { particles, forces, reach, left_out })
     }
 }
 
@@ -92,9 +84,7 @@ impl Pairs {
         };
         let all = 0..species.n_species();
         let pairs = all.clone().flat_map(|a| all.clone().map(move |b| (a, b)));
-        pairs
-            .map(|(a, b)| species.fraction(a) * species.fraction(b) * of_pair(a, b))
-            .sum()
+        pairs.map(|(a, b)| species.fraction(a) * species.fraction(b) * of_pair(a, b)).sum()
     }
 }
 
@@ -187,16 +177,11 @@ mod tests {
         };
         for n in 0..27 {
             let shift = side * DVec3::new(f64::from(n % 3), f64::from(n / 3 % 3), f64::from(n / 9));
-            boxes
-                .positions
-                .extend(start.positions.iter().map(|r| *r + shift));
+            boxes.positions.extend(start.positions.iter().map(|r| *r + shift));
         }
         let options = ForceFieldOptions {
             truncation,
-            kernel: KernelOptions {
-                kernel: Kernel::Reference,
-                ..KernelOptions::default()
-            },
+            kernel: KernelOptions { kernel: Kernel::Reference, ..KernelOptions::default() },
             ..ForceFieldOptions::default()
         };
         scene.truncation = truncation;
@@ -209,9 +194,7 @@ mod tests {
             mixture: mixture.as_ref(),
         };
         let mut forces = lennard_forcefield::build(&options, &conditions).unwrap();
-        let (_, right) = boxes
-            .evaluate(&mut forces, Part::All, Want::NOTHING)
-            .unwrap();
+        let (_, right) = boxes.evaluate(&mut forces, Part::All, Want::NOTHING).unwrap();
         // Rounding: some 600 terms of size up to 100 each.
         for (a, b) in found.iter().zip([right[0], right[7]]) {
             assert!((*a - b).length() < 1e-10, "{a} {b}");

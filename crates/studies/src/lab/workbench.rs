@@ -41,18 +41,10 @@ impl Failed {
     pub fn from_error(error: StudyError) -> Result<Self, StudyError> {
         match error {
             StudyError::Engine(EngineError::Physics(failure)) => Ok(Self {
-                reason: failure
-                    .to_string()
-                    .lines()
-                    .next()
-                    .unwrap_or_default()
-                    .to_owned(),
+                reason: failure.to_string().lines().next().unwrap_or_default().to_owned(),
                 step: Some(failure.step),
             }),
-            StudyError::Step { .. } => Ok(Self {
-                reason: error.to_string(),
-                step: None,
-            }),
+            StudyError::Step { .. } => Ok(Self { reason: error.to_string(), step: None }),
             other => Err(other),
         }
     }
@@ -66,10 +58,7 @@ pub(super) struct ShortStage {
 
 /// The error of forces that cannot be evaluated under some settings.
 pub(super) fn failed_forces(settings: &Settings, source: ForceError) -> StudyError {
-    StudyError::Force {
-        label: settings.label(),
-        source,
-    }
+    StudyError::Force { label: settings.label(), source }
 }
 
 impl Workbench {
@@ -119,12 +108,8 @@ impl Workbench {
         let (cell, n) = (self.start.cell, self.start.len());
         let mixture = scene.mixture_of(&self.start.species);
         let conditions = lennard_engine::conditions(&scene, cell, n, mixture.as_ref());
-        lennard_forcefield::check(&scene.force_field(), &conditions).map_err(|e| {
-            StudyError::Settings {
-                label: settings.label(),
-                reason: e.to_string(),
-            }
-        })
+        lennard_forcefield::check(&scene.force_field(), &conditions)
+            .map_err(|e| StudyError::Settings { label: settings.label(), reason: e.to_string() })
     }
 
     /// The forces under these settings, for the start.

@@ -58,21 +58,11 @@ impl Balls {
             integrator: build(method),
             h,
         };
-        let Self {
-            system,
-            state,
-            forces,
-            integrator,
-            ..
-        } = &mut balls;
+        let Self { system, state, forces, integrator, .. } = &mut balls;
         let method = integrator.spec().name;
         integrator
             .start(system, state, forces, h, Want::ENERGY)
-            .map_err(|source| StudyError::Step {
-                method,
-                dt: h,
-                source,
-            })?;
+            .map_err(|source| StudyError::Step { method, dt: h, source })?;
         Ok(balls)
     }
 
@@ -90,26 +80,18 @@ impl Balls {
 
     /// A step, which may fail at a wall that is too weak.
     pub(crate) fn step(&mut self) -> Result<(), StepError> {
-        let Self {
-            system,
-            state,
-            forces,
-            integrator,
-            h,
-        } = self;
+        let Self { system, state, forces, integrator, h } = self;
         integrator.step(system, state, forces, *h, Want::ENERGY)?;
         Ok(())
     }
 
     /// Steps that must not fail.
     pub(crate) fn steps(&mut self, n: u32) -> Result<(), StudyError> {
-        (0..n)
-            .try_for_each(|_| self.step())
-            .map_err(|source| StudyError::Step {
-                method: self.integrator.spec().name,
-                dt: self.h,
-                source,
-            })
+        (0..n).try_for_each(|_| self.step()).map_err(|source| StudyError::Step {
+            method: self.integrator.spec().name,
+            dt: self.h,
+            source,
+        })
     }
 
     /// The height of the lowest ball over the plane, σ.

@@ -16,18 +16,8 @@ pub(super) fn penalty(found: &MechanicsFound) -> Vec<Picture> {
         Axis::linear("ωh").from_to(0.0, 2.0),
         Axis::logarithmic("change of the energy per hit").from_to(1e-8, 10.0),
     )
-    .with(Series::new(
-        "mean gain",
-        Look::joined(0),
-        0,
-        gain(|h| h.gain.abs()),
-    ))
-    .with(Series::new(
-        "RMS of the change",
-        Look::joined(1),
-        1,
-        gain(|h| h.rms),
-    ));
+    .with(Series::new("mean gain", Look::joined(0), 0, gain(|h| h.gain.abs())))
+    .with(Series::new("RMS of the change", Look::joined(1), 1, gain(|h| h.rms)));
     let energy = Picture::new(
         figure,
         "Hits of an undamped spring under velocity Verlet, over all phases of the step. The gain is not monotonic: near ωh = 1 half a period is three steps.",
@@ -40,12 +30,7 @@ pub(super) fn penalty(found: &MechanicsFound) -> Vec<Picture> {
         Axis::linear("greatest depth over v/ω"),
     )
     .level(1.0, "theory")
-    .with(Series::new(
-        "measured",
-        Look::joined(0),
-        0,
-        gain(|h| h.depth),
-    ));
+    .with(Series::new("measured", Look::joined(0), 0, gain(|h| h.depth)));
     let depth = Picture::new(
         figure,
         "How deep a particle gets, over v/ω = v·√(m/k). A wall of thickness D holds particles with v < ω·D alone: that is the weak end.",
@@ -62,12 +47,7 @@ pub(super) fn penalty(found: &MechanicsFound) -> Vec<Picture> {
             continue;
         }
         let name = format!("{}, e = {}", ball.rule, ball.restitution);
-        figure = figure.with(Series::new(
-            name,
-            Look::line(i),
-            i,
-            ball.path.iter().copied(),
-        ));
+        figure = figure.with(Series::new(name, Look::line(i), i, ball.path.iter().copied()));
     }
     let bounces = Picture::new(
         figure,
@@ -116,20 +96,11 @@ pub(super) fn states(found: &MechanicsFound) -> Vec<Picture> {
     let all = &found.states;
     let draw = |name: &str, title: &str, y: &str, of: fn(&super::fluid::StateFound) -> [f64; 3]| {
         let series = |k: usize| all.iter().map(move |s| (s.density, of(s)[k]));
-        let figure = Figure::new(
-            name,
-            title,
-            Axis::linear("ρ / molecules per σ³"),
-            Axis::linear(y),
-        )
-        .with(Series::new("Lísal 2004", Look::joined(1), 1, series(1)))
-        .with(Series::new("Mecke 1997", Look::joined(2), 2, series(2)))
-        .with(Series::new(
-            "measured",
-            Look::Points(Symbol::Disc),
-            0,
-            series(0),
-        ));
+        let figure =
+            Figure::new(name, title, Axis::linear("ρ / molecules per σ³"), Axis::linear(y))
+                .with(Series::new("Lísal 2004", Look::joined(1), 1, series(1)))
+                .with(Series::new("Mecke 1997", Look::joined(2), 2, series(2)))
+                .with(Series::new("measured", Look::Points(Symbol::Disc), 0, series(0)));
         Picture::new(
             figure,
             "Rigid dumbbells, L = 0.67 σ, at T near 2.4, with the tail correction; the equations at the measured temperature of half steps.",
@@ -137,17 +108,11 @@ pub(super) fn states(found: &MechanicsFound) -> Vec<Picture> {
         )
     };
     vec![
-        draw(
-            "states-energy",
-            "Energy of dumbbells",
-            "u / ε per molecule",
-            |s| [s.energy.0, s.lisal.0, s.mecke.0],
-        ),
-        draw(
-            "states-pressure",
-            "Pressure of dumbbells",
-            "p / ε σ⁻³",
-            |s| [s.pressure.0, s.lisal.1, s.mecke.1],
-        ),
+        draw("states-energy", "Energy of dumbbells", "u / ε per molecule", |s| {
+            [s.energy.0, s.lisal.0, s.mecke.0]
+        }),
+        draw("states-pressure", "Pressure of dumbbells", "p / ε σ⁻³", |s| {
+            [s.pressure.0, s.lisal.1, s.mecke.1]
+        }),
     ]
 }

@@ -92,10 +92,7 @@ fn collisions(found: &MechanicsFound) -> Vec<Claim> {
         let reason = "the phase at which a step begins the contact, ωh = 0.1";
         near(
             Ours,
-            format!(
-                "A11: a {} penalty force keeps the restitution that is set",
-                hit.law
-            ),
+            format!("A11: a {} penalty force keeps the restitution that is set", hit.law),
             format!("mean restitution over phases, e = {}", hit.set),
             (hit.set, 0.005, reason),
             hit.mean,
@@ -136,11 +133,7 @@ fn contacts(found: &MechanicsFound) -> Vec<Claim> {
         .map(|cradle| {
             let pairs = cradle.velocities.iter().zip(&cradle.known);
             let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            let bound = if cradle.rule.contains("e = 1") {
-                1e-12
-            } else {
-                2e-4
-            };
+            let bound = if cradle.rule.contains("e = 1") { 1e-12 } else { 2e-4 };
             judged(
                 Ours,
                 format!("A11: a row of balls, {}", cradle.rule),
@@ -239,10 +232,7 @@ fn fluids(found: &MechanicsFound) -> Vec<Claim> {
         all.push(judged(
             Ours,
             "C: a fluid with bonds of the direct solve does not drift",
-            format!(
-                "|drift| less 3 standard errors, ε/τ per molecule, ρ = {}",
-                run.density
-            ),
+            format!("|drift| less 3 standard errors, ε/τ per molecule, ρ = {}", run.density),
             Below(1e-4),
             run.drift.abs() - 3.0 * run.error,
         ));
@@ -278,10 +268,7 @@ fn fluids(found: &MechanicsFound) -> Vec<Claim> {
     ));
     for state in &found.states {
         let off = |found: (f64, f64), by: [f64; 2]| {
-            let nearer = by
-                .map(|e| (found.0 - e).abs())
-                .into_iter()
-                .fold(f64::INFINITY, f64::min);
+            let nearer = by.map(|e| (found.0 - e).abs()).into_iter().fold(f64::INFINITY, f64::min);
             let error = if found.1.is_finite() { found.1 } else { 0.0 };
             nearer - 3.0 * error
         };

@@ -79,18 +79,11 @@ pub struct Collisions {
 }
 
 fn soft(law: SpringLaw, restitution: f64) -> WallOptions {
-    WallOptions::Soft(Soft {
-        law,
-        stiffness: STIFFNESS,
-        restitution,
-    })
+    WallOptions::Soft(Soft { law, stiffness: STIFFNESS, restitution })
 }
 
 fn hard(response: Response, restitution: f64) -> WallOptions {
-    WallOptions::Hard(Hard {
-        response,
-        restitution: Some(restitution),
-    })
+    WallOptions::Hard(Hard { response, restitution: Some(restitution) })
 }
 
 /// Speeds after a hit with speed 1 at many phases of the step, and the greatest depth.
@@ -117,22 +110,20 @@ fn rebounds(wall: &WallOptions, h: f64, phases: u32) -> Result<(Vec<f64>, f64), 
 fn stiff(quick: bool) -> Result<Vec<StiffHit>, StudyError> {
     let phases = if quick { 200 } else { 2000 };
     let omega = STIFFNESS.sqrt();
-    [
-        0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 1.9,
-    ]
-    .into_iter()
-    .map(|phase| {
-        let (speeds, deepest) = rebounds(&soft(SpringLaw::Linear, 1.0), phase / omega, phases)?;
-        let gains: Vec<f64> = speeds.iter().map(|v| v * v - 1.0).collect();
-        let n = gains.len() as f64;
-        Ok(StiffHit {
-            phase,
-            gain: gains.iter().sum::<f64>() / n,
-            rms: (gains.iter().map(|g| g * g).sum::<f64>() / n).sqrt(),
-            depth: deepest * omega,
+    [0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 1.9]
+        .into_iter()
+        .map(|phase| {
+            let (speeds, deepest) = rebounds(&soft(SpringLaw::Linear, 1.0), phase / omega, phases)?;
+            let gains: Vec<f64> = speeds.iter().map(|v| v * v - 1.0).collect();
+            let n = gains.len() as f64;
+            Ok(StiffHit {
+                phase,
+                gain: gains.iter().sum::<f64>() / n,
+                rms: (gains.iter().map(|g| g * g).sum::<f64>() / n).sqrt(),
+                depth: deepest * omega,
+            })
         })
-    })
-    .collect()
+        .collect()
 }
 
 fn damped(quick: bool) -> Result<Vec<DampedHit>, StudyError> {
@@ -142,12 +133,7 @@ fn damped(quick: bool) -> Result<Vec<DampedHit>, StudyError> {
             let (speeds, _) = rebounds(&soft(law, set), 0.005, if quick { 50 } else { 500 })?;
             let mean = speeds.iter().sum::<f64>() / speeds.len() as f64;
             let farthest = speeds.iter().fold(0.0_f64, |m, v| m.max((v - set).abs()));
-            all.push(DampedHit {
-                law: name,
-                set,
-                mean,
-                farthest,
-            });
+            all.push(DampedHit { law: name, set, mean, farthest });
         }
     }
     Ok(all)
@@ -215,12 +201,7 @@ fn bouncing(
             energies.push((0.5 * ball.speed().powi(2) + ball.height()) / theory);
         }
     }
-    Ok(Bouncing {
-        rule,
-        restitution,
-        path,
-        energies,
-    })
+    Ok(Bouncing { rule, restitution, path, energies })
 }
 
 /// The largest | E/E₀ − 1 | over 2000 bounces of a billiard ball in gravity, and the trend of its mean between the halves.

@@ -142,14 +142,9 @@ fn cost(way: &Way, sites: usize, n: usize, budget: Duration) -> Result<f64, Stud
     let one = case.x.clone();
     let turn = |r: &DVec3| 0.5 * DVec3::new(-r.y, r.x, 0.0);
     let apart = |m: usize| DVec3::new(0.0, 0.0, 5.0 * m as f64);
-    case.x = (0..n)
-        .flat_map(|m| one.iter().map(move |r| *r + apart(m)))
-        .collect();
+    case.x = (0..n).flat_map(|m| one.iter().map(move |r| *r + apart(m))).collect();
     case.v = (0..n).flat_map(|_| one.iter().map(turn)).collect();
-    case.forces = Few {
-        sites,
-        ..Few::default()
-    };
+    case.forces = Few { sites, ..Few::default() };
     let mut rig = Rig::start(&case, &way.bonds, 0.002)?.for_timing();
     let mut failed = None;
     let spread = repeated(budget, 1000, || {
@@ -158,11 +153,7 @@ fn cost(way: &Way, sites: usize, n: usize, budget: Duration) -> Result<f64, Stud
         }
     });
     // A way that gives up on a chain has no cost there.
-    let seconds = if failed.is_some() {
-        f64::NAN
-    } else {
-        spread.lowest
-    };
+    let seconds = if failed.is_some() { f64::NAN } else { spread.lowest };
     Ok(seconds / (BLOCK * n * (sites - 1)) as f64 * 1e9)
 }
 

@@ -28,11 +28,7 @@ fn by_springs(n: usize, law: SpringLaw) -> Result<Vec<f64>, StudyError> {
         bond_length: 1.0,
         x: (0..n).map(|i| DVec3::new(i as f64, 0.0, 0.0)).collect(),
         v,
-        forces: Few {
-            sites: 1,
-            contact: Some(ContactLaw::new(law, 1e4, 1.0)),
-            ..Few::default()
-        },
+        forces: Few { sites: 1, contact: Some(ContactLaw::new(law, 1e4, 1.0)), ..Few::default() },
     };
     let mut rig = Rig::of_free_bodies(&case, 2e-5)?;
     for _ in 0..60_000 {
@@ -47,12 +43,7 @@ fn by_springs(n: usize, law: SpringLaw) -> Result<Vec<f64>, StudyError> {
 
 fn row(n: usize) -> Vec<Contact> {
     (1..n)
-        .map(|second| Contact {
-            first: Some(second - 1),
-            second,
-            normal: DVec3::X,
-            gap: 0.0,
-        })
+        .map(|second| Contact { first: Some(second - 1), second, normal: DVec3::X, gap: 0.0 })
         .collect()
 }
 
@@ -102,10 +93,7 @@ pub(crate) fn stack() -> f64 {
     const G: f64 = 9.81;
     let fall = [DVec3::new(0.0, 0.0, -G); 5];
     let forces = contacts::resting_forces(&contacts::column(5), &Masses::Uniform(1.0), &fall);
-    let off = forces
-        .iter()
-        .zip([5.0, 4.0, 3.0, 2.0, 1.0])
-        .map(|(f, n)| (f / (n * G) - 1.0).abs());
+    let off = forces.iter().zip([5.0, 4.0, 3.0, 2.0, 1.0]).map(|(f, n)| (f / (n * G) - 1.0).abs());
     off.fold(0.0, f64::max)
 }
 
@@ -113,12 +101,8 @@ pub(crate) fn stack() -> f64 {
 pub(crate) fn spook_rebound(damping: f64) -> impl Iterator<Item = f64> {
     let h = 0.01;
     (1..=100).map(move |k| {
-        let contact = [Contact {
-            first: None,
-            second: 0,
-            normal: DVec3::Z,
-            gap: -f64::from(k) / 100.0 * h,
-        }];
+        let contact =
+            [Contact { first: None, second: 0, normal: DVec3::Z, gap: -f64::from(k) / 100.0 * h }];
         let (masses, mut v) = (Masses::Uniform(1.0), [DVec3::NEG_Z]);
         let regular = Regularisation::new(0.0, damping * h, h);
         let (still, exact) = ([DVec3::ZERO], Solver::Exact);

@@ -81,10 +81,7 @@ fn limits(found: &MechanicsFound) -> Picture {
         figure = figure.with(Series::new(&way.name, Look::marks(i), i, of(way)));
     }
     // Through the stiffest of the explicit springs.
-    let stiffest = found
-        .ways
-        .iter()
-        .find(|way| way.name == "spring, k = 64000");
+    let stiffest = found.ways.iter().find(|way| way.name == "spring, k = 64000");
     if let Some((error, step)) = stiffest.and_then(of) {
         let law = [1.0, 256.0].map(|more: f64| (error * more, step * more.sqrt()));
         figure = figure.with(Series::new(
@@ -106,13 +103,8 @@ fn limits(found: &MechanicsFound) -> Picture {
 
 /// Convergence of sweeps.
 pub(super) fn rates(found: &MechanicsFound) -> Picture {
-    let straight = || {
-        found
-            .relaxing
-            .rates
-            .iter()
-            .filter(|r| r.angle == 0.0 && r.over_relaxation == 1.0)
-    };
+    let straight =
+        || found.relaxing.rates.iter().filter(|r| r.angle == 0.0 && r.over_relaxation == 1.0);
     let sweeps = |rate: f64| -12.0 * 10.0_f64.ln() / rate.ln();
     let mut figure = Figure::new(
         "sweeps",
@@ -120,40 +112,17 @@ pub(super) fn rates(found: &MechanicsFound) -> Picture {
         Axis::logarithmic("bonds n"),
         Axis::logarithmic("sweeps for a factor of 10⁻¹²"),
     );
-    let law = (2..=100).map(|n| {
-        (
-            f64::from(n),
-            sweeps((std::f64::consts::PI / f64::from(n + 1)).cos().powi(2)),
-        )
-    });
-    figure = figure.with(Series::new(
-        "cos²(π/(n + 1))",
-        Look::Line(Dash::Solid),
-        0,
-        law,
-    ));
+    let law = (2..=100)
+        .map(|n| (f64::from(n), sweeps((std::f64::consts::PI / f64::from(n + 1)).cos().powi(2))));
+    figure = figure.with(Series::new("cos²(π/(n + 1))", Look::Line(Dash::Solid), 0, law));
     let best = (2..=100).map(|n| {
         let omega = 2.0 / (1.0 + (std::f64::consts::PI / f64::from(n + 1)).sin());
         (f64::from(n), sweeps(omega - 1.0))
     });
-    figure = figure.with(Series::new(
-        "best over-relaxation",
-        Look::Line(Dash::Dashed),
-        1,
-        best,
-    ));
+    figure = figure.with(Series::new("best over-relaxation", Look::Line(Dash::Dashed), 1, best));
     let points = straight().map(|r| (r.bonds as f64, sweeps(r.measured)));
-    figure = figure.with(Series::new(
-        "measured",
-        Look::Points(Symbol::Disc),
-        0,
-        points,
-    ));
-    let points = found
-        .relaxing
-        .rates
-        .iter()
-        .filter(|r| r.over_relaxation != 1.0);
+    figure = figure.with(Series::new("measured", Look::Points(Symbol::Disc), 0, points));
+    let points = found.relaxing.rates.iter().filter(|r| r.over_relaxation != 1.0);
     let points = points.map(|r| (r.bonds as f64, sweeps(r.measured)));
     figure = figure.with(Series::new(
         "measured, near the best ω",
@@ -186,21 +155,10 @@ pub(super) fn tolerances(found: &MechanicsFound) -> Vec<Picture> {
         Axis::linear("sweeps per step"),
     );
     for (i, dt) in steps.iter().enumerate() {
-        let at = || {
-            found
-                .relaxing
-                .tolerances
-                .iter()
-                .filter(move |t| t.dt == *dt)
-        };
+        let at = || found.relaxing.tolerances.iter().filter(move |t| t.dt == *dt);
         let name = format!("h = {dt} τ");
         energy = energy
-            .with(Series::new(
-                &name,
-                Look::joined(i),
-                i,
-                at().map(|t| (t.tolerance, t.energy_rms)),
-            ))
+            .with(Series::new(&name, Look::joined(i), i, at().map(|t| (t.tolerance, t.energy_rms))))
             .with(Series::new(
                 "",
                 Look::Line(Dash::Dotted),
@@ -220,11 +178,7 @@ pub(super) fn tolerances(found: &MechanicsFound) -> Vec<Picture> {
             "Two dumbbells that meet, with relaxation. With a loose tolerance a shorter step does not help. Dotted: ½μ·(tol·r/h)² of both bonds, which velocities would have that kept the corrections; the velocity stage here is exact and takes most of it off.",
             "tolerances.csv",
         ),
-        Picture::new(
-            sweeps,
-            "Sweeps per step on the same runs.",
-            "tolerances.csv",
-        ),
+        Picture::new(sweeps, "Sweeps per step on the same runs.", "tolerances.csv"),
     ]
 }
 
@@ -262,12 +216,7 @@ pub(super) fn direction(found: &MechanicsFound) -> Vec<Picture> {
     )
     .level(0.0, "");
     for (i, way) in ["relaxation, new direction", "direct"].iter().enumerate() {
-        let runs = || {
-            found
-                .drifts
-                .iter()
-                .filter(move |d| d.way == *way && d.dt == 0.002)
-        };
+        let runs = || found.drifts.iter().filter(move |d| d.way == *way && d.dt == 0.002);
         figure = figure.with(Series::new(
             *way,
             Look::joined(i),
@@ -276,12 +225,7 @@ pub(super) fn direction(found: &MechanicsFound) -> Vec<Picture> {
         ));
         if i == 0 {
             let law = runs().map(|d| (d.density, d.law));
-            figure = figure.with(Series::new(
-                "−h·⟨T_b·r·Ω²⟩",
-                Look::Line(Dash::Dashed),
-                2,
-                law,
-            ));
+            figure = figure.with(Series::new("−h·⟨T_b·r·Ω²⟩", Look::Line(Dash::Dashed), 2, law));
         }
     }
     let drift = Picture::new(

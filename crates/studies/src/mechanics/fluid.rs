@@ -82,11 +82,7 @@ fn holding(bonds: &BondOptions, system: &System) -> Integrator {
 /// Σ T_b·r·Ω² over all bonds at one instant, per molecule: T_b = −λ·r with the instantaneous multiplier λ of unit masses.
 fn tension_times_turning(state: &State) -> f64 {
     let pairs = |of: &[DVec3]| -> Vec<DVec3> { of.chunks(2).map(|m| m[1] - m[0]).collect() };
-    let (d, w, f) = (
-        pairs(&state.positions),
-        pairs(&state.velocities),
-        pairs(&state.forces),
-    );
+    let (d, w, f) = (pairs(&state.positions), pairs(&state.velocities), pairs(&state.forces));
     let each = (0..d.len()).map(|m| {
         let (r2, w2) = (d[m].length_squared(), w[m].length_squared());
         let multiplier = -0.5 * (w2 + d[m].dot(f[m])) / r2;
@@ -119,10 +115,8 @@ fn slope(values: &[f64], spacing: f64) -> (f64, f64, f64) {
     // Ten means of parts on a line: what their residuals say of its slope.
     let (of_means, _) = fit(&means);
     let center = means.iter().sum::<f64>() / 10.0;
-    let residual = means
-        .iter()
-        .enumerate()
-        .map(|(i, y)| (y - center - of_means * (i as f64 - 4.5)).powi(2));
+    let residual =
+        means.iter().enumerate().map(|(i, y)| (y - center - of_means * (i as f64 - 4.5)).powi(2));
     // Σ (i − 4.5)² = 82.5 over ten parts, with eight degrees of freedom.
     let error = (residual.sum::<f64>() / 8.0 / 82.5).sqrt() * 10.0 / values.len() as f64;
     (whole / spacing, error / spacing, rms)
@@ -148,10 +142,7 @@ fn drift(
         rms: f64::NAN,
         law: f64::NAN,
     };
-    if integrator
-        .start(system, &mut state, forces, dt, Want::ENERGY)
-        .is_err()
-    {
+    if integrator.start(system, &mut state, forces, dt, Want::ENERGY).is_err() {
         return found;
     }
     let n = system.n_molecules() as f64;
@@ -161,17 +152,10 @@ fn drift(
             0 => Want::ENERGY,
             _ => Want::NOTHING,
         };
-        if integrator
-            .step(system, &mut state, forces, dt, want)
-            .is_err()
-        {
+        if integrator.step(system, &mut state, forces, dt, want).is_err() {
             return found;
         }
-        if let Some(potential) = state
-            .energetics
-            .potential_energy
-            .filter(|_| step % EVERY == 0)
-        {
+        if let Some(potential) = state.energetics.potential_energy.filter(|_| step % EVERY == 0) {
             energies.push((system.kinetic_energy(&state.velocities) + potential) / n);
             law -= dt * tension_times_turning(&state);
         }
@@ -183,16 +167,9 @@ fn drift(
 
 /// Drifts of all ways that are charted.
 pub(crate) fn drifts(quick: bool) -> Result<Vec<FluidDrift>, StudyError> {
-    let densities: &[f64] = if quick {
-        &[0.05, 0.52]
-    } else {
-        &[0.05, 0.15, 0.30, 0.40, 0.458, 0.52]
-    };
-    let (molecules, settle, time) = if quick {
-        (108, 1000, 4.0)
-    } else {
-        (108, 8000, 20.0)
-    };
+    let densities: &[f64] =
+        if quick { &[0.05, 0.52] } else { &[0.05, 0.15, 0.30, 0.40, 0.458, 0.52] };
+    let (molecules, settle, time) = if quick { (108, 1000, 4.0) } else { (108, 8000, 20.0) };
     let of_density = |density: &f64| -> Result<Vec<FluidDrift>, StudyError> {
         let mut fluid = equilibrated(*density, molecules, settle)?;
         let mut at =
@@ -221,16 +198,8 @@ pub(crate) fn drifts(quick: bool) -> Result<Vec<FluidDrift>, StudyError> {
 
 /// State points beside the equations of state.
 pub(crate) fn states(quick: bool) -> Result<Vec<StateFound>, StudyError> {
-    let densities: &[f64] = if quick {
-        &[0.30]
-    } else {
-        &[0.05, 0.15, 0.30, 0.458, 0.52]
-    };
-    let (molecules, settle, steps) = if quick {
-        (108, 1000, 2000)
-    } else {
-        (256, 10_000, 60_000)
-    };
+    let densities: &[f64] = if quick { &[0.30] } else { &[0.05, 0.15, 0.30, 0.458, 0.52] };
+    let (molecules, settle, steps) = if quick { (108, 1000, 2000) } else { (256, 10_000, 60_000) };
     let of_density = |density: &f64| -> Result<StateFound, StudyError> {
         let text = format!(
             "[system]\nlattice = \"fcc\"\nn_molecules = {molecules}\ndensity = {density:?}\ntemperature = 2.4\nseed = 11\n\
@@ -246,9 +215,7 @@ pub(crate) fn states(quick: bool) -> Result<Vec<StateFound>, StudyError> {
         let averages = simulation.observers[0].observable.finish(0.0).averages;
         let value = |name: &str| -> (f64, f64) {
             let found = averages.iter().find(|a| a.name == name);
-            found.map_or((f64::NAN, f64::NAN), |a| {
-                (a.estimate.mean, a.estimate.standard_error)
-            })
+            found.map_or((f64::NAN, f64::NAN), |a| (a.estimate.mean, a.estimate.standard_error))
         };
         let temperature = value("temperature_half_steps").0;
         let by = |which: usize| -> (f64, f64) {
@@ -264,7 +231,5 @@ pub(crate) fn states(quick: bool) -> Result<Vec<StateFound>, StudyError> {
             mecke: by(1),
         })
     };
-    jobs::side_by_side_quietly(densities, of_density)
-        .into_iter()
-        .collect()
+    jobs::side_by_side_quietly(densities, of_density).into_iter().collect()
 }

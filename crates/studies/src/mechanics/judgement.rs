@@ -43,19 +43,10 @@ fn relaxation(found: &MechanicsFound) -> Vec<Claim> {
                 false => 0.1 * rate.theory,
             };
             let reason = "faster parts that have not died away after the first sweeps";
-            near(
-                Ours,
-                statement,
-                quantity,
-                (rate.theory, tolerance, reason),
-                rate.measured,
-            )
+            near(Ours, statement, quantity, (rate.theory, tolerance, reason), rate.measured)
         })
         .collect();
-    let straight = r
-        .rates
-        .iter()
-        .filter(|rate| rate.angle == 0.0 && rate.over_relaxation == 1.0);
+    let straight = r.rates.iter().filter(|rate| rate.angle == 0.0 && rate.over_relaxation == 1.0);
     let gauss_seidel = straight.map(|rate| (rate.measured / rate.theory - 1.0).abs());
     let what = "largest distance on a falling chain of ten, σ";
     all.extend([
@@ -234,10 +225,7 @@ fn known_solutions(found: &MechanicsFound) -> Vec<Claim> {
 
 fn spook(found: &MechanicsFound) -> Vec<Claim> {
     let m = &found.maps;
-    let largest = m
-        .points
-        .iter()
-        .filter(|p| p.damping > 0.0 || p.phase.is_finite());
+    let largest = m.points.iter().filter(|p| p.damping > 0.0 || p.phase.is_finite());
     let largest = largest.map(|p| (p.measured / p.theory - 1.0).abs());
     let radius = |damping: f64| {
         let at = |p: &&super::maps::MapAt| p.damping == damping && p.phase.is_infinite();

@@ -79,14 +79,8 @@ fn states(phase: f64, damping: f64, start: DVec2, steps: usize) -> Result<Vec<DV
         vec![DVec3::new(start.y, 0.0, 0.0)],
     );
     let mut integrator = entry("spook")?.build();
-    let failed = |source| StudyError::Step {
-        method: spook::SPEC.name,
-        dt: 1.0,
-        source,
-    };
-    integrator
-        .start(&system, &mut state, &mut NoForces, 1.0, Want::NOTHING)
-        .map_err(failed)?;
+    let failed = |source| StudyError::Step { method: spook::SPEC.name, dt: 1.0, source };
+    integrator.start(&system, &mut state, &mut NoForces, 1.0, Want::NOTHING).map_err(failed)?;
     (0..steps)
         .map(|_| {
             integrator
@@ -132,11 +126,7 @@ fn closed_form() -> Result<f64, StudyError> {
 fn rotor_length(bonds: &BondOptions, omega: f64, dt: f64, steps: u32) -> Result<f64, StudyError> {
     let mut rig = Rig::start(&Case::rotor(omega), bonds, dt)?;
     for _ in 0..steps {
-        rig.step().map_err(|source| StudyError::Step {
-            method: spook::SPEC.name,
-            dt,
-            source,
-        })?;
+        rig.step().map_err(|source| StudyError::Step { method: spook::SPEC.name, dt, source })?;
     }
     Ok(rig.state.positions[0].distance(rig.state.positions[1]))
 }
@@ -154,11 +144,7 @@ fn rotor_against_theory() -> Result<(f64, f64), StudyError> {
     let mut before = DVec3::ZERO;
     for _ in 0..steps {
         before = rig.state.positions[1] - rig.state.positions[0];
-        rig.step().map_err(|source| StudyError::Step {
-            method: spook::SPEC.name,
-            dt,
-            source,
-        })?;
+        rig.step().map_err(|source| StudyError::Step { method: spook::SPEC.name, dt, source })?;
     }
     let d = rig.state.positions[1] - rig.state.positions[0];
     let alpha = before.cross(d).z.atan2(before.dot(d));
@@ -215,11 +201,7 @@ fn angle_off() -> Result<f64, StudyError> {
 
 /// The stretch of a spring between two dumbbells against its stiffness: the model error of A10.
 pub(crate) fn model_errors(quick: bool) -> Result<Vec<(f64, f64)>, StudyError> {
-    let stiffnesses: &[f64] = if quick {
-        &[1e3, 1e4, 1e5]
-    } else {
-        &[1e3, 1e4, 1e5, 1e6]
-    };
+    let stiffnesses: &[f64] = if quick { &[1e3, 1e4, 1e5] } else { &[1e3, 1e4, 1e5, 1e6] };
     let case = Case::two_dumbbells();
     let mut all = Vec::new();
     let rigid = run(&case, &BondOptions::default(), 2.5, 20_000)?.ok();
@@ -227,10 +209,7 @@ pub(crate) fn model_errors(quick: bool) -> Result<Vec<(f64, f64)>, StudyError> {
         // Steps so short that the error of the method is below the one of the model.
         let steps = (25.0 * (2.0 * k).sqrt()) as u32 * if quick { 4 } else { 16 };
         if let (Ok(spring), Some(rigid)) = (run(&case, &springs(*k), 2.5, steps)?, &rigid) {
-            all.push((
-                *k,
-                super::rig::distance(&spring.positions, &rigid.positions),
-            ));
+            all.push((*k, super::rig::distance(&spring.positions, &rigid.positions)));
         }
     }
     Ok(all)

@@ -9,11 +9,7 @@ use crate::claims;
 /// The whole page.
 pub(super) fn page(study: &MechanicsStudy) -> Page {
     let (found, options) = (&study.found, &study.options);
-    let settings = if options.quick {
-        "quick: shorter runs"
-    } else {
-        "full"
-    };
+    let settings = if options.quick { "quick: shorter runs" } else { "full" };
     let mut provenance = vec![
         ("Command".to_owned(), format!("`{}`", options.command)),
         ("Settings".to_owned(), settings.to_owned()),

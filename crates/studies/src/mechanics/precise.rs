@@ -81,11 +81,7 @@ pub struct Solved {
 
 /// Measures all problems with four ways.
 pub(crate) fn measure(quick: bool) -> Result<Vec<Solved>, StudyError> {
-    let steps: &[u32] = if quick {
-        &[1000, 2000]
-    } else {
-        &[500, 1000, 2000, 4000, 8000]
-    };
+    let steps: &[u32] = if quick { &[1000, 2000] } else { &[500, 1000, 2000, 4000, 8000] };
     let ways: [(&str, BondOptions, f64); 4] = [
         ("direct", BondOptions::default(), 2.0),
         ("relaxation, 10⁻¹²", relaxed(1e-12), 2.0),
@@ -107,13 +103,7 @@ pub(crate) fn measure(quick: bool) -> Result<Vec<Solved>, StudyError> {
                 [.., a, b] => slope(*a, *b),
                 _ => f64::NAN,
             };
-            all.push(Solved {
-                problem: problem.name,
-                way,
-                theory: *theory,
-                errors,
-                order,
-            });
+            all.push(Solved { problem: problem.name, way, theory: *theory, errors, order });
         }
     }
     Ok(all)

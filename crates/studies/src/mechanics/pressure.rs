@@ -40,46 +40,28 @@ pub(crate) fn measure(quick: bool) -> Result<WallPressure, StudyError> {
                 [integrator]\ndt = 0.004\n\
                 [[wall]]\nkind = \"hard\"\n\
                 [[stage]]\nname = \"production\"\nsteps = 1\n";
-    let scene =
-        Scene::parse(text, "the fluid of the study", &[]).map_err(|e| StudyError::Settings {
-            label: "the fluid between walls".into(),
-            reason: e.to_string(),
-        })?;
+    let scene = Scene::parse(text, "the fluid of the study", &[]).map_err(|e| {
+        StudyError::Settings { label: "the fluid between walls".into(), reason: e.to_string() }
+    })?;
     let mut simulation = prepare(scene)?;
     let cell = simulation.state.cell;
     let slit = simulation.scene.slits(&cell)[0];
-    let (middle, area) = (
-        0.5 * (slit.lower + slit.upper),
-        cell.lengths().x * cell.lengths().y,
-    );
-    let (system, state, forces) = (
-        &simulation.system,
-        &mut simulation.state,
-        simulation.forces.as_mut(),
-    );
+    let (middle, area) = (0.5 * (slit.lower + slit.upper), cell.lengths().x * cell.lengths().y);
+    let (system, state, forces) =
+        (&simulation.system, &mut simulation.state, simulation.forces.as_mut());
     let mut method = build(&IntegratorOptions::default());
-    let failed = |source| StudyError::Step {
-        method: "velocity-verlet",
-        dt: DT,
-        source,
-    };
-    method
-        .start(system, state, forces, DT, Want::NOTHING)
-        .map_err(failed)?;
+    let failed = |source| StudyError::Step { method: "velocity-verlet", dt: DT, source };
+    method.start(system, state, forces, DT, Want::NOTHING).map_err(failed)?;
     let sum = |state: &State, of: &dyn Fn(DVec3, DVec3, DVec3) -> f64| -> f64 {
         let all = state.positions.iter().zip(&state.velocities);
-        all.zip(&state.forces)
-            .map(|((r, v), f)| of(*r, *v, *f))
-            .sum()
+        all.zip(&state.forces).map(|((r, v), f)| of(*r, *v, *f)).sum()
     };
     let moment = |state: &State| sum(state, &|r, v, _| (r.z - middle) * v.z);
     let virial = |state: &State| sum(state, &|r, _, f| (r.z - middle) * f.z);
     let steps = if quick { 2000_u32 } else { 40_000 };
     // The lattice melts first: its steps count for nothing.
     for _ in 0..steps / 4 {
-        method
-            .step(system, state, forces, DT, Want::NOTHING)
-            .map_err(failed)?;
+        method.step(system, state, forces, DT, Want::NOTHING).map_err(failed)?;
     }
     let impulse_of =
         |walls: &[lennard_core::WallReading]| walls.iter().map(|w| w.impulse).sum::<f64>();
@@ -89,9 +71,7 @@ pub(crate) fn measure(quick: bool) -> Result<WallPressure, StudyError> {
     let mut identity = f64::NAN;
     for step in 1..=steps {
         kinetic += DT * sum(state, &|_, v, f| (v.z + 0.5 * DT * f.z).powi(2));
-        method
-            .step(system, state, forces, DT, Want::NOTHING)
-            .map_err(failed)?;
+        method.step(system, state, forces, DT, Want::NOTHING).map_err(failed)?;
         let now = virial(state);
         forced += 0.5 * DT * (before + now);
         before = now;

@@ -108,11 +108,7 @@ fn rate(
 }
 
 fn rates(quick: bool) -> Result<Vec<Rate>, StudyError> {
-    let lengths: &[usize] = if quick {
-        &[2, 3, 5, 10]
-    } else {
-        &[2, 3, 5, 10, 20, 40]
-    };
+    let lengths: &[usize] = if quick { &[2, 3, 5, 10] } else { &[2, 3, 5, 10, 20, 40] };
     let mut all = Vec::new();
     let mut add = |bonds, angle: f64, over_relaxation, theory: f64, few, more| {
         rate(bonds, angle, over_relaxation, few, more).map(|measured| {
@@ -150,11 +146,7 @@ fn rates(quick: bool) -> Result<Vec<Rate>, StudyError> {
 }
 
 fn tolerances(quick: bool) -> Result<Vec<AtTolerance>, StudyError> {
-    let exponents: &[i32] = if quick {
-        &[-3, -5, -8]
-    } else {
-        &[-2, -3, -4, -5, -6, -8, -10]
-    };
+    let exponents: &[i32] = if quick { &[-3, -5, -8] } else { &[-2, -3, -4, -5, -6, -8, -10] };
     let case = Case::two_dumbbells();
     let mut all = Vec::new();
     for steps in [1000, 4000] {
@@ -223,11 +215,7 @@ fn there_and_back(bonds: &BondOptions, steps: u32) -> Result<f64, StudyError> {
 /// Measures everything.
 pub(crate) fn measure(quick: bool) -> Result<Relaxing, StudyError> {
     const ALPHA: f64 = 0.1;
-    let at: &[u32] = if quick {
-        &[10, 100, 300]
-    } else {
-        &[1, 10, 30, 100, 300, 1000, 3000]
-    };
+    let at: &[u32] = if quick { &[10, 100, 300] } else { &[1, 10, 30, 100, 300, 1000, 3000] };
     let (angles, _) = rotor(&projected(), ALPHA, at)?;
     let slowing = at.iter().zip(angles).map(|(step, measured)| Slowing {
         step: *step,
@@ -263,10 +251,7 @@ pub(crate) fn measure(quick: bool) -> Result<Relaxing, StudyError> {
         rotor_energy,
         against_direct: off(&relaxed(1e-13))?,
         new_against_direct: off(&projected())?,
-        there_and_back: [
-            there_and_back(&tight, steps)?,
-            there_and_back(&projected(), steps)?,
-        ],
+        there_and_back: [there_and_back(&tight, steps)?, there_and_back(&projected(), steps)?],
         chain_iterations: [
             iterations(&relaxed(1e-4))?,
             iterations(&relaxed(1e-8))?,

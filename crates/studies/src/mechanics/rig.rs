@@ -111,12 +111,7 @@ impl Case {
             bond_length: length,
             x: (0..=beads).map(along).collect(),
             v: vec![DVec3::ZERO; beads + 1],
-            forces: Few {
-                sites: beads + 1,
-                gravity,
-                is_held: true,
-                ..Few::default()
-            },
+            forces: Few { sites: beads + 1, gravity, is_held: true, ..Few::default() },
         }
     }
 
@@ -128,10 +123,7 @@ impl Case {
             bond_length: 1.0,
             x: vec![-half, half],
             v: vec![-speed, speed],
-            forces: Few {
-                sites: 2,
-                ..Few::default()
-            },
+            forces: Few { sites: 2, ..Few::default() },
         }
     }
 
@@ -148,11 +140,7 @@ impl Case {
                 DVec3::new(1.5, -0.1 + HALF, 0.0),
             ],
             v: vec![speed(1.0), speed(1.0), speed(-1.0), speed(-1.0)],
-            forces: Few {
-                sites: 2,
-                pairs: true,
-                ..Few::default()
-            },
+            forces: Few { sites: 2, pairs: true, ..Few::default() },
         }
     }
 
@@ -167,10 +155,7 @@ impl Case {
             bond_length: 1.0,
             v: x.clone(),
             x,
-            forces: Few {
-                sites: bonds + 1,
-                ..Few::default()
-            },
+            forces: Few { sites: bonds + 1, ..Few::default() },
         }
     }
 }
@@ -220,13 +205,7 @@ impl Rig {
     /// A case of free bodies under velocity Verlet.
     pub(crate) fn of_free_bodies(case: &Case, dt: f64) -> Result<Self, StudyError> {
         let method = build(&IntegratorOptions::default());
-        Self::with(
-            case,
-            Molecules::ATOMS,
-            ForceSum::new(case.forces),
-            method,
-            dt,
-        )
+        Self::with(case, Molecules::ATOMS, ForceSum::new(case.forces), method, dt)
     }
 
     fn with(
@@ -245,21 +224,8 @@ impl Rig {
         let cell = PeriodicBox::new(DVec3::splat(SIDE))?;
         let mut state = State::new(cell, case.x.clone(), case.v.clone());
         rigid::project_velocities(&system, &state.positions, &mut state.velocities);
-        let mut rig = Self {
-            system,
-            state,
-            forces,
-            integrator,
-            dt,
-            want: Want::ENERGY,
-        };
-        let Self {
-            system,
-            state,
-            forces,
-            integrator,
-            ..
-        } = &mut rig;
+        let mut rig = Self { system, state, forces, integrator, dt, want: Want::ENERGY };
+        let Self { system, state, forces, integrator, .. } = &mut rig;
         let method = integrator.spec().name;
         integrator
             .start(system, state, forces, dt, Want::ENERGY)
@@ -269,22 +235,12 @@ impl Rig {
 
     /// The same without energies, for timing.
     pub(crate) fn for_timing(self) -> Self {
-        Self {
-            want: Want::NOTHING,
-            ..self
-        }
+        Self { want: Want::NOTHING, ..self }
     }
 
     /// One step of a method that may fail.
     pub(crate) fn step(&mut self) -> Result<StepReport, StepError> {
-        let Self {
-            system,
-            state,
-            forces,
-            integrator,
-            dt,
-            want,
-        } = self;
+        let Self { system, state, forces, integrator, dt, want } = self;
         integrator.step(system, state, forces, *dt, *want)
     }
 
@@ -297,14 +253,10 @@ impl Rig {
     /// The largest | |d|/r − 1 | over all bonds.
     pub(crate) fn strain(&self) -> f64 {
         let molecules = &self.system.molecules;
-        let strain = self
-            .state
-            .positions
-            .chunks(molecules.sites())
-            .flat_map(|m| {
-                let strain = |bond: &Bond| (bond.vector(m).length() / bond.length - 1.0).abs();
-                molecules.bonds().iter().map(strain).collect::<Vec<f64>>()
-            });
+        let strain = self.state.positions.chunks(molecules.sites()).flat_map(|m| {
+            let strain = |bond: &Bond| (bond.vector(m).length() / bond.length - 1.0).abs();
+            molecules.bonds().iter().map(strain).collect::<Vec<f64>>()
+        });
         strain.fold(0.0, f64::max)
     }
 }

@@ -7,23 +7,14 @@ use super::found::MechanicsFound;
 
 /// All tables with every digit.
 pub(super) fn csv(found: &MechanicsFound) -> Vec<Table> {
-    let ways: Vec<_> = found
-        .ways
-        .iter()
-        .flat_map(|w| w.points.iter().map(move |p| (w, p)))
-        .collect();
+    let ways: Vec<_> =
+        found.ways.iter().flat_map(|w| w.points.iter().map(move |p| (w, p))).collect();
     let relaxing = &found.relaxing;
-    let solved: Vec<_> = found
-        .solved
-        .iter()
-        .flat_map(|s| s.errors.iter().map(move |e| (s, e)))
-        .collect();
+    let solved: Vec<_> =
+        found.solved.iter().flat_map(|s| s.errors.iter().map(move |e| (s, e))).collect();
     let collisions = &found.collisions;
-    let bounces: Vec<_> = collisions
-        .bouncing
-        .iter()
-        .flat_map(|b| b.path.iter().map(move |p| (b, p)))
-        .collect();
+    let bounces: Vec<_> =
+        collisions.bouncing.iter().flat_map(|b| b.path.iter().map(move |p| (b, p))).collect();
     vec![
         Table::rows_of("ways", &ways)
             .column("way", |(w, _)| &w.name)

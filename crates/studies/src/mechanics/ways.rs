@@ -12,11 +12,8 @@ pub(crate) struct Way {
 }
 
 /// Springs by the implicit midpoint rule: name and stiffness, ε/σ².
-pub(crate) const MIDPOINT: [(&str, f64); 3] = [
-    ("midpoint, k = 1000", 1e3),
-    ("midpoint, k = 16000", 1.6e4),
-    ("midpoint, k = 64000", 6.4e4),
-];
+pub(crate) const MIDPOINT: [(&str, f64); 3] =
+    [("midpoint, k = 1000", 1e3), ("midpoint, k = 16000", 1.6e4), ("midpoint, k = 64000", 6.4e4)];
 
 /// Relaxation until a tolerance, along the old bond.
 pub(crate) fn relaxed(tolerance: f64) -> BondOptions {
@@ -37,10 +34,7 @@ pub(crate) fn projected() -> BondOptions {
 
 /// SPOOK with a damping time of so many steps and no compliance.
 pub(crate) fn damped(steps: f64) -> BondOptions {
-    BondOptions::Spook(spook::Options {
-        damping_steps: steps,
-        ..Default::default()
-    })
+    BondOptions::Spook(spook::Options { damping_steps: steps, ..Default::default() })
 }
 
 /// Springs of a stiffness, ε/σ².
@@ -50,23 +44,15 @@ pub(crate) fn springs(stiffness: f64) -> BondOptions {
 
 /// Springs of a stiffness in ε/σ² by a scheme.
 fn springs_by(scheme: spring::Scheme, stiffness: f64) -> BondOptions {
-    BondOptions::Spring(spring::Options {
-        stiffness,
-        scheme,
-        ..Default::default()
-    })
+    BondOptions::Spring(spring::Options { stiffness, scheme, ..Default::default() })
 }
 
 /// Every way: the methods of the list with their default options, and variants.
 pub(crate) fn ways() -> Vec<Way> {
-    let of_the_list = BondOptions::examples().into_iter().map(|bonds| Way {
-        name: bonds.name().to_owned(),
-        bonds,
-    });
-    let variant = |name: &str, bonds| Way {
-        name: name.to_owned(),
-        bonds,
-    };
+    let of_the_list = BondOptions::examples()
+        .into_iter()
+        .map(|bonds| Way { name: bonds.name().to_owned(), bonds });
+    let variant = |name: &str, bonds| Way { name: name.to_owned(), bonds };
     of_the_list
         .chain([
             variant("relaxation, 10⁻³", relaxed(1e-3)),

@@ -34,9 +34,7 @@ pub(super) fn series<P: Into<Point>>(look: Look, points: Vec<P>) -> Series {
 /// Pairs of two columns, finite ones, neighbors averaged where there are more than can be seen.
 pub(super) fn curve(table: &Table, x: &str, y: &str) -> Option<Vec<(f64, f64)>> {
     let pairs = table.numbers(x)?.into_iter().zip(table.numbers(y)?);
-    let pairs: Vec<(f64, f64)> = pairs
-        .filter(|(a, b)| a.is_finite() && b.is_finite())
-        .collect();
+    let pairs: Vec<(f64, f64)> = pairs.filter(|(a, b)| a.is_finite() && b.is_finite()).collect();
     let group = pairs.len().div_ceil(MOST_POINTS).max(1);
     let mean = |c: &[(f64, f64)]| {
         let n = c.len() as f64;
@@ -53,10 +51,7 @@ pub(super) fn with_errors(table: &Table, [x, y, error]: [&str; 3]) -> Option<Vec
     let points: Vec<Point> = pairs
         .zip(table.numbers(error)?)
         .filter(|((x, y), _)| x.is_finite() && y.is_finite())
-        .map(|((x, y), error)| Point {
-            error: Some(error),
-            ..Point::from((x, y))
-        })
+        .map(|((x, y), error)| Point { error: Some(error), ..Point::from((x, y)) })
         .collect();
     (!points.is_empty()).then_some(points)
 }
@@ -67,11 +62,9 @@ pub(super) fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String 
     run.average(average).map_or(String::new(), |a| {
         let value = match a.standard_error.is_finite() {
             true => with_error(a.mean, a.standard_error),
-            false => format!(
-                "{} (no result: {})",
-                significant(a.mean, 4),
-                a.standing.replace('-', " ")
-            ),
+            false => {
+                format!("{} (no result: {})", significant(a.mean, 4), a.standing.replace('-', " "))
+            }
         };
         sentence.replace("{}", &value)
     })
@@ -84,22 +77,14 @@ pub(super) fn time_series(run: &RunFolder, is_fluid: bool) -> Vec<Picture> {
         return Vec::new();
     };
     let changing_box = run.table("box");
-    let cut = run
-        .average("potential_energy")
-        .map_or(0, |a| a.equilibration_cut);
+    let cut = run.average("potential_energy").map_or(0, |a| a.equilibration_cut);
     let time = table.numbers("time").unwrap_or_default();
     // The cut counts samples, and a row may be the mean of several.
     let interval = run.scene.output.thermo_every as f64 * run.scene.integrator.dt;
-    let cut_time = time
-        .first()
-        .filter(|_| is_fluid && cut > 0)
-        .map(|start| start + cut as f64 * interval);
+    let cut_time =
+        time.first().filter(|_| is_fluid && cut > 0).map(|start| start + cut as f64 * interval);
     let draw = |(file, name, title, label)| {
-        let table = if file == "box" {
-            changing_box.as_ref()?
-        } else {
-            &table
-        };
+        let table = if file == "box" { changing_box.as_ref()? } else { &table };
         let curve = curve(table, "time", name)?;
         let mut figure = Figure::new(name, title, Axis::linear("time / τ"), Axis::linear(label))
             .with(series(LINE, curve));
@@ -113,27 +98,12 @@ pub(super) fn time_series(run: &RunFolder, is_fluid: bool) -> Vec<Picture> {
         Some(Picture::new(figure, mean, format!("{file}.csv")))
     };
     [
-        (
-            "measured",
-            "temperature",
-            "Temperature, whole steps",
-            "T / (ε/k_B)",
-        ),
-        (
-            "measured",
-            "potential_energy",
-            "Potential energy",
-            "U/N / ε",
-        ),
+        ("measured", "temperature", "Temperature, whole steps", "T / (ε/k_B)"),
+        ("measured", "potential_energy", "Potential energy", "U/N / ε"),
         ("measured", "pressure", "Pressure", "P / (ε/σ³)"),
         ("box", "density", "Density", "ρ / σ⁻³"),
         ("box", "volume", "Volume", "V / σ³"),
-        (
-            "measured",
-            "conserved_energy",
-            "Conserved energy",
-            "(E − heat)/N / ε",
-        ),
+        ("measured", "conserved_energy", "Conserved energy", "(E − heat)/N / ε"),
     ]
     .into_iter()
     .filter_map(draw)
@@ -152,11 +122,8 @@ pub(super) fn all_stages(run: &RunFolder) -> Vec<Picture> {
         let mut rows = times.iter().zip(&numbers);
         let first = rows.find(|(_, number)| **number == stage as f64)?;
         // Names of short stages would lie on each other.
-        let name = if stages[stage].measure {
-            stages[stage].name.to_string()
-        } else {
-            String::new()
-        };
+        let name =
+            if stages[stage].measure { stages[stage].name.to_string() } else { String::new() };
         Some(Guide::Vertical(*first.0, name))
     };
     let guides: Vec<Guide> = (1..stages.len()).filter_map(begins).collect();
@@ -168,19 +135,12 @@ pub(super) fn all_stages(run: &RunFolder) -> Vec<Picture> {
             Axis::linear("time / τ"),
             Axis::linear(label),
         );
-        let figure = guides
-            .iter()
-            .cloned()
-            .fold(figure.with(series(LINE, curve)), Figure::guided);
+        let figure = guides.iter().cloned().fold(figure.with(series(LINE, curve)), Figure::guided);
         Some(Picture::new(figure, "", "thermo.csv"))
     };
     [
         ("temperature", "Temperature, all stages", "T / (ε/k_B)"),
-        (
-            "potential_energy",
-            "Potential energy, all stages",
-            "U/N / ε",
-        ),
+        ("potential_energy", "Potential energy, all stages", "U/N / ε"),
         ("pressure", "Pressure, all stages", "P / (ε/σ³)"),
     ]
     .into_iter()
@@ -192,10 +152,7 @@ pub(super) fn all_stages(run: &RunFolder) -> Vec<Picture> {
 pub(super) fn blocking(run: &RunFolder) -> Vec<Picture> {
     let draw = |(name, title, unit)| {
         let file = format!("blocking_{name}");
-        let points = with_errors(
-            &run.table(&file)?,
-            ["block", "standard_error", "uncertainty"],
-        )?;
+        let points = with_errors(&run.table(&file)?, ["block", "standard_error", "uncertainty"])?;
         if points.iter().all(|p| p.y <= 0.0) {
             return None;
         }
@@ -229,10 +186,7 @@ pub(super) fn blocking(run: &RunFolder) -> Vec<Picture> {
 
 /// g(r) with its shells and S(k).
 pub(super) fn structure(run: &RunFolder) -> Vec<Picture> {
-    [pair_distribution(run), structure_factor(run)]
-        .into_iter()
-        .flatten()
-        .collect()
+    [pair_distribution(run), structure_factor(run)].into_iter().flatten().collect()
 }
 
 /// The density across a slab with its fit.
@@ -248,22 +202,13 @@ pub(super) fn interface(run: &RunFolder) -> Vec<Picture> {
             Axis::linear(format!("{place} from the middle / σ")),
             Axis::linear("ρ / σ⁻³"),
         )
-        .with(Series::new(
-            "measured",
-            Look::Points(Symbol::Disc),
-            0,
-            density,
-        ));
+        .with(Series::new("measured", Look::Points(Symbol::Disc), 0, density));
         if let Some(fit) = curve(&table, &place, "fit") {
             figure = figure.with(Series::new("fit", LINE, 1, fit));
         }
         let caption = said_of(run, "liquid_density", "ρ of the liquid {} σ⁻³, ")
             + &said_of(run, "vapor_density", "of the vapor {} σ⁻³; ")
-            + &said_of(
-                run,
-                "interface_thickness",
-                "thickness from 10 % to 90 % {} σ.",
-            );
+            + &said_of(run, "interface_thickness", "thickness from 10 % to 90 % {} σ.");
         Some(Picture::new(figure, caption, "interface_profile.csv"))
     };
     draw().into_iter().collect()
@@ -305,9 +250,7 @@ fn minima(run: &RunFolder) -> Vec<f64> {
     let kinds = peaks.numbers("kind").unwrap_or_default();
     let places = peaks.numbers("r").unwrap_or_default();
     let both = kinds.into_iter().zip(places);
-    both.filter(|(kind, _)| *kind < 0.0)
-        .map(|(_, r)| r)
-        .collect()
+    both.filter(|(kind, _)| *kind < 0.0).map(|(_, r)| r).collect()
 }
 
 fn structure_factor(run: &RunFolder) -> Option<Picture> {

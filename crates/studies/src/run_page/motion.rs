@@ -23,11 +23,7 @@ fn level_at(run: &RunFolder, figure: Figure, average: &str, word: &str) -> Figur
 /// Mean-square displacement, velocity autocorrelation, Green–Kubo integrals.
 pub(super) fn motion(run: &RunFolder) -> Vec<Picture> {
     let viscosity = ["shear_viscosity", "shear viscosity", "η / (ετ/σ³)"];
-    let conductivity = [
-        "thermal_conductivity",
-        "thermal conductivity",
-        "λ / (k_B/(στ))",
-    ];
+    let conductivity = ["thermal_conductivity", "thermal conductivity", "λ / (k_B/(στ))"];
     [
         displacement(run),
         autocorrelation(run),
@@ -73,16 +69,8 @@ fn displacement(run: &RunFolder) -> Option<Picture> {
             "The dashed line is fitted from {} to {} τ.{}{}",
             significant(from, 3),
             significant(to, 3),
-            said_of(
-                run,
-                plain,
-                " A sixth of its slope: D = {} σ²/τ in this box."
-            ),
-            said_of(
-                run,
-                corrected,
-                " Corrected for finite size (Yeh and Hummer): D = {} σ²/τ."
-            ),
+            said_of(run, plain, " A sixth of its slope: D = {} σ²/τ in this box."),
+            said_of(run, corrected, " Corrected for finite size (Yeh and Hummer): D = {} σ²/τ."),
         );
         let look = Look::Line(Dash::Dashed);
         figure = figure

@@ -37,10 +37,8 @@ pub(super) fn phase_diagram(run: &RunFolder, compared: &ComparedRun) -> Vec<Pict
     let Ok(equation) = equation_of_state_for(model) else {
         return Vec::new();
     };
-    let lines = Lines {
-        points: known_points(model),
-        ..Lines::of(equation, compared.state.temperature)
-    };
+    let lines =
+        Lines { points: known_points(model), ..Lines::of(equation, compared.state.temperature) };
     let mut pictures = vec![lines.in_density(run, compared)];
     pictures.extend(lines.in_pressure(run));
     pictures
@@ -70,9 +68,8 @@ impl Lines {
             let left = 1.0 - i as f64 / POINTS as f64;
             critical - (critical - lowest) * left * left
         };
-        let coexistence: Vec<Saturation> = (0..POINTS)
-            .filter_map(|i| equation.saturation(below(i)))
-            .collect();
+        let coexistence: Vec<Saturation> =
+            (0..POINTS).filter_map(|i| equation.saturation(below(i))).collect();
         let spinodal = coexistence
             .iter()
             .filter_map(|s| Some((s.temperature, equation.spinodal(s.temperature)?)))
@@ -115,9 +112,7 @@ impl Lines {
 
     /// P against T on a freezing line, by the pressure of the equation at the density of the freezing liquid.
     fn freezing_pressures(&self, line: &FreezingLine) -> Vec<(f64, f64)> {
-        let places = self
-            .on(line)
-            .filter_map(|f| Some((f.temperature, f.pressure?)));
+        let places = self.on(line).filter_map(|f| Some((f.temperature, f.pressure?)));
         places.filter(|(_, p)| *p > 0.0).collect()
     }
 
@@ -134,10 +129,7 @@ impl Lines {
         let state = &compared.state;
         let critical = self.equation.spec().critical;
         let top = (critical.density, critical.temperature);
-        let vapor = self
-            .coexistence
-            .iter()
-            .map(|s| (s.vapor_density, s.temperature));
+        let vapor = self.coexistence.iter().map(|s| (s.vapor_density, s.temperature));
         let liquid = self.coexistence.iter().rev();
         let liquid = liquid.map(|s| (s.liquid_density, s.temperature));
         let binodal: Vec<(f64, f64)> = vapor.chain([top]).chain(liquid).collect();
@@ -152,12 +144,7 @@ impl Lines {
         )
         .with(Series::new("vapor and liquid", SOLID, FLUID, binodal))
         .with(Series::new("spinodal", DOTTED, FLUID, spinodal))
-        .with(Series::new(
-            "critical point",
-            Look::Points(Symbol::Triangle),
-            FLUID,
-            [top],
-        ));
+        .with(Series::new("critical point", Look::Points(Symbol::Triangle), FLUID, [top]));
         if !self.freezing.is_empty() {
             let line = freezing_line();
             let freezing = self.on(line).map(|f| (f.liquid_density, f.temperature));
@@ -166,10 +153,7 @@ impl Lines {
                 .with(Series::new("freezing", SOLID, SOLID_LIQUID, freezing))
                 .with(Series::new("melting", DASHED, SOLID_LIQUID, melting));
             figure = figure.with(others(self.others(), |row| {
-                [
-                    (row.vapor_density, row.temperature),
-                    (row.liquid_density, row.temperature),
-                ]
+                [(row.vapor_density, row.temperature), (row.liquid_density, row.temperature)]
             }));
         }
         let figure = self.points_of_others(figure, |p| Some((p.density?, p.temperature)));
@@ -186,12 +170,7 @@ impl Lines {
             error: Some(error + 0.0 * of_density),
             ..Point::from((density, state.temperature))
         });
-        let figure = figure.with(Series::new(
-            "this run",
-            Look::Points(Symbol::Square),
-            RUN,
-            here,
-        ));
+        let figure = figure.with(Series::new("this run", Look::Points(Symbol::Square), RUN, here));
         let triple = self.triple.map_or(String::new(), |s| {
             format!(
                 " Triple point: T = {:.4}, ρ of the liquid {:.4}.",
@@ -218,9 +197,7 @@ impl Lines {
         let pressure = run.average(name).filter(|p| p.is_sound() && p.mean > 0.0)?;
         let temperature = run.temperature().filter(|t| t.is_sound())?;
         let critical = self.equation.spec().critical;
-        let at_critical = self
-            .equation
-            .pressure(critical.density, critical.temperature);
+        let at_critical = self.equation.pressure(critical.density, critical.temperature);
         let top = (critical.temperature, at_critical);
         let boiling = self.coexistence.iter().map(|s| (s.temperature, s.pressure));
         let boiling: Vec<(f64, f64)> = boiling.chain([top]).collect();
@@ -231,12 +208,7 @@ impl Lines {
             Axis::logarithmic("P / (ε/σ³)"),
         )
         .with(Series::new("vapor pressure", SOLID, FLUID, boiling))
-        .with(Series::new(
-            "critical point",
-            Look::Points(Symbol::Triangle),
-            FLUID,
-            [top],
-        ));
+        .with(Series::new("critical point", Look::Points(Symbol::Triangle), FLUID, [top]));
         if !self.freezing.is_empty() {
             let [line, older] = freezing_lines();
             for (line, look) in [(line, SOLID), (older, DASHED)] {
@@ -251,9 +223,7 @@ impl Lines {
                     SOLID_LIQUID,
                     self.triple.map(|s| (s.temperature, s.pressure)),
                 ))
-                .with(others(self.others(), |row| {
-                    [(row.temperature, row.pressure)]
-                }));
+                .with(others(self.others(), |row| [(row.temperature, row.pressure)]));
         }
         let figure = self.points_of_others(figure, |p| Some((p.temperature, p.pressure?)));
         let (t, p) = (temperature.mean, pressure.mean);
@@ -261,14 +231,12 @@ impl Lines {
         // The rows of a slab have the pressure of the whole box: how its vapor pressure goes with T is not known.
         let correlation = correlation(run).filter(|_| name == "pressure");
         let ellipse = ellipse((t, p), errors, correlation.unwrap_or(0.0));
-        let figure = figure
-            .with(Series::new("", SOLID, RUN, ellipse))
-            .with(Series::new(
-                "this run",
-                Look::Points(Symbol::Square),
-                RUN,
-                [(t, p)],
-            ));
+        let figure = figure.with(Series::new("", SOLID, RUN, ellipse)).with(Series::new(
+            "this run",
+            Look::Points(Symbol::Square),
+            RUN,
+            [(t, p)],
+        ));
         let caption = format!(
             "{}. This run: T = {}, P = {}; the ellipse is three standard errors wide, {}.",
             self.name(),
@@ -290,12 +258,7 @@ fn others<const N: usize>(
     points: impl Fn(&Saturation) -> [(f64, f64); N],
 ) -> Series {
     let some = rows.iter().step_by(EACH).flat_map(points);
-    Series::new(
-        "NIST",
-        Look::Points(Symbol::Disc),
-        OTHERS,
-        some.collect::<Vec<_>>(),
-    )
+    Series::new("NIST", Look::Points(Symbol::Disc), OTHERS, some.collect::<Vec<_>>())
 }
 
 fn correlation_in_words(correlation: Option<f64>) -> String {
@@ -352,11 +315,7 @@ mod tests {
         let triple = lines.triple.unwrap();
         assert!((triple.temperature - 0.694).abs() < 5e-4, "{triple:?}");
         for (t, [vapor, liquid]) in &lines.spinodal {
-            let binodal = lines
-                .coexistence
-                .iter()
-                .find(|s| s.temperature == *t)
-                .unwrap();
+            let binodal = lines.coexistence.iter().find(|s| s.temperature == *t).unwrap();
             assert!(binodal.vapor_density < *vapor && *liquid < binodal.liquid_density);
         }
     }
@@ -368,9 +327,7 @@ mod tests {
             let places = lines.freezing_pressures(line);
             assert!(places.len() > POINTS - 4, "{}", line.name);
             // The pressure of the liquid at T = 1 is about 4 on every line.
-            let near = places
-                .iter()
-                .min_by(|a, b| (a.0 - 1.0).abs().total_cmp(&(b.0 - 1.0).abs()));
+            let near = places.iter().min_by(|a, b| (a.0 - 1.0).abs().total_cmp(&(b.0 - 1.0).abs()));
             let (t, p) = near.unwrap();
             assert!((t - 1.0).abs() < 0.02 && (3.5..5.0).contains(p), "{t} {p}");
             assert!(places.is_sorted_by(|a, b| a.1 < b.1));

@@ -11,10 +11,7 @@ const BESIDE: [&str; 4] = ["Reference", "Difference", "Difference / s.e.", "Tole
 
 /// What was measured, beside the literature where there is some.
 pub(super) fn comparison(compared: &ComparedRun) -> Table {
-    let shown = compared
-        .rows
-        .iter()
-        .filter(|r| r.primary || r.verdict.is_judged());
+    let shown = compared.rows.iter().filter(|r| r.primary || r.verdict.is_judged());
     let rows: Vec<&Row> = shown.collect();
     let made = table(&rows, |row| match row.has_long_reason() {
         true => row.verdict.words().to_owned(),
@@ -31,10 +28,7 @@ pub(super) fn state_card(compared: &ComparedRun) -> Section {
     let section = Section::new("State card");
     match &compared.card {
         Some(card) => section.text(card.sentence.as_str()).table(card_table(card)),
-        None => section.text(format!(
-            "No equation of state is shown: {}.",
-            compared.state.words
-        )),
+        None => section.text(format!("No equation of state is shown: {}.", compared.state.words)),
     }
 }
 
@@ -67,29 +61,21 @@ pub(super) fn notes(compared: &ComparedRun) -> Vec<String> {
 
 pub(super) fn stages(run: &RunFolder) -> Table {
     let scene = &run.scene;
-    let caption = format!(
-        "Integrator: {}. Model: {}.",
-        scene.method_name(),
-        run.record.model
-    );
+    let caption = format!("Integrator: {}. Model: {}.", scene.method_name(), run.record.model);
     Table::rows_of("stages", &scene.stages)
         .caption(caption)
         .column("Stage", |s| s.name.as_str())
         .column("Steps", |s| s.steps)
         .column("dt [τ]", |s| Cell::rounded(scene.stage_dt(s), 4))
         .column("Thermostat", |s| {
-            s.thermostat
-                .as_ref()
-                .map_or("none: constant energy".into(), |t| {
-                    format!("{} at {}", t.name(), s.temperature_in_words())
-                })
+            s.thermostat.as_ref().map_or("none: constant energy".into(), |t| {
+                format!("{} at {}", t.name(), s.temperature_in_words())
+            })
         })
         .column("Barostat", |s| {
-            s.barostat
-                .as_ref()
-                .map_or("none: constant volume".into(), |b| {
-                    format!("{} at {}", b.options.name(), b.pressure_in_words())
-                })
+            s.barostat.as_ref().map_or("none: constant volume".into(), |b| {
+                format!("{} at {}", b.options.name(), b.pressure_in_words())
+            })
         })
         .column("Measured", |s| if s.measure { "yes" } else { "no" })
         .table()
@@ -97,12 +83,7 @@ pub(super) fn stages(run: &RunFolder) -> Table {
 
 /// What this run did not measure.
 pub(super) fn left_out(run: &RunFolder) -> Vec<String> {
-    let asked: Vec<&str> = run
-        .scene
-        .observables
-        .iter()
-        .map(|o| o.options.name())
-        .collect();
+    let asked: Vec<&str> = run.scene.observables.iter().map(|o| o.options.name()).collect();
     let missing: Vec<&str> = lennard_observables::observables()
         .iter()
         .map(|spec| spec.name)
@@ -136,17 +117,14 @@ pub(super) fn averages(compared: &ComparedRun, record: &RunRecord) -> Table {
         .column("Quantity", |(row, _)| quantity_words(&row.quantity))
         .measured("Mean", |(_, a)| Some((a.mean, a.standard_error)))
         .column("Unit", |(_, a)| &a.unit)
-        .column("Independent samples", |(_, a)| {
-            Cell::rounded(a.n_effective, 3)
-        })
+        .column("Independent samples", |(_, a)| Cell::rounded(a.n_effective, 3))
         .column("Discarded", |(_, a)| a.equilibration_cut)
-        .column("Why no result", |(row, a)| {
-            if a.is_sound() {
-                String::new()
-            } else {
-                row.verdict_words()
-            }
-        })
+        .column(
+            "Why no result",
+            |(row, a)| {
+                if a.is_sound() { String::new() } else { row.verdict_words() }
+            },
+        )
         .table()
 }
 
@@ -179,8 +157,6 @@ pub(super) fn performance(record: &RunRecord, is_fluid: bool) -> Table {
         .caption(caption)
         .column("Work", |(name, _)| *name)
         .column("Seconds", |(_, seconds)| Cell::rounded(*seconds, 3))
-        .column("Share", |(_, seconds)| {
-            Cell::figures(percent(seconds / record.wall_s))
-        })
+        .column("Share", |(_, seconds)| Cell::figures(percent(seconds / record.wall_s)))
         .table()
 }

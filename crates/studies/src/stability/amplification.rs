@@ -69,10 +69,7 @@ pub struct MethodMap {
 
 /// The map that a method declares. A method without one is measured without a theory line.
 pub(crate) fn theory(entry: &IntegratorEntry, omega_h: f64) -> Option<StepMap> {
-    entry
-        .spec
-        .oscillator_map
-        .map(|map| StepMap(map(omega_h, 1.0)))
+    entry.spec.oscillator_map.map(|map| StepMap(map(omega_h, 1.0)))
 }
 
 /// Measures every method of the groups.

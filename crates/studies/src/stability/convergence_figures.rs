@@ -17,12 +17,7 @@ pub(crate) fn discretisation(study: &OscillatorStudy) -> Picture {
     let growth = &study.growth[1];
     let scale = growth.wh * growth.wh;
     let scaled = |errors: &[f64]| -> Vec<(f64, f64)> {
-        growth
-            .times
-            .iter()
-            .copied()
-            .zip(errors.iter().map(|e| e / scale))
-            .collect()
+        growth.times.iter().copied().zip(errors.iter().map(|e| e / scale)).collect()
     };
     let end = growth.times.last().copied().unwrap_or(1.0);
     for (i, (name, errors)) in [
@@ -34,9 +29,8 @@ pub(crate) fn discretisation(study: &OscillatorStudy) -> Picture {
     {
         figure = figure.marks(name, i, scaled(errors).into_iter().step_by(4));
     }
-    for (i, (name, offset)) in [("theory: wt/24", 0.0), ("theory: wt/24 + 1/16", 1.0 / 16.0)]
-        .into_iter()
-        .enumerate()
+    for (i, (name, offset)) in
+        [("theory: wt/24", 0.0), ("theory: wt/24 + 1/16", 1.0 / 16.0)].into_iter().enumerate()
     {
         let line = dense(0.0, end, 2).map(|t| (t, t / 24.0 + offset));
         figure = figure.with(Series::new(name, Look::Line(Dash::cycle(7 * i)), i, line));
@@ -59,17 +53,9 @@ pub(crate) fn variable_step(study: &OscillatorStudy) -> Vec<Picture> {
         Axis::linear("time / τ"),
         Axis::linear("x / σ"),
     )
-    .with(Series::new(
-        "analytic",
-        Look::Line(Dash::Solid),
-        6,
-        exact_path(),
-    ));
-    let mut errors = log_log(
-        "variable-step-error",
-        "Error with a changing step",
-        "largest error of x / σ",
-    );
+    .with(Series::new("analytic", Look::Line(Dash::Solid), 6, exact_path()));
+    let mut errors =
+        log_log("variable-step-error", "Error with a changing step", "largest error of x / σ");
     for (i, run) in study.step_rules.iter().enumerate() {
         // Three of four lie on the analytic line: each shows every third point, so that all can be seen.
         let (look, first, every) = if run.method.is_none() {
@@ -82,11 +68,9 @@ pub(crate) fn variable_step(study: &OscillatorStudy) -> Vec<Picture> {
         path = path.with(Series::new(run.rule, look, i, points));
         let name = match run.order {
             // Adding zero turns −0.00 into 0.00.
-            Some(order) => format!(
-                "{}: order {:.2}",
-                run.rule,
-                (100.0 * order).round() / 100.0 + 0.0
-            ),
+            Some(order) => {
+                format!("{}: order {:.2}", run.rule, (100.0 * order).round() / 100.0 + 0.0)
+            }
             None => run.rule.to_owned(),
         };
         errors = errors.joined(name, i, run.errors.iter().copied());
@@ -98,21 +82,12 @@ pub(crate) fn variable_step(study: &OscillatorStudy) -> Vec<Picture> {
              change of the step for a change of velocity.",
             "variable-step.csv",
         ),
-        Picture::new(
-            errors,
-            "Largest error over 12 τ against the long step.",
-            "orders.csv",
-        ),
+        Picture::new(errors, "Largest error over 12 τ against the long step.", "orders.csv"),
     ]
 }
 
 fn log_log(name: &str, title: &str, y: &str) -> Figure {
-    Figure::new(
-        name,
-        title,
-        Axis::logarithmic("step h / τ"),
-        Axis::logarithmic(y),
-    )
+    Figure::new(name, title, Axis::logarithmic("step h / τ"), Axis::logarithmic(y))
 }
 
 /// The errors as marks, each with the line of its declared order.
@@ -121,9 +96,7 @@ fn with_lines<'a>(
     lines: impl Iterator<Item = (usize, &'a str, &'a OrderLine)>,
 ) -> Figure {
     for (i, name, line) in lines {
-        let order = line
-            .measured
-            .map_or("rounding".to_owned(), |p| format!("order {p:.2}"));
+        let order = line.measured.map_or("rounding".to_owned(), |p| format!("order {p:.2}"));
         // The theory line goes through the error at the middle step with the declared slope.
         let (h, e) = line.errors[line.errors.len() / 2];
         let (first, last) = (line.errors[0].0, line.errors[line.errors.len() - 1].0);
@@ -155,11 +128,7 @@ pub(crate) fn orders(study: &OscillatorStudy) -> Vec<Picture> {
     let listed = |name: &str, title: &str, y: &str, lines: Vec<&OrderLine>, caption: &str| {
         let lines = lines.into_iter().enumerate();
         let lines = lines.map(|(i, l)| (i, l.name.as_str(), l));
-        Picture::new(
-            with_lines(log_log(name, title, y), lines),
-            caption,
-            "orders.csv",
-        )
+        Picture::new(with_lines(log_log(name, title, y), lines), caption, "orders.csv")
     };
     vec![
         global(
@@ -178,11 +147,7 @@ pub(crate) fn orders(study: &OscillatorStudy) -> Vec<Picture> {
             "order-estimates",
             "Starts and velocity estimates of Störmer–Verlet",
             "largest error",
-            orders
-                .starts
-                .iter()
-                .chain(&orders.velocity_estimates)
-                .collect(),
+            orders.starts.iter().chain(&orders.velocity_estimates).collect(),
             "A2 and A5: the start with and without its acceleration term (error of x), and three velocities \
              made from positions.",
         ),

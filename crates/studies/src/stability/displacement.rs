@@ -101,22 +101,13 @@ pub(crate) fn measure(groups: &[Group]) -> Result<Vec<Case>, StudyError> {
                 .enumerate()
                 .map(|(g, group)| short_run(g, group.first(), stiffness, steps))
                 .collect::<Result<_, _>>()?;
-            let entries: Vec<&IntegratorEntry> = groups
-                .iter()
-                .flat_map(|g| g.members.iter().copied())
-                .collect();
+            let entries: Vec<&IntegratorEntry> =
+                groups.iter().flat_map(|g| g.members.iter().copied()).collect();
             let summaries = entries
                 .par_iter()
                 .map(|entry| summarise(entry, stiffness, omega_h, LONG_RUN))
                 .collect::<Result<_, _>>()?;
-            Ok(Case {
-                name,
-                title,
-                stiffness,
-                omega_h,
-                runs,
-                summaries,
-            })
+            Ok(Case { name, title, stiffness, omega_h, runs, summaries })
         })
         .collect()
 }

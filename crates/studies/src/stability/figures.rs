@@ -45,9 +45,8 @@ pub(crate) fn amplification(study: &OscillatorStudy) -> Picture {
         figure = figure.line("", g, dense(0.004, 4.0, 999).map(|x| (x, radius(x))));
     }
     for (g, group) in study.groups.iter().enumerate() {
-        let points = points_of(study, g)
-            .map(|p| (p.omega_h, p.measured_radius))
-            .filter(|p| p.1 <= TALLEST);
+        let points =
+            points_of(study, g).map(|p| (p.omega_h, p.measured_radius)).filter(|p| p.1 <= TALLEST);
         figure = figure.marks("", g, points).with(entry(group, g));
     }
     Picture::new(
@@ -72,18 +71,13 @@ pub(crate) fn phase(study: &OscillatorStudy) -> Picture {
             // The exact solution has no phase error to show on a logarithmic axis.
             continue;
         }
-        let line = dense(0.05_f64.ln(), 3.2_f64.ln(), 400)
-            .map(f64::exp)
-            .map(|x| {
-                let phase = theory(group.first(), x).and_then(StepMap::phase);
-                (x, phase.map_or(f64::NAN, |p| error(x, p)))
-            });
+        let line = dense(0.05_f64.ln(), 3.2_f64.ln(), 400).map(f64::exp).map(|x| {
+            let phase = theory(group.first(), x).and_then(StepMap::phase);
+            (x, phase.map_or(f64::NAN, |p| error(x, p)))
+        });
         let points = points_of(study, g)
             .filter_map(|p| Some((p.omega_h, error(p.omega_h, p.measured_phase?))));
-        figure = figure
-            .line("", g, line)
-            .marks("", g, points)
-            .with(entry(group, g));
+        figure = figure.line("", g, line).marks("", g, points).with(entry(group, g));
     }
     Picture::new(
         figure,
@@ -183,11 +177,7 @@ pub(crate) fn infinite(study: &OscillatorStudy) -> Picture {
         } else {
             format!("k = ∞, τ = {} h", run.damping_steps)
         };
-        let look = if i == 0 {
-            Look::Points(Symbol::Disc)
-        } else {
-            Look::line(i)
-        };
+        let look = if i == 0 { Look::Points(Symbol::Disc) } else { Look::line(i) };
         let points = steps().zip(run.displacements.iter().copied());
         figure = figure.with(Series::new(name, look, i, points));
     }
@@ -198,12 +188,7 @@ pub(crate) fn infinite(study: &OscillatorStudy) -> Picture {
         figure = figure.with(Series::new(name, Look::Line(Dash::Dashed), color, points));
     }
     let line = steps().map(|n| (n, 2.0 * n + 1.0));
-    figure = figure.with(Series::new(
-        "theory: 2n + 1",
-        Look::Line(Dash::Dotted),
-        6,
-        line,
-    ));
+    figure = figure.with(Series::new("theory: 2n + 1", Look::Line(Dash::Dotted), 6, line));
     Picture::new(
         figure,
         "SPOOK with ε = 0 (k = ∞): without damping |x| grows as 2n + 1, with any damping it dies away. \

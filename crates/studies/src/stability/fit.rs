@@ -22,11 +22,8 @@ pub(crate) fn slope(a: (f64, f64), b: (f64, f64)) -> f64 {
 ///
 /// `points` are (h, e) with h falling by the same factor; `None` with fewer than three usable points.
 pub(crate) fn order(points: &[(f64, f64)], floor: f64) -> Option<f64> {
-    let usable: Vec<(f64, f64)> = points
-        .iter()
-        .copied()
-        .take_while(|(_, e)| e.is_finite() && *e > floor)
-        .collect();
+    let usable: Vec<(f64, f64)> =
+        points.iter().copied().take_while(|(_, e)| e.is_finite() && *e > floor).collect();
     let [.., a, b, c] = usable.as_slice() else {
         return None;
     };
@@ -42,16 +39,11 @@ mod tests {
 
     #[test]
     fn a_line_and_an_order_are_recovered() {
-        let points: Vec<_> = (0..9)
-            .map(|i| (f64::from(i), 3.0 - 0.5 * f64::from(i)))
-            .collect();
+        let points: Vec<_> = (0..9).map(|i| (f64::from(i), 3.0 - 0.5 * f64::from(i))).collect();
         let (a, b) = line(&points);
         assert!((a - 3.0).abs() < 1e-13 && (b + 0.5).abs() < 1e-13);
         let steps = |p: i32| -> Vec<(f64, f64)> {
-            (3..9)
-                .map(|i| 0.5_f64.powi(i))
-                .map(|h| (h, h.powi(p) * (1.0 + 0.4 * h)))
-                .collect()
+            (3..9).map(|i| 0.5_f64.powi(i)).map(|h| (h, h.powi(p) * (1.0 + 0.4 * h))).collect()
         };
         for p in [1, 2, 4] {
             // What is left after one extrapolation is of the order h²: 10⁻⁴ at h = 2⁻⁸.

@@ -62,15 +62,9 @@ fn same_map(a: &IntegratorSpec, b: &IntegratorSpec) -> bool {
 pub(crate) fn groups() -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for entry in integrators() {
-        match groups
-            .iter_mut()
-            .find(|g| same_map(g.first().spec, entry.spec))
-        {
+        match groups.iter_mut().find(|g| same_map(g.first().spec, entry.spec)) {
             Some(group) => group.members.push(entry),
-            None => groups.push(Group {
-                name: String::new(),
-                members: vec![entry],
-            }),
+            None => groups.push(Group { name: String::new(), members: vec![entry] }),
         }
     }
     for group in &mut groups {
@@ -88,10 +82,7 @@ pub(crate) fn groups() -> Vec<Group> {
 
 /// A method by name.
 pub(crate) fn entry(name: &'static str) -> Result<&'static IntegratorEntry, StudyError> {
-    integrators()
-        .iter()
-        .find(|e| e.spec.name == name)
-        .ok_or(StudyError::NoSuchMethod(name))
+    integrators().iter().find(|e| e.spec.name == name).ok_or(StudyError::NoSuchMethod(name))
 }
 
 #[cfg(test)]
@@ -101,10 +92,8 @@ mod tests {
     #[test]
     fn the_verlet_family_is_one_group_and_every_method_is_in_exactly_one() {
         let groups = groups();
-        let all: Vec<&str> = groups
-            .iter()
-            .flat_map(|g| g.members.iter().map(|e| e.spec.name))
-            .collect();
+        let all: Vec<&str> =
+            groups.iter().flat_map(|g| g.members.iter().map(|e| e.spec.name)).collect();
         assert_eq!(all.len(), integrators().len());
         let family = groups
             .iter()

@@ -83,16 +83,12 @@ pub struct Infinite {
 /// The map at ε = 0 on (x, h·v): [[1 − 4γ, γ], [−4γ, γ]], whose eigenvalues solve
 /// λ² − (1 − 3γ)·λ + γ = 0.
 pub(crate) fn rigid_map(gamma: f64) -> StepMap {
-    StepMap(glam::DMat2::from_cols_array_2d(&[
-        [1.0 - 4.0 * gamma, -4.0 * gamma],
-        [gamma, gamma],
-    ]))
+    StepMap(glam::DMat2::from_cols_array_2d(&[[1.0 - 4.0 * gamma, -4.0 * gamma], [gamma, gamma]]))
 }
 
 fn shown_steps() -> Vec<u32> {
-    let mut steps: Vec<u32> = (0..=160)
-        .map(|i| f64::from(SHOWN).powf(f64::from(i) / 160.0).round() as u32)
-        .collect();
+    let mut steps: Vec<u32> =
+        (0..=160).map(|i| f64::from(SHOWN).powf(f64::from(i) / 160.0).round() as u32).collect();
     steps.dedup();
     steps
 }
@@ -115,9 +111,7 @@ fn growth_of_halves(x: &[f64]) -> f64 {
 }
 
 fn deviation_from_linear(x: &[f64]) -> f64 {
-    let off = (1..)
-        .zip(x)
-        .map(|(n, x)| (x / (2.0 * f64::from(n) + 1.0) - 1.0).abs());
+    let off = (1..).zip(x).map(|(n, x)| (x / (2.0 * f64::from(n) + 1.0) - 1.0).abs());
     off.fold(0.0, f64::max)
 }
 
@@ -135,9 +129,7 @@ pub(crate) fn measure(quick: bool) -> Result<Infinite, StudyError> {
     let mut undamped_deviation = f64::NAN;
     let mut rigid = Vec::new();
     for damping_steps in DAMPING_STEPS {
-        let spring = Spring::Rigid {
-            damping_time: damping_steps * STEP,
-        };
+        let spring = Spring::Rigid { damping_time: damping_steps * STEP };
         let gamma = 1.0 / (1.0 + 4.0 * damping_steps);
         let x = displacements(SPOOK, spring, steps)?;
         if damping_steps == 0.0 {

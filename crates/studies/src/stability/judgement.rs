@@ -39,13 +39,7 @@ pub(crate) fn claims(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> 
 fn order(source: Source, statement: &str, name: &str, theory: f64, measured: Option<f64>) -> Claim {
     let theory = (theory, ORDER_TOLERANCE, NEXT_TERM);
     let quantity = format!("order of {name}");
-    near(
-        source,
-        statement,
-        quantity,
-        theory,
-        measured.unwrap_or(f64::NAN),
-    )
+    near(source, statement, quantity, theory, measured.unwrap_or(f64::NAN))
 }
 
 fn family(study: &OscillatorStudy) -> Vec<Claim> {
@@ -64,16 +58,8 @@ fn family(study: &OscillatorStudy) -> Vec<Claim> {
         near(source, statement, quantity, theory, measured)
     };
     let mut all = vec![
-        line(
-            Article,
-            "A2: the Taylor start keeps Störmer–Verlet of order 2",
-            &o.starts[0],
-        ),
-        line(
-            Article,
-            "A2: a start without the acceleration drops it to 1",
-            &o.starts[1],
-        ),
+        line(Article, "A2: the Taylor start keeps Störmer–Verlet of order 2", &o.starts[0]),
+        line(Article, "A2: a start without the acceleration drops it to 1", &o.starts[1]),
         part(
             Article,
             "A3: on ẍ = w²x, started with x₁ = q₊, xₙ = exp(wt)·(1 − (wh)²/24·wt + …)",
@@ -116,21 +102,9 @@ fn family(study: &OscillatorStudy) -> Vec<Claim> {
             2.0,
             exact.order,
         ),
-        line(
-            Article,
-            "A5: the central velocity is of order 2",
-            &o.velocity_estimates[0],
-        ),
-        line(
-            Article,
-            "A5: the half-step velocity is of order 2",
-            &o.velocity_estimates[1],
-        ),
-        line(
-            Article,
-            "A5: the early velocity is of order 1",
-            &o.velocity_estimates[2],
-        ),
+        line(Article, "A5: the central velocity is of order 2", &o.velocity_estimates[0]),
+        line(Article, "A5: the half-step velocity is of order 2", &o.velocity_estimates[1]),
+        line(Article, "A5: the early velocity is of order 1", &o.velocity_estimates[2]),
         near(
             Article,
             "A6: velocity Verlet equals Störmer–Verlet with central velocities",
@@ -138,26 +112,10 @@ fn family(study: &OscillatorStudy) -> Vec<Claim> {
             (0.0, 1e-12, ROUNDING),
             o.velocity_verlet_against_stormer,
         ),
-        line(
-            Article,
-            "A7: local error O(h⁴) in the position of the recurrence",
-            &o.local[0],
-        ),
-        line(
-            Article,
-            "A7: local error O(h²) in the central velocity",
-            &o.local[1],
-        ),
-        line(
-            Ours,
-            "A7: one velocity-Verlet step errs by O(h³) in x",
-            &o.local[2],
-        ),
-        line(
-            Ours,
-            "A7: one velocity-Verlet step errs by O(h³) in v",
-            &o.local[3],
-        ),
+        line(Article, "A7: local error O(h⁴) in the position of the recurrence", &o.local[0]),
+        line(Article, "A7: local error O(h²) in the central velocity", &o.local[1]),
+        line(Ours, "A7: one velocity-Verlet step errs by O(h³) in x", &o.local[2]),
+        line(Ours, "A7: one velocity-Verlet step errs by O(h³) in v", &o.local[3]),
     ];
     all.extend(o.accumulation.iter().map(|(n, errors)| {
         let sum = f64::from(n * (n + 1) / 2);
@@ -170,11 +128,7 @@ fn family(study: &OscillatorStudy) -> Vec<Claim> {
         )
     }));
     all.extend([
-        line(
-            Article,
-            "A7: the energy oscillates within a bound that falls as h²",
-            &o.energy,
-        ),
+        line(Article, "A7: the energy oscillates within a bound that falls as h²", &o.energy),
         judged(
             Article,
             "A7: the energy of velocity Verlet does not drift",
@@ -262,15 +216,9 @@ fn limits(study: &OscillatorStudy) -> Vec<Claim> {
         // A window of instability that only just opens grows too slowly at its edge.
         let (relative, reason) = match m.method {
             "blanes-moan" => (1e-5, "growth inside a narrow window of instability is slow"),
-            _ => (
-                1e-6,
-                "growth just past the limit is seen after 50 000 steps",
-            ),
+            _ => (1e-6, "growth just past the limit is seen after 50 000 steps"),
         };
-        let near = Near {
-            value: declared,
-            within: relative * declared,
-        };
+        let near = Near { value: declared, within: relative * declared };
         let theory = m.theory_limit.unwrap_or(f64::NAN);
         let statement = format!("`{}` is stable below ωh = {declared}", m.method);
         judged(Ours, statement, what, near, or_infinity(m.measured_limit)).with_theory((

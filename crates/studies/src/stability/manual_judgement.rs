@@ -25,13 +25,7 @@ enum Number {
 }
 
 /// Who claims it, by which number it is judged, what it says, and the stiffnesses and methods that it is about.
-type Row = (
-    Source,
-    Number,
-    Demand,
-    &'static str,
-    &'static [(&'static str, &'static str)],
-);
+type Row = (Source, Number, Demand, &'static str, &'static [(&'static str, &'static str)]);
 
 const SPOOK: &str = "spook";
 const EULER: &str = "symplectic-euler";
@@ -58,11 +52,9 @@ fn judge(row: &Row, case: &Case, method: &'static str) -> Result<Claim, StudyErr
             s.measured_period_ratio.unwrap_or(f64::NAN),
             s.theory_period_ratio.map(|p| (p, 1e-10, ROUNDING)),
         ),
-        Number::Halves => (
-            HALVES,
-            or_infinity(s.growth_of_halves),
-            Some((1.0, NO_GROWTH - 1.0, SAMPLING)),
-        ),
+        Number::Halves => {
+            (HALVES, or_infinity(s.growth_of_halves), Some((1.0, NO_GROWTH - 1.0, SAMPLING)))
+        }
         Number::Amplitude => (
             "max |x| / σ over the long run",
             or_infinity(s.measured_amplitude),
@@ -93,57 +85,15 @@ pub(crate) fn finite(study: &OscillatorStudy) -> Result<Vec<Claim>, StudyError> 
     let outside = &[("k-outside", SPOOK)];
     let swings = "has the amplitude √(1 + ω²h²/4)";
     let rows: [Row; 9] = [
-        (
-            Manual,
-            Growth,
-            Above(1.0),
-            "diverges",
-            &[("k-100", "explicit-euler")],
-        ),
-        (
-            Manual,
-            Growth,
-            Below(1.0),
-            "decays",
-            &[("k-100", "implicit-euler")],
-        ),
-        (
-            Manual,
-            Period,
-            close(1.0, 0.01),
-            "follows the analytic solution",
-            soft,
-        ),
-        (
-            Manual,
-            Halves,
-            Below(NO_GROWTH),
-            "stays within a bound",
-            bounded,
-        ),
-        (
-            Manual,
-            Amplitude,
-            Above(100.0),
-            "has an amplitude above 100",
-            &[("k-inside", EULER)],
-        ),
-        (
-            Manual,
-            Amplitude,
-            Above(1e9),
-            "diverges",
-            &[("k-outside", EULER)],
-        ),
+        (Manual, Growth, Above(1.0), "diverges", &[("k-100", "explicit-euler")]),
+        (Manual, Growth, Below(1.0), "decays", &[("k-100", "implicit-euler")]),
+        (Manual, Period, close(1.0, 0.01), "follows the analytic solution", soft),
+        (Manual, Halves, Below(NO_GROWTH), "stays within a bound", bounded),
+        (Manual, Amplitude, Above(100.0), "has an amplitude above 100", &[("k-inside", EULER)]),
+        (Manual, Amplitude, Above(1e9), "diverges", &[("k-outside", EULER)]),
         (Ours, Amplitude, close(swing, 1e-6 * swing), swings, outside),
         (Manual, Period, Above(1.01), "has the wrong period", outside),
-        (
-            Manual,
-            Amplitude,
-            Above(1.5),
-            "has a larger amplitude",
-            &[("k-aliasing", SPOOK)],
-        ),
+        (Manual, Amplitude, Above(1.5), "has a larger amplitude", &[("k-aliasing", SPOOK)]),
     ];
     let mut all = Vec::new();
     for case in &study.cases {
@@ -182,7 +132,5 @@ pub(crate) fn defective(study: &OscillatorStudy) -> Vec<Claim> {
             reason,
         ))
     });
-    std::iter::once(bounded(limit, found.at_limit.growth_of_halves))
-        .chain(rigid)
-        .collect()
+    std::iter::once(bounded(limit, found.at_limit.growth_of_halves)).chain(rigid).collect()
 }

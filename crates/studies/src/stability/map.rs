@@ -20,11 +20,7 @@ impl StepMap {
     pub(crate) fn radius(self) -> f64 {
         let (t, d) = (self.trace(), self.determinant());
         let discriminant = t * t - 4.0 * d;
-        if discriminant < 0.0 {
-            d.sqrt()
-        } else {
-            0.5 * (t.abs() + discriminant.sqrt())
-        }
+        if discriminant < 0.0 { d.sqrt() } else { 0.5 * (t.abs() + discriminant.sqrt()) }
     }
 
     /// The angle θ in (0, π) by which a complex eigenvalue turns per step; `None` where they are real.

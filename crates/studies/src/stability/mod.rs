@@ -42,11 +42,7 @@ pub struct StabilityOptions {
 
 impl Default for StabilityOptions {
     fn default() -> Self {
-        Self {
-            quick: false,
-            command: "lennard stability".into(),
-            provenance: Vec::new(),
-        }
+        Self { quick: false, command: "lennard stability".into(), provenance: Vec::new() }
     }
 }
 
@@ -94,8 +90,7 @@ struct Rest<'a>(&'a mut dyn Progress);
 
 impl Progress for Rest<'_> {
     fn update(&mut self, label: &str, done: f64) {
-        self.0
-            .update(label, OSCILLATOR_SHARE + (1.0 - OSCILLATOR_SHARE) * done);
+        self.0.update(label, OSCILLATOR_SHARE + (1.0 - OSCILLATOR_SHARE) * done);
     }
 }
 

@@ -95,12 +95,7 @@ fn line(
             Ok((h, error(n, h)?))
         })
         .collect::<Result<Vec<_>, StudyError>>()?;
-    Ok(OrderLine {
-        name: name.into(),
-        theory,
-        measured: fit::order(&errors, ROUNDING),
-        errors,
-    })
+    Ok(OrderLine { name: name.into(), theory, measured: fit::order(&errors, ROUNDING), errors })
 }
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
@@ -124,10 +119,8 @@ fn error_of(
 
 /// Measures all orders.
 pub(crate) fn measure(groups: &[Group], quick: bool) -> Result<Orders, StudyError> {
-    let entries: Vec<&IntegratorEntry> = groups
-        .iter()
-        .flat_map(|g| g.members.iter().copied())
-        .collect();
+    let entries: Vec<&IntegratorEntry> =
+        groups.iter().flat_map(|g| g.members.iter().copied()).collect();
     let both: Vec<(OrderLine, OrderLine)> = entries
         .par_iter()
         .map(|e| {
@@ -208,12 +201,8 @@ fn local() -> Result<Vec<OrderLine>, StudyError> {
         line("v of the central difference", 2.0, |_, h| {
             Ok(((exact(h).0 - exact(-h).0) / (2.0 * h) - START.1).abs())
         })?,
-        line("x of one velocity-Verlet step", 3.0, |_, h| {
-            one_step(h, |z| z.0)
-        })?,
-        line("v of one velocity-Verlet step", 3.0, |_, h| {
-            one_step(h, |z| z.1)
-        })?,
+        line("x of one velocity-Verlet step", 3.0, |_, h| one_step(h, |z| z.0))?,
+        line("v of one velocity-Verlet step", 3.0, |_, h| one_step(h, |z| z.1))?,
     ])
 }
 
@@ -240,9 +229,8 @@ fn energy(quick: bool) -> Result<(OrderLine, f64), StudyError> {
     let verlet = entry("velocity-verlet")?;
     let of = |z: &(f64, f64)| 0.5 * (z.0 * z.0 + z.1 * z.1);
     let swing = |run: &[(f64, f64)]| largest(run.iter().map(|z| of(z) - of(&START)));
-    let order = line("|E − E₀| of velocity Verlet", 2.0, |n, _| {
-        Ok(swing(&path(verlet, START, n)?))
-    })?;
+    let order =
+        line("|E − E₀| of velocity Verlet", 2.0, |n, _| Ok(swing(&path(verlet, START, n)?)))?;
     // The same method with ω = 1 and a long way to go: a step of 0.05 τ.
     let dt = 0.05;
     let steps = if quick { 20_000 } else { 200_000 };
@@ -255,9 +243,7 @@ fn energy(quick: bool) -> Result<(OrderLine, f64), StudyError> {
     let (_, slope) = fit::line(&energies);
     let (low, high) = energies
         .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), e| {
-            (a.min(e.1), b.max(e.1))
-        });
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), e| (a.min(e.1), b.max(e.1)));
     Ok((order, (slope * steps as f64).abs() / (high - low)))
 }
 
@@ -266,7 +252,5 @@ fn equivalence() -> Result<f64, StudyError> {
     let steps = COARSEST << 3;
     let a = path(entry("velocity-verlet")?, START, steps)?;
     let b = path(entry("stormer-verlet")?, START, steps)?;
-    Ok(largest(
-        a.iter().zip(&b).flat_map(|(a, b)| [a.0 - b.0, a.1 - b.1]),
-    ))
+    Ok(largest(a.iter().zip(&b).flat_map(|(a, b)| [a.0 - b.0, a.1 - b.1])))
 }

@@ -11,22 +11,14 @@ use crate::fluid_stability;
 pub(crate) fn page(study: &StabilityStudy) -> Page {
     let command = study.options.command.as_str();
     let differing = study.claims.iter().filter(|c| !c.theory_agrees).count();
-    let settings = if study.options.quick {
-        "quick: shorter runs"
-    } else {
-        "full"
-    };
+    let settings = if study.options.quick { "quick: shorter runs" } else { "full" };
     let mut provenance = vec![
         ("Command".to_owned(), format!("`{command}`")),
         ("Settings".to_owned(), settings.to_owned()),
     ];
     provenance.extend(study.options.provenance.iter().cloned());
-    let mut sections = vec![
-        amplification(study),
-        cases(study),
-        infinite(study),
-        convergence(study),
-    ];
+    let mut sections =
+        vec![amplification(study), cases(study), infinite(study), convergence(study)];
     sections.extend(fluid_stability::sections(&study.fluid));
     sections.push(Section::new("Claims and verdicts").table(claims::table(&study.claims)));
     Page {
@@ -44,17 +36,10 @@ pub(crate) fn page(study: &StabilityStudy) -> Page {
 }
 
 fn amplification(study: &StabilityStudy) -> Section {
-    let shared = study
-        .oscillator
-        .groups
-        .iter()
-        .filter(|g| g.members.len() > 1);
+    let shared = study.oscillator.groups.iter().filter(|g| g.members.len() > 1);
     let groups = shared.map(|group| {
         let names = group.members.iter().map(|m| format!("`{}`", m.spec.name));
-        format!(
-            "One map, one line: {}.",
-            names.collect::<Vec<_>>().join(", ")
-        )
+        format!("One map, one line: {}.", names.collect::<Vec<_>>().join(", "))
     });
     Section::new("Amplification and stability limits")
         .text(

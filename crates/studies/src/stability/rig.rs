@@ -62,13 +62,8 @@ impl Rig {
                 vec![DVec3::new(v, 0.0, 0.0)],
             ),
         };
-        let started = rig.integrator.start(
-            &rig.system,
-            &mut rig.state,
-            &mut rig.forces,
-            dt,
-            Want::NOTHING,
-        );
+        let started =
+            rig.integrator.start(&rig.system, &mut rig.state, &mut rig.forces, dt, Want::NOTHING);
         match started {
             Ok(_) => Ok(rig),
             Err(source) => Err(rig.failure(dt, source)),
@@ -82,11 +77,7 @@ impl Rig {
     }
 
     fn failure(&self, dt: f64, source: StepError) -> StudyError {
-        StudyError::Step {
-            method: self.method,
-            dt,
-            source,
-        }
+        StudyError::Step { method: self.method, dt, source }
     }
 
     /// One step of a method that must not fail here; the new (x, v).
@@ -96,13 +87,7 @@ impl Rig {
 
     /// One step of a method that may fail; the new (x, v).
     pub(crate) fn try_step(&mut self, dt: f64) -> Result<DVec2, StepError> {
-        self.integrator.step(
-            &self.system,
-            &mut self.state,
-            &mut self.forces,
-            dt,
-            Want::NOTHING,
-        )?;
+        self.integrator.step(&self.system, &mut self.state, &mut self.forces, dt, Want::NOTHING)?;
         Ok(self.phase_point())
     }
 
@@ -162,10 +147,7 @@ pub(crate) fn excursion(
         }
         *half = half.max(x);
     }
-    Ok(Excursion {
-        first_half: halves[0],
-        second_half: halves[1],
-    })
+    Ok(Excursion { first_half: halves[0], second_half: halves[1] })
 }
 
 /// Size of the start from which maps are measured. It is small, so that a method on a bounded grid of

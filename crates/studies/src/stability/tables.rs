@@ -9,13 +9,8 @@ use super::orders::OrderLine;
 
 /// All CSV tables of the oscillator part.
 pub(crate) fn csv(study: &OscillatorStudy) -> Vec<Table> {
-    let mut tables = vec![
-        amplification(study),
-        limits(study),
-        orders(study),
-        growth(study),
-        infinite(study),
-    ];
+    let mut tables =
+        vec![amplification(study), limits(study), orders(study), growth(study), infinite(study)];
     tables.extend(study.cases.iter().map(|c| displacement(study, c)));
     tables.push(summaries(study));
     tables.push(paths(study));
@@ -24,9 +19,7 @@ pub(crate) fn csv(study: &OscillatorStudy) -> Vec<Table> {
 
 fn amplification(study: &OscillatorStudy) -> Table {
     let all = study.methods.iter();
-    let points: Vec<_> = all
-        .flat_map(|m| m.points.iter().map(move |p| (m.method, p)))
-        .collect();
+    let points: Vec<_> = all.flat_map(|m| m.points.iter().map(move |p| (m.method, p))).collect();
     Table::rows_of("amplification", &points)
         .column("method", |(method, _)| *method)
         .column("omega h", |(_, p)| p.omega_h)
@@ -99,20 +92,12 @@ fn orders(study: &OscillatorStudy) -> Table {
 
 fn growth(study: &OscillatorStudy) -> Table {
     let steps = |g: &super::discretisation::GrowthError| 0..g.times.len();
-    let points: Vec<_> = study
-        .growth
-        .iter()
-        .flat_map(|g| steps(g).map(move |n| (g, n)))
-        .collect();
+    let points: Vec<_> = study.growth.iter().flat_map(|g| steps(g).map(move |n| (g, n))).collect();
     Table::rows_of("exponential-error", &points)
         .column("wh", |(g, _)| g.wh)
         .column("wt", |(g, n)| g.times[*n])
-        .column("relative error from the growing root", |(g, n)| {
-            g.exact_start_errors[*n]
-        })
-        .column("relative error from the Taylor start", |(g, n)| {
-            g.taylor_start_errors[*n]
-        })
+        .column("relative error from the growing root", |(g, n)| g.exact_start_errors[*n])
+        .column("relative error from the Taylor start", |(g, n)| g.taylor_start_errors[*n])
         .table()
 }
 
@@ -122,10 +107,7 @@ fn infinite(study: &OscillatorStudy) -> Table {
         let name = format!("k = inf, tau/h = {}", r.damping_steps);
         (name, &r.displacements)
     });
-    let stiff = found
-        .stiff
-        .iter()
-        .map(|r| (format!("omega h = {}", r.omega_h), &r.displacements));
+    let stiff = found.stiff.iter().map(|r| (format!("omega h = {}", r.omega_h), &r.displacements));
     let runs: Vec<_> = rigid.chain(stiff).collect();
     let points: Vec<_> = runs
         .iter()
@@ -147,22 +129,15 @@ fn displacement(study: &OscillatorStudy, case: &Case) -> Table {
     for run in &case.runs {
         let label = &study.groups[run.group].name;
         table = table
-            .column(&format!("{label}: x [sigma]"), |n| {
-                run.positions.get(*n).copied()
-            })
-            .column(&format!("{label}: energy [epsilon]"), |n| {
-                run.energies.get(*n).copied()
-            });
+            .column(&format!("{label}: x [sigma]"), |n| run.positions.get(*n).copied())
+            .column(&format!("{label}: energy [epsilon]"), |n| run.energies.get(*n).copied());
     }
     table.table()
 }
 
 fn summaries(study: &OscillatorStudy) -> Table {
-    let all: Vec<_> = study
-        .cases
-        .iter()
-        .flat_map(|case| case.summaries.iter().map(move |s| (case, s)))
-        .collect();
+    let all: Vec<_> =
+        study.cases.iter().flat_map(|case| case.summaries.iter().map(move |s| (case, s))).collect();
     Table::rows_of("stiffnesses", &all)
         .column("k [epsilon/sigma^2]", |(case, _)| case.stiffness)
         .column("omega h", |(case, _)| case.omega_h)
@@ -198,12 +173,8 @@ pub(crate) fn limits_on_page(study: &OscillatorStudy) -> Table {
     Table::rows_of("limits", &study.methods)
         .caption(caption)
         .column("Method", |m| format!("`{}`", m.method))
-        .column("Declared", |m| {
-            Cell::rounded(m.declared_limit, 8).or_figures("none")
-        })
-        .column("Theory", |m| {
-            Cell::rounded(m.theory_limit, 9).or_figures("none up to 12")
-        })
+        .column("Declared", |m| Cell::rounded(m.declared_limit, 8).or_figures("none"))
+        .column("Theory", |m| Cell::rounded(m.theory_limit, 9).or_figures("none up to 12"))
         .column("Measured", |m| {
             let bounded = m.bounded_at_1000 == Some(true);
             Cell::rounded(m.measured_limit, 9).or_figures(if bounded {
@@ -212,9 +183,7 @@ pub(crate) fn limits_on_page(study: &OscillatorStudy) -> Table {
                 "none"
             })
         })
-        .column("Map differs by", |m| {
-            Cell::rounded(m.largest_radius_difference, 1)
-        })
+        .column("Map differs by", |m| Cell::rounded(m.largest_radius_difference, 1))
         .table()
 }
 
@@ -241,13 +210,9 @@ pub(crate) fn case_on_page(case: &Case) -> Table {
             Cell::words(fate).toned(tone)
         })
         .column("Growth per step", |s| Cell::rounded(s.theory_radius, 6))
-        .column("Amplitude by theory [σ]", |s| {
-            Cell::rounded(s.theory_amplitude, 7)
-        })
+        .column("Amplitude by theory [σ]", |s| Cell::rounded(s.theory_amplitude, 7))
         .column("measured [σ]", |s| Cell::rounded(s.measured_amplitude, 7))
-        .column("Period over the true one, theory", |s| {
-            Cell::rounded(s.theory_period_ratio, 6)
-        })
+        .column("Period over the true one, theory", |s| Cell::rounded(s.theory_period_ratio, 6))
         .column("measured", |s| Cell::rounded(s.measured_period_ratio, 6))
         .table()
 }

@@ -81,35 +81,20 @@ fn spook_turns_by_twice_the_arctangent_and_swings_by_the_root_at_every_finite_st
         let theta = map.phase().expect("never real");
         // Near its ends the arc cosine behind an angle loses half the digits.
         let tolerance = 1e-13 * (1.0 / omega_h + omega_h).powi(2);
-        assert!(
-            (theta - 2.0 * (0.5 * omega_h).atan()).abs() < tolerance,
-            "ωh = {omega_h}"
-        );
+        assert!((theta - 2.0 * (0.5 * omega_h).atan()).abs() < tolerance, "ωh = {omega_h}");
         assert!((map.radius() - 1.0).abs() < 1e-12 * (1.0 + omega_h));
-        let far = excursion(
-            spook,
-            Spring::Stiffness(omega_h * omega_h),
-            1.0,
-            100_000,
-            f64::INFINITY,
-        );
+        let far =
+            excursion(spook, Spring::Stiffness(omega_h * omega_h), 1.0, 100_000, f64::INFINITY);
         let amplitude = 1.0_f64.hypot(0.5 * omega_h);
         // The samples come within 10⁻³ of a crest in phase.
-        assert!(
-            (far.unwrap().largest() / amplitude - 1.0).abs() < 1e-6,
-            "ωh = {omega_h}"
-        );
+        assert!((far.unwrap().largest() / amplitude - 1.0).abs() < 1e-6, "ωh = {omega_h}");
     }
 }
 
 #[test]
 fn just_inside_the_limit_symplectic_euler_swings_by_two_over_h() {
     let case = QUICK.cases.iter().find(|c| c.name == "k-inside").unwrap();
-    let symplectic = case
-        .summaries
-        .iter()
-        .find(|s| s.method == "symplectic-euler")
-        .unwrap();
+    let symplectic = case.summaries.iter().find(|s| s.method == "symplectic-euler").unwrap();
     let amplitude = 2.0 / displacement::STEP;
     assert!(amplitude > 100.0);
     // The one-step map gives 2/h exactly; its trace is within 3·10⁻⁴ of −2, which magnifies rounding.
@@ -122,20 +107,9 @@ fn declared_maps_and_long_runs_agree_on_every_fate() {
     for case in &QUICK.cases {
         for s in &case.summaries {
             let bounded = s.growth_of_halves.is_some();
-            assert_eq!(
-                bounded,
-                s.theory_radius < 1.0 + 1e-9,
-                "{}, {}",
-                case.title,
-                s.method
-            );
+            assert_eq!(bounded, s.theory_radius < 1.0 + 1e-9, "{}, {}", case.title, s.method);
             if let (Some(theory), Some(measured)) = (s.theory_amplitude, s.measured_amplitude) {
-                assert!(
-                    (measured / theory - 1.0).abs() < 1e-5,
-                    "{}, {}",
-                    case.title,
-                    s.method
-                );
+                assert!((measured / theory - 1.0).abs() < 1e-5, "{}, {}", case.title, s.method);
             }
         }
     }
@@ -145,11 +119,7 @@ fn declared_maps_and_long_runs_agree_on_every_fate() {
 fn at_infinite_stiffness_spook_grows_as_two_n_plus_one_without_damping_and_decays_with_it() {
     let found = &QUICK.infinite;
     // Rounding splits the double eigenvalue −1 by some 10⁻⁸: (n·10⁻⁸)² over 20 000 steps.
-    assert!(
-        found.deviation_from_linear < 1e-6,
-        "{}",
-        found.deviation_from_linear
-    );
+    assert!(found.deviation_from_linear < 1e-6, "{}", found.deviation_from_linear);
     for run in &found.rigid {
         if run.damping_steps == 0.0 {
             assert!((run.growth_of_halves - 2.0).abs() < 1e-3);
@@ -240,9 +210,7 @@ fn a_claim_of_ours_is_in_no_mouth_of_a_document() {
     let claims = judgement::claims(&QUICK).unwrap();
     let source = |words: &str| {
         let claim = claims.iter().find(|c| c.statement.contains(words));
-        claim
-            .unwrap_or_else(|| panic!("no claim has “{words}”"))
-            .source
+        claim.unwrap_or_else(|| panic!("no claim has “{words}”")).source
     };
     for ours in [
         "the Taylor start adds an offset",

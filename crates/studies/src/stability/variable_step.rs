@@ -96,10 +96,8 @@ pub(crate) fn measure() -> Result<Vec<StepRuleRun>, StudyError> {
         let errors = (0..LONG_STEPS)
             .map(|i| {
                 let long = 0.25 * 0.5_f64.powi(i as i32);
-                let error = path(long)?
-                    .iter()
-                    .map(|(t, x)| (x - exact(*t)).abs())
-                    .fold(0.0, f64::max);
+                let error =
+                    path(long)?.iter().map(|(t, x)| (x - exact(*t)).abs()).fold(0.0, f64::max);
                 Ok((long, error))
             })
             .collect::<Result<Vec<_>, StudyError>>()?;
@@ -128,10 +126,7 @@ pub(crate) fn refused_changes() -> Result<f64, StudyError> {
 
 /// The exact solution on the figure's times.
 pub(crate) fn exact_path() -> Vec<(f64, f64)> {
-    (0..=240)
-        .map(|i| END * f64::from(i) / 240.0)
-        .map(|t| (t, exact(t)))
-        .collect()
+    (0..=240).map(|i| END * f64::from(i) / 240.0).map(|t| (t, exact(t))).collect()
 }
 
 #[cfg(test)]
@@ -150,21 +145,9 @@ mod tests {
     fn only_the_corrected_rules_converge() {
         let runs = measure().unwrap();
         let order = |i: usize| runs[i].order.unwrap();
-        assert!(
-            order(0).abs() < 0.05,
-            "the plain rule has order {}",
-            order(0)
-        );
-        assert!(
-            (order(1) - 1.0).abs() < 0.05,
-            "time-corrected: {}",
-            order(1)
-        );
+        assert!(order(0).abs() < 0.05, "the plain rule has order {}", order(0));
+        assert!((order(1) - 1.0).abs() < 0.05, "time-corrected: {}", order(1));
         assert!((order(2) - 2.0).abs() < 0.05, "more exact: {}", order(2));
-        assert!(
-            (order(3) - 2.0).abs() < 0.05,
-            "velocity Verlet: {}",
-            order(3)
-        );
+        assert!((order(3) - 2.0).abs() < 0.05, "velocity Verlet: {}", order(3));
     }
 }

@@ -50,23 +50,14 @@ pub fn agreement(points: &[SweptPoint], quantity: &str) -> Option<Agreement> {
     }
     let errors: Vec<(f64, f64)> = rows
         .iter()
-        .map(|r| {
-            (
-                r.combined_error.unwrap_or(f64::NAN),
-                r.reference_error.unwrap_or(0.0),
-            )
-        })
+        .map(|r| (r.combined_error.unwrap_or(f64::NAN), r.reference_error.unwrap_or(0.0)))
         .collect();
     let chi = |with_reference: bool| -> f64 {
         differences
             .iter()
             .zip(&errors)
             .map(|(d, (own, reference))| {
-                let error = if with_reference {
-                    own.hypot(*reference)
-                } else {
-                    *own
-                };
+                let error = if with_reference { own.hypot(*reference) } else { *own };
                 (d / error).powi(2)
             })
             .sum()
@@ -94,11 +85,7 @@ pub fn agreement(points: &[SweptPoint], quantity: &str) -> Option<Agreement> {
 /// A probability for a table: what is too small for a number is said to be below the smallest.
 #[must_use]
 pub fn probability_words(p: f64) -> String {
-    if p < f64::MIN_POSITIVE {
-        "< 10⁻³⁰⁷".into()
-    } else {
-        lennard_report::significant(p, 2)
-    }
+    if p < f64::MIN_POSITIVE { "< 10⁻³⁰⁷".into() } else { lennard_report::significant(p, 2) }
 }
 
 /// The probability that a sum of `n` squares of standard normal numbers is at least `chi_squared`.

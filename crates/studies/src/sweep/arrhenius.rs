@@ -20,10 +20,8 @@ struct Arrhenius {
 impl Arrhenius {
     /// Through points (T, D, standard error of D).
     fn through(points: &[(f64, f64, f64)]) -> Option<Self> {
-        let logarithms: Vec<(f64, f64, f64)> = points
-            .iter()
-            .map(|(t, d, error)| (1.0 / t, d.ln(), error / d))
-            .collect();
+        let logarithms: Vec<(f64, f64, f64)> =
+            points.iter().map(|(t, d, error)| (1.0 / t, d.ln(), error / d)).collect();
         let line = WeightedLine::through(&logarithms).filter(|_| points.len() >= FEWEST)?;
         Some(Self { line })
     }
@@ -74,9 +72,8 @@ pub(super) fn picture(record: &SweepRecord) -> Option<Picture> {
         let look = Look::Points(Symbol::Disc);
         figure = figure.with(Series::new(label.clone(), look, color, marks));
         let ends = plain.iter().map(|(t, ..)| 1.0 / t);
-        let (low, high) = ends.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| {
-            (low.min(x), high.max(x))
-        });
+        let (low, high) =
+            ends.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
         let line = [low, high].map(|x| (x, fit.line.at(x).exp()));
         figure = figure.with(Series::new("", Look::Line(Dash::Solid), color, line));
         let (energy, factor) = (fit.energy(), fit.factor());
@@ -86,10 +83,8 @@ pub(super) fn picture(record: &SweepRecord) -> Option<Picture> {
             with_error(factor.0, factor.1)
         ));
     }
-    let caption = format!(
-        "Bars are one standard error. Lines are D = D₀·exp(−E/T). {}.",
-        fits.join("; ")
-    );
+    let caption =
+        format!("Bars are one standard error. Lines are D = D₀·exp(−E/T). {}.", fits.join("; "));
     (!fits.is_empty()).then(|| Picture::new(figure, caption, "table.csv"))
 }
 

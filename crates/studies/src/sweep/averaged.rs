@@ -29,10 +29,7 @@ pub(super) fn averaged(points: &[SweptPoint]) -> Vec<Averaged<'_>> {
     for point in points {
         match all.iter_mut().find(|a| a.settings == point.settings) {
             Some(same) => same.points.push(point),
-            None => all.push(Averaged {
-                settings: &point.settings,
-                points: vec![point],
-            }),
+            None => all.push(Averaged { settings: &point.settings, points: vec![point] }),
         }
     }
     all
@@ -97,11 +94,7 @@ fn mean_of(sound: &[[f64; 2]]) -> Mean {
     let printed = sound.iter().map(|[_, s]| s * s).sum::<f64>().sqrt() / n;
     let squares: f64 = sound.iter().map(|[x, _]| (x - value).powi(2)).sum();
     let scatter = (squares / (n * (n - 1.0))).sqrt();
-    let error = if sound.len() >= FEWEST_SEEDS {
-        printed.max(scatter)
-    } else {
-        printed
-    };
+    let error = if sound.len() >= FEWEST_SEEDS { printed.max(scatter) } else { printed };
     Mean { value, error }
 }
 
@@ -125,10 +118,7 @@ mod tests {
     fn points_that_differ_in_their_seeds_stand_together() {
         let point = |name: &str, density: f64| SweptPoint {
             name: name.to_owned(),
-            settings: vec![Setting {
-                key: "density",
-                value: density,
-            }],
+            settings: vec![Setting { key: "density", value: density }],
             page: None,
             planned: crate::compare::StateOfMatter::new(density, 1.0, None),
             kept: false,
@@ -138,11 +128,8 @@ mod tests {
             wall_s: 0.0,
             ns_per_atom_step: 0.0,
         };
-        let points = [
-            point("rho0.1-seed1", 0.1),
-            point("rho0.2-seed1", 0.2),
-            point("rho0.1-seed2", 0.1),
-        ];
+        let points =
+            [point("rho0.1-seed1", 0.1), point("rho0.2-seed1", 0.2), point("rho0.1-seed2", 0.1)];
         let together = averaged(&points);
         assert_eq!(together.len(), 2);
         assert_eq!(together[0].name(), "rho0.1-seed1 and 1 more seeds");

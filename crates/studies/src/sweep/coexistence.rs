@@ -58,11 +58,7 @@ pub(super) fn pictures(sweep: &Sweep, record: &SweepRecord) -> Vec<Picture> {
         .filter(|point| point.mean("liquid_density").is_some())
         .collect();
     let temperatures: Vec<f64> = points.iter().filter_map(Averaged::temperature).collect();
-    let Some(first) = sweep
-        .points
-        .first()
-        .filter(|_| temperatures.len() >= FEWEST)
-    else {
+    let Some(first) = sweep.points.first().filter(|_| temperatures.len() >= FEWEST) else {
         return Vec::new();
     };
     let model = lennard_scene::model_kind(&first.scene);
@@ -76,18 +72,8 @@ pub(super) fn pictures(sweep: &Sweep, record: &SweepRecord) -> Vec<Picture> {
     let others = |name: &str, title: &str, unit: &str, logarithmic: bool| {
         lines.against_temperature(&points, name, title, unit, logarithmic)
     };
-    drawn.extend(others(
-        "vapor_pressure",
-        "Vapor pressure",
-        "p_s / (ε/σ³)",
-        true,
-    ));
-    drawn.extend(others(
-        "surface_tension",
-        "Surface tension",
-        "γ / (ε/σ²)",
-        false,
-    ));
+    drawn.extend(others("vapor_pressure", "Vapor pressure", "p_s / (ε/σ³)", true));
+    drawn.extend(others("surface_tension", "Surface tension", "γ / (ε/σ²)", false));
     drawn
 }
 
@@ -126,9 +112,7 @@ impl Lines {
     /// Correlations of others, where they are no equation of state.
     fn of_correlations(&self) -> Option<(String, Vec<TwoPhases>)> {
         let source = self.source.filter(|s| *s == TwoPhaseSource::Vrabec)?;
-        let phases = self
-            .temperatures(source.critical().temperature)
-            .filter_map(|t| source.at(t));
+        let phases = self.temperatures(source.critical().temperature).filter_map(|t| source.at(t));
         Some((source.name(), phases.collect()))
     }
 
@@ -143,9 +127,7 @@ impl Lines {
             let at = |p: &TwoPhases, rho: f64| (rho, p.saturation.temperature);
             let vapor = phases.iter().map(|p| at(p, p.saturation.vapor_density));
             let liquid = phases.iter().rev();
-            vapor
-                .chain(liquid.map(|p| at(p, p.saturation.liquid_density)))
-                .collect()
+            vapor.chain(liquid.map(|p| at(p, p.saturation.liquid_density))).collect()
         };
         if let Some((name, phases)) = self.of_equation() {
             figure = figure.with(Series::new(name, SOLID, EQUATION, dome(&phases)));
@@ -167,18 +149,11 @@ impl Lines {
             .flat_map(|name| points.iter().filter_map(move |p| mark_at_density(p, name)))
             .collect();
         figure = figure.with(Series::new("this sweep", DISC, MEASURED, marks));
-        let diameters: Vec<(f64, f64)> = pairs(&record.points)
-            .iter()
-            .map(|p| (p.diameter()[0], p.temperature))
-            .collect();
+        let diameters: Vec<(f64, f64)> =
+            pairs(&record.points).iter().map(|p| (p.diameter()[0], p.temperature)).collect();
         if !diameters.is_empty() {
             let look = Look::Points(Symbol::Plus);
-            figure = figure.with(Series::new(
-                "half the sum of both",
-                look,
-                MEASURED,
-                diameters,
-            ));
+            figure = figure.with(Series::new("half the sum of both", look, MEASURED, diameters));
         }
         let mut caption = "Bars are one standard error.".to_owned();
         if let Some(c) = &record.critical_point {
@@ -188,12 +163,7 @@ impl Lines {
                 ..Point::from((c.density, c.temperature))
             };
             let look = Look::Points(Symbol::Triangle);
-            figure = figure.with(Series::new(
-                "critical point, estimated",
-                look,
-                MEASURED,
-                [here],
-            ));
+            figure = figure.with(Series::new("critical point, estimated", look, MEASURED, [here]));
             caption += &format!(
                 " Critical point by β = 0.326 and rectilinear diameters: T = {}, ρ = {}, from {} temperatures. Both laws hold near \
                  the critical point; colder points bias the estimate.",
@@ -238,18 +208,14 @@ impl Lines {
             "surface_tension" => phases.surface_tension,
             _ => Some(phases.saturation.pressure),
         };
-        let known = [
-            (self.of_equation(), SOLID, EQUATION),
-            (self.of_correlations(), DASHED, CORRELATION),
-        ];
+        let known =
+            [(self.of_equation(), SOLID, EQUATION), (self.of_correlations(), DASHED, CORRELATION)];
         for (line, look, color) in known {
             let Some((source, phases)) = line else {
                 continue;
             };
-            let curve: Vec<(f64, f64)> = phases
-                .iter()
-                .filter_map(|p| Some((p.saturation.temperature, value(p)?)))
-                .collect();
+            let curve: Vec<(f64, f64)> =
+                phases.iter().filter_map(|p| Some((p.saturation.temperature, value(p)?))).collect();
             if !curve.is_empty() {
                 figure = figure.with(Series::new(source, look, color, curve));
             }
@@ -257,16 +223,9 @@ impl Lines {
         let hottest = marks.iter().map(|p| p.x).fold(0.0, f64::max);
         if name == "surface_tension" && self.source == Some(TwoPhaseSource::Vrabec) {
             let near = |(t, _): &(f64, f64)| (self.coldest - 0.05..=hottest + 0.05).contains(t);
-            let single: Vec<(f64, f64)> = surface_tensions_by_simulation()
-                .into_iter()
-                .filter(near)
-                .collect();
-            figure = figure.with(Series::new(
-                "Vrabec 2006, simulations",
-                RING,
-                OTHERS,
-                single,
-            ));
+            let single: Vec<(f64, f64)> =
+                surface_tensions_by_simulation().into_iter().filter(near).collect();
+            figure = figure.with(Series::new("Vrabec 2006, simulations", RING, OTHERS, single));
         }
         if name == "vapor_pressure" && self.is_full_potential() {
             let others: Vec<(f64, f64)> = coexistence_by_simulation()
@@ -283,8 +242,7 @@ impl Lines {
 
     /// Whether simulations of the full potential belong into a figure.
     fn is_full_potential(&self) -> bool {
-        self.equation
-            .is_some_and(|e| e.spec().key == thol_2016().spec().key)
+        self.equation.is_some_and(|e| e.spec().key == thol_2016().spec().key)
     }
 }
 

@@ -76,9 +76,7 @@ pub(super) fn estimate(pairs: &[Pair]) -> Option<CriticalEstimate> {
         temperature,
         temperature_error,
         density: diameter.at(temperature),
-        density_error: diameter
-            .error_at(temperature)
-            .hypot(diameter.slope * temperature_error),
+        density_error: diameter.error_at(temperature).hypot(diameter.slope * temperature_error),
         temperatures: pairs.len(),
     })
 }
@@ -90,11 +88,7 @@ mod tests {
     fn exact(temperature: f64, error: f64) -> Pair {
         let below = 1.08 - temperature;
         let (middle, half) = (0.32 + 0.2 * below, 0.5 * 1.1 * below.powf(BETA));
-        Pair {
-            temperature,
-            vapor: [middle - half, error],
-            liquid: [middle + half, error],
-        }
+        Pair { temperature, vapor: [middle - half, error], liquid: [middle + half, error] }
     }
 
     #[test]

@@ -63,12 +63,7 @@ fn all(record: &SweepRecord) -> impl Iterator<Item = Beside<'_>> {
         let card = run.and_then(|run| Some((run, run.card.as_ref()?)));
         card.into_iter().flat_map(move |(run, card)| {
             let rows = card.rows.iter().filter(|r| judges(r));
-            rows.map(move |row| Beside {
-                point,
-                run,
-                card,
-                row,
-            })
+            rows.map(move |row| Beside { point, run, card, row })
         })
     })
 }
@@ -151,12 +146,8 @@ pub(super) fn table(judgements: &[Judgement], named: impl Fn(&str) -> String) ->
             Cell::figures(probability_words(tail_probability(j.chi_squared, j.points)))
         })
         .column("mean difference", |j| Cell::rounded(j.mean_difference, 3))
-        .column("mean difference, part of the value", |j| {
-            Cell::rounded(j.relative, 2)
-        })
-        .column("largest, in errors", |j| {
-            Cell::figures(format!("{:+.1}", j.largest_in_errors))
-        })
+        .column("mean difference, part of the value", |j| Cell::rounded(j.relative, 2))
+        .column("largest, in errors", |j| Cell::figures(format!("{:+.1}", j.largest_in_errors)))
         .column("at", |j| j.at.as_str())
         .table()
 }
@@ -183,9 +174,8 @@ pub(super) fn beside_equations(record: &SweepRecord) -> Table {
         table = table.column(key, |b| Some(b.row.values[column(b, key)?]));
     }
     for key in &keys {
-        table = table.column(&format!("difference_{key}"), |b| {
-            b.row.differences().nth(column(b, key)?)
-        });
+        table = table
+            .column(&format!("difference_{key}"), |b| b.row.differences().nth(column(b, key)?));
     }
     table.column("error_of_difference", |b| b.row.error).table()
 }
@@ -210,17 +200,9 @@ mod tests {
             verdict: Verdict::NoReference,
         };
         assert!(judges(&row("pressure", 0.01)));
-        let biased = CardRow {
-            predicted_bias: Some(0.3),
-            ..row("pressure", 0.01)
-        };
-        let [difference] = biased.differences().collect::<Vec<_>>()[..] else {
-            panic!()
-        };
-        assert!(
-            (difference - 0.1).abs() < 1e-12,
-            "a bias is no fault of an equation"
-        );
+        let biased = CardRow { predicted_bias: Some(0.3), ..row("pressure", 0.01) };
+        let [difference] = biased.differences().collect::<Vec<_>>()[..] else { panic!() };
+        assert!((difference - 0.1).abs() < 1e-12, "a bias is no fault of an equation");
         assert!(!judges(&row("pressure", f64::NAN)));
         assert!(!judges(&row("two_body_entropy", 0.01)));
     }
@@ -244,9 +226,7 @@ mod tests {
             }
         };
         let found = judged((0..20).map(item));
-        let [exact, off] = &found[..] else {
-            panic!("{found:?}")
-        };
+        let [exact, off] = &found[..] else { panic!("{found:?}") };
         assert_eq!((exact.equation.as_str(), exact.points), ("exact", 20));
         assert!((exact.chi_squared - 20.0).abs() < 1e-9, "{exact:?}");
         assert!(exact.mean_difference.abs() < 1e-12);

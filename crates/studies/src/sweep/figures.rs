@@ -28,8 +28,5 @@ pub(super) fn all(sweep: &Sweep, record: &SweepRecord) -> Pictures {
     together.extend(melting::picture(&record.points, &record.melting));
     let drawn: Vec<&str> = together.iter().map(Picture::name).collect();
     let properties = properties::pictures(sweep, record, &drawn);
-    Pictures {
-        together,
-        properties,
-    }
+    Pictures { together, properties }
 }

@@ -164,14 +164,8 @@ pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepEr
         .and_then(|bytes| {
             String::from_utf8(bytes).map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e))
         })
-        .map_err(|source| SweepError::Unreadable {
-            file: path.to_owned(),
-            source,
-        })?;
-    let malformed = |message: String| SweepError::Malformed {
-        file: path.to_owned(),
-        message,
-    };
+        .map_err(|source| SweepError::Unreadable { file: path.to_owned(), source })?;
+    let malformed = |message: String| SweepError::Malformed { file: path.to_owned(), message };
     let file: File = toml::from_str(&text).map_err(|e| {
         let is_scene =
             |table: &toml::Table| table.contains_key("system") && !table.contains_key("base");
@@ -194,39 +188,25 @@ pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepEr
     flatten(&file.set, "", &mut common);
     common.extend(overrides.iter().cloned());
     let points = points::expand(path, &file.point, file.grid.as_ref())?;
-    Ok(Plan {
-        name,
-        file: path.to_owned(),
-        base,
-        common,
-        points,
-    })
+    Ok(Plan { name, file: path.to_owned(), base, common, points })
 }
 
 /// What is wrong with the file, without the words of the reader for an integer that no key can hold.
 fn in_words(message: &str) -> String {
     let beyond = |line: &str| {
-        let (integer, _) = line
-            .strip_prefix("invalid type: integer `")?
-            .split_once("` as ")?;
+        let (integer, _) = line.strip_prefix("invalid type: integer `")?.split_once("` as ")?;
         Some(format!(
             "{integer} is an integer beyond 64 bits\n  allowed: whole numbers from −2^63 to 2^63 − 1"
         ))
     };
-    let lines = message
-        .lines()
-        .map(|line| beyond(line).unwrap_or_else(|| line.to_owned()));
+    let lines = message.lines().map(|line| beyond(line).unwrap_or_else(|| line.to_owned()));
     lines.collect::<Vec<_>>().join("\n")
 }
 
 /// Tables inside `[set]` and dotted keys in quotes mean the same.
 fn flatten(table: &toml::Table, prefix: &str, into: &mut Vec<(String, String)>) {
     for (key, value) in table {
-        let key = if prefix.is_empty() {
-            key.clone()
-        } else {
-            format!("{prefix}.{key}")
-        };
+        let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
         match value {
             toml::Value::Table(inner) => flatten(inner, &key, into),
             other => into.push((key, other.to_string())),

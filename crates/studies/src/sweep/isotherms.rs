@@ -97,10 +97,6 @@ mod tests {
         let line = curve(equation, 2.0, 1e-4, 1e-3);
         assert_eq!(line.len(), STEPS + 1);
         assert!((line[STEPS].x - 1e-3).abs() < 1e-12);
-        assert!(
-            (line[0].y / (1e-4 * 2.0) - 1.0).abs() < 1e-3,
-            "{}",
-            line[0].y
-        );
+        assert!((line[0].y / (1e-4 * 2.0) - 1.0).abs() < 1e-3, "{}", line[0].y);
     }
 }

@@ -52,14 +52,8 @@ const KEY: &str = "temperature";
 /// The fronts of points that differ in temperature alone, from cold to hot, seeds together.
 fn fronts(group: &[&Averaged<'_>]) -> Vec<Front> {
     let front = |point: &&Averaged<'_>| {
-        let mean = point
-            .mean("front_velocity")
-            .filter(|m| m.error.is_finite())?;
-        Some(Front {
-            temperature: point.setting(KEY)?,
-            velocity: mean.value,
-            error: mean.error,
-        })
+        let mean = point.mean("front_velocity").filter(|m| m.error.is_finite())?;
+        Some(Front { temperature: point.setting(KEY)?, velocity: mean.value, error: mean.error })
     };
     group.iter().filter_map(front).collect()
 }
@@ -77,15 +71,11 @@ fn crossing(fronts: &[Front]) -> Option<[f64; 4]> {
     let grows = |f: &Front| f.velocity > ERRORS * f.error;
     let last = fronts.iter().rposition(grows)?;
     let first = last + 1 + fronts[last + 1..].iter().position(melts)?;
-    let between: Vec<(f64, f64, f64)> = fronts[last..=first]
-        .iter()
-        .map(|f| (f.temperature, f.velocity, f.error))
-        .collect();
+    let between: Vec<(f64, f64, f64)> =
+        fronts[last..=first].iter().map(|f| (f.temperature, f.velocity, f.error)).collect();
     let (zero, error) = WeightedLine::through(&between)?.zero();
     let bounds = [fronts[last].temperature, fronts[first].temperature];
-    (bounds[0]..=bounds[1])
-        .contains(&zero)
-        .then_some([zero, error, bounds[0], bounds[1]])
+    (bounds[0]..=bounds[1]).contains(&zero).then_some([zero, error, bounds[0], bounds[1]])
 }
 
 /// The pressure that the measured stage of a scene holds, where it holds one.
@@ -134,22 +124,14 @@ impl MeltingEstimate {
     /// The estimate in words, beside the lines of others.
     #[must_use]
     pub fn in_words(&self) -> String {
-        let held = self
-            .pressure
-            .map_or(String::new(), |p| format!(" at P = {p}"));
-        let of_others: Vec<String> = self
-            .references
-            .iter()
-            .map(|(name, t)| format!("{t:.4} ({name})"))
-            .collect();
+        let held = self.pressure.map_or(String::new(), |p| format!(" at P = {p}"));
+        let of_others: Vec<String> =
+            self.references.iter().map(|(name, t)| format!("{t:.4} ({name})")).collect();
         let beside = match of_others.is_empty() {
             true => String::new(),
             false => format!("; lines of others have {}", of_others.join(" and ")),
         };
-        let of = self
-            .of
-            .as_ref()
-            .map_or(String::new(), |of| format!("{of}: "));
+        let of = self.of.as_ref().map_or(String::new(), |of| format!("{of}: "));
         format!(
             "{of}The crystal grows at T = {} and melts at T = {}{held}. Neither does at T = {}{beside}",
             self.grows_at,
@@ -168,9 +150,8 @@ pub(super) fn picture(points: &[SweptPoint], estimates: &[MeltingEstimate]) -> O
         .filter(|(_, fronts)| fronts.len() >= FEWEST)
         .collect();
     let all = groups.iter().flat_map(|(_, fronts)| fronts);
-    let bounds = all.fold([0.0_f64; 2], |[low, high], f| {
-        [low.min(f.velocity), high.max(f.velocity)]
-    });
+    let bounds =
+        all.fold([0.0_f64; 2], |[low, high], f| [low.min(f.velocity), high.max(f.velocity)]);
     let mut figure = Figure::new(
         "melting",
         "Growth of the crystal into its liquid",
@@ -179,10 +160,9 @@ pub(super) fn picture(points: &[SweptPoint], estimates: &[MeltingEstimate]) -> O
     )
     .level(0.0, "neither grows");
     for (at, (label, fronts)) in groups.iter().enumerate() {
-        let marks = fronts.iter().map(|f| Point {
-            error: Some(f.error),
-            ..Point::from((f.temperature, f.velocity))
-        });
+        let marks = fronts
+            .iter()
+            .map(|f| Point { error: Some(f.error), ..Point::from((f.temperature, f.velocity)) });
         let look = Look::Points(Symbol::cycle(at));
         figure = figure.with(Series::new(label.clone(), look, MEASURED + at, marks));
     }
@@ -278,11 +258,9 @@ mod tests {
         for t in [0.9, 0.96, 1.04, 1.1] {
             points.extend([point(1000.0, t, 0.98), point(2000.0, t, 1.02)]);
         }
-        let scene = Scene::load(
-            &lennard_scene::shipped::locate(Path::new("two-phase/melting")),
-            &[],
-        )
-        .unwrap();
+        let scene =
+            Scene::load(&lennard_scene::shipped::locate(Path::new("two-phase/melting")), &[])
+                .unwrap();
         let planned = |p: &SweptPoint| SweepPoint {
             name: p.name.as_str().into(),
             settings: p.settings.clone(),
@@ -296,9 +274,7 @@ mod tests {
             points: points.iter().map(planned).collect(),
         };
         let found = estimates(&sweep, &points);
-        let [small, large] = &found[..] else {
-            panic!("{found:?}")
-        };
+        let [small, large] = &found[..] else { panic!("{found:?}") };
         for (found, of, t) in [(small, "N = 1000", 0.98), (large, "N = 2000", 1.02)] {
             assert_eq!(found.of.as_deref(), Some(of));
             assert!((found.temperature - t).abs() < 1e-9, "{found:?}");
@@ -311,11 +287,7 @@ mod tests {
     }
 
     fn front(temperature: f64, velocity: f64) -> Front {
-        Front {
-            temperature,
-            velocity,
-            error: 0.01,
-        }
+        Front { temperature, velocity, error: 0.01 }
     }
 
     #[test]

@@ -10,11 +10,8 @@ use super::{SweepRecord, SweptPoint, probability_words};
 use crate::compare::{ComparedRun, Row, quantity_words};
 
 /// The quantities of a sweep with their short names.
-const QUANTITIES: [(&str, &str); 3] = [
-    ("potential_energy", "u"),
-    ("pressure", "p"),
-    ("heat_capacity", "cv"),
-];
+const QUANTITIES: [(&str, &str); 3] =
+    [("potential_energy", "u"), ("pressure", "p"), ("heat_capacity", "cv")];
 
 /// The points with U, P and c_v beside the equation of state, as CSV.
 pub(super) fn csv(record: &SweepRecord) -> Table {
@@ -26,36 +23,24 @@ pub(super) fn csv(record: &SweepRecord) -> Table {
         .column("density", |p| state(p).density)
         .column("temperature", |p| state(p).temperature)
         .column("temperature_whole_steps", |p| mean(p, "temperature"))
-        .column("temperature_half_steps", |p| {
-            mean(p, "temperature_half_steps")
-        })
-        .column("phase", |p| {
-            state(p).phase.map_or("unknown", |p| p.describe())
-        })
+        .column("temperature_half_steps", |p| mean(p, "temperature_half_steps"))
+        .column("phase", |p| state(p).phase.map_or("unknown", |p| p.describe()))
         .column("steps", |p| compared(p, |c| c.measured_steps))
         .column("atoms", |p| compared(p, |c| c.atoms));
     for (quantity, short) in QUANTITIES {
         let of = |p: &SweptPoint, number: fn(&Row) -> Option<f64>| p.row(quantity).and_then(number);
         table = table
             .column(short, |p| mean(p, quantity))
-            .column(&format!("{short}_se"), |p| {
-                of(p, |r| Some(r.standard_error))
-            })
+            .column(&format!("{short}_se"), |p| of(p, |r| Some(r.standard_error)))
             .column(&format!("{short}_reference"), |p| of(p, |r| r.reference))
             .column(&format!("{short}_difference"), |p| of(p, |r| r.difference))
-            .column(&format!("{short}_difference_se"), |p| {
-                of(p, |r| r.combined_error)
-            })
-            .column(&format!("{short}_verdict"), |p| {
-                p.row(quantity).map(|r| r.verdict.words())
-            });
+            .column(&format!("{short}_difference_se"), |p| of(p, |r| r.combined_error))
+            .column(&format!("{short}_verdict"), |p| p.row(quantity).map(|r| r.verdict.words()));
     }
     for quantity in others(record) {
         table = table
             .column(&quantity, |p| mean(p, &quantity))
-            .column(&format!("{quantity}_se"), |p| {
-                p.row(&quantity).map(|r| r.standard_error)
-            });
+            .column(&format!("{quantity}_se"), |p| p.row(&quantity).map(|r| r.standard_error));
         let reference = |p: &SweptPoint| p.row(&quantity).and_then(|r| r.reference);
         if record.points.iter().any(|p| reference(p).is_some()) {
             table = table
@@ -103,26 +88,14 @@ pub(super) fn page(
     judgements: &[Judgement],
 ) -> Page {
     let kind = Kind::of(&record.points);
-    let finished = record
-        .points
-        .iter()
-        .filter(|p| p.compared.is_some())
-        .count();
+    let finished = record.points.iter().filter(|p| p.compared.is_some()).count();
     let together = match record.agreement.is_empty() {
         true => Section::new(TOGETHER).text("No point is judged: see the table."),
         false => Section::new(TOGETHER).table(agreement_table(record)),
     };
     let figures = [
-        (
-            "potential_energy",
-            "Potential energy: measured − equation of state",
-            "ΔU / ε",
-        ),
-        (
-            "pressure",
-            "Pressure: measured − equation of state",
-            "ΔP / (ε/σ³)",
-        ),
+        ("potential_energy", "Potential energy: measured − equation of state", "ΔU / ε"),
+        ("pressure", "Pressure: measured − equation of state", "ΔP / (ε/σ³)"),
     ];
     let drawn = figures
         .into_iter()
@@ -158,10 +131,7 @@ pub(super) fn page(
             ("command".into(), format!("`{command}`")),
             ("version".into(), record.version.into()),
             ("processor".into(), record.cpu.clone()),
-            (
-                "threads for all points together".into(),
-                record.threads.to_string(),
-            ),
+            ("threads for all points together".into(), record.threads.to_string()),
         ],
     }
 }
@@ -210,17 +180,12 @@ fn differences(record: &SweepRecord, quantity: &str, title: &str, unit: &str) ->
     if judged.is_empty() && others.is_empty() {
         return None;
     }
-    let mut figure = Figure::new(
-        quantity,
-        title,
-        Axis::linear("density ρ / σ⁻³"),
-        Axis::linear(unit),
-    )
-    .level(0.0, "");
-    for (name, points, symbol, color) in [
-        ("single phase", judged, Symbol::Disc, 0),
-        ("not judged", others, Symbol::Ring, 1),
-    ] {
+    let mut figure =
+        Figure::new(quantity, title, Axis::linear("density ρ / σ⁻³"), Axis::linear(unit))
+            .level(0.0, "");
+    for (name, points, symbol, color) in
+        [("single phase", judged, Symbol::Disc, 0), ("not judged", others, Symbol::Ring, 1)]
+    {
         if !points.is_empty() {
             figure = figure.with(Series::new(name, Look::Points(symbol), color, points));
         }
@@ -246,14 +211,10 @@ pub fn agreement_table(record: &SweepRecord) -> Table {
         .column("Too coarse to tell", |a| a.too_coarse)
         .column("Mean difference", |a| Cell::rounded(a.mean_difference, 3))
         .column("Largest", |a| Cell::rounded(a.largest_difference, 3))
-        .column("Largest standard error", |a| {
-            Cell::rounded(a.largest_standard_error, 2)
-        })
+        .column("Largest standard error", |a| Cell::rounded(a.largest_standard_error, 2))
         .column(CHI_SQUARED[0], |a| Cell::rounded(a.chi_squared, 4))
         .column("p", |a| Cell::figures(probability_words(a.p_value)))
-        .column(CHI_SQUARED[1], |a| {
-            Cell::rounded(a.chi_squared_with_reference, 4)
-        })
+        .column(CHI_SQUARED[1], |a| Cell::rounded(a.chi_squared_with_reference, 4))
         .column("p with the equation's own uncertainty", |a| {
             Cell::figures(probability_words(a.p_value_with_reference))
         })
@@ -266,11 +227,7 @@ pub const CHI_SQUARED: [&str; 2] = ["χ²", "χ² with the equation's own uncert
 /// Remarks of all points, each once, with how many points they belong to.
 fn remarks(record: &SweepRecord) -> Vec<String> {
     let mut counted: Vec<(String, usize)> = Vec::new();
-    for remark in record
-        .points
-        .iter()
-        .filter_map(|p| p.compared.as_ref())
-        .flat_map(|c| &c.remarks)
+    for remark in record.points.iter().filter_map(|p| p.compared.as_ref()).flat_map(|c| &c.remarks)
     {
         match counted.iter_mut().find(|(text, _)| text == remark) {
             Some((_, n)) => *n += 1,
@@ -279,13 +236,7 @@ fn remarks(record: &SweepRecord) -> Vec<String> {
     }
     counted
         .into_iter()
-        .map(|(text, n)| {
-            if n > 1 {
-                format!("{text} ({n} points)")
-            } else {
-                text
-            }
-        })
+        .map(|(text, n)| if n > 1 { format!("{text} ({n} points)") } else { text })
         .chain(
             record
                 .points

@@ -39,9 +39,7 @@ impl Plan {
     pub fn part(&self, numbers: Range<usize>) -> Result<Sweep, SweepError> {
         let end = numbers.end.min(self.points.len());
         let planned = &self.points[numbers.start.min(end)..end];
-        let points = planned
-            .iter()
-            .map(|p| points::point(&self.base, &self.common, p));
+        let points = planned.iter().map(|p| points::point(&self.base, &self.common, p));
         Ok(Sweep {
             name: self.name.clone(),
             base: self.base.clone(),

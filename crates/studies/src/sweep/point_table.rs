@@ -41,16 +41,8 @@ impl Kind {
                 ("heat_capacity", "c_v [k_B]", Some("c_v − equation")),
             ],
             Self::Slabs => &[
-                (
-                    "liquid_density",
-                    "ρ of liquid [σ⁻³]",
-                    Some("ρ_l − literature"),
-                ),
-                (
-                    "vapor_density",
-                    "ρ of vapor [σ⁻³]",
-                    Some("ρ_v − literature"),
-                ),
+                ("liquid_density", "ρ of liquid [σ⁻³]", Some("ρ_l − literature")),
+                ("vapor_density", "ρ of vapor [σ⁻³]", Some("ρ_v − literature")),
                 ("vapor_pressure", "p_s [(ε/σ³)]", Some("p_s − literature")),
                 ("surface_tension", "γ [(ε/σ²)]", Some("γ − literature")),
             ],
@@ -104,9 +96,7 @@ pub fn point_table(record: &SweepRecord) -> Table {
 /// The column of T at whole steps, where every finished point has T at half steps.
 pub(super) fn second_temperature(points: &[SweptPoint]) -> Option<&'static str> {
     let mut finished = points.iter().filter(|p| p.compared.is_some());
-    finished
-        .all(|p| p.row("temperature_half_steps").is_some())
-        .then_some("T, whole steps")
+    finished.all(|p| p.row("temperature_half_steps").is_some()).then_some("T, whole steps")
 }
 
 /// The same in columns that fit a terminal: one temperature, and differences where there is room for them.
@@ -116,12 +106,7 @@ pub fn narrow_point_table(record: &SweepRecord) -> Table {
     let mut left_out = vec!["State", "c_v", "c_v − equation"];
     left_out.extend(second_temperature(points));
     if Kind::of(points) == Kind::Slabs {
-        left_out.extend(
-            Kind::Slabs
-                .columns()
-                .iter()
-                .filter_map(|(.., beside)| *beside),
-        );
+        left_out.extend(Kind::Slabs.columns().iter().filter_map(|(.., beside)| *beside));
     }
     let mut table = of_points(points).without(&left_out);
     for column in &mut table.columns {
@@ -149,9 +134,8 @@ pub(super) fn of_points(points: &[SweptPoint]) -> Table {
         .column("T, whole steps", |p| mean(p, "temperature"))
         .column("T, half steps", |p| mean(p, "temperature_half_steps"));
     for (quantity, heading, beside) in kind.columns() {
-        table = table.measured(heading, |p| {
-            p.row(quantity).map(|r| (r.measured, r.standard_error))
-        });
+        table =
+            table.measured(heading, |p| p.row(quantity).map(|r| (r.measured, r.standard_error)));
         let Some(beside) = beside else { continue };
         table = table.column(beside, |p| {
             let row = p.row(quantity)?;
@@ -192,11 +176,7 @@ fn verdicts(point: &SweptPoint, kind: Kind) -> Cell {
     let Some(compared) = &point.compared else {
         return why_unfinished(point);
     };
-    let rows = || {
-        kind.columns()
-            .iter()
-            .filter_map(|(quantity, ..)| point.row(quantity))
-    };
+    let rows = || kind.columns().iter().filter_map(|(quantity, ..)| point.row(quantity));
     if !compared.state.is_single_stable_phase() && !rows().any(|r| r.verdict.is_judged()) {
         return Cell::words("not judged").toned(Tone::Careful);
     }
@@ -219,9 +199,7 @@ fn verdicts(point: &SweptPoint, kind: Kind) -> Cell {
     if let [(words, _)] = &shared[..] {
         return Cell::words(words).toned(tone);
     }
-    let each = shared
-        .iter()
-        .map(|(words, names)| format!("{words}: {}", names.join(", ")));
+    let each = shared.iter().map(|(words, names)| format!("{words}: {}", names.join(", ")));
     Cell::words(each.collect::<Vec<_>>().join("; ")).toned(tone)
 }
 

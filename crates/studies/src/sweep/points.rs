@@ -92,9 +92,7 @@ type Choice = [Option<String>; KEYS.len()];
 
 fn lists(axes: &Axes) -> [Option<Vec<String>>; KEYS.len()] {
     fn text<T: Clone + std::fmt::Display>(values: &Option<OneOrMany<T>>) -> Option<Vec<String>> {
-        values
-            .as_ref()
-            .map(|v| v.values().iter().map(ToString::to_string).collect())
+        values.as_ref().map(|v| v.values().iter().map(ToString::to_string).collect())
     }
     [
         text(&axes.density),
@@ -155,10 +153,7 @@ pub(super) fn expand(
         return Err(no_points());
     }
     for longer in points.iter().chain(grid).flat_map(|axes| &axes.longer) {
-        let bad = longer
-            .values()
-            .into_iter()
-            .find(|x| !(*x > 0.0 && *x <= MOST_LONGER));
+        let bad = longer.values().into_iter().find(|x| !(*x > 0.0 && *x <= MOST_LONGER));
         if let Some(bad) = bad {
             let allowed = format!("a number above 0 and up to {MOST_LONGER}");
             return Err(value("point.longer".into(), bad.to_string(), &allowed));
@@ -167,11 +162,7 @@ pub(super) fn expand(
     let listed: Vec<Choice> = if points.is_empty() {
         vec![Choice::default()]
     } else {
-        points
-            .iter()
-            .flat_map(product)
-            .take(MOST_POINTS + 1)
-            .collect()
+        points.iter().flat_map(product).take(MOST_POINTS + 1).collect()
     };
     let mut choices = Vec::new();
     for one in &listed {
@@ -199,11 +190,7 @@ pub(super) fn expand(
         }
     }
     // A list without values leaves no combination; a table without keys is no point.
-    if choices.is_empty()
-        || choices
-            .iter()
-            .any(|c| c[..LONGER].iter().all(Option::is_none))
-    {
+    if choices.is_empty() || choices.iter().any(|c| c[..LONGER].iter().all(Option::is_none)) {
         return Err(no_points());
     }
     let mut names = BTreeSet::new();
@@ -219,11 +206,7 @@ pub(super) fn expand(
                 ));
             };
             if !names.insert(name.clone()) {
-                return Err(value(
-                    "point".into(),
-                    format!("{name} twice"),
-                    "each point once",
-                ));
+                return Err(value("point".into(), format!("{name} twice"), "each point once"));
             }
             Ok(PlannedPoint { name, choice })
         })
@@ -232,10 +215,7 @@ pub(super) fn expand(
 
 /// The keys that have a value, with their values.
 fn chosen(choice: &Choice) -> Vec<(&'static Key, &String)> {
-    KEYS.iter()
-        .zip(choice)
-        .filter_map(|(k, v)| Some((k, v.as_ref()?)))
-        .collect()
+    KEYS.iter().zip(choice).filter_map(|(k, v)| Some((k, v.as_ref()?))).collect()
 }
 
 /// The values of some keys as a name: `rho0.85-T1.128`.
@@ -271,52 +251,30 @@ pub(super) fn point(
         .filter_map(|(key, value)| Some((key.scene?.to_owned(), (*value).clone())))
         .collect();
     // What is typed for all points must not undo what makes the points different.
-    let mut all: Vec<(String, String)> = common
-        .iter()
-        .filter(|(key, _)| overrides.iter().all(|(k, _)| k != key))
-        .cloned()
-        .collect();
+    let mut all: Vec<(String, String)> =
+        common.iter().filter(|(key, _)| overrides.iter().all(|(k, _)| k != key)).cloned().collect();
     all.append(&mut overrides);
     all.push(("name".into(), format!("{:?}", name.as_str())));
-    let refused = |source| SweepError::Scene {
-        point: name.to_string(),
-        source,
-    };
+    let refused = |source| SweepError::Scene { point: name.to_string(), source };
     let mut scene = Scene::load(base, &all).map_err(refused)?;
     let state = name_of(&chosen, |key| key.scene.is_some() && key.name != SEED);
     scene.system.seed = seed_of_point(scene.system.seed, &state);
-    if let Some(longer) = planned.choice[LONGER]
-        .as_ref()
-        .and_then(|x| x.parse::<f64>().ok())
-    {
+    if let Some(longer) = planned.choice[LONGER].as_ref().and_then(|x| x.parse::<f64>().ok()) {
         for stage in scene.stages.iter_mut().filter(|stage| stage.measure) {
             stage.steps = (stage.steps as f64 * longer).round() as u64;
         }
     }
     // A lock file belongs to one state: settings of a sweep are written by hand.
     scene.settled().map_err(refused)?;
-    let (atoms, density) =
-        lennard_engine::size_and_density(&scene).map_err(|source| SweepError::Start {
-            point: name.to_string(),
-            source: Box::new(source),
-        })?;
+    let (atoms, density) = lennard_engine::size_and_density(&scene).map_err(|source| {
+        SweepError::Start { point: name.to_string(), source: Box::new(source) }
+    })?;
     let settings = chosen
         .iter()
         .filter(|(key, _)| key.scene.is_some() && key.name != SEED)
-        .filter_map(|(key, value)| {
-            Some(Setting {
-                key: key.name,
-                value: value.parse().ok()?,
-            })
-        })
+        .filter_map(|(key, value)| Some(Setting { key: key.name, value: value.parse().ok()? }))
         .collect();
-    Ok(Point {
-        name,
-        settings,
-        scene,
-        atoms,
-        density,
-    })
+    Ok(Point { name, settings, scene, atoms, density })
 }
 
 #[cfg(test)]

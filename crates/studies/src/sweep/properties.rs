@@ -43,19 +43,12 @@ pub(super) fn pictures(sweep: &Sweep, record: &SweepRecord, drawn: &[&str]) -> V
             names.push(name);
         }
     }
-    let model = sweep
-        .points
-        .first()
-        .map(|p| lennard_scene::model_kind(&p.scene));
+    let model = sweep.points.first().map(|p| lennard_scene::model_kind(&p.scene));
     let judged = record.points.iter().filter_map(|p| p.compared.as_ref());
     let has_equation = judged.into_iter().any(|c| c.equation.is_some());
-    let equation = model
-        .filter(|_| has_equation)
-        .and_then(|model| equation_of_state_for(model).ok());
-    names
-        .into_iter()
-        .filter_map(|name| picture(name, (key, label), &groups, equation))
-        .collect()
+    let equation =
+        model.filter(|_| has_equation).and_then(|model| equation_of_state_for(model).ok());
+    names.into_iter().filter_map(|name| picture(name, (key, label), &groups, equation)).collect()
 }
 
 /// The temperature is what was asked for, and densities of slabs have a figure of their own.
@@ -107,11 +100,7 @@ pub(super) fn label_of(point: &Averaged<'_>, key: &str) -> String {
         .filter(|s| s.key != key)
         .map(|s| {
             let symbol = AXES.iter().find(|(name, ..)| *name == s.key);
-            format!(
-                "{} = {}",
-                symbol.map_or(s.key, |(.., symbol)| symbol),
-                s.value
-            )
+            format!("{} = {}", symbol.map_or(s.key, |(.., symbol)| symbol), s.value)
         })
         .collect();
     match shared.is_empty() {

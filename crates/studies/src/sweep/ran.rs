@@ -40,27 +40,18 @@ pub struct Failed {
 impl Failed {
     /// What the user can set right.
     pub(super) fn of_input(reason: String) -> Self {
-        Self {
-            reason,
-            exit_code: 2,
-        }
+        Self { reason, exit_code: 2 }
     }
 
     /// What is neither input nor physics.
     pub(super) fn otherwise(error: &dyn std::fmt::Display) -> Self {
-        Self {
-            reason: error.to_string(),
-            exit_code: 1,
-        }
+        Self { reason: error.to_string(), exit_code: 1 }
     }
 }
 
 impl From<EngineError> for Failed {
     fn from(error: EngineError) -> Self {
-        Self {
-            reason: error.to_string(),
-            exit_code: error.exit_code(),
-        }
+        Self { reason: error.to_string(), exit_code: error.exit_code() }
     }
 }
 

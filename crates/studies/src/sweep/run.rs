@@ -184,11 +184,7 @@ pub fn run_points(
 #[must_use]
 pub fn ending_of(points: &[SweptPoint], folder: &Path) -> Ending {
     if points.iter().any(SweptPoint::is_unfinished) {
-        if points.iter().any(|p| is_kept(p, folder)) {
-            Ending::Stopped
-        } else {
-            Ending::NotBegun
-        }
+        if points.iter().any(|p| is_kept(p, folder)) { Ending::Stopped } else { Ending::NotBegun }
     } else if points.iter().any(|p| p.failure.is_some()) {
         Ending::Failed
     } else if points.iter().any(|p| p.elsewhere.is_some()) {
@@ -212,15 +208,10 @@ pub(super) fn record(
         version: env!("CARGO_PKG_VERSION"),
         cpu: lennard_io::cpu_name(),
         threads,
-        agreement: [
-            "potential_energy",
-            "pressure",
-            "heat_capacity",
-            "configurational_temperature",
-        ]
-        .iter()
-        .filter_map(|q| agreement(&points, q))
-        .collect(),
+        agreement: ["potential_energy", "pressure", "heat_capacity", "configurational_temperature"]
+            .iter()
+            .filter_map(|q| agreement(&points, q))
+            .collect(),
         critical_point: coexistence::critical_point(&points),
         melting: melting::estimates(sweep, &points),
         points,
@@ -295,10 +286,7 @@ pub(super) fn conclude(point: &Point, outcome: Result<Ran, Failed>, folder: &Pat
     let mut swept = SweptPoint {
         name: point.name.to_string(),
         settings: point.settings.clone(),
-        page: folder
-            .join("report.html")
-            .exists()
-            .then(|| format!("{}/report.html", point.name)),
+        page: folder.join("report.html").exists().then(|| format!("{}/report.html", point.name)),
         planned: StateOfMatter::new(point.density, point.scene.system.temperature, equation),
         kept: matches!(outcome, Ok(Ran::Kept)),
         failure: None,

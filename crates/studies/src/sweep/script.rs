@@ -68,10 +68,7 @@ impl Script<'_> {
     /// A first line about the points and tasks.
     fn about(&self) -> String {
         let (points, tasks) = (self.plan.points.len(), self.last() + 1);
-        format!(
-            "# The sweep {}: {points} points in {tasks} tasks.",
-            self.plan.name
-        )
+        format!("# The sweep {}: {points} points in {tasks} tasks.", self.plan.name)
     }
 
     fn slurm(&self) -> String {
@@ -95,11 +92,7 @@ impl Script<'_> {
             name = self.plan.name,
             last = self.last(),
             threads = self.threads,
-            task = self.task(
-                &self.command,
-                "\"$SLURM_ARRAY_TASK_ID\"",
-                "\"$SLURM_CPUS_PER_TASK\""
-            ),
+            task = self.task(&self.command, "\"$SLURM_ARRAY_TASK_ID\"", "\"$SLURM_CPUS_PER_TASK\""),
         )
     }
 
@@ -171,10 +164,7 @@ mod tests {
     #[test]
     fn slurm_gets_an_array_with_a_task_for_each_chunk_and_its_time() {
         let text = script(Scheduler::Slurm, 3, Some(Duration::from_secs(5400)));
-        assert!(
-            text.contains("# The sweep isotherm: 8 points in 3 tasks."),
-            "{text}"
-        );
+        assert!(text.contains("# The sweep isotherm: 8 points in 3 tasks."), "{text}");
         assert!(text.contains("#SBATCH --array=0-2\n"), "{text}");
         assert!(text.contains("#SBATCH --time=01:30:00\n"), "{text}");
         let task = "exec lennard sweep sweep/isotherm --out runs/iso --quiet --threads \"$SLURM_CPUS_PER_TASK\" \
@@ -186,17 +176,11 @@ mod tests {
     #[test]
     fn parallel_and_snakemake_get_each_task_and_collect_at_the_end() {
         let text = script(Scheduler::Parallel, 1, None);
-        assert!(
-            text.contains("seq 0 7 | parallel --line-buffer --env task task\n"),
-            "{text}"
-        );
+        assert!(text.contains("seq 0 7 | parallel --line-buffer --env task task\n"), "{text}");
         assert!(text.contains("--threads 2 --point \"$1\"; }\n"), "{text}");
         assert!(text.ends_with("--out runs/iso --collect\n"), "{text}");
         let text = script(Scheduler::Snakemake, 1, None);
         assert!(text.contains("task=range(8))"), "{text}");
-        assert!(
-            text.contains("--threads {threads} --point {wildcards.task}\""),
-            "{text}"
-        );
+        assert!(text.contains("--threads {threads} --point {wildcards.task}\""), "{text}");
     }
 }

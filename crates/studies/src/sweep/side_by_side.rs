@@ -78,16 +78,10 @@ pub(super) fn run_all(
     }
     let mut tell = |most: f64| {
         let so_far: u64 = shared.done.iter().map(|d| d.load(Ordering::Relaxed)).sum();
-        let finished = shared
-            .results
-            .iter()
-            .filter(|r| r.lock().is_ok_and(|slot| slot.is_some()))
-            .count();
+        let finished =
+            shared.results.iter().filter(|r| r.lock().is_ok_and(|slot| slot.is_some())).count();
         let share = so_far as f64 / total.max(1) as f64;
-        progress.update(
-            &format!("{finished} of {} points", points.len()),
-            share.min(most),
-        );
+        progress.update(&format!("{finished} of {} points", points.len()), share.min(most));
     };
     while shared.is_at_work() {
         std::thread::sleep(LOOK_EVERY);
@@ -179,10 +173,7 @@ impl Shared {
         let claim =
             || lennard_io::create_named_folder(folder, Existing::Keep).map_err(EngineError::Folder);
         let point = &self.points[i];
-        let mut counter = Counter {
-            done: &self.done[i],
-            atoms: point.atoms as u64,
-        };
+        let mut counter = Counter { done: &self.done[i], atoms: point.atoms as u64 };
         if self.found[i] == Found::Begun {
             let held = claim()?;
             // Another process may have finished it since.
@@ -218,13 +209,7 @@ impl Shared {
         threads: usize,
         progress: &'a mut dyn lennard_engine::Progress,
     ) -> RunOptions<'a> {
-        RunOptions {
-            folder,
-            threads,
-            stop: &self.stop,
-            deadline: self.deadline,
-            progress,
-        }
+        RunOptions { folder, threads, stop: &self.stop, deadline: self.deadline, progress }
     }
 }
 

@@ -33,12 +33,7 @@ mod tests {
             assert_eq!(large, threads);
             assert!((0..n).all(|w| threads_of(w, n, threads, 864) == 1));
         }
-        assert_eq!(
-            (0..3)
-                .map(|w| threads_of(w, 3, 8, 32_000))
-                .collect::<Vec<_>>(),
-            [3, 3, 2]
-        );
+        assert_eq!((0..3).map(|w| threads_of(w, 3, 8, 32_000)).collect::<Vec<_>>(), [3, 3, 2]);
         // A sweep with nothing to run still has one worker.
         assert_eq!(workers(0, 4), 1);
     }

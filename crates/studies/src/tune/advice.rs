@@ -32,14 +32,7 @@ impl Search<'_> {
         largest_step: f64,
     ) -> Result<Choice, TuneError> {
         let freedom = Freedom::of(self.scene, self.sample, self.stability, but);
-        choose(
-            &freedom,
-            models,
-            self.prices,
-            self.base,
-            accuracy,
-            largest_step,
-        )
+        choose(&freedom, models, self.prices, self.base, accuracy, largest_step)
     }
 
     /// The error that the accuracy cannot be met. It names the setting fixed by hand where this is the cause. It says
@@ -51,10 +44,7 @@ impl Search<'_> {
         nearest: &Candidate,
     ) -> Result<SceneError, TuneError> {
         let reachable = self.reachable(accuracy, nearest);
-        let wanted = accuracy
-            .asked()
-            .into_iter()
-            .find(|(key, ..)| *key == nearest.limiting);
+        let wanted = accuracy.asked().into_iter().find(|(key, ..)| *key == nearest.limiting);
         let (key, target, unit) = wanted.unwrap_or((nearest.limiting, f64::NAN, ""));
         let fixed = Freedom::of(self.scene, self.sample, self.stability, None).fixed;
         let model_is_fixed = !self.scene.wants_full_potential();
@@ -90,11 +80,7 @@ impl Search<'_> {
             .into_iter()
             .map(|(key, ..)| format!("{key} = {:.1e}", round_up(nearest.reach(key))))
             .collect();
-        let mut text = format!(
-            "{} and more, with {}",
-            errors.join(", "),
-            nearest.settings.label()
-        );
+        let mut text = format!("{} and more, with {}", errors.join(", "), nearest.settings.label());
         let usual = self.base.usual(self.sample.largest_cutoff);
         if let Some(usual) = usual {
             let ratio = nearest.price / self.prices.of(&usual);
@@ -119,10 +105,7 @@ fn round_up(x: f64) -> f64 {
 pub(super) fn about(full: bool, settings: &Settings) -> String {
     match full {
         true => "the full potential, without any cutoff".into(),
-        false => format!(
-            "the model that the scene fixes: {}",
-            settings.truncation_label()
-        ),
+        false => format!("the model that the scene fixes: {}", settings.truncation_label()),
     }
 }
 
@@ -168,24 +151,14 @@ pub(super) fn spending(rows: &[Row], relaxed: Option<&Candidate>, price: f64) ->
 /// Points out targets that are kept because errors of opposite sign cancel.
 pub(super) fn cancelling(candidate: &Candidate, accuracy: &Accuracy) -> Option<String> {
     let asked = accuracy.asked();
-    let target = |key: &str| {
-        asked
-            .iter()
-            .find(|(k, ..)| *k == key)
-            .map(|(_, target, _)| *target)
-    };
+    let target = |key: &str| asked.iter().find(|(k, ..)| *k == key).map(|(_, target, _)| *target);
     let cancels = |(key, p): (&'static str, &Prediction)| {
         let alone = p.truncation.mean.abs().max(p.step.mean.abs());
-        target(key)
-            .is_some_and(|target| alone > target)
-            .then(|| key.replace('_', " "))
+        target(key).is_some_and(|target| alone > target).then(|| key.replace('_', " "))
     };
     let keys = ["potential_energy", "pressure"];
-    let found: Vec<String> = keys
-        .into_iter()
-        .zip(&candidate.predicted)
-        .filter_map(cancels)
-        .collect();
+    let found: Vec<String> =
+        keys.into_iter().zip(&candidate.predicted).filter_map(cancels).collect();
     (!found.is_empty()).then(|| {
         format!(
             "in the {} the errors of truncation and time step cancel in part: change neither alone",
@@ -205,13 +178,7 @@ pub(super) fn relaxed(accuracy: &Accuracy, planned: [f64; 2]) -> Accuracy {
 
 /// How the chosen settings stand beside an equation of state, or why they do not.
 pub(super) fn beside_equation(scene: &Scene, runs: &Runs) -> String {
-    let value = |v: &Value| {
-        format!(
-            "{} ± {}",
-            signed(v.mean, 2),
-            significant(v.standard_error, 1)
-        )
-    };
+    let value = |v: &Value| format!("{} ± {}", signed(v.mean, 2), significant(v.standard_error, 1));
     match &runs.against_equation {
         Some((source, u, p)) => {
             let said = format!("beside {source}: U {}, P {}", value(u), value(p));

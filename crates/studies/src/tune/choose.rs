@@ -61,12 +61,7 @@ impl Freedom {
         ];
         hand.retain(|key| fixed(key));
         hand.extend(own_dt.map(|(key, _)| key));
-        Self {
-            truncations,
-            steps,
-            precisions,
-            fixed: hand,
-        }
+        Self { truncations, steps, precisions, fixed: hand }
     }
 
     fn all<'a>(&'a self, base: &'a Settings) -> impl Iterator<Item = Settings> + 'a {
@@ -113,11 +108,7 @@ fn truncations(
         tried
     } else {
         // Nothing was asked that the cutoff decides.
-        vec![
-            TruncationOptions::default()
-                .r_cut
-                .min(sample.largest_cutoff),
-        ]
+        vec![TruncationOptions::default().r_cut.min(sample.largest_cutoff)]
     };
     let mut all = Vec::new();
     for kind in kinds {
@@ -233,14 +224,8 @@ pub(super) fn judge(
     let predicted = models.of(&settings)?;
     let drift = models.drift(&settings)?;
     let price = prices.of(&settings);
-    let mut candidate = Candidate {
-        settings,
-        predicted,
-        drift,
-        price,
-        worst: 0.0,
-        limiting: "drift",
-    };
+    let mut candidate =
+        Candidate { settings, predicted, drift, price, worst: 0.0, limiting: "drift" };
     for (key, target, _) in accuracy.asked() {
         let worse = candidate.reach(key) / target;
         // An unknown error is not a small error.

@@ -58,23 +58,15 @@ impl Stability {
         let limit = sample.own.integrator.method.spec().stability_limit;
         let limit = limit.unwrap_or(super::sample::VERLET_LIMIT) / super::sample::VERLET_LIMIT;
         let r_cut = sample.careful().truncation.r_cut.min(2.5);
-        let smooth = sample
-            .careful()
-            .with_truncation(TruncationKind::Switch, r_cut, false);
+        let smooth = sample.careful().with_truncation(TruncationKind::Switch, r_cut, false);
         let slopes = survey.slopes();
         let climb = |share: &f64| -> Result<Rung, TuneError> {
             let dt = share * limit * sample.stable_dt;
-            let settings = Settings {
-                dt,
-                ..smooth.clone()
-            };
+            let settings = Settings { dt, ..smooth.clone() };
             let found = super::affordable(&bench, &settings, seconds)
                 .and_then(|time| Ok(bench.measure(&settings, time.max(SHORTEST_RUNG), &slopes)?));
             match found {
-                Ok(m) => Ok(Rung {
-                    dt,
-                    drift: Some((m.drift.slope, m.drift.standard_error)),
-                }),
+                Ok(m) => Ok(Rung { dt, drift: Some((m.drift.slope, m.drift.standard_error)) }),
                 Err(TuneError::Study(error)) => {
                     Failed::from_error(error)?;
                     Ok(Rung { dt, drift: None })
@@ -82,9 +74,8 @@ impl Stability {
                 Err(other) => Err(other),
             }
         };
-        let rungs: Vec<Rung> = side_by_side_quietly(&RUNGS, climb)
-            .into_iter()
-            .collect::<Result<_, _>>()?;
+        let rungs: Vec<Rung> =
+            side_by_side_quietly(&RUNGS, climb).into_iter().collect::<Result<_, _>>()?;
         Ok(Self::of(&rungs, wanted))
     }
 
@@ -111,10 +102,7 @@ impl Stability {
         };
         // Where even the shortest rung drifts too much, half of it is what is left to be verified.
         let shortest = rungs.first().map_or(0.0, |r| 0.5 * r.dt);
-        Self {
-            law,
-            ceiling: ceiling.unwrap_or(shortest),
-        }
+        Self { law, ceiling: ceiling.unwrap_or(shortest) }
     }
 
     /// The drift that the step brings, ε/τ per particle: exponentially small below the limit.

@@ -37,21 +37,16 @@ pub(super) fn list_and_threads(
         let skin = start.forces(&applied)?.plan().skin;
         for factor in SKINS {
             let rounded = (100.0 * factor * skin).round() / 100.0;
-            let other = Settings {
-                list: ListMode::Verlet,
-                skin: Some(rounded),
-                ..settings.clone()
-            };
+            let other =
+                Settings { list: ListMode::Verlet, skin: Some(rounded), ..settings.clone() };
             if rounded > 0.0 && bench.check(&other).is_ok() {
                 tried.push(other);
             }
         }
     }
     let (repeats, seconds) = FINAL_TIMING;
-    let lowest = |cost: &Result<Cost, _>| {
-        cost.as_ref()
-            .map_or(f64::INFINITY, |c: &Cost| c.wall.lowest)
-    };
+    let lowest =
+        |cost: &Result<Cost, _>| cost.as_ref().map_or(f64::INFINITY, |c: &Cost| c.wall.lowest);
     let found = costs(bench, &tried, 1, repeats, seconds, 2)?;
     let mut best = 0;
     for i in 1..tried.len() {

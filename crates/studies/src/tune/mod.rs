@@ -109,10 +109,7 @@ impl Tuning {
             truncation: self.settings.truncation,
             dt: self.settings.dt,
             precision: self.settings.precision,
-            neighbor: NeighborOptions {
-                mode: self.settings.list,
-                skin: self.settings.skin,
-            },
+            neighbor: NeighborOptions { mode: self.settings.list, skin: self.settings.skin },
             threads: self.threads,
         }
     }

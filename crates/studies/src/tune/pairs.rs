@@ -54,10 +54,7 @@ impl Fluid {
                 masses: [a, b].map(|a| species.species(a).mass),
             }
         });
-        Self {
-            kinds: kinds.collect(),
-            system: system.bonded(scene.molecules()),
-        }
+        Self { kinds: kinds.collect(), system: system.bonded(scene.molecules()) }
     }
 
     /// What moves.
@@ -108,10 +105,7 @@ impl Fluid {
                 .concat(),
             false => all,
         };
-        Counts {
-            pairs: counts.iter().map(|n| *n as f32).collect(),
-            leverage: None,
-        }
+        Counts { pairs: counts.iter().map(|n| *n as f32).collect(), leverage: None }
     }
 
     /// The same for sites of molecules. The two ends of a bond are no pair.
@@ -142,9 +136,6 @@ impl Fluid {
                 }
             }
         }
-        Counts {
-            pairs,
-            leverage: Some(leverage.iter().map(|x| *x as f32).collect()),
-        }
+        Counts { pairs, leverage: Some(leverage.iter().map(|x| *x as f32).collect()) }
     }
 }

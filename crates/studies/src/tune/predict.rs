@@ -54,11 +54,8 @@ impl Prediction {
     }
 }
 
-pub(super) const NOTHING: Value = Value {
-    mean: 0.0,
-    standard_error: 0.0,
-    n_effective: f64::INFINITY,
-};
+pub(super) const NOTHING: Value =
+    Value { mean: 0.0, standard_error: 0.0, n_effective: f64::INFINITY };
 
 /// Models of every error, from one survey.
 pub(super) struct Models<'a> {
@@ -89,10 +86,7 @@ impl<'a> Models<'a> {
         let method = sample.own.integrator.method.spec();
         let langevin = sample.own.stages.iter().any(|s| {
             s.measure
-                && matches!(
-                    s.thermostat,
-                    Some(lennard_integrators::ThermostatOptions::Langevin(_))
-                )
+                && matches!(s.thermostat, Some(lennard_integrators::ThermostatOptions::Langevin(_)))
         });
         let like_verlet = method.name == "velocity-verlet" || !stands_for_itself(method.name);
         // Bonds have modes that the sums over pairs do not know.
@@ -102,10 +96,7 @@ impl<'a> Models<'a> {
         } else {
             let order = method.position_order.min(method.velocity_order) as i32;
             let order = if langevin { 2 } else { order };
-            (
-                fitted_law(sample, survey, stability, order, seconds)?,
-                order,
-            )
+            (fitted_law(sample, survey, stability, order, seconds)?, order)
         };
         let full = if full {
             let whole = TruncationOptions {
@@ -161,12 +152,7 @@ impl<'a> Models<'a> {
 
     /// The drift, ε/τ per particle.
     pub fn drift(&self, settings: &Settings) -> Result<f64, TuneError> {
-        let jump = drift::of_jump(
-            &self.sample.own,
-            settings.truncation,
-            self.survey,
-            settings.dt,
-        )?;
+        let jump = drift::of_jump(&self.sample.own, settings.truncation, self.survey, settings.dt)?;
         Ok(jump + self.stability.of_step(settings.dt))
     }
 
@@ -174,19 +160,12 @@ impl<'a> Models<'a> {
         let Some(full) = &self.full else {
             return Ok([NOTHING; 2]);
         };
-        let key = (
-            truncation.kind as u8,
-            truncation.tail_correction,
-            truncation.r_cut.to_bits(),
-        );
+        let key = (truncation.kind as u8, truncation.tail_correction, truncation.r_cut.to_bits());
         let found = match self.known.get(&key) {
             Some(found) => *found,
             None => {
                 let terms = self.survey.terms(&self.sample.own, truncation)?;
-                let found = self
-                    .survey
-                    .difference(&terms, full)
-                    .map(|change| change.total());
+                let found = self.survey.difference(&terms, full).map(|change| change.total());
                 self.known.insert(key, found);
                 found
             }
@@ -207,19 +186,17 @@ impl<'a> Models<'a> {
 fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Value; 2], TuneError> {
     let mut differences = Vec::new();
     for end in &survey.ends {
-        let mut found = [Precision::Double, Precision::Mixed]
-            .into_iter()
-            .map(|precision| {
-                let mut scene = sample.canonical.clone();
-                scene.kernel.precision = precision;
-                let mut forces = end.forces(&scene)?;
-                let (e, _) = end
-                    .evaluate(&mut forces, Part::All, Want::ENERGY_AND_VIRIAL)
-                    .map_err(|e| TuneError::Force(e.to_string()))?;
-                let energy = e.potential_energy.unwrap_or(f64::NAN) / survey.fluid.units();
-                let pressure = e.scalar_virial().unwrap_or(f64::NAN) / (3.0 * survey.volume);
-                Ok::<_, TuneError>([energy, pressure])
-            });
+        let mut found = [Precision::Double, Precision::Mixed].into_iter().map(|precision| {
+            let mut scene = sample.canonical.clone();
+            scene.kernel.precision = precision;
+            let mut forces = end.forces(&scene)?;
+            let (e, _) = end
+                .evaluate(&mut forces, Part::All, Want::ENERGY_AND_VIRIAL)
+                .map_err(|e| TuneError::Force(e.to_string()))?;
+            let energy = e.potential_energy.unwrap_or(f64::NAN) / survey.fluid.units();
+            let pressure = e.scalar_virial().unwrap_or(f64::NAN) / (3.0 * survey.volume);
+            Ok::<_, TuneError>([energy, pressure])
+        });
         let (double, mixed) = (found.next(), found.next());
         if let (Some(double), Some(mixed)) = (double, mixed) {
             let (double, mixed) = (double?, mixed?);
@@ -244,19 +221,15 @@ fn fitted_law(
     seconds: f64,
 ) -> Result<[Value; 2], TuneError> {
     let method = sample.own.integrator.method.spec();
-    let limit = method
-        .stability_limit
-        .unwrap_or(super::sample::VERLET_LIMIT)
-        / super::sample::VERLET_LIMIT;
+    let limit =
+        method.stability_limit.unwrap_or(super::sample::VERLET_LIMIT) / super::sample::VERLET_LIMIT;
     let careful = sample.careful();
     let (share, seconds) = match order {
         2 => (FITTED_AT_SECOND_ORDER, LONGER * seconds),
         _ => (FITTED_AT, seconds),
     };
     let long = Settings {
-        dt: (share * limit * sample.stable_dt)
-            .min(stability.ceiling)
-            .max(2.0 * careful.dt),
+        dt: (share * limit * sample.stable_dt).min(stability.ceiling).max(2.0 * careful.dt),
         ..careful.clone()
     };
     let bench = Workbench::with_start(&sample.own, survey.ends[0].clone());
@@ -274,17 +247,10 @@ fn fitted_law(
     let span = long.dt.powi(order) - careful.dt.powi(order);
     let of = |x: &Value, y: &Value| {
         let d = y.minus(x);
-        Value {
-            mean: d.mean / span,
-            standard_error: d.standard_error / span,
-            ..d
-        }
+        Value { mean: d.mean / span, standard_error: d.standard_error / span, ..d }
     };
     Ok([
-        of(
-            &a.potential_energy_at_reference,
-            &b.potential_energy_at_reference,
-        ),
+        of(&a.potential_energy_at_reference, &b.potential_energy_at_reference),
         of(&a.pressure_at_reference, &b.pressure_at_reference),
     ])
 }

@@ -46,10 +46,7 @@ impl Prices {
         let mut all = Vec::new();
         for precision in [Precision::Double, Precision::Mixed] {
             for r_cut in &cutoffs {
-                let mut settings = Settings {
-                    precision,
-                    ..careful.clone()
-                };
+                let mut settings = Settings { precision, ..careful.clone() };
                 settings.truncation.r_cut = *r_cut;
                 settings.truncation.switch_from = None;
                 all.push(settings);
@@ -65,10 +62,7 @@ impl Prices {
             })?;
             let of = usize::from(settings.precision == Precision::Mixed);
             // The least of the repeats: what disturbs a timing only makes it longer.
-            nodes[of].push((
-                settings.truncation.r_cut.powi(3),
-                cost.wall.lowest * settings.dt,
-            ));
+            nodes[of].push((settings.truncation.r_cut.powi(3), cost.wall.lowest * settings.dt));
         }
         nodes.iter_mut().for_each(|nodes| never_falling(nodes));
         Ok(Self { bench, nodes })
@@ -82,11 +76,8 @@ impl Prices {
             [] => f64::NAN,
             [(_, only)] => *only,
             nodes => {
-                let above = nodes
-                    .iter()
-                    .position(|(at, _)| *at >= x)
-                    .unwrap_or(nodes.len() - 1)
-                    .max(1);
+                let above =
+                    nodes.iter().position(|(at, _)| *at >= x).unwrap_or(nodes.len() - 1).max(1);
                 let ((x0, y0), (x1, y1)) = (nodes[above - 1], nodes[above]);
                 y0 + (y1 - y0) * (x - x0) / (x1 - x0)
             }
@@ -108,10 +99,7 @@ fn never_falling(nodes: &mut [(f64, f64)]) {
 /// fits the box of the scene then fits the box of the timings.
 fn timed_atoms(scene_atoms: usize) -> usize {
     let wanted = scene_atoms.min(TIMED_UP_TO);
-    (1..)
-        .map(|m: usize| 4 * m.pow(3))
-        .find(|n| *n >= wanted)
-        .unwrap_or(TIMED_UP_TO)
+    (1..).map(|m: usize| 4 * m.pow(3)).find(|n| *n >= wanted).unwrap_or(TIMED_UP_TO)
 }
 
 fn bench(sample: &Sample) -> Result<Workbench, TuneError> {
@@ -131,11 +119,8 @@ fn bench(sample: &Sample) -> Result<Workbench, TuneError> {
         vacuum: 0.0,
     };
     let mut before = scene.clone();
-    before.stages = vec![Stage {
-        steps: MELTING_STEPS,
-        measure: false,
-        ..sample.canonical.stages[0].clone()
-    }];
+    before.stages =
+        vec![Stage { steps: MELTING_STEPS, measure: false, ..sample.canonical.stages[0].clone() }];
     let largest = 0.5 * (n_atoms as f64 / density).cbrt() / scene.cutoff_unit();
     before.truncation.r_cut = before.truncation.r_cut.min(largest);
     let start = Start::equilibrate(&before)?;
@@ -149,14 +134,7 @@ mod tests {
     #[test]
     fn what_fits_the_box_of_the_scene_fits_that_of_its_timings() {
         // 125 is 5³, and 108 would make a shorter box.
-        for (of_scene, timed) in [
-            (1, 4),
-            (32, 32),
-            (33, 108),
-            (108, 108),
-            (125, 256),
-            (864, 864),
-        ] {
+        for (of_scene, timed) in [(1, 4), (32, 32), (33, 108), (108, 108), (125, 256), (864, 864)] {
             assert_eq!(timed_atoms(of_scene), timed);
         }
         for n in [10_975, 10_976, 10_977, 1_000_000] {

@@ -73,11 +73,7 @@ impl Sample {
         let pair_at = |t: f64| fastest_pair(scene, &beginning.species, t, VERLET_LIMIT);
         let stable_at = |t: f64| lab::rough_stable_dt(scene, &beginning.species, t, VERLET_LIMIT);
         let stable_dt = stable_at(temperature);
-        let hottest = scene
-            .stages
-            .iter()
-            .map(|s| s.temperature)
-            .fold(temperature, f64::max);
+        let hottest = scene.stages.iter().map(|s| s.temperature).fold(temperature, f64::max);
 
         let mut own = scene.without_accuracy();
         let full = scene.wants_full_potential();
@@ -105,9 +101,7 @@ impl Sample {
                 let allowed = format!(
                     "below {largest:.2} σ: the fluid is judged in a box of at most {most} particles"
                 );
-                scene
-                    .source
-                    .invalid("truncation.r_cut", format!("{needed} σ"), allowed)
+                scene.source.invalid("truncation.r_cut", format!("{needed} σ"), allowed)
             })?;
             half = 0.5 * side(n_atoms);
             own = own.with_shares_of(&beginning.species);
@@ -147,9 +141,7 @@ impl Sample {
         own.integrator.dt = careful;
         before.stages.retain(|s| !s.measure);
         let settling = (SETTLING_TIME / careful).ceil() as u64;
-        before
-            .stages
-            .push(canonical_stage(temperature, settling, false));
+        before.stages.push(canonical_stage(temperature, settling, false));
         let start = Start::equilibrate(&before)?;
         Ok(Self {
             fluid: Fluid::of(&own, start.system()),
@@ -206,9 +198,5 @@ fn temperature(scene: &Scene) -> f64 {
 }
 
 fn canonical_stage(temperature: f64, steps: u64, measure: bool) -> Stage {
-    Stage {
-        steps,
-        measure,
-        ..under_bussi("canonical", temperature, RELAXATION_TIME)
-    }
+    Stage { steps, measure, ..under_bussi("canonical", temperature, RELAXATION_TIME) }
 }

@@ -70,18 +70,10 @@ pub(super) fn tune_and<T>(
     let mut models = Models::new(&sample, &survey, &stability, full, seconds(STABILITY))?;
     progress.update("timing cutoffs", 0.05 + SURVEY + STABILITY);
     let prices = Prices::measure(&sample, seconds(PRICES))?;
-    let base = Settings {
-        list: scene.neighbor.mode,
-        skin: scene.neighbor.skin,
-        ..sample.careful()
-    };
-    let search = Search {
-        scene,
-        sample: &sample,
-        stability: &stability,
-        prices: &prices,
-        base: &base,
-    };
+    let base =
+        Settings { list: scene.neighbor.mode, skin: scene.neighbor.skin, ..sample.careful() };
+    let search =
+        Search { scene, sample: &sample, stability: &stability, prices: &prices, base: &base };
     let safest = safest(&sample, full);
     let mut notes = advice::notes(scene, &sample);
     progress.update("verifying", 0.05 + SURVEY + STABILITY + PRICES);
@@ -94,11 +86,7 @@ pub(super) fn tune_and<T>(
         seconds(VERIFICATION),
         &mut notes,
     )?;
-    let Verified {
-        candidate,
-        runs,
-        measured,
-    } = verified;
+    let Verified { candidate, runs, measured } = verified;
 
     progress.update("timing lists and threads", 0.93);
     let (settings, threads) =
@@ -124,9 +112,7 @@ pub(super) fn tune_and<T>(
     let each = sample.fluid.unit();
     let rows = rows(&accuracy, &candidate, &measured, &runs, planned, each);
     let relaxed = advice::relaxed(&accuracy, planned);
-    let relaxed = search
-        .choose(&mut models, &relaxed, None, f64::INFINITY)?
-        .cheapest;
+    let relaxed = search.choose(&mut models, &relaxed, None, f64::INFINITY)?.cheapest;
     notes.extend(advice::spending(&rows, relaxed.as_ref(), candidate.price));
     notes.extend(advice::cancelling(&candidate, &accuracy));
     notes.push(advice::beside_equation(scene, &runs));
@@ -187,11 +173,7 @@ fn verified(
             return Err(search.refusal(models, accuracy, &choice.nearest)?.into());
         };
         let settings = &candidate.settings;
-        let share = if trial == 1 {
-            1.0 - SAFEST_SHARE
-        } else {
-            LATER_SHARE
-        };
+        let share = if trial == 1 { 1.0 - SAFEST_SHARE } else { LATER_SHARE };
         let mut all = vec![(settings, time(share * seconds, settings))];
         if of_safest.is_none() {
             all.push((safest, time(SAFEST_SHARE * seconds, safest)));
@@ -224,11 +206,7 @@ fn verified(
                     "prediction and measurement together put the error of `{key}` above its target: more --seconds would tell"
                 ));
             }
-            return Ok(Verified {
-                candidate,
-                runs,
-                measured,
-            });
+            return Ok(Verified { candidate, runs, measured });
         }
         notes.push(format!(
             "dropped after its run missed {}: {}",
@@ -238,14 +216,9 @@ fn verified(
         if missed.contains(&"drift") {
             largest_step = SHORTER * settings.dt;
         }
-        models.learn(
-            settings.truncation.r_cut,
-            [0, 1].map(|i| both[i].mean - predicted[i].mean),
-        );
+        models.learn(settings.truncation.r_cut, [0, 1].map(|i| both[i].mean - predicted[i].mean));
     }
-    Err(TuneError::Nothing(
-        "no settings held when they were run".into(),
-    ))
+    Err(TuneError::Nothing("no settings held when they were run".into()))
 }
 
 /// The targets that prediction and measurement together miss.
@@ -305,8 +278,5 @@ fn safest(sample: &Sample, full: bool) -> Settings {
         true => careful.with_truncation(TruncationKind::Cut, longest, true),
         false => careful,
     };
-    Settings {
-        precision: Precision::Double,
-        ..settings
-    }
+    Settings { precision: Precision::Double, ..settings }
 }

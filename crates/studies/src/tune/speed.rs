@@ -53,11 +53,7 @@ impl Speed {
             return;
         }
         let range = |s: &Spread| format!("{} to {}", micro(s.lowest), micro(s.highest));
-        let told = if ratio < 1.0 {
-            "not told to be faster"
-        } else {
-            "not faster"
-        };
+        let told = if ratio < 1.0 { "not told to be faster" } else { "not faster" };
         let usual_errs = match missed {
             [] => "the usual ones are predicted to keep the targets of U and P too".to_owned(),
             missed => format!("the usual ones miss the target of {}", missed.join(" and ")),
@@ -130,10 +126,7 @@ mod tests {
     #[test]
     fn a_busy_machine_is_named() {
         let quiet = Speed::of(&cost([1.0, 1.1, 1.15]), &cost([2.0, 2.0, 2.1]), None);
-        assert!(
-            quiet.remarks.is_empty() && quiet.is_faster.is_none(),
-            "{quiet:?}"
-        );
+        assert!(quiet.remarks.is_empty() && quiet.is_faster.is_none(), "{quiet:?}");
         // Whichever it is that scatters.
         let busy = Speed::of(&cost([1.0, 1.0, 1.0]), &cost([2.0, 2.0, 3.0]), None);
         assert!((busy.scatter - 0.5).abs() < 1e-12);

@@ -89,18 +89,12 @@ impl Follower for Watcher<'_> {
         self.frames.push(Frame {
             potential: e.conserved_potential.expect(asked),
             virial: e.scalar_virial().expect(asked) - inside,
-            squared_force: squares
-                .map(|(i, f)| f.length_squared() / masses.of(i))
-                .sum(),
+            squared_force: squares.map(|(i, f)| f.length_squared() / masses.of(i)).sum(),
             laplacian: (fluid.common_mass().zip(e.laplacian)).map(|(m, laplacian)| laplacian / m),
             counts: fluid.count(state, bins_within(self.sample.sight)),
         });
         let over = Instant::now() >= self.end && self.frames.len() >= FEWEST_FRAMES;
-        Ok(if over {
-            Verdict::Stop
-        } else {
-            Verdict::Continue
-        })
+        Ok(if over { Verdict::Stop } else { Verdict::Continue })
     }
 }
 
@@ -231,17 +225,13 @@ impl Survey {
         let frequency = statistics::mean(&laplacians) / self.fluid.n_dof();
         let total = self.series(|f| f.potential);
         let frames = self.frames.iter().zip(&laplacians);
-        let x: Vec<f64> = frames
-            .map(|(f, laplacian)| -f.squared_force / 24.0 + t * laplacian / 12.0)
-            .collect();
+        let x: Vec<f64> =
+            frames.map(|(f, laplacian)| -f.squared_force / 24.0 + t * laplacian / 12.0).collect();
         let (energy, pressure) = self.own();
         [energy, pressure].map(|a| {
             let (with_u, with_x) = (products(&a, &total), products(&a, &x));
-            let z: Vec<f64> = with_u
-                .iter()
-                .zip(&with_x)
-                .map(|(u, x)| (c * frequency * u - x) / t)
-                .collect();
+            let z: Vec<f64> =
+                with_u.iter().zip(&with_x).map(|(u, x)| (c * frequency * u - x) / t).collect();
             statistics::estimate_stationary(&z).into()
         })
     }
@@ -263,16 +253,8 @@ impl Survey {
         // Energies of the whole system whose gradients differ from the forces of the run.
         let more = |terms: &Terms| series(&less(&terms.conserved, &run.conserved));
         let (more_c, more_f) = (more(c), more(f));
-        let energy = (
-            &own_u,
-            1.0 / self.fluid.units(),
-            [&c.energy, &f.energy, &run.conserved],
-        );
-        let pressure = (
-            &own_p,
-            1.0 / (3.0 * self.volume),
-            [&c.virial, &f.virial, &run.virial],
-        );
+        let energy = (&own_u, 1.0 / self.fluid.units(), [&c.energy, &f.energy, &run.conserved]);
+        let pressure = (&own_p, 1.0 / (3.0 * self.volume), [&c.virial, &f.virial, &run.virial]);
         let tails = [c.tail[0] - f.tail[0], c.tail[1] - f.tail[1]];
         let quantities = [(energy, tails[0], false), (pressure, tails[1], true)];
         quantities.map(|((own, scale, weights), tail, is_virial)| {
@@ -283,10 +265,7 @@ impl Survey {
                     true => of_virial(&weights),
                     false => series(&weights),
                 };
-                own.iter()
-                    .zip(more)
-                    .map(|(own, more)| own + scale * more)
-                    .collect()
+                own.iter().zip(more).map(|(own, more)| own + scale * more).collect()
             };
             let (a_c, a_f) = (at(in_c), at(in_f));
             let direct: Vec<f64> = less(&a_c, &a_f).iter().map(|d| d + tail).collect();
@@ -306,10 +285,7 @@ impl Survey {
 /// δa·δb, frame by frame.
 fn products(a: &[f64], b: &[f64]) -> Vec<f64> {
     let (mean_a, mean_b) = (statistics::mean(a), statistics::mean(b));
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - mean_a) * (b - mean_b))
-        .collect()
+    a.iter().zip(b).map(|(a, b)| (a - mean_a) * (b - mean_b)).collect()
 }
 
 #[cfg(test)]

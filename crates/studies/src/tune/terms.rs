@@ -21,11 +21,7 @@ impl Change {
     /// that is lost in noise adds an uncertainty and no error.
     pub fn total(&self) -> Value {
         let (r, e) = (self.response.mean, self.response.standard_error);
-        let weight = if r == 0.0 {
-            0.0
-        } else {
-            r * r / (r * r + e * e)
-        };
+        let weight = if r == 0.0 { 0.0 } else { r * r / (r * r + e * e) };
         let unsure = e * weight.sqrt().max(0.5);
         Value {
             mean: self.direct.mean + weight * r,
@@ -77,14 +73,11 @@ impl Terms {
         let species = fluid.system().species();
         let mixture = scene.mixture.as_ref().map(|_| {
             let pair = |a, b| within(&scene, [a, b], sight);
-            let of_particle: Vec<u8> = (0..species.n_particles())
-                .map(|i| species.of(i) as u8)
-                .collect();
+            let of_particle: Vec<u8> =
+                (0..species.n_particles()).map(|i| species.of(i) as u8).collect();
             Mixture::new(species.n_species(), pair, of_particle)
         });
-        let mixture = mixture
-            .transpose()
-            .map_err(|e| TuneError::Force(e.to_string()))?;
+        let mixture = mixture.transpose().map_err(|e| TuneError::Force(e.to_string()))?;
         let mut options = scene.force_field();
         options.truncation.r_cut = truncation.r_cut.min(sight);
         let n_atoms = species.n_particles();
@@ -129,10 +122,7 @@ impl Terms {
 /// The parameters of a pair of species, with a cutoff within the sight.
 fn within(scene: &Scene, [a, b]: [usize; 2], sight: f64) -> SpeciesPair {
     let pair = scene.species_pair(a, b);
-    SpeciesPair {
-        r_cut: pair.r_cut.min(sight),
-        ..pair
-    }
+    SpeciesPair { r_cut: pair.r_cut.min(sight), ..pair }
 }
 
 /// The f of u_ab(r) = ε_ab·f(r/σ_ab) for a pair of species; a switch keeps its share of the cutoff.
@@ -157,9 +147,5 @@ pub(super) fn bins_within(sight: f64) -> usize {
 
 /// Σ counts·weights.
 pub(super) fn dot(counts: &[f32], weights: &[f64]) -> f64 {
-    counts
-        .iter()
-        .zip(weights)
-        .map(|(c, w)| f64::from(*c) * w)
-        .sum()
+    counts.iter().zip(weights).map(|(c, w)| f64::from(*c) * w).sum()
 }

@@ -90,9 +90,7 @@ type Found = [f64; 3];
 
 /// Where a key of the accuracy stands in [`Found`].
 fn quantity(key: &str) -> Option<usize> {
-    ["potential_energy", "pressure", "drift"]
-        .iter()
-        .position(|k| *k == key)
+    ["potential_energy", "pressure", "drift"].iter().position(|k| *k == key)
 }
 
 /// Independent starts, and runs from them.
@@ -111,9 +109,7 @@ impl Seeds {
             Ok(Workbench::with_start(&sample.own, sample.start))
         });
         let benches: Vec<Workbench> = prepared.into_iter().collect::<Result<_, _>>()?;
-        let bench = benches
-            .first()
-            .ok_or_else(|| TuneError::Nothing("no seeds".into()))?;
+        let bench = benches.first().ok_or_else(|| TuneError::Nothing("no seeds".into()))?;
         let slopes = bench.slopes(&Settings::of(bench.scene()), 20.0)?;
         Ok(Self { benches, slopes })
     }
@@ -122,11 +118,7 @@ impl Seeds {
     fn run(&self, settings: &Settings, time: f64) -> Result<Result<Vec<Found>, Failed>, TuneError> {
         let one = |bench: &Workbench| bench.measure(settings, time, &self.slopes);
         let numbers = |m: Measured| {
-            [
-                m.potential_energy_at_reference.mean,
-                m.pressure_at_reference.mean,
-                m.drift.slope,
-            ]
+            [m.potential_energy_at_reference.mean, m.pressure_at_reference.mean, m.drift.slope]
         };
         let mut found = Vec::new();
         for run in side_by_side_quietly(&self.benches, one) {
@@ -142,11 +134,7 @@ impl Seeds {
 /// Mean and standard error over seeds of a quantity, less its value in the tight runs of the same seeds.
 fn over_seeds(runs: &[Found], tight: &[Found], which: usize) -> Value {
     let reference = |i: usize| if which == 2 { 0.0 } else { tight[i][which] };
-    let all: Vec<f64> = runs
-        .iter()
-        .enumerate()
-        .map(|(i, run)| run[which] - reference(i))
-        .collect();
+    let all: Vec<f64> = runs.iter().enumerate().map(|(i, run)| run[which] - reference(i)).collect();
     let n = all.len() as f64;
     Value {
         mean: statistics::mean(&all),
@@ -244,10 +232,7 @@ struct Model {
 impl Model {
     /// In mixed precision with a step: the errors of both precisions are the same at these targets.
     fn at(&self, dt: f64) -> Settings {
-        Settings {
-            dt,
-            ..self.mixed.clone()
-        }
+        Settings { dt, ..self.mixed.clone() }
     }
 }
 
@@ -257,10 +242,8 @@ fn models_of_grid(bench: &Workbench) -> Vec<Model> {
     let mut models = Vec::new();
     for (kind, tail) in TRUNCATIONS {
         for r_cut in CUTOFFS {
-            let [double, mixed] = [Precision::Double, Precision::Mixed].map(|precision| Settings {
-                precision,
-                ..base.with_truncation(kind, r_cut, tail)
-            });
+            let [double, mixed] = [Precision::Double, Precision::Mixed]
+                .map(|precision| Settings { precision, ..base.with_truncation(kind, r_cut, tail) });
             if bench.check(&double).is_ok() {
                 models.push(Model { double, mixed });
             }
@@ -279,10 +262,7 @@ fn cheaper_than(
     let mut priced = vec![tuning.settings.clone()];
     for model in grid {
         for settings in [&model.double, &model.mixed] {
-            priced.extend(PRICED_STEPS.map(|dt| Settings {
-                dt,
-                ..settings.clone()
-            }));
+            priced.extend(PRICED_STEPS.map(|dt| Settings { dt, ..settings.clone() }));
         }
     }
     let mut prices = Vec::new();
@@ -303,10 +283,7 @@ fn cheaper_than(
             let [double, mixed] = [price(&prices[..2], dt), price(&prices[2..], dt)];
             let settings = match mixed < double {
                 true => model.at(dt),
-                false => Settings {
-                    dt,
-                    ..model.double.clone()
-                },
+                false => Settings { dt, ..model.double.clone() },
             };
             let cost = mixed.min(double) / dt / chosen;
             if cost * ALLOWED_FACTOR < 1.0 {
@@ -323,10 +300,7 @@ fn miss(key: &str, target: f64, error: &Value) -> Option<String> {
 }
 
 fn off(key: &str, error: &Value) -> String {
-    format!(
-        "{key} off by {}",
-        lennard_report::plus_minus(error.mean, error.standard_error)
-    )
+    format!("{key} off by {}", lennard_report::plus_minus(error.mean, error.standard_error))
 }
 
 /// By what settings miss, where runs of growing length can tell.

@@ -42,10 +42,7 @@ impl Runs {
                 n_effective: f64::NAN,
             }),
             against_equation: equation.map(|found| {
-                let all: Vec<_> = runs
-                    .iter()
-                    .filter_map(|r| r.against_equation.as_ref())
-                    .collect();
+                let all: Vec<_> = runs.iter().filter_map(|r| r.against_equation.as_ref()).collect();
                 let u: Vec<Value> = all.iter().map(|a| a.potential_energy).collect();
                 let p: Vec<Value> = all.iter().map(|a| a.pressure).collect();
                 (found.source.clone(), together(&u), together(&p))
@@ -59,12 +56,7 @@ fn together(values: &[Value]) -> Value {
     let n = values.len() as f64;
     Value {
         mean: values.iter().map(|v| v.mean).sum::<f64>() / n,
-        standard_error: values
-            .iter()
-            .map(|v| v.standard_error.powi(2))
-            .sum::<f64>()
-            .sqrt()
-            / n,
+        standard_error: values.iter().map(|v| v.standard_error.powi(2)).sum::<f64>().sqrt() / n,
         n_effective: values.iter().map(|v| v.n_effective).sum(),
     }
 }
@@ -112,16 +104,11 @@ pub(super) fn runs(
 /// the safest step still makes.
 pub(super) fn errors(chosen: &Runs, safest: &Runs, models: &Models<'_>, dt: f64) -> [Value; 2] {
     let left = models.of_step(dt);
-    let pairs = [
-        (chosen.potential_energy, safest.potential_energy),
-        (chosen.pressure, safest.pressure),
-    ];
+    let pairs =
+        [(chosen.potential_energy, safest.potential_energy), (chosen.pressure, safest.pressure)];
     [0, 1].map(|i| {
         let difference = pairs[i].0.minus(&pairs[i].1);
-        Value {
-            mean: difference.mean + left[i].mean,
-            ..difference
-        }
+        Value { mean: difference.mean + left[i].mean, ..difference }
     })
 }
 

@@ -34,11 +34,7 @@ fn check_verdicts(study: &MechanicsStudy) {
         ];
         let is_its_own = its_own.iter().any(|words| claim.statement.contains(words));
         assert_eq!(of_the_article, is_its_own && label != "B1", "{claim:?}");
-        assert_eq!(
-            matches!(claim.source, Source::Manual),
-            label == "B2",
-            "{claim:?}"
-        );
+        assert_eq!(matches!(claim.source, Source::Manual), label == "B2", "{claim:?}");
     }
     assert!(study.claims.len() > 60, "{}", study.claims.len());
     let differing: Vec<_> = study.claims.iter().filter(|c| !c.theory_agrees).collect();
@@ -60,14 +56,7 @@ fn check_numbers(study: &MechanicsStudy) {
     assert!(orders.clone().all(|order| order > 0.9), "{:?}", found.ways);
     assert!(orders.count() >= 6, "{:?}", found.ways);
     // SPOOK has no largest step on a slow rotor that an explicit spring has.
-    let limit = |name: &str| {
-        found
-            .ways
-            .iter()
-            .find(|w| w.name == name)
-            .unwrap()
-            .largest_step
-    };
+    let limit = |name: &str| found.ways.iter().find(|w| w.name == name).unwrap().largest_step;
     assert!(limit("spring").unwrap() < 0.1 * limit("direct").unwrap());
     // Sweeps grow with the length of a chain, iterations of the direct solve do not.
     let [loose, middle, tight, direct] = found.relaxing.chain_iterations;
@@ -97,10 +86,7 @@ fn check_files(study: &MechanicsStudy, dir: &Path) {
         "wall-pressure",
         "states-energy",
     ] {
-        assert!(
-            dir.join(format!("figures/{figure}.svg")).is_file(),
-            "{figure}"
-        );
+        assert!(dir.join(format!("figures/{figure}.svg")).is_file(), "{figure}");
     }
     assert!(page.contains("--out &quot;&lt;dir&gt;&quot;"));
     assert!(!page.contains("NaN"));

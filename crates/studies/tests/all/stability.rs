@@ -29,21 +29,13 @@ fn study() -> (StabilityStudy, Told) {
 
 fn run_of<'a>(study: &'a StabilityStudy, method: &str, dt: f64) -> &'a FluidRun {
     let place = |r: &&FluidRun| r.method == method && r.dt == dt;
-    study
-        .fluid
-        .runs
-        .iter()
-        .find(place)
-        .expect("the run is there")
+    study.fluid.runs.iter().find(place).expect("the run is there")
 }
 
 fn check_numbers(study: &StabilityStudy) {
     // Two claims of the manual fail: at the limit of symplectic Euler, and at infinite stiffness without damping.
-    let failing: Vec<_> = study
-        .claims
-        .iter()
-        .filter(|c| c.verdict == Verdict::DoesNotHold)
-        .collect();
+    let failing: Vec<_> =
+        study.claims.iter().filter(|c| c.verdict == Verdict::DoesNotHold).collect();
     assert_eq!(failing.len(), 2, "{failing:?}");
     assert!(failing[0].statement.starts_with("k ≤ 4m/h²"));
     assert!(failing[1].statement.starts_with("k = ∞, τ = 0"));
@@ -58,17 +50,8 @@ fn check_numbers(study: &StabilityStudy) {
         let rms = |dt| run_of(study, method, dt).fluctuation.expect("completed");
         rms(0.004) / rms(0.002)
     };
-    for method in [
-        "velocity-verlet",
-        "leapfrog",
-        "stormer-verlet",
-        "bit-reversible-verlet",
-    ] {
-        assert!(
-            (3.4..4.6).contains(&fall(method)),
-            "{method}: {}",
-            fall(method)
-        );
+    for method in ["velocity-verlet", "leapfrog", "stormer-verlet", "bit-reversible-verlet"] {
+        assert!((3.4..4.6).contains(&fall(method)), "{method}: {}", fall(method));
     }
     assert!(fall("forest-ruth") > 8.0, "{}", fall("forest-ruth"));
     // Explicit Euler heats and implicit Euler cools at every step; velocity Verlet does neither.
@@ -139,10 +122,7 @@ fn check_files(study: &StabilityStudy, dir: &Path) {
     }
     assert!(tables >= 15, "{tables}");
     let json: serde_json::Value = serde_json::from_str(&text("study.json")).expect("JSON");
-    assert_eq!(
-        json["claims"].as_array().map(Vec::len),
-        Some(study.claims.len())
-    );
+    assert_eq!(json["claims"].as_array().map(Vec::len), Some(study.claims.len()));
     // Written again, the same bytes.
     stability::write(study, dir).expect("written over");
     assert_eq!(text("report.html"), html);
@@ -151,10 +131,7 @@ fn check_files(study: &StabilityStudy, dir: &Path) {
 #[test]
 fn the_quick_study_has_the_right_numbers_and_leaves_a_whole_folder() {
     let (study, told) = study();
-    assert!(
-        told.0.is_sorted() && told.0.last() == Some(&1.0),
-        "progress only goes forward"
-    );
+    assert!(told.0.is_sorted() && told.0.last() == Some(&1.0), "progress only goes forward");
     check_numbers(&study);
     let dir = tempfile::tempdir().expect("a folder for the files");
     check_files(&study, dir.path());

@@ -47,13 +47,9 @@ fn book_target(target: &str, page: &Page, pages: &[Page]) -> Option<String> {
     }
     let (path, anchor) = target
         .split_once('#')
-        .map_or((target, String::new()), |(path, anchor)| {
-            (path, format!("#{anchor}"))
-        });
+        .map_or((target, String::new()), |(path, anchor)| (path, format!("#{anchor}")));
     let folder = Path::new(&page.source).parent().unwrap_or(Path::new(""));
-    let source = plain(&folder.join(path))
-        .to_string_lossy()
-        .replace('\\', "/");
+    let source = plain(&folder.join(path)).to_string_lossy().replace('\\', "/");
     let there = match source.as_str() {
         "README.md" => "index.md",
         _ => pages.iter().find(|p| p.source == source)?.target.as_str(),
@@ -68,21 +64,15 @@ mod tests {
 
     #[test]
     fn links_lead_to_pages_of_the_book_and_others_become_text() {
-        let page = |source: &str, target: &str| Page {
-            source: source.into(),
-            target: target.into(),
-        };
+        let page =
+            |source: &str, target: &str| Page { source: source.into(), target: target.into() };
         let pages = [
             page("docs/speed.md", "speed.md"),
             page("docs/tutorials/first.md", "tutorials/first.md"),
             page("inputs/README.md", "scenes.md"),
         ];
         for (at, text, wanted) in [
-            (
-                0,
-                "[a](tutorials/first.md#x) b",
-                "[a](tutorials/first.md#x) b",
-            ),
+            (0, "[a](tutorials/first.md#x) b", "[a](tutorials/first.md#x) b"),
             (
                 1,
                 "[a](../speed.md), [b](../../inputs/README.md)",
@@ -95,11 +85,7 @@ mod tests {
                 "the crate and [web](https://a.org)",
             ),
             (0, "[home](../README.md)", "[home](index.md)"),
-            (
-                0,
-                "```\n[a](../crates)\n```\n",
-                "```\n[a](../crates)\n```\n",
-            ),
+            (0, "```\n[a](../crates)\n```\n", "```\n[a](../crates)\n```\n"),
         ] {
             assert_eq!(in_book(text, &pages[at], &pages), wanted);
         }

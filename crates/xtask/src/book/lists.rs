@@ -33,11 +33,7 @@ pub fn commands(workspace: &Workspace) -> Result<String, Box<dyn Error>> {
         String::from("# Commands\n\nThis page is what `lennard COMMAND --help` prints.\n");
     for name in lennard_commands(workspace)? {
         let help = said(workspace, &[&name, "--help"])?;
-        let _ = write!(
-            page,
-            "\n## lennard {name}\n\n```text\n{}\n```\n",
-            help.trim_end()
-        );
+        let _ = write!(page, "\n## lennard {name}\n\n```text\n{}\n```\n", help.trim_end());
     }
     Ok(page)
 }
@@ -57,9 +53,7 @@ pub fn methods(workspace: &Workspace) -> Result<String, Box<dyn Error>> {
                 let _ = write!(page, "```text\n{equation}\n```\n\n");
             }
             for (name, value) in entry["properties"].as_object().into_iter().flatten() {
-                let value = value
-                    .as_str()
-                    .map_or_else(|| value.to_string(), str::to_owned);
+                let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
                 let _ = writeln!(page, "- {name}: {value}");
             }
             let _ = writeln!(page, "- source: {}", text("source"));
@@ -69,10 +63,7 @@ pub fn methods(workspace: &Workspace) -> Result<String, Box<dyn Error>> {
 }
 
 fn said(workspace: &Workspace, arguments: &[&str]) -> Result<String, Box<dyn Error>> {
-    let output = workspace
-        .command(workspace.binary())
-        .args(arguments)
-        .output()?;
+    let output = workspace.command(workspace.binary()).args(arguments).output()?;
     if !output.status.success() {
         return Err(format!("`lennard {}` failed", arguments.join(" ")).into());
     }

@@ -41,10 +41,7 @@ mod tests {
 
     #[test]
     fn a_page_is_listed_by_its_whole_path_and_paths_lose_their_dots() {
-        let page = Page {
-            source: "docs/a.md".into(),
-            target: "a.md".into(),
-        };
+        let page = Page { source: "docs/a.md".into(), target: "a.md".into() };
         assert!(page.is_in("{ \"A\" = \"a.md\" }"));
         assert!(!page.is_in("{ \"A\" = \"b/a.md\" }"));
         assert_eq!(plain(Path::new("docs/../a/./b")), Path::new("a/b"));

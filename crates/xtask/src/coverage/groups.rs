@@ -72,9 +72,8 @@ impl Sums {
         }
         let ([low, high], least) = BARS;
         let shares = [self.share(0), self.share(1)];
-        let far = [low - shares[0], shares[0] - high, least - shares[1]]
-            .into_iter()
-            .fold(0.0, f64::max);
+        let far =
+            [low - shares[0], shares[0] - high, least - shares[1]].into_iter().fold(0.0, f64::max);
         if far == 0.0 {
             return Standing::Inside;
         }
@@ -117,23 +116,14 @@ fn rows(
     together: usize,
     name: impl Fn(&Judged) -> String,
 ) -> Vec<Row> {
-    let empty = Sums {
-        together,
-        ..Sums::default()
-    };
+    let empty = Sums { together, ..Sums::default() };
     let mut rows: Vec<Row> = Vec::new();
     for one in judged {
         let name = name(one);
-        let at = rows
-            .iter()
-            .position(|row| row.name == name)
-            .unwrap_or_else(|| {
-                rows.push(Row {
-                    name,
-                    sums: vec![empty.clone(); lengths.len()],
-                });
-                rows.len() - 1
-            });
+        let at = rows.iter().position(|row| row.name == name).unwrap_or_else(|| {
+            rows.push(Row { name, sums: vec![empty.clone(); lengths.len()] });
+            rows.len() - 1
+        });
         if let Some(length) = lengths.iter().position(|l| *l == one.cell.length) {
             rows[at].sums[length].add(one);
         }
@@ -152,10 +142,8 @@ pub fn by_quantity(judged: &[Judged], lengths: &[u64]) -> Vec<Row> {
 /// Each state and ensemble, and all of them, over all quantities that do not repeat another one.
 #[must_use]
 pub fn by_state(judged: &[Judged], lengths: &[u64]) -> Vec<Row> {
-    let once: Vec<Judged> = (judged.iter())
-        .filter(|one| repeats(&one.quantity).is_none())
-        .cloned()
-        .collect();
+    let once: Vec<Judged> =
+        (judged.iter()).filter(|one| repeats(&one.quantity).is_none()).cloned().collect();
     let mut all = rows(&once, lengths, TOGETHER, |one| {
         format!("{}, {}", one.cell.state.name, one.cell.ensemble.name())
     });
@@ -170,13 +158,7 @@ mod tests {
 
     fn standing(given: usize, together: usize, one: f64, two: f64) -> Standing {
         let part = |share: f64| (share * given as f64).round() as usize;
-        Sums {
-            given,
-            together,
-            within: [part(one), part(two)],
-            ..Sums::default()
-        }
-        .standing()
+        Sums { given, together, within: [part(one), part(two)], ..Sums::default() }.standing()
     }
 
     #[test]
@@ -185,10 +167,7 @@ mod tests {
         assert_eq!(standing(900, 1, 0.61, 0.925), Standing::Inside);
         for (one, two) in [(0.58, 0.95), (0.78, 0.99), (0.65, 0.9)] {
             let found = standing(900, 1, one, two);
-            assert!(
-                matches!(found, Standing::Outside(far) if far < 0.021),
-                "{found:?}"
-            );
+            assert!(matches!(found, Standing::Outside(far) if far < 0.021), "{found:?}");
         }
         assert_eq!(standing(500, 3, 0.59, 0.95), Standing::Chance);
         assert_eq!(standing(30, 1, 0.5, 0.9), Standing::Chance);

@@ -61,10 +61,7 @@ impl Judged {
     /// Probability of the worst fault.
     #[must_use]
     pub fn worst(&self) -> Option<f64> {
-        self.faults
-            .iter()
-            .map(|fault| fault.probability)
-            .min_by(f64::total_cmp)
+        self.faults.iter().map(|fault| fault.probability).min_by(f64::total_cmp)
     }
 }
 
@@ -82,9 +79,8 @@ pub fn all(samples: &[Sample]) -> Vec<Judged> {
         let Some(long) = long_run(samples, sample.cell) else {
             continue;
         };
-        let mut quantities: Vec<&String> = (sample.runs.iter())
-            .flat_map(|run| run.averages.keys())
-            .collect();
+        let mut quantities: Vec<&String> =
+            (sample.runs.iter()).flat_map(|run| run.averages.keys()).collect();
         quantities.sort();
         quantities.dedup();
         judged.extend(
@@ -139,9 +135,8 @@ fn one(sample: &Sample, long: &Sample, quantity: &str) -> Option<Judged> {
             line.residual(point) / error.hypot(line.variance_at(point.0).sqrt())
         });
     }
-    let printed: Vec<((f64, f64), f64)> = (found.iter())
-        .filter_map(|&(point, error)| Some((point, error?)))
-        .collect();
+    let printed: Vec<((f64, f64), f64)> =
+        (found.iter()).filter_map(|&(point, error)| Some((point, error?))).collect();
     let (chi_squared, degrees) = scatter(&printed, &line, own_mean && slope);
     let within = [1.0, 2.0].map(|k| z.iter().filter(|z| z.abs() <= k).count());
     let mut judged = Judged {
@@ -168,9 +163,7 @@ fn scatter(printed: &[((f64, f64), f64)], long: &Line, own_slope: bool) -> (f64,
     let points: Vec<(f64, f64)> = if own_slope {
         printed.iter().map(|p| p.0).collect()
     } else {
-        (printed.iter())
-            .map(|p| (p.0.0, long.residual(p.0)))
-            .collect()
+        (printed.iter()).map(|p| (p.0.0, long.residual(p.0))).collect()
     };
     let Some(line) = Line::fit(&points, own_slope) else {
         return (0.0, 0);
@@ -210,10 +203,7 @@ fn faults(judged: &Judged) -> Vec<Fault> {
     if judged.given > 0 {
         let (below, above) = binomial_tails(one, judged.given, NORMAL[0]);
         if below < RARE || above < RARE {
-            tell(
-                format!("{:.0} % within one error", percent(one)),
-                below.min(above),
-            );
+            tell(format!("{:.0} % within one error", percent(one)), below.min(above));
         }
         let (below, _) = binomial_tails(two, judged.given, NORMAL[1]);
         if below < RARE {
@@ -223,21 +213,14 @@ fn faults(judged: &Judged) -> Vec<Fault> {
     if judged.degrees > 0 {
         let (below, above) = chi_squared_tails(judged.chi_squared, judged.degrees);
         if below < RARE_CHI_SQUARED || above < RARE_CHI_SQUARED {
-            tell(
-                format!("χ² {:.1} of {}", judged.chi_squared, judged.degrees),
-                below.min(above),
-            );
+            tell(format!("χ² {:.1} of {}", judged.chi_squared, judged.degrees), below.min(above));
         }
     }
     if judged.cell.state.is_liquid() && Some(&judged.cell.length) == LENGTHS.last() {
         // A bath changes how particles diffuse, however long the run: it may say so in place of a number. The tests of
         // equilibrium and of plateaus are wrong in some per cent of runs by their nature.
         for (why, n) in &judged.without {
-            let by_nature = if why == "too-short" {
-                0
-            } else {
-                judged.given / BY_NATURE
-            };
+            let by_nature = if why == "too-short" { 0 } else { judged.given / BY_NATURE };
             if why != ABSENT && why != "thermostat" && *n > by_nature {
                 tell(format!("{n} runs without a number ({why})"), 0.0);
             }

@@ -24,14 +24,7 @@ impl Line {
         }
         let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n as f64;
         let (energy, value) = (mean(&|p| p.0), mean(&|p| p.1));
-        let mut line = Self {
-            n,
-            energy,
-            value,
-            slope: 0.0,
-            width: f64::INFINITY,
-            variance: 0.0,
-        };
+        let mut line = Self { n, energy, value, slope: 0.0, width: f64::INFINITY, variance: 0.0 };
         if slope {
             let width: f64 = points.iter().map(|p| (p.0 - energy).powi(2)).sum();
             if width <= 0.0 {

@@ -60,10 +60,7 @@ fn built(workspace: &Workspace, request: &Request) -> Result<PathBuf, Failure> {
 }
 
 fn carry_out(workspace: &Workspace, request: &Request, binary: &Path) -> Result<(), Failure> {
-    let runner = Runner {
-        binary: binary.to_owned(),
-        workers: request.workers,
-    };
+    let runner = Runner { binary: binary.to_owned(), workers: request.workers };
     let folder = match (&request.source, request.quick) {
         (Source::Checkpoints(_), _) => "again",
         (_, true) => "quick",

@@ -144,12 +144,7 @@ impl Cell {
     /// Its folder, relative to the folder of all data.
     #[must_use]
     pub fn folder(&self) -> String {
-        format!(
-            "{}/{}/{}",
-            self.state.name,
-            self.ensemble.name(),
-            self.length
-        )
+        format!("{}/{}/{}", self.state.name, self.ensemble.name(), self.length)
     }
 
     /// Seed of a run's random numbers: runs of different length share none, so that they are independent.
@@ -162,22 +157,11 @@ impl Cell {
     /// The scene. Every run melts its own crystal or starts from its own random points.
     #[must_use]
     pub fn scene(&self) -> String {
-        let State {
-            n_atoms,
-            temperature,
-            r_cut,
-            dt,
-            equilibrate,
-            ..
-        } = *self.state;
+        let State { n_atoms, temperature, r_cut, dt, equilibrate, .. } = *self.state;
         let (lattice, place, truncation) = match self.state.filling {
             Filling::Random(density) => ("random", format!("density = {density}"), "cut"),
             Filling::Lattice { density, .. } => ("fcc", format!("density = {density}"), "cut"),
-            Filling::Slab => (
-                "fcc",
-                "box = [6.84, 6.84, 8.55]\nvacuum = 10.0".to_owned(),
-                "shift",
-            ),
+            Filling::Slab => ("fcc", "box = [6.84, 6.84, 8.55]\nvacuum = 10.0".to_owned(), "shift"),
         };
         let mut text = format!(
             "[system]\nlattice = \"{lattice}\"\nn_atoms = {n_atoms}\n{place}\ntemperature = {temperature}\n\
@@ -210,9 +194,7 @@ impl Cell {
             self.ensemble.thermostat()
         ));
         for (kind, every) in [("pressure-tensor", 10), ("msd", 10), ("vacf", 5)] {
-            add(&format!(
-                "[[observable]]\nkind = \"{kind}\"\nevery = {every}"
-            ));
+            add(&format!("[[observable]]\nkind = \"{kind}\"\nevery = {every}"));
         }
         if self.state.filling != Filling::Slab {
             add("[[observable]]\nkind = \"rdf\"\nevery = 50");
@@ -245,11 +227,7 @@ pub fn in_order(states: &[&'static State], ensembles: &[Ensemble], lengths: &[u6
     let mut cells = Vec::new();
     for &state in states {
         for &ensemble in ensembles {
-            cells.extend(lengths.iter().map(|&length| Cell {
-                state,
-                ensemble,
-                length,
-            }));
+            cells.extend(lengths.iter().map(|&length| Cell { state, ensemble, length }));
         }
     }
     cells.sort_by_key(rank);

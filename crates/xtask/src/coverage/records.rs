@@ -66,10 +66,7 @@ pub fn read(runs: &[Run], root: &Path) -> Result<(Vec<Sample>, String), String> 
             .ok_or_else(|| format!("{}, run {}: no averages", run.cell.folder(), run.number))?;
         match samples.last_mut() {
             Some(last) if last.cell == run.cell => last.runs.push(printed),
-            _ => samples.push(Sample {
-                cell: run.cell,
-                runs: vec![printed],
-            }),
+            _ => samples.push(Sample { cell: run.cell, runs: vec![printed] }),
         }
     }
     Ok((samples, origin))
@@ -82,14 +79,7 @@ fn printed(record: &Value) -> Option<Printed> {
         // Records without `standing` say no more than whether there is an error.
         let otherwise = if error.is_some() { "sound" } else { "no error" };
         let standing = entry["standing"].as_str().unwrap_or(otherwise).to_owned();
-        averages.insert(
-            name.clone(),
-            Average {
-                mean: entry["mean"].as_f64(),
-                error,
-                standing,
-            },
-        );
+        averages.insert(name.clone(), Average { mean: entry["mean"].as_f64(), error, standing });
     }
     let energy = averages.get(CONSERVED)?.mean?;
     Some(Printed { energy, averages })

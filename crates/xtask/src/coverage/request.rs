@@ -81,10 +81,7 @@ impl Request {
         Self {
             quick: true,
             lengths: LENGTHS[..2].to_vec(),
-            states: STATES
-                .iter()
-                .filter(|s| QUICK_STATES.contains(&s.name))
-                .collect(),
+            states: STATES.iter().filter(|s| QUICK_STATES.contains(&s.name)).collect(),
             ensembles: vec![Ensemble::Energy, Ensemble::Bussi],
             seeds: 8,
             ..Self::full()
@@ -97,11 +94,7 @@ impl Request {
     ///
     /// What is not known, or not allowed.
     pub fn read(arguments: &[&str]) -> Result<Self, String> {
-        let mut request = if arguments.contains(&"--quick") {
-            Self::quick()
-        } else {
-            Self::full()
-        };
+        let mut request = if arguments.contains(&"--quick") { Self::quick() } else { Self::full() };
         let mut rest = arguments.iter();
         while let Some(&argument) = rest.next() {
             match argument {
@@ -109,9 +102,7 @@ impl Request {
                 "--only-analyse" => request.source = Source::Records,
                 "--out" | "--again" | "--binary" | "--states" | "--ensembles" | "--lengths"
                 | "--seeds" | "--workers" => {
-                    let value = rest
-                        .next()
-                        .ok_or_else(|| format!("{argument} wants a value"))?;
+                    let value = rest.next().ok_or_else(|| format!("{argument} wants a value"))?;
                     request.set(argument, value)?;
                 }
                 other => return Err(format!("unknown argument: {other}")),
@@ -170,16 +161,9 @@ fn chosen<T: Copy>(
     value
         .split(',')
         .map(|wanted| {
-            names
-                .iter()
-                .position(|name| *name == wanted)
-                .map(|i| all[i])
-                .ok_or_else(|| {
-                    format!(
-                        "{argument} knows no `{wanted}`; allowed: {}",
-                        names.join(", ")
-                    )
-                })
+            names.iter().position(|name| *name == wanted).map(|i| all[i]).ok_or_else(|| {
+                format!("{argument} knows no `{wanted}`; allowed: {}", names.join(", "))
+            })
         })
         .collect()
 }
@@ -208,16 +192,8 @@ mod tests {
         assert_eq!(folders.len(), 6);
         assert_eq!(folders[0], "slab-T0.75/bussi/2500");
         let fault = Request::read(&["--ensembles", "nose"]).unwrap_err();
-        assert_eq!(
-            fault,
-            "--ensembles knows no `nose`; allowed: energy, bussi, langevin"
-        );
-        for wrong in [
-            &["--seeds", "0"][..],
-            &["--seeds"],
-            &["--lengths", "7"],
-            &["--slow"],
-        ] {
+        assert_eq!(fault, "--ensembles knows no `nose`; allowed: energy, bussi, langevin");
+        for wrong in [&["--seeds", "0"][..], &["--seeds"], &["--lengths", "7"], &["--slow"]] {
             assert!(Request::read(wrong).is_err(), "{wrong:?}");
         }
     }
@@ -238,11 +214,7 @@ mod tests {
         seeds.dedup();
         assert_eq!(seeds.len(), runs.len(), "no two lengths share a seed");
         assert!(runs[..1800].iter().all(|run| run.cell.length < 200_000));
-        assert!(
-            runs[1800..2070]
-                .iter()
-                .all(|run| run.cell.state.is_liquid())
-        );
+        assert!(runs[1800..2070].iter().all(|run| run.cell.state.is_liquid()));
         assert_eq!(Request::read(&["--quick"]).unwrap().runs().len(), 64);
     }
 }

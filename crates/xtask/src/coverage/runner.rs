@@ -31,8 +31,7 @@ pub struct Run {
 
 impl Run {
     fn below(&self, root: &Path) -> PathBuf {
-        root.join(self.cell.folder())
-            .join(format!("seed-{:02}", self.number))
+        root.join(self.cell.folder()).join(format!("seed-{:02}", self.number))
     }
 
     /// The record of the run, where it is finished.
@@ -58,10 +57,7 @@ impl Runner {
     ///
     /// A run that fails; a folder made by another plan.
     pub fn simulate(&self, runs: &[Run], root: &Path) -> Result<(), Failure> {
-        let missing: Vec<&Run> = runs
-            .iter()
-            .filter(|run| run.record(root).is_none())
-            .collect();
+        let missing: Vec<&Run> = runs.iter().filter(|run| run.record(root).is_none()).collect();
         eprintln!("{} runs, {} of them to do", runs.len(), missing.len());
         for run in &missing {
             write_scene(&run.cell, root)?;
@@ -88,10 +84,7 @@ impl Runner {
     ///
     /// A run that cannot be read.
     pub fn conclude(&self, runs: &[Run], data: &Path, root: &Path) -> Result<(), Failure> {
-        let finished: Vec<&Run> = runs
-            .iter()
-            .filter(|run| run.record(data).is_some())
-            .collect();
+        let finished: Vec<&Run> = runs.iter().filter(|run| run.record(data).is_some()).collect();
         eprintln!("{} of {} runs are finished", finished.len(), runs.len());
         self.each(&finished, |run| {
             let (from, to) = (run.below(data), run.below(root));
@@ -211,11 +204,7 @@ esac
 "#;
 
     fn runs(numbers: std::ops::RangeInclusive<u32>) -> Vec<Run> {
-        let cell = Cell {
-            state: &STATES[0],
-            ensemble: Ensemble::Bussi,
-            length: 2500,
-        };
+        let cell = Cell { state: &STATES[0], ensemble: Ensemble::Bussi, length: 2500 };
         numbers.map(|number| Run { cell, number }).collect()
     }
 
@@ -224,10 +213,7 @@ esac
         let root = std::env::temp_dir().join(format!("coverage-runner-{}", std::process::id()));
         let (data, again) = (root.join("data"), root.join("again"));
         fs::create_dir_all(&root).unwrap();
-        let runner = Runner {
-            binary: root.join("program"),
-            workers: 2,
-        };
+        let runner = Runner { binary: root.join("program"), workers: 2 };
         fs::write(&runner.binary, SCRIPT).unwrap();
         fs::set_permissions(&runner.binary, fs::Permissions::from_mode(0o755)).unwrap();
         runner.simulate(&runs(1..=3), &data).unwrap();
@@ -244,10 +230,7 @@ esac
         }
         assert!(runs(5..=5)[0].record(&again).is_none());
 
-        let text = runner
-            .simulate(&runs(12..=14), &data)
-            .unwrap_err()
-            .to_string();
+        let text = runner.simulate(&runs(12..=14), &data).unwrap_err().to_string();
         assert!(
             text.contains("rho0.003-T0.9/bussi/2500, run 13: it ended with exit status: 3"),
             "{text}"
@@ -255,10 +238,7 @@ esac
         assert!(text.contains("is unlucky"), "{text}");
 
         fs::write(data.join("rho0.003-T0.9/bussi/2500").join(SCENE), "other").unwrap();
-        let text = runner
-            .simulate(&runs(20..=20), &data)
-            .unwrap_err()
-            .to_string();
+        let text = runner.simulate(&runs(20..=20), &data).unwrap_err().to_string();
         assert!(text.contains("holds runs of another scene"), "{text}");
         fs::remove_dir_all(root).unwrap();
     }

@@ -40,9 +40,8 @@ impl Summary {
 
     /// Cells outside the range that chance leaves, the least probable first.
     fn listed(&self) -> Vec<(&Judged, f64)> {
-        let mut listed: Vec<_> = (self.judged.iter())
-            .filter_map(|one| Some((one, one.worst()?)))
-            .collect();
+        let mut listed: Vec<_> =
+            (self.judged.iter()).filter_map(|one| Some((one, one.worst()?))).collect();
         listed.sort_by(|a, b| a.1.total_cmp(&b.1).then(b.0.given.cmp(&a.0.given)));
         listed
     }
@@ -69,11 +68,7 @@ impl Summary {
     /// Groups and cells that fail: groups outside their bars and cells beyond chance.
     #[must_use]
     pub fn failures(&self) -> (usize, usize) {
-        let cells = self
-            .listed()
-            .iter()
-            .filter(|(_, p)| self.beyond_chance(*p))
-            .count();
+        let cells = self.listed().iter().filter(|(_, p)| self.beyond_chance(*p)).count();
         (self.failed_groups().len(), cells)
     }
 
@@ -86,16 +81,8 @@ impl Summary {
              printed errors, and runs without one. ✗: within one error less than 60 or more than 76 %, or within two less\n\
              than 92 %; ~: the same, but chance may do it with so few numbers.\n\n"
         );
-        self.table(
-            &mut text,
-            "quantity, all states and ensembles",
-            &self.quantities,
-        );
-        self.table(
-            &mut text,
-            "state and ensemble, all quantities",
-            &self.states,
-        );
+        self.table(&mut text, "quantity, all states and ensembles", &self.quantities);
+        self.table(&mut text, "state and ensemble, all quantities", &self.states);
         self.list_groups(&mut text);
         self.list_cells(&mut text);
         text
@@ -103,17 +90,10 @@ impl Summary {
 
     fn list_groups(&self, text: &mut String) {
         let failed = self.failed_groups();
-        let _ = writeln!(
-            text,
-            "{} groups outside their bars, the farthest first:\n",
-            failed.len()
-        );
+        let _ = writeln!(text, "{} groups outside their bars, the farthest first:\n", failed.len());
         for (name, length, sums) in &failed {
             let original = repeats(name);
-            if !failed
-                .iter()
-                .any(|f| Some(f.0) == original && f.1 == *length)
-            {
+            if !failed.iter().any(|f| Some(f.0) == original && f.1 == *length) {
                 let _ = writeln!(text, "- {name}, {length} steps: {}", entry(sums));
             }
         }
@@ -137,11 +117,7 @@ impl Summary {
             })
             .collect();
         for (one, probability) in news.iter().take(SHOWN) {
-            let mark = if self.beyond_chance(*probability) {
-                "!"
-            } else {
-                ""
-            };
+            let mark = if self.beyond_chance(*probability) { "!" } else { "" };
             let what: Vec<&str> = one.faults.iter().map(|fault| fault.what.as_str()).collect();
             let _ = writeln!(
                 text,
@@ -150,8 +126,7 @@ impl Summary {
                 one.quantity,
                 what.join(", "),
                 one.given,
-                one.scatter()
-                    .map_or(String::new(), |r| format!(", scatter {r:.2}")),
+                one.scatter().map_or(String::new(), |r| format!(", scatter {r:.2}")),
                 one.offset,
                 chance(*probability),
             );
@@ -233,12 +208,7 @@ fn entry(sums: &Sums) -> String {
             Standing::Chance => "~ ",
             Standing::Outside(_) => "✗ ",
         };
-        let _ = write!(
-            text,
-            "{mark}{:.0} / {:.0} %",
-            100.0 * sums.share(0),
-            100.0 * sums.share(1)
-        );
+        let _ = write!(text, "{mark}{:.0} / {:.0} %", 100.0 * sums.share(0), 100.0 * sums.share(1));
         if let Some(ratio) = sums.scatter() {
             let _ = write!(text, ", {ratio:.2}");
         }

@@ -17,14 +17,8 @@ pub type Record = BTreeMap<String, String>;
 /// Steps of a stage at most.
 const STEPS: i64 = 200;
 /// Fields of records that name the machine, its speed or its clock.
-const OF_THE_MACHINE: [&str; 6] = [
-    "wall_s",
-    "performance",
-    "host",
-    "threads",
-    "ns_per_atom_step",
-    "cost",
-];
+const OF_THE_MACHINE: [&str; 6] =
+    ["wall_s", "performance", "host", "threads", "ns_per_atom_step", "cost"];
 
 /// Fields of run.json that repeat the scene.
 const OF_THE_SCENE: [&str; 5] = ["scene", "atoms", "n_dof", "seed", "steps"];
@@ -72,18 +66,11 @@ pub fn checksums(folder: &Path) -> Fallible<String> {
                     sums.insert(format!("{name}/{field}"), checksum(text.as_bytes()));
                 }
             }
-        } else if ![".lennard", ".toml", ".html"]
-            .iter()
-            .any(|end| name.ends_with(end))
-        {
+        } else if ![".lennard", ".toml", ".html"].iter().any(|end| name.ends_with(end)) {
             sums.insert(name, checksum(&bytes));
         }
     }
-    Ok(sums
-        .iter()
-        .map(|(name, sum)| format!("{name}={sum}"))
-        .collect::<Vec<_>>()
-        .join(" "))
+    Ok(sums.iter().map(|(name, sum)| format!("{name}={sum}")).collect::<Vec<_>>().join(" "))
 }
 
 pub fn checksum(bytes: &[u8]) -> String {
@@ -113,11 +100,7 @@ pub fn visit(path: &str, entry: &str, value: &Value, visitor: &mut impl FnMut(&s
         }
         Value::Array(entries) => {
             for (number, value) in entries.iter().enumerate() {
-                let name = if entry.is_empty() {
-                    number.to_string()
-                } else {
-                    entry.to_owned()
-                };
+                let name = if entry.is_empty() { number.to_string() } else { entry.to_owned() };
                 visit(&format!("{path}.{name}"), entry, value, visitor);
             }
         }
@@ -154,9 +137,7 @@ pub fn keys_of_schema(schema: &Value) -> BTreeSet<String> {
 
 /// Public items of the library that users depend on, by file.
 pub fn public_items(workspace: &Workspace) -> Fallible<Vec<String>> {
-    let files = workspace
-        .tracked(&["crates/lennard/src/*.rs"])
-        .map_err(|e| e.to_string())?;
+    let files = workspace.tracked(&["crates/lennard/src/*.rs"]).map_err(|e| e.to_string())?;
     let mut items = Vec::new();
     for file in files {
         let text = fs::read_to_string(workspace.root.join(&file))?;
@@ -164,9 +145,7 @@ pub fn public_items(workspace: &Workspace) -> Fallible<Vec<String>> {
             let Some(rest) = line.strip_prefix("pub ") else {
                 continue;
             };
-            let rest = rest
-                .trim_start_matches("const ")
-                .trim_start_matches("unsafe ");
+            let rest = rest.trim_start_matches("const ").trim_start_matches("unsafe ");
             let name: String = rest
                 .chars()
                 .take_while(|c| !matches!(c, '(' | '<' | '{' | ':' | '=' | ';'))
@@ -190,10 +169,8 @@ pub fn difference(recorded: &Record, now: &Record, sets: &[String]) -> Vec<Strin
                 let old: BTreeSet<&str> = old.split(' ').collect();
                 let changed: Vec<&str> =
                     new.split(' ').filter(|part| !old.contains(part)).collect();
-                let changed: Vec<&str> = changed
-                    .iter()
-                    .filter_map(|part| part.split('=').next())
-                    .collect();
+                let changed: Vec<&str> =
+                    changed.iter().filter_map(|part| part.split('=').next()).collect();
                 lines.push(format!("{key}: {}", changed.join(", ")));
             }
             (Some(_), None) if judged(key) => lines.push(format!("{key}: gone")),
@@ -209,10 +186,7 @@ mod tests {
     use super::*;
 
     fn record(lines: &[(&str, &str)]) -> Record {
-        lines
-            .iter()
-            .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
-            .collect()
+        lines.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect()
     }
 
     #[test]

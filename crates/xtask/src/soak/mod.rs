@@ -20,36 +20,20 @@ const VARIANTS: &[(&str, &[&str])] = &[
     ("velocity Verlet", &[]),
     (
         "leapfrog, langevin bath",
-        &[
-            "integrator.kind=leapfrog",
-            "stage.production.thermostat=langevin",
-        ],
+        &["integrator.kind=leapfrog", "stage.production.thermostat=langevin"],
     ),
-    (
-        "time-based checkpoints",
-        &["checkpoint.every_steps=0", "checkpoint.every_seconds=0.02"],
-    ),
+    ("time-based checkpoints", &["checkpoint.every_steps=0", "checkpoint.every_seconds=0.02"]),
     (
         "Störmer–Verlet, rescale, 864 particles",
-        &[
-            "integrator.kind=stormer-verlet",
-            "stage.melt.thermostat=rescale",
-            "system.n_atoms=864",
-        ],
+        &["integrator.kind=stormer-verlet", "stage.melt.thermostat=rescale", "system.n_atoms=864"],
     ),
     ("RESPA", &["integrator.kind=respa"]),
     (
         "mixed precision, bussi bath",
-        &[
-            "kernel.precision=mixed",
-            "stage.production.thermostat=bussi",
-        ],
+        &["kernel.precision=mixed", "stage.production.thermostat=bussi"],
     ),
     ("every pair, no list", &["neighbor.mode=direct"]),
-    (
-        "bit-reversible Verlet",
-        &["integrator.kind=bit-reversible-verlet"],
-    ),
+    ("bit-reversible Verlet", &["integrator.kind=bit-reversible-verlet"]),
     ("random start", &["system.lattice=random"]),
     (
         "constant pressure, stochastic cell rescaling",
@@ -69,10 +53,7 @@ const VARIANTS: &[(&str, &[&str])] = &[
             RADIAL_DISTRIBUTION,
         ],
     ),
-    (
-        "PEFRL, forces in the trajectory",
-        &["integrator.kind=pefrl", "output.forces=true"],
-    ),
+    ("PEFRL, forces in the trajectory", &["integrator.kind=pefrl", "output.forces=true"]),
     ("a compressed trajectory", &["output.format=xyz.gz"]),
     ("a trajectory in XTC", &["output.format=xtc"]),
 ];
@@ -91,20 +72,10 @@ struct Extent {
     steps: [u64; 2],
 }
 
-const QUICK: Extent = Extent {
-    chain: 4,
-    kills: 10,
-    short_chain: 2,
-    starved: 2,
-    steps: [4_000, 6_000],
-};
-const FULL: Extent = Extent {
-    chain: 50,
-    kills: 200,
-    short_chain: 5,
-    starved: 30,
-    steps: [20_000, 200_000],
-};
+const QUICK: Extent =
+    Extent { chain: 4, kills: 10, short_chain: 2, starved: 2, steps: [4_000, 6_000] };
+const FULL: Extent =
+    Extent { chain: 50, kills: 200, short_chain: 5, starved: 30, steps: [20_000, 200_000] };
 
 /// Seed of the random times where none is given.
 const DEFAULT_SEED: u64 = 1;
@@ -155,11 +126,7 @@ fn run(workspace: &Workspace, arguments: &[&str]) -> ExitCode {
             other => return usage(&format!("unknown argument: {other}")),
         }
     }
-    let done = if long {
-        conservation(workspace)
-    } else {
-        kills(workspace, extent, seed)
-    };
+    let done = if long { conservation(workspace) } else { kills(workspace, extent, seed) };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -203,12 +170,7 @@ fn kills(workspace: &Workspace, extent: &Extent, seed: u64) -> Result<(), Box<dy
             let (name, overrides) = VARIANTS[turn % VARIANTS.len()];
             turn += 1;
             let kills = extent.short_chain.min(extent.kills - sum.kills);
-            next = Some(Plan {
-                name,
-                overrides,
-                steps: extent.steps[0],
-                kills,
-            });
+            next = Some(Plan { name, overrides, steps: extent.steps[0], kills });
         }
     }
     for turn in 0..extent.starved {
@@ -247,9 +209,8 @@ impl Plan {
         let mut share = 1.0;
         for _ in 0..10 {
             let longest: Duration = undisturbed.wall.mul_f64(share / f64::from(self.kills));
-            let tally = rig
-                .chain(self.overrides, self.steps, self.kills, longest)
-                .map_err(named)?;
+            let tally =
+                rig.chain(self.overrides, self.steps, self.kills, longest).map_err(named)?;
             rig.compare(&undisturbed).map_err(named)?;
             if tally.kills == self.kills {
                 return Ok(tally);
@@ -271,19 +232,13 @@ fn conservation(workspace: &Workspace) -> Result<(), Box<dyn Error>> {
     let mut rig = Rig::new(workspace.binary(), 1)?;
     let record = rig.conservation(LONG_STEPS)?;
     let number = |name: &str| {
-        record["conservation"][name]
-            .as_f64()
-            .ok_or_else(|| format!("the run record has no {name}"))
+        record["conservation"][name].as_f64().ok_or_else(|| format!("the run record has no {name}"))
     };
-    let (drift, error) = (
-        number("energy_drift_per_atom_per_tau")?,
-        number("energy_drift_standard_error")?,
-    );
+    let (drift, error) =
+        (number("energy_drift_per_atom_per_tau")?, number("energy_drift_standard_error")?);
     let (rms, momentum) = (number("energy_rms_per_atom")?, number("momentum_per_atom")?);
     let of_lists = |name: &str| {
-        record["neighbor"][name]
-            .as_f64()
-            .ok_or_else(|| format!("the run record has no {name}"))
+        record["neighbor"][name].as_f64().ok_or_else(|| format!("the run record has no {name}"))
     };
     let (checked, deviation) = (of_lists("checked_forces")?, of_lists("largest_deviation")?);
     println!(

@@ -112,11 +112,7 @@ impl Rig {
         let root = std::env::temp_dir().join(format!("lennard-soak-{}", std::process::id()));
         fs::create_dir_all(&root)?;
         fs::write(root.join("soak.toml"), SCENE)?;
-        Ok(Self {
-            binary,
-            root,
-            random: Xoshiro256PlusPlus::seed_from_u64(seed),
-        })
+        Ok(Self { binary, root, random: Xoshiro256PlusPlus::seed_from_u64(seed) })
     }
 
     fn disturbed(&self) -> PathBuf {
@@ -126,15 +122,10 @@ impl Rig {
     /// Arguments that start a run from the beginning, whatever is in its folder.
     fn fresh(&self, folder: &Path, overrides: &[&str], steps: u64) -> Vec<String> {
         let text = |s: &str| s.to_owned();
-        let mut all = vec![
-            text("run"),
-            self.root.join("soak.toml").display().to_string(),
-        ];
+        let mut all = vec![text("run"), self.root.join("soak.toml").display().to_string()];
         all.extend([text("--out"), folder.display().to_string(), text("--force")]);
-        for set in overrides
-            .iter()
-            .copied()
-            .chain([format!("stage.production.steps={steps}").as_str()])
+        for set in
+            overrides.iter().copied().chain([format!("stage.production.steps={steps}").as_str()])
         {
             all.extend([text("--set"), text(set)]);
         }
@@ -144,9 +135,7 @@ impl Rig {
     fn command(&mut self, arguments: &[String]) -> Command {
         let mut command = Command::new(&self.binary);
         let threads = self.random.random_range(1..=4_u32).to_string();
-        command
-            .args(arguments)
-            .args(["--quiet", "--threads", &threads]);
+        command.args(arguments).args(["--quiet", "--threads", &threads]);
         command.stdin(Stdio::null()).stdout(Stdio::null());
         command
     }
@@ -165,10 +154,7 @@ impl Rig {
         let arguments = self.fresh(&folder, overrides, steps);
         let start = Instant::now();
         success(&self.command(&arguments).output()?)?;
-        Ok(Undisturbed {
-            folder,
-            wall: start.elapsed(),
-        })
+        Ok(Undisturbed { folder, wall: start.elapsed() })
     }
 
     /// Starts a run, kills it after random times up to `longest`, goes on with it, and lets it end.
@@ -235,10 +221,7 @@ impl Rig {
             let inner = self.command(&arguments);
             let mut command = Command::new("sh");
             let script = format!("ulimit -f {blocks}; exec \"$0\" \"$@\"");
-            command
-                .args(["-c", &script])
-                .arg(inner.get_program())
-                .args(inner.get_args());
+            command.args(["-c", &script]).arg(inner.get_program()).args(inner.get_args());
             let output = command.stdin(Stdio::null()).output()?;
             let message = String::from_utf8_lossy(&output.stderr).into_owned();
             match output.status.code() {
@@ -321,9 +304,6 @@ fn no_checkpoint(output: &Output) -> bool {
 
 fn terminate(process: u32) -> Result<(), Box<dyn Error>> {
     // It may have ended by itself in the meantime, which is no fault.
-    Command::new("kill")
-        .args(["-TERM", &process.to_string()])
-        .stderr(Stdio::null())
-        .status()?;
+    Command::new("kill").args(["-TERM", &process.to_string()]).stderr(Stdio::null()).status()?;
     Ok(())
 }

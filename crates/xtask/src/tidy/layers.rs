@@ -20,10 +20,7 @@ const TABLE: &[(&str, May)] = &[
     ("neighbor", May::Use(&["core"])),
     ("forcefield", May::Use(&["core", "neighbor"])),
     ("integrators", May::Use(&["core"])),
-    (
-        "contacts",
-        May::Use(&["core", "neighbor", "forcefield", "integrators"]),
-    ),
+    ("contacts", May::Use(&["core", "neighbor", "forcefield", "integrators"])),
     ("observables", May::Use(&["core", "neighbor"])),
     ("literature", May::Use(&["core"])),
     ("io", May::Use(&["core"])),
@@ -126,10 +123,7 @@ mod tests {
     #[test]
     fn a_crate_without_a_place_or_without_the_prefix_is_told() {
         assert_eq!(faults(&[package("extras", &[])]).len(), 1);
-        let named = |name: &str| Package {
-            name: name.to_owned(),
-            ..package("io", &["core"])
-        };
+        let named = |name: &str| Package { name: name.to_owned(), ..package("io", &["core"]) };
         assert_eq!(faults(&[named("io")]).len(), 1);
         assert!(faults(&[named(LIBRARY)]).is_empty());
     }

@@ -66,10 +66,7 @@ fn walk(stream: TokenStream, calls: &[String], test: bool, found: &mut Vec<Found
                             && let Ok(text) = syn::parse_str::<LitStr>(&literal.to_string())
                         {
                             let line = literal.span().start().line;
-                            found.push(Found::ErrorAttribute {
-                                line,
-                                text: text.value(),
-                            });
+                            found.push(Found::ErrorAttribute { line, text: text.value() });
                         }
                     }
                     (Some("cfg"), Some(TokenTree::Group(condition)))
@@ -113,13 +110,8 @@ fn name_before(tokens: &[TokenTree]) -> Option<String> {
     };
     let name = name.to_string();
     if name == "new"
-        && let [
-            ..,
-            TokenTree::Ident(of),
-            TokenTree::Punct(_),
-            TokenTree::Punct(_),
-            _,
-        ] = &tokens[..end]
+        && let [.., TokenTree::Ident(of), TokenTree::Punct(_), TokenTree::Punct(_), _] =
+            &tokens[..end]
     {
         return Some(format!("{of}::new"));
     }
@@ -148,10 +140,7 @@ mod tests {
             text: text.into(),
         };
         for wanted in [
-            Found::ErrorAttribute {
-                line: 3,
-                text: "bad {found}".into(),
-            },
+            Found::ErrorAttribute { line: 3, text: "bad {found}".into() },
             call("Failure::new", "doing", 5),
             call("Failure::new", "it {}", 5),
             call("format", "it {}", 5),
@@ -161,14 +150,7 @@ mod tests {
             assert!(found.contains(&wanted), "{wanted:?} in {found:?}");
         }
         let words = |f: &Found| format!("{f:?}");
-        assert!(
-            !found
-                .iter()
-                .any(|f| words(f).contains("code") || words(f).contains("doc"))
-        );
-        assert_eq!(
-            in_source("fn t() { a(\"b\") }", true).unwrap(),
-            [Found::Test("b".into())]
-        );
+        assert!(!found.iter().any(|f| words(f).contains("code") || words(f).contains("doc")));
+        assert_eq!(in_source("fn t() { a(\"b\") }", true).unwrap(), [Found::Test("b".into())]);
     }
 }

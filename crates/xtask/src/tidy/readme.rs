@@ -84,8 +84,7 @@ fn options_in(help: &str) -> Vec<String> {
 
 /// Whether a path names the lock file that `lennard tune` makes beside an existing scene.
 fn is_lock_of_a_scene(path: &str, root: &Path) -> bool {
-    path.strip_suffix(".lock.toml")
-        .is_some_and(|scene| root.join(format!("{scene}.toml")).exists())
+    path.strip_suffix(".lock.toml").is_some_and(|scene| root.join(format!("{scene}.toml")).exists())
 }
 
 /// Everything that the text names and that does not exist: paths begin in the root, and links in the folder of the text.
@@ -112,9 +111,7 @@ fn faults(text: &str, root: &Path, folder: &Path, lennard: &Commands) -> Vec<Str
     for (line, target) in links_in(text) {
         let target = target.split('#').next().unwrap_or_default();
         if !target.is_empty() && !target.contains("://") && !folder.join(target).exists() {
-            faults.push(format!(
-                "line {line}: the link goes to {target}, which is not there"
-            ));
+            faults.push(format!("line {line}: the link goes to {target}, which is not there"));
         }
     }
     faults
@@ -132,9 +129,7 @@ fn check_command(words: &[&str], start: usize, lennard: &Commands, tell: &mut im
                 tell(format!("`cargo {name}` is not a command used here"));
             }
             let ours = *name == "run"
-                && !rest
-                    .iter()
-                    .any(|w| ["-p", "--package", "--example"].contains(w));
+                && !rest.iter().any(|w| ["-p", "--package", "--example"].contains(w));
             if ours && let Some(dashes) = rest.iter().position(|w| *w == "--") {
                 check_lennard(&rest[dashes + 1..], lennard, tell);
             }
@@ -183,10 +178,7 @@ fn path_in(word: &str, root: &Path) -> Option<String> {
         return None;
     }
     // `atom-steps/s` or `ns/day` are units: they neither begin in the repository nor name a file.
-    let file = rest
-        .rsplit('/')
-        .next()
-        .is_some_and(|name| name.contains('.'));
+    let file = rest.rsplit('/').next().is_some_and(|name| name.contains('.'));
     (file || root.join(first).is_dir() || first == "..").then(|| word.to_owned())
 }
 
@@ -234,10 +226,7 @@ mod tests {
         let help = "Usage: lennard\n\nCommands:\n  run   Run a scene\n          and wrap\n  list  List\n\nOptions:\n  -h, --help  Print help\n";
         let options =
             options_in("Options:\n  -o, --out <DIR>  Folder [default: x]\n  --set <K=V>\n");
-        names_in(help)
-            .into_iter()
-            .map(|n| (n, options.clone()))
-            .collect()
+        names_in(help).into_iter().map(|n| (n, options.clone())).collect()
     }
 
     fn found(text: &str) -> Vec<String> {
@@ -284,18 +273,9 @@ mod tests {
             ("`../elsewhere/x`", "there is no ../elsewhere/x"),
             ("[x](src/absent.md)", "src/absent.md"),
             ("    lennard fly", "`lennard fly` is not a command"),
-            (
-                "`cargo run --release -- fly`",
-                "`lennard fly` is not a command",
-            ),
-            (
-                "`lennard run x --fast`",
-                "`lennard run` has no option --fast",
-            ),
-            (
-                "`cargo xtask dance`",
-                "`cargo xtask dance` is not a command",
-            ),
+            ("`cargo run --release -- fly`", "`lennard fly` is not a command"),
+            ("`lennard run x --fast`", "`lennard run` has no option --fast"),
+            ("`cargo xtask dance`", "`cargo xtask dance` is not a command"),
             ("`cargo flamegraph`", "`cargo flamegraph` is not a command"),
         ] {
             let faults = found(&format!("first\n{text}\n"));

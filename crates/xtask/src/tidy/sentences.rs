@@ -62,10 +62,7 @@ fn paragraphs(text: &str, is_source: bool) -> Vec<(usize, String)> {
     for (number, original) in (1..).zip(text.lines()) {
         let line = original.trim();
         let prose = match (is_source, line.strip_prefix("//")) {
-            (true, comment) => comment
-                .unwrap_or_default()
-                .trim_start_matches(['/', '!'])
-                .trim(),
+            (true, comment) => comment.unwrap_or_default().trim_start_matches(['/', '!']).trim(),
             (false, _) => line,
         };
         let is_fence = prose.starts_with("```");
@@ -119,11 +116,8 @@ fn words_in(sentence: &str) -> usize {
     };
     let within = |c: char| c.is_alphabetic() || "'’-".contains(c);
     let words = |text: &str| text.split(|c| !within(c)).filter(is_word).count();
-    let prose: usize = sentence
-        .split('`')
-        .step_by(2)
-        .map(|text| words(&without_targets(text)))
-        .sum();
+    let prose: usize =
+        sentence.split('`').step_by(2).map(|text| words(&without_targets(text))).sum();
     prose + sentence.matches('`').count() / 2
 }
 
@@ -160,10 +154,7 @@ mod tests {
         assert_eq!(at_fault("a.rs", &words(MOST_WORDS)), Vec::<String>::new());
         let fault = at_fault("a.rs", &words(MOST_WORDS + 1));
         assert_eq!(fault.len(), 1);
-        assert!(
-            fault[0].contains("a.rs:1: 26 words: word word"),
-            "{fault:?}"
-        );
+        assert!(fault[0].contains("a.rs:1: 26 words: word word"), "{fault:?}");
     }
 
     #[test]

@@ -7,12 +7,9 @@ const NAME: &str = "all";
 
 /// Every test binary with another name.
 pub fn faults(packages: &[Package]) -> Vec<String> {
-    let binaries = packages.iter().flat_map(|package| {
-        package
-            .test_binaries
-            .iter()
-            .map(|name| (&package.name, name))
-    });
+    let binaries = packages
+        .iter()
+        .flat_map(|package| package.test_binaries.iter().map(|name| (&package.name, name)));
     binaries
         .filter(|(_, name)| *name != NAME)
         .map(|(package, name)| {
@@ -34,10 +31,7 @@ mod tests {
             needs: Vec::new(),
             test_binaries: names.iter().map(|name| (*name).to_owned()).collect(),
         };
-        assert_eq!(
-            faults(&[package(&["all"]), package(&[])]),
-            Vec::<String>::new()
-        );
+        assert_eq!(faults(&[package(&["all"]), package(&[])]), Vec::<String>::new());
         assert_eq!(faults(&[package(&["all", "csv"])]).len(), 1);
     }
 }

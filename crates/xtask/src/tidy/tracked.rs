@@ -79,9 +79,7 @@ fn machine_paths(name: &str, text: &str) -> Vec<String> {
 }
 
 fn registries(name: &str, text: &str) -> Vec<String> {
-    let lock = Path::new(name)
-        .file_name()
-        .is_some_and(|f| f == "Cargo.lock");
+    let lock = Path::new(name).file_name().is_some_and(|f| f == "Cargo.lock");
     let mut faults = Vec::new();
     for (i, line) in text.lines().enumerate() {
         let told = REGISTRY_SETTINGS.iter().find(|s| line.contains(**s));
@@ -115,10 +113,7 @@ mod tests {
         let lock =
             format!("source = \"{CRATES_IO}\"\nsource = \"registry+https://mirror/index\"\n");
         assert_eq!(registries("Cargo.lock", &lock).len(), 1);
-        let pip = format!(
-            "--extra-{} https://mirror\nnumpy==2.4.6\n",
-            REGISTRY_SETTINGS[0]
-        );
+        let pip = format!("--extra-{} https://mirror\nnumpy==2.4.6\n", REGISTRY_SETTINGS[0]);
         assert_eq!(registries("validation/requirements.txt", &pip).len(), 1);
         assert!(registries("validation/requirements.txt", "numpy==2.4.6\n").is_empty());
     }

@@ -73,10 +73,6 @@ impl Follower for FirstSteps {
         }
         self.last = Instant::now();
         let is_over = self.last - self.start >= PATIENCE || self.is_enough(simulation);
-        Ok(if is_over {
-            Verdict::Stop
-        } else {
-            Verdict::Continue
-        })
+        Ok(if is_over { Verdict::Stop } else { Verdict::Continue })
     }
 }

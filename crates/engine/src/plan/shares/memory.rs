@@ -13,11 +13,7 @@ const FEW_STEPS: u64 = 3;
 /// Bytes per particle that the fused steps of a scene keep under its baths beside what they keep without one.
 pub(super) fn bytes_under_a_bath(scene: &Scene) -> u64 {
     let fuses = |stage: &Stage| stage.thermostat.is_some() && stage.steps > FEW_STEPS;
-    if scene.stages.iter().any(fuses) {
-        UNDER_A_BATH
-    } else {
-        0
-    }
+    if scene.stages.iter().any(fuses) { UNDER_A_BATH } else { 0 }
 }
 
 /// Bytes of what a checkpoint is put together in.

@@ -65,15 +65,10 @@ fn parts_are_paid_as_often_as_the_scene_says() {
         "trajectory_every = 15\n[[stage]]\nname = \"a\"\nsteps = 300\nthermostat = \"bussi\"\n\
          [[stage]]\nname = \"b\"\nsteps = 600\n[[observable]]\nkind = \"rdf\"\nevery = 20\n",
     );
-    let parts = costs(vec![(Want::NOTHING, 4.0)], vec![0.1, 0.0])
-        .of_run(&scene)
-        .unwrap();
+    let parts = costs(vec![(Want::NOTHING, 4.0)], vec![0.1, 0.0]).of_run(&scene).unwrap();
     let near = |part: &str, wanted: f64| {
         let found = parts[part];
-        assert!(
-            (found - wanted).abs() < 1e-9,
-            "{part}: {found}, wanted {wanted}"
-        );
+        assert!((found - wanted).abs() < 1e-9, "{part}: {found}, wanted {wanted}");
     };
     near("pair forces", 900.0 * 6.0);
     near("neighbor list", 900.0 * 2.0);
@@ -108,9 +103,6 @@ fn a_slow_first_step_is_followed_by_three_or_nothing_is_told_of_the_time() {
     let mut too_slow = began(PATIENCE);
     bare.run(&mut too_slow).unwrap();
     assert_eq!((too_slow.seconds.len(), too_slow.mean()), (0, None));
-    let costs = Costs {
-        step: None,
-        ..costs(Vec::new(), vec![0.0])
-    };
+    let costs = Costs { step: None, ..costs(Vec::new(), vec![0.0]) };
     assert!(costs.of_run(&bare.scene).is_none());
 }

@@ -103,18 +103,8 @@ fn registers_change_no_bit() {
     assert_eq!(rows, &to_rows().with_simd(Scalar));
     let mut forces = [vec![DVec3::ZERO; 501], vec![DVec3::ZERO; 501]];
     let [one, other] = &mut forces;
-    in_lanes(ForcesFromRows {
-        cells,
-        rows,
-        positions,
-        forces: one,
-    });
-    let alone = ForcesFromRows {
-        cells,
-        rows,
-        positions,
-        forces: other,
-    };
+    in_lanes(ForcesFromRows { cells, rows, positions, forces: one });
+    let alone = ForcesFromRows { cells, rows, positions, forces: other };
     alone.with_simd(Scalar);
     assert_eq!(forces[0], forces[1]);
 }

@@ -31,11 +31,7 @@ pub struct PotentialSpec {
 /// r⁻ⁿ where 1/r² is `inv_r2`, by squaring: the exponent is the same for all lanes.
 #[inline(always)]
 fn inverse_power<R: Real>(inv_r2: R, exponent: u32) -> R {
-    let mut product = if exponent % 2 == 1 {
-        inv_r2.sqrt()
-    } else {
-        inv_r2.splat(1.0)
-    };
+    let mut product = if exponent % 2 == 1 { inv_r2.sqrt() } else { inv_r2.splat(1.0) };
     let mut bits = exponent / 2;
     let mut power = inv_r2;
     while bits > 0 {

@@ -49,10 +49,7 @@ pub struct Refusal {
 
 impl Refusal {
     pub fn new(found: impl Into<String>, allowed: impl Into<String>) -> Self {
-        Self {
-            found: found.into(),
-            allowed: allowed.into(),
-        }
+        Self { found: found.into(), allowed: allowed.into() }
     }
 }
 
@@ -94,12 +91,7 @@ pub fn read(text: &str) -> Result<Vec<Knot>, Refusal> {
                 format!("at most {MOST_ROWS}"),
             ));
         }
-        knots.push(Knot {
-            line,
-            r,
-            energy,
-            force,
-        });
+        knots.push(Knot { line, r, energy, force });
     }
     if knots.len() < FEWEST_ROWS {
         return Err(Refusal::new(
@@ -125,18 +117,9 @@ pub fn check(knots: &[Knot]) -> Result<(), Refusal> {
     // next two that is far worse.
     let near = judged[first..].iter().take(3);
     let worst = near.fold(&judged[first], |worst, row| {
-        if row.excess() > FAR_WORSE * worst.excess() {
-            row
-        } else {
-            worst
-        }
+        if row.excess() > FAR_WORSE * worst.excess() { row } else { worst }
     });
-    let Knot {
-        line,
-        r,
-        energy,
-        force,
-    } = worst.at;
+    let Knot { line, r, energy, force } = worst.at;
     let found = if worst.energy.1 > FAR_WORSE * worst.force.1 {
         let by_others = worst.energy.0;
         format!(

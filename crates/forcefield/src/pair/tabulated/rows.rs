@@ -66,10 +66,7 @@ impl TableRows {
         let coefficients = |Cubic([u, b, c, e]): &Cubic| [*u, -2.0 * b, -4.0 * c, -6.0 * e];
         Self {
             wide: cubics.iter().map(|c| WideRow(coefficients(c))).collect(),
-            narrow: cubics
-                .iter()
-                .map(|c| NarrowRow(coefficients(c).map(|x| x as f32)))
-                .collect(),
+            narrow: cubics.iter().map(|c| NarrowRow(coefficients(c).map(|x| x as f32))).collect(),
             lowest,
             highest: at,
         }

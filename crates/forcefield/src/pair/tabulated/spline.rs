@@ -26,10 +26,7 @@ impl Cubic {
     /// Value and slope at a distance from the begin.
     pub fn at(&self, d: f64) -> (f64, f64) {
         let [a, b, c, e] = self.0;
-        (
-            a + d * (b + d * (c + d * e)),
-            b + d * (2.0 * c + d * (3.0 * e)),
-        )
+        (a + d * (b + d * (c + d * e)), b + d * (2.0 * c + d * (3.0 * e)))
     }
 }
 
@@ -46,10 +43,7 @@ impl Deviation {
     /// The larger deviations, with those at a distance where U, F and their errors are known.
     pub fn or(self, energy: (f64, f64), force: (f64, f64)) -> Self {
         let relative = |(value, error): (f64, f64)| error.abs() / (1.0 + value.abs());
-        Self {
-            energy: self.energy.max(relative(energy)),
-            force: self.force.max(relative(force)),
-        }
+        Self { energy: self.energy.max(relative(energy)), force: self.force.max(relative(force)) }
     }
 }
 

@@ -142,11 +142,7 @@ pub fn stored(
     }
     let text = str::from_utf8(&content).map_err(|error| {
         Refusal::new(
-            format!(
-                "{}: bytes that are no text after byte {}",
-                path.name(),
-                error.valid_up_to()
-            ),
+            format!("{}: bytes that are no text after byte {}", path.name(), error.valid_up_to()),
             "a text of three columns r, U and F",
         )
     })?;

@@ -41,10 +41,7 @@ fn a_table_of_lennard_jones_is_the_formula_within_its_stated_error() {
         let stated = table.error;
         // It states what is there: not less, and not ten times as much.
         let holds = |found: f64, stated: f64| found <= stated && stated < 10.0 * found;
-        assert!(
-            holds(largest.energy, stated.energy),
-            "{largest:?} {stated:?}"
-        );
+        assert!(holds(largest.energy, stated.energy), "{largest:?} {stated:?}");
         assert!(holds(largest.force, stated.force), "{largest:?} {stated:?}");
         assert!(stated.force < worst, "{stated:?}");
     }
@@ -56,10 +53,7 @@ fn below_the_table_a_line_in_r2_goes_on_and_any_number_has_a_row() {
     let begin = table.rows().begin();
     assert!((0.8..0.802).contains(&begin));
     let (at, below) = (looked_up(&table, begin), looked_up(&table, 0.4));
-    assert!(
-        (at.1 / begin - below.1 / 0.4).abs() < 1e-9 * at.1,
-        "F/r is constant"
-    );
+    assert!((at.1 / begin - below.1 / 0.4).abs() < 1e-9 * at.1, "F/r is constant");
     assert!(below.0 > at.0);
     for s in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
         let _ = table.rows().look_up(s);
@@ -98,9 +92,7 @@ fn files_that_are_no_table_are_refused_with_the_line() {
     refused(&swapped, "r = 0.5 after");
     let wrong: [(&str, Law); 4] = [
         ("sign", |r| (lennard_jones(r).0, -lennard_jones(r).1)),
-        ("factor", |r| {
-            (lennard_jones(r).0, 1.05 * lennard_jones(r).1)
-        }),
+        ("factor", |r| (lennard_jones(r).0, 1.05 * lennard_jones(r).1)),
         ("over r", |r| (lennard_jones(r).0, lennard_jones(r).1 / r)),
         ("shift", |r| (lennard_jones(r).0, lennard_jones(r).1 + 0.5)),
     ];
@@ -112,10 +104,7 @@ fn files_that_are_no_table_are_refused_with_the_line() {
     assert_ne!(one_wrong, good);
     // r = 1.5 is line 71. The rows beside it fail, with a U or an F that is right.
     refused(&one_wrong, "line 71: U = ");
-    let force = good
-        .lines()
-        .nth(70)
-        .and_then(|line| line.rsplit(' ').next());
+    let force = good.lines().nth(70).and_then(|line| line.rsplit(' ').next());
     let other = good.replacen(force.unwrap(), "-1.0", 1);
     refused(&other, "line 71: F = -1 ");
 }

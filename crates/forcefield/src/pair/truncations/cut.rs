@@ -15,11 +15,7 @@ pub(super) const SPEC: TruncationSpec = TruncationSpec {
 };
 
 pub(super) fn in_words(options: &TruncationOptions) -> String {
-    let with = if options.tail_correction {
-        "with"
-    } else {
-        "without"
-    };
+    let with = if options.tail_correction { "with" } else { "without" };
     let at = options.length_in_words(options.r_cut);
     format!("cut at {at}, {with} tail correction")
 }
@@ -29,8 +25,5 @@ pub(super) fn check(options: &TruncationOptions) -> Result<(), ForceFieldError> 
 }
 
 pub(super) fn form<P: PairPotential>(potential: P, _options: &TruncationOptions) -> Plain<P> {
-    Plain {
-        potential,
-        shift: 0.0,
-    }
+    Plain { potential, shift: 0.0 }
 }

@@ -46,11 +46,7 @@ impl<P: PairPotential> ForceShift<P> {
     pub fn new(potential: P, r_cut: f64) -> Self {
         let end = potential.eval(r_cut * r_cut, (r_cut * r_cut).recip());
         let slope = -end.force * r_cut;
-        Self {
-            potential,
-            slope,
-            constant: end.energy - slope * r_cut,
-        }
+        Self { potential, slope, constant: end.energy - slope * r_cut }
     }
 }
 

@@ -58,10 +58,7 @@ impl<P: PairPotential> PairForm for Plain<P> {
     #[inline(always)]
     fn eval_with<R: Real>(&self, [shift, _]: Constants<R>, r2: R, inv_r2: R) -> Pair<R> {
         let pair = self.potential.eval(r2, inv_r2);
-        Pair {
-            energy: pair.energy - shift,
-            ..pair
-        }
+        Pair { energy: pair.energy - shift, ..pair }
     }
     #[inline(always)]
     fn add_up<R: Real>(&self, r2: R, inv_r2: R, sums: [R; 3]) -> (R, [R; 3]) {
@@ -76,10 +73,7 @@ impl<P: PairPotential> PairForm for Plain<P> {
 impl<P> Plain<P> {
     /// A potential that ends by itself.
     pub fn uncut(potential: P) -> Self {
-        Self {
-            potential,
-            shift: 0.0,
-        }
+        Self { potential, shift: 0.0 }
     }
 }
 

@@ -25,10 +25,5 @@ pub(super) fn check(options: &TruncationOptions) -> Result<(), ForceFieldError> 
 
 pub(super) fn form<P: PairPotential>(potential: P, options: &TruncationOptions) -> Plain<P> {
     let r_cut = options.r_cut;
-    Plain {
-        potential,
-        shift: potential
-            .eval(r_cut * r_cut, (r_cut * r_cut).recip())
-            .energy,
-    }
+    Plain { potential, shift: potential.eval(r_cut * r_cut, (r_cut * r_cut).recip()).energy }
 }

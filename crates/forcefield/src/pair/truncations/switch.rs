@@ -44,10 +44,7 @@ pub(super) fn check(options: &TruncationOptions) -> Result<(), ForceFieldError> 
 }
 
 pub(super) fn form<P: PairPotential>(potential: P, options: &TruncationOptions) -> Switch<P> {
-    Switch {
-        potential,
-        step: Smoothstep::new(begins(options), options.r_cut),
-    }
+    Switch { potential, step: Smoothstep::new(begins(options), options.r_cut) }
 }
 
 /// U·S(r²) with a [`Smoothstep`] that ends at r_cut: energy, force and curvature are continuous.
@@ -68,10 +65,6 @@ impl<P: PairPotential> PairForm for Switch<P> {
     }
     #[inline(always)]
     fn eval_with<R: Real>(&self, step: Constants<R>, r2: R, inv_r2: R) -> Pair<R> {
-        weighted(
-            self.potential.eval(r2, inv_r2),
-            Smoothstep::with(step, r2),
-            r2,
-        )
+        weighted(self.potential.eval(r2, inv_r2), Smoothstep::with(step, r2), r2)
     }
 }

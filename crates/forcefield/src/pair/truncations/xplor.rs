@@ -30,10 +30,7 @@ pub(super) fn check(options: &TruncationOptions) -> Result<(), ForceFieldError> 
 }
 
 pub(super) fn form<P: PairPotential>(potential: P, options: &TruncationOptions) -> Xplor<P> {
-    Xplor {
-        potential,
-        step: Smoothstep::new(switch::begins(options), options.r_cut),
-    }
+    Xplor { potential, step: Smoothstep::new(switch::begins(options), options.r_cut) }
 }
 
 /// U·S(r²) with a cubic [`Smoothstep`] that ends at r_cut: energy and force are continuous, the curvature jumps at both ends.

@@ -17,10 +17,7 @@ use crate::simd::pack::pack_displacements;
 use crate::simd::pair_list::PairList;
 use crate::simd::prefetch::{NextChunk, Region};
 
-const _: () = assert!(
-    ATOMS_PER_CHUNK <= u64::BITS as usize,
-    "one bit per particle"
-);
+const _: () = assert!(ATOMS_PER_CHUNK <= u64::BITS as usize, "one bit per particle");
 
 /// How far the particles of a chunk have moved since the build of the list.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,19 +32,11 @@ pub struct ChunkDisplacement {
 
 impl ChunkDisplacement {
     /// Nothing is known.
-    pub const UNKNOWN: Self = Self {
-        bound: f64::INFINITY,
-        largest2: 0.0,
-        far: 0,
-    };
+    pub const UNKNOWN: Self = Self { bound: f64::INFINITY, largest2: 0.0, far: 0 };
 
     /// The displacement after one more step of at most `step` σ.
     fn after(self, step: f64) -> Self {
-        Self {
-            bound: self.bound + step,
-            largest2: 0.0,
-            far: 0,
-        }
+        Self { bound: self.bound + step, largest2: 0.0, far: 0 }
     }
 
     /// Classifies particles by |d|²: above `far2` a particle counts as far.
@@ -60,11 +49,7 @@ impl ChunkDisplacement {
             finite &= *d2 < f64::INFINITY;
         }
         let largest2 = if finite { largest2 } else { f64::INFINITY };
-        Self {
-            bound: f64::sqrt(largest2),
-            largest2,
-            far,
-        }
+        Self { bound: f64::sqrt(largest2), largest2, far }
     }
 
     /// Whether a particle may have moved far. The factor is a margin for rounding.
@@ -131,11 +116,7 @@ impl<P: PairList> Ahead<'_, P> {
         let will_look = next.is_some_and(|next| unsafe { self.will_look(chunk, next) });
         Some(NextChunk {
             to_write: [positions, velocities, rows],
-            to_read: if will_look {
-                self.built
-            } else {
-                self.built.first_line()
-            },
+            to_read: if will_look { self.built } else { self.built.first_line() },
         })
     }
 
@@ -201,24 +182,19 @@ mod tests {
             assert!(!displacement.may_be_far(far2));
             displacement = displacement.after(0.16);
         }
-        assert!(
-            displacement.may_be_far(far2),
-            "0.2 and twice 0.16 exceed one half"
-        );
+        assert!(displacement.may_be_far(far2), "0.2 and twice 0.16 exceed one half");
         assert!(displacement.after(f64::NAN).may_be_far(far2));
         assert!(displacement.after(f64::INFINITY).may_be_far(far2));
     }
 
     #[test]
     fn the_summary_of_chunks_is_that_of_all_particles() {
-        let squares: Vec<f64> = (0..3 * ATOMS_PER_CHUNK + 5)
-            .map(|i| f64::from(i as u32 % 7))
-            .collect();
+        let squares: Vec<f64> =
+            (0..3 * ATOMS_PER_CHUNK + 5).map(|i| f64::from(i as u32 % 7)).collect();
         let together = |squares: &[f64]| {
             let chunks = squares.chunks(ATOMS_PER_CHUNK);
-            let chunks: Vec<ChunkDisplacement> = chunks
-                .map(|squares| ChunkDisplacement::by(squares, 4.5))
-                .collect();
+            let chunks: Vec<ChunkDisplacement> =
+                chunks.map(|squares| ChunkDisplacement::by(squares, 4.5)).collect();
             let mut at_once = MotionSummary::NOTHING;
             at_once.include(0, squares, 4.5);
             (ChunkDisplacement::summary(&chunks), at_once)

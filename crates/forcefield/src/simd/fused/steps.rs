@@ -57,9 +57,7 @@ pub fn fused_step<P: PairList>(
         list: used.list,
         level: used.level,
         // Few particles lie in a cache, and their next chunk may belong to another thread.
-        state: next
-            .is_none()
-            .then(|| [positions.region(), velocities.region()]),
+        state: next.is_none().then(|| [positions.region(), velocities.region()]),
         built: Region::of(used.built),
         far2: used.far2,
     };
@@ -93,12 +91,7 @@ pub fn fused_step<P: PairList>(
             Mover::Drift => kick_drift.apply(used.level, positions, velocities, forces),
             Mover::Noise(noise, sum) => {
                 let gained = &mut [0.0; ATOMS_PER_CHUNK][..slots.len()];
-                let moving = Moving {
-                    positions,
-                    velocities,
-                    forces,
-                    gained: &mut *gained,
-                };
+                let moving = Moving { positions, velocities, forces, gained: &mut *gained };
                 let of_chunk = noise.part(slots.clone());
                 let step = kick_drift.apply_with_noise(used.level, of_chunk, moving);
                 // SAFETY: as above.
@@ -122,11 +115,7 @@ pub fn fused_step<P: PairList>(
     };
     let Some(share) = used.share else {
         let outcome = used.run_chunks(copies, &at, request, None, &run);
-        return if outcome.broken {
-            ListStatus::NonFinite
-        } else {
-            outcome.status
-        };
+        return if outcome.broken { ListStatus::NonFinite } else { outcome.status };
     };
     let fetch = |meanwhile: &mut dyn FnMut()| {
         let own = |slot: u32| at().positions[slot as usize];

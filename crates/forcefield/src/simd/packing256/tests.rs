@@ -19,13 +19,8 @@ fn level() -> Option<Level> {
 }
 
 /// Rows, summaries and packed displacements in double precision and in fixed point.
-type Packed = (
-    Vec<DoubleRow>,
-    MotionSummary,
-    Vec<FixedRow>,
-    MotionSummary,
-    [Vec<PackedDisplacement>; 2],
-);
+type Packed =
+    (Vec<DoubleRow>, MotionSummary, Vec<FixedRow>, MotionSummary, [Vec<PackedDisplacement>; 2]);
 
 /// Species of the slots. Their number is no multiple of four or of a batch, and it gives more than one task.
 static SPECIES: [u8; 2307] = {
@@ -48,11 +43,7 @@ fn packed(level: Level, by: By, shift: f64, stretch: DVec3, broken: bool) -> Pac
     let start: Vec<DVec3> = (0..n)
         .map(|i| {
             let at = DVec3::new(noise(i), noise(i + 5000), noise(i + 9000));
-            let image = if i % 3 == 0 {
-                DVec3::splat(shift)
-            } else {
-                DVec3::NEG_X
-            };
+            let image = if i % 3 == 0 { DVec3::splat(shift) } else { DVec3::NEG_X };
             (at + image) * LENGTHS
         })
         .collect();
@@ -86,10 +77,8 @@ fn packed(level: Level, by: By, shift: f64, stretch: DVec3, broken: bool) -> Pac
             }),
         }
     }
-    let mut in_bytes = [
-        vec![PackedDisplacement::default(); n],
-        vec![PackedDisplacement::default(); n],
-    ];
+    let mut in_bytes =
+        [vec![PackedDisplacement::default(); n], vec![PackedDisplacement::default(); n]];
     let mut by_cell = RowTable::default();
     by_cell.sort(&cell, Positions::ById(&start), 2.8).unwrap();
     let at = built(&by_cell.particle);
@@ -120,10 +109,7 @@ fn packed(level: Level, by: By, shift: f64, stretch: DVec3, broken: bool) -> Pac
         (
             motion_of((&now, stretch), &columns.particle, &at),
             // The same in two runs, as a rank and its halo are packed.
-            SomeRows {
-                slots: &[0..n / 3, n / 3..n],
-                ghosts: &[],
-            },
+            SomeRows { slots: &[0..n / 3, n / 3..n], ghosts: &[] },
         ),
         &mut fixed,
         Some(&mut in_bytes[1]),
@@ -147,13 +133,7 @@ fn bits((double, moved_double, fixed, moved_fixed, in_bytes): Packed) -> impl Pa
         in_bytes.retain(|packed| packed.square < 255);
         in_bytes
     });
-    (
-        double,
-        bits(moved_double),
-        fixed,
-        bits(moved_fixed),
-        in_bytes,
-    )
+    (double, bits(moved_double), fixed, bits(moved_fixed), in_bytes)
 }
 
 #[test]
@@ -177,10 +157,7 @@ fn registers_pack_the_same_bits_as_plain_loops() {
             let plain = bits(plain);
             for by in [By::OneThread, By::All] {
                 let found = bits(packed(level, by, shift, stretch, broken));
-                assert!(
-                    found == plain,
-                    "{shift} boxes away, {by:?}, broken: {broken}"
-                );
+                assert!(found == plain, "{shift} boxes away, {by:?}, broken: {broken}");
             }
         }
     }

@@ -12,11 +12,7 @@ fn every_kernel_agrees_with_the_reference_after_the_particles_have_moved() {
 
 #[test]
 fn every_kernel_agrees_with_the_reference_in_mixtures() {
-    for (cells, species) in [
-        ([9, 8, 7], 3),
-        ([8; 3], 2),
-        ([7; 3], lennard_core::MOST_SPECIES),
-    ] {
+    for (cells, species) in [([9, 8, 7], 3), ([8; 3], 2), ([7; 3], lennard_core::MOST_SPECIES)] {
         agree_after_a_move(cells, species);
     }
 }
@@ -32,19 +28,11 @@ fn agree_after_a_move(cells: [usize; 3], species: usize) {
         let rms =
             (wanted.iter().map(|f| f.length_squared()).sum::<f64>() / wanted.len() as f64).sqrt();
         for kernel in kernels() {
-            let options = ForceFieldOptions {
-                kernel,
-                neighbor: verlet(Some(0.3)),
-                ..base
-            };
+            let options = ForceFieldOptions { kernel, neighbor: verlet(Some(0.3)), ..base };
             let mut forces = built(&options, mixture, cell, start.len());
             all(&mut forces, cell, &start, Want::NOTHING);
             let (found, energetics) = all(&mut forces, cell, &positions, want_each());
-            assert_eq!(
-                forces.statistics().builds,
-                1,
-                "the list was used after a move"
-            );
+            assert_eq!(forces.statistics().builds, 1, "the list was used after a move");
             one_by_one(&options, mixture, cell, &positions, &found)
                 .unwrap_or_else(|e| panic!("{e}"));
             let mut squares = 0.0;
@@ -86,15 +74,8 @@ fn agree_after_a_move(cells: [usize; 3], species: usize) {
                 "{options:?}: {traces:?} of {strength:e}"
             );
             let difference = energetics.virial.unwrap() - totals.virial.unwrap();
-            let worst = difference
-                .to_cols_array()
-                .map(f64::abs)
-                .into_iter()
-                .fold(0.0, f64::max);
-            assert!(
-                worst <= relative * strength,
-                "{options:?}: {worst:e} of {strength:e}"
-            );
+            let worst = difference.to_cols_array().map(f64::abs).into_iter().fold(0.0, f64::max);
+            assert!(worst <= relative * strength, "{options:?}: {worst:e} of {strength:e}");
             let stiffness: f64 = sizes.iter().map(|s| s.1).sum();
             assert!(
                 (energetics.laplacian.unwrap() - totals.laplacian.unwrap()).abs()
@@ -103,15 +84,8 @@ fn agree_after_a_move(cells: [usize; 3], species: usize) {
             let mine = energetics.per_particle.unwrap();
             for ((u, w), (u0, w0)) in mine.iter().zip(totals.per_particle.as_ref().unwrap()) {
                 assert!((u - u0).abs() <= 30.0 * relative * (1.0 + u0.abs()));
-                let d = (*w - *w0)
-                    .to_cols_array()
-                    .map(f64::abs)
-                    .into_iter()
-                    .fold(0.0, f64::max);
-                assert!(
-                    d <= 30.0 * relative * (1.0 + strength / mine.len() as f64),
-                    "{d}"
-                );
+                let d = (*w - *w0).to_cols_array().map(f64::abs).into_iter().fold(0.0, f64::max);
+                assert!(d <= 30.0 * relative * (1.0 + strength / mine.len() as f64), "{d}");
             }
         }
     }
@@ -134,11 +108,7 @@ fn small_boxes_of_any_side_agree_with_the_reference() {
             };
             let (wanted, totals) = reference(&base, cell, &positions);
             for kernel in kernels() {
-                let options = ForceFieldOptions {
-                    kernel,
-                    neighbor: verlet(Some(0.5)),
-                    ..base
-                };
+                let options = ForceFieldOptions { kernel, neighbor: verlet(Some(0.5)), ..base };
                 let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
                 let (found, energetics) = all(&mut forces, cell, &positions, want_each());
                 assert_eq!(energetics.pairs, totals.pairs, "{side} σ, {kernel:?}");
@@ -156,16 +126,10 @@ fn small_boxes_of_any_side_agree_with_the_reference() {
 fn forces_add_up_to_zero() {
     let (cell, positions) = liquid([10, 10, 10], 0.8442, 0.2);
     for kernel in kernels() {
-        let options = ForceFieldOptions {
-            kernel,
-            ..ForceFieldOptions::default()
-        };
+        let options = ForceFieldOptions { kernel, ..ForceFieldOptions::default() };
         let mut forces = build(&options, &conditions(cell, positions.len())).unwrap();
         let (f, _) = all(&mut forces, cell, &positions, Want::NOTHING);
-        let size: f64 = magnitudes(&options, cell, &positions)
-            .iter()
-            .map(|m| m.0)
-            .sum();
+        let size: f64 = magnitudes(&options, cell, &positions).iter().map(|m| m.0).sum();
         // A full list computes each pair twice: antisymmetric to the bit, but summed in other orders.
         let bound = match kernel.precision {
             Precision::Double => 1e-15 * size,
@@ -173,20 +137,14 @@ fn forces_add_up_to_zero() {
             Precision::Mixed => 8e-7 * size / (f.len() as f64).sqrt(),
         };
         let total = f.iter().sum::<DVec3>();
-        assert!(
-            total.length() <= bound,
-            "{kernel:?}: {total} over {bound:e}"
-        );
+        assert!(total.length() <= bound, "{kernel:?}: {total} over {bound:e}");
     }
 }
 
 #[test]
 fn mixed_precision_does_not_suffer_far_from_the_origin() {
     let (cell, positions) = liquid([9, 9, 9], 0.8442, 0.15);
-    let far: Vec<DVec3> = positions
-        .iter()
-        .map(|r| *r + DVec3::new(1e4, -1e4, 1e4))
-        .collect();
+    let far: Vec<DVec3> = positions.iter().map(|r| *r + DVec3::new(1e4, -1e4, 1e4)).collect();
     let options = ForceFieldOptions::default();
     let (wanted, _) = reference(&options, cell, &far);
     let rms = (wanted.iter().map(|f| f.length_squared()).sum::<f64>() / wanted.len() as f64).sqrt();
@@ -194,11 +152,7 @@ fn mixed_precision_does_not_suffer_far_from_the_origin() {
         let options = ForceFieldOptions { kernel, ..options };
         let mut forces = build(&options, &conditions(cell, far.len())).unwrap();
         let (found, _) = all(&mut forces, cell, &far, Want::NOTHING);
-        let squares: f64 = found
-            .iter()
-            .zip(&wanted)
-            .map(|(a, b)| (*a - *b).length_squared())
-            .sum();
+        let squares: f64 = found.iter().zip(&wanted).map(|(a, b)| (*a - *b).length_squared()).sum();
         let error = (squares / wanted.len() as f64).sqrt() / rms;
         // Double: the last place of 1e4 is 2e-12, times a stiffness some 30 times the force.
         let limit = match kernel.precision {
@@ -215,11 +169,7 @@ fn near_and_far_parts_add_up_to_the_whole_force() {
         parts_add_up_to_the_whole_force(species);
     }
     let (cell, start) = liquid([9, 8, 8], 0.8442, 0.15);
-    let mut whole = build(
-        &ForceFieldOptions::default(),
-        &conditions(cell, start.len()),
-    )
-    .unwrap();
+    let mut whole = build(&ForceFieldOptions::default(), &conditions(cell, start.len())).unwrap();
     assert_eq!(
         evaluate(&mut whole, cell, &start, Part::Near, Want::NOTHING).unwrap_err(),
         ForceError::NotSplit
@@ -238,10 +188,7 @@ fn parts_add_up_to_the_whole_force(species: usize) {
                 let options = ForceFieldOptions {
                     kernel,
                     neighbor: NeighborOptions { mode, skin: None },
-                    split: Some(SplitOptions {
-                        r_split: 0.7 * r_cut,
-                        width: 0.15 * r_cut,
-                    }),
+                    split: Some(SplitOptions { r_split: 0.7 * r_cut, width: 0.15 * r_cut }),
                     ..base
                 };
                 let mut forces = built(&options, mixture, cell, start.len());
@@ -271,10 +218,7 @@ fn parts_add_up_to_the_whole_force(species: usize) {
                     (sum.scalar_virial(), e_all.scalar_virial()),
                 ] {
                     let (a, b) = (a.unwrap(), b.unwrap());
-                    assert!(
-                        (a - b).abs() <= relative * size,
-                        "{options:?}: {a} {b} of {size}"
-                    );
+                    assert!((a - b).abs() <= relative * size, "{options:?}: {a} {b} of {size}");
                 }
                 assert_eq!(sum.pairs, e_all.pairs);
                 assert!(near.iter().any(|n| n.length() > 0.0));

@@ -16,10 +16,8 @@ fn the_force_that_checks_is_that_of_the_reference_and_shows_one_pair_at_a_plain_
                 for (i, w) in wanted.iter().enumerate() {
                     let found = all_pairs.force_on(i, &cell, positions);
                     assert!((found.force - *w).length() <= 1e-10 * (1.0 + w.length()) * loosened);
-                    let is_plain = matches!(
-                        base.truncation.kind,
-                        TruncationKind::Cut | TruncationKind::Shift
-                    );
+                    let is_plain =
+                        matches!(base.truncation.kind, TruncationKind::Cut | TruncationKind::Shift);
                     if base.potential == (PotentialOptions::default()) && is_plain {
                         // F(2.5 σ) = 0.039 ε/σ.
                         let part = match precision {
@@ -44,9 +42,7 @@ fn a_pair_as_near_to_the_cutoff_as_rounding_may_count_or_not_and_any_other_count
     let at = |r: f64| {
         // Through a side of the box.
         let pair = [DVec3::new(11.0, 5.0, 5.0), DVec3::new(11.0 + r, 5.0, 5.0)];
-        AllPairs::new(&options, None)
-            .unwrap()
-            .force_on(0, &cell, &pair)
+        AllPairs::new(&options, None).unwrap().force_on(0, &cell, &pair)
     };
     for r in [2.5 - 1e-9, 2.5 + 1e-9] {
         assert!(at(r).tolerance < 1e-10, "{r}: {:?}", at(r));

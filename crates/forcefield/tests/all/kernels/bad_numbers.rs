@@ -14,22 +14,13 @@ fn a_number_that_is_not_finite_is_an_error_that_names_the_particle() {
         })
         .collect();
     let base = ForceFieldOptions::default();
+    strategies.push(ForceFieldOptions { canonical: true, ..base });
     strategies.push(ForceFieldOptions {
-        canonical: true,
+        neighbor: NeighborOptions { mode: ListMode::Direct, skin: None },
         ..base
     });
     strategies.push(ForceFieldOptions {
-        neighbor: NeighborOptions {
-            mode: ListMode::Direct,
-            skin: None,
-        },
-        ..base
-    });
-    strategies.push(ForceFieldOptions {
-        kernel: KernelOptions {
-            kernel: Kernel::Reference,
-            ..KernelOptions::default()
-        },
+        kernel: KernelOptions { kernel: Kernel::Reference, ..KernelOptions::default() },
         ..base
     });
     for options in strategies {
@@ -45,10 +36,7 @@ fn a_number_that_is_not_finite_is_an_error_that_names_the_particle() {
                     let error = in_threads(threads, || {
                         evaluate(&mut forces, cell, &positions, Part::All, Want::NOTHING)
                     });
-                    assert_eq!(
-                        error.unwrap_err(),
-                        ForceError::NonFinitePosition { particle: 137 }
-                    );
+                    assert_eq!(error.unwrap_err(), ForceError::NonFinitePosition { particle: 137 });
                 }
             }
             // Far away is no reason to hang, to panic or to read elsewhere.

@@ -11,27 +11,13 @@ fn forces_have_the_same_bits_with_and_without_energetics_and_totals_with_and_wit
     for (base, species) in cases {
         let mixture = mixture_or_one(species, base.truncation.r_cut, positions.len());
         for kernel in kernels() {
-            for neighbor in [
-                verlet(None),
-                NeighborOptions {
-                    mode: ListMode::Direct,
-                    skin: None,
-                },
-            ] {
-                let options = ForceFieldOptions {
-                    kernel,
-                    neighbor,
-                    ..base
-                };
+            for neighbor in [verlet(None), NeighborOptions { mode: ListMode::Direct, skin: None }] {
+                let options = ForceFieldOptions { kernel, neighbor, ..base };
                 let mut forces = built(&options, mixture.as_ref(), cell, positions.len());
                 let (plain, none) = all(&mut forces, cell, &positions, Want::NOTHING);
                 assert_eq!(none, lennard_core::Energetics::default());
                 let mut totals = Vec::new();
-                for want in [
-                    Want::TOTALS,
-                    Want::VIRIAL_TENSOR | Want::TOTALS,
-                    want_each(),
-                ] {
+                for want in [Want::TOTALS, Want::VIRIAL_TENSOR | Want::TOTALS, want_each()] {
                     let (found, energetics) = all(&mut forces, cell, &positions, want);
                     assert_eq!(found, plain, "{options:?}");
                     totals.push(lennard_core::Energetics {
@@ -65,10 +51,7 @@ fn the_same_bits_come_from_any_number_of_threads() {
         assert_eq!(start.len() > 2048, many);
         for kernel in kernels() {
             let run = || {
-                let options = ForceFieldOptions {
-                    kernel,
-                    ..ForceFieldOptions::default()
-                };
+                let options = ForceFieldOptions { kernel, ..ForceFieldOptions::default() };
                 let mut forces = built(&options, mixture.as_ref(), cell, start.len());
                 (0..4)
                     .flat_map(|k| {
@@ -80,10 +63,7 @@ fn the_same_bits_come_from_any_number_of_threads() {
             };
             let one = in_threads(1, run);
             for threads in [2, 3, 8] {
-                assert!(
-                    in_threads(threads, run) == one,
-                    "{threads} threads, {kernel:?}"
-                );
+                assert!(in_threads(threads, run) == one, "{threads} threads, {kernel:?}");
             }
         }
     }
@@ -122,19 +102,14 @@ fn canonical_forces_are_pure(species: usize) {
     // Shifting a particle by whole boxes of a power-of-two side changes no bit either.
     let cell = PeriodicBox::new(DVec3::splat(8.0)).unwrap();
     let (_, small) = liquid([7, 7, 7], 343.0 / 512.0, 0.1);
-    let small: Vec<DVec3> = small
-        .iter()
-        .map(|r| cell.wrap((*r * 1024.0).round() / 1024.0))
-        .collect();
+    let small: Vec<DVec3> =
+        small.iter().map(|r| cell.wrap((*r * 1024.0).round() / 1024.0)).collect();
     let shifted: Vec<DVec3> = small
         .iter()
         .enumerate()
         .map(|(i, r)| *r + 8.0 * DVec3::new(i as f64 % 3.0, -(i as f64 % 5.0), 1.0))
         .collect();
-    let options = ForceFieldOptions {
-        canonical: true,
-        ..ForceFieldOptions::default()
-    };
+    let options = ForceFieldOptions { canonical: true, ..ForceFieldOptions::default() };
     let mut forces = build(&options, &conditions(cell, small.len())).unwrap();
     let a = all(&mut forces, cell, &small, Want::NOTHING).0;
     assert!(a == all(&mut forces, cell, &shifted, Want::NOTHING).0);

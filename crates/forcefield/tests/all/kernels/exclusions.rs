@@ -22,19 +22,11 @@ fn with_every_loop(base: ForceFieldOptions) -> Vec<ForceFieldOptions> {
     let mut all = Vec::new();
     for kernel in kernels() {
         for canonical in [false, true] {
-            all.push(ForceFieldOptions {
-                kernel,
-                canonical,
-                neighbor: verlet(Some(0.4)),
-                ..base
-            });
+            all.push(ForceFieldOptions { kernel, canonical, neighbor: verlet(Some(0.4)), ..base });
         }
     }
     all.push(ForceFieldOptions {
-        neighbor: NeighborOptions {
-            mode: ListMode::Direct,
-            skin: None,
-        },
+        neighbor: NeighborOptions { mode: ListMode::Direct, skin: None },
         ..base
     });
     all
@@ -66,10 +58,8 @@ fn by_hand(cell: PeriodicBox, positions: &[DVec3], sites: usize) -> (f64, u64, V
 fn no_loop_computes_the_ends_of_a_bond() {
     for (sites, cells) in [(2, [7, 8, 7]), (3, [6, 7, 6]), (5, [5, 6, 5])] {
         let (cell, start) = chains(cells, 0.7, sites);
-        let base = ForceFieldOptions {
-            exclusions: exclusions(sites),
-            ..ForceFieldOptions::default()
-        };
+        let base =
+            ForceFieldOptions { exclusions: exclusions(sites), ..ForceFieldOptions::default() };
         // A small move keeps the list; a large one inserts pairs or builds again.
         for by in [0.1, 0.33] {
             let positions = moved(&start, by);
@@ -124,10 +114,7 @@ fn ends_of_bonds_far_apart_in_memory_do_not_interact() {
 fn excluded_pairs_have_the_same_bits_on_any_number_of_threads() {
     let (cell, start) = chains([9, 9, 9], 0.7, 2);
     let positions = moved(&start, 0.3);
-    let base = ForceFieldOptions {
-        exclusions: exclusions(2),
-        ..ForceFieldOptions::default()
-    };
+    let base = ForceFieldOptions { exclusions: exclusions(2), ..ForceFieldOptions::default() };
     for options in with_every_loop(base) {
         let run = || {
             let mut forces = build(&options, &conditions(cell, start.len())).unwrap();
@@ -146,10 +133,7 @@ fn near_and_far_parts_leave_out_the_ends_of_bonds() {
     let (cell, positions) = chains([6, 7, 6], 0.7, 2);
     let base = ForceFieldOptions {
         exclusions: exclusions(2),
-        split: Some(SplitOptions {
-            r_split: 1.7,
-            width: 0.4,
-        }),
+        split: Some(SplitOptions { r_split: 1.7, width: 0.4 }),
         ..ForceFieldOptions::default()
     };
     let (_, _, wanted) = by_hand(cell, &positions, 2);
@@ -171,10 +155,7 @@ fn near_and_far_parts_leave_out_the_ends_of_bonds() {
 #[test]
 fn no_loop_computes_the_ends_of_a_bond_in_a_mixture() {
     let (cell, start) = chains([7, 8, 7], 0.7, 2);
-    let base = ForceFieldOptions {
-        exclusions: exclusions(2),
-        ..ForceFieldOptions::default()
-    };
+    let base = ForceFieldOptions { exclusions: exclusions(2), ..ForceFieldOptions::default() };
     let mixture = mixture(3, base.truncation.r_cut, start.len());
     let positions = moved(&start, 0.1);
     let (_, totals) = reference_of(&base, Some(&mixture), cell, &positions);

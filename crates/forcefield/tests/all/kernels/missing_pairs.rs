@@ -13,19 +13,12 @@ fn no_pair_of_very_many_particles_is_missed_where_many_moved_far() {
             let way = if k.is_multiple_of(17) { most } else { 0.09 };
             way * (noise[k] - DVec3::ONE).normalize()
         };
-        start
-            .iter()
-            .enumerate()
-            .map(|(k, r)| *r + push(k))
-            .collect()
+        start.iter().enumerate().map(|(k, r)| *r + push(k)).collect()
     };
     for precision in [Precision::Double, Precision::Mixed] {
         let options = ForceFieldOptions {
             potential: PotentialOptions::SoftSphere(SoftSphere { exponent: 4 }),
-            kernel: KernelOptions {
-                precision,
-                ..KernelOptions::default()
-            },
+            kernel: KernelOptions { precision, ..KernelOptions::default() },
             neighbor: verlet(Some(0.25)),
             ..ForceFieldOptions::default()
         };
@@ -35,13 +28,7 @@ fn no_pair_of_very_many_particles_is_missed_where_many_moved_far() {
         for most in [0.13, 0.2, 0.36] {
             let later = moved(most);
             let f = all(&mut forces, cell, &later, Want::NOTHING).0;
-            let expected = all(
-                &mut build(&options, &at).unwrap(),
-                cell,
-                &later,
-                Want::NOTHING,
-            )
-            .0;
+            let expected = all(&mut build(&options, &at).unwrap(), cell, &later, Want::NOTHING).0;
             // Rounding may decide at the very cutoff, where the force jumps by 0.04.
             let differ = |i: &usize| (f[*i] - expected[*i]).length() > 0.02;
             for i in (0..n).filter(differ) {
@@ -51,11 +38,7 @@ fn no_pair_of_very_many_particles_is_missed_where_many_moved_far() {
             }
         }
         if precision == Precision::Mixed {
-            assert_eq!(
-                forces.statistics().builds,
-                1,
-                "the missing pairs were inserted"
-            );
+            assert_eq!(forces.statistics().builds, 1, "the missing pairs were inserted");
         }
     }
 }

@@ -23,11 +23,7 @@ fn forms() -> Vec<ForceFieldOptions> {
 }
 
 fn want_each() -> Want {
-    Want {
-        per_particle: true,
-        virial_tensor: true,
-        ..Want::TOTALS
-    }
+    Want { per_particle: true, virial_tensor: true, ..Want::TOTALS }
 }
 
 /// Moves every particle a little, each in its own direction.
@@ -52,10 +48,7 @@ fn one_by_one(
     for (i, f) in found.iter().enumerate() {
         let wanted = all_pairs.force_on(i, &cell, positions);
         let off = (*f - wanted.force).length();
-        prop_assert!(
-            off <= wanted.tolerance,
-            "{options:?}: {f} against {wanted:?}"
-        );
+        prop_assert!(off <= wanted.tolerance, "{options:?}: {f} against {wanted:?}");
     }
     Ok(())
 }

@@ -9,10 +9,7 @@ fn a_restart_continues_with_the_same_bits() {
         let options = ForceFieldOptions {
             kernel,
             neighbor: verlet(Some(0.4)),
-            split: Some(SplitOptions {
-                r_split: 1.6,
-                width: 0.3,
-            }),
+            split: Some(SplitOptions { r_split: 1.6, width: 0.3 }),
             ..ForceFieldOptions::default()
         };
         let at = conditions(cell, start.len());
@@ -49,23 +46,13 @@ fn pairs_that_were_inserted_since_the_build_are_part_of_a_restart() {
     // One particle in 33 moves by more than half the skin toward others.
     let push = |r: &DVec3, k: usize| {
         let direction = DVec3::from((*r * 12.9898).to_array().map(f64::sin)).normalize();
-        if k.is_multiple_of(33) {
-            0.295 * direction
-        } else {
-            -0.145 * direction
-        }
+        if k.is_multiple_of(33) { 0.295 * direction } else { -0.145 * direction }
     };
     let pushed = |at: &[DVec3]| -> Vec<DVec3> {
-        at.iter()
-            .enumerate()
-            .map(|(k, r)| *r + push(r, k))
-            .collect()
+        at.iter().enumerate().map(|(k, r)| *r + push(r, k)).collect()
     };
     let later = pushed(&start);
-    for kernel in kernels()
-        .into_iter()
-        .filter(|k| k.precision == Precision::Mixed)
-    {
+    for kernel in kernels().into_iter().filter(|k| k.precision == Precision::Mixed) {
         let options = ForceFieldOptions {
             potential: PotentialOptions::SoftSphere(SoftSphere { exponent: 4 }),
             kernel,
@@ -77,21 +64,12 @@ fn pairs_that_were_inserted_since_the_build_are_part_of_a_restart() {
         all(&mut one, cell, &start, Want::NOTHING);
         let (_, found) = all(&mut one, cell, &later, Want::ENERGY);
         assert_eq!(found.pairs, reference(&options, cell, &later).1.pairs);
-        assert_eq!(
-            one.statistics().builds,
-            1,
-            "the missing pairs were inserted"
-        );
+        assert_eq!(one.statistics().builds, 1, "the missing pairs were inserted");
         let mut archive = StateArchive::default();
         one.save(&mut archive.writer());
-        let (name, named) = archive
-            .arrays
-            .iter()
-            .find(|(name, _)| name.ends_with("named"))
-            .unwrap();
-        let Array::U64(places) = named else {
-            panic!("{named:?}")
-        };
+        let (name, named) =
+            archive.arrays.iter().find(|(name, _)| name.ends_with("named")).unwrap();
+        let Array::U64(places) = named else { panic!("{named:?}") };
         assert!(places.len() >= 16, "{} places", places.len());
 
         let restored = |named: Option<Vec<u64>>| {
@@ -108,11 +86,8 @@ fn pairs_that_were_inserted_since_the_build_are_part_of_a_restart() {
         let mut without = restored(None).unwrap();
         let mut differ = false;
         for share in [0.3, 0.5, 0.7, 0.8] {
-            let again: Vec<DVec3> = start
-                .iter()
-                .zip(&later)
-                .map(|(a, b)| a.lerp(*b, share))
-                .collect();
+            let again: Vec<DVec3> =
+                start.iter().zip(&later).map(|(a, b)| a.lerp(*b, share)).collect();
             let expected = all(&mut one, cell, &again, Want::NOTHING).0;
             assert!(expected == all(&mut same, cell, &again, Want::NOTHING).0);
             differ |= expected != all(&mut without, cell, &again, Want::NOTHING).0;
@@ -120,10 +95,7 @@ fn pairs_that_were_inserted_since_the_build_are_part_of_a_restart() {
         assert!(differ, "{kernel:?}: inserted pairs change nothing");
         for wrong in [vec![0, 1, 2], vec![0, 4096], vec![3, 3], vec![5, 4]] {
             let error = restored(Some(wrong)).err().unwrap().to_string();
-            assert!(
-                error.contains("no pairs of 4096 slots that this list can take"),
-                "{error}"
-            );
+            assert!(error.contains("no pairs of 4096 slots that this list can take"), "{error}");
         }
     }
 }
@@ -131,10 +103,7 @@ fn pairs_that_were_inserted_since_the_build_are_part_of_a_restart() {
 #[test]
 fn the_count_of_builds_continues_after_a_restart_from_this_version_and_the_last() {
     let (cell, start) = liquid([8, 8, 8], 0.8442, 0.1);
-    let options = ForceFieldOptions {
-        neighbor: verlet(Some(0.3)),
-        ..ForceFieldOptions::default()
-    };
+    let options = ForceFieldOptions { neighbor: verlet(Some(0.3)), ..ForceFieldOptions::default() };
     let at = conditions(cell, start.len());
     let mut forces = build(&options, &at).unwrap();
     all(&mut forces, cell, &start, Want::NOTHING);
@@ -148,9 +117,7 @@ fn the_count_of_builds_continues_after_a_restart_from_this_version_and_the_last(
     ] {
         let said = format!("`list/built_box` does not fit: {said}");
         let mut archive = archive.clone();
-        archive
-            .arrays
-            .insert("list/built_box".into(), Array::F64(wrong));
+        archive.arrays.insert("list/built_box".into(), Array::F64(wrong));
         let mut other = build(&options, &at).unwrap();
         let error = other.restore(&archive.reader()).unwrap_err().to_string();
         assert!(error.contains(&said), "{error}");
@@ -166,10 +133,7 @@ fn the_count_of_builds_continues_after_a_restart_from_this_version_and_the_last(
     assert_eq!(restored(&[7, 0]).unwrap(), 7);
     for wrong in [&[][..], &[1, 2, 3]] {
         let error = restored(wrong).unwrap_err().to_string();
-        let said = format!(
-            "`list/counters` does not fit: {} numbers, wanted 1",
-            wrong.len()
-        );
+        let said = format!("`list/counters` does not fit: {} numbers, wanted 1", wrong.len());
         assert!(error.contains(&said), "{error}");
     }
 }

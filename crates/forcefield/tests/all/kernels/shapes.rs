@@ -37,18 +37,16 @@ fn shapes(longest: f64) -> impl Strategy<Value = Shape> {
         0.0_f64..1000.0,
         -30.0_f64..30.0,
     )
-        .prop_map(
-            |(n, species, sides, skin_share, filling, crystal, seed, origin)| Shape {
-                n,
-                species,
-                sides,
-                skin_share,
-                filling,
-                crystal,
-                seed,
-                origin,
-            },
-        )
+        .prop_map(|(n, species, sides, skin_share, filling, crystal, seed, origin)| Shape {
+            n,
+            species,
+            sides,
+            skin_share,
+            filling,
+            crystal,
+            seed,
+            origin,
+        })
 }
 
 impl Shape {

@@ -4,13 +4,7 @@ use super::super::column;
 use super::*;
 
 fn problem<'a>(contacts: &'a [Contact], b: &'a [f64]) -> Problem<'a> {
-    Problem {
-        contacts,
-        masses: &Masses::Uniform(1.0),
-        sigma: 0.0,
-        b,
-        bonds: TwoSided::default(),
-    }
+    Problem { contacts, masses: &Masses::Uniform(1.0), sigma: 0.0, b, bonds: TwoSided::default() }
 }
 
 #[test]
@@ -46,14 +40,8 @@ fn direct_and_sweeps_agree_where_some_contacts_push_and_others_part() {
         at(1.5, height),
         at(1.0, 2.0 * height),
     ];
-    let mut contacts: Vec<Contact> = (0..3)
-        .map(|second| Contact {
-            first: None,
-            second,
-            normal: DVec3::Z,
-            gap: 0.0,
-        })
-        .collect();
+    let mut contacts: Vec<Contact> =
+        (0..3).map(|second| Contact { first: None, second, normal: DVec3::Z, gap: 0.0 }).collect();
     for [i, j] in [[0, 3], [1, 3], [1, 4], [2, 4], [3, 5], [4, 5]] {
         contacts.push(Contact {
             first: Some(i),
@@ -65,9 +53,8 @@ fn direct_and_sweeps_agree_where_some_contacts_push_and_others_part() {
     let masses = Masses::Each((0..6).map(|i| 1.0 + 0.4 * f64::from(i)).collect());
     for sigma in [0.0, 0.3] {
         for shift in 0..9 {
-            let b: Vec<f64> = (0..9)
-                .map(|c| (2.3 * f64::from(c) + 1.7 * f64::from(shift)).sin())
-                .collect();
+            let b: Vec<f64> =
+                (0..9).map(|c| (2.3 * f64::from(c) + 1.7 * f64::from(shift)).sin()).collect();
             let problem = Problem {
                 contacts: &contacts,
                 masses: &masses,
@@ -116,10 +103,7 @@ fn a_long_column_that_sweeps_do_not_solve_is_an_error_and_a_short_one_ends_at_ro
     assert!(unsolved.clone().settled(Solver::Sweeps(20_000)).is_ok());
     let error = unsolved.settled(Solver::Exact).unwrap_err();
     let StepError::ContactsNotConverged {
-        contacts: 200,
-        iterations: MOST_SWEEPS,
-        residual,
-        ..
+        contacts: 200, iterations: MOST_SWEEPS, residual, ..
     } = error
     else {
         panic!("{error}");
@@ -139,19 +123,13 @@ fn bonds_pull_and_push_and_direct_and_sweeps_agree_beside_contacts() {
         normal: DVec3::new(turn(k).cos(), 0.0, turn(k).sin()),
         gap: 0.0,
     });
-    let floor = [0, 3, 4].map(|second| Contact {
-        first: None,
-        second,
-        normal: DVec3::Z,
-        gap: 0.0,
-    });
+    let floor = [0, 3, 4].map(|second| Contact { first: None, second, normal: DVec3::Z, gap: 0.0 });
     let contacts: Vec<Contact> = bonds.chain(floor).collect();
     for sigma in [0.0, 0.2] {
         let mut signs = [0, 0];
         for shift in 0..8 {
-            let b: Vec<f64> = (0..7)
-                .map(|c| (2.3 * f64::from(c) + 1.7 * f64::from(shift)).sin())
-                .collect();
+            let b: Vec<f64> =
+                (0..7).map(|c| (2.3 * f64::from(c) + 1.7 * f64::from(shift)).sin()).collect();
             let problem = Problem {
                 bonds: TwoSided { contacts: 4, sigma },
                 masses: &masses,

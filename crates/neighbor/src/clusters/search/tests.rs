@@ -51,10 +51,7 @@ fn a_rank_knows_of_all_columns_that_its_groups_look_into() {
         .collect();
     let mut table = ColumnTable::default();
     table.sort(&cell, Positions::ById(&positions)).unwrap();
-    let reach = Reach {
-        r_cut: 2.3,
-        r_list: 2.7,
-    };
+    let reach = Reach { r_cut: 2.3, r_list: 2.7 };
     let exclusions = (&Exclusions::NONE, &[][..]);
     let search = Search::new(&table, &cell, reach, &ScalarClusterScanner, exclusions);
     let mut lacking = 0;

@@ -50,11 +50,7 @@ pub(super) fn pressure_of(
             None => "barostat.pressure",
         };
         let found = format!("a ramp in stage {:?}", stage.name);
-        return refused(
-            &key(ramped),
-            "has no one value for `lennard chart --ensemble`",
-            &found,
-        );
+        return refused(&key(ramped), "has no one value for `lennard chart --ensemble`", &found);
     }
     if scene.half_crystal().is_some() {
         return Err(scene.contradiction(
@@ -122,10 +118,7 @@ impl Grid {
                 let mut lines = lines.lines().map(str::trim);
                 let first = lines.next().unwrap_or_default();
                 let why = first.split_once(": ").map_or(first, |(_, why)| why);
-                self.left_out.push(LeftOut {
-                    what: baths.label(),
-                    why: why.to_owned(),
-                });
+                self.left_out.push(LeftOut { what: baths.label(), why: why.to_owned() });
             }
         }
     }
@@ -154,29 +147,22 @@ fn rescaling_like(own: &Baths) -> Baths {
             })
         }
     };
-    Baths {
-        barostat,
-        thermostat: own.thermostat.clone(),
-    }
+    Baths { barostat, thermostat: own.thermostat.clone() }
 }
 
 /// The barostat of Martyna, Tobias and Klein in the place of another, with its τ and a chain on the particles.
 fn chains_like(own: &Baths) -> Baths {
     let barostat = match &own.barostat {
         BarostatOptions::Mtk(_) => own.barostat.clone(),
-        BarostatOptions::StochasticCellRescaling(o) => BarostatOptions::Mtk(mtk::Options {
-            tau: o.tau,
-            ..mtk::Options::default()
-        }),
+        BarostatOptions::StochasticCellRescaling(o) => {
+            BarostatOptions::Mtk(mtk::Options { tau: o.tau, ..mtk::Options::default() })
+        }
     };
     let thermostat = match &own.thermostat {
         ThermostatOptions::NoseHoover(_) => own.thermostat.clone(),
         _ => ThermostatOptions::NoseHoover(nose_hoover::Options::default()),
     };
-    Baths {
-        barostat,
-        thermostat,
-    }
+    Baths { barostat, thermostat }
 }
 
 /// These baths with factors on interval, τ_p and τ_T.
@@ -189,30 +175,25 @@ fn vary(of: &Baths, interval: f64, pace: f64, heat: f64) -> Baths {
                 ..o.clone()
             })
         }
-        BarostatOptions::Mtk(o) => BarostatOptions::Mtk(mtk::Options {
-            tau: o.tau * pace,
-            ..o.clone()
-        }),
+        BarostatOptions::Mtk(o) => {
+            BarostatOptions::Mtk(mtk::Options { tau: o.tau * pace, ..o.clone() })
+        }
     };
-    Baths {
-        barostat,
-        thermostat: with_tau(&of.thermostat, heat),
-    }
+    Baths { barostat, thermostat: with_tau(&of.thermostat, heat) }
 }
 
 /// A thermostat with a factor on its τ. Rescaling has none, and stays.
 fn with_tau(of: &ThermostatOptions, factor: f64) -> ThermostatOptions {
     match of {
-        ThermostatOptions::Bussi(o) => ThermostatOptions::Bussi(bussi::Options {
-            tau: o.tau * factor,
-        }),
-        ThermostatOptions::NoseHoover(o) => ThermostatOptions::NoseHoover(nose_hoover::Options {
-            tau: o.tau * factor,
-            ..o.clone()
-        }),
-        ThermostatOptions::Langevin(o) => ThermostatOptions::Langevin(langevin::Options {
-            friction: o.friction / factor,
-        }),
+        ThermostatOptions::Bussi(o) => {
+            ThermostatOptions::Bussi(bussi::Options { tau: o.tau * factor })
+        }
+        ThermostatOptions::NoseHoover(o) => {
+            ThermostatOptions::NoseHoover(nose_hoover::Options { tau: o.tau * factor, ..o.clone() })
+        }
+        ThermostatOptions::Langevin(o) => {
+            ThermostatOptions::Langevin(langevin::Options { friction: o.friction / factor })
+        }
         ThermostatOptions::Rescale(_) => of.clone(),
     }
 }
@@ -228,19 +209,13 @@ mod tests {
         barostat = { kind = \"stochastic-cell-rescaling\", pressure = 1.0, tau = 1.0, interval = 10 }\n";
 
     fn scene(set: &[(&str, &str)]) -> Scene {
-        let set: Vec<_> = set
-            .iter()
-            .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
-            .collect();
+        let set: Vec<_> = set.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
         Scene::parse(TEXT, "t.toml", &set).unwrap()
     }
 
     fn own(scene: &Scene) -> Baths {
         let (control, thermostat) = pressure_of(scene).unwrap();
-        Baths {
-            thermostat: thermostat.clone(),
-            barostat: control.options.clone(),
-        }
+        Baths { thermostat: thermostat.clone(), barostat: control.options.clone() }
     }
 
     #[test]
@@ -254,28 +229,12 @@ mod tests {
         intervals.sort_unstable();
         intervals.dedup();
         assert_eq!(intervals, [1, 2, 10, 50]);
-        let kinds = |name: &str| {
-            found
-                .all
-                .iter()
-                .filter(|b| b.barostat.name() == name)
-                .count()
-        };
-        assert!(
-            kinds("mtk") == 5 && kinds("stochastic-cell-rescaling") >= 8,
-            "{found:?}"
-        );
+        let kinds = |name: &str| found.all.iter().filter(|b| b.barostat.name() == name).count();
+        assert!(kinds("mtk") == 5 && kinds("stochastic-cell-rescaling") >= 8, "{found:?}");
         // Every 200 steps of 0.004 τ need a τ_p of 16 τ.
-        let out = found
-            .left_out
-            .iter()
-            .filter(|l| l.what.contains("every 200"))
-            .count();
+        let out = found.left_out.iter().filter(|l| l.what.contains("every 200")).count();
         assert_eq!(out, 3);
-        assert!(
-            found.left_out.iter().all(|l| l.why.contains("tau")),
-            "{found:?}"
-        );
+        assert!(found.left_out.iter().all(|l| l.why.contains("tau")), "{found:?}");
         let all = grid(&scene, &own, Size::Full);
         assert!(all.all.len() > found.all.len());
         for baths in &found.all {
@@ -304,10 +263,7 @@ mod tests {
             pressure_of(&scene).unwrap_err().to_string()
         };
         let ramp = "{ from = 1.0, to = 1.2 }";
-        let warmer = TEXT.replace(
-            "steps = 1000",
-            &format!("steps = 1000\ntemperature = {ramp}"),
-        );
+        let warmer = TEXT.replace("steps = 1000", &format!("steps = 1000\ntemperature = {ramp}"));
         let error = refused(&warmer);
         assert!(
             error.contains("`stage.0.temperature` has no one value for `lennard chart --ensemble`"),
@@ -331,20 +287,14 @@ mod tests {
 
     #[test]
     fn a_scene_without_a_barostat_is_refused_by_its_stage() {
-        let text = TEXT
-            .lines()
-            .filter(|l| !l.starts_with("barostat"))
-            .collect::<Vec<_>>()
-            .join("\n");
+        let text =
+            TEXT.lines().filter(|l| !l.starts_with("barostat")).collect::<Vec<_>>().join("\n");
         let scene = Scene::parse(&text, "t.toml", &[]).unwrap();
         let error = pressure_of(&scene).unwrap_err().to_string();
         assert!(
             error.contains("t.toml") && error.contains("`stage.0.barostat` is missing"),
             "{error}"
         );
-        assert!(
-            error.contains("at constant volume") && error.contains("--ensemble"),
-            "{error}"
-        );
+        assert!(error.contains("at constant volume") && error.contains("--ensemble"), "{error}");
     }
 }

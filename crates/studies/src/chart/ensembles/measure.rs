@@ -44,10 +44,7 @@ pub(super) fn all(
 ) -> Result<EnsembleChart, ChartError> {
     let engine = |error| ChartError::Study(StudyError::Engine(error));
     let (control, thermostat) = pressure_of(scene).map_err(|e| engine(e.into()))?;
-    let own = Baths {
-        thermostat: thermostat.clone(),
-        barostat: control.options.clone(),
-    };
+    let own = Baths { thermostat: thermostat.clone(), barostat: control.options.clone() };
     let pressure = control.pressure;
     let store = Store::open(options.folder, scene, options.anew)?;
     progress.update("equilibrating", 0.0);
@@ -137,10 +134,7 @@ fn staged(scene: &Scene, baths: &Baths, settling: u64, steps: u64, every: u64) -
         measure,
         ..measured.clone()
     };
-    scene.stages = vec![
-        stage("settle", settling, false),
-        stage("sample", steps, true),
-    ];
+    scene.stages = vec![stage("settle", settling, false), stage("sample", steps, true)];
     scene
 }
 
@@ -171,10 +165,7 @@ fn sample(
     let value = |series: &[f64]| Value::from(statistics::estimate_stationary(series));
     let (pressure, density) = (value(&rows.pressure), value(&densities));
     let conservation = thermodynamics.conservation();
-    let moves = simulation
-        .stage
-        .as_ref()
-        .and_then(|s| s.integrator.box_moves());
+    let moves = simulation.stage.as_ref().and_then(|s| s.integrator.box_moves());
     Ok(Sampled {
         time: sampled as f64 * dt,
         temperature: value(&rows.temperature_of_positions),

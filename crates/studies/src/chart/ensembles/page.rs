@@ -18,12 +18,7 @@ const OFF: f64 = 3.0;
 /// Writes table, figures, JSON and the page.
 pub(super) fn write(chart: &EnsembleChart, options: &ChartOptions<'_>) -> Result<(), ChartError> {
     let page = page(chart, &options.command);
-    files::write_all(
-        options.folder,
-        &[points(chart)],
-        ("study.json", chart),
-        &page,
-    )?;
+    files::write_all(options.folder, &[points(chart)], ("study.json", chart), &page)?;
     Ok(())
 }
 
@@ -35,18 +30,12 @@ pub fn summary(chart: &EnsembleChart) -> Table {
     Table::rows_of("choices", &chart.points)
         .caption(caption)
         .column("Baths", |p| format!("{}: {}", p.number, p.label))
-        .column("Cost [µs]", |p| {
-            Cell::rounded(p.cost().map(|c| 1e6 * c.median), 3)
-        })
-        .column("Accepted", |p| {
-            Cell::rounded(p.found().and_then(|s| s.acceptance), 2)
-        })
+        .column("Cost [µs]", |p| Cell::rounded(p.cost().map(|c| 1e6 * c.median), 3))
+        .column("Accepted", |p| Cell::rounded(p.found().and_then(|s| s.acceptance), 2))
         .measured("P − P₀ [(ε/σ³)]", value(|s| s.pressure_off))
         .measured("ρ [σ⁻³]", value(|s| s.density))
         .measured("var V ÷ reference", |p| relative_variance(chart, p))
-        .column("V per τ", |p| {
-            Cell::rounded(p.found().map(Sampled::pace), 2)
-        })
+        .column("V per τ", |p| Cell::rounded(p.found().map(Sampled::pace), 2))
         .measured("Drift [10⁻⁶ ε/τ]", |p| {
             drift(p).map(|(slope, error)| (1e6 * slope, 1e6 * error))
         })
@@ -89,26 +78,10 @@ fn off(chart: &EnsembleChart, point: &EnsemblePoint) -> Vec<&'static str> {
     let of_variance = found.variance.mean - reference.variance;
     let all = [
         ("P", beyond(p.mean, p.standard_error, None)),
-        (
-            "ρ",
-            beyond(
-                of_density,
-                found.density.standard_error,
-                reference.density_error,
-            ),
-        ),
-        (
-            "var V",
-            beyond(
-                of_variance,
-                found.variance.standard_error,
-                reference.variance_error,
-            ),
-        ),
+        ("ρ", beyond(of_density, found.density.standard_error, reference.density_error)),
+        ("var V", beyond(of_variance, found.variance.standard_error, reference.variance_error)),
     ];
-    all.into_iter()
-        .filter_map(|(name, off)| off.then_some(name))
-        .collect()
+    all.into_iter().filter_map(|(name, off)| off.then_some(name)).collect()
 }
 
 /// Everything as numbers.
@@ -116,15 +89,9 @@ fn points(chart: &EnsembleChart) -> Table {
     Table::rows_of("points", &chart.points)
         .column("number", |p| p.number)
         .column("baths", |p| p.label.clone())
-        .column("wall median [s per atom and step]", |p| {
-            p.cost().map(|c| c.median)
-        })
-        .column("wall lowest [s per atom and step]", |p| {
-            p.cost().map(|c| c.lowest)
-        })
-        .column("wall highest [s per atom and step]", |p| {
-            p.cost().map(|c| c.highest)
-        })
+        .column("wall median [s per atom and step]", |p| p.cost().map(|c| c.median))
+        .column("wall lowest [s per atom and step]", |p| p.cost().map(|c| c.lowest))
+        .column("wall highest [s per atom and step]", |p| p.cost().map(|c| c.highest))
         .column("interval [steps]", |p| p.baths.barostat.interval())
         .column("tau_p [tau]", |p| p.baths.barostat.tau())
         .column("tau_T [tau]", |p| tau_of(&p.baths.thermostat))
@@ -132,17 +99,12 @@ fn points(chart: &EnsembleChart) -> Table {
         .column("sampled time [tau]", |p| p.found().map(|s| s.time))
         .measured("T [epsilon/k_B]", value(|s| s.temperature))
         .measured("P [epsilon/sigma^3]", value(|s| s.pressure))
-        .measured(
-            "P less that of the ensemble [epsilon/sigma^3]",
-            value(|s| s.pressure_off),
-        )
+        .measured("P less that of the ensemble [epsilon/sigma^3]", value(|s| s.pressure_off))
         .measured("density [sigma^-3]", value(|s| s.density))
         .measured("V [sigma^3]", value(|s| s.volume))
         .measured("var V [sigma^6]", value(|s| s.variance))
         .measured("var V over reference", |p| relative_variance(chart, p))
-        .column("independent volumes per tau", |p| {
-            p.found().map(Sampled::pace)
-        })
+        .column("independent volumes per tau", |p| p.found().map(Sampled::pace))
         .measured("energy drift [epsilon/tau per atom]", drift)
         .column("failure", |p| match (&p.sampled, &p.not_timed) {
             (Some(Outcome::Failed(failed)), _) | (_, Some(failed)) => failed.reason.as_str(),
@@ -198,17 +160,14 @@ fn page(chart: &EnsembleChart, command: &str) -> Page {
     page.sections.push(first.table(summary(chart)));
     let pictures = figures(chart);
     if !pictures.is_empty() {
-        page.sections
-            .push(Section::new("Accuracy, pace and cost").with(Block::Figures(pictures)));
+        page.sections.push(Section::new("Accuracy, pace and cost").with(Block::Figures(pictures)));
     }
-    let mut out: Vec<String> = (chart.left_out.iter())
-        .map(|l| format!("{}: {}", l.what, l.why))
-        .collect();
+    let mut out: Vec<String> =
+        (chart.left_out.iter()).map(|l| format!("{}: {}", l.what, l.why)).collect();
     if out.is_empty() {
         out.push("nothing".into());
     }
-    page.sections
-        .push(Section::new("Left out").with(Block::List(out)));
+    page.sections.push(Section::new("Left out").with(Block::List(out)));
     page
 }
 
@@ -251,21 +210,15 @@ fn figures(chart: &EnsembleChart) -> Vec<Picture> {
     let drawn = |name: &str, title: &str, y: Axis, ordinate: Ordinate<'_>| {
         with_points(chart, Figure::new(name, title, wall(), y), &cost, ordinate)
     };
-    let pressure = drawn(
-        "pressure",
-        "Mean pressure",
-        Axis::linear("(P − P₀) / (ε/σ³)"),
-        &|p| value(|s| s.pressure_off)(p).map(barred),
-    );
-    let density = drawn(
-        "density",
-        "Mean density",
-        Axis::linear("(ρ − reference) / σ⁻³"),
-        &|p| {
+    let pressure =
+        drawn("pressure", "Mean pressure", Axis::linear("(P − P₀) / (ε/σ³)"), &|p| {
+            value(|s| s.pressure_off)(p).map(barred)
+        });
+    let density =
+        drawn("density", "Mean density", Axis::linear("(ρ − reference) / σ⁻³"), &|p| {
             let (density, error) = value(|s| s.density)(p)?;
             Some(barred((density - reference.density, error)))
-        },
-    );
+        });
     let variance = drawn(
         "variance",
         "Variance of the volume",

@@ -87,11 +87,7 @@ mod tests {
 
     #[test]
     fn the_mean_of_runs_trusts_the_long_ones() {
-        let value = |mean, standard_error, n_effective| Value {
-            mean,
-            standard_error,
-            n_effective,
-        };
+        let value = |mean, standard_error, n_effective| Value { mean, standard_error, n_effective };
         let (mean, error) =
             together([value(1.0, 1.0, 10.0), value(2.0, 0.5, 40.0)].into_iter()).unwrap();
         assert!((mean - 1.8).abs() < 1e-12 && (error - 500.0_f64.sqrt() / 50.0).abs() < 1e-12);

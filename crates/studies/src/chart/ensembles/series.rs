@@ -21,12 +21,7 @@ impl Volumes {
     /// Looks every so many steps, after the first `from`.
     pub fn new(every: u64, from: u64) -> Self {
         let look = Operation::new(Action::Call, Trigger::Every(every)).wanting(Want::NOTHING);
-        Self {
-            every,
-            from,
-            schedule: Schedule::empty().with(look),
-            found: Vec::new(),
-        }
+        Self { every, from, schedule: Schedule::empty().with(look), found: Vec::new() }
     }
 }
 
@@ -80,15 +75,9 @@ mod tests {
             .collect();
         let found = variance(&series);
         let exact = 1.0 / (1.0 - 0.81);
-        assert!(
-            (found.mean - exact).abs() < 4.0 * found.standard_error,
-            "{found:?}"
-        );
+        assert!((found.mean - exact).abs() < 4.0 * found.standard_error, "{found:?}");
         // √(2/n) for n ≈ 40000·(1 − 0.81)/(1 + 0.81) squares.
-        assert!(
-            (0.01..0.06).contains(&(found.standard_error / exact)),
-            "{found:?}"
-        );
+        assert!((0.01..0.06).contains(&(found.standard_error / exact)), "{found:?}");
         // The bias of a short series is taken out: without it the mean would be 1 − 19/200 of the truth.
         let parts: Vec<f64> = series.chunks(200).map(|part| variance(part).mean).collect();
         let mean = statistics::mean(&parts);

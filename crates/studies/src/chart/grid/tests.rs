@@ -35,10 +35,7 @@ fn every_setting_of_every_grid_fits_and_none_is_there_twice() {
         assert!(says(&grid, "cutoffs of 4 σ", "half the shortest side"));
         assert!(says(&grid, "`analytic`", "no exact solution"));
     }
-    assert!(
-        sizes[0] < 25 && sizes[0] < sizes[1] && sizes[1] < sizes[2] / 5,
-        "{sizes:?}"
-    );
+    assert!(sizes[0] < 25 && sizes[0] < sizes[1] && sizes[1] < sizes[2] / 5, "{sizes:?}");
 }
 
 #[test]
@@ -47,23 +44,12 @@ fn a_grid_keeps_to_what_the_scene_leaves_open() {
     assert!(says(&wca, "truncations", "ends by itself"));
     assert!(wca.settings.iter().all(|s| s.truncation.r_cut == 2.5));
     let slab = grid(
-        &bench(&[
-            ("system.vacuum", "5.0"),
-            ("truncation.tail_correction", "false"),
-        ]),
+        &bench(&[("system.vacuum", "5.0"), ("truncation.tail_correction", "false")]),
         Size::Default,
     );
     assert!(slab.settings.iter().all(|s| !s.truncation.tail_correction));
     assert!(says(&slab, "with tail", "homogeneous"));
-    let langevin = grid(
-        &bench(&[("stage.production.thermostat", "langevin")]),
-        Size::Default,
-    );
+    let langevin = grid(&bench(&[("stage.production.thermostat", "langevin")]), Size::Default);
     assert!(says(&langevin, "other methods", "Langevin"));
-    assert!(
-        langevin
-            .settings
-            .iter()
-            .all(|s| s.integrator.name() == "velocity-verlet")
-    );
+    assert!(langevin.settings.iter().all(|s| s.integrator.name() == "velocity-verlet"));
 }

@@ -35,10 +35,7 @@ fn a_verdict_weighs_both_errors_and_the_allowance() {
 fn a_tolerance_above_a_twentieth_of_the_scale_tells_nothing() {
     let three = Tolerance::new(3.0, 0.0, 0.0);
     let verdict = |measured, error, scale| {
-        let row = Row {
-            scale,
-            ..Row::measured("c_p", &average(measured, error))
-        };
+        let row = Row { scale, ..Row::measured("c_p", &average(measured, error)) };
         row.against(4.8, None, three, "x").verdict
     };
     assert_eq!(verdict(4.10, 0.70, None), Verdict::TooCoarse);
@@ -53,10 +50,7 @@ fn a_tolerance_above_a_twentieth_of_the_scale_tells_nothing() {
 #[test]
 fn a_finite_size_term_that_is_not_trusted_is_in_the_tolerance() {
     let allowed = TOLERANCE.for_reference(Some(0.02)).holding(Some(0.0769));
-    assert_eq!(
-        allowed.words(),
-        "4 standard errors + 0.02 + 0.077 of the finite-size term"
-    );
+    assert_eq!(allowed.words(), "4 standard errors + 0.02 + 0.077 of the finite-size term");
     let row = Row::measured("u", &average(-5.06, 0.003)).against(-5.0, None, allowed, "x");
     assert_eq!(row.verdict, Verdict::Agrees);
     assert_eq!(TOLERANCE.holding(None).words(), TOLERANCE.words());
@@ -83,16 +77,8 @@ fn the_allowance_of_a_reference_has_two_digits_and_is_never_too_small() {
 fn a_value_known_to_lie_in_a_range_differs_by_its_distance_from_it() {
     let row = |low, high| row(high).between(low, high);
     let inside = row(-5.1, -4.9);
-    assert_eq!(
-        (inside.difference, inside.verdict),
-        (Some(0.0), Verdict::Agrees)
-    );
-    assert!(
-        inside
-            .range_words()
-            .unwrap()
-            .contains("range -5.1000 to -4.9000")
-    );
+    assert_eq!((inside.difference, inside.verdict), (Some(0.0), Verdict::Agrees));
+    assert!(inside.range_words().unwrap().contains("range -5.1000 to -4.9000"));
     let above = row(-4.998, -4.9);
     assert!((above.in_standard_errors.unwrap() - 4.0).abs() < 1e-9);
     assert_eq!(above.verdict, Verdict::Agrees);
@@ -113,14 +99,8 @@ fn a_bias_explains_a_difference_of_its_size_and_no_other() {
     assert_eq!(found.verdict, Verdict::Differs);
     assert!(found.verdict_words().contains("not explained"));
     // A bias of the wrong sign explains nothing, and what agrees needs no explanation.
-    assert_eq!(
-        row(-5.0055).biased_by(0.001, because).verdict,
-        Verdict::Differs
-    );
-    assert_eq!(
-        row(-5.001).biased_by(-0.001, because).verdict,
-        Verdict::Agrees
-    );
+    assert_eq!(row(-5.0055).biased_by(0.001, because).verdict, Verdict::Differs);
+    assert_eq!(row(-5.001).biased_by(-0.001, because).verdict, Verdict::Agrees);
 }
 
 #[test]

@@ -24,12 +24,7 @@ fn points_and_grids_multiply() {
             .unwrap();
     assert_eq!(
         names,
-        [
-            "rho0.5-T2-seed1",
-            "rho0.5-T2-seed2",
-            "rho0.5-T3.5-seed1",
-            "rho0.5-T3.5-seed2"
-        ]
+        ["rho0.5-T2-seed1", "rho0.5-T2-seed2", "rho0.5-T3.5-seed1", "rho0.5-T3.5-seed2"]
     );
 }
 
@@ -51,23 +46,14 @@ fn bonds_and_molecules_are_keys_of_a_sweep_of_molecules() {
     });
     assert_eq!(lengths.collect::<Vec<_>>(), [(512, 0.505), (512, 0.67)]);
     let refused = of_molecules("[grid]\nn_atoms = 256\n").unwrap_err();
-    assert!(
-        refused.contains("does not go with `[molecule]`"),
-        "{refused}"
-    );
+    assert!(refused.contains("does not go with `[molecule]`"), "{refused}");
     for wrong in ["n_molecules = [-3]", "bond_length = \"long\""] {
         let refused = of_molecules(&format!("[grid]\n{wrong}\n")).unwrap_err();
-        assert!(
-            refused.contains("allowed: one value, or a list"),
-            "{refused}"
-        );
+        assert!(refused.contains("allowed: one value, or a list"), "{refused}");
         assert!(refused.contains(wrong), "{refused}");
     }
     let refused = sweep_of("[grid]\nbond_length = 0.67\n").unwrap_err();
-    assert!(
-        refused.contains("L0.67") && refused.contains("does not go with"),
-        "{refused}"
-    );
+    assert!(refused.contains("L0.67") && refused.contains("does not go with"), "{refused}");
 }
 
 /// Proves that every point draws noise of its own, whether the sweep names seeds or not. The seed of a point follows
@@ -80,19 +66,13 @@ fn every_point_has_a_seed_of_its_own() {
         let path = folder.path().join("sweep.toml");
         std::fs::write(&path, format!("base = {base:?}\n{text}")).unwrap();
         let points = load(&path, set).unwrap().points;
-        points
-            .into_iter()
-            .map(|p| (p.name.to_string(), p.scene.system.seed))
-            .collect()
+        points.into_iter().map(|p| (p.name.to_string(), p.scene.system.seed)).collect()
     };
     let grid = "[grid]\ndensity = [0.5, 0.6]\ntemperature = [1.5, 2]\n";
     let given = seeds(&format!("{grid}seed = [1, 2]\n"), &[]);
     let different: BTreeSet<u64> = given.values().copied().collect();
     assert_eq!((given.len(), different.len()), (8, 8));
-    let one = seeds(
-        "[[point]]\ntemperature = 2\ndensity = 0.6\nseed = 2\nlonger = 2\n",
-        &[],
-    );
+    let one = seeds("[[point]]\ntemperature = 2\ndensity = 0.6\nseed = 2\nlonger = 2\n", &[]);
     assert_eq!(one["rho0.6-T2-seed2"], given["rho0.6-T2-seed2"]);
     // Without seeds in the sweep, the seed of the base counts, or the seed on the command line.
     let of_base = seeds(grid, &[]);
@@ -113,18 +93,14 @@ fn the_isotherm_is_held_at_its_temperature() {
         assert_eq!(stage.temperature, 1.5, "{}", point.name);
         let bath = stage.thermostat.as_ref().map(|bath| format!("{bath:?}"));
         let bath = bath.unwrap_or_default().to_lowercase();
-        assert!(
-            bath.contains("bussi") && bath.contains("tau: 0.2"),
-            "{bath}"
-        );
+        assert!(bath.contains("bussi") && bath.contains("tau: 0.2"), "{bath}");
     }
 }
 
 #[test]
 fn a_grid_of_many_lists_is_refused_before_it_is_multiplied_out() {
-    let numbers: Vec<String> = (1..1000)
-        .map(|k| format!("{}", 0.5 + 1e-4 * f64::from(k)))
-        .collect();
+    let numbers: Vec<String> =
+        (1..1000).map(|k| format!("{}", 0.5 + 1e-4 * f64::from(k))).collect();
     let list = numbers.join(", ");
     let axes = ["density", "temperature", "r_cut", "dt"].map(|key| format!("{key} = [{list}]\n"));
     for table in ["[grid]", "[[point]]"] {
@@ -143,22 +119,13 @@ fn what_is_no_sweep_is_said_clearly() {
             "[[point]]\ndensity = 0.5\n[grid]\ndensity = [0.4]\n",
             "found:   a key that [[point]] has too",
         ),
-        (
-            "[[point]]\nseed = 1\n[grid]\nseed = [2]\n",
-            "allowed: each key in one of the two",
-        ),
-        (
-            "[[point]]\ndensity = 0.5\n[[point]]\ndensity = 0.5\n",
-            "allowed: each point once",
-        ),
+        ("[[point]]\nseed = 1\n[grid]\nseed = [2]\n", "allowed: each key in one of the two"),
+        ("[[point]]\ndensity = 0.5\n[[point]]\ndensity = 0.5\n", "allowed: each point once"),
         (
             "[[point]]\nlonger = 2\n",
             "of density, temperature, n_atoms, n_molecules, bond_length, r_cut, dt and seed, with",
         ),
-        (
-            "[[point]]\ndensity = 0.5\nlonger = -1\n",
-            "`point.longer` is not allowed\n  found:   -1",
-        ),
+        ("[[point]]\ndensity = 0.5\nlonger = -1\n", "`point.longer` is not allowed\n  found:   -1"),
         ("[[point]]\ndensty = 0.5\n", "densty"),
         (
             "[grid]\nseed = 99999999999999999999\n",
@@ -169,10 +136,7 @@ fn what_is_no_sweep_is_said_clearly() {
             "an integer beyond 64 bits\n  allowed: whole numbers",
         ),
         ("[[point]]\ndensity = -1.0\n", "system.density"),
-        (
-            "[set]\n\"system.densty\" = 1\n[[point]]\ndensity = 0.5\n",
-            "densty",
-        ),
+        ("[set]\n\"system.densty\" = 1\n[[point]]\ndensity = 0.5\n", "densty"),
     ] {
         let message = sweep_of(text).unwrap_err();
         assert!(message.contains(wanted), "{text}: {message}");
@@ -191,13 +155,7 @@ fn a_longer_point_has_more_measured_steps_and_no_other_name() {
     let found: Vec<_> = sweep
         .points
         .iter()
-        .map(|p| {
-            (
-                p.name.as_str(),
-                p.scene.stages[2].steps,
-                p.scene.stages[1].steps,
-            )
-        })
+        .map(|p| (p.name.as_str(), p.scene.stages[2].steps, p.scene.stages[1].steps))
         .collect();
     assert_eq!(found, [("rho0.5", 2503, 10_000), ("rho0.6", 1001, 10_000)]);
 }
@@ -207,19 +165,11 @@ fn a_start_from_a_file_has_its_density_and_number_of_particles() {
     let folder = tempfile::tempdir().unwrap();
     let base = inputs().join("fluid/from-configuration.toml");
     let path = folder.path().join("sweep.toml");
-    std::fs::write(
-        &path,
-        format!("base = {base:?}\n[grid]\ntemperature = [1.0, 1.2]\n"),
-    )
-    .unwrap();
+    std::fs::write(&path, format!("base = {base:?}\n[grid]\ntemperature = [1.0, 1.2]\n")).unwrap();
     for point in load(&path, &[]).unwrap().points {
         // NIST's number 4: 30 particles in a cube of side 8.
         assert_eq!(point.atoms, 30);
-        assert!(
-            (point.density - 30.0 / 512.0).abs() < 1e-12,
-            "{}",
-            point.density
-        );
+        assert!((point.density - 30.0 / 512.0).abs() < 1e-12, "{}", point.density);
     }
 }
 
@@ -235,11 +185,9 @@ fn the_sweeps_that_come_along_are_whole() {
         let sweep = load(&inputs().join(file), &[]).unwrap();
         assert_eq!(sweep.points.len(), points, "{file}");
     }
-    let table = load(
-        &inputs().join("verlet-1967/table.toml"),
-        &[("truncation.r_cut".into(), "4".into())],
-    )
-    .unwrap();
+    let table =
+        load(&inputs().join("verlet-1967/table.toml"), &[("truncation.r_cut".into(), "4".into())])
+            .unwrap();
     assert!(table.points.iter().all(|p| p.scene.truncation.r_cut == 4.0));
 }
 
@@ -247,10 +195,8 @@ fn the_sweeps_that_come_along_are_whole() {
 fn a_value_with_hundreds_of_digits_names_no_point() {
     for grid in ["dt = [1e-250]", "temperature = [1e250, 1e251]"] {
         let refused = sweep_of(&format!("[grid]\n{grid}\n")).unwrap_err();
-        for words in [
-            "values that name the point",
-            "values that make a name: at most 200 letters",
-        ] {
+        for words in ["values that name the point", "values that make a name: at most 200 letters"]
+        {
             assert!(refused.contains(words), "{refused}");
         }
     }

@@ -27,10 +27,7 @@ fn survey(frames: Vec<Frame>, n_atoms: usize, volume: f64, sight: f64) -> (Scene
 
 /// Pairs of atoms.
 fn counts(pairs: Vec<f32>) -> Counts {
-    Counts {
-        pairs,
-        leverage: None,
-    }
+    Counts { pairs, leverage: None }
 }
 
 #[test]
@@ -63,16 +60,10 @@ fn the_step_law_of_oscillators_is_the_exact_one() {
     }
     let [energy, pressure] = survey.step_law(false);
     let exact = 1.5 * t * k / 4.0;
-    assert!(
-        (energy.mean - exact).abs() < 4.0 * energy.standard_error,
-        "{energy:?} {exact}"
-    );
+    assert!((energy.mean - exact).abs() < 4.0 * energy.standard_error, "{energy:?} {exact}");
     assert!(energy.standard_error < 0.02 * exact);
     let exact = 2.0 * exact * n as f64 / 30.0;
-    assert!(
-        (pressure.mean - exact).abs() < 4.0 * pressure.standard_error,
-        "{pressure:?} {exact}"
-    );
+    assert!((pressure.mean - exact).abs() < 4.0 * pressure.standard_error, "{pressure:?} {exact}");
     // ∂U/∂T of 3N oscillators is 3/2 a particle.
     assert!((survey.slopes().du_dt - 1.5).abs() < 0.05);
 }
@@ -98,15 +89,9 @@ fn frame(n: f64, density: f64, bins: usize, g: impl Fn(f64) -> f64) -> Frame {
 #[test]
 fn where_g_is_one_the_tail_makes_every_cutoff_the_same() {
     let (n, density, sight) = (864.0, 0.5, 6.0);
-    let frames = (0..4)
-        .map(|_| frame(n, density, bins_within(sight), |_| 1.0))
-        .collect();
+    let frames = (0..4).map(|_| frame(n, density, bins_within(sight), |_| 1.0)).collect();
     let (scene, survey) = survey(frames, 864, n / density, sight);
-    let at = |r_cut: f64, kind| {
-        survey
-            .terms(&scene, TruncationOptions::new(kind, r_cut))
-            .unwrap()
-    };
+    let at = |r_cut: f64, kind| survey.terms(&scene, TruncationOptions::new(kind, r_cut)).unwrap();
     let full = at(f64::MAX, TruncationKind::Cut);
     for r_cut in [2.0, 2.513, 4.0] {
         let change = survey.difference(&at(r_cut, TruncationKind::Cut), &full);
@@ -117,9 +102,7 @@ fn where_g_is_one_the_tail_makes_every_cutoff_the_same() {
         }
     }
     // Without its tail the energy lacks 2πρ∫r²U dr = 8πρ/3·(r⁻⁹/3 − r⁻³).
-    let shifted = survey.difference(&at(2.5, TruncationKind::ForceShift), &full)[0]
-        .direct
-        .mean;
+    let shifted = survey.difference(&at(2.5, TruncationKind::ForceShift), &full)[0].direct.mean;
     let tail =
         8.0 * std::f64::consts::PI * density / 3.0 * (2.5_f64.powi(-9) / 3.0 - 2.5_f64.powi(-3));
     assert!(shifted > -tail && shifted < -4.0 * tail, "{shifted} {tail}");
@@ -130,46 +113,27 @@ fn a_shell_of_neighbors_beyond_the_cutoff_is_missed_by_its_energy() {
     // g = 1.5 between 3.2 and 3.4 σ: cutting at 3 misses half of what an even fluid has there.
     let (n, density, sight) = (864.0, 0.5, 6.0);
     let shell = |r: f64| if (3.2..3.4).contains(&r) { 1.5 } else { 1.0 };
-    let frames = (0..4)
-        .map(|_| frame(n, density, bins_within(sight), shell))
-        .collect();
+    let frames = (0..4).map(|_| frame(n, density, bins_within(sight), shell)).collect();
     let (scene, survey) = survey(frames, 864, n / density, sight);
     let at = |r_cut: f64| {
-        survey
-            .terms(&scene, TruncationOptions::new(TruncationKind::Cut, r_cut))
-            .unwrap()
+        survey.terms(&scene, TruncationOptions::new(TruncationKind::Cut, r_cut)).unwrap()
     };
     let full = at(f64::MAX);
     let missed = survey.difference(&at(3.0), &full)[0].direct.mean;
     let r = 3.3_f64;
     let energy = 4.0 * (r.powi(-12) - r.powi(-6));
     let expected = -0.5 * 2.0 * std::f64::consts::PI * density * r * r * 0.2 * energy;
-    assert!(
-        (missed / expected - 1.0).abs() < 0.02,
-        "{missed} {expected}"
-    );
+    assert!((missed / expected - 1.0).abs() < 0.02, "{missed} {expected}");
     assert!(survey.difference(&at(3.6), &full)[0].direct.mean.abs() < 1e-4);
     assert!((survey.g(0, 3.3) - 1.5).abs() < 1e-3 && (survey.g(0, 2.0) - 1.0).abs() < 1e-3);
 }
 
 #[test]
 fn a_response_that_is_lost_in_noise_adds_an_uncertainty_and_no_error() {
-    let value = |mean, standard_error| Value {
-        mean,
-        standard_error,
-        n_effective: 10.0,
-    };
-    let lost = Change {
-        direct: value(1.0, 0.0),
-        response: value(0.01, 1.0),
-    }
-    .total();
+    let value = |mean, standard_error| Value { mean, standard_error, n_effective: 10.0 };
+    let lost = Change { direct: value(1.0, 0.0), response: value(0.01, 1.0) }.total();
     assert!((lost.mean - 1.0).abs() < 1e-4 && lost.standard_error == 0.5);
-    let seen = Change {
-        direct: value(1.0, 0.0),
-        response: value(1.0, 0.1),
-    }
-    .total();
+    let seen = Change { direct: value(1.0, 0.0), response: value(1.0, 0.1) }.total();
     assert!((seen.mean - 1.99).abs() < 0.01 && (seen.standard_error - 0.1).abs() < 0.001);
 }
 
@@ -177,10 +141,7 @@ fn a_response_that_is_lost_in_noise_adds_an_uncertainty_and_no_error() {
 fn surveyed(text: &str) -> (Sample, Survey) {
     let scene = Scene::parse(text, "test.toml", &[]).unwrap();
     let sample = Sample::prepare(&scene).unwrap();
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .build()
-        .unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let survey = pool.install(|| Survey::run(&sample, Duration::from_millis(100)));
     (sample, survey.unwrap())
 }
@@ -242,10 +203,7 @@ fn masses_weigh_forces_and_laplacians() {
     let laplacian = mean(&survey.laplacians());
     // Positions do not know masses: half of the particles count once, the others four times. By ⟨|F|²⟩ = T⟨∇²U⟩, particle by particle.
     let forces = mean(&survey.series(|f| f.squared_force));
-    assert!(
-        (forces / (1.5 * laplacian) - 1.0).abs() < 0.1,
-        "{forces} {laplacian}"
-    );
+    assert!((forces / (1.5 * laplacian) - 1.0).abs() < 0.1, "{forces} {laplacian}");
     let (_, light) = of_mass(1.0);
     let ratio = laplacian / mean(&light.laplacians());
     assert!((ratio - 2.5).abs() < 0.15, "{ratio}");

@@ -30,12 +30,8 @@ fn files_that_need_each_other_are_found_by_any_kind_of_path() {
 fn a_path_to_a_re_export_leads_to_the_file_that_defines_the_item() {
     let facade = "mod x; mod y; pub use x::X; pub(crate) use y::Y as Z;";
     // `x` needs `y` through the facade, and `y` needs nothing.
-    let files = [
-        ("", "mod d;"),
-        ("d", facade),
-        ("d/x", "use super::Z;"),
-        ("d/y", "use std::fmt::Debug;"),
-    ];
+    let files =
+        [("", "mod d;"), ("d", facade), ("d/x", "use super::Z;"), ("d/y", "use std::fmt::Debug;")];
     assert!(found(&files).is_empty());
     // An item of the facade makes a circle where the facade uses the child, and not where it only shows it.
     let with = |more: &str| format!("{facade} pub struct Own; {more}");
@@ -48,15 +44,9 @@ fn a_path_to_a_re_export_leads_to_the_file_that_defines_the_item() {
 fn tests_and_other_crates_make_no_circle() {
     let files = [
         ("a", "use crate::b::B; use std::b::X;"),
-        (
-            "b",
-            "use serde::a::A; #[cfg(test)] mod tests { use crate::a::A; }",
-        ),
+        ("b", "use serde::a::A; #[cfg(test)] mod tests { use crate::a::A; }"),
     ];
     assert!(found(&files).is_empty());
-    let files = [
-        ("", "mod a; pub use glam::DVec3; pub use a::A;"),
-        ("a", "use crate::DVec3;"),
-    ];
+    let files = [("", "mod a; pub use glam::DVec3; pub use a::A;"), ("a", "use crate::DVec3;")];
     assert!(found(&files).is_empty());
 }
