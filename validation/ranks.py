@@ -158,7 +158,7 @@ def built(name: str, mpirun: list[str], mpicc: Path, environment: dict[str, str]
     if not stamp.exists() or stamp.read_text(encoding="utf-8") != str(mpicc):
         cargo("clean", "-p", "mpi-sys")
         stamp.write_text(str(mpicc), encoding="utf-8")
-    cargo("build", "--quiet", "-p", "lennard-cli", "-p", "lennard-mpi", "--features", "lennard-mpi/mpi")
+    cargo("build", "--quiet", "-p", "lennard", "--features", "mpi")
     program = FOLDER / name.lower().replace(" ", "-") / "lennard-mpi"
     program.parent.mkdir(exist_ok=True)
     shutil.copy(folder / "lennard-mpi", program)

@@ -101,7 +101,7 @@ def lennard_run(case, threads, isa, precision, bath):
         thermo_every = {ENERGIES_EVERY}
         """
     binary = os.environ.get("LENNARD_BINARY")
-    command = [binary] if binary else ["cargo", "run", "--release", "-q", "-p", "lennard-cli", "--"]
+    command = [binary] if binary else ["cargo", "run", "--release", "-q", "-p", "lennard", "--"]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "scene.toml").write_text(scene)

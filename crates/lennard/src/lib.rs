@@ -28,6 +28,8 @@
 //! that they keep. The folder `examples` of this crate has one of each, and the tutorials of the book explain them.
 
 mod error;
+#[cfg(feature = "program")]
+pub mod program;
 mod results;
 mod simulation;
 

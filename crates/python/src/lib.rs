@@ -39,7 +39,7 @@ mod _lennard {
 /// Runs the command line with these arguments, the name of the program first, and returns the exit code.
 #[pyfunction]
 fn command(py: Python<'_>, arguments: Vec<std::ffi::OsString>) -> u8 {
-    py.detach(|| lennard_cli::main(arguments))
+    py.detach(|| lennard::program::main(arguments))
 }
 
 /// The version of the program.

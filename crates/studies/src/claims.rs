@@ -1,7 +1,7 @@
 //! Who claims what, what theory says, what was measured, and the verdict that follows.
 
+use crate::report::significant;
 use lennard_core::{Cell, Table, Tone};
-use lennard_report::significant;
 use serde::Serialize;
 
 /// A tolerance of rounding.

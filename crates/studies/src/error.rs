@@ -1,10 +1,10 @@
 //! Why a study fails. That a method fails at a step is no failure of a study: it is a result.
 
+use crate::report::ReportError;
 use lennard_core::StepError;
 use lennard_core::parallel::PoolError;
 use lennard_forcefield::ForceFieldError;
 use lennard_io::WriteError;
-use lennard_report::ReportError;
 
 /// Why a study fails.
 #[derive(Debug, thiserror::Error)]

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use crate::report::Page;
 use lennard_core::Table;
 use lennard_io::{write_json_atomically, write_table_csv, write_text_atomically};
-use lennard_report::Page;
 use serde::Serialize;
 
 use crate::StudyError;

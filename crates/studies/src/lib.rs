@@ -24,6 +24,7 @@ pub mod lab;
 mod lines;
 pub mod mechanics;
 mod progress;
+pub mod report;
 pub mod run_page;
 pub mod settings;
 pub mod stability;

@@ -8,7 +8,7 @@ mod tables;
 
 use std::path::Path;
 
-use lennard_report::{Page, ParticleFigure, Picture, ReportError, Section};
+use crate::report::{Page, ParticleFigure, Picture, ReportError, Section};
 
 use crate::compare::{ReadError, RunFolder, compare};
 
@@ -50,7 +50,7 @@ pub fn page(run: &RunFolder) -> Page {
 fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
     let compared = compare(run);
     let record = &run.record;
-    let particles = lennard_report::particles(compared.atoms as usize, compared.molecules as usize);
+    let particles = crate::report::particles(compared.atoms as usize, compared.molecules as usize);
     let is_fluid = !compared.is_of_few_bodies();
     let state = match is_fluid {
         true => format!(": {} at {}", compared.state.words, compared.state.in_numbers()),

@@ -125,7 +125,7 @@ impl Settings {
         format!(
             "{}, dt {}, {}, {}, {list}",
             self.integrator.name(),
-            lennard_report::significant(self.dt, 3),
+            crate::report::significant(self.dt, 3),
             self.truncation_label(),
             self.precision.name(),
         )

@@ -102,7 +102,7 @@ pub fn names(workspace: &Workspace) -> Fallible<usize> {
 
 fn built(workspace: Workspace) -> Fallible<Workspace> {
     let mut build = workspace.command(cargo());
-    build.args(["build", "--quiet", "--package", "lennard-cli"]);
+    build.args(["build", "--quiet", "--package", "lennard"]);
     if !build.status()?.success() {
         return Err("the program cannot be built".into());
     }

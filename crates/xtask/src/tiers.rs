@@ -78,12 +78,12 @@ const LONG_RUST_TESTS: Tier = Tier {
 const RELEASE_BUILD: Tier = Tier {
     name: "release build",
     work: Work::Live(|w| {
-        by_status(cargo_command(w, &["build", "--release", "--package", "lennard-cli"]))
+        by_status(cargo_command(w, &["build", "--release", "--package", "lennard"]))
     }),
 };
 const TESTED_BUILD: Tier = Tier {
     name: "build",
-    work: Work::Live(|w| by_status(cargo_command(w, &["build", "--package", "lennard-cli"]))),
+    work: Work::Live(|w| by_status(cargo_command(w, &["build", "--package", "lennard"]))),
 };
 const SOAK: Tier =
     Tier { name: "soak", work: Work::Live(|w| crate::soak::quick(w).map(|()| ONE_PASSED)) };

@@ -44,7 +44,7 @@ fn memory_a_folder_and_the_command_line_have_the_same_bits() {
     let folder = by_hand.to_str().unwrap();
     let mut arguments = vec!["lennard", "run", "verlet-1967/liquid", "--quiet", "--out", folder];
     arguments.extend(keys.iter().flat_map(|key| ["--set", key]));
-    assert_eq!(lennard_cli::main(arguments.into_iter().map(Into::into)), 0);
+    assert_eq!(lennard::program::main(arguments.into_iter().map(Into::into)), 0);
     let record = prepared(&liquid()).run_in_folder(&by_us).unwrap();
     for name in ["scene.toml", "thermo.csv", "trajectory.xyz", "final.xyz", "rdf.csv"] {
         same_file(&by_hand, &by_us, name);

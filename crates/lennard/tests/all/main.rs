@@ -3,4 +3,5 @@
 mod bits;
 mod examples;
 mod own;
+mod program;
 mod refusals;

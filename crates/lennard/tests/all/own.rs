@@ -203,7 +203,7 @@ fn the_command_line_refuses_the_folder_of_such_a_run_and_shows_it() {
     );
     assert!(fs::read_to_string(folder.join("scene.toml")).unwrap().contains("[program]"));
     let path = folder.to_str().unwrap();
-    let lennard = |words: &[&str]| lennard_cli::main(words.iter().map(Into::into));
+    let lennard = |words: &[&str]| lennard::program::main(words.iter().map(Into::into));
     assert_eq!(lennard(&["lennard", "compare", path]), 0);
     assert_eq!(lennard(&["lennard", "resume", path, "--steps", "10"]), 2);
     let scene = folder.join("scene.toml");

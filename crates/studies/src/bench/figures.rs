@@ -1,9 +1,9 @@
 //! The pictures of a benchmark.
 
-use lennard_core::stopwatch::Spread;
-use lennard_report::{
+use crate::report::{
     Axis, BarFigure, BarSeries, Figure, Guide, Look, Picture, Point, Series, Symbol,
 };
+use lennard_core::stopwatch::Spread;
 
 use super::{BenchStudy, FeatureStudy, KernelResult, SkinStudy};
 
@@ -82,7 +82,7 @@ fn speeds(study: &BenchStudy) -> Picture {
     threads.sort_unstable();
     threads.dedup();
     let series = threads.iter().enumerate().map(|(color, &threads)| BarSeries {
-        name: lennard_report::counted(threads, "thread"),
+        name: crate::report::counted(threads, "thread"),
         color,
         values: groups.iter().map(|g| find(study, g, threads).and_then(|k| bar(k.speed))).collect(),
     });
@@ -121,7 +121,7 @@ fn parts(study: &BenchStudy) -> Picture {
         .filter(|(_, (_, values))| values.iter().any(Option::is_some));
     let figure = BarFigure {
         name: "parts".into(),
-        title: format!("Parts of a step, {}", lennard_report::counted(fewest, "thread")),
+        title: format!("Parts of a step, {}", crate::report::counted(fewest, "thread")),
         axis: Axis::linear("ns per atom"),
         series: series
             .map(|(color, (name, values))| BarSeries { name: name.into(), color, values })

@@ -13,10 +13,10 @@ mod variants;
 
 use std::path::{Path, PathBuf};
 
+use crate::report::significant;
 use blocks::Blocks;
 use lennard_core::stopwatch::Spread;
 use lennard_engine::EngineError;
-use lennard_report::significant;
 use lennard_scene::{Scene, SceneError};
 use serde::Serialize;
 

@@ -1,8 +1,8 @@
 //! The tables and the page of a benchmark.
 
+use crate::report::{Page, Section, percent, significant};
 use lennard_core::stopwatch::Spread;
 use lennard_core::{Cell, RowsOf, Table};
-use lennard_report::{Page, Section, percent, significant};
 
 use super::{BenchStudy, FeatureStudy, KernelResult, figures, with_range};
 

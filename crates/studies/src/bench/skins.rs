@@ -83,7 +83,7 @@ pub(super) fn measure(
         with: format!(
             "{}, {}, {clock}",
             variant.kernel(),
-            lennard_report::counted(variant.threads, "thread"),
+            crate::report::counted(variant.threads, "thread"),
         ),
         clock,
         chosen: chosen.skin,

@@ -41,7 +41,7 @@ fn each_variant_is_measured_once_and_its_numbers_agree_with_one_another() {
     // A name in a figure is the number that has this name in the table.
     let pictures = figures::all(&study);
     let parts = pictures.iter().find(|p| p.name() == "parts").unwrap();
-    let lennard_report::Drawing::Bars(bars) = &parts.drawing else { panic!("{parts:?}") };
+    let crate::report::Drawing::Bars(bars) = &parts.drawing else { panic!("{parts:?}") };
     let first = |name: &str| {
         let series = bars.series.iter().find(|s| s.name == name)?;
         series.values[0].map(|(median, _)| median)

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use lennard_forcefield::{Precision, TruncationKind};
-use lennard_report::{
+use crate::report::{
     Dash, FailedPoint, Figure, Guide, Look, Picture, Point, Series, Symbol, plus_minus, significant,
 };
+use lennard_forcefield::{Precision, TruncationKind};
 
 use super::panels::{Axis, Mark, Panel};
 use super::{Chart, ChartedPoint, tables};
@@ -46,8 +46,8 @@ fn figure(chart: &Chart, panel: &Panel, axis: Axis) -> Picture {
     let mut figure = Figure::new(
         name(panel, axis),
         panel.title,
-        lennard_report::Axis::logarithmic(x),
-        lennard_report::Axis::logarithmic(panel.label),
+        crate::report::Axis::logarithmic(x),
+        crate::report::Axis::logarithmic(panel.label),
     );
     if let Some(floor) = panel.floor {
         figure = figure.guided(Guide::UpTo(floor, panel.floor_words.into()));

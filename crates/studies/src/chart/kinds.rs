@@ -1,6 +1,6 @@
 //! The kinds of error, one a diagram: what each is about, and how it is read from a point.
 
-use lennard_report::significant;
+use crate::report::significant;
 
 use super::Chart;
 use super::point::{ChartedPoint, Errors, Outcome};

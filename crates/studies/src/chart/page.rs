@@ -1,7 +1,7 @@
 //! The page of a chart.
 
+use crate::report::{Block, Page, Section, significant};
 use lennard_core::{Cell, Table, Tone};
-use lennard_report::{Block, Page, Section, significant};
 
 use super::panels::{Mark, Panel};
 use super::point::Outcome;
@@ -40,7 +40,7 @@ pub(super) fn page(chart: &Chart, command: &str) -> Page {
             format!(
                 "the engine's main loop without observables and output, {}; median and range of {} timings, each round in \
                  another order",
-                lennard_report::counted(plan.threads, "thread"),
+                crate::report::counted(plan.threads, "thread"),
                 plan.repeats
             ),
         ),

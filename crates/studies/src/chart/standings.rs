@@ -1,7 +1,7 @@
 //! Where the scene's own settings stand among the others, and what a chart may advise.
 
+use crate::report::significant;
 use lennard_core::stopwatch::BUSY;
-use lennard_report::significant;
 
 use super::panels::{Mark, Panel};
 use super::point::Charted;

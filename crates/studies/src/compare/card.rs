@@ -1,8 +1,8 @@
 //! The state card of a run: every measured property beside every equation that applies.
 
+use crate::report::significant;
 use lennard_core::{Cell, Column, Table, Tone};
 use lennard_literature::{EquationOfState, ModelKind, PROPERTIES, Property, equations_for};
-use lennard_report::significant;
 use serde::Serialize;
 
 use super::judge::{Judged, judge};

@@ -170,7 +170,7 @@ impl Compared<'_> {
             return self.or_why_none(row);
         };
         let particles =
-            lennard_report::particles(run.record.atoms as usize, run.molecules() as usize);
+            crate::report::particles(run.record.atoms as usize, run.molecules() as usize);
         let is_pressure = row.quantity == "pressure";
         let mut row = row
             .against_with_error(
@@ -201,7 +201,7 @@ impl Compared<'_> {
                 Some(_) => "near the critical point of the equation",
                 None => "for so few particles",
             };
-            let held = lennard_report::significant(held, 2);
+            let held = crate::report::significant(held, 2);
             row.reason = format!(
                 "the tolerance holds a finite-size term of ± {held}, which is not trusted {why}"
             );
@@ -276,7 +276,7 @@ impl Compared<'_> {
         let reason = match frozen {
             Some(d) => format!(
                 "its particles hardly diffuse (D = {}): a crystal or a glass, which this fluid equation does not describe",
-                lennard_report::significant(d.mean, 2)
+                crate::report::significant(d.mean, 2)
             ),
             None if in_doubt && !has_term => {
                 "its finite-size term is not known, and no longer small in this state".into()

@@ -127,7 +127,7 @@ impl<'a> RunsOfOthers<'a> {
         row.against(reference.value + shift, None, allowed, &source(reference)).noted(format!(
             "{}, carried to the box of this run by {}",
             size_words(reference),
-            lennard_report::signed(shift, 2)
+            crate::report::signed(shift, 2)
         ))
     }
 }

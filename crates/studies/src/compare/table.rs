@@ -1,7 +1,7 @@
 //! The quantities of a run beside their references, for a reader.
 
+use crate::report::significant;
 use lennard_core::{Cell, Table};
-use lennard_report::significant;
 
 use super::{Row, quantity_words};
 

@@ -152,7 +152,7 @@ impl Row {
     pub fn verdict_words(&self) -> String {
         let words = match (self.verdict, self.reason.as_str(), self.predicted_bias) {
             (Verdict::PredictedBias, _, Some(bias)) => {
-                format!("predicted bias of {}", lennard_report::signed(bias, 2))
+                format!("predicted bias of {}", crate::report::signed(bias, 2))
             }
             (Verdict::NoReference, "", _) => "–".into(),
             (verdict, "", _) => verdict.words().into(),
@@ -204,7 +204,7 @@ impl Row {
         self.in_standard_errors = Some(difference / combined);
         self.tolerance = Some(allowed);
         let scale = *self.scale.get_or_insert(reference.abs());
-        let share = lennard_report::significant(100.0 * allowed / scale, 3);
+        let share = crate::report::significant(100.0 * allowed / scale, 3);
         self.tolerance_words = format!("{}, {share} % of its scale", tolerance.words());
         self.judge();
         self.source = source.to_owned();
@@ -239,7 +239,7 @@ impl Row {
         match self.verdict {
             Verdict::PredictedBias => because.clone_into(&mut self.reason),
             Verdict::Differs => {
-                let bias = lennard_report::signed(bias, 2);
+                let bias = crate::report::signed(bias, 2);
                 self.reason += &format!(": {because} makes {bias}");
             }
             _ => {}

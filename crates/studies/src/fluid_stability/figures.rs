@@ -1,6 +1,6 @@
 //! The figures of the fluid part.
 
-use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series};
+use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series};
 
 use super::fluid::{STATES, StatePoint, TRUNCATIONS};
 use super::run::FluidRun;

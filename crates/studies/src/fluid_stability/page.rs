@@ -1,6 +1,6 @@
 //! The sections of the page about the fluid.
 
-use lennard_report::Section;
+use crate::report::Section;
 
 use super::limit::{ALLOWED_CHANGE, LEAST_STEPS, LEAST_TIME};
 use super::{FluidStudy, figures, fluid, tables};

@@ -1,7 +1,7 @@
 //! The tables of the fluid part, as CSV and on the page.
 
+use crate::report::significant;
 use lennard_core::{Cell, RowsOf, Table, Tone};
-use lennard_report::significant;
 
 use super::fluid::{STATES, TRUNCATIONS};
 use super::limit::FluidLimit;

@@ -1,6 +1,6 @@
 //! The figures of collisions, pressures and fluids.
 
-use lennard_report::{Axis, Dash, Figure, Look, Picture, Series, Symbol};
+use crate::report::{Axis, Dash, Figure, Look, Picture, Series, Symbol};
 
 use super::found::MechanicsFound;
 

@@ -1,6 +1,6 @@
 //! The figures of bonds, relaxation and SPOOK.
 
-use lennard_report::{Axis, Dash, Figure, Guide, Look, Picture, Series, Symbol};
+use crate::report::{Axis, Dash, Figure, Guide, Look, Picture, Series, Symbol};
 
 use super::comparison::{AtStep, LARGEST_STEP, WayFound};
 use super::found::MechanicsFound;

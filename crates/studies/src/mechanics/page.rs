@@ -1,6 +1,6 @@
 //! The page of the study.
 
-use lennard_report::{Block, Page, Section};
+use crate::report::{Block, Page, Section};
 
 use super::found::MechanicsStudy;
 use super::{collision_figures, figures, tables};

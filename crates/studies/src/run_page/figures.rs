@@ -1,9 +1,9 @@
 //! The figures of a run's page.
 
-use lennard_core::Table;
-use lennard_report::{
+use crate::report::{
     Axis, Dash, Figure, Guide, Look, Picture, Point, Series, Symbol, significant, with_error,
 };
+use lennard_core::Table;
 
 use crate::compare::{HANSEN_VERLET, RunFolder};
 

@@ -1,6 +1,6 @@
 //! The figures of motion and transport on a run's page.
 
-use lennard_report::{Axis, Dash, Figure, Guide, Look, Picture, Series, significant};
+use crate::report::{Axis, Dash, Figure, Guide, Look, Picture, Series, significant};
 
 use super::figures::{LINE, MARKS, curve, said_of, series, with_errors};
 use crate::compare::RunFolder;

@@ -1,6 +1,6 @@
 //! The picture of the particles at the end of a run.
 
-use lennard_report::{ParticleFigure, Picture, Sphere};
+use crate::report::{ParticleFigure, Picture, Sphere};
 
 use crate::compare::RunFolder;
 

@@ -1,11 +1,11 @@
 //! The phase diagram of the model that was run, with the run in it.
 
+use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 use lennard_io::AverageRecord;
 use lennard_literature::{
     EquationOfState, FreezingLine, KnownPoint, Saturation, equation_of_state_for, freezing_line,
     freezing_lines, known_points,
 };
-use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 
 use crate::compare::{ComparedRun, RunFolder};
 use crate::eos::{Freezing, freezing_at};

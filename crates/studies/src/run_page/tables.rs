@@ -1,8 +1,8 @@
 //! The tables of a run's page.
 
+use crate::report::{Section, percent, significant};
 use lennard_core::{Cell, Table};
 use lennard_io::RunRecord;
-use lennard_report::{Section, percent, significant};
 
 use crate::compare::{ComparedRun, Row, RunFolder, card_table, quantity_words, table};
 

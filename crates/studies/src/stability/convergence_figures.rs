@@ -1,6 +1,6 @@
 //! The figures of orders and of the discretisation error.
 
-use lennard_report::{Axis, Dash, Figure, Look, Picture, Series};
+use crate::report::{Axis, Dash, Figure, Look, Picture, Series};
 
 use super::OscillatorStudy;
 use super::figures::dense;
@@ -59,7 +59,7 @@ pub(crate) fn variable_step(study: &OscillatorStudy) -> Vec<Picture> {
     for (i, run) in study.step_rules.iter().enumerate() {
         // Three of four lie on the analytic line: each shows every third point, so that all can be seen.
         let (look, first, every) = if run.method.is_none() {
-            let symbol = lennard_report::Symbol::cycle(i);
+            let symbol = crate::report::Symbol::cycle(i);
             (Look::LineAndPoints(Dash::Dashed, symbol), 0, 1)
         } else {
             (Look::marks(i), i, 3)

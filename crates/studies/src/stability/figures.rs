@@ -1,6 +1,6 @@
 //! The figures of the oscillator part.
 
-use lennard_report::{Axis, Dash, Figure, Guide, Look, Picture, Series, Symbol};
+use crate::report::{Axis, Dash, Figure, Guide, Look, Picture, Series, Symbol};
 
 use super::OscillatorStudy;
 use super::amplification::{MapPoint, theory};

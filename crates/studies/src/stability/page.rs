@@ -1,6 +1,6 @@
 //! The page of the study.
 
-use lennard_report::{Block, Page, Section, significant};
+use crate::report::{Block, Page, Section, significant};
 
 use super::displacement::STEP;
 use super::{StabilityStudy, convergence_figures, figures, tables};

@@ -1,7 +1,7 @@
 //! The tables of the oscillator part, as CSV and on the page.
 
+use crate::report::significant;
 use lennard_core::{Cell, Table, Tone};
-use lennard_report::significant;
 
 use super::OscillatorStudy;
 use super::displacement::{Case, STEP};

@@ -85,7 +85,7 @@ pub fn agreement(points: &[SweptPoint], quantity: &str) -> Option<Agreement> {
 /// A probability for a table: what is too small for a number is said to be below the smallest.
 #[must_use]
 pub fn probability_words(p: f64) -> String {
-    if p < f64::MIN_POSITIVE { "< 10⁻³⁰⁷".into() } else { lennard_report::significant(p, 2) }
+    if p < f64::MIN_POSITIVE { "< 10⁻³⁰⁷".into() } else { crate::report::significant(p, 2) }
 }
 
 /// The probability that a sum of `n` squares of standard normal numbers is at least `chi_squared`.

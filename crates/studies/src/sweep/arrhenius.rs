@@ -1,6 +1,6 @@
 //! Diffusion against the inverse temperature.
 
-use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
+use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 
 use super::SweepRecord;
 use super::averaged::{Averaged, averaged};

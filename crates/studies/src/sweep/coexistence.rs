@@ -1,10 +1,10 @@
 //! The coexistence curve of a sweep over the temperature of slabs.
 
+use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 use lennard_literature::{
     EquationOfState, TwoPhaseSource, TwoPhases, coexistence_by_simulation, equation_of_state_for,
     surface_tensions_by_simulation, thol_2016,
 };
-use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 
 use super::averaged::{Averaged, averaged};
 use super::critical::{CriticalEstimate, Pair, estimate};

@@ -1,7 +1,7 @@
 //! Every property of every point beside every equation of state, and χ² of each equation.
 
+use crate::report::significant;
 use lennard_core::{Cell, Table, Tone};
-use lennard_report::significant;
 
 use super::agreement::tail_probability;
 use super::{SweepRecord, SweptPoint, probability_words};

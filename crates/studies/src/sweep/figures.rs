@@ -1,6 +1,6 @@
 //! The figures of a sweep.
 
-use lennard_report::Picture;
+use crate::report::Picture;
 
 use super::{Sweep, SweepRecord, arrhenius, coexistence, isotherms, melting, properties};
 

@@ -87,7 +87,7 @@ pub enum SweepError {
     Write(#[from] lennard_io::WriteError),
     /// A figure cannot be drawn.
     #[error(transparent)]
-    Report(#[from] lennard_report::ReportError),
+    Report(#[from] crate::report::ReportError),
 }
 
 fn nearest_point(name: Option<&String>) -> String {

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol};
 use lennard_literature::EquationOfState;
-use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol};
 
 use super::{Sweep, SweepRecord, SweptPoint};
 

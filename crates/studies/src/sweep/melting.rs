@@ -1,7 +1,7 @@
 //! The melting temperature of a sweep over crystals beside their liquids.
 
+use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 use lennard_literature::{equation_of_state_for, freezing_lines};
-use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 use lennard_scene::Scene;
 use serde::Serialize;
 

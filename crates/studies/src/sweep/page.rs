@@ -1,7 +1,7 @@
 //! The tables and the page of a sweep.
 
+use crate::report::{Axis, Figure, Look, Page, Picture, Point, Section, Series, Symbol};
 use lennard_core::{Cell, Table, Tone};
-use lennard_report::{Axis, Figure, Look, Page, Picture, Point, Section, Series, Symbol};
 
 use super::equations::{self, Judgement};
 use super::figures::Pictures;

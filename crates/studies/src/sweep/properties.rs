@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol};
 use lennard_literature::{EquationOfState, Property, equation_of_state_for, property};
-use lennard_report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol};
 
 use super::averaged::{Averaged, averaged};
 use super::{Sweep, SweepRecord};

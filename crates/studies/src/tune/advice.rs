@@ -226,7 +226,7 @@ pub(super) fn notes(scene: &Scene, sample: &Sample) -> Vec<String> {
 /// What bounds the step of a mixture and of molecules, and how their errors are judged.
 fn modes(scene: &Scene, sample: &Sample) -> Vec<String> {
     let mut notes = Vec::new();
-    let digits = |x: f64| lennard_report::significant(x, 3);
+    let digits = |x: f64| crate::report::significant(x, 3);
     if let (Some(_), Some(pair)) = (&scene.mixture, &sample.fastest) {
         let species = sample.fluid.system().species();
         let [a, b] = pair.species.map(|a| species.name(a));

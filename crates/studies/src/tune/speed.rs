@@ -1,7 +1,7 @@
 //! Whether the chosen settings are faster than the usual ones, as far as timings on this machine tell.
 
+use crate::report::significant;
 use lennard_core::stopwatch::{BUSY, Spread};
-use lennard_report::significant;
 use lennard_scene::Accuracy;
 use serde::Serialize;
 

@@ -300,7 +300,7 @@ fn miss(key: &str, target: f64, error: &Value) -> Option<String> {
 }
 
 fn off(key: &str, error: &Value) -> String {
-    format!("{key} off by {}", lennard_report::plus_minus(error.mean, error.standard_error))
+    format!("{key} off by {}", crate::report::plus_minus(error.mean, error.standard_error))
 }
 
 /// By what settings miss, where runs of growing length can tell.

@@ -51,7 +51,7 @@ fn built(workspace: &Workspace, request: &Request) -> Result<PathBuf, Failure> {
         return Ok(binary.clone());
     }
     let mut build = workspace.command(cargo());
-    build.args(["build", "--quiet", "--release", "--package", "lennard-cli"]);
+    build.args(["build", "--quiet", "--release", "--package", "lennard"]);
     if build.status()?.success() {
         Ok(workspace.binary())
     } else {

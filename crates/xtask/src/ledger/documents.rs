@@ -137,7 +137,8 @@ pub fn keys_of_schema(schema: &Value) -> BTreeSet<String> {
 
 /// Public items of the library that users depend on, by file.
 pub fn public_items(workspace: &Workspace) -> Fallible<Vec<String>> {
-    let files = workspace.tracked(&["crates/lennard/src/*.rs"]).map_err(|e| e.to_string())?;
+    let files =
+        workspace.tracked(&[":(glob)crates/lennard/src/*.rs"]).map_err(|e| e.to_string())?;
     let mut items = Vec::new();
     for file in files {
         let text = fs::read_to_string(workspace.root.join(&file))?;

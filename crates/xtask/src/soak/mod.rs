@@ -100,7 +100,7 @@ pub fn quick(workspace: &Workspace) -> Result<(), Box<dyn Error>> {
 /// Builds the program and runs the command.
 pub fn build_and_run(workspace: &Workspace, arguments: &[&str]) -> ExitCode {
     let mut build = workspace.command(cargo());
-    build.args(["build", "--quiet", "--release", "--package", "lennard-cli"]);
+    build.args(["build", "--quiet", "--release", "--package", "lennard"]);
     if build.status().is_ok_and(|status| status.success()) {
         run(workspace, arguments)
     } else {

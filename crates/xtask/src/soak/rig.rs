@@ -104,7 +104,7 @@ impl Rig {
     pub fn new(binary: PathBuf, seed: u64) -> Result<Self, Box<dyn Error>> {
         if !binary.exists() {
             return Err(format!(
-                "{} is not there: cargo build --package lennard-cli, with --release or without",
+                "{} is not there: cargo build --package lennard, with --release or without",
                 binary.display()
             )
             .into());

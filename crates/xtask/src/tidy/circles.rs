@@ -14,7 +14,7 @@ use crate::workspace::Workspace;
 /// Circles that stay, each as one of its files and the reason.
 const EXPLAINED: &[(&str, &str)] = &[
     ("contacts/kinds", "a kind implements the trait of its list"),
-    ("cli/show", "a table of literature values is one of the pages that are shown"),
+    ("lennard/program/show", "a table of literature values is one of the pages that are shown"),
     (
         "forcefield/pair/combining",
         "a file of a combining rule implements the trait that the list dispatches to",

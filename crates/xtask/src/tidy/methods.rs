@@ -39,7 +39,7 @@ const EXPLAINED: &[(&str, &str)] = &[
         "crates/engine/src/lammps/",
         "each potential, truncation and bath that LAMMPS has too, by its name there",
     ),
-    ("crates/cli/src/", "examples in the help"),
+    ("crates/lennard/src/program/", "examples in the help"),
     ("benches/", "cases of the benchmarks"),
     ("fuzz/", "seeds of the fuzzers"),
     ("crates/xtask/", "checks of the repository"),

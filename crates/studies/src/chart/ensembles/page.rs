@@ -1,10 +1,10 @@
 //! Tables, diagrams and the page.
 
-use lennard_core::{Cell, Table, Tone};
-use lennard_report::{
+use crate::report::{
     Axis, Block, Figure, Guide, Look, Page, Picture, Point, Section, Series, Symbol, counted,
     significant,
 };
+use lennard_core::{Cell, Table, Tone};
 
 use super::found::EnsembleChart;
 use super::point::{EnsemblePoint, Sampled, tau_of};

@@ -21,7 +21,7 @@ impl Baths {
     /// In a line: `stochastic-cell-rescaling every 10, τ_p 1; bussi, τ_T 0.5`.
     #[must_use]
     pub fn label(&self) -> String {
-        let digits = |x: f64| lennard_report::significant(x, 3);
+        let digits = |x: f64| crate::report::significant(x, 3);
         let every = match self.barostat.is_inside_step() {
             true => String::new(),
             false => format!(" every {}", self.barostat.interval()),

@@ -1,0 +1,119 @@
+//! `lennard chart`: speed against accuracy for one scene.
+
+use std::path::Path;
+
+use lennard_io::{Existing, in_shell, path_in_shell};
+use lennard_scene::Scene;
+use lennard_studies::chart::Size;
+use lennard_studies::chart::{self, ChartError, ChartOptions, ensembles};
+use serde::Serialize;
+
+use crate::program::args::ChartArgs;
+use crate::program::commands::{Inputs, output_folder, print_json};
+use crate::program::failure::{DONE, Failure, INPUT, STOPPED};
+use crate::program::progress::Display;
+use crate::program::show;
+use crate::program::signals::{FirstStep, Signals, StartUp};
+
+/// Measures what is not measured yet, and prints where the scene's own settings stand.
+pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
+    let nothing = || StartUp::of_nothing("stopped before the first point: no point was measured");
+    let signals = Signals::listen(nothing())?;
+    let (scene, lock) = Scene::load_settled(&args.scene, &args.set, args.lock.as_deref())?;
+    scene.homogeneous_for("lennard chart")?;
+    if args.ensemble {
+        ensembles::suits(&scene)?;
+    }
+    if let Some(folder) = &args.out {
+        let lock = lock.as_ref().map(|l| l.path.as_path());
+        let inputs = Inputs::of_scene(&args.scene, lock, &scene);
+        inputs.not_in(folder)?;
+        inputs.not_below(&folder.join(chart::POINTS))?;
+    }
+    let kind = if args.ensemble { "ensemble" } else { "chart" };
+    let folder = signals.claim(
+        || output_folder(args.out.as_deref(), Existing::Keep, &format!("{}-{kind}", scene.name)),
+        |folder| Some(nothing().unless_kept(chart::has_points, kept_points(args, folder))),
+    )?;
+    let processors = lennard_core::parallel::processors();
+    let options = ChartOptions {
+        folder: folder.path(),
+        size: match (args.quick, args.full) {
+            (true, _) => Size::Quick,
+            (false, true) => Size::Full,
+            (false, false) => Size::Default,
+        },
+        anew: args.force,
+        workers: args.workers.map_or(processors, usize::from),
+        threads: usize::from(args.threads),
+        with_peers: args.with_peers,
+        stop: signals.stop(),
+        command: command(args, folder.path()),
+    };
+    let mut display = FirstStep::new(&signals, Display::of_study(args.quiet));
+    let finished = if args.ensemble {
+        let found = ensembles::run(&scene, &options, &mut display)?;
+        drop(display);
+        tell(args, &found, || show::ensembles(&found, folder.path()))?;
+        found.finished
+    } else {
+        let found = chart::run(&scene, &options, &mut display)?;
+        drop(display);
+        tell(args, &found, || show::chart(&found, folder.path()))?;
+        found.finished
+    };
+    if !finished {
+        eprintln!("{}", kept_points(args, folder.path()));
+        return Ok(STOPPED);
+    }
+    Ok(DONE)
+}
+
+/// Prints a chart as it was asked for.
+fn tell(args: &ChartArgs, found: &impl Serialize, show: impl FnOnce()) -> Result<(), Failure> {
+    if args.json {
+        print_json(found)?;
+    } else if !args.quiet {
+        show();
+    }
+    Ok(())
+}
+
+fn kept_points(args: &ChartArgs, folder: &Path) -> String {
+    format!("stopped on request; finished points are kept\n  to go on: {}", command(args, folder))
+}
+
+/// The command that makes the same chart, or goes on with it.
+fn command(args: &ChartArgs, folder: &Path) -> String {
+    let mut line =
+        format!("lennard chart {} --out {}", path_in_shell(&args.scene), path_in_shell(folder));
+    for (key, value) in &args.set {
+        line += &format!(" --set {}", in_shell(&format!("{key}={value}")));
+    }
+    if let Some(lock) = &args.lock {
+        line += &format!(" --lock {}", path_in_shell(lock));
+    }
+    for (wanted, flag) in [
+        (args.quick, " --quick"),
+        (args.full, " --full"),
+        (args.with_peers, " --with-peers"),
+        (args.ensemble, " --ensemble"),
+    ] {
+        if wanted {
+            line += flag;
+        }
+    }
+    if args.threads != 1 {
+        line += &format!(" --threads {}", args.threads);
+    }
+    line
+}
+
+impl From<ChartError> for Failure {
+    fn from(error: ChartError) -> Self {
+        match error {
+            ChartError::Study(error) => error.into(),
+            other => Self::new("the chart", other, INPUT),
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! `lennard eos`: any property of any equation of state at any state, without a run.
+
+use lennard_literature::{
+    BOND_LENGTHS, EquationOfState, Mie, ModelKind, PROPERTIES, Property, equations_for,
+    freezing_lines_of, list, pohl_2023, property, two_center, virial_series,
+};
+use lennard_studies::eos::{self, Coexistence, Evaluated, Freezing, Given};
+
+use crate::program::args::EosArgs;
+use crate::program::commands::print_json;
+use crate::program::failure::{DONE, Failure, INPUT};
+use crate::program::show;
+
+type Equation = &'static dyn EquationOfState;
+
+/// The columns of a curve where none are named.
+const OF_A_CURVE: [&str; 5] =
+    ["pressure", "potential_energy", "heat_capacity", "heat_capacity_pressure", "speed_of_sound"];
+
+/// Temperatures of a coexistence table where none are named, in parts of the critical one.
+const LOWEST_OF_CRITICAL: f64 = 0.5;
+const TEMPERATURE_STEPS: u32 = 16;
+/// Temperatures of freezing where none are named: up to this many critical ones.
+const HIGHEST_OF_CRITICAL: f64 = 2.0;
+
+/// Prints states, curves, coexistence, or freezing.
+pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
+    let equations = equations(args)?;
+    let chosen = properties(&args.properties)?;
+    if args.saturation {
+        return SATURATION.print(args, &equations);
+    }
+    if args.freezing {
+        return FREEZING.print(args, &equations);
+    }
+    let Some(temperatures) = &args.temperature else {
+        return Err(refused(
+            "a state needs a temperature: --temperature VALUES, or --saturation or --freezing for two phases",
+        ));
+    };
+    let given: Vec<Given> = match (&args.density, &args.pressure) {
+        (Some(densities), _) => densities.0.iter().map(|d| Given::Density(*d)).collect(),
+        (_, Some(pressures)) => pressures.0.iter().map(|p| Given::Pressure(*p)).collect(),
+        (None, None) => {
+            return Err(refused(
+                "a state needs a density or a pressure: --density VALUES or --pressure VALUES",
+            ));
+        }
+    };
+    let states: Vec<(f64, Given)> =
+        temperatures.0.iter().flat_map(|t| given.iter().map(move |g| (*t, *g))).collect();
+    let evaluated = |equation: Equation| -> Vec<Evaluated> {
+        let one = |(t, given): &(f64, Given)| eos::evaluate(equation, *t, *given);
+        states.iter().map(one).collect()
+    };
+    let all: Vec<Vec<Evaluated>> = equations.iter().map(|e| evaluated(*e)).collect();
+    // One state that is asked of equations by name is refused where none of them covers it.
+    if let Some(nothing) = covered_by_none(&all) {
+        return Err(refused(nothing));
+    }
+    let curve = states.len() > 1;
+    let properties: Vec<&Property> = match chosen {
+        Some(chosen) => chosen,
+        None if curve => OF_A_CURVE.iter().filter_map(|key| property(key)).collect(),
+        None => PROPERTIES.iter().collect(),
+    };
+    if args.json {
+        print_json(&eos::states_json(&all.concat(), &properties))?;
+    } else if curve {
+        for of_one in &all {
+            show::curve(of_one, &properties);
+        }
+    } else {
+        show::state(&all.concat(), &properties);
+    }
+    Ok(DONE)
+}
+
+/// A table of two phases side by side over temperatures.
+struct TwoPhases<R> {
+    /// Temperatures where none are named, ε/k_B; none where an equation has no such phases.
+    temperatures: fn(Equation) -> Option<Vec<f64>>,
+    /// The rows at one temperature.
+    rows: fn(Equation, f64) -> Vec<R>,
+    /// What is said where no equation has a row.
+    nothing: &'static str,
+    /// Why an equation has none.
+    limit: fn(Equation) -> String,
+    json: fn(Equation, &[R]) -> serde_json::Value,
+    show: fn(Equation, &[R]),
+}
+
+impl<R> TwoPhases<R> {
+    fn print(&self, args: &EosArgs, equations: &[Equation]) -> Result<u8, Failure> {
+        let rows_of = |equation: Equation| -> Vec<R> {
+            let usual = (self.temperatures)(equation);
+            let named = args.temperature.as_ref().map(|values| values.0.clone());
+            let temperatures = usual.and_then(|usual| named.or(Some(usual)));
+            let each = temperatures.into_iter().flatten();
+            each.flat_map(|t| (self.rows)(equation, t)).collect()
+        };
+        let all = equations.iter().map(|e| (*e, rows_of(*e)));
+        let found: Vec<(Equation, Vec<R>)> = all.filter(|(_, rows)| !rows.is_empty()).collect();
+        if found.is_empty() {
+            let limits: Vec<String> = equations.iter().map(|e| (self.limit)(*e)).collect();
+            return Err(refused(format!("{}: {}", self.nothing, limits.join("; "))));
+        }
+        if args.json {
+            let all: Vec<_> = found.iter().map(|(e, rows)| (self.json)(*e, rows)).collect();
+            print_json(&all)?;
+        } else {
+            found.iter().for_each(|(e, rows)| (self.show)(*e, rows));
+        }
+        Ok(DONE)
+    }
+}
+
+const SATURATION: TwoPhases<Coexistence> = TwoPhases {
+    temperatures: |equation| {
+        let spec = equation.spec();
+        let critical = spec.critical.temperature;
+        let lowest = spec.range.t_min.max(LOWEST_OF_CRITICAL * critical);
+        let mut all = evenly(lowest, critical);
+        all.pop();
+        Some(all)
+    },
+    rows: |equation, t| {
+        let covered = t >= equation.spec().range.t_min;
+        let found = covered.then(|| eos::coexistence_at(equation, t));
+        found.flatten().into_iter().collect()
+    },
+    nothing: "nothing coexists there",
+    limit: |equation| {
+        let spec = equation.spec();
+        match spec.range.rho_max {
+            Some(_) => format!("{} is for a gas alone", spec.name),
+            None => format!(
+                "{} has vapor and liquid from T = {} to {:.4}",
+                spec.name, spec.range.t_min, spec.critical.temperature
+            ),
+        }
+    },
+    json: |equation, rows| eos::coexistence_json(equation, rows),
+    show: |equation, rows| show::coexistence(equation, rows),
+};
+
+const FREEZING: TwoPhases<Freezing> = TwoPhases {
+    temperatures: |equation| {
+        let lines = freezing_lines_of(equation);
+        let lowest = lines.iter().map(|line| line.t_triple).reduce(f64::max)?;
+        let spec = equation.spec();
+        let highest = (HIGHEST_OF_CRITICAL * spec.critical.temperature).min(spec.range.t_max);
+        Some(evenly(lowest, highest))
+    },
+    rows: |equation, t| eos::freezing_at(equation, t),
+    nothing: "nothing freezes there",
+    limit: |equation| {
+        let name = &equation.spec().name;
+        let lines = freezing_lines_of(equation);
+        match lines.iter().map(|line| line.t_triple).reduce(f64::min) {
+            Some(t) => format!("the lines beside {name} begin at the triple point, T = {t}"),
+            None => format!("no freezing line is known for the model of {name}"),
+        }
+    },
+    json: |equation, rows| eos::freezing_json(equation, rows),
+    show: |equation, rows| show::freezing(equation, rows),
+};
+
+/// Temperatures from one to another, ends included.
+fn evenly(from: f64, to: f64) -> Vec<f64> {
+    let part = |i| f64::from(i) / f64::from(TEMPERATURE_STEPS);
+    (0..=TEMPERATURE_STEPS).map(|i| from + part(i) * (to - from)).collect()
+}
+
+/// Why a single state is nothing; `None` where one of the equations covers one of the states.
+fn covered_by_none(all: &[Vec<Evaluated>]) -> Option<String> {
+    let reasons: Vec<&str> = all
+        .iter()
+        .flatten()
+        .map(|e| e.found.as_ref().err().map(String::as_str))
+        .collect::<Option<_>>()?;
+    let mut distinct = reasons;
+    distinct.dedup();
+    distinct.truncate(6);
+    Some(distinct.join("\n  "))
+}
+
+fn refused(message: impl std::fmt::Display) -> Failure {
+    Failure::new("evaluating an equation of state", message, INPUT)
+}
+
+/// The equations that are asked for.
+fn equations(args: &EosArgs) -> Result<Vec<Equation>, Failure> {
+    let [repulsive, attractive] = args.exponents[..] else {
+        return Err(refused("a Mie potential has two exponents: --exponents 14,6"));
+    };
+    let potential = Mie { repulsive, attractive };
+    if !(attractive > 3.0 && repulsive > attractive && repulsive <= 100.0) {
+        return Err(refused(format!(
+            "exponents must be above 3, the first the larger and at most 100, found {repulsive} and {attractive}"
+        )));
+    }
+    if args.equations.is_empty() {
+        let r_cut = f64::INFINITY;
+        let model = if potential == Mie::LENNARD_JONES {
+            ModelKind::CutWithTail { r_cut }
+        } else {
+            ModelKind::Mie { repulsive, attractive, r_cut }
+        };
+        return Ok(equations_for(model));
+    }
+    let pairs = two_center(args.bond);
+    let two_center_keys = two_center(*BOND_LENGTHS.start()).into_iter().flatten();
+    let mut known: Vec<String> = list().map(|e| e.spec().key.clone()).to_vec();
+    known.extend(two_center_keys.map(|e| e.spec().key.clone()));
+    let by_name = |name: &String| -> Result<Equation, Failure> {
+        match name.as_str() {
+            "virial" => return Ok(virial_series(potential)),
+            "pohl-2023" => {
+                let pohl =
+                    pohl_2023(repulsive).filter(|_| attractive == Mie::LENNARD_JONES.attractive);
+                return pohl.map(|e| e as Equation).ok_or_else(|| {
+                    refused(format!(
+                        "pohl-2023 is for repulsive exponents from 11 to 13 and the attractive exponent 6, found {repulsive} and {attractive}"
+                    ))
+                });
+            }
+            _ => {}
+        }
+        if let Some(equation) = list().into_iter().find(|e| e.spec().key == *name) {
+            return Ok(equation);
+        }
+        if let Some(equation) = pairs.into_iter().flatten().find(|e| e.spec().key == *name) {
+            return Ok(equation);
+        }
+        if known.contains(name) {
+            return Err(refused(format!(
+                "{name} is for bonds from {} to {} σ, found --bond {}",
+                BOND_LENGTHS.start(),
+                BOND_LENGTHS.end(),
+                args.bond
+            )));
+        }
+        Err(unknown("equation of state", name, &known))
+    };
+    args.equations.iter().map(by_name).collect()
+}
+
+fn properties(names: &[String]) -> Result<Option<Vec<&'static Property>>, Failure> {
+    let known: Vec<String> = PROPERTIES.iter().map(|p| p.key.to_owned()).collect();
+    let by_name = |name: &String| property(name).ok_or_else(|| unknown("property", name, &known));
+    match names {
+        [] => Ok(None),
+        names => names.iter().map(by_name).collect::<Result<_, _>>().map(Some),
+    }
+}
+
+fn unknown(what: &str, name: &str, known: &[String]) -> Failure {
+    let nearest = lennard_scene::nearest(name, known.iter().map(String::as_str));
+    let meant = nearest.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+    refused(format!("there is no {what} `{name}`{meant}\n  allowed: {}", known.join(", ")))
+}

@@ -1,0 +1,85 @@
+//! `lennard export`: a scene or a run as the input of another program.
+
+use std::path::Path;
+
+use lennard_engine::{LammpsExport, ResumeOptions, Simulation};
+use lennard_io::{Existing, FolderError, create_named_folder, path_in_shell};
+use serde::Serialize;
+
+use crate::program::args::{ExportArgs, ExportFormat};
+use crate::program::commands::{load_locked, on_threads, print_json};
+use crate::program::failure::{DONE, Failure, INPUT};
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: &'static str,
+    files: Vec<String>,
+    remarks: &'a [String],
+}
+
+/// Writes the files of another program.
+pub fn export(args: &ExportArgs) -> Result<u8, Failure> {
+    let from = &args.scene.scene;
+    let is_run = from.is_dir();
+    if is_run && !args.scene.overrides().is_empty() {
+        return Err(Failure::new(
+            "exporting a run",
+            format!(
+                "the state of {} belongs to its own scene\n  found:   an override of a key\n  allowed: no override, or a scene",
+                from.display()
+            ),
+            INPUT,
+        ));
+    }
+    let threads = args.scene.threads.map_or(1, usize::from);
+    let simulation = match is_run {
+        true => {
+            let resumed = lennard_engine::resume(from, &ResumeOptions::default());
+            resumed
+                .map(|resumed| resumed.simulation)
+                .map_err(|e| Failure::new("exporting a run", &e, e.exit_code()))?
+        }
+        false => {
+            let (scene, lock) = load_locked(&args.scene)?;
+            args.scene.inputs(&scene, lock.as_ref()).not_in(&args.folder)?;
+            on_threads(threads, || Ok(lennard_engine::prepare(scene)?))?
+        }
+    };
+    let done = write(args, &args.folder, &simulation)?;
+    let files: Vec<String> = done.files.iter().map(|f| f.display().to_string()).collect();
+    if args.scene.json {
+        print_json(&Document {
+            schema: lennard_io::schema!("export", 1),
+            files,
+            remarks: &done.remarks,
+        })?;
+        return Ok(DONE);
+    }
+    println!(
+        "{}: {} particles at step {}, and the commands to go on",
+        files.join(", "),
+        simulation.state.len(),
+        simulation.state.step
+    );
+    for remark in &done.remarks {
+        println!("  not the same: {remark}");
+    }
+    println!("  cd {} && lmp -in in.lammps", path_in_shell(&args.folder));
+    Ok(DONE)
+}
+
+fn write(
+    args: &ExportArgs,
+    folder: &Path,
+    simulation: &Simulation,
+) -> Result<LammpsExport, Failure> {
+    let existing = match args.force {
+        true => Existing::Keep,
+        false => Existing::Refuse,
+    };
+    let making = |e: FolderError| Failure::new("making the output folder", e, INPUT);
+    let held = create_named_folder(folder, existing).map_err(making)?;
+    let ExportFormat::Lammps = args.format;
+    Ok(lennard_engine::export_to_lammps(held.path(), simulation)?)
+}

@@ -1,0 +1,31 @@
+//! `lennard plan`: what a scene computes.
+
+use lennard_engine::Network;
+
+use crate::program::args::PlanArgs;
+use crate::program::commands::{load_locked, on_threads, print_json, threads_with};
+use crate::program::failure::{DONE, Failure};
+use crate::program::show;
+
+/// Prints what a scene computes, what it leaves out and why, its memory and about how long it takes.
+pub fn plan(args: &PlanArgs) -> Result<u8, Failure> {
+    let (scene, lock) = load_locked(&args.scene)?;
+    let mut simulation = lennard_engine::prepare(scene)?;
+    let threads = threads_with(args.scene.threads, lock.as_ref(), simulation.state.len());
+    let network = args.nodes.map(|nodes| Network {
+        nodes: nodes as usize,
+        latency: args.latency.as_secs_f64(),
+        bandwidth: args.bandwidth,
+    });
+    let plan =
+        on_threads(threads, || Ok(lennard_engine::plan(&mut simulation, threads, network)?))?;
+    if args.scene.json {
+        print_json(&plan)?;
+    } else {
+        show::plan(&plan, args.verbose);
+        if let Some(lock) = &lock {
+            println!("  settings from {}", lock.path.display());
+        }
+    }
+    Ok(DONE)
+}

@@ -1,0 +1,100 @@
+//! `lennard resume`: a run goes on from its checkpoint, to the bit.
+
+use std::time::Instant;
+
+use lennard_core::Team;
+use lennard_engine::{EngineError, ResumeError, ResumeOptions, RunOptions};
+use lennard_io::{Existing, in_shell, path_in_shell};
+
+use crate::program::args::ResumeArgs;
+use crate::program::commands::run::tell;
+use crate::program::commands::{on_threads, output_folder, threads, write_report};
+use crate::program::failure::Failure;
+use crate::program::progress::Display;
+use crate::program::ranks;
+use crate::program::show;
+use crate::program::signals::{Signals, StartUp};
+
+/// Goes on with a run and prints the table of its results.
+pub fn resume(args: &ResumeArgs) -> Result<u8, Failure> {
+    resume_on(args, None)
+}
+
+/// As [`resume`], on one of several ranks where there is a team. Rank 0 alone writes and prints.
+pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> {
+    let deadline = args.control.deadline(Instant::now());
+    let loading = || {
+        StartUp::resumable(&format!(
+            "stopped before the first step: the checkpoint is untouched\n  to go on: {}",
+            command(args)
+        ))
+    };
+    let signals = Signals::listen(loading())?;
+    let options = ResumeOptions {
+        more_steps: args.steps.unwrap_or(0),
+        isa: args.isa.clone(),
+        older: args.older,
+        output: args.set.clone(),
+    };
+    let resume = || Ok(lennard_engine::resume(&args.folder, &options)?);
+    // Claimed before it is read: what another process writes there would change in between.
+    let claim = || {
+        if !args.folder.is_dir() {
+            return Err(EngineError::from(ResumeError::NoRun(args.folder.clone())).into());
+        }
+        signals.claim(|| output_folder(Some(&args.folder), Existing::Keep, ""), |_| Some(loading()))
+    };
+    let folder = ranks::made_by_first(team, claim)?;
+    let mut resumed = ranks::together(team, resume())?;
+    let quiet = args.control.quiet || args.json;
+    let threads =
+        ranks::threads(team, args.threads, |asked| threads(asked, resumed.simulation.state.len()));
+    ranks::share(team, &mut resumed.simulation)?;
+    let Some(folder) = folder else {
+        return ranks::beside(team, &mut resumed.simulation, threads, &signals);
+    };
+    let simulation = &resumed.simulation;
+    let (step, total) = (simulation.state.step, simulation.scene.total_steps());
+    if !quiet {
+        show::header(simulation, threads, &args.folder);
+        println!("  goes on after step {step} of {total}, from {}", resumed.checkpoint.display());
+        if step == total {
+            println!("  all steps were done already; --steps N goes on for N more");
+        }
+    }
+    // The checkpoint is loaded: whatever happens now, the run can go on.
+    signals.under_way();
+    let mut display = Display::new(args.control.quiet);
+    let outcome = on_threads(threads, || {
+        let options = RunOptions {
+            folder: &folder,
+            threads,
+            stop: signals.stop(),
+            deadline,
+            progress: &mut display,
+        };
+        let ended = lennard_engine::go_on(&mut resumed, options);
+        ended.map_err(|e| ranks::failed(team, e, &args.folder))
+    })?;
+    drop(display);
+    write_report(&outcome, &args.folder, &args.control)?;
+    tell(&outcome, &args.folder, total, args.json, &args.control)
+}
+
+/// The command as it can be typed again.
+fn command(args: &ResumeArgs) -> String {
+    let mut line = format!("lennard resume {}", path_in_shell(&args.folder));
+    if let Some(steps) = args.steps {
+        line += &format!(" --steps {steps}");
+    }
+    if args.older {
+        line += " --older";
+    }
+    if let Some(isa) = &args.isa {
+        line += &format!(" --isa {isa}");
+    }
+    for (key, value) in &args.set {
+        line += &format!(" --set {}", in_shell(&format!("{key}={value}")));
+    }
+    line
+}

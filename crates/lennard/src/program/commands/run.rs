@@ -1,0 +1,112 @@
+//! `lennard run`: a scene from start to finished folder.
+
+use std::path::Path;
+use std::time::Instant;
+
+use lennard_core::Team;
+use lennard_engine::{Ending, Outcome, RunOptions};
+use lennard_io::path_in_shell;
+
+use crate::program::args::{ControlArgs, RunArgs};
+use crate::program::commands::{
+    load_locked, on_threads, output_folder, print_json, replace_if, threads_with, write_report,
+};
+use crate::program::failure::{DONE, Failure, STOPPED};
+use crate::program::progress::Display;
+use crate::program::ranks;
+use crate::program::show;
+use crate::program::signals::{FirstStep, Leave, Signals, StartUp};
+
+/// Runs a scene and prints the table of its results.
+pub fn run(args: &RunArgs) -> Result<u8, Failure> {
+    run_on(args, None)
+}
+
+/// As [`run`], on one of several ranks where there is a team. Rank 0 alone writes and prints.
+pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
+    let deadline = args.control.deadline(Instant::now());
+    let nothing = || StartUp::of_nothing("stopped before the first step: nothing was written");
+    let signals = Signals::listen(nothing())?;
+    let prepared = || {
+        let (scene, lock) = load_locked(&args.scene)?;
+        if let Some(folder) = &args.out {
+            args.scene.inputs(&scene, lock.as_ref()).not_in(folder)?;
+        }
+        // Everything that can be wrong with the scene shows before anything is written.
+        let simulation = lennard_engine::prepare(scene)?;
+        Ok((simulation, lock))
+    };
+    let quiet = args.control.quiet || args.scene.json;
+    let (mut simulation, lock) = ranks::together(team, prepared())?;
+    let threads = ranks::threads(team, args.scene.threads, |asked| {
+        threads_with(asked, lock.as_ref(), simulation.state.len())
+    });
+    ranks::share(team, &mut simulation)?;
+    let name = &simulation.scene.name;
+    let claim = || {
+        signals.claim(
+            || output_folder(args.out.as_deref(), replace_if(args.force), name),
+            |_| Some(nothing().leaving(Leave::WithoutTheRun)),
+        )
+    };
+    let Some(folder) = ranks::made_by_first(team, claim)? else {
+        return ranks::beside(team, &mut simulation, threads, &signals);
+    };
+    if !quiet {
+        show::header(&simulation, threads, folder.path());
+        if let Some(lock) = &lock {
+            println!("  settings from {}", lock.path.display());
+        }
+        let foreseen = simulation.foreseen();
+        for remark in simulation.remarks.iter().chain(&foreseen) {
+            println!("  {remark}");
+        }
+    }
+    let mut display = FirstStep::new(&signals, Display::new(args.control.quiet));
+    let outcome = on_threads(threads, || {
+        let options = RunOptions {
+            folder: &folder,
+            threads,
+            stop: signals.stop(),
+            deadline,
+            progress: &mut display,
+        };
+        let ended = lennard_engine::run(&mut simulation, options);
+        ended.map_err(|e| ranks::failed(team, e, folder.path()))
+    })?;
+    drop(display);
+    write_report(&outcome, folder.path(), &args.control)?;
+    tell(&outcome, folder.path(), simulation.scene.total_steps(), args.scene.json, &args.control)
+}
+
+/// Prints what a run found, or where it stopped.
+pub fn tell(
+    outcome: &Outcome,
+    folder: &Path,
+    total: u64,
+    json: bool,
+    control: &ControlArgs,
+) -> Result<u8, Failure> {
+    let (quiet, verbose) = (control.quiet || json, control.verbose);
+    if json {
+        print_json(&outcome.record)?;
+    }
+    let why = match outcome.ending {
+        Ending::Finished => {
+            if !quiet {
+                let run = lennard_studies::compare::RunFolder::open(folder)?;
+                let compared = lennard_studies::compare::compare(&run);
+                show::results(&outcome.record, &compared, folder, verbose);
+            }
+            return Ok(DONE);
+        }
+        Ending::Stopped => "stopped on request",
+        Ending::OutOfTime => "stopped by --max-walltime",
+    };
+    eprintln!(
+        "{why} after step {} of {total}, with a checkpoint\n  to go on: lennard resume {}",
+        outcome.record.steps,
+        path_in_shell(folder)
+    );
+    Ok(STOPPED)
+}

@@ -1,0 +1,104 @@
+//! What the whole of a sweep and its tasks share: inputs that are kept, the command to go on with, and how it ends.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use lennard_io::{in_shell, path_in_shell};
+use lennard_scene::{Start, shipped};
+use lennard_studies::sweep::{self, Ending, Sweep, SweptPoint};
+
+use crate::program::args::SweepArgs;
+use crate::program::commands::Inputs;
+use crate::program::failure::{DONE, Failure, INPUT, OTHER, STOPPED};
+
+/// What is said of a sweep without a step that could be kept.
+pub(super) const NOT_BEGUN: &str =
+    "stopped before the first step of any point: nothing was written";
+
+/// Says on standard error what is not as it should be, and gives the exit code.
+pub(super) fn ended(ending: Ending, points: &[SweptPoint], command: &str) -> u8 {
+    for point in points {
+        let failed = point.failure.as_ref().map(|failed| &failed.reason);
+        if let Some(reason) = failed.or(point.elsewhere.as_ref()) {
+            eprintln!("{}: {reason}", point.name);
+        }
+    }
+    match ending {
+        Ending::Finished => DONE,
+        Ending::Failed => gravest(points),
+        Ending::Elsewhere => INPUT,
+        Ending::NotBegun => {
+            eprintln!("{NOT_BEGUN}");
+            OTHER
+        }
+        Ending::Incomplete => {
+            let missing = points.iter().filter(|p| p.is_unfinished());
+            let names: Vec<&str> = missing.map(|p| p.name.as_str()).collect();
+            eprintln!(
+                "{} of {} points are not finished: {}\n  to run them: {command}",
+                names.len(),
+                points.len(),
+                some_of(&names)
+            );
+            STOPPED
+        }
+        Ending::Stopped => {
+            eprintln!(
+                "stopped on request; what is finished is kept, and points at work have checkpoints\n  to go on: {command}"
+            );
+            STOPPED
+        }
+    }
+}
+
+/// The exit code of a sweep with failed points: physics, where it stopped one; else input, where one was at fault.
+fn gravest(points: &[SweptPoint]) -> u8 {
+    let failed = points.iter().filter_map(|point| point.failure.as_ref());
+    failed.map(|failed| failed.exit_code).max().unwrap_or(OTHER)
+}
+
+/// The first names of a list.
+fn some_of(names: &[&str]) -> String {
+    const SHOWN: usize = 5;
+    let shown = names[..names.len().min(SHOWN)].join(", ");
+    if names.len() > SHOWN {
+        return format!("{shown}, …");
+    }
+    shown
+}
+
+/// When to stop.
+pub(super) fn deadline(args: &SweepArgs, started: Instant) -> Option<Instant> {
+    started.checked_add(args.max_walltime?)
+}
+
+/// The command that runs or goes on with a sweep, as a shell reads it.
+pub(super) fn command(args: &SweepArgs, folder: &Path) -> String {
+    let shipped = shipped::find(&args.sweep).filter(|_| shipped::is_shipped(&args.sweep));
+    let file = path_in_shell(shipped.map_or(&args.sweep, |sweep| Path::new(sweep.name)));
+    let line = format!("lennard sweep {file} --out {}", path_in_shell(folder));
+    args.set.iter().fold(line, |line, (key, value)| {
+        format!("{line} --set {}", in_shell(&format!("{key}={value}")))
+    })
+}
+
+/// Refuses an output folder where a file that the sweep reads would be replaced or removed.
+pub(super) fn keep_inputs(file: &Path, sweep: &Sweep, folder: &Path) -> Result<(), Failure> {
+    let configurations = sweep.points.iter().filter_map(|point| match &point.scene.system.start {
+        Start::Configuration { path, .. } => Some(path.clone()),
+        Start::Lattice { .. } | Start::Slab(_) | Start::HalfCrystal(_) | Start::Listed { .. } => {
+            None
+        }
+    });
+    let mut inputs: Vec<PathBuf> = configurations.collect();
+    inputs.dedup();
+    inputs.extend([file.to_path_buf(), sweep.base.clone()]);
+    let inputs = Inputs::of(inputs);
+    for name in sweep::FILES {
+        inputs.are_not(&folder.join(name))?;
+    }
+    for point in &sweep.points {
+        inputs.not_in(&folder.join(&point.name))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,105 @@
+//! The `lennard` command line: arguments in, exit code out.
+//!
+//! A library, so that the Python package has the same command.
+#![allow(clippy::print_stdout, clippy::print_stderr)] // printing is what this crate is for
+
+#[macro_use]
+mod out;
+
+mod args;
+mod commands;
+mod failure;
+mod list_entry;
+mod man;
+mod progress;
+mod ranks;
+mod show;
+mod signals;
+
+use std::ffi::OsString;
+
+use clap::Parser;
+
+use lennard_core::Team;
+
+use crate::program::args::{Cli, Command, RanksCli, RanksCommand};
+use crate::program::failure::Failure;
+
+/// Runs the command line with these arguments, the name of the program first, and returns the exit code.
+///
+/// Results go to standard output, messages to standard error.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    signals::let_long_files_fail();
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => return usage(&error),
+    };
+    let done = match &cli.command {
+        Command::Run(args) => commands::run::run(args),
+        Command::New(args) => commands::new::new(args),
+        Command::Resume(args) => commands::resume::resume(args),
+        Command::Plan(args) => commands::plan::plan(args),
+        Command::Energy(args) => commands::energy::energy(args),
+        Command::Export(args) => commands::export::export(args),
+        Command::Stability(args) => commands::stability::stability(args),
+        Command::Mechanics(args) => commands::stability::mechanics(args),
+        Command::Chart(args) => commands::chart::chart(args),
+        Command::Sweep(args) => commands::sweep::sweep(args),
+        Command::Tune(args) => commands::tune::tune(args),
+        Command::Compare(args) => commands::compare::compare(args),
+        Command::Bench(args) => commands::bench::bench(args),
+        Command::Eos(args) => commands::eos::eos(args),
+        Command::List(args) => commands::list::list(args),
+        Command::Completions { shell } => commands::documents::completions(*shell),
+        Command::Man { folder } => commands::documents::man(folder),
+        Command::Schema => commands::documents::schema(),
+        Command::Version { json } => commands::version(*json),
+    };
+    exit_code(done)
+}
+
+/// Runs the command line of `lennard-mpi` on one of several ranks, and returns the exit code, which all ranks share.
+///
+/// Every rank is given the same arguments. What only one rank meets ends all of them ([`Team::abort`]).
+pub fn main_on_ranks(arguments: impl IntoIterator<Item = OsString>, team: &Team) -> u8 {
+    signals::let_long_files_fail();
+    let cli = match RanksCli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) if team.leads() => return usage(&error),
+        Err(error) => return code_of(&error),
+    };
+    exit_code(match &cli.command {
+        RanksCommand::Run(args) => commands::run::run_on(args, Some(team)),
+        RanksCommand::Resume(args) => commands::resume::resume_on(args, Some(team)),
+    })
+}
+
+/// Prints help, or what is wrong with the arguments, and gives the exit code.
+fn usage(error: &clap::Error) -> u8 {
+    if error.use_stderr() {
+        let text = error.render().to_string();
+        out::failed(text.strip_prefix("error: ").unwrap_or(&text).trim_end());
+    } else {
+        // A reader who has gone needs no help.
+        let _ = error.print();
+    }
+    code_of(error)
+}
+
+fn code_of(error: &clap::Error) -> u8 {
+    u8::try_from(error.exit_code()).unwrap_or(failure::INPUT)
+}
+
+/// Prints a failure, unless another rank does, and gives the exit code.
+fn exit_code(done: Result<u8, Failure>) -> u8 {
+    match done.and_then(|code| out::finish().map(|()| code)) {
+        Ok(code) => code,
+        Err(Failure { message, code }) => {
+            signals::let_a_signal_end();
+            if !message.is_empty() {
+                out::failed(&message);
+            }
+            code
+        }
+    }
+}

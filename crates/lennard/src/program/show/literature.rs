@@ -1,0 +1,212 @@
+//! Sweeps and comparisons for people.
+
+use std::path::Path;
+
+use lennard_core::{Cell, Table};
+use lennard_scene::Scene;
+use lennard_studies::compare::{self, ComparedRun, Row, StateOfMatter, quantity_words};
+use lennard_studies::report::{counted, signed, significant};
+use lennard_studies::sweep::{self, Sweep, SweepRecord, workers};
+
+use super::{WIDTH, narrow_table, note, table, wrapped};
+use crate::program::out;
+
+/// What is about to run, with the points that are no single stable phase. Two phases that the start puts side by side are
+/// meant, and are judged by saturation.
+pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
+    out::heading(&sweep.name);
+    println!(
+        "  {}, {} at a time, output in {}",
+        counted(sweep.points.len(), "point"),
+        workers(sweep.points.len(), threads),
+        folder.display()
+    );
+    let is_meant = |scene: &Scene| scene.surfaces().is_some() || scene.half_crystal().is_some();
+    for point in sweep.points.iter().filter(|p| !is_meant(&p.scene)) {
+        let state = planned(point);
+        if !state.is_single_stable_phase() {
+            println!("  {}: {}; it is run and not judged", point.name, state.words);
+        }
+    }
+}
+
+fn planned(point: &lennard_studies::sweep::Point) -> StateOfMatter {
+    let model = lennard_scene::model_kind(&point.scene);
+    let equation = lennard_literature::equation_of_state_for(model).ok();
+    StateOfMatter::new(point.density, point.scene.system.temperature, equation)
+}
+
+/// The table of a sweep.
+pub fn sweep(record: &SweepRecord, folder: &Path) {
+    println!("\n{}", narrow_table(&sweep::narrow_point_table(record)));
+    println!("  Digits in brackets are one standard error in the last digits.");
+    if !record.agreement.is_empty() {
+        let together = sweep::agreement_table(record).without(&sweep::CHI_SQUARED);
+        println!("\n{}", narrow_table(&together));
+    }
+    let mut remarks: Vec<&String> =
+        record.points.iter().filter_map(|p| p.compared.as_ref()).flat_map(|c| &c.remarks).collect();
+    remarks.sort();
+    remarks.dedup();
+    // Which points are no single phase stands in the table.
+    for remark in remarks.into_iter().filter(|r| !r.starts_with("by ")) {
+        note(&format!("note: {remark}"));
+    }
+    for melting in &record.melting {
+        note(&format!("{}.", melting.in_words()));
+    }
+    let kept = record.points.iter().filter(|p| p.kept).count();
+    if kept > 0 {
+        println!("  {kept} points had been finished before and were not run again");
+    }
+    println!("\n  page: {}", folder.join("report.html").display());
+}
+
+/// One run beside the literature.
+pub fn compared(run: &ComparedRun, verbose: bool) {
+    out::heading(&run.run);
+    println!(
+        "  {}, {} measured steps, {}: {}",
+        lennard_studies::report::particles(run.atoms as usize, run.molecules as usize),
+        run.measured_steps,
+        run.state.in_numbers(),
+        run.state.words
+    );
+    println!("{}", quantities(run, verbose));
+    below_quantities(run, verbose);
+    state_card(run);
+    // An old run has response functions from now, or tells why it has none. `verbose` shows all remarks.
+    let on_responses = |remark: &&String| remark.contains(lennard_observables::RESPONSES_REMARK);
+    for remark in run.remarks.iter().filter(on_responses).filter(|_| !verbose) {
+        note(remark);
+    }
+    println!();
+}
+
+/// Every measured property beside every equation, and what follows.
+pub(super) fn state_card(run: &ComparedRun) {
+    if let Some(card) = &run.card {
+        println!("{}", table(&compare::card_table(card)));
+        println!("  {}", card.sentence);
+    }
+}
+
+/// The primary quantities of a run with their verdicts; with `verbose` all of them, and what each verdict is made of.
+pub(super) fn quantities(run: &ComparedRun, verbose: bool) -> String {
+    if verbose {
+        let rows: Vec<&Row> = run.rows.iter().collect();
+        return table(&compare::table(&rows, Row::verdict_words)).to_string();
+    }
+    let mut shown = table(&narrow(run));
+    shown.load_style(comfy_table::presets::UTF8_BORDERS_ONLY).set_width(WIDTH);
+    // A hyphen begins a number; elsewhere it joins words.
+    shown.to_string().replace(" -", " −")
+}
+
+/// The primary quantities in columns that fit a terminal: the difference stands beside the one that is allowed.
+fn narrow(run: &ComparedRun) -> Table {
+    let rows: Vec<&Row> = run.rows.iter().filter(|r| r.primary).collect();
+    let rounded = |value: Option<f64>| Cell::rounded(value, 5);
+    Table::rows_of("results", &rows)
+        .column("Quantity", |r| {
+            let unit = r.unit.split(" per ").next().unwrap_or_default();
+            let words = quantity_words(&r.quantity)
+                .replace("configurational temperature", "T, configurational");
+            match unit {
+                "" => words,
+                unit => format!("{words}, {unit}"),
+            }
+        })
+        .measured("Measured", |r| Some((r.measured, r.standard_error)))
+        .column("Reference", |r| rounded(r.reference))
+        .column("Difference", |r| {
+            if r.is_in_range() {
+                return Some(Cell::figures("in range"));
+            }
+            let figures = r.difference.map(|d| signed(d, 2));
+            figures.map(Cell::figures)
+        })
+        .column("Allowed", |r| {
+            let figures = r.tolerance.map(|t| format!("± {}", significant(t, 2)));
+            figures.map(Cell::figures)
+        })
+        .column("Verdict", |r| {
+            let in_headline = is_in_headline(run, r);
+            let words = if in_headline || r.verdict.is_judged() || has_note(run, r) {
+                r.verdict.words().to_owned()
+            } else {
+                r.verdict_words()
+            };
+            Cell::words(words).toned(r.verdict.tone())
+        })
+        .table()
+}
+
+/// The verdict on a run in one sentence or two.
+pub(super) fn headline(run: &ComparedRun) {
+    for line in wrapped(&run.headline) {
+        out::heading(line);
+    }
+}
+
+/// Whether the headline says the reason of a row: most rows share it.
+fn is_in_headline(run: &ComparedRun, row: &Row) -> bool {
+    run.shared_reason.as_ref() == Some(&row.reason)
+}
+
+/// Whether the reason of a row stands below the table: it would fill several lines of a cell.
+fn has_note(run: &ComparedRun, row: &Row) -> bool {
+    row.has_long_reason() && !is_in_headline(run, row)
+}
+
+/// What is said below the table: the headline, the model and the reference; with `verbose` every source and note.
+pub(super) fn below_quantities(run: &ComparedRun, verbose: bool) {
+    headline(run);
+    if !verbose {
+        for row in run.rows.iter().filter(|r| r.primary && has_note(run, r)) {
+            note(&format!("{}: {}", quantity_words(&row.quantity), row.reason));
+        }
+    }
+    let molecules = run.molecules != run.atoms;
+    note(&format!(
+        "U and P are of: {}; energies are per {}",
+        run.model,
+        if molecules { "molecule" } else { "particle" }
+    ));
+    let judged_by = |equation: &&String| {
+        let rows = &mut run.rows.iter();
+        rows.any(|r| r.verdict.is_judged() && r.source == **equation)
+    };
+    if let Some(equation) = run.equation.as_ref().filter(judged_by) {
+        note(&format!(
+            "reference: {equation}, at {}, for {}",
+            run.state.in_numbers(),
+            lennard_studies::report::particles(run.atoms as usize, run.molecules as usize)
+        ));
+    }
+    let hidden = run.rows.iter().filter(|r| !r.primary).count();
+    if !verbose {
+        for row in run.rows.iter().filter(|r| r.primary) {
+            if let Some(words) = row.range_words() {
+                note(&format!("{}: {words}", quantity_words(&row.quantity)));
+            }
+        }
+        if hidden > 0 {
+            note(&format!("{hidden} more quantities, sources and notes: --verbose"));
+        }
+        return;
+    }
+    for r in &run.rows {
+        let notes: Vec<&str> = [r.source.as_str(), r.tolerance_words.as_str(), r.remark.as_str()]
+            .into_iter()
+            .filter(|t| !t.is_empty())
+            .collect();
+        if !notes.is_empty() {
+            let words = quantity_words(&r.quantity);
+            note(&format!("{words}: {}", notes.join("; ")));
+        }
+    }
+    for remark in &run.remarks {
+        note(&format!("note: {remark}"));
+    }
+}

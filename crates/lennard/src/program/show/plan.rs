@@ -1,0 +1,245 @@
+//! What a scene computes, in ten lines or in full.
+
+use lennard_core::{Cell, Table};
+use lennard_engine::{Nodes, PATIENCE, Plan, PlanItem};
+
+use super::{bytes, duration, table};
+use crate::program::args::RATES;
+
+/// Parts with a smaller share than this are printed together.
+const SMALL_SHARE: f64 = 0.02;
+/// The most parts with a line of their own.
+const MOST_LINES: usize = 4;
+/// What the name of a stage has before it.
+const STAGE: &str = "stage ";
+
+/// Prints a plan; with `verbose` every part, and why the rest is off.
+pub fn plan(plan: &Plan, verbose: bool) {
+    println!(
+        "{}: {} at density {:.4}, {} steps",
+        plan.scene,
+        lennard_studies::report::particles(plan.atoms, plan.molecules),
+        plan.density,
+        plan.steps
+    );
+    println!("  {}", plan.model);
+    if verbose {
+        println!("{}", table(&all(plan)));
+    } else {
+        for line in lines(plan) {
+            println!("  {line}");
+        }
+    }
+    println!(
+        "  memory: about {} ({:.0} bytes per particle), and {} for the program",
+        bytes(plan.bytes),
+        plan.bytes as f64 / plan.atoms as f64,
+        bytes(plan.program_bytes)
+    );
+    println!("  time: {}", time(plan));
+    for remark in &plan.remarks {
+        println!("  {remark}");
+    }
+    if let Some(nodes) = &plan.nodes {
+        println!("{}", table(&of_nodes(nodes)));
+        for line in in_words(nodes) {
+            println!("  {line}");
+        }
+    }
+}
+
+/// How long the run takes.
+fn time(plan: &Plan) -> String {
+    let threads = lennard_studies::report::counted(plan.threads, "thread");
+    match plan.estimated_seconds.zip(plan.seconds_per_step) {
+        Some((run, step)) => format!(
+            "about {} on {threads}; a step that nothing looks at took {} here (median of {})",
+            duration(run),
+            duration(step),
+            plan.measured_steps
+        ),
+        None => format!(
+            "too slow to measure: in {} on {threads}, {} after the first",
+            duration(PATIENCE.as_secs_f64()),
+            lennard_studies::report::counted(plan.measured_steps as usize, "step")
+        ),
+    }
+}
+
+/// Steps on machines, by the model.
+fn of_nodes(nodes: &Nodes) -> Table {
+    let micro = |seconds: f64| Cell::figures(format!("{:.1}", 1e6 * seconds));
+    Table::rows_of("nodes", &nodes.steps)
+        .column("machines", |s| s.nodes)
+        .column("particles", |s| Cell::figures(format!("{:.0}", s.atoms)))
+        .column("halo", |s| Cell::figures(format!("{:.0}", s.ghosts)))
+        .column("MB", |s| Cell::figures(format!("{:.1}", s.bytes * 1e-6)))
+        .column("of others", |s| match s.nodes {
+            1 => Cell::from("–"),
+            _ => Cell::figures(format!("{:.1}", s.bytes_of_others * 1e-6)),
+        })
+        .column("step, µs", |s| micro(s.seconds_per_step))
+        .column("halo, µs", |s| micro(s.halo))
+        .column("gathering, µs", |s| micro(s.gathering))
+        .column("decision, µs", |s| micro(s.deciding))
+        .column("speedup", |s| Cell::figures(format!("{:.1}", s.speedup)))
+        .column("efficiency", |s| Cell::figures(format!("{:.2}", s.efficiency)))
+        .table()
+}
+
+/// Where more machines stop paying, and what the numbers are.
+fn in_words(nodes: &Nodes) -> [String; 3] {
+    let why = match nodes.no_more_at {
+        None => "for more there are too few particles: each machine takes 48 or more".to_owned(),
+        Some(more) => format!("{more} machines spend more than half of their time on messages"),
+    };
+    let (latency, rate) = (duration(nodes.network.latency), rate(nodes.network.bandwidth));
+    [
+        format!(
+            "more machines pay up to {} (efficiency {:.2})",
+            nodes.pays_up_to, nodes.efficiency_there
+        ),
+        why,
+        format!(
+            "predicted for `lennard-mpi` by the measured step, counted halos, {latency} and {rate}; not measured"
+        ),
+    ]
+}
+
+/// A rate, bytes per second, as the command line takes it.
+fn rate(bytes: f64) -> String {
+    let unit = RATES.iter().find(|(_, unit)| bytes >= *unit);
+    let (name, unit) = unit.unwrap_or(&("B/s", 1.0));
+    format!("{} {name}", bytes / unit)
+}
+
+fn percent(share: f64) -> String {
+    match 100.0 * share {
+        s if s < 0.05 => "< 0.1 %".to_owned(),
+        s => format!("{s:.1} %"),
+    }
+}
+
+/// Every part in a table.
+fn all(plan: &Plan) -> Table {
+    Table::rows_of("plan", &plan.items)
+        .column("part", |i| &i.part)
+        .column("", |i| if i.on { "on" } else { "off" })
+        .column("share", |i| Cell::figures(i.share.map_or_else(String::new, percent)))
+        .column("how, or why not", |i| &i.why)
+        .table()
+}
+
+/// The stages in one line, the parts that take most of the time with a line each, and the number of the others.
+fn lines(plan: &Plan) -> Vec<String> {
+    let on = || plan.items.iter().filter(|item| item.on);
+    let stages: Vec<String> = on()
+        .filter_map(|item| {
+            let name = item.part.strip_prefix(STAGE)?;
+            let steps = item.why.split(',').next().unwrap_or_default();
+            Some(format!("{name} {steps}"))
+        })
+        .collect();
+    let mut lines = vec![format!("stages: {}", stages.join(", "))];
+    let mut parts: Vec<(&PlanItem, f64)> =
+        on().filter_map(|item| Some((item, item.share?))).collect();
+    parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+    // A plan stays at ten lines, whatever is said about the run.
+    let most = match plan.remarks.len() {
+        0 => MOST_LINES,
+        remarks => MOST_LINES.saturating_sub(1 + remarks).max(1),
+    };
+    let large = parts.iter().take(most).take_while(|(_, share)| *share >= SMALL_SHARE);
+    let told = large.clone().count();
+    lines.extend(large.map(|(item, share)| {
+        let how = item.why.split([',', ';', ':']).next().unwrap_or_default();
+        format!("{:>7}  {}: {how}", percent(*share), item.part)
+    }));
+    let (others, rest) = (parts.len() - told, parts[told..].iter().map(|(_, share)| share).sum());
+    if others > 0 {
+        let others = lennard_studies::report::counted(others, "other part");
+        lines.push(format!("{:>7}  {others}", percent(rest)));
+    }
+    let off = plan.items.len() - on().count();
+    lines.push(format!("--verbose: every part, and the reason for each of {off} that are off"));
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use lennard_core::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn rates_are_shown_as_they_are_typed() {
+        for (bytes, shown) in [(25e9, "25 GB/s"), (1.5e6, "1.5 MB/s"), (0.5, "0.5 B/s")] {
+            assert_eq!(rate(bytes), shown);
+        }
+    }
+
+    #[test]
+    fn the_largest_parts_have_a_line_and_the_others_are_counted() {
+        let item = |part: &str, why: &str, share| PlanItem {
+            part: part.into(),
+            on: true,
+            why: why.into(),
+            share,
+        };
+        let mut items = vec![
+            item("neighbor list", "list radius 2.8 σ: because", Some(0.2)),
+            item("pair forces", "every step, `rows` loop", Some(0.7)),
+            item("integrator", "velocity-verlet, dt = 0.004 τ", Some(0.09)),
+            item("rdf", "every 100 steps", Some(0.006)),
+            item("msd", "every 10 steps", Some(0.004)),
+            item("stage melt", "1000 steps, bussi at T = 2", None),
+            item("stage production", "20000 steps, measured", None),
+        ];
+        items.push(PlanItem { on: false, ..item("vacf", "not in the scene", None) });
+        let plan = Plan {
+            schema: "",
+            scene: String::new(),
+            model: String::new(),
+            atoms: 1,
+            molecules: 1,
+            density: 1.0,
+            steps: 1,
+            threads: 1,
+            items,
+            bytes: 1,
+            program_bytes: 1,
+            seconds_per_step: Some(1.0),
+            measured_steps: 3,
+            estimated_seconds: Some(1.0),
+            remarks: Vec::new(),
+            lengths: DVec3::ONE,
+            reach: 1.0,
+            nodes: None,
+        };
+        assert_eq!(
+            time(&plan),
+            "about 1.0 s on 1 thread; a step that nothing looks at took 1.0 s here (median of 3)"
+        );
+        let slow = Plan {
+            seconds_per_step: None,
+            measured_steps: 1,
+            estimated_seconds: None,
+            ..plan.clone()
+        };
+        assert_eq!(
+            time(&slow),
+            "too slow to measure: in 10.0 s on 1 thread, 1 step after the first"
+        );
+        assert_eq!(
+            lines(&plan),
+            [
+                "stages: melt 1000 steps, production 20000 steps",
+                " 70.0 %  pair forces: every step",
+                " 20.0 %  neighbor list: list radius 2.8 σ",
+                "  9.0 %  integrator: velocity-verlet",
+                "  1.0 %  2 other parts",
+                "--verbose: every part, and the reason for each of 1 that are off",
+            ]
+        );
+    }
+}

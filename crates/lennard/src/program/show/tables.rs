@@ -1,0 +1,99 @@
+//! Tables for terminals.
+
+use comfy_table::presets::{UTF8_BORDERS_ONLY, UTF8_FULL_CONDENSED};
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Width};
+use lennard_core::Table;
+use lennard_studies::report::{ErrorStyle, cell_text, heading, is_numeric};
+
+use super::WIDTH;
+
+/// A table that fits the terminal.
+pub(super) fn table(table: &Table) -> comfy_table::Table {
+    styled(table, ErrorStyle::PlusMinus)
+}
+
+/// A table of at most [`WIDTH`] columns, with errors in brackets. Where it can, its last column alone takes several lines.
+pub(super) fn narrow_table(table: &Table) -> comfy_table::Table {
+    /// Below this width a column of words is hard to read.
+    const NARROWEST: u16 = 14;
+    let mut shown = styled(table, ErrorStyle::Brackets);
+    shown.load_style(UTF8_BORDERS_ONLY).set_width(WIDTH);
+    for column in shown.column_iter_mut().skip(1) {
+        column.set_padding((0, 1));
+    }
+    let widths = shown.column_max_content_widths();
+    let (spaces, figures) = (2 * widths.len() + 2, widths.len().saturating_sub(1));
+    let all = widths.iter().take(figures).sum::<u16>() + spaces as u16;
+    if all + NARROWEST <= WIDTH {
+        for column in shown.column_iter_mut().take(figures) {
+            column.set_constraint(ColumnConstraint::ContentWidth);
+        }
+    } else {
+        keep_words_whole(&mut shown, table);
+    }
+    shown
+}
+
+/// Makes each column as wide as its longest word, where there is room for that.
+fn keep_words_whole(shown: &mut comfy_table::Table, table: &Table) {
+    let longest = |text: &str| {
+        let words = text.split_whitespace().map(console::measure_text_width);
+        words.max().unwrap_or(0) as u16
+    };
+    let mut widths: Vec<u16> = table.columns.iter().map(|c| longest(&heading(c))).collect();
+    for row in 0..table.rows() {
+        for (width, cell) in widths.iter_mut().zip(table.row(row)) {
+            *width = longest(&cell_text(&cell, ErrorStyle::Brackets)).max(*width);
+        }
+    }
+    // Spaces beside each column, and the borders.
+    let spaces = widths.len() as u16 + 1;
+    if widths.iter().sum::<u16>() + spaces + 2 > WIDTH {
+        return;
+    }
+    for (k, (column, width)) in shown.column_iter_mut().zip(widths).enumerate() {
+        let padding = if k == 0 { 2 } else { 1 };
+        column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(width + padding)));
+    }
+}
+
+fn styled(table: &Table, errors: ErrorStyle) -> comfy_table::Table {
+    let mut shown = comfy_table::Table::new();
+    shown
+        .load_style(UTF8_FULL_CONDENSED)
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_header(table.columns.iter().map(heading));
+    // Output that no terminal shows has no width.
+    if let Some((_, columns)) = console::Term::stdout().size_checked() {
+        shown.set_width(columns);
+    }
+    for row in 0..table.rows() {
+        let cells = table.row(row);
+        shown.add_row(cells.map(|cell| cell_text(&cell, errors)));
+    }
+    for (column, shown) in table.columns.iter().zip(shown.column_iter_mut()) {
+        if is_numeric(column) {
+            shown.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_that_is_too_wide_breaks_between_words_alone() {
+        let headings = ["Quantity", "Points judged", "Largest standard error", "p"];
+        let mut rows = Table::rows_of("wide", &["configurational temperature"; 2])
+            .column("Quantity", |name| *name);
+        for heading in &headings[1..] {
+            rows = rows.column(heading, |_| "a sentence of words that are short");
+        }
+        let shown = narrow_table(&rows.table()).to_string();
+        assert!(shown.contains("configurational"), "{shown}");
+        let widest = shown.lines().map(|line| line.chars().count()).max();
+        assert!(widest <= Some(usize::from(WIDTH)), "{shown}");
+    }
+}

@@ -1,0 +1,119 @@
+//! Bad input is refused before anything is written, with exit code 2 and a message that helps.
+
+use crate::program::common::{lennard, root, run_small, stderr, stdout};
+
+#[test]
+fn every_bad_scene_ends_with_exit_code_2_and_its_message_and_writes_nothing() {
+    let temporary = tempfile::tempdir().unwrap();
+    let out = temporary.path().join("out");
+    let mut seen = 0;
+    for entry in std::fs::read_dir(root().join("inputs/bad")).unwrap() {
+        let scene = entry.unwrap().path();
+        let is_lock = scene.to_string_lossy().ends_with(".lock.toml");
+        if is_lock || scene.extension().is_none_or(|e| e != "toml") {
+            continue;
+        }
+        seen += 1;
+        let named = format!("inputs/bad/{}", scene.file_name().unwrap().to_string_lossy());
+        let output = lennard(&["run", &named, "--out", out.to_str().unwrap()]).output().unwrap();
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{named}: {message}");
+        assert_eq!(stdout(&output), "", "{named}");
+        let expected = std::fs::read_to_string(scene.with_extension("expected")).unwrap();
+        for line in expected.lines().filter(|l| !l.starts_with('#')) {
+            assert!(message.contains(line), "{named}: wanted `{line}` in\n{message}");
+        }
+        assert!(!out.exists(), "{named} left an output folder");
+    }
+    assert!(seen > 30, "only {seen} bad scenes");
+}
+
+#[test]
+fn the_refusal_that_the_documents_show_is_the_one_that_the_program_gives() {
+    let document = std::fs::read_to_string(root().join("docs/reliability.md")).unwrap();
+    let output = lennard(&["run", "inputs/bad/unknown-key.toml"]).output().unwrap();
+    let message = stderr(&output);
+    assert!(message.contains("allowed: ") && document.contains(&message), "{message}");
+}
+
+#[test]
+fn an_existing_folder_is_refused_unless_forced() {
+    let temporary = tempfile::tempdir().unwrap();
+    std::fs::write(temporary.path().join("precious.txt"), "keep me").unwrap();
+    let run = |more: &[&str]| {
+        let mut command = run_small(temporary.path());
+        command.arg("--quiet").args(more).output().unwrap()
+    };
+    let refused = run(&[]);
+    assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+    assert!(stderr(&refused).contains("--force"), "{}", stderr(&refused));
+    let forced = run(&["--force"]);
+    assert!(forced.status.success(), "{}", stderr(&forced));
+    assert_eq!(std::fs::read_to_string(temporary.path().join("precious.txt")).unwrap(), "keep me");
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_refused() {
+    let temporary = tempfile::tempdir().unwrap();
+    let file = temporary.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    let below = file.join("out");
+    let args = ["run", "inputs/verlet-1967/triple-point.toml", "--out", below.to_str().unwrap()];
+    let output = lennard(&args).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains(below.to_str().unwrap()), "{}", stderr(&output));
+}
+
+#[test]
+fn overrides_that_fit_nothing_name_the_override() {
+    for (set, wanted) in [
+        ("system.densty=0.8", "nearest: density"),
+        ("truncation.r_cut=9", "r_cut"),
+        ("stage.productoin.steps=5", "production"),
+        ("integrator.kind=velocity-verlt", "nearest: velocity-verlet"),
+    ] {
+        let output = lennard(&["plan", "inputs/verlet-1967/triple-point.toml", "--set", set])
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2), "{set}: {}", stderr(&output));
+        assert!(stderr(&output).contains(wanted), "{set}: {}", stderr(&output));
+    }
+}
+
+/// A disk that is full, played by a limit on the size of files: writes past it fail as they do there.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_stops_the_run_and_leaves_nothing_that_looks_finished() {
+    let temporary = tempfile::tempdir().unwrap();
+    let out = temporary.path().join("out");
+    let mut args = vec![
+        "run",
+        "inputs/verlet-1967/triple-point.toml",
+        "--quiet",
+        "--set",
+        "output.trajectory_every=10",
+    ];
+    args.extend(crate::program::common::SMALL);
+    // 100 kB: enough for the scene and the record, too little for the trajectory.
+    let script = format!(
+        "ulimit -f 200; exec '{}' {} --out '{}'",
+        env!("CARGO_BIN_EXE_lennard"),
+        args.join(" "),
+        out.display()
+    );
+    let output = std::process::Command::new("sh")
+        .args(["-c", &script])
+        .current_dir(root())
+        .output()
+        .unwrap();
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("trajectory.xyz"), "{message}");
+    let record = std::fs::read_to_string(out.join("run.json")).unwrap();
+    assert!(record.contains("\"finished\": false"), "{record}");
+    assert!(!out.join("final.xyz").exists());
+    // Whole frames only: every frame has the same number of lines, and the last line ends.
+    let trajectory = std::fs::read_to_string(out.join("trajectory.xyz")).unwrap();
+    assert!(trajectory.is_empty() || trajectory.ends_with('\n'));
+    assert_eq!(trajectory.lines().count() % 258, 0);
+}

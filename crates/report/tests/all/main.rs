@@ -1,3 +1,0 @@
-//! Tests of figures and pages from outside.
-
-mod messages;

@@ -1,0 +1,233 @@
+//! A figure as data: axes, series, guides.
+
+use crate::report::{Axis, Dash, Symbol};
+
+/// A point with an optional error bar.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Point {
+    /// Abscissa.
+    pub x: f64,
+    /// Ordinate; a value that is not finite breaks the line.
+    pub y: f64,
+    /// Standard error of `y`, drawn as a bar of ± that length. An error that is not finite is not known: the point is then
+    /// no result, and its mark is open and grey. `None` for a number without a statistical error.
+    pub error: Option<f64>,
+    /// What a reader sees who points at it.
+    pub note: Option<String>,
+    /// A page that a click on it opens, beside the page with the figure.
+    pub link: Option<String>,
+    /// Lowest and highest abscissa of a value that was measured many times, drawn as a bar without ends.
+    pub x_range: Option<(f64, f64)>,
+    /// A word or a number written beside it.
+    pub label: Option<String>,
+}
+
+impl Point {
+    /// Whether the value has an error that is not known, so that it is no result.
+    #[must_use]
+    pub fn is_no_result(&self) -> bool {
+        self.error.is_some_and(|error| !error.is_finite())
+    }
+}
+
+impl From<(f64, f64)> for Point {
+    fn from((x, y): (f64, f64)) -> Self {
+        Self { x, y, ..Self::default() }
+    }
+}
+
+/// A run that gave no value.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FailedPoint {
+    /// Abscissa.
+    pub x: f64,
+    /// What a reader sees who points at it.
+    pub note: Option<String>,
+}
+
+/// How a series is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Look {
+    /// A line: theory, or a densely sampled run.
+    Line(Dash),
+    /// Marks: measurement.
+    Points(Symbol),
+    /// Marks joined by a thin line.
+    LineAndPoints(Dash, Symbol),
+}
+
+impl Look {
+    /// The line of the `index`-th series.
+    #[must_use]
+    pub fn line(index: usize) -> Self {
+        Self::Line(Dash::cycle(index))
+    }
+
+    /// The marks of the `index`-th series.
+    #[must_use]
+    pub fn marks(index: usize) -> Self {
+        Self::Points(Symbol::cycle(index))
+    }
+
+    /// The marks of the `index`-th series, joined by its line.
+    #[must_use]
+    pub fn joined(index: usize) -> Self {
+        Self::LineAndPoints(Dash::cycle(index), Symbol::cycle(index))
+    }
+}
+
+/// One set of points under one name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Name in the legend; an empty one keeps it out.
+    pub name: String,
+    /// Line, marks or both.
+    pub look: Look,
+    /// Index of its colour, going round [`crate::report::COLORS`].
+    pub color: usize,
+    /// The points, in drawing order.
+    pub points: Vec<Point>,
+    /// Where there is no value because the run failed: drawn as crosses along the upper edge.
+    pub failures: Vec<FailedPoint>,
+}
+
+impl Series {
+    /// A series from pairs, or from points with error bars and notes.
+    #[must_use]
+    pub fn new<P: Into<Point>>(
+        name: impl Into<String>,
+        look: Look,
+        color: usize,
+        points: impl IntoIterator<Item = P>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            look,
+            color,
+            points: points.into_iter().map(Into::into).collect(),
+            failures: Vec::new(),
+        }
+    }
+
+    /// An entry of the legend without points.
+    #[must_use]
+    pub fn entry(name: impl Into<String>, look: Look, color: usize) -> Self {
+        Self::new(name, look, color, std::iter::empty::<Point>())
+    }
+
+    /// Marks the abscissae of failed runs.
+    #[must_use]
+    pub fn with_failures(self, failures: Vec<f64>) -> Self {
+        let at = |x| FailedPoint { x, note: None };
+        self.with_noted_failures(failures.into_iter().map(at).collect())
+    }
+
+    /// Marks failed runs, each with what is to be known of it.
+    #[must_use]
+    pub fn with_noted_failures(mut self, failures: Vec<FailedPoint>) -> Self {
+        self.failures = failures;
+        self
+    }
+}
+
+/// A thin line, or a tinted strip, across the figure with a word beside it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Guide {
+    /// At this abscissa, from bottom to top.
+    Vertical(f64, String),
+    /// At this ordinate, from left to right.
+    Horizontal(f64, String),
+    /// From the lower edge up to this ordinate, tinted: below it values say nothing.
+    UpTo(f64, String),
+}
+
+/// A figure with two axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// File stem.
+    pub name: String,
+    /// Heading inside the figure.
+    pub title: String,
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// What is drawn, the first lowest.
+    pub series: Vec<Series>,
+    /// Lines across.
+    pub guides: Vec<Guide>,
+}
+
+impl Figure {
+    /// A figure without series yet.
+    #[must_use]
+    pub fn new(name: impl Into<String>, title: impl Into<String>, x: Axis, y: Axis) -> Self {
+        Self {
+            name: name.into(),
+            title: title.into(),
+            x,
+            y,
+            series: Vec::new(),
+            guides: Vec::new(),
+        }
+    }
+
+    /// Adds a series.
+    #[must_use]
+    pub fn with(mut self, series: Series) -> Self {
+        self.series.push(series);
+        self
+    }
+
+    /// Adds the line of the `index`-th series.
+    #[must_use]
+    pub fn line<P: Into<Point>>(
+        self,
+        name: impl Into<String>,
+        index: usize,
+        points: impl IntoIterator<Item = P>,
+    ) -> Self {
+        self.with(Series::new(name, Look::line(index), index, points))
+    }
+
+    /// Adds the marks of the `index`-th series.
+    #[must_use]
+    pub fn marks<P: Into<Point>>(
+        self,
+        name: impl Into<String>,
+        index: usize,
+        points: impl IntoIterator<Item = P>,
+    ) -> Self {
+        self.with(Series::new(name, Look::marks(index), index, points))
+    }
+
+    /// Adds the marks of the `index`-th series, joined by its line.
+    #[must_use]
+    pub fn joined<P: Into<Point>>(
+        self,
+        name: impl Into<String>,
+        index: usize,
+        points: impl IntoIterator<Item = P>,
+    ) -> Self {
+        self.with(Series::new(name, Look::joined(index), index, points))
+    }
+
+    /// Adds a horizontal guide, with a word beside it or none.
+    #[must_use]
+    pub fn level(self, at: f64, word: impl Into<String>) -> Self {
+        self.guided(Guide::Horizontal(at, word.into()))
+    }
+
+    /// Whether no series has a point.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.series.iter().all(|s| s.points.is_empty())
+    }
+
+    /// Adds a guide.
+    #[must_use]
+    pub fn guided(mut self, guide: Guide) -> Self {
+        self.guides.push(guide);
+        self
+    }
+}

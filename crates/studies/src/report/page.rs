@@ -1,0 +1,279 @@
+//! A self-contained page: one HTML text with its style and its figures inside.
+
+use lennard_core::Table;
+
+use crate::report::escape::{escape, inline_markup, made_by};
+use crate::report::{Picture, ReportError, table};
+
+/// The style of every page.
+const STYLE: &str = include_str!("page.css");
+/// What lets points be pointed at, with a mouse or a finger; only on pages that have such points.
+const SCRIPT: &str = include_str!("page.js");
+
+/// A part of a section.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Block {
+    /// A paragraph with inline markup: `` `code` `` and `**bold**`.
+    Text(String),
+    /// Points of a list, with inline markup.
+    List(Vec<String>),
+    /// Lines of a derivation.
+    Equations(Vec<String>),
+    /// A remark that must not be missed.
+    Remark(String),
+    /// A heading inside the section.
+    Heading(String),
+    /// Figures, side by side where there is room.
+    Figures(Vec<Picture>),
+    /// A table.
+    Table(Table),
+}
+
+/// A section with a heading.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    /// Heading.
+    pub title: String,
+    /// What stands in it.
+    pub blocks: Vec<Block>,
+}
+
+impl Section {
+    /// An empty section.
+    #[must_use]
+    pub fn new(title: impl Into<String>) -> Self {
+        Self { title: title.into(), blocks: Vec::new() }
+    }
+
+    /// Adds a block.
+    #[must_use]
+    pub fn with(mut self, block: Block) -> Self {
+        self.blocks.push(block);
+        self
+    }
+
+    /// Adds a table.
+    #[must_use]
+    pub fn table(self, table: Table) -> Self {
+        self.with(Block::Table(table))
+    }
+
+    /// Adds figures, side by side where there is room; nothing where there are none.
+    #[must_use]
+    pub fn figures(self, figures: Vec<Picture>) -> Self {
+        if figures.is_empty() {
+            return self;
+        }
+        self.with(Block::Figures(figures))
+    }
+
+    /// Adds a list; nothing where it is empty.
+    #[must_use]
+    pub fn list(self, points: Vec<String>) -> Self {
+        if points.is_empty() {
+            return self;
+        }
+        self.with(Block::List(points))
+    }
+
+    /// Adds a heading inside the section.
+    #[must_use]
+    pub fn heading(self, heading: impl Into<String>) -> Self {
+        self.with(Block::Heading(heading.into()))
+    }
+
+    /// Adds a paragraph.
+    #[must_use]
+    pub fn text(self, text: impl Into<String>) -> Self {
+        self.with(Block::Text(text.into()))
+    }
+}
+
+/// A page.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Page {
+    /// Title of the page and of the browser's tab.
+    pub title: String,
+    /// What the page says, in a few sentences with inline markup.
+    pub lead: String,
+    /// The command that makes its figures and tables again.
+    pub command: Option<String>,
+    /// Its sections.
+    pub sections: Vec<Section>,
+    /// What was run, with what and when, as pairs of name and value in the footer.
+    pub provenance: Vec<(String, String)>,
+}
+
+impl Page {
+    /// Every figure of the page.
+    pub fn pictures(&self) -> impl Iterator<Item = &Picture> {
+        let blocks = self.sections.iter().flat_map(|s| &s.blocks);
+        blocks
+            .filter_map(|block| match block {
+                Block::Figures(pictures) => Some(pictures),
+                _ => None,
+            })
+            .flatten()
+    }
+
+    /// The page as one HTML text.
+    ///
+    /// # Errors
+    /// [`ReportError`] where a figure cannot be drawn.
+    pub fn to_html(&self) -> Result<String, ReportError> {
+        let command = self.command.as_deref();
+        let title = escape(&self.title);
+        let mut html = format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n\
+             <p class=\"lead\">{}</p>\n",
+            inline_markup(&self.lead)
+        );
+        if self.sections.len() > 1 {
+            html.push_str("<nav><ul>\n");
+            for (i, section) in self.sections.iter().enumerate() {
+                html.push_str(&format!(
+                    "<li><a href=\"#section-{}\">{}</a></li>\n",
+                    i + 1,
+                    escape(&section.title)
+                ));
+            }
+            html.push_str("</ul></nav>\n");
+        }
+        html.push_str("</header>\n<main>\n");
+        for (i, section) in self.sections.iter().enumerate() {
+            html.push_str(&format!(
+                "<section id=\"section-{}\">\n<h2>{}</h2>\n",
+                i + 1,
+                escape(&section.title)
+            ));
+            for block in &section.blocks {
+                html.push_str(&block.to_html(command)?);
+            }
+            html.push_str("</section>\n");
+        }
+        html.push_str("</main>\n<footer>\n<h2>Provenance</h2>\n<dl>\n");
+        for (name, value) in &self.provenance {
+            html.push_str(&format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), inline_markup(value)));
+        }
+        html.push_str("</dl>\n</footer>\n");
+        if html.contains("class=\"hint\"") {
+            html.push_str(&format!("<script>\n{SCRIPT}</script>\n"));
+        }
+        html.push_str("</body>\n</html>\n");
+        Ok(html)
+    }
+}
+
+impl Block {
+    fn to_html(&self, command: Option<&str>) -> Result<String, ReportError> {
+        Ok(match self {
+            Self::Text(text) => format!("<p>{}</p>\n", inline_markup(text)),
+            Self::Heading(text) => format!("<h3>{}</h3>\n", inline_markup(text)),
+            Self::Remark(text) => format!("<p class=\"remark\">{}</p>\n", inline_markup(text)),
+            Self::List(points) => {
+                let items: String =
+                    points.iter().map(|p| format!("<li>{}</li>\n", inline_markup(p))).collect();
+                format!("<ul>\n{items}</ul>\n")
+            }
+            Self::Equations(lines) => {
+                let lines: Vec<String> = lines.iter().map(|l| escape(l)).collect();
+                format!("<pre class=\"equations\">{}</pre>\n", lines.join("\n"))
+            }
+            Self::Figures(pictures) => {
+                let mut html = String::from("<div class=\"figures\">\n");
+                for picture in pictures {
+                    html.push_str(&format!(
+                        "<figure>\n{}<figcaption>{}{}</figcaption>\n</figure>\n",
+                        picture.to_svg()?,
+                        inline_markup(&picture.caption),
+                        made_by(command, Some(&picture.data))
+                    ));
+                }
+                html + "</div>\n"
+            }
+            Self::Table(table) => table::to_html(table, command),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::{Axis, Dash, Figure, Look, Point, Series};
+    use lennard_core::{Cell, Tone};
+
+    fn figure(note: Option<&str>) -> Picture {
+        let point = Point { x: 1.0, y: 2.0, note: note.map(str::to_owned), ..Point::default() };
+        let look = Look::LineAndPoints(Dash::Solid, crate::report::Symbol::Disc);
+        let figure = Figure::new("f", "F", Axis::linear("x"), Axis::linear("y")).with(Series::new(
+            "s",
+            look,
+            0,
+            vec![point],
+        ));
+        Picture::new(figure, "c & d", "numbers.csv")
+    }
+
+    fn page() -> Page {
+        Page {
+            title: "A <b>title</b> & more".into(),
+            lead: "x < y, **strongly**".into(),
+            sections: vec![
+                Section::new("One \"quoted\"")
+                    .text("<script>alert(1)</script>")
+                    .with(Block::Equations(vec!["x < 1".into()]))
+                    .table(
+                        Table::rows_of("t", &["<img src=x onerror=y>"])
+                            .caption("Cap <i>tion</i>")
+                            .column("a<b", |text| Cell::words(*text).toned(Tone::Bad))
+                            .table(),
+                    ),
+                Section::new("Two").figures(vec![figure(None)]),
+            ],
+            command: Some("lennard stability --out \"<dir>\"".into()),
+            provenance: vec![("version<".into(), "`0.1`".into())],
+        }
+    }
+
+    #[test]
+    fn nothing_that_a_user_names_becomes_markup() {
+        let html = page().to_html().unwrap();
+        for evil in ["<script>", "<img", "<b>", "<i>", "<dir>", "version<"] {
+            assert!(!html.contains(evil), "{evil}");
+        }
+        for text in [
+            "&lt;script&gt;alert(1)&lt;/script&gt;",
+            "A &lt;b&gt;title&lt;/b&gt; &amp; more",
+            "<strong>strongly</strong>",
+            "<td class=\"bad\">&lt;img src=x onerror=y&gt;</td>",
+            "made by <code>lennard stability --out &quot;&lt;dir&gt;&quot;</code>",
+            "numbers: <a href=\"numbers.csv\"><code>numbers.csv</code></a>",
+        ] {
+            assert!(html.contains(text), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_page_stands_alone_and_is_the_same_each_time() {
+        let html = page().to_html().unwrap();
+        assert_eq!(html, page().to_html().unwrap());
+        for outside in ["src=\"", "href=\"http", "@import", "url("] {
+            assert!(!html.contains(outside), "{outside}");
+        }
+        // The script is there where a point can be pointed at, and only there.
+        let mut pointed = page();
+        pointed.sections.push(Section::new("S").figures(vec![figure(Some("x"))]));
+        assert_eq!(pointed.to_html().unwrap().matches("<script>").count(), 1);
+        // Every tag that opens is closed.
+        for tag in ["section", "figure", "table", "div", "main", "ul", "tr", "td", "figcaption"] {
+            assert_eq!(
+                html.matches(&format!("<{tag}>")).count()
+                    + html.matches(&format!("<{tag} ")).count(),
+                html.matches(&format!("</{tag}>")).count(),
+                "{tag}"
+            );
+        }
+    }
+}
