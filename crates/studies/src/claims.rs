@@ -2,7 +2,8 @@
 
 use crate::report::significant;
 use lennard_core::{Cell, Table, Tone};
-use serde::Serialize;
+use lennard_observables::{Allowed, Reference, Verdict, judge};
+use serde::{Serialize, Serializer};
 
 /// A tolerance of rounding.
 pub(crate) const ROUNDING: &str = "rounding over the steps";
@@ -51,14 +52,15 @@ pub enum Demand {
 }
 
 impl Demand {
-    /// Whether a number meets it; not-a-number meets nothing.
+    /// Whether a number meets it: it agrees or it differs. Not-a-number meets nothing.
     #[must_use]
-    pub fn met_by(self, measured: f64) -> bool {
-        match self {
-            Self::Above(bound) => measured > bound,
-            Self::Below(bound) => measured < bound,
-            Self::Near { value, within } => (measured - value).abs() <= within,
-        }
+    pub fn judge(self, measured: f64) -> Verdict {
+        let (reference, within) = match self {
+            Self::Above(bound) => (Reference::above(bound), 0.0),
+            Self::Below(bound) => (Reference::below(bound), 0.0),
+            Self::Near { value, within } => (Reference::value(value), within),
+        };
+        judge(measured, reference, Allowed::within(within))
     }
 
     fn in_words(self) -> String {
@@ -68,27 +70,6 @@ impl Demand {
             Self::Near { value, within } => {
                 format!("{} ± {}", significant(value, 6), significant(within, 1))
             }
-        }
-    }
-}
-
-/// Whether a claim holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// The measurement meets the claim.
-    Holds,
-    /// It does not.
-    DoesNotHold,
-}
-
-impl Verdict {
-    /// The verdict in words.
-    #[must_use]
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::DoesNotHold => "does not hold",
         }
     }
 }
@@ -115,7 +96,13 @@ pub struct Claim {
     /// Whether theory and measurement agree within the tolerance.
     pub theory_agrees: bool,
     /// Whether the claim holds, by the measurement.
+    #[serde(serialize_with = "as_a_claim")]
     pub verdict: Verdict,
+}
+
+/// `holds` or `does-not-hold`.
+fn as_a_claim<S: Serializer>(verdict: &Verdict, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(&verdict.words_of_claim().replace(' ', "-"))
 }
 
 /// A claim judged by a measured number.
@@ -136,10 +123,7 @@ pub(crate) fn judged(
         tolerance: 0.0,
         tolerance_reason: "",
         theory_agrees: true,
-        verdict: match demand.met_by(measured) {
-            true => Verdict::Holds,
-            false => Verdict::DoesNotHold,
-        },
+        verdict: demand.judge(measured),
     }
 }
 
@@ -164,7 +148,8 @@ impl Claim {
             theory: Some(theory),
             tolerance,
             tolerance_reason: reason,
-            theory_agrees: (self.measured - theory).abs() <= tolerance,
+            theory_agrees: Demand::Near { value: theory, within: tolerance }.judge(self.measured)
+                == Verdict::Agrees,
             ..self
         }
     }
@@ -172,7 +157,7 @@ impl Claim {
 
 /// How many claims there are, and how many of them hold, as the end of a sentence.
 pub(crate) fn tally(claims: &[Claim]) -> String {
-    let failing = claims.iter().filter(|c| c.verdict == Verdict::DoesNotHold);
+    let failing = claims.iter().filter(|c| c.verdict == Verdict::Differs);
     let failing = failing.count();
     format!(
         "Of {} claims, {} hold and {failing} {} not",
@@ -203,12 +188,7 @@ pub fn table(claims: &[Claim]) -> Table {
             theory => Cell::rounded(theory, 8),
         })
         .column("Measured", |c| Cell::rounded(c.measured, 8))
-        .column("Verdict", |c| {
-            Cell::words(c.verdict.words()).toned(match c.verdict {
-                Verdict::Holds => Tone::Good,
-                Verdict::DoesNotHold => Tone::Bad,
-            })
-        })
+        .column("Verdict", |c| Cell::words(c.verdict.words_of_claim()).toned(c.verdict.tone()))
         .table()
 }
 
@@ -223,7 +203,7 @@ pub(crate) fn csv(claims: &[Claim]) -> Table {
         .column("tolerance", |c| c.tolerance)
         .column("tolerance from", |c| c.tolerance_reason)
         .column("theory agrees", |c| c.theory_agrees)
-        .column("verdict", |c| c.verdict.words())
+        .column("verdict", |c| c.verdict.words_of_claim())
         .table()
 }
 
@@ -233,15 +213,15 @@ mod tests {
 
     #[test]
     fn verdicts_follow_the_numbers() {
-        let judge = |demand, measured| judged(Source::Ours, "c", "q", demand, measured).verdict;
-        assert_eq!(judge(Demand::Above(1.0), 1.1), Verdict::Holds);
-        assert_eq!(judge(Demand::Above(1.0), 1.0), Verdict::DoesNotHold);
-        assert_eq!(judge(Demand::Below(1.0), f64::NAN), Verdict::DoesNotHold);
+        let verdict = |demand, measured| judged(Source::Ours, "c", "q", demand, measured).verdict;
+        assert_eq!(verdict(Demand::Above(1.0), 1.1), Verdict::Agrees);
+        assert_eq!(verdict(Demand::Above(1.0), 1.0), Verdict::Differs);
+        assert_eq!(verdict(Demand::Below(1.0), f64::NAN), Verdict::Differs);
         let near = Demand::Near { value: 2.0, within: 0.05 };
-        assert_eq!(judge(near, 2.04), Verdict::Holds);
-        assert_eq!(judge(near, 1.9), Verdict::DoesNotHold);
+        assert_eq!(verdict(near, 2.04), Verdict::Agrees);
+        assert_eq!(verdict(near, 1.9), Verdict::Differs);
         let off = judged(Source::Ours, "c", "q", near, 2.0);
         let off = off.with_theory((2.1, 0.01, "rounding"));
-        assert!(!off.theory_agrees && off.verdict == Verdict::Holds);
+        assert!(!off.theory_agrees && off.verdict == Verdict::Agrees);
     }
 }

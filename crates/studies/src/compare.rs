@@ -1,7 +1,6 @@
 //! Finished runs beside the literature: every quantity with its difference in standard errors and a verdict.
 
 mod card;
-mod judge;
 mod missing;
 mod phase;
 mod primary;
@@ -17,7 +16,7 @@ mod verdict;
 
 pub(crate) use card::is_a_part;
 pub use card::{CardEquation, CardRow, StateCard, card_table};
-pub use judge::Verdict;
+pub use lennard_observables::Verdict;
 pub use phase::{StateOfMatter, state_of};
 pub use read::{ReadError, RunFolder};
 pub use table::table;

@@ -3,10 +3,10 @@
 use crate::report::significant;
 use lennard_core::{Cell, Column, Table, Tone};
 use lennard_literature::{EquationOfState, ModelKind, PROPERTIES, Property, equations_for};
+use lennard_observables::{Allowed, Reference, Verdict, judge};
 use serde::Serialize;
 
-use super::judge::{Judged, judge};
-use super::{Row, RunFolder, StateOfMatter, Verdict};
+use super::{Row, RunFolder, StateOfMatter};
 
 /// Means that are compared at the number of particles of the run, and stand in the comparison for that reason.
 const OF_THE_WHOLE_SYSTEM: [&str; 2] = ["total_energy", "enthalpy"];
@@ -173,14 +173,13 @@ fn beside_band(row: &Row, band: Option<[f64; 2]>) -> Verdict {
     let Some([low, high]) = band.filter(|_| applies(row)) else {
         return Verdict::NoReference;
     };
-    judge(Judged {
-        difference: row.measured - row.measured.clamp(low, high),
-        error: row.standard_error.hypot(row.finite_size_uncertainty.unwrap_or(0.0)),
+    let allowed = Allowed {
         tolerance: row.tolerance.unwrap_or(ERRORS * row.standard_error),
+        error: row.standard_error.hypot(row.finite_size_uncertainty.unwrap_or(0.0)),
         scale: row.scale.unwrap_or(0.5 * (low + high).abs()),
         bias: None,
-        width: high - low,
-    })
+    };
+    judge(row.measured, Reference::band(low, high), allowed)
 }
 
 /// Whether an equation counts for the band.

@@ -1,9 +1,8 @@
 //! A measured number beside a reference, and what follows.
 
 use lennard_io::AverageRecord;
+use lennard_observables::{Allowed, Reference, Verdict, judge};
 use serde::Serialize;
-
-use super::judge::{Judged, Verdict, judge};
 
 /// A quantity of a run beside its reference. Numbers that are not finite are `null` in JSON.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -101,6 +100,17 @@ impl Tolerance {
     }
 }
 
+/// What speaks against an average, by its standing in the run record; else there is no reference yet.
+fn of_standing(average: &AverageRecord) -> Verdict {
+    match average.standing.as_str() {
+        "not-in-equilibrium" => Verdict::NotInEquilibrium,
+        "too-short" => Verdict::TooShort,
+        "incomplete" => Verdict::Incomplete,
+        "thermostat" => Verdict::Thermostat,
+        _ => Verdict::NoReference,
+    }
+}
+
 /// The next larger number of two digits: 0.1551 becomes 0.16.
 fn rounded_up(x: f64) -> f64 {
     if !(x.is_finite() && x > 0.0) {
@@ -135,7 +145,7 @@ impl Row {
             scale: None,
             tolerance_words: String::new(),
             predicted_bias: None,
-            verdict: Verdict::of_standing(average),
+            verdict: of_standing(average),
             reason: average.reason.clone(),
             source: String::new(),
             remark: String::new(),
@@ -217,14 +227,8 @@ impl Row {
         else {
             return;
         };
-        self.verdict = judge(Judged {
-            difference,
-            error: self.standard_error,
-            tolerance,
-            scale,
-            bias: self.predicted_bias,
-            width: 0.0,
-        });
+        let allowed = Allowed { scale, bias: self.predicted_bias, ..Allowed::within(tolerance) };
+        self.verdict = judge(difference, Reference::value(0.0), allowed);
         self.reason = match self.verdict {
             Verdict::Differs => "not explained".into(),
             _ => String::new(),
