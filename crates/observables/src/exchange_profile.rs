@@ -8,6 +8,7 @@ use lennard_core::{
 use crate::BuildContext;
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
+use crate::statistics::Line;
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "exchange-profile",
@@ -85,9 +86,9 @@ impl ExchangeProfile {
     }
 
     /// The folded profile at the slabs of a range: distance from the middle of the first slab, σ, and value.
-    fn folded(&self, means: &[f64], range: std::ops::RangeInclusive<usize>) -> Vec<[f64; 2]> {
+    fn folded(&self, means: &[f64], range: std::ops::RangeInclusive<usize>) -> Vec<(f64, f64)> {
         let width = self.side / self.slabs as f64;
-        range.map(|k| [k as f64 * width, 0.5 * (means[k] + means[self.slabs - k])]).collect()
+        range.map(|k| (k as f64 * width, 0.5 * (means[k] + means[self.slabs - k]))).collect()
     }
 
     /// The flux through the fluid, ε/(σ²τ) or ε/σ³.
@@ -97,7 +98,7 @@ impl ExchangeProfile {
 
     /// The slope against the flux, with the sign that makes coefficients positive.
     fn slope(&self, means: &[f64], range: std::ops::RangeInclusive<usize>) -> f64 {
-        let slope = slope_of(&self.folded(means, range));
+        let slope = Line::through(&self.folded(means, range)).slope();
         match self.driven {
             Driven::Heat => slope,
             Driven::Momentum(_) => -slope,
@@ -107,7 +108,7 @@ impl ExchangeProfile {
     fn add_remarks(&self, means: &[f64], findings: &mut Findings) {
         let (first, last) = (*self.fitted().start(), *self.fitted().end());
         let line = self.folded(means, self.fitted());
-        let (near, far) = (line[0][1], line[line.len() - 1][1]);
+        let (near, far) = (line[0].1, line[line.len() - 1].1);
         let (what, unit) = match self.driven {
             Driven::Heat => ("T", "ε/k_B"),
             Driven::Momentum(_) => ("the velocity", "σ/τ"),
@@ -124,15 +125,6 @@ impl ExchangeProfile {
             ));
         }
     }
-}
-
-/// The slope of the line of least squares.
-fn slope_of(points: &[[f64; 2]]) -> f64 {
-    let n = points.len() as f64;
-    let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / n;
-    let (x, y) = (mean(0), mean(1));
-    let products: f64 = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum();
-    products / points.iter().map(|p| (p[0] - x).powi(2)).sum::<f64>()
 }
 
 impl Observable for ExchangeProfile {

@@ -1,6 +1,6 @@
 //! A straight line through the part of a lag curve where its slope no longer changes.
 
-use crate::statistics::{FEWEST_BLOCKS, error_with_overlap, mean};
+use crate::statistics::{FEWEST_BLOCKS, Line, error_with_overlap, mean};
 
 /// By default the longest lag of a fit is this part of the run: longer ones have few independent origins.
 const LONGEST_PART: f64 = 0.05;
@@ -52,30 +52,15 @@ pub(crate) struct LinearFit {
     pub settled: bool,
 }
 
-/// Slope and intercept of the least-squares line. The variance of a mean-square displacement grows
-/// as t³, which gives the weights 1/t³. For Gaussian increments, the variance of the square gives t² and the
-/// overlap of origins gives t. One set of weights for all blocks keeps the fit linear in the data.
-fn weighted_line(times: &[f64], values: &[f64]) -> [f64; 2] {
-    let weights = times.iter().map(|t| t.powi(-3));
-    let (mut w, mut wt, mut wy) = (0.0, 0.0, 0.0);
-    for ((weight, t), y) in weights.clone().zip(times).zip(values) {
-        w += weight;
-        wt += weight * t;
-        wy += weight * y;
-    }
-    let (t0, y0) = (wt / w, wy / w);
-    let (mut tt, mut ty) = (0.0, 0.0);
-    for ((weight, t), y) in weights.zip(times).zip(values) {
-        tt += weight * (t - t0).powi(2);
-        ty += weight * (t - t0) * (y - y0);
-    }
-    let slope = ty / tt;
-    [slope, y0 - slope * t0]
+/// The least-squares line of a mean-square displacement, whose variance grows as t³: the weights are 1/t³. For Gaussian
+/// increments, the variance of the square gives t² and the overlap of origins gives t. One set of weights for all blocks keeps
+/// the fit linear in the data.
+fn weighted_line(times: &[f64], values: &[f64]) -> Line {
+    Line::weighted(times.iter().zip(values).map(|(&t, &y)| (t, y, t.powi(-3))))
 }
 
 fn weighted_slope(times: &[f64], values: &[f64]) -> f64 {
-    let [slope, _] = weighted_line(times, values);
-    slope
+    weighted_line(times, values).slope()
 }
 
 impl LinearFit {
@@ -115,12 +100,13 @@ pub(crate) fn fit_linear_regime(
         }
         let line_from =
             |first: usize| weighted_line(&curve.times[first..end], &curve.values[first..end]);
-        let [slope, intercept] = line_from(start);
+        let line = line_from(start);
+        let slope = line.slope();
         Some(LinearFit {
             slope,
-            intercept,
+            intercept: line.intercept(),
             change: if fit_from.is_none() && later + FEWEST_POINTS <= end {
-                line_from(later)[0] - slope
+                line_from(later).slope() - slope
             } else {
                 0.0
             },

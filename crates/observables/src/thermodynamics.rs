@@ -17,7 +17,7 @@ use lennard_core::{
 use crate::averages::{FEWEST_INDEPENDENT, of_fluctuations, of_series};
 use crate::seen_box::SeenBox;
 use crate::series::Series;
-use crate::statistics::{self, RunningLine};
+use crate::statistics::{self, Line};
 use crate::thermo_series::ThermoSeries;
 use crate::{BuildContext, Curvature, Ensemble, ObservableError, Recipe, heat_capacity};
 
@@ -96,7 +96,7 @@ pub struct Thermodynamics {
     seen: SeenBox,
     series: Series<ThermoSeries>,
     of_species: Option<SpeciesTemperatures>,
-    energy_line: RunningLine,
+    energy_line: Line,
     largest_momentum: f64,
     ends: Ends,
     ensemble: Option<Ensemble>,
@@ -124,7 +124,7 @@ impl Thermodynamics {
             seen: SeenBox::new(&context.cell),
             series: Series::new(ThermoSeries::default(), MOST_ROWS),
             of_species: SpeciesTemperatures::new(&context.species),
-            energy_line: RunningLine::default(),
+            energy_line: Line::default(),
             largest_momentum: 0.0,
             ends: Ends::default(),
             ensemble: None,

@@ -21,7 +21,6 @@ pub mod fluid_stability;
 mod jobs;
 mod kept;
 pub mod lab;
-mod lines;
 pub mod mechanics;
 mod progress;
 pub mod report;

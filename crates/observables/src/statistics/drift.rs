@@ -1,8 +1,6 @@
 //! A straight line through a series: the drift of a conserved energy.
 
-use lennard_core::{Persist, RestoreError, StateReader, StateWriter};
-
-use super::{FEWEST_BLOCKS, mean};
+use super::{FEWEST_BLOCKS, Line, mean};
 
 /// Blocks whose slopes tell the error of the slope.
 const SLOPE_BLOCKS: usize = 10;
@@ -35,7 +33,7 @@ pub struct Drift {
 #[must_use]
 pub fn drift(times: &[f64], values: &[f64]) -> Drift {
     assert_eq!(times.len(), values.len(), "one time for each value");
-    let mut line = RunningLine::default();
+    let mut line = Line::default();
     for (t, y) in times.iter().zip(values) {
         line.push(*t, *y);
     }
@@ -62,7 +60,7 @@ pub(crate) fn slope_error(times: &[f64], values: &[f64]) -> f64 {
     let slopes: Vec<f64> = (0..blocks)
         .map(|b| {
             let range = b * times.len() / blocks..(b + 1) * times.len() / blocks;
-            let mut line = RunningLine::default();
+            let mut line = Line::default();
             for (t, y) in times[range.clone()].iter().zip(&values[range]) {
                 line.push(*t, *y);
             }
@@ -73,78 +71,6 @@ pub(crate) fn slope_error(times: &[f64], values: &[f64]) -> f64 {
     let sum: f64 = slopes.iter().map(|s| (s - centre).powi(2)).sum();
     let n = blocks as f64;
     (sum / (n - 1.0) / n).sqrt()
-}
-
-/// The least-squares line of a series that is not kept: means and second moments, updated with each sample.
-///
-/// Source: the update formulas of B. P. Welford, "Note on a method for calculating corrected sums of
-/// squares and products", Technometrics 4, 419 (1962), which lose no digits to a large mean.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct RunningLine {
-    n: f64,
-    mean_t: f64,
-    mean_y: f64,
-    tt: f64,
-    ty: f64,
-    yy: f64,
-}
-
-impl RunningLine {
-    /// Takes one more point.
-    pub fn push(&mut self, t: f64, y: f64) {
-        self.n += 1.0;
-        let (dt, dy) = (t - self.mean_t, y - self.mean_y);
-        self.mean_t += dt / self.n;
-        self.mean_y += dy / self.n;
-        self.tt += dt * (t - self.mean_t);
-        self.ty += dt * (y - self.mean_y);
-        self.yy += dy * (y - self.mean_y);
-    }
-
-    /// Number of points.
-    #[must_use]
-    pub fn len(&self) -> u64 {
-        self.n as u64
-    }
-
-    /// Whether there is no point yet.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.n == 0.0
-    }
-
-    /// The slope; NaN for fewer than two points.
-    #[must_use]
-    pub fn slope(&self) -> f64 {
-        self.ty / self.tt
-    }
-
-    /// The value at t = 0.
-    #[must_use]
-    pub fn intercept(&self) -> f64 {
-        self.mean_y - self.slope() * self.mean_t
-    }
-
-    /// Root mean square of the deviations from the line, over all points; NaN for fewer than three.
-    #[must_use]
-    pub fn rms(&self) -> f64 {
-        if self.n < 3.0 {
-            return f64::NAN;
-        }
-        // Rounding can leave a tiny negative rest where all points lie on the line.
-        ((self.yy - self.ty * self.ty / self.tt).max(0.0) / self.n).sqrt()
-    }
-}
-
-impl Persist for RunningLine {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_f64("line", &[self.n, self.mean_t, self.mean_y, self.tt, self.ty, self.yy]);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        [self.n, self.mean_t, self.mean_y, self.tt, self.ty, self.yy] = from.f64s("line")?;
-        Ok(())
-    }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 //! - [`error_of_mean`]: the error, and how well it is itself known;
 //! - [`blocking_curve`]: the same error by another road, with the plateau that shows it is one;
 //! - [`ratio`], [`about_line`]: quantities made from two correlated series;
-//! - [`drift`]: a straight line through a series with the error of its slope.
+//! - [`Line`]: the straight line of least squares; [`drift`]: one through a series, with the error of its slope.
 //!
 //! Where an error is not known (a single sample), it is NaN, never zero.
 
@@ -18,6 +18,7 @@ mod control;
 mod drift;
 mod equilibration;
 mod error_of_mean;
+mod line;
 #[cfg(test)]
 pub(crate) mod synthetic;
 
@@ -25,12 +26,13 @@ pub use blocking::{BlockingCurve, BlockingLevel, blocking_curve};
 pub use combined::{about_line, common_cut, ratio};
 pub(crate) use control::less_control;
 pub(crate) use drift::slope_error;
-pub use drift::{Drift, RunningLine, drift};
+pub use drift::{Drift, drift};
 pub use equilibration::{
     Equilibration, LARGEST_CUT, TRANSIENT_ERRORS, TRANSIENT_OF_MANY_ERRORS, Trend, bar,
     equilibration, trend,
 };
 pub use error_of_mean::{ErrorOfMean, FEWEST_BLOCKS, error_of_mean, error_with_overlap};
+pub use line::Line;
 
 use lennard_core::Estimate;
 

@@ -1,11 +1,12 @@
 //! Diffusion against the inverse temperature.
 
+use lennard_observables::statistics::Line;
+
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 
 use super::SweepRecord;
 use super::averaged::{Averaged, averaged};
 use super::properties::{label_of, series_of};
-use crate::lines::WeightedLine;
 
 /// The fewest temperatures that make a line.
 const FEWEST: usize = 3;
@@ -14,7 +15,7 @@ const QUANTITY: &str = "diffusion_coefficient";
 /// One line of Arrhenius, D = D₀·exp(−E/T).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Arrhenius {
-    line: WeightedLine,
+    line: Line,
 }
 
 impl Arrhenius {
@@ -22,13 +23,13 @@ impl Arrhenius {
     fn through(points: &[(f64, f64, f64)]) -> Option<Self> {
         let logarithms: Vec<(f64, f64, f64)> =
             points.iter().map(|(t, d, error)| (1.0 / t, d.ln(), error / d)).collect();
-        let line = WeightedLine::through(&logarithms).filter(|_| points.len() >= FEWEST)?;
+        let line = Line::with_errors(&logarithms).filter(|_| points.len() >= FEWEST)?;
         Some(Self { line })
     }
 
     /// E in ε with its standard error.
     fn energy(&self) -> (f64, f64) {
-        (-self.line.slope, self.line.error_of_slope())
+        (-self.line.slope(), self.line.error_of_slope())
     }
 
     /// D₀ in σ²/τ with its standard error.

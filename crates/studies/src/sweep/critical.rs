@@ -1,8 +1,7 @@
 //! The critical point from coexisting densities.
 
+use lennard_observables::statistics::Line;
 use serde::Serialize;
-
-use crate::lines::WeightedLine;
 
 /// The exponent β of ρ_l − ρ_v ∝ (T_c − T)^β in the universality class of fluids.
 ///
@@ -68,15 +67,15 @@ pub(super) fn estimate(pairs: &[Pair]) -> Option<CriticalEstimate> {
             (p.temperature, value, error)
         })
         .collect();
-    let closing = WeightedLine::through(&contrasts)?;
-    let diameter = WeightedLine::through(&diameters)?;
+    let closing = Line::with_errors(&contrasts)?;
+    let diameter = Line::with_errors(&diameters)?;
     let (temperature, temperature_error) = closing.zero();
     let hottest = pairs.iter().map(|p| p.temperature).fold(0.0, f64::max);
-    (closing.slope < 0.0 && temperature > hottest).then(|| CriticalEstimate {
+    (closing.slope() < 0.0 && temperature > hottest).then(|| CriticalEstimate {
         temperature,
         temperature_error,
         density: diameter.at(temperature),
-        density_error: diameter.error_at(temperature).hypot(diameter.slope * temperature_error),
+        density_error: diameter.error_at(temperature).hypot(diameter.slope() * temperature_error),
         temperatures: pairs.len(),
     })
 }

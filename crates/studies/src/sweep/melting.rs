@@ -2,13 +2,13 @@
 
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 use lennard_literature::{equation_of_state_for, freezing_lines};
+use lennard_observables::statistics::Line;
 use lennard_scene::Scene;
 use serde::Serialize;
 
 use super::averaged::{Averaged, averaged};
 use super::properties::{label_of, series_of};
 use super::{Sweep, SweptPoint};
-use crate::lines::WeightedLine;
 
 /// The fewest temperatures that make a curve.
 const FEWEST: usize = 2;
@@ -73,7 +73,7 @@ fn crossing(fronts: &[Front]) -> Option<[f64; 4]> {
     let first = last + 1 + fronts[last + 1..].iter().position(melts)?;
     let between: Vec<(f64, f64, f64)> =
         fronts[last..=first].iter().map(|f| (f.temperature, f.velocity, f.error)).collect();
-    let (zero, error) = WeightedLine::through(&between)?.zero();
+    let (zero, error) = Line::with_errors(&between)?.zero();
     let bounds = [fronts[last].temperature, fronts[first].temperature];
     (bounds[0]..=bounds[1]).contains(&zero).then_some([zero, error, bounds[0], bounds[1]])
 }
