@@ -2,6 +2,7 @@
 
 use crate::schedule::{Action, Operation, Schedule, Trigger};
 use crate::{EngineError, Simulation};
+use std::ops::ControlFlow;
 
 /// Follows a run from outside: writes files, shows progress, stops it.
 pub trait Follower {
@@ -13,11 +14,11 @@ pub trait Follower {
         false
     }
 
-    /// Called after steps with the simulation as it is; an error ends the run.
+    /// Called after steps with the simulation as it is, and tells whether the run goes on; an error ends it.
     ///
     /// # Errors
     /// Whatever keeps the run from going on (a full disk).
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError>;
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError>;
 }
 
 /// How a run ended.
@@ -31,15 +32,6 @@ pub enum Ending {
     OutOfTime,
 }
 
-/// Whether to go on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
-    /// Go on.
-    Continue,
-    /// Stop after this step.
-    Stop,
-}
-
 /// Follows nothing.
 pub struct Unfollowed;
 
@@ -49,8 +41,8 @@ impl Follower for Unfollowed {
         &NOTHING
     }
 
-    fn after_step(&mut self, _simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        Ok(Verdict::Continue)
+    fn after_step(&mut self, _simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
+        Ok(ControlFlow::Continue(()))
     }
 }
 
@@ -80,7 +72,11 @@ impl Follower for StopAt {
         &self.schedule
     }
 
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
-        Ok(if simulation.state.step >= self.step { Verdict::Stop } else { Verdict::Continue })
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
+        Ok(if simulation.state.step >= self.step {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        })
     }
 }

@@ -1,5 +1,6 @@
 //! A run that writes no file: rows and frames stay in memory.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -7,7 +8,7 @@ use lennard_core::{DVec3, Table};
 use lennard_io::RunRecord;
 
 use crate::files::{thermo_columns, thermo_row};
-use crate::follower::{Follower, Verdict};
+use crate::follower::Follower;
 use crate::schedule::{Action, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
 use crate::{Ending, EngineError, Progress, record, watchdog};
@@ -129,7 +130,7 @@ impl Follower for Keeper<'_, '_> {
         &self.schedule
     }
 
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
         let clock = Instant::now();
         let step = simulation.state.step;
         let stage = simulation.current_stage();
@@ -147,12 +148,12 @@ impl Follower for Keeper<'_, '_> {
         // A request that comes with the last step changes nothing any more.
         if step < self.end && self.options.stop.load(Ordering::Relaxed) {
             self.ending = Ending::Stopped;
-            return Ok(Verdict::Stop);
+            return Ok(ControlFlow::Break(()));
         }
         Ok(if step >= self.end && self.end < self.total {
-            Verdict::Stop
+            ControlFlow::Break(())
         } else {
-            Verdict::Continue
+            ControlFlow::Continue(())
         })
     }
 }

@@ -72,7 +72,7 @@ pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::{EngineError, ResumeError, again};
 pub use failure::{PhysicsFailure, Symptom};
 pub use files::{Marks, RunFiles};
-pub use follower::{Ending, Follower, StopAt, Unfollowed, Verdict};
+pub use follower::{Ending, Follower, StopAt, Unfollowed};
 pub use force_check::{ForceCheck, Seen};
 pub use from_memory::{StartError, start_from_arrays, write_start};
 pub use front::CRYSTAL_REMARK;

@@ -5,7 +5,7 @@ use std::time::Instant;
 use lennard_core::Want;
 
 use crate::exchange;
-use crate::follower::{Follower, Verdict};
+use crate::follower::Follower;
 use crate::instant::view;
 use crate::schedule::Observer;
 use crate::watch::WATCH;
@@ -36,7 +36,7 @@ impl Simulation {
                 self.exchange();
                 self.watch()?;
                 self.sample();
-                if follower.after_step(self)? == Verdict::Stop {
+                if follower.after_step(self)?.is_break() {
                     return Ok(false);
                 }
             }

@@ -4,12 +4,13 @@
 //! whether to stop, and whether a checkpoint is due ([`next`]). All else is computed alike from the same numbers.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use lennard_core::{DVec3, State, Team};
 use lennard_io::RanksRecord;
 
-use crate::follower::{Ending, Follower, Verdict};
+use crate::follower::{Ending, Follower};
 use crate::ranks_error::RanksError;
 use crate::schedule::{Action, Schedule};
 use crate::watchdog::LISTS_EVERY;
@@ -180,17 +181,17 @@ impl Follower for Companion<'_> {
         &self.schedule
     }
 
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
         let stop = self.stop.load(Ordering::Relaxed);
         let own = Decision { stop: stop.then_some(Ending::Stopped), checkpoint: false };
         match next(simulation, &self.schedule, own)? {
             Next::Stop(ending) => {
                 self.ending = ending;
-                return Ok(Verdict::Stop);
+                return Ok(ControlFlow::Break(()));
             }
             Next::Checkpoint => self.checkpoint(simulation)?,
             Next::GoOn => {}
         }
-        Ok(Verdict::Continue)
+        Ok(ControlFlow::Continue(()))
     }
 }

@@ -1,5 +1,6 @@
 //! One run from scene to finished folder, in one go or in several.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -9,7 +10,7 @@ use lennard_io::{OutputFolder, RunRecord};
 use crate::checkpointing::{Checkpointer, Past};
 use crate::failure::PhysicsFailure;
 use crate::files::RunFiles;
-use crate::follower::{Ending, Follower, Verdict};
+use crate::follower::{Ending, Follower};
 use crate::ranks::{Decision, Next, next};
 use crate::resume::Resumed;
 use crate::schedule::{Action, Schedule};
@@ -308,7 +309,7 @@ impl Follower for Recorder<'_> {
         self.is_alone && self.checkpoints.time_is_up()
     }
 
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
         let held = self.options.folder.still_held();
         held.map_err(EngineError::Folder)?;
         let clock = Instant::now();
@@ -328,12 +329,12 @@ impl Follower for Recorder<'_> {
         match next(simulation, &self.schedule, own)? {
             Next::Stop(ending) => {
                 self.ending = ending;
-                return Ok(Verdict::Stop);
+                return Ok(ControlFlow::Break(()));
             }
             Next::Checkpoint => self.checkpoint(simulation)?,
             Next::GoOn => {}
         }
-        Ok(Verdict::Continue)
+        Ok(ControlFlow::Continue(()))
     }
 }
 

@@ -3,8 +3,9 @@
 use lennard_core::{DVec3, Persist, StateArchive, Want};
 use lennard_engine::{
     Action, EngineError, Follower, Operation, Schedule, Simulation, StopAt, Trigger, Unfollowed,
-    Verdict, begin, prepare_from,
+    begin, prepare_from,
 };
+use std::ops::ControlFlow;
 
 use crate::common::{self, bits, on_threads, prepared};
 
@@ -321,7 +322,7 @@ impl Follower for TurnBack {
         &self.schedule
     }
 
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
         if simulation.state.step == 1 {
             self.first.clone_from(&simulation.state.positions);
         }
@@ -340,7 +341,7 @@ impl Follower for TurnBack {
             );
             started.unwrap_or_else(|e| panic!("{e}"));
         }
-        Ok(Verdict::Continue)
+        Ok(ControlFlow::Continue(()))
     }
 }
 

@@ -1,12 +1,13 @@
 //! What each feature of a scene costs when it is on, and that all of them off cost nothing.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use lennard_core::Want;
 use lennard_core::stopwatch::{Spread, Stopwatch, timed};
 use lennard_engine::{
     Action, ENDLESS, EngineError, Follower, Operation, Past, RunFiles, Schedule, Simulation,
-    Trigger, Verdict, capture, take, watchdog, watching_seconds,
+    Trigger, capture, take, watchdog, watching_seconds,
 };
 use lennard_integrators::{BarostatOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
@@ -285,7 +286,7 @@ impl Follower for Writing {
         &self.schedule
     }
 
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
         let due = |action| self.schedule.does(action, simulation.state.step, true);
         let (row, frame) = (due(Action::Row), due(Action::Frame));
         if row {
@@ -294,7 +295,11 @@ impl Follower for Writing {
         if frame {
             self.files.write_frame(simulation)?;
         }
-        Ok(if simulation.state.step == self.end { Verdict::Stop } else { Verdict::Continue })
+        Ok(if simulation.state.step == self.end {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        })
     }
 }
 

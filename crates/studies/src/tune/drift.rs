@@ -215,7 +215,7 @@ mod tests {
         fn after_step(
             &mut self,
             simulation: &mut lennard_engine::Simulation,
-        ) -> Result<lennard_engine::Verdict, lennard_engine::EngineError> {
+        ) -> Result<std::ops::ControlFlow<()>, lennard_engine::EngineError> {
             let state = &simulation.state;
             if state.step.is_multiple_of(self.every) {
                 let n = state.len() as f64;
@@ -232,7 +232,7 @@ mod tests {
                 );
                 self.shell.push(*counts.last().unwrap() as f64);
             }
-            Ok(lennard_engine::Verdict::Continue)
+            Ok(std::ops::ControlFlow::Continue(()))
         }
     }
 

@@ -1,12 +1,11 @@
 //! A short run of the sample in the canonical ensemble. Frame by frame it keeps the pairs by distance, U, W, Σ|F|² and
 //! ∇²U. From these, every truncation and every time step can be judged.
 
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use lennard_core::Want;
-use lennard_engine::{
-    Action, EngineError, Follower, Operation, Schedule, Simulation, Trigger, Verdict,
-};
+use lennard_engine::{Action, EngineError, Follower, Operation, Schedule, Simulation, Trigger};
 use lennard_forcefield::TruncationOptions;
 use lennard_observables::statistics;
 use lennard_scene::Scene;
@@ -72,10 +71,10 @@ impl Follower for Watcher<'_> {
         &self.schedule
     }
 
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
         let state = &simulation.state;
         if !state.step.is_multiple_of(self.every) || state.step < self.from {
-            return Ok(Verdict::Continue);
+            return Ok(ControlFlow::Continue(()));
         }
         let e = &state.energetics;
         let asked = "the step was asked for totals";
@@ -94,7 +93,7 @@ impl Follower for Watcher<'_> {
             counts: fluid.count(state, bins_within(self.sample.sight)),
         });
         let over = Instant::now() >= self.end && self.frames.len() >= FEWEST_FRAMES;
-        Ok(if over { Verdict::Stop } else { Verdict::Continue })
+        Ok(if over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     }
 }
 

@@ -1,11 +1,12 @@
 //! The first steps of a scene, taken until they tell how long a step takes.
 
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use lennard_core::ForceStatistics;
 
 use crate::EngineError;
-use crate::follower::{Follower, Verdict};
+use crate::follower::Follower;
 use crate::schedule::{Action, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
 
@@ -65,7 +66,7 @@ impl Follower for FirstSteps {
         &self.schedule
     }
 
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
         if self.first.is_some() {
             self.seconds.push(self.last.elapsed().as_secs_f64());
         } else {
@@ -73,6 +74,6 @@ impl Follower for FirstSteps {
         }
         self.last = Instant::now();
         let is_over = self.last - self.start >= PATIENCE || self.is_enough(simulation);
-        Ok(if is_over { Verdict::Stop } else { Verdict::Continue })
+        Ok(if is_over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     }
 }

@@ -1,10 +1,9 @@
 //! The volume of a run, step by step.
 
 use lennard_core::Want;
-use lennard_engine::{
-    Action, EngineError, Follower, Operation, Schedule, Simulation, Trigger, Verdict,
-};
+use lennard_engine::{Action, EngineError, Follower, Operation, Schedule, Simulation, Trigger};
 use lennard_observables::statistics;
+use std::ops::ControlFlow;
 
 use crate::lab::Value;
 
@@ -30,12 +29,12 @@ impl Follower for Volumes {
         &self.schedule
     }
 
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<Verdict, EngineError> {
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
         let step = simulation.state.step;
         if step.is_multiple_of(self.every) && step > self.from {
             self.found.push(simulation.state.cell.volume());
         }
-        Ok(Verdict::Continue)
+        Ok(ControlFlow::Continue(()))
     }
 }
 
