@@ -1,11 +1,6 @@
 //! Axes: ranges, ticks and their labels.
 
-use std::ops::Range;
-
 use lennard_core::number::{significant, superscript};
-use plotters::coord::ranged1d::{
-    KeyPointHint, KeyPointWeight, NoDefaultFormatting, Ranged, ValueFormatter,
-};
 
 use crate::report::ReportError;
 
@@ -17,16 +12,17 @@ const LOGARITHMIC_MARGIN: f64 = 1.3;
 const MOST_LABELS: usize = 6;
 
 /// How values are laid along an axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Scale {
     /// Equal differences.
+    #[default]
     Linear,
     /// Equal ratios; zero and negative values cannot be shown.
     Logarithmic,
 }
 
 /// An axis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Axis {
     /// Quantity and unit.
     pub label: String,
@@ -110,7 +106,7 @@ impl Axis {
     }
 }
 
-/// A resolved axis, in the form in which the plotting library takes coordinates.
+/// A resolved axis.
 #[derive(Debug, Clone)]
 pub(crate) struct Span {
     scale: Scale,
@@ -144,8 +140,14 @@ impl Span {
         }
     }
 
+    /// Values with a label.
     pub(crate) fn ticks(&self) -> &[f64] {
         &self.major
+    }
+
+    /// Values with a faint line of the grid.
+    pub(crate) fn minor(&self) -> &[f64] {
+        &self.minor
     }
 
     #[cfg(test)]
@@ -222,33 +224,6 @@ fn logarithmic_ticks(low: f64, high: f64) -> (f64, Vec<f64>, Vec<f64>) {
         powers.iter().map(|e| 10f64.powi(*e)).collect()
     };
     (1.0, major, minor)
-}
-
-impl Ranged for Span {
-    type FormatOption = NoDefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        let fraction = self.fraction(*value).unwrap_or(0.0).clamp(-1.0, 2.0);
-        limit.0 + (f64::from(limit.1 - limit.0) * fraction).round() as i32
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        match hint.weight() {
-            KeyPointWeight::Bold => self.major.clone(),
-            KeyPointWeight::Any => self.minor.clone(),
-        }
-    }
-
-    fn range(&self) -> Range<f64> {
-        self.low..self.high
-    }
-}
-
-impl ValueFormatter<f64> for Span {
-    fn format_ext(&self, value: &f64) -> String {
-        self.label(*value)
-    }
 }
 
 #[cfg(test)]

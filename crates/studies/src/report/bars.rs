@@ -3,11 +3,10 @@
 use lennard_core::number::significant;
 
 use crate::report::axis::Span;
-use crate::report::canvas::{
-    AFTER, BEFORE, BELOW, GREY, GRID, INK, Sheet, TEXT, WIDTH, color, drawing, font, ink,
-    text_width,
-};
 use crate::report::legend::LEGEND_ROW;
+use crate::report::sheet::{
+    AFTER, BEFORE, BELOW, GREY, GRID, INK, Sheet, TEXT, WIDTH, color, fitting, text_width,
+};
 use crate::report::{Axis, Dash, ReportError};
 
 /// Height of a bar, design units.
@@ -71,82 +70,52 @@ impl BarFigure {
 
         let widest = self.groups.iter().map(|g| text_width(g, TEXT));
         let names = widest.fold(0.0, f64::max).min(NAMES * WIDTH);
-        let legend_rows = match self.series.len() {
-            0 | 1 => 0,
-            n => n,
-        };
         let group_height = BAR * self.series.len() as f64 + GAP;
         let frame = Frame {
-            names,
             left: names + 16.0,
             right: WIDTH - 90.0,
             bottom: TOP + group_height * self.groups.len() as f64,
-            group_height,
             is_linear,
             span,
         };
-        let height = frame.bottom + 2.0 * TEXT + 34.0 + LEGEND_ROW * legend_rows as f64;
-        drawing(&self.name, &self.title, height, |sheet, _| {
-            self.draw_axis(sheet, &frame)?;
-            for (g, group) in self.groups.iter().enumerate() {
-                self.draw_group(sheet, &frame, g, group)?;
-            }
-            let start = frame.start();
-            sheet.line(&[(start, TOP), (start, frame.bottom)], Dash::Solid, GREY, 1.2)?;
-            self.draw_legend(sheet, &frame, legend_rows)
-        })
-    }
-
-    fn draw_axis(&self, sheet: &Sheet<'_>, frame: &Frame) -> Result<(), ReportError> {
+        // One series alone needs no legend.
+        let legend = if self.series.len() > 1 { &self.series[..] } else { &[] };
+        let below = frame.bottom + TEXT + 14.0;
+        let height = below + TEXT + 20.0 + LEGEND_ROW * legend.len() as f64;
+        let mut sheet = Sheet::titled(&self.title, height);
         for tick in frame.span.ticks() {
             let x = frame.place(*tick);
-            sheet.line(&[(x, TOP), (x, frame.bottom)], Dash::Solid, GRID, 1.0)?;
+            sheet.line(&[(x, TOP), (x, frame.bottom)], Dash::Solid, GRID, 1.0);
             let label = frame.span.label(*tick);
-            sheet.text(&label, (x, frame.bottom + 6.0), ink(TEXT), BELOW)?;
+            sheet.text(&label, (x, frame.bottom + 6.0), (TEXT, INK), BELOW);
         }
         let middle = 0.5 * (frame.left + frame.right);
-        sheet.text(&self.axis.label, (middle, frame.below()), ink(TEXT), BELOW)
-    }
-
-    fn draw_group(
-        &self,
-        sheet: &Sheet<'_>,
-        frame: &Frame,
-        g: usize,
-        group: &str,
-    ) -> Result<(), ReportError> {
-        let top = TOP + 0.5 * GAP + g as f64 * frame.group_height;
-        let centre = top + 0.5 * (frame.group_height - GAP);
-        let size = TEXT * (frame.names / text_width(group, TEXT)).min(1.0);
-        sheet.text(group, (frame.left - 8.0, centre), ink(size), BEFORE)?;
-        for (s, series) in self.series.iter().enumerate() {
-            frame.draw_bar(sheet, series, g, top + s as f64 * BAR)?;
+        sheet.text(&self.axis.label, (middle, below), (TEXT, INK), BELOW);
+        for (g, group) in self.groups.iter().enumerate() {
+            let top = TOP + 0.5 * GAP + g as f64 * group_height;
+            let centre = top + 0.5 * (group_height - GAP);
+            let size = fitting(group, TEXT, names);
+            sheet.text(group, (frame.left - 8.0, centre), (size, INK), BEFORE);
+            for (s, series) in self.series.iter().enumerate() {
+                frame.draw_bar(&mut sheet, series, g, top + s as f64 * BAR);
+            }
         }
-        Ok(())
-    }
-
-    fn draw_legend(
-        &self,
-        sheet: &Sheet<'_>,
-        frame: &Frame,
-        rows: usize,
-    ) -> Result<(), ReportError> {
-        for (row, series) in self.series.iter().enumerate().take(rows) {
-            let y = frame.below() + TEXT + 14.0 + LEGEND_ROW * row as f64;
-            sheet.filled_rectangle((8.0, y), (28.0, y + 14.0), color(series.color))?;
-            sheet.text(&series.name, (36.0, y + 7.0), ink(TEXT), AFTER)?;
+        let start = frame.start();
+        sheet.line(&[(start, TOP), (start, frame.bottom)], Dash::Solid, GREY, 1.2);
+        for (row, series) in legend.iter().enumerate() {
+            let y = below + TEXT + 14.0 + LEGEND_ROW * row as f64;
+            sheet.filled_rectangle((8.0, y), (28.0, y + 14.0), color(series.color));
+            sheet.text(&series.name, (36.0, y + 7.0), (TEXT, INK), AFTER);
         }
-        Ok(())
+        Ok(sheet.finish())
     }
 }
 
 /// Where names, bars and axis stand, design units.
 struct Frame {
-    names: f64,
     left: f64,
     right: f64,
     bottom: f64,
-    group_height: f64,
     is_linear: bool,
     span: Span,
 }
@@ -162,35 +131,23 @@ impl Frame {
         if self.is_linear { self.place(0.0) } else { self.left }
     }
 
-    /// The upper edge of the label of the axis.
-    fn below(&self) -> f64 {
-        self.bottom + TEXT + 14.0
-    }
-
-    fn draw_bar(
-        &self,
-        sheet: &Sheet<'_>,
-        series: &BarSeries,
-        g: usize,
-        y: f64,
-    ) -> Result<(), ReportError> {
+    fn draw_bar(&self, sheet: &mut Sheet, series: &BarSeries, g: usize, y: f64) {
         let (start, paint) = (self.start(), color(series.color));
         let at = |x: f64| (x, y + 0.5 * BAR);
         let Some((value, error)) = series.values[g] else {
-            sheet.failure(at(start + 8.0), 5.0, paint)?;
-            return sheet.text("failed", at(start + 20.0), font(TEXT, GREY), AFTER);
+            sheet.failure(at(start + 8.0), 5.0, paint);
+            return sheet.text("failed", at(start + 20.0), (TEXT, GREY), AFTER);
         };
         let end = self.place(value);
         let (from, to) = (start.min(end), start.max(end));
-        sheet.filled_rectangle((from, y + 1.0), (to, y + BAR - 1.0), paint)?;
+        sheet.filled_rectangle((from, y + 1.0), (to, y + BAR - 1.0), paint);
         let mut text_from = to;
         if let Some(e) = error.filter(|e| *e > 0.0) {
             let (a, b) = (self.place(value - e), self.place(value + e));
-            sheet.line(&[at(a), at(b)], Dash::Solid, INK, 1.4)?;
+            sheet.line(&[at(a), at(b)], Dash::Solid, INK, 1.4);
             text_from = text_from.max(b);
         }
-        let label = significant(value, 3);
-        sheet.text(&label, at(text_from + 5.0), ink(0.94 * TEXT), AFTER)
+        sheet.text(&significant(value, 3), at(text_from + 5.0), (0.94 * TEXT, INK), AFTER);
     }
 }
 

@@ -1,15 +1,12 @@
-//! Draws a [`Figure`] with the plotting library.
-
-use plotters::prelude::ChartBuilder;
-use plotters::style::text_anchor::{HPos, VPos};
+//! Draws a [`Figure`].
 
 use crate::report::axis::Span;
-use crate::report::canvas::{
-    AFTER, BEFORE, BELOW, FAINT_GRID, FINE, GREY, GRID, Hint, LINE, MARK, Place, Sheet, TEXT, TINT,
-    WIDTH, color, drawing, fine, font, ink, stroke, text_width,
+use crate::report::legend::{Entry, Legend};
+use crate::report::sheet::{
+    AFTER, Anchor, BEFORE, BELOW, BELOW_AFTER, BELOW_BEFORE, FAINT_GRID, GREY, GRID, INK, LINE,
+    MARK, Place, Sheet, TEXT, TINT, WIDTH, color, fitting,
 };
-use crate::report::legend::Legend;
-use crate::report::{Figure, Guide, Look, Point, ReportError, Series, Symbol};
+use crate::report::{COLORS, Dash, Figure, Guide, Look, Point, ReportError, Series, Symbol};
 
 /// Height of the plotting area of every figure, design units.
 const PLOT_HEIGHT: f64 = 300.0;
@@ -17,6 +14,10 @@ const PLOT_HEIGHT: f64 = 300.0;
 const TOP: f64 = 38.0;
 /// Room at the right, for half a tick label, design units.
 const RIGHT: f64 = 22.0;
+/// Length of the ticks, design units.
+const TICK: f64 = 5.0;
+/// Room below the plot for ticks and their labels, design units.
+const TICK_ROOM: f64 = TEXT + 14.0;
 
 /// The plotting area on the sheet and the two axes: from values to places.
 struct Frame {
@@ -36,6 +37,17 @@ impl Frame {
     fn fractions(&self, x: f64, y: f64) -> Option<(f64, f64)> {
         Some((self.x.fraction(x)?, self.y.fraction(y)?))
     }
+
+    /// The place of a point, at the edge where it lies outside; `None` where an axis cannot show it.
+    fn clamped(&self, x: f64, y: f64) -> Option<Place> {
+        let (fx, fy) = self.fractions(x, y)?;
+        Some(self.at(fx.clamp(0.0, 1.0), fy.clamp(0.0, 1.0)))
+    }
+}
+
+/// Whether a fraction of an axis lies inside it.
+fn is_inside(fraction: &f64) -> bool {
+    (-1e-9..=1.0 + 1e-9).contains(fraction)
 }
 
 impl Figure {
@@ -44,234 +56,188 @@ impl Figure {
     /// # Errors
     /// [`ReportError`] where there is nothing to draw or a fixed range is impossible.
     pub fn to_svg(&self) -> Result<String, ReportError> {
-        svg(self)
+        self.to_svg_beside(&[])
+    }
+
+    /// The figure without the entries of a legend that stands beside it.
+    pub(crate) fn to_svg_beside(&self, entries: &[Entry]) -> Result<String, ReportError> {
+        let (x, y) = self.spans()?;
+        let legend = Legend::of(self, entries);
+        let bottom = TOP + PLOT_HEIGHT + 2.0 * TEXT + 22.0;
+        let left = 12.0 + 1.5 * TEXT + (y.widest_label() as f64 + 1.0) * TEXT * 0.54;
+        let frame =
+            Frame { left, top: TOP, width: WIDTH - left - RIGHT, height: PLOT_HEIGHT, x, y };
+        let mut sheet = Sheet::titled(&self.title, bottom + legend.height() + 6.0);
+        self.guides.iter().for_each(|guide| tint(&mut sheet, &frame, guide));
+        axes(&mut sheet, self, &frame);
+        self.guides.iter().for_each(|guide| draw_guide(&mut sheet, &frame, guide));
+        self.series.iter().for_each(|series| draw_series(&mut sheet, &frame, series));
+        // Words come last: no mark hides them.
+        self.series.iter().for_each(|series| draw_labels(&mut sheet, &frame, series));
+        legend.draw(&mut sheet, bottom);
+        Ok(sheet.finish())
+    }
+
+    /// The axes, fitted to points, failures and guides.
+    fn spans(&self) -> Result<(Span, Span), ReportError> {
+        let (mut x, mut y) = (Vec::new(), Vec::new());
+        for point in self.series.iter().flat_map(|s| &s.points) {
+            let (low, high) = point.x_range.unwrap_or((point.x, point.x));
+            x.extend([point.x, low, high]);
+            let error = point.error.unwrap_or(0.0);
+            y.extend([point.y, point.y - error, point.y + error]);
+        }
+        x.extend(self.series.iter().flat_map(|s| &s.failures).map(|f| f.x));
+        for guide in &self.guides {
+            match guide {
+                Guide::Vertical(at, _) => x.push(*at),
+                Guide::Horizontal(at, _) | Guide::UpTo(at, _) => y.push(*at),
+            }
+        }
+        Ok((self.x.span(&self.name, x.into_iter())?, self.y.span(&self.name, y.into_iter())?))
     }
 }
 
-fn svg(figure: &Figure) -> Result<String, ReportError> {
-    let points = || figure.series.iter().flat_map(|s| &s.points);
-    let failures = || figure.series.iter().flat_map(|s| &s.failures).map(|f| f.x);
-    let guides = |vertical: bool| {
-        figure.guides.iter().filter_map(move |g| match g {
-            Guide::Vertical(v, _) if vertical => Some(*v),
-            Guide::Horizontal(v, _) | Guide::UpTo(v, _) if !vertical => Some(*v),
-            _ => None,
-        })
-    };
-    let x_values = points()
-        .flat_map(|p| {
-            let (low, high) = p.x_range.unwrap_or((p.x, p.x));
-            [p.x, low, high]
-        })
-        .chain(failures())
-        .chain(guides(true));
-    let x = figure.x.span(&figure.name, x_values)?;
-    let y_values = points()
-        .flat_map(|p| {
-            let e = p.error.unwrap_or(0.0);
-            [p.y, p.y - e, p.y + e]
-        })
-        .chain(guides(false));
-    let y = figure.y.span(&figure.name, y_values)?;
-
-    let legend = Legend::of(figure);
-    let bottom = 2.0 * TEXT + 22.0;
-    let plot_bottom = TOP + PLOT_HEIGHT;
-    let height = plot_bottom + bottom + legend.height() + 6.0;
-    let left = 12.0 + 1.5 * TEXT + (y.widest_label() as f64 + 1.0) * TEXT * 0.54;
-    let frame = Frame { left, top: TOP, width: WIDTH - left - RIGHT, height: PLOT_HEIGHT, x, y };
-
-    drawing(&figure.name, &figure.title, height, |sheet, hints| {
-        for guide in &figure.guides {
-            tint(sheet, &frame, guide)?;
+fn axes(sheet: &mut Sheet, figure: &Figure, frame: &Frame) {
+    let (x, y) = (&frame.x, &frame.y);
+    for (values, paint) in [((x.minor(), y.minor()), FAINT_GRID), ((x.ticks(), y.ticks()), GRID)] {
+        for f in values.0.iter().filter_map(|v| x.fraction(*v)) {
+            sheet.line(&[frame.at(f, 0.0), frame.at(f, 1.0)], Dash::Solid, paint, 1.0);
         }
-        axes(sheet, figure, &frame)?;
-        for guide in &figure.guides {
-            draw_guide(sheet, &frame, guide)?;
+        for f in values.1.iter().filter_map(|v| y.fraction(*v)) {
+            sheet.line(&[frame.at(0.0, f), frame.at(1.0, f)], Dash::Solid, paint, 1.0);
         }
-        for series in &figure.series {
-            draw_series(sheet, &frame, series, hints)?;
-        }
-        // Words come last: no mark hides them.
-        for series in &figure.series {
-            draw_labels(sheet, &frame, series)?;
-        }
-        legend.draw(sheet, plot_bottom + bottom)
-    })
-}
-
-fn axes(sheet: &Sheet<'_>, figure: &Figure, frame: &Frame) -> Result<(), ReportError> {
-    let (x0, y0) = fine((frame.left, frame.top));
-    let (x1, y1) = fine((frame.left + frame.width, frame.top + frame.height));
-    let tick_room = TEXT + 12.0;
-    let area = sheet
-        .area
-        .clone()
-        .shrink((0, y0), (x1 as u32, (y1 - y0) as u32 + (tick_room * f64::from(FINE)) as u32));
-    let mut chart = ChartBuilder::on(&area)
-        .set_label_area_size(plotters::prelude::LabelAreaPosition::Left, x0)
-        .set_label_area_size(
-            plotters::prelude::LabelAreaPosition::Bottom,
-            (tick_room * f64::from(FINE)) as i32,
-        )
-        .build_cartesian_2d(frame.x.clone(), frame.y.clone())
-        .map_err(|e| sheet.failed(e))?;
-    chart
-        .configure_mesh()
-        .bold_line_style(stroke(GRID, 1.0))
-        .light_line_style(stroke(FAINT_GRID, 1.0))
-        .axis_style(stroke(GREY, 1.0))
-        .label_style(ink(TEXT))
-        .set_all_tick_mark_size(5 * FINE)
-        .draw()
-        .map_err(|e| sheet.failed(e))?;
-    sheet.outline(
-        (frame.left, frame.top),
-        (frame.left + frame.width, frame.top + frame.height),
-        GREY,
-        1.0,
-    )?;
-    let middle = frame.left + 0.5 * frame.width;
-    let below = frame.top + frame.height + tick_room + 2.0;
-    sheet.text(&figure.x.label, (middle, below), ink(TEXT), BELOW)?;
-    let width = text_width(&figure.y.label, TEXT);
-    let height = TEXT * (frame.height * 1.1 / width).min(1.0);
-    sheet.upright(&figure.y.label, (8.0, frame.top + 0.5 * frame.height), height)
+    }
+    for (value, (px, py)) in
+        x.ticks().iter().filter_map(|v| Some((*v, frame.at(x.fraction(*v)?, 0.0))))
+    {
+        sheet.line(&[(px, py), (px, py + TICK)], Dash::Solid, GREY, 1.0);
+        sheet.text(&x.label(value), (px, py + TICK + 5.0), (TEXT, INK), BELOW);
+    }
+    for (value, (px, py)) in
+        y.ticks().iter().filter_map(|v| Some((*v, frame.at(0.0, y.fraction(*v)?))))
+    {
+        sheet.line(&[(px - TICK, py), (px, py)], Dash::Solid, GREY, 1.0);
+        sheet.text(&y.label(value), (px - TICK - 5.0, py), (TEXT, INK), BEFORE);
+    }
+    sheet.outline(frame.at(0.0, 1.0), frame.at(1.0, 0.0), GREY, 1.0);
+    let (middle, bottom) = frame.at(0.5, 0.0);
+    sheet.text(&figure.x.label, (middle, bottom + TICK_ROOM), (TEXT, INK), BELOW);
+    let height = fitting(&figure.y.label, TEXT, 1.1 * frame.height);
+    sheet.upright(&figure.y.label, (8.0, frame.at(0.0, 0.5).1), height);
 }
 
 /// The strip below a [`Guide::UpTo`].
-fn tint(sheet: &Sheet<'_>, frame: &Frame, guide: &Guide) -> Result<(), ReportError> {
-    let Guide::UpTo(y, _) = guide else {
-        return Ok(());
-    };
-    match frame.y.fraction(*y) {
-        Some(f) if f > 0.0 => {
-            sheet.filled_rectangle(frame.at(0.0, f.min(1.0)), frame.at(1.0, 0.0), TINT)
-        }
-        _ => Ok(()),
+fn tint(sheet: &mut Sheet, frame: &Frame, guide: &Guide) {
+    if let Guide::UpTo(y, _) = guide
+        && let Some(f) = frame.y.fraction(*y).filter(|f| *f > 0.0)
+    {
+        sheet.filled_rectangle(frame.at(0.0, f.min(1.0)), frame.at(1.0, 0.0), TINT);
     }
 }
 
 /// The words beside points, each to the right of its mark, or to the left where the frame ends.
-fn draw_labels(sheet: &Sheet<'_>, frame: &Frame, series: &Series) -> Result<(), ReportError> {
+fn draw_labels(sheet: &mut Sheet, frame: &Frame, series: &Series) {
     for point in &series.points {
-        let (Some(label), Some((fx, fy))) = (&point.label, frame.fractions(point.x, point.y))
-        else {
+        let (Some(label), Some((x, y))) = (&point.label, frame.clamped(point.x, point.y)) else {
             continue;
         };
-        let (x, y) = frame.at(fx.clamp(0.0, 1.0), fy.clamp(0.0, 1.0));
-        let (shift, anchor) = if fx > 0.92 { (-1.6 * MARK, BEFORE) } else { (1.6 * MARK, AFTER) };
-        let at = (x + shift, y - 2.2 * MARK);
-        sheet.text(label, at, ink(0.82 * TEXT), anchor)?;
+        let is_at_end = frame.x.fraction(point.x).is_some_and(|f| f > 0.92);
+        let (shift, anchor) = if is_at_end { (-1.6, BEFORE) } else { (1.6, AFTER) };
+        let at = (x + shift * MARK, y - 2.2 * MARK);
+        sheet.text(label, at, (0.82 * TEXT, INK), anchor);
     }
-    Ok(())
 }
 
-fn draw_guide(sheet: &Sheet<'_>, frame: &Frame, guide: &Guide) -> Result<(), ReportError> {
-    let (label, ends, at, horizontal) = match guide {
+fn draw_guide(sheet: &mut Sheet, frame: &Frame, guide: &Guide) {
+    let (label, ends, at, anchor): (&str, [Place; 2], Place, Anchor) = match guide {
         Guide::Vertical(x, label) => {
-            let Some(f) = frame.x.fraction(*x).filter(|f| (0.0..=1.0).contains(f)) else {
-                return Ok(());
+            let Some(f) = frame.x.fraction(*x).filter(is_inside) else {
+                return;
             };
-            let ends = [frame.at(f, 0.0), frame.at(f, 1.0)];
+            let (px, py) = frame.at(f, 0.0);
             // The word stands on the side where there is room.
-            let (shift, anchor) = if f > 0.6 { (-5.0, HPos::Right) } else { (5.0, HPos::Left) };
-            (label, ends, (ends[0].0 + shift, ends[0].1 - 20.0), anchor)
+            let (shift, anchor) = if f > 0.6 { (-5.0, BELOW_BEFORE) } else { (5.0, BELOW_AFTER) };
+            (label, [(px, py), frame.at(f, 1.0)], (px + shift, py - 20.0), anchor)
         }
         Guide::Horizontal(y, label) | Guide::UpTo(y, label) => {
-            let Some(f) = frame.y.fraction(*y).filter(|f| (0.0..=1.0).contains(f)) else {
-                return Ok(());
+            let Some(f) = frame.y.fraction(*y).filter(is_inside) else {
+                return;
             };
-            let ends = [frame.at(0.0, f), frame.at(1.0, f)];
-            let below = f > 0.9;
-            let at = (ends[1].0 - 5.0, ends[1].1 + if below { 4.0 } else { -18.0 });
-            (label, ends, at, HPos::Right)
+            let (px, py) = frame.at(1.0, f);
+            let shift = if f > 0.9 { 4.0 } else { -18.0 };
+            (label, [frame.at(0.0, f), (px, py)], (px - 5.0, py + shift), BELOW_BEFORE)
         }
     };
-    sheet.line(&ends, crate::report::Dash::Dotted, GREY, 1.3)?;
-    sheet.text(label, at, font(0.88 * TEXT, GREY), (horizontal, VPos::Top))
+    sheet.line(&ends, Dash::Dotted, GREY, 1.3);
+    if !label.is_empty() {
+        sheet.text(label, at, (0.88 * TEXT, GREY), anchor);
+    }
 }
 
-fn draw_series(
-    sheet: &Sheet<'_>,
-    frame: &Frame,
-    series: &Series,
-    hints: &mut Vec<Hint>,
-) -> Result<(), ReportError> {
+fn draw_series(sheet: &mut Sheet, frame: &Frame, series: &Series) {
     let paint = color(series.color);
     if let Look::Line(dash) | Look::LineAndPoints(dash, _) = series.look {
         let width = if matches!(series.look, Look::Line(_)) { LINE } else { 0.6 * LINE };
         for piece in visible_pieces(frame, &series.points) {
-            sheet.line(&piece, dash, paint, width)?;
+            sheet.line(&piece, dash, paint, width);
         }
     }
     for point in &series.points {
         if let Look::Points(symbol) | Look::LineAndPoints(_, symbol) = series.look {
-            draw_point(sheet, frame, point, symbol, series.color)?;
+            draw_point(sheet, frame, point, symbol, series.color);
         }
-        if let (Some(note), Some((fx, fy))) = (&point.note, frame.fractions(point.x, point.y)) {
-            hints.push(Hint {
-                at: frame.at(fx.clamp(0.0, 1.0), fy.clamp(0.0, 1.0)),
-                note: note.clone(),
-                link: point.link.clone(),
-            });
+        if let (Some(note), Some(at)) = (&point.note, frame.clamped(point.x, point.y)) {
+            sheet.hint(at, note, point.link.as_deref());
         }
     }
     for failure in &series.failures {
-        if let Some(f) = frame.x.fraction(failure.x).filter(|f| (0.0..=1.0).contains(f)) {
+        if let Some(f) = frame.x.fraction(failure.x).filter(is_inside) {
             let (px, py) = frame.at(f, 1.0);
             // Series fail at the same places: each has its own height, so that none hides another.
-            let row = 9.0 + 11.0 * (series.color % crate::report::COLORS.len()) as f64;
-            let at = (px, py + row);
-            sheet.failure(at, 0.95 * MARK, paint)?;
-            hints.extend(failure.note.clone().map(|note| Hint { at, note, link: None }));
+            let row = 9.0 + 11.0 * (series.color % COLORS.len()) as f64;
+            sheet.failure((px, py + row), 0.95 * MARK, paint);
+            if let Some(note) = &failure.note {
+                sheet.hint((px, py + row), note, None);
+            }
         }
     }
-    Ok(())
 }
 
-fn draw_point(
-    sheet: &Sheet<'_>,
-    frame: &Frame,
-    point: &Point,
-    symbol: Symbol,
-    color_index: usize,
-) -> Result<(), ReportError> {
+fn draw_point(sheet: &mut Sheet, frame: &Frame, point: &Point, symbol: Symbol, index: usize) {
     let (paint, symbol) = match point.is_no_result() {
         true => (GREY, symbol.open()),
-        false => (color(color_index), symbol),
+        false => (color(index), symbol),
     };
-    let Some(fx) = frame.x.fraction(point.x).filter(|f| (-1e-9..=1.0 + 1e-9).contains(f)) else {
-        return Ok(());
+    let Some(fx) = frame.x.fraction(point.x).filter(is_inside) else {
+        return;
     };
     if point.y.is_nan() {
-        return Ok(());
+        return;
     }
     // What a logarithmic axis cannot show, and what lies beyond a fixed end, is an arrow at that edge.
     let fy = frame.y.fraction(point.y).unwrap_or(if point.y > 0.0 { 2.0 } else { -1.0 });
-    if fy > 1.0 + 1e-9 {
-        let (x, y) = frame.at(fx, 1.0);
-        return sheet.symbol(Symbol::Triangle, (x, y + 6.0), MARK, paint);
-    }
-    if fy < -1e-9 {
-        let (x, y) = frame.at(fx, 0.0);
-        return sheet.symbol(Symbol::Wedge, (x, y - 6.0), MARK, paint);
+    if !is_inside(&fy) {
+        let is_above = fy > 0.5;
+        let (x, y) = frame.at(fx, f64::from(u8::from(is_above)));
+        return match is_above {
+            true => sheet.symbol(Symbol::Triangle, (x, y + 6.0), paint),
+            false => sheet.symbol(Symbol::Wedge, (x, y - 6.0), paint),
+        };
     }
     if let Some((low, high)) = point.x_range {
         let end = |x: f64| frame.x.fraction(x).unwrap_or(fx).clamp(0.0, 1.0);
-        let ends = [frame.at(end(low), fy), frame.at(end(high), fy)];
-        sheet.line(&ends, crate::report::Dash::Solid, paint, 1.0)?;
+        sheet.line(&[frame.at(end(low), fy), frame.at(end(high), fy)], Dash::Solid, paint, 1.0);
     }
     if let Some(error) = point.error.filter(|e| e.is_finite() && *e > 0.0) {
-        let end = |y: f64| frame.y.fraction(y).unwrap_or(0.0).clamp(0.0, 1.0);
-        let ends = [point.y - error, point.y + error].map(|y| frame.at(fx, end(y)));
-        sheet.line(&ends, crate::report::Dash::Solid, paint, 1.4)?;
+        let end = |y: f64| frame.at(fx, frame.y.fraction(y).unwrap_or(0.0).clamp(0.0, 1.0));
+        let ends = [end(point.y - error), end(point.y + error)];
+        sheet.line(&ends, Dash::Solid, paint, 1.4);
         for (x, y) in ends {
-            let end = [(x - 3.0, y), (x + 3.0, y)];
-            sheet.line(&end, crate::report::Dash::Solid, paint, 1.4)?;
+            sheet.line(&[(x - 3.0, y), (x + 3.0, y)], Dash::Solid, paint, 1.4);
         }
     }
-    sheet.symbol(symbol, frame.at(fx, fy), MARK, paint)
+    sheet.symbol(symbol, frame.at(fx, fy), paint);
 }
 
 /// The parts of a line that lie inside the frame, as unbroken runs of places.

@@ -6,7 +6,6 @@
 
 mod axis;
 mod bars;
-mod canvas;
 mod draw;
 mod escape;
 mod figure;
@@ -15,6 +14,7 @@ mod page;
 mod palette;
 mod particles;
 mod picture;
+mod sheet;
 mod table;
 
 pub use axis::{Axis, Scale};
@@ -62,13 +62,5 @@ pub enum ReportError {
         found: usize,
         /// Groups of the figure.
         wanted: usize,
-    },
-    /// The plotting library failed.
-    #[error("figure `{figure}` could not be drawn: {reason}")]
-    Drawing {
-        /// Name of the figure.
-        figure: String,
-        /// What the library said.
-        reason: String,
     },
 }

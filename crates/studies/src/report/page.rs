@@ -3,7 +3,7 @@
 use lennard_core::Table;
 
 use crate::report::escape::{escape, inline_markup, made_by};
-use crate::report::{Picture, ReportError, table};
+use crate::report::{Picture, ReportError, legend, table};
 
 /// The style of every page.
 const STYLE: &str = include_str!("page.css");
@@ -182,11 +182,16 @@ impl Block {
                 format!("<pre class=\"equations\">{}</pre>\n", lines.join("\n"))
             }
             Self::Figures(pictures) => {
-                let mut html = String::from("<div class=\"figures\">\n");
+                let shared = legend::shared(pictures);
+                let mut html = String::new();
+                if !shared.is_empty() {
+                    html.push_str(&legend::to_html(&shared));
+                }
+                html.push_str("<div class=\"figures\">\n");
                 for picture in pictures {
                     html.push_str(&format!(
                         "<figure>\n{}<figcaption>{}{}</figcaption>\n</figure>\n",
-                        picture.to_svg()?,
+                        picture.to_svg_beside(&shared)?,
                         inline_markup(&picture.caption),
                         made_by(command, Some(&picture.data))
                     ));

@@ -1,5 +1,6 @@
 //! A drawing with the words below it.
 
+use crate::report::legend::Entry;
 use crate::report::{BarFigure, Figure, ParticleFigure, Point, ReportError};
 
 /// What the caption of a figure says where some of its points are no results.
@@ -78,8 +79,21 @@ impl Picture {
     /// # Errors
     /// [`ReportError`] where it cannot be drawn.
     pub fn to_svg(&self) -> Result<String, ReportError> {
+        self.to_svg_beside(&[])
+    }
+
+    /// Its plot, where it is one.
+    pub(crate) fn plot(&self) -> Option<&Figure> {
         match &self.drawing {
-            Drawing::Plot(figure) => figure.to_svg(),
+            Drawing::Plot(figure) => Some(figure),
+            _ => None,
+        }
+    }
+
+    /// The drawing without the entries of a legend that stands beside it.
+    pub(crate) fn to_svg_beside(&self, entries: &[Entry]) -> Result<String, ReportError> {
+        match &self.drawing {
+            Drawing::Plot(figure) => figure.to_svg_beside(entries),
             Drawing::Bars(figure) => figure.to_svg(),
             Drawing::Particles(figure) => figure.to_svg(),
         }

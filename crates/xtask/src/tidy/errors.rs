@@ -71,10 +71,6 @@ const EXCEPTIONS: &[(&str, &str)] = &[
         "the shape of every table is looked at when the file is read, before anything in it",
     ),
     (
-        "` could not be drawn:",
-        "figures are drawn into memory, where the plotting library has nothing to fail at",
-    ),
-    (
         "it was not run",
         "a worker that takes a point leaves its result; this stands for one that panicked",
     ),

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use lennard_core::DVec3;
 
-use crate::report::canvas::{Place, TEXT, WIDTH};
+use crate::report::sheet::{Place, TEXT, WIDTH};
 
 /// Direction from which the box is seen: angle in the plane from the first axis, and angle above the plane.
 const AZIMUTH: f64 = 27.0 * PI / 180.0;
