@@ -14,6 +14,7 @@ mod page;
 mod palette;
 mod particles;
 mod picture;
+mod row;
 mod sheet;
 mod table;
 
@@ -28,6 +29,7 @@ pub use page::{Block, Page, Section};
 pub use palette::{COLORS, Dash, Symbol};
 pub use particles::{ParticleFigure, Sphere};
 pub use picture::{Drawing, Picture};
+pub use row::{Columns, FigureRow};
 pub use table::{ErrorStyle, cell_text, heading, is_numeric};
 
 /// Why a figure cannot be drawn.

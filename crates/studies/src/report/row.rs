@@ -1,0 +1,198 @@
+//! Figures as rows of a list: each names a table, its columns and a look, and one function draws it.
+//!
+//! ```text
+//! let energy = FigureRow {
+//!     name: "ways-energy",                              // file stem of the SVG
+//!     title: "Bonds held in each way: energy",
+//!     x: Axis::logarithmic("h / τ"),
+//!     y: Axis::logarithmic("RMS of E − E(0) / ε"),
+//!     table: "ways",                                    // ways.csv holds the numbers
+//!     columns: vec![Columns::new("{}", &["dt", "energy RMS"], Look::joined).by("way")],
+//!     caption: "RMS of the energy on the same run.".into(),
+//!     ..FigureRow::default()
+//! };
+//! let picture = energy.draw(|name| csv.iter().find(|table| table.name == name).cloned());
+//! ```
+//!
+//! `by` draws one series for each value of a column, in the order of the table, and `{}` in the name stands for this value.
+//! A third column has standard errors. Curves that are no columns, such as a law, are `theory`.
+
+use lennard_core::{Table, Value};
+
+use crate::report::{Axis, Figure, Guide, Look, Picture, Point, Series};
+
+/// Points of a line that can be told apart on a page.
+const MOST_POINTS: usize = 600;
+
+/// A figure of a table.
+#[derive(Debug, Clone, Default)]
+pub struct FigureRow<'a> {
+    /// File stem of the figure.
+    pub name: &'a str,
+    /// Heading inside the figure.
+    pub title: &'a str,
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// File stem of the table.
+    pub table: &'a str,
+    /// The columns that are drawn.
+    pub columns: Vec<Columns<'a>>,
+    /// Curves that are no columns; they lie below.
+    pub theory: Vec<Series>,
+    /// Lines across.
+    pub guides: Vec<Guide>,
+    /// What it shows, with inline markup.
+    pub caption: String,
+}
+
+/// Columns that are drawn: one series, or one for each value of another column.
+#[derive(Debug, Clone)]
+pub struct Columns<'a> {
+    /// Name in the legend; `{}` stands for the value of the column that divides the rows.
+    name: &'a str,
+    /// Names of abscissa, ordinate and, where there is one, standard error.
+    names: &'a [&'a str],
+    /// The look of the series of an index.
+    look: fn(usize) -> Look,
+    /// The index of the first series.
+    first: usize,
+    /// The column that divides the rows.
+    by: Option<&'a str>,
+}
+
+impl<'a> Columns<'a> {
+    /// Abscissa and ordinate, or these with a standard error, under a name in the legend.
+    #[must_use]
+    pub fn new(name: &'a str, names: &'a [&'a str], look: fn(usize) -> Look) -> Self {
+        Self { name, names, look, first: 0, by: None }
+    }
+
+    /// The same with the look and the color of the `index`-th series.
+    #[must_use]
+    pub fn at(self, index: usize) -> Self {
+        Self { first: index, ..self }
+    }
+
+    /// One series for each value of this column.
+    #[must_use]
+    pub fn by(self, column: &'a str) -> Self {
+        Self { by: Some(column), ..self }
+    }
+
+    /// The series of a table; none where it lacks a column.
+    fn series(&self, table: &Table) -> Option<Vec<Series>> {
+        let [x, y, error] =
+            [0, 1, 2].map(|k| self.names.get(k).and_then(|name| table.numbers(name)));
+        let (x, y) = (x?, y?);
+        let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
+        for row in 0..table.rows() {
+            let value = self.by.map_or(Some(String::new()), |by| value_of(table, by, row))?;
+            match groups.iter_mut().find(|(known, _)| *known == value) {
+                Some((_, rows)) => rows.push(row),
+                None => groups.push((value, vec![row])),
+            }
+        }
+        let point = |row: usize| Point {
+            error: error.as_ref().map(|error| error[row]),
+            ..Point::from((x[row], y[row]))
+        };
+        let series = groups.into_iter().enumerate().map(|(i, (value, rows))| {
+            let index = self.first + i;
+            let points: Vec<Point> = rows
+                .into_iter()
+                .map(point)
+                .filter(|p| p.x.is_finite() && p.y.is_finite())
+                .collect();
+            let look = (self.look)(index);
+            let points = if matches!(look, Look::Line(_)) { thinned(points) } else { points };
+            Series::new(self.name.replace("{}", &value), look, index, points)
+        });
+        Some(series.collect())
+    }
+}
+
+/// The value of a cell that divides rows, as it is written.
+fn value_of(table: &Table, column: &str, row: usize) -> Option<String> {
+    let column = table.columns.iter().find(|c| c.name == column)?;
+    Some(match &column.cells.get(row)?.value {
+        Value::Words(words) | Value::Figures(words) => words.clone(),
+        number => number.number().to_string(),
+    })
+}
+
+/// A line with neighbors averaged where there are more than can be seen.
+fn thinned(points: Vec<Point>) -> Vec<Point> {
+    let group = points.len().div_ceil(MOST_POINTS).max(1);
+    if group == 1 {
+        return points;
+    }
+    let mean = |c: &[Point]| {
+        let n = c.len() as f64;
+        let (x, y) = c.iter().fold((0.0, 0.0), |(x, y), p| (x + p.x, y + p.y));
+        Point::from((x / n, y / n))
+    };
+    points.chunks(group).map(mean).collect()
+}
+
+impl FigureRow<'_> {
+    /// The figure with its caption; none where there is no such table, or nothing in its columns.
+    pub fn draw(self, tables: impl Fn(&str) -> Option<Table>) -> Option<Picture> {
+        let table = tables(self.table)?;
+        let drawn = self.columns.iter().filter_map(|columns| columns.series(&table)).flatten();
+        let figure = Figure {
+            series: self.theory.into_iter().chain(drawn).collect(),
+            guides: self.guides,
+            ..Figure::new(self.name, self.title, self.x, self.y)
+        };
+        (!figure.is_empty())
+            .then(|| Picture::new(figure, self.caption, format!("{}.csv", self.table)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::Drawing;
+
+    fn table() -> Table {
+        let rows = [("a", 1.0, 2.0), ("b", 1.0, 3.0), ("a", 2.0, 4.0), ("b", 2.0, f64::NAN)];
+        Table::rows_of("t", &rows)
+            .column("way", |r| r.0)
+            .column("x [σ]", |r| r.1)
+            .column("y", |r| r.2)
+            .table()
+    }
+
+    fn drawn(columns: Columns<'_>) -> Option<Figure> {
+        let row = FigureRow { name: "f", table: "t", columns: vec![columns], ..Default::default() };
+        let picture = row.draw(|name| (name == "t").then(table))?;
+        assert_eq!(picture.data, "t.csv");
+        match picture.drawing {
+            Drawing::Plot(figure) => Some(figure),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn a_column_divides_the_rows_into_series_and_what_is_no_number_is_left_out() {
+        let figure = drawn(Columns::new("way {}", &["x", "y"], Look::joined).by("way")).unwrap();
+        let series = |k: usize| (figure.series[k].name.as_str(), figure.series[k].points.len());
+        assert_eq!([series(0), series(1)], [("way a", 2), ("way b", 1)]);
+        assert_ne!(figure.series[0].color, figure.series[1].color);
+        let one = drawn(Columns::new("all", &["x", "y"], Look::marks).at(3)).unwrap();
+        assert_eq!((one.series.len(), one.series[0].points.len(), one.series[0].color), (1, 3, 3));
+        assert!(drawn(Columns::new("all", &["x", "z"], Look::line)).is_none());
+    }
+
+    #[test]
+    fn a_long_line_is_averaged_and_marks_are_not() {
+        let numbers: Vec<f64> = (0..6000).map(f64::from).collect();
+        let table = Table::new("t", "").with("x", "", numbers.clone()).with("y", "", numbers);
+        let points =
+            |look| Columns::new("", &["x", "y"], look).series(&table).unwrap()[0].points.len();
+        assert_eq!(points(Look::line), 600);
+        assert_eq!(points(Look::marks), 6000);
+    }
+}
