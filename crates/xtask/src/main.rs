@@ -31,8 +31,8 @@ Commands:
   physics  The long checks: state points against the equation of state, error bars against
            independent seeds, Rust tests marked as ignored
   tidy     README.md and docs name what exists, crates depend as designed, no files import each other
-           in circles, files and sentences are short, methods are named in one place, every error
-           text is in a test, no machine path, registry host or large file is tracked
+           in circles, files and sentences are short, methods are named in one place, no machine
+           path, registry host or large file is tracked
   soak     Kill runs at random times, go on with them, and compare every byte with an undisturbed
            run; --quick for 10 kills in place of 200, --long for ten million steps
   ledger   Bits of every shipped scene, and names of keys, options and methods, against validation/ledger;

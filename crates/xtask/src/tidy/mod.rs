@@ -3,11 +3,9 @@
 mod circles;
 #[cfg(test)]
 mod documents;
-mod errors;
 mod features;
 mod finding;
 mod layers;
-mod literals;
 mod methods;
 mod readme;
 mod sentences;
@@ -35,7 +33,6 @@ pub fn all(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
     findings.push(("files fit a sitting", sizes::faults(workspace)?));
     findings.push(("methods are named in one file and one line", methods::faults(workspace)?));
     findings.push(("sentences are short and have nouns", sentences::faults(workspace)?));
-    findings.push(("every error text is in a test", errors::faults(workspace)?));
     findings.extend(tracked::findings(workspace)?);
     Ok(findings)
 }
