@@ -191,7 +191,7 @@ mod tests {
         }
         assert_eq!(named("triple-point"), Some("verlet-1967/triple-point"));
         assert_eq!(named("gas"), None, "a gas is in `fluid` and in `npt`");
-        assert_eq!(named("bad/andersen"), None);
+        assert_eq!(named("bad"), None);
         assert_eq!(suggestion(Path::new("gas")).as_deref(), Some("fluid/gas or npt/gas"));
         assert_eq!(
             suggestion(Path::new("tripel-point")).as_deref(),

@@ -1,26 +1,14 @@
-//! The scenes of `inputs/`: the good ones load and load back, each bad one is refused in the words beside it.
+//! The scenes of `inputs/` load and load back.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use lennard_scene::{Scene, SceneError, reference};
+use lennard_scene::{Scene, reference};
 
 /// Files are named from the root of the repository, as a user does who stands there.
 fn enter_root() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     std::env::set_current_dir(root).unwrap();
-}
-
-fn scenes_in(folder: &str) -> Vec<PathBuf> {
-    let mut found: Vec<PathBuf> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
-        .filter(|path| !path.to_string_lossy().ends_with(".lock.toml"))
-        .collect();
-    found.sort();
-    assert!(!found.is_empty(), "no scene in {folder}");
-    found
 }
 
 /// All scenes below a folder, without sweeps and refused scenes.
@@ -29,9 +17,13 @@ pub(crate) fn good_scenes(folder: &Path) -> Vec<PathBuf> {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        if path.is_dir() && name != "bad" && name != "sweep" {
+        if path.is_dir() && name != "sweep" {
             found.extend(good_scenes(&path));
-        } else if name.ends_with(".toml") && !name.ends_with(".lock.toml") && !is_sweep(&path) {
+        } else if name.ends_with(".toml")
+            && name != "bad.toml"
+            && !name.ends_with(".lock.toml")
+            && !is_sweep(&path)
+        {
             found.push(path);
         }
     }
@@ -42,81 +34,6 @@ pub(crate) fn good_scenes(folder: &Path) -> Vec<PathBuf> {
 /// A list of state points for `lennard sweep`, which names its scene as `base`.
 fn is_sweep(path: &Path) -> bool {
     std::fs::read_to_string(path).unwrap().lines().any(|line| line.starts_with("base = "))
-}
-
-/// What a `.expected` file says: the lines, and whether the trouble shows only after the scene was read.
-fn expected(scene: &Path) -> (Vec<String>, bool) {
-    let file = scene.with_extension("expected");
-    let text = std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
-    let later = text.starts_with("# Found after the scene itself has been read");
-    let lines = text.lines().filter(|line| !line.starts_with('#'));
-    (lines.map(str::to_owned).collect(), later)
-}
-
-/// The text after `# Expected: ` at the head of a bad scene.
-fn announced(scene: &Path) -> String {
-    let text = std::fs::read_to_string(scene).unwrap();
-    let line = text.lines().find_map(|line| line.strip_prefix("# Expected: "));
-    line.unwrap_or_else(|| panic!("{} announces nothing", scene.display())).to_owned()
-}
-
-fn refusal(scene: &Path) -> SceneError {
-    match Scene::load(scene, &[]) {
-        Ok(_) => panic!("{} was accepted", scene.display()),
-        Err(error) => error,
-    }
-}
-
-#[test]
-fn every_bad_scene_is_refused_in_the_words_beside_it() {
-    enter_root();
-    for path in scenes_in("inputs/bad") {
-        let (lines, later) = expected(&path);
-        if later {
-            assert!(!lines.is_empty(), "{}", path.display());
-            if let Err(error) = Scene::load(&path, &[]) {
-                panic!("{} should be read and fail later: {error}", path.display());
-            }
-            continue;
-        }
-        let message = refusal(&path).to_string();
-        assert_eq!(message, lines.join("\n"), "{}", path.display());
-        let announced = announced(&path);
-        assert!(message.contains(&announced), "{message}\nannounced: {announced}");
-    }
-}
-
-#[test]
-fn every_refusal_names_file_key_and_what_is_allowed() {
-    enter_root();
-    for path in scenes_in("inputs/bad") {
-        if expected(&path).1 {
-            continue;
-        }
-        let error = refusal(&path);
-        assert_eq!(error.file(), path.display().to_string());
-        let not_there_yet = error.message().contains("not available yet");
-        assert!(not_there_yet || error.what_is_allowed().is_some(), "{error}");
-        // Text that is no TOML has no keys, and what is missing has no line.
-        let no_key = ["not TOML", "cannot be read"].iter().any(|m| error.message().contains(m));
-        assert!(no_key || error.key_path().is_some(), "{error}");
-        let missing = error.message() == "is missing" || path.ends_with("tail-with-vacuum.toml");
-        assert!(missing || error.line().is_some(), "{error}");
-    }
-}
-
-/// Writes the `.expected` files anew: run by hand after a change of words, and read what changed.
-#[test]
-#[ignore = "writes inputs/bad/*.expected"]
-fn write_expected() {
-    enter_root();
-    for path in scenes_in("inputs/bad") {
-        let file = path.with_extension("expected");
-        if file.exists() && expected(&path).1 {
-            continue;
-        }
-        std::fs::write(file, format!("{}\n", refusal(&path))).unwrap();
-    }
 }
 
 #[test]
@@ -134,7 +51,7 @@ fn every_good_scene_loads_and_its_resolved_text_loads_back_to_the_same() {
 #[test]
 fn every_scene_says_at_its_head_what_it_shows_and_how_to_run_it() {
     enter_root();
-    for path in good_scenes(Path::new("inputs")).into_iter().chain(scenes_in("inputs/bad")) {
+    for path in good_scenes(Path::new("inputs")) {
         let text = std::fs::read_to_string(&path).unwrap();
         let head: Vec<&str> = text.lines().take_while(|line| line.starts_with('#')).collect();
         let command = format!("cargo run --release -- run {}", path.display());

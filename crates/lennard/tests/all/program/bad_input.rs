@@ -1,39 +1,56 @@
 //! Bad input is refused before anything is written, with exit code 2 and a message that helps.
 
-use crate::program::common::{lennard, root, run_small, stderr, stdout};
+use super::bad_scenes::BadInputs;
+use super::common::{lennard, lennard_in, root, run_small, stderr, stdout};
 
 #[test]
 fn every_bad_scene_ends_with_exit_code_2_and_its_message_and_writes_nothing() {
+    let inputs = BadInputs::read();
     let temporary = tempfile::tempdir().unwrap();
-    let out = temporary.path().join("out");
-    let mut seen = 0;
-    for entry in std::fs::read_dir(root().join("inputs/bad")).unwrap() {
-        let scene = entry.unwrap().path();
-        let is_lock = scene.to_string_lossy().ends_with(".lock.toml");
-        if is_lock || scene.extension().is_none_or(|e| e != "toml") {
-            continue;
+    let folder = temporary.path().canonicalize().unwrap().join("bad");
+    std::fs::create_dir(&folder).unwrap();
+    inputs.write_files(&folder);
+    let mut unlike = Vec::new();
+    for case in &inputs.case {
+        let scene = format!("{}.toml", case.name);
+        assert!(!folder.join(&scene).exists(), "{scene} is there twice");
+        std::fs::write(folder.join(&scene), inputs.scene(case)).unwrap();
+        let output = lennard_in(&folder, &["run", &scene, "--out", "out"]);
+        let message = stderr(&output).replace(&format!("{}/", folder.display()), "");
+        assert_eq!(output.status.code(), Some(2), "{scene}: {message}");
+        assert_eq!(stdout(&output), "", "{scene}");
+        assert!(!folder.join("out").exists(), "{scene} left an output folder");
+        let said = message.strip_prefix("error: ").unwrap().trim();
+        let said = said.strip_prefix(&format!("reading the scene: {scene}, ")).unwrap_or(said);
+        if said != case.expected.trim() {
+            unlike.push(format!("{}\nexpected = '''\n{said}\n'''", case.name));
         }
-        seen += 1;
-        let named = format!("inputs/bad/{}", scene.file_name().unwrap().to_string_lossy());
-        let output = lennard(&["run", &named, "--out", out.to_str().unwrap()]).output().unwrap();
-        let message = stderr(&output);
-        assert_eq!(output.status.code(), Some(2), "{named}: {message}");
-        assert_eq!(stdout(&output), "", "{named}");
-        let expected = std::fs::read_to_string(scene.with_extension("expected")).unwrap();
-        for line in expected.lines().filter(|l| !l.starts_with('#')) {
-            assert!(message.contains(line), "{named}: wanted `{line}` in\n{message}");
-        }
-        assert!(!out.exists(), "{named} left an output folder");
+        assert!(said.contains("allowed: "), "{scene} names nothing that is allowed: {said}");
     }
-    assert!(seen > 30, "only {seen} bad scenes");
+    assert!(unlike.is_empty(), "inputs/bad.toml expects another answer:\n{}", unlike.join("\n\n"));
+    assert!(inputs.case.len() > 300, "only {} bad scenes", inputs.case.len());
+}
+
+/// A case is then refused for what it changes.
+#[test]
+fn every_base_of_the_bad_scenes_is_a_good_scene() {
+    let inputs = BadInputs::read();
+    let temporary = tempfile::tempdir().unwrap();
+    inputs.write_files(temporary.path());
+    for (name, text) in &inputs.bases {
+        std::fs::write(temporary.path().join("base.toml"), text).unwrap();
+        let output = lennard_in(temporary.path(), &["plan", "base.toml"]);
+        assert!(output.status.success(), "{name}: {}", stderr(&output));
+    }
 }
 
 #[test]
 fn the_refusal_that_the_documents_show_is_the_one_that_the_program_gives() {
     let document = std::fs::read_to_string(root().join("docs/reliability.md")).unwrap();
-    let output = lennard(&["run", "inputs/bad/unknown-key.toml"]).output().unwrap();
-    let message = stderr(&output);
-    assert!(message.contains("allowed: ") && document.contains(&message), "{message}");
+    let inputs = BadInputs::read();
+    let expected = &inputs.case("unknown-key").expected;
+    let shown = format!("error: reading the scene: unknown-key.toml, {expected}");
+    assert!(document.contains(&shown), "{shown}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use crate::program::bad_scenes::BadInputs;
 use crate::program::common::{lennard, lennard_in};
 
 use serde_json::Value;
@@ -133,7 +134,12 @@ fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
 
 #[test]
 fn a_chart_takes_the_settings_of_a_lock_file_and_refuses_that_of_another_scene() {
-    let scene = "inputs/bad/lock-of-another-scene.toml";
+    let inputs = BadInputs::read();
+    let temporary = tempfile::tempdir().unwrap();
+    inputs.write_files(temporary.path());
+    let scene = temporary.path().join("lock-of-another-scene.toml");
+    std::fs::write(&scene, inputs.scene(inputs.case("lock-of-another-scene"))).unwrap();
+    let scene = scene.to_str().unwrap();
     let refused = lennard(&["chart", scene, "--quick"]).output().unwrap();
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_eq!(refused.status.code(), Some(2), "{said}");

@@ -1,6 +1,7 @@
 //! Black-box tests: `lennard` as a user runs it.
 
 mod bad_input;
+mod bad_scenes;
 mod bench;
 mod chart;
 mod commands;
