@@ -5,9 +5,9 @@ use lennard_forcefield::Kernel;
 use lennard_io::in_shell;
 
 use crate::Scene;
+use crate::document::Document;
 use crate::error::SceneError;
 use crate::read::Reader;
-use crate::tree::{Table, Value};
 
 lennard_core::options! {
     /// The largest errors that are accepted; what is not named is not asked for.
@@ -55,14 +55,10 @@ pub(crate) fn usual_overrides() -> Vec<(String, String)> {
 }
 
 /// Takes out of a scene what an accuracy chooses, and what belongs to that.
-pub(crate) fn free(root: &mut Table) {
+pub(crate) fn free(document: &mut Document) {
     let more = ["truncation.switch_from", "neighbor.skin"];
     for key in CHOSEN.into_iter().chain(more) {
-        if let Some((table, key)) = key.split_once('.')
-            && let Some(Value::Table(table)) = root.get_mut(table).map(|node| &mut node.value)
-        {
-            table.remove(key);
-        }
+        document.remove(key);
     }
 }
 

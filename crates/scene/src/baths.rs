@@ -6,15 +6,14 @@ use lennard_core::options::{OptionValue, Options};
 use lennard_integrators::BarostatOptions;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use toml::{Table, Value};
 
 use crate::PressureControl;
 use crate::error::SceneError;
 use crate::methods;
 use crate::read::Reader;
 use crate::reference::{COLDEST, HOTTEST, LARGEST_PRESSURE, LEAST_PRESSURE, as_toml};
-use crate::tags::take;
-use crate::tree::Node;
-use crate::typed::Section;
+use crate::section::Section;
 
 lennard_core::options! {
     /// The keys of a ramp of the temperature.
@@ -143,24 +142,21 @@ impl Reader<'_> {
     /// Takes a key whose value is a table `{ from, to }`; a plain number stays where it is.
     pub fn take_ramp<R: RampKeys>(
         &self,
-        node: &mut Node,
+        table: &mut Table,
         key: &str,
         section: &Section<'_>,
-        table: &'static str,
+        of_ramp: &'static str,
     ) -> Result<Option<Ends>, SceneError> {
-        let written = node.table().and_then(|t| t.get(key)?.table());
-        if written.is_none() {
-            return Ok(None);
-        }
-        let Some(entry) = take(node, key) else {
+        let Some(Value::Table(ramp)) = table.get(key).cloned() else {
             return Ok(None);
         };
+        table.remove(key);
         let path = section.name(key);
-        let section = Section::new(self.source, &path, table);
-        let [from, to] = section.read::<R>(&entry.node)?.ends();
+        let section = Section::new(self.source, &path, of_ramp);
+        let [from, to] = section.read::<R>(&ramp)?.ends();
         Ok(Some(Ends {
-            from: Some(section.needed(&entry.node, "from", from)?),
-            to: section.needed(&entry.node, "to", to)?,
+            from: Some(section.needed(&ramp, "from", from)?),
+            to: section.needed(&ramp, "to", to)?,
         }))
     }
 
@@ -168,25 +164,25 @@ impl Reader<'_> {
     pub fn barostat(
         &self,
         stage: &str,
-        node: &Node,
+        written: &Value,
     ) -> Result<Option<PressureControl>, SceneError> {
         const RAMP: &str = "stage.barostat.pressure";
         let path = format!("{stage}.barostat");
         let section = Section::new(self.source, &path, "stage.barostat");
         let names = methods::names::<BarostatOptions>();
-        if let Some(name) = node.text().filter(|name| names.contains(name)) {
+        if let Some(name) = written.as_str().filter(|name| names.contains(name)) {
             return Err(self
                 .source
                 .refuse(&section.name("pressure"), "is missing")
                 .found(format!("barostat = {name:?}"))
                 .allowed(format!("{{ kind = {name:?}, pressure = … }}")));
         }
-        let Some(mut node) = self.part(stage, "barostat", &names, node)? else {
+        let Some(mut table) = self.part(stage, "barostat", &names, written)? else {
             return Ok(None);
         };
-        let ramp = self.take_ramp::<PressureRamp>(&mut node, "pressure", &section, RAMP)?;
-        let keys: BarostatKeys = section.take(&mut node)?;
-        let options: BarostatOptions = section.method(&node)?;
+        let ramp = self.take_ramp::<PressureRamp>(&mut table, "pressure", &section, RAMP)?;
+        let keys: BarostatKeys = section.take(&mut table)?;
+        let options: BarostatOptions = section.method(&table)?;
         let Some(pressure) = ramp.or(keys.pressure.and_then(|p| p.constant())) else {
             return Err(self
                 .source

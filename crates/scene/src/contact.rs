@@ -43,9 +43,9 @@ impl Reader<'_> {
             return Ok(None);
         }
         let section = self.section("contact");
-        let mut node = self.node("contact").clone();
-        let ContactKeys { diameter } = section.take(&mut node)?;
-        let options = section.method(&node)?;
+        let mut table = self.table("contact").clone();
+        let ContactKeys { diameter } = section.take(&mut table)?;
+        let options = section.method(&table)?;
         Ok(Some(ContactTable { diameter, options }))
     }
 }

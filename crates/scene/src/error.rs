@@ -179,15 +179,29 @@ fn as_typed(key: &str, text: &str) -> String {
 }
 
 /// Where each key of a scene was written, so that trouble found later can still be put on a line.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default)]
 pub struct Source {
     file: String,
     places: BTreeMap<String, Place>,
 }
 
+/// Two scenes are equal when they say the same, wherever they were written.
+impl PartialEq for Source {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
 impl Source {
     pub(crate) fn new(file: impl Into<String>, places: BTreeMap<String, Place>) -> Self {
         Self { file: file.into(), places }
+    }
+
+    /// Where the keys of one table were written, by their names in it.
+    pub(crate) fn inside(&self, table: &str) -> Self {
+        let key = |name: &str| Some(name.strip_prefix(table)?.strip_prefix('.')?.to_owned());
+        let places = self.places.iter().filter_map(|(name, at)| Some((key(name)?, at.clone())));
+        Self::new(&self.file, places.collect())
     }
 
     /// The scene file, as it was named.

@@ -2,12 +2,12 @@
 
 use lennard_core::options::Options;
 use lennard_integrators::{ExchangeOptions, Exchanged};
+use toml::Value;
 
 use crate::error::SceneError;
 use crate::integrator::kinds_that;
 use crate::read::Reader;
-use crate::tree::Node;
-use crate::typed::Section;
+use crate::section::Section;
 use crate::{Scene, Stage};
 
 impl Reader<'_> {
@@ -15,11 +15,11 @@ impl Reader<'_> {
     pub fn exchange(
         &self,
         stage: &str,
-        node: &Node,
+        written: &Value,
     ) -> Result<Option<ExchangeOptions>, SceneError> {
         let path = format!("{stage}.exchange");
         let section = Section::new(self.source, &path, "stage.exchange");
-        let Some(named) = self.part(stage, "exchange", &Exchanged::names(), node)? else {
+        let Some(named) = self.part(stage, "exchange", &Exchanged::names(), written)? else {
             return Ok(None);
         };
         let options: ExchangeOptions = section.read(&named)?;

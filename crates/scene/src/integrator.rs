@@ -2,6 +2,7 @@
 
 use lennard_forcefield::SplitOptions;
 use lennard_integrators::{IntegratorEntry, IntegratorOptions, OscillatorModel, respa};
+use toml::Value;
 
 use crate::error::SceneError;
 use crate::read::Reader;
@@ -52,17 +53,17 @@ impl From<&IntegratorTable> for StepKeys {
 impl Reader<'_> {
     pub fn integrator(&self) -> Result<IntegratorTable, SceneError> {
         let section = self.section("integrator");
-        let mut node = self.node("integrator").clone();
-        let IntegratorKeys { dt } = section.take(&mut node)?;
-        let kind = node.table().and_then(|table| table.get("kind")?.text());
+        let mut table = self.table("integrator").clone();
+        let IntegratorKeys { dt } = section.take(&mut table)?;
+        let kind = table.get("kind").and_then(Value::as_str);
         let split = match kind == Some(respa::SPEC.name) {
             false => None,
             true => {
-                let keys: SplitKeys = section.take(&mut node)?;
+                let keys: SplitKeys = section.take(&mut table)?;
                 Some(SplitOptions { r_split: keys.r_split, width: keys.split_width })
             }
         };
-        let method = section.method(&node)?;
+        let method = section.method(&table)?;
         self.suits_a_fluid(&method)?;
         Ok(IntegratorTable { dt, method, split })
     }

@@ -1,8 +1,8 @@
 //! The scene file as typed tables, with errors that name file, line, key, value and what is allowed.
 //!
-//! A scene is read in four moves. Text becomes a tree in which every value knows its line
-//! ([`Scene::parse`]). Overrides are written over the tree. Serde makes typed tables of it, where each
-//! method's options type lives beside the method. At last, tables are checked against each other.
+//! A scene is read in four moves. Text becomes values of TOML, with the place of each ([`Scene::parse`]).
+//! Overrides are written over them. Each table is checked by [`mod@reference`] and becomes a type by serde, where
+//! each method's options type lives beside the method. At last, tables are checked against each other.
 //! [`mod@reference`] holds every table and key with default, unit and what is allowed; messages and
 //! `inputs/README.md` are made from it.
 
@@ -14,7 +14,7 @@ mod builder;
 mod checks;
 mod confined;
 mod contact;
-mod de;
+mod document;
 mod error;
 mod exchange;
 mod half_crystal;
@@ -31,25 +31,23 @@ mod name;
 mod names;
 mod observable;
 mod output;
-mod overrides;
 mod phases;
 mod planar;
 mod program;
 mod read;
 mod read_molecule;
 pub mod reference;
+mod removed;
 mod resolved;
 mod scene;
 mod schema;
+mod section;
 pub mod shipped;
 mod slab;
 mod stage;
 mod start;
 mod stiff;
 mod system;
-mod tags;
-mod tree;
-mod typed;
 mod walls;
 
 pub use accuracy::Accuracy;
@@ -65,6 +63,7 @@ pub use molecule::{Molecule, MoleculeKind, MoleculeOptions};
 pub use name::Name;
 pub use names::nearest;
 pub use program::ProgramParts;
+pub use removed::{Removed, RemovedKind, all_removed, removed};
 pub use scene::{
     Checkpoint, Geometry, IntegratorTable, Lattice, ObservableTable, Output, Placement,
     PressureControl, Scene, Stage, System,

@@ -5,7 +5,7 @@ use lennard_observables::ObservableOptions;
 use crate::error::SceneError;
 use crate::read::Reader;
 use crate::reference::MOST_STEPS;
-use crate::typed::Section;
+use crate::section::Section;
 use crate::{ObservableTable, Output};
 
 lennard_core::options! {
@@ -25,12 +25,12 @@ impl From<&ObservableTable> for ObservableKeys {
 impl Reader<'_> {
     pub fn observables(&self) -> Result<Vec<ObservableTable>, SceneError> {
         let mut observables: Vec<ObservableTable> = Vec::new();
-        for (i, node) in self.list("observable")?.iter().enumerate() {
+        for (i, table) in self.list("observable")?.into_iter().enumerate() {
             let path = format!("observable.{i}");
             let section = Section::new(self.source, &path, "observable");
-            let mut node = node.clone();
-            let ObservableKeys { every } = section.take(&mut node)?;
-            let options: ObservableOptions = section.method(&node)?;
+            let mut table = table.clone();
+            let ObservableKeys { every } = section.take(&mut table)?;
+            let options: ObservableOptions = section.method(&table)?;
             let every = every.unwrap_or(options.default_every());
             let twin = observables.iter().position(|other| other.options.name() == options.name());
             if let Some(first) = twin {

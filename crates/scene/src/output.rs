@@ -107,13 +107,11 @@ impl From<&Checkpoint> for CheckpointKeys {
 
 impl Reader<'_> {
     pub fn output(&self) -> Result<Output, SceneError> {
-        let node = self.node("output");
-        let keys: OutputKeys = self.section("output").read(node)?;
+        let section = self.section("output");
+        let keys: OutputKeys = section.read(self.table("output"))?;
         let element = keys.element.unwrap_or_else(|| DEFAULT_ELEMENT.to_owned());
         if !lennard_io::is_element_symbol(&element) {
-            let written = node.table().and_then(|t| t.get("element"));
-            let written = written.unwrap_or(&self.empty);
-            return Err(self.refuse_value("output", "element", "output.element", written));
+            return Err(section.not_allowed("element", &element.into()));
         }
         if let Some(whole) = keys.whole.filter(|_| !self.source.wrote("molecule")) {
             let error = self.source.refuse("output.whole", "needs molecules");

@@ -3,14 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use lennard_forcefield::{PotentialOptions, TablePath, TruncationOptions};
+use serde::Deserialize;
+use toml::{Table, Value};
 
+use crate::document::{Document, in_short};
 use crate::error::{Place, SceneError};
 use crate::names::{nearest, no_key};
 use crate::reference::{self, Form, MOST_ENTRIES};
-use crate::tree::{self, Entry, Node, Table, Value};
-use crate::typed::Section;
+use crate::removed::{RemovedKind, removed};
+use crate::section::Section;
 use crate::{
-    MixtureTables, Name, Scene, Source, accuracy, checks, model_kind, overrides, planar, shipped,
+    MixtureTables, Name, ProgramParts, Scene, Source, accuracy, checks, model_kind, planar, shipped,
 };
 
 /// Keys outside all tables that make a file a sweep.
@@ -43,7 +46,7 @@ impl Scene {
     fn load_after(
         path: &Path,
         overrides: &[(String, String)],
-        change: fn(&mut Table),
+        change: fn(&mut Document),
     ) -> Result<Self, SceneError> {
         let file = path.display().to_string();
         let bytes = shipped::read(path).map_err(|error| {
@@ -72,9 +75,9 @@ impl Scene {
                     .allowed("the path of a file that can be read, relative to the scene file")
             })
         };
-        let mut root = tree::parse(&text, &file)?;
-        change(&mut root);
-        read(root, &file, overrides, &resolve)
+        let mut document = Document::parse(&text, &file)?;
+        change(&mut document);
+        read(document, &file, overrides, &resolve)
     }
 
     /// Reads a scene from its text; `name` stands for the file in messages. Only the table of a potential is read besides.
@@ -86,7 +89,7 @@ impl Scene {
         name: &str,
         overrides: &[(String, String)],
     ) -> Result<Self, SceneError> {
-        read(tree::parse(text, name)?, name, overrides, &|_, _, path| Ok(path.to_owned()))
+        read(Document::parse(text, name)?, name, overrides, &|_, _, path| Ok(path.to_owned()))
     }
 }
 
@@ -94,14 +97,14 @@ impl Scene {
 pub(crate) type Resolve<'a> = &'a dyn Fn(&Source, &str, &Path) -> Result<PathBuf, SceneError>;
 
 fn read(
-    mut root: Table,
+    mut document: Document,
     file: &str,
     overrides: &[(String, String)],
     resolve: Resolve<'_>,
 ) -> Result<Scene, SceneError> {
-    overrides::apply(&mut root, overrides, file)?;
-    let source = Source::new(file, tree::places(&root));
-    let reader = Reader::new(&root, &source);
+    document.overlay(overrides)?;
+    let source = document.source();
+    let reader = Reader::new(&document.root, &source);
     reader.known_tables()?;
     let mixture = reader.mixture()?;
     let potential = reader.potential(resolve)?;
@@ -136,7 +139,7 @@ fn read(
         observables,
         output,
         checkpoint: reader.checkpoint()?,
-        program: reader.plain(WRITTEN_BY_RUNS)?,
+        program: reader.program()?,
         system,
         source: source.clone(),
     };
@@ -155,48 +158,43 @@ const WRITTEN_BY_RUNS: &str = "program";
 pub(crate) struct Reader<'a> {
     root: &'a Table,
     pub source: &'a Source,
-    pub empty: Node,
+    empty: Table,
 }
 
 impl<'a> Reader<'a> {
     pub fn new(root: &'a Table, source: &'a Source) -> Self {
-        Self {
-            root,
-            source,
-            empty: Node { value: Value::Table(Table::default()), place: Place::Line(1) },
-        }
+        Self { root, source, empty: Table::new() }
     }
 
     /// Refuses keys outside every table, and unknown tables.
     fn known_tables(&self) -> Result<(), SceneError> {
-        for entry in &self.root.0 {
-            let key = entry.key.as_str();
+        for (key, value) in self.root {
             if key == "name" || key == WRITTEN_BY_RUNS {
                 continue;
             }
             let Some(doc) = reference::table(key).filter(|doc| ROOT.contains(&doc.form)) else {
-                return Err(self.unknown_table(entry));
+                return Err(self.unknown_table(key, value));
             };
             let is_many = doc.form == Form::Many;
             let heading = match is_many {
                 false => format!("a table, {}", doc.heading()),
                 true => format!("an array of tables, {}", doc.heading()),
             };
-            let fits = match &entry.node.value {
+            let fits = match value {
                 Value::Table(_) => !is_many,
-                Value::Array(items) => is_many && items.iter().all(|item| item.table().is_some()),
+                Value::Array(items) => is_many && items.iter().all(Value::is_table),
                 _ => false,
             };
             if !fits {
                 return Err(self
                     .source
                     .refuse(key, "is written the wrong way")
-                    .found(match &entry.node.value {
+                    .found(match value {
                         Value::Table(_) => format!("`[{key}]`"),
-                        Value::Array(items) if items.iter().all(|i| i.table().is_some()) => {
+                        Value::Array(items) if items.iter().all(Value::is_table) => {
                             format!("`[[{key}]]`")
                         }
-                        _ => entry.node.to_string(),
+                        _ => in_short(value),
                     })
                     .allowed(heading));
             }
@@ -204,17 +202,20 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn unknown_table(&self, entry: &Entry) -> SceneError {
-        let key = &entry.key;
+    fn unknown_table(&self, key: &str, value: &Value) -> SceneError {
         let written = |form: Form| reference::tables().iter().filter(move |doc| doc.form == form);
         let tables = ROOT.into_iter().flat_map(written).map(|doc| doc.table);
         let known: Vec<&str> = tables.chain(["name"]).collect();
-        if KEYS_OF_A_SWEEP.contains(&key.as_str()) {
+        if KEYS_OF_A_SWEEP.contains(&key) {
             return self
                 .source
                 .refuse(key, "belongs to a sweep, and this file is read as a scene")
                 .found(format!("`{key}`"))
                 .allowed("`lennard sweep` for this file, or a scene without it");
+        }
+        if let Some(instead) = removed(RemovedKind::Key, key) {
+            let error = self.source.refuse(key, "was removed");
+            return error.found(format!("`{key}`")).allowed(instead);
         }
         if let Some(message) = no_key(key) {
             return self
@@ -223,7 +224,7 @@ impl<'a> Reader<'a> {
                 .found(format!("`{key}`"))
                 .allowed(known.join(", "));
         }
-        let what = match &entry.node.value {
+        let what = match value {
             Value::Table(_) => "table",
             Value::Array(_) => "array",
             _ => "key outside all tables",
@@ -238,8 +239,9 @@ impl<'a> Reader<'a> {
             .suggestion(suggestion)
     }
 
-    pub fn node(&self, table: &str) -> &Node {
-        self.root.get(table).unwrap_or(&self.empty)
+    /// A table; an empty one where it is not written.
+    pub fn table(&self, name: &str) -> &Table {
+        self.root.get(name).and_then(Value::as_table).unwrap_or(&self.empty)
     }
 
     pub fn section(&'a self, table: &'static str) -> Section<'a> {
@@ -251,13 +253,13 @@ impl<'a> Reader<'a> {
         &self,
         table: &'static str,
     ) -> Result<T, SceneError> {
-        self.section(table).read(self.node(table))
+        self.section(table).read(self.table(table))
     }
 
     /// The potential, with the file that it may read at a path that can be opened.
     fn potential(&self, resolve: Resolve<'_>) -> Result<PotentialOptions, SceneError> {
         let potential: PotentialOptions =
-            self.section("potential").method(self.node("potential"))?;
+            self.section("potential").method(self.table("potential"))?;
         let Some(file) = potential.file() else {
             return Ok(potential);
         };
@@ -276,18 +278,15 @@ impl<'a> Reader<'a> {
         has_species: bool,
         potential: &PotentialOptions,
     ) -> Result<(TruncationOptions, bool), SceneError> {
-        let mut node = self.node("truncation").clone();
-        let tail = match &mut node.value {
-            Value::Table(table) => table.get_mut("tail_correction"),
-            _ => None,
-        };
-        let tail = tail.filter(|tail| tail.text() == Some(planar::PLANAR));
+        let mut table = self.table("truncation").clone();
+        let tail = table.get_mut("tail_correction");
+        let tail = tail.filter(|tail| tail.as_str() == Some(planar::PLANAR));
         let is_planar = tail.is_some();
         if let Some(tail) = tail {
             // The tail is a force beside the pairs, and no number is added to means.
-            tail.value = Value::Flag(false);
+            *tail = false.into();
         }
-        let mut truncation: TruncationOptions = self.section("truncation").read(&node)?;
+        let mut truncation: TruncationOptions = self.section("truncation").read(&table)?;
         let acts = potential.own_end().is_none_or(|end| end.r > 0.0);
         if !acts && !self.source.wrote("truncation.tail_correction") {
             truncation.tail_correction = false;
@@ -299,27 +298,32 @@ impl<'a> Reader<'a> {
     }
 
     fn name(&self, file: &str) -> Result<Name, SceneError> {
-        let Some(node) = self.root.get("name") else {
+        let Some(written) = self.root.get("name") else {
             return Ok(Name::of_file(Path::new(file)));
         };
-        node.text().and_then(Name::new).ok_or_else(|| self.refuse_value("", "name", "name", node))
+        let name = written.as_str().and_then(Name::new);
+        name.ok_or_else(|| self.section("").not_allowed("name", written))
     }
 
-    /// A value that the reference does not allow.
-    pub fn refuse_value(&self, table: &str, key: &str, path: &str, node: &Node) -> SceneError {
-        let allowed = reference::find(table, None, key).map(|doc| doc.allowed.text());
-        self.source.refuse(path, "is not allowed").found(node).allowed(allowed.unwrap_or_default())
+    /// The parts that the program of a run added.
+    fn program(&self) -> Result<ProgramParts, SceneError> {
+        let table = self.table(WRITTEN_BY_RUNS).clone();
+        ProgramParts::deserialize(Value::Table(table)).map_err(|error| {
+            self.source.refuse(WRITTEN_BY_RUNS, format!("cannot be read: {}", error.message()))
+        })
     }
 
-    pub fn list(&self, name: &str) -> Result<&[Node], SceneError> {
-        match self.root.get(name).map(|node| &node.value) {
-            Some(Value::Array(items)) if items.len() > MOST_ENTRIES => Err(self
+    /// The tables of a list.
+    pub fn list(&self, name: &str) -> Result<Vec<&Table>, SceneError> {
+        let items = self.root.get(name).and_then(Value::as_array);
+        let tables: Vec<&Table> = items.into_iter().flatten().filter_map(Value::as_table).collect();
+        match tables.len() {
+            n if n > MOST_ENTRIES => Err(self
                 .source
                 .refuse(name, "is written too often")
-                .found(format!("{} times", items.len()))
+                .found(format!("{n} times"))
                 .allowed(format!("at most {MOST_ENTRIES} times"))),
-            Some(Value::Array(items)) => Ok(items),
-            _ => Ok(&[]),
+            _ => Ok(tables),
         }
     }
 }

@@ -25,12 +25,12 @@ impl Reader<'_> {
             }
             return Ok(None);
         }
-        let options: MoleculeOptions = self.section("molecule").read(self.node("molecule"))?;
+        let options: MoleculeOptions = self.plain("molecule")?;
         let topology = match options.kind {
             MoleculeKind::Dumbbell | MoleculeKind::Chain => self.chain(&options)?,
             MoleculeKind::Sites => self.sites(&options)?,
         };
-        let bonds: BondOptions = self.section("bonds").method(self.node("bonds"))?;
+        let bonds: BondOptions = self.section("bonds").method(self.table("bonds"))?;
         let molecule = Molecule { options, bonds, topology: Arc::new(topology) };
         if let (Bonds::Rigid, Some(shape)) = (molecule.bonds.bonds(), molecule.shape())
             && let Some(bond) = molecule.topology.redundant_bond(&shape, |_| false)

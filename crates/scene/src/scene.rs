@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// A scene: everything that a run depends on but the machine. Reduced units throughout.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// Its name; the file's stem unless the file gives another.
     pub name: Name,
@@ -60,55 +60,6 @@ pub struct Scene {
     pub program: ProgramParts,
     /// Where each key was written.
     pub source: Source,
-}
-
-/// Two scenes are equal when they say the same, wherever they were written.
-impl PartialEq for Scene {
-    fn eq(&self, other: &Self) -> bool {
-        let Self {
-            name,
-            system,
-            mixture,
-            molecule,
-            accuracy,
-            free,
-            potential,
-            truncation,
-            planar_tail,
-            neighbor,
-            kernel,
-            integrator,
-            walls,
-            contact,
-            acceleration,
-            stages,
-            observables,
-            output,
-            checkpoint,
-            program,
-            source: _,
-        } = self;
-        *name == other.name
-            && *system == other.system
-            && *mixture == other.mixture
-            && *molecule == other.molecule
-            && *accuracy == other.accuracy
-            && *free == other.free
-            && *potential == other.potential
-            && *truncation == other.truncation
-            && *planar_tail == other.planar_tail
-            && *neighbor == other.neighbor
-            && *kernel == other.kernel
-            && *integrator == other.integrator
-            && *walls == other.walls
-            && *contact == other.contact
-            && *acceleration == other.acceleration
-            && *stages == other.stages
-            && *observables == other.observables
-            && *output == other.output
-            && *checkpoint == other.checkpoint
-            && *program == other.program
-    }
 }
 
 impl Scene {

@@ -3,15 +3,14 @@
 use lennard_core::options::OptionValue;
 use lennard_integrators::{ExchangeOptions, ThermostatOptions};
 use serde::{Deserialize, Serialize};
+use toml::{Table, Value};
 
 use crate::baths::{BarostatTable, Ends, Ramped, TemperatureRamp};
 use crate::error::SceneError;
 use crate::methods;
 use crate::read::Reader;
 use crate::reference::{COLDEST, HOTTEST, LONGEST_STEP, MOST_STEPS, SHORTEST_STEP, as_toml};
-use crate::tags::{take, with_tag};
-use crate::tree::{Node, Value};
-use crate::typed::Section;
+use crate::section::Section;
 use crate::{Name, Stage};
 
 lennard_core::options! {
@@ -81,63 +80,49 @@ impl From<&Stage> for StageKeys {
 
 impl Reader<'_> {
     pub fn stages(&self, temperature: f64) -> Result<Vec<Stage>, SceneError> {
-        let nodes = self.list("stage")?;
-        if nodes.is_empty() {
+        let tables = self.list("stage")?;
+        if tables.is_empty() {
             return Err(self
                 .source
                 .refuse("stage", "is missing")
                 .found("no stage")
                 .allowed("at least one `[[stage]]` with `name` and `steps`"));
         }
-        let mut stages = Vec::with_capacity(nodes.len());
-        for (i, node) in nodes.iter().enumerate() {
-            let path = format!("stage.{i}");
-            let last = i + 1 == nodes.len();
-            stages.push(self.stage(&path, node, temperature, last)?);
-        }
-        Ok(stages)
+        let last = tables.len() - 1;
+        let all = tables.into_iter().enumerate();
+        all.map(|(i, table)| self.stage(&format!("stage.{i}"), table, temperature, i == last))
+            .collect()
     }
 
     fn stage(
         &self,
         path: &str,
-        node: &Node,
+        table: &Table,
         temperature: f64,
         last: bool,
     ) -> Result<Stage, SceneError> {
         let section = Section::new(self.source, path, "stage");
-        let mut node = node.clone();
-        let thermostat = take(&mut node, "thermostat");
-        let barostat = take(&mut node, "barostat");
-        let exchange = take(&mut node, "exchange");
+        let mut table = table.clone();
+        let [thermostat, barostat, exchange] =
+            ["thermostat", "barostat", "exchange"].map(|part| table.remove(part));
         let ramp = self.take_ramp::<TemperatureRamp>(
-            &mut node,
+            &mut table,
             "temperature",
             &section,
             "stage.temperature",
         )?;
-        let keys: StageKeys = section.read(&node)?;
-        let written = section.needed(&node, "name", keys.name)?;
-        let steps = section.needed(&node, "steps", keys.steps)?;
+        let keys: StageKeys = section.read(&table)?;
+        let written = section.needed(&table, "name", keys.name)?;
+        let steps = section.needed(&table, "steps", keys.steps)?;
         // Overrides find a stage by its name, between dots, or by its number.
         let finds = |name: &Name| !name.contains('.') && !name.chars().all(|c| c.is_ascii_digit());
-        let Some(name) = Name::new(written).filter(finds) else {
-            let written = node.table().and_then(|t| t.get("name"));
-            let written = written.unwrap_or(&self.empty);
-            return Err(self.refuse_value("stage", "name", &section.name("name"), written));
+        let Some(name) = Name::new(&*written).filter(finds) else {
+            return Err(section.not_allowed("name", &written.into()));
         };
-        let thermostat = match &thermostat {
-            Some(entry) => self.thermostat(path, &entry.node)?,
-            None => None,
-        };
-        let barostat = match &barostat {
-            Some(entry) => self.barostat(path, &entry.node)?,
-            None => None,
-        };
-        let exchange = match &exchange {
-            Some(entry) => self.exchange(path, &entry.node)?,
-            None => None,
-        };
+        let thermostat = thermostat.map(|written| self.thermostat(path, &written));
+        let thermostat = thermostat.transpose()?.flatten();
+        let barostat = barostat.map(|written| self.barostat(path, &written)).transpose()?.flatten();
+        let exchange = exchange.map(|written| self.exchange(path, &written)).transpose()?.flatten();
         let ends = ramp.or(keys.temperature.and_then(|t| t.constant()));
         if let (None, Some(ends)) = (&thermostat, ends) {
             return Err(self
@@ -162,13 +147,13 @@ impl Reader<'_> {
     fn thermostat(
         &self,
         stage: &str,
-        node: &Node,
+        written: &Value,
     ) -> Result<Option<ThermostatOptions>, SceneError> {
         let path = format!("{stage}.thermostat");
         let section = Section::new(self.source, &path, "stage.thermostat");
         let names = methods::names::<ThermostatOptions>();
-        let named = self.part(stage, "thermostat", &names, node)?;
-        named.map(|node| section.method(&node)).transpose()
+        let named = self.part(stage, "thermostat", &names, written)?;
+        named.map(|table| section.method(&table)).transpose()
     }
 
     /// The table of a part of a stage; `None` for "none". One of `names` alone stands for a table with this `kind`.
@@ -177,20 +162,20 @@ impl Reader<'_> {
         stage: &str,
         key: &str,
         names: &[&str],
-        node: &Node,
-    ) -> Result<Option<Node>, SceneError> {
+        written: &Value,
+    ) -> Result<Option<Table>, SceneError> {
         let section = Section::new(self.source, stage, "stage");
-        match &node.value {
-            Value::Table(_) => Ok(Some(node.clone())),
-            Value::Text(name) if name == Without::None.name() => Ok(None),
-            Value::Text(name) if names.contains(&name.as_str()) => {
-                Ok(Some(with_tag(&self.empty, "kind", name)))
+        match written {
+            Value::Table(table) => Ok(Some(table.clone())),
+            Value::String(name) if name == Without::None.name() => Ok(None),
+            Value::String(name) if names.contains(&name.as_str()) => {
+                Ok(Some(Table::from_iter([("kind".to_owned(), name.as_str().into())])))
             }
-            Value::Text(name) => {
+            Value::String(name) => {
                 let known = [&Without::names(), names].concat();
                 Err(section.unknown_name(key, name, &known))
             }
-            _ => Err(self.refuse_value("stage", key, &section.name(key), node)),
+            _ => Err(section.not_allowed(key, written)),
         }
     }
 }

@@ -7,13 +7,14 @@ use lennard_core::options::OptionValue;
 use lennard_io::FileUnits;
 use lennard_literature::ModelKind;
 use serde::{Deserialize, Deserializer, Serialize};
+use toml::Value;
 
+use crate::document::in_short;
 use crate::error::SceneError;
 use crate::read::{Reader, Resolve};
 use crate::reference::{
     self, COLDEST, DENSEST, HOTTEST, LONGEST_SIDE, MOST_ATOMS, THINNEST, as_toml,
 };
-use crate::tree::{Node, Value};
 use crate::{Geometry, Lattice, Scene, Start, System};
 
 lennard_core::options! {
@@ -164,12 +165,11 @@ impl Reader<'_> {
         counted: Option<usize>,
         model: Option<ModelKind>,
     ) -> Result<System, SceneError> {
-        let node = self.node("system");
-        if let Some(sides) = node.table().and_then(|table| table.get("box")) {
+        let written = self.table("system");
+        if let Some(sides) = written.get("box") {
             self.refuse_triclinic(sides)?;
         }
-        let table: SystemKeys = self.section("system").read(node)?;
-        let given = |key: &str| node.table().is_some_and(|table| table.get(key).is_some());
+        let table: SystemKeys = self.section("system").read(written)?;
         let geometry = match (table.density, table.sides) {
             (Some(_), Some(_)) => {
                 return Err(self
@@ -184,13 +184,14 @@ impl Reader<'_> {
         };
         const OF_LATTICES: [&str; 5] = ["lattice", "n_atoms", "n_molecules", "density", "vacuum"];
         let excludes = |own: &str, keys: &[&str], allowed: &str| {
-            let Some(key) = keys.iter().find(|key| given(key)) else {
+            let mut given = keys.iter().filter_map(|key| Some((key, written.get(*key)?)));
+            let Some((key, value)) = given.next() else {
                 return Ok(());
             };
             Err(self
                 .source
                 .refuse(&format!("system.{key}"), format!("does not go with `{own}`"))
-                .found(node.table().and_then(|t| t.get(key)).unwrap_or(&self.empty))
+                .found(in_short(value))
                 .allowed(allowed))
         };
         if table.velocities.is_some() && table.positions.is_none() {
@@ -325,35 +326,27 @@ impl Reader<'_> {
             .allowed(format!("{}{or}", allowed.unwrap_or_default()))
     }
 
-    fn refuse_triclinic(&self, sides: &Node) -> Result<(), SceneError> {
+    fn refuse_triclinic(&self, sides: &Value) -> Result<(), SceneError> {
         /// Numbers of a box with tilt factors, and of three cell vectors.
         const TRICLINIC: [usize; 2] = [6, 9];
-        let triclinic = match &sides.value {
-            Value::Array(items) => {
-                TRICLINIC.contains(&items.len())
-                    || items.iter().any(|item| matches!(item.value, Value::Array(_)))
-            }
-            _ => false,
+        let Value::Array(items) = sides else {
+            return Ok(());
         };
-        if triclinic {
+        if TRICLINIC.contains(&items.len()) || items.iter().any(Value::is_array) {
             return Err(self
                 .source
                 .refuse("system.box", "cannot be used: triclinic boxes are not available yet")
-                .found(sides)
+                .found(in_short(sides))
                 .allowed("one side, or three sides [Lx, Ly, Lz], of a box with right angles"));
         }
-        if let Value::Array(items) = &sides.value {
-            for item in items {
-                let good = match item.value {
-                    Value::Number(x) => x.is_finite() && x > 0.0,
-                    Value::Whole(x) => x > 0,
-                    _ => false,
-                };
-                if !good {
-                    return Err(self.refuse_value("system", "box", "system.box", sides));
-                }
-            }
+        let is_side = |item: &Value| match item {
+            Value::Float(x) => x.is_finite() && *x > 0.0,
+            Value::Integer(x) => *x > 0,
+            _ => false,
+        };
+        match items.iter().all(is_side) {
+            true => Ok(()),
+            false => Err(self.section("system").not_allowed("box", sides)),
         }
-        Ok(())
     }
 }

@@ -8,13 +8,14 @@ use lennard_forcefield::{
     WallPair, Walls,
 };
 use lennard_observables::Surroundings;
+use toml::Value;
 
 use crate::error::SceneError;
 use crate::integrator::kinds_that;
 use crate::read::Reader;
 use crate::reference::LONGEST_SIDE;
+use crate::section::Section;
 use crate::stiff::TooStiff;
-use crate::typed::Section;
 use crate::{Lattice, Scene, Start};
 
 /// What the walls take of the box along their axis beyond the cutoff, σ, where the scene does not say.
@@ -62,12 +63,12 @@ impl Reader<'_> {
     /// The walls, for forces that end at `r_cut`.
     pub fn walls(&self, r_cut: f64) -> Result<Vec<WallTable>, SceneError> {
         let mut walls: Vec<WallTable> = Vec::new();
-        for (i, node) in self.list("wall")?.iter().enumerate() {
+        for (i, table) in self.list("wall")?.into_iter().enumerate() {
             let path = format!("wall.{i}");
             let section = Section::new(self.source, &path, "wall");
-            let mut node = node.clone();
-            let WallKeys { axis, thickness } = section.take(&mut node)?;
-            let options = section.method(&node)?;
+            let mut table = table.clone();
+            let WallKeys { axis, thickness } = section.take(&mut table)?;
+            let options = section.method(&table)?;
             if let Some(first) = walls.iter().position(|other| other.axis == axis) {
                 let first = format!("wall.{first}.axis");
                 let twice = self.source.twice(&section.name("axis"), axis.name(), &first);
@@ -84,24 +85,18 @@ impl Reader<'_> {
 
     /// The acceleration of the constant field, σ/τ²; zero without one.
     pub fn field(&self) -> Result<DVec3, SceneError> {
-        const KEY: &str = "field.acceleration";
-        let node = self.node("field");
-        let refused = || {
-            let written = node.table().and_then(|table| table.get("acceleration"));
-            self.refuse_value("field", "acceleration", KEY, written.unwrap_or(&self.empty))
+        let section = self.section("field");
+        let table = self.table("field");
+        let is_vector = |value: &Value| {
+            let vector: Result<[f64; 3], _> = value.clone().try_into();
+            vector.is_ok_and(|g| g.iter().all(|x| x.is_finite()))
         };
-        let read = self.section("field").read::<FieldKeys>(node);
         // A number alone is refused as a vector, whatever its sign.
-        let keys = read.map_err(|error| match error.key_path() {
-            Some(KEY) => refused(),
-            _ => error,
-        })?;
-        match keys.acceleration.as_slice() {
-            [x, y, z] if keys.acceleration.iter().all(|g| g.is_finite()) => {
-                Ok(DVec3::new(*x, *y, *z))
-            }
-            _ => Err(refused()),
+        if let Some(written) = table.get("acceleration").filter(|value| !is_vector(value)) {
+            return Err(section.not_allowed("acceleration", written));
         }
+        let keys: FieldKeys = section.read(table)?;
+        Ok(DVec3::from_slice(&keys.acceleration))
     }
 }
 

@@ -9,7 +9,7 @@ use crate::error::SceneError;
 use crate::names::nearest;
 use crate::read::Reader;
 use crate::reference::quoted;
-use crate::typed::Section;
+use crate::section::Section;
 use lennard_io::is_element_symbol;
 
 /// Symbols of species that name none and are called like no element.
@@ -39,20 +39,20 @@ impl Reader<'_> {
     }
 
     fn species(&self) -> Result<Vec<SpeciesEntry>, SceneError> {
-        let nodes = self.list("species")?;
-        if nodes.len() > MOST_SPECIES {
+        let tables = self.list("species")?;
+        if tables.len() > MOST_SPECIES {
             return Err(self
                 .source
                 .refuse("species", "is written too often")
-                .found(format!("{} times", nodes.len()))
+                .found(format!("{} times", tables.len()))
                 .allowed(format!("at most {MOST_SPECIES} times")));
         }
         let mut rows = Vec::new();
-        for (a, node) in nodes.iter().enumerate() {
+        for (a, table) in tables.into_iter().enumerate() {
             let path = format!("species.{a}");
             let section = Section::new(self.source, &path, "species");
-            let mut row: SpeciesKeys = section.read(node)?;
-            let name = section.needed(node, "name", row.name.take())?;
+            let mut row: SpeciesKeys = section.read(table)?;
+            let name = section.needed(table, "name", row.name.take())?;
             let name = self.name_of_species(&path, name)?;
             if let Some(first) = rows.iter().position(|(n, _)| *n == name) {
                 let first = format!("species.{first}.name");
@@ -208,7 +208,7 @@ impl Reader<'_> {
                 .found(format!("{} species without `[mixing]`", species.len()))
                 .allowed(format!("[mixing] with rule = {}", quoted(&names))));
         }
-        self.section("mixing").method(self.node("mixing")).map(Some)
+        self.section("mixing").method(self.table("mixing")).map(Some)
     }
 
     fn pairs(
@@ -217,12 +217,12 @@ impl Reader<'_> {
         rule: Option<&CombiningOptions>,
     ) -> Result<Vec<PairEntry>, SceneError> {
         let mut pairs: Vec<PairEntry> = Vec::new();
-        for (i, node) in self.list("pair")?.iter().enumerate() {
+        for (i, table) in self.list("pair")?.into_iter().enumerate() {
             let path = format!("pair.{i}");
             let section = Section::new(self.source, &path, "pair");
-            let row: PairKeys = section.read(node)?;
-            let a = section.needed(node, "a", row.a.as_deref())?;
-            let b = section.needed(node, "b", row.b.as_deref())?;
+            let row: PairKeys = section.read(table)?;
+            let a = section.needed(table, "a", row.a.as_deref())?;
+            let b = section.needed(table, "b", row.b.as_deref())?;
             let names = [a, b];
             let number = |key: &str, name: &str| {
                 species
