@@ -19,8 +19,10 @@ mod signals;
 use std::ffi::OsString;
 
 use clap::Parser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use lennard_core::Team;
+use lennard_scene::{RemovedKind, removed};
 
 use crate::program::args::{Cli, Command, RanksCli, RanksCommand};
 use crate::program::failure::Failure;
@@ -30,9 +32,10 @@ use crate::program::failure::Failure;
 /// Results go to standard output, messages to standard error.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     signals::let_long_files_fail();
-    let cli = match Cli::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(error) => return usage(&error),
+        Err(error) => return usage(&error, &arguments),
     };
     let done = match &cli.command {
         Command::Run(args) => commands::run::run(args),
@@ -63,9 +66,10 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 /// Every rank is given the same arguments. What only one rank meets ends all of them ([`Team::abort`]).
 pub fn main_on_ranks(arguments: impl IntoIterator<Item = OsString>, team: &Team) -> u8 {
     signals::let_long_files_fail();
-    let cli = match RanksCli::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let cli = match RanksCli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(error) if team.leads() => return usage(&error),
+        Err(error) if team.leads() => return usage(&error, &arguments),
         Err(error) => return code_of(&error),
     };
     exit_code(match &cli.command {
@@ -75,8 +79,10 @@ pub fn main_on_ranks(arguments: impl IntoIterator<Item = OsString>, team: &Team)
 }
 
 /// Prints help, or what is wrong with the arguments, and gives the exit code.
-fn usage(error: &clap::Error) -> u8 {
-    if error.use_stderr() {
+fn usage(error: &clap::Error, arguments: &[OsString]) -> u8 {
+    if let Some(message) = new_way(error, arguments) {
+        out::failed(&message);
+    } else if error.use_stderr() {
         let text = error.render().to_string();
         out::failed(text.strip_prefix("error: ").unwrap_or(&text).trim_end());
     } else {
@@ -84,6 +90,26 @@ fn usage(error: &clap::Error) -> u8 {
         let _ = error.print();
     }
     code_of(error)
+}
+
+/// The refusal of a command or an option that was removed; `None` where the arguments have neither.
+fn new_way(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
+    let found = |kind| match error.get(kind)? {
+        ContextValue::String(name) => Some(name.as_str()),
+        _ => None,
+    };
+    let (kind, name) = match error.kind() {
+        ErrorKind::UnknownArgument => {
+            let command = arguments.get(1)?.to_str()?;
+            (RemovedKind::Option, format!("{command} {}", found(ContextKind::InvalidArg)?))
+        }
+        ErrorKind::InvalidSubcommand => {
+            (RemovedKind::Command, found(ContextKind::InvalidSubcommand)?.to_owned())
+        }
+        _ => return None,
+    };
+    let instead = removed(kind, &name)?;
+    Some(format!("`{name}` was removed\n  allowed: {instead}"))
 }
 
 fn code_of(error: &clap::Error) -> u8 {

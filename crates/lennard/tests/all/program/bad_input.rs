@@ -44,6 +44,26 @@ fn every_base_of_the_bad_scenes_is_a_good_scene() {
     }
 }
 
+/// What went from the program is told its new way: no refusal alone can do that for columns and for names of libraries.
+#[test]
+fn every_refusal_of_what_was_removed_prints_the_new_way() {
+    use lennard_scene::{RemovedKind, all_removed};
+    for one in all_removed() {
+        let observable = format!("observable=[{{ kind = \"{}\" }}]", one.name);
+        let key = format!("{}=1", one.name);
+        let arguments: Vec<&str> = match one.kind {
+            RemovedKind::Key => vec!["run", "fluid/gas", "--set", &key],
+            RemovedKind::Observable => vec!["run", "fluid/gas", "--set", &observable],
+            RemovedKind::Option | RemovedKind::Command => one.name.split(' ').collect(),
+            RemovedKind::Column | RemovedKind::Name => continue,
+        };
+        let output = lennard(&arguments).output().unwrap();
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{}: {message}", one.name);
+        assert!(message.contains("was removed") && message.contains(&one.instead), "{message}");
+    }
+}
+
 #[test]
 fn the_refusal_that_the_documents_show_is_the_one_that_the_program_gives() {
     let document = std::fs::read_to_string(root().join("docs/reliability.md")).unwrap();
