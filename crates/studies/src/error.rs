@@ -50,6 +50,9 @@ pub enum StudyError {
     /// There is no pool of so many threads.
     #[error("starting threads: {0}")]
     Threads(#[from] PoolError),
+    /// The file with the claims of a study is no table of claims.
+    #[error("the table of claims: {0}")]
+    Claims(#[from] csv::Error),
     /// A figure cannot be drawn.
     #[error(transparent)]
     Report(#[from] ReportError),

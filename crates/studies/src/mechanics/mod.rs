@@ -6,15 +6,14 @@
 
 mod ball;
 mod collision_figures;
-mod collision_judgement;
 pub mod collisions;
 pub mod comparison;
 pub mod cradle;
 mod figures;
 pub mod fluid;
 mod found;
-mod judgement;
 pub mod maps;
+mod numbers;
 mod page;
 pub mod precise;
 pub mod pressure;
@@ -29,6 +28,9 @@ use std::path::Path;
 pub use found::{MechanicsFound, MechanicsOptions, MechanicsStudy};
 
 use crate::{Progress, StudyError};
+
+/// Who claims what about bonds, collisions and SPOOK.
+const CLAIMS: &str = include_str!("claims.csv");
 
 /// Runs the study.
 ///
@@ -71,8 +73,7 @@ pub fn run(
         states,
         pressure,
     };
-    let mut claims = judgement::claims(&found);
-    claims.extend(collision_judgement::claims(&found));
+    let claims = crate::claims::all_judged(CLAIMS, &numbers::numbers(&found))?;
     Ok(MechanicsStudy {
         schema: lennard_io::schema!("mechanics", 1),
         options: options.clone(),

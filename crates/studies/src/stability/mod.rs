@@ -12,9 +12,8 @@ mod figures;
 pub(crate) mod fit;
 pub mod groups;
 pub mod infinite;
-mod judgement;
-mod manual_judgement;
 pub(crate) mod map;
+mod numbers;
 pub mod orders;
 mod page;
 mod rig;
@@ -82,6 +81,9 @@ pub struct StabilityStudy {
     pub claims: Vec<Claim>,
 }
 
+/// Who claims what about integrators.
+const CLAIMS: &str = include_str!("claims.csv");
+
 /// Share of the oscillator part in the time of the whole study.
 const OSCILLATOR_SHARE: f64 = 0.03;
 
@@ -105,8 +107,9 @@ pub fn run(
 ) -> Result<StabilityStudy, StudyError> {
     let oscillator = oscillator(options.quick, progress)?;
     let fluid = fluid_stability::measure(options.quick, &mut Rest(progress))?;
-    let mut claims = judgement::claims(&oscillator)?;
-    claims.extend(judgement::on_the_fluid(&fluid));
+    let mut numbers = numbers::on_the_oscillator(&oscillator)?;
+    numbers::on_the_fluid(&fluid, &mut numbers);
+    let claims = crate::claims::all_judged(CLAIMS, &numbers)?;
     progress.update("done", 1.0);
     Ok(StabilityStudy {
         schema: lennard_io::schema!("stability", 1),

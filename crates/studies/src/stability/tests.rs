@@ -15,6 +15,11 @@ use crate::claims::Source;
 static QUICK: LazyLock<OscillatorStudy> =
     LazyLock::new(|| oscillator(true, &mut Silent).expect("every method runs on the oscillator"));
 
+/// The claims about the oscillator.
+fn claims() -> Vec<crate::claims::Claim> {
+    crate::claims::judged(CLAIMS, &numbers::on_the_oscillator(&QUICK).unwrap()).unwrap()
+}
+
 fn limit(method: &str) -> Option<f64> {
     let found = QUICK.methods.iter().find(|m| m.method == method);
     found.expect("the method is on the list").measured_limit
@@ -179,7 +184,7 @@ fn the_energy_of_velocity_verlet_does_not_drift_and_it_equals_stormer_verlet() {
 
 #[test]
 fn two_claims_of_the_manual_fail_where_a_map_has_one_eigenvector() {
-    let claims = judgement::claims(&QUICK).unwrap();
+    let claims = claims();
     let failing = claims.iter().filter(|c| c.verdict == Verdict::Differs);
     let failing: Vec<_> = failing.map(|c| (c.source, c.statement.as_str())).collect();
     let limit = "k ≤ 4m/h²: semi-implicit Euler is stable, the limit itself included";
@@ -209,7 +214,7 @@ fn local_errors_add_up_to_triangular_numbers() {
 
 #[test]
 fn a_claim_of_ours_is_in_no_mouth_of_a_document() {
-    let claims = judgement::claims(&QUICK).unwrap();
+    let claims = claims();
     let source = |words: &str| {
         let claim = claims.iter().find(|c| c.statement.contains(words));
         claim.unwrap_or_else(|| panic!("no claim has “{words}”")).source
