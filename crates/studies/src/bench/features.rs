@@ -19,7 +19,7 @@ use super::variants::Variant;
 use super::{BenchError, BenchOptions};
 use crate::Progress;
 use crate::jobs::pool;
-use crate::lab::ByHand;
+use crate::lab::Rig;
 
 /// Blocks of the bare loop, and of the engine with everything off, in each round. The best counts for their ratio, which must be
 /// known to a per cent, on machines where one block is known to ten. Features are compared with the median.
@@ -249,10 +249,11 @@ fn block(on: &On, scene: &Scene, blocks: &Blocks, scratch: &Path) -> Result<f64,
     match on {
         On::Bare => {
             let start = &blocks.start;
-            let integrator = &scene.integrator.method;
+            let method = lennard_integrators::build(&scene.integrator.method);
             let at = (start.system(), start.state());
             let dt = scene.stage_dt(&scene.stages[0]);
-            let mut fluid = ByHand::start(integrator, start.forces(scene)?, at, dt)?;
+            let forces = Box::new(start.forces(scene)?);
+            let mut fluid = Rig::start(method, at, forces, dt, Want::NOTHING)?;
             fluid.steps(SETTLING)?;
             let watch = Stopwatch::start();
             fluid.steps(blocks.steps)?;

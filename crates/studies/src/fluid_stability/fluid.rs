@@ -4,14 +4,15 @@ use glam::DVec3;
 use lennard_core::random::Streams;
 use lennard_core::{Momentum, PeriodicBox, State, System, Want};
 use lennard_forcefield::{
-    Conditions, ForceFieldOptions, KernelOptions, PairForces, Precision, SplitOptions,
-    TruncationKind, TruncationOptions, build,
+    Conditions, ForceFieldOptions, KernelOptions, Precision, SplitOptions, TruncationKind,
+    TruncationOptions, build,
 };
 use lennard_integrators::IntegratorOptions;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
 use crate::StudyError;
+use crate::lab::Rig;
 
 /// Density of all state points, σ⁻³: the density of the liquid near its triple point.
 pub const DENSITY: f64 = 0.8442;
@@ -24,11 +25,11 @@ pub const ATOMS: usize = 4 * CELLS * CELLS * CELLS;
 /// Seed of the velocities at the start.
 const SEED: u64 = 1967;
 /// Steps of the equilibration.
-const EQUILIBRATION_STEPS: u32 = 4000;
+const EQUILIBRATION_STEPS: u64 = 4000;
 /// Step of the equilibration, τ: small enough for the hottest state.
 const EQUILIBRATION_DT: f64 = 0.002;
 /// Steps between two scalings of the velocities to the temperature.
-const RESCALE_EVERY: u32 = 20;
+const RESCALE_EVERY: u64 = 20;
 /// Where the near part of the force ends for methods that split it, and over which distance, σ.
 const SPLIT: SplitOptions = SplitOptions { r_split: 1.7, width: 0.3 };
 
@@ -66,13 +67,6 @@ pub(crate) struct Start {
     velocities: Vec<DVec3>,
 }
 
-/// Forces, masses and a state, ready for a method.
-pub(crate) struct Bench {
-    pub(crate) system: System,
-    pub(crate) forces: PairForces,
-    pub(crate) state: State,
-}
-
 impl Start {
     /// Melts an fcc lattice and brings it to the temperature.
     pub(crate) fn equilibrate(
@@ -90,37 +84,30 @@ impl Start {
             positions: lattice(side),
             velocities: velocities(temperature),
         };
-        let mut bench =
-            start.bench(EQUILIBRATION_DT, &IntegratorOptions::default(), Precision::Double)?;
-        let mut method = lennard_integrators::build(&IntegratorOptions::default());
-        let failed =
-            |source| StudyError::Step { method: "velocity-verlet", dt: EQUILIBRATION_DT, source };
-        let Bench { system, forces, state } = &mut bench;
-        method.start(system, state, forces, EQUILIBRATION_DT, Want::NOTHING).map_err(failed)?;
+        let method = IntegratorOptions::default();
+        let mut rig = start.rig(&method, EQUILIBRATION_DT, Precision::Double, Want::NOTHING)?;
         let steps = if quick { EQUILIBRATION_STEPS / 8 } else { EQUILIBRATION_STEPS };
-        for n in 1..=steps {
-            method.step(system, state, forces, EQUILIBRATION_DT, Want::NOTHING).map_err(failed)?;
-            if n % RESCALE_EVERY == 0 {
-                let factor = (temperature
-                    / system.temperature(&state.velocities, Momentum::Conserved))
-                .sqrt();
-                for v in &mut state.velocities {
-                    *v *= factor;
-                }
+        for _ in 0..steps / RESCALE_EVERY {
+            rig.steps(RESCALE_EVERY)?;
+            let now = rig.system.temperature(&rig.state.velocities, Momentum::Conserved);
+            let factor = (temperature / now).sqrt();
+            for v in &mut rig.state.velocities {
+                *v *= factor;
             }
         }
-        start.positions = std::mem::take(&mut state.positions);
-        start.velocities = std::mem::take(&mut state.velocities);
+        start.positions = rig.state.positions;
+        start.velocities = rig.state.velocities;
         Ok(start)
     }
 
-    /// The bench at this start, with the forces that the method needs.
-    pub(crate) fn bench(
+    /// A method from this start on, with the forces that it needs.
+    pub(crate) fn rig(
         &self,
-        dt: f64,
         method: &IntegratorOptions,
+        dt: f64,
         precision: Precision,
-    ) -> Result<Bench, StudyError> {
+        want: Want,
+    ) -> Result<Rig, StudyError> {
         let options = ForceFieldOptions {
             truncation: TruncationOptions::new(TRUNCATIONS[self.truncation].0, R_CUT),
             kernel: KernelOptions { precision, ..KernelOptions::default() },
@@ -134,11 +121,10 @@ impl Start {
             dt,
             mixture: None,
         };
-        Ok(Bench {
-            system: System::atoms(self.positions.len()),
-            forces: build(&options, &conditions)?,
-            state: State::new(self.cell, self.positions.clone(), self.velocities.clone()),
-        })
+        let state = State::new(self.cell, self.positions.clone(), self.velocities.clone());
+        let at = (System::atoms(self.positions.len()), state);
+        let forces = Box::new(build(&options, &conditions)?);
+        Rig::start(lennard_integrators::build(method), at, forces, dt, want)
     }
 }
 

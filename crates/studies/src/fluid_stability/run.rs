@@ -1,12 +1,13 @@
 //! One run of the fluid at constant energy, and what it says about the method.
 
-use lennard_core::{ForceTerm, Momentum, StepError, Want};
+use lennard_core::{Momentum, StepError, Want};
 use lennard_forcefield::Precision;
 use lennard_integrators::IntegratorEntry;
 use serde::Serialize;
 
 use super::fluid::{ATOMS, STATES, Start};
 use crate::StudyError;
+use crate::lab::Rig;
 use crate::stability::fit;
 
 /// Time between two looks at the energy, τ.
@@ -102,11 +103,24 @@ struct Sample {
     laplacian: f64,
 }
 
+impl Sample {
+    /// A look at the system; `None` where no energies were asked for.
+    fn of(rig: &Rig) -> Option<Self> {
+        let Rig { system, state, .. } = rig;
+        let potential = state.energetics.conserved_potential?;
+        Some(Self {
+            time: state.time,
+            energy: (potential + system.kinetic_energy(&state.velocities)) / ATOMS as f64,
+            temperature: system.temperature(&state.velocities, Momentum::Conserved),
+            force_squared: state.forces.iter().map(|f| f.length_squared()).sum(),
+            laplacian: state.energetics.laplacian?,
+        })
+    }
+}
+
 /// Runs the plan to its end or to its failure; only a fluid that cannot even be started is an error.
 pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
     let options = (plan.entry.default_options)();
-    let mut system = plan.start.bench(plan.dt, &options, plan.precision)?;
-    let mut method = plan.entry.build();
     let mut result = FluidRun {
         method: plan.entry.spec.name,
         state: STATES[plan.start.state_point].name,
@@ -125,34 +139,26 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
     };
     let looking = Want { energy: true, laplacian: true, ..Want::NOTHING };
     let every = ((SAMPLE_INTERVAL / plan.dt).round() as u64).max(1);
-    let (system, state, forces) = (&system.system, &mut system.state, &mut system.forces);
     let stopped = |step: u64, time: f64, reason: StepError| Outcome::Stopped {
         step,
         time,
         reason: reason.to_string(),
     };
-    if let Err(reason) = method.start(system, state, forces, plan.dt, looking) {
-        result.outcome = stopped(0, 0.0, reason);
-        return Ok(result);
-    }
-    let look = |state: &lennard_core::State| -> Option<Sample> {
-        Some(Sample {
-            time: state.time,
-            energy: (state.energetics.conserved_potential?
-                + system.kinetic_energy(&state.velocities))
-                / ATOMS as f64,
-            temperature: system.temperature(&state.velocities, Momentum::Conserved),
-            force_squared: state.forces.iter().map(|f| f.length_squared()).sum(),
-            laplacian: state.energetics.laplacian?,
-        })
+    let mut rig = match plan.start.rig(&options, plan.dt, plan.precision, looking) {
+        Ok(rig) => rig,
+        Err(StudyError::Step { source, .. }) => {
+            result.outcome = stopped(0, 0.0, source);
+            return Ok(result);
+        }
+        Err(error) => return Err(error),
     };
-    let mut samples: Vec<Sample> = look(state).into_iter().collect();
+    let mut samples: Vec<Sample> = Sample::of(&rig).into_iter().collect();
     let limit = RUN_AWAY * 1.5 * STATES[plan.start.state_point].temperature;
     let mut momentum = 0.0_f64;
     for n in 1..=plan.steps {
         let due = n % every == 0;
-        let want = if due { looking } else { Want::NOTHING };
-        if let Err(reason) = method.step(system, state, forces, plan.dt, want) {
+        rig.want = if due { looking } else { Want::NOTHING };
+        if let Err(reason) = rig.try_step() {
             result.outcome = stopped(n, n as f64 * plan.dt, reason);
             break;
         }
@@ -160,8 +166,9 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
         if !due {
             continue;
         }
-        let Some(sample) = look(state) else { continue };
-        momentum = momentum.max(system.momentum(&state.velocities).length() / ATOMS as f64);
+        let Some(sample) = Sample::of(&rig) else { continue };
+        let now = rig.system.momentum(&rig.state.velocities).length();
+        momentum = momentum.max(now / ATOMS as f64);
         let change = sample.energy - samples[0].energy;
         // A NaN is as far away as an infinity.
         if change.abs() > limit || change.is_nan() {
@@ -171,7 +178,7 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
         samples.push(sample);
     }
     result.evaluations_per_step =
-        forces.statistics().evaluations as f64 / result.steps.max(1) as f64;
+        rig.forces.statistics().evaluations as f64 / result.steps.max(1) as f64;
     if result.completed() {
         result.momentum = Some(momentum);
         summarise(&mut result, &samples, plan);

@@ -3,11 +3,11 @@
 //! [`Workbench::timing`] and [`costs`] say what settings cost. [`Workbench::force_errors`], [`Workbench::measure`],
 //! [`Workbench::trajectory_error`] and [`Workbench::reversibility`] say how large their errors are.
 
-mod by_hand;
 mod forces;
 mod measured;
 mod motion;
 pub(crate) mod peers;
+mod rig;
 mod slopes;
 mod stable;
 mod start;
@@ -16,10 +16,10 @@ mod timing;
 mod untruncated;
 mod workbench;
 
-pub(crate) use by_hand::ByHand;
 pub use forces::ForceErrors;
 pub use measured::{AgainstEquation, Drift, Measured, Value};
 pub use motion::TrajectoryError;
+pub(crate) use rig::Rig;
 pub use slopes::Slopes;
 pub(crate) use stable::{rough_stable_dt, stable_dt_of_springs};
 pub use start::Start;

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use lennard_core::State;
+use lennard_core::{State, Want};
 use lennard_forcefield::{ListMode, Precision};
 use lennard_integrators::{IntegratorOptions, blanes_moan};
 use serde::{Deserialize, Serialize};
 
-use super::by_hand::ByHand;
+use super::rig::Rig;
 use super::tight::TightTrajectory;
 use super::workbench::Workbench;
 use crate::StudyError;
@@ -129,12 +129,10 @@ impl Workbench {
     ) -> Result<State, StudyError> {
         let forces = self.forces(settings)?;
         let at = (self.start().system(), state);
-        let run = || {
-            let mut fluid = ByHand::start(&settings.integrator, forces, at, dt)?;
-            fluid.steps(steps)?;
-            Ok(fluid.state)
-        };
-        run().map_err(|source| StudyError::Step { method: settings.integrator.name(), dt, source })
+        let method = lennard_integrators::build(&settings.integrator);
+        let mut fluid = Rig::start(method, at, Box::new(forces), dt, Want::NOTHING)?;
+        fluid.steps(steps)?;
+        Ok(fluid.state)
     }
 }
 

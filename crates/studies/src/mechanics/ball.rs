@@ -2,13 +2,13 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    Axis, DVec3, ForceSum, ForceTerm, Integrator, Masses, NoForces, PeriodicBox, State, StepError,
-    System, Want,
+    Axis, DVec3, ForceSum, ForceTerm, Masses, NoForces, PeriodicBox, State, StepError, System, Want,
 };
 use lennard_forcefield::{ConstantField, SlitPlanes, WallContext, WallOptions, WallPair, Walls};
 use lennard_integrators::{IntegratorOptions, build};
 
 use crate::StudyError;
+use crate::lab::Rig;
 
 /// Coordinate of the lower plane, σ.
 pub(crate) const PLANE: f64 = 2.0;
@@ -29,13 +29,7 @@ pub(crate) fn gravity(g: f64) -> ConstantField {
 }
 
 /// Balls in a column over a plane at z = 2 σ.
-pub(crate) struct Balls {
-    system: System,
-    state: State,
-    forces: ForceSum<NoForces>,
-    integrator: Integrator,
-    h: f64,
-}
+pub(crate) struct Balls(Rig);
 
 impl Balls {
     /// Balls at heights over the plane, σ, with one velocity, σ/τ.
@@ -47,23 +41,13 @@ impl Balls {
     ) -> Result<Self, StudyError> {
         let n = heights.len();
         let place = |z: &f64| DVec3::new(5.0, 5.0, PLANE + z);
-        let mut balls = Self {
-            system: System::atoms(n).pushed_along(forces.properties().breaks_momentum),
-            state: State::new(
-                PeriodicBox::new(DVec3::splat(SIDE))?,
-                heights.iter().map(place).collect(),
-                vec![DVec3::new(0.0, 0.0, speed); n],
-            ),
-            forces,
-            integrator: build(method),
-            h,
-        };
-        let Self { system, state, forces, integrator, .. } = &mut balls;
-        let method = integrator.spec().name;
-        integrator
-            .start(system, state, forces, h, Want::ENERGY)
-            .map_err(|source| StudyError::Step { method, dt: h, source })?;
-        Ok(balls)
+        let system = System::atoms(n).pushed_along(forces.properties().breaks_momentum);
+        let state = State::new(
+            PeriodicBox::new(DVec3::splat(SIDE))?,
+            heights.iter().map(place).collect(),
+            vec![DVec3::new(0.0, 0.0, speed); n],
+        );
+        Rig::start(build(method), (system, state), Box::new(forces), h, Want::ENERGY).map(Self)
     }
 
     /// One ball over a wall under velocity Verlet.
@@ -80,18 +64,12 @@ impl Balls {
 
     /// A step, which may fail at a wall that is too weak.
     pub(crate) fn step(&mut self) -> Result<(), StepError> {
-        let Self { system, state, forces, integrator, h } = self;
-        integrator.step(system, state, forces, *h, Want::ENERGY)?;
-        Ok(())
+        self.0.try_step().map(|_| ())
     }
 
     /// Steps that must not fail.
-    pub(crate) fn steps(&mut self, n: u32) -> Result<(), StudyError> {
-        (0..n).try_for_each(|_| self.step()).map_err(|source| StudyError::Step {
-            method: self.integrator.spec().name,
-            dt: self.h,
-            source,
-        })
+    pub(crate) fn steps(&mut self, n: u64) -> Result<(), StudyError> {
+        self.0.steps(n)
     }
 
     /// The height of the lowest ball over the plane, σ.
@@ -100,20 +78,20 @@ impl Balls {
     }
 
     pub(crate) fn height_of(&self, ball: usize) -> f64 {
-        self.state.positions[ball].z - PLANE
+        self.0.state.positions[ball].z - PLANE
     }
 
     /// The speed of the lowest ball away from the plane, σ/τ.
     pub(crate) fn speed(&self) -> f64 {
-        self.state.velocities[0].z
+        self.0.state.velocities[0].z
     }
 
     pub(crate) fn hits(&self) -> u64 {
-        self.forces.walls()[0].hits
+        self.0.forces.walls()[0].hits
     }
 
     /// The momentum that the plane has taken, m·σ/τ.
     pub(crate) fn impulse(&self) -> f64 {
-        self.forces.walls()[0].impulse
+        self.0.forces.walls()[0].impulse
     }
 }

@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use lennard_core::DVec3;
 use lennard_core::stopwatch::repeated;
+use lennard_core::{DVec3, Want};
 use lennard_integrators::BondOptions;
 use serde::Serialize;
 
-use super::rig::{Case, Few, Rig, distance, run};
+use super::bodies::{Bodies, BodyForces, distance, strain};
 use super::ways::{Way, ways};
 use crate::StudyError;
 use crate::stability::fit::slope;
@@ -103,25 +103,25 @@ pub(crate) fn measure(quick: bool) -> Result<Vec<WayFound>, StudyError> {
 }
 
 fn of_way(way: &Way, steps: &[u32], quick: bool) -> Result<WayFound, StudyError> {
-    let case = Case::two_dumbbells();
+    let case = Bodies::two_dumbbells();
     let mut points = Vec::new();
     let (mut last, mut between) = (Vec::new(), f64::NAN);
     for steps in steps {
-        let Ok(ran) = run(&case, &way.bonds, END, *steps)? else {
+        let Ok(end) = case.run(&way.bonds, END, *steps)? else {
             continue;
         };
-        between = distance(&ran.positions, &last);
-        last = ran.positions.clone();
-        let position_error = distance(&ran.positions, &KNOWN);
+        between = distance(&end.positions, &last);
+        let position_error = distance(&end.positions, &KNOWN);
         if position_error < 1.0 {
             points.push(AtStep {
                 dt: END / f64::from(*steps),
                 position_error,
-                energy_rms: ran.rms,
-                energy_change: ran.change,
-                strain: ran.strain,
+                energy_rms: end.rms,
+                energy_change: end.change,
+                strain: end.strain,
             });
         }
+        last = end.positions;
     }
     let errors: Vec<_> = points.iter().map(|p| (p.dt, p.position_error)).collect();
     let budget = Duration::from_millis(if quick { 2 } else { 100 });
@@ -138,18 +138,19 @@ fn of_way(way: &Way, steps: &[u32], quick: bool) -> Result<WayFound, StudyError>
 /// Nanoseconds of a step per bond, the fastest of repeated blocks, on molecules that turn slowly and do not interact.
 fn cost(way: &Way, sites: usize, n: usize, budget: Duration) -> Result<f64, StudyError> {
     const BLOCK: usize = 10;
-    let mut case = Case::stretching(sites - 1, 1.0);
+    let mut case = Bodies::stretching(sites - 1, 1.0);
     let one = case.x.clone();
     let turn = |r: &DVec3| 0.5 * DVec3::new(-r.y, r.x, 0.0);
     let apart = |m: usize| DVec3::new(0.0, 0.0, 5.0 * m as f64);
     case.x = (0..n).flat_map(|m| one.iter().map(move |r| *r + apart(m))).collect();
     case.v = (0..n).flat_map(|_| one.iter().map(turn)).collect();
-    case.forces = Few { sites, ..Few::default() };
-    let mut rig = Rig::start(&case, &way.bonds, 0.002)?.for_timing();
+    case.forces = BodyForces { sites, ..BodyForces::default() };
+    let mut rig = case.start(&way.bonds, 0.002)?;
+    rig.want = Want::NOTHING;
     let mut failed = None;
     let spread = repeated(budget, 1000, || {
         for _ in 0..BLOCK {
-            failed = failed.take().or(rig.step().err());
+            failed = failed.take().or(rig.try_step().err());
         }
     });
     // A way that gives up on a chain has no cost there.
@@ -159,13 +160,13 @@ fn cost(way: &Way, sites: usize, n: usize, budget: Duration) -> Result<f64, Stud
 
 /// Whether a rotor that also vibrates by 10⁻³ keeps its bond within a half for so many steps.
 fn is_stable(bonds: &BondOptions, dt: f64, steps: u32) -> Result<bool, StudyError> {
-    let mut case = Case::rotor(2.0);
+    let mut case = Bodies::rotor(2.0);
     case.x[1].x += 1e-3;
-    let Ok(mut rig) = Rig::start(&case, bonds, dt) else {
+    let Ok(mut rig) = case.start(bonds, dt) else {
         return Ok(false);
     };
     for _ in 0..steps {
-        if rig.step().is_err() || !rig.strain().is_finite() || rig.strain() > 0.5 {
+        if rig.try_step().is_err() || !strain(&rig).is_finite() || strain(&rig) > 0.5 {
             return Ok(false);
         }
     }

@@ -6,7 +6,7 @@ use lennard_integrators::contacts::{self, Contact, Solver};
 use lennard_integrators::spook::Regularisation;
 use serde::Serialize;
 
-use super::rig::{Case, Few, Rig};
+use super::bodies::{Bodies, BodyForces};
 use crate::StudyError;
 
 /// A row of balls after the first hit the second.
@@ -24,20 +24,15 @@ pub struct Cradle {
 fn by_springs(n: usize, law: SpringLaw) -> Result<Vec<f64>, StudyError> {
     let mut v = vec![DVec3::ZERO; n];
     v[0] = DVec3::X;
-    let case = Case {
+    let contact = Some(ContactLaw::new(law, 1e4, 1.0));
+    let bodies = Bodies {
         bond_length: 1.0,
         x: (0..n).map(|i| DVec3::new(i as f64, 0.0, 0.0)).collect(),
         v,
-        forces: Few { sites: 1, contact: Some(ContactLaw::new(law, 1e4, 1.0)), ..Few::default() },
+        forces: BodyForces { sites: 1, contact, ..BodyForces::default() },
     };
-    let mut rig = Rig::of_free_bodies(&case, 2e-5)?;
-    for _ in 0..60_000 {
-        rig.step().map_err(|source| StudyError::Step {
-            method: "velocity-verlet",
-            dt: 2e-5,
-            source,
-        })?;
-    }
+    let mut rig = bodies.start_free(2e-5)?;
+    rig.steps(60_000)?;
     Ok(rig.state.velocities.iter().map(|v| v.x).collect())
 }
 

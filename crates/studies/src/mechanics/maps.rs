@@ -1,20 +1,19 @@
 //! SPOOK on one damped spring: the one-step map by theory and by measurement, and rotors and pendulums that are stretched.
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 use glam::{DMat2, DVec2};
-use lennard_core::{DVec3, NoForces, PeriodicBox, State, System, Want};
-use lennard_integrators::oscillator::OscillatorConstraint;
+use lennard_core::DVec3;
 use lennard_integrators::{BondOptions, spook};
 use serde::Serialize;
 
+use super::bodies::{Bodies, distance};
 use super::precise::G;
-use super::rig::{Case, Rig, run};
 use super::ways::{damped, springs};
 use crate::StudyError;
 use crate::stability::groups::entry;
 use crate::stability::map::StepMap;
+use crate::stability::oscillator::Spring;
 
 /// Damping times of the maps, in steps.
 pub(crate) const DAMPING: [f64; 6] = [0.0, 0.5, 1.0, 2.0, 4.0, 10.0];
@@ -70,25 +69,10 @@ pub(crate) fn theory(phase: f64, damping: f64) -> StepMap {
 
 /// States (x, v) of SPOOK on a spring of unit mass with h = 1.
 fn states(phase: f64, damping: f64, start: DVec2, steps: usize) -> Result<Vec<DVec2>, StudyError> {
-    let mut system = System::atoms(1);
     let compliance = 1.0 / (phase * phase);
-    system.constraints = vec![Arc::new(OscillatorConstraint::new(compliance, damping))];
-    let mut state = State::new(
-        PeriodicBox::boundless(),
-        vec![DVec3::new(start.x, 0.0, 0.0)],
-        vec![DVec3::new(start.y, 0.0, 0.0)],
-    );
-    let mut integrator = entry("spook")?.build();
-    let failed = |source| StudyError::Step { method: spook::SPEC.name, dt: 1.0, source };
-    integrator.start(&system, &mut state, &mut NoForces, 1.0, Want::NOTHING).map_err(failed)?;
-    (0..steps)
-        .map(|_| {
-            integrator
-                .step(&system, &mut state, &mut NoForces, 1.0, Want::NOTHING)
-                .map_err(failed)?;
-            Ok(DVec2::new(state.positions[0].x, state.velocities[0].x))
-        })
-        .collect()
+    let spring = Spring::Constraint { compliance, damping_time: damping };
+    let mut rig = spring.start(entry("spook")?, start.into(), 1.0)?;
+    (0..steps).map(|_| rig.next_point()).collect()
 }
 
 fn points() -> Result<Vec<MapAt>, StudyError> {
@@ -123,11 +107,9 @@ fn closed_form() -> Result<f64, StudyError> {
 }
 
 /// The length of a rotor that turns by α per step, over its length at rest.
-fn rotor_length(bonds: &BondOptions, omega: f64, dt: f64, steps: u32) -> Result<f64, StudyError> {
-    let mut rig = Rig::start(&Case::rotor(omega), bonds, dt)?;
-    for _ in 0..steps {
-        rig.step().map_err(|source| StudyError::Step { method: spook::SPEC.name, dt, source })?;
-    }
+fn rotor_length(bonds: &BondOptions, omega: f64, dt: f64, steps: u64) -> Result<f64, StudyError> {
+    let mut rig = Bodies::rotor(omega).start(bonds, dt)?;
+    rig.steps(steps)?;
     Ok(rig.state.positions[0].distance(rig.state.positions[1]))
 }
 
@@ -140,11 +122,11 @@ fn stretched(alpha: f64, damping: f64) -> f64 {
 /// The exact fixed motion: the length and the turn per step after a long time, as (measured, by theory).
 fn rotor_against_theory() -> Result<(f64, f64), StudyError> {
     let (dt, steps) = (0.05, 1000);
-    let mut rig = Rig::start(&Case::rotor(1.0), &damped(2.0), dt)?;
+    let mut rig = Bodies::rotor(1.0).start(&damped(2.0), dt)?;
     let mut before = DVec3::ZERO;
     for _ in 0..steps {
         before = rig.state.positions[1] - rig.state.positions[0];
-        rig.step().map_err(|source| StudyError::Step { method: spook::SPEC.name, dt, source })?;
+        rig.step()?;
     }
     let d = rig.state.positions[1] - rig.state.positions[0];
     let alpha = before.cross(d).z.atan2(before.dot(d));
@@ -154,18 +136,18 @@ fn rotor_against_theory() -> Result<(f64, f64), StudyError> {
 /// Measures everything.
 pub(crate) fn measure() -> Result<Maps, StudyError> {
     let (rotor_length_found, rotor_theory) = rotor_against_theory()?;
-    let pendulum = Case::hanging(1, 1.0, G);
+    let pendulum = Bodies::hanging(1, 1.0, G);
     let loss = |bonds: &BondOptions| -> Result<f64, StudyError> {
-        Ok(run(&pendulum, bonds, 1000.0, 200_000)?.map_or(f64::NAN, |ran| ran.loss))
+        Ok(pendulum.run(bonds, 1000.0, 200_000)?.map_or(f64::NAN, |end| end.loss))
     };
-    let undamped = run(&pendulum, &damped(0.0), 20.0, 4000)?;
+    let undamped = pendulum.run(&damped(0.0), 20.0, 4000)?;
     let fixed = BondOptions::Spook(lennard_integrators::bonds::spook::Options {
         damping_time: Some(0.1),
         ..Default::default()
     });
     let order = |bonds: &BondOptions| -> Result<f64, StudyError> {
         let strain = |dt: f64| -> Result<f64, StudyError> {
-            Ok(rotor_length(bonds, 1.0, dt, (20.0 / dt) as u32)? - 1.0)
+            Ok(rotor_length(bonds, 1.0, dt, (20.0 / dt) as u64)? - 1.0)
         };
         Ok((strain(0.01)? / strain(0.005)?).log2())
     };
@@ -180,7 +162,7 @@ pub(crate) fn measure() -> Result<Maps, StudyError> {
             loss(&damped(4.0))?,
             loss(&BondOptions::default())?,
         ],
-        undamped_pendulum: undamped.map_or(f64::INFINITY, |ran| ran.rms),
+        undamped_pendulum: undamped.map_or(f64::INFINITY, |end| end.rms),
         strain_orders: [order(&damped(2.0))?, order(&fixed)?],
         angle_off: angle_off()?,
     })
@@ -202,14 +184,14 @@ fn angle_off() -> Result<f64, StudyError> {
 /// The stretch of a spring between two dumbbells against its stiffness: the model error of A10.
 pub(crate) fn model_errors(quick: bool) -> Result<Vec<(f64, f64)>, StudyError> {
     let stiffnesses: &[f64] = if quick { &[1e3, 1e4, 1e5] } else { &[1e3, 1e4, 1e5, 1e6] };
-    let case = Case::two_dumbbells();
+    let case = Bodies::two_dumbbells();
     let mut all = Vec::new();
-    let rigid = run(&case, &BondOptions::default(), 2.5, 20_000)?.ok();
+    let rigid = case.run(&BondOptions::default(), 2.5, 20_000)?.ok();
     for k in stiffnesses {
         // Steps so short that the error of the method is below the one of the model.
         let steps = (25.0 * (2.0 * k).sqrt()) as u32 * if quick { 4 } else { 16 };
-        if let (Ok(spring), Some(rigid)) = (run(&case, &springs(*k), 2.5, steps)?, &rigid) {
-            all.push((*k, super::rig::distance(&spring.positions, &rigid.positions)));
+        if let (Ok(spring), Some(rigid)) = (case.run(&springs(*k), 2.5, steps)?, &rigid) {
+            all.push((*k, distance(&spring.positions, &rigid.positions)));
         }
     }
     Ok(all)

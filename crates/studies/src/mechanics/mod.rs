@@ -5,6 +5,7 @@
 //! change of this crate.
 
 mod ball;
+mod bodies;
 mod collision_figures;
 pub mod collisions;
 pub mod comparison;
@@ -18,7 +19,6 @@ mod page;
 pub mod precise;
 pub mod pressure;
 pub mod relaxing;
-mod rig;
 mod tables;
 pub mod unilateral;
 mod ways;

@@ -169,9 +169,9 @@ fn fluids(found: &MechanicsFound, all: &mut Numbers) {
         let drift = run.drift.abs() - 3.0 * run.error;
         all.add("drift of the direct solve", drift).of("density", run.density);
     }
-    let rms = |dt| of("direct", dt).last().map_or(f64::NAN, |run| run.rms);
+    let rms = |dt| of("direct", dt).next_back().map_or(f64::NAN, |run| run.rms);
     all.add("order of the energy of a fluid", (rms(0.004) / rms(0.002)).log2());
-    let drift = |dt| of("spook, τ = 2h", dt).last().map_or(f64::NAN, |run| run.drift);
+    let drift = |dt| of("spook, τ = 2h", dt).next_back().map_or(f64::NAN, |run| run.drift);
     all.add("order of the drift of SPOOK", (drift(0.004) / drift(0.002)).log2());
     all.add("pressure on walls against the virial", found.pressure.identity);
     let slack = if found.is_quick { 0.1 } else { 0.0 };

@@ -4,7 +4,7 @@ use lennard_core::DVec3;
 use lennard_integrators::BondOptions;
 use serde::Serialize;
 
-use super::rig::{Case, distance, run};
+use super::bodies::{Bodies, distance};
 use super::ways::{damped, projected, relaxed};
 use crate::StudyError;
 use crate::stability::fit::slope;
@@ -15,7 +15,7 @@ pub(crate) const G: f64 = 9.81;
 /// A problem with a known answer.
 struct Problem {
     name: &'static str,
-    case: Case,
+    case: Bodies,
     end: f64,
     /// Positions at the end, of the beads that follow the held one.
     known: Vec<DVec3>,
@@ -28,7 +28,7 @@ fn at_angle(theta: f64) -> DVec3 {
 
 /// The problems; answers by a Runge–Kutta method of order 8 with a tolerance of 2.3e-14.
 fn problems() -> Vec<Problem> {
-    let pendulum = Case::hanging(1, 1.0, G);
+    let pendulum = Bodies::hanging(1, 1.0, G);
     let (sin, cos) = 60.0_f64.to_radians().sin_cos();
     let mut spherical = pendulum.clone();
     spherical.x[1] = DVec3::new(sin, 0.0, -cos);
@@ -48,7 +48,7 @@ fn problems() -> Vec<Problem> {
         },
         Problem {
             name: "double pendulum from 90°, t = 1 τ",
-            case: Case::hanging(2, 1.0, G),
+            case: Bodies::hanging(2, 1.0, G),
             end: 1.0,
             known: vec![
                 DVec3::new(-0.585168391999, 0.0, -0.810911803469),
@@ -57,7 +57,7 @@ fn problems() -> Vec<Problem> {
         },
         Problem {
             name: "chain of 5, t = 0.5 τ",
-            case: Case::hanging(5, 0.2, G),
+            case: Bodies::hanging(5, 0.2, G),
             end: 0.5,
             known: vec![DVec3::new(-0.056664541268, 0.0, -0.975802326581)],
         },
@@ -93,8 +93,8 @@ pub(crate) fn measure(quick: bool) -> Result<Vec<Solved>, StudyError> {
         for (way, bonds, theory) in &ways {
             let mut errors = Vec::new();
             for steps in steps {
-                if let Ok(ran) = run(&problem.case, bonds, problem.end, *steps)? {
-                    let beads = &ran.positions[ran.positions.len() - problem.known.len()..];
+                if let Ok(end) = problem.case.run(bonds, problem.end, *steps)? {
+                    let beads = &end.positions[end.positions.len() - problem.known.len()..];
                     let dt = problem.end / f64::from(*steps);
                     errors.push((dt, distance(beads, &problem.known)));
                 }

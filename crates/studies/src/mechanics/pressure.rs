@@ -7,6 +7,7 @@ use lennard_scene::Scene;
 use serde::Serialize;
 
 use crate::StudyError;
+use crate::lab::Rig;
 
 /// Time step, τ.
 const DT: f64 = 0.004;
@@ -43,15 +44,13 @@ pub(crate) fn measure(quick: bool) -> Result<WallPressure, StudyError> {
     let scene = Scene::parse(text, "the fluid of the study", &[]).map_err(|e| {
         StudyError::Settings { label: "the fluid between walls".into(), reason: e.to_string() }
     })?;
-    let mut simulation = prepare(scene)?;
+    let simulation = prepare(scene)?;
     let cell = simulation.state.cell;
     let slit = simulation.scene.slits(&cell)[0];
     let (middle, area) = (0.5 * (slit.lower + slit.upper), cell.lengths().x * cell.lengths().y);
-    let (system, state, forces) =
-        (&simulation.system, &mut simulation.state, simulation.forces.as_mut());
-    let mut method = build(&IntegratorOptions::default());
-    let failed = |source| StudyError::Step { method: "velocity-verlet", dt: DT, source };
-    method.start(system, state, forces, DT, Want::NOTHING).map_err(failed)?;
+    let method = build(&IntegratorOptions::default());
+    let at = (simulation.system, simulation.state);
+    let mut rig = Rig::start(method, at, simulation.forces, DT, Want::NOTHING)?;
     let sum = |state: &State, of: &dyn Fn(DVec3, DVec3, DVec3) -> f64| -> f64 {
         let all = state.positions.iter().zip(&state.velocities);
         all.zip(&state.forces).map(|((r, v), f)| of(*r, *v, *f)).sum()
@@ -60,27 +59,24 @@ pub(crate) fn measure(quick: bool) -> Result<WallPressure, StudyError> {
     let virial = |state: &State| sum(state, &|r, _, f| (r.z - middle) * f.z);
     let steps = if quick { 2000_u32 } else { 40_000 };
     // The lattice melts first: its steps count for nothing.
-    for _ in 0..steps / 4 {
-        method.step(system, state, forces, DT, Want::NOTHING).map_err(failed)?;
-    }
-    let impulse_of =
-        |walls: &[lennard_core::WallReading]| walls.iter().map(|w| w.impulse).sum::<f64>();
-    let (first_moment, first_impulse) = (moment(state), impulse_of(forces.walls()));
-    let (mut kinetic, mut forced, mut before) = (0.0, 0.0, virial(state));
+    rig.steps(u64::from(steps / 4))?;
+    let impulse = |rig: &Rig| rig.forces.walls().iter().map(|w| w.impulse).sum::<f64>();
+    let (first_moment, first_impulse) = (moment(&rig.state), impulse(&rig));
+    let (mut kinetic, mut forced, mut before) = (0.0, 0.0, virial(&rig.state));
     let mut points = Vec::new();
     let mut identity = f64::NAN;
     for step in 1..=steps {
-        kinetic += DT * sum(state, &|_, v, f| (v.z + 0.5 * DT * f.z).powi(2));
-        method.step(system, state, forces, DT, Want::NOTHING).map_err(failed)?;
-        let now = virial(state);
+        kinetic += DT * sum(&rig.state, &|_, v, f| (v.z + 0.5 * DT * f.z).powi(2));
+        rig.step()?;
+        let now = virial(&rig.state);
         forced += 0.5 * DT * (before + now);
         before = now;
         let is_shown = step.is_power_of_two() || step % (steps / 40) == 0;
         if step >= 50 && is_shown {
             let time = DT * f64::from(step);
             let volume = area * slit.width();
-            let impulse = impulse_of(forces.walls()) - first_impulse;
-            let boundary = moment(state) - first_moment;
+            let impulse = impulse(&rig) - first_impulse;
+            let boundary = moment(&rig.state) - first_moment;
             let of_walls = impulse / (2.0 * area * time);
             let with_boundary = (kinetic + forced - boundary) / (volume * time);
             identity = (with_boundary - of_walls).abs() * volume * time / kinetic;

@@ -6,10 +6,11 @@ use lennard_integrators::BondOptions;
 use lennard_integrators::bonds::relaxation;
 use serde::Serialize;
 
+use super::bodies::{Bodies, distance};
 use super::precise::G;
-use super::rig::{Case, Rig, distance, run};
 use super::ways::{projected, relaxed};
 use crate::StudyError;
+use crate::lab::Rig;
 
 /// The rate of sweeps over a chain.
 #[derive(Debug, Clone, Serialize)]
@@ -91,18 +92,15 @@ fn rate(
             over_relaxation,
             ..Default::default()
         });
-        let mut case = Case::stretching(bonds, angle);
+        let mut case = Bodies::stretching(bonds, angle);
         // So small that the constraints are linear, and far above rounding.
         for v in &mut case.v {
             *v *= 1e-2;
         }
-        let mut rig = Rig::start_stretching(&case, &options, 1e-3)?;
-        let report = rig.step().map_err(|source| StudyError::Step {
-            method: "velocity-verlet",
-            dt: 1e-3,
-            source,
-        })?;
-        Ok(report.residual)
+        let mut rig = case.start(&options, 1e-3)?;
+        // They stretch bonds at the first drift: they keep their part along the bonds.
+        rig.state.velocities.clone_from(&case.v);
+        Ok(rig.step()?.residual)
     };
     Ok((residual(few + more)? / residual(few)?).powf(1.0 / f64::from(more)))
 }
@@ -147,20 +145,20 @@ fn rates(quick: bool) -> Result<Vec<Rate>, StudyError> {
 
 fn tolerances(quick: bool) -> Result<Vec<AtTolerance>, StudyError> {
     let exponents: &[i32] = if quick { &[-3, -5, -8] } else { &[-2, -3, -4, -5, -6, -8, -10] };
-    let case = Case::two_dumbbells();
+    let case = Bodies::two_dumbbells();
     let mut all = Vec::new();
     for steps in [1000, 4000] {
         for exponent in exponents {
             let (tolerance, dt) = (10.0_f64.powi(*exponent), 2.5 / f64::from(steps));
-            if let Ok(ran) = run(&case, &relaxed(tolerance), 2.5, steps)? {
+            if let Ok(end) = case.run(&relaxed(tolerance), 2.5, steps)? {
                 let speed = tolerance * case.bond_length / dt;
                 all.push(AtTolerance {
                     dt,
                     tolerance,
-                    energy_rms: ran.rms,
+                    energy_rms: end.rms,
                     // μ = 1/2 for each of two bonds.
                     bound: 2.0 * 0.25 * speed * speed,
-                    sweeps: ran.iterations,
+                    sweeps: end.iterations,
                 });
             }
         }
@@ -171,7 +169,7 @@ fn tolerances(quick: bool) -> Result<Vec<AtTolerance>, StudyError> {
 /// Angle per step of a rotor at some steps.
 fn rotor(bonds: &BondOptions, alpha: f64, at: &[u32]) -> Result<(Vec<f64>, f64), StudyError> {
     let dt = 0.05;
-    let mut rig = Rig::start(&Case::rotor(alpha.sin() / dt), bonds, dt)?;
+    let mut rig = Bodies::rotor(alpha.sin() / dt).start(bonds, dt)?;
     let first = rig.energy();
     let angle = |rig: &Rig| {
         let d = rig.state.positions[1] - rig.state.positions[0];
@@ -182,11 +180,7 @@ fn rotor(bonds: &BondOptions, alpha: f64, at: &[u32]) -> Result<(Vec<f64>, f64),
         let mut before = angle(&rig);
         while n <= *stop {
             before = angle(&rig);
-            rig.step().map_err(|source| StudyError::Step {
-                method: "velocity-verlet",
-                dt,
-                source,
-            })?;
+            rig.step()?;
             n += 1;
         }
         angles.push((angle(&rig) - before).rem_euclid(2.0 * PI));
@@ -196,17 +190,17 @@ fn rotor(bonds: &BondOptions, alpha: f64, at: &[u32]) -> Result<(Vec<f64>, f64),
 
 /// Distance from the start after so many steps forth and as many back.
 fn there_and_back(bonds: &BondOptions, steps: u32) -> Result<f64, StudyError> {
-    let case = Case::two_dumbbells();
+    let case = Bodies::two_dumbbells();
     let time = 5e-4 * f64::from(steps);
-    let Ok(forth) = run(&case, bonds, time, steps)? else {
+    let Ok(forth) = case.run(bonds, time, steps)? else {
         return Ok(f64::NAN);
     };
-    let reversed = Case {
+    let reversed = Bodies {
         x: forth.positions,
         v: forth.velocities.iter().map(|v| -*v).collect(),
         ..case.clone()
     };
-    Ok(match run(&reversed, bonds, time, steps)? {
+    Ok(match reversed.run(bonds, time, steps)? {
         Ok(back) => distance(&back.positions, &case.x),
         Err(_) => f64::NAN,
     })
@@ -225,8 +219,8 @@ pub(crate) fn measure(quick: bool) -> Result<Relaxing, StudyError> {
     let (old, rotor_energy) = rotor(&BondOptions::default(), ALPHA, &[100])?;
     let falling = |bonds: &BondOptions| -> Result<_, StudyError> {
         let steps = if quick { 100 } else { 1000 };
-        let case = Case::hanging(10, 0.2, G);
-        Ok(run(&case, bonds, 1e-3 * f64::from(steps), steps)?.ok())
+        let chain = Bodies::hanging(10, 0.2, G);
+        Ok(chain.run(bonds, 1e-3 * f64::from(steps), steps)?.ok())
     };
     let tight = BondOptions::Direct(lennard_integrators::bonds::direct::Options {
         tolerance: 1e-13,
@@ -240,7 +234,7 @@ pub(crate) fn measure(quick: bool) -> Result<Relaxing, StudyError> {
         })
     };
     let iterations = |bonds: &BondOptions| -> Result<f64, StudyError> {
-        Ok(falling(bonds)?.map_or(f64::NAN, |ran| ran.iterations))
+        Ok(falling(bonds)?.map_or(f64::NAN, |end| end.iterations))
     };
     let steps = if quick { 2000 } else { 10_000 };
     Ok(Relaxing {

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::groups::Group;
 use super::map::StepMap;
-use super::rig::{Rig, Spring, excursion, measured_map};
+use super::oscillator::{Spring, excursion, measured_map};
 use crate::StudyError;
 
 /// The largest ωh at which a limit is looked for.
@@ -196,9 +196,9 @@ fn bisect(
 pub(crate) fn mean_growth(entry: &IntegratorEntry, omega_h: f64) -> Result<f64, StudyError> {
     let size = |z: glam::DVec2| z.x.hypot(z.y / omega_h);
     let spring = Spring::Stiffness(omega_h * omega_h);
-    let mut rig = Rig::start(entry, spring, (1.0, 0.0), 1.0)?;
+    let mut rig = spring.start(entry, (1.0, 0.0), 1.0)?;
     for _ in 0..GROWTH_STEPS {
-        rig.step(1.0)?;
+        rig.step()?;
     }
-    Ok(size(rig.phase_point()).powf(1.0 / f64::from(GROWTH_STEPS)))
+    Ok(size(rig.point()).powf(1.0 / f64::from(GROWTH_STEPS)))
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::fit;
 use super::groups::entry;
-use super::rig::{Rig, Spring};
+use super::oscillator::Spring;
 use crate::StudyError;
 
 /// The steps, as wh.
@@ -70,11 +70,11 @@ fn growth(z: f64) -> Result<GrowthError, StudyError> {
 /// (wt, ln x_n − wt) at each step from x = 1.
 fn logarithms(z: f64, velocity: f64) -> Result<Vec<(f64, f64)>, StudyError> {
     let method = entry("stormer-verlet")?;
-    let mut rig = Rig::start(method, Spring::Stiffness(-1.0), (1.0, velocity), z)?;
+    let mut rig = Spring::Stiffness(-1.0).start(method, (1.0, velocity), z)?;
     let steps = (END / z).round() as u32;
     (1..=steps)
         .map(|n| {
-            let x = rig.step(z)?.x;
+            let x = rig.next_point()?.x;
             let t = f64::from(n) * z;
             Ok((t, x.ln() - t))
         })

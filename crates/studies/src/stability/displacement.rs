@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::amplification::theory;
 use super::groups::Group;
 use super::map::StepMap;
-use super::rig::{Rig, Spring, excursion, measured_map};
+use super::oscillator::{Spring, excursion, measured_map};
 use crate::StudyError;
 
 /// Mass of the study, m.
@@ -118,7 +118,7 @@ fn short_run(
     stiffness: f64,
     steps: u32,
 ) -> Result<Run, StudyError> {
-    let mut rig = Rig::start(entry, Spring::Stiffness(stiffness), (START, 0.0), STEP)?;
+    let mut rig = Spring::Stiffness(stiffness).start(entry, (START, 0.0), STEP)?;
     let energy = |x: f64, v: f64| 0.5 * stiffness * x * x + 0.5 * MASS * v * v;
     let mut run = Run {
         method: entry.spec.name,
@@ -128,8 +128,9 @@ fn short_run(
         stopped: None,
     };
     for _ in 0..steps {
-        match rig.try_step(STEP) {
-            Ok(z) => {
+        match rig.try_step() {
+            Ok(_) => {
+                let z = rig.point();
                 run.positions.push(z.x);
                 run.energies.push(energy(z.x, z.y));
             }

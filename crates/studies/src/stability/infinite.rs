@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::displacement::{MASS, STEP};
 use super::groups::entry;
 use super::map::StepMap;
-use super::rig::{Rig, Spring, excursion};
+use super::oscillator::{Spring, excursion, next_map};
 use crate::StudyError;
 
 const SPOOK: &str = "spook";
@@ -93,15 +93,13 @@ fn shown_steps() -> Vec<u32> {
     steps
 }
 
-/// A method on a spring, from x = 1 σ at rest.
-fn start(method: &'static str, spring: Spring) -> Result<Rig, StudyError> {
-    Rig::start(entry(method)?, spring, (1.0, 0.0), STEP)
-}
+/// Where all runs start: x = 1 σ, at rest.
+const START: (f64, f64) = (1.0, 0.0);
 
 /// |x| after each of the steps, σ.
 fn displacements(method: &'static str, spring: Spring, steps: u32) -> Result<Vec<f64>, StudyError> {
-    let mut rig = start(method, spring)?;
-    (0..steps).map(|_| Ok(rig.step(STEP)?.x.abs())).collect()
+    let mut rig = spring.start(entry(method)?, START, STEP)?;
+    (0..steps).map(|_| Ok(rig.next_point()?.x.abs())).collect()
 }
 
 fn growth_of_halves(x: &[f64]) -> f64 {
@@ -129,7 +127,8 @@ pub(crate) fn measure(quick: bool) -> Result<Infinite, StudyError> {
     let mut undamped_deviation = f64::NAN;
     let mut rigid = Vec::new();
     for damping_steps in DAMPING_STEPS {
-        let spring = Spring::Rigid { damping_time: damping_steps * STEP };
+        let damping_time = damping_steps * STEP;
+        let spring = Spring::Constraint { compliance: 0.0, damping_time };
         let gamma = 1.0 / (1.0 + 4.0 * damping_steps);
         let x = displacements(SPOOK, spring, steps)?;
         if damping_steps == 0.0 {
@@ -139,7 +138,7 @@ pub(crate) fn measure(quick: bool) -> Result<Infinite, StudyError> {
             damping_steps,
             gamma,
             theory_radius: rigid_map(gamma).radius(),
-            measured_radius: start(SPOOK, spring)?.map(STEP)?.radius(),
+            measured_radius: next_map(&mut spring.start(spook, START, STEP)?)?.radius(),
             last_displacement: x.last().copied().unwrap_or(f64::NAN),
             growth_of_halves: growth_of_halves(&x),
             displacements: shown(&x, &shown_steps),

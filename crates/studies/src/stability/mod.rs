@@ -15,8 +15,8 @@ pub mod infinite;
 pub(crate) mod map;
 mod numbers;
 pub mod orders;
+pub(crate) mod oscillator;
 mod page;
-mod rig;
 mod tables;
 pub mod variable_step;
 

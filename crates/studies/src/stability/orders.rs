@@ -6,9 +6,11 @@ use serde::Serialize;
 
 use super::fit;
 use super::groups::{Group, entry};
-use super::rig::{Rig, Spring};
+use super::oscillator::Spring;
 use crate::StudyError;
 
+/// The oscillator, ω = 1 τ⁻¹.
+const SPRING: Spring = Spring::Stiffness(1.0);
 /// Start (x, v) at ω = 1 τ⁻¹: neither at rest nor at zero, so that no error vanishes by symmetry.
 const START: (f64, f64) = (1.0, 0.5);
 /// End of the runs, τ.
@@ -70,10 +72,10 @@ fn path(
     steps: u32,
 ) -> Result<Vec<(f64, f64)>, StudyError> {
     let dt = END / f64::from(steps);
-    let mut rig = Rig::start(entry, Spring::Stiffness(1.0), start, dt)?;
+    let mut rig = SPRING.start(entry, start, dt)?;
     let mut path = vec![start];
     for _ in 0..steps {
-        let z = rig.step(dt)?;
+        let z = rig.next_point()?;
         path.push((z.x, z.y));
     }
     Ok(path)
@@ -190,7 +192,7 @@ fn local() -> Result<Vec<OrderLine>, StudyError> {
     let verlet = entry("velocity-verlet")?;
     // One step from the exact state at a generic time.
     let one_step = |h: f64, pick: fn((f64, f64)) -> f64| {
-        let z = Rig::start(verlet, Spring::Stiffness(1.0), START, h)?.step(h)?;
+        let z = SPRING.start(verlet, START, h)?.next_point()?;
         Ok((pick((z.x, z.y)) - pick(exact(h))).abs())
     };
     Ok(vec![
@@ -212,10 +214,9 @@ fn accumulation() -> Result<Vec<(u32, f64)>, StudyError> {
     let h = 0.004_f64;
     // The method begins with x + v·h + ½·a·h². This velocity makes that 2·cos 0 − cos h − h².
     let v = (1.0 - 0.5 * h * h - h.cos()) / h;
-    let spring = Spring::Stiffness(1.0);
-    let mut rig = Rig::start(entry("stormer-verlet")?, spring, (1.0, v), h)?;
+    let mut rig = SPRING.start(entry("stormer-verlet")?, (1.0, v), h)?;
     let errors = (1..=SUMMED[SUMMED.len() - 1]).map(|n| {
-        let x = rig.step(h)?.x;
+        let x = rig.next_point()?.x;
         Ok(x - (f64::from(n) * h).cos())
     });
     let errors = errors.collect::<Result<Vec<f64>, StudyError>>()?;
@@ -234,10 +235,10 @@ fn energy(quick: bool) -> Result<(OrderLine, f64), StudyError> {
     // The same method with ω = 1 and a long way to go: a step of 0.05 τ.
     let dt = 0.05;
     let steps = if quick { 20_000 } else { 200_000 };
-    let mut rig = Rig::start(verlet, Spring::Stiffness(1.0), START, dt)?;
+    let mut rig = SPRING.start(verlet, START, dt)?;
     let mut energies = Vec::with_capacity(steps);
     for n in 0..steps {
-        let z = rig.step(dt)?;
+        let z = rig.next_point()?;
         energies.push((n as f64, of(&(z.x, z.y))));
     }
     let (_, slope) = fit::line(&energies);

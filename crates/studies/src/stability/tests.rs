@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use super::groups::entry;
 use super::map::StepMap;
-use super::rig::{Spring, excursion, measured_map};
+use super::oscillator::{Spring, excursion, measured_map};
 use super::*;
 use crate::Silent;
 use lennard_observables::Verdict;

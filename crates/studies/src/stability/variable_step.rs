@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::fit;
 use super::groups::entry;
-use super::rig::{Rig, Spring};
+use super::oscillator::Spring;
 use crate::StudyError;
 
 /// Steps of one length before the other length takes over.
@@ -70,11 +70,12 @@ fn plain_path(steps: &[f64]) -> Vec<(f64, f64)> {
 
 fn path(method: &'static str, steps: &[f64]) -> Result<Vec<(f64, f64)>, StudyError> {
     let spring = Spring::Stiffness(1.0);
-    let mut rig = Rig::start(entry(method)?, spring, START, steps[0])?;
+    let mut rig = spring.start(entry(method)?, START, steps[0])?;
     let mut path = vec![(0.0, START.0)];
     for h in steps {
-        let z = rig.step(*h)?;
-        path.push((rig.time(), z.x));
+        rig.dt = *h;
+        let z = rig.next_point()?;
+        path.push((rig.state.time, z.x));
     }
     Ok(path)
 }
@@ -117,9 +118,10 @@ pub(crate) fn refused_changes() -> Result<f64, StudyError> {
     let changes = [0.5, 1.001, 2.0];
     let mut refused = 0.0;
     for change in changes {
-        let mut rig = Rig::start(entry("spook")?, Spring::Stiffness(1.0), START, SHOWN_STEP)?;
-        rig.step(SHOWN_STEP)?;
-        refused += f64::from(u8::from(rig.try_step(change * SHOWN_STEP).is_err()));
+        let mut rig = Spring::Stiffness(1.0).start(entry("spook")?, START, SHOWN_STEP)?;
+        rig.step()?;
+        rig.dt = change * SHOWN_STEP;
+        refused += f64::from(u8::from(rig.try_step().is_err()));
     }
     Ok(refused / changes.len() as f64)
 }

@@ -2,13 +2,14 @@
 
 use lennard_core::{
     Backend, Bond, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceSum,
-    ForceTerm, Integrator, Masses, Molecules, Part, PeriodicBox, State, StepError, StepReport,
-    System, Want, rigid,
+    ForceTerm, Integrator, Masses, Molecules, Part, PeriodicBox, State, StepError, System, Want,
+    rigid,
 };
 use lennard_forcefield::ContactLaw;
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build, spook};
 
 use crate::StudyError;
+use crate::lab::Rig;
 
 /// Side of the box, σ: nothing gets across it.
 const SIDE: f64 = 1e4;
@@ -17,7 +18,7 @@ const HELD: f64 = 1e15;
 
 /// Forces between few bodies, as sums over all pairs without a cutoff.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Few {
+pub(crate) struct BodyForces {
     /// Sites of a molecule, whose sites do not interact.
     pub(crate) sites: usize,
     /// Whether sites of different molecules are Lennard-Jones particles.
@@ -30,9 +31,9 @@ pub(crate) struct Few {
     pub(crate) contact: Option<ContactLaw>,
 }
 
-lennard_core::remembers_nothing!(Few);
+lennard_core::remembers_nothing!(BodyForces);
 
-impl Few {
+impl BodyForces {
     /// Energy and force on the first of two bodies at a distance d apart.
     fn between(&self, d: DVec3) -> (f64, DVec3) {
         let r2 = d.length_squared();
@@ -52,7 +53,7 @@ impl Few {
     }
 }
 
-impl ForceTerm for Few {
+impl ForceTerm for BodyForces {
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
@@ -92,18 +93,18 @@ impl ForceTerm for Few {
     }
 }
 
-impl Backend for Few {}
+impl Backend for BodyForces {}
 
 /// Bodies, where they start and how fast, and their forces.
 #[derive(Debug, Clone)]
-pub(crate) struct Case {
+pub(crate) struct Bodies {
     pub(crate) bond_length: f64,
     pub(crate) x: Vec<DVec3>,
     pub(crate) v: Vec<DVec3>,
-    pub(crate) forces: Few,
+    pub(crate) forces: BodyForces,
 }
 
-impl Case {
+impl Bodies {
     /// A chain of unit masses at rest along x in gravity, whose first bead is held at the origin.
     pub(crate) fn hanging(beads: usize, length: f64, gravity: f64) -> Self {
         let along = |k: usize| DVec3::new(length * k as f64, 0.0, 0.0);
@@ -111,7 +112,12 @@ impl Case {
             bond_length: length,
             x: (0..=beads).map(along).collect(),
             v: vec![DVec3::ZERO; beads + 1],
-            forces: Few { sites: beads + 1, gravity, is_held: true, ..Few::default() },
+            forces: BodyForces {
+                sites: beads + 1,
+                gravity,
+                is_held: true,
+                ..BodyForces::default()
+            },
         }
     }
 
@@ -123,7 +129,7 @@ impl Case {
             bond_length: 1.0,
             x: vec![-half, half],
             v: vec![-speed, speed],
-            forces: Few { sites: 2, ..Few::default() },
+            forces: BodyForces { sites: 2, ..BodyForces::default() },
         }
     }
 
@@ -140,11 +146,12 @@ impl Case {
                 DVec3::new(1.5, -0.1 + HALF, 0.0),
             ],
             v: vec![speed(1.0), speed(1.0), speed(-1.0), speed(-1.0)],
-            forces: Few { sites: 2, pairs: true, ..Few::default() },
+            forces: BodyForces { sites: 2, pairs: true, ..BodyForces::default() },
         }
     }
 
-    /// A straight chain of `bonds` bonds of length 1 in free space, every site moving apart a little.
+    /// A chain of `bonds` bonds of length 1 in free space, every second one turned by an angle, every site moving
+    /// apart a little.
     pub(crate) fn stretching(bonds: usize, angle: f64) -> Self {
         let mut x = vec![DVec3::ZERO];
         for c in 0..bonds {
@@ -155,26 +162,15 @@ impl Case {
             bond_length: 1.0,
             v: x.clone(),
             x,
-            forces: Few { sites: bonds + 1, ..Few::default() },
+            forces: BodyForces { sites: bonds + 1, ..BodyForces::default() },
         }
     }
-}
 
-/// Bodies on their way.
-pub(crate) struct Rig {
-    pub(crate) system: System,
-    pub(crate) state: State,
-    forces: ForceSum<Few>,
-    integrator: Integrator,
-    dt: f64,
-    want: Want,
-}
-
-impl Rig {
-    /// A case whose bonds are held in a way, with the step `dt`; velocities lose their part along rigid bonds.
-    pub(crate) fn start(case: &Case, bonds: &BondOptions, dt: f64) -> Result<Self, StudyError> {
-        let molecules = Molecules::chains(case.forces.sites, case.bond_length, bonds.bonds());
-        let mut forces = ForceSum::new(case.forces);
+    /// Starts the bodies with bonds that are held in a way; velocities lose their part along rigid bonds.
+    pub(crate) fn start(&self, bonds: &BondOptions, dt: f64) -> Result<Rig, StudyError> {
+        let sites = self.forces.sites;
+        let molecules = Molecules::chains(sites, self.bond_length, bonds.bonds());
+        let mut forces = ForceSum::new(self.forces);
         let method = build(&IntegratorOptions::default());
         let integrator = match bonds.build(&molecules) {
             BondHolder::Drift(solver) => method.with_bonds(solver),
@@ -188,82 +184,88 @@ impl Rig {
                 method
             }
         };
-        Self::with(case, molecules, forces, integrator, dt)
+        self.start_with(molecules, forces, integrator, dt)
     }
 
-    /// A case whose velocities stretch bonds at the first drift: they keep their part along the bonds.
-    pub(crate) fn start_stretching(
-        case: &Case,
-        bonds: &BondOptions,
-        dt: f64,
-    ) -> Result<Self, StudyError> {
-        let mut rig = Self::start(case, bonds, dt)?;
-        rig.state.velocities.clone_from(&case.v);
-        Ok(rig)
-    }
-
-    /// A case of free bodies under velocity Verlet.
-    pub(crate) fn of_free_bodies(case: &Case, dt: f64) -> Result<Self, StudyError> {
+    /// Starts free bodies under velocity Verlet.
+    pub(crate) fn start_free(&self, dt: f64) -> Result<Rig, StudyError> {
         let method = build(&IntegratorOptions::default());
-        Self::with(case, Molecules::ATOMS, ForceSum::new(case.forces), method, dt)
+        self.start_with(Molecules::ATOMS, ForceSum::new(self.forces), method, dt)
     }
 
-    fn with(
-        case: &Case,
+    fn start_with(
+        &self,
         molecules: Molecules,
-        forces: ForceSum<Few>,
+        forces: ForceSum<BodyForces>,
         integrator: Integrator,
         dt: f64,
-    ) -> Result<Self, StudyError> {
-        let mut masses = vec![1.0; case.x.len()];
-        if case.forces.is_held {
+    ) -> Result<Rig, StudyError> {
+        let mut masses = vec![1.0; self.x.len()];
+        if self.forces.is_held {
             masses[0] = HELD;
         }
         let system =
-            System::of_molecules(case.x.len(), molecules).with_masses(Masses::Each(masses));
+            System::of_molecules(self.x.len(), molecules).with_masses(Masses::Each(masses));
         let cell = PeriodicBox::new(DVec3::splat(SIDE))?;
-        let mut state = State::new(cell, case.x.clone(), case.v.clone());
+        let mut state = State::new(cell, self.x.clone(), self.v.clone());
         rigid::project_velocities(&system, &state.positions, &mut state.velocities);
-        let mut rig = Self { system, state, forces, integrator, dt, want: Want::ENERGY };
-        let Self { system, state, forces, integrator, .. } = &mut rig;
-        let method = integrator.spec().name;
-        integrator
-            .start(system, state, forces, dt, Want::ENERGY)
-            .map_err(|source| StudyError::Step { method, dt, source })?;
-        Ok(rig)
+        Rig::start(integrator, (system, state), Box::new(forces), dt, Want::ENERGY)
     }
 
-    /// The same without energies, for timing.
-    pub(crate) fn for_timing(self) -> Self {
-        Self { want: Want::NOTHING, ..self }
-    }
-
-    /// One step of a method that may fail.
-    pub(crate) fn step(&mut self) -> Result<StepReport, StepError> {
-        let Self { system, state, forces, integrator, dt, want } = self;
-        integrator.step(system, state, forces, *dt, *want)
-    }
-
-    /// Kinetic and potential energy, ε.
-    pub(crate) fn energy(&self) -> f64 {
-        let potential = self.state.energetics.potential_energy;
-        self.system.kinetic_energy(&self.state.velocities) + potential.unwrap_or(f64::NAN)
-    }
-
-    /// The largest | |d|/r − 1 | over all bonds.
-    pub(crate) fn strain(&self) -> f64 {
-        let molecules = &self.system.molecules;
-        let strain = self.state.positions.chunks(molecules.sites()).flat_map(|m| {
-            let strain = |bond: &Bond| (bond.vector(m).length() / bond.length - 1.0).abs();
-            molecules.bonds().iter().map(strain).collect::<Vec<f64>>()
-        });
-        strain.fold(0.0, f64::max)
+    /// Runs the bodies for a time in so many steps; `Err` in the inner result where the method gives up.
+    pub(crate) fn run(
+        &self,
+        bonds: &BondOptions,
+        time: f64,
+        steps: u32,
+    ) -> Result<Result<RunSummary, StepError>, StudyError> {
+        let mut rig = self.start(bonds, time / f64::from(steps))?;
+        let first = rig.energy();
+        let mut summary = RunSummary::default();
+        let (mut squares, mut ends) = (0.0, [0.0; 2]);
+        let tenth = steps.div_ceil(10);
+        for n in 0..steps {
+            let report = match rig.try_step() {
+                Ok(report) => report,
+                Err(e) => return Ok(Err(e)),
+            };
+            let off = rig.energy() - first;
+            squares += off.powi(2);
+            if n < tenth {
+                ends[0] += off;
+            }
+            if n >= steps - tenth {
+                ends[1] += off;
+            }
+            summary.iterations += f64::from(report.iterations);
+            summary.strain = summary.strain.max(strain(&rig));
+        }
+        let n = f64::from(steps);
+        Ok(Ok(RunSummary {
+            change: rig.energy() - first,
+            rms: (squares / n).sqrt(),
+            loss: (ends[0] - ends[1]) / f64::from(tenth),
+            iterations: summary.iterations / n,
+            positions: rig.state.positions,
+            velocities: rig.state.velocities,
+            ..summary
+        }))
     }
 }
 
-/// What a run showed.
+/// The largest | |d|/r − 1 | over all bonds.
+pub(crate) fn strain(rig: &Rig) -> f64 {
+    let molecules = &rig.system.molecules;
+    let strain = rig.state.positions.chunks(molecules.sites()).flat_map(|m| {
+        let strain = |bond: &Bond| (bond.vector(m).length() / bond.length - 1.0).abs();
+        molecules.bonds().iter().map(strain).collect::<Vec<f64>>()
+    });
+    strain.fold(0.0, f64::max)
+}
+
+/// The end of a run, and its means.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Ran {
+pub(crate) struct RunSummary {
     pub(crate) positions: Vec<DVec3>,
     pub(crate) velocities: Vec<DVec3>,
     /// Energy at the end less energy at the start, ε.
@@ -276,46 +278,6 @@ pub(crate) struct Ran {
     pub(crate) strain: f64,
     /// Iterations or sweeps per step.
     pub(crate) iterations: f64,
-}
-
-/// Runs a case for a time in so many steps; `Err` in the inner result where the method gives up.
-pub(crate) fn run(
-    case: &Case,
-    bonds: &BondOptions,
-    time: f64,
-    steps: u32,
-) -> Result<Result<Ran, StepError>, StudyError> {
-    let mut rig = Rig::start(case, bonds, time / f64::from(steps))?;
-    let first = rig.energy();
-    let mut ran = Ran::default();
-    let (mut squares, mut ends) = (0.0, [0.0; 2]);
-    let tenth = steps.div_ceil(10);
-    for n in 0..steps {
-        let report = match rig.step() {
-            Ok(report) => report,
-            Err(e) => return Ok(Err(e)),
-        };
-        let off = rig.energy() - first;
-        squares += off.powi(2);
-        if n < tenth {
-            ends[0] += off;
-        }
-        if n >= steps - tenth {
-            ends[1] += off;
-        }
-        ran.iterations += f64::from(report.iterations);
-        ran.strain = ran.strain.max(rig.strain());
-    }
-    let n = f64::from(steps);
-    Ok(Ok(Ran {
-        positions: rig.state.positions.clone(),
-        velocities: rig.state.velocities.clone(),
-        change: rig.energy() - first,
-        rms: (squares / n).sqrt(),
-        loss: (ends[0] - ends[1]) / f64::from(tenth),
-        iterations: ran.iterations / n,
-        ..ran
-    }))
 }
 
 /// The largest distance between positions and those that are known, σ.
