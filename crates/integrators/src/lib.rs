@@ -17,7 +17,6 @@ mod exchange;
 pub mod fire;
 mod krylov;
 mod list;
-pub mod measure;
 pub mod oscillator;
 mod regularisation;
 

@@ -1,11 +1,11 @@
 //! The bit-reversible method returns exactly, to the last bit.
 
 use crate::common::{Cluster, cluster};
+use crate::measure::run;
 use lennard_core::{
     DVec3, ForceError, Integrator, Persist, State, StateArchive, StepError, System, Want,
 };
 use lennard_integrators::bit_reversible_verlet::{BitReversibleVerlet, Options};
-use lennard_integrators::measure::run;
 use lennard_integrators::oscillator::HarmonicForces;
 use lennard_integrators::{IntegratorOptions, build};
 

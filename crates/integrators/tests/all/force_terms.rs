@@ -1,12 +1,12 @@
 //! Forces are terms that add, and baths leave steps together.
 
 use crate::common::{Cluster, cluster};
+use crate::measure::{CountingForces, run};
 use lennard_core::random::Streams;
 use lennard_core::{
     Backend, Configuration, DVec3, ForceSum, ForceTerm, FusedSteps, Masses, Part, PeriodicBox,
     Persist, State, StateArchive, System, Want,
 };
-use lennard_integrators::measure::{CountingForces, run};
 use lennard_integrators::oscillator::HarmonicForces;
 use lennard_integrators::{IntegratorOptions, ThermostatOptions, build};
 

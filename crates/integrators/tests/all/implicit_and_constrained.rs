@@ -1,17 +1,14 @@
 //! The methods that solve equations within a step: implicit Euler and SPOOK.
 
 use crate::common::{Cluster, cluster};
-use glam::{DMat2, DVec2};
+use crate::measure::{CountingForces, KeplerForces};
+use glam::DVec2;
 use lennard_core::{
     Backend, DVec3, ForceTerm, Integrator, Masses, Part, Persist, State, StepError, System, Want,
 };
 use lennard_integrators::implicit_euler::{ImplicitEuler, Options};
-use lennard_integrators::measure::{
-    CountingForces, KeplerForces, OscillatorBench, amplification_per_step, eigenvalues,
-    phase_per_step,
-};
 use lennard_integrators::oscillator::{HarmonicForces, OscillatorConstraint};
-use lennard_integrators::spook::{Regularisation, damped_oscillator_map};
+use lennard_integrators::spook::damped_oscillator_map;
 use lennard_integrators::{IntegratorOptions, OscillatorModel, build};
 use std::sync::Arc;
 
@@ -161,76 +158,6 @@ fn spook_reproduces_its_closed_form_for_one_damped_oscillator() {
             }
         }
     }
-}
-
-fn spook_map(stiffness: f64, dt: f64) -> DMat2 {
-    OscillatorBench::new(OscillatorModel::Constraint, stiffness, 0.0)
-        .map(|| build(&IntegratorOptions::Spook(Default::default())), dt, 1)
-        .unwrap()
-}
-
-#[test]
-fn spook_turns_at_its_effective_frequency_and_never_grows_at_finite_stiffness() {
-    // ω_eff = ω/√(1 + (ωh)²/4), and symplectic Euler turns by θ with 2·sin(θ/2) = ω_eff·h.
-    for omega_h in [0.1, 0.5, 1.0, 2.0, 3.0, 10.0, 100.0_f64] {
-        let map = spook_map(omega_h * omega_h, 1.0);
-        let effective = omega_h / (1.0 + 0.25 * omega_h * omega_h).sqrt();
-        let expected = 2.0 * (0.5 * effective).asin();
-        let phase = phase_per_step(&map).unwrap();
-        // Near θ = π the angle is the square root of a rounding: 1e-16·(ωh)².
-        assert!((phase - expected).abs() < 1e-12 * (1.0 + omega_h), "{omega_h}: {phase}");
-        assert!((amplification_per_step(&map, 1) - 1.0).abs() < 1e-13);
-    }
-}
-
-#[test]
-fn rigid_spook_without_damping_grows_linearly_and_with_damping_decays() {
-    // ε = 0, τ = 0: the map [[−3, h], [−4/h, 1]] has the double eigenvalue −1 and is no multiple of
-    // the identity: x_n = (−1)ⁿ·(x₀ + n·(2x₀ − h·v₀)). Measured from x₀ = 1, v₀ = 0 over 10,000 steps.
-    let spook = || build(&IntegratorOptions::Spook(Default::default()));
-    let steps = 10_000;
-    let samples = OscillatorBench::rigid(0.0).trajectory(&mut spook(), DVec2::X, H, steps).unwrap();
-    for n in [1, 2, 99, 100, 10_000_usize] {
-        let expected = (1.0 + 2.0 * n as f64) * if n % 2 == 0 { 1.0 } else { -1.0 };
-        // Rounding enters at each step, grows with what it rounds, and is carried on linearly: relative n²·ε.
-        let error = (samples[n].position / expected - 1.0).abs();
-        assert!(error < f64::EPSILON * (n as f64).powi(2) + 1e-14, "{n}: {error:e}");
-    }
-    // γ < 1: eigenvalues λ² − (1 − 3γ)·λ + γ = 0, modulus √γ where they are conjugates, always below 1.
-    for damping_time in [0.001, 0.01, 0.1, 1.0] {
-        let map = OscillatorBench::rigid(damping_time).map(spook, H, 1).unwrap();
-        let gamma = Regularisation::new(0.0, damping_time, H).gamma;
-        let [first, second] = eigenvalues(&map);
-        assert!((first.x + second.x - (1.0 - 3.0 * gamma)).abs() < 1e-13);
-        assert!((map.determinant() - gamma).abs() < 1e-13);
-        assert!(amplification_per_step(&map, 1) < 1.0);
-    }
-}
-
-#[test]
-fn at_its_limit_symplectic_euler_is_bounded_just_inside_and_diverges_just_outside() {
-    // B3, m = 1, x₀ = 1: k = 4/h² − 1 gives an amplitude over 100, as the map's invariant
-    // v² − ω²h·x·v + ω²x² (an ellipse) says; k = 4/h² + 1 diverges.
-    let run = |stiffness: f64| {
-        OscillatorBench::new(OscillatorModel::Force, stiffness, 0.0)
-            .trajectory(
-                &mut build(&IntegratorOptions::SymplecticEuler(Default::default())),
-                DVec2::X,
-                H,
-                20_000,
-            )
-            .unwrap()
-            .iter()
-            .map(|s| s.position.abs())
-            .fold(0.0, f64::max)
-    };
-    let limit = 4.0 / (H * H);
-    let inside = run(limit - 1.0);
-    // From (1, 0) the invariant is k; its largest x is (1 − k·h²/4)^{−1/2} = 2/h = 119.76.
-    let amplitude = (1.0 - 0.25 * (limit - 1.0) * H * H).sqrt().recip();
-    assert!((inside / amplitude - 1.0).abs() < 1e-3, "{inside} {amplitude}");
-    assert!(inside > 100.0);
-    assert!(run(limit + 1.0) > 1e6);
 }
 
 #[test]

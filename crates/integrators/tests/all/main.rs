@@ -9,6 +9,7 @@ mod fire;
 mod force_terms;
 mod implicit_and_constrained;
 mod many_chains;
+mod measure;
 mod messages;
 mod refusals;
 mod shapes;

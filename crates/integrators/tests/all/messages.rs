@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
+use crate::measure::KeplerForces;
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
     Persist, State, StepError, System, Want,
 };
 use lennard_integrators::fire::FireError;
-use lennard_integrators::measure::KeplerForces;
 use lennard_integrators::oscillator::{HarmonicForces, OscillatorConstraint};
 use lennard_integrators::{IntegratorOptions, integrators};
 

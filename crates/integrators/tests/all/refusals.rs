@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use crate::measure::{Kepler, KeplerForces, run};
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Integrator,
     Part, State, StepError, System, Want,
 };
-use lennard_integrators::measure::{Kepler, KeplerForces, run};
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces};
 use lennard_integrators::{IntegratorEntry, IntegratorOptions, OscillatorModel, integrators};
 

@@ -1,79 +1,11 @@
-//! The claims about the Verlet family (A1–A7). They are about two starts, three velocities,
-//! the factor 1/24, three rules for a changing step, local errors, and methods that are the same
-//! method.
+//! Methods of the Verlet family that are the same method, and energies that are known of them. The study of stability
+//! judges the claims about their orders.
 
 use crate::common::{Cluster, cluster};
+use crate::measure::run;
 use lennard_core::{DVec3, ForceTerm, Integrator, Part, State, System, Want};
-use lennard_integrators::measure::{
-    exponential_error, fitted_order, one_step_errors, run, start_orders, variable_step_errors,
-    velocity_estimate_errors,
-};
 use lennard_integrators::oscillator::HarmonicForces;
 use lennard_integrators::{integrators, velocity_verlet};
-
-/// Orders are measured to this: the next term of the error is below 1 % at the steps chosen.
-const ORDER_TOLERANCE: f64 = 0.05;
-
-fn assert_order(points: &[(f64, f64)], expected: f64, what: &str) {
-    let order = fitted_order(points);
-    assert!(
-        (order - expected).abs() < ORDER_TOLERANCE,
-        "{what}: order {order}, expected {expected}: {points:?}"
-    );
-}
-
-#[test]
-fn the_fit_finds_the_exponent_of_a_power_and_no_other() {
-    let points: Vec<_> = [0.1, 0.05, 0.02].map(|h: f64| (h, 3.0 * h.powf(2.5))).to_vec();
-    assert!((fitted_order(&points) - 2.5).abs() < 1e-12);
-}
-
-#[test]
-fn the_taylor_start_keeps_order_2_and_a_start_without_the_force_drops_it_to_1() {
-    let (taylor, plain) = start_orders(4.0, &[1000, 2000, 4000]).unwrap();
-    assert!((taylor.position - 2.0).abs() < ORDER_TOLERANCE, "{taylor:?}");
-    assert!((taylor.velocity - 2.0).abs() < ORDER_TOLERANCE, "{taylor:?}");
-    assert!((plain.position - 1.0).abs() < ORDER_TOLERANCE, "{plain:?}");
-    assert!((plain.velocity - 1.0).abs() < ORDER_TOLERANCE, "{plain:?}");
-}
-
-#[test]
-fn the_three_velocities_have_orders_2_2_and_1() {
-    let [central, half, early] = velocity_estimate_errors(4.0, &[1000, 2000, 4000]).unwrap();
-    assert_order(&central, 2.0, "central");
-    assert_order(&half, 2.0, "half step");
-    assert_order(&early, 1.0, "early");
-}
-
-#[test]
-fn the_discretisation_error_on_an_exponential_is_1_24() {
-    // wh = 0.01 over wt = 10: the next term is of relative order (wh)² = 1e-4, and the asked 1 % is far.
-    let found = exponential_error(0.01, 1000).unwrap();
-    let theory = 1.0 / 24.0;
-    assert!((found.coefficient_from_root / theory - 1.0).abs() < 0.01, "{found:?}");
-    assert!((found.coefficient_from_slope / theory - 1.0).abs() < 0.01, "{found:?}");
-    // The Taylor start's offset is −(wh)²/16 up to terms of (wh)⁴; measured as a small difference.
-    assert!((found.taylor_offset + 1.0 / 16.0).abs() < 0.01 / 16.0, "{found:?}");
-}
-
-#[test]
-fn under_a_changing_step_the_rules_have_orders_0_1_and_2() {
-    let [plain, corrected, exact] = variable_step_errors(4.0, &[4000, 8000, 16000]).unwrap();
-    // The plain rule's error does not shrink with the step at all.
-    assert!(fitted_order(&plain).abs() < ORDER_TOLERANCE, "{plain:?}");
-    assert!(plain[0].1 > 0.1);
-    assert_order(&corrected, 1.0, "time-corrected");
-    assert_order(&exact, 2.0, "more exact");
-}
-
-#[test]
-fn a_single_step_errs_as_claimed() {
-    let found = one_step_errors(&[0.02, 0.01, 0.005]).unwrap();
-    assert_order(&found.recurrence_position, 4.0, "two-step recurrence");
-    assert_order(&found.central_velocity, 2.0, "central velocity");
-    assert_order(&found.velocity_verlet_position, 3.0, "position");
-    assert_order(&found.velocity_verlet_velocity, 3.0, "velocity");
-}
 
 fn end_of_run(name: &str, steps: u64) -> State {
     let entry = integrators().iter().find(|e| e.spec.name == name).unwrap();

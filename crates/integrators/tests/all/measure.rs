@@ -1,0 +1,241 @@
+//! Motions with known solutions, and what a run of a method on them shows.
+
+use std::sync::Arc;
+
+use glam::{DMat2, DVec2};
+use lennard_core::{
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Integrator,
+    Part, PeriodicBox, Persist, RestoreError, State, StateReader, StateWriter, StepError,
+    StepReport, System, Want,
+};
+use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces, OscillatorConstraint};
+use lennard_integrators::{IntegratorEntry, OscillatorModel};
+
+/// Starts the method and makes `steps` steps of `dt`, showing state and report of each step to `look`.
+pub fn run(
+    integrator: &mut Integrator,
+    system: &System,
+    forces: &mut dyn Backend,
+    state: &mut State,
+    dt: f64,
+    steps: u64,
+    mut look: impl FnMut(&State, &StepReport),
+) -> Result<(), StepError> {
+    integrator.start(system, state, forces, dt, Want::NOTHING)?;
+    for _ in 0..steps {
+        let report = integrator.step(system, state, forces, dt, Want::NOTHING)?;
+        look(state, &report);
+    }
+    Ok(())
+}
+
+/// Passes everything on to other forces and counts evaluations and products with the Hessian.
+#[derive(Debug, Clone)]
+pub struct CountingForces<F> {
+    inner: F,
+    /// Evaluations so far, of any part.
+    pub evaluations: u64,
+    /// Products of the Hessian with a vector so far.
+    pub products: u64,
+}
+
+impl<F> CountingForces<F> {
+    /// Counts what `inner` is asked.
+    pub fn new(inner: F) -> Self {
+        Self { inner, evaluations: 0, products: 0 }
+    }
+}
+
+impl<F: ForceTerm> Persist for CountingForces<F> {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.inner.save(to);
+    }
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.inner.restore(from)
+    }
+}
+
+impl<F: ForceTerm> ForceTerm for CountingForces<F> {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        self.evaluations += 1;
+        self.inner.evaluate(at, part, want, forces)
+    }
+
+    fn properties(&self) -> ForceProperties {
+        self.inner.properties()
+    }
+
+    fn hessian_vector(
+        &mut self,
+        at: Configuration<'_>,
+        direction: &[DVec3],
+        out: &mut [DVec3],
+    ) -> Result<(), ForceError> {
+        self.products += 1;
+        self.inner.hessian_vector(at, direction, out)
+    }
+}
+
+impl<F: ForceTerm> Backend for CountingForces<F> {}
+
+/// The attraction F = −r/|r|³ of a fixed centre at the origin on a unit mass, U = −1/|r|.
+///
+/// For RESPA it splits by distance: near F·w(r) and far F·(1 − w(r)) with w = 1/(1 + r²), which hides
+/// no constant share from the method.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct KeplerForces;
+
+lennard_core::remembers_nothing!(KeplerForces);
+
+impl ForceTerm for KeplerForces {
+    fn evaluate(
+        &mut self,
+        at: Configuration<'_>,
+        part: Part,
+        want: Want,
+        forces: &mut [DVec3],
+    ) -> Result<Energetics, ForceError> {
+        let mut energy = 0.0;
+        for (particle, (f, r)) in forces.iter_mut().zip(at.positions).enumerate() {
+            let r2 = r.length_squared();
+            let near_share = 1.0 / (1.0 + r2);
+            let share = match part {
+                Part::All => 1.0,
+                Part::Near => near_share,
+                Part::Far => 1.0 - near_share,
+            };
+            *f = *r * (-share / (r2 * r2.sqrt()));
+            if !f.is_finite() {
+                return Err(ForceError::NonFiniteForce { particle });
+            }
+            energy -= 1.0 / r2.sqrt();
+        }
+        // The parts are no gradients of simple potentials: only the whole has an energy here.
+        let energy = (want.energy && part == Part::All).then_some(energy);
+        Ok(Energetics {
+            potential_energy: energy,
+            conserved_potential: energy,
+            ..Energetics::default()
+        })
+    }
+
+    fn properties(&self) -> ForceProperties {
+        ForceProperties { splits: true, ..ForceProperties::default() }
+    }
+}
+
+impl Backend for KeplerForces {}
+
+/// The motion on an ellipse of semi-major axis 1 (period 2π) in the x-y plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kepler {
+    eccentricity: f64,
+    start_anomaly: f64,
+}
+
+impl Kepler {
+    /// An ellipse of the given eccentricity below 1; at time 0 the mean anomaly is `start_anomaly` (radians).
+    pub fn new(eccentricity: f64, start_anomaly: f64) -> Self {
+        Self { eccentricity, start_anomaly }
+    }
+
+    /// The ellipse on which orders are measured. It is round enough for asymptotic behavior at
+    /// practical steps. It starts at no point of symmetry, where errors might cancel.
+    pub fn for_orders() -> Self {
+        Self::new(0.2, 0.7)
+    }
+
+    /// Position and velocity at the time `t`, from Kepler's equation E − e·sin E = M by Newton's method.
+    pub fn at(&self, t: f64) -> (DVec3, DVec3) {
+        let e = self.eccentricity;
+        let mean = self.start_anomaly + t;
+        let mut anomaly = mean + e * mean.sin();
+        // Newton doubles the digits each time: eight rounds end at rounding for every e < 0.9.
+        for _ in 0..8 {
+            anomaly -= (anomaly - e * anomaly.sin() - mean) / (1.0 - e * anomaly.cos());
+        }
+        let (sin, cos) = anomaly.sin_cos();
+        let b = (1.0 - e * e).sqrt();
+        let rate = 1.0 / (1.0 - e * cos);
+        (DVec3::new(cos - e, b * sin, 0.0), DVec3::new(-sin * rate, b * cos * rate, 0.0))
+    }
+
+    /// The state at time 0.
+    pub fn start(&self) -> State {
+        let (x, v) = self.at(0.0);
+        State::new(PeriodicBox::boundless(), vec![x], vec![v])
+    }
+}
+
+/// Orders of positions and velocities of a method: measured on the ellipse at t = 4 with steps where its leading
+/// error stands clear of the next one and of rounding.
+pub fn orders(entry: &IntegratorEntry) -> [f64; 2] {
+    const DURATION: f64 = 4.0;
+    let (coarse, fine) = match entry.spec.position_order {
+        // The next error is of relative order h: it must be below 1 %.
+        0 | 1 => (4_000, 16_000),
+        2 | 3 => (200, 800),
+        // Rounding ends at 1e-15 a step, which a method of order 4 and a small constant meets soon.
+        _ => (160, 320),
+    };
+    let orbit = Kepler::for_orders();
+    let (x, v) = orbit.at(DURATION);
+    let errors = |n: u64| {
+        let mut state = orbit.start();
+        let dt = DURATION / n as f64;
+        let mut method = entry.build();
+        run(&mut method, &System::atoms(1), &mut KeplerForces, &mut state, dt, n, |_, _| {})
+            .unwrap();
+        [(state.positions[0] - x).length(), (state.velocities[0] - v).length()]
+    };
+    let (large, small) = (errors(coarse), errors(fine));
+    [0, 1].map(|i| (large[i] / small[i]).ln() / (fine as f64 / coarse as f64).ln())
+}
+
+/// Runs a method on a unit mass on a spring k with a damper c from (x, v), in the form of the oscillator that the method
+/// takes, and returns (x, v) from the start on.
+pub fn oscillation(
+    entry: &IntegratorEntry,
+    (stiffness, damping): (f64, f64),
+    start: DVec2,
+    dt: f64,
+    steps: u64,
+) -> Result<Vec<DVec2>, StepError> {
+    let mut system = System::atoms(1);
+    let mut forces = HarmonicForces::new(stiffness).with_damping(damping);
+    match entry.oscillator {
+        OscillatorModel::Force => {}
+        OscillatorModel::ExactSolution => {
+            system.exact = Some(Arc::new(ExactOscillator::new(stiffness, damping, 1.0)));
+        }
+        OscillatorModel::Constraint => {
+            system.constraints.push(Arc::new(OscillatorConstraint::spring(stiffness, damping)));
+            forces = HarmonicForces::new(0.0);
+        }
+    }
+    let along_x = |x: f64| vec![DVec3::X * x];
+    let mut state = State::new(PeriodicBox::boundless(), along_x(start.x), along_x(start.y));
+    let mut path = vec![start];
+    run(&mut entry.build(), &system, &mut forces, &mut state, dt, steps, |s, _| {
+        path.push(DVec2::new(s.positions[0].x, s.velocities[0].x));
+    })?;
+    Ok(path)
+}
+
+/// The map of (x, v) over `steps` steps of `dt` on ẍ = −k·x − c·ẋ, from the images of (1, 0) and (0, 1).
+pub fn measured_map(
+    entry: &IntegratorEntry,
+    spring: (f64, f64),
+    dt: f64,
+    steps: u64,
+) -> Result<DMat2, StepError> {
+    let path = |start| oscillation(entry, spring, start, dt, steps);
+    let end = steps as usize;
+    Ok(DMat2::from_cols(path(DVec2::X)?[end], path(DVec2::Y)?[end]))
+}
