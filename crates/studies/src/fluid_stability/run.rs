@@ -3,12 +3,12 @@
 use lennard_core::{Momentum, StepError, Want};
 use lennard_forcefield::Precision;
 use lennard_integrators::IntegratorEntry;
+use lennard_observables::statistics::Line;
 use serde::Serialize;
 
 use super::fluid::{ATOMS, STATES, Start};
 use crate::StudyError;
 use crate::lab::Rig;
-use crate::stability::fit;
 
 /// Time between two looks at the energy, τ.
 const SAMPLE_INTERVAL: f64 = 0.02;
@@ -188,7 +188,8 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
 
 fn summarise(result: &mut FluidRun, samples: &[Sample], plan: &Plan<'_>) {
     let energies: Vec<(f64, f64)> = samples.iter().map(|s| (s.time, s.energy)).collect();
-    let (offset, slope) = fit::line(&energies);
+    let line = Line::through(&energies);
+    let (offset, slope) = (line.intercept(), line.slope());
     let squares: f64 = energies.iter().map(|(t, e)| (e - offset - slope * t).powi(2)).sum();
     result.fluctuation = Some((squares / energies.len() as f64).sqrt());
     result.drift = Some(slope);
@@ -205,11 +206,7 @@ fn summarise(result: &mut FluidRun, samples: &[Sample], plan: &Plan<'_>) {
             (b.iter().map(|s| s.time).sum::<f64>() / n, b.iter().map(|s| s.energy).sum::<f64>() / n)
         })
         .collect();
-    let (a, b) = fit::line(&means);
-    let mean_time = means.iter().map(|p| p.0).sum::<f64>() / BLOCKS as f64;
-    let scatter: f64 = means.iter().map(|(t, e)| (e - a - b * t).powi(2)).sum();
-    let spread: f64 = means.iter().map(|(t, _)| (t - mean_time).powi(2)).sum();
-    result.drift_error = Some((scatter / (BLOCKS as f64 - 2.0) / spread).sqrt());
+    result.drift_error = Some(Line::through(&means).error_of_slope());
     let differences: Vec<f64> = blocks()
         .map(|b| {
             let sum = |f: fn(&Sample) -> f64| b.iter().map(f).sum::<f64>();

@@ -4,6 +4,7 @@ use lennard_core::{Backend, DVec3, Integrator, State, System, Want};
 use lennard_engine::{Simulation, Unfollowed, prepare};
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build, spook};
 use lennard_literature::{EquationOfState, two_center};
+use lennard_observables::statistics::Line;
 use lennard_scene::Scene;
 use serde::Serialize;
 
@@ -91,35 +92,19 @@ fn tension_times_turning(state: &State) -> f64 {
     each.sum::<f64>() / d.len() as f64
 }
 
-/// Mean slope, its error, and the RMS about the line, of values at equal distances.
+/// The slope of values at equal distances, its error, and the RMS about the line.
 fn slope(values: &[f64], spacing: f64) -> (f64, f64, f64) {
-    let fit = |values: &[f64]| -> (f64, f64) {
-        let n = values.len() as f64;
-        let (mt, my) = (0.5 * (n - 1.0), values.iter().sum::<f64>() / n);
-        let (mut ty, mut tt) = (0.0, 0.0);
-        for (i, y) in values.iter().enumerate() {
-            let t = i as f64 - mt;
-            ty += t * (y - my);
-            tt += t * t;
-        }
-        (ty / tt, my)
+    let line = |values: &[f64]| {
+        let points: Vec<_> = values.iter().enumerate().map(|(i, y)| (i as f64, *y)).collect();
+        Line::through(&points)
     };
-    let (whole, mean) = fit(values);
-    let middle = 0.5 * (values.len() as f64 - 1.0);
-    let off = |(i, y): (usize, &f64)| (y - mean - whole * (i as f64 - middle)).powi(2);
-    let rms = (values.iter().enumerate().map(off).sum::<f64>() / values.len() as f64).sqrt();
-    let means: Vec<f64> = values
-        .chunks_exact(values.len() / 10)
-        .map(|part| part.iter().sum::<f64>() / part.len() as f64)
-        .collect();
+    let whole = line(values);
     // Ten means of parts on a line: what their residuals say of its slope.
-    let (of_means, _) = fit(&means);
-    let center = means.iter().sum::<f64>() / 10.0;
-    let residual =
-        means.iter().enumerate().map(|(i, y)| (y - center - of_means * (i as f64 - 4.5)).powi(2));
-    // Σ (i − 4.5)² = 82.5 over ten parts, with eight degrees of freedom.
-    let error = (residual.sum::<f64>() / 8.0 / 82.5).sqrt() * 10.0 / values.len() as f64;
-    (whole / spacing, error / spacing, rms)
+    let part = values.len() / 10;
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+    let means: Vec<f64> = values.chunks_exact(part).map(mean).collect();
+    let error = line(&means).error_of_slope() / part as f64;
+    (whole.slope() / spacing, error / spacing, whole.rms())
 }
 
 /// A run at constant energy from an equilibrated fluid.

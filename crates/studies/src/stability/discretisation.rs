@@ -1,8 +1,8 @@
 //! A3: the discretisation error of Störmer–Verlet on ẍ = w²x, whose solution e^{wt} is known.
 
+use lennard_observables::statistics::Line;
 use serde::Serialize;
 
-use super::fit;
 use super::groups::entry;
 use super::oscillator::Spring;
 use crate::StudyError;
@@ -54,13 +54,13 @@ fn growth(z: f64) -> Result<GrowthError, StudyError> {
     let taylor = logarithms(z, 1.0)?;
     let last = exact[exact.len() - 1];
     let late: Vec<(f64, f64)> = taylor.iter().copied().filter(|p| p.0 >= FIT_FROM).collect();
-    let (offset, slope) = fit::line(&late);
+    let line = Line::through(&late);
     let errors = |points: &[(f64, f64)]| points.iter().map(|p| p.1.exp_m1().abs()).collect();
     Ok(GrowthError {
         wh: z,
         exact_start_coefficient: -last.1 / (z * z * last.0),
-        taylor_start_coefficient: -slope / (z * z),
-        taylor_start_offset: offset / (z * z),
+        taylor_start_coefficient: -line.slope() / (z * z),
+        taylor_start_offset: line.intercept() / (z * z),
         times: exact.iter().map(|p| p.0).collect(),
         exact_start_errors: errors(&exact),
         taylor_start_errors: errors(&taylor),

@@ -1,15 +1,4 @@
-//! Straight lines through few points.
-
-/// Least-squares line y = a + b·x: (a, b).
-pub(crate) fn line(points: &[(f64, f64)]) -> (f64, f64) {
-    let n = points.len() as f64;
-    let mean_x = points.iter().map(|p| p.0).sum::<f64>() / n;
-    let mean_y = points.iter().map(|p| p.1).sum::<f64>() / n;
-    let xy: f64 = points.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum();
-    let xx: f64 = points.iter().map(|p| (p.0 - mean_x).powi(2)).sum();
-    let slope = xy / xx;
-    (mean_y - slope * mean_x, slope)
-}
+//! Orders of convergence from few errors.
 
 /// The slope between two points in logarithms.
 pub(crate) fn slope(a: (f64, f64), b: (f64, f64)) -> f64 {
@@ -38,10 +27,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_and_an_order_are_recovered() {
-        let points: Vec<_> = (0..9).map(|i| (f64::from(i), 3.0 - 0.5 * f64::from(i))).collect();
-        let (a, b) = line(&points);
-        assert!((a - 3.0).abs() < 1e-13 && (b + 0.5).abs() < 1e-13);
+    fn an_order_is_recovered() {
         let steps = |p: i32| -> Vec<(f64, f64)> {
             (3..9).map(|i| 0.5_f64.powi(i)).map(|h| (h, h.powi(p) * (1.0 + 0.4 * h))).collect()
         };

@@ -1,6 +1,7 @@
 //! A2, A5, A7: orders of methods, of starts, of velocity estimates, of local errors, and of the energy.
 
 use lennard_integrators::IntegratorEntry;
+use lennard_observables::statistics::Line;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -241,7 +242,7 @@ fn energy(quick: bool) -> Result<(OrderLine, f64), StudyError> {
         let z = rig.next_point()?;
         energies.push((n as f64, of(&(z.x, z.y))));
     }
-    let (_, slope) = fit::line(&energies);
+    let slope = Line::through(&energies).slope();
     let (low, high) = energies
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), e| (a.min(e.1), b.max(e.1)));
