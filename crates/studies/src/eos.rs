@@ -11,7 +11,7 @@ use serde_json::Value;
 pub use tables::{coexistence, curve, freezing, single};
 
 /// Name and version of the schema of every document about equations of state.
-const SCHEMA: &str = lennard_io::schema!("eos", 1);
+pub const SCHEMA: &str = lennard_io::schema!("eos", 2);
 
 /// By what a state is given besides its temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -175,7 +175,7 @@ pub fn freezing_temperature(
     (excess(low)?.abs() < ON_THE_LINE * pressure).then_some(low)
 }
 
-/// Freezing as one JSON document.
+/// Freezing by one equation as JSON.
 #[must_use]
 pub fn freezing_json(equation: &dyn EquationOfState, rows: &[Freezing]) -> Value {
     let spec = equation.spec();
@@ -196,7 +196,6 @@ pub fn freezing_json(equation: &dyn EquationOfState, rows: &[Freezing]) -> Value
         })
         .collect();
     serde_json::json!({
-        "schema": SCHEMA,
         "equation": spec.key,
         "source": spec.citation(),
         "critical_point": spec.critical,
@@ -234,12 +233,11 @@ pub fn states_json(evaluated: &[Evaluated], properties: &[&Property]) -> Value {
     serde_json::json!({ "schema": SCHEMA, "states": states })
 }
 
-/// Coexistence as one JSON document.
+/// Coexistence by one equation as JSON.
 #[must_use]
 pub fn coexistence_json(equation: &dyn EquationOfState, rows: &[Coexistence]) -> Value {
     let spec = equation.spec();
     serde_json::json!({
-        "schema": SCHEMA,
         "equation": spec.key,
         "source": spec.citation(),
         "critical_point": spec.critical,

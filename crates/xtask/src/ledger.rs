@@ -162,7 +162,7 @@ impl Ledger<'_> {
 
     fn listed(&self, list: &str) -> Fallible<Vec<String>> {
         let entries: Value = serde_json::from_str(&self.said(&["list", list, "--json"])?)?;
-        let entries = entries.as_array().ok_or("a list is no list")?;
+        let entries = entries["entries"].as_array().ok_or("a list is no list")?;
         Ok(entries.iter().filter_map(|e| e["name"].as_str()).map(str::to_owned).collect())
     }
 

@@ -82,6 +82,13 @@ impl Section {
         self.with(Block::Heading(heading.into()))
     }
 
+    /// Adds paragraphs, as many as there are.
+    #[must_use]
+    pub fn texts(mut self, texts: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        self.blocks.extend(texts.into_iter().map(|text| Block::Text(text.into())));
+        self
+    }
+
     /// Adds a paragraph.
     #[must_use]
     pub fn text(self, text: impl Into<String>) -> Self {

@@ -46,7 +46,7 @@ pub fn methods(workspace: &Workspace) -> Result<String, Box<dyn Error>> {
     for (list, heading) in LISTS {
         let entries: Value = serde_json::from_str(&said(workspace, &["list", list, "--json"])?)?;
         let _ = write!(page, "\n## {heading}\n");
-        for entry in entries.as_array().ok_or("a list is no list")? {
+        for entry in entries["entries"].as_array().ok_or("a list is no list")? {
             let text = |key: &str| entry[key].as_str().unwrap_or_default();
             let _ = write!(page, "\n### {}\n\n{}\n\n", text("name"), text("summary"));
             if let Some(equation) = entry["equation"].as_str() {

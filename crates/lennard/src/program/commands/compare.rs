@@ -2,12 +2,12 @@
 
 use lennard_studies::compare::{ComparedRun, ReadError, RunFolder};
 use lennard_studies::run_page::PageError;
-use serde::Serialize;
+use serde_json::json;
 
 use crate::program::args::CompareArgs;
-use crate::program::commands::print_json;
-use crate::program::failure::{DONE, Failure, INPUT, OTHER};
-use crate::program::show;
+use crate::program::commands::answer;
+use crate::program::failure::{Failure, INPUT, OTHER};
+use crate::program::show::{self, Style};
 
 /// Prints every quantity of every run beside its reference.
 pub fn compare(args: &CompareArgs) -> Result<u8, Failure> {
@@ -17,19 +17,11 @@ pub fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         .iter()
         .map(|folder| Ok(lennard_studies::compare::compare(&RunFolder::open(folder)?)))
         .collect::<Result<_, ReadError>>()?;
-    if args.json {
-        #[derive(Serialize)]
-        struct Document<'a> {
-            schema: &'static str,
-            runs: &'a [ComparedRun],
-        }
-        print_json(&Document { schema: lennard_io::schema!("compare", 1), runs: &compared })?;
-    } else {
-        for run in &compared {
-            show::compared(run, args.verbose);
-        }
-    }
-    Ok(DONE)
+    let style = if args.verbose { Style::Ruled } else { Style::Open };
+    let schema = lennard_io::schema!("compare", 1);
+    answer(args.json, &json!({ "schema": schema, "runs": compared }), || {
+        compared.iter().for_each(|run| show::print(&show::compared(run, args.verbose), style));
+    })
 }
 
 impl From<ReadError> for Failure {

@@ -4,9 +4,9 @@ use lennard_engine::Evaluated;
 use lennard_io::{Frame, FrameStyle};
 
 use crate::program::args::EnergyArgs;
-use crate::program::commands::{load_locked, on_threads, print_json};
-use crate::program::failure::{DONE, Failure};
-use crate::program::show;
+use crate::program::commands::{answer, load_locked, on_threads};
+use crate::program::failure::Failure;
+use crate::program::show::{self, Style};
 
 /// Evaluates the start configuration once and prints energy, virial and pressure.
 pub fn energy(args: &EnergyArgs) -> Result<u8, Failure> {
@@ -28,13 +28,7 @@ pub fn energy(args: &EnergyArgs) -> Result<u8, Failure> {
         let extra = [("total_potential_energy", report.potential_energy)];
         lennard_io::write_frame(path, &style, &Frame { state, extra: &extra })?;
     }
-    if args.scene.json {
-        print_json(&evaluated.report)?;
-    } else {
-        show::energy(&evaluated.report);
-        for remark in &evaluated.report.remarks {
-            println!("  {remark}");
-        }
-    }
-    Ok(DONE)
+    answer(args.scene.json, &evaluated.report, || {
+        show::print(&show::energy(&evaluated.report), Style::Ruled);
+    })
 }

@@ -5,11 +5,13 @@ use lennard_literature::{
     freezing_lines_of, list, pohl_2023, property, two_center, virial_series,
 };
 use lennard_studies::eos::{self, Coexistence, Evaluated, Freezing, Given};
+use lennard_studies::report::Section;
+use serde_json::json;
 
 use crate::program::args::EosArgs;
-use crate::program::commands::print_json;
-use crate::program::failure::{DONE, Failure, INPUT};
-use crate::program::show;
+use crate::program::commands::answer;
+use crate::program::failure::{Failure, INPUT};
+use crate::program::show::{self, Style};
 
 type Equation = &'static dyn EquationOfState;
 
@@ -64,16 +66,14 @@ pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
         None if curve => OF_A_CURVE.iter().filter_map(|key| property(key)).collect(),
         None => PROPERTIES.iter().collect(),
     };
-    if args.json {
-        print_json(&eos::states_json(&all.concat(), &properties))?;
-    } else if curve {
-        for of_one in &all {
-            show::curve(of_one, &properties);
-        }
-    } else {
-        show::state(&all.concat(), &properties);
-    }
-    Ok(DONE)
+    answer(args.json, &eos::states_json(&all.concat(), &properties), || match curve {
+        true => all.iter().for_each(|one| printed(&show::curve(one, &properties))),
+        false => printed(&show::state(&all.concat(), &properties)),
+    })
+}
+
+fn printed(section: &Section) {
+    show::print(section, Style::Ruled);
 }
 
 /// A table of two phases side by side over temperatures.
@@ -87,7 +87,7 @@ struct TwoPhases<R> {
     /// Why an equation has none.
     limit: fn(Equation) -> String,
     json: fn(Equation, &[R]) -> serde_json::Value,
-    show: fn(Equation, &[R]),
+    show: fn(Equation, &[R]) -> Section,
 }
 
 impl<R> TwoPhases<R> {
@@ -105,13 +105,10 @@ impl<R> TwoPhases<R> {
             let limits: Vec<String> = equations.iter().map(|e| (self.limit)(*e)).collect();
             return Err(refused(format!("{}: {}", self.nothing, limits.join("; "))));
         }
-        if args.json {
-            let all: Vec<_> = found.iter().map(|(e, rows)| (self.json)(*e, rows)).collect();
-            print_json(&all)?;
-        } else {
-            found.iter().for_each(|(e, rows)| (self.show)(*e, rows));
-        }
-        Ok(DONE)
+        let all: Vec<_> = found.iter().map(|(e, rows)| (self.json)(*e, rows)).collect();
+        answer(args.json, &json!({ "schema": eos::SCHEMA, "equations": all }), || {
+            found.iter().for_each(|(e, rows)| printed(&(self.show)(*e, rows)));
+        })
     }
 }
 

@@ -4,19 +4,11 @@ use std::path::Path;
 
 use lennard_engine::{LammpsExport, ResumeOptions, Simulation};
 use lennard_io::{Existing, FolderError, create_named_folder, path_in_shell};
-use serde::Serialize;
+use serde_json::json;
 
 use crate::program::args::{ExportArgs, ExportFormat};
-use crate::program::commands::{load_locked, on_threads, print_json};
-use crate::program::failure::{DONE, Failure, INPUT};
-
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Document<'a> {
-    schema: &'static str,
-    files: Vec<String>,
-    remarks: &'a [String],
-}
+use crate::program::commands::{answer, load_locked, on_threads};
+use crate::program::failure::{Failure, INPUT};
 
 /// Writes the files of another program.
 pub fn export(args: &ExportArgs) -> Result<u8, Failure> {
@@ -48,25 +40,20 @@ pub fn export(args: &ExportArgs) -> Result<u8, Failure> {
     };
     let done = write(args, &args.folder, &simulation)?;
     let files: Vec<String> = done.files.iter().map(|f| f.display().to_string()).collect();
-    if args.scene.json {
-        print_json(&Document {
-            schema: lennard_io::schema!("export", 1),
-            files,
-            remarks: &done.remarks,
-        })?;
-        return Ok(DONE);
-    }
-    println!(
-        "{}: {} particles at step {}, and the commands to go on",
-        files.join(", "),
-        simulation.state.len(),
-        simulation.state.step
-    );
-    for remark in &done.remarks {
-        println!("  not the same: {remark}");
-    }
-    println!("  cd {} && lmp -in in.lammps", path_in_shell(&args.folder));
-    Ok(DONE)
+    let schema = lennard_io::schema!("export", 1);
+    let document = json!({ "schema": schema, "files": files, "remarks": done.remarks });
+    answer(args.scene.json, &document, || {
+        println!(
+            "{}: {} particles at step {}, and the commands to go on",
+            files.join(", "),
+            simulation.state.len(),
+            simulation.state.step
+        );
+        for remark in &done.remarks {
+            println!("  not the same: {remark}");
+        }
+        println!("  cd {} && lmp -in in.lammps", path_in_shell(&args.folder));
+    })
 }
 
 fn write(

@@ -3,17 +3,18 @@
 use clap::ValueEnum;
 use lennard_io::TrajectoryFormat;
 use lennard_literature::EquationOfState;
+use serde_json::json;
 
 use crate::program::args::{ListArgs, Listed};
-use crate::program::commands::print_json;
-use crate::program::failure::{DONE, Failure, INPUT};
+use crate::program::commands::answer;
+use crate::program::failure::{Failure, INPUT};
 use crate::program::list_entry::Entry;
-use crate::program::show;
+use crate::program::show::{self, Style};
 
 /// A JSON object of properties.
 macro_rules! properties {
     ($($key:literal: $value:expr),* $(,)?) => {
-        [$(($key.to_owned(), serde_json::json!($value))),*].into_iter().collect()
+        [$(($key.to_owned(), json!($value))),*].into_iter().collect()
     };
 }
 
@@ -78,14 +79,16 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
             return Err(unknown(name, &known));
         }
     }
-    if args.json {
-        print_json(&entries)?;
-    } else if args.verbose || args.name.is_some() {
-        show::entries(&entries);
-    } else {
-        show::list(&entries);
-    }
-    Ok(DONE)
+    told(args.json, &entries, || match args.verbose || args.name.is_some() {
+        true => entries.iter().for_each(|e| show::print(&show::entry(e), Style::Ruled)),
+        false => show::print(&show::list(&entries), Style::Names),
+    })
+}
+
+/// Prints entries as JSON, or as `show` does.
+fn told(json: bool, entries: &[Entry], show: impl FnOnce()) -> Result<u8, Failure> {
+    let schema = lennard_io::schema!("list", 1);
+    answer(json, &json!({ "schema": schema, "entries": entries }), show)
 }
 
 /// What can be listed.
@@ -103,13 +106,10 @@ fn kinds(json: bool) -> Result<u8, Failure> {
             source: String::new(),
         })
         .collect();
-    if json {
-        print_json(&kinds)?;
-    } else {
-        show::list(&kinds);
+    told(json, &kinds, || {
+        show::print(&show::list(&kinds), Style::Names);
         println!("\none of these: lennard list scenes");
-    }
-    Ok(DONE)
+    })
 }
 
 fn unknown(name: &str, known: &[String]) -> Failure {

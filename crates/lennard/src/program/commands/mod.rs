@@ -120,6 +120,15 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Prints what a command has found: as one JSON document, which names its schema, or as `show` does for a person.
+pub fn answer(json: bool, found: &impl Serialize, show: impl FnOnce()) -> Result<u8, Failure> {
+    match json {
+        true => print_json(found)?,
+        false => show(),
+    }
+    Ok(DONE)
+}
+
 /// `lennard version`.
 pub fn version(json: bool) -> Result<u8, Failure> {
     #[derive(Serialize)]
@@ -137,12 +146,9 @@ pub fn version(json: bool) -> Result<u8, Failure> {
         isa: lennard_forcefield::available_isas(),
         threads: parallel::processors(),
     };
-    if json {
-        print_json(&version)?;
-    } else {
+    answer(json, &version, || {
         println!("lennard {}", version.version);
         println!("processor: {}, {} threads", version.cpu, version.threads);
         println!("instruction sets of the pair kernel: {}", version.isa.join(", "));
-    }
-    Ok(DONE)
+    })
 }

@@ -3,9 +3,9 @@
 use lennard_engine::Network;
 
 use crate::program::args::PlanArgs;
-use crate::program::commands::{load_locked, on_threads, print_json, threads_with};
-use crate::program::failure::{DONE, Failure};
-use crate::program::show;
+use crate::program::commands::{answer, load_locked, on_threads, threads_with};
+use crate::program::failure::Failure;
+use crate::program::show::{self, Style};
 
 /// Prints what a scene computes, what it leaves out and why, its memory and about how long it takes.
 pub fn plan(args: &PlanArgs) -> Result<u8, Failure> {
@@ -19,13 +19,8 @@ pub fn plan(args: &PlanArgs) -> Result<u8, Failure> {
     });
     let plan =
         on_threads(threads, || Ok(lennard_engine::plan(&mut simulation, threads, network)?))?;
-    if args.scene.json {
-        print_json(&plan)?;
-    } else {
-        show::plan(&plan, args.verbose);
-        if let Some(lock) = &lock {
-            println!("  settings from {}", lock.path.display());
-        }
-    }
-    Ok(DONE)
+    answer(args.scene.json, &plan, || {
+        let lock = lock.as_ref().map(|lock| lock.path.as_path());
+        show::print(&show::plan(&plan, args.verbose, lock), Style::Ruled);
+    })
 }

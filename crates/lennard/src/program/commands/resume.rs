@@ -12,7 +12,7 @@ use crate::program::commands::{on_threads, output_folder, threads, write_report}
 use crate::program::failure::Failure;
 use crate::program::progress::Display;
 use crate::program::ranks;
-use crate::program::show;
+use crate::program::show::{self, Style};
 use crate::program::signals::{Signals, StartUp};
 
 /// Goes on with a run and prints the table of its results.
@@ -56,11 +56,12 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
     let simulation = &resumed.simulation;
     let (step, total) = (simulation.state.step, simulation.scene.total_steps());
     if !quiet {
-        show::header(simulation, threads, &args.folder);
-        println!("  goes on after step {step} of {total}, from {}", resumed.checkpoint.display());
-        if step == total {
-            println!("  all steps were done already; --steps N goes on for N more");
-        }
+        let from = resumed.checkpoint.display();
+        let done = "all steps were done already; --steps N goes on for N more";
+        let header = show::header(simulation, threads, &args.folder)
+            .text(format!("goes on after step {step} of {total}, from {from}"))
+            .texts((step == total).then_some(done));
+        show::print(&header, Style::Ruled);
     }
     // The checkpoint is loaded: whatever happens now, the run can go on.
     signals.under_way();

@@ -14,7 +14,7 @@ use crate::program::commands::{
 use crate::program::failure::{DONE, Failure, STOPPED};
 use crate::program::progress::Display;
 use crate::program::ranks;
-use crate::program::show;
+use crate::program::show::{self, Style};
 use crate::program::signals::{FirstStep, Leave, Signals, StartUp};
 
 /// Runs a scene and prints the table of its results.
@@ -53,14 +53,10 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
         return ranks::beside(team, &mut simulation, threads, &signals);
     };
     if !quiet {
-        show::header(&simulation, threads, folder.path());
-        if let Some(lock) = &lock {
-            println!("  settings from {}", lock.path.display());
-        }
-        let foreseen = simulation.foreseen();
-        for remark in simulation.remarks.iter().chain(&foreseen) {
-            println!("  {remark}");
-        }
+        let lock = lock.as_ref().map(|lock| format!("settings from {}", lock.path.display()));
+        let header = show::header(&simulation, threads, folder.path()).texts(lock);
+        let remarks = simulation.remarks.iter().cloned().chain(simulation.foreseen());
+        show::print(&header.texts(remarks), Style::Ruled);
     }
     let mut display = FirstStep::new(&signals, Display::new(args.control.quiet));
     let outcome = on_threads(threads, || {
@@ -96,7 +92,8 @@ pub fn tell(
             if !quiet {
                 let run = lennard_studies::compare::RunFolder::open(folder)?;
                 let compared = lennard_studies::compare::compare(&run);
-                show::results(&outcome.record, &compared, folder, verbose);
+                let style = if verbose { Style::Ruled } else { Style::Open };
+                show::print(&show::results(&outcome.record, &compared, folder, verbose), style);
             }
             return Ok(DONE);
         }

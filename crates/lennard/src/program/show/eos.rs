@@ -2,68 +2,54 @@
 
 use lennard_literature::{EquationOfState, Property, freezing_lines_of};
 use lennard_studies::eos::{self, Coexistence, Evaluated, Freezing};
-
-use super::{note, table};
-use crate::program::out;
+use lennard_studies::report::Section;
 
 /// One state by every equation that covers it.
-pub fn state(evaluated: &[Evaluated], properties: &[&Property]) {
-    println!("{}", table(&eos::single(evaluated, properties)));
-    for one in evaluated {
-        let name = &one.equation.spec().name;
-        match &one.found {
-            Ok(found) => println!(
-                "  {name}: ρ = {:.6}, T = {}: {}",
-                found.state.rho, one.temperature, found.phase
+pub fn state(evaluated: &[Evaluated], properties: &[&Property]) -> Section {
+    let of_equation = |one: &Evaluated| {
+        let spec = one.equation.spec();
+        let said = match &one.found {
+            Ok(found) => format!(
+                "{}: ρ = {:.6}, T = {}: {}",
+                spec.name, found.state.rho, one.temperature, found.phase
             ),
-            Err(outside) => println!("  left out: {outside}"),
-        }
-        if let Some(why) = &one.equation.spec().superseded {
-            println!("    {why}");
-        }
-    }
-    println!(
-        "  reduced units (ε = σ = m = k_B = 1), per particle; names for --properties: {}",
-        names(properties)
-    );
-}
-
-fn names(properties: &[&Property]) -> String {
+            Err(outside) => format!("left out: {outside}"),
+        };
+        [Some(said), spec.superseded.as_ref().map(|why| format!("  {why}"))]
+    };
     let names: Vec<&str> = properties.iter().map(|p| p.key).collect();
-    names.join(", ")
+    Section::new("")
+        .table(eos::single(evaluated, properties))
+        .texts(evaluated.iter().flat_map(of_equation).flatten())
+        .text(format!(
+            "reduced units (ε = σ = m = k_B = 1), per particle; names for --properties: {}",
+            names.join(", ")
+        ))
 }
 
 /// Many states of one equation.
-pub fn curve(evaluated: &[Evaluated], properties: &[&Property]) {
-    let Some(first) = evaluated.first() else {
-        return;
-    };
-    out::heading(first.equation.spec().citation());
-    println!("{}", table(&eos::curve(evaluated, properties)));
+pub fn curve(evaluated: &[Evaluated], properties: &[&Property]) -> Section {
+    let citation = evaluated.first().map(|first| first.equation.spec().citation());
+    let table = eos::curve(evaluated, properties);
+    Section::new(citation.unwrap_or_default()).table(table)
 }
 
 /// Vapor and liquid side by side.
-pub fn coexistence(equation: &dyn EquationOfState, rows: &[Coexistence]) {
+pub fn coexistence(equation: &dyn EquationOfState, rows: &[Coexistence]) -> Section {
     let shown = eos::coexistence(equation, rows);
-    out::heading(equation.spec().citation());
-    println!("  {}", shown.caption);
-    println!("{}", table(&shown));
+    Section::new(equation.spec().citation()).text(&shown.caption).table(shown)
 }
 
 /// Liquid and crystal side by side.
-pub fn freezing(equation: &dyn EquationOfState, rows: &[Freezing]) {
+pub fn freezing(equation: &dyn EquationOfState, rows: &[Freezing]) -> Section {
     let shown = eos::freezing(equation, rows);
-    out::heading(format!("P of {}", equation.spec().citation()));
-    println!("{}", table(&shown));
-    note(&shown.caption);
-    for line in freezing_lines_of(equation) {
-        let doi = line.doi.as_ref();
-        note(&format!(
-            "{}: {}{} ({})",
-            line.name,
-            line.citation,
-            doi.map_or(String::new(), |doi| format!(", doi:{doi}")),
-            line.status
-        ));
-    }
+    let caption = shown.caption.clone();
+    let lines = freezing_lines_of(equation).into_iter().map(|line| {
+        let doi = line.doi.as_ref().map_or(String::new(), |doi| format!(", doi:{doi}"));
+        format!("{}: {}{doi} ({})", line.name, line.citation, line.status)
+    });
+    Section::new(format!("P of {}", equation.spec().citation()))
+        .table(shown)
+        .text(caption)
+        .texts(lines)
 }

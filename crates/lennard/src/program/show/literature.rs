@@ -5,10 +5,10 @@ use std::path::Path;
 use lennard_core::{Cell, Table};
 use lennard_scene::Scene;
 use lennard_studies::compare::{self, ComparedRun, Row, StateOfMatter, quantity_words};
-use lennard_studies::report::{counted, signed, significant};
+use lennard_studies::report::{Section, counted, particles, signed, significant};
 use lennard_studies::sweep::{self, Sweep, SweepRecord, workers};
 
-use super::{WIDTH, narrow_table, note, table, wrapped};
+use super::{narrow_table, note};
 use crate::program::out;
 
 /// What is about to run, with the points that are no single stable phase. Two phases that the start puts side by side are
@@ -63,44 +63,68 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
 }
 
 /// One run beside the literature.
-pub fn compared(run: &ComparedRun, verbose: bool) {
-    out::heading(&run.run);
-    println!(
-        "  {}, {} measured steps, {}: {}",
-        lennard_studies::report::particles(run.atoms as usize, run.molecules as usize),
+pub fn compared(run: &ComparedRun, verbose: bool) -> Section {
+    let of_particles = particles(run.atoms as usize, run.molecules as usize);
+    let section = Section::new(&run.run).text(format!(
+        "{of_particles}, {} measured steps, {}: {}",
         run.measured_steps,
         run.state.in_numbers(),
         run.state.words
-    );
-    println!("{}", quantities(run, verbose));
-    below_quantities(run, verbose);
-    state_card(run);
+    ));
+    let section = state_card(quantities(section, run, verbose), run, verbose);
     // An old run has response functions from now, or tells why it has none. `verbose` shows all remarks.
     let on_responses = |remark: &&String| remark.contains(lennard_observables::RESPONSES_REMARK);
-    for remark in run.remarks.iter().filter(on_responses).filter(|_| !verbose) {
-        note(remark);
-    }
-    println!();
+    section.texts(run.remarks.iter().filter(on_responses).filter(|_| !verbose)).text("")
 }
 
 /// Every measured property beside every equation, and what follows.
-pub(super) fn state_card(run: &ComparedRun) {
-    if let Some(card) = &run.card {
-        println!("{}", table(&compare::card_table(card)));
-        println!("  {}", card.sentence);
+/// Its sentence has the verdicts, for which the table has room with `verbose` alone.
+pub(super) fn state_card(section: Section, run: &ComparedRun, verbose: bool) -> Section {
+    let without: &[&str] = if verbose { &[] } else { &["Verdict"] };
+    match &run.card {
+        Some(card) => {
+            section.table(compare::card_table(card).without(without)).text(&card.sentence)
+        }
+        None => section,
     }
 }
 
-/// The primary quantities of a run with their verdicts; with `verbose` all of them, and what each verdict is made of.
-pub(super) fn quantities(run: &ComparedRun, verbose: bool) -> String {
+/// The primary quantities of a run with their verdicts, and what is said below them; with `verbose` all of them, and what each
+/// verdict is made of.
+pub(super) fn quantities(section: Section, run: &ComparedRun, verbose: bool) -> Section {
+    let rows: Vec<&Row> = run.rows.iter().collect();
+    let table = match verbose {
+        true => compare::table(&rows, Row::verdict_words),
+        false => narrow(run),
+    };
+    let section = section.table(table).heading(&run.headline);
+    let words = |row: &Row, text: &str| format!("{}: {text}", quantity_words(&row.quantity));
+    let primary = || rows.iter().filter(|r| r.primary && !verbose);
+    let reasons = primary().filter(|row| has_note(run, row)).map(|row| words(row, &row.reason));
+    let of_one = if run.molecules == run.atoms { "particle" } else { "molecule" };
+    let judges =
+        |equation: &&String| rows.iter().any(|r| r.verdict.is_judged() && r.source == **equation);
+    let of_particles = particles(run.atoms as usize, run.molecules as usize);
+    let reference = run.equation.as_ref().filter(judges).map(|equation| {
+        format!("reference: {equation}, at {}, for {of_particles}", run.state.in_numbers())
+    });
+    let section = section
+        .texts(reasons)
+        .text(format!("U and P are of: {}; energies are per {of_one}", run.model))
+        .texts(reference);
     if verbose {
-        let rows: Vec<&Row> = run.rows.iter().collect();
-        return table(&compare::table(&rows, Row::verdict_words)).to_string();
+        let notes = rows.iter().filter_map(|r| {
+            let notes = [&r.source, &r.tolerance_words, &r.remark].map(String::as_str);
+            let notes: Vec<&str> = notes.into_iter().filter(|t| !t.is_empty()).collect();
+            (!notes.is_empty()).then(|| words(r, &notes.join("; ")))
+        });
+        return section.texts(notes).texts(run.remarks.iter().map(|r| format!("note: {r}")));
     }
-    let mut shown = table(&narrow(run));
-    shown.load_style(comfy_table::presets::UTF8_BORDERS_ONLY).set_width(WIDTH);
-    // A hyphen begins a number; elsewhere it joins words.
-    shown.to_string().replace(" -", " −")
+    let ranges = primary().filter_map(|row| Some(words(row, &row.range_words()?)));
+    let hidden = rows.iter().filter(|r| !r.primary).count();
+    let more =
+        (hidden > 0).then(|| format!("{hidden} more quantities, sources and notes: --verbose"));
+    section.texts(ranges).texts(more)
 }
 
 /// The primary quantities in columns that fit a terminal: the difference stands beside the one that is allowed.
@@ -142,13 +166,6 @@ fn narrow(run: &ComparedRun) -> Table {
         .table()
 }
 
-/// The verdict on a run in one sentence or two.
-pub(super) fn headline(run: &ComparedRun) {
-    for line in wrapped(&run.headline) {
-        out::heading(line);
-    }
-}
-
 /// Whether the headline says the reason of a row: most rows share it.
 fn is_in_headline(run: &ComparedRun, row: &Row) -> bool {
     run.shared_reason.as_ref() == Some(&row.reason)
@@ -157,56 +174,4 @@ fn is_in_headline(run: &ComparedRun, row: &Row) -> bool {
 /// Whether the reason of a row stands below the table: it would fill several lines of a cell.
 fn has_note(run: &ComparedRun, row: &Row) -> bool {
     row.has_long_reason() && !is_in_headline(run, row)
-}
-
-/// What is said below the table: the headline, the model and the reference; with `verbose` every source and note.
-pub(super) fn below_quantities(run: &ComparedRun, verbose: bool) {
-    headline(run);
-    if !verbose {
-        for row in run.rows.iter().filter(|r| r.primary && has_note(run, r)) {
-            note(&format!("{}: {}", quantity_words(&row.quantity), row.reason));
-        }
-    }
-    let molecules = run.molecules != run.atoms;
-    note(&format!(
-        "U and P are of: {}; energies are per {}",
-        run.model,
-        if molecules { "molecule" } else { "particle" }
-    ));
-    let judged_by = |equation: &&String| {
-        let rows = &mut run.rows.iter();
-        rows.any(|r| r.verdict.is_judged() && r.source == **equation)
-    };
-    if let Some(equation) = run.equation.as_ref().filter(judged_by) {
-        note(&format!(
-            "reference: {equation}, at {}, for {}",
-            run.state.in_numbers(),
-            lennard_studies::report::particles(run.atoms as usize, run.molecules as usize)
-        ));
-    }
-    let hidden = run.rows.iter().filter(|r| !r.primary).count();
-    if !verbose {
-        for row in run.rows.iter().filter(|r| r.primary) {
-            if let Some(words) = row.range_words() {
-                note(&format!("{}: {words}", quantity_words(&row.quantity)));
-            }
-        }
-        if hidden > 0 {
-            note(&format!("{hidden} more quantities, sources and notes: --verbose"));
-        }
-        return;
-    }
-    for r in &run.rows {
-        let notes: Vec<&str> = [r.source.as_str(), r.tolerance_words.as_str(), r.remark.as_str()]
-            .into_iter()
-            .filter(|t| !t.is_empty())
-            .collect();
-        if !notes.is_empty() {
-            let words = quantity_words(&r.quantity);
-            note(&format!("{words}: {}", notes.join("; ")));
-        }
-    }
-    for remark in &run.remarks {
-        note(&format!("note: {remark}"));
-    }
 }

@@ -1,9 +1,12 @@
 //! What a scene computes, in ten lines or in full.
 
+use std::path::Path;
+
 use lennard_core::{Cell, Table};
 use lennard_engine::{Nodes, PATIENCE, Plan, PlanItem};
+use lennard_studies::report::Section;
 
-use super::{bytes, duration, table};
+use super::{bytes, duration, wrapped};
 use crate::program::args::RATES;
 
 /// Parts with a smaller share than this are printed together.
@@ -13,39 +16,32 @@ const MOST_LINES: usize = 4;
 /// What the name of a stage has before it.
 const STAGE: &str = "stage ";
 
-/// Prints a plan; with `verbose` every part, and why the rest is off.
-pub fn plan(plan: &Plan, verbose: bool) {
-    println!(
-        "{}: {} at density {:.4}, {} steps",
-        plan.scene,
-        lennard_studies::report::particles(plan.atoms, plan.molecules),
-        plan.density,
-        plan.steps
-    );
-    println!("  {}", plan.model);
-    if verbose {
-        println!("{}", table(&all(plan)));
-    } else {
-        for line in lines(plan) {
-            println!("  {line}");
-        }
-    }
-    println!(
-        "  memory: about {} ({:.0} bytes per particle), and {} for the program",
-        bytes(plan.bytes),
-        plan.bytes as f64 / plan.atoms as f64,
-        bytes(plan.program_bytes)
-    );
-    println!("  time: {}", time(plan));
-    for remark in &plan.remarks {
-        println!("  {remark}");
-    }
-    if let Some(nodes) = &plan.nodes {
-        println!("{}", table(&of_nodes(nodes)));
-        for line in in_words(nodes) {
-            println!("  {line}");
-        }
-    }
+/// A plan; with `verbose` every part, and why the rest is off. `lock` is the file that settings come from.
+pub fn plan(plan: &Plan, verbose: bool, lock: Option<&Path>) -> Section {
+    let of_particles = lennard_studies::report::particles(plan.atoms, plan.molecules);
+    let section = Section::new(format!(
+        "{}: {of_particles} at density {:.4}, {} steps",
+        plan.scene, plan.density, plan.steps
+    ))
+    .text(&plan.model);
+    let section = match verbose {
+        true => section.table(all(plan)),
+        false => section.texts(lines(plan)),
+    };
+    let section = section
+        .text(format!(
+            "memory: about {} ({:.0} bytes per particle), and {} for the program",
+            bytes(plan.bytes),
+            plan.bytes as f64 / plan.atoms as f64,
+            bytes(plan.program_bytes)
+        ))
+        .text(format!("time: {}", time(plan)))
+        .texts(&plan.remarks);
+    let section = match &plan.nodes {
+        Some(nodes) => section.table(of_nodes(nodes)).texts(in_words(nodes)),
+        None => section,
+    };
+    section.texts(lock.map(|lock| format!("settings from {}", lock.display())))
 }
 
 /// How long the run takes.
@@ -145,7 +141,7 @@ fn lines(plan: &Plan) -> Vec<String> {
         on().filter_map(|item| Some((item, item.share?))).collect();
     parts.sort_by(|a, b| b.1.total_cmp(&a.1));
     // A plan stays at ten lines, whatever is said about the run.
-    let most = match plan.remarks.len() {
+    let most = match plan.remarks.iter().map(|remark| wrapped(remark).len()).sum::<usize>() {
         0 => MOST_LINES,
         remarks => MOST_LINES.saturating_sub(1 + remarks).max(1),
     };

@@ -1,11 +1,59 @@
 //! Tables for terminals.
 
-use comfy_table::presets::{UTF8_BORDERS_ONLY, UTF8_FULL_CONDENSED};
+use comfy_table::presets::{NOTHING, UTF8_BORDERS_ONLY, UTF8_FULL_CONDENSED};
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Width};
 use lennard_core::Table;
 use lennard_studies::report::{ErrorStyle, cell_text, heading, is_numeric};
 
 use super::WIDTH;
+
+/// How tables are printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Style {
+    /// With a line between all columns.
+    Ruled,
+    /// Without, and in lines that fit: for tables that everybody reads.
+    Open,
+    /// Names with what they are, without headings.
+    Names,
+}
+
+impl Style {
+    /// A table as text.
+    pub(super) fn of(self, shown: &Table) -> String {
+        match self {
+            Self::Ruled => table(shown).to_string(),
+            Self::Open => {
+                let mut open = table(shown);
+                if !leaves_room(&open) {
+                    return narrow_table(shown).to_string();
+                }
+                open.load_style(UTF8_BORDERS_ONLY).set_width(WIDTH);
+                // A hyphen begins a number; elsewhere it joins words.
+                open.to_string().replace(" -", " −")
+            }
+            Self::Names => names(shown),
+        }
+    }
+}
+
+/// Lines without rules. Names stay whole: they are typed again.
+fn names(table: &Table) -> String {
+    let mut shown = comfy_table::Table::new();
+    shown.load_style(NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
+    let texts = |row| table.row(row).map(|cell| cell_text(&cell, ErrorStyle::PlusMinus));
+    let mut longest = 0;
+    for row in 0..table.rows() {
+        longest = longest.max(texts(row).next().map_or(0, |name| name.chars().count()));
+        shown.add_row(texts(row));
+    }
+    let width = Width::Fixed(u16::try_from(longest + 2).unwrap_or(WIDTH / 2));
+    if let Some(names) = shown.column_mut(0) {
+        names.set_constraint(ColumnConstraint::Absolute(width));
+    }
+    let shown = shown.to_string();
+    shown.lines().map(str::trim_end).collect::<Vec<_>>().join("\n")
+}
 
 /// A table that fits the terminal.
 pub(super) fn table(table: &Table) -> comfy_table::Table {
@@ -14,17 +62,13 @@ pub(super) fn table(table: &Table) -> comfy_table::Table {
 
 /// A table of at most [`WIDTH`] columns, with errors in brackets. Where it can, its last column alone takes several lines.
 pub(super) fn narrow_table(table: &Table) -> comfy_table::Table {
-    /// Below this width a column of words is hard to read.
-    const NARROWEST: u16 = 14;
     let mut shown = styled(table, ErrorStyle::Brackets);
     shown.load_style(UTF8_BORDERS_ONLY).set_width(WIDTH);
     for column in shown.column_iter_mut().skip(1) {
         column.set_padding((0, 1));
     }
-    let widths = shown.column_max_content_widths();
-    let (spaces, figures) = (2 * widths.len() + 2, widths.len().saturating_sub(1));
-    let all = widths.iter().take(figures).sum::<u16>() + spaces as u16;
-    if all + NARROWEST <= WIDTH {
+    if leaves_room(&shown) {
+        let figures = table.columns.len().saturating_sub(1);
         for column in shown.column_iter_mut().take(figures) {
             column.set_constraint(ColumnConstraint::ContentWidth);
         }
@@ -32,6 +76,15 @@ pub(super) fn narrow_table(table: &Table) -> comfy_table::Table {
         keep_words_whole(&mut shown, table);
     }
     shown
+}
+
+/// Whether all columns but the last leave room for words in the last.
+fn leaves_room(shown: &comfy_table::Table) -> bool {
+    /// Below this width a column of words is hard to read.
+    const NARROWEST: u16 = 14;
+    let widths = shown.column_max_content_widths();
+    let spaces = 2 * widths.len() as u16 + 2;
+    widths.iter().rev().skip(1).sum::<u16>() + spaces + NARROWEST <= WIDTH
 }
 
 /// Makes each column as wide as its longest word, where there is room for that.

@@ -211,7 +211,7 @@ fn every_list_names_its_methods() {
         assert!(succeed(&["list", what]).contains(wanted), "{what}");
         let entries = json(&succeed(&["list", what, "--json"]));
         assert!(
-            entries
+            entries["entries"]
                 .as_array()
                 .unwrap()
                 .iter()
@@ -227,7 +227,7 @@ fn list_alone_names_every_list() {
     assert!(said.contains("Rules for σ and ε of unlike species"), "{said}");
     assert!(said.lines().all(|l| l.chars().count() <= 100), "{said}");
     let entries = json(&succeed(&["list", "--json"]));
-    for entry in entries.as_array().unwrap() {
+    for entry in entries["entries"].as_array().unwrap() {
         let name = entry["name"].as_str().unwrap();
         assert!(!succeed(&["list", name]).is_empty(), "{name}");
         // A command is no source.

@@ -67,7 +67,7 @@ fn a_curve_has_a_row_for_each_state_and_the_properties_that_were_named() {
 #[test]
 fn coexistence_is_a_table_up_to_the_critical_point() {
     let all = json(&["thol-2016", "--saturation", "-T", "0.7,1,1.5"]);
-    let rows = all[0]["coexistence"].as_array().unwrap();
+    let rows = all["equations"][0]["coexistence"].as_array().unwrap();
     assert_eq!(rows.len(), 2, "nothing coexists at 1.5");
     let liquid = rows[0]["liquid_density"].as_f64().unwrap();
     assert!((liquid - 0.8428).abs() < 1e-3, "{liquid}");
@@ -80,7 +80,7 @@ fn coexistence_is_a_table_up_to_the_critical_point() {
 #[test]
 fn freezing_is_a_table_of_both_lines_with_the_triple_point() {
     let all = json(&["thol-2016", "--freezing", "-T", "0.69,1,1.5"]);
-    let rows = all[0]["freezing"].as_array().unwrap();
+    let rows = all["equations"][0]["freezing"].as_array().unwrap();
     // Below the triple point of one line, at 0.69, the other is there alone.
     assert_eq!(rows.len(), 5, "{rows:?}");
     let of = |row: &serde_json::Value, key: &str| row[key].as_f64().unwrap();
@@ -88,7 +88,7 @@ fn freezing_is_a_table_of_both_lines_with_the_triple_point() {
     assert!((of(&rows[1], "crystal_density") - 1.00628).abs() < 1e-5);
     let [cold, hot] = [1, 3].map(|i| of(&rows[i], "pressure"));
     assert!(0.0 < cold && cold < hot, "{cold} {hot}");
-    let triple = all[0]["triple_points"].as_array().unwrap();
+    let triple = all["equations"][0]["triple_points"].as_array().unwrap();
     assert_eq!(triple.len(), 2);
     assert!((of(&triple[0], "temperature") - 0.694).abs() < 1e-3);
     let said = succeed(&["eos", "thol-2016", "--freezing"]);

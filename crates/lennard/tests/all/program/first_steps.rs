@@ -151,7 +151,7 @@ fn a_copy_of_every_shipped_scene_is_a_scene() {
     let place = Place::with(&[]);
     let list = success(&mut place.command(&["list", "scenes", "--json"]));
     let list: serde_json::Value = serde_json::from_str(&list).unwrap();
-    let list = list.as_array().unwrap();
+    let list = list["entries"].as_array().unwrap();
     assert!(list.len() > 30);
     for (i, scene) in list.iter().enumerate() {
         let (name, copy) = (scene["name"].as_str().unwrap(), format!("copy-{i}"));

@@ -188,6 +188,10 @@ fn every_document_names_its_schema_by_one_rule() {
         &["compare", "out", "--json"],
         &["export", "scene.toml", "lammps", "--json"],
         &["eos", "--temperature", "2", "--density", "0.5", "--json"],
+        &["eos", "thol-2016", "--saturation", "--json"],
+        &["eos", "thol-2016", "--freezing", "--json"],
+        &["list", "--json"],
+        &["list", "scenes", "--json"],
         &["mechanics", "--quick", "--quiet", "--out", "mechanics", "--json"],
     ] {
         let output = lennard_in(place.root(), arguments);
