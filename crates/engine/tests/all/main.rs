@@ -1,4 +1,4 @@
-//! Tests of runs from outside: invariants, restart, watching, hostile input, error texts.
+//! Tests of runs from outside: invariants, restart, watching, hostile input.
 
 mod bodies;
 mod collisions;
@@ -10,7 +10,7 @@ mod foreign_starts;
 mod growing;
 mod hostile;
 mod invariants;
-mod messages;
+mod refusals;
 mod mixtures;
 mod molecules;
 mod output;

@@ -1,4 +1,4 @@
-//! Tests of file formats from outside: reading, writing, checkpoints, hostile input, error texts.
+//! Tests of file formats from outside: reading, writing, checkpoints, hostile input.
 
 mod checkpoints;
 mod columns;
@@ -7,7 +7,7 @@ mod foreign;
 mod formats;
 mod hostile;
 mod lammps;
-mod messages;
+mod refusals;
 mod reading;
 mod tables_and_record;
 mod trajectory;

@@ -2,5 +2,4 @@
 
 mod every_observable;
 mod lennard_jones;
-mod messages;
 mod thermodynamics;

@@ -1,8 +1,7 @@
-//! Tests of scene files from outside: reading, writing, lock files, hostile input, error texts.
+//! Tests of scene files from outside: reading, writing, lock files, hostile input.
 
 mod hostile;
 mod inputs;
 mod keys;
 mod lock;
-mod messages;
 mod reading;

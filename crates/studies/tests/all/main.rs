@@ -2,5 +2,5 @@
 
 mod figures;
 mod mechanics;
-mod messages;
+mod settings;
 mod stability;

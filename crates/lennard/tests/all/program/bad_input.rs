@@ -15,7 +15,9 @@ fn every_bad_scene_ends_with_exit_code_2_and_its_message_and_writes_nothing() {
         let scene = format!("{}.toml", case.name);
         assert!(!folder.join(&scene).exists(), "{scene} is there twice");
         std::fs::write(folder.join(&scene), inputs.scene(case)).unwrap();
-        let output = lennard_in(&folder, &["run", &scene, "--out", "out"]);
+        let mut arguments = vec!["run", &scene, "--out", "out"];
+        arguments.extend(case.set.iter().flat_map(|set| ["--set", set]));
+        let output = lennard_in(&folder, &arguments);
         let message = stderr(&output).replace(&format!("{}/", folder.display()), "");
         assert_eq!(output.status.code(), Some(2), "{scene}: {message}");
         assert_eq!(stdout(&output), "", "{scene}");

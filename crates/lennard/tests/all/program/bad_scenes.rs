@@ -26,6 +26,9 @@ pub struct Case {
     base: Option<String>,
     #[serde(default)]
     change: String,
+    /// Values of `--set`.
+    #[serde(default)]
+    pub set: Vec<String>,
     scene: Option<String>,
     pub expected: String,
 }

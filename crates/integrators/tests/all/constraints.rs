@@ -1,4 +1,4 @@
-//! What methods say when they refuse.
+//! Constraints, forces and saved numbers that a method refuses.
 
 use std::sync::Arc;
 
@@ -7,20 +7,17 @@ use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
     Persist, State, StepError, System, Want,
 };
-use lennard_integrators::fire::FireError;
+use lennard_integrators::integrators;
 use lennard_integrators::oscillator::{HarmonicForces, OscillatorConstraint};
-use lennard_integrators::{IntegratorOptions, integrators};
 
-fn refusal(method: &str, constraints: usize) -> String {
+fn refusal(method: &str, constraints: usize) -> StepError {
     let entry = integrators().iter().find(|e| e.spec.name == method).unwrap();
     let mut system = System::atoms(1);
     system.constraints = (0..constraints).map(|_| oscillator_constraint()).collect();
     let mut state =
         State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::ZERO]);
     let mut forces = Unsplit;
-    let started: Result<(), StepError> =
-        entry.build().start(&system, &mut state, &mut forces, 0.1, Want::NOTHING);
-    started.unwrap_err().to_string()
+    entry.build().start(&system, &mut state, &mut forces, 0.1, Want::NOTHING).unwrap_err()
 }
 
 /// Forces that come in one piece.
@@ -76,38 +73,15 @@ fn a_constraint_that_cannot_be_solved_for_is_refused_at_the_step() {
     let mut forces = HarmonicForces::new(1.0);
     let mut method = entry.build();
     method.start(&system, &mut state, &mut forces, 0.1, Want::NOTHING).unwrap();
-    let message =
-        method.step(&system, &mut state, &mut forces, 0.1, Want::NOTHING).unwrap_err().to_string();
-    assert!(
-        message.ends_with("the constraint's gradient vanishes or its value is not finite"),
-        "{message}"
-    );
+    let stepped = method.step(&system, &mut state, &mut forces, 0.1, Want::NOTHING);
+    assert!(matches!(stepped, Err(StepError::Unsuited { method: "spook", .. })));
 }
 
 #[test]
-fn methods_say_what_is_missing() {
-    assert!(
-        refusal("velocity-verlet", 1)
-            .ends_with("it has constraints, and the method solves for none")
-    );
-    assert!(
-        refusal("spook", 2).ends_with("it has 2 constraints, and the method solves for one so far")
-    );
-    assert!(refusal("respa", 0).ends_with("its forces do not come in a near and a far part"));
-    assert_eq!(
-        FireError::VelocityDependentForce.to_string(),
-        "forces that depend on velocities cannot be relaxed"
-    );
-    let not = FireError::NotRelaxed { steps: 7, largest_force: 12.0, wanted: 0.1 };
-    assert_eq!(
-        not.to_string(),
-        "relaxation stopped after 7 steps with a largest force of 1.200e1 (wanted 1.000e-1)"
-    );
-    let options: IntegratorOptions = toml::from_str("kind = \"respa\"\ninner_steps = 0").unwrap();
-    assert_eq!(
-        options.check().unwrap_err().to_string(),
-        "`inner_steps` = 0 is not allowed: a whole number from 1 to 1000000"
-    );
+fn methods_refuse_constraints_and_forces_that_they_do_not_solve_for() {
+    for (method, constraints) in [("velocity-verlet", 1), ("spook", 2), ("respa", 0)] {
+        assert!(matches!(refusal(method, constraints), StepError::Unsuited { .. }), "{method}");
+    }
 }
 
 #[test]
@@ -118,9 +92,5 @@ fn integers_that_are_not_three_a_particle_are_refused() {
     writer.put_f64("started_dt", &[0.1]);
     writer.put_i64("current", &[1, 2, 3, 4]);
     writer.put_i64("previous", &[]);
-    let error = entry.build().restore(&archive.reader()).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "the saved entry `current` does not fit: not three numbers per particle"
-    );
+    assert!(entry.build().restore(&archive.reader()).is_err());
 }
