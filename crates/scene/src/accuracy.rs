@@ -106,40 +106,6 @@ pub(crate) fn left_free(scene: &Scene) -> Vec<&'static str> {
         .collect()
 }
 
-/// Whether an accuracy can be asked of this scene at all.
-pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
-    let Some(accuracy) = &scene.accuracy else {
-        return Ok(());
-    };
-    if let Some(surfaces) = scene.surfaces() {
-        return Err(scene
-            .source
-            .refuse("accuracy", "is judged in a homogeneous fluid, and this one has surfaces")
-            .found(surfaces)
-            .allowed("a scene without surfaces, or settings written by hand and no `accuracy`"));
-    }
-    if scene.system.temperature <= 0.0 {
-        return Err(scene
-            .source
-            .refuse("accuracy", "has no state to be judged at")
-            .found(format!("system.temperature = {}", scene.system.temperature))
-            .allowed("a temperature above 0"));
-    }
-    let method = scene.integrator.method.spec();
-    if !method.symplectic {
-        let key = if accuracy.drift.is_some() { "accuracy.drift" } else { "accuracy" };
-        return Err(scene
-            .source
-            .refuse(
-                key,
-                format!("contradicts `integrator.kind`: {} keeps no energy at any dt", method.name),
-            )
-            .found(format!("integrator.kind = {:?}", method.name))
-            .allowed("a symplectic method (see `lennard list integrators`), or no `accuracy`"));
-    }
-    Ok(())
-}
-
 impl Scene {
     /// Whether every setting is there, so that the scene can be run.
     ///

@@ -117,21 +117,3 @@ impl Scene {
         (0..n / sites).all(|m| self.system.held.iter().any(|i| i / sites == m))
     }
 }
-
-/// What must hold of listed and held particles beside the other tables.
-pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
-    if let Some(n) = scene.n_particles() {
-        scene.held_are_among(n)?;
-    }
-    let sites = scene.molecules().sites();
-    if let Start::Listed { positions, .. } = &scene.system.start
-        && !positions.len().is_multiple_of(sites)
-    {
-        return Err(scene
-            .source
-            .refuse("system.positions", "makes no whole molecules")
-            .found(format!("{} positions", positions.len()))
-            .allowed(format!("a multiple of molecule.sites = {sites}")));
-    }
-    Ok(())
-}

@@ -1,14 +1,23 @@
-//! What must hold between tables.
+//! What must hold between tables: rows of features that do not go together, and numbers that must fit each other.
 
-use lennard_core::{DVec3, PeriodicBox};
+mod features;
+mod rules;
+
+use lennard_contacts::Response;
+use lennard_core::number::short;
+use lennard_core::{Axis, DVec3, PeriodicBox};
+use lennard_forcefield::SHALLOWEST_ROOM;
+use lennard_integrators::{spook, thermostats};
 use lennard_io::Limits;
 
 use crate::lattice::{NoLattice, cells};
-use crate::reference::{LONGEST_SIDE, MOST_STEPS};
-use crate::{
-    Geometry, Placement, Scene, SceneError, Start, accuracy, bath_checks, bodies, contact,
-    exchange, half_crystal, integrator, mixture, molecule_checks, planar, slab, walls,
-};
+use crate::reference::{LONGEST_SIDE, MOST_STEPS, quoted};
+use crate::{Geometry, MoleculeKind, Placement, PressureControl, Scene, SceneError, Stage, Start};
+
+/// The fewest relaxation times of the volume's proposals: below, the box jumps by more than it fluctuates.
+const FEWEST_INTERVALS: f64 = 20.0;
+/// ω·h of the spring of a wall up to which a hit changes the energy by less than 10⁻⁴ on average.
+const ACCURATE_PHASE: f64 = 0.2;
 
 impl Scene {
     /// Whether all tables go together, for a scene that was changed after it was read. It checks stages and tail
@@ -99,22 +108,15 @@ impl Scene {
 /// Everything that can be said before a configuration file is read.
 pub(crate) fn whole_scene(scene: &Scene) -> Result<(), SceneError> {
     stages(scene)?;
-    integrator::check_spook(scene)?;
+    steps_of_spook(scene)?;
     trajectory_steps(scene)?;
-    mixture::check(scene)?;
-    molecule_checks::check(scene)?;
-    bath_checks::barostats_fit(scene)?;
-    bath_checks::temperatures_are_held(scene)?;
-    exchange::exchanges_fit(scene)?;
-    accuracy::check(scene)?;
-    bodies::check(scene)?;
-    walls::check(scene)?;
-    slab::check(scene)?;
-    half_crystal::check(scene)?;
-    contact::check(scene)?;
-    planar::check(scene)?;
+    bodies(scene)?;
+    rules::check(scene)?;
+    molecules(scene)?;
+    barostats(scene)?;
+    walls(scene)?;
+    springs(scene)?;
     if let Some(placement) = scene.placement()? {
-        homogeneous(scene)?;
         fits(scene, placement.cell, scene.n_particles().unwrap_or(0))?;
     }
     Ok(())
@@ -173,27 +175,269 @@ fn stages(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn homogeneous(scene: &Scene) -> Result<(), SceneError> {
-    if let Some(surfaces) = scene.surfaces()
-        && scene.truncation.tail_correction
+/// What must hold of the method SPOOK in all stages, and of its damping.
+///
+/// Its velocities stand half a step behind the positions, and compliance and damping act by steps. A stage with another step would
+/// begin with an error in both.
+fn steps_of_spook(scene: &Scene) -> Result<(), SceneError> {
+    let name = spook::SPEC.name;
+    let source = &scene.source;
+    for (i, stage) in scene.stages.iter().enumerate() {
+        let (dt, usual) = (scene.stage_dt(stage), scene.integrator.dt);
+        if dt != usual && scene.method_of(stage).spec().name == name {
+            return Err(source
+                .refuse(
+                    &format!("stage.{i}.dt"),
+                    "changes the step of a method that needs a fixed one",
+                )
+                .found(format!("{dt} with {name:?} and integrator.dt = {usual}"))
+                .allowed(format!("{usual} in every stage, or another integrator")));
+        }
+    }
+    for table in ["bonds", "contact"] {
+        let both = ["damping_steps", "damping_time"].map(|key| format!("{table}.{key}"));
+        if both.iter().all(|key| source.wrote(key)) {
+            return Err(source
+                .refuse(&both[1], "is given twice")
+                .found(format!("`{}` and `{}`", both[0], both[1]))
+                .allowed("one of them"));
+        }
+    }
+    Ok(())
+}
+
+/// What must hold of listed and held particles.
+fn bodies(scene: &Scene) -> Result<(), SceneError> {
+    if let Some(n) = scene.n_particles() {
+        scene.held_are_among(n)?;
+    }
+    let sites = scene.molecules().sites();
+    if let Start::Listed { positions, .. } = &scene.system.start
+        && !positions.len().is_multiple_of(sites)
     {
-        let key = "truncation.tail_correction";
-        let found = match scene.source.wrote(key) {
-            true => "true",
-            false => "true, the default with kind \"cut\"",
+        return Err(scene
+            .source
+            .refuse("system.positions", "makes no whole molecules")
+            .found(format!("{} positions", positions.len()))
+            .allowed(format!("a multiple of molecule.sites = {sites}")));
+    }
+    Ok(())
+}
+
+/// Whether bonds end below the cutoff, and fit the way they are held.
+fn molecules(scene: &Scene) -> Result<(), SceneError> {
+    let Some(molecule) = &scene.molecule else {
+        return Ok(());
+    };
+    let lengths = molecule.topology.bonds().iter().map(|bond| bond.length);
+    let length = lengths.fold(0.0, f64::max);
+    let r_cut = scene.truncation.r_cut;
+    let acts = scene.potential.own_end().is_none_or(|end| end.r > 0.0);
+    if acts && length >= r_cut {
+        return Err(scene
+            .source
+            .refuse(molecule.key_of_size(), "is not below the cutoff")
+            .found(length)
+            .allowed(format!("below truncation.r_cut = {r_cut}")));
+    }
+    let by_shape = molecule.options.kind == MoleculeKind::Sites;
+    let on_lattice = matches!(scene.system.start, Start::Lattice { .. });
+    if by_shape && on_lattice && molecule.options.shape.is_none() {
+        return Err(scene
+            .source
+            .refuse("molecule.shape", "is missing")
+            .found("nothing, and a start on a lattice")
+            .allowed(
+                "the places of the sites of one molecule, or `system.configuration` with a file",
+            ));
+    }
+    molecule.bonds.check_for(&molecule.topology).map_err(|e| {
+        let refused = scene.source.refuse(&format!("bonds.{}", e.key), "is not allowed");
+        refused.found(e.found).allowed(e.allowed)
+    })
+}
+
+/// Whether each barostat has the bath and the interval that it needs.
+fn barostats(scene: &Scene) -> Result<(), SceneError> {
+    for (i, stage) in scene.stages.iter().enumerate() {
+        if let Some(control) = &stage.barostat {
+            has_its_thermostat(scene, i, stage, control)?;
+            is_slow_enough(scene, i, stage, control)?;
+        }
+    }
+    Ok(())
+}
+
+fn has_its_thermostat(
+    scene: &Scene,
+    index: usize,
+    stage: &Stage,
+    control: &PressureControl,
+) -> Result<(), SceneError> {
+    let spec = control.options.spec();
+    let suits =
+        |name: &str, canonical: bool| canonical && spec.thermostat.is_none_or(|t| t == name);
+    let bath = stage.thermostat.as_ref().map(|t| t.spec());
+    if bath.is_some_and(|bath| suits(bath.name, bath.canonical)) {
+        return Ok(());
+    }
+    let all = thermostats().iter();
+    let fit: Vec<&str> = all.filter(|t| suits(t.name, t.canonical)).map(|t| t.name).collect();
+    Err(scene
+        .source
+        .refuse(
+            &format!("stage.{index}.barostat"),
+            "needs a thermostat that samples the canonical ensemble beside it",
+        )
+        .found(bath.map_or_else(
+            || format!("`{}` in a stage without thermostat", spec.name),
+            |bath| format!("`{}` with thermostat `{}`", spec.name, bath.name),
+        ))
+        .allowed(match fit.as_slice() {
+            [one] => format!("thermostat = {one:?}"),
+            several => format!("thermostat = one of {}", quoted(several)),
+        }))
+}
+
+fn is_slow_enough(
+    scene: &Scene,
+    index: usize,
+    stage: &Stage,
+    control: &PressureControl,
+) -> Result<(), SceneError> {
+    let (tau, interval) = (control.options.tau(), control.options.interval());
+    let shortest = FEWEST_INTERVALS * interval as f64 * scene.stage_dt(stage);
+    if tau >= shortest * (1.0 - 1e-12) {
+        return Ok(());
+    }
+    Err(scene
+        .source
+        .refuse(
+            &format!("stage.{index}.barostat.tau"),
+            "is too short for the steps between two changes of the box",
+        )
+        .found(format!("tau = {tau} τ with {interval} steps of {} τ", scene.stage_dt(stage)))
+        .allowed(format!(
+            "at least {FEWEST_INTERVALS}·interval·dt = {} τ, or a smaller `interval`",
+            short(shortest)
+        )))
+}
+
+/// Whether walls keep the fluid out of reach of its images, and a field has walls to end at.
+fn walls(scene: &Scene) -> Result<(), SceneError> {
+    let source = &scene.source;
+    for (i, table) in scene.walls.iter().enumerate() {
+        let smallest = scene.end_of_pairs() + SHALLOWEST_ROOM;
+        if table.thickness < smallest {
+            return Err(source
+                .refuse(
+                    &format!("wall.{i}.thickness"),
+                    "brings the fluid in reach of its image across the wall",
+                )
+                .found(table.thickness)
+                .allowed(format!("{smallest} σ or more: the cutoff and {SHALLOWEST_ROOM} σ")));
+        }
+    }
+    for axis in Axis::ALL {
+        let g = scene.acceleration[axis.index()];
+        let bounded =
+            scene.all_are_tethered() || scene.walls.iter().any(|table| table.axis == axis);
+        let axis = axis.name();
+        if g != 0.0 && !bounded {
+            return Err(source
+                .refuse(
+                    "field.acceleration",
+                    format!("has no potential along {axis}, where the box is periodic"),
+                )
+                .found(format!("{g} along {axis}"))
+                .allowed(format!("0 along {axis}, or walls across {axis}")));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses springs of walls, contacts and bonds that are too stiff for the step of a stage.
+fn springs(scene: &Scene) -> Result<(), SceneError> {
+    let lightest = scene.lightest_mass();
+    for (i, table) in scene.walls.iter().enumerate() {
+        let Some(omega) = scene.surface(table).frequency() else {
+            continue;
         };
-        let place = match scene.source.wrote(key) {
-            true => scene.source.place(key),
-            false => scene.source.place(scene.key_of_surfaces()),
+        if let Some(step) = too_stiff(scene, omega / lightest.sqrt()) {
+            return Err(step.refuse_spring(scene, &format!("wall.{i}.stiffness"), "√(k/m)").allowed(
+                format!(
+                    "a stiffness below {:.4e} ε/σ²; hits keep their energy to 10⁻⁴ below {:.4e} ε/σ²",
+                    lightest * step.square_at(step.limit),
+                    lightest * step.square_at(ACCURATE_PHASE)
+                ),
+            ));
+        }
+    }
+    // Two of the lightest bodies have half the mass of one.
+    let reduced = 0.5 * lightest;
+    if let Some(Response::Spring(law)) =
+        scene.contact.as_ref().map(|table| table.options.response())
+        && let Some(omega) = law.frequency(reduced)
+        && let Some(step) = too_stiff(scene, omega)
+    {
+        return Err(step.refuse_spring(scene, "contact.stiffness", "√(2k/m)").allowed(format!(
+            "a stiffness below {:.4e} ε/σ²; bodies in a row vibrate up to √2 times as fast",
+            reduced * step.square_at(step.limit)
+        )));
+    }
+    if let Some(molecule) = &scene.molecule
+        && let Some(TooStiff { stage, dt, omega, limit }) =
+            too_stiff(scene, molecule.fastest_vibration())
+    {
+        let key = match scene.stages[stage].dt {
+            Some(_) => format!("stage.{stage}.dt"),
+            None => "integrator.dt".to_owned(),
         };
         return Err(scene
             .source
-            .refuse(key, "assumes a homogeneous fluid, and this one has surfaces")
-            .at(place.cloned())
-            .found(format!("{found}, with {surfaces}"))
-            .allowed("\"planar\" with kind \"cut\", or false"));
+            .refuse(&key, "is too long for the springs")
+            .found(format!("{dt}: ω·dt = {:.3}, with ω = {omega:.3} per τ", omega * dt))
+            .allowed(format!("below {:.3e} τ, or softer springs", limit / omega)));
     }
     Ok(())
+}
+
+/// A stage whose step does not bear a spring: ω·h must stay below the limit of its method.
+struct TooStiff {
+    /// Index of the stage.
+    stage: usize,
+    /// Its step, τ.
+    dt: f64,
+    /// ω of the spring, per τ.
+    omega: f64,
+    /// The limit of ω·h under its method.
+    limit: f64,
+}
+
+/// The first stage whose step does not bear a vibration of ω per τ.
+fn too_stiff(scene: &Scene, omega: f64) -> Option<TooStiff> {
+    scene.stages.iter().enumerate().find_map(|(stage, table)| {
+        // A bath that stands inside the step takes the place of the integrator.
+        let limit = scene.method_of(table).spec().stability_limit?;
+        let dt = scene.stage_dt(table);
+        (omega * dt >= limit).then_some(TooStiff { stage, dt, omega, limit })
+    })
+}
+
+impl TooStiff {
+    /// ω² of a spring for which ω·h is this phase, τ⁻².
+    fn square_at(&self, phase: f64) -> f64 {
+        (phase / self.dt).powi(2)
+    }
+
+    fn refuse_spring(&self, scene: &Scene, key: &str, formula: &str) -> SceneError {
+        let Self { dt, omega, .. } = *self;
+        scene.source.refuse(key, "is too stiff for the step").found(format!(
+            "ω·dt = {:.3} with ω = {formula} = {omega:.3} per τ and dt = {}",
+            omega * dt,
+            short(dt)
+        ))
+    }
 }
 
 /// What a trajectory that rounds positions can hold; `None` where no such one is written.

@@ -1,17 +1,13 @@
 //! The table `[contact]`: bodies that touch, and what must hold of them.
 
 use lennard_contacts::{Bodies, ContactOptions, Contacts, Response};
-use lennard_core::number::short;
 use lennard_core::options::upper_bound;
-use lennard_core::{Bonds, Integrator, PeriodicBox, SpeciesTable};
-use lennard_forcefield::{HitRule, Walls};
-use lennard_integrators::build;
+use lennard_core::{PeriodicBox, SpeciesTable};
+use lennard_forcefield::Walls;
 
 use crate::Scene;
 use crate::error::SceneError;
-use crate::integrator::kinds_that;
 use crate::read::Reader;
-use crate::stiff::TooStiff;
 
 /// The table `[contact]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,150 +124,4 @@ impl Scene {
         let words = table.options.in_words();
         Some(format!("{words}, at {} {unit}", table.diameter))
     }
-}
-
-/// What must hold of contacts beside the other tables.
-pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
-    let Some(table) = &scene.contact else {
-        return Ok(());
-    };
-    let source = &scene.source;
-    if scene.accuracy.is_some() {
-        return Err(source
-            .refuse("accuracy", "does not go with contacts")
-            .found("`[accuracy]` and `[contact]`")
-            .allowed(
-                "settings of your own: the predictions of errors are for fluids without contacts",
-            ));
-    }
-    spook_has_contacts(scene, table)?;
-    springs_are_stable(scene, table)?;
-    if table.options.response().acts_in_flight() {
-        acts_in_flight(scene, table)?;
-    }
-    Ok(())
-}
-
-/// Refuses the method SPOOK where it has nothing to solve for.
-fn spook_has_contacts(scene: &Scene, table: &ContactTable) -> Result<(), SceneError> {
-    let solves = build(&scene.integrator.method).solves_contacts();
-    if !solves || scene.solves_contacts() || scene.molecule.is_some() {
-        return Ok(());
-    }
-    Err(scene
-        .source
-        .refuse("integrator.kind", "has nothing to solve for")
-        .found(format!(
-            "{:?} with [contact] kind = {:?}",
-            scene.integrator.method.name(),
-            table.options.spec().name
-        ))
-        .allowed("[contact] kind = \"spook\", or another integrator"))
-}
-
-/// Refuses springs that are too stiff for the step of a stage: ω·h must stay below the limit of the method.
-fn springs_are_stable(scene: &Scene, table: &ContactTable) -> Result<(), SceneError> {
-    let Response::Spring(law) = table.options.response() else {
-        return Ok(());
-    };
-    let lightest = scene.lightest_mass();
-    // Two of the lightest bodies have half the mass of one.
-    let Some(omega) = law.frequency(0.5 * lightest) else {
-        return Ok(());
-    };
-    let Some(TooStiff { dt, limit, .. }) = scene.too_stiff(omega) else {
-        return Ok(());
-    };
-    Err(scene
-        .source
-        .refuse("contact.stiffness", "is too stiff for the step")
-        .found(format!(
-            "ω·dt = {:.3} with ω = √(2k/m) = {omega:.3} per τ and dt = {}",
-            omega * dt,
-            short(dt)
-        ))
-        .allowed(format!(
-            "a stiffness below {:.4e} ε/σ²; bodies in a row vibrate up to √2 times as fast",
-            0.5 * lightest * (limit / dt).powi(2)
-        )))
-}
-
-/// Refuses what does not go with impulses inside a drift.
-fn acts_in_flight(scene: &Scene, table: &ContactTable) -> Result<(), SceneError> {
-    let source = &scene.source;
-    let name = table.options.spec().name;
-    let response = table.options.response();
-    let (key, what, contacts) = match response {
-        Response::Impact { .. } => {
-            ("contact.kind", "acts by impacts in drifts", "contacts with impacts")
-        }
-        Response::Unilateral(_) => {
-            ("contact.kind", "acts by impulses in the step of SPOOK", "contacts of SPOOK")
-        }
-        Response::Spring(_) => (
-            "contact.restitution",
-            "below 1 acts by a dashpot in drifts",
-            "contacts with a dashpot",
-        ),
-    };
-    let suits = |integrator: &Integrator| match response {
-        Response::Unilateral(_) => integrator.solves_contacts(),
-        Response::Impact { .. } | Response::Spring(_) => integrator.takes_hard_walls(),
-    };
-    for stage in &scene.stages {
-        let integrator = scene.method_of(stage);
-        if suits(&integrator) {
-            continue;
-        }
-        return Err(source
-            .refuse(key, format!("{what}, which the method does not make"))
-            .found(format!("{name:?} with {:?}", integrator.spec().name))
-            .allowed(format!(
-                "{}, or soft contacts with restitution = 1",
-                kinds_that(|entry| suits(&entry.build()))
-            )));
-    }
-    if let Some(molecule) = &scene.molecule
-        && molecule.bonds.bonds() != Bonds::Springs
-        && !(scene.solves_contacts() && molecule.bonds.spec().integrator.is_some())
-    {
-        return Err(source
-            .refuse(key, format!("{what}, where the bonds are held too"))
-            .found(format!("{name:?} with [bonds] method = {:?}", molecule.bonds.name()))
-            .allowed("soft contacts with restitution = 1, or bonds that are explicit springs"));
-    }
-    for (i, stage) in scene.stages.iter().enumerate() {
-        if stage.barostat.is_some() {
-            return Err(source
-                .refuse(&format!("stage.{i}.barostat"), "needs a virial of all forces")
-                .found(format!("a barostat beside {contacts}"))
-                .allowed("soft contacts with restitution = 1, or a fixed box"));
-        }
-    }
-    for (i, wall) in scene.walls.iter().enumerate() {
-        let surface = scene.surface(wall);
-        let (message, rule, found, allowed) = match response {
-            Response::Spring(_) => continue,
-            Response::Impact { .. } => (
-                "does not go with hard contacts",
-                HitRule::OnLines,
-                "whose hits are not where a straight flight meets the plane",
-                "\"hard\" with response \"billiard\", \"thermal\", or a wall that only exerts a force",
-            ),
-            Response::Unilateral(_) => (
-                "does not go with contacts of SPOOK",
-                HitRule::ByContacts,
-                "which acts in drifts",
-                "\"hard\" with response = \"contact\", or a wall that only exerts a force",
-            ),
-        };
-        let fits = surface.rule().is_none_or(|own| own == rule);
-        if !(fits && surface.dashpot().is_none()) {
-            return Err(source
-                .refuse(&format!("wall.{i}.kind"), message)
-                .found(format!("{:?}, {found}", wall.options.spec().name))
-                .allowed(allowed));
-        }
-    }
-    Ok(())
 }

@@ -5,10 +5,8 @@ use lennard_integrators::{ExchangeOptions, Exchanged};
 use toml::Value;
 
 use crate::error::SceneError;
-use crate::integrator::kinds_that;
 use crate::read::Reader;
 use crate::section::Section;
-use crate::{Scene, Stage};
 
 impl Reader<'_> {
     /// The exchange of a stage: "none", a name, or a table.
@@ -29,59 +27,4 @@ impl Reader<'_> {
         }
         Ok(Some(options))
     }
-}
-
-/// Whether each exchange is in a homogeneous fluid of equal atoms at constant energy.
-pub(crate) fn exchanges_fit(scene: &Scene) -> Result<(), SceneError> {
-    for (i, stage) in scene.stages.iter().enumerate() {
-        if stage.exchange.is_some() {
-            fits(scene, stage, &format!("stage.{i}.exchange"))?;
-        }
-    }
-    Ok(())
-}
-
-fn fits(scene: &Scene, stage: &Stage, key: &str) -> Result<(), SceneError> {
-    let refuse = |message: &str, found: String, allowed: String| {
-        Err(scene.source.refuse(key, message).found(found).allowed(allowed))
-    };
-    if let Some(bath) = &stage.thermostat {
-        // A barostat stands beside a thermostat.
-        return refuse(
-            "is at constant energy",
-            format!("an exchange with thermostat {:?}", bath.name()),
-            "a stage without thermostat; a stage before it may have one".into(),
-        );
-    }
-    if scene.molecule.is_some() {
-        return refuse(
-            "is for atoms alone",
-            "an exchange and `[molecule]`".into(),
-            "a scene of atoms".into(),
-        );
-    }
-    let species = scene.mixture.as_ref().map_or(1, |m| m.species.len());
-    if species > 1 {
-        return refuse(
-            "is between particles of one species",
-            format!("an exchange with {species} species"),
-            "a scene of one species".into(),
-        );
-    }
-    if let Some(confined) = scene.confined_by() {
-        return refuse(
-            "needs a periodic fluid",
-            format!("an exchange with {confined}"),
-            "a scene without walls and field".into(),
-        );
-    }
-    let method = lennard_integrators::build(&scene.integrator.method);
-    if !method.spec().is_kick_drift_kick {
-        return refuse(
-            "needs a method that starts each step from the velocities",
-            format!("an exchange with integrator {:?}", method.spec().name),
-            kinds_that(|e| e.spec.is_kick_drift_kick),
-        );
-    }
-    Ok(())
 }

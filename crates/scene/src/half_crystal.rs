@@ -213,26 +213,3 @@ impl Scene {
         })
     }
 }
-
-/// Whether a crystal beside its liquid goes with the rest of the scene.
-pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
-    if scene.half_crystal().is_none() {
-        return Ok(());
-    }
-    let others = [
-        (scene.molecule.is_some(), "`[molecule]`"),
-        (scene.mixture.is_some(), "several species"),
-        (scene.accuracy.is_some(), "`[accuracy]`"),
-        (scene.contact.is_some(), "contacts"),
-    ];
-    let other = others.into_iter().find(|(there, _)| *there);
-    let with = other.map(|(_, with)| with.to_owned());
-    match with.or(scene.confined_by()) {
-        None => Ok(()),
-        Some(with) => Err(scene
-            .source
-            .refuse("crystal", format!("does not go with {with}"))
-            .found(format!("`[crystal]` and {with}"))
-            .allowed("atoms of one species in a periodic box")),
-    }
-}

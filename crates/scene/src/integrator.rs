@@ -4,10 +4,10 @@ use lennard_forcefield::SplitOptions;
 use lennard_integrators::{IntegratorEntry, IntegratorOptions, OscillatorModel, respa};
 use toml::Value;
 
+use crate::IntegratorTable;
 use crate::error::SceneError;
 use crate::read::Reader;
 use crate::reference::{LONGEST_SIDE, LONGEST_STEP, SHORTEST_STEP, quoted};
-use crate::{IntegratorTable, Scene};
 
 /// Where the near force of RESPA ends, σ, unless the scene says otherwise: beyond the first shell of neighbors.
 pub const DEFAULT_SPLIT: SplitOptions = SplitOptions { r_split: 1.7, width: 0.4 };
@@ -91,37 +91,6 @@ impl Reader<'_> {
             .found(format!("{:?}", method.name()))
             .allowed(quoted(&names)))
     }
-}
-
-/// What must hold of the method SPOOK in all stages, and of its damping.
-///
-/// Its velocities stand half a step behind the positions, and compliance and damping act by steps. A stage with another step would
-/// begin with an error in both.
-pub(crate) fn check_spook(scene: &Scene) -> Result<(), SceneError> {
-    let name = lennard_integrators::spook::SPEC.name;
-    let source = &scene.source;
-    for (i, stage) in scene.stages.iter().enumerate() {
-        let (dt, usual) = (scene.stage_dt(stage), scene.integrator.dt);
-        if dt != usual && scene.method_of(stage).spec().name == name {
-            return Err(source
-                .refuse(
-                    &format!("stage.{i}.dt"),
-                    "changes the step of a method that needs a fixed one",
-                )
-                .found(format!("{dt} with {name:?} and integrator.dt = {usual}"))
-                .allowed(format!("{usual} in every stage, or another integrator")));
-        }
-    }
-    for table in ["bonds", "contact"] {
-        let both = ["damping_steps", "damping_time"].map(|key| format!("{table}.{key}"));
-        if both.iter().all(|key| source.wrote(key)) {
-            return Err(source
-                .refuse(&both[1], "is given twice")
-                .found(format!("`{}` and `{}`", both[0], both[1]))
-                .allowed("one of them"));
-        }
-    }
-    Ok(())
 }
 
 /// The integrators that fit, as a scene names them: `integrator.kind = "leapfrog", "velocity-verlet"`.

@@ -7,7 +7,6 @@
 //! `inputs/README.md` are made from it.
 
 mod accuracy;
-mod bath_checks;
 mod baths;
 mod bodies;
 mod builder;
@@ -26,7 +25,6 @@ mod methods;
 mod mixture;
 mod model_kind;
 mod molecule;
-mod molecule_checks;
 mod name;
 mod names;
 mod observable;
@@ -46,7 +44,6 @@ pub mod shipped;
 mod slab;
 mod stage;
 mod start;
-mod stiff;
 mod system;
 mod walls;
 

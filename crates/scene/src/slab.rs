@@ -215,24 +215,3 @@ impl Scene {
         })
     }
 }
-
-/// Whether a slab goes with the rest of the scene.
-pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
-    if scene.slab().is_none() {
-        return Ok(());
-    }
-    let refuse = |with: &str| {
-        scene
-            .source
-            .refuse("slab", format!("does not go with {with}"))
-            .found(format!("`[slab]` and {with}"))
-            .allowed("a slab of atoms in a periodic box")
-    };
-    if scene.molecule.is_some() {
-        return Err(refuse("`[molecule]`"));
-    }
-    if let Some(confined) = scene.confined_by() {
-        return Err(refuse(&confined));
-    }
-    Ok(())
-}

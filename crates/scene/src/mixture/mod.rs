@@ -5,7 +5,6 @@ mod check;
 mod keys;
 mod read;
 
-pub(crate) use check::check;
 pub(crate) use keys::{PairKeys, SpeciesKeys};
 
 use lennard_core::{Species, SpeciesTable};
