@@ -17,7 +17,6 @@ pub mod compare;
 pub mod eos;
 mod error;
 mod files;
-pub mod fluid_stability;
 mod jobs;
 mod kept;
 pub mod lab;

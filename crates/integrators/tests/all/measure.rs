@@ -173,7 +173,7 @@ impl Kepler {
     }
 }
 
-/// Orders of positions and velocities of a method: measured on the ellipse at t = 4 with steps where its leading
+/// Orders of positions and velocities of a method, measured on the ellipse at t = 4. At the steps chosen its leading
 /// error stands clear of the next one and of rounding.
 pub fn orders(entry: &IntegratorEntry) -> [f64; 2] {
     const DURATION: f64 = 4.0;
@@ -198,8 +198,8 @@ pub fn orders(entry: &IntegratorEntry) -> [f64; 2] {
     [0, 1].map(|i| (large[i] / small[i]).ln() / (fine as f64 / coarse as f64).ln())
 }
 
-/// Runs a method on a unit mass on a spring k with a damper c from (x, v), in the form of the oscillator that the method
-/// takes, and returns (x, v) from the start on.
+/// Runs a method on a unit mass on a spring k with a damper c, and returns (x, v) from the start on. The oscillator has
+/// the form that the method takes.
 pub fn oscillation(
     entry: &IntegratorEntry,
     (stiffness, damping): (f64, f64),

@@ -4,9 +4,9 @@ use lennard_forcefield::{ListMode, Precision, TruncationKind};
 use lennard_integrators::{IntegratorOptions, OscillatorModel, integrators};
 use serde::{Deserialize, Serialize};
 
-use crate::fluid_stability::stands_for_itself;
 use crate::lab::Workbench;
 use crate::settings::{Settings, truncation_is_free};
+use crate::stability::groups::stands_for_itself;
 
 /// How many settings are tried.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -2,10 +2,10 @@
 
 use crate::report::{Axis, Dash, Figure, Look, Picture, Series, Symbol};
 
-use super::found::MechanicsFound;
+use super::study::MechanicsMeasurements;
 
 /// Springs of walls.
-pub(super) fn penalty(found: &MechanicsFound) -> Vec<Picture> {
+pub(super) fn penalty(found: &MechanicsMeasurements) -> Vec<Picture> {
     let stiff = &found.collisions.stiff;
     let gain = |f: fn(&super::collisions::StiffHit) -> f64| {
         stiff.iter().map(move |hit| (hit.phase, f(hit)))
@@ -58,7 +58,7 @@ pub(super) fn penalty(found: &MechanicsFound) -> Vec<Picture> {
 }
 
 /// Pressures between walls.
-pub(super) fn pressure(found: &MechanicsFound) -> Picture {
+pub(super) fn pressure(found: &MechanicsMeasurements) -> Picture {
     let points = &found.pressure.points;
     let figure = Figure::new(
         "wall-pressure",
@@ -92,9 +92,12 @@ pub(super) fn pressure(found: &MechanicsFound) -> Picture {
 }
 
 /// Fluids of dumbbells beside equations of state.
-pub(super) fn states(found: &MechanicsFound) -> Vec<Picture> {
+pub(super) fn states(found: &MechanicsMeasurements) -> Vec<Picture> {
     let all = &found.states;
-    let draw = |name: &str, title: &str, y: &str, of: fn(&super::fluid::StateFound) -> [f64; 3]| {
+    let draw = |name: &str,
+                title: &str,
+                y: &str,
+                of: fn(&super::fluid::StateResults) -> [f64; 3]| {
         let series = |k: usize| all.iter().map(move |s| (s.density, of(s)[k]));
         let figure =
             Figure::new(name, title, Axis::linear("ρ / molecules per σ³"), Axis::linear(y))

@@ -82,7 +82,7 @@ impl Convergence {
 
 /// A way to hold bonds with what it showed.
 #[derive(Debug, Clone, Serialize)]
-pub struct WayFound {
+pub struct WayResults {
     /// Name.
     pub name: String,
     /// At each step at which it ran to the end.
@@ -96,13 +96,13 @@ pub struct WayFound {
 }
 
 /// Measures every way.
-pub(crate) fn measure(quick: bool) -> Result<Vec<WayFound>, StudyError> {
+pub(crate) fn measure(quick: bool) -> Result<Vec<WayResults>, StudyError> {
     let all: &[u32] = &[125, 250, 500, 1000, 2000, 4000, 8000];
     let steps = if quick { &all[1..5] } else { all };
     ways().iter().map(|way| of_way(way, steps, quick)).collect()
 }
 
-fn of_way(way: &Way, steps: &[u32], quick: bool) -> Result<WayFound, StudyError> {
+fn of_way(way: &Way, steps: &[u32], quick: bool) -> Result<WayResults, StudyError> {
     let case = Bodies::two_dumbbells();
     let mut points = Vec::new();
     let (mut last, mut between) = (Vec::new(), f64::NAN);
@@ -126,7 +126,7 @@ fn of_way(way: &Way, steps: &[u32], quick: bool) -> Result<WayFound, StudyError>
     let errors: Vec<_> = points.iter().map(|p| (p.dt, p.position_error)).collect();
     let budget = Duration::from_millis(if quick { 2 } else { 100 });
     let [dumbbells, chains] = MOLECULES.map(|(sites, n)| cost(way, sites, n, budget));
-    Ok(WayFound {
+    Ok(WayResults {
         name: way.name.clone(),
         points,
         convergence: Convergence::of(&way.bonds, &errors, between),

@@ -2,18 +2,18 @@
 
 use crate::report::{Axis, Dash, Figure, Guide, Look, Picture, Series, Symbol};
 
-use super::comparison::{AtStep, LARGEST_STEP, WayFound};
-use super::found::MechanicsFound;
+use super::comparison::{AtStep, LARGEST_STEP, WayResults};
 use super::maps::{DAMPING, theory};
+use super::study::MechanicsMeasurements;
 
 /// A vertical line in figures against ωh for s = ∞ stands here.
 const AT_INFINITY: f64 = 60.0;
 
 /// A value of a way at a step.
-type Value = fn(&WayFound, &AtStep) -> (f64, f64);
+type Value = fn(&WayResults, &AtStep) -> (f64, f64);
 
 fn chart(
-    found: &MechanicsFound,
+    found: &MechanicsMeasurements,
     name: &str,
     title: &str,
     (x, y): (Axis, Axis),
@@ -29,7 +29,7 @@ fn chart(
 }
 
 /// Errors of each way against the step and against the cost.
-pub(super) fn ways(found: &MechanicsFound) -> Vec<Picture> {
+pub(super) fn ways(found: &MechanicsMeasurements) -> Vec<Picture> {
     let step = || Axis::logarithmic("h / τ");
     let cost = || Axis::logarithmic("ns per bond and τ of motion");
     let position = || Axis::logarithmic("error of a position / σ");
@@ -65,14 +65,14 @@ pub(super) fn ways(found: &MechanicsFound) -> Vec<Picture> {
 }
 
 /// The smallest error that a way reaches, and the largest step that it bears.
-fn limits(found: &MechanicsFound) -> Picture {
+fn limits(found: &MechanicsMeasurements) -> Picture {
     let mut figure = Figure::new(
         "ways-limit",
         "Bonds held in each way: largest step",
         Axis::logarithmic("error at the smallest step / σ"),
         Axis::logarithmic("largest stable step / τ"),
     );
-    let of = |way: &WayFound| {
+    let of = |way: &WayResults| {
         let smallest = way.points.last()?;
         let step = way.largest_step.unwrap_or(LARGEST_STEP);
         Some((smallest.position_error, step))
@@ -102,7 +102,7 @@ fn limits(found: &MechanicsFound) -> Picture {
 }
 
 /// Convergence of sweeps.
-pub(super) fn rates(found: &MechanicsFound) -> Picture {
+pub(super) fn rates(found: &MechanicsMeasurements) -> Picture {
     let straight =
         || found.relaxing.rates.iter().filter(|r| r.angle == 0.0 && r.over_relaxation == 1.0);
     let sweeps = |rate: f64| -12.0 * 10.0_f64.ln() / rate.ln();
@@ -138,7 +138,7 @@ pub(super) fn rates(found: &MechanicsFound) -> Picture {
 }
 
 /// Energy and sweeps against the tolerance.
-pub(super) fn tolerances(found: &MechanicsFound) -> Vec<Picture> {
+pub(super) fn tolerances(found: &MechanicsMeasurements) -> Vec<Picture> {
     let mut steps: Vec<f64> = found.relaxing.tolerances.iter().map(|t| t.dt).collect();
     steps.dedup();
     let axis = || Axis::logarithmic("tolerance");
@@ -183,7 +183,7 @@ pub(super) fn tolerances(found: &MechanicsFound) -> Vec<Picture> {
 }
 
 /// The rotor that slows down, and drift of fluids.
-pub(super) fn direction(found: &MechanicsFound) -> Vec<Picture> {
+pub(super) fn direction(found: &MechanicsMeasurements) -> Vec<Picture> {
     let slow = &found.relaxing.slowing;
     let figure = Figure::new(
         "rotor",
@@ -238,7 +238,7 @@ pub(super) fn direction(found: &MechanicsFound) -> Vec<Picture> {
 }
 
 /// The amplification map of SPOOK.
-pub(super) fn maps(found: &MechanicsFound) -> Picture {
+pub(super) fn maps(found: &MechanicsMeasurements) -> Picture {
     let mut figure = Figure::new(
         "spook-amplification",
         "Amplification of SPOOK on a damped spring",

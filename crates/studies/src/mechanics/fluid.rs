@@ -35,7 +35,7 @@ pub struct FluidDrift {
 
 /// A state point beside the equations of state.
 #[derive(Debug, Clone, Serialize)]
-pub struct StateFound {
+pub struct StateResults {
     /// Density of molecules, σ⁻³.
     pub density: f64,
     /// Temperature of half steps, ε/k_B.
@@ -182,10 +182,10 @@ pub(crate) fn drifts(quick: bool) -> Result<Vec<FluidDrift>, StudyError> {
 }
 
 /// State points beside the equations of state.
-pub(crate) fn states(quick: bool) -> Result<Vec<StateFound>, StudyError> {
+pub(crate) fn states(quick: bool) -> Result<Vec<StateResults>, StudyError> {
     let densities: &[f64] = if quick { &[0.30] } else { &[0.05, 0.15, 0.30, 0.458, 0.52] };
     let (molecules, settle, steps) = if quick { (108, 1000, 2000) } else { (256, 10_000, 60_000) };
-    let of_density = |density: &f64| -> Result<StateFound, StudyError> {
+    let of_density = |density: &f64| -> Result<StateResults, StudyError> {
         let text = format!(
             "[system]\nlattice = \"fcc\"\nn_molecules = {molecules}\ndensity = {density:?}\ntemperature = 2.4\nseed = 11\n\
              [molecule]\nkind = \"dumbbell\"\nbond_length = {LENGTH:?}\n\
@@ -207,7 +207,7 @@ pub(crate) fn states(quick: bool) -> Result<Vec<StateFound>, StudyError> {
             let equations = two_center(LENGTH).map(|both| both[which].at(*density, temperature));
             equations.map_or((f64::NAN, f64::NAN), |s| (s.potential_energy, s.pressure))
         };
-        Ok(StateFound {
+        Ok(StateResults {
             density: *density,
             temperature,
             energy: value("potential_energy"),

@@ -12,20 +12,20 @@ pub mod comparison;
 pub mod cradle;
 mod figures;
 pub mod fluid;
-mod found;
 pub mod maps;
 mod numbers;
 mod page;
 pub mod precise;
 pub mod pressure;
 pub mod relaxing;
+mod study;
 mod tables;
 pub mod unilateral;
 mod ways;
 
 use std::path::Path;
 
-pub use found::{MechanicsFound, MechanicsOptions, MechanicsStudy};
+pub use study::{MechanicsMeasurements, MechanicsOptions, MechanicsStudy};
 
 use crate::{Progress, StudyError};
 
@@ -61,7 +61,7 @@ pub fn run(
     at("equations of state", 0.75);
     let states = fluid::states(quick)?;
     at("done", 1.0);
-    let found = MechanicsFound {
+    let found = MechanicsMeasurements {
         is_quick: quick,
         ways,
         model_errors,

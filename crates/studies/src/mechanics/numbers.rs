@@ -1,14 +1,14 @@
 //! The measured numbers that judge the claims about bonds, collisions and SPOOK, by the keys of `claims.csv`.
 
-use super::found::MechanicsFound;
 use super::maps::DAMPING;
 use super::precise::G;
+use super::study::MechanicsMeasurements;
 use super::unilateral;
 use super::ways::MIDPOINT;
 use crate::claims::Numbers;
 
 /// All numbers.
-pub(super) fn numbers(found: &MechanicsFound) -> Numbers {
+pub(super) fn numbers(found: &MechanicsMeasurements) -> Numbers {
     let mut all = Numbers::default();
     relaxation(found, &mut all);
     ways(found, &mut all);
@@ -24,7 +24,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.map(f64::abs).fold(0.0, f64::max)
 }
 
-fn relaxation(found: &MechanicsFound, all: &mut Numbers) {
+fn relaxation(found: &MechanicsMeasurements, all: &mut Numbers) {
     let r = &found.relaxing;
     for rate in &r.rates {
         let chain = match (rate.over_relaxation == 1.0, rate.angle > 0.0) {
@@ -61,7 +61,7 @@ fn relaxation(found: &MechanicsFound, all: &mut Numbers) {
     }
 }
 
-fn ways(found: &MechanicsFound, all: &mut Numbers) {
+fn ways(found: &MechanicsMeasurements, all: &mut Numbers) {
     for way in &found.ways {
         let order = way.convergence.order().unwrap_or(f64::NAN);
         all.add("order of a bond", order).of("way", &way.name);
@@ -89,7 +89,7 @@ fn ways(found: &MechanicsFound, all: &mut Numbers) {
     }
 }
 
-fn spook(found: &MechanicsFound, all: &mut Numbers) {
+fn spook(found: &MechanicsMeasurements, all: &mut Numbers) {
     let m = &found.maps;
     let points = m.points.iter().filter(|p| p.damping > 0.0 || p.phase.is_finite());
     let off = largest(points.map(|p| p.measured / p.theory - 1.0));
@@ -111,7 +111,7 @@ fn spook(found: &MechanicsFound, all: &mut Numbers) {
     all.add("energy of an undamped pendulum", m.undamped_pendulum / G);
 }
 
-fn collisions(found: &MechanicsFound, all: &mut Numbers) {
+fn collisions(found: &MechanicsMeasurements, all: &mut Numbers) {
     let c = &found.collisions;
     let gain = |phase: f64| {
         let hit = c.stiff.iter().find(|hit| hit.phase == phase);
@@ -140,7 +140,7 @@ fn collisions(found: &MechanicsFound, all: &mut Numbers) {
     }
 }
 
-fn contacts(found: &MechanicsFound, all: &mut Numbers) {
+fn contacts(found: &MechanicsMeasurements, all: &mut Numbers) {
     let c = &found.collisions;
     for row in &c.cradles {
         let off = largest(row.velocities.iter().zip(&row.known).map(|(a, b)| a - b));
@@ -157,7 +157,7 @@ fn contacts(found: &MechanicsFound, all: &mut Numbers) {
     all.add("sweep over a stack", c.unilateral.sweep[0]).theory(c.unilateral.sweep[1]);
 }
 
-fn fluids(found: &MechanicsFound, all: &mut Numbers) {
+fn fluids(found: &MechanicsMeasurements, all: &mut Numbers) {
     let of = |way: &'static str, dt: f64| {
         found.drifts.iter().filter(move |d| d.way == way && d.dt == dt)
     };

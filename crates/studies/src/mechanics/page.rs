@@ -2,7 +2,7 @@
 
 use crate::report::{Block, Page, Section};
 
-use super::found::MechanicsStudy;
+use super::study::MechanicsStudy;
 use super::{collision_figures, figures, tables};
 use crate::claims;
 

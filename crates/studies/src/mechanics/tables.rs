@@ -3,10 +3,10 @@
 use lennard_core::{Cell, Table};
 
 use super::comparison::{Convergence, LARGEST_STEP};
-use super::found::MechanicsFound;
+use super::study::MechanicsMeasurements;
 
 /// All tables with every digit.
-pub(super) fn csv(found: &MechanicsFound) -> Vec<Table> {
+pub(super) fn csv(found: &MechanicsMeasurements) -> Vec<Table> {
     let ways: Vec<_> =
         found.ways.iter().flat_map(|w| w.points.iter().map(move |p| (w, p))).collect();
     let relaxing = &found.relaxing;
@@ -102,12 +102,12 @@ pub(super) fn csv(found: &MechanicsFound) -> Vec<Table> {
 }
 
 /// Each way in a line.
-pub(super) fn ways(found: &MechanicsFound) -> Table {
+pub(super) fn ways(found: &MechanicsMeasurements) -> Table {
     let caption = format!(
         "Order of the position error, where it falls as a power of h, and RMS of the energy at the step nearest to 0.0025 τ. The largest stable step is for a rotor with Ω = 2 τ⁻¹ \
          that also vibrates, and was looked for up to {LARGEST_STEP} τ. The time is the fastest of a whole step without pair forces, per bond."
     );
-    let near = |w: &super::comparison::WayFound| {
+    let near = |w: &super::comparison::WayResults| {
         let off = |p: &&super::comparison::AtStep| (p.dt / 0.0025).ln().abs();
         let nearest = w.points.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
         nearest.map(|p| p.energy_rms)
@@ -131,7 +131,7 @@ pub(super) fn ways(found: &MechanicsFound) -> Table {
 }
 
 /// Problems with known solutions.
-pub(super) fn solved(found: &MechanicsFound) -> Table {
+pub(super) fn solved(found: &MechanicsMeasurements) -> Table {
     Table::rows_of("solved-in-a-line", &found.solved)
         .caption("Largest error of a position at the end, at the smallest step.")
         .column("Problem", |s| s.problem)
@@ -143,7 +143,7 @@ pub(super) fn solved(found: &MechanicsFound) -> Table {
 }
 
 /// Restitution of damped springs.
-pub(super) fn damped(found: &MechanicsFound) -> Table {
+pub(super) fn damped(found: &MechanicsMeasurements) -> Table {
     Table::rows_of("damped-springs", &found.collisions.damped)
         .caption("Soft walls with a dashpot at ωh = 0.1, over all phases of the step.")
         .column("Law", |d| d.law)
@@ -154,7 +154,7 @@ pub(super) fn damped(found: &MechanicsFound) -> Table {
 }
 
 /// Rows of balls.
-pub(super) fn cradles(found: &MechanicsFound) -> Table {
+pub(super) fn cradles(found: &MechanicsMeasurements) -> Table {
     let row = |values: &[f64]| {
         let words: Vec<String> = values.iter().map(|v| format!("{v:.4}")).collect();
         Cell::figures(words.join(", "))
@@ -168,7 +168,7 @@ pub(super) fn cradles(found: &MechanicsFound) -> Table {
 }
 
 /// Drifts of fluids.
-pub(super) fn drifts(found: &MechanicsFound) -> Table {
+pub(super) fn drifts(found: &MechanicsMeasurements) -> Table {
     Table::rows_of("drifts-in-a-line", &found.drifts)
         .caption(
             "Fluids of 108 dumbbells at constant energy. The error is of the slope of ten means.",

@@ -2,9 +2,9 @@
 
 use crate::report::{Axis, Dash, Figure, Look, Picture, Series};
 
-use super::OscillatorStudy;
 use super::figures::dense;
 use super::orders::OrderLine;
+use super::study::OscillatorStudy;
 use super::variable_step::exact_path;
 
 pub(crate) fn discretisation(study: &OscillatorStudy) -> Picture {

@@ -2,11 +2,11 @@
 
 use crate::report::{Axis, Dash, Figure, Guide, Look, Picture, Series, Symbol};
 
-use super::OscillatorStudy;
 use super::amplification::{MapPoint, theory};
 use super::displacement::{Case, Run, STEP};
 use super::groups::Group;
 use super::map::StepMap;
+use super::study::OscillatorStudy;
 
 /// The largest spectral radius shown.
 const TALLEST: f64 = 3.0;

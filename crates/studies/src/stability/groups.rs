@@ -80,6 +80,14 @@ pub(crate) fn groups() -> Vec<Group> {
     groups
 }
 
+/// Whether a method is drawn. Methods with one map on the oscillator run alike on the fluid up to rounding, and
+/// the best known method stands for all.
+pub(crate) fn stands_for_itself(method: &str) -> bool {
+    let groups = groups();
+    let group = groups.iter().find(|g| g.members.iter().any(|e| e.spec.name == method));
+    group.is_none_or(|g| g.representative().spec.name == method)
+}
+
 /// A method by name.
 pub(crate) fn entry(name: &'static str) -> Result<&'static IntegratorEntry, StudyError> {
     integrators().iter().find(|e| e.spec.name == name).ok_or(StudyError::NoSuchMethod(name))

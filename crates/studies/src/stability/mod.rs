@@ -10,6 +10,7 @@ pub mod discretisation;
 pub mod displacement;
 mod figures;
 pub(crate) mod fit;
+pub mod fluid;
 pub mod groups;
 pub mod infinite;
 pub(crate) mod map;
@@ -17,69 +18,15 @@ mod numbers;
 pub mod orders;
 pub(crate) mod oscillator;
 mod page;
+mod study;
 mod tables;
 pub mod variable_step;
 
 use std::path::Path;
 
-use serde::Serialize;
+pub use study::{OscillatorStudy, StabilityOptions, StabilityStudy};
 
-use crate::claims::Claim;
-use crate::fluid_stability::{self, FluidStudy};
 use crate::{Progress, StudyError};
-
-/// What to study and how it is named.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StabilityOptions {
-    /// Shorter runs on coarser grids, for tests.
-    pub quick: bool,
-    /// The command that is printed below figures and tables.
-    pub command: String,
-    /// Names and values for the footer of the page (machine, date), which the study itself does not look up.
-    pub provenance: Vec<(String, String)>,
-}
-
-impl Default for StabilityOptions {
-    fn default() -> Self {
-        Self { quick: false, command: "lennard stability".into(), provenance: Vec::new() }
-    }
-}
-
-/// Everything found on the oscillator.
-#[derive(Debug, Clone, Serialize)]
-pub struct OscillatorStudy {
-    /// Methods that are the same map stand together.
-    pub groups: Vec<groups::Group>,
-    /// Amplification, phase and limits of each method.
-    pub methods: Vec<amplification::MethodMap>,
-    /// Displacement and energy at each finite stiffness.
-    pub cases: Vec<displacement::Case>,
-    /// k = ∞ and the way there.
-    pub infinite: infinite::Infinite,
-    /// The discretisation error on ẍ = w²x.
-    pub growth: Vec<discretisation::GrowthError>,
-    /// The three rules for a changing step.
-    pub step_rules: Vec<variable_step::StepRuleRun>,
-    /// The share of changes of its step that SPOOK refuses.
-    pub refused_changes: f64,
-    /// Orders.
-    pub orders: orders::Orders,
-}
-
-/// Everything found.
-#[derive(Debug, Clone, Serialize)]
-pub struct StabilityStudy {
-    /// Name and version of the schema.
-    pub schema: &'static str,
-    /// What was asked for.
-    pub options: StabilityOptions,
-    /// The oscillator.
-    pub oscillator: OscillatorStudy,
-    /// The fluid.
-    pub fluid: FluidStudy,
-    /// What is claimed, by whom, and whether it holds.
-    pub claims: Vec<Claim>,
-}
 
 /// Who claims what about integrators.
 const CLAIMS: &str = include_str!("claims.csv");
@@ -87,10 +34,10 @@ const CLAIMS: &str = include_str!("claims.csv");
 /// Share of the oscillator part in the time of the whole study.
 const OSCILLATOR_SHARE: f64 = 0.03;
 
-/// The progress of a part, told as a share of the whole.
-struct Rest<'a>(&'a mut dyn Progress);
+/// The progress of the fluid part, as a share of the whole.
+struct FluidProgress<'a>(&'a mut dyn Progress);
 
-impl Progress for Rest<'_> {
+impl Progress for FluidProgress<'_> {
     fn update(&mut self, label: &str, done: f64) {
         self.0.update(label, OSCILLATOR_SHARE + (1.0 - OSCILLATOR_SHARE) * done);
     }
@@ -106,7 +53,7 @@ pub fn run(
     progress: &mut dyn Progress,
 ) -> Result<StabilityStudy, StudyError> {
     let oscillator = oscillator(options.quick, progress)?;
-    let fluid = fluid_stability::measure(options.quick, &mut Rest(progress))?;
+    let fluid = fluid::measure(options.quick, &mut FluidProgress(progress))?;
     let mut numbers = numbers::on_the_oscillator(&oscillator)?;
     numbers::on_the_fluid(&fluid, &mut numbers);
     let claims = crate::claims::all_judged(CLAIMS, &numbers)?;
@@ -149,7 +96,7 @@ fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<OscillatorStud
 /// [`StudyError`] where a figure cannot be drawn or a file cannot be written.
 pub fn write(study: &StabilityStudy, dir: &Path) -> Result<(), StudyError> {
     let mut tables = tables::csv(&study.oscillator);
-    tables.extend(fluid_stability::csv(&study.fluid));
+    tables.extend(fluid::csv(&study.fluid));
     tables.push(crate::claims::csv(&study.claims));
     crate::files::write_all(dir, &tables, ("study.json", study), &page::page(study))
 }

@@ -2,9 +2,10 @@
 
 use super::amplification::mean_growth;
 use super::displacement::STEP;
+use super::fluid::FluidStudy;
 use super::groups::entry;
 use super::orders::OrderLine;
-use super::{FluidStudy, OscillatorStudy};
+use super::study::OscillatorStudy;
 use crate::StudyError;
 use crate::claims::Numbers;
 

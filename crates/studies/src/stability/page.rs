@@ -3,9 +3,9 @@
 use crate::report::{Block, Page, Section, significant};
 
 use super::displacement::STEP;
-use super::{StabilityStudy, convergence_figures, figures, tables};
+use super::study::StabilityStudy;
+use super::{convergence_figures, figures, fluid, tables};
 use crate::claims;
-use crate::fluid_stability;
 
 /// The whole page.
 pub(crate) fn page(study: &StabilityStudy) -> Page {
@@ -19,7 +19,7 @@ pub(crate) fn page(study: &StabilityStudy) -> Page {
     provenance.extend(study.options.provenance.iter().cloned());
     let mut sections =
         vec![amplification(study), cases(study), infinite(study), convergence(study)];
-    sections.extend(fluid_stability::sections(&study.fluid));
+    sections.extend(fluid::sections(&study.fluid));
     sections.push(Section::new("Claims and verdicts").table(claims::table(&study.claims)));
     Page {
         title: "Where each integrator fails".into(),

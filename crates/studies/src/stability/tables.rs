@@ -3,9 +3,9 @@
 use crate::report::significant;
 use lennard_core::{Cell, Table, Tone};
 
-use super::OscillatorStudy;
 use super::displacement::{Case, STEP};
 use super::orders::OrderLine;
+use super::study::OscillatorStudy;
 
 /// All CSV tables of the oscillator part.
 pub(crate) fn csv(study: &OscillatorStudy) -> Vec<Table> {

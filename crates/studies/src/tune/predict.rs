@@ -11,9 +11,9 @@ use super::drift::{self, Stability};
 use super::sample::Sample;
 use super::survey::Survey;
 use super::terms::Terms;
-use crate::fluid_stability::stands_for_itself;
 use crate::lab::{Value, Workbench};
 use crate::settings::Settings;
+use crate::stability::groups::stands_for_itself;
 
 /// What the next order leaves unsure of a law in dt, as a share.
 const NEXT_ORDER: f64 = 0.1;

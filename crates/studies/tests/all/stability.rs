@@ -4,7 +4,7 @@ use std::path::Path;
 
 use lennard_observables::Verdict;
 use lennard_studies::Progress;
-use lennard_studies::fluid_stability::run::{FluidRun, Outcome};
+use lennard_studies::stability::fluid::run::{FluidRun, Outcome};
 use lennard_studies::stability::{self, StabilityOptions, StabilityStudy};
 
 /// Keeps what it is told.

@@ -53,10 +53,6 @@ const EXPLAINED: &[(&str, &str)] = &[
         "to be cut: pages and figures of the study read the study's types from the file that draws them",
     ),
     (
-        "studies/stability",
-        "to be cut: pages and figures of the study read the study's types from the file that draws them",
-    ),
-    (
         "studies/sweep/page",
         "to be cut: the page reads the sweep's types from the file that draws it",
     ),

@@ -3,7 +3,8 @@
 use crate::report::Section;
 
 use super::limit::{ALLOWED_CHANGE, LEAST_STEPS, LEAST_TIME};
-use super::{FluidStudy, figures, fluid, tables};
+use super::study::FluidStudy;
+use super::{figures, start, tables};
 
 /// The sections of the fluid part.
 pub(crate) fn sections(study: &FluidStudy) -> Vec<Section> {
@@ -19,9 +20,9 @@ pub(crate) fn sections(study: &FluidStudy) -> Vec<Section> {
                  equilibrated configuration for each state point and truncation, at constant energy. Methods \
                  that are one map on the oscillator run alike here too, and one of them is drawn for all; \
                  `fluid.csv` has every run.",
-                fluid::ATOMS,
-                fluid::DENSITY,
-                fluid::R_CUT
+                start::ATOMS,
+                start::DENSITY,
+                start::R_CUT
             ))
             .list(left_out)
             .figures(figures::energy(study))

@@ -2,9 +2,9 @@
 
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series};
 
-use super::fluid::{STATES, StatePoint, TRUNCATIONS};
 use super::run::FluidRun;
-use super::{FluidStudy, SHOWN_TRUNCATION, limit_at};
+use super::start::{STATES, StatePoint, TRUNCATIONS};
+use super::study::{FluidStudy, SHOWN_TRUNCATION, limit_at};
 use crate::stability::groups::groups;
 
 /// Steps common to the energy figures, τ.

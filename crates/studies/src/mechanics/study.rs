@@ -1,4 +1,4 @@
-//! Everything that the study found.
+//! What the study of mechanics asks for, and what it measured.
 
 use serde::Serialize;
 
@@ -11,11 +11,11 @@ pub type MechanicsOptions = StabilityOptions;
 
 /// Everything that was measured.
 #[derive(Debug, Clone, Serialize)]
-pub struct MechanicsFound {
+pub struct MechanicsMeasurements {
     /// Whether runs were short.
     pub is_quick: bool,
     /// Bonds held in each way.
-    pub ways: Vec<comparison::WayFound>,
+    pub ways: Vec<comparison::WayResults>,
     /// Stiffness of springs, and the distance of their dumbbells from rigid ones at the end, σ.
     pub model_errors: Vec<(f64, f64)>,
     /// Relaxation.
@@ -29,7 +29,7 @@ pub struct MechanicsFound {
     /// Drifts of fluids.
     pub drifts: Vec<fluid::FluidDrift>,
     /// Fluids beside equations of state.
-    pub states: Vec<fluid::StateFound>,
+    pub states: Vec<fluid::StateResults>,
     /// Pressures between walls.
     pub pressure: pressure::WallPressure,
 }
@@ -42,7 +42,7 @@ pub struct MechanicsStudy {
     /// What was asked for.
     pub options: MechanicsOptions,
     /// The measurements.
-    pub found: MechanicsFound,
+    pub found: MechanicsMeasurements,
     /// What is claimed, by whom, and whether it holds.
     pub claims: Vec<Claim>,
 }

@@ -2,24 +2,26 @@
 //! it, drift and fluctuation of the energy are measured.
 
 mod figures;
-pub mod fluid;
 pub mod limit;
 mod page;
 pub mod run;
+pub mod start;
+mod study;
 mod tables;
 
 use lennard_forcefield::Precision;
 use lennard_integrators::{IntegratorEntry, OscillatorModel, integrators};
-use serde::Serialize;
 
 use crate::jobs::side_by_side;
-use crate::stability::groups::{entry, groups};
+use crate::stability::groups::{entry, stands_for_itself};
 use crate::{Progress, StudyError};
-use fluid::{STATES, Start, TRUNCATIONS};
 use limit::FluidLimit;
 use run::{FluidRun, Plan};
+use start::{STATES, Start, TRUNCATIONS};
+use study::{SHOWN_TRUNCATION, limit_at};
 
 pub(crate) use page::sections;
+pub use study::FluidStudy;
 pub(crate) use tables::csv;
 
 /// Steps of the drift and fluctuation runs, τ.
@@ -38,43 +40,6 @@ const SMALL_STEPS: [f64; 6] = [1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3];
 const SMALL_STEP_TIME: f64 = 0.4;
 /// Steps past the limit, as multiples of it.
 const PAST_LIMIT: [f64; 4] = [1.05, 1.2, 1.5, 2.0];
-
-/// Everything found on the fluid.
-#[derive(Debug, Clone, Serialize)]
-pub struct FluidStudy {
-    /// Methods that cannot run a fluid, with the reason.
-    pub left_out: Vec<(&'static str, String)>,
-    /// Drift, fluctuation and temperature error.
-    pub runs: Vec<FluidRun>,
-    /// The largest stable steps.
-    pub limits: Vec<FluidLimit>,
-    /// Velocity Verlet with the switched potential at small steps in double precision.
-    pub double: Vec<FluidRun>,
-    /// The same in mixed precision.
-    pub mixed: Vec<FluidRun>,
-    /// Methods at 1.05 to 2 times their limits; one of each group that shares its map on the oscillator.
-    pub past_limit: Vec<(f64, FluidRun)>,
-}
-
-impl FluidStudy {
-    /// The runs at a state point under a truncation, as indices of [`STATES`] and [`TRUNCATIONS`].
-    fn runs_at(&self, state: usize, truncation: usize) -> impl Iterator<Item = &FluidRun> {
-        let (state, truncation) = (STATES[state].name, TRUNCATIONS[truncation].1);
-        let here = move |r: &&FluidRun| r.state == state && r.truncation == truncation;
-        self.runs.iter().filter(here)
-    }
-}
-
-/// The limit of a method at a state point under a truncation, as indices of [`STATES`] and [`TRUNCATIONS`].
-fn limit_at<'a>(
-    limits: &'a [FluidLimit],
-    method: &str,
-    state: usize,
-    truncation: usize,
-) -> Option<&'a FluidLimit> {
-    let (state, truncation) = (STATES[state].name, TRUNCATIONS[truncation].1);
-    limits.iter().find(|l| l.method == method && l.state == state && l.truncation == truncation)
-}
 
 /// A method of the study.
 struct Method {
@@ -103,18 +68,6 @@ fn methods() -> (Vec<Method>, Vec<(&'static str, String)>) {
         }
     }
     (methods, left_out)
-}
-
-/// Index of the truncation that stands for all where only one can be shown. Its energy and force are continuous,
-/// so that every error is an error of the method.
-pub(crate) const SHOWN_TRUNCATION: usize = 2;
-
-/// Whether a method is drawn. Methods with one map on the oscillator run alike on the fluid up to rounding, and
-/// the best known method stands for all.
-pub(crate) fn stands_for_itself(method: &str) -> bool {
-    let groups = groups();
-    let group = groups.iter().find(|g| g.members.iter().any(|e| e.spec.name == method));
-    group.is_none_or(|g| g.representative().spec.name == method)
 }
 
 /// Share of each part in the time of the fluid study.

@@ -4,8 +4,8 @@ use lennard_forcefield::Precision;
 use lennard_integrators::IntegratorEntry;
 use serde::Serialize;
 
-use super::fluid::{STATES, Start, TRUNCATIONS};
 use super::run::{FluidRun, Outcome, Plan, run};
+use super::start::{STATES, Start, TRUNCATIONS};
 use crate::StudyError;
 
 /// A step is stable if the energy has changed by less than this share of the kinetic energy 3/2·T …

@@ -3,10 +3,10 @@
 use crate::report::significant;
 use lennard_core::{Cell, RowsOf, Table, Tone};
 
-use super::fluid::{STATES, TRUNCATIONS};
 use super::limit::FluidLimit;
 use super::run::{FluidRun, Outcome};
-use super::{FluidStudy, SHOWN_TRUNCATION, limit_at};
+use super::start::{STATES, TRUNCATIONS};
+use super::study::{FluidStudy, SHOWN_TRUNCATION, limit_at};
 
 pub(crate) fn in_words(outcome: &Outcome) -> String {
     match outcome {

@@ -6,7 +6,7 @@ use lennard_integrators::IntegratorEntry;
 use lennard_observables::statistics::Line;
 use serde::Serialize;
 
-use super::fluid::{ATOMS, STATES, Start};
+use super::start::{ATOMS, STATES, Start, TRUNCATIONS};
 use crate::StudyError;
 use crate::lab::Rig;
 
@@ -124,7 +124,7 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
     let mut result = FluidRun {
         method: plan.entry.spec.name,
         state: STATES[plan.start.state_point].name,
-        truncation: super::fluid::TRUNCATIONS[plan.start.truncation].1,
+        truncation: TRUNCATIONS[plan.start.truncation].1,
         dt: plan.dt,
         steps: 0,
         outcome: Outcome::Completed,
