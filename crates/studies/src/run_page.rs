@@ -1,7 +1,6 @@
 //! The page of a run: made from its folder alone, so that it can be made again at any time.
 
 mod figures;
-mod motion;
 mod particles;
 mod phase_diagram;
 mod tables;
@@ -89,7 +88,7 @@ fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
         ),
         ("Interface", figures::INTERFACE, figures::interface(run)),
         ("Structure", figures::STRUCTURE, figures::structure(run)),
-        ("Motion and transport", motion::MOTION, motion::motion(run)),
+        ("Motion and transport", figures::MOTION, figures::motion(run)),
     ];
     let mut sections: Vec<Section> = at_a_glance.into_iter().filter_map(drawn).collect();
     // Means over few bodies are no properties of a fluid, and nothing is said of their errors.

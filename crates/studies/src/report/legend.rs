@@ -63,7 +63,9 @@ pub(crate) fn shared(pictures: &[Picture]) -> Vec<Entry> {
     let mut others = all[1..].iter();
     let mut shared = first.clone();
     shared.retain(|entry| others.clone().any(|entries| is_in(entry, entries)));
-    match shared.len() >= FEWEST_SHARED && others.all(|e| e.iter().any(|e| is_in(e, &shared))) {
+    // A legend in two places is harder to read than two.
+    let are_most = shared.len() >= FEWEST_SHARED && 4 * shared.len() >= 3 * first.len();
+    match are_most && others.all(|entries| entries.iter().any(|e| is_in(e, &shared))) {
         true => shared,
         false => Vec::new(),
     }

@@ -7,7 +7,7 @@
 //!     x: Axis::logarithmic("h / τ"),
 //!     y: Axis::logarithmic("RMS of E − E(0) / ε"),
 //!     table: "ways",                                    // ways.csv holds the numbers
-//!     columns: vec![Columns::new("{}", &["dt", "energy RMS"], Look::joined).by("way")],
+//!     columns: vec![Columns::new("{}", ["dt", "energy RMS"], Look::joined).by("way")],
 //!     caption: "RMS of the energy on the same run.".into(),
 //!     ..FigureRow::default()
 //! };
@@ -15,7 +15,7 @@
 //! ```
 //!
 //! `by` draws one series for each value of a column, in the order of the table, and `{}` in the name stands for this value.
-//! A third column has standard errors. Curves that are no columns, such as a law, are `theory`.
+//! `error` names the column of standard errors. Curves that are no columns, such as a law, are `theory`.
 
 use lennard_core::{Table, Value};
 
@@ -52,8 +52,10 @@ pub struct FigureRow<'a> {
 pub struct Columns<'a> {
     /// Name in the legend; `{}` stands for the value of the column that divides the rows.
     name: &'a str,
-    /// Names of abscissa, ordinate and, where there is one, standard error.
-    names: &'a [&'a str],
+    /// The columns of abscissa and ordinate.
+    names: [&'a str; 2],
+    /// The column of standard errors.
+    error: Option<&'a str>,
     /// The look of the series of an index.
     look: fn(usize) -> Look,
     /// The index of the first series.
@@ -63,10 +65,16 @@ pub struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    /// Abscissa and ordinate, or these with a standard error, under a name in the legend.
+    /// Abscissa and ordinate under a name in the legend; an empty one keeps them out.
     #[must_use]
-    pub fn new(name: &'a str, names: &'a [&'a str], look: fn(usize) -> Look) -> Self {
-        Self { name, names, look, first: 0, by: None }
+    pub fn new(name: &'a str, names: [&'a str; 2], look: fn(usize) -> Look) -> Self {
+        Self { name, names, error: None, look, first: 0, by: None }
+    }
+
+    /// The same with the standard errors of this column.
+    #[must_use]
+    pub fn error(self, column: &'a str) -> Self {
+        Self { error: Some(column), ..self }
     }
 
     /// The same with the look and the color of the `index`-th series.
@@ -83,9 +91,9 @@ impl<'a> Columns<'a> {
 
     /// The series of a table; none where it lacks a column.
     fn series(&self, table: &Table) -> Option<Vec<Series>> {
-        let [x, y, error] =
-            [0, 1, 2].map(|k| self.names.get(k).and_then(|name| table.numbers(name)));
+        let [x, y] = self.names.map(|name| table.numbers(name));
         let (x, y) = (x?, y?);
+        let error = self.error.and_then(|name| table.numbers(name));
         let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
         for row in 0..table.rows() {
             let value = self.by.map_or(Some(String::new()), |by| value_of(table, by, row))?;
@@ -177,13 +185,13 @@ mod tests {
 
     #[test]
     fn a_column_divides_the_rows_into_series_and_what_is_no_number_is_left_out() {
-        let figure = drawn(Columns::new("way {}", &["x", "y"], Look::joined).by("way")).unwrap();
+        let figure = drawn(Columns::new("way {}", ["x", "y"], Look::joined).by("way")).unwrap();
         let series = |k: usize| (figure.series[k].name.as_str(), figure.series[k].points.len());
         assert_eq!([series(0), series(1)], [("way a", 2), ("way b", 1)]);
         assert_ne!(figure.series[0].color, figure.series[1].color);
-        let one = drawn(Columns::new("all", &["x", "y"], Look::marks).at(3)).unwrap();
+        let one = drawn(Columns::new("all", ["x", "y"], Look::marks).at(3)).unwrap();
         assert_eq!((one.series.len(), one.series[0].points.len(), one.series[0].color), (1, 3, 3));
-        assert!(drawn(Columns::new("all", &["x", "z"], Look::line)).is_none());
+        assert!(drawn(Columns::new("all", ["x", "z"], Look::line)).is_none());
     }
 
     #[test]
@@ -191,7 +199,7 @@ mod tests {
         let numbers: Vec<f64> = (0..6000).map(f64::from).collect();
         let table = Table::new("t", "").with("x", "", numbers.clone()).with("y", "", numbers);
         let points =
-            |look| Columns::new("", &["x", "y"], look).series(&table).unwrap()[0].points.len();
+            |look| Columns::new("", ["x", "y"], look).series(&table).unwrap()[0].points.len();
         assert_eq!(points(Look::line), 600);
         assert_eq!(points(Look::marks), 6000);
     }

@@ -1,9 +1,8 @@
-//! The figures of a run's page.
+//! The figures of a run's page: a row for each, with the table that has its numbers.
 
 use crate::report::{
-    Axis, Dash, Figure, Guide, Look, Picture, Point, Series, Symbol, significant, with_error,
+    Axis, Columns, Dash, FigureRow, Guide, Look, Picture, Symbol, significant, with_error,
 };
-use lennard_core::Table;
 
 use crate::compare::{HANSEN_VERLET, RunFolder};
 
@@ -16,49 +15,42 @@ pub(super) const ERROR_BARS: &str = "Apparent standard error of the mean when su
      the correlation, and the plateau is the error.";
 pub(super) const STRUCTURE: &str = "Pair distribution and static structure factor. A liquid freezes where the first peak of S(k) reaches 2.85 (Hansen and Verlet 1969).";
 pub(super) const INTERFACE: &str = "Density across the slab about its own middle, with the fit of two hyperbolic tangents that both densities and the thickness come from.";
+pub(super) const MOTION: &str = "Mean-square displacement, velocity autocorrelation, and the correlations of stress and heat flux whose integrals are the viscosity and the \
+     conductivity.";
 
-/// Points of a curve that can be told apart on a page.
-const MOST_POINTS: usize = 600;
 /// Shells that are marked in g(r).
 const SHELLS: usize = 3;
 
-pub(super) const LINE: Look = Look::Line(Dash::Solid);
-pub(super) const MARKS: Look = Look::LineAndPoints(Dash::Dotted, Symbol::Disc);
-const JOINED_MARKS: Look = Look::LineAndPoints(Dash::Solid, Symbol::Disc);
+/// The diffusion coefficient by the integral of the velocity autocorrelation.
+const GREEN_KUBO: &str = "diffusion_coefficient_green_kubo";
 
-/// The only series of a figure.
-pub(super) fn series<P: Into<Point>>(look: Look, points: Vec<P>) -> Series {
-    Series::new("", look, 0, points)
+/// Marks joined by a dotted line.
+fn dotted_marks(_: usize) -> Look {
+    Look::LineAndPoints(Dash::Dotted, Symbol::Disc)
 }
 
-/// Pairs of two columns, finite ones, neighbors averaged where there are more than can be seen.
-pub(super) fn curve(table: &Table, x: &str, y: &str) -> Option<Vec<(f64, f64)>> {
-    let pairs = table.numbers(x)?.into_iter().zip(table.numbers(y)?);
-    let pairs: Vec<(f64, f64)> = pairs.filter(|(a, b)| a.is_finite() && b.is_finite()).collect();
-    let group = pairs.len().div_ceil(MOST_POINTS).max(1);
-    let mean = |c: &[(f64, f64)]| {
-        let n = c.len() as f64;
-        let (x, y) = c.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0, y + p.1));
-        (x / n, y / n)
-    };
-    let thinned: Vec<(f64, f64)> = pairs.chunks(group).map(mean).collect();
-    (!thinned.is_empty()).then_some(thinned)
+/// The rows that the run has tables for, drawn.
+fn drawn<'a>(run: &RunFolder, rows: impl IntoIterator<Item = FigureRow<'a>>) -> Vec<Picture> {
+    rows.into_iter().filter_map(|row| row.draw(|name| run.table(name))).collect()
 }
 
-/// Points with error bars.
-pub(super) fn with_errors(table: &Table, [x, y, error]: [&str; 3]) -> Option<Vec<Point>> {
-    let pairs = table.numbers(x)?.into_iter().zip(table.numbers(y)?);
-    let points: Vec<Point> = pairs
-        .zip(table.numbers(error)?)
-        .filter(|((x, y), _)| x.is_finite() && y.is_finite())
-        .map(|((x, y), error)| Point { error: Some(error), ..Point::from((x, y)) })
-        .collect();
-    (!points.is_empty()).then_some(points)
+/// A horizontal guide.
+fn level(at: f64, word: impl Into<String>) -> Guide {
+    Guide::Horizontal(at, word.into())
+}
+
+/// A level at a mean of the run, with a word beside it that says whether the mean is a result.
+fn level_at(run: &RunFolder, average: &str, word: &str) -> Vec<Guide> {
+    let mean = run.average(average).map(|a| match a.standard_error.is_finite() {
+        true => level(a.mean, word),
+        false => level(a.mean, format!("{word}: no result")),
+    });
+    mean.into_iter().collect()
 }
 
 /// A sentence with a mean of the run and its error in the place of `{}`; nothing where the run has no such mean. A mean that is
 /// no result says why.
-pub(super) fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String {
+fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String {
     run.average(average).map_or(String::new(), |a| {
         let value = match a.standard_error.is_finite() {
             true => with_error(a.mean, a.standard_error),
@@ -73,41 +65,33 @@ pub(super) fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String 
 /// Temperature, energy, pressure and conserved energy against time; density and volume where the box changes. Of a fluid, the
 /// means and where they begin.
 pub(super) fn time_series(run: &RunFolder, is_fluid: bool) -> Vec<Picture> {
-    let Some(table) = run.table("measured") else {
-        return Vec::new();
-    };
-    let changing_box = run.table("box");
     let cut = run.average("potential_energy").map_or(0, |a| a.equilibration_cut);
-    let time = table.numbers("time").unwrap_or_default();
+    let time = run.table("measured").and_then(|table| table.numbers("time")).unwrap_or_default();
     // The cut counts samples, and a row may be the mean of several.
     let interval = run.scene.output.thermo_every as f64 * run.scene.integrator.dt;
-    let cut_time =
-        time.first().filter(|_| is_fluid && cut > 0).map(|start| start + cut as f64 * interval);
-    let draw = |(file, name, title, label)| {
-        let table = if file == "box" { changing_box.as_ref()? } else { &table };
-        let curve = curve(table, "time", name)?;
-        let mut figure = Figure::new(name, title, Axis::linear("time / τ"), Axis::linear(label))
-            .with(series(LINE, curve));
-        if let Some(at) = cut_time {
-            figure = figure.guided(Guide::Vertical(at, "averages begin".into()));
-        }
-        let mean = match is_fluid {
-            true => said_of(run, name, "Mean {}."),
-            false => String::new(),
-        };
-        Some(Picture::new(figure, mean, format!("{file}.csv")))
+    let start = time.first().filter(|_| is_fluid && cut > 0);
+    let begin =
+        start.map(|start| Guide::Vertical(start + cut as f64 * interval, "averages begin".into()));
+    let row = |(table, name, title, label)| FigureRow {
+        name,
+        title,
+        x: Axis::linear("time / τ"),
+        y: Axis::linear(label),
+        table,
+        columns: vec![Columns::new("", ["time", name], Look::line)],
+        guides: begin.iter().cloned().collect(),
+        caption: if is_fluid { said_of(run, name, "Mean {}.") } else { String::new() },
+        ..FigureRow::default()
     };
-    [
+    let rows = [
         ("measured", "temperature", "Temperature, whole steps", "T / (ε/k_B)"),
         ("measured", "potential_energy", "Potential energy", "U/N / ε"),
         ("measured", "pressure", "Pressure", "P / (ε/σ³)"),
         ("box", "density", "Density", "ρ / σ⁻³"),
         ("box", "volume", "Volume", "V / σ³"),
         ("measured", "conserved_energy", "Conserved energy", "(E − heat)/N / ε"),
-    ]
-    .into_iter()
-    .filter_map(draw)
-    .collect()
+    ];
+    drawn(run, rows.map(row))
 }
 
 /// Temperature, energy and pressure against time through all stages; nothing where there is one stage.
@@ -127,119 +111,147 @@ pub(super) fn all_stages(run: &RunFolder) -> Vec<Picture> {
         Some(Guide::Vertical(*first.0, name))
     };
     let guides: Vec<Guide> = (1..stages.len()).filter_map(begins).collect();
-    let draw = |(name, title, label): (&str, &str, &str)| {
-        let curve = curve(&table, "time", name)?;
-        let figure = Figure::new(
-            format!("all_stages_{name}"),
-            title,
-            Axis::linear("time / τ"),
-            Axis::linear(label),
-        );
-        let figure = guides.iter().cloned().fold(figure.with(series(LINE, curve)), Figure::guided);
-        Some(Picture::new(figure, "", "thermo.csv"))
+    let row = |(name, column, title, label)| FigureRow {
+        name,
+        title,
+        x: Axis::linear("time / τ"),
+        y: Axis::linear(label),
+        table: "thermo",
+        columns: vec![Columns::new("", ["time", column], Look::line)],
+        guides: guides.clone(),
+        ..FigureRow::default()
     };
-    [
-        ("temperature", "Temperature, all stages", "T / (ε/k_B)"),
-        ("potential_energy", "Potential energy, all stages", "U/N / ε"),
-        ("pressure", "Pressure, all stages", "P / (ε/σ³)"),
-    ]
-    .into_iter()
-    .filter_map(draw)
-    .collect()
+    let rows = [
+        ("all_stages_temperature", "temperature", "Temperature, all stages", "T / (ε/k_B)"),
+        (
+            "all_stages_potential_energy",
+            "potential_energy",
+            "Potential energy, all stages",
+            "U/N / ε",
+        ),
+        ("all_stages_pressure", "pressure", "Pressure, all stages", "P / (ε/σ³)"),
+    ];
+    drawn(run, rows.map(row))
 }
 
 /// Blocking curves.
 pub(super) fn blocking(run: &RunFolder) -> Vec<Picture> {
-    let draw = |(name, title, unit)| {
-        let file = format!("blocking_{name}");
-        let points = with_errors(&run.table(&file)?, ["block", "standard_error", "uncertainty"])?;
-        if points.iter().all(|p| p.y <= 0.0) {
+    let draw = |(file, name, title, label)| {
+        let errors = run.table(file)?.numbers("standard_error")?;
+        if !errors.iter().any(|error| *error > 0.0) {
             return None;
         }
-        let mut figure = Figure::new(
-            file.as_str(),
-            format!("{title}: error against block length"),
-            Axis::logarithmic("samples per block"),
-            Axis::linear(format!("standard error / {unit}")),
-        )
-        .with(series(MARKS, points));
         let printed = run.average(name).map(|average| average.standard_error);
-        let line = match printed.filter(|error| error.is_finite()) {
-            Some(error) => {
-                figure = figure.level(error, "printed error");
-                "the line is the error printed beside the mean, from the correlation time"
-            }
+        let printed = printed.filter(|error| error.is_finite());
+        let line = match printed {
+            Some(_) => "the line is the error printed beside the mean, from the correlation time",
             None => "the mean has no error",
         };
-        let caption = format!("Marks with their own uncertainty; {line}.");
-        Some(Picture::new(figure, caption, format!("{file}.csv")))
+        let curve = Columns::new("", ["block", "standard_error"], dotted_marks);
+        let row = FigureRow {
+            name: file,
+            title,
+            x: Axis::logarithmic("samples per block"),
+            y: Axis::linear(label),
+            table: file,
+            columns: vec![curve.error("uncertainty")],
+            guides: printed.map(|error| level(error, "printed error")).into_iter().collect(),
+            caption: format!("Marks with their own uncertainty; {line}."),
+            ..FigureRow::default()
+        };
+        row.draw(|name| run.table(name))
     };
     [
-        ("potential_energy", "Potential energy", "ε"),
-        ("pressure", "Pressure", "ε/σ³"),
-        ("temperature", "Temperature, whole steps", "ε/k_B"),
+        (
+            "blocking_potential_energy",
+            "potential_energy",
+            "Potential energy: error against block length",
+            "standard error / ε",
+        ),
+        (
+            "blocking_pressure",
+            "pressure",
+            "Pressure: error against block length",
+            "standard error / ε/σ³",
+        ),
+        (
+            "blocking_temperature",
+            "temperature",
+            "Temperature, whole steps: error against block length",
+            "standard error / ε/k_B",
+        ),
     ]
     .into_iter()
     .filter_map(draw)
     .collect()
 }
 
-/// g(r) with its shells and S(k).
-pub(super) fn structure(run: &RunFolder) -> Vec<Picture> {
-    [pair_distribution(run), structure_factor(run)].into_iter().flatten().collect()
-}
-
 /// The density across a slab with its fit.
 pub(super) fn interface(run: &RunFolder) -> Vec<Picture> {
-    let draw = || {
-        let table = run.table("interface_profile")?;
-        let place = table.columns.first()?.name.clone();
-        let columns = [place.as_str(), "density", "standard error"];
-        let density = with_errors(&table, columns)?;
-        let mut figure = Figure::new(
-            "interface_profile",
-            "Density across the slab",
-            Axis::linear(format!("{place} from the middle / σ")),
-            Axis::linear("ρ / σ⁻³"),
-        )
-        .with(Series::new("measured", Look::Points(Symbol::Disc), 0, density));
-        if let Some(fit) = curve(&table, &place, "fit") {
-            figure = figure.with(Series::new("fit", LINE, 1, fit));
-        }
-        let caption = said_of(run, "liquid_density", "ρ of the liquid {} σ⁻³, ")
+    let place = run.table("interface_profile").and_then(|t| Some(t.columns.first()?.name.clone()));
+    let place = place.unwrap_or_default();
+    let density = Columns::new("measured", [&place, "density"], Look::marks);
+    let row = FigureRow {
+        name: "interface_profile",
+        title: "Density across the slab",
+        x: Axis::linear(format!("{place} from the middle / σ")),
+        y: Axis::linear("ρ / σ⁻³"),
+        table: "interface_profile",
+        columns: vec![
+            density.error("standard error"),
+            Columns::new("fit", [&place, "fit"], Look::line).at(1),
+        ],
+        caption: said_of(run, "liquid_density", "ρ of the liquid {} σ⁻³, ")
             + &said_of(run, "vapor_density", "of the vapor {} σ⁻³; ")
-            + &said_of(run, "interface_thickness", "thickness from 10 % to 90 % {} σ.");
-        Some(Picture::new(figure, caption, "interface_profile.csv"))
+            + &said_of(run, "interface_thickness", "thickness from 10 % to 90 % {} σ."),
+        ..FigureRow::default()
     };
-    draw().into_iter().collect()
+    drawn(run, [row])
 }
 
-fn pair_distribution(run: &RunFolder) -> Option<Picture> {
-    let g = curve(&run.table("rdf")?, "r", "g")?;
-    let mut figure = Figure::new(
-        "rdf",
-        "Radial distribution function",
-        Axis::linear("r / σ"),
-        Axis::linear("g(r)"),
-    )
-    .with(series(LINE, g))
-    .level(1.0, "");
-    let mut shells = Vec::new();
-    for (shell, r) in minima(run).into_iter().take(SHELLS).enumerate() {
-        figure = figure.guided(Guide::Vertical(r, (shell + 1).to_string()));
-        shells.push(format!("{r:.3}"));
-    }
-    let caption = if shells.is_empty() {
-        "No shell ends within the range.".to_owned()
-    } else {
-        let neighbors = " {} neighbors up to the first of them.";
-        format!(
-            "Shells 1, 2, … end at the dashed minima, {} σ.{}",
-            shells.join(", "),
-            said_of(run, "coordination_number", neighbors)
-        )
+/// g(r) with its shells and S(k).
+pub(super) fn structure(run: &RunFolder) -> Vec<Picture> {
+    let shells: Vec<f64> = minima(run).into_iter().take(SHELLS).collect();
+    let ends: Vec<String> = shells.iter().map(|r| format!("{r:.3}")).collect();
+    let ends = ends.join(", ");
+    let of_shells = match shells.is_empty() {
+        true => "No shell ends within the range.".to_owned(),
+        false => {
+            format!("Shells 1, 2, … end at the dashed minima, {ends} σ.")
+                + &said_of(run, "coordination_number", " {} neighbors up to the first of them.")
+        }
     };
-    Some(Picture::new(figure, caption, "rdf.csv"))
+    let at_shells =
+        shells.iter().enumerate().map(|(i, r)| Guide::Vertical(*r, (i + 1).to_string()));
+    let factor = Columns::new("", ["k", "structure_factor"], Look::joined);
+    let rows = [
+        FigureRow {
+            name: "rdf",
+            title: "Radial distribution function",
+            x: Axis::linear("r / σ"),
+            y: Axis::linear("g(r)"),
+            table: "rdf",
+            columns: vec![Columns::new("", ["r", "g"], Look::line)],
+            guides: [level(1.0, "")].into_iter().chain(at_shells).collect(),
+            caption: of_shells,
+            ..FigureRow::default()
+        },
+        FigureRow {
+            name: "structure_factor",
+            title: "Static structure factor",
+            x: Axis::linear("k / σ⁻¹"),
+            y: Axis::linear("S(k)"),
+            table: "structure_factor",
+            columns: vec![factor.error("standard_error")],
+            guides: vec![
+                level(HANSEN_VERLET, format!("freezing, {HANSEN_VERLET}")),
+                level(1.0, ""),
+            ],
+            caption: said_of(run, "structure_factor_first_peak", "First peak {}."),
+            ..FigureRow::default()
+        },
+    ];
+    drawn(run, rows)
 }
 
 /// The distances of the minima of g(r), σ.
@@ -253,18 +265,113 @@ fn minima(run: &RunFolder) -> Vec<f64> {
     both.filter(|(kind, _)| *kind < 0.0).map(|(_, r)| r).collect()
 }
 
-fn structure_factor(run: &RunFolder) -> Option<Picture> {
-    let table = run.table("structure_factor")?;
-    let s = with_errors(&table, ["k", "structure_factor", "standard_error"])?;
-    let figure = Figure::new(
-        "structure_factor",
-        "Static structure factor",
-        Axis::linear("k / σ⁻¹"),
-        Axis::linear("S(k)"),
-    )
-    .with(series(JOINED_MARKS, s))
-    .level(HANSEN_VERLET, format!("freezing, {HANSEN_VERLET}"))
-    .level(1.0, "");
-    let caption = said_of(run, "structure_factor_first_peak", "First peak {}.");
-    Some(Picture::new(figure, caption, "structure_factor.csv"))
+/// Mean-square displacement, velocity autocorrelation, Green–Kubo integrals.
+pub(super) fn motion(run: &RunFolder) -> Vec<Picture> {
+    let green_kubo = |(name, title, label)| FigureRow {
+        name,
+        title,
+        x: Axis::linear("upper limit / τ"),
+        y: Axis::linear(label),
+        table: name,
+        columns: vec![
+            Columns::new("", ["time", "integral"], dotted_marks).error("integral_standard_error"),
+        ],
+        guides: level_at(run, name, "plateau"),
+        caption: match run.average(name) {
+            Some(a) => said_of(run, name, &format!("Plateau {{}} {}.", a.unit)),
+            None => "No plateau was found.".to_owned(),
+        },
+        ..FigureRow::default()
+    };
+    let [plain, _] = diffusion(run);
+    let integral = "A third of its integral: D = {} σ²/τ in this box";
+    let mut caption = said_of(run, GREEN_KUBO, integral)
+        + &said_of(run, plain, "; the slope of the displacement gives {}");
+    if !caption.is_empty() {
+        caption += ". Neither is corrected for finite size.";
+    }
+    let rows = [
+        displacement(run),
+        FigureRow {
+            name: "vacf",
+            title: "Velocity autocorrelation",
+            x: Axis::linear("lag / τ"),
+            y: Axis::linear("C(t)/C(0)"),
+            table: "vacf",
+            columns: vec![Columns::new("", ["time", "normalised"], Look::line)],
+            guides: vec![level(0.0, "")],
+            caption,
+            ..FigureRow::default()
+        },
+        FigureRow {
+            name: "vacf_integral",
+            title: "Running integral of the velocity autocorrelation",
+            x: Axis::linear("upper limit / τ"),
+            y: Axis::linear("D(t) / (σ²/τ)"),
+            table: "vacf",
+            columns: vec![Columns::new("", ["time", "diffusion"], Look::line)],
+            guides: level_at(run, GREEN_KUBO, "D in this box"),
+            ..FigureRow::default()
+        },
+        green_kubo((
+            "shear_viscosity",
+            "Green–Kubo integral of the shear viscosity",
+            "η / (ετ/σ³)",
+        )),
+        green_kubo((
+            "thermal_conductivity",
+            "Green–Kubo integral of the thermal conductivity",
+            "λ / (k_B/(στ))",
+        )),
+    ];
+    drawn(run, rows)
+}
+
+/// The names of the diffusion coefficient as measured, and corrected for finite size. The second is empty where the run has no
+/// correction.
+fn diffusion(run: &RunFolder) -> [&'static str; 2] {
+    const CORRECTED: &str = "diffusion_coefficient";
+    const PLAIN: &str = "diffusion_coefficient_uncorrected";
+    match run.average(PLAIN) {
+        Some(_) => [PLAIN, CORRECTED],
+        None => [CORRECTED, ""],
+    }
+}
+
+fn displacement(run: &RunFolder) -> FigureRow<'static> {
+    let (mut guides, mut columns) =
+        (Vec::new(), vec![Columns::new("measured", ["time", "msd"], Look::line)]);
+    let mut caption = "No straight part was found: the run is too short.".to_owned();
+    if let Some([from, to]) = fitted(run) {
+        let [plain, corrected] = diffusion(run);
+        caption = format!(
+            "The dashed line is fitted from {} to {} τ.{}{}",
+            significant(from, 3),
+            significant(to, 3),
+            said_of(run, plain, " A sixth of its slope: D = {} σ²/τ in this box."),
+            said_of(run, corrected, " Corrected for finite size (Yeh and Hummer): D = {} σ²/τ."),
+        );
+        columns.push(Columns::new("fit", ["time", "fit"], |_| Look::Line(Dash::Dashed)).at(1));
+        guides = vec![Guide::Vertical(from, "fit".into()), Guide::Vertical(to, String::new())];
+    }
+    FigureRow {
+        name: "msd",
+        title: "Mean-square displacement",
+        x: Axis::logarithmic("lag / τ"),
+        y: Axis::logarithmic("⟨|r(t) − r(0)|²⟩ / σ²"),
+        table: "msd",
+        columns,
+        guides,
+        caption,
+        ..FigureRow::default()
+    }
+}
+
+/// The lags between which the displacement is fitted, τ.
+fn fitted(run: &RunFolder) -> Option<[f64; 2]> {
+    let table = run.table("msd")?;
+    let lags = table.numbers("time")?.into_iter().zip(table.numbers("fit")?);
+    let mut fitted = lags.filter(|(lag, fit)| *lag > 0.0 && *fit > 0.0).map(|(lag, _)| lag);
+    let first = fitted.next()?;
+    Some([first, fitted.last()?])
 }
