@@ -10,7 +10,6 @@ mod args;
 mod commands;
 mod failure;
 mod list_entry;
-mod man;
 mod progress;
 mod ranks;
 mod show;

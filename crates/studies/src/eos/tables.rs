@@ -1,6 +1,6 @@
 //! What equations of state give, for a reader.
 
-use lennard_core::{Cell, Column, Table, Tone};
+use lennard_core::{Cell, Table, Tone};
 use lennard_literature::{EquationOfState, Property, freezing_lines_of};
 
 use super::{Coexistence, Evaluated, Freezing};
@@ -22,15 +22,11 @@ fn value(evaluated: &Evaluated, property: &Property) -> Cell {
 pub fn single(evaluated: &[Evaluated], properties: &[&Property]) -> Table {
     let mut table = Table::rows_of("state", properties)
         .column("Property", |p| p.name)
-        .column("Unit", |p| p.unit)
-        .table();
+        .column("Unit", |p| p.unit);
     for one in evaluated.iter().filter(|e| e.found.is_ok()) {
-        table.columns.push(Column {
-            cells: properties.iter().map(|p| value(one, p)).collect(),
-            ..Column::headed(&one.equation.spec().name)
-        });
+        table = table.column(&one.equation.spec().name, |p| value(one, p));
     }
-    table
+    table.table()
 }
 
 /// Many states of one equation: a row for each state, a column for each property.
@@ -39,30 +35,19 @@ pub fn curve(evaluated: &[Evaluated], properties: &[&Property]) -> Table {
     let density = |e: &Evaluated| Some(e.found.as_ref().ok()?.state.rho);
     let mut table = Table::rows_of("curve", evaluated)
         .column("T [ε/k_B]", |e| Cell::rounded(e.temperature, DIGITS))
-        .column("ρ [σ⁻³]", |e| Cell::rounded(density(e), DIGITS))
-        .table();
+        .column("ρ [σ⁻³]", |e| Cell::rounded(density(e), DIGITS));
     for property in properties {
-        let heading = if property.unit.is_empty() {
-            property.key.to_owned()
-        } else {
-            format!("{} [{}]", property.key, property.unit)
+        let heading = match property.unit {
+            "" => property.key.to_owned(),
+            unit => format!("{} [{unit}]", property.key),
         };
-        table.columns.push(Column {
-            cells: evaluated.iter().map(|e| value(e, property)).collect(),
-            ..Column::headed(&heading)
-        });
+        table = table.column(&heading, |e| value(e, property));
     }
-    table.columns.push(Column {
-        cells: evaluated
-            .iter()
-            .map(|e| match &e.found {
-                Ok(found) => found.phase.describe().into(),
-                Err(outside) => outside.as_str().into(),
-            })
-            .collect(),
-        ..Column::headed("phase")
-    });
-    table
+    let phase = |e: &Evaluated| match &e.found {
+        Ok(found) => Cell::from(found.phase.describe()),
+        Err(outside) => Cell::from(outside.as_str()),
+    };
+    table.column("phase", phase).table()
 }
 
 /// Vapor and liquid side by side, a row for each temperature.

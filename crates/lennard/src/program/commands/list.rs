@@ -27,47 +27,36 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
         Listed::Scenes => scenes(),
         Listed::Integrators => integrators(),
         Listed::Thermostats => thermostats(),
-        Listed::Barostats => lennard_integrators::barostats()
-            .iter()
-            .map(|s| Entry {
-                properties: properties! {
-                    "thermostat beside it": s.thermostat.unwrap_or("any that is canonical"),
-                },
-                ..plain(s.name, s.summary, s.equation, s.source)
-            })
-            .collect(),
-        Listed::Exchanges => lennard_integrators::exchanges()
-            .iter()
-            .map(|s| plain(s.name, s.summary, s.equation, s.source))
-            .collect(),
-        Listed::Potentials => lennard_forcefield::potentials()
-            .iter()
-            .map(|s| plain(s.name, s.summary, s.equation, s.source))
-            .collect(),
-        Listed::Truncations => lennard_forcefield::truncations()
-            .iter()
-            .map(|s| plain(s.name, s.summary, s.equation, s.source))
-            .collect(),
-        Listed::CombiningRules => lennard_forcefield::combining_rules()
-            .iter()
-            .map(|s| plain(s.name, s.summary, s.equation, s.source))
-            .collect(),
-        Listed::Bonds => lennard_integrators::bond_methods()
-            .iter()
-            .map(|s| plain(s.name, s.summary, s.equations, s.source))
-            .collect(),
-        Listed::Walls => lennard_forcefield::walls()
-            .iter()
-            .map(|s| plain(s.name, s.summary, s.equation, s.source))
-            .collect(),
-        Listed::Contacts => lennard_contacts::contacts()
-            .iter()
-            .map(|s| plain(s.name, s.summary, s.equation, s.source))
-            .collect(),
-        Listed::Observables => lennard_observables::observables()
-            .iter()
-            .map(|s| plain(s.name, s.summary, s.equation, s.source))
-            .collect(),
+        Listed::Barostats => each(lennard_integrators::barostats(), |s| Entry {
+            properties: properties! {
+                "thermostat beside it": s.thermostat.unwrap_or("any that is canonical"),
+            },
+            ..described([s.name, s.summary, s.equation, s.source])
+        }),
+        Listed::Exchanges => each(lennard_integrators::exchanges(), |s| {
+            described([s.name, s.summary, s.equation, s.source])
+        }),
+        Listed::Potentials => each(lennard_forcefield::potentials(), |s| {
+            described([s.name, s.summary, s.equation, s.source])
+        }),
+        Listed::Truncations => each(lennard_forcefield::truncations(), |s| {
+            described([s.name, s.summary, s.equation, s.source])
+        }),
+        Listed::CombiningRules => each(lennard_forcefield::combining_rules(), |s| {
+            described([s.name, s.summary, s.equation, s.source])
+        }),
+        Listed::Bonds => each(lennard_integrators::bond_methods(), |s| {
+            described([s.name, s.summary, s.equations, s.source])
+        }),
+        Listed::Walls => each(lennard_forcefield::walls(), |s| {
+            described([s.name, s.summary, s.equation, s.source])
+        }),
+        Listed::Contacts => each(lennard_contacts::contacts(), |s| {
+            described([s.name, s.summary, s.equation, s.source])
+        }),
+        Listed::Observables => each(lennard_observables::observables(), |s| {
+            described([s.name, s.summary, s.equation, s.source])
+        }),
         Listed::Formats => formats(),
         Listed::EquationsOfState => equations_of_state(),
         Listed::ReferenceTables => reference_tables(),
@@ -93,19 +82,15 @@ fn told(json: bool, entries: &[Entry], show: impl FnOnce()) -> Result<u8, Failur
 
 /// What can be listed.
 fn kinds(json: bool) -> Result<u8, Failure> {
-    let kinds: Vec<Entry> = Listed::value_variants()
-        .iter()
-        .filter_map(ValueEnum::to_possible_value)
-        .map(|kind| Entry {
-            name: kind.get_name().into(),
-            summary: kind.get_help().map(ToString::to_string).unwrap_or_default(),
-            equation: None,
-            properties: properties! {
-                "command": format!("lennard list {}", kind.get_name()),
-            },
-            source: String::new(),
-        })
-        .collect();
+    let kinds: Vec<_> =
+        Listed::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect();
+    let kinds = each(&kinds, |kind| {
+        let (name, help) = (kind.get_name(), kind.get_help().map(ToString::to_string));
+        Entry {
+            properties: properties! { "command": format!("lennard list {name}") },
+            ..without_equation([name, &help.unwrap_or_default(), ""])
+        }
+    });
     told(json, &kinds, || {
         show::print(&show::list(&kinds), Style::Names);
         println!("\none of these: lennard list scenes");
@@ -123,104 +108,84 @@ fn unknown(name: &str, known: &[String]) -> Failure {
 }
 
 fn scenes() -> Vec<Entry> {
-    lennard_scene::shipped::scenes()
-        .iter()
-        .map(|scene| Entry {
-            name: scene.name.into(),
-            summary: scene.subject(),
-            equation: None,
-            properties: serde_json::Map::new(),
-            source: format!(
-                "lennard {} {}",
-                if scene.is_sweep() { "sweep" } else { "run" },
-                scene.name
-            ),
-        })
-        .collect()
+    each(lennard_scene::shipped::scenes(), |scene| {
+        let command = if scene.is_sweep() { "sweep" } else { "run" };
+        let source = format!("lennard {command} {}", scene.name);
+        without_equation([scene.name, &scene.subject(), &source])
+    })
 }
 
-fn plain(name: &str, summary: &str, equation: &str, source: &str) -> Entry {
+/// An entry for each item of a list.
+fn each<S>(all: &[S], entry: impl Fn(&S) -> Entry) -> Vec<Entry> {
+    all.iter().map(entry).collect()
+}
+
+/// An entry with a name, a summary, an equation and a source.
+fn described([name, summary, equation, source]: [&str; 4]) -> Entry {
+    Entry { equation: Some(equation.into()), ..without_equation([name, summary, source]) }
+}
+
+fn without_equation([name, summary, source]: [&str; 3]) -> Entry {
     Entry {
         name: name.into(),
         summary: summary.into(),
-        equation: Some(equation.into()),
+        equation: None,
         properties: serde_json::Map::new(),
         source: source.into(),
     }
 }
 
 fn integrators() -> Vec<Entry> {
-    lennard_integrators::integrators()
-        .iter()
-        .map(|entry| {
-            let s = entry.spec;
-            Entry {
-                properties: properties! {
-                    "order of positions": s.position_order,
-                    "order of velocities": s.velocity_order,
-                    "symplectic": s.symplectic,
-                    "reversible": s.reversible,
-                    "fixed step only": s.fixed_step_only,
-                    "half kicks: has a temperature of half steps": s.half_kicks,
-                    "force evaluations per step": s.force_evaluations,
-                    "largest stable ωh": s.stability_limit,
-                },
-                ..plain(s.name, s.summary, s.equations, s.source)
-            }
-        })
-        .collect()
+    each(lennard_integrators::integrators(), |entry| {
+        let s = entry.spec;
+        Entry {
+            properties: properties! {
+                "order of positions": s.position_order,
+                "order of velocities": s.velocity_order,
+                "symplectic": s.symplectic,
+                "reversible": s.reversible,
+                "fixed step only": s.fixed_step_only,
+                "half kicks: has a temperature of half steps": s.half_kicks,
+                "force evaluations per step": s.force_evaluations,
+                "largest stable ωh": s.stability_limit,
+            },
+            ..described([s.name, s.summary, s.equations, s.source])
+        }
+    })
 }
 
 fn formats() -> Vec<Entry> {
-    TrajectoryFormat::ALL
-        .iter()
-        .map(|format| {
-            let s = format.spec();
-            Entry {
-                name: format.name().into(),
-                summary: s.summary.into(),
-                equation: None,
-                properties: properties! {
-                    "file": s.file,
-                    "velocities and forces": s.holds_vectors,
-                    "rounds positions": s.limits.is_some(),
-                },
-                source: s.readers.into(),
-            }
-        })
-        .collect()
+    each(&TrajectoryFormat::ALL, |format| {
+        let s = format.spec();
+        Entry {
+            properties: properties! {
+                "file": s.file,
+                "velocities and forces": s.holds_vectors,
+                "rounds positions": s.limits.is_some(),
+            },
+            ..without_equation([format.name(), s.summary, s.readers])
+        }
+    })
 }
 
 fn reference_tables() -> Vec<Entry> {
-    lennard_literature::reference_tables()
-        .iter()
-        .map(|table| {
-            let doi = table.doi.map_or(String::new(), |doi| format!(", doi:{doi}"));
-            Entry {
-                name: table.name.into(),
-                summary: table.summary.into(),
-                equation: None,
-                properties: properties! {
-                    "status": table.status.describe(),
-                    "licence": table.licence,
-                },
-                source: format!("{}{doi}", table.source),
-            }
-        })
-        .collect()
+    each(lennard_literature::reference_tables(), |table| {
+        let doi = table.doi.map_or(String::new(), |doi| format!(", doi:{doi}"));
+        Entry {
+            properties: properties! {
+                "status": table.status.describe(),
+                "licence": table.licence,
+            },
+            ..without_equation([table.name, table.summary, &format!("{}{doi}", table.source)])
+        }
+    })
 }
 
 fn thermostats() -> Vec<Entry> {
-    lennard_integrators::thermostats()
-        .iter()
-        .map(|s| Entry {
-            name: s.name.into(),
-            summary: s.summary.into(),
-            equation: None,
-            properties: properties! { "samples the canonical ensemble": s.canonical },
-            source: s.source.into(),
-        })
-        .collect()
+    each(lennard_integrators::thermostats(), |s| Entry {
+        properties: properties! { "samples the canonical ensemble": s.canonical },
+        ..without_equation([s.name, s.summary, s.source])
+    })
 }
 
 /// The bond length for which two-center equations are listed, σ; scenes may have any from 0.1 to 1 σ.
@@ -236,9 +201,6 @@ fn equations_of_state() -> Vec<Entry> {
         .map(|equation| {
             let s = equation.spec();
             Entry {
-                name: s.key.clone(),
-                summary: format!("{}: {}", s.name, s.model),
-                equation: None,
                 properties: properties! {
                     "T": [s.range.t_min, s.range.t_max],
                     "largest p": s.range.p_max,
@@ -246,7 +208,7 @@ fn equations_of_state() -> Vec<Entry> {
                     "doi": s.doi,
                     "status": s.status,
                 },
-                source: s.citation.clone(),
+                ..without_equation([&s.key, &format!("{}: {}", s.name, s.model), &s.citation])
             }
         })
         .collect()
