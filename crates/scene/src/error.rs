@@ -55,18 +55,31 @@ impl SceneError {
         self
     }
 
-    pub(crate) fn found(mut self, found: impl fmt::Display) -> Self {
+    /// Says what was found.
+    #[must_use]
+    pub fn found(mut self, found: impl fmt::Display) -> Self {
         self.0.found = Some(found.to_string());
         self
     }
 
-    pub(crate) fn allowed(mut self, allowed: impl fmt::Display) -> Self {
+    /// Says what is allowed.
+    #[must_use]
+    pub fn allowed(mut self, allowed: impl fmt::Display) -> Self {
         self.0.allowed = Some(allowed.to_string());
         self
     }
 
-    pub(crate) fn suggestion(mut self, suggestion: Option<impl Into<String>>) -> Self {
+    /// Says which name may be meant.
+    #[must_use]
+    pub fn suggestion(mut self, suggestion: Option<impl Into<String>>) -> Self {
         self.0.suggestion = suggestion.map(Into::into);
+        self
+    }
+
+    /// The same trouble at a place of another file.
+    pub(crate) fn moved(mut self, file: &str, place: Option<Place>) -> Self {
+        file.clone_into(&mut self.0.file);
+        self.0.place = place;
         self
     }
 
@@ -262,8 +275,15 @@ impl Source {
             .allowed("each at most once")
     }
 
+    /// The error that the file has this trouble.
+    #[must_use]
+    pub fn without_key(&self, message: impl Into<String>) -> SceneError {
+        SceneError::new(&self.file, message)
+    }
+
     /// The error that a key has this trouble, with file and line.
-    pub(crate) fn refuse(&self, key: &str, message: impl Into<String>) -> SceneError {
+    #[must_use]
+    pub fn refuse(&self, key: &str, message: impl Into<String>) -> SceneError {
         SceneError::new(&self.file, message).at(self.place(key).cloned()).key(key)
     }
 }

@@ -44,6 +44,7 @@ pub mod shipped;
 mod slab;
 mod stage;
 mod start;
+pub mod study;
 mod system;
 mod walls;
 

@@ -14,10 +14,8 @@ use crate::removed::{RemovedKind, removed};
 use crate::section::Section;
 use crate::{
     MixtureTables, Name, ProgramParts, Scene, Source, accuracy, checks, model_kind, planar, shipped,
+    study,
 };
-
-/// Keys outside all tables that make a file a sweep.
-const KEYS_OF_A_SWEEP: [&str; 4] = ["base", "grid", "point", "set"];
 
 impl Scene {
     /// Reads a scene file, with overrides such as `("stage.production.steps", "1000")` over it.
@@ -206,7 +204,7 @@ impl<'a> Reader<'a> {
         let written = |form: Form| reference::tables().iter().filter(move |doc| doc.form == form);
         let tables = ROOT.into_iter().flat_map(written).map(|doc| doc.table);
         let known: Vec<&str> = tables.chain(["name"]).collect();
-        if KEYS_OF_A_SWEEP.contains(&key) {
+        if study::KEYS.contains(&key) {
             return self
                 .source
                 .refuse(key, "belongs to a sweep, and this file is read as a scene")

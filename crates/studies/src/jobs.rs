@@ -1,12 +1,18 @@
-//! Independent jobs side by side, one thread each, with progress told from the calling thread.
+//! Independent jobs side by side, with progress told from the calling thread.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
 
 use lennard_core::parallel;
 
 use crate::StudyError;
+
+/// Time between two looks at how far the jobs are.
+const LOOK_EVERY: Duration = Duration::from_millis(200);
+/// Time between two looks at whether a start is still wanted.
+const STOP_EVERY: Duration = Duration::from_millis(50);
 
 /// Runs `work` on every item, on all threads of the present pool, and returns the results in the order of the
 /// items. After each item `done` is called on this thread with the share that is finished.
@@ -36,44 +42,78 @@ pub(crate) fn side_by_side_on<I: Sync, R: Send>(
     work: impl Fn(&I) -> R + Sync,
     mut done: impl FnMut(f64),
 ) -> Vec<R> {
+    let on_one_thread = |_: usize, item: &I| match pool(1) {
+        Ok(pool) => pool.install(|| work(item)),
+        // Without a pool of its own the job runs as well, only on more threads.
+        Err(_) => work(item),
+    };
+    let share = |finished: usize| done(finished as f64 / items.len() as f64);
+    side_by_side_with(threads, items, on_one_thread, share)
+}
+
+/// Runs `work` on every item with at most so many workers, and returns the results in the order of the items. `work` is
+/// given the number of its worker. `look` is called on this thread with the number of finished items, after each and
+/// several times a second.
+pub(crate) fn side_by_side_with<I: Sync, R: Send>(
+    workers: usize,
+    items: &[I],
+    work: impl Fn(usize, &I) -> R + Sync,
+    mut look: impl FnMut(usize),
+) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<R>>> = items.iter().map(|_| Mutex::new(None)).collect();
-    let threads = threads.clamp(1, items.len().max(1));
-    let (tell, told) = mpsc::channel();
+    let (finish, finished) = mpsc::channel();
     std::thread::scope(|scope| {
-        for _ in 0..threads {
-            let tell = tell.clone();
+        for worker in 0..workers.clamp(1, items.len().max(1)) {
+            let finish = finish.clone();
             let (next, results, work) = (&next, &results, &work);
             scope.spawn(move || {
-                let run = || {
-                    while let Some((i, item)) = {
-                        let i = next.fetch_add(1, Ordering::Relaxed);
-                        items.get(i).map(|item| (i, item))
-                    } {
-                        let result = work(item);
-                        if let Ok(mut slot) = results[i].lock() {
-                            *slot = Some(result);
-                        }
-                        // The receiver lives until every sender is gone.
-                        let _ = tell.send(());
+                while let Some((i, item)) = {
+                    let i = next.fetch_add(1, Ordering::Relaxed);
+                    items.get(i).map(|item| (i, item))
+                } {
+                    let result = work(worker, item);
+                    if let Ok(mut slot) = results[i].lock() {
+                        *slot = Some(result);
                     }
-                };
-                match pool(1) {
-                    Ok(pool) => pool.install(run),
-                    // Without a pool of its own the job runs as well, only on more threads.
-                    Err(_) => run(),
+                    // The receiver lives until every sender is gone.
+                    let _ = finish.send(());
                 }
             });
         }
-        drop(tell);
-        for finished in 1..=items.len() {
-            if told.recv().is_err() {
-                break;
+        drop(finish);
+        let mut count = 0;
+        loop {
+            match finished.recv_timeout(LOOK_EVERY) {
+                Ok(()) => count += 1,
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break,
             }
-            done(finished as f64 / items.len() as f64);
+            look(count);
         }
     });
     results.into_iter().filter_map(|slot| slot.into_inner().ok().flatten()).collect()
+}
+
+/// Does what may take long and writes nothing; `None` where `stop` is set meanwhile. The thread at work is then left alone:
+/// nobody waits for a start that nobody wants.
+pub(crate) fn unless_stopped<T: Send + 'static>(
+    stop: &AtomicBool,
+    start: impl FnOnce() -> T + Send + 'static,
+) -> Option<T> {
+    let (give, given) = mpsc::channel();
+    std::thread::spawn(move || give.send(start()));
+    loop {
+        let value = given.recv_timeout(STOP_EVERY);
+        if stop.load(Ordering::SeqCst) {
+            return None;
+        }
+        match value {
+            Ok(value) => return Some(value),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return None,
+        }
+    }
 }
 
 /// A pool of `threads` threads.

@@ -22,6 +22,7 @@ mod kept;
 pub mod lab;
 pub mod mechanics;
 mod progress;
+pub mod readings;
 pub mod report;
 pub mod run_page;
 pub mod settings;

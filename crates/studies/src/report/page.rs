@@ -45,6 +45,15 @@ impl Section {
         Self { title: title.into(), blocks: Vec::new() }
     }
 
+    /// Every figure of the section.
+    pub fn pictures(&self) -> impl Iterator<Item = &Picture> {
+        let of_block = |block| match block {
+            &Block::Figures(ref pictures) => Some(pictures),
+            _ => None,
+        };
+        self.blocks.iter().filter_map(of_block).flatten()
+    }
+
     /// Adds a block.
     #[must_use]
     pub fn with(mut self, block: Block) -> Self {
@@ -114,13 +123,7 @@ pub struct Page {
 impl Page {
     /// Every figure of the page.
     pub fn pictures(&self) -> impl Iterator<Item = &Picture> {
-        let blocks = self.sections.iter().flat_map(|s| &s.blocks);
-        blocks
-            .filter_map(|block| match block {
-                Block::Figures(pictures) => Some(pictures),
-                _ => None,
-            })
-            .flatten()
+        self.sections.iter().flat_map(Section::pictures)
     }
 
     /// The page as one HTML text.

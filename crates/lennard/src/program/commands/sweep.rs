@@ -65,6 +65,9 @@ fn whole(args: &SweepArgs, started: Instant) -> Result<u8, Failure> {
     } else if !args.quiet && record.ending != Ending::NotBegun {
         show::sweep(&record, folder.path());
     }
+    if let Some(failure) = &record.failure {
+        eprintln!("{failure}");
+    }
     Ok(ended(record.ending, &record.points, &command))
 }
 

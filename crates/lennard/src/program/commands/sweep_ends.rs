@@ -94,7 +94,7 @@ pub(super) fn keep_inputs(file: &Path, sweep: &Sweep, folder: &Path) -> Result<(
     inputs.dedup();
     inputs.extend([file.to_path_buf(), sweep.base.clone()]);
     let inputs = Inputs::of(inputs);
-    for name in sweep::FILES {
+    for name in sweep::files() {
         inputs.are_not(&folder.join(name))?;
     }
     for point in &sweep.points {

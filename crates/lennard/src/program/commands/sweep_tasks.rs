@@ -126,6 +126,9 @@ impl Tasks<'_> {
         } else if !args.quiet {
             show::sweep(&record, folder.path());
         }
+        if let Some(failure) = &record.failure {
+            eprintln!("{failure}");
+        }
         Ok(ended(record.ending, &record.points, &command))
     }
 
@@ -133,7 +136,7 @@ impl Tasks<'_> {
     pub(super) fn emit(&self, scheduler: SchedulerName) -> Result<u8, Failure> {
         let plan = self.plan()?;
         // A wrong scene shows before the script is sent away.
-        plan.sweep()?;
+        plan.check()?;
         let folder = shown(self.folder()).to_string();
         if scheduler == SchedulerName::Snakemake
             && (Path::new(&folder) != self.folder() || folder.contains(['{', '}']))

@@ -6,7 +6,7 @@ use lennard_core::{Cell, Table};
 use lennard_scene::Scene;
 use lennard_studies::compare::{self, ComparedRun, Row, StateOfMatter, quantity_words};
 use lennard_studies::report::{Section, counted, particles, signed, significant};
-use lennard_studies::sweep::{self, Sweep, SweepRecord, workers};
+use lennard_studies::sweep::{Sweep, SweepRecord, workers};
 
 use super::{narrow_table, note};
 use crate::program::out;
@@ -38,12 +38,10 @@ fn planned(point: &lennard_studies::sweep::Point) -> StateOfMatter {
 
 /// The table of a sweep.
 pub fn sweep(record: &SweepRecord, folder: &Path) {
-    println!("\n{}", narrow_table(&sweep::narrow_point_table(record)));
-    println!("  Digits in brackets are one standard error in the last digits.");
-    if !record.agreement.is_empty() {
-        let together = sweep::agreement_table(record).without(&sweep::CHI_SQUARED);
-        println!("\n{}", narrow_table(&together));
+    for table in &record.terminal {
+        println!("\n{}", narrow_table(table));
     }
+    println!("  Digits in brackets are one standard error in the last digits.");
     let mut remarks: Vec<&String> =
         record.points.iter().filter_map(|p| p.compared.as_ref()).flat_map(|c| &c.remarks).collect();
     remarks.sort();
@@ -52,8 +50,8 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
     for remark in remarks.into_iter().filter(|r| !r.starts_with("by ")) {
         note(&format!("note: {remark}"));
     }
-    for melting in &record.melting {
-        note(&format!("{}.", melting.in_words()));
+    for sentence in &record.sentences {
+        note(sentence);
     }
     let kept = record.points.iter().filter(|p| p.kept).count();
     if kept > 0 {

@@ -1,7 +1,6 @@
-//! Points of a sweep that differ in their seeds alone, taken together.
+//! Points of a study that differ in their seeds alone, taken together.
 
-use super::SweptPoint;
-use super::points::Setting;
+use crate::sweep::{Setting, SettingValue, SweptPoint};
 
 /// From so many seeds on, their scatter is an error of its own.
 const FEWEST_SEEDS: usize = 4;
@@ -36,10 +35,12 @@ pub(super) fn averaged(points: &[SweptPoint]) -> Vec<Averaged<'_>> {
 }
 
 impl Averaged<'_> {
-    /// What was chosen for a key.
+    /// The number that was chosen for a key.
     pub fn setting(&self, key: &str) -> Option<f64> {
-        let setting = self.settings.iter().find(|s| s.key == key);
-        setting.map(|s| s.value)
+        match self.settings.iter().find(|s| s.key == key)?.value {
+            SettingValue::Number(number) => Some(number),
+            SettingValue::Words(_) => None,
+        }
     }
 
     /// The mean of a quantity over the seeds; `None` where no run has measured it.
@@ -118,13 +119,14 @@ mod tests {
     fn points_that_differ_in_their_seeds_stand_together() {
         let point = |name: &str, density: f64| SweptPoint {
             name: name.to_owned(),
-            settings: vec![Setting { key: "density", value: density }],
+            settings: vec![Setting::number("density", density)],
             page: None,
             planned: crate::compare::StateOfMatter::new(density, 1.0, None),
             kept: false,
             failure: None,
             elsewhere: None,
             compared: None,
+            averages: Default::default(),
             wall_s: 0.0,
             ns_per_atom_step: 0.0,
         };

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol};
 use lennard_literature::EquationOfState;
 
-use super::{Sweep, SweepRecord, SweptPoint};
+use super::blocks::{Blocks, StudyPoints};
+use crate::sweep::SweptPoint;
 
 /// Fewest densities that make an isotherm.
 const FEWEST: usize = 3;
@@ -14,13 +15,18 @@ const MOST: usize = 6;
 /// Points of a line.
 const STEPS: usize = 120;
 
+/// The figure of pressures.
+pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
+    Blocks::of_figures(picture(study))
+}
+
 /// P(ρ) for each temperature with several densities; `None` where the sweep has no isotherm.
 ///
 /// Marks are means with one standard error at the density of the run. Lines are the equation of state of the model at the
 /// temperature that was asked for.
-pub(super) fn picture(sweep: &Sweep, record: &SweepRecord) -> Option<Picture> {
+fn picture(study: &StudyPoints<'_>) -> Option<Picture> {
     let mut isotherms: BTreeMap<u64, Vec<&SweptPoint>> = BTreeMap::new();
-    for point in record.points.iter().filter(|p| p.row("pressure").is_some()) {
+    for point in study.swept.iter().filter(|p| p.row("pressure").is_some()) {
         // Positive numbers have the order of their bits.
         let temperature = point.planned.temperature.to_bits();
         isotherms.entry(temperature).or_default().push(point);
@@ -29,7 +35,7 @@ pub(super) fn picture(sweep: &Sweep, record: &SweepRecord) -> Option<Picture> {
     if isotherms.is_empty() || isotherms.len() > MOST {
         return None;
     }
-    let model = lennard_scene::model_kind(&sweep.points.first()?.scene);
+    let model = lennard_scene::model_kind(&study.sweep.points.first()?.scene);
     let equation = lennard_literature::equation_of_state_for(model).ok();
     let mut figure = Figure::new(
         "pressure",

@@ -3,9 +3,9 @@
 use crate::report::significant;
 use lennard_core::{Cell, Table, Tone};
 
-use super::agreement::tail_probability;
-use super::{SweepRecord, SweptPoint, probability_words};
+use super::probability::{probability_words, tail_probability};
 use crate::compare::{CardRow, ComparedRun, StateCard, is_a_part};
+use crate::sweep::SweptPoint;
 
 /// Fewest points that say anything of an equation.
 const FEWEST: usize = 3;
@@ -57,8 +57,8 @@ fn judges(row: &CardRow) -> bool {
 }
 
 /// All properties with an error, of all points that have a card, in the order of the cards.
-fn all(record: &SweepRecord) -> impl Iterator<Item = Beside<'_>> {
-    record.points.iter().flat_map(|point| {
+fn all(points: &[SweptPoint]) -> impl Iterator<Item = Beside<'_>> {
+    points.iter().flat_map(|point| {
         let run = point.compared.as_ref();
         let card = run.and_then(|run| Some((run, run.card.as_ref()?)));
         card.into_iter().flat_map(move |(run, card)| {
@@ -69,8 +69,8 @@ fn all(record: &SweepRecord) -> impl Iterator<Item = Beside<'_>> {
 }
 
 /// Every equation for every property that has enough points.
-pub(super) fn judgements(record: &SweepRecord) -> Vec<Judgement> {
-    judged(all(record).map(|beside| {
+pub(super) fn judgements(points: &[SweptPoint]) -> Vec<Judgement> {
+    judged(all(points).map(|beside| {
         let equations = beside.card.equations.iter().zip(beside.row.differences());
         Item {
             point: &beside.point.name,
@@ -154,8 +154,8 @@ pub(super) fn table(judgements: &[Judgement], named: impl Fn(&str) -> String) ->
 
 /// Every property of every point beside every equation: measured value, error, and a column for each equation of any card. Then the
 /// differences that χ² is made of, and their error.
-pub(super) fn beside_equations(record: &SweepRecord) -> Table {
-    let rows: Vec<Beside<'_>> = all(record).collect();
+pub(super) fn beside_equations(points: &[SweptPoint]) -> Table {
+    let rows: Vec<Beside<'_>> = all(points).collect();
     let mut keys: Vec<&str> = Vec::new();
     for equation in rows.iter().flat_map(|b| &b.card.equations) {
         if !keys.contains(&equation.key.as_str()) {

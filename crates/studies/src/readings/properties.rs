@@ -4,51 +4,44 @@ use std::collections::BTreeSet;
 
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol};
 use lennard_literature::{EquationOfState, Property, equation_of_state_for, property};
+use lennard_scene::study::{SHORT_KEYS, ShortKey};
 
 use super::averaged::{Averaged, averaged};
-use super::{Sweep, SweepRecord};
+use super::blocks::StudyPoints;
 use crate::compare::quantity_words;
+use crate::sweep::{Setting, SettingValue};
 
 /// Most series of one figure.
 const MOST_SERIES: usize = 6;
 /// Points of a line.
 const STEPS: usize = 120;
 
-/// The keys of a sweep in words of an axis, with the symbol of a legend.
-const AXES: [(&str, &str, &str); 7] = [
-    ("density", "density ρ / σ⁻³", "ρ"),
-    ("temperature", "T / (ε/k_B)", "T"),
-    ("n_atoms", "number of particles N", "N"),
-    ("n_molecules", "number of molecules M", "M"),
-    ("bond_length", "bond length L / σ", "L"),
-    ("r_cut", "cutoff r_cut / σ", "r_cut"),
-    ("dt", "time step dt / τ", "dt"),
-];
-
-/// Every primary property against the key with the most values; `drawn` are names of figures that are there already.
-pub(super) fn pictures(sweep: &Sweep, record: &SweepRecord, drawn: &[&str]) -> Vec<Picture> {
-    let points = averaged(&record.points);
-    let Some((key, label, _)) = swept_axis(&points) else {
+/// Every primary property against the key with the most values, but for those that other readings have drawn.
+pub(super) fn pictures(study: &StudyPoints<'_>) -> Vec<Picture> {
+    let is_drawn = |name: &str| study.drawn.iter().any(|drawn| drawn == name);
+    let points = averaged(study.swept);
+    let Some(key) = swept_axis(&points) else {
         return Vec::new();
     };
-    let groups = series_of(&points, key);
+    let label = short_key(&key).map_or(&*key, |short| short.label);
+    let groups = series_of(&points, &key);
     if groups.len() > MOST_SERIES {
         return Vec::new();
     }
     let mut names: Vec<(&str, &str)> = Vec::new();
-    let rows = record.points.iter().filter_map(|p| p.compared.as_ref());
+    let rows = study.swept.iter().filter_map(|p| p.compared.as_ref());
     for row in rows.flat_map(|c| &c.rows).filter(|row| row.primary) {
         let name = (row.quantity.as_str(), row.unit.as_str());
-        if !names.contains(&name) && !drawn.contains(&name.0) && is_worth_drawing(name.0, key) {
+        if !names.contains(&name) && !is_drawn(name.0) && is_worth_drawing(name.0, &key) {
             names.push(name);
         }
     }
-    let model = sweep.points.first().map(|p| lennard_scene::model_kind(&p.scene));
-    let judged = record.points.iter().filter_map(|p| p.compared.as_ref());
+    let model = study.sweep.points.first().map(|p| lennard_scene::model_kind(&p.scene));
+    let judged = study.swept.iter().filter_map(|p| p.compared.as_ref());
     let has_equation = judged.into_iter().any(|c| c.equation.is_some());
     let equation =
         model.filter(|_| has_equation).and_then(|model| equation_of_state_for(model).ok());
-    names.into_iter().filter_map(|name| picture(name, (key, label), &groups, equation)).collect()
+    names.into_iter().filter_map(|name| picture(name, (&key, label), &groups, equation)).collect()
 }
 
 /// The temperature is what was asked for, and densities of slabs have a figure of their own.
@@ -58,15 +51,22 @@ fn is_worth_drawing(quantity: &str, key: &str) -> bool {
     !temperature && !coexisting
 }
 
-/// The key with the most values, of two or more.
-fn swept_axis(points: &[Averaged<'_>]) -> Option<(&'static str, &'static str, &'static str)> {
+/// The short name of a key, where it has one.
+fn short_key(key: &str) -> Option<&'static ShortKey> {
+    SHORT_KEYS.iter().find(|short| short.name == key)
+}
+
+/// The key with the most numbers, of two or more: short names first.
+fn swept_axis(points: &[Averaged<'_>]) -> Option<String> {
     let values = |key: &str| -> usize {
         let bits = points.iter().filter_map(|p| p.setting(key));
         bits.map(f64::to_bits).collect::<BTreeSet<u64>>().len()
     };
-    let most = AXES.iter().map(|(key, ..)| values(key)).max()?;
-    let axis = AXES.iter().find(|(key, ..)| values(key) == most)?;
-    (most >= 2).then_some(*axis)
+    let others = points.iter().flat_map(|p| p.settings).map(|s| s.key.as_str());
+    let keys = || SHORT_KEYS.iter().map(|short| short.name).chain(others.clone());
+    let most = keys().map(values).max()?;
+    let axis = keys().find(|key| values(key) == most)?;
+    (most >= 2).then(|| axis.to_owned())
 }
 
 /// Points that differ in one key alone, in the order of the sweep, each sorted by this key.
@@ -74,9 +74,8 @@ pub(super) fn series_of<'a, 'b>(
     points: &'a [Averaged<'b>],
     key: &str,
 ) -> Vec<Vec<&'a Averaged<'b>>> {
-    let others = |p: &Averaged<'_>| -> Vec<(&'static str, u64)> {
-        let others = p.settings.iter().filter(|s| s.key != key);
-        others.map(|s| (s.key, s.value.to_bits())).collect()
+    let others = |p: &Averaged<'b>| -> Vec<&'b Setting> {
+        p.settings.iter().filter(|s| s.key != key).collect()
     };
     let mut groups: Vec<Vec<&Averaged<'_>>> = Vec::new();
     for point in points.iter().filter(|p| p.setting(key).is_some()) {
@@ -94,15 +93,13 @@ pub(super) fn series_of<'a, 'b>(
 
 /// What the points of a series share, "ρ = 0.7, N = 500"; "measured" where they share nothing that was chosen.
 pub(super) fn label_of(point: &Averaged<'_>, key: &str) -> String {
-    let shared: Vec<String> = point
-        .settings
-        .iter()
-        .filter(|s| s.key != key)
-        .map(|s| {
-            let symbol = AXES.iter().find(|(name, ..)| *name == s.key);
-            format!("{} = {}", symbol.map_or(s.key, |(.., symbol)| symbol), s.value)
-        })
-        .collect();
+    let in_words = |s: &Setting| match (short_key(&s.key), &s.value) {
+        (Some(short), value) => format!("{} = {value}", short.symbol),
+        (None, SettingValue::Number(value)) => format!("{} = {value}", s.key),
+        (None, SettingValue::Words(words)) => words.clone(),
+    };
+    let shared: Vec<String> =
+        point.settings.iter().filter(|s| s.key != key).map(in_words).collect();
     match shared.is_empty() {
         true => "measured".to_owned(),
         false => shared.join(", "),

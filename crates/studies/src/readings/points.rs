@@ -1,9 +1,25 @@
-//! The table of the points of a sweep, by what the points are.
+//! Every point with its results: a table by what the points are, and each property against what the study changes.
 
 use lennard_core::{Cell, Table, Tone};
 
-use super::{SweepRecord, SweptPoint};
-use crate::compare::{StateOfMatter, Verdict};
+use super::blocks::{Blocks, POINTS, PROPERTIES, StudyPoints};
+use super::properties;
+use crate::compare::Verdict;
+use crate::report::Section;
+use crate::sweep::SweptPoint;
+
+/// The table of the points, and a figure for each property.
+pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
+    let points = study.swept;
+    let table = narrow(linked(of_points(points), points), points);
+    let mut sections = vec![Section::new(POINTS).table(table)];
+    let figures = properties::pictures(study);
+    if !figures.is_empty() {
+        sections.push(Section::new(PROPERTIES).figures(figures));
+    }
+    let lead = Kind::of(points).in_words().to_owned();
+    Blocks { lead, sections, terminal: vec![for_terminal(points)], ..Blocks::default() }
+}
 
 /// What the points of a sweep are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,7 +80,7 @@ impl Kind {
     }
 
     /// What the points are, and what they stand beside.
-    pub(super) fn in_words(self) -> &'static str {
+    fn in_words(self) -> &'static str {
         match self {
             Self::Fluids => {
                 "Each is compared with the equation of state that describes its model, at the measured temperature that belongs to its \
@@ -82,27 +98,14 @@ impl Kind {
     }
 }
 
-/// The state of a point: the measured one, or the one that was asked for.
-pub(super) fn state(point: &SweptPoint) -> &StateOfMatter {
-    point.compared.as_ref().map_or(&point.planned, |c| &c.state)
-}
-
-/// The points with what was measured, beside the equation of state or the coexisting phases where there are some.
-#[must_use]
-pub fn point_table(record: &SweepRecord) -> Table {
-    of_points(&record.points)
-}
-
 /// The column of T at whole steps, where every finished point has T at half steps.
-pub(super) fn second_temperature(points: &[SweptPoint]) -> Option<&'static str> {
+fn second_temperature(points: &[SweptPoint]) -> Option<&'static str> {
     let mut finished = points.iter().filter(|p| p.compared.is_some());
     finished.all(|p| p.row("temperature_half_steps").is_some()).then_some("T, whole steps")
 }
 
-/// The same in columns that fit a terminal: one temperature, and differences where there is room for them.
-#[must_use]
-pub fn narrow_point_table(record: &SweepRecord) -> Table {
-    let points = &record.points;
+/// The points in columns that fit a terminal: one temperature, and differences where there is room for them.
+fn for_terminal(points: &[SweptPoint]) -> Table {
     let mut left_out = vec!["State", "c_v", "c_v − equation"];
     left_out.extend(second_temperature(points));
     if Kind::of(points) == Kind::Slabs {
@@ -117,6 +120,34 @@ pub fn narrow_point_table(record: &SweepRecord) -> Table {
     table
 }
 
+/// The table of points with a link from each name to its page.
+fn linked(mut table: Table, points: &[SweptPoint]) -> Table {
+    if let Some(names) = table.columns.first_mut() {
+        for (cell, point) in names.cells.iter_mut().zip(points) {
+            if let Some(page) = &point.page {
+                *cell = Cell::words(format!("[{}]({page})", point.name)).toned(cell.tone);
+            }
+        }
+    }
+    table
+}
+
+/// Without columns that say nothing here, so that the verdicts are in view.
+fn narrow(mut table: Table, points: &[SweptPoint]) -> Table {
+    if let Some(column) = second_temperature(points) {
+        table = table.without(&[column]);
+    }
+    let is_there = table.columns.iter().any(|column| column.name == "State");
+    let shown = points.iter().filter(|_| is_there);
+    let mut states = shown.map(|p| p.state().words.as_str());
+    if let Some(first) = states.next().filter(|first| states.all(|s| s == *first)) {
+        table.caption += &format!(" State of all points: {first}.");
+        table = table.without(&["State"]);
+    }
+    table
+}
+
+/// The points with what was measured, beside the equation of state or the coexisting phases where there are some.
 pub(super) fn of_points(points: &[SweptPoint]) -> Table {
     let kind = Kind::of(points);
     let caption = match kind {
@@ -149,7 +180,7 @@ pub(super) fn of_points(points: &[SweptPoint]) -> Table {
             if p.compared.is_none() && kind.verdicts().is_none() {
                 return why_unfinished(p);
             }
-            let state = state(p);
+            let state = p.state();
             Cell::words(&state.words).toned(if state.is_single_stable_phase() {
                 Tone::Plain
             } else {

@@ -4,8 +4,8 @@ use lennard_observables::statistics::Line;
 
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 
-use super::SweepRecord;
 use super::averaged::{Averaged, averaged};
+use super::blocks::{Blocks, StudyPoints};
 use super::properties::{label_of, series_of};
 
 /// The fewest temperatures that make a line.
@@ -39,9 +39,14 @@ impl Arrhenius {
     }
 }
 
+/// The figure of diffusion coefficients.
+pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
+    Blocks::of_figures(picture(study))
+}
+
 /// D against 1/T with a line for each fluid; `None` where no fluid has D at three temperatures.
-pub(super) fn picture(record: &SweepRecord) -> Option<Picture> {
-    let points = averaged(&record.points);
+fn picture(study: &StudyPoints<'_>) -> Option<Picture> {
+    let points = averaged(study.swept);
     let mut figure = Figure::new(
         "arrhenius",
         "Diffusion coefficient against inverse temperature",

@@ -7,8 +7,9 @@ use lennard_scene::Scene;
 use serde::Serialize;
 
 use super::averaged::{Averaged, averaged};
+use super::blocks::{Blocks, StudyPoints};
 use super::properties::{label_of, series_of};
-use super::{Sweep, SweptPoint};
+use crate::sweep::{Sweep, SweptPoint};
 
 /// The fewest temperatures that make a curve.
 const FEWEST: usize = 2;
@@ -28,7 +29,7 @@ struct Front {
 
 /// The temperature at which neither phase grows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MeltingEstimate {
+struct MeltingEstimate {
     /// What its points share beside the pressure, "N = 2000"; absent where nothing was chosen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub of: Option<String>,
@@ -44,6 +45,17 @@ pub struct MeltingEstimate {
     pub pressure: Option<f64>,
     /// Where the freezing lines of others meet this pressure: name and temperature.
     pub references: Vec<(String, f64)>,
+}
+
+/// Velocities against temperature, and the temperatures between growth and melting.
+pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
+    let found = estimates(study.sweep, study.swept);
+    let mut blocks = Blocks::of_figures(picture(study.swept, &found));
+    blocks.sentences = found.iter().map(|estimate| format!("{}.", estimate.in_words())).collect();
+    match found.is_empty() {
+        true => blocks,
+        false => blocks.with_entry("melting", &found),
+    }
 }
 
 /// The key of a sweep along which fronts are followed.
@@ -99,7 +111,7 @@ fn references(scene: &Scene, pressure: f64) -> Vec<(String, f64)> {
 }
 
 /// The melting temperatures of a sweep: one for all points that differ in temperature alone. Points that do not lie on both sides of it have none.
-pub(super) fn estimates(sweep: &Sweep, points: &[SweptPoint]) -> Vec<MeltingEstimate> {
+fn estimates(sweep: &Sweep, points: &[SweptPoint]) -> Vec<MeltingEstimate> {
     let points = averaged(points);
     let groups = series_of(&points, KEY);
     let estimate = |group: &Vec<&Averaged<'_>>| {
@@ -122,8 +134,7 @@ pub(super) fn estimates(sweep: &Sweep, points: &[SweptPoint]) -> Vec<MeltingEsti
 
 impl MeltingEstimate {
     /// The estimate in words, beside the lines of others.
-    #[must_use]
-    pub fn in_words(&self) -> String {
+    fn in_words(&self) -> String {
         let held = self.pressure.map_or(String::new(), |p| format!(" at P = {p}"));
         let of_others: Vec<String> =
             self.references.iter().map(|(name, t)| format!("{t:.4} ({name})")).collect();
@@ -142,7 +153,7 @@ impl MeltingEstimate {
 }
 
 /// Velocity against temperature; `None` where the sweep has no fronts at several temperatures.
-pub(super) fn picture(points: &[SweptPoint], estimates: &[MeltingEstimate]) -> Option<Picture> {
+fn picture(points: &[SweptPoint], estimates: &[MeltingEstimate]) -> Option<Picture> {
     let points = averaged(points);
     let groups: Vec<(String, Vec<Front>)> = series_of(&points, KEY)
         .iter()
@@ -193,7 +204,7 @@ mod tests {
 
     use super::*;
     use crate::compare::{ComparedRun, Row, StateOfMatter};
-    use crate::sweep::point_table::of_points;
+    use crate::readings::points::of_points;
     use crate::sweep::{Point as SweepPoint, Setting};
     use lennard_core::Cell;
 
@@ -210,10 +221,9 @@ mod tests {
             reason: String::new(),
         };
         let state = StateOfMatter::new(0.96, temperature, None);
-        let setting = |key, value| Setting { key, value };
         SweptPoint {
             name: format!("N{n}-T{temperature}"),
-            settings: vec![setting("n_atoms", n), setting("temperature", temperature)],
+            settings: vec![Setting::number("n_atoms", n), Setting::number(KEY, temperature)],
             page: None,
             planned: state.clone(),
             kept: false,
@@ -233,6 +243,7 @@ mod tests {
                 shared_reason: None,
                 remarks: Vec::new(),
             }),
+            averages: Default::default(),
             wall_s: 0.0,
             ns_per_atom_step: 0.0,
         }
@@ -271,6 +282,8 @@ mod tests {
         let sweep = Sweep {
             name: "melting".into(),
             base: "melting.toml".into(),
+            readings: Vec::new(),
+            source: Default::default(),
             points: points.iter().map(planned).collect(),
         };
         let found = estimates(&sweep, &points);

@@ -1,4 +1,4 @@
-use super::super::load;
+use crate::sweep::{load, plan};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
@@ -47,10 +47,12 @@ fn bonds_and_molecules_are_keys_of_a_sweep_of_molecules() {
     assert_eq!(lengths.collect::<Vec<_>>(), [(512, 0.505), (512, 0.67)]);
     let refused = of_molecules("[grid]\nn_atoms = 256\n").unwrap_err();
     assert!(refused.contains("does not go with `[molecule]`"), "{refused}");
-    for wrong in ["n_molecules = [-3]", "bond_length = \"long\""] {
+    for (wrong, key) in
+        [("n_molecules = [-3]", "grid.n_molecules"), ("bond_length = \"long\"", "grid.bond_length")]
+    {
         let refused = of_molecules(&format!("[grid]\n{wrong}\n")).unwrap_err();
-        assert!(refused.contains("allowed: one value, or a list"), "{refused}");
-        assert!(refused.contains(wrong), "{refused}");
+        assert!(refused.contains(&format!("sweep.toml, line 3: `{key}`")), "{refused}");
+        assert!(refused.contains("\n  allowed: "), "{refused}");
     }
     let refused = sweep_of("[grid]\nbond_length = 0.67\n").unwrap_err();
     assert!(refused.contains("L0.67") && refused.contains("does not go with"), "{refused}");
@@ -105,7 +107,7 @@ fn a_grid_of_many_lists_is_refused_before_it_is_multiplied_out() {
     let axes = ["density", "temperature", "r_cut", "dt"].map(|key| format!("{key} = [{list}]\n"));
     for table in ["[grid]", "[[point]]"] {
         let message = sweep_of(&format!("{table}\n{}", axes.concat())).unwrap_err();
-        assert!(message.contains("more than 10000 points"), "{message}");
+        assert!(message.contains("more than 100000 points"), "{message}");
     }
 }
 
@@ -123,19 +125,44 @@ fn what_is_no_sweep_is_said_clearly() {
         ("[[point]]\ndensity = 0.5\n[[point]]\ndensity = 0.5\n", "allowed: each point once"),
         (
             "[[point]]\nlonger = 2\n",
-            "of density, temperature, n_atoms, n_molecules, bond_length, r_cut, dt and seed, with",
+            "of density, temperature, n_atoms, n_molecules, bond_length, r_cut, dt, seed or any key of the scene, with",
         ),
-        ("[[point]]\ndensity = 0.5\nlonger = -1\n", "`point.longer` is not allowed\n  found:   -1"),
-        ("[[point]]\ndensty = 0.5\n", "densty"),
+        (
+            "[[point]]\ndensity = 0.5\nlonger = -1\n",
+            "`point.0.longer` is not allowed\n  found:   -1",
+        ),
+        (
+            "[[point]]\ndensty = 0.5\n",
+            "sweep.toml, line 3: `point.0.densty` is not a known key\n  found:   `densty`",
+        ),
+        ("[grid]\ndensty = [0.5]\n", "\n  nearest: density"),
+        ("[grid]\ndensity = [\"a\"]\n", "sweep.toml, line 3: `grid.density` "),
+        ("[grid]\n\"truncation.knd\" = [\"cut\"]\n", "`grid.truncation.knd` is not a known key"),
+        ("[grid]\n\"system.density\" = [0.5]\ndensity = 0.6\n", "is written twice"),
+        (
+            "[zip]\ndensity = [0.5, 0.6]\ntemperature = [1, 2, 3]\n",
+            "found:   3 values, and 2 of `density`",
+        ),
+        ("grids = 3\n", "`grids` is not a known key"),
+        ("[[grid]]\ndensity = 0.5\n", "found:   `[[grid]]`"),
+        (
+            "reading = \"isotherm\"\n[grid]\ndensity = 0.5\n",
+            "`reading` is not known\n  found:   \"isotherm\"",
+        ),
+        (
+            "reading = \"arrhenius\"\n[grid]\ntemperature = [1, 2]\n",
+            "found:   2 values of `temperature`\n  allowed: 3 values",
+        ),
+        ("reading = 3\n[grid]\ndensity = 0.5\n", "`reading` does not fit\n  found:   3"),
         (
             "[grid]\nseed = 99999999999999999999\n",
-            "99999999999999999999 is an integer beyond 64 bits",
+            "99999999999999999999, an integer beyond 64 bits",
         ),
         (
             "[set]\n\"system.seed\" = 99999999999999999999\n[[point]]\ndensity = 0.5\n",
             "an integer beyond 64 bits\n  allowed: whole numbers",
         ),
-        ("[[point]]\ndensity = -1.0\n", "system.density"),
+        ("[[point]]\ndensity = -1.0\n", "sweep.toml, line 3: `point.0.density`"),
         ("[set]\n\"system.densty\" = 1\n[[point]]\ndensity = 0.5\n", "densty"),
     ] {
         let message = sweep_of(text).unwrap_err();
@@ -189,6 +216,52 @@ fn the_sweeps_that_come_along_are_whole() {
         load(&inputs().join("verlet-1967/table.toml"), &[("truncation.r_cut".into(), "4".into())])
             .unwrap();
     assert!(table.points.iter().all(|p| p.scene.truncation.r_cut == 4.0));
+}
+
+/// Proves that a study changes any key of the scene, multiplied or together with others, by words, numbers, tables and lists.
+#[test]
+fn any_key_of_the_scene_changes_from_point_to_point() {
+    let names = sweep_of(
+        "[grid]\n\"truncation.kind\" = [\"cut\", \"shift\"]\n\"truncation.tail_correction\" = false\ndt = [0.002, 0.004]\n",
+    )
+    .unwrap();
+    assert_eq!(names[0], "cut-tail_correction-false-dt0.002");
+    assert_eq!((names.len(), names[3].as_str()), (4, "shift-tail_correction-false-dt0.004"));
+    let names = sweep_of(
+        "[zip]\nname = [\"energy\", \"bath\"]\n\"stage.production.thermostat\" = [\"none\", { kind = \"bussi\", tau = 0.5 }]\n\
+         [grid]\n\"stage.production.steps\" = [200, 400]\nseed = [1, 2]\n",
+    )
+    .unwrap();
+    assert_eq!(names.len(), 8);
+    assert_eq!(names[0], "energy-steps200-seed1");
+    assert_eq!(names[7], "bath-steps400-seed2");
+    let unnamed = sweep_of(
+        "[grid]\n\"stage.production.thermostat\" = [{ kind = \"bussi\", tau = 0.5 }]\n\"system.box\" = [[10.0, 10.0, 10.0]]\n",
+    )
+    .unwrap();
+    assert_eq!(unnamed, ["bussi-tau0.5-10-10-10"]);
+}
+
+/// Proves that a full name of a key with a short name is the same axis: names and seeds do not depend on the spelling.
+#[test]
+fn short_names_and_full_names_are_one_key() {
+    let short = sweep_of("[grid]\ndensity = [0.5]\nseed = 1\n").unwrap();
+    let full = sweep_of("[grid]\n\"system.seed\" = 1\nsystem.density = [0.5]\n").unwrap();
+    assert_eq!(short, full);
+}
+
+#[test]
+fn more_points_than_one_process_runs_are_listed_for_many() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = inputs().join("verlet-1967/state-point.toml");
+    let path = folder.path().join("sweep.toml");
+    let seeds: Vec<String> = (1..=10_001).map(|seed| seed.to_string()).collect();
+    let text = format!("base = {base:?}\n[grid]\nseed = [{}]\n", seeds.join(", "));
+    std::fs::write(&path, text).unwrap();
+    assert_eq!(plan(&path, &[]).unwrap().points.len(), 10_001);
+    let refused = load(&path, &[]).unwrap_err().to_string();
+    assert!(refused.contains("found:   more than 10000 points"), "{refused}");
+    assert!(refused.contains("`--points`"), "{refused}");
 }
 
 #[test]

@@ -7,8 +7,9 @@ use lennard_literature::{
 };
 
 use super::averaged::{Averaged, averaged};
+use super::blocks::{Blocks, StudyPoints};
 use super::critical::{CriticalEstimate, Pair, estimate};
-use super::{Sweep, SweepRecord, SweptPoint};
+use crate::sweep::SweptPoint;
 
 /// The fewest temperatures that make a curve.
 const FEWEST: usize = 2;
@@ -46,19 +47,21 @@ fn pairs(points: &[SweptPoint]) -> Vec<Pair> {
     averaged(points).iter().filter_map(pair).collect()
 }
 
-/// The critical point of the slabs of a sweep; `None` with fewer than three temperatures.
-pub(super) fn critical_point(points: &[SweptPoint]) -> Option<CriticalEstimate> {
-    estimate(&pairs(points))
+/// T(ρ), p_s(T) and γ(T), with the critical point from three temperatures or more.
+pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
+    let critical = estimate(&pairs(study.swept));
+    let pictures = pictures(study, critical.as_ref());
+    Blocks::of_figures(pictures).with_entry("critical_point", &critical)
 }
 
-/// T(ρ), p_s(T) and γ(T); none where the sweep has no slabs at several temperatures.
-pub(super) fn pictures(sweep: &Sweep, record: &SweepRecord) -> Vec<Picture> {
-    let points: Vec<Averaged<'_>> = averaged(&record.points)
+/// T(ρ), p_s(T) and γ(T); none where the study has no slabs at several temperatures.
+fn pictures(study: &StudyPoints<'_>, critical: Option<&CriticalEstimate>) -> Vec<Picture> {
+    let points: Vec<Averaged<'_>> = averaged(study.swept)
         .into_iter()
         .filter(|point| point.mean("liquid_density").is_some())
         .collect();
     let temperatures: Vec<f64> = points.iter().filter_map(Averaged::temperature).collect();
-    let Some(first) = sweep.points.first().filter(|_| temperatures.len() >= FEWEST) else {
+    let Some(first) = study.sweep.points.first().filter(|_| temperatures.len() >= FEWEST) else {
         return Vec::new();
     };
     let model = lennard_scene::model_kind(&first.scene);
@@ -68,7 +71,7 @@ pub(super) fn pictures(sweep: &Sweep, record: &SweepRecord) -> Vec<Picture> {
         source: TwoPhaseSource::of(model).ok(),
         coldest,
     };
-    let mut drawn = vec![lines.in_density(&points, record)];
+    let mut drawn = vec![lines.in_density(&points, study.swept, critical)];
     let others = |name: &str, title: &str, unit: &str, logarithmic: bool| {
         lines.against_temperature(&points, name, title, unit, logarithmic)
     };
@@ -116,7 +119,12 @@ impl Lines {
         Some((source.name(), phases.collect()))
     }
 
-    fn in_density(&self, points: &[Averaged<'_>], record: &SweepRecord) -> Picture {
+    fn in_density(
+        &self,
+        points: &[Averaged<'_>],
+        swept: &[SweptPoint],
+        critical: Option<&CriticalEstimate>,
+    ) -> Picture {
         let mut figure = Figure::new(
             "coexistence",
             "Coexisting vapor and liquid",
@@ -150,13 +158,13 @@ impl Lines {
             .collect();
         figure = figure.with(Series::new("this sweep", DISC, MEASURED, marks));
         let diameters: Vec<(f64, f64)> =
-            pairs(&record.points).iter().map(|p| (p.diameter()[0], p.temperature)).collect();
+            pairs(swept).iter().map(|p| (p.diameter()[0], p.temperature)).collect();
         if !diameters.is_empty() {
             let look = Look::Points(Symbol::Plus);
             figure = figure.with(Series::new("half the sum of both", look, MEASURED, diameters));
         }
         let mut caption = "Bars are one standard error.".to_owned();
-        if let Some(c) = &record.critical_point {
+        if let Some(c) = critical {
             let here = Point {
                 error: Some(c.temperature_error),
                 x_range: Some((c.density - c.density_error, c.density + c.density_error)),

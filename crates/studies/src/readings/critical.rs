@@ -31,7 +31,7 @@ impl Pair {
 
 /// A critical point with standard errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct CriticalEstimate {
+pub(super) struct CriticalEstimate {
     /// T_c, ε/k_B.
     pub temperature: f64,
     /// Its standard error.

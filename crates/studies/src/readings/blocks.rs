@@ -1,0 +1,64 @@
+//! What a reading is given, and what it gives.
+
+use serde_json::Value;
+
+use crate::report::{Picture, Section};
+use crate::sweep::{Sweep, SweptPoint};
+use lennard_core::Table;
+
+/// All points together.
+pub(super) const TOGETHER: &str = "All points together";
+/// The points one by one.
+pub(super) const POINTS: &str = "Points";
+/// Every equation beside the points.
+pub(super) const EQUATIONS: &str = "Equations beside the points";
+/// A figure for each property.
+pub(super) const PROPERTIES: &str = "Each property";
+/// The titles of sections that readings share, in the order of a page.
+pub(crate) const SHARED_SECTIONS: [&str; 4] = [TOGETHER, POINTS, EQUATIONS, PROPERTIES];
+
+/// The points of a study, planned and run.
+#[derive(Clone, Copy)]
+pub struct StudyPoints<'a> {
+    /// The study.
+    pub sweep: &'a Sweep,
+    /// What came of each point.
+    pub swept: &'a [SweptPoint],
+    /// Names of figures that other readings have drawn.
+    pub drawn: &'a [String],
+}
+
+/// What a reading makes of the points.
+#[derive(Debug, Clone, Default)]
+pub struct Blocks {
+    /// A sentence for the head of the page.
+    pub lead: String,
+    /// Sections of the page; those of one title stand together.
+    pub sections: Vec<Section>,
+    /// Tables that are files.
+    pub tables: Vec<Table>,
+    /// Tables for the terminal.
+    pub terminal: Vec<Table>,
+    /// Sentences for the terminal.
+    pub sentences: Vec<String>,
+    /// Entries of the record, `sweep.json`.
+    pub entries: Vec<(&'static str, Value)>,
+    /// Why the study fails, where its points are to prove something and do not.
+    pub failure: Option<String>,
+}
+
+impl Blocks {
+    /// Figures of the section of all points.
+    pub(super) fn of_figures(figures: impl IntoIterator<Item = Picture>) -> Self {
+        let figures: Vec<Picture> = figures.into_iter().collect();
+        let section = (!figures.is_empty()).then(|| Section::new(POINTS).figures(figures));
+        Self { sections: section.into_iter().collect(), ..Self::default() }
+    }
+
+    /// The same with an entry of the record.
+    pub(super) fn with_entry(mut self, key: &'static str, value: &impl serde::Serialize) -> Self {
+        // A number that is none becomes `null`, as in every record.
+        self.entries.push((key, serde_json::to_value(value).unwrap_or_default()));
+        self
+    }
+}

@@ -1,0 +1,5 @@
+//! x
+use super::blocks::{Blocks, StudyPoints};
+pub(super) fn read(_: &StudyPoints<'_>) -> Blocks {
+    Blocks::default()
+}

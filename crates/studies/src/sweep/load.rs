@@ -1,0 +1,56 @@
+//! Reading a study file.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use lennard_scene::SceneError;
+use lennard_scene::study::StudyFile;
+
+use super::{Plan, PlannedPoint, Sweep, SweepError};
+use crate::readings::READINGS;
+use crate::report::counted;
+
+/// Reads a study file with overrides for every point. Of the scenes it reads as many as it needs to know each key.
+///
+/// # Errors
+/// [`SweepError`] where the file is wrong, or has more points than a cluster shares.
+pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepError> {
+    let plan = Plan::new(path, StudyFile::load(path)?, overrides)?;
+    check_readings(&plan)?;
+    Ok(plan)
+}
+
+/// Reads a study file with overrides for every point, and checks the scene of each.
+///
+/// # Errors
+/// [`SweepError`] where the file or the scene of a point is wrong, or one process would run more than ten thousand points.
+pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Sweep, SweepError> {
+    let plan = plan(path, overrides)?;
+    plan.fits_one_process()?;
+    plan.sweep()
+}
+
+/// Refuses readings that are unknown, or whose axis the study has not got.
+fn check_readings(plan: &Plan) -> Result<(), SceneError> {
+    let refuse = |message: String| plan.study.source.refuse("reading", message);
+    for name in &plan.study.readings {
+        let Some(reading) = READINGS.iter().find(|reading| reading.name == name) else {
+            let known: Vec<&str> = READINGS.iter().map(|reading| reading.name).collect();
+            return Err(refuse("is not known".into())
+                .found(format!("{name:?}"))
+                .allowed(known.join(", "))
+                .suggestion(lennard_scene::nearest(name, known.iter().copied())));
+        };
+        for (key, fewest) in reading.needs {
+            let values = plan.points.iter().flat_map(PlannedPoint::values);
+            let of_key: BTreeSet<&str> =
+                values.filter(|(k, _)| k == key).map(|(_, words)| words).collect();
+            if of_key.len() < *fewest {
+                return Err(refuse(format!("lacks its axis: `{name}`"))
+                    .found(format!("{} of `{key}`", counted(of_key.len(), "value")))
+                    .allowed(format!("{fewest} values of `{key}` or more: {}", reading.about)));
+            }
+        }
+    }
+    Ok(())
+}

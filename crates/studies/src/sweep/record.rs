@@ -1,0 +1,128 @@
+//! The readings of a sweep, and its files: record, table, page and figures.
+
+use std::path::Path;
+
+use lennard_core::Table;
+use lennard_scene::SceneError;
+
+use super::{Ending, Sweep, SweepError, SweepRecord, SweptPoint, csv, page};
+use crate::readings::{Blocks, READINGS, Reading, StudyPoints, chosen};
+use crate::report::Section;
+
+/// Name and version of the schema of [`SweepRecord`].
+const SWEEP_SCHEMA: &str = lennard_io::schema!("sweep", 1);
+/// Record, table and page.
+const FILES: [&str; 3] = ["sweep.json", "table.csv", "report.html"];
+
+/// The files that a sweep may write in its folder.
+pub fn files() -> impl Iterator<Item = &'static str> {
+    FILES.into_iter().chain(READINGS.iter().flat_map(|reading| reading.files).copied())
+}
+
+/// A sweep that has been read: the record, and what else is written.
+pub(super) struct ReadSweep {
+    /// The record.
+    pub record: SweepRecord,
+    lead: String,
+    sections: Vec<Section>,
+    tables: Vec<Table>,
+    files: Vec<&'static str>,
+}
+
+/// Reads the points of a sweep.
+///
+/// # Errors
+/// [`SweepError::File`] where the study names a reading that its points have nothing for, though all have ended.
+pub(super) fn read(
+    sweep: &Sweep,
+    points: Vec<SweptPoint>,
+    ending: Ending,
+    threads: usize,
+) -> Result<ReadSweep, SweepError> {
+    let record = SweepRecord {
+        schema: SWEEP_SCHEMA,
+        name: sweep.name.to_string(),
+        ending,
+        version: env!("CARGO_PKG_VERSION"),
+        cpu: lennard_io::cpu_name(),
+        threads,
+        points,
+        entries: Default::default(),
+        terminal: Vec::new(),
+        sentences: Vec::new(),
+        failure: None,
+    };
+    let mut all = ReadSweep {
+        record,
+        lead: String::new(),
+        sections: Vec::new(),
+        tables: Vec::new(),
+        files: Vec::new(),
+    };
+    let mut drawn: Vec<String> = Vec::new();
+    let has_ended = matches!(ending, Ending::Finished | Ending::Failed);
+    for reading in chosen(&sweep.readings) {
+        let study = StudyPoints { sweep, swept: &all.record.points, drawn: &drawn };
+        let blocks = (reading.read)(&study);
+        let is_empty = blocks.sections.is_empty() && blocks.tables.is_empty();
+        if is_empty && has_ended && !sweep.readings.is_empty() {
+            return Err(nothing_to_read(sweep, &all.record.points, reading).into());
+        }
+        let figures = blocks.sections.iter().flat_map(Section::pictures);
+        drawn.extend(figures.map(|picture| picture.name().to_owned()));
+        all.files.extend(reading.files.iter().copied());
+        all.take(blocks);
+    }
+    if all.record.failure.is_some() && ending == Ending::Finished {
+        all.record.ending = Ending::Failed;
+    }
+    Ok(all)
+}
+
+/// That a reading has found nothing among points that have ended.
+fn nothing_to_read(sweep: &Sweep, points: &[SweptPoint], reading: &Reading) -> SceneError {
+    let failed: Vec<&SweptPoint> = points.iter().filter(|p| p.failure.is_some()).collect();
+    let first = failed.first().and_then(|p| Some((&p.name, p.failure.as_ref()?)));
+    let why = first.map_or(String::new(), |(name, failed)| {
+        let reason = failed.reason.lines().next().unwrap_or_default();
+        format!(", the first is {name}: {reason}")
+    });
+    sweep
+        .source
+        .refuse("reading", format!("has nothing to read: `{}`", reading.name))
+        .found(format!("{} of {} points failed{why}", failed.len(), points.len()))
+        .allowed(format!("{}: {}", reading.name, reading.about))
+}
+
+impl ReadSweep {
+    fn take(&mut self, blocks: Blocks) {
+        let Blocks { lead, sections, tables, terminal, sentences, entries, failure } = blocks;
+        self.lead += &lead;
+        self.sections.extend(sections);
+        self.tables.extend(tables);
+        // Later readings stand first on the terminal: the table of the points before sums over them.
+        self.record.terminal.splice(0..0, terminal);
+        self.record.sentences.extend(sentences);
+        self.record.entries.extend(entries);
+        self.record.failure = self.record.failure.take().or(failure);
+    }
+
+    /// Writes record, tables, figures and page.
+    pub(super) fn write(self, folder: &Path, command: &str) -> Result<SweepRecord, SweepError> {
+        let [json, table, report] = FILES.map(|name| folder.join(name));
+        lennard_io::write_json_atomically(&json, &self.record)?;
+        lennard_io::write_table_csv(&table, &csv::table(&self.record.points))?;
+        for table in &self.tables {
+            lennard_io::write_table_csv(&folder.join(format!("{}.csv", table.name)), table)?;
+        }
+        let page = page::page(&self.record, self.sections, &self.lead, command);
+        for picture in page.pictures() {
+            let name = format!("{}.svg", picture.name());
+            if self.files.contains(&&*name) {
+                lennard_io::write_text_atomically(&folder.join(name), &picture.to_svg()?)?;
+            }
+        }
+        lennard_io::write_text_atomically(&report, &page.to_html()?)?;
+        Ok(self.record)
+    }
+}

@@ -1,0 +1,144 @@
+//! What came of the points of a study.
+
+use std::collections::BTreeMap;
+
+use lennard_core::Table;
+use lennard_engine::EngineError;
+use lennard_io::AverageRecord;
+use serde::Serialize;
+
+use super::Setting;
+use crate::compare::{ComparedRun, Row, StateOfMatter};
+
+/// How a sweep ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ending {
+    /// Every point is finished.
+    Finished,
+    /// It was asked to stop; the same command goes on.
+    Stopped,
+    /// What was there was collected, and some points are not finished.
+    Incomplete,
+    /// It was asked to stop before any point had a step that could be kept; nothing was written.
+    NotBegun,
+    /// Other processes are at work on some points.
+    Elsewhere,
+    /// Some points failed, or do not prove what they are to prove.
+    Failed,
+}
+
+/// Why a point has no result; a record holds the reason alone.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(into = "String")]
+pub struct Failed {
+    /// What happened, in words.
+    pub reason: String,
+    /// The exit code that `lennard run` has for it.
+    pub exit_code: u8,
+}
+
+impl Failed {
+    /// What the user can set right.
+    pub(super) fn of_input(reason: String) -> Self {
+        Self { reason, exit_code: 2 }
+    }
+
+    /// What is neither input nor physics.
+    pub(super) fn otherwise(error: &dyn std::fmt::Display) -> Self {
+        Self { reason: error.to_string(), exit_code: 1 }
+    }
+}
+
+impl From<EngineError> for Failed {
+    fn from(error: EngineError) -> Self {
+        Self { reason: error.to_string(), exit_code: error.exit_code() }
+    }
+}
+
+impl From<Failed> for String {
+    fn from(failed: Failed) -> Self {
+        failed.reason
+    }
+}
+
+/// A point and what came of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweptPoint {
+    /// Its name and the name of its folder.
+    pub name: String,
+    /// What the study chose for it, without the seed.
+    pub settings: Vec<Setting>,
+    /// Its page, relative to the folder of the sweep; `None` where it has none.
+    pub page: Option<String>,
+    /// Where it was to lie: density and temperature asked for.
+    pub planned: StateOfMatter,
+    /// Whether it had been finished before, and was not run again.
+    pub kept: bool,
+    /// Why it has no result, where it has none.
+    pub failure: Option<Failed>,
+    /// The process that is at work on it, where that is another one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elsewhere: Option<String>,
+    /// The run beside the literature.
+    pub compared: Option<ComparedRun>,
+    /// Every mean of the run, by name; the record of the run has them.
+    #[serde(skip)]
+    pub averages: BTreeMap<String, AverageRecord>,
+    /// Wall time of the run in s.
+    pub wall_s: f64,
+    /// Wall time for each particle and step in ns.
+    pub ns_per_atom_step: f64,
+}
+
+impl SweptPoint {
+    /// Whether it has neither a result nor a failure.
+    #[must_use]
+    pub fn is_unfinished(&self) -> bool {
+        self.compared.is_none() && self.failure.is_none() && self.elsewhere.is_none()
+    }
+
+    /// One quantity of the run beside the literature, where there is one.
+    #[must_use]
+    pub fn row(&self, quantity: &str) -> Option<&Row> {
+        let rows = &self.compared.as_ref()?.rows;
+        rows.iter().find(|r| r.quantity == quantity)
+    }
+
+    /// The measured state, or the state that was asked for.
+    #[must_use]
+    pub fn state(&self) -> &StateOfMatter {
+        self.compared.as_ref().map_or(&self.planned, |c| &c.state)
+    }
+}
+
+/// A sweep and what came of it, as written to `sweep.json`.
+#[derive(Debug, Clone, Serialize)]
+pub struct SweepRecord {
+    /// Name and version of the schema.
+    pub schema: &'static str,
+    /// Name of the sweep.
+    pub name: String,
+    /// How it ended.
+    pub ending: Ending,
+    /// Version of the program.
+    pub version: &'static str,
+    /// The processor.
+    pub cpu: String,
+    /// Threads for all points together.
+    pub threads: usize,
+    /// Point by point.
+    pub points: Vec<SweptPoint>,
+    /// What the readings found, by name: `agreement`, `critical_point`, `melting`, …
+    #[serde(flatten)]
+    pub entries: BTreeMap<&'static str, serde_json::Value>,
+    /// Tables for the terminal.
+    #[serde(skip)]
+    pub terminal: Vec<Table>,
+    /// Sentences for the terminal.
+    #[serde(skip)]
+    pub sentences: Vec<String>,
+    /// Why the study fails though its points are finished.
+    #[serde(skip)]
+    pub failure: Option<String>,
+}
