@@ -52,11 +52,6 @@ const EXPLAINED: &[(&str, &str)] = &[
         "studies/chart",
         "to be cut: pages and figures of the study read the study's types from the file that draws them",
     ),
-    (
-        "studies/sweep/page",
-        "to be cut: the page reads the sweep's types from the file that draws it",
-    ),
-    ("studies/sweep/points", "axes of a sweep file are read and expanded by each other"),
 ];
 
 /// A module as its path inside the crate; the crate itself has the empty path.
