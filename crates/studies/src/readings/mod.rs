@@ -88,7 +88,7 @@ pub const READINGS: [Reading; 7] = [
         name: "coverage",
         about: "how often the long-run mean lies within the printed errors, of five seeds or more",
         needs: &[("seed", 5)],
-        files: &["coverage.md", "coverage.json"],
+        files: &["coverage_quantities.csv", "coverage_states.csv", "coverage_cells.csv"],
         is_usual: false,
         read: coverage::read,
     },

@@ -18,7 +18,13 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
         sections.push(Section::new(PROPERTIES).figures(figures));
     }
     let lead = Kind::of(points).in_words().to_owned();
-    Blocks { lead, sections, terminal: vec![for_terminal(points)], ..Blocks::default() }
+    Blocks {
+        lead,
+        sections,
+        terminal: vec![for_terminal(points)],
+        sentences: vec!["Digits in brackets are one standard error in the last digits.".into()],
+        ..Blocks::default()
+    }
 }
 
 /// What the points of a sweep are.

@@ -41,7 +41,9 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
     for table in &record.terminal {
         println!("\n{}", narrow_table(table));
     }
-    println!("  Digits in brackets are one standard error in the last digits.");
+    for sentence in &record.sentences {
+        note(sentence);
+    }
     let mut remarks: Vec<&String> =
         record.points.iter().filter_map(|p| p.compared.as_ref()).flat_map(|c| &c.remarks).collect();
     remarks.sort();
@@ -49,9 +51,6 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
     // Which points are no single phase stands in the table.
     for remark in remarks.into_iter().filter(|r| !r.starts_with("by ")) {
         note(&format!("note: {remark}"));
-    }
-    for sentence in &record.sentences {
-        note(sentence);
     }
     let kept = record.points.iter().filter(|p| p.kept).count();
     if kept > 0 {

@@ -1,0 +1,170 @@
+//! Shares pooled over cells, where seeds are many enough for narrow bars.
+
+use super::super::probability::binomial_tails;
+use super::judge::{Judged, NORMAL, RARE};
+
+/// Shares that a group must have within one error, and at least within two.
+const BARS: ([f64; 2], f64) = ([0.60, 0.76], 0.92);
+
+/// Numbers that count as an independent one where quantities are pooled, since quantities of one run move together.
+const TOGETHER: usize = 3;
+
+/// Quantities that repeat another one up to a constant or a factor; groups count only the other one.
+const REPEATED: [(&str, &str); 5] = [
+    ("kinetic_energy", "temperature"),
+    ("temperature_half_steps", "temperature"),
+    ("potential_energy_without_tail", "potential_energy"),
+    ("pressure_without_tail", "pressure"),
+    ("diffusion_coefficient_uncorrected", "diffusion_coefficient"),
+];
+
+/// The quantity that another one repeats.
+pub fn repeats(quantity: &str) -> Option<&'static str> {
+    let found = REPEATED.iter().find(|(name, _)| *name == quantity);
+    found.map(|(_, original)| *original)
+}
+
+/// Sums over cells.
+#[derive(Debug, Clone, Default)]
+pub struct Sums {
+    /// Means with errors.
+    pub given: usize,
+    /// Runs that printed none.
+    pub without: usize,
+    /// How many of the means are within one and two errors.
+    pub within: [usize; 2],
+    /// Numbers that count as an independent one.
+    together: usize,
+    /// Scatter over the seeds in printed errors, of each cell where it is known.
+    scatters: Vec<f64>,
+}
+
+impl Sums {
+    fn add(&mut self, judged: &Judged) {
+        self.given += judged.given;
+        self.without += judged.without.values().sum::<usize>();
+        for (sum, within) in self.within.iter_mut().zip(judged.within) {
+            *sum += within;
+        }
+        self.scatters.extend(judged.scatter());
+    }
+
+    /// Share within `k` + 1 errors.
+    pub fn share(&self, k: usize) -> f64 {
+        self.within[k] as f64 / self.given as f64
+    }
+
+    /// Scatter over the seeds in printed errors, the median over the cells: a few bad cells leave it alone.
+    pub fn scatter(&self) -> Option<f64> {
+        let mut sorted = self.scatters.clone();
+        sorted.sort_by(f64::total_cmp);
+        sorted.get(sorted.len() / 2).copied()
+    }
+
+    /// How the shares stand to their bars.
+    pub fn standing(&self) -> Standing {
+        if self.given == 0 {
+            return Standing::Inside;
+        }
+        let ([low, high], least) = BARS;
+        let shares = [self.share(0), self.share(1)];
+        let far =
+            [low - shares[0], shares[0] - high, least - shares[1]].into_iter().fold(0.0, f64::max);
+        if far == 0.0 {
+            return Standing::Inside;
+        }
+        let n = self.given.div_ceil(self.together.max(1));
+        let tails =
+            |k: usize| binomial_tails((shares[k] * n as f64).round() as usize, n, NORMAL[k]);
+        let ((below, above), (below_two, _)) = (tails(0), tails(1));
+        if below.min(above).min(below_two) >= RARE {
+            Standing::Chance
+        } else {
+            Standing::Outside(far)
+        }
+    }
+}
+
+/// How a group's shares stand to their bars.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Standing {
+    /// Inside.
+    Inside,
+    /// Outside, as chance may have it with so few numbers.
+    Chance,
+    /// Outside by this share.
+    Outside(f64),
+}
+
+/// A row of a table: a name, and sums by length.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// Quantity, or state and ensemble.
+    pub name: String,
+    /// Sums for each of the lengths; empty ones where nothing was run.
+    pub sums: Vec<Sums>,
+}
+
+/// Sums over the cells that share a name, for each length.
+fn rows(
+    judged: &[Judged],
+    lengths: &[u64],
+    together: usize,
+    name: impl Fn(&Judged) -> String,
+) -> Vec<Row> {
+    let empty = Sums { together, ..Sums::default() };
+    let mut rows: Vec<Row> = Vec::new();
+    for one in judged {
+        let name = name(one);
+        let at = rows.iter().position(|row| row.name == name).unwrap_or_else(|| {
+            rows.push(Row { name, sums: vec![empty.clone(); lengths.len()] });
+            rows.len() - 1
+        });
+        if let Some(length) = lengths.iter().position(|l| *l == one.cell.steps) {
+            rows[at].sums[length].add(one);
+        }
+    }
+    rows
+}
+
+/// Each quantity over all states and ensembles.
+pub fn by_quantity(judged: &[Judged], lengths: &[u64]) -> Vec<Row> {
+    let mut rows = rows(judged, lengths, 1, |one| one.quantity.clone());
+    rows.sort_by(|a, b| a.name.cmp(&b.name));
+    rows
+}
+
+/// Each state and ensemble, and all of them, over all quantities that do not repeat another one.
+pub fn by_state(judged: &[Judged], lengths: &[u64]) -> Vec<Row> {
+    let once: Vec<Judged> =
+        (judged.iter()).filter(|one| repeats(&one.quantity).is_none()).cloned().collect();
+    let mut all = rows(&once, lengths, TOGETHER, |one| one.cell.state.clone());
+    all.sort_by(|a, b| a.name.cmp(&b.name));
+    all.extend(rows(&once, lengths, TOGETHER, |_| "all".to_owned()));
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn standing(given: usize, together: usize, one: f64, two: f64) -> Standing {
+        let part = |share: f64| (share * given as f64).round() as usize;
+        Sums { given, together, within: [part(one), part(two)], ..Sums::default() }.standing()
+    }
+
+    #[test]
+    fn bars_hold_for_many_numbers_and_give_way_for_few() {
+        assert_eq!(standing(900, 1, 0.68, 0.95), Standing::Inside);
+        assert_eq!(standing(900, 1, 0.61, 0.925), Standing::Inside);
+        for (one, two) in [(0.58, 0.95), (0.78, 0.99), (0.65, 0.9)] {
+            let found = standing(900, 1, one, two);
+            assert!(matches!(found, Standing::Outside(far) if far < 0.021), "{found:?}");
+        }
+        assert_eq!(standing(500, 3, 0.59, 0.95), Standing::Chance);
+        assert_eq!(standing(30, 1, 0.5, 0.9), Standing::Chance);
+        // Errors too small by a factor of two.
+        assert!(matches!(standing(150, 3, 0.38, 0.68), Standing::Outside(_)));
+        assert_eq!(standing(0, 1, 0.0, 0.0), Standing::Inside);
+    }
+}
