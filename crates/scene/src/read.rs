@@ -13,8 +13,8 @@ use crate::reference::{self, Form, MOST_ENTRIES};
 use crate::removed::{RemovedKind, removed};
 use crate::section::Section;
 use crate::{
-    MixtureTables, Name, ProgramParts, Scene, Source, accuracy, checks, model_kind, planar, shipped,
-    study,
+    MixtureTables, Name, ProgramParts, Scene, Source, accuracy, checks, model_kind, planar,
+    shipped, study,
 };
 
 impl Scene {

@@ -1,10 +1,8 @@
 //! Every check with one command: `cargo xtask test`.
 #![allow(clippy::print_stdout, clippy::print_stderr)] // a command-line tool speaks on both
 
-mod accuracy;
 mod book;
 mod counts;
-mod coverage;
 mod fuzz;
 mod ledger;
 mod python;
@@ -26,7 +24,7 @@ Usage: cargo xtask COMMAND
 
 Commands:
   test     All checks but the long ones: format, lints, documentation, Rust tests, a short soak,
-           coverage of errors over few seeds, tidiness, Python environment, validation by other people's tools
+           tidiness, Python environment, validation by other people's tools
   check    Lints and tests of some crates alone: cargo xtask check observables
   physics  The long checks: state points against the equation of state, error bars against
            independent seeds, Rust tests marked as ignored
@@ -38,11 +36,6 @@ Commands:
   ledger   Bits of every shipped scene, and names of keys, options and methods, against validation/ledger;
            --write makes the record anew, --names compares names alone, --binary FILE takes another build
   fuzz     Seeded mutations of fuzz/corpus through every reader; --runs N, --target NAME, --seed N
-  coverage Do the printed errors cover? 30 seeds at ten states, in three ensembles and at three
-           lengths; --quick for eight seeds at two states, --again DATA for other statistics of runs
-           that are there
-  accuracy Tune scenes at ten states, and put each choice on trial: ten seeds against tight runs,
-           and a grid of cheaper settings; --state NAME, --seconds S for a tuning, --share X of the runs
   cluster  One sweep by an array of Slurm, by GNU parallel and by dask, stopped and killed on the way;
            as root on Debian, what is missing is installed
   mpi      One run on ranks of MPI against one process, byte by byte, with a rank that is killed, halos and speed;
@@ -76,8 +69,6 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["soak", rest @ ..] => return soak::build_and_run(&workspace, rest),
-        ["accuracy", rest @ ..] => return accuracy::run(&workspace, rest),
-        ["coverage", rest @ ..] => return coverage::run(&workspace, rest),
         ["ledger", rest @ ..] => return ledger::run(workspace, rest),
         ["fuzz", rest @ ..] => return fuzz::run(&workspace, rest),
         ["check", crates @ ..] => {
@@ -103,8 +94,7 @@ fn main() -> ExitCode {
                 "cluster: sweeps by Slurm, GNU parallel and dask (cargo xtask cluster)",
                 "mpi: one run on several ranks (cargo xtask mpi)",
                 "soak: runs killed at random times and resumed (cargo xtask soak)",
-                "coverage: printed errors against 2,700 runs of many seeds (cargo xtask coverage)",
-                "accuracy: tuned settings on trial at ten states (cargo xtask accuracy)",
+                "coverage: printed errors against 2,700 runs of many seeds (lennard sweep studies/coverage)",
                 "fuzz: mutated files through every reader (cargo xtask fuzz)",
                 "bench: speed (lennard bench)",
             ],

@@ -87,13 +87,6 @@ const TESTED_BUILD: Tier = Tier {
 };
 const SOAK: Tier =
     Tier { name: "soak", work: Work::Live(|w| crate::soak::quick(w).map(|()| ONE_PASSED)) };
-const COVERAGE: Tier = Tier {
-    name: "coverage",
-    work: Work::Live(|w| {
-        crate::coverage::quick(w).map_err(|error| error as Box<dyn Error>)?;
-        Ok(ONE_PASSED)
-    }),
-};
 const TIDINESS: Tier = Tier {
     name: "tidiness",
     work: Work::Live(|w| {
@@ -179,7 +172,6 @@ pub fn test() -> Vec<Tier> {
         BUILDS,
         RUST_TESTS,
         SOAK,
-        COVERAGE,
         TIDINESS,
         NAMES,
         SESSIONS,

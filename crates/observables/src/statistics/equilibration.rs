@@ -7,7 +7,7 @@ use super::mean;
 pub const LARGEST_CUT: f64 = 0.6;
 
 /// A transient counts where its height, at any of seven decay times, exceeds this many standard errors. By chance, about
-/// 1 stationary series in 100 exceeds it, whatever its correlation (`cargo xtask coverage` publishes the rates).
+/// 1 stationary series in 100 exceeds it, whatever its correlation (the study `studies/coverage` publishes the rates).
 pub const TRANSIENT_ERRORS: f64 = 3.5;
 
 /// After a cut the bar is this much higher: each look at a rest is one more chance to be misled.

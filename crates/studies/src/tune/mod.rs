@@ -18,7 +18,6 @@ mod search;
 mod speed;
 mod survey;
 mod terms;
-pub mod trial;
 mod verify;
 
 pub use error::TuneError;

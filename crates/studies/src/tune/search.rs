@@ -44,16 +44,6 @@ pub fn tune(
     options: &TuneOptions,
     progress: &mut dyn Progress,
 ) -> Result<Tuning, TuneError> {
-    Ok(tune_and(scene, options, progress, |_| Ok(()))?.0)
-}
-
-/// As [`tune`], with something more that is asked of its models at the end.
-pub(super) fn tune_and<T>(
-    scene: &Scene,
-    options: &TuneOptions,
-    progress: &mut dyn Progress,
-    more: impl FnOnce(&mut Models<'_>) -> Result<T, TuneError>,
-) -> Result<(Tuning, T), TuneError> {
     let clock = Instant::now();
     let asked = scene.accuracy;
     let accuracy = asked.ok_or_else(|| TuneError::NoAccuracy(scene.source.file().to_owned()))?;
@@ -120,9 +110,8 @@ pub(super) fn tune_and<T>(
     let usual_cost = found.get(2).copied();
     let beside = usual_cost.as_ref().zip(missed.as_deref());
     let speed = Speed::of(&found[0], &found[1], beside);
-    let more = more(&mut models)?;
     progress.update("done", 1.0);
-    let tuning = Tuning {
+    Ok(Tuning {
         schema: SCHEMA,
         scene: scene.name.to_string(),
         density: survey.density(),
@@ -142,8 +131,7 @@ pub(super) fn tune_and<T>(
         runs,
         notes,
         seconds: clock.elapsed().as_secs_f64(),
-    };
-    Ok((tuning, more))
+    })
 }
 
 /// Settings that were run, with what that says.

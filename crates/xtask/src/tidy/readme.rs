@@ -11,9 +11,9 @@ pub type Commands = BTreeMap<String, Vec<String>>;
 
 /// Folders that runs and builds make.
 const MADE_LATER: [&str; 3] = ["runs", "target", ".venv"];
-const XTASK: [&str; 14] = [
-    "docs", "test", "check", "physics", "cluster", "mpi", "tidy", "soak", "fuzz", "coverage",
-    "accuracy", "ledger", "python", "help",
+const XTASK: [&str; 12] = [
+    "docs", "test", "check", "physics", "cluster", "mpi", "tidy", "soak", "fuzz", "ledger",
+    "python", "help",
 ];
 const CARGO: [&str; 12] = [
     "check", "run", "xtask", "test", "build", "bench", "fmt", "clippy", "doc", "install",
