@@ -4,8 +4,7 @@ use lennard_core::number::{short, signed, significant};
 use lennard_scene::{Accuracy, Judged, Scene, SceneError};
 
 use super::choose::{Candidate, Choice, Freedom, choose};
-use super::drift::Stability;
-use super::predict::{Models, Prediction};
+use super::predict::{Models, Prediction, Stability};
 use super::prices::Prices;
 use super::sample::{Sample, stable_dt_of_springs};
 use super::verify::Runs;

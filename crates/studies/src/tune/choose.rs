@@ -4,8 +4,7 @@ use lennard_forcefield::{ListMode, Precision, TruncationKind, TruncationOptions}
 use lennard_scene::{Accuracy, Scene};
 
 use super::TuneError;
-use super::drift::Stability;
-use super::predict::{Models, Prediction};
+use super::predict::{Models, Prediction, Stability};
 use super::prices::Prices;
 use super::sample::Sample;
 use crate::settings::Settings;

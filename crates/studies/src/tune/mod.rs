@@ -1,13 +1,12 @@
 //! The cheapest settings that meet an accuracy.
 //!
 //! A survey of the fluid, a few seconds long, gives models of every error. They say what a truncation leaves out
-//! (`survey`), what a time step and a precision change (`predict`), and how the energy drifts (`drift`). `choose` finds
+//! (`survey`), what a time step and a precision change, and how the energy drifts (`predict`). `choose` finds
 //! the cheapest settings whose predicted errors keep the targets, and `verify` runs them beside the safest settings.
 //! Where measurement and prediction together miss a target, the models learn from it and the search goes on (`search`).
 
 mod advice;
 mod choose;
-mod drift;
 mod error;
 mod finish;
 mod pairs;
@@ -17,12 +16,12 @@ mod sample;
 mod search;
 mod speed;
 mod survey;
-mod terms;
 mod verify;
 
 pub use error::TuneError;
 pub use predict::Prediction;
-pub use search::tune;
+pub use sample::{CAREFUL_STEP, comfortable_cutoff, judged_fluid};
+pub use search::{tune, tune_and_predict};
 pub use speed::Speed;
 pub use verify::Runs;
 

@@ -1,17 +1,20 @@
-//! What settings will err, part by part, before any run with them.
+//! What settings will err, part by part, before any run with them: by the end of the potential, by the step and the drift that it
+//! brings, by precision.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 use lennard_core::{Part, Want};
-use lennard_forcefield::{Precision, TruncationKind, TruncationOptions};
+use lennard_forcefield::{Model, Precision, SpeciesPair, TruncationKind, TruncationOptions};
+use lennard_scene::Scene;
 use serde::Serialize;
 
 use super::TuneError;
-use super::drift::{self, Stability};
+use super::pairs::{Terms, model_of};
 use super::sample::Sample;
 use super::survey::Survey;
-use super::terms::Terms;
-use crate::lab::{Value, Workbench};
+use crate::jobs::side_by_side_quietly;
+use crate::lab::{Failed, Value, Workbench};
 use crate::settings::Settings;
 use crate::stability::groups::stands_for_itself;
 
@@ -23,6 +26,14 @@ const FITTED_AT: f64 = 0.25;
 const FITTED_AT_SECOND_ORDER: f64 = 0.4;
 /// Both runs of a law of second order are that much longer: its noise bounds the step.
 const LONGER: f64 = 2.5;
+/// Steps at which stability is tried, as shares of the rough limit.
+pub(super) const RUNGS: [f64; 7] = [0.25, 0.28, 0.32, 0.36, 0.40, 0.45, 0.50];
+/// Shortest run on a rung, τ: less does not tell a drift of 10⁻⁵.
+const SHORTEST_RUNG: f64 = 80.0;
+/// Without a wanted drift, a step is stable that drifts less than this: 10⁻³ ε/τ per particle is a per cent of T in ten τ.
+const LARGEST_DRIFT: f64 = 1e-3;
+/// Standard errors from which on a drift counts as seen.
+const SEEN: f64 = 3.0;
 
 /// The error of one quantity by its causes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -152,7 +163,7 @@ impl<'a> Models<'a> {
 
     /// The drift, ε/τ per particle.
     pub fn drift(&self, settings: &Settings) -> Result<f64, TuneError> {
-        let jump = drift::of_jump(&self.sample.own, settings.truncation, self.survey, settings.dt)?;
+        let jump = drift_of_jump(&self.sample.own, settings.truncation, self.survey, settings.dt)?;
         Ok(jump + self.stability.of_step(settings.dt))
     }
 
@@ -186,7 +197,7 @@ impl<'a> Models<'a> {
 fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Value; 2], TuneError> {
     let mut differences = Vec::new();
     for end in &survey.ends {
-        let mut found = [Precision::Double, Precision::Mixed].into_iter().map(|precision| {
+        let at = |precision| {
             let mut scene = sample.canonical.clone();
             scene.kernel.precision = precision;
             let mut forces = end.forces(&scene)?;
@@ -196,12 +207,9 @@ fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Value; 2], TuneErro
             let energy = e.potential_energy.unwrap_or(f64::NAN) / survey.fluid.units();
             let pressure = e.scalar_virial().unwrap_or(f64::NAN) / (3.0 * survey.volume);
             Ok::<_, TuneError>([energy, pressure])
-        });
-        let (double, mixed) = (found.next(), found.next());
-        if let (Some(double), Some(mixed)) = (double, mixed) {
-            let (double, mixed) = (double?, mixed?);
-            differences.push([mixed[0] - double[0], mixed[1] - double[1]]);
-        }
+        };
+        let (double, mixed) = (at(Precision::Double)?, at(Precision::Mixed)?);
+        differences.push([mixed[0] - double[0], mixed[1] - double[1]]);
     }
     let largest = |i: usize| differences.iter().map(|d| d[i].abs()).fold(0.0, f64::max);
     Ok([0, 1].map(|i| Value {
@@ -234,11 +242,10 @@ fn fitted_law(
     };
     let bench = Workbench::with_start(&sample.own, survey.ends[0].clone());
     let slopes = survey.slopes();
-    let runs =
-        crate::jobs::side_by_side_quietly(&[&careful, &long], |settings| -> Result<_, TuneError> {
-            let time = super::affordable(&bench, settings, seconds)?;
-            Ok(bench.measure(settings, time, &slopes)?)
-        });
+    let runs = side_by_side_quietly(&[&careful, &long], |settings| -> Result<_, TuneError> {
+        let time = super::affordable(&bench, settings, seconds)?;
+        Ok(bench.measure(settings, time, &slopes)?)
+    });
     let mut runs = runs.into_iter();
     let (Some(careful_run), Some(long_run)) = (runs.next(), runs.next()) else {
         return Ok([NOTHING; 2]);
@@ -254,3 +261,144 @@ fn fitted_law(
         of(&a.pressure_at_reference, &b.pressure_at_reference),
     ])
 }
+
+/// One try at a long step, with a truncation that ends smoothly.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Rung {
+    /// The step, τ.
+    pub dt: f64,
+    /// Its drift with standard error, ε/τ per particle; `None` where the run failed.
+    pub drift: Option<(f64, f64)>,
+}
+
+/// The largest step that may be taken, and the drift that a step brings.
+#[derive(Debug, Clone)]
+pub(super) struct Stability {
+    /// ln|drift| = a − b/dt, where two rungs were seen to drift.
+    law: Option<(f64, f64)>,
+    /// The largest step that may be taken, τ.
+    pub ceiling: f64,
+}
+
+impl Stability {
+    /// Climbs the rungs at constant energy, `seconds` each.
+    pub fn measure(
+        sample: &Sample,
+        survey: &Survey,
+        wanted: Option<f64>,
+        seconds: f64,
+    ) -> Result<Self, TuneError> {
+        let mut scene = sample.own.clone();
+        scene.stages = sample.canonical.stages.clone();
+        for stage in &mut scene.stages {
+            stage.thermostat = None;
+            stage.barostat = None;
+        }
+        let bench = Workbench::with_start(&scene, survey.ends[0].clone());
+        let limit = sample.own.integrator.method.spec().stability_limit;
+        let limit = limit.unwrap_or(super::sample::VERLET_LIMIT) / super::sample::VERLET_LIMIT;
+        let r_cut = sample.careful().truncation.r_cut.min(2.5);
+        let smooth = sample.careful().with_truncation(TruncationKind::Switch, r_cut, false);
+        let slopes = survey.slopes();
+        let climb = |share: &f64| -> Result<Rung, TuneError> {
+            let dt = share * limit * sample.stable_dt;
+            let settings = Settings { dt, ..smooth.clone() };
+            let found = super::affordable(&bench, &settings, seconds)
+                .and_then(|time| Ok(bench.measure(&settings, time.max(SHORTEST_RUNG), &slopes)?));
+            match found {
+                Ok(m) => Ok(Rung { dt, drift: Some((m.drift.slope, m.drift.standard_error)) }),
+                Err(TuneError::Study(error)) => {
+                    Failed::from_error(error)?;
+                    Ok(Rung { dt, drift: None })
+                }
+                Err(other) => Err(other),
+            }
+        };
+        let rungs: Vec<Rung> =
+            side_by_side_quietly(&RUNGS, climb).into_iter().collect::<Result<_, _>>()?;
+        Ok(Self::of(&rungs, wanted))
+    }
+
+    fn of(rungs: &[Rung], wanted: Option<f64>) -> Self {
+        let limit = wanted.unwrap_or(LARGEST_DRIFT);
+        // A drift that is not known to be small is not small.
+        let good = |rung: &&Rung| {
+            let bound = |(drift, error): (f64, f64)| drift.abs() + error;
+            rung.drift.is_some_and(|found| bound(found) <= limit)
+        };
+        let ceiling = rungs.iter().take_while(good).last().map(|r| r.dt);
+        let seen: Vec<(f64, f64)> = rungs
+            .iter()
+            .filter_map(|r| Some((r.dt, r.drift?)))
+            .filter(|(_, (drift, error))| drift.abs() > SEEN * error)
+            .map(|(dt, (drift, _))| (1.0 / dt, drift.abs().ln()))
+            .collect();
+        let law = match seen.as_slice() {
+            [.., (x1, y1), (x2, y2)] if y2 > y1 => {
+                let b = (y2 - y1) / (x1 - x2);
+                Some((y2 + b * x2, b))
+            }
+            _ => None,
+        };
+        // Where even the shortest rung drifts too much, half of it is what is left to be verified.
+        let shortest = rungs.first().map_or(0.0, |r| 0.5 * r.dt);
+        Self { law, ceiling: ceiling.unwrap_or(shortest) }
+    }
+
+    /// The drift that the step brings, ε/τ per particle: exponentially small below the limit.
+    pub fn of_step(&self, dt: f64) -> f64 {
+        self.law.map_or(0.0, |(a, b)| (a - b / dt).exp())
+    }
+}
+
+/// The drift that a jump of the force at the cutoff brings, ε/τ per particle.
+///
+/// A pair that crosses r_cut at a share α of a step gains the energy F·v·h·(α − ½), with the jump F and the radial
+/// speed v. The mean of this is zero, and its variance F²v²h²/12. The map is reversible and keeps volume in phase
+/// space, so energy diffuses towards more states. The drift is half the growth of the variance over T. Pairs cross at
+/// the rate ½Nρ·4πr²g(r)⟨|v|⟩, and ⟨|v|³⟩ = 2√(2/π)·(T/μ)^{3/2} for relative velocities with the reduced mass μ. Species
+/// add up pair by pair.
+fn drift_of_jump(
+    scene: &Scene,
+    truncation: TruncationOptions,
+    survey: &Survey,
+    dt: f64,
+) -> Result<f64, TuneError> {
+    let mut scene = scene.clone();
+    scene.truncation = truncation;
+    let (t, fluid) = (survey.temperature, &survey.fluid);
+    // Bonds held rigid take degrees of freedom from the sites.
+    let share = fluid.n_dof() / (3.0 * survey.n_atoms - 3.0);
+    let mut growth = 0.0;
+    for (i, kind) in fluid.kinds.iter().enumerate() {
+        let [a, b] = kind.species;
+        let pair = scene.species_pair(a, b);
+        let model = model_of(&scene, &pair)?;
+        let pairs = kind.pairs / (fluid.units() * survey.volume);
+        let g = survey.g(i, model.r_cut * pair.sigma);
+        let squared_speed = share * t * kind.inverse_mass();
+        growth += variance_growth(&model, &pair, pairs * g, squared_speed, dt);
+    }
+    Ok(0.5 * growth / t)
+}
+
+/// How fast the variance of the energy grows by pairs of one kind that cross their cutoff, ε²/τ a particle or molecule.
+///
+/// `crossing` is their number for each volume and each particle or molecule, σ⁻³, times g at the cutoff, and `squared_speed` the mean
+/// square of their relative velocity along one axis, (σ/τ)²: T over the reduced mass.
+fn variance_growth(
+    model: &Model,
+    pair: &SpeciesPair,
+    crossing: f64,
+    squared_speed: f64,
+    dt: f64,
+) -> f64 {
+    let x = model.r_cut;
+    let r = x * pair.sigma;
+    let jump = model.eval(x * x).force * x * pair.epsilon / pair.sigma;
+    let cubed_speed = 2.0 * (2.0 / PI).sqrt() * squared_speed.powf(1.5);
+    crossing * 4.0 * PI * r * r * cubed_speed * (jump * dt).powi(2) / 12.0
+}
+
+#[cfg(test)]
+mod tests;

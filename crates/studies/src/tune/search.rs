@@ -7,9 +7,8 @@ use lennard_scene::{Accuracy, Judged, Scene};
 
 use super::advice::{self, Search};
 use super::choose::Candidate;
-use super::drift::Stability;
 use super::finish::{FINAL_TIMING, fitting, list_and_threads};
-use super::predict::Models;
+use super::predict::{Models, Stability};
 use super::prices::Prices;
 use super::sample::Sample;
 use super::speed::{self, Speed};
@@ -55,7 +54,7 @@ pub fn tune(
     progress.update("surveying the fluid", 0.05);
     let survey = Survey::run(&sample, Duration::from_secs_f64(seconds(SURVEY)))?;
     progress.update("looking for the longest stable step", 0.05 + SURVEY);
-    let each = seconds(STABILITY) * options.threads as f64 / super::drift::RUNGS.len() as f64;
+    let each = seconds(STABILITY) * options.threads as f64 / super::predict::RUNGS.len() as f64;
     let stability = Stability::measure(&sample, &survey, accuracy.drift, each)?;
     let mut models = Models::new(&sample, &survey, &stability, full, seconds(STABILITY))?;
     progress.update("timing cutoffs", 0.05 + SURVEY + STABILITY);

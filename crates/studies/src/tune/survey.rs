@@ -11,9 +11,8 @@ use lennard_observables::statistics;
 use lennard_scene::Scene;
 
 use super::TuneError;
-use super::pairs::{BIN_WIDTH, Counts, Fluid};
+use super::pairs::{BIN_WIDTH, Change, Counts, Fluid, Terms, bins_within, dot};
 use super::sample::Sample;
-use super::terms::{Change, Terms, bins_within, dot};
 use crate::jobs::side_by_side_quietly;
 use crate::lab::{Slopes, Start, Value};
 

@@ -10,7 +10,7 @@ use crate::program::args::TuneArgs;
 use crate::program::commands::{Inputs, on_threads, print_json};
 use crate::program::failure::{DONE, Failure, INPUT, OTHER};
 use crate::program::progress::Display;
-use crate::program::show;
+use crate::program::show::{self, Style};
 use crate::program::signals::{Signals, StartUp};
 
 /// Finds the settings, writes the lock file and prints what was wanted, predicted and measured. A scene with settings of
@@ -47,7 +47,7 @@ pub fn tune(args: &TuneArgs) -> Result<u8, Failure> {
     if args.scene.json {
         print_json(&tuning)?;
     } else if !args.quiet {
-        show::tuning(&tuning);
+        show::print(&show::tuning(&tuning), Style::Ruled);
         match lock {
             Some(lock) => {
                 println!("  {}; `lennard run` takes the settings from there", lock.display())

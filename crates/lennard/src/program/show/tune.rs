@@ -3,24 +3,13 @@
 use lennard_core::number::UNKNOWN;
 use lennard_core::{Cell, Table};
 use lennard_studies::lab::Cost;
-use lennard_studies::tune::Tuning;
+use lennard_studies::report::{Section, counted};
+use lennard_studies::tune::{Row, Tuning};
 
-use super::{duration, table};
-use crate::program::out;
+use super::duration;
 
 /// What was chosen, what it errs and what it costs.
-pub fn tuning(tuning: &Tuning) {
-    out::heading(&tuning.scene);
-    println!(
-        "  ρ = {:.4}, T = {:.4}; wanted: U and P of {}",
-        tuning.density, tuning.temperature, tuning.about
-    );
-    println!(
-        "  chosen: {}, {}",
-        tuning.label,
-        lennard_studies::report::counted(tuning.threads, "thread")
-    );
-    println!("  measured against: {}", tuning.safest);
+pub fn tuning(tuning: &Tuning) -> Section {
     let errors = Table::rows_of("errors", &tuning.rows)
         .column("error of", |r| r.judged.quantity.replace('_', " "))
         .column("target", |r| Cell::figures(format!("{:.1e}", r.judged.target)))
@@ -37,18 +26,16 @@ pub fn tuning(tuning: &Tuning) {
             figures.map(Cell::figures)
         })
         .column("unit", |r| &r.judged.unit);
-    println!("\n{}", table(&errors.table()));
-    for row in &tuning.rows {
-        if let Some(causes) = &row.causes {
-            println!(
-                "  {}: truncation {}, time step {}, precision {}",
-                row.judged.quantity.replace('_', " "),
-                with_error(causes.truncation.mean, causes.truncation.standard_error),
-                with_error(causes.step.mean, causes.step.standard_error),
-                with_error(causes.precision.mean, causes.precision.standard_error),
-            );
-        }
-    }
+    let causes = |row: &Row| {
+        let causes = row.causes.as_ref()?;
+        Some(format!(
+            "{}: truncation {}, time step {}, precision {}",
+            row.judged.quantity.replace('_', " "),
+            with_error(causes.truncation.mean, causes.truncation.standard_error),
+            with_error(causes.step.mean, causes.step.standard_error),
+            with_error(causes.precision.mean, causes.precision.standard_error),
+        ))
+    };
     let chosen = tuning.cost.wall.median;
     let usual = tuning.usual_cost.iter();
     let costs: Vec<(&str, &Cost)> = std::iter::once(("chosen", &tuning.cost))
@@ -63,21 +50,28 @@ pub fn tuning(tuning: &Tuning) {
             Cell::figures(format!("{low} to {high}"))
         })
         .column("relative", |(_, c)| Cell::figures(format!("{:.2}", c.wall.median / chosen)));
-    println!("\n{}", table(&costs.table()));
-    for remark in &tuning.speed.remarks {
-        println!("  {remark}");
-    }
-    if let Some([u, p]) = &tuning.usual_errors {
-        println!(
-            "  errors of r_cut 2.5, dt 0.004 in double, predicted: U {}, P {}",
+    let usual = tuning.usual_errors.as_ref().map(|[u, p]| {
+        format!(
+            "errors of r_cut 2.5, dt 0.004 in double, predicted: U {}, P {}",
             with_error(u.mean, u.standard_error),
             with_error(p.mean, p.standard_error)
-        );
-    }
-    for note in &tuning.notes {
-        super::note(&format!("note: {note}"));
-    }
-    println!("  took {}", duration(tuning.seconds));
+        )
+    });
+    Section::new(&tuning.scene)
+        .text(format!(
+            "ρ = {:.4}, T = {:.4}; wanted: U and P of {}",
+            tuning.density, tuning.temperature, tuning.about
+        ))
+        .text(format!("chosen: {}, {}", tuning.label, counted(tuning.threads, "thread")))
+        .text(format!("measured against: {}", tuning.safest))
+        .text("")
+        .table(errors.table())
+        .texts(tuning.rows.iter().filter_map(causes))
+        .text("")
+        .table(costs.table())
+        .texts(tuning.speed.remarks.iter().cloned().chain(usual))
+        .texts(tuning.notes.iter().map(|note| format!("note: {note}")))
+        .text(format!("took {}", duration(tuning.seconds)))
 }
 
 /// `+1.2e-4 ± 3.0e-5`, in powers of ten: errors are small.
