@@ -13,7 +13,7 @@ mod tables;
 mod tune;
 
 pub use bench::bench;
-pub use chart::{chart, ensembles};
+pub use chart::chart;
 pub use eos::{coexistence, curve, freezing, state};
 pub use list::{entry, list};
 pub use literature::{compared, sweep, sweep_header};

@@ -1,32 +1,106 @@
-//! The diagrams as figures: cost along, error up, both logarithmic.
+//! The diagrams as figures: cost along, error up.
 
 use std::collections::BTreeSet;
 
-use crate::report::{
-    Dash, FailedPoint, Figure, Guide, Look, Picture, Point, Series, Symbol, plus_minus, significant,
-};
+use lennard_core::stopwatch::BUSY;
 use lennard_forcefield::{Precision, TruncationKind};
 
-use super::panels::{Axis, Mark, Panel};
-use super::{Chart, ChartedPoint, tables};
+use super::panels::front;
+use super::types::{Axis, Chart, ChartedPoint, Mark, Panel};
+use crate::report::{
+    self, Dash, FailedPoint, Figure, Guide, Look, Picture, Point, Series, Symbol, plus_minus,
+    significant,
+};
 
 /// Colour of the front and of legend entries that are about symbols.
 const DARK: usize = 6;
 
-/// Both figures of a panel; none where it has nothing to show.
+/// The picture that comes first: the errors of P, U and forces, or of P, ρ and var V under baths, against cost, each with its front.
+/// `None` where nothing is known yet.
+pub(super) fn overview(chart: &Chart) -> Option<Picture> {
+    let by = chart.cost_by;
+    let shown: Vec<(&Panel, &str)> =
+        chart.panels.iter().filter_map(|p| Some((p, p.in_overview?))).collect();
+    let names: Vec<&str> = shown.iter().map(|(_, name)| *name).collect();
+    let mut figure = Figure::new(
+        "overview",
+        "Errors against cost",
+        report::Axis::logarithmic(cost_label(chart, by)),
+        report::Axis::logarithmic(format!("error: {}", names.join(", "))),
+    );
+    for (color, (panel, name)) in shown.into_iter().enumerate() {
+        let floor = panel.floor.unwrap_or(0.0);
+        let marks: Vec<&Mark> = (panel.marks.iter())
+            .filter(|m| chart.is_comparable(m.number) && m.error.is_some())
+            .collect();
+        let on_front: Vec<&Mark> = front(&marks, by, floor).into_iter().map(|i| marks[i]).collect();
+        let size = |m: &Mark| m.error.unwrap_or(f64::NAN).abs();
+        let points = marks.iter().map(|m| point(chart, m, by, size(m), None));
+        let look = Look::Points(SYMBOLS[color + 1]);
+        figure = figure
+            .with(staircase(String::new(), &on_front, by, floor, color))
+            .with(Series::new(name, look, color, points.collect::<Vec<_>>()));
+    }
+    let own = chart.panels.iter().find_map(|panel| panel.mark(1));
+    if let Some(own) = own {
+        figure = figure.guided(Guide::Vertical(cost(own, by), "scene".into()));
+    }
+    figure = figure.with(Series::entry("front", Look::Line(Dash::Dashed), DARK));
+    let scatter = chart.scatter();
+    let counted = match by {
+        Axis::Wall => String::new(),
+        Axis::Forces => format!(
+            " Timings of the same settings differ by {:.0} %: cost is counted in pair forces, which depend on no clock. Only settings of the \
+             scene's own precision and kind of list are drawn, since a pair force costs the same there.",
+            100.0 * scatter
+        ),
+    };
+    let busy = match by {
+        Axis::Wall if scatter > BUSY => {
+            " Clocks were disturbed: bars along the cost say by how much."
+        }
+        _ => "",
+    };
+    let caption = format!(
+        "Left is cheap and low is right. \"scene\" marks the cost of the scene's own settings. Dashed lines are the fronts: nothing left of them \
+         errs as little. Bars are one standard error: what lies within its bar of zero is not told from zero.{counted}{busy}"
+    );
+    (!figure.is_empty()).then(|| Picture::new(figure, caption, "points.csv"))
+}
+
+/// The figures of a panel, by both costs; under baths by wall time alone, since they take the same pair forces. None where there is
+/// nothing to show.
 pub(super) fn of(chart: &Chart, panel: &Panel) -> Vec<Picture> {
     let has_value = |m: &Mark| m.error.is_some_and(|e| e != 0.0);
     if !panel.marks.iter().any(has_value) {
         return Vec::new();
     }
-    [Axis::Wall, Axis::Forces].map(|axis| figure(chart, panel, axis)).into()
+    match is_of_baths(chart) {
+        true => vec![figure(chart, panel, Axis::Wall)],
+        false => [Axis::Wall, Axis::Forces].map(|axis| figure(chart, panel, axis)).into(),
+    }
+}
+
+fn is_of_baths(chart: &Chart) -> bool {
+    chart.points.iter().any(|p| p.settings.baths.is_some())
 }
 
 /// File stem of a figure.
-fn name(panel: &Panel, axis: Axis) -> String {
+fn name(chart: &Chart, panel: &Panel, axis: Axis) -> String {
     match axis {
+        _ if is_of_baths(chart) => panel.name.to_owned(),
         Axis::Wall => format!("{}-wall", panel.name),
         Axis::Forces => format!("{}-forces", panel.name),
+    }
+}
+
+fn cost_label(chart: &Chart, axis: Axis) -> &'static str {
+    match axis {
+        Axis::Wall => "wall time / (µs per atom and τ)",
+        Axis::Forces if chart.cost_by == Axis::Forces => {
+            "pair forces per atom and τ (clocks were disturbed)"
+        }
+        Axis::Forces => "pair forces per atom and τ",
     }
 }
 
@@ -39,29 +113,42 @@ fn cost(mark: &Mark, axis: Axis) -> f64 {
 }
 
 fn figure(chart: &Chart, panel: &Panel, axis: Axis) -> Picture {
-    let x = match axis {
-        Axis::Wall => "wall time / (µs per atom and τ)",
-        Axis::Forces => "pair forces per atom and τ",
-    };
-    let mut figure = Figure::new(
-        name(panel, axis),
-        panel.title,
-        crate::report::Axis::logarithmic(x),
-        crate::report::Axis::logarithmic(panel.label),
-    );
-    if let Some(floor) = panel.floor {
-        figure = figure.guided(Guide::UpTo(floor, panel.floor_words.into()));
+    let [x, y] = [cost_label(chart, axis), panel.label].map(|label| match panel.is_signed {
+        true => report::Axis::linear(label),
+        false => report::Axis::logarithmic(label),
+    });
+    let mut figure = Figure::new(name(chart, panel, axis), panel.title, x, y);
+    if panel.is_signed {
+        figure = figure.level(0.0, "reference");
+    } else {
+        if let Some(floor) = panel.floor {
+            figure = figure.guided(Guide::UpTo(floor, panel.floor_words.into()));
+        }
+        let mut on_front: Vec<&Mark> = panel.marks.iter().filter(|m| m.on_front(axis)).collect();
+        on_front.sort_by(|a, b| a.cost(axis).total_cmp(&b.cost(axis)));
+        let floor = panel.floor.unwrap_or(0.0);
+        figure = figure.with(staircase("Pareto front".into(), &on_front, axis, floor, DARK));
     }
-    figure = figure.with(front_line(panel, axis));
     let (mut groups, mut methods) = (BTreeSet::new(), BTreeSet::new());
     for mark in &panel.marks {
-        let Some(point) = chart.points.iter().find(|p| p.number == mark.number) else {
+        let Some(charted) = chart.point(mark.number) else {
             continue;
         };
-        let group = group(point);
+        let (group, (symbol, method)) = (group(chart, charted), method(chart, charted));
         groups.insert(group);
-        methods.insert(method(chart, point));
-        figure = figure.with(one(chart, point, mark, axis, group));
+        let look = Look::Points(SYMBOLS[symbol]);
+        figure = figure.with(match mark.error {
+            Some(error) => {
+                let y = if panel.is_signed { error } else { error.abs() };
+                let label = label(charted, mark, axis);
+                Series::new("", look, group, vec![point(chart, mark, axis, y, label)])
+            }
+            None => {
+                let failed = FailedPoint { x: cost(mark, axis), note: Some(note(chart, mark)) };
+                Series::entry("", look, group).with_noted_failures(vec![failed])
+            }
+        });
+        methods.insert((symbol, method));
     }
     let entry = |name: &str, symbol, color| Series::entry(name, Look::Points(symbol), color);
     for group in groups {
@@ -79,7 +166,8 @@ fn figure(chart: &Chart, panel: &Panel, axis: Axis) -> Picture {
     Picture::new(figure, caption, format!("{}.csv", panel.name))
 }
 
-const GROUPS: [&str; 7] = [
+/// What colours stand for: ways to end the potential, and what is varied of baths.
+const GROUPS: [&str; 10] = [
     "cut, with tail",
     "cut, without tail",
     "shifted",
@@ -87,9 +175,20 @@ const GROUPS: [&str; 7] = [
     "switched",
     "another engine",
     "another truncation",
+    "τ of the scene",
+    "another τ_p",
+    "another τ_T",
 ];
 
-fn group(point: &ChartedPoint) -> usize {
+fn group(chart: &Chart, point: &ChartedPoint) -> usize {
+    let own = chart.points.first().and_then(|own| own.settings.baths.as_ref());
+    if let (Some(own), Some(baths)) = (own, &point.settings.baths) {
+        return match (baths.heat_time() == own.heat_time(), baths.barostat.tau()) {
+            (false, _) => 9,
+            (true, tau) if tau == own.barostat.tau() => 7,
+            (true, _) => 8,
+        };
+    }
     let t = &point.settings.truncation;
     match t.kind {
         _ if point.engine.is_some() => 5,
@@ -113,8 +212,14 @@ const SYMBOLS: [Symbol; 8] = [
     Symbol::Frame,
 ];
 
-/// Index of the symbol and what it stands for: the method, or mixed precision whatever the method.
+/// Index of the symbol and what it stands for: the method, or mixed precision whatever the method; under baths the barostat.
 fn method(chart: &Chart, point: &ChartedPoint) -> (usize, String) {
+    if let Some(baths) = &point.settings.baths {
+        return match baths.barostat.is_inside_step() {
+            true => (3, "MTK".into()),
+            false => (1, "stochastic cell rescaling".into()),
+        };
+    }
     if point.settings.precision == Precision::Mixed {
         return (0, "mixed precision".into());
     }
@@ -133,34 +238,25 @@ fn method(chart: &Chart, point: &ChartedPoint) -> (usize, String) {
     (symbol, name.to_owned())
 }
 
-/// One point, or one failure.
-fn one(chart: &Chart, point: &ChartedPoint, mark: &Mark, axis: Axis, color: usize) -> Series {
-    let x = cost(mark, axis);
-    let note = note(chart, mark);
-    let look = Look::Points(SYMBOLS[method(chart, point).0]);
-    let Some(error) = mark.error else {
-        let failed = FailedPoint { x, note: Some(note) };
-        return Series::entry("", look, color).with_noted_failures(vec![failed]);
-    };
-    let shown = Point {
-        x,
-        y: error.abs(),
+/// A mark as a point of a figure; `y` is its error as it is drawn.
+fn point(chart: &Chart, mark: &Mark, axis: Axis, y: f64, label: Option<String>) -> Point {
+    let range = mark.wall_range.filter(|_| axis == Axis::Wall);
+    Point {
+        x: cost(mark, axis),
+        y,
         error: mark.standard_error,
-        note: Some(note),
-        x_range: mark
-            .wall_range
-            .filter(|_| axis == Axis::Wall)
-            .map(|(low, high)| (1e6 * low, 1e6 * high)),
-        label: label(point, mark, axis),
+        note: Some(note(chart, mark)),
+        x_range: range.map(|(low, high)| (1e6 * low, 1e6 * high)),
+        label,
         link: None,
-    };
-    Series::new("", look, color, vec![shown])
+    }
 }
 
-/// The label beside a mark: a name for the scene's own settings and the usual ones, a number on the front.
+/// The label beside a mark: a name for the scene's own settings and the usual ones, a number on the front. Of few baths each has one.
 fn label(point: &ChartedPoint, mark: &Mark, axis: Axis) -> Option<String> {
     match point {
         _ if point.number == 1 => Some("scene".into()),
+        _ if point.settings.baths.is_some() => Some(mark.number.to_string()),
         _ if point.engine.is_none() && point.settings.are_usual() => Some("usual".into()),
         _ => mark.on_front(axis).then(|| mark.number.to_string()),
     }
@@ -182,16 +278,13 @@ fn note(chart: &Chart, mark: &Mark) -> String {
     format!(
         "{}: {}\n{value}\n{wall} µs per atom and τ ({range}), {} pair forces",
         mark.number,
-        tables::label(chart, mark.number),
+        chart.label(mark.number),
         significant(mark.pair_forces, 3)
     )
 }
 
-/// The front as a staircase: what can be had for so much.
-fn front_line(panel: &Panel, axis: Axis) -> Series {
-    let mut front: Vec<&Mark> = panel.marks.iter().filter(|m| m.on_front(axis)).collect();
-    front.sort_by(|a, b| a.cost(axis).total_cmp(&b.cost(axis)));
-    let floor = panel.floor.unwrap_or(0.0);
+/// The front as a staircase: what can be had for so much. The marks stand in the order of their cost.
+fn staircase(name: String, front: &[&Mark], axis: Axis, floor: f64, color: usize) -> Series {
     let mut line: Vec<(f64, f64)> = Vec::new();
     for mark in front {
         let (x, y) = (cost(mark, axis), mark.error.unwrap_or(f64::NAN).abs().max(floor));
@@ -200,5 +293,5 @@ fn front_line(panel: &Panel, axis: Axis) -> Series {
         }
         line.push((x, y));
     }
-    Series::new("Pareto front", Look::Line(Dash::Dashed), DARK, line)
+    Series::new(name, Look::Line(Dash::Dashed), color, line)
 }

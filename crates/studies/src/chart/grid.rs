@@ -2,34 +2,13 @@
 
 use lennard_forcefield::{ListMode, Precision, TruncationKind};
 use lennard_integrators::{IntegratorOptions, OscillatorModel, integrators};
-use serde::{Deserialize, Serialize};
+use lennard_scene::SceneError;
 
+use super::baths::{choices, own_baths};
+use super::types::{Axes, LeftOut, Size};
 use crate::lab::Workbench;
 use crate::settings::{Settings, truncation_is_free};
 use crate::stability::groups::stands_for_itself;
-
-/// How many settings are tried.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Size {
-    /// A dozen and a half: a first look.
-    Quick,
-    /// Every dt with the methods that matter, and every truncation with every cutoff in both precisions, crossed where
-    /// the two meet.
-    #[default]
-    Default,
-    /// Everything with everything.
-    Full,
-}
-
-/// Settings that were not taken, with the reason.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct LeftOut {
-    /// Which.
-    pub what: String,
-    /// Why.
-    pub why: String,
-}
 
 /// Settings to be tried, and those that were left out.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -41,13 +20,13 @@ pub struct Grid {
 }
 
 /// Cutoffs beside the cutoff of the scene, σ.
-pub(crate) const CUTOFFS: [f64; 5] = [2.0, 2.5, 3.0, 4.0, 5.0];
+const CUTOFFS: [f64; 5] = [2.0, 2.5, 3.0, 4.0, 5.0];
 /// Cutoffs of the quick grid, σ.
 const QUICK_CUTOFFS: [f64; 2] = [2.5, 4.0];
 /// Larger cutoffs, σ, are not tried: neighbors grow with the cube.
 const LARGEST_CUTOFF: f64 = 6.0;
 /// Times of this many steps of the scene are whole numbers of steps of most of the grid: there trajectories are compared.
-pub(crate) const COMMON_STEPS: f64 = 48.0;
+pub(super) const COMMON_STEPS: f64 = 48.0;
 /// Steps as multiples of the scene's, for methods of second order.
 const FACTORS: [f64; 6] = [0.5, 1.0, 2.0, 3.0, 4.0, 6.0];
 /// For methods that bear longer steps.
@@ -58,7 +37,7 @@ const QUICK_FACTORS: [f64; 3] = [0.5, 2.0, 4.0];
 const METHODS: [&str; 4] = ["velocity-verlet", "respa", "pefrl", "blanes-moan"];
 
 /// Every truncation, with and without tail.
-pub(crate) const TRUNCATIONS: [(TruncationKind, bool); 5] = [
+const TRUNCATIONS: [(TruncationKind, bool); 5] = [
     (TruncationKind::Cut, true),
     (TruncationKind::Cut, false),
     (TruncationKind::Shift, false),
@@ -67,22 +46,21 @@ pub(crate) const TRUNCATIONS: [(TruncationKind, bool); 5] = [
 ];
 
 /// The settings around the settings of the workbench's scene. What does not fit the scene is left out, with the reason.
-#[must_use]
-pub fn grid(bench: &Workbench, size: Size) -> Grid {
+///
+/// # Errors
+/// [`SceneError`] where baths are to be varied and the scene holds no pressure.
+pub fn grid(bench: &Workbench, axes: Axes, size: Size) -> Result<Grid, SceneError> {
     let mut maker = Maker { bench, grid: Grid::default() };
     let base = Settings::of(bench.scene());
-    maker.take(&base);
-    maker.usual(&base);
-    match size {
-        Size::Quick => maker.quick(&base),
-        Size::Default => maker.default(&base),
-        Size::Full => maker.full(&base),
+    match axes {
+        Axes::Settings => maker.of_settings(&base, size),
+        Axes::Baths => {
+            for baths in choices(&own_baths(bench.scene())?, size) {
+                maker.take(&Settings { baths: Some(baths), ..base.clone() });
+            }
+        }
     }
-    maker.methods_left_out(size);
-    if !truncation_is_free(bench.scene()) {
-        maker.leave_out("other truncations and cutoffs", "this potential ends by itself");
-    }
-    maker.grid
+    Ok(maker.grid)
 }
 
 struct Maker<'a> {
@@ -91,6 +69,20 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
+    fn of_settings(&mut self, base: &Settings, size: Size) {
+        self.take(base);
+        self.usual(base);
+        match size {
+            Size::Quick => self.quick(base),
+            Size::Default => self.default(base),
+            Size::Full => self.full(base),
+        }
+        self.methods_left_out(size);
+        if !truncation_is_free(self.bench.scene()) {
+            self.leave_out("other truncations and cutoffs", "this potential ends by itself");
+        }
+    }
+
     fn leave_out(&mut self, what: impl Into<String>, why: impl Into<String>) {
         let left = LeftOut { what: what.into(), why: why.into() };
         if !self.grid.left_out.contains(&left) {
@@ -122,8 +114,11 @@ impl Maker<'_> {
         match self.bench.check(settings) {
             Ok(()) => self.grid.settings.push(settings.clone()),
             Err(crate::StudyError::Settings { label, reason }) => {
-                let line = reason.lines().next().unwrap_or_default().to_owned();
-                self.leave_out(label, line);
+                let line = reason.lines().next().unwrap_or_default().trim();
+                // The file is the same for all of them.
+                let is_of_file = line.starts_with(self.bench.scene().source.file());
+                let why = line.split_once(": ").filter(|_| is_of_file).map_or(line, |(_, why)| why);
+                self.leave_out(label, why);
             }
             Err(other) => self.leave_out(settings.label(), other.to_string()),
         }

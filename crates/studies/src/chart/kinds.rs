@@ -2,8 +2,9 @@
 
 use crate::report::significant;
 
-use super::Chart;
-use super::point::{ChartedPoint, Errors, Outcome};
+use super::types::{
+    Against, Chart, ChartedPoint, Ensemble, Errors, Outcome, Panel, Sampled, Tightest, median,
+};
 use crate::StudyError;
 use crate::lab::{AgainstEquation, Measured, Value, Workbench};
 use crate::settings::Settings;
@@ -19,17 +20,38 @@ pub(super) enum Reading {
     None,
 }
 
-/// Reads the error of a kind from a point.
-pub(super) type Read = Box<dyn Fn(&ChartedPoint, &Errors) -> Reading>;
+/// Reads the error of a kind from a point that is measured.
+pub(super) type Read = Box<dyn Fn(&ChartedPoint) -> Reading>;
 
-/// What a panel is about, and how it reads a point.
+/// A panel without marks, and how it reads them from points.
 pub(super) struct Kind {
-    pub(super) name: &'static str,
-    pub(super) title: &'static str,
-    pub(super) label: &'static str,
-    pub(super) about: String,
+    pub(super) panel: Panel,
     pub(super) floor: Floor,
     pub(super) read: Read,
+}
+
+/// A kind of error of which each has a statistical error of its own.
+fn kind(
+    name: &'static str,
+    title: &'static str,
+    label: &'static str,
+    about: impl Into<String>,
+    read: Read,
+) -> Kind {
+    let panel = Panel { name, title, label, about: about.into(), ..Panel::default() };
+    Kind { panel, floor: Floor::Statistical, read }
+}
+
+impl Kind {
+    fn with_floor(self, floor: Floor) -> Self {
+        Self { floor, ..self }
+    }
+
+    /// In the first picture under this name with its unit.
+    fn first(mut self, name: &'static str) -> Self {
+        self.panel.in_overview = Some(name);
+        self
+    }
 }
 
 /// Below what errors say nothing.
@@ -40,95 +62,121 @@ pub(super) enum Floor {
     Statistical,
 }
 
-fn of_run(read: impl Fn(&Measured) -> Option<(f64, Option<f64>)> + 'static) -> Read {
-    Box::new(move |_, errors| match &errors.measured {
-        Outcome::Failed(failed) => Reading::Failed(failed.reason.clone()),
-        Outcome::Found(found) => match read(found) {
+/// An error and its standard error, where it has one.
+type Error = (f64, Option<f64>);
+
+/// Reads what came of a part of the runs of a point.
+fn outcome<T: 'static>(
+    part: impl Fn(&ChartedPoint) -> Option<&Outcome<T>> + 'static,
+    read: impl Fn(&T) -> Option<Error> + 'static,
+) -> Read {
+    Box::new(move |point| match part(point) {
+        None => Reading::None,
+        Some(Outcome::Failed(failed)) => Reading::Failed(failed.reason.clone()),
+        Some(Outcome::Found(found)) => match read(found) {
             Some((value, error)) if value.is_finite() => Reading::Found(value, error),
             _ => Reading::None,
         },
     })
 }
 
-fn value(v: Value) -> Option<(f64, Option<f64>)> {
+fn of_run(read: impl Fn(&Measured) -> Option<Error> + 'static) -> Read {
+    outcome(|point| Some(&point.errors.as_ref()?.measured), read)
+}
+
+fn of_sample(read: impl Fn(&Sampled) -> Option<Error> + 'static) -> Read {
+    outcome(|point| point.sampled.as_ref(), read)
+}
+
+fn of_forces_at_start(read: impl Fn(&Errors) -> Option<f64> + 'static) -> Read {
+    Box::new(move |point| match point.errors.as_ref().and_then(&read) {
+        Some(error) => Reading::Found(error, None),
+        None => Reading::None,
+    })
+}
+
+fn value(v: Value) -> Option<Error> {
     Some((v.mean, Some(v.standard_error)))
 }
 
 /// Every kind of error that a chart shows.
 pub(super) fn kinds(bench: &Workbench, chart: &Chart) -> Result<Vec<Kind>, StudyError> {
-    let mut kinds = of_forces(chart);
+    let tight = match &chart.against {
+        Against::Ensemble(ensemble) => return Ok(of_baths(ensemble)),
+        Against::Tightest(tight) => tight,
+    };
+    let mut kinds = of_forces(tight);
     kinds.extend(of_conservation());
-    kinds.extend(of_thermodynamics(bench, chart)?);
+    kinds.extend(of_thermodynamics(bench, chart, tight)?);
     kinds.extend(of_motion(chart));
     Ok(kinds)
 }
 
-fn of_forces(chart: &Chart) -> Vec<Kind> {
-    let mut kinds = vec![Kind {
-        name: "forces-same-model",
-        title: "Forces against the reference kernel",
-        label: "relative RMS error of the forces",
-        about: "Forces at the common start against the loop over all pairs in double precision, with the same truncation. It shows what \
-                precision and order of summation do."
-            .into(),
-        floor: Floor::At(ROUNDING, "rounding of one number"),
-        read: Box::new(|_, errors| Reading::Found(errors.forces.same_model, None)),
-    }];
-    if let (Some(reach), Some(left_out)) = (chart.reach, chart.left_out_of_forces) {
-        kinds.push(Kind {
-            name: "forces-untruncated",
-            title: "Forces against the untruncated fluid",
-            label: "relative RMS error of the forces",
-            about: format!(
+fn of_forces(tight: &Tightest) -> Vec<Kind> {
+    const FIRST: &str = "forces (relative)";
+    let same_model = kind(
+        "forces-same-model",
+        "Forces against the reference kernel",
+        "relative RMS error of the forces",
+        "Forces at the common start against the loop over all pairs in double precision, with the same truncation. It shows what precision \
+         and order of summation do.",
+        of_forces_at_start(|errors| Some(errors.forces.same_model)),
+    )
+    .with_floor(Floor::At(ROUNDING, "rounding of one number"));
+    // The forces against the untruncated fluid tell more than precision does, where there is a cutoff at all.
+    let (Some(reach), Some(left_out)) = (tight.reach, tight.left_out_of_forces) else {
+        return vec![same_model.first(FIRST)];
+    };
+    let untruncated = kind(
+        "forces-untruncated",
+        "Forces against the untruncated fluid",
+        "relative RMS error of the forces",
+        format!(
                 "The same forces against forces of the potential without a cutoff, summed over periodic images up to {} σ. Plain and \
                  shifted cutoffs have the same forces; a tail correction moves no particle.",
                 significant(reach, 3)
-            ),
-            floor: Floor::At(left_out, "what that sum leaves out"),
-            read: Box::new(|_, errors| match errors.forces.untruncated {
-                Some(error) => Reading::Found(error, None),
-                None => Reading::None,
-            }),
-        });
-    }
-    kinds
+        ),
+        of_forces_at_start(|errors| errors.forces.untruncated),
+    )
+    .with_floor(Floor::At(left_out, "what that sum leaves out"));
+    vec![same_model, untruncated.first(FIRST)]
 }
 
 fn of_conservation() -> Vec<Kind> {
     vec![
-        Kind {
-            name: "energy-fluctuation",
-            title: "Fluctuation of the conserved energy",
-            label: "RMS about the drift / ε per particle",
-            about: "The energy that the forces conserve, about a straight line through the whole run. What a heat bath has put in is \
-                    taken off. For the plain cutoff it is the shifted energy."
-                .into(),
-            floor: Floor::None,
-            read: of_run(|m| Some((m.energy_rms, None))),
-        },
-        Kind {
-            name: "energy-drift",
-            title: "Drift of the conserved energy",
-            label: "|drift| / (ε/τ per particle)",
-            about: "The slope of a straight line through the conserved energy, with the standard error from the slopes of ten blocks.".into(),
-            floor: Floor::Statistical,
-            read: of_run(|m| Some((m.drift.slope, Some(m.drift.standard_error)))),
-        },
-        Kind {
-            name: "temperatures",
-            title: "Kinetic against configurational temperature",
-            label: "|T − T_conf| / (ε/k_B)",
-            about: "They are equal in equilibrium; a large step heats one of them. Where the force jumps at the cutoff, the pairs at the cutoff \
-                    give the jump."
-                .into(),
-            floor: Floor::Statistical,
-            read: of_run(|m| value(m.temperature_difference)),
-        },
+        kind(
+            "energy-fluctuation",
+            "Fluctuation of the conserved energy",
+            "RMS about the drift / ε per particle",
+            "The energy that the forces conserve, about a straight line through the whole run. What a heat bath has put in is \
+                    taken off. For the plain cutoff it is the shifted energy.",
+            of_run(|m| Some((m.energy_rms, None))),
+        )
+        .with_floor(Floor::None),
+        kind(
+            "energy-drift",
+            "Drift of the conserved energy",
+            "|drift| / (ε/τ per particle)",
+            "The slope of a straight line through the conserved energy, with the standard error from the slopes of ten blocks.",
+            of_run(|m| Some((m.drift.slope, Some(m.drift.standard_error)))),
+        ),
+        kind(
+            "temperatures",
+            "Kinetic against configurational temperature",
+            "|T − T_conf| / (ε/k_B)",
+            "They are equal in equilibrium; a large step heats one of them. Where the force jumps at the cutoff, the pairs at the cutoff \
+                    give the jump.",
+            of_run(|m| value(m.temperature_difference)),
+        ),
     ]
 }
 
-fn of_thermodynamics(bench: &Workbench, chart: &Chart) -> Result<Vec<Kind>, StudyError> {
-    let tight = chart.points[chart.tightest].clone();
+fn of_thermodynamics(
+    bench: &Workbench,
+    chart: &Chart,
+    tightest: &Tightest,
+) -> Result<Vec<Kind>, StudyError> {
+    let tight = chart.points[tightest.tightest].clone();
     let own = Settings::of(bench.scene());
     let remarks = chart.points[0].measured().map(|m| m.remarks.join("; "));
     let equation = match bench.equation(&own)? {
@@ -154,8 +202,8 @@ fn of_thermodynamics(bench: &Workbench, chart: &Chart) -> Result<Vec<Kind>, Stud
         tight.number,
         tight.label,
         significant(chart.plan.tight_time, 3),
-        significant(chart.slopes.temperature, 4),
-        chart.slopes.source,
+        significant(tightest.slopes.temperature, 4),
+        tightest.slopes.source,
     );
     // A run that failed has no place where its model has no equation.
     let mut judged: Vec<usize> = Vec::new();
@@ -164,64 +212,58 @@ fn of_thermodynamics(bench: &Workbench, chart: &Chart) -> Result<Vec<Kind>, Stud
             judged.push(point.number);
         }
     }
-    let against_equation =
-        |pick: fn(&AgainstEquation) -> Value| -> Read {
-            let (judged, read) =
-                (judged.clone(), of_run(move |m| value(pick(m.against_equation.as_ref()?))));
-            Box::new(move |point, errors| {
-                if judged.contains(&point.number) { read(point, errors) } else { Reading::None }
-            })
-        };
-    let tightest = tight.measured().cloned();
+    let against_equation = |pick: fn(&AgainstEquation) -> Value| -> Read {
+        let (judged, read) =
+            (judged.clone(), of_run(move |m| value(pick(m.against_equation.as_ref()?))));
+        Box::new(
+            move |point| {
+                if judged.contains(&point.number) { read(point) } else { Reading::None }
+            },
+        )
+    };
+    let of_tightest = tight.measured().cloned();
     let number = tight.number;
     type Pick = fn(&Measured) -> Value;
     let against_tightest = |pick: Pick| -> Read {
-        let tightest = tightest.clone();
+        let of_tightest = of_tightest.clone();
         let read = of_run(move |m| {
-            let other = tightest.as_ref()?;
+            let other = of_tightest.as_ref()?;
             value(pick(m).minus(&pick(other)))
         });
-        Box::new(move |point, errors| {
-            // A run is no judge of itself.
-            if point.number == number {
-                return Reading::None;
-            }
-            read(point, errors)
-        })
+        // A run is no judge of itself.
+        Box::new(move |point| if point.number == number { Reading::None } else { read(point) })
     };
     Ok(vec![
-        Kind {
-            name: "energy-equation",
-            title: "U against the equation of state",
-            label: "|U − U_EOS| / ε per particle",
-            about: equation.clone(),
-            floor: Floor::Statistical,
-            read: against_equation(|e| e.potential_energy),
-        },
-        Kind {
-            name: "pressure-equation",
-            title: "P against the equation of state",
-            label: "|P − P_EOS| / (ε/σ³)",
-            about: equation,
-            floor: Floor::Statistical,
-            read: against_equation(|e| e.pressure),
-        },
-        Kind {
-            name: "energy-tightest",
-            title: "U against the tightest run",
-            label: "|U − U_tightest| / ε per particle",
-            about: against.clone(),
-            floor: Floor::Statistical,
-            read: against_tightest(|m| m.potential_energy_at_reference),
-        },
-        Kind {
-            name: "pressure-tightest",
-            title: "P against the tightest run",
-            label: "|P − P_tightest| / (ε/σ³)",
-            about: against,
-            floor: Floor::Statistical,
-            read: against_tightest(|m| m.pressure_at_reference),
-        },
+        kind(
+            "energy-equation",
+            "U against the equation of state",
+            "|U − U_EOS| / ε per particle",
+            equation.clone(),
+            against_equation(|e| e.potential_energy),
+        ),
+        kind(
+            "pressure-equation",
+            "P against the equation of state",
+            "|P − P_EOS| / (ε/σ³)",
+            equation,
+            against_equation(|e| e.pressure),
+        ),
+        kind(
+            "energy-tightest",
+            "U against the tightest run",
+            "|U − U_tightest| / ε per particle",
+            against.clone(),
+            against_tightest(|m| m.potential_energy_at_reference),
+        )
+        .first("U / ε"),
+        kind(
+            "pressure-tightest",
+            "P against the tightest run",
+            "|P − P_tightest| / (ε/σ³)",
+            against,
+            against_tightest(|m| m.pressure_at_reference),
+        )
+        .first("P / (ε/σ³)"),
     ])
 }
 
@@ -233,42 +275,93 @@ fn of_motion(chart: &Chart) -> Vec<Kind> {
         .filter_map(|p| Some(p.errors.as_ref()?.trajectory.found()?.floor))
         .collect();
     vec![
-        Kind {
-            name: "trajectory",
-            title: "Short trajectory against a tight one",
-            label: "RMS distance / σ",
-            about: format!(
+        kind(
+            "trajectory",
+            "Short trajectory against a tight one",
+            "RMS distance / σ",
+            format!(
                 "Positions after {time} τ at constant energy against positions by the method of Blanes and Moan with dt = 0.001 τ in double \
                  precision, with the same truncation. They show what step, method and precision do. A force that jumps at the cutoff limits how well \
                  this can be known."
             ),
-            floor: median(floors)
-                .map_or(Floor::None, |f| Floor::At(f, "the tight trajectory itself")),
-            read: Box::new(|_, errors| match &errors.trajectory {
-                Outcome::Found(t) => Reading::Found(t.distance, None),
-                Outcome::Failed(failed) => Reading::Failed(failed.reason.clone()),
-            }),
-        },
-        Kind {
-            name: "reversibility",
-            title: "There and back",
-            label: "RMS distance from the start / σ",
-            about: format!(
+            outcome(
+                |point| Some(&point.errors.as_ref()?.trajectory),
+                |t| Some((t.distance, None)),
+            ),
+        )
+        .with_floor(median(floors)
+                .map_or(Floor::None, |f| Floor::At(f, "the tight trajectory itself"))),
+        kind(
+            "reversibility",
+            "There and back",
+            "RMS distance from the start / σ",
+            format!(
                 "{time} τ forward at constant energy, then the same with reversed velocities. An arrow at the lower edge: back at the start \
                  to the last bit."
             ),
-            floor: Floor::None,
-            read: Box::new(|_, errors| match &errors.reversibility {
-                Outcome::Found(distance) => Reading::Found(*distance, None),
-                Outcome::Failed(failed) => Reading::Failed(failed.reason.clone()),
-            }),
-        },
+            outcome(
+                |point| Some(&point.errors.as_ref()?.reversibility),
+                |distance| Some((*distance, None)),
+            ),
+        )
+        .with_floor(Floor::None),
     ]
 }
 
-/// The middle one of the values that are finite.
-pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.retain(|v| v.is_finite());
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
+/// What a run under chosen baths samples, less what the ensemble has.
+fn of_baths(ensemble: &Ensemble) -> Vec<Kind> {
+    let Some(reference) = ensemble.reference.clone() else {
+        return Vec::new();
+    };
+    let source = reference.source.clone();
+    let (density, variance) = (reference.density, reference.variance);
+    let pace = kind(
+        "pace",
+        "Pace of the volume",
+        "τ per independent volume",
+        "How soon V forgets itself: the error of a mean grows with the root of this time.",
+        of_sample(|s| Some((s.pace().recip(), None))),
+    )
+    .with_floor(Floor::None);
+    let mut kinds = vec![
+        kind(
+            "variance",
+            "Variance of the volume",
+            "(var V − reference) / reference",
+            format!("Fluctuations of V beside {source}. Bars are one standard error."),
+            of_sample(move |s| {
+                let v = s.variance;
+                Some((v.mean / variance - 1.0, Some(v.standard_error / variance)))
+            }),
+        )
+        .first("var V (relative)"),
+        kind(
+            "pressure",
+            "Mean pressure",
+            "(P − P₀) / (ε/σ³)",
+            "⟨P⟩ less P₀ and less what the missing degrees of freedom of the centre of mass add.",
+            of_sample(|s| value(s.pressure_off)),
+        )
+        .first("P / (ε/σ³)"),
+        kind(
+            "density",
+            "Mean density",
+            "(ρ − reference) / σ⁻³",
+            format!("⟨ρ⟩ beside {source}."),
+            of_sample(move |s| value(Value { mean: s.density.mean - density, ..s.density })),
+        )
+        .first("ρ / σ⁻³"),
+        kind(
+            "drift",
+            "Drift of the conserved energy",
+            "drift / (ε/τ per particle)",
+            "Drift of E + V·P_tail − Σ heat, where heat includes the work of the barostat.",
+            of_sample(|s| Some((s.drift.slope, Some(s.drift.standard_error)))),
+        ),
+    ];
+    for kind in &mut kinds {
+        kind.panel.is_signed = true;
+    }
+    kinds.insert(1, pace);
+    kinds
 }

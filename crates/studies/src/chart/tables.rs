@@ -4,14 +4,72 @@ use lennard_core::Table;
 use lennard_core::stopwatch::Spread;
 use serde::Serialize;
 
-use super::point::Outcome;
-use super::{Chart, ChartedPoint, Panel};
+use super::types::{Against, Chart, ChartedPoint, Panel, Reference, Sampled};
 use crate::lab::{Measured, Value};
 
 /// Every point with everything that is known of it.
 pub(super) fn points(chart: &Chart) -> Table {
-    let wall = |point: &ChartedPoint, pick: fn(&Spread) -> f64| point.cost().map(|c| pick(&c.wall));
-    let table = Table::rows_of("points", &chart.points)
+    match &chart.against {
+        Against::Tightest(_) => of_settings(chart),
+        Against::Ensemble(ensemble) => of_baths(chart, ensemble.reference.as_ref()),
+    }
+}
+
+fn wall(point: &ChartedPoint, pick: fn(&Spread) -> f64) -> Option<f64> {
+    point.cost().map(|c| pick(&c.wall))
+}
+
+fn failure(point: &ChartedPoint) -> &str {
+    point.failure().or(point.not_timed.as_ref()).map_or("", |failed| failed.reason.as_str())
+}
+
+/// What a run under baths sampled, with its error.
+pub(super) fn sampled(pick: fn(&Sampled) -> Value) -> impl Fn(&ChartedPoint) -> Option<(f64, f64)> {
+    move |p| p.sampled().map(pick).map(|v| (v.mean, v.standard_error))
+}
+
+/// The drift of a run under baths with its error, ε/τ per particle.
+pub(super) fn drift(point: &ChartedPoint) -> Option<(f64, f64)> {
+    point.sampled().map(|s| (s.drift.slope, s.drift.standard_error))
+}
+
+/// var V over the variance of the reference, with its error.
+pub(super) fn relative_variance(
+    reference: Option<&Reference>,
+    point: &ChartedPoint,
+) -> Option<(f64, f64)> {
+    let (variance, scale) = (point.sampled()?.variance, reference?.variance.recip());
+    Some((scale * variance.mean, scale * variance.standard_error))
+}
+
+fn of_baths(chart: &Chart, reference: Option<&Reference>) -> Table {
+    let baths = |p: &'_ ChartedPoint| p.settings.baths.clone();
+    Table::rows_of("points", &chart.points)
+        .column("number", |p| p.number)
+        .column("baths", |p| p.label.clone())
+        .column("wall median [s per atom and tau]", |p| wall(p, |w| w.median))
+        .column("wall lowest [s per atom and tau]", |p| wall(p, |w| w.lowest))
+        .column("wall highest [s per atom and tau]", |p| wall(p, |w| w.highest))
+        .column("interval [steps]", |p| baths(p).map(|b| b.barostat.interval()))
+        .column("tau_p [tau]", |p| baths(p).map(|b| b.barostat.tau()))
+        .column("tau_T [tau]", |p| baths(p).map(|b| b.heat_time()))
+        .column("acceptance", |p| p.sampled().and_then(|s| s.acceptance))
+        .column("sampled time [tau]", |p| p.sampled().map(|s| s.time))
+        .measured("T [epsilon/k_B]", sampled(|s| s.temperature))
+        .measured("P [epsilon/sigma^3]", sampled(|s| s.pressure))
+        .measured("P less that of the ensemble [epsilon/sigma^3]", sampled(|s| s.pressure_off))
+        .measured("density [sigma^-3]", sampled(|s| s.density))
+        .measured("V [sigma^3]", sampled(|s| s.volume))
+        .measured("var V [sigma^6]", sampled(|s| s.variance))
+        .measured("var V over reference", |p| relative_variance(reference, p))
+        .column("independent volumes per tau", |p| p.sampled().map(Sampled::pace))
+        .measured("energy drift [epsilon/tau per atom]", drift)
+        .column("failure", failure)
+        .table()
+}
+
+fn of_settings(chart: &Chart) -> Table {
+    let mut table = Table::rows_of("points", &chart.points)
         .column("number", |p| p.number)
         .column("engine", |p| p.engine.as_deref().unwrap_or("lennard"))
         .column("settings", |p| &p.label)
@@ -36,7 +94,6 @@ pub(super) fn points(chart: &Chart) -> Table {
             p.errors.as_ref().and_then(|e| e.forces.untruncated)
         })
         .column("measured time [tau]", |p| p.measured().map(|m| m.time));
-    let mut table = table;
     for (name, unit, pick) in VALUES {
         let value = |p: &ChartedPoint| p.measured().map(pick);
         table = table
@@ -57,10 +114,7 @@ pub(super) fn points(chart: &Chart) -> Table {
             let errors = p.errors.as_ref();
             errors.and_then(|e| e.reversibility.found().copied())
         })
-        .column("failure", |p| match p.errors.as_ref().map(|e| &e.measured) {
-            Some(Outcome::Failed(failed)) => failed.reason.as_str(),
-            _ => "",
-        })
+        .column("failure", |p| p.failure().map_or("", |failed| failed.reason.as_str()))
         .table()
 }
 
@@ -86,7 +140,7 @@ fn word(choice: &impl Serialize) -> String {
 pub(super) fn panel(chart: &Chart, panel: &Panel) -> Table {
     Table::rows_of(panel.name, &panel.marks)
         .column("number", |m| m.number)
-        .column("settings", |m| label(chart, m.number))
+        .column("settings", |m| chart.label(m.number))
         .column("wall median [s per atom and tau]", |m| m.wall)
         .column("wall lowest [s per atom and tau]", |m| m.wall_range.map(|r| r.0))
         .column("wall highest [s per atom and tau]", |m| m.wall_range.map(|r| r.1))
@@ -97,17 +151,6 @@ pub(super) fn panel(chart: &Chart, panel: &Panel) -> Table {
         .column("on the front by pair forces", |m| m.on_forces_front)
         .column("failure", |m| m.failure.as_deref().unwrap_or_default())
         .table()
-}
-
-/// The settings of a point in a line, with the engine where it is another.
-pub(super) fn label(chart: &Chart, number: usize) -> String {
-    let Some(point) = chart.points.iter().find(|p| p.number == number) else {
-        return String::new();
-    };
-    match &point.engine {
-        Some(engine) => format!("{engine}: {}", point.label),
-        None => point.label.clone(),
-    }
 }
 
 /// A panel with the settings of its points, for JSON.
@@ -126,6 +169,6 @@ pub(super) fn panel_json<'a>(chart: &'a Chart, panel: &'a Panel) -> PanelJson<'a
         schema: lennard_io::schema!("chart-panel", 1),
         scene: &chart.scene,
         panel,
-        settings: panel.marks.iter().map(|m| (m.number, label(chart, m.number))).collect(),
+        settings: panel.marks.iter().map(|m| (m.number, chart.label(m.number))).collect(),
     }
 }

@@ -6,7 +6,7 @@ use lennard_core::{Backend, Integrator, State, StepError, StepReport, System, Wa
 use crate::StudyError;
 
 /// Bodies on their way, from few on a line to a fluid.
-pub(crate) struct Rig {
+pub struct Rig {
     /// Masses, molecules and constraints.
     pub(crate) system: System,
     /// The bodies as they are.
@@ -25,7 +25,7 @@ impl Rig {
     ///
     /// # Errors
     /// [`StudyError::Step`] where the method does not start there.
-    pub(crate) fn start(
+    pub fn start(
         integrator: Integrator,
         (system, state): (System, State),
         forces: Box<dyn Backend>,
@@ -56,7 +56,10 @@ impl Rig {
     }
 
     /// Steps of a method that must not fail, several in one go where the forces can.
-    pub(crate) fn steps(&mut self, steps: u64) -> Result<(), StudyError> {
+    ///
+    /// # Errors
+    /// [`StudyError::Step`] where a step fails.
+    pub fn steps(&mut self, steps: u64) -> Result<(), StudyError> {
         let mut left = steps;
         while left > 0 {
             let Self { system, state, forces, integrator, dt, want } = self;

@@ -1,12 +1,15 @@
 //! The equilibrated start that all settings share.
 
+use std::time::{Duration, Instant};
+
 use glam::DVec3;
+use lennard_core::stopwatch::timed;
 use lennard_core::{
-    Configuration, Energetics, ForceError, ForceTerm, Part, PeriodicBox, SpeciesTable, State,
-    System, Want,
+    Configuration, Energetics, ForceError, ForceTerm, Momentum, Part, PeriodicBox, SpeciesTable,
+    State, System, Want,
 };
 use lennard_engine::{
-    Beginning, EngineError, Simulation, Unfollowed, measured_stage, prepare_from,
+    Beginning, EngineError, Simulation, Unfollowed, measured_stage, prepare_from, take,
 };
 use lennard_forcefield::PairForces;
 use lennard_integrators::{ThermostatOptions, bussi};
@@ -49,7 +52,11 @@ pub(crate) fn under_bussi(name: &str, temperature: f64, tau: f64) -> Stage {
     }
 }
 
-/// Where all runs begin.
+/// Where all runs of a study begin: an equilibrated fluid.
+///
+/// Every study begins here. [`Start::equilibrate`] makes the start of a scene, shipped or a user's. [`Start::simulation`] runs the
+/// engine's loop from there, [`super::Rig`] a method and [`Start::forces`] without the engine, and [`super::Workbench`] runs other
+/// settings of the same scene.
 #[derive(Debug, Clone)]
 pub struct Start {
     /// The box.
@@ -80,6 +87,43 @@ impl Start {
         Ok(simulation.into())
     }
 
+    /// Runs a scene from its own beginning for `steps` steps, or for as long as `limit` allows, and tells how long a step takes then, s.
+    ///
+    /// # Errors
+    /// [`EngineError`] where the scene cannot be built or its run fails.
+    pub fn warmed(scene: Scene, steps: u64, limit: Duration) -> Result<(Self, f64), EngineError> {
+        /// Steps between two looks at the clock, and steps that are timed.
+        const LOOKS: u64 = 5;
+        const TIMED: u64 = 20;
+        let mut simulation = lennard_engine::prepare(scene)?;
+        let end = Instant::now() + limit;
+        while simulation.state.step < steps && Instant::now() < end {
+            take(&mut simulation, LOOKS, Want::NOTHING)?;
+        }
+        let (seconds, taken) = timed(|| take(&mut simulation, TIMED, Want::NOTHING));
+        taken?;
+        Ok((simulation.into(), seconds / TIMED as f64))
+    }
+
+    /// A simulation of a scene from this start whose list is built and whose memory is touched, for a clock.
+    ///
+    /// # Errors
+    /// [`EngineError`] where the scene cannot be built or its run fails.
+    pub fn settled(&self, scene: Scene) -> Result<Simulation, EngineError> {
+        let mut simulation = self.simulation(scene)?;
+        take(&mut simulation, Self::SETTLING_STEPS, Want::NOTHING)?;
+        Ok(simulation)
+    }
+
+    /// Steps that [`Start::settled`] takes: the list is built, memory is touched, caches are warm.
+    pub const SETTLING_STEPS: u64 = 5;
+
+    /// Temperature of the velocities, ε/k_B.
+    #[must_use]
+    pub fn temperature(&self) -> f64 {
+        self.system().temperature(&self.velocities, Momentum::Conserved)
+    }
+
     /// Number of particles.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -104,22 +148,28 @@ impl Start {
     }
 
     /// Box and positions.
-    pub(crate) fn configuration(&self) -> Configuration<'_> {
+    #[must_use]
+    pub fn configuration(&self) -> Configuration<'_> {
         Configuration::at_rest(&self.cell, &self.positions)
     }
 
     /// Masses and species of the particles.
-    pub(crate) fn system(&self) -> System {
+    #[must_use]
+    pub fn system(&self) -> System {
         System::of_species(self.species.clone())
     }
 
     /// The start as the state of a run.
-    pub(crate) fn state(&self) -> State {
+    #[must_use]
+    pub fn state(&self) -> State {
         State::new(self.cell, self.positions.clone(), self.velocities.clone())
     }
 
     /// A simulation of a scene from this start.
-    pub(crate) fn simulation(&self, scene: Scene) -> Result<Simulation, EngineError> {
+    ///
+    /// # Errors
+    /// [`EngineError`] where the scene cannot be built.
+    pub fn simulation(&self, scene: Scene) -> Result<Simulation, EngineError> {
         let beginning = Beginning {
             cell: self.cell,
             positions: self.positions.clone(),
@@ -131,7 +181,10 @@ impl Start {
     }
 
     /// The forces of a scene in this box.
-    pub(crate) fn forces(&self, scene: &Scene) -> Result<PairForces, EngineError> {
+    ///
+    /// # Errors
+    /// [`EngineError`] where they do not fit.
+    pub fn forces(&self, scene: &Scene) -> Result<PairForces, EngineError> {
         Ok(lennard_engine::forces(scene, self.cell, &self.species)?.1)
     }
 

@@ -51,9 +51,9 @@ impl Failed {
 }
 
 /// A stage of a run on the workbench, in the ensemble of the scene's measured stage.
-pub(super) struct ShortStage {
-    pub(super) steps: u64,
-    pub(super) measure: bool,
+pub(crate) struct ShortStage {
+    pub(crate) steps: u64,
+    pub(crate) measure: bool,
 }
 
 /// The error of forces that cannot be evaluated under some settings.
@@ -79,6 +79,13 @@ impl Workbench {
             untruncated: OnceLock::new(),
             references: Mutex::new(References::default()),
         }
+    }
+
+    /// The same scene and start with another seed: runs of the two differ by noise alone.
+    pub(crate) fn with_seed(&self, more: u64) -> Self {
+        let mut scene = self.scene.clone();
+        scene.system.seed = scene.system.seed.wrapping_add(more);
+        Self::with_start(&scene, self.start.clone())
     }
 
     /// The scene as it was given.
@@ -118,8 +125,9 @@ impl Workbench {
         Ok(self.start.forces(&scene)?)
     }
 
-    /// A simulation from the start with these stages; thermodynamics is sampled on each `sample_every`th step.
-    pub(super) fn simulation(
+    /// A simulation from the start with these stages; thermodynamics is sampled on each `sample_every`th step. The box changes where
+    /// the settings name a barostat; other settings are judged at the density of the scene.
+    pub(crate) fn simulation(
         &self,
         settings: &Settings,
         stages: &[ShortStage],
@@ -133,9 +141,8 @@ impl Workbench {
             name: format!("part-{}", i + 1).as_str().into(),
             steps: stage.steps,
             measure: stage.measure,
-            // Settings are judged at the density of the scene.
             temperature_from: None,
-            barostat: None,
+            barostat: settings.baths.as_ref().and(measured.barostat.clone()),
             exchange: None,
             ..measured.clone()
         };
@@ -144,7 +151,7 @@ impl Workbench {
     }
 
     /// The time step that a measured stage takes under these settings, τ.
-    pub(super) fn stage_dt(&self, settings: &Settings) -> f64 {
+    pub(crate) fn stage_dt(&self, settings: &Settings) -> f64 {
         let own = self.scene.stage_dt(self.measured_stage());
         settings.dt * own / self.scene.integrator.dt
     }

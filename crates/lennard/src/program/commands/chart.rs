@@ -4,15 +4,13 @@ use std::path::Path;
 
 use lennard_io::{Existing, in_shell, path_in_shell};
 use lennard_scene::Scene;
-use lennard_studies::chart::Size;
-use lennard_studies::chart::{self, ChartError, ChartOptions, ensembles};
-use serde::Serialize;
+use lennard_studies::chart::{self, Axes, ChartError, ChartOptions, Size};
 
 use crate::program::args::ChartArgs;
 use crate::program::commands::{Inputs, output_folder, print_json};
 use crate::program::failure::{DONE, Failure, INPUT, STOPPED};
 use crate::program::progress::Display;
-use crate::program::show;
+use crate::program::show::{self, Style};
 use crate::program::signals::{FirstStep, Signals, StartUp};
 
 /// Measures what is not measured yet, and prints where the scene's own settings stand.
@@ -22,7 +20,7 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
     let (scene, lock) = Scene::load_settled(&args.scene, &args.set, args.lock.as_deref())?;
     scene.homogeneous_for("lennard chart")?;
     if args.ensemble {
-        ensembles::suits(&scene)?;
+        chart::suits(&scene)?;
     }
     if let Some(folder) = &args.out {
         let lock = lock.as_ref().map(|l| l.path.as_path());
@@ -37,6 +35,7 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
     )?;
     let processors = lennard_core::parallel::processors();
     let options = ChartOptions {
+        axes: if args.ensemble { Axes::Baths } else { Axes::Settings },
         folder: folder.path(),
         size: match (args.quick, args.full) {
             (true, _) => Size::Quick,
@@ -51,32 +50,18 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
         command: command(args, folder.path()),
     };
     let mut display = FirstStep::new(&signals, Display::of_study(args.quiet));
-    let finished = if args.ensemble {
-        let found = ensembles::run(&scene, &options, &mut display)?;
-        drop(display);
-        tell(args, &found, || show::ensembles(&found, folder.path()))?;
-        found.finished
-    } else {
-        let found = chart::run(&scene, &options, &mut display)?;
-        drop(display);
-        tell(args, &found, || show::chart(&found, folder.path()))?;
-        found.finished
-    };
-    if !finished {
+    let found = chart::run(&scene, &options, &mut display)?;
+    drop(display);
+    if args.json {
+        print_json(&found)?;
+    } else if !args.quiet {
+        show::print(&show::chart(&found, folder.path()), Style::Ruled);
+    }
+    if !found.finished {
         eprintln!("{}", kept_points(args, folder.path()));
         return Ok(STOPPED);
     }
     Ok(DONE)
-}
-
-/// Prints a chart as it was asked for.
-fn tell(args: &ChartArgs, found: &impl Serialize, show: impl FnOnce()) -> Result<(), Failure> {
-    if args.json {
-        print_json(found)?;
-    } else if !args.quiet {
-        show();
-    }
-    Ok(())
 }
 
 fn kept_points(args: &ChartArgs, folder: &Path) -> String {

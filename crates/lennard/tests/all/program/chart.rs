@@ -52,6 +52,25 @@ fn panel<'a>(chart: &'a Value, name: &str) -> &'a Value {
     panels.iter().find(|p| p["name"] == name).unwrap()
 }
 
+/// The first picture of a page has these errors, marks the scene's own settings, and says how cost is counted.
+fn first_picture(out: &Path, errors: &[&str]) {
+    let svg = std::fs::read_to_string(out.join("figures/overview.svg")).unwrap();
+    for words in errors.iter().chain(&["scene"]) {
+        assert!(svg.contains(words), "{words}");
+    }
+    let html = std::fs::read_to_string(out.join("report.html")).unwrap();
+    let first = html.split("<figcaption>").nth(1).unwrap();
+    assert!(first.starts_with("Left is cheap and low is right"), "{first:.200}");
+    // Of all rows none answers, or one sentence stands in their place.
+    let unresolved = html.matches("not resolved by this chart").count();
+    let resolved = html.matches("itself</td>").count() + html.matches(" ×</td>").count();
+    assert!(unresolved == 0 || resolved > 0 || html.contains("cannot tell the settings apart"));
+    // Where clocks are disturbed, axis and page say how cost is counted.
+    let is_of_forces = svg.contains("pair forces per atom");
+    assert_eq!(is_of_forces, svg.contains("clocks were disturbed"));
+    assert_eq!(is_of_forces, first.contains("cost is counted in pair forces"));
+}
+
 #[test]
 fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
     let place = folder(SCENE);
@@ -95,6 +114,8 @@ fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
     let html = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(html.contains("Point at a mark") && html.matches("<script>").count() == 1);
     assert!(!html.contains("http-equiv") && !html.contains("src=\"http"));
+
+    first_picture(&out, &["P / (ε/σ³)", "U / ε", "forces (relative)"]);
 
     // The usual settings stand beside the settings of the scene, and both are named.
     let usual = &first["points"][1]["settings"];
@@ -274,16 +295,18 @@ fn settings_of_an_ensemble_are_crossed_beside_the_equation_and_a_chart_goes_on()
     let out = place.path().join("out");
     let arguments = ["--ensemble", "--out", "out", "--json", "--quiet"];
     let first = document(&chart(place.path(), &arguments));
-    assert_eq!(first["schema"], "lennard-chart-ensembles/1");
+    assert_eq!(first["schema"], "lennard-chart/3");
     assert_eq!(first["finished"], true);
     let reference = &first["reference"];
     assert!(reference["source"].as_str().unwrap().contains("Thol"), "{reference}");
     let points = first["points"].as_array().unwrap();
-    let kinds: Vec<&str> =
-        points.iter().map(|p| p["baths"]["barostat"]["kind"].as_str().unwrap()).collect();
+    let kinds: Vec<&str> = points
+        .iter()
+        .map(|p| p["settings"]["baths"]["barostat"]["kind"].as_str().unwrap())
+        .collect();
     assert!(kinds.contains(&"mtk") && kinds.contains(&"stochastic-cell-rescaling"), "{kinds:?}");
     // The scene's own stand first, and an interval that τ_p does not bear is left out with the reason.
-    assert_eq!(points[0]["baths"]["barostat"]["interval"], 10);
+    assert_eq!(points[0]["settings"]["baths"]["barostat"]["interval"], 10);
     assert!(first["left_out"][0]["why"].as_str().unwrap().contains("too short"));
     for point in points {
         let found = &point["sampled"]["found"];
@@ -294,7 +317,7 @@ fn settings_of_an_ensemble_are_crossed_beside_the_equation_and_a_chart_goes_on()
         assert!(number("variance", "mean") > 0.0 && number("variance", "standard_error") > 0.0);
         assert!(point["timings"].as_array().unwrap().len() == 3, "{point}");
         // MTK proposes no change that could be refused.
-        let is_mtk = point["baths"]["barostat"]["kind"] == "mtk";
+        let is_mtk = point["settings"]["baths"]["barostat"]["kind"] == "mtk";
         assert_eq!(found["acceptance"].is_null(), is_mtk, "{point}");
     }
     for name in ["variance", "pace", "pressure", "density", "drift"] {
@@ -302,6 +325,7 @@ fn settings_of_an_ensemble_are_crossed_beside_the_equation_and_a_chart_goes_on()
         assert!(svg.contains("MTK"), "{name}");
     }
     assert!(out.join("points.csv").exists() && out.join("report.html").exists());
+    first_picture(&out, &["P / (ε/σ³)", "ρ / σ⁻³", "var V (relative)"]);
 
     // What is there is kept, what is missing comes out the same.
     let stored = |n: usize| out.join(format!("points/{n:04}.toml"));

@@ -1,11 +1,9 @@
 //! Where the scene's own settings stand among the others, and what a chart may advise.
 
-use crate::report::significant;
 use lennard_core::stopwatch::BUSY;
 
-use super::panels::{Mark, Panel};
-use super::point::Charted;
-use super::{Chart, ChartedPoint};
+use super::types::{Advice, Against, Axis, Chart, ChartedPoint, Mark};
+use crate::report::significant;
 
 /// Standard errors within which a statistical error counts as known.
 const CERTAIN: f64 = 2.0;
@@ -13,131 +11,94 @@ const CERTAIN: f64 = 2.0;
 const OF_ONE_RUN: f64 = 0.8;
 /// Settings seem cheaper from this share of the median time on.
 const WORTHWHILE: f64 = 0.95;
+/// Errors that differ by less, as a share, are equal: sums in another order round otherwise.
+const ROUNDING: f64 = 1e-9;
 /// Advised steps are at most this share of the stability limit.
 const STABLE_SHARE: f64 = 0.5;
 /// Runs of a liquid near its triple point fail from this share of the rough limit on, 0.024 τ for velocity Verlet.
 const LOWEST_LIMIT: f64 = 0.6;
-/// What is said where a chart does not know enough to advise.
-pub const NOT_RESOLVED: &str = "not resolved by this chart";
-
-/// What a panel advises in place of the scene's own settings.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Advice<'a> {
-    /// These cost less and err no more, as far as both are known.
-    Cheaper(&'a Mark),
-    /// Some seem to cost less and to err no more, and the chart does not know their errors or costs well enough.
-    NotResolved,
-    /// Nothing costs less and errs no more.
-    Itself,
-}
-
-/// The scene's own settings in a panel.
-pub struct Standing<'a> {
-    /// The panel.
-    pub panel: &'a Panel,
-    /// The mark of the scene's own settings.
-    pub own: &'a Mark,
-    /// What would do as well for less.
-    pub advice: Advice<'a>,
-}
-
-/// How much of a chart is done.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Done {
-    /// Settings whose errors are measured.
-    pub errors: usize,
-    /// Settings that are timed as often as planned.
-    pub timed: usize,
-    /// All settings.
-    pub of: usize,
-}
-
-impl Done {
-    /// `errors of 3 of 42 settings are measured, 0 are timed`.
-    #[must_use]
-    pub fn in_words(self) -> String {
-        let Self { errors, timed, of } = self;
-        format!("errors of {errors} of {of} settings are measured, {timed} are timed")
-    }
-}
-
-/// How much of a chart is done.
-#[must_use]
-pub fn done(chart: &Chart) -> Done {
-    let count = |is: &dyn Fn(&ChartedPoint) -> bool| chart.points.iter().filter(|p| is(p)).count();
-    Done {
-        errors: count(&|p| p.is_measured()),
-        timed: count(&|p| p.is_timed(chart.plan.repeats)),
-        of: chart.points.len(),
-    }
-}
 
 /// On what advice rests, in sentences for a reader.
 #[must_use]
 pub fn basis(chart: &Chart) -> String {
     let limit = chart.points.first().and_then(|own| {
         let dt = stability_limit(chart, own)?;
-        Some(format!(" ({} τ for {})", significant(dt, 2), own.settings.integrator.name()))
+        let of = format!("{} τ for {}", significant(dt, 2), own.settings.integrator.name());
+        Some(format!(" Their step is at most {STABLE_SHARE} of the stability limit ({of})."))
     });
-    let busy = chart.points.first().and_then(|own| {
-        let scatter = own.cost()?.wall.scatter();
-        (scatter > BUSY).then(|| {
-            format!(
-                " Timings of the scene's own settings differ by {:.0} %: the machine was busy, and costs are not known well.",
-                100.0 * scatter
-            )
-        })
+    let cheaper = match chart.cost_by {
+        Axis::Wall => "are faster in every timing",
+        Axis::Forces => "take fewer pair forces in the same precision, by the same kind of list",
+    };
+    let scatter = chart.scatter();
+    let busy = (scatter > BUSY).then(|| {
+        let costs = match chart.cost_by {
+            Axis::Wall => "costs are not known well",
+            Axis::Forces => "cost is counted in pair forces",
+        };
+        format!(
+            " Timings of the same settings differ by {:.0} %: the machine was busy, and {costs}.",
+            100.0 * scatter
+        )
     });
     format!(
-        "Advised settings err no more, by {CERTAIN} standard errors on either side, and are faster in every timing. Their step is at most \
-         {STABLE_SHARE} of the stability limit{}.{}",
+        "Advised settings err no more, by {CERTAIN} standard errors on either side, and {cheaper}.{}{}",
         limit.unwrap_or_default(),
         busy.unwrap_or_default()
     )
 }
 
-/// Where the scene's own settings stand in each panel.
+/// Why no diagram tells the settings apart, in a sentence; `None` where one does, or where nothing is to be told.
+#[must_use]
+pub fn unresolved(chart: &Chart) -> Option<String> {
+    let advice: Vec<Advice> = chart.panels.iter().filter_map(|p| p.advice).collect();
+    let is_told = |a: &Advice| *a != Advice::NotResolved;
+    if advice.is_empty() || advice.iter().any(is_told) {
+        return None;
+    }
+    let scatter = chart.scatter();
+    let timings = match chart.cost_by {
+        Axis::Wall if scatter > BUSY => {
+            format!("timings of the same settings differ by {:.0} %, and ", 100.0 * scatter)
+        }
+        _ => String::new(),
+    };
+    Some(format!(
+        "This chart cannot tell the settings apart: {timings}errors of runs of {} τ lie within their bars.",
+        significant(chart.plan.time, 3)
+    ))
+}
+
+/// What a panel with these marks advises; `None` where the error of the scene's own settings is not known.
 ///
-/// The advice is the cheapest settings by wall time
+/// The advice is the settings of least cost
 /// - whose error is no larger than the scene's, even with two standard errors added to the first and taken off the
 ///   second. An error without a standard error must be no larger, or below the floor like the scene's. Where there is
 ///   no floor either, it must be smaller by a fifth;
-/// - whose every timing is shorter than every timing of the scene;
+/// - whose every timing is shorter than every timing of the scene, or which take fewer pair forces where cost is counted in
+///   them;
 /// - whose step is at most half of the stability limit, or no longer than the scene's step with the same method.
-#[must_use]
-pub fn standings(chart: &Chart) -> Vec<Standing<'_>> {
-    chart
-        .panels
-        .iter()
-        .filter_map(|panel| {
-            let own = panel.marks.iter().find(|m| m.number == 1)?;
-            own.error?;
-            let advice = advice(chart, panel, own);
-            Some(Standing { panel, own, advice })
-        })
-        .collect()
-}
-
-fn advice<'a>(chart: &Chart, panel: &'a Panel, own: &Mark) -> Advice<'a> {
-    let floor = panel.floor.unwrap_or(0.0);
+pub(super) fn advice(chart: &Chart, marks: &[Mark], floor: f64) -> Option<Advice> {
+    let own = marks.iter().find(|m| m.number == 1)?;
+    let by = chart.cost_by;
     let size = |m: &Mark| m.error.map(|e| e.abs().max(floor));
-    let own_low = own.wall_range.map_or(own.wall, |r| r.0);
-    let seeming: Vec<&Mark> = panel
-        .marks
+    let of_own = size(own)?;
+    let (own_low, _) = own.cost_range(by).unwrap_or((own.cost(by), own.cost(by)));
+    let seeming: Vec<&Mark> = marks
         .iter()
-        .filter(|m| m.number != own.number && m.wall < WORTHWHILE * own.wall)
-        .filter(|m| size(m).is_some_and(|e| size(own).is_some_and(|of_own| e <= of_own)))
-        .filter(|m| may_be_advised(chart, m.number))
+        .filter(|m| m.number != own.number && m.cost(by) < WORTHWHILE * own.cost(by))
+        .filter(|m| size(m).is_some_and(|e| e <= (1.0 + ROUNDING) * of_own))
+        .filter(|m| chart.is_comparable(m.number) && may_be_advised(chart, m.number))
         .collect();
     let is_known = |m: &&&Mark| {
-        m.wall_range.is_some_and(|(_, high)| high < own_low) && is_no_worse(m, own, floor)
+        m.cost_range(by).is_some_and(|(_, high)| high < own_low) && is_no_worse(m, own, floor)
     };
-    let cheapest = seeming.iter().filter(is_known).min_by(|a, b| a.wall.total_cmp(&b.wall));
-    match cheapest {
-        Some(mark) => Advice::Cheaper(mark),
+    let cheapest = seeming.iter().filter(is_known).min_by(|a, b| a.cost(by).total_cmp(&b.cost(by)));
+    Some(match cheapest {
+        Some(mark) => Advice::Cheaper(mark.number),
         None if seeming.is_empty() => Advice::Itself,
         None => Advice::NotResolved,
-    }
+    })
 }
 
 /// Whether the error of a mark is known to be no larger than the error of another.
@@ -147,7 +108,7 @@ fn is_no_worse(mark: &Mark, own: &Mark, floor: f64) -> bool {
     };
     match (mark.standard_error, own.standard_error) {
         (None, None) if floor == 0.0 => error.abs() <= OF_ONE_RUN * of_own.abs(),
-        (None, None) => error.abs().max(floor) <= of_own.abs().max(floor),
+        (None, None) => error.abs().max(floor) <= (1.0 + ROUNDING) * of_own.abs().max(floor),
         (mine, theirs) => {
             let most = error.abs() + CERTAIN * mine.unwrap_or(0.0);
             most <= of_own.abs() - CERTAIN * theirs.unwrap_or(0.0)
@@ -157,8 +118,7 @@ fn is_no_worse(mark: &Mark, own: &Mark, floor: f64) -> bool {
 
 /// Whether settings are of this engine, and keep away from the limit of stability.
 fn may_be_advised(chart: &Chart, number: usize) -> bool {
-    let point = chart.points.iter().find(|p| p.number == number);
-    let (Some(point), Some(own)) = (point, chart.points.first()) else {
+    let (Some(point), Some(own)) = (chart.point(number), chart.points.first()) else {
         return false;
     };
     let same_method = point.settings.integrator == own.settings.integrator;
@@ -170,10 +130,12 @@ fn may_be_advised(chart: &Chart, number: usize) -> bool {
 /// The step, τ, from which on a point's method may be unstable here. A cautious estimate comes from the closest approach of thermal
 /// pairs, by their masses, and from springs. A shorter step at which a run of the chart failed tells more. None for a method without
 /// a limit whose runs all held.
-#[must_use]
-pub fn stability_limit(chart: &Chart, point: &ChartedPoint) -> Option<f64> {
+fn stability_limit(chart: &Chart, point: &ChartedPoint) -> Option<f64> {
+    let Against::Tightest(tight) = &chart.against else {
+        return None;
+    };
     let limit = point.settings.integrator.spec().stability_limit;
-    let rough = limit.map(|limit| LOWEST_LIMIT * limit * chart.step_of_fastest);
+    let rough = limit.map(|limit| LOWEST_LIMIT * limit * tight.step_of_fastest);
     let failed = chart
         .points
         .iter()
@@ -185,10 +147,9 @@ pub fn stability_limit(chart: &Chart, point: &ChartedPoint) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::grid::Size;
-    use super::super::{Errors, Outcome, Plan};
+    use super::super::types::{Errors, Lengths, Outcome, Panel, Size, Tightest, cost_by};
     use super::*;
-    use crate::lab::{ForceErrors, Slopes};
+    use crate::lab::{ForceErrors, Slopes, Timing};
     use crate::settings::Settings;
 
     fn mark(number: usize, wall: f64, error: f64, standard_error: Option<f64>) -> Mark {
@@ -205,39 +166,38 @@ mod tests {
         }
     }
 
-    /// A chart of settings with these steps and one panel of these marks.
-    fn chart(steps: &[f64], marks: Vec<Mark>) -> Chart {
+    /// A chart of settings with these steps.
+    fn chart(steps: &[f64]) -> Chart {
         let text = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 0.722\n[[stage]]\nname = \"s\"\nsteps = 10";
         let scene = lennard_scene::Scene::parse(text, "s.toml", &[]).unwrap();
         let points = steps.iter().enumerate().map(|(i, dt)| {
             let settings = Settings { dt: *dt, ..Settings::of(&scene) };
             ChartedPoint::new(i + 1, settings)
         });
-        let panel = Panel {
-            name: "panel",
-            title: "",
-            label: "",
-            about: String::new(),
-            floor: Some(1e-3),
-            floor_words: "",
-            marks,
-        };
         Chart {
             schema: "",
             scene: String::new(),
             atoms: 108,
             density: 0.8,
             finished: true,
-            step_of_fastest: lennard_engine::watchdog::rough_stable_dt(0.722, 1.0),
-            slopes: Slopes { temperature: 0.722, du_dt: 0.0, dp_dt: 0.0, source: String::new() },
-            reach: None,
-            left_out_of_forces: None,
+            against: Against::Tightest(Tightest {
+                step_of_fastest: lennard_engine::watchdog::rough_stable_dt(0.722, 1.0),
+                slopes: Slopes {
+                    temperature: 0.722,
+                    du_dt: 0.0,
+                    dp_dt: 0.0,
+                    source: String::new(),
+                },
+                reach: None,
+                left_out_of_forces: None,
+                tightest: 0,
+            }),
+            cost_by: Axis::Wall,
             points: points.collect(),
-            tightest: 0,
             left_out: Vec::new(),
             remarks: Vec::new(),
-            panels: vec![panel],
-            plan: Plan {
+            panels: Vec::new(),
+            plan: Lengths {
                 size: Size::Quick,
                 points: steps.len(),
                 time: 1.0,
@@ -252,9 +212,9 @@ mod tests {
         }
     }
 
-    fn advised(chart: &Chart) -> Option<usize> {
-        match standings(chart)[0].advice {
-            Advice::Cheaper(mark) => Some(mark.number),
+    fn advised(chart: &Chart, marks: &[Mark]) -> Option<usize> {
+        match advice(chart, marks, 1e-3)? {
+            Advice::Cheaper(number) => Some(number),
             Advice::NotResolved => None,
             Advice::Itself => Some(1),
         }
@@ -264,14 +224,17 @@ mod tests {
     fn steps_near_the_limit_of_stability_are_never_advised() {
         let steps = [0.004, 0.006, 0.0185];
         let exact = |number, wall| mark(number, wall, 1e-4, None);
-        let mut of_forces = chart(&steps, vec![exact(1, 3.0), exact(2, 2.0), exact(3, 1.0)]);
+        let mut of_forces = chart(&steps);
+        let marks = [exact(1, 3.0), exact(2, 2.0), exact(3, 1.0)];
         let limit = stability_limit(&of_forces, &of_forces.points[2]).unwrap();
         assert!((0.022..0.026).contains(&limit), "{limit}");
-        assert_eq!(advised(&of_forces), Some(2));
+        assert_eq!(advised(&of_forces, &marks), Some(2));
         // Particles that are four times as fast are told shorter steps.
-        of_forces.step_of_fastest *= 0.25;
-        assert_eq!(advised(&of_forces), Some(1));
-        of_forces.step_of_fastest *= 4.0;
+        let Against::Tightest(slow) = of_forces.against.clone() else { panic!() };
+        let fast = Tightest { step_of_fastest: 0.25 * slow.step_of_fastest, ..slow.clone() };
+        of_forces.against = Against::Tightest(fast);
+        assert_eq!(advised(&of_forces, &marks), Some(1));
+        of_forces.against = Against::Tightest(slow);
         // A run that failed at 0.01 tells more than the rough limit.
         let failed = || crate::lab::Failed { reason: "it blew up".into(), step: None };
         let mut point =
@@ -283,11 +246,10 @@ mod tests {
             reversibility: Outcome::Failed(failed()),
         });
         of_forces.points.push(point);
-        assert_eq!(advised(&of_forces), Some(1));
+        assert_eq!(advised(&of_forces, &marks), Some(1));
         // A scene beyond the margin is not told to shorten its step, and not to lengthen it.
         let beyond = [0.0185, 0.0185, 0.02];
-        let chart = chart(&beyond, vec![exact(1, 3.0), exact(2, 2.0), exact(3, 1.0)]);
-        assert_eq!(advised(&chart), Some(2));
+        assert_eq!(advised(&chart(&beyond), &marks), Some(2));
     }
 
     #[test]
@@ -296,22 +258,49 @@ mod tests {
         let noisy = |number, wall, error| mark(number, wall, error, Some(1e-3));
         // Of two errors that are both noise, the smaller is no better.
         let alike = vec![noisy(1, 3.0, 8e-4), noisy(2, 2.0, 2e-4)];
-        assert_eq!(advised(&chart(&steps, alike)), None);
+        assert_eq!(advised(&chart(&steps), &alike), None);
         let told = vec![noisy(1, 3.0, 9e-3), noisy(2, 2.0, 2e-3), noisy(3, 1.0, 8e-3)];
-        assert_eq!(advised(&chart(&steps, told)), Some(2));
+        assert_eq!(advised(&chart(&steps), &told), Some(2));
         let worse = vec![noisy(1, 3.0, 2e-3), noisy(2, 2.0, 9e-3)];
-        assert_eq!(advised(&chart(&steps, worse)), Some(1));
+        assert_eq!(advised(&chart(&steps), &worse), Some(1));
         // Timings that overlap do not tell what is cheaper.
         let mut overlapping = vec![mark(1, 3.0, 1e-4, None), mark(2, 2.5, 1e-4, None)];
         overlapping[1].wall_range = Some((2.4, 3.1));
-        assert_eq!(advised(&chart(&steps, overlapping.clone())), None);
+        assert_eq!(advised(&chart(&steps), &overlapping), None);
         overlapping[1].wall_range = Some((2.4, 2.6));
-        assert_eq!(advised(&chart(&steps, overlapping.clone())), Some(2));
+        assert_eq!(advised(&chart(&steps), &overlapping), Some(2));
         overlapping[0].wall_range = Some((2.5, 5.0));
-        assert_eq!(advised(&chart(&steps, overlapping)), None);
+        assert_eq!(advised(&chart(&steps), &overlapping), None);
         // What is hardly cheaper is not cheaper.
         let alike = vec![mark(1, 3.0, 1e-4, None), mark(2, 2.9, 1e-4, None)];
-        assert_eq!(advised(&chart(&steps, alike)), Some(1));
+        assert_eq!(advised(&chart(&steps), &alike), Some(1));
+    }
+
+    #[test]
+    fn disturbed_clocks_count_pair_forces_within_one_precision_and_one_sentence_says_what_is_not_told()
+     {
+        let mut busy = chart(&[0.004, 0.006, 0.006]);
+        busy.points[2].settings.precision = lennard_forcefield::Precision::Mixed;
+        for point in &mut busy.points {
+            let timing = |s| Timing { seconds_per_atom_tau: s, evaluations_per_tau: 1.0, steps: 1 };
+            point.timings = vec![timing(1e-6), timing(2e-6)];
+            point.pair_forces_per_atom_tau = Some(1.0);
+        }
+        busy.cost_by = cost_by(&busy.points);
+        assert_eq!(busy.cost_by, Axis::Forces);
+        let mut marks =
+            vec![mark(1, 3.0, 1e-4, None), mark(2, 2.5, 1e-4, None), mark(3, 1.0, 1e-4, None)];
+        marks[1].wall_range = Some((2.0, 3.5));
+        assert_eq!(advised(&busy, &marks), Some(2));
+        assert!(basis(&busy).contains("differ by 67 %") && basis(&busy).contains("pair forces"));
+        let mut quiet = busy.clone();
+        quiet.points.iter_mut().for_each(|p| p.timings.truncate(1));
+        assert_eq!(cost_by(&quiet.points), Axis::Wall);
+        assert_eq!(unresolved(&quiet), None);
+        quiet.panels = vec![Panel { advice: Some(Advice::NotResolved), marks, ..Panel::default() }];
+        assert!(unresolved(&quiet).unwrap().contains("cannot tell the settings apart"));
+        quiet.panels[0].advice = Some(Advice::Itself);
+        assert_eq!(unresolved(&quiet), None);
     }
 
     #[test]

@@ -3,10 +3,10 @@
 use lennard_engine::measured_stage;
 use lennard_integrators::barostats::{mtk, stochastic_cell_rescaling};
 use lennard_integrators::{BarostatOptions, ThermostatOptions, bussi, langevin, nose_hoover};
-use lennard_scene::{PressureControl, Scene, SceneError};
+use lennard_scene::{Scene, SceneError};
 
-use super::point::Baths;
-use crate::chart::{LeftOut, Size};
+use super::types::Size;
+use crate::settings::Baths;
 
 /// Factors on the interval of the scene's barostat …
 const INTERVALS: [f64; 4] = [0.2, 1.0, 5.0, 20.0];
@@ -15,20 +15,11 @@ const PACES: [f64; 3] = [0.5, 1.0, 4.0];
 /// … and on the τ of its thermostat.
 const HEATS: [f64; 3] = [0.2, 1.0, 5.0];
 
-/// Choices to be tried; the scene's own stand first.
-#[derive(Debug, Default)]
-pub(super) struct Grid {
-    pub all: Vec<Baths>,
-    pub left_out: Vec<LeftOut>,
-}
-
-/// The pressure bath of the measured stage.
+/// The baths of the measured stage, which hold a pressure that other baths can hold too.
 ///
 /// # Errors
-/// [`SceneError`] where the scene has none, where pressure or temperature change on the way, or where two phases stand side by side.
-pub(super) fn pressure_of(
-    scene: &Scene,
-) -> Result<(&PressureControl, &ThermostatOptions), SceneError> {
+/// [`SceneError`] where the scene has no barostat, where pressure or temperature change on the way, or where two phases stand side by side.
+pub(super) fn own_baths(scene: &Scene) -> Result<Baths, SceneError> {
     let stage = measured_stage(scene);
     let index = (scene.stages.iter().rposition(|s| s.measure)).unwrap_or(scene.stages.len() - 1);
     let key = |name: &str| format!("stage.{index}.{name}");
@@ -60,80 +51,49 @@ pub(super) fn pressure_of(
             "a homogeneous fluid",
         ));
     }
-    Ok((control, thermostat))
+    Ok(Baths { thermostat: thermostat.clone(), barostat: control.options.clone() })
 }
 
-/// The choices around the scene's own.
-pub(super) fn grid(scene: &Scene, own: &Baths, size: Size) -> Grid {
-    let mut grid = Grid::default();
-    grid.take(scene, own.clone());
-    let scr = rescaling_like(own);
-    let mtk = chains_like(own);
+/// Refuses a scene whose measured stage holds no pressure that other baths can hold too.
+///
+/// # Errors
+/// As the scene's own baths: [`SceneError`] without a barostat, with a ramp, and with two phases side by side.
+pub fn suits(scene: &Scene) -> Result<(), SceneError> {
+    own_baths(scene).map(drop)
+}
+
+/// Baths to be tried around the scene's own, in the order in which they are numbered; some stand there twice.
+pub(super) fn choices(own: &Baths, size: Size) -> Vec<Baths> {
+    let (scr, mtk) = (rescaling_like(own), chains_like(own));
+    let of_scr = |interval, pace, heat| vary(&scr, interval, pace, heat);
+    let of_mtk = |pace, heat| vary(&mtk, 1.0, pace, heat);
+    let mut all = vec![own.clone()];
     match size {
-        Size::Quick => {
-            for interval in [0.2, 5.0] {
-                grid.take(scene, vary(&scr, interval, 1.0, 1.0));
-            }
-            grid.take(scene, vary(&scr, 1.0, 4.0, 1.0));
-            grid.take(scene, mtk);
-        }
+        Size::Quick => all.extend([
+            of_scr(0.2, 1.0, 1.0),
+            of_scr(5.0, 1.0, 1.0),
+            of_scr(1.0, 4.0, 1.0),
+            mtk.clone(),
+        ]),
         Size::Default => {
             for interval in INTERVALS {
-                for pace in PACES {
-                    grid.take(scene, vary(&scr, interval, pace, 1.0));
-                }
+                all.extend(PACES.map(|pace| of_scr(interval, pace, 1.0)));
             }
             for heat in HEATS {
-                grid.take(scene, vary(&scr, 1.0, 1.0, heat));
-                grid.take(scene, vary(&mtk, 1.0, 1.0, heat));
+                all.extend([of_scr(1.0, 1.0, heat), of_mtk(1.0, heat)]);
             }
-            for pace in PACES {
-                grid.take(scene, vary(&mtk, 1.0, pace, 1.0));
-            }
+            all.extend(PACES.map(|pace| of_mtk(pace, 1.0)));
         }
         Size::Full => {
             for heat in HEATS {
                 for pace in PACES {
-                    for interval in INTERVALS {
-                        grid.take(scene, vary(&scr, interval, pace, heat));
-                    }
-                    grid.take(scene, vary(&mtk, 1.0, pace, heat));
+                    all.extend(INTERVALS.map(|interval| of_scr(interval, pace, heat)));
+                    all.push(of_mtk(pace, heat));
                 }
             }
         }
     }
-    grid
-}
-
-impl Grid {
-    /// Takes baths that fit the scene and are not there yet.
-    fn take(&mut self, scene: &Scene, baths: Baths) {
-        if self.all.contains(&baths) {
-            return;
-        }
-        match with_baths(scene, &baths).check() {
-            Ok(()) => self.all.push(baths),
-            Err(error) => {
-                let lines = error.to_string();
-                let mut lines = lines.lines().map(str::trim);
-                let first = lines.next().unwrap_or_default();
-                let why = first.split_once(": ").map_or(first, |(_, why)| why);
-                self.left_out.push(LeftOut { what: baths.label(), why: why.to_owned() });
-            }
-        }
-    }
-}
-
-/// The scene with these baths in its measured stages.
-pub(super) fn with_baths(scene: &Scene, baths: &Baths) -> Scene {
-    let mut scene = scene.clone();
-    for stage in scene.stages.iter_mut().filter(|s| s.measure) {
-        stage.thermostat = Some(baths.thermostat.clone());
-        if let Some(control) = &mut stage.barostat {
-            control.options = baths.barostat.clone();
-        }
-    }
-    scene
+    all
 }
 
 /// Stochastic cell rescaling in the place of another barostat, with its τ.
@@ -208,40 +168,6 @@ mod tests {
         [integrator]\ndt = 0.004\n[[stage]]\nname = \"p\"\nsteps = 1000\nthermostat = { kind = \"bussi\", tau = 0.5 }\n\
         barostat = { kind = \"stochastic-cell-rescaling\", pressure = 1.0, tau = 1.0, interval = 10 }\n";
 
-    fn scene(set: &[(&str, &str)]) -> Scene {
-        let set: Vec<_> = set.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
-        Scene::parse(TEXT, "t.toml", &set).unwrap()
-    }
-
-    fn own(scene: &Scene) -> Baths {
-        let (control, thermostat) = pressure_of(scene).unwrap();
-        Baths { thermostat: thermostat.clone(), barostat: control.options.clone() }
-    }
-
-    #[test]
-    fn intervals_paces_and_both_barostats_are_crossed_and_what_is_refused_is_left_out_with_the_reason()
-     {
-        let scene = scene(&[]);
-        let own = own(&scene);
-        let found = grid(&scene, &own, Size::Default);
-        assert_eq!(found.all[0], own);
-        let mut intervals: Vec<u64> = found.all.iter().map(|b| b.barostat.interval()).collect();
-        intervals.sort_unstable();
-        intervals.dedup();
-        assert_eq!(intervals, [1, 2, 10, 50]);
-        let kinds = |name: &str| found.all.iter().filter(|b| b.barostat.name() == name).count();
-        assert!(kinds("mtk") == 5 && kinds("stochastic-cell-rescaling") >= 8, "{found:?}");
-        // Every 200 steps of 0.004 τ need a τ_p of 16 τ.
-        let out = found.left_out.iter().filter(|l| l.what.contains("every 200")).count();
-        assert_eq!(out, 3);
-        assert!(found.left_out.iter().all(|l| l.why.contains("tau")), "{found:?}");
-        let all = grid(&scene, &own, Size::Full);
-        assert!(all.all.len() > found.all.len());
-        for baths in &found.all {
-            assert!(all.all.contains(baths), "{}", baths.label());
-        }
-    }
-
     #[test]
     fn the_last_measured_stage_is_the_one_that_is_named() {
         let bare = TEXT.split("barostat").next().unwrap();
@@ -249,7 +175,7 @@ mod tests {
         let stage = &measured[measured.find("[[stage]]").unwrap()..];
         let text = format!("{measured}{}", stage.replace("\"p\"", "\"q\""));
         let scene = Scene::parse(&text, "t.toml", &[]).unwrap();
-        let error = pressure_of(&scene).unwrap_err().to_string();
+        let error = own_baths(&scene).unwrap_err().to_string();
         assert!(
             error.contains("`stage.1.barostat` is missing") && error.contains("stage \"q\""),
             "{error}"
@@ -260,7 +186,7 @@ mod tests {
     fn a_ramp_is_refused_by_its_key_and_a_crystal_beside_its_liquid_by_its_table() {
         let refused = |text: &str| {
             let scene = Scene::parse(text, "t.toml", &[]).unwrap();
-            pressure_of(&scene).unwrap_err().to_string()
+            own_baths(&scene).unwrap_err().to_string()
         };
         let ramp = "{ from = 1.0, to = 1.2 }";
         let warmer = TEXT.replace("steps = 1000", &format!("steps = 1000\ntemperature = {ramp}"));
@@ -277,7 +203,7 @@ mod tests {
             "{error}"
         );
         let file = lennard_scene::shipped::locate(Path::new("two-phase/melting"));
-        let error = pressure_of(&Scene::load(&file, &[]).unwrap()).unwrap_err();
+        let error = own_baths(&Scene::load(&file, &[]).unwrap()).unwrap_err();
         let error = error.to_string();
         assert!(
             error.contains("`crystal` has no one density for `lennard chart --ensemble`"),
@@ -290,7 +216,7 @@ mod tests {
         let text =
             TEXT.lines().filter(|l| !l.starts_with("barostat")).collect::<Vec<_>>().join("\n");
         let scene = Scene::parse(&text, "t.toml", &[]).unwrap();
-        let error = pressure_of(&scene).unwrap_err().to_string();
+        let error = own_baths(&scene).unwrap_err().to_string();
         assert!(
             error.contains("t.toml") && error.contains("`stage.0.barostat` is missing"),
             "{error}"

@@ -1,0 +1,540 @@
+//! What is asked of a chart, what is known of its points, and what its diagrams hold.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use lennard_core::stopwatch::BUSY;
+use serde::{Deserialize, Serialize};
+
+use crate::StudyError;
+use crate::lab::{
+    Cost, Drift, Failed, ForceErrors, Measured, Slopes, Timing, TrajectoryError, Value,
+};
+use crate::settings::Settings;
+
+/// Why a chart cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ChartError {
+    /// The output folder holds something else.
+    #[error("{}: {found}\n  allowed: an empty folder, or one that holds this chart; give another --out, or --force to begin anew", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// What it holds.
+        found: String,
+    },
+    /// The grid has no two settings that can run.
+    #[error("there is nothing to compare: {found} of the settings around this scene can run{why}")]
+    NothingToCompare {
+        /// How many can.
+        found: usize,
+        /// Why the others cannot.
+        why: String,
+    },
+    /// Anything that goes wrong in any study.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+}
+
+impl From<lennard_io::WriteError> for ChartError {
+    fn from(error: lennard_io::WriteError) -> Self {
+        Self::Study(error.into())
+    }
+}
+
+/// The settings that a chart varies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axes {
+    /// Method, step, truncation, cutoff, precision and list.
+    Settings,
+    /// Barostat and thermostat of the measured stage.
+    Baths,
+}
+
+/// How many settings are tried.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Size {
+    /// A dozen and a half, or five choices of baths: a first look.
+    Quick,
+    /// Every dt with the methods that matter, and every truncation with every cutoff in both precisions, crossed where
+    /// the two meet.
+    #[default]
+    Default,
+    /// Everything with everything.
+    Full,
+}
+
+/// How to make a chart.
+pub struct ChartOptions<'a> {
+    /// What is varied.
+    pub axes: Axes,
+    /// The output folder, which exists.
+    pub folder: &'a Path,
+    /// How many settings.
+    pub size: Size,
+    /// Whether what the folder holds is thrown away.
+    pub anew: bool,
+    /// Points whose errors are measured at once, one thread each. Costs are timed one after the other.
+    pub workers: usize,
+    /// Threads of each timed run.
+    pub threads: usize,
+    /// Whether the points of other engines are added, where they are installed.
+    pub with_peers: bool,
+    /// Set from outside to stop; what is finished is kept.
+    pub stop: &'a AtomicBool,
+    /// The command, for the page.
+    pub command: String,
+}
+
+/// What is run for how long: a function of scene and size, never of a clock.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Lengths {
+    /// How many settings are tried, in words.
+    pub size: Size,
+    /// Settings, the tightest included.
+    pub points: usize,
+    /// Time for which each run is measured, τ.
+    pub time: f64,
+    /// The same for the tightest run, τ.
+    pub tight_time: f64,
+    /// Length of the trajectories that are compared, and of the way there and back, τ; 0 for baths.
+    pub short_time: f64,
+    /// Timings of each.
+    pub repeats: usize,
+    /// Length of a timing by a model of the costs, s.
+    pub timing_seconds: f64,
+    /// Threads of a timed run.
+    pub threads: usize,
+    /// The processor that the timings belong to.
+    pub cpu: String,
+    /// The version of the program.
+    pub version: String,
+}
+
+/// Settings that were not taken, with the reason.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LeftOut {
+    /// Which.
+    pub what: String,
+    /// Why.
+    pub why: String,
+}
+
+/// What came of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome<T> {
+    /// What it found.
+    Found(T),
+    /// Why it found nothing.
+    Failed(Failed),
+}
+
+impl<T> Outcome<T> {
+    /// A run that failed is a result; any other error is handed back.
+    pub(super) fn of(result: Result<T, StudyError>) -> Result<Self, StudyError> {
+        match result {
+            Ok(found) => Ok(Self::Found(found)),
+            Err(error) => Ok(Self::Failed(Failed::from_error(error)?)),
+        }
+    }
+
+    /// What was found, if anything.
+    pub fn found(&self) -> Option<&T> {
+        match self {
+            Self::Found(value) => Some(value),
+            Self::Failed(_) => None,
+        }
+    }
+}
+
+/// All errors of one point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// Of the forces at the start.
+    pub forces: ForceErrors,
+    /// Of energy, temperature, U and P, over a run.
+    pub measured: Outcome<Measured>,
+    /// Of a short trajectory.
+    pub trajectory: Outcome<TrajectoryError>,
+    /// Distance from the start after the way there and back, σ.
+    pub reversibility: Outcome<f64>,
+}
+
+/// What a run under chosen baths sampled.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Sampled {
+    /// Time that was sampled, τ.
+    pub time: f64,
+    /// Temperature of the positions, ε/k_B.
+    pub temperature: Value,
+    /// Pressure ρT + W/(3V) with tail, ε/σ³.
+    pub pressure: Value,
+    /// The same less what the ensemble of this N has: P₀ + (1 − n_dof/3N)·⟨ρ⟩·T.
+    pub pressure_off: Value,
+    /// Number density of molecules or particles, σ⁻³.
+    pub density: Value,
+    /// Volume, σ³.
+    pub volume: Value,
+    /// Variance of the volume, σ⁶.
+    pub variance: Value,
+    /// Drift of the conserved energy, ε/τ per particle.
+    pub drift: Drift,
+    /// Accepted share of the proposed changes of the box; absent where none is proposed.
+    pub acceptance: Option<f64>,
+}
+
+impl Sampled {
+    /// Independent volumes in a τ.
+    #[must_use]
+    pub fn pace(&self) -> f64 {
+        self.volume.n_effective / self.time
+    }
+}
+
+/// One choice of settings with what it costs and errs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ChartedPoint {
+    /// Its number on the diagrams, from 1.
+    pub number: usize,
+    /// Another engine, by name; absent for this one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engine: Option<String>,
+    /// The settings in a line.
+    pub label: String,
+    /// The settings.
+    pub settings: Settings,
+    /// Pair forces for each particle and τ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pair_forces_per_atom_tau: Option<f64>,
+    /// Why it could not be timed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_timed: Option<Failed>,
+    /// The timings so far.
+    #[serde(default)]
+    pub timings: Vec<Timing>,
+    /// The errors of settings, once they are measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub errors: Option<Errors>,
+    /// What a run under chosen baths sampled, once that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sampled: Option<Outcome<Sampled>>,
+}
+
+impl ChartedPoint {
+    /// A point of which nothing is known yet.
+    #[must_use]
+    pub fn new(number: usize, settings: Settings) -> Self {
+        Self {
+            number,
+            engine: None,
+            label: settings.label(),
+            settings,
+            pair_forces_per_atom_tau: None,
+            not_timed: None,
+            timings: Vec::new(),
+            errors: None,
+            sampled: None,
+        }
+    }
+
+    /// Its cost, once it is known.
+    #[must_use]
+    pub fn cost(&self) -> Option<Cost> {
+        Cost::of(&self.timings, self.pair_forces_per_atom_tau?)
+    }
+
+    /// What the run of settings measured, where it came to its end.
+    #[must_use]
+    pub fn measured(&self) -> Option<&Measured> {
+        self.errors.as_ref()?.measured.found()
+    }
+
+    /// What the run under baths sampled, where it came to its end.
+    #[must_use]
+    pub fn sampled(&self) -> Option<&Sampled> {
+        self.sampled.as_ref()?.found()
+    }
+
+    /// Why its run failed.
+    #[must_use]
+    pub fn failure(&self) -> Option<&Failed> {
+        match (&self.errors, &self.sampled) {
+            (Some(Errors { measured: Outcome::Failed(failed), .. }), _)
+            | (_, Some(Outcome::Failed(failed))) => Some(failed),
+            _ => None,
+        }
+    }
+
+    /// Whether all is known of it but its costs.
+    #[must_use]
+    pub fn is_measured(&self) -> bool {
+        self.errors.is_some() || self.sampled.is_some()
+    }
+
+    /// Whether it has `repeats` timings, or cannot be timed.
+    #[must_use]
+    pub fn is_timed(&self, repeats: usize) -> bool {
+        self.not_timed.is_some() || self.timings.len() >= repeats
+    }
+}
+
+/// The two ways to count cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Axis {
+    /// Wall time for each particle and τ, s.
+    Wall,
+    /// Pair forces for each particle and τ.
+    Forces,
+}
+
+/// One error of one point.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Mark {
+    /// Number of the point.
+    pub number: usize,
+    /// Wall time for each particle and τ, s: the median, or an estimate where it could not be timed.
+    pub wall: f64,
+    /// Smallest and largest of the timings, s.
+    pub wall_range: Option<(f64, f64)>,
+    /// Pair forces for each particle and τ.
+    pub pair_forces: f64,
+    /// The error with its sign; absent where the run failed.
+    pub error: Option<f64>,
+    /// Its standard error, where it is statistical; not a number where the run was too short to know it.
+    pub standard_error: Option<f64>,
+    /// Why there is no error.
+    pub failure: Option<String>,
+    /// Whether nothing that costs less wall time errs less.
+    pub on_wall_front: bool,
+    /// Whether nothing that takes fewer pair forces errs less.
+    pub on_forces_front: bool,
+}
+
+impl Mark {
+    /// Its cost by one of the two measures.
+    #[must_use]
+    pub fn cost(&self, axis: Axis) -> f64 {
+        match axis {
+            Axis::Wall => self.wall,
+            Axis::Forces => self.pair_forces,
+        }
+    }
+
+    /// The smallest and the largest cost that were seen: a count of pair forces has no range.
+    #[must_use]
+    pub fn cost_range(&self, axis: Axis) -> Option<(f64, f64)> {
+        match axis {
+            Axis::Wall => self.wall_range,
+            Axis::Forces => Some((self.pair_forces, self.pair_forces)),
+        }
+    }
+
+    /// Whether it is on the front by one of the two measures.
+    #[must_use]
+    pub fn on_front(&self, axis: Axis) -> bool {
+        match axis {
+            Axis::Wall => self.on_wall_front,
+            Axis::Forces => self.on_forces_front,
+        }
+    }
+}
+
+/// What a diagram advises in place of the scene's own settings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Advice {
+    /// The point of this number costs less and errs no more, as far as both are known.
+    Cheaper(usize),
+    /// Some seem to cost less and to err no more, and the chart does not know their errors or costs well enough.
+    NotResolved,
+    /// Nothing costs less and errs no more.
+    Itself,
+}
+
+/// A diagram: one kind of error.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Panel {
+    /// File stem.
+    pub name: &'static str,
+    /// What the error is of.
+    pub title: &'static str,
+    /// Label of the axis of the error.
+    pub label: &'static str,
+    /// The error's name and unit in the first picture; absent where it is not in it.
+    #[serde(skip)]
+    pub in_overview: Option<&'static str>,
+    /// Whether errors are drawn with their sign; their size stands on a logarithmic axis otherwise.
+    #[serde(skip)]
+    pub is_signed: bool,
+    /// What is shown, in sentences.
+    pub about: String,
+    /// Errors below this say nothing.
+    pub floor: Option<f64>,
+    /// What makes that floor, in a few words.
+    pub floor_words: &'static str,
+    /// What would do as well as the scene's own settings for less; absent where their error is not known.
+    pub advice: Option<Advice>,
+    /// The points. Those for which there is no such error are not among them.
+    pub marks: Vec<Mark>,
+}
+
+impl Panel {
+    /// The mark of a point.
+    #[must_use]
+    pub fn mark(&self, number: usize) -> Option<&Mark> {
+        self.marks.iter().find(|m| m.number == number)
+    }
+}
+
+/// The tightest settings, which others are compared with, and the untruncated fluid.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Tightest {
+    /// How runs are carried to one temperature.
+    pub slopes: Slopes,
+    /// The step at which ω·dt is 1 for the fastest pair or spring, τ: light and small particles are fast.
+    pub step_of_fastest: f64,
+    /// Farthest pairs in the forces of the untruncated fluid, σ; absent where the potential ends by itself.
+    pub reach: Option<f64>,
+    /// What that sum leaves out, relative to the forces.
+    pub left_out_of_forces: Option<f64>,
+    /// Index of the tightest point.
+    pub tightest: usize,
+}
+
+/// Density and variance of V that every right choice of baths samples.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reference {
+    /// Density, σ⁻³.
+    pub density: f64,
+    /// Its standard error, where it is a mean of runs.
+    pub density_error: Option<f64>,
+    /// Variance of the volume, σ⁶.
+    pub variance: f64,
+    /// Its standard error, likewise.
+    pub variance_error: Option<f64>,
+    /// Where they come from.
+    pub source: String,
+}
+
+/// The ensemble that every right choice of baths samples.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Ensemble {
+    /// Temperature, ε/k_B.
+    pub temperature: f64,
+    /// Pressure of the barostat, ε/σ³.
+    pub pressure: f64,
+    /// What density and variance of V are compared with; absent where no run is finished.
+    pub reference: Option<Reference>,
+}
+
+/// What the errors of a chart are measured against.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Against {
+    /// The tightest settings.
+    Tightest(Tightest),
+    /// The ensemble at one pressure and temperature.
+    Ensemble(Ensemble),
+}
+
+/// A chart: every point with its costs and errors.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Chart {
+    /// Name and version of the schema.
+    pub schema: &'static str,
+    /// Name of the scene.
+    pub scene: String,
+    /// Particles.
+    pub atoms: usize,
+    /// Number density of the start, σ⁻³.
+    pub density: f64,
+    /// What was run for how long.
+    pub plan: Lengths,
+    /// Whether every point is finished.
+    pub finished: bool,
+    /// What errors are measured against.
+    #[serde(flatten)]
+    pub against: Against,
+    /// How cost is counted where settings are compared: wall time, or pair forces where clocks were disturbed.
+    pub cost_by: Axis,
+    /// The points; the scene's own settings stand first.
+    pub points: Vec<ChartedPoint>,
+    /// Settings that were not tried, with the reason.
+    pub left_out: Vec<LeftOut>,
+    /// What else is to be known: engines that are not installed.
+    pub remarks: Vec<String>,
+    /// The diagrams.
+    pub panels: Vec<Panel>,
+}
+
+impl Chart {
+    /// The point of a number.
+    #[must_use]
+    pub fn point(&self, number: usize) -> Option<&ChartedPoint> {
+        self.points.iter().find(|p| p.number == number)
+    }
+
+    /// The settings of a point in a line, with the engine where it is another.
+    #[must_use]
+    pub fn label(&self, number: usize) -> String {
+        self.point(number).map_or_else(String::new, |point| match &point.engine {
+            Some(engine) => format!("{engine}: {}", point.label),
+            None => point.label.clone(),
+        })
+    }
+
+    /// Whether the cost of a point may be compared with the cost of the scene's own settings. A pair force costs the same within one
+    /// precision and one kernel alone.
+    #[must_use]
+    pub fn is_comparable(&self, number: usize) -> bool {
+        let (Some(own), Some(point)) = (self.points.first(), self.point(number)) else {
+            return false;
+        };
+        let (a, b) = (&own.settings, &point.settings);
+        self.cost_by == Axis::Wall
+            || (a.precision, a.list) == (b.precision, b.list) && point.engine.is_none()
+    }
+
+    /// `errors of 3 of 42 settings are measured, 0 are timed`.
+    #[must_use]
+    pub fn progress(&self) -> String {
+        let count =
+            |is: &dyn Fn(&ChartedPoint) -> bool| self.points.iter().filter(|p| is(p)).count();
+        format!(
+            "errors of {} of {} settings are measured, {} are timed",
+            count(&ChartedPoint::is_measured),
+            self.points.len(),
+            count(&|p| p.is_timed(self.plan.repeats))
+        )
+    }
+
+    /// By how much repeated timings differ, over their median: of the scene's own settings, or of the middle one of all points where
+    /// that is more.
+    #[must_use]
+    pub fn scatter(&self) -> f64 {
+        scatter(&self.points)
+    }
+}
+
+/// As [`Chart::scatter`].
+fn scatter(points: &[ChartedPoint]) -> f64 {
+    let of = |p: &ChartedPoint| p.cost().map(|cost| cost.wall.scatter());
+    let own = points.first().and_then(of).unwrap_or(0.0);
+    median(points.iter().filter_map(of).collect()).unwrap_or(0.0).max(own)
+}
+
+/// How cost is counted: by wall time, unless clocks were disturbed. Baths differ in what a pair force does not count.
+pub(super) fn cost_by(points: &[ChartedPoint]) -> Axis {
+    let of_baths = points.iter().any(|p| p.settings.baths.is_some());
+    if scatter(points) > BUSY && !of_baths { Axis::Forces } else { Axis::Wall }
+}
+
+/// The middle one of the values that are finite.
+pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.retain(|v| v.is_finite());
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
