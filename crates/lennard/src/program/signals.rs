@@ -53,8 +53,6 @@ pub enum Leave {
     AsItIs,
     /// The first files of a run are removed: there is no step to go with them.
     WithoutTheRun,
-    /// The folder of this name in it is removed.
-    Without(&'static str),
 }
 
 impl StartUp {
@@ -96,10 +94,6 @@ impl StartUp {
             match &self.leave {
                 Leave::AsItIs => {}
                 Leave::WithoutTheRun => folder.abandon(),
-                // A leftover holds nothing of use, and the next command removes it.
-                Leave::Without(below) => {
-                    let _ = std::fs::remove_dir_all(folder.path().join(below));
-                }
             }
             folder.leave();
         }

@@ -5,7 +5,7 @@ use crate::report::{
 };
 use lennard_core::stopwatch::Spread;
 
-use super::{BenchStudy, FeatureStudy, KernelResult, SkinStudy};
+use super::types::{BenchStudy, KernelResult, SkinStudy};
 
 /// All pictures that the study has the numbers for.
 pub(super) fn all(study: &BenchStudy) -> Vec<Picture> {
@@ -15,8 +15,6 @@ pub(super) fn all(study: &BenchStudy) -> Vec<Picture> {
         figures.push(parts(study));
     }
     figures.extend(study.skin.iter().map(|skin| skins(study, skin)));
-    let found = study.features.iter();
-    figures.extend(found.map(|found| features(study, found)));
     figures
 }
 
@@ -45,30 +43,6 @@ fn skins(study: &BenchStudy, skin: &SkinStudy) -> Picture {
         skin.with, study.repeats
     );
     Picture::new(figure, caption, "skins.csv")
-}
-
-fn features(study: &BenchStudy, found: &FeatureStudy) -> Picture {
-    // Below nothing is noise, and a bar of it would say otherwise.
-    let value = |share: Spread| {
-        let (height, error) = (share.median.max(0.0), share.half_range());
-        Some((100.0 * height, Some(100.0 * error)))
-    };
-    let figure = BarFigure {
-        name: "features".into(),
-        title: "What a feature adds to a step".into(),
-        axis: Axis::linear("% of a step with everything off"),
-        groups: found.features.iter().map(|f| f.name.clone()).collect(),
-        series: vec![BarSeries {
-            name: "added".into(),
-            color: 0,
-            values: found.features.iter().map(|f| value(f.share)).collect(),
-        }],
-    };
-    let caption = format!(
-        "Each alone and as often as the table says, against the engine with every feature off. Bars: {} of one thread, median of {} rounds; lines: half the range.",
-        found.clock, study.repeats
-    );
-    Picture::new(figure, caption, "features.csv")
 }
 
 fn bar(spread: Spread) -> Option<(f64, Option<f64>)> {

@@ -4,7 +4,8 @@ use crate::report::{Page, Section, percent, significant};
 use lennard_core::stopwatch::Spread;
 use lennard_core::{Cell, RowsOf, Table};
 
-use super::{BenchStudy, FeatureStudy, KernelResult, figures, with_range};
+use super::figures;
+use super::types::{BenchStudy, KernelResult, with_range};
 
 /// The best time, in brackets the median of the repeats: `70.1 (74.3)`.
 fn best(spread: Spread) -> String {
@@ -40,12 +41,6 @@ pub(super) fn csv(study: &BenchStudy) -> Vec<Table> {
         let heading = format!("step, {} [ns/atom]", skin.clock);
         spread(table, &heading, |p| p.step_ns).table()
     }));
-    tables.extend(study.features.iter().map(|found| {
-        let table = Table::rows_of("features", &found.features)
-            .column("feature", |f| &f.name)
-            .column("how often", |f| &f.how);
-        spread(table, "share of a step", |f| f.share).column("ns/atom-step", |f| f.ns).table()
-    }));
     tables
 }
 
@@ -78,18 +73,6 @@ pub(super) fn page(study: &BenchStudy) -> Page {
             skin.with
         )));
     }
-    if let Some(found) = &study.features {
-        let section = Section::new("Features").text(format!(
-            "Force provider and integrator called by hand take {} ns per atom and step, the engine with every feature off {} ns: {} more \
-             (from {} to {}).",
-            with_range(found.bare_ns),
-            with_range(found.off_ns),
-            percent(found.engine_share.median),
-            percent(found.engine_share.lowest),
-            percent(found.engine_share.highest)
-        ));
-        sections.push(section.table(features(found)).list(found.left_out.clone()));
-    }
     Page {
         title: format!("{}: how fast", study.scene),
         lead: format!(
@@ -113,23 +96,6 @@ pub(super) fn page(study: &BenchStudy) -> Page {
             .chain([("command".to_owned(), format!("`{}`", study.command))])
             .collect(),
     }
-}
-
-/// The cost of each feature.
-#[must_use]
-pub fn features(found: &FeatureStudy) -> Table {
-    let caption = "What each adds to a step in which everything is off.";
-    Table::rows_of("features", &found.features)
-        .caption(caption)
-        .column("Feature", |f| &f.name)
-        .column("How often", |f| &f.how)
-        .column("Adds to a step", |f| Cell::figures(percent(f.share.median)))
-        .column("Range", |f| {
-            let (low, high) = (percent(f.share.lowest), percent(f.share.highest));
-            Cell::figures(format!("{low} to {high}"))
-        })
-        .column("ns per atom-step", |f| Cell::rounded(f.ns, 3))
-        .table()
 }
 
 /// The speed of each kernel; with the range of whole steps, and the median beside best times, where there is room.

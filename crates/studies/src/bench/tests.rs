@@ -12,8 +12,6 @@ fn options(set: &[(&str, &str)]) -> BenchOptions {
         threads: vec![1],
         repeats: 2,
         quick: true,
-        features: false,
-        scratch: PathBuf::new(),
         command: "lennard bench".into(),
         machine: vec![],
     }
@@ -67,14 +65,15 @@ fn each_variant_is_measured_once_and_its_numbers_agree_with_one_another() {
 
 #[test]
 fn the_state_that_is_timed_has_the_temperature_that_a_bath_of_the_scene_holds() {
-    let options = options(&[("system.n_atoms", "864"), ("stage.melt.thermostat", "bussi")]);
+    let mut options = options(&[("system.n_atoms", "864"), ("stage.melt.thermostat", "bussi")]);
+    options.precisions = vec!["double".into()];
+    options.repeats = 1;
+    let study = run(&options, &mut Silent).unwrap();
     let scene = options.subject.load(&options.overrides).unwrap();
     let wanted = lennard_engine::measured_stage(&scene).temperature;
-    let bare = lennard_engine::bare(&scene);
-    let blocks = Blocks::warmed(&bare, 1, &options, &mut Silent).unwrap();
     // Four times the canonical fluctuation of 864 particles, T·√(2/3N).
     let allowed = 4.0 * (2.0 / (3.0 * 864.0_f64)).sqrt();
-    let off = blocks.temperature() / wanted - 1.0;
+    let off = study.temperature / wanted - 1.0;
     assert!(off.abs() < allowed, "{off}");
 }
 
@@ -100,37 +99,4 @@ fn what_cannot_run_here_is_refused_with_the_key() {
     };
     assert!(refused("sse9", "double").contains("`kernel.isa` is not a known name"));
     assert!(refused("portable", "single").contains("`kernel.precision` is not a known name"));
-}
-
-#[test]
-fn features_are_all_measured_and_the_engine_is_measured_against_the_bare_loop() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut options = options(&[]);
-    options.features = true;
-    options.repeats = 1;
-    options.scratch = folder.path().into();
-    let study = run(&options, &mut Silent).unwrap();
-    let found = study.features.as_ref().unwrap();
-    assert!(found.bare_ns.median > 0.0 && found.off_ns.median > 0.0);
-    for spec in lennard_observables::observables() {
-        let told = found.features.iter().any(|f| f.name == spec.name)
-            || found.left_out.iter().any(|l| l.starts_with(spec.name));
-        assert!(told, "{}", spec.name);
-    }
-    for name in [
-        "energy",
-        "trajectory",
-        "thermo.csv",
-        "checkpoints",
-        "thermostat bussi",
-        "barostat stochastic-cell-rescaling",
-        "watchdog (always on)",
-    ] {
-        assert!(found.features.iter().any(|f| f.name == name), "{name}");
-    }
-    write(&study, folder.path()).unwrap();
-    assert!(
-        folder.path().join("figures/features.svg").exists()
-            && folder.path().join("features.csv").exists()
-    );
 }

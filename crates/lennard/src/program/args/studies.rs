@@ -261,9 +261,6 @@ pub struct BenchArgs {
     /// Shorter blocks and, where no scene is named, a smaller system.
     #[arg(long)]
     pub quick: bool,
-    /// Measure what each feature of a scene costs, and the scene with all features off against the bare loop.
-    #[arg(long)]
-    pub features: bool,
     /// Output folder; by default `runs/bench-<n>` with the first free n.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

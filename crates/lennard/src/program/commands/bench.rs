@@ -7,14 +7,12 @@ use crate::program::args::BenchArgs;
 use crate::program::commands::{Inputs, UNFINISHED, output_folder, print_json, replace_if};
 use crate::program::failure::{DONE, Failure, OTHER};
 use crate::program::progress::Display;
-use crate::program::show;
-use crate::program::signals::{Leave, Signals, StartUp};
+use crate::program::show::{self, Style};
+use crate::program::signals::{Signals, StartUp};
 
 /// Blocks for each variant where nothing else is said.
 const REPEATS: usize = 7;
 const REPEATS_QUICK: usize = 3;
-/// Folder for the files that measuring writes; removed at the end.
-const SCRATCH: &str = "scratch";
 
 /// Measures, writes a folder and prints a table.
 pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
@@ -29,46 +27,33 @@ pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
     if let (Some(file), Some(folder)) = (&args.scene, &args.out) {
         let inputs = Inputs::of_scene(file, None, &subject.load(&args.set)?);
         inputs.not_in(folder)?;
-        inputs.not_below(&folder.join(SCRATCH))?;
     }
     let folder = signals.claim(
         || output_folder(args.out.as_deref(), replace_if(args.force), "bench"),
-        |_| Some(nothing().leaving(Leave::Without(SCRATCH))),
+        |_| Some(nothing()),
     )?;
-    let threads: Vec<usize> = match args.threads.as_slice() {
-        // What a feature costs is read from the clock of one thread.
-        [] if args.features => vec![1],
-        given => given.iter().map(|&t| usize::from(t)).collect(),
-    };
     let repeats =
         args.repeats.map_or(if args.quick { REPEATS_QUICK } else { REPEATS }, usize::from);
-    let scratch = folder.path().join(SCRATCH);
-    let made = |e: std::io::Error| Failure::new("making the output folder", e, OTHER);
-    std::fs::create_dir_all(&scratch).map_err(made)?;
     let options = BenchOptions {
         subject,
         overrides: args.set.clone(),
         isas: args.isa.clone(),
         precisions: args.precision.clone(),
-        threads,
+        threads: args.threads.iter().map(|&t| usize::from(t)).collect(),
         repeats,
         quick: args.quick,
-        features: args.features,
-        scratch: scratch.clone(),
         command: command(args),
         machine: machine(),
     };
     let mut progress = Display::of_study(args.quiet);
     let study = bench::run(&options, &mut progress);
     drop(progress);
-    // The scratch folder is removed after a failure too: it holds nothing of use.
-    let _ = std::fs::remove_dir_all(&scratch);
     let study = study?;
     bench::write(&study, folder.path())?;
     if args.json {
         print_json(&study)?;
     } else if !args.quiet {
-        show::bench(&study, folder.path());
+        show::print(&show::bench(&study, folder.path()), Style::Ruled);
     }
     Ok(DONE)
 }
@@ -91,8 +76,7 @@ fn command(args: &BenchArgs) -> String {
         words.push(format!("--threads {}", threads.join(",")));
     }
     words.extend(args.repeats.map(|n| format!("--repeats {n}")));
-    let switches = [(args.quick, "--quick"), (args.features, "--features")];
-    words.extend(switches.into_iter().filter(|(on, _)| *on).map(|(_, name)| name.to_owned()));
+    words.extend(args.quick.then(|| "--quick".to_owned()));
     words.join(" ")
 }
 
