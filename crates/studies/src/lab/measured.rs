@@ -39,6 +39,17 @@ impl Value {
     /// A value that was not measured.
     const UNKNOWN: Self = Self { mean: f64::NAN, standard_error: f64::NAN, n_effective: 0.0 };
 
+    /// The mean of independent values of equal weight.
+    #[must_use]
+    pub fn mean_of(values: &[Self]) -> Self {
+        let n = values.len() as f64;
+        Self {
+            mean: values.iter().map(|v| v.mean).sum::<f64>() / n,
+            standard_error: values.iter().map(|v| v.standard_error.powi(2)).sum::<f64>().sqrt() / n,
+            n_effective: values.iter().map(|v| v.n_effective).sum(),
+        }
+    }
+
     /// This less another, independent one.
     #[must_use]
     pub fn minus(&self, other: &Self) -> Self {

@@ -1,10 +1,10 @@
 //! The cost of a step for every cutoff, from a few timings.
 
 use lennard_forcefield::Precision;
-use lennard_scene::{Geometry, Lattice, Scene, Stage, Start as SceneStart};
+use lennard_scene::{Scene, Stage};
 
 use super::TuneError;
-use super::sample::Sample;
+use super::sample::{Sample, lattice_of};
 use crate::lab::{Start, Workbench, costs};
 use crate::settings::Settings;
 
@@ -112,12 +112,7 @@ fn bench(sample: &Sample) -> Result<Workbench, TuneError> {
     let sites = sample.own.molecules().sites();
     let n_atoms = timed_atoms(sample.scene_atoms.min(TIMED_UP_TO) / sites);
     let mut scene: Scene = sample.own.clone();
-    scene.system.start = SceneStart::Lattice {
-        lattice: Lattice::Fcc,
-        n_atoms,
-        geometry: Geometry::Density(density),
-        vacuum: 0.0,
-    };
+    scene.system.start = lattice_of(n_atoms, density);
     let mut before = scene.clone();
     before.stages =
         vec![Stage { steps: MELTING_STEPS, measure: false, ..sample.canonical.stages[0].clone() }];

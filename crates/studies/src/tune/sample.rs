@@ -105,12 +105,7 @@ impl Sample {
             })?;
             half = 0.5 * side(n_atoms);
             own = own.with_shares_of(&beginning.species);
-            own.system.start = SceneStart::Lattice {
-                lattice: Lattice::Fcc,
-                n_atoms,
-                geometry: Geometry::Density(density),
-                vacuum: 0.0,
-            };
+            own.system.start = lattice_of(n_atoms, density);
         }
         let sight = LONGEST_SIGHT.max(needed).min(half * (1.0 - 1e-6));
         if full {
@@ -177,6 +172,12 @@ pub fn comfortable_cutoff(half: f64) -> f64 {
     /// Skin that the cost model chooses for liquids, σ.
     const SKIN: f64 = 0.3;
     ((half - SKIN) * 100.0).floor() / 100.0
+}
+
+/// An fcc lattice of so many particles, or centres of molecules, that stands for the start of a scene.
+pub(super) fn lattice_of(n_atoms: usize, density: f64) -> SceneStart {
+    let geometry = Geometry::Density(density);
+    SceneStart::Lattice { lattice: Lattice::Fcc, n_atoms, geometry, vacuum: 0.0 }
 }
 
 /// The fluid in which a scene is tuned, equilibrated, with every free setting at a careful value.

@@ -11,7 +11,7 @@ use super::finish::{FINAL_TIMING, fitting, list_and_threads};
 use super::predict::{Models, Stability};
 use super::prices::Prices;
 use super::sample::Sample;
-use super::speed::{self, Speed};
+use super::speed::Speed;
 use super::survey::Survey;
 use super::verify::{self, Runs};
 use super::{Row, SCHEMA, TuneError, TuneOptions, Tuning};
@@ -105,7 +105,10 @@ pub fn tune(
     notes.extend(advice::spending(&rows, relaxed.as_ref(), candidate.price));
     notes.extend(advice::cancelling(&candidate, &accuracy));
     notes.push(advice::beside_equation(scene, &runs));
-    let missed = usual_errors.map(|errors| speed::missed(&accuracy, &errors));
+    let missed = usual_errors.map(|errors| {
+        let keys = missed(&accuracy, &errors, None).into_iter();
+        keys.map(|key| format!("`{key}`")).collect::<Vec<_>>()
+    });
     let usual_cost = found.get(2).copied();
     let beside = usual_cost.as_ref().zip(missed.as_deref());
     let speed = Speed::of(&found[0], &found[1], beside);
@@ -186,7 +189,7 @@ fn verified(
         let measured = verify::errors(&runs, of_safest, models, safest.dt);
         let predicted = [0, 1].map(|i| candidate.predicted[i].total);
         let both = [0, 1].map(|i| verify::weighted(predicted[i], measured[i]));
-        let missed = missed(accuracy, &both, &runs);
+        let missed = missed(accuracy, &both, Some(&runs.drift));
         if missed.is_empty() || trial == MOST_TRIALS {
             for key in missed {
                 notes.push(format!(
@@ -208,14 +211,14 @@ fn verified(
     Err(TuneError::Nothing("no settings held when they were run".into()))
 }
 
-/// The targets that prediction and measurement together miss.
-fn missed(accuracy: &Accuracy, errors: &[Value; 2], runs: &Runs) -> Vec<&'static str> {
+/// The keys whose errors are above their targets: of U and P, and of a measured drift by two standard errors.
+fn missed(accuracy: &Accuracy, errors: &[Value; 2], drift: Option<&Value>) -> Vec<&'static str> {
     let asked = accuracy.asked().into_iter();
     asked
         .filter(|(key, target, _)| match *key {
             "potential_energy" => errors[0].mean.abs() > *target,
             "pressure" => errors[1].mean.abs() > *target,
-            _ => runs.drift.mean.abs() - 2.0 * runs.drift.standard_error > *target,
+            _ => drift.is_some_and(|d| d.mean.abs() - 2.0 * d.standard_error > *target),
         })
         .map(|(key, ..)| key)
         .collect()

@@ -2,10 +2,9 @@
 
 use crate::report::significant;
 use lennard_core::stopwatch::{BUSY, Spread};
-use lennard_scene::Accuracy;
 use serde::Serialize;
 
-use crate::lab::{Cost, Value};
+use crate::lab::Cost;
 
 /// The chosen settings beside the usual ones, timed in turn.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -68,20 +67,6 @@ impl Speed {
 
 fn micro(seconds: f64) -> String {
     significant(1e6 * seconds, 3)
-}
-
-/// The keys of U and P whose predicted errors are above their targets.
-pub(super) fn missed(accuracy: &Accuracy, errors: &[Value; 2]) -> Vec<String> {
-    let above = |key: &str, target: f64| match key {
-        "potential_energy" => errors[0].mean.abs() > target,
-        "pressure" => errors[1].mean.abs() > target,
-        _ => false,
-    };
-    let asked = accuracy.asked().into_iter();
-    asked
-        .filter(|(key, target, _)| above(key, *target))
-        .map(|(key, ..)| format!("`{key}`"))
-        .collect()
 }
 
 #[cfg(test)]

@@ -28,8 +28,7 @@ pub struct Runs {
 impl Runs {
     fn of(runs: &[Measured]) -> Self {
         let mean = |of: &dyn Fn(&Measured) -> Value| {
-            let values: Vec<Value> = runs.iter().map(of).collect();
-            together(&values)
+            Value::mean_of(&runs.iter().map(of).collect::<Vec<_>>())
         };
         let equation = runs.first().and_then(|r| r.against_equation.as_ref());
         Self {
@@ -45,19 +44,9 @@ impl Runs {
                 let all: Vec<_> = runs.iter().filter_map(|r| r.against_equation.as_ref()).collect();
                 let u: Vec<Value> = all.iter().map(|a| a.potential_energy).collect();
                 let p: Vec<Value> = all.iter().map(|a| a.pressure).collect();
-                (found.source.clone(), together(&u), together(&p))
+                (found.source.clone(), Value::mean_of(&u), Value::mean_of(&p))
             }),
         }
-    }
-}
-
-/// The mean of independent values of equal weight.
-fn together(values: &[Value]) -> Value {
-    let n = values.len() as f64;
-    Value {
-        mean: values.iter().map(|v| v.mean).sum::<f64>() / n,
-        standard_error: values.iter().map(|v| v.standard_error.powi(2)).sum::<f64>().sqrt() / n,
-        n_effective: values.iter().map(|v| v.n_effective).sum(),
     }
 }
 
@@ -115,10 +104,7 @@ pub(super) fn errors(chosen: &Runs, safest: &Runs, models: &Models<'_>, dt: f64)
 /// Two independent values of the same, each with the weight of its certainty.
 pub(super) fn weighted(a: Value, b: Value) -> Value {
     let (wa, wb) = (a.standard_error.powi(-2), b.standard_error.powi(-2));
-    if !wa.is_finite() {
-        return a;
-    }
-    if !(wb.is_finite() && wb > 0.0) {
+    if !(wa.is_finite() && wb.is_finite() && wb > 0.0) {
         return a;
     }
     Value {

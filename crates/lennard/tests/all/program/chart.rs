@@ -122,7 +122,7 @@ fn a_chart_has_everything_goes_on_where_it_stopped_and_refuses_other_folders() {
     assert_eq!(usual["truncation"]["r_cut"], 2.5);
     assert_eq!(usual["dt"].as_f64().unwrap(), 48.0 * 0.01 / 120.0);
     let svg = std::fs::read_to_string(out.join("figures/energy-fluctuation-wall.svg")).unwrap();
-    let named = |label: &str| svg.contains(&format!("\n{label}\n</text>"));
+    let named = |label: &str| svg.contains(&format!("{label}</text>"));
     assert!(named("scene") && named("usual"), "both are named");
     assert!(html.contains("Number 2, &quot;usual&quot;"), "the page says what is usual");
 
