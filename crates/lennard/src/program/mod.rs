@@ -14,6 +14,7 @@ mod progress;
 mod ranks;
 mod show;
 mod signals;
+mod typed;
 
 use std::ffi::OsString;
 
@@ -32,6 +33,7 @@ use crate::program::failure::Failure;
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     signals::let_long_files_fail();
     let arguments: Vec<OsString> = arguments.into_iter().collect();
+    typed::keep(&arguments);
     let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(error) => return usage(&error, &arguments),
@@ -66,6 +68,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 pub fn main_on_ranks(arguments: impl IntoIterator<Item = OsString>, team: &Team) -> u8 {
     signals::let_long_files_fail();
     let arguments: Vec<OsString> = arguments.into_iter().collect();
+    typed::keep(&arguments);
     let cli = match RanksCli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(error) if team.leads() => return usage(&error, &arguments),

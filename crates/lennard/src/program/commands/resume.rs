@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use lennard_core::Team;
 use lennard_engine::{EngineError, ResumeError, ResumeOptions, RunOptions};
-use lennard_io::{Existing, in_shell, path_in_shell};
+use lennard_io::Existing;
 
 use crate::program::args::ResumeArgs;
 use crate::program::commands::run::tell;
@@ -14,6 +14,7 @@ use crate::program::progress::Display;
 use crate::program::ranks;
 use crate::program::show::{self, Style};
 use crate::program::signals::{Signals, StartUp};
+use crate::program::typed;
 
 /// Goes on with a run and prints the table of its results.
 pub fn resume(args: &ResumeArgs) -> Result<u8, Failure> {
@@ -26,7 +27,7 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
     let loading = || {
         StartUp::resumable(&format!(
             "stopped before the first step: the checkpoint is untouched\n  to go on: {}",
-            command(args)
+            typed::again(None, &[])
         ))
     };
     let signals = Signals::listen(loading())?;
@@ -80,22 +81,4 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
     drop(display);
     write_report(&outcome, &args.folder, &args.control)?;
     tell(&outcome, &args.folder, total, args.json, &args.control)
-}
-
-/// The command as it can be typed again.
-fn command(args: &ResumeArgs) -> String {
-    let mut line = format!("lennard resume {}", path_in_shell(&args.folder));
-    if let Some(steps) = args.steps {
-        line += &format!(" --steps {steps}");
-    }
-    if args.older {
-        line += " --older";
-    }
-    if let Some(isa) = &args.isa {
-        line += &format!(" --isa {isa}");
-    }
-    for (key, value) in &args.set {
-        line += &format!(" --set {}", in_shell(&format!("{key}={value}")));
-    }
-    line
 }
