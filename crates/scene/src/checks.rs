@@ -1,21 +1,22 @@
 //! What must hold between tables: rows of features that do not go together, and numbers that must fit each other.
 
-mod features;
-mod rules;
-
 use lennard_contacts::Response;
 use lennard_core::number::short;
-use lennard_core::{Axis, DVec3, PeriodicBox};
+use lennard_core::options::MOST_STEPS;
+use lennard_core::options::quoted;
+use lennard_core::{Axis, PeriodicBox};
 use lennard_forcefield::SHALLOWEST_ROOM;
 use lennard_integrators::{spook, thermostats};
 use lennard_io::Limits;
 
-use crate::lattice::{NoLattice, cells};
-use crate::reference::{LONGEST_SIDE, MOST_STEPS, quoted};
-use crate::{Geometry, MoleculeKind, Placement, PressureControl, Scene, SceneError, Stage, Start};
+use crate::{MoleculeKind, PressureControl, Scene, SceneError, Stage, Start};
+
+mod features;
+mod rules;
 
 /// The fewest relaxation times of the volume's proposals: below, the box jumps by more than it fluctuates.
 const FEWEST_INTERVALS: f64 = 20.0;
+
 /// ω·h of the spring of a wall up to which a hit changes the energy by less than 10⁻⁴ on average.
 const ACCURATE_PHASE: f64 = 0.2;
 
@@ -27,81 +28,6 @@ impl Scene {
     /// [`SceneError`] for the first thing that is wrong; never for a scene as it was read.
     pub fn check(&self) -> Result<(), SceneError> {
         whole_scene(self)
-    }
-
-    /// The box and the part of it that particles fill at the start; `None` for a start from a configuration file. A start that the
-    /// scene lists has the part between the walls.
-    ///
-    /// # Errors [`SceneError`] where the particles make no whole lattice or the box is impossible. A
-    /// scene that was read from a file has been checked, and never fails.
-    pub fn placement(&self) -> Result<Option<Placement>, SceneError> {
-        let (lattice, n_atoms, geometry, vacuum) = match &self.system.start {
-            Start::Lattice { lattice, n_atoms, geometry, vacuum } => {
-                (Some(lattice), n_atoms, geometry, vacuum)
-            }
-            Start::Slab(slab) => return self.slab_placement(slab).map(Some),
-            Start::HalfCrystal(start) => return self.crystal_placement(start).map(Some),
-            Start::Listed { sides, positions, .. } => {
-                (None, &positions.len(), &Geometry::Box(*sides), &0.0)
-            }
-            Start::Configuration { .. } => return Ok(None),
-        };
-        let (filled, key) = match geometry {
-            Geometry::Density(density) => {
-                let side = (*n_atoms as f64 / density).cbrt();
-                (DVec3::splat(side), "system.density")
-            }
-            Geometry::Box(sides) => (DVec3::from_array(*sides), "system.box"),
-        };
-        let mut lengths = filled;
-        lengths.z += vacuum;
-        let (room, clear) = self.room_of_walls(lattice.is_some());
-        lengths += room;
-        let refuse = |found: f64| {
-            let key = if filled.max_element() > LONGEST_SIDE || *vacuum == 0.0 {
-                key
-            } else {
-                "system.vacuum"
-            };
-            self.source
-                .refuse(key, "makes an impossible box")
-                .found(format!("a side of {found:.4} σ"))
-                .allowed(format!("sides above 0 and at most {LONGEST_SIDE} σ"))
-        };
-        for side in lengths.to_array() {
-            if !(side > 0.0 && side <= LONGEST_SIDE) {
-                return Err(refuse(side));
-            }
-        }
-        let cell = PeriodicBox::new(lengths).map_err(|_| refuse(f64::NAN))?;
-        let cells = match lattice {
-            Some(lattice) => cells(*lattice, *n_atoms, filled)
-                .map_err(|none| self.no_lattice(*n_atoms, &none))?,
-            None => None,
-        };
-        Ok(Some(Placement {
-            cell,
-            corner: clear + DVec3::new(0.0, 0.0, 0.5 * vacuum),
-            filled,
-            cells,
-        }))
-    }
-
-    fn no_lattice(&self, found: usize, none: &NoLattice) -> SceneError {
-        let nearest = match (none.below, none.above) {
-            (Some(below), Some(above)) => format!("{below} below, {above} above"),
-            (None, Some(only)) | (Some(only), None) => only.to_string(),
-            (None, None) => "none near".to_owned(),
-        };
-        let (key, or) = match self.molecule {
-            None => ("system.n_atoms", "; or any number with lattice = \"random\""),
-            Some(_) => ("system.n_molecules", ""),
-        };
-        self.source
-            .refuse(key, "makes no whole lattice")
-            .found(found)
-            .allowed(format!("{}{or}", none.rule))
-            .suggestion(Some(nearest))
     }
 }
 

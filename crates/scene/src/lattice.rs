@@ -3,7 +3,7 @@
 use lennard_core::DVec3;
 
 use crate::Lattice;
-use crate::reference::MOST_ATOMS;
+use crate::limits::MOST_ATOMS;
 
 /// In a region that is not a cube, cells may be this much longer along one axis than along another.
 /// The lattice is only the start of a fluid.
@@ -14,19 +14,6 @@ const CELLS_TO_SPARE: f64 = 8.0;
 
 /// Sides that differ by less than this fraction make a cube: room for decimals typed by hand.
 const SAME_SIDE: f64 = 1e-9;
-
-impl Lattice {
-    /// The sites of a cell as fractions of its edges; empty for a random start.
-    #[must_use]
-    pub fn basis(self) -> &'static [[f64; 3]] {
-        match self {
-            Self::Fcc => &[[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]],
-            Self::Sc => &[[0.0, 0.0, 0.0]],
-            Self::Bcc => &[[0.0, 0.0, 0.0], [0.5, 0.5, 0.5]],
-            Self::Random => &[],
-        }
-    }
-}
 
 /// Why `n_atoms` particles make no whole lattice in a region.
 #[derive(Debug, Clone, PartialEq)]

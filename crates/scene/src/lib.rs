@@ -6,34 +6,18 @@
 //! [`mod@reference`] holds every table and key with default, unit and what is allowed; messages and
 //! `inputs/README.md` are made from it.
 
-mod accuracy;
-mod baths;
-mod bodies;
 mod builder;
 mod checks;
-mod confined;
-mod contact;
 mod document;
 mod error;
-mod exchange;
-mod half_crystal;
-mod insertion;
-mod integrator;
 mod lattice;
+mod limits;
+mod load;
 mod lock;
 mod methods;
-mod mixture;
-mod model_kind;
-mod molecule;
 mod name;
 mod names;
-mod observable;
-mod output;
-mod phases;
-mod planar;
-mod program;
 mod read;
-mod read_molecule;
 pub mod reference;
 mod removed;
 mod resolved;
@@ -41,32 +25,22 @@ mod scene;
 mod schema;
 mod section;
 pub mod shipped;
-mod slab;
-mod stage;
-mod start;
 pub mod study;
-mod system;
-mod walls;
+mod tables;
 
-pub use accuracy::Accuracy;
 pub use builder::SceneBuilder;
-pub use contact::ContactTable;
 pub use error::{Place, SceneError, Source};
-pub use half_crystal::HalfCrystal;
-pub use integrator::DEFAULT_SPLIT;
 pub use lock::{Chosen, Judged, Lock, UsedLock};
-pub use mixture::{Amount, MixtureTables, PairEntry, SpeciesEntry};
-pub use model_kind::model_kind;
-pub use molecule::{Molecule, MoleculeKind, MoleculeOptions};
 pub use name::Name;
 pub use names::nearest;
-pub use program::ProgramParts;
 pub use removed::{Removed, RemovedKind, all_removed, removed};
-pub use scene::{
-    Checkpoint, Geometry, IntegratorTable, Lattice, ObservableTable, Output, Placement,
-    PressureControl, Scene, Stage, System,
-};
+pub use scene::Scene;
+pub use scene::model::model_kind;
 pub use schema::schema;
-pub use slab::Slab;
-pub use start::Start;
-pub use walls::WallTable;
+pub use tables::accuracy::Accuracy;
+pub use tables::molecule::{Molecule, MoleculeKind, MoleculeOptions};
+pub use tables::output::{Checkpoint, Output, ProgramParts};
+pub use tables::species::{Amount, MixtureTables, PairEntry, SpeciesEntry};
+pub use tables::stages::{DEFAULT_SPLIT, IntegratorTable, ObservableTable, PressureControl, Stage};
+pub use tables::start::{Geometry, HalfCrystal, Lattice, Placement, Slab, Start, System};
+pub use tables::walls::{ContactTable, WallTable};

@@ -14,8 +14,8 @@ use toml::{Table, Value};
 
 use crate::document::{Document, in_short, join};
 use crate::error::SceneError;
-use crate::integrator::IntegratorKeys;
 use crate::read::Reader;
+use crate::tables::stages::IntegratorKeys;
 use crate::{Scene, Source, checks, shipped};
 
 /// Name and version of the format.

@@ -7,10 +7,9 @@ use lennard_integrators::{
     BarostatOptions, BondOptions, IntegratorOptions, ThermostatOptions, respa,
 };
 use lennard_observables::ObservableOptions;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::integrator::SplitKeys;
+use crate::tables::stages::SplitKeys;
 
 /// The methods of one table.
 pub(crate) trait Method: DeserializeOwned {
@@ -71,13 +70,4 @@ impl Method for IntegratorOptions {
     fn check(&self) -> Result<(), OptionError> {
         Self::check(self)
     }
-}
-
-/// A table as it is written: the method, then the keys that all methods share.
-#[derive(Serialize)]
-pub(crate) struct WithMethod<'a, M, S> {
-    #[serde(flatten)]
-    pub method: &'a M,
-    #[serde(flatten)]
-    pub shared: S,
 }

@@ -1,4 +1,4 @@
-//! From the text of a scene to a [`Scene`], table by table.
+//! The tables of a document as the tables of a scene.
 
 use std::path::{Path, PathBuf};
 
@@ -6,146 +6,23 @@ use lennard_forcefield::{PotentialOptions, TablePath, TruncationOptions};
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use crate::document::{Document, in_short};
-use crate::error::{Place, SceneError};
-use crate::names::{nearest, no_key};
-use crate::reference::{self, Form, MOST_ENTRIES};
-use crate::removed::{RemovedKind, removed};
+use crate::document::in_short;
+use crate::limits::MOST_ENTRIES;
+use crate::names::no_key;
+use crate::reference::{self, Form};
 use crate::section::Section;
-use crate::{
-    MixtureTables, Name, ProgramParts, Scene, Source, accuracy, checks, model_kind, planar,
-    shipped, study,
-};
+use crate::tables::PLANAR;
+use crate::{Name, ProgramParts, RemovedKind, SceneError, Source, nearest, removed, study};
 
-impl Scene {
-    /// Reads a scene file, with overrides such as `("stage.production.steps", "1000")` over it.
-    ///
-    /// A relative path of a `configuration` or a table is taken from the folder of the scene file.
-    ///
-    /// # Errors
-    /// [`SceneError`] for the first thing that is wrong.
-    pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Self, SceneError> {
-        Self::load_after(path, overrides, |_| {})
-    }
-
-    /// Reads a scene file that has settings of its own as a scene that asks for the usual accuracy
-    /// ([`Accuracy::USUAL`](crate::Accuracy::USUAL)). The keys that an accuracy chooses are taken out of the file. Keys
-    /// among `overrides` stay fixed.
-    ///
-    /// # Errors
-    /// As [`Scene::load`].
-    pub fn load_freed(path: &Path, overrides: &[(String, String)]) -> Result<Self, SceneError> {
-        let usual = accuracy::usual_overrides();
-        let all: Vec<_> = usual.iter().chain(overrides).cloned().collect();
-        Self::load_after(path, &all, accuracy::free).map_err(|error| error.not_typed(&usual))
-    }
-
-    /// Reads a scene file, with a change to what stands there before overrides are written over it.
-    fn load_after(
-        path: &Path,
-        overrides: &[(String, String)],
-        change: fn(&mut Document),
-    ) -> Result<Self, SceneError> {
-        let file = path.display().to_string();
-        let bytes = shipped::read(path).map_err(|error| {
-            SceneError::new(&file, "the scene file cannot be read")
-                .found(error)
-                .allowed(
-                    "the path of a scene file, or the name of a shipped scene, such as fluid/gas",
-                )
-                .suggestion(shipped::suggestion(path))
-        })?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let good = error.utf8_error().valid_up_to();
-            let line = error.as_bytes()[..good].iter().filter(|b| **b == b'\n').count() + 1;
-            SceneError::new(&file, "this is not text")
-                .at(Some(Place::Line(line)))
-                .found("bytes that are not UTF-8")
-                .allowed("a TOML file in UTF-8")
-        })?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let resolve = |source: &Source, key: &str, written: &Path| {
-            let joined = folder.join(written);
-            joined.canonicalize().map_err(|error| {
-                source
-                    .refuse(key, "cannot be read")
-                    .found(format!("{} ({error})", joined.display()))
-                    .allowed("the path of a file that can be read, relative to the scene file")
-            })
-        };
-        let mut document = Document::parse(&text, &file)?;
-        change(&mut document);
-        read(document, &file, overrides, &resolve)
-    }
-
-    /// Reads a scene from its text; `name` stands for the file in messages. Only the table of a potential is read besides.
-    ///
-    /// # Errors
-    /// [`SceneError`] for the first thing that is wrong.
-    pub fn parse(
-        text: &str,
-        name: &str,
-        overrides: &[(String, String)],
-    ) -> Result<Self, SceneError> {
-        read(Document::parse(text, name)?, name, overrides, &|_, _, path| Ok(path.to_owned()))
-    }
-}
+mod molecule;
+mod output;
+mod species;
+mod stages;
+mod start;
+mod walls;
 
 /// Makes the written path of a key one that can be opened, or says why not.
 pub(crate) type Resolve<'a> = &'a dyn Fn(&Source, &str, &Path) -> Result<PathBuf, SceneError>;
-
-fn read(
-    mut document: Document,
-    file: &str,
-    overrides: &[(String, String)],
-    resolve: Resolve<'_>,
-) -> Result<Scene, SceneError> {
-    document.overlay(overrides)?;
-    let source = document.source();
-    let reader = Reader::new(&document.root, &source);
-    reader.known_tables()?;
-    let mixture = reader.mixture()?;
-    let potential = reader.potential(resolve)?;
-    let (truncation, planar_tail) = reader.truncation(mixture.is_some(), &potential)?;
-    let system = reader.system(
-        resolve,
-        mixture.as_ref().and_then(MixtureTables::total_count),
-        mixture
-            .is_none()
-            .then(|| model_kind::of_atoms(&potential, &truncation, truncation.r_cut, planar_tail)),
-    )?;
-    let name = reader.name(file)?;
-    let mut observables = reader.observables()?;
-    let mut output = reader.output()?;
-    reader.one_thermo_interval(&mut observables, &mut output)?;
-    let mut scene = Scene {
-        name,
-        accuracy: reader.accuracy()?,
-        free: Vec::new(),
-        potential,
-        truncation,
-        planar_tail,
-        neighbor: reader.plain("neighbor")?,
-        kernel: reader.plain("kernel")?,
-        integrator: reader.integrator()?,
-        walls: Vec::new(),
-        contact: reader.contact()?,
-        acceleration: reader.field()?,
-        stages: reader.stages(system.temperature)?,
-        molecule: reader.molecule()?,
-        mixture,
-        observables,
-        output,
-        checkpoint: reader.checkpoint()?,
-        program: reader.program()?,
-        system,
-        source: source.clone(),
-    };
-    scene.walls = reader.walls(scene.end_of_pairs())?;
-    scene.free = accuracy::left_free(&scene);
-    checks::whole_scene(&scene)?;
-    Ok(scene)
-}
 
 /// How the tables are written that stand in no other table.
 const ROOT: [Form; 2] = [Form::Once, Form::Many];
@@ -165,7 +42,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Refuses keys outside every table, and unknown tables.
-    fn known_tables(&self) -> Result<(), SceneError> {
+    pub fn known_tables(&self) -> Result<(), SceneError> {
         for (key, value) in self.root {
             if key == "name" || key == WRITTEN_BY_RUNS {
                 continue;
@@ -255,7 +132,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The potential, with the file that it may read at a path that can be opened.
-    fn potential(&self, resolve: Resolve<'_>) -> Result<PotentialOptions, SceneError> {
+    pub fn potential(&self, resolve: Resolve<'_>) -> Result<PotentialOptions, SceneError> {
         let potential: PotentialOptions =
             self.section("potential").method(self.table("potential"))?;
         let Some(file) = potential.file() else {
@@ -271,14 +148,14 @@ impl<'a> Reader<'a> {
 
     /// The truncation, and whether its tail is planar; cutoffs of a mixture are in σ of the scene unless it says otherwise.
     /// Where there is no potential, there is no tail.
-    fn truncation(
+    pub fn truncation(
         &self,
         has_species: bool,
         potential: &PotentialOptions,
     ) -> Result<(TruncationOptions, bool), SceneError> {
         let mut table = self.table("truncation").clone();
         let tail = table.get_mut("tail_correction");
-        let tail = tail.filter(|tail| tail.as_str() == Some(planar::PLANAR));
+        let tail = tail.filter(|tail| tail.as_str() == Some(PLANAR));
         let is_planar = tail.is_some();
         if let Some(tail) = tail {
             // The tail is a force beside the pairs, and no number is added to means.
@@ -295,7 +172,7 @@ impl<'a> Reader<'a> {
         Ok((truncation, is_planar))
     }
 
-    fn name(&self, file: &str) -> Result<Name, SceneError> {
+    pub fn name(&self, file: &str) -> Result<Name, SceneError> {
         let Some(written) = self.root.get("name") else {
             return Ok(Name::of_file(Path::new(file)));
         };
@@ -304,7 +181,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The parts that the program of a run added.
-    fn program(&self) -> Result<ProgramParts, SceneError> {
+    pub fn program(&self) -> Result<ProgramParts, SceneError> {
         let table = self.table(WRITTEN_BY_RUNS).clone();
         ProgramParts::deserialize(Value::Table(table)).map_err(|error| {
             self.source.refuse(WRITTEN_BY_RUNS, format!("cannot be read: {}", error.message()))

@@ -1,71 +1,15 @@
 //! The scene reference: every table and key with what it may hold. Error messages, the range checks and
 //! the tables of `inputs/README.md` are made from it.
 
-mod tables;
-
 use std::fmt::Write as _;
 use std::sync::OnceLock;
 
+pub(crate) mod tables;
+
 pub use lennard_core::options::Allowed;
-pub(crate) use lennard_core::options::{MOST_STEPS, quoted};
-use serde::Serialize;
-pub use tables::TableDoc;
+pub(crate) use lennard_core::options::quoted;
 pub(crate) use tables::{Form, Tag};
-
-use crate::Name;
-
-/// The most particles that a scene may ask for; their numbers must fit in 32 bits with room to spare.
-pub(crate) const MOST_ATOMS: i64 = 1_000_000_000;
-/// The longest box side in σ: beyond it, image flags and the last digits of positions get scarce.
-pub(crate) const LONGEST_SIDE: f64 = 1e6;
-/// The shortest length of a slab, σ: below it there is no liquid.
-pub(crate) const SHORTEST_SIDE: f64 = 1.0;
-/// The lowest and the highest temperature of a heat bath, ε/k_B: far outside, numbers overflow or vanish on the way.
-pub(crate) const COLDEST: f64 = 1e-9;
-pub(crate) const HOTTEST: f64 = 1e6;
-/// The lowest and the highest number density, σ⁻³: one particle in the longest box, and far beyond any solid.
-pub(crate) const THINNEST: f64 = 1e-18;
-pub(crate) const DENSEST: f64 = 1e3;
-/// The lowest and the highest pressure of a barostat, ε/σ³: far outside, numbers vanish or overflow on the way.
-pub(crate) const LEAST_PRESSURE: f64 = 1e-12;
-pub(crate) const LARGEST_PRESSURE: f64 = 1e6;
-/// The shortest and the longest time step, τ: far below, the time of a run no longer moves.
-pub(crate) const SHORTEST_STEP: f64 = 1e-9;
-pub(crate) const LONGEST_STEP: f64 = 1e3;
-/// The most stages, and the most observables.
-pub(crate) const MOST_ENTRIES: usize = 1000;
-
-/// One key of a scene file.
-#[derive(Debug, Clone)]
-pub struct KeyDoc {
-    /// Its table: `system`, `stage`, `stage.thermostat`; empty for a key outside all tables.
-    pub table: &'static str,
-    /// The method that the key belongs to, where it belongs to one alone (`soft-sphere`).
-    pub method: Option<&'static str>,
-    /// The key.
-    pub key: &'static str,
-    /// What it may hold.
-    pub allowed: Allowed,
-    /// The value where it is not written, in words.
-    pub default: String,
-    /// Its unit, empty for a plain number or a name.
-    pub unit: &'static str,
-    /// What it means.
-    pub meaning: &'static str,
-}
-
-lennard_core::options! {
-    /// The keys outside all tables.
-    pub(crate) struct TopKeys {
-        /// Name of the scene; the output folder is called after it.
-        name: Option<String> = None, else "the file's name without `.toml`", Words(Name::ALLOWED);
-    }
-}
-
-/// A value as a scene file writes it.
-pub(crate) fn as_toml(value: &impl Serialize) -> String {
-    toml::Value::try_from(value).map_or_else(|error| error.to_string(), |value| value.to_string())
-}
+pub use tables::{KeyDoc, TableDoc};
 
 /// Every key of a scene file, table by table.
 #[must_use]

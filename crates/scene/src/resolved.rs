@@ -1,27 +1,88 @@
 //! A scene written out again, with every default in its place.
 
 use lennard_contacts::ContactOptions;
+use lennard_core::DVec3;
 use lennard_forcefield::{
-    CombiningOptions, KernelOptions, NeighborOptions, PotentialOptions, WallOptions,
+    CombiningOptions, KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions,
+    WallOptions,
 };
 use lennard_integrators::{BondOptions, IntegratorOptions};
 use lennard_observables::ObservableOptions;
 use serde::Serialize;
 
-use crate::contact::ContactKeys;
-use crate::half_crystal::CrystalKeys;
-use crate::integrator::StepKeys;
-use crate::methods::WithMethod;
-use crate::mixture::{PairKeys, SpeciesKeys};
-use crate::molecule::MoleculeOptions;
-use crate::observable::ObservableKeys;
-use crate::output::{CheckpointKeys, OutputKeys};
-use crate::planar::ResolvedTruncation;
-use crate::slab::SlabKeys;
-use crate::stage::StageKeys;
-use crate::system::SystemKeys;
-use crate::walls::{FieldKeys, WallKeys};
-use crate::{Accuracy, MixtureTables, ProgramParts, Scene};
+use crate::tables::PLANAR;
+use crate::tables::output::{CheckpointKeys, OutputKeys};
+use crate::tables::species::{PairKeys, SpeciesKeys};
+use crate::tables::stages::{ObservableKeys, StageKeys, StepKeys};
+use crate::tables::start::{CrystalKeys, Numbers, Sides, SlabKeys, SystemKeys};
+use crate::tables::walls::{ContactKeys, FieldKeys, WallKeys};
+use crate::{
+    Accuracy, Geometry, MixtureTables, MoleculeOptions, Output, ProgramParts, Scene, Start, System,
+};
+
+/// A table as it is written: the method, then the keys that all methods share.
+#[derive(Serialize)]
+pub(crate) struct WithMethod<'a, M, S> {
+    #[serde(flatten)]
+    pub method: &'a M,
+    #[serde(flatten)]
+    pub shared: S,
+}
+
+impl Scene {
+    /// The table `[output]` with every default that goes with its format. Species have elements of their own.
+    pub(crate) fn output_keys(&self) -> OutputKeys {
+        let Output {
+            trajectory_every,
+            format,
+            precision,
+            ase,
+            thermo_every,
+            ref element,
+            velocities,
+            forces,
+            unwrapped,
+            whole,
+            length_scale,
+        } = self.output;
+        let spec = format.spec();
+        OutputKeys {
+            trajectory_every: trajectory_every.unwrap_or(0),
+            format,
+            precision: spec.limits.map(|_| precision),
+            ase: spec.holds_ase.then_some(ase),
+            thermo_every,
+            element: self.mixture.is_none().then(|| element.clone()),
+            velocities: Some(velocities),
+            forces,
+            unwrapped,
+            whole: self.molecule.as_ref().map(|_| whole),
+            length_scale,
+        }
+    }
+}
+
+/// The truncation, with the word for a planar tail in the place of a flag.
+#[derive(Serialize)]
+#[serde(untagged)]
+pub(crate) enum ResolvedTruncation<'a> {
+    Plain(&'a TruncationOptions),
+    Planar(toml::Table),
+}
+
+impl<'a> ResolvedTruncation<'a> {
+    pub fn of(scene: &'a Scene) -> Self {
+        let options = &scene.truncation;
+        let table = scene.planar_tail.then(|| toml::Table::try_from(options).ok()).flatten();
+        match table {
+            Some(mut table) => {
+                table.insert("tail_correction".into(), PLANAR.into());
+                Self::Planar(table)
+            }
+            None => Self::Plain(options),
+        }
+    }
+}
 
 #[derive(Serialize)]
 struct Resolved<'a> {
@@ -135,5 +196,50 @@ impl Scene {
             checkpoint: (&self.checkpoint).into(),
             program: &self.program,
         }
+    }
+}
+
+/// The table with every default in its place.
+impl From<&Scene> for SystemKeys {
+    fn from(scene: &Scene) -> Self {
+        let System { start, temperature, seed, held } = &scene.system;
+        let held: Vec<u64> = held.iter().map(|i| *i as u64 + 1).collect();
+        let mut keys = Self {
+            temperature: Some(*temperature),
+            seed: *seed,
+            held: (!held.is_empty()).then_some(Numbers(held)),
+            ..Self::default()
+        };
+        let mut place = |geometry: &Geometry| match geometry {
+            Geometry::Density(density) => keys.density = Some(*density),
+            Geometry::Box(sides) => keys.sides = Some(Sides(*sides)),
+        };
+        match start {
+            Start::Lattice { lattice, n_atoms, geometry, vacuum } => {
+                place(geometry);
+                keys.lattice = Some(*lattice);
+                match &scene.molecule {
+                    None => keys.n_atoms = Some(*n_atoms),
+                    Some(_) => keys.n_molecules = Some(*n_atoms),
+                }
+                keys.vacuum = Some(*vacuum);
+            }
+            Start::Slab(slab) => keys.n_atoms = Some(slab.n_atoms),
+            Start::HalfCrystal(start) => keys.n_atoms = Some(start.n_atoms),
+            Start::Listed { sides, positions, velocities } => {
+                let in_rows = |all: &Vec<DVec3>| all.iter().map(DVec3::to_array).collect();
+                place(&Geometry::Box(*sides));
+                keys.positions = Some(in_rows(positions));
+                keys.velocities = velocities.as_ref().map(in_rows);
+            }
+            Start::Configuration { path, geometry, units } => {
+                (keys.length_scale, keys.time_scale) = (units.length, units.time);
+                if let Some(geometry) = geometry {
+                    place(geometry);
+                }
+                keys.configuration = Some(path.to_string_lossy().into_owned());
+            }
+        }
+        keys
     }
 }

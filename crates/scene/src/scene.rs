@@ -1,18 +1,23 @@
 //! What a scene says, with every default filled in.
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, Integrator, PeriodicBox, Ramp};
+use lennard_core::{DVec3, Integrator};
 use lennard_forcefield::{
-    ForceFieldOptions, KernelOptions, NeighborOptions, PotentialOptions, SplitOptions,
-    TruncationOptions,
+    ForceFieldOptions, KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions,
 };
-use lennard_integrators::{BarostatOptions, ExchangeOptions, IntegratorOptions, ThermostatOptions};
-use lennard_io::TrajectoryFormat;
-use lennard_observables::ObservableOptions;
+use lennard_integrators::IntegratorOptions;
+use lennard_io::in_shell;
 
 use crate::{
-    Accuracy, ContactTable, MixtureTables, Molecule, Name, ProgramParts, Source, Start, WallTable,
+    Accuracy, Checkpoint, ContactTable, IntegratorTable, MixtureTables, Molecule, Name,
+    ObservableTable, Output, ProgramParts, SceneError, Source, Stage, System, WallTable,
 };
+
+mod confined;
+mod insertion;
+pub(crate) mod model;
+mod species;
+mod start;
 
 /// A scene: everything that a run depends on but the machine. Reduced units throughout.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,190 +120,66 @@ impl Scene {
     pub fn steps_before(&self, index: usize) -> u64 {
         self.stages[..index].iter().map(|stage| stage.steps).sum()
     }
-}
 
-/// The table `[system]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct System {
-    /// Where the particles are at step 0.
-    pub start: Start,
-    /// Temperature of the first velocities in ε/k_B (where the start has none) and of every thermostat
-    /// that names no other; ≥ 0.
-    pub temperature: f64,
-    /// Seed of every random stream.
-    pub seed: u64,
-    /// Particles that never move, by their numbers from 0, ascending.
-    pub held: Vec<usize>,
-}
-
-lennard_core::choices! {
-    /// The arrangement of the first positions.
-    pub enum Lattice {
-        /// Face-centred cubic, 4 particles a cell.
-        #[default]
-        Fcc = "fcc",
-        /// Simple cubic, 1 particle a cell.
-        Sc = "sc",
-        /// Body-centred cubic, 2 particles a cell.
-        Bcc = "bcc",
-        /// At random, relaxed until nothing overlaps.
-        Random = "random",
+    /// Whether every setting is there, so that the scene can be run.
+    ///
+    /// # Errors
+    /// [`SceneError`] where an accuracy leaves settings to be chosen and no lock file has brought them.
+    pub fn settled(&self) -> Result<(), SceneError> {
+        if self.free.is_empty() {
+            return Ok(());
+        }
+        Err(self
+            .source
+            .refuse("accuracy", "needs settings that have not been chosen yet")
+            .found(format!("no value for {}", self.free.join(", ")))
+            .allowed(format!(
+                "a lock file with them, which `lennard tune {}` writes, or values written by hand",
+                in_shell(self.source.file())
+            )))
     }
-}
 
-/// The size of a region.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Geometry {
-    /// A cube that holds the particles at this number density, σ⁻³.
-    Density(f64),
-    /// Three sides in σ.
-    Box([f64; 3]),
-}
-
-/// A box with the part of it that particles fill at the start.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Placement {
-    /// The periodic box.
-    pub cell: PeriodicBox,
-    /// The lower corner of the filled part, σ.
-    pub corner: DVec3,
-    /// The sides of the filled part, σ.
-    pub filled: DVec3,
-    /// Lattice cells along each axis; `None` for a random start.
-    pub cells: Option<[usize; 3]>,
-}
-
-/// The table `[integrator]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct IntegratorTable {
-    /// Time step in τ.
-    pub dt: f64,
-    /// The method with its own keys.
-    pub method: IntegratorOptions,
-    /// Where the pair force is split into a near and a far part, for a method that asks for them.
-    pub split: Option<SplitOptions>,
-}
-
-/// A table `[[stage]]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Stage {
-    /// Its name; every stage has another name.
-    pub name: Name,
-    /// Number of steps.
-    pub steps: u64,
-    /// Temperature of its thermostat in ε/k_B, at the end of a ramp; the temperature of the system where none is given.
-    pub temperature: f64,
-    /// Temperature at the start of a ramp in ε/k_B; `None` for a constant temperature.
-    pub temperature_from: Option<f64>,
-    /// Its own time step in τ.
-    pub dt: Option<f64>,
-    /// The heat bath; `None` is constant energy.
-    pub thermostat: Option<ThermostatOptions>,
-    /// The pressure bath; `None` is constant volume.
-    pub barostat: Option<PressureControl>,
-    /// The exchange of velocities that drives a flow; `None` for a fluid at rest.
-    pub exchange: Option<ExchangeOptions>,
-    /// Whether observables look at it.
-    pub measure: bool,
-}
-
-/// The `barostat` of a stage.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PressureControl {
-    /// Pressure in ε/σ³, at the end of a ramp.
-    pub pressure: f64,
-    /// Pressure at the start of a ramp in ε/σ³; `None` for a constant pressure.
-    pub pressure_from: Option<f64>,
-    /// The barostat with its own keys.
-    pub options: BarostatOptions,
-}
-
-impl PressureControl {
-    /// "P = 1.2", or "P from 0.5 to 1.2" for a ramp.
+    /// Whether U and P of the potential without any cutoff are wanted. This is so unless the scene fixes
+    /// both kind and cutoff radius of the truncation, or the potential ends by itself.
     #[must_use]
-    pub fn pressure_in_words(&self) -> String {
-        in_words("P", self.pressure_from, self.pressure)
+    pub fn wants_full_potential(&self) -> bool {
+        let wrote = |key| self.source.wrote(key);
+        let fixed = wrote("truncation.kind") && wrote("truncation.r_cut");
+        !(fixed || self.potential.own_end().is_some())
     }
-}
 
-fn in_words(symbol: &str, from: Option<f64>, to: f64) -> String {
-    match from {
-        Some(from) => format!("{symbol} from {from} to {to}"),
-        None => format!("{symbol} = {to}"),
-    }
-}
-
-impl Stage {
-    /// "T = 1.2", or "T from 2 to 1.2" for a ramp.
+    /// The scene with every free setting at its present value, as a study that tries settings needs it.
     #[must_use]
-    pub fn temperature_in_words(&self) -> String {
-        in_words("T", self.temperature_from, self.temperature)
+    pub fn without_accuracy(&self) -> Self {
+        Self { accuracy: None, free: Vec::new(), ..self.clone() }
     }
 
-    /// The temperature of the bath at each step, for a stage that begins at step `first`.
+    /// The error that an accuracy cannot be met, on the line of the `key` that is to blame.
     #[must_use]
-    pub fn temperature_ramp(&self, first: u64) -> Ramp {
-        let from = self.temperature_from.unwrap_or(self.temperature);
-        Ramp::linear(from, self.temperature, first, self.steps)
+    pub fn contradiction(
+        &self,
+        key: &str,
+        message: &str,
+        found: &str,
+        reachable: &str,
+    ) -> SceneError {
+        self.source.refuse(key, message).found(found).allowed(reachable)
     }
 
-    /// The pressure at each step, for a stage that begins at step `first`; `None` without a barostat.
+    /// The same scene with parts of a program.
+    ///
+    /// # Errors
+    /// [`SceneError`] where another table does not go with them, such as a tail correction with a field.
+    pub fn with_program(mut self, program: ProgramParts) -> Result<Self, SceneError> {
+        self.program = program;
+        self.check()?;
+        Ok(self)
+    }
+
+    /// The name of the method that advances time: of the program where it brings one, else of `[integrator]`.
     #[must_use]
-    pub fn pressure_ramp(&self, first: u64) -> Option<Ramp> {
-        let control = self.barostat.as_ref()?;
-        let from = control.pressure_from.unwrap_or(control.pressure);
-        Some(Ramp::linear(from, control.pressure, first, self.steps))
+    pub fn method_name(&self) -> &str {
+        let own = self.program.integrator.as_deref();
+        own.unwrap_or_else(|| self.integrator.method.name())
     }
-
-    /// Whether temperature or pressure change on the way.
-    #[must_use]
-    pub fn is_ramp(&self) -> bool {
-        let pressure = self.barostat.as_ref().and_then(|b| b.pressure_from);
-        self.temperature_from.is_some() || pressure.is_some()
-    }
-}
-
-/// A table `[[observable]]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ObservableTable {
-    /// Steps between two samples.
-    pub every: u64,
-    /// The observable with its own keys.
-    pub options: ObservableOptions,
-}
-
-/// The table `[output]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Output {
-    /// Steps between two frames of the trajectory; `None` for no trajectory.
-    pub trajectory_every: Option<u64>,
-    /// The format of the trajectory.
-    pub format: TrajectoryFormat,
-    /// Positions of a format that rounds them are multiples of σ over this number.
-    pub precision: f64,
-    /// Whether frames hold too what ASE looks for: momenta, masses and the energy.
-    pub ase: bool,
-    /// Steps between two lines of `thermo.csv`.
-    pub thermo_every: u64,
-    /// Element symbol of the particles in files.
-    pub element: String,
-    /// Whether frames hold velocities.
-    pub velocities: bool,
-    /// Whether frames hold forces.
-    pub forces: bool,
-    /// Whether positions are written unwrapped; otherwise inside the box, with image flags.
-    pub unwrapped: bool,
-    /// Whether the sites of a molecule are folded into the box together.
-    pub whole: bool,
-    /// Lengths in the trajectory are those in σ times this factor.
-    pub length_scale: f64,
-}
-
-/// The table `[checkpoint]`.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Checkpoint {
-    /// Steps between two checkpoints.
-    pub every_steps: Option<u64>,
-    /// Wall-clock seconds between two checkpoints.
-    pub every_seconds: Option<f64>,
 }

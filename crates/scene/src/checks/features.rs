@@ -1,16 +1,22 @@
 //! What a scene has that does not go with everything: each feature, with the keys where it stands and its words.
 
 use lennard_contacts::Response;
+use lennard_core::options::quoted;
 use lennard_core::{Bonds, Integrator, IntegratorSpec};
 use lennard_forcefield::{CutoffUnit, HitRule, PotentialOptions, Surface, TruncationKind};
-use lennard_integrators::{BarostatOptions, spook, stormer_verlet};
-use lennard_integrators::{build, integrators, thermostats};
+use lennard_integrators::{
+    BarostatOptions, IntegratorEntry, build, integrators, spook, stormer_verlet, thermostats,
+};
 use lennard_observables::{ObservableOptions, Surroundings, observables as all_observables};
 
-use crate::integrator::kinds_that;
-use crate::molecule::Molecule;
-use crate::reference::quoted;
-use crate::{Lattice, Scene, Stage, Start, WallTable};
+use crate::{Lattice, Molecule, Scene, Stage, Start, WallTable};
+
+/// The integrators that fit, as a scene names them: `integrator.kind = "leapfrog", "velocity-verlet"`.
+pub(crate) fn kinds_that(fit: impl Fn(&IntegratorEntry) -> bool) -> String {
+    let all = lennard_integrators::integrators().iter();
+    let names: Vec<&str> = all.filter(|entry| fit(entry)).map(|entry| entry.spec.name).collect();
+    format!("integrator.kind = {}", quoted(&names))
+}
 
 /// The attraction of a Mie potential must fall at least as fast as r⁻⁶ for a planar tail.
 const SLOWEST: u32 = 6;

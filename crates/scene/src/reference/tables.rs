@@ -1,8 +1,7 @@
 //! The list of tables of a scene file: one line each, with the keys that it declares and the methods that it names.
 
-use lennard_core::options::{Allowed, KeySpec, Keys, Options};
-
 use lennard_contacts::ContactOptions;
+use lennard_core::options::{Allowed, KeySpec, Keys, Options};
 use lennard_forcefield::{
     CombiningOptions, KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions,
     WallOptions,
@@ -12,20 +11,42 @@ use lennard_integrators::{
 };
 use lennard_observables::ObservableOptions;
 
-use super::{KeyDoc, TopKeys};
-use crate::baths::{BarostatKeys, PressureRamp, TemperatureRamp};
-use crate::contact::ContactKeys;
-use crate::half_crystal::CrystalKeys;
-use crate::integrator::IntegratorKeys;
 use crate::methods::{self, Method};
-use crate::mixture::{PairKeys, SpeciesKeys};
-use crate::observable::ObservableKeys;
-use crate::output::{CheckpointKeys, OutputKeys};
-use crate::slab::SlabKeys;
-use crate::stage::StageKeys;
-use crate::system::SystemKeys;
-use crate::walls::{FieldKeys, WallKeys};
-use crate::{Accuracy, MoleculeOptions};
+use crate::tables::output::{CheckpointKeys, OutputKeys};
+use crate::tables::species::{PairKeys, SpeciesKeys};
+use crate::tables::stages::{
+    BarostatKeys, IntegratorKeys, ObservableKeys, PressureRamp, StageKeys, TemperatureRamp,
+};
+use crate::tables::start::{CrystalKeys, SlabKeys, SystemKeys};
+use crate::tables::walls::{ContactKeys, FieldKeys, WallKeys};
+use crate::{Accuracy, MoleculeOptions, Name};
+
+/// One key of a scene file.
+#[derive(Debug, Clone)]
+pub struct KeyDoc {
+    /// Its table: `system`, `stage`, `stage.thermostat`; empty for a key outside all tables.
+    pub table: &'static str,
+    /// The method that the key belongs to, where it belongs to one alone (`soft-sphere`).
+    pub method: Option<&'static str>,
+    /// The key.
+    pub key: &'static str,
+    /// What it may hold.
+    pub allowed: Allowed,
+    /// The value where it is not written, in words.
+    pub default: String,
+    /// Its unit, empty for a plain number or a name.
+    pub unit: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+}
+
+lennard_core::options! {
+    /// The keys outside all tables.
+    pub(crate) struct TopKeys {
+        /// Name of the scene; the output folder is called after it.
+        name: Option<String> = None, else "the file's name without `.toml`", Words(Name::ALLOWED);
+    }
+}
 
 /// A table of a scene file.
 #[derive(Debug, Clone, Copy)]

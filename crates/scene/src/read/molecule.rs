@@ -5,10 +5,8 @@ use std::sync::Arc;
 use lennard_core::{Bond, Bonds, DVec3, Topology};
 use lennard_integrators::BondOptions;
 
-use crate::Scene;
-use crate::error::SceneError;
-use crate::molecule::{Molecule, MoleculeKind, MoleculeOptions};
 use crate::read::Reader;
+use crate::{Molecule, MoleculeKind, MoleculeOptions, Scene, SceneError};
 
 /// Lengths that are written and places of a shape may differ by this share.
 const LARGEST_STRAIN: f64 = 1e-3;

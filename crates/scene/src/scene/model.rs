@@ -1,9 +1,10 @@
-//! The model that a scene simulates, as the literature knows models.
+//! The model that a scene simulates: in words, and as the literature knows models.
 
+use lennard_core::{Bonds, Molecules};
 use lennard_forcefield::{PotentialOptions, SpeciesPair, TruncationKind, TruncationOptions};
 use lennard_literature::{KobAndersen, ModelKind, OneFluid};
 
-use crate::Scene;
+use crate::{Molecule, MoleculeKind, Scene};
 
 /// The model that a scene simulates, as far as the choice of a reference goes.
 #[must_use]
@@ -114,5 +115,61 @@ fn mixture_kind(scene: &Scene) -> ModelKind {
         .with_mass(mean_mass),
         size_ratio: largest / smallest,
         r_cut: of_pairs(&|p| p.r_cut / p.sigma)[0],
+    }
+}
+
+impl Scene {
+    /// The model in words: potential, truncation, and molecules where there are some.
+    #[must_use]
+    pub fn model_name(&self) -> String {
+        let mut named = self.named_model();
+        if let Some(contacts) = self.contacts_in_words() {
+            named = format!("{named}; {contacts}");
+        }
+        match self.program.have_forces() {
+            true => format!("{named}; with forces of a program"),
+            false => named,
+        }
+    }
+
+    /// The model as far as the scene itself names it.
+    fn named_model(&self) -> String {
+        let mut pairs = lennard_forcefield::model_name(&self.force_field());
+        if self.planar_tail {
+            pairs = pairs.replace("without tail correction", "with planar tail correction");
+        }
+        if let Some(species) = self.species_in_words() {
+            return format!("{pairs}; {species}");
+        }
+        let Some(molecule) = &self.molecule else {
+            return pairs;
+        };
+        let Molecule { options, bonds, topology } = molecule;
+        let sites = options.sites;
+        let kind = match options.kind {
+            MoleculeKind::Dumbbell => "dumbbells".to_owned(),
+            MoleculeKind::Chain => format!("chains of {sites} sites"),
+            MoleculeKind::Sites => {
+                format!("molecules of {sites} sites and {} bonds", topology.bonds().len())
+            }
+        };
+        let lengths = topology.bonds().iter().map(|bond| bond.length);
+        let shortest = lengths.clone().fold(f64::INFINITY, f64::min);
+        let longest = lengths.fold(0.0, f64::max);
+        let length = match shortest == longest {
+            true => format!("{shortest} σ"),
+            false => format!("{shortest} to {longest} σ"),
+        };
+        let held = match bonds.bonds() {
+            Bonds::Rigid => format!("rigid bonds of {length}, {}", bonds.name()),
+            Bonds::Springs | Bonds::Impulses => format!("bonds of {length}, {}", bonds.name()),
+        };
+        format!("{pairs}; {kind} with {held}")
+    }
+
+    /// The molecules of the scene; atoms where it has none.
+    #[must_use]
+    pub fn molecules(&self) -> Molecules {
+        self.molecule.as_ref().map_or(Molecules::ATOMS, Molecule::molecules)
     }
 }

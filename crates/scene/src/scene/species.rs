@@ -1,118 +1,83 @@
-//! The tables `[[species]]`, `[mixing]` and `[[pair]]`: what a mixture is made of.
-
-mod amounts;
-mod check;
-mod keys;
-mod read;
-
-pub(crate) use keys::{PairKeys, SpeciesKeys};
+//! The species of a scene and what acts between them.
 
 use lennard_core::{Species, SpeciesTable};
-use lennard_forcefield::{CombiningOptions, CutoffUnit, Deviation, Mixture, Size, SpeciesPair};
+use lennard_forcefield::{CutoffUnit, ForceFieldError, Mixture, SpeciesPair};
 
-use crate::{Name, Scene, SceneError};
+use crate::{Amount, MixtureTables, Scene, SceneError, SpeciesEntry};
 
-/// A table `[[species]]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SpeciesEntry {
-    /// Its name, unlike any other's.
-    pub name: Name,
-    /// How many particles are of it.
-    pub amount: Amount,
-    /// σ_aa, in σ of the scene.
-    pub sigma: f64,
-    /// ε_aa, in ε of the scene.
-    pub epsilon: f64,
-    /// Mass, in m of the scene.
-    pub mass: f64,
-    /// Symbol of its particles in files, unlike any other's.
-    pub element: String,
-}
-
-/// How many particles are of a species.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Amount {
-    /// This share of all particles.
-    Fraction(f64),
-    /// So many.
-    Count(usize),
-    /// As many as a configuration file has.
-    OfFile,
-}
-
-/// A table `[[pair]]`: what one pair of species has of its own.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PairEntry {
-    /// The two species, by number.
-    pub species: [usize; 2],
-    /// σ_ab, in σ of the scene, where it is written.
-    pub sigma: Option<f64>,
-    /// ε_ab, in ε of the scene, where it is written.
-    pub epsilon: Option<f64>,
-    /// Deviation of ε_ab from the combining rule.
-    pub k: Option<f64>,
-    /// Deviation of σ_ab from the combining rule.
-    pub l: Option<f64>,
-    /// Its cutoff, in the unit of `truncation.r_cut`.
-    pub r_cut: Option<f64>,
-}
-
-/// The species of a scene and what acts between them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MixtureTables {
-    /// All species; at least one.
-    pub species: Vec<SpeciesEntry>,
-    /// How unlike species combine; `None` for one species alone.
-    pub rule: Option<CombiningOptions>,
-    /// Pairs with parameters of their own.
-    pub pairs: Vec<PairEntry>,
-}
-
-impl MixtureTables {
-    /// σ and ε of a pair of species; `None` where neither rule nor table says them.
-    fn size(&self, a: usize, b: usize) -> Option<Size> {
-        let own =
-            |a: usize| Size { sigma: self.species[a].sigma, epsilon: self.species[a].epsilon };
-        if a == b {
-            return Some(own(a));
-        }
-        let pair = self.pair(a, b);
-        let deviation = pair.map_or(Deviation::default(), |p| Deviation { k: p.k, l: p.l });
-        let rule = self.rule.as_ref();
-        let by_rule = rule.and_then(|rule| rule.combine(own(a), own(b), deviation));
-        Some(Size {
-            sigma: pair.and_then(|p| p.sigma).or(by_rule.map(|s| s.sigma))?,
-            epsilon: pair.and_then(|p| p.epsilon).or(by_rule.map(|s| s.epsilon))?,
+/// The particles of each species among `n`.
+///
+/// Fractions give N·x_a, rounded so that the numbers add up to N: species with the largest remainders get the particles
+/// that are left.
+fn counts(scene: &Scene, mixture: &MixtureTables, n: usize) -> Result<Vec<usize>, SceneError> {
+    let exact: Vec<f64> = mixture
+        .species
+        .iter()
+        .map(|s| match s.amount {
+            Amount::Fraction(x) => x * n as f64,
+            Amount::Count(count) => count as f64,
+            Amount::OfFile => f64::NAN,
         })
+        .collect();
+    let mut counts: Vec<usize> = exact.iter().map(|x| x.floor() as usize).collect();
+    let is_counted = mixture.species.iter().all(|s| matches!(s.amount, Amount::Count(_)));
+    if is_counted {
+        return add_up(scene, counts, n);
     }
+    let mut by_remainder: Vec<usize> = (0..counts.len()).collect();
+    // A stable sort: of equal remainders the first species has the particle.
+    by_remainder.sort_by(|a, b| {
+        let remainder = |a: usize| exact[a] - exact[a].floor();
+        remainder(*b).total_cmp(&remainder(*a))
+    });
+    let left = n.saturating_sub(counts.iter().sum());
+    for a in by_remainder.into_iter().cycle().take(left) {
+        counts[a] += 1;
+    }
+    match counts.iter().position(|count| *count == 0) {
+        None => Ok(counts),
+        Some(a) => Err(scene
+            .source
+            .refuse(&format!("species.{a}.fraction"), "leaves no particle")
+            .found(format!("{} of {n} particles", exact[a] / n as f64))
+            .allowed("a share of at least one particle, or more particles")),
+    }
+}
 
-    /// The particles of all species together, where all are counted.
-    pub(crate) fn total_count(&self) -> Option<usize> {
-        let counts = self.species.iter().map(|s| match s.amount {
-            Amount::Count(count) => Some(count),
-            Amount::Fraction(_) | Amount::OfFile => None,
-        });
-        counts.sum()
+fn add_up(scene: &Scene, counts: Vec<usize>, n: usize) -> Result<Vec<usize>, SceneError> {
+    let sum: usize = counts.iter().sum();
+    if sum == n {
+        return Ok(counts);
     }
-
-    /// The table of a pair of species, in either order.
-    fn pair(&self, a: usize, b: usize) -> Option<&PairEntry> {
-        let same = |p: &&PairEntry| p.species == [a, b] || p.species == [b, a];
-        self.pairs.iter().find(same)
-    }
-
-    /// The species as a system has them.
-    fn as_species(&self) -> Vec<Species> {
-        let species = self.species.iter().map(|s| Species {
-            name: s.name.to_string(),
-            mass: s.mass,
-            element: s.element.clone(),
-        });
-        species.collect()
-    }
+    let each: Vec<String> = counts.iter().map(ToString::to_string).collect();
+    Err(scene
+        .source
+        .refuse("system.n_atoms", "disagrees with the counts of the species")
+        .found(format!("{n}, where {} = {sum}", each.join(" + ")))
+        .allowed(format!("{sum}, or counts that add up to {n}")))
 }
 
 impl Scene {
+    /// A force field that does not fit, on the line that it is about. A cutoff that a table `[[pair]]` gives is on the line of that table.
+    #[must_use]
+    pub fn misfit(&self, error: &ForceFieldError) -> SceneError {
+        let ForceFieldError::CutoffOverHalfBox { r_cut, .. } = error else {
+            return self.misfit_of(&error.key(), error);
+        };
+        let mut pairs = self.mixture.iter().flat_map(|m| &m.pairs);
+        let own = pairs.position(|pair| {
+            let [a, b] = pair.species;
+            pair.r_cut.is_some() && self.species_pair(a, b).r_cut == *r_cut
+        });
+        let key = own.map_or_else(|| error.key(), |pair| format!("pair.{pair}.r_cut"));
+        self.misfit_of(&key, error)
+    }
+
+    fn misfit_of(&self, key: &str, error: &ForceFieldError) -> SceneError {
+        let refused = self.source.refuse(key, error.problem());
+        refused.found(error.found()).allowed(error.allowed())
+    }
+
     /// The species of a system, where `of_particle` has the species of each of `n` particles. A scene without species has one.
     #[must_use]
     pub fn species_table(&self, n: usize, of_particle: &[u8]) -> SpeciesTable {
@@ -160,7 +125,7 @@ impl Scene {
     /// [`SceneError`] where counts do not add up to `n`, or a species would have no particle.
     pub fn counts(&self, n: usize) -> Result<Vec<usize>, SceneError> {
         match &self.mixture {
-            Some(mixture) => amounts::counts(self, mixture, n),
+            Some(mixture) => counts(self, mixture, n),
             None => Ok(vec![n]),
         }
     }

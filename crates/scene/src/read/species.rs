@@ -1,16 +1,14 @@
-//! From the tree to the tables of a mixture.
+//! Reads the tables `[[species]]`, `[mixing]` and `[[pair]]`.
 
 use lennard_core::MOST_SPECIES;
+use lennard_core::options::quoted;
 use lennard_forcefield::{CombiningOptions, combining_rules};
-
-use super::{Amount, MixtureTables, PairEntry, PairKeys, SpeciesEntry, SpeciesKeys};
-use crate::Name;
-use crate::error::SceneError;
-use crate::names::nearest;
-use crate::read::Reader;
-use crate::reference::quoted;
-use crate::section::Section;
 use lennard_io::is_element_symbol;
+
+use crate::read::Reader;
+use crate::section::Section;
+use crate::tables::species::{PairKeys, SpeciesKeys};
+use crate::{Amount, MixtureTables, Name, PairEntry, SceneError, SpeciesEntry, nearest};
 
 /// Symbols of species that name none and are called like no element.
 const USUAL_ELEMENTS: [&str; MOST_SPECIES] = ["Ar", "Kr", "Xe", "Ne", "He", "Rn", "H", "Li"];

@@ -2,10 +2,8 @@
 
 use std::sync::Arc;
 
-use lennard_core::{Bonds, DVec3, MOST_SITES, Molecules, Topology};
+use lennard_core::{DVec3, MOST_SITES, Molecules, Topology};
 use lennard_integrators::BondOptions;
-
-use crate::Scene;
 
 lennard_core::choices! {
     /// The kind of the molecules.
@@ -80,61 +78,5 @@ impl Molecule {
             (None, Some(_)) => "molecule.bond_lengths",
             (None, None) => "molecule.shape",
         }
-    }
-}
-
-impl Scene {
-    /// The model in words: potential, truncation, and molecules where there are some.
-    #[must_use]
-    pub fn model_name(&self) -> String {
-        let mut named = self.named_model();
-        if let Some(contacts) = self.contacts_in_words() {
-            named = format!("{named}; {contacts}");
-        }
-        match self.program.have_forces() {
-            true => format!("{named}; with forces of a program"),
-            false => named,
-        }
-    }
-
-    /// The model as far as the scene itself names it.
-    fn named_model(&self) -> String {
-        let mut pairs = lennard_forcefield::model_name(&self.force_field());
-        if self.planar_tail {
-            pairs = pairs.replace("without tail correction", "with planar tail correction");
-        }
-        if let Some(species) = self.species_in_words() {
-            return format!("{pairs}; {species}");
-        }
-        let Some(molecule) = &self.molecule else {
-            return pairs;
-        };
-        let Molecule { options, bonds, topology } = molecule;
-        let sites = options.sites;
-        let kind = match options.kind {
-            MoleculeKind::Dumbbell => "dumbbells".to_owned(),
-            MoleculeKind::Chain => format!("chains of {sites} sites"),
-            MoleculeKind::Sites => {
-                format!("molecules of {sites} sites and {} bonds", topology.bonds().len())
-            }
-        };
-        let lengths = topology.bonds().iter().map(|bond| bond.length);
-        let shortest = lengths.clone().fold(f64::INFINITY, f64::min);
-        let longest = lengths.fold(0.0, f64::max);
-        let length = match shortest == longest {
-            true => format!("{shortest} σ"),
-            false => format!("{shortest} to {longest} σ"),
-        };
-        let held = match bonds.bonds() {
-            Bonds::Rigid => format!("rigid bonds of {length}, {}", bonds.name()),
-            Bonds::Springs | Bonds::Impulses => format!("bonds of {length}, {}", bonds.name()),
-        };
-        format!("{pairs}; {kind} with {held}")
-    }
-
-    /// The molecules of the scene; atoms where it has none.
-    #[must_use]
-    pub fn molecules(&self) -> Molecules {
-        self.molecule.as_ref().map_or(Molecules::ATOMS, Molecule::molecules)
     }
 }

@@ -7,7 +7,7 @@ use lennard_core::{PeriodicBox, SpeciesTable};
 use lennard_forcefield::{ForceFieldError, Model, tail_in};
 use lennard_observables::{BuildContext, Insertion, TrialEnergies};
 
-use crate::{Scene, Stage};
+use crate::Scene;
 
 /// The energies of pairs of species as the forces of a scene have them, and the tails of trial particles.
 #[derive(Debug)]
@@ -117,13 +117,5 @@ impl Scene {
             streams: Streams::new(self.system.seed),
             energies: Arc::new(energies),
         })
-    }
-}
-
-impl Stage {
-    /// Whether its bath samples the canonical ensemble at a constant temperature.
-    pub(crate) fn holds_one_temperature(&self) -> bool {
-        let bath = self.thermostat.as_ref().map(|bath| bath.spec());
-        bath.is_some_and(|bath| bath.canonical) && self.temperature_from.is_none()
     }
 }

@@ -1,0 +1,477 @@
+//! Reads the tables `[system]`, `[slab]` and `[crystal]`.
+
+use crate::reference;
+use std::path::Path;
+
+use lennard_core::DVec3;
+use lennard_core::number::short;
+use lennard_io::{FileUnits, LARGEST};
+use lennard_literature::{ModelKind, TwoPhaseSource, equation_of_state_for, freezing_line};
+use toml::Value;
+
+use crate::document::in_short;
+use crate::read::{Reader, Resolve};
+use crate::tables::start::{CrystalKeys, Numbers, Sides, SlabKeys, SystemKeys, per_cell};
+use crate::{Geometry, HalfCrystal, SceneError, Slab, Start, System};
+
+/// A row of numbers as a vector.
+fn vectors(rows: &[[f64; 3]]) -> Vec<DVec3> {
+    rows.iter().map(|row| DVec3::from_array(*row)).collect()
+}
+
+impl Reader<'_> {
+    /// The start of particles that are listed, in a box.
+    pub fn listed(
+        &self,
+        positions: &[[f64; 3]],
+        velocities: Option<&[[f64; 3]]>,
+        geometry: Option<Geometry>,
+    ) -> Result<Start, SceneError> {
+        let refuse = |key: &str, message: &str, found: String, allowed: &str| {
+            let key = format!("system.{key}");
+            Err(self.source.refuse(&key, message).found(found).allowed(allowed))
+        };
+        let Some(Geometry::Box(sides)) = geometry else {
+            let found = "`positions` without a box".to_owned();
+            let allowed = "`box` with one side, or three sides [Lx, Ly, Lz]";
+            return refuse("box", "is missing", found, allowed);
+        };
+        if positions.is_empty() {
+            let found = "an empty list".to_owned();
+            return refuse("positions", "has no particle", found, "at least one position");
+        }
+        for (key, rows) in [("positions", Some(positions)), ("velocities", velocities)] {
+            let bad =
+                rows.into_iter().flatten().flatten().find(|x| !(-LARGEST..=LARGEST).contains(*x));
+            if let Some(x) = bad {
+                let allowed = format!("numbers from -{LARGEST:e} to {LARGEST:e}");
+                return refuse(key, "is not allowed", x.to_string(), &allowed);
+            }
+        }
+        if let Some(velocities) = velocities
+            && velocities.len() != positions.len()
+        {
+            let found = format!("{} velocities of {} particles", velocities.len(), positions.len());
+            let allowed = "one velocity for each of `positions`";
+            return refuse("velocities", "has another length", found, allowed);
+        }
+        Ok(Start::Listed {
+            sides,
+            positions: vectors(positions),
+            velocities: velocities.map(vectors),
+        })
+    }
+
+    /// The held particles by their numbers from 0, from numbers from 1.
+    pub fn held(&self, written: &[u64]) -> Result<Vec<usize>, SceneError> {
+        let mut held = Vec::new();
+        for number in written {
+            let place = (*number as usize).wrapping_sub(1);
+            if *number == 0 || held.contains(&place) {
+                return Err(self
+                    .source
+                    .refuse("system.held", "is not allowed")
+                    .found(format!("{number} in {written:?}"))
+                    .allowed("numbers of particles, from 1, each once"));
+            }
+            held.push(place);
+        }
+        held.sort_unstable();
+        Ok(held)
+    }
+}
+
+/// The length of the crystal over its side, where the scene does not say.
+const LENGTH_OF_SIDE: f64 = 2.0;
+
+/// The part of the particles that starts as crystal, where the scene does not say.
+const SHARE: f64 = 0.5;
+
+/// The least length of both parts, σ: below it the two fronts of a part touch.
+const SHORTEST_PART: f64 = 4.0;
+
+impl Reader<'_> {
+    /// The start of `n_atoms` particles at a temperature (ε/k_B); the freezing line of `model` gives densities that are not written.
+    pub fn half_crystal(
+        &self,
+        n_atoms: usize,
+        temperature: f64,
+        model: Option<ModelKind>,
+    ) -> Result<HalfCrystal, SceneError> {
+        let table: CrystalKeys = self.plain("crystal")?;
+        let [crystal_density, liquid_density] = match (table.crystal_density, table.liquid_density)
+        {
+            (Some(crystal), Some(liquid)) => [crystal, liquid],
+            (crystal, liquid) => {
+                let keys = ["crystal_density", "liquid_density"];
+                let missing = MissingDensity::of("crystal", keys, [crystal, liquid]);
+                let [c, l] = self.on_freezing_line(temperature, model, &missing)?;
+                [crystal.unwrap_or(c), liquid.unwrap_or(l)]
+            }
+        };
+        let in_crystal = SHARE * n_atoms as f64;
+        let cells = table.cells.unwrap_or_else(|| {
+            let cells = (in_crystal / (per_cell() as f64 * LENGTH_OF_SIDE)).cbrt();
+            (cells.round() as usize).max(1)
+        });
+        let of_layer = (per_cell() * cells * cells) as f64;
+        let layers = (in_crystal / of_layer).round() as usize;
+        let start = HalfCrystal {
+            n_atoms,
+            cells,
+            layers: table.layers.unwrap_or(layers.max(1)),
+            crystal_density,
+            liquid_density,
+        };
+        let parts = [start.crystal_length(), start.liquid_length()];
+        if parts.iter().any(|length| *length < SHORTEST_PART) {
+            return Err(self
+                .source
+                .refuse("crystal.layers", "leaves no room for two phases")
+                .found(format!(
+                    "{} cells along z with {} particles of {n_atoms}: {:.2} σ of crystal, {:.2} σ of liquid",
+                    start.layers,
+                    start.n_crystal().min(n_atoms),
+                    parts[0],
+                    parts[1]
+                ))
+                .allowed(format!(
+                    "at least {SHORTEST_PART} σ of both: other `layers` or `cells`, or more `n_atoms`"
+                )));
+        }
+        Ok(start)
+    }
+
+    /// The densities of crystal and liquid side by side in the literature.
+    fn on_freezing_line(
+        &self,
+        temperature: f64,
+        model: Option<ModelKind>,
+        MissingDensity { key, allowed }: &MissingDensity,
+    ) -> Result<[f64; 2], SceneError> {
+        let missing = |found: String, allowed: String| {
+            let refused = self.source.refuse(key, "is missing");
+            refused.found(found).allowed(allowed)
+        };
+        let line = freezing_line();
+        let equation = model.and_then(|model| equation_of_state_for(model).ok());
+        if !equation.is_some_and(|e| e.has_freezing_line()) {
+            return Err(missing(
+                "nothing, and no freezing line is known for this potential".to_owned(),
+                allowed.clone(),
+            ));
+        }
+        let on_line = line.melting_density(temperature).zip(line.freezing_density(temperature));
+        on_line.map(|(c, l)| [c, l]).ok_or_else(|| {
+            missing(
+                format!("nothing, at temperature {temperature}"),
+                format!(
+                    "a temperature above the triple point, {} ({}), or {allowed}",
+                    line.t_triple, line.name
+                ),
+            )
+        })
+    }
+}
+
+/// A density that a table does not write.
+pub(crate) struct MissingDensity {
+    /// The key of the first that is missing.
+    pub key: String,
+    /// The keys that are missing, in words.
+    pub allowed: String,
+}
+
+impl MissingDensity {
+    /// What is missing of the two densities of a table, where one is at least.
+    pub(crate) fn of(table: &str, keys: [&str; 2], written: [Option<f64>; 2]) -> Self {
+        let all = keys.into_iter().zip(written);
+        let missing: Vec<&str> =
+            all.filter(|(_, written)| written.is_none()).map(|(key, _)| key).collect();
+        let words: Vec<String> = missing.iter().map(|key| format!("`{key}`")).collect();
+        Self {
+            key: format!("{table}.{}", missing.first().unwrap_or(&keys[0])),
+            allowed: format!("{} in [{table}]", words.join(" and ")),
+        }
+    }
+}
+
+/// The length of the box over the thickness of the slab, where the scene does not say.
+const LENGTH_OF_THICKNESS: f64 = 3.0;
+
+/// The thickness over the side of the slab, where the scene does not say.
+const THICKNESS_OF_SIDE: f64 = 1.5;
+
+impl Reader<'_> {
+    /// The slab of `n_atoms` particles at a temperature (ε/k_B); the literature of `model` gives densities that are not written.
+    pub fn slab(
+        &self,
+        n_atoms: usize,
+        temperature: f64,
+        model: Option<ModelKind>,
+    ) -> Result<Slab, SceneError> {
+        let table: SlabKeys = self.plain("slab")?;
+        let [liquid_density, vapor_density] = match (table.liquid_density, table.vapor_density) {
+            (Some(liquid), Some(vapor)) => [liquid, vapor],
+            (liquid, vapor) => {
+                let keys = ["liquid_density", "vapor_density"];
+                let missing = MissingDensity::of("slab", keys, [liquid, vapor]);
+                let [l, v] = self.coexisting(temperature, model, &missing)?;
+                [liquid.unwrap_or(l), vapor.unwrap_or(v)]
+            }
+        };
+        if vapor_density >= liquid_density {
+            return Err(self
+                .source
+                .refuse("slab.vapor_density", "is not below the density of the liquid")
+                .found(vapor_density)
+                .allowed(format!("below {liquid_density} σ⁻³")));
+        }
+        let per_volume = liquid_density + (LENGTH_OF_THICKNESS - 1.0) * vapor_density;
+        let side = (n_atoms as f64 / (THICKNESS_OF_SIDE * per_volume)).cbrt();
+        let (thickness, length) = match (table.thickness, table.length) {
+            (Some(thickness), Some(length)) => (thickness, length),
+            (Some(thickness), None) => (thickness, LENGTH_OF_THICKNESS * thickness),
+            (None, Some(length)) => (length / LENGTH_OF_THICKNESS, length),
+            (None, None) => {
+                let thickness = THICKNESS_OF_SIDE * side;
+                (thickness, LENGTH_OF_THICKNESS * thickness)
+            }
+        };
+        if thickness + Slab::LEAST_VAPOR > length {
+            return Err(self
+                .source
+                .refuse("slab.thickness", "leaves no room for vapor")
+                .found(thickness)
+                .allowed(format!(
+                    "{} σ below the length of the box, {} σ",
+                    Slab::LEAST_VAPOR,
+                    short(length)
+                )));
+        }
+        Ok(Slab { n_atoms, liquid_density, vapor_density, thickness, length })
+    }
+
+    /// The densities of liquid and vapor in the literature.
+    fn coexisting(
+        &self,
+        temperature: f64,
+        model: Option<ModelKind>,
+        MissingDensity { key, allowed }: &MissingDensity,
+    ) -> Result<[f64; 2], SceneError> {
+        let missing = |found: String| {
+            let refused = self.source.refuse(key, "is missing");
+            refused.found(found).allowed(allowed.clone())
+        };
+        let Some(model) = model else {
+            return Err(missing("nothing, and no literature for a slab of several species".into()));
+        };
+        let source =
+            TwoPhaseSource::of(model).map_err(|none| missing(format!("nothing, and {none}")))?;
+        let phases = source.at(temperature).ok_or_else(|| {
+            self.source
+                .refuse("system.temperature", "has no liquid beside its vapor")
+                .found(temperature)
+                .allowed(format!(
+                    "below the critical temperature {} ({}) and not far below the triple point, or {allowed}",
+                    source.critical().temperature,
+                    source.name()
+                ))
+        })?;
+        let s = phases.saturation;
+        Ok([s.liquid_density, s.vapor_density])
+    }
+
+    /// The table; `counted` is the number of particles that the species have together, where they are counted, and `model`
+    /// the model of atoms of one species.
+    pub fn system(
+        &self,
+        resolve: Resolve<'_>,
+        counted: Option<usize>,
+        model: Option<ModelKind>,
+    ) -> Result<System, SceneError> {
+        let written = self.table("system");
+        if let Some(sides) = written.get("box") {
+            self.refuse_triclinic(sides)?;
+        }
+        let table: SystemKeys = self.section("system").read(written)?;
+        let geometry = match (table.density, table.sides) {
+            (Some(_), Some(_)) => {
+                return Err(self
+                    .source
+                    .refuse("system.box", "and `density` are both given")
+                    .found("both")
+                    .allowed("one of them (and `vacuum` for empty space beside the particles)"));
+            }
+            (Some(density), None) => Some(Geometry::Density(density)),
+            (None, Some(Sides(sides))) => Some(Geometry::Box(sides)),
+            (None, None) => None,
+        };
+        const OF_LATTICES: [&str; 5] = ["lattice", "n_atoms", "n_molecules", "density", "vacuum"];
+        let excludes = |own: &str, keys: &[&str], allowed: &str| {
+            let mut given = keys.iter().filter_map(|key| Some((key, written.get(*key)?)));
+            let Some((key, value)) = given.next() else {
+                return Ok(());
+            };
+            Err(self
+                .source
+                .refuse(&format!("system.{key}"), format!("does not go with `{own}`"))
+                .found(in_short(value))
+                .allowed(allowed))
+        };
+        if table.velocities.is_some() && table.positions.is_none() {
+            return Err(self
+                .source
+                .refuse("system.velocities", "has no positions beside it")
+                .found("`velocities` alone")
+                .allowed("`positions` with one position for each velocity"));
+        }
+        let units = FileUnits { length: table.length_scale, time: table.time_scale };
+        let alone = match units {
+            _ if table.configuration.is_some() => units.time.filter(|_| units.length.is_none()),
+            units => units.length.or(units.time),
+        };
+        if let Some(found) = alone {
+            let key = if units.length.is_some() { "length_scale" } else { "time_scale" };
+            return Err(self
+                .source
+                .refuse(&format!("system.{key}"), "is of a file in other units")
+                .found(found)
+                .allowed("`configuration` with the file, and `length_scale` beside it"));
+        }
+        let is_listed = table.positions.is_some();
+        let phases = ["slab", "crystal"];
+        let both = phases.iter().filter(|t| self.source.wrote(t));
+        let side_by_side: Vec<&&str> = both.collect();
+        if let [_, other, ..] = side_by_side[..] {
+            return Err(self
+                .source
+                .refuse(other, "does not go with `[slab]`")
+                .found("both")
+                .allowed("`[slab]` for liquid and vapor, `[crystal]` for crystal and liquid"));
+        }
+        let side_by_side = side_by_side.first().map(|table| **table);
+        if let Some(phases) = side_by_side
+            && (is_listed || table.configuration.is_some())
+        {
+            let (own, says) = match is_listed {
+                true => ("positions", "positions say"),
+                false => ("configuration", "configuration file says"),
+            };
+            return Err(self
+                .source
+                .refuse(phases, format!("does not go with `{own}`"))
+                .found(format!("`[{phases}]` and `{own}`"))
+                .allowed(format!("one of them: the {says} where the particles are")));
+        }
+        let start = match (&table.configuration, &table.positions) {
+            (None, Some(positions)) => {
+                excludes("positions", &OF_LATTICES, "nothing: the positions say it")?;
+                self.listed(positions, table.velocities.as_deref(), geometry)?
+            }
+            (Some(path), _) => {
+                excludes(
+                    "configuration",
+                    &[&OF_LATTICES[..], &["positions"]].concat(),
+                    "no such key: the configuration file has it",
+                )?;
+                let path = resolve(self.source, "system.configuration", Path::new(path))?;
+                Start::Configuration { path, geometry, units }
+            }
+            (None, None) if let Some(phases) = side_by_side => {
+                let of_table = format!("[{phases}]");
+                excludes(
+                    &of_table,
+                    &["lattice", "density", "box", "vacuum"],
+                    &format!(
+                        "nothing: the box follows from `n_atoms` and the keys of `{of_table}`"
+                    ),
+                )?;
+                let temperature = table.temperature.ok_or_else(|| self.needed("temperature"))?;
+                let n_atoms = self.count(table.n_atoms.or(counted), table.n_molecules)?;
+                match phases {
+                    "slab" => Start::Slab(self.slab(n_atoms, temperature, model)?),
+                    _ => Start::HalfCrystal(self.half_crystal(n_atoms, temperature, model)?),
+                }
+            }
+            (None, None) => Start::Lattice {
+                lattice: table.lattice.unwrap_or_default(),
+                n_atoms: self.count(table.n_atoms.or(counted), table.n_molecules)?,
+                geometry: geometry.ok_or_else(|| self.needed("density"))?,
+                vacuum: table.vacuum.unwrap_or(0.0),
+            },
+        };
+        Ok(System {
+            start,
+            temperature: match table.temperature {
+                // Bodies that are listed are at rest unless the scene says otherwise.
+                None if is_listed => 0.0,
+                temperature => temperature.ok_or_else(|| self.needed("temperature"))?,
+            },
+            seed: table.seed,
+            held: match &table.held {
+                Some(Numbers(numbers)) => self.held(numbers)?,
+                None => Vec::new(),
+            },
+        })
+    }
+
+    /// The number of particles, or of molecules where the scene has some.
+    fn count(&self, atoms: Option<usize>, molecules: Option<usize>) -> Result<usize, SceneError> {
+        let bonded = self.source.wrote("molecule");
+        let (own, other) = match bonded {
+            true => ("n_molecules", ("n_atoms", atoms)),
+            false => ("n_atoms", ("n_molecules", molecules)),
+        };
+        if let (key, Some(found)) = other {
+            let message = match bonded {
+                true => "does not go with `[molecule]`",
+                false => "has no `[molecule]` beside it",
+            };
+            return Err(self
+                .source
+                .refuse(&format!("system.{key}"), message)
+                .found(found)
+                .allowed(format!("`{own}`")));
+        }
+        let count = if bonded { molecules } else { atoms };
+        count.ok_or_else(|| self.needed(own))
+    }
+
+    fn needed(&self, key: &str) -> SceneError {
+        let allowed = reference::find("system", None, key).map(|doc| doc.allowed.text());
+        let or = match key {
+            "density" => ", or `box` with three sides",
+            "n_atoms" | "n_molecules" => ", or `positions`, or `configuration` with a file",
+            _ => "",
+        };
+        self.source
+            .refuse(&format!("system.{key}"), "is missing")
+            .found("nothing")
+            .allowed(format!("{}{or}", allowed.unwrap_or_default()))
+    }
+
+    fn refuse_triclinic(&self, sides: &Value) -> Result<(), SceneError> {
+        /// Numbers of a box with tilt factors, and of three cell vectors.
+        const TRICLINIC: [usize; 2] = [6, 9];
+        let Value::Array(items) = sides else {
+            return Ok(());
+        };
+        if TRICLINIC.contains(&items.len()) || items.iter().any(Value::is_array) {
+            return Err(self
+                .source
+                .refuse("system.box", "cannot be used: triclinic boxes are not available yet")
+                .found(in_short(sides))
+                .allowed("one side, or three sides [Lx, Ly, Lz], of a box with right angles"));
+        }
+        let is_side = |item: &Value| match item {
+            Value::Float(x) => x.is_finite() && *x > 0.0,
+            Value::Integer(x) => *x > 0,
+            _ => false,
+        };
+        match items.iter().all(is_side) {
+            true => Ok(()),
+            false => Err(self.section("system").not_allowed("box", sides)),
+        }
+    }
+}
