@@ -1,7 +1,7 @@
 //! What goes with what: one table of rows, and one loop.
 //!
 //! A row names two features that no scene has together, why, what was found, and the way out. In its texts, `{a}` and
-//! `{b}` are the words of the two features, and `{fit}` is what would fit in the place of the second, or else the first.
+//! `{b}` are the words of the two features. `{fit}` is what would fit in the place of the second feature, or of the first.
 
 use super::features::*;
 use crate::{Scene, SceneError};

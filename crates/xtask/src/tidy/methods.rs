@@ -22,8 +22,11 @@ const LISTS: &[(&str, &str)] = &[
 
 /// Files that may name methods, each with the reason.
 const EXPLAINED: &[(&str, &str)] = &[
-    ("crates/scene/src/model_kind.rs", "which truncation the literature describes"),
-    ("crates/scene/src/planar.rs", "which potentials and which truncation have a planar tail"),
+    ("crates/scene/src/scene/model.rs", "which truncation the literature describes"),
+    (
+        "crates/scene/src/checks/features.rs",
+        "which potentials and which truncation have a planar tail",
+    ),
     (
         "crates/engine/src/build.rs",
         "thermodynamics is in every run, and the MSD takes a viscosity of the literature",
@@ -33,7 +36,7 @@ const EXPLAINED: &[(&str, &str)] = &[
         "r²u″ follows from u and −ru′ where the truncation leaves the potential as it is up to r_cut",
     ),
     ("crates/scene/src/scene.rs", "the bit-reversible method needs canonical forces"),
-    ("crates/scene/src/observable.rs", "thermodynamics has the interval of thermo.csv"),
+    ("crates/scene/src/read/stages.rs", "thermodynamics has the interval of thermo.csv"),
     ("crates/studies/src/", "a study compares the methods that it is about"),
     (
         "crates/engine/src/lammps/",
