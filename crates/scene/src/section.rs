@@ -15,6 +15,9 @@ use crate::names::{left_out, nearest, no_key};
 use crate::reference::{self, Allowed, KeyDoc, Tag, quoted};
 use crate::removed::{RemovedKind, removed};
 
+/// The largest number of a key whose range names no end: far beyond, forces overflow.
+const LARGEST: f64 = 1e12;
+
 /// A table of the scene on its way to a type.
 #[derive(Clone, Copy)]
 pub(crate) struct Section<'a> {
@@ -133,6 +136,11 @@ impl<'a> Section<'a> {
         let range = if fraction { Allowed::NotNegative } else { allowed };
         if let Some(x) = number.filter(|x| !range.admits(*x)) {
             return Err(self.refuse(key, value, misfit(x, allowed)).allowed(allowed.text()));
+        }
+        let is_open = matches!(allowed, Allowed::Positive | Allowed::NotNegative);
+        if is_open && number.is_some_and(|x| x > LARGEST) {
+            let range = format!("{}, at most {LARGEST:e}", allowed.text());
+            return Err(self.refuse(key, value, "is too large").allowed(range));
         }
         match (value, allowed) {
             (Value::String(name), Allowed::Names(names)) if !names().contains(&name.as_str()) => {
