@@ -180,9 +180,6 @@ const ROWS: &[Row] = rows! {
     contacts_with_impacts / bonds_in_steps:
         "acts by impacts in drifts, where the bonds are held too"; "{a} with {b}";
         "soft contacts with restitution = 1, or bonds that are explicit springs"
-    contacts_of_spook / held_bonds:
-        "acts by impulses in the step of SPOOK, where the bonds are held too"; "{a} with {b}";
-        "soft contacts with restitution = 1, or bonds that are explicit springs"
     contacts_with_dashpots / bonds_in_steps:
         "below 1 acts by a dashpot in drifts, where the bonds are held too"; "{a} with {b}";
         "soft contacts with restitution = 1, or bonds that are explicit springs"
