@@ -129,7 +129,7 @@ impl Chosen {
         };
         let kernel: KernelOptions = reader.plain("kernel")?;
         let mut step = reader.table("integrator").clone();
-        let IntegratorKeys { dt } = reader.section("integrator").take(&mut step)?;
+        let IntegratorKeys { dt } = reader.section("integrator").shared(&mut step)?;
         Ok(Self {
             truncation: reader.plain("truncation")?,
             dt,

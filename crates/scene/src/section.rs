@@ -72,7 +72,10 @@ impl<'a> Section<'a> {
     }
 
     /// Takes the keys that `S` declares out of a table, and reads them. The keys of the method stay.
-    pub fn take<S: Options + DeserializeOwned>(&self, table: &mut Table) -> Result<S, SceneError> {
+    pub fn shared<S: Options + DeserializeOwned>(
+        &self,
+        table: &mut Table,
+    ) -> Result<S, SceneError> {
         let mut shared = Table::new();
         for key in S::KEYS {
             if let Some(value) = table.remove(key.key) {

@@ -21,7 +21,7 @@ use crate::{IntegratorTable, Name, ObservableTable, Output, PressureControl, Sce
 
 impl Reader<'_> {
     /// Takes a key whose value is a table `{ from, to }`; a plain number stays where it is.
-    pub fn take_ramp<R: RampKeys>(
+    pub fn ramp<R: RampKeys>(
         &self,
         table: &mut Table,
         key: &str,
@@ -61,8 +61,8 @@ impl Reader<'_> {
         let Some(mut table) = self.part(stage, "barostat", &names, written)? else {
             return Ok(None);
         };
-        let ramp = self.take_ramp::<PressureRamp>(&mut table, "pressure", &section, RAMP)?;
-        let keys: BarostatKeys = section.take(&mut table)?;
+        let ramp = self.ramp::<PressureRamp>(&mut table, "pressure", &section, RAMP)?;
+        let keys: BarostatKeys = section.shared(&mut table)?;
         let options: BarostatOptions = section.method(&table)?;
         let Some(pressure) = ramp.or(keys.pressure.and_then(|p| p.constant())) else {
             return Err(self
@@ -96,12 +96,12 @@ impl Reader<'_> {
     pub fn integrator(&self) -> Result<IntegratorTable, SceneError> {
         let section = self.section("integrator");
         let mut table = self.table("integrator").clone();
-        let IntegratorKeys { dt } = section.take(&mut table)?;
+        let IntegratorKeys { dt } = section.shared(&mut table)?;
         let kind = table.get("kind").and_then(Value::as_str);
         let split = match kind == Some(respa::SPEC.name) {
             false => None,
             true => {
-                let keys: SplitKeys = section.take(&mut table)?;
+                let keys: SplitKeys = section.shared(&mut table)?;
                 Some(SplitOptions { r_split: keys.r_split, width: keys.split_width })
             }
         };
@@ -140,7 +140,7 @@ impl Reader<'_> {
             let path = format!("observable.{i}");
             let section = Section::new(self.source, &path, "observable");
             let mut table = table.clone();
-            let ObservableKeys { every } = section.take(&mut table)?;
+            let ObservableKeys { every } = section.shared(&mut table)?;
             let options: ObservableOptions = section.method(&table)?;
             let every = every.unwrap_or(options.default_every());
             let twin = observables.iter().position(|other| other.options.name() == options.name());
@@ -206,12 +206,8 @@ impl Reader<'_> {
         let mut table = table.clone();
         let [thermostat, barostat, exchange] =
             ["thermostat", "barostat", "exchange"].map(|part| table.remove(part));
-        let ramp = self.take_ramp::<TemperatureRamp>(
-            &mut table,
-            "temperature",
-            &section,
-            "stage.temperature",
-        )?;
+        let ramp =
+            self.ramp::<TemperatureRamp>(&mut table, "temperature", &section, "stage.temperature")?;
         let keys: StageKeys = section.read(&table)?;
         let written = section.needed(&table, "name", keys.name)?;
         let steps = section.needed(&table, "steps", keys.steps)?;

@@ -16,7 +16,7 @@ impl Reader<'_> {
         }
         let section = self.section("contact");
         let mut table = self.table("contact").clone();
-        let ContactKeys { diameter } = section.take(&mut table)?;
+        let ContactKeys { diameter } = section.shared(&mut table)?;
         let options = section.method(&table)?;
         Ok(Some(ContactTable { diameter, options }))
     }
@@ -33,7 +33,7 @@ impl Reader<'_> {
             let path = format!("wall.{i}");
             let section = Section::new(self.source, &path, "wall");
             let mut table = table.clone();
-            let WallKeys { axis, thickness } = section.take(&mut table)?;
+            let WallKeys { axis, thickness } = section.shared(&mut table)?;
             let options = section.method(&table)?;
             if let Some(first) = walls.iter().position(|other| other.axis == axis) {
                 let first = format!("wall.{first}.axis");
