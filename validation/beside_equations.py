@@ -1,7 +1,7 @@
 """The states of a sweep beside the equations of state, as a page of the book.
 
     lennard sweep sweep/states --out runs/states
-    python validation/beside_equations.py runs/states > docs/states.md
+    python validation/beside_equations.py runs/states > validation/results/states.md
 
 It reads `sweep.json`, `equations.csv`, `beside_equations.csv` and `table.csv` of the sweep, and needs the standard library alone. A sweep over
 several models, or with points that are not at constant density and temperature, is refused.
@@ -142,7 +142,7 @@ def main(folder):
     print()
     print("```sh")
     print("lennard sweep sweep/states --out runs/states")
-    print("python validation/beside_equations.py runs/states > docs/states.md")
+    print("python validation/beside_equations.py runs/states > validation/results/states.md")
     print("```")
     print()
     for count in reversed(steps):

@@ -37,7 +37,7 @@ impl Contact for Spook {
         name: "spook",
         summary: "Unilateral constraints of SPOOK after an impact stage; with the integrator `spook` alone.",
         equation: "0 <= L, S L - b >= 0, L.(S L - b) = 0; S = G M^-1 G^T + (4/h^2) eps y, b = -(4/h) y g + y G v - G (v + h f/m), y = 1/(1 + 4 tau/h)",
-        source: "Lacoursière, \"Ghosts and Machines: Regularized Variational Methods for Interactive Simulations of Multibodies with Dry Frictional Contacts\", PhD thesis, Umeå University (2007), the SPOOK stepper; the rule for rest is derived here (docs/contacts.md)",
+        source: "Lacoursière, \"Ghosts and Machines: Regularized Variational Methods for Interactive Simulations of Multibodies with Dry Frictional Contacts\", PhD thesis, Umeå University (2007), the SPOOK stepper; the rule for rest is derived here (docs/walls.md)",
     };
 
     fn response(&self) -> Response {
