@@ -7,7 +7,6 @@
 mod mutate;
 mod restart;
 mod targets;
-mod words;
 
 pub use mutate::Mutator;
 pub use restart::restart;

@@ -5,9 +5,6 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::Target;
 
-/// What a byte may be replaced by: those that formats give a meaning, and some that none does.
-const TELLING_BYTES: &[u8] = b"0123456789.-+eE \t\n\r\"{}[]=:\\,#TFnaif\0\xff\x80\x01\x7f";
-
 /// The most changes made to one input.
 const MOST_CHANGES: u32 = 8;
 
@@ -21,6 +18,7 @@ const LONGEST_INPUT: usize = 1 << 16;
 pub struct Mutator<'a> {
     target: &'a Target,
     corpus: Vec<Vec<u8>>,
+    words: Vec<String>,
     random: Xoshiro256PlusPlus,
 }
 
@@ -30,7 +28,9 @@ impl<'a> Mutator<'a> {
     #[must_use]
     pub fn new(target: &'a Target, corpus: Vec<Vec<u8>>, seed: u64) -> Self {
         assert!(!corpus.is_empty(), "the corpus of {} is empty", target.name);
-        Self { target, corpus, random: Xoshiro256PlusPlus::seed_from_u64(seed) }
+        let lists: toml::Table = include_str!("../words.toml").parse().expect("lists of words");
+        let words = lists[target.words].clone().try_into().expect("a list of words");
+        Self { target, corpus, words, random: Xoshiro256PlusPlus::seed_from_u64(seed) }
     }
 
     fn below(&mut self, end: usize) -> usize {
@@ -66,46 +66,24 @@ impl<'a> Mutator<'a> {
         bytes
     }
 
+    /// A byte, a piece or a word changes, or the end is cut off.
     fn change(&mut self, bytes: &mut Vec<u8>) {
-        if bytes.is_empty() {
-            bytes.push(b'0');
-        }
         let at = self.below(bytes.len());
         let end = (at + 1 + self.below(LONGEST_PIECE)).min(bytes.len());
-        match self.below(9) {
-            0 => bytes[at] = TELLING_BYTES[self.below(TELLING_BYTES.len())],
-            1 => bytes[at] ^= 1 << self.below(8),
-            2 => bytes[at] = self.random.random_range(0..=u8::MAX),
-            3 => drop(bytes.drain(at..end)),
-            4 => {
+        match self.below(16) {
+            0..4 if at < end => bytes[at] = self.random.random_range(0..=u8::MAX),
+            4..7 => drop(bytes.drain(at..end)),
+            7..10 => {
                 let piece = bytes[at..end].to_vec();
                 let to = self.below(bytes.len());
                 bytes.splice(to..to, piece);
             }
-            5 => {
-                let piece: Vec<u8> = bytes.drain(at..end).collect();
-                let to = self.below(bytes.len() + 1);
-                bytes.splice(to..to, piece);
-            }
-            6 => {
-                let word = self.target.words[self.below(self.target.words.len())];
-                let over = if self.below(2) == 0 { at } else { (at + word.len()).min(bytes.len()) };
-                bytes.splice(at..over, word.bytes());
-            }
-            7 => {
-                // A line of another file of the corpus.
-                let other = self.below(self.corpus.len());
-                let lines: Vec<&[u8]> =
-                    self.corpus[other].split_inclusive(|b| *b == b'\n').collect();
-                let chosen = self.random.random_range(0..lines.len().max(1));
-                let line = lines.get(chosen).map(|line| line.to_vec());
-                bytes.splice(at..at, line.unwrap_or_default());
-            }
+            10 => bytes.truncate(at),
             _ => {
-                // Cutting off the end is common in life and rare here, or little would be left of anything.
-                if self.below(4) == 0 {
-                    bytes.truncate(at);
-                }
+                let chosen = self.below(self.words.len());
+                let word = self.words[chosen].as_bytes().to_vec();
+                let over = if self.below(2) == 0 { at } else { (at + word.len()).min(bytes.len()) };
+                bytes.splice(at..over, word);
             }
         }
     }

@@ -10,7 +10,6 @@ use lennard_scene::Scene;
 use tempfile::TempDir;
 
 use crate::restart::{reshape, restart};
-use crate::words::{CHECKPOINT_WORDS, LAMMPS_WORDS, SCENE_WORDS, TABLE_WORDS, XYZ_WORDS};
 
 /// An error longer than this (bytes) has taken over what it was given.
 const LONGEST_MESSAGE: usize = 4000;
@@ -28,39 +27,33 @@ pub struct Target {
     pub repair: Option<fn(&mut [u8])>,
     /// Changes that bytes alone would hardly ever make, on what the format means; half of the inputs get some.
     pub reshape: Option<Reshape>,
-    /// Words that mean something in this format.
-    pub words: &'static [&'static str],
+    /// The list of `words.toml` whose words mean something in this format.
+    pub words: &'static str,
 }
 
 /// Every reader.
 pub const TARGETS: &[Target] = &[
-    Target { name: "scene", body: scene, repair: None, reshape: None, words: SCENE_WORDS },
-    Target {
-        name: "extended-xyz",
-        body: extended_xyz,
-        repair: None,
-        reshape: None,
-        words: XYZ_WORDS,
-    },
-    Target { name: "nist", body: start, repair: None, reshape: None, words: XYZ_WORDS },
-    Target { name: "lammps-dump", body: start, repair: None, reshape: None, words: LAMMPS_WORDS },
-    Target { name: "lammps-data", body: start, repair: None, reshape: None, words: LAMMPS_WORDS },
-    Target { name: "gro", body: start, repair: None, reshape: None, words: LAMMPS_WORDS },
-    Target { name: "gzip", body: gzip, repair: None, reshape: None, words: XYZ_WORDS },
-    Target { name: "table", body: table, repair: None, reshape: None, words: TABLE_WORDS },
+    Target { name: "scene", body: scene, repair: None, reshape: None, words: "scene" },
+    Target { name: "extended-xyz", body: extended_xyz, repair: None, reshape: None, words: "xyz" },
+    Target { name: "nist", body: start, repair: None, reshape: None, words: "xyz" },
+    Target { name: "lammps-dump", body: start, repair: None, reshape: None, words: "lammps" },
+    Target { name: "lammps-data", body: start, repair: None, reshape: None, words: "lammps" },
+    Target { name: "gro", body: start, repair: None, reshape: None, words: "lammps" },
+    Target { name: "gzip", body: gzip, repair: None, reshape: None, words: "xyz" },
+    Target { name: "table", body: table, repair: None, reshape: None, words: "table" },
     Target {
         name: "checkpoint",
         body: checkpoint,
         repair: Some(seal),
         reshape: None,
-        words: CHECKPOINT_WORDS,
+        words: "checkpoint",
     },
     Target {
         name: "restart",
         body: restart,
         repair: Some(seal),
         reshape: Some(reshape),
-        words: CHECKPOINT_WORDS,
+        words: "checkpoint",
     },
 ];
 

@@ -20,6 +20,7 @@ const REQUIREMENTS: &str = "docs/requirements.txt";
 const SETTINGS: &str = "docs/zensical.toml";
 /// Documents outside docs/ that are pages too: where they lie, and what they are called in the book.
 const PAGES: &[(&str, &str)] = &[
+    ("README.md", "index.md"),
     ("CHANGELOG.md", "changelog.md"),
     ("CONTRIBUTING.md", "contributing.md"),
     ("benches/NOTES.md", "measurements.md"),
@@ -27,8 +28,8 @@ const PAGES: &[(&str, &str)] = &[
     ("validation/README.md", "judges.md"),
 ];
 
-/// Writes the pages and builds the book. Returns the number of pages.
-pub fn build(workspace: &Workspace) -> Result<usize, Box<dyn Error>> {
+/// Writes the pages and builds the book.
+pub fn build(workspace: &Workspace) -> Result<(), Box<dyn Error>> {
     let folder = workspace.target.join("book");
     let pages = pages(workspace)?;
     let settings = fs::read_to_string(workspace.root.join(SETTINGS))?;
@@ -67,8 +68,7 @@ pub fn build(workspace: &Workspace) -> Result<usize, Box<dyn Error>> {
         return Err("the book has faults: the lines above name them".into());
     }
     println!("book: {}", folder.join("site").join("index.html").display());
-    let documents = pages.iter().filter(|p| p.is_document()).count();
-    Ok(documents + 2)
+    Ok(())
 }
 
 /// Every page, figure and style.

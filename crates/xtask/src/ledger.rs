@@ -5,6 +5,7 @@
 mod documents;
 
 use std::collections::BTreeSet;
+use std::error::Error;
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,11 +14,11 @@ use std::process::{Command, ExitCode, Output, Stdio};
 use rayon::prelude::*;
 use serde_json::Value;
 
+pub use self::documents::commands;
 use self::documents::{
     Fallible, Record, checksum, checksums, difference, keys_of_schema, numbers, public_items,
     shortened, visit,
 };
-use crate::tidy;
 use crate::workspace::{Workspace, cargo};
 
 /// The records, relative to the workspace.
@@ -95,9 +96,15 @@ pub fn run(workspace: Workspace, arguments: &[&str]) -> ExitCode {
 /// Compares the names alone, with the program that is there.
 ///
 /// # Errors
-/// Where the program or the record cannot be read.
-pub fn names(workspace: &Workspace) -> Fallible<usize> {
-    Ledger { workspace }.compare(false, true)
+/// Where the program or the record cannot be read, or names differ.
+pub fn names_alone(workspace: &Workspace) -> Result<(), Box<dyn Error>> {
+    let compared = Ledger { workspace }.compare(false, true);
+    match compared.map_err(|error| error as Box<dyn Error>)? {
+        0 => Ok(()),
+        _ => {
+            Err("`cargo xtask ledger --names --write` records names that changed on purpose".into())
+        }
+    }
 }
 
 fn built(workspace: Workspace) -> Fallible<Workspace> {
@@ -278,7 +285,7 @@ impl Ledger<'_> {
         for path in keys_of_schema(&schema) {
             add("key", &path);
         }
-        for (command, options) in tidy::commands(self.workspace).map_err(|e| e.to_string())? {
+        for (command, options) in commands(self.workspace)? {
             add("command", &command);
             options.iter().for_each(|option| add("option", &format!("{command} {option}")));
         }

@@ -9,6 +9,8 @@ use lennard_core::parallel::{most_threads, processors};
 
 mod eos;
 mod studies;
+#[cfg(test)]
+mod tests;
 
 pub use eos::EosArgs;
 pub use studies::*;

@@ -50,10 +50,7 @@ fn book_target(target: &str, page: &Page, pages: &[Page]) -> Option<String> {
         .map_or((target, String::new()), |(path, anchor)| (path, format!("#{anchor}")));
     let folder = Path::new(&page.source).parent().unwrap_or(Path::new(""));
     let source = plain(&folder.join(path)).to_string_lossy().replace('\\', "/");
-    let there = match source.as_str() {
-        "README.md" => "index.md",
-        _ => pages.iter().find(|p| p.source == source)?.target.as_str(),
-    };
+    let there = pages.iter().find(|p| p.source == source)?.target.as_str();
     let up = "../".repeat(page.target.matches('/').count());
     Some(format!("{up}{there}{anchor}"))
 }
@@ -70,6 +67,7 @@ mod tests {
             page("docs/speed.md", "speed.md"),
             page("docs/tutorials/first.md", "tutorials/first.md"),
             page("inputs/README.md", "scenes.md"),
+            page("README.md", "index.md"),
         ];
         for (at, text, wanted) in [
             (0, "[a](tutorials/first.md#x) b", "[a](tutorials/first.md#x) b"),

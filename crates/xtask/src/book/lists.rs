@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
-use crate::tidy::lennard_commands;
+use crate::ledger::commands as commands_of;
 use crate::workspace::Workspace;
 
 /// The lists of `lennard list` with their headings.
@@ -31,8 +31,9 @@ const LISTS: [(&str, &str); 15] = [
 pub fn commands(workspace: &Workspace) -> Result<String, Box<dyn Error>> {
     let mut page =
         String::from("# Commands\n\nThis page is what `lennard COMMAND --help` prints.\n");
-    for name in lennard_commands(workspace)? {
-        let help = said(workspace, &[&name, "--help"])?;
+    let commands = commands_of(workspace).map_err(|error| error as Box<dyn Error>)?;
+    for name in commands.keys().filter(|name| *name != "help") {
+        let help = said(workspace, &[name, "--help"])?;
         let _ = write!(page, "\n## lennard {name}\n\n```text\n{}\n```\n", help.trim_end());
     }
     Ok(page)

@@ -182,6 +182,42 @@ pub fn difference(recorded: &Record, now: &Record, sets: &[String]) -> Vec<Strin
     lines
 }
 
+/// The commands of `lennard` with their options, from its own help.
+pub fn commands(workspace: &Workspace) -> Fallible<BTreeMap<String, Vec<String>>> {
+    let help = |arguments: &[&str]| -> Fallible<String> {
+        let output =
+            workspace.command(workspace.binary()).args(arguments).arg("--help").output()?;
+        Ok(String::from_utf8(output.stdout)?)
+    };
+    let mut commands = BTreeMap::new();
+    for name in names_in(&help(&[])?) {
+        let options = options_in(&help(&[&name])?);
+        commands.insert(name, options);
+    }
+    if commands.is_empty() {
+        return Err("`lennard --help` lists no commands".into());
+    }
+    Ok(commands)
+}
+
+/// The first words below `Commands:`; a description that was wrapped stands further to the right.
+fn names_in(help: &str) -> Vec<String> {
+    let lines = help.lines().skip_while(|line| line.trim() != "Commands:").skip(1);
+    lines
+        .take_while(|line| !line.trim().is_empty())
+        .filter(|line| line.starts_with("  ") && !line.starts_with("   "))
+        .filter_map(|line| line.split_whitespace().next())
+        .map(str::to_owned)
+        .collect()
+}
+
+fn options_in(help: &str) -> Vec<String> {
+    help.split(|c: char| c.is_whitespace() || ",=[]<>`".contains(c))
+        .filter(|word| word.starts_with("--"))
+        .map(str::to_owned)
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -235,5 +271,15 @@ mod tests {
         assert_eq!(with(1.0, 2.0), with(1.5, 2.0));
         assert_ne!(with(1.0, 2.0), with(1.0, 2.5));
         fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn commands_and_options_are_read_from_help() {
+        let help = "Usage: lennard\n\nCommands:\n  run   Run a scene\n          and wrap\n  list  List\n\nOptions:\n  -h, --help  Print help\n";
+        assert_eq!(names_in(help), ["run", "list"]);
+        assert_eq!(
+            options_in("  -o, --out <DIR>  Folder [default: x]\n  --set <K=V>\n"),
+            ["--out", "--set"]
+        );
     }
 }

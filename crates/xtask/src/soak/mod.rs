@@ -92,11 +92,6 @@ Usage: cargo xtask soak [--quick] [--long] [--seed N]
   --long    Only this: 10,000,000 steps of 108 particles with conserved energy and momentum
   --seed N  Seed of the random times (default 1)";
 
-/// The short form, as one check among others.
-pub fn quick(workspace: &Workspace) -> Result<(), Box<dyn Error>> {
-    kills(workspace, &QUICK, DEFAULT_SEED)
-}
-
 /// Builds the program and runs the command.
 pub fn build_and_run(workspace: &Workspace, arguments: &[&str]) -> ExitCode {
     let mut build = workspace.command(cargo());

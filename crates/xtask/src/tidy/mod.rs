@@ -1,13 +1,9 @@
 //! Checks of the repository itself.
 
 mod circles;
-#[cfg(test)]
-mod documents;
 mod features;
-mod finding;
 mod layers;
 mod methods;
-mod readme;
 mod sentences;
 mod sizes;
 mod test_binaries;
@@ -16,23 +12,25 @@ mod tracked;
 use std::error::Error;
 
 use crate::workspace::Workspace;
-use finding::Finding;
-pub use readme::{commands, lennard_commands};
 
-/// Runs every check.
-pub fn all(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
-    let mut findings = vec![("crates depend as designed", layers::faults(&workspace.packages))];
-    findings.push((
-        "README.md and docs name what exists",
-        // A document that cannot be read is a fault like others: the rest is still checked.
-        readme::faults_in_documents(workspace).unwrap_or_else(|error| vec![error.to_string()]),
-    ));
-    findings.push(("one test binary per crate", test_binaries::faults(&workspace.packages)));
-    findings.push(("each library is compiled once", features::faults(workspace)?));
-    findings.push(("no circles of files", circles::faults(workspace)?));
-    findings.push(("files fit a sitting", sizes::faults(workspace)?));
-    findings.push(("methods are named in one file and one line", methods::faults(workspace)?));
-    findings.push(("sentences are short and have nouns", sentences::faults(workspace)?));
-    findings.extend(tracked::findings(workspace)?);
-    Ok(findings)
+/// Runs every check, and prints what each finds.
+pub fn check(workspace: &Workspace) -> Result<(), Box<dyn Error>> {
+    let mut found = vec![
+        ("crates depend as designed", layers::faults(&workspace.packages)),
+        ("one test binary per crate", test_binaries::faults(&workspace.packages)),
+        ("each library is compiled once", features::faults(workspace)?),
+        ("no circles of files", circles::faults(workspace)?),
+        ("files fit a sitting", sizes::faults(workspace)?),
+        ("methods are named in one file and one line", methods::faults(workspace)?),
+        ("sentences are short and have nouns", sentences::faults(workspace)?),
+    ];
+    found.extend(tracked::findings(workspace)?);
+    for (check, faults) in &found {
+        println!("{check}: {}", if faults.is_empty() { "fine" } else { "" });
+        faults.iter().for_each(|fault| println!("  {fault}"));
+    }
+    match found.iter().filter(|(_, faults)| !faults.is_empty()).count() {
+        0 => Ok(()),
+        count => Err(format!("{count} checks found faults").into()),
+    }
 }

@@ -3,7 +3,6 @@
 use std::error::Error;
 use std::path::Path;
 
-use super::finding::Finding;
 use crate::workspace::Workspace;
 
 /// Every clone carries a tracked file for ever, and a larger file has no readers.
@@ -34,8 +33,11 @@ const REGISTRY_SETTINGS: [&str; 6] = [
 /// The one source that Cargo.lock may name.
 const CRATES_IO: &str = "registry+https://github.com/rust-lang/crates.io-index";
 
+/// A check and what it found.
+pub type Finding = (&'static str, Vec<String>);
+
 /// Checks every file that git tracks or would add.
-pub fn findings(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
+pub fn findings(workspace: &Workspace) -> Result<[Finding; 3], Box<dyn Error>> {
     let (mut machine, mut registry, mut large) = (Vec::new(), Vec::new(), Vec::new());
     for name in &workspace.tracked(&[])? {
         let path = workspace.root.join(name);
@@ -51,7 +53,7 @@ pub fn findings(workspace: &Workspace) -> Result<Vec<Finding>, Box<dyn Error>> {
         machine.extend(machine_paths(name, &text));
         registry.extend(registries(name, &text));
     }
-    Ok(vec![
+    Ok([
         ("no path of one machine", machine),
         ("no package registry of one machine", registry),
         ("no large file", large),

@@ -6,6 +6,7 @@ mod bench;
 mod chart;
 mod commands;
 mod common;
+mod documents;
 mod eos;
 mod export;
 mod faults;
