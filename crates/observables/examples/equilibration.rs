@@ -1,4 +1,4 @@
-//! How often the search for equilibrium fails on series whose answer is known: the table of docs/coverage.md.
+//! How often the search for equilibrium fails on series whose answer is known: the table of validation/results/equilibration.md.
 //!
 //!     cargo run --release -p lennard-observables --example equilibration
 #![allow(clippy::print_stdout)] // printing is what it is for
