@@ -48,15 +48,6 @@ const LEFT_OUT: [&str; 3] = ["bench/melt-953k", "studies/coverage", "studies/cov
 /// Studies whose numbers depend on no clock.
 const STUDIES: [&[&str]; 2] =
     [&["stability", "--quick", "--json"], &["mechanics", "--quick", "--json"]];
-const HELP: &str = "\
-Compares bits of every shipped scene and the names that users know with validation/ledger.
-
-Usage: cargo xtask ledger [--write] [--names] [--binary FILE]
-
-  --write        Write the record anew; its difference belongs into the commit
-  --names        Names alone
-  --binary FILE  Another build of the program";
-
 /// Runs the command; the exit code says whether everything is as recorded.
 pub fn run(workspace: Workspace, arguments: &[&str]) -> ExitCode {
     let (mut write, mut names_alone, mut binary) = (false, false, None);
@@ -67,7 +58,7 @@ pub fn run(workspace: Workspace, arguments: &[&str]) -> ExitCode {
             "--names" => names_alone = true,
             "--binary" => binary = rest.next().map(PathBuf::from),
             _ => {
-                eprintln!("{HELP}");
+                eprintln!("{}", crate::HELP);
                 return ExitCode::from(2);
             }
         }

@@ -83,15 +83,6 @@ const DEFAULT_SEED: u64 = 1;
 /// Steps of the long conservation run.
 const LONG_STEPS: u64 = 10_000_000;
 
-const HELP: &str = "\
-Kills runs at random times, goes on with them, and compares what they leave with an undisturbed run.
-
-Usage: cargo xtask soak [--quick] [--long] [--seed N]
-
-  --quick   10 kills in place of 200
-  --long    Only this: 10,000,000 steps of 108 particles with conserved energy and momentum
-  --seed N  Seed of the random times (default 1)";
-
 /// Builds the program and runs the command.
 pub fn build_and_run(workspace: &Workspace, arguments: &[&str]) -> ExitCode {
     let mut build = workspace.command(cargo());
@@ -132,7 +123,7 @@ fn run(workspace: &Workspace, arguments: &[&str]) -> ExitCode {
 }
 
 fn usage(fault: &str) -> ExitCode {
-    eprintln!("{fault}\n\n{HELP}");
+    eprintln!("{fault}\n\n{}", crate::HELP);
     ExitCode::from(2)
 }
 

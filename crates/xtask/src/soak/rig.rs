@@ -12,42 +12,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::compare;
 
 /// A small liquid that is melted and measured, with everything that must survive switched on.
-const SCENE: &str = r#"
-[system]
-n_atoms = 256
-density = 0.8442
-temperature = 1.4
-seed = 3
-[truncation]
-kind = "switch"
-r_cut = 2.5
-[integrator]
-dt = 0.002
-[[stage]]
-name = "melt"
-steps = 500
-thermostat = "bussi"
-[[stage]]
-name = "production"
-steps = 5000
-[[observable]]
-kind = "rdf"
-every = 20
-[[observable]]
-kind = "msd"
-every = 10
-[[observable]]
-kind = "vacf"
-every = 5
-[[observable]]
-kind = "pressure-tensor"
-every = 5
-[output]
-thermo_every = 10
-trajectory_every = 100
-[checkpoint]
-every_steps = 150
-"#;
+const SCENE: &str = include_str!("scene.toml");
 
 /// Exit codes of the program.
 const OTHER: i32 = 1;
