@@ -4,7 +4,7 @@
 //! the labels of that number fill the braces of the row. A row may stand for every number of its key.
 
 use crate::StudyError;
-use crate::report::significant;
+use crate::report::{Section, significant};
 use lennard_core::{Cell, Table, Tone};
 use lennard_observables::{Allowed, Reference, Verdict, judge};
 use serde::{Deserialize, Serialize, Serializer};
@@ -308,6 +308,11 @@ pub fn table(claims: &[Claim]) -> Table {
         .column("Measured", |c| Cell::rounded(c.measured, 8))
         .column("Verdict", |c| Cell::words(c.verdict.words_of_claim()).toned(c.verdict.tone()))
         .table()
+}
+
+/// The claims with their verdicts, for a page and a terminal.
+pub(crate) fn section(claims: &[Claim]) -> Section {
+    Section::new("Claims and verdicts").table(table(claims)).brief(&["Judged by", "Wanted"])
 }
 
 /// The claims for a program.

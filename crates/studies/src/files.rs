@@ -2,19 +2,39 @@
 
 use std::path::Path;
 
-use crate::report::Page;
 use lennard_core::Table;
 use lennard_io::{write_json_atomically, write_table_csv, write_text_atomically};
 use serde::Serialize;
 
 use crate::StudyError;
+use crate::report::Page;
+
+/// A study that has run: all that it has measured, as JSON, as tables and as a page.
+pub trait Study: Serialize {
+    /// Name of the file with all that it has measured.
+    const JSON: &'static str = "study.json";
+
+    /// The tables with every digit.
+    fn tables(&self) -> Vec<Table>;
+
+    /// The page, whose brief sections a terminal shows too.
+    fn page(&self) -> Page;
+
+    /// Writes tables as CSV, the pictures of the page (in `figures/`), the study as JSON, and the page as `report.html`.
+    ///
+    /// # Errors
+    /// [`StudyError`] where a figure cannot be drawn or a file cannot be written.
+    fn write(&self, dir: &Path) -> Result<(), StudyError> {
+        write_all(dir, &self.tables(), (Self::JSON, self), &self.page())
+    }
+}
 
 /// Writes tables as CSV, the pictures of the page (in `figures/`), the study as the JSON file that is named, and
 /// the page as `report.html`.
 pub(crate) fn write_all(
     dir: &Path,
     tables: &[Table],
-    (json, study): (&str, &impl Serialize),
+    (json, study): (&str, &(impl Serialize + ?Sized)),
     page: &Page,
 ) -> Result<(), StudyError> {
     let figure_dir = dir.join("figures");

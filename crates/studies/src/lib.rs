@@ -31,4 +31,5 @@ pub mod sweep;
 pub mod tune;
 
 pub use error::StudyError;
+pub use files::Study;
 pub use progress::{Progress, Silent};

@@ -24,8 +24,7 @@ pub use tune::tuning;
 
 use std::path::Path;
 
-use lennard_studies::claims::{self, Claim};
-use lennard_studies::report::{Block, Section};
+use lennard_studies::report::{Block, Page, Section};
 
 use tables::{narrow_table, table};
 
@@ -52,9 +51,27 @@ pub fn print(section: &Section, style: Style) {
     }
 }
 
+/// Prints what a page says first: its title, its lead and its brief sections.
+pub fn page(page: &Page, folder: &Path) {
+    print(&Section::new(&page.title).text(&page.lead), Style::Open);
+    for section in &page.sections {
+        let Some(without) = section.brief else {
+            continue;
+        };
+        let mut brief = section.clone();
+        for block in &mut brief.blocks {
+            if let Block::Table(table) = block {
+                *table = table.clone().without(without);
+            }
+        }
+        print(&brief, Style::Open);
+    }
+    note(&format!("page: {}", folder.join("report.html").display()));
+}
+
 /// Prints a text in lines that fit the terminal; an empty one is an empty line.
 fn note(text: &str) {
-    for line in wrapped(text) {
+    for line in wrapped(&text.replace("**", "")) {
         println!("{}", line.trim_end());
     }
 }
@@ -93,13 +110,6 @@ fn bytes(n: u64) -> String {
         b if b < 1e9 => format!("{:.1} MB", b / 1e6),
         b => format!("{:.2} GB", b / 1e9),
     }
-}
-
-/// The verdicts of a study of claims.
-pub fn verdicts(found: &[Claim], folder: &Path) {
-    let claims = claims::table(found).without(&["Judged by", "Wanted"]);
-    println!("{}", table(&claims));
-    println!("  page: {}", folder.join("report.html").display());
 }
 
 #[cfg(test)]

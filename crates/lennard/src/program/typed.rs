@@ -64,6 +64,9 @@ mod tests {
             "lennard sweep a.toml --out 'my runs' --set 'x=[1,2]'"
         );
         assert_eq!(of(&sweep, None, &without), "lennard sweep a.toml --set 'x=[1,2]'");
-        assert_eq!(of(&typed("bench --json --force"), folder, &[]), "lennard bench --out 'my runs'");
+        assert_eq!(
+            of(&typed("bench --json --force"), folder, &[]),
+            "lennard bench --out 'my runs'"
+        );
     }
 }

@@ -23,11 +23,12 @@ mod tables;
 pub mod unilateral;
 mod ways;
 
-use std::path::Path;
+use lennard_core::Table;
 
 pub use study::{MechanicsMeasurements, MechanicsOptions, MechanicsStudy};
 
-use crate::{Progress, StudyError};
+use crate::report::Page;
+use crate::{Progress, Study, StudyError};
 
 /// Who claims what about bonds, collisions and SPOOK.
 const CLAIMS: &str = include_str!("claims.csv");
@@ -82,12 +83,14 @@ pub fn run(
     })
 }
 
-/// Writes CSV tables, SVG figures (in `figures/`), `study.json` and `report.html` into `dir`.
-///
-/// # Errors
-/// [`StudyError`] where a figure cannot be drawn or a file cannot be written.
-pub fn write(study: &MechanicsStudy, dir: &Path) -> Result<(), StudyError> {
-    let mut all = tables::csv(&study.found);
-    all.push(crate::claims::csv(&study.claims));
-    crate::files::write_all(dir, &all, ("study.json", study), &page::page(study))
+impl Study for MechanicsStudy {
+    fn tables(&self) -> Vec<Table> {
+        let mut tables = tables::csv(&self.found);
+        tables.push(crate::claims::csv(&self.claims));
+        tables
+    }
+
+    fn page(&self) -> Page {
+        page::page(self)
+    }
 }

@@ -64,7 +64,7 @@ pub(super) fn page(study: &MechanicsStudy) -> Page {
             one("Fluids of rigid dumbbells", "The same scene under each way, and beside two equations of state.")
                 .table(tables::drifts(found))
                 .figures(collision_figures::states(found)),
-            Section::new("Claims and verdicts").table(claims::table(&study.claims)),
+            claims::section(&study.claims),
         ],
         provenance,
     }

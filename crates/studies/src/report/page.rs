@@ -36,13 +36,21 @@ pub struct Section {
     pub title: String,
     /// What stands in it.
     pub blocks: Vec<Block>,
+    /// Whether a terminal shows it too, and without which columns of its tables: it has less room.
+    pub brief: Option<&'static [&'static str]>,
 }
 
 impl Section {
     /// An empty section.
     #[must_use]
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), blocks: Vec::new() }
+        Self { title: title.into(), blocks: Vec::new(), brief: None }
+    }
+
+    /// Lets a terminal show the section too, without these columns of its tables.
+    #[must_use]
+    pub fn brief(self, without: &'static [&'static str]) -> Self {
+        Self { brief: Some(without), ..self }
     }
 
     /// Every figure of the section.

@@ -22,11 +22,12 @@ mod study;
 mod tables;
 pub mod variable_step;
 
-use std::path::Path;
+use lennard_core::Table;
 
 pub use study::{OscillatorStudy, StabilityOptions, StabilityStudy};
 
-use crate::{Progress, StudyError};
+use crate::report::Page;
+use crate::{Progress, Study, StudyError};
 
 /// Who claims what about integrators.
 const CLAIMS: &str = include_str!("claims.csv");
@@ -90,15 +91,17 @@ fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<OscillatorStud
     })
 }
 
-/// Writes CSV tables, SVG figures (in `figures/`), `study.json` and `report.html` into `dir`.
-///
-/// # Errors
-/// [`StudyError`] where a figure cannot be drawn or a file cannot be written.
-pub fn write(study: &StabilityStudy, dir: &Path) -> Result<(), StudyError> {
-    let mut tables = tables::csv(&study.oscillator);
-    tables.extend(fluid::csv(&study.fluid));
-    tables.push(crate::claims::csv(&study.claims));
-    crate::files::write_all(dir, &tables, ("study.json", study), &page::page(study))
+impl Study for StabilityStudy {
+    fn tables(&self) -> Vec<Table> {
+        let mut tables = tables::csv(&self.oscillator);
+        tables.extend(fluid::csv(&self.fluid));
+        tables.push(crate::claims::csv(&self.claims));
+        tables
+    }
+
+    fn page(&self) -> Page {
+        page::page(self)
+    }
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ pub(crate) fn page(study: &StabilityStudy) -> Page {
     let mut sections =
         vec![amplification(study), cases(study), infinite(study), convergence(study)];
     sections.extend(fluid::sections(&study.fluid));
-    sections.push(Section::new("Claims and verdicts").table(claims::table(&study.claims)));
+    sections.push(claims::section(&study.claims));
     Page {
         title: "Where each integrator fails".into(),
         lead: format!(

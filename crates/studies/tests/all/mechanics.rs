@@ -4,10 +4,10 @@ use std::path::Path;
 
 use lennard_integrators::bond_methods;
 use lennard_observables::Verdict;
-use lennard_studies::Silent;
 use lennard_studies::claims::Source;
 use lennard_studies::mechanics::comparison::Convergence;
 use lennard_studies::mechanics::{self, MechanicsOptions, MechanicsStudy};
+use lennard_studies::{Silent, Study};
 
 fn study() -> MechanicsStudy {
     let options = MechanicsOptions {
@@ -70,7 +70,7 @@ fn check_numbers(study: &MechanicsStudy) {
 }
 
 fn check_files(study: &MechanicsStudy, dir: &Path) {
-    mechanics::write(study, dir).expect("the files are written");
+    study.write(dir).expect("the files are written");
     for name in ["ways.csv", "claims.csv", "study.json", "report.html"] {
         assert!(dir.join(name).is_file(), "{name}");
     }

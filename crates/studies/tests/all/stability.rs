@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use lennard_observables::Verdict;
-use lennard_studies::Progress;
 use lennard_studies::stability::fluid::run::{FluidRun, Outcome};
 use lennard_studies::stability::{self, StabilityOptions, StabilityStudy};
+use lennard_studies::{Progress, Study};
 
 /// Keeps what it is told.
 #[derive(Default)]
@@ -89,7 +89,7 @@ fn check_numbers(study: &StabilityStudy) {
 }
 
 fn check_files(study: &StabilityStudy, dir: &Path) {
-    stability::write(study, dir).expect("everything is written");
+    study.write(dir).expect("everything is written");
     let text = |name: &str| std::fs::read_to_string(dir.join(name)).expect(name);
     let html = text("report.html");
     for outside in ["src=\"", "href=\"http", "NaN", " kg, from", "N/m", "[m]"] {
@@ -126,7 +126,7 @@ fn check_files(study: &StabilityStudy, dir: &Path) {
     let json: serde_json::Value = serde_json::from_str(&text("study.json")).expect("JSON");
     assert_eq!(json["claims"].as_array().map(Vec::len), Some(study.claims.len()));
     // Written again, the same bytes.
-    stability::write(study, dir).expect("written over");
+    study.write(dir).expect("written over");
     assert_eq!(text("report.html"), html);
 }
 

@@ -25,12 +25,13 @@ use lennard_core::parallel::{self, PoolError};
 use lennard_engine::EngineError;
 use lennard_io::{Existing, OutputFolder};
 use lennard_scene::{Scene, UsedLock};
+use lennard_studies::Study;
 use serde::Serialize;
 
 use crate::program::args::SceneArgs;
 pub use crate::program::commands::inputs::Inputs;
 use crate::program::failure::{DONE, Failure, INPUT, OTHER};
-use crate::program::out;
+use crate::program::{out, show};
 
 /// Loads the scene of a command with its overrides. Where the scene asks for an accuracy, the settings of its
 /// lock file are added, if there is one. Without a lock file, a scene that leaves settings to be chosen is
@@ -127,6 +128,20 @@ pub fn answer(json: bool, found: &impl Serialize, show: impl FnOnce()) -> Result
         false => show(),
     }
     Ok(DONE)
+}
+
+/// Prints what a study has found: as one JSON document, or what its page says first.
+pub fn answer_of_study(
+    json: bool,
+    quiet: bool,
+    study: &impl Study,
+    folder: &Path,
+) -> Result<u8, Failure> {
+    answer(json, study, || {
+        if !quiet {
+            show::page(&study.page(), folder);
+        }
+    })
 }
 
 /// `lennard version`.
