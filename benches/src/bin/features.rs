@@ -19,7 +19,7 @@ use lennard_engine::{
     Trigger, bare, capture, take, watchdog, watching_seconds,
 };
 use lennard_observables::ObservableOptions;
-use lennard_scene::Scene;
+use lennard_scene::{Scene, shipped};
 use lennard_studies::lab::{Rig, Start};
 
 /// Keys that replace a key of the scene.
@@ -30,7 +30,7 @@ const OF_SCENE: [(&str, &str); 4] = [
     ("cutoff", "truncation.r_cut"),
 ];
 /// The scene that runs where none is named.
-const MELT: &str = "shipped:/bench/melt-32k.toml";
+const MELT: &str = "bench/melt-32k";
 /// Blocks of the loop by hand, and of the engine with everything off, in each round. The best counts for their ratio, which must be
 /// known to a per cent, on machines where one block is known to ten. Features are compared with the median.
 const BASE_BLOCKS: usize = 4;
@@ -52,6 +52,7 @@ struct Row {
     how: String,
     overrides: Overrides,
     want: Want,
+    is_measured: bool,
     is_written: bool,
 }
 
@@ -63,6 +64,7 @@ impl Row {
             how: how.into(),
             overrides: overrides.iter().map(owned).collect(),
             want: Want::NOTHING,
+            is_measured: false,
             is_written: false,
         }
     }
@@ -72,7 +74,6 @@ impl Row {
 fn rows(scene: &Scene) -> Vec<Row> {
     const EVERY_STEP: &str = "every step";
     let rows = scene.output.thermo_every;
-    let measured = ("stage.0.measure", "true".to_owned());
     let mut all: Vec<Row> = [
         ("energy", Want::ENERGY),
         ("energy and virial", Want::ENERGY_AND_VIRIAL),
@@ -109,7 +110,7 @@ fn rows(scene: &Scene) -> Vec<Row> {
             }
         };
         let how = format!("every {every} steps");
-        all.push(Row::new(options.name(), how, &[measured.clone(), key]));
+        all.push(Row { is_measured: true, ..Row::new(options.name(), how, &[key]) });
     }
     all.push(Row {
         is_written: true,
@@ -120,11 +121,12 @@ fn rows(scene: &Scene) -> Vec<Row> {
         )
     });
     all.push(Row {
+        is_measured: true,
         is_written: true,
         ..Row::new(
             "trajectory",
             format!("a frame every {FRAMES_EVERY} steps"),
-            &[measured, ("output.trajectory_every", FRAMES_EVERY.to_string())],
+            &[("output.trajectory_every", FRAMES_EVERY.to_string())],
         )
     });
     all
@@ -143,7 +145,8 @@ fn features() -> Result<(), Box<dyn Error>> {
         .iter()
         .filter_map(|(key, of_scene)| Some(((*of_scene).into(), given.value(key)?.into())))
         .collect();
-    let scene = Scene::load(Path::new(given.word(0).unwrap_or(MELT)), &settings)?;
+    let file = shipped::locate(Path::new(given.word(0).unwrap_or(MELT)));
+    let scene = Scene::load(&file, &settings)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     pool.install(|| measure(&scene, repeats)).map_err(|error| error as Box<dyn Error>)
 }
@@ -160,18 +163,25 @@ fn measure(scene: &Scene, repeats: usize) -> Result<(), Failure> {
     let (start, step) = Start::warmed(off.clone(), warm_steps, warm_for)?;
     let bench = Bench { start, steps: ((block_seconds / step) as u64).clamp(20, 20_000) };
     let text = off.resolved_toml();
+    let still = ("output.thermo_every".to_owned(), ENDLESS.to_string());
     // A bath of another temperature would change the fluid, and with it the time between two builds of a list.
-    let held = [
-        ("output.thermo_every".to_owned(), ENDLESS.to_string()),
-        ("stage.0.temperature".to_owned(), format!("{:?}", bench.start.temperature())),
-    ];
+    let held = ("stage.0.temperature".to_owned(), format!("{:?}", bench.start.temperature()));
     let (mut on, mut left_out) = (Vec::new(), Vec::new());
     for row in rows(scene) {
-        let overrides: Overrides = held.iter().cloned().chain(row.overrides.clone()).collect();
+        // A reader wants a measured stage; what is not measured is told after it.
+        let mut overrides = vec![still.clone(), ("stage.0.measure".into(), "true".into())];
+        if row.overrides.iter().any(|(key, _)| key == "stage.0.thermostat") {
+            overrides.push(held.clone());
+        }
+        overrides.extend(row.overrides.clone());
         let with = Scene::parse(&text, "everything off", &overrides).map_err(EngineError::from);
-        match with.and_then(|with| bench.start.settled(with.clone()).map(|_| with)) {
+        let settled = with.and_then(|mut with| {
+            with.stages[0].measure = row.is_measured;
+            bench.start.settled(with.clone()).map(|_| with)
+        });
+        match settled {
             Ok(with) => on.push((row, with)),
-            Err(error) => left_out.push(format!("{}: {error}", row.name)),
+            Err(error) => left_out.push(format!("{}: {error}", row.name).replace('\n', ";")),
         }
     }
     let mut items: Vec<Timed<'_>> =
