@@ -32,6 +32,7 @@ mod persist;
 mod ramp;
 pub mod random;
 pub mod rigid;
+mod sparse;
 mod spec;
 mod species;
 mod state;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use crate::sparse::Pattern;
 use glam::DVec3;
-use lennard_sparse::Pattern;
 
 /// The most sites of a molecule.
 pub const MOST_SITES: usize = 64;

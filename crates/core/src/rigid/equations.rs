@@ -1,6 +1,6 @@
 //! The equations A·λ = r of the bonds of one molecule, for molecules of any shape.
 
-use lennard_sparse::Ldlt;
+use crate::sparse::Ldlt;
 
 use super::tridiagonal::Tridiagonal;
 use crate::topology::{MOST_BONDS_BY_HAND, Topology};

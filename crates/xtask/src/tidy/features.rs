@@ -29,7 +29,7 @@ fn compiled_twice(package: &str, alone: &BTreeSet<String>, all: &BTreeSet<String
     alone
         .difference(all)
         .map(|library| {
-            format!("{package} alone asks for {library}: add the missing features to crates/sparse/Cargo.toml")
+            format!("{package} alone asks for {library}: add the missing features to crates/core/Cargo.toml")
         })
         .collect()
 }

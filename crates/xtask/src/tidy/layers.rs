@@ -14,8 +14,7 @@ enum May {
 
 /// The crates in the order in which data flows; each may use only crates above it.
 const TABLE: &[(&str, May)] = &[
-    ("sparse", May::Use(&[])),
-    ("core", May::Use(&["sparse"])),
+    ("core", May::Use(&[])),
     ("neighbor", May::Use(&["core"])),
     ("forcefield", May::Use(&["core", "neighbor"])),
     ("integrators", May::Use(&["core"])),
