@@ -7,7 +7,7 @@ use lennard_core::{
 };
 
 use crate::OscillatorModel;
-use crate::common::MethodOptions;
+use crate::common::{MethodOptions, VERLET};
 use crate::oscillator::ExactOscillator;
 
 lennard_core::options! {
@@ -22,18 +22,12 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     equations: "x(t+h), v(t+h) = the known solution through x(t), v(t)",
     position_order: 0,
     velocity_order: 0,
-    symplectic: true,
-    reversible: true,
-    fixed_step_only: false,
     velocity_dependent_forces: true,
-    conserves_momentum: true,
     half_kicks: false,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
-    force_evaluations: 1,
     stability_limit: None,
     oscillator_map: Some(oscillator_map),
     source: "Landau and Lifshitz, \"Mechanics\", 3rd ed. (1976), sections 21 and 25",
+    ..VERLET
 };
 
 /// One step on ẍ = −ω²x as a matrix on (x, v): the rotation x′ = x·cos ωh + (v/ω)·sin ωh,

@@ -6,8 +6,7 @@ use lennard_core::{
     State, StateReader, StateWriter, Step, StepError,
 };
 
-use crate::common::MethodOptions;
-use crate::velocity_verlet::oscillator_map;
+use crate::common::{MethodOptions, VERLET};
 
 lennard_core::options! {
     /// Options of the bit-reversible method.
@@ -24,20 +23,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     name: "bit-reversible-verlet",
     summary: "Störmer–Verlet on integer positions: run back, it returns to its start to the last bit, where forces are a pure function of the positions.",
     equations: "q(t+h) = 2 q(t) - q(t-h) + round(h^2 a(t)/d) in whole multiples q of the grid spacing d, x = d q; published: v(t) = d (q(t+h) - q(t-h))/(2 h)",
-    position_order: 2,
-    velocity_order: 2,
-    symplectic: true,
-    reversible: true,
     fixed_step_only: true,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
-    half_kicks: true,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
-    force_evaluations: 1,
-    stability_limit: Some(2.0),
-    oscillator_map: Some(oscillator_map),
     source: "Levesque and Verlet, \"Molecular dynamics and time reversibility\", J. Stat. Phys. 72, 519 (1993)",
+    ..VERLET
 };
 
 /// Grid positions beyond this are refused: sums of four such numbers still fit into 64 bits.

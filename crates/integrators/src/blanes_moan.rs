@@ -3,7 +3,7 @@
 use glam::DMat2;
 use lennard_core::{Integrator, IntegratorSpec};
 
-use crate::common::MethodOptions;
+use crate::common::{MethodOptions, VERLET};
 use crate::composition::Composition;
 
 lennard_core::options! {
@@ -18,18 +18,12 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     equations: "kicks b1 b2 b3 b4 b3 b2 b1 alternate with drifts a1 a2 a3 a3 a2 a1, as fractions of h",
     position_order: 4,
     velocity_order: 4,
-    symplectic: true,
-    reversible: true,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
     half_kicks: false,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
     force_evaluations: 6,
     stability_limit: Some(3.163_465),
     oscillator_map: Some(oscillator_map),
     source: "Blanes and Moan, \"Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nyström methods\", J. Comput. Appl. Math. 142, 313 (2002), table 3, SRKN6b of order 4",
+    ..VERLET
 };
 
 const B1: f64 = 0.082_984_406_417_405_2;

@@ -3,7 +3,7 @@
 use glam::DMat2;
 use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError, remembers_nothing};
 
-use crate::common::MethodOptions;
+use crate::common::{MethodOptions, VERLET};
 
 lennard_core::options! {
     /// Options of explicit Euler: there are none.
@@ -19,16 +19,12 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     velocity_order: 1,
     symplectic: false,
     reversible: false,
-    fixed_step_only: false,
     velocity_dependent_forces: true,
-    conserves_momentum: true,
     half_kicks: false,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
-    force_evaluations: 1,
     stability_limit: Some(0.0),
     oscillator_map: Some(oscillator_map),
     source: "Hairer, Lubich and Wanner, \"Geometric Numerical Integration\", 2nd ed., Springer (2006), section I.1.2, eq. 1.5",
+    ..VERLET
 };
 
 /// One step on ẍ = −ω²x as a matrix on (x, v): x′ = x + h·v, v′ = v − ω²h·x. Both eigenvalues have

@@ -3,7 +3,7 @@
 use glam::DMat2;
 use lennard_core::{Integrator, IntegratorSpec};
 
-use crate::common::MethodOptions;
+use crate::common::{MethodOptions, VERLET};
 use crate::composition::Composition;
 
 lennard_core::options! {
@@ -18,18 +18,12 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     equations: "VV(theta h), VV((1 - 2 theta) h), VV(theta h), with VV a velocity Verlet step and theta = 1/(2 - 2^(1/3))",
     position_order: 4,
     velocity_order: 4,
-    symplectic: true,
-    reversible: true,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
     half_kicks: false,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
     force_evaluations: 3,
     stability_limit: Some(1.573_402),
     oscillator_map: Some(oscillator_map),
     source: "Forest and Ruth, \"Fourth-order symplectic integration\", Physica D 43, 105 (1990)",
+    ..VERLET
 };
 
 /// θ = 1/(2 − ∛2), which removes the error of third order from three steps in a row.

@@ -8,7 +8,7 @@ use lennard_core::{
     remembers_nothing, sweeps,
 };
 
-use crate::common::MethodOptions;
+use crate::common::{MethodOptions, VERLET};
 use crate::krylov::{conjugate_gradients, dot};
 
 lennard_core::options! {
@@ -30,16 +30,12 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     velocity_order: 1,
     symplectic: false,
     reversible: false,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
     half_kicks: false,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
     force_evaluations: 0,
     stability_limit: None,
     oscillator_map: Some(oscillator_map),
     source: "Hairer, Lubich and Wanner, \"Geometric Numerical Integration\", 2nd ed., Springer (2006), section I.1.2, eq. 1.6; line-search Newton-CG: Nocedal and Wright, \"Numerical Optimization\", 2nd ed., Springer (2006), algorithm 7.1",
+    ..VERLET
 };
 
 /// One step on ẍ = −ω²x as a matrix on (x, v): the inverse of [[1, −h], [ω²h, 1]]. Both eigenvalues

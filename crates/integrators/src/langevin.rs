@@ -6,7 +6,7 @@ use lennard_core::{
     System, ThermostatSpec, remembers_nothing, rigid_bonds_alone,
 };
 
-use crate::common::BathOptions;
+use crate::common::{BathOptions, VERLET};
 
 lennard_core::options! {
     /// Options of Langevin dynamics: velocities are forgotten within the inverse of the friction.
@@ -48,20 +48,13 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     name: NAME,
     summary: SUMMARY,
     equations: "v += (h/2) a; x += (h/2) v; v = c v + sqrt((1 - c^2) T/m) R with c = exp(-friction h); x += (h/2) v; v += (h/2) a(t+h)",
-    position_order: 2,
-    velocity_order: 2,
     symplectic: false,
     reversible: false,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
     conserves_momentum: false,
-    half_kicks: true,
-    is_kick_drift_kick: false,
     holds_rigid_bonds: true,
-    force_evaluations: 1,
-    stability_limit: Some(2.0),
     oscillator_map: None,
     source: SOURCE,
+    ..VERLET
 };
 
 /// Langevin dynamics m·dv = F·dt − γ·m·v·dt + √(2γmT)·dW by the splitting B A O A B. B is half a

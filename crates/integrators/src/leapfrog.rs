@@ -6,8 +6,7 @@ use lennard_core::{
     StateReader, StateWriter, Step, StepError, System, rigid_bonds_alone, sweeps,
 };
 
-use crate::common::{MethodOptions, acts_on_bonds};
-use crate::velocity_verlet::oscillator_map;
+use crate::common::{MethodOptions, VERLET, acts_on_bonds};
 
 lennard_core::options! {
     /// Options of leapfrog: there are none.
@@ -19,20 +18,9 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     name: "leapfrog",
     summary: "Leapfrog with velocities at half steps; publishes the velocity of the whole step.",
     equations: "v(t+h/2) = v(t-h'/2) + (h'+h)/2 a(t), with h' the step before; x(t+h) = x(t) + h v(t+h/2); published: v(t+h) = v(t+h/2) + (h/2) a(t+h)",
-    position_order: 2,
-    velocity_order: 2,
-    symplectic: true,
-    reversible: true,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
-    half_kicks: true,
-    is_kick_drift_kick: false,
     holds_rigid_bonds: true,
-    force_evaluations: 1,
-    stability_limit: Some(2.0),
-    oscillator_map: Some(oscillator_map),
     source: "Hockney and Eastwood, \"Computer Simulation Using Particles\", McGraw-Hill (1981), section 4-4; Hairer, Lubich and Wanner, \"Geometric Numerical Integration\", 2nd ed. (2006), section I.1.4",
+    ..VERLET
 };
 
 /// Leapfrog; remembers v(t − h/2) and h.

@@ -3,7 +3,7 @@
 use glam::DMat2;
 use lennard_core::{Integrator, IntegratorSpec};
 
-use crate::common::MethodOptions;
+use crate::common::{MethodOptions, VERLET};
 use crate::composition::Composition;
 
 lennard_core::options! {
@@ -18,18 +18,12 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     equations: "x += xi h v; v += (1-2L) h/2 a; x += chi h v; v += L h a; x += (1-2(chi+xi)) h v; v += L h a; x += chi h v; v += (1-2L) h/2 a; x += xi h v",
     position_order: 4,
     velocity_order: 4,
-    symplectic: true,
-    reversible: true,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
     half_kicks: false,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
     force_evaluations: 5,
     stability_limit: Some(2.989_450),
     oscillator_map: Some(oscillator_map),
     source: "Omelyan, Mryglod and Folk, \"Optimized Forest-Ruth- and Suzuki-like algorithms for integration of motion in many-body systems\", Comput. Phys. Commun. 146, 188 (2002), PEFRL",
+    ..VERLET
 };
 
 const XI: f64 = 0.178_617_895_844_809_1;

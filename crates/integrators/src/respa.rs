@@ -8,7 +8,7 @@ use lennard_core::{
     rigid_bonds_alone, sweeps,
 };
 
-use crate::common::MethodOptions;
+use crate::common::{MethodOptions, VERLET};
 use crate::oscillator::HarmonicForces;
 
 lennard_core::options! {
@@ -27,20 +27,12 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     name: "respa",
     summary: "Reversible multiple time steps: velocity Verlet on the near force inside kicks of the far force.",
     equations: "v += (h/2) a_far; n times: v += (h/2n) a_near, x += (h/n) v, v += (h/2n) a_near; v += (h/2) a_far",
-    position_order: 2,
-    velocity_order: 2,
-    symplectic: true,
-    reversible: true,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
     half_kicks: false,
-    is_kick_drift_kick: false,
     holds_rigid_bonds: true,
     force_evaluations: DEFAULT_INNER_STEPS + 1,
     stability_limit: Some(2.695_592),
-    oscillator_map: Some(oscillator_map),
     source: "Tuckerman, Berne and Martyna, \"Reversible multiple time scale molecular dynamics\", J. Chem. Phys. 97, 1990 (1992)",
+    ..VERLET
 };
 
 /// One step on ẍ = −ω²x as a matrix on (x, v), with the default inner steps and the oscillator's

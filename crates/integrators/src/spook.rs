@@ -8,7 +8,7 @@ use lennard_core::{
 
 use crate::OscillatorModel;
 use crate::bonds::SpookBonds;
-use crate::common::MethodOptions;
+use crate::common::{MethodOptions, VERLET};
 pub use crate::regularisation::{Damping, Regularisation};
 
 lennard_core::options! {
@@ -23,18 +23,14 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     equations: "M v' - G^T L = M v + h f; G v' + S L = -(4/h) y g + y G v; x' = x + h v'; S = (4/h^2) eps/(1 + 4 tau/h), y = 1/(1 + 4 tau/h)",
     position_order: 1,
     velocity_order: 1,
-    symplectic: true,
     reversible: false,
     fixed_step_only: true,
     velocity_dependent_forces: true,
-    conserves_momentum: true,
     half_kicks: false,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
-    force_evaluations: 1,
     stability_limit: None,
     oscillator_map: Some(oscillator_map),
     source: "Lacoursière, \"Ghosts and Machines: Regularized Variational Methods for Interactive Simulations of Multibodies with Dry Frictional Contacts\", PhD thesis, Umeå University (2007), the SPOOK stepper",
+    ..VERLET
 };
 
 /// One step on the damped oscillator as the constraint g(x) = x on a mass m, in closed form:

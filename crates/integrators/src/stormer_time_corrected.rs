@@ -2,9 +2,8 @@
 
 use lennard_core::{Integrator, IntegratorSpec};
 
-use crate::common::MethodOptions;
+use crate::common::{MethodOptions, VERLET};
 use crate::stormer_verlet::{Recurrence, StepRule};
-use crate::velocity_verlet::oscillator_map;
 
 lennard_core::options! {
     /// Options of this rule: there are none.
@@ -17,20 +16,8 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     name: "stormer-verlet-time-corrected",
     summary: "Störmer–Verlet whose last displacement is scaled to the new step: usable, but of first order, where the step changes.",
     equations: "x(t+h) = x(t) + (x(t) - x(t-h')) h/h' + h^2 a(t), with h' the step before; published: v(t) = (x(t) - x(t-h'))/h' + (h'/2) a(t)",
-    position_order: 2,
-    velocity_order: 2,
-    symplectic: true,
-    reversible: true,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
-    half_kicks: true,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
-    force_evaluations: 1,
-    stability_limit: Some(2.0),
-    oscillator_map: Some(oscillator_map),
     source: "Störmer–Verlet for a step that changes: article on Verlet integration, Wikipedia, section \"Non-constant time differences\"",
+    ..VERLET
 };
 
 impl MethodOptions for Options {

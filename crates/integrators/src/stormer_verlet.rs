@@ -6,8 +6,7 @@ use lennard_core::{
     StateReader, StateWriter, Step, StepError, System, rigid_bonds_alone, without_constraints,
 };
 
-use crate::common::{MethodOptions, acts_on_bonds};
-use crate::velocity_verlet::oscillator_map;
+use crate::common::{MethodOptions, VERLET, acts_on_bonds};
 
 lennard_core::options! {
     /// Options of Störmer–Verlet: there are none.
@@ -19,20 +18,10 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     name: "stormer-verlet",
     summary: "Störmer–Verlet on positions, started by a Taylor step; publishes the central velocity.",
     equations: "x(t+h) = 2 x(t) - x(t-h) + h^2 a(t); start: x(-h) = x(0) - h v(0) + (h^2/2) a(0); published: v(t) = (x(t) - x(t-h))/h + (h/2) a(t)",
-    position_order: 2,
-    velocity_order: 2,
-    symplectic: true,
-    reversible: true,
     fixed_step_only: true,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
-    half_kicks: true,
-    is_kick_drift_kick: false,
     holds_rigid_bonds: true,
-    force_evaluations: 1,
-    stability_limit: Some(2.0),
-    oscillator_map: Some(oscillator_map),
     source: "Verlet, \"Computer experiments on classical fluids. I\", Phys. Rev. 159, 98 (1967), eq. 4",
+    ..VERLET
 };
 
 /// How the recurrence treats a step that changes.

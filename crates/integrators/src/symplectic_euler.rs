@@ -3,7 +3,7 @@
 use glam::DMat2;
 use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError, remembers_nothing};
 
-use crate::common::MethodOptions;
+use crate::common::{MethodOptions, VERLET};
 
 lennard_core::options! {
     /// Options of symplectic Euler: there are none.
@@ -17,18 +17,12 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     equations: "v(t+h) = v(t) + h a(t); x(t+h) = x(t) + h v(t+h)",
     position_order: 1,
     velocity_order: 1,
-    symplectic: true,
     reversible: false,
-    fixed_step_only: false,
     velocity_dependent_forces: true,
-    conserves_momentum: true,
     half_kicks: false,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
-    force_evaluations: 1,
-    stability_limit: Some(2.0),
     oscillator_map: Some(oscillator_map),
     source: "Hairer, Lubich and Wanner, \"Geometric Numerical Integration\", 2nd ed., Springer (2006), section I.1.2, eq. 1.9",
+    ..VERLET
 };
 
 /// One step on ẍ = −ω²x as a matrix on (x, v): v′ = v − ω²h·x, x′ = x + h·v′.

@@ -6,7 +6,7 @@ use lennard_core::{
     remembers_nothing, rigid_bonds_alone,
 };
 
-use crate::common::MethodOptions;
+use crate::common::{MethodOptions, VERLET};
 
 lennard_core::options! {
     /// Options of velocity Verlet: there are none.
@@ -18,20 +18,10 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     name: "velocity-verlet",
     summary: "Velocity Verlet in its four-step form: half kick, drift, force, half kick.",
     equations: "v(t+h/2) = v(t) + (h/2) a(t); x(t+h) = x(t) + h v(t+h/2); v(t+h) = v(t+h/2) + (h/2) a(t+h)",
-    position_order: 2,
-    velocity_order: 2,
-    symplectic: true,
-    reversible: true,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
-    half_kicks: true,
     is_kick_drift_kick: true,
     holds_rigid_bonds: true,
-    force_evaluations: 1,
-    stability_limit: Some(2.0),
-    oscillator_map: Some(oscillator_map),
     source: "Swope, Andersen, Berens and Wilson, \"A computer simulation method for the calculation of equilibrium constants\", J. Chem. Phys. 76, 637 (1982)",
+    ..VERLET
 };
 
 /// One step on ẍ = −ω²x as a matrix on (x, v), with q = (ωh)²:

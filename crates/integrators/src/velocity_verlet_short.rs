@@ -3,8 +3,7 @@
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{DVec3, Integrator, IntegratorSpec, Method, Step, StepError, remembers_nothing};
 
-use crate::common::MethodOptions;
-use crate::velocity_verlet::oscillator_map;
+use crate::common::{MethodOptions, VERLET};
 
 lennard_core::options! {
     /// Options of short velocity Verlet: there are none.
@@ -16,20 +15,8 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     name: "velocity-verlet-short",
     summary: "Velocity Verlet in its short form: position by a Taylor step, velocity by the mean of both forces.",
     equations: "x(t+h) = x(t) + h v(t) + (h^2/2) a(t); v(t+h) = v(t) + (h/2) (a(t) + a(t+h))",
-    position_order: 2,
-    velocity_order: 2,
-    symplectic: true,
-    reversible: true,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
-    half_kicks: true,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
-    force_evaluations: 1,
-    stability_limit: Some(2.0),
-    oscillator_map: Some(oscillator_map),
     source: "Swope, Andersen, Berens and Wilson, \"A computer simulation method for the calculation of equilibrium constants\", J. Chem. Phys. 76, 637 (1982)",
+    ..VERLET
 };
 
 /// Velocity Verlet, x ← x + h·v + ½h²·a, v ← v + ½h·(a_old + a_new): Newmark's method with β = 0, γ = ½.
