@@ -2,8 +2,7 @@
 
 use lennard_core::{
     Boundary, Configuration, DMat3, DVec3, Drifted, Energetics, Flight, ForceError,
-    ForceProperties, ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, StepError,
-    System, WallReading, Want, sweeps,
+    ForceProperties, ForceTerm, Part, StepError, System, WallReading, Want, persist, sweeps,
 };
 use lennard_forcefield::{ContactLaw, Walls};
 use lennard_integrators::SpookBonds;
@@ -305,19 +304,5 @@ fn between_dashpots(
     Ok(Drifted { heat: before + on_the_way.heat + after, ..on_the_way })
 }
 
-impl Persist for Contacts {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_u64("impacts", &[self.reading.impacts]);
-        if let Some(walls) = &self.walls {
-            walls.save(&mut to.section("walls"));
-        }
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        [self.reading.impacts] = from.u64s("impacts")?;
-        match &mut self.walls {
-            Some(walls) => walls.restore(&from.section("walls")),
-            None => Ok(()),
-        }
-    }
-}
+persist!(Contacts { ..reading, walls, fixed response, bodies, near, held });
+persist!(ContactReading { impacts });

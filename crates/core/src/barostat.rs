@@ -39,6 +39,8 @@ pub struct BoxMoves {
     pub accepted: u64,
 }
 
+crate::persist!(BoxMoves { [tried, accepted] as "moves" });
+
 impl BoxMoves {
     /// The accepted part of the proposed changes; not a number where none was proposed.
     #[must_use]

@@ -119,8 +119,9 @@ impl<B: Backend> Backend for ForceSum<B> {
 
 impl<B: Backend> Persist for ForceSum<B> {
     fn save(&self, to: &mut StateWriter<'_>) {
-        self.first.save(to);
-        for (i, term) in self.others.iter().enumerate() {
+        let Self { first, others, scratch: _ } = self;
+        first.save(to);
+        for (i, term) in others.iter().enumerate() {
             term.save(&mut to.section(&format!("term-{}", i + 1)));
         }
     }

@@ -1,9 +1,8 @@
 //! An integrator at work: a method, the bath and the barostat that act after its steps, and the checks before them.
 
 use crate::{
-    Backend, Barostat, BondSolver, BoxMoves, IntegratorSpec, Method, Momentum, Persist,
-    RestoreError, State, StateReader, StateWriter, Step, StepError, StepReport, System, Thermostat,
-    Want, couple,
+    Backend, Barostat, BondSolver, BoxMoves, IntegratorSpec, Method, Momentum, State, Step,
+    StepError, StepReport, System, Thermostat, Want, couple, persist,
 };
 
 /// Advances a state in time by the steps of a method, with or without a heat bath and a barostat after its steps.
@@ -188,30 +187,7 @@ impl Integrator {
     }
 }
 
-impl Persist for Integrator {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_f64("started_dt", &[self.started_dt]);
-        self.method.save(to);
-        if let Some(bath) = &self.bath {
-            bath.save(&mut to.section("bath"));
-        }
-        if let Some(barostat) = &self.barostat {
-            barostat.save(&mut to.section("barostat"));
-        }
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        [self.started_dt] = from.f64s("started_dt")?;
-        self.method.restore(from)?;
-        if let Some(bath) = &mut self.bath {
-            bath.restore(&from.section("bath"))?;
-        }
-        match &mut self.barostat {
-            Some(barostat) => barostat.restore(&from.section("barostat")),
-            None => Ok(()),
-        }
-    }
-}
+persist!(Integrator { ..method, bath, barostat, started_dt, fixed bonds });
 
 /// Lets the barostat act, and the method remember the positions in the new box.
 fn press(

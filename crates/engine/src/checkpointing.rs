@@ -226,8 +226,7 @@ fn restored_energetics(from: &StateReader<'_>) -> Result<Energetics, lennard_cor
             [x, y, z] => Some(DMat3::from_cols(*x, *y, *z)),
             _ => None,
         },
-        // Older checkpoints have the tensor alone.
-        virial_trace: from.f64("virial_trace").ok().and_then(|w| w.first().copied()),
+        virial_trace: from.f64("virial_trace")?.first().copied(),
         ..Energetics::default()
     })
 }

@@ -1,6 +1,6 @@
 //! Forces of a few particles at a time, against sums over all pairs: what shows that no list missed a pair.
 
-use lennard_core::{DVec3, Persist, RestoreError, State, StateReader, StateWriter};
+use lennard_core::{DVec3, State, persist};
 use lennard_forcefield::AllPairs;
 
 use crate::failure::Symptom;
@@ -107,23 +107,8 @@ fn greatest_common_divisor(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
-impl Persist for ForceCheck {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_u64("forces", &[self.seen.forces]);
-        to.put_f64("largest_deviation", &[self.seen.largest_deviation]);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        let [forces] = match from.u64s("forces") {
-            // Of a run by a version that checked none.
-            Err(RestoreError::Missing(_)) => return Ok(()),
-            forces => forces?,
-        };
-        let [largest_deviation] = from.f64s("largest_deviation")?;
-        self.seen = Seen { forces, largest_deviation };
-        Ok(())
-    }
-}
+persist!(ForceCheck { ..seen, fixed all_pairs });
+persist!(Seen { forces, largest_deviation });
 
 #[cfg(test)]
 mod tests {

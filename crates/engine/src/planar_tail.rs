@@ -58,7 +58,7 @@ pub struct PlanarTail {
     modes: Vec<Mode>,
 }
 
-remembers_nothing!(PlanarTail);
+remembers_nothing!(PlanarTail { cells, homogeneous, modes });
 
 /// Σ cos and Σ sin of each mode.
 #[derive(Debug, Clone, Default, PartialEq)]

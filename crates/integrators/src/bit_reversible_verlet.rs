@@ -136,9 +136,10 @@ impl MethodOptions for Options {
 
 impl Persist for BitReversibleVerlet {
     fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_f64("started_dt", &[self.started_dt]);
-        to.put_i64("current", self.current.as_flattened());
-        to.put_i64("previous", self.previous.as_flattened());
+        let Self { spacing: _, started_dt, current, previous } = self;
+        to.put_f64("started_dt", &[*started_dt]);
+        to.put_i64("current", current.as_flattened());
+        to.put_i64("previous", previous.as_flattened());
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {

@@ -60,7 +60,7 @@ impl Bussi {
     }
 }
 
-remembers_nothing!(Bussi);
+remembers_nothing!(Bussi { tau, temperature, noise });
 
 /// One number serves the whole system, so its stream has a single index.
 const WHOLE_SYSTEM: u32 = 0;

@@ -1,6 +1,6 @@
 //! A Nosé–Hoover chain by itself: thermostats that keep each other warm, in the splitting of Martyna and others.
 
-use lennard_core::{Persist, RestoreError, StateReader, StateWriter};
+use lennard_core::persist;
 
 /// w₁ of the Suzuki–Yoshida weights (w₁, w₂, w₁) of order 4, 1/(2 − 2^{1/3}).
 const OUTER_WEIGHT: f64 = 1.351_207_191_959_657_8;
@@ -15,15 +15,16 @@ const WEIGHTS: [f64; 3] = [OUTER_WEIGHT, 1.0 - 2.0 * OUTER_WEIGHT, OUTER_WEIGHT]
 pub(crate) struct Chain {
     tau: f64,
     /// Velocities ξ_j of the thermostats, 1/τ.
-    velocities: Vec<f64>,
+    velocities: Box<[f64]>,
     /// Positions η_j of the thermostats, which the energy alone depends on.
-    positions: Vec<f64>,
+    positions: Box<[f64]>,
 }
 
 impl Chain {
     /// A chain of `length` thermostats at rest with the period `tau` (τ).
     pub fn new(length: u32, tau: f64) -> Self {
-        Self { tau, velocities: vec![0.0; length as usize], positions: vec![0.0; length as usize] }
+        let zeros = || vec![0.0; length as usize].into_boxed_slice();
+        Self { tau, velocities: zeros(), positions: zeros() }
     }
 
     /// Advances the chain by `h` τ beside a kinetic energy `kinetic` (ε) of `n_dof` degrees of freedom, at `temperature` (ε/k_B).
@@ -76,29 +77,12 @@ impl Chain {
     }
 }
 
-impl Persist for Chain {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_f64("velocities", &self.velocities);
-        to.put_f64("positions", &self.positions);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        for (name, kept) in
-            [("velocities", &mut self.velocities), ("positions", &mut self.positions)]
-        {
-            let saved = from.f64(name)?;
-            if saved.len() != kept.len() {
-                let found = format!("{} thermostats, wanted {}", saved.len(), kept.len());
-                return Err(from.misfit(name, found));
-            }
-            kept.copy_from_slice(saved);
-        }
-        Ok(())
-    }
-}
+persist!(Chain { velocities, positions, fixed tau });
 
 #[cfg(test)]
 mod tests {
+    use lennard_core::Persist;
+
     use super::*;
 
     /// One oscillator ẍ = −x at T = 1 under a chain: ⟨x²⟩, ⟨p²⟩, ⟨p⁴⟩/3 and the spread of E plus the energy of the chain.

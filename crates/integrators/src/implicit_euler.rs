@@ -76,7 +76,7 @@ impl MethodOptions for Options {
     }
 }
 
-remembers_nothing!(ImplicitEuler);
+remembers_nothing!(ImplicitEuler { options });
 
 /// A trial end of the step with everything known there.
 struct Trial {

@@ -83,7 +83,7 @@ impl Langevin {
     }
 }
 
-remembers_nothing!(Langevin);
+remembers_nothing!(Langevin { bath });
 
 impl Method for Langevin {
     fn spec(&self) -> &'static IntegratorSpec {

@@ -2,8 +2,8 @@
 
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{
-    DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Persist, RestoreError,
-    StateReader, StateWriter, Step, StepError, System, rigid_bonds_alone, sweeps,
+    DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Step, StepError, System,
+    persist, rigid_bonds_alone, sweeps,
 };
 
 use crate::common::{MethodOptions, VERLET, acts_on_bonds};
@@ -36,18 +36,7 @@ impl MethodOptions for Options {
     }
 }
 
-impl Persist for Leapfrog {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_vec3("half_step_velocities", &self.half_step_velocities);
-        to.put_f64("last_dt", &[self.last_dt]);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.half_step_velocities = from.vec3("half_step_velocities")?.to_vec();
-        [self.last_dt] = from.f64s("last_dt")?;
-        Ok(())
-    }
-}
+persist!(Leapfrog { half_step_velocities, last_dt });
 
 impl Leapfrog {
     /// The same step by kick and drift of the step itself, which hold bonds.

@@ -1,10 +1,7 @@
 //! Nosé–Hoover chains: deterministic friction that is itself kept warm by a chain of thermostats.
 
 use lennard_core::random::NoiseStream;
-use lennard_core::{
-    BathStep, Integrator, Persist, Ramp, RestoreError, StateReader, StateWriter, Thermostat,
-    ThermostatSpec,
-};
+use lennard_core::{BathStep, Integrator, Ramp, Thermostat, ThermostatSpec, persist};
 
 use crate::chain::Chain;
 use crate::common::BathOptions;
@@ -60,15 +57,7 @@ impl NoseHoover {
     }
 }
 
-impl Persist for NoseHoover {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.chain.save(&mut to.section("chain"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.chain.restore(&from.section("chain"))
-    }
-}
+persist!(NoseHoover { chain, fixed temperature });
 
 impl Thermostat for NoseHoover {
     fn spec(&self) -> &'static ThermostatSpec {

@@ -35,7 +35,7 @@ impl HarmonicForces {
     }
 }
 
-lennard_core::remembers_nothing!(HarmonicForces);
+lennard_core::remembers_nothing!(HarmonicForces { stiffness, damping });
 
 impl ForceTerm for HarmonicForces {
     fn evaluate(

@@ -51,7 +51,7 @@ impl Rescale {
     }
 }
 
-remembers_nothing!(Rescale);
+remembers_nothing!(Rescale { every, temperature });
 
 impl Thermostat for Rescale {
     fn spec(&self) -> &'static ThermostatSpec {

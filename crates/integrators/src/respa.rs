@@ -3,9 +3,8 @@
 use glam::DMat2;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{
-    DVec3, Energetics, ForceProperties, Integrator, IntegratorSpec, Method, Part, Persist,
-    RestoreError, StateReader, StateWriter, Step, StepError, System, Want, check_finite,
-    rigid_bonds_alone, sweeps,
+    DVec3, Energetics, ForceProperties, Integrator, IntegratorSpec, Method, Part, Step, StepError,
+    System, Want, check_finite, persist, rigid_bonds_alone, sweeps,
 };
 
 use crate::common::{MethodOptions, VERLET};
@@ -106,18 +105,7 @@ impl MethodOptions for Options {
     }
 }
 
-impl Persist for Respa {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_vec3("near_forces", &self.near);
-        to.put_vec3("far_forces", &self.far);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.near = from.vec3("near_forces")?.to_vec();
-        self.far = from.vec3("far_forces")?.to_vec();
-        Ok(())
-    }
-}
+persist!(Respa { near as "near_forces", far as "far_forces", fixed inner_steps });
 
 impl Method for Respa {
     fn spec(&self) -> &'static IntegratorSpec {

@@ -2,8 +2,8 @@
 
 use glam::DMat2;
 use lennard_core::{
-    Constraint, DVec3, ForceProperties, Integrator, IntegratorSpec, Masses, Method, Persist,
-    RestoreError, State, StateReader, StateWriter, Step, StepError, System,
+    Constraint, DVec3, ForceProperties, Integrator, IntegratorSpec, Masses, Method, State, Step,
+    StepError, System, persist,
 };
 
 use crate::OscillatorModel;
@@ -120,16 +120,7 @@ impl MethodOptions for Options {
     }
 }
 
-impl Persist for Spook {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_f64("multiplier", &[self.multiplier]);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        [self.multiplier] = from.f64s("multiplier")?;
-        Ok(())
-    }
-}
+persist!(Spook { multiplier, fixed gradient, bonds });
 
 impl Method for Spook {
     fn spec(&self) -> &'static IntegratorSpec {

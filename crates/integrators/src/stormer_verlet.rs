@@ -2,8 +2,8 @@
 
 use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::{
-    DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Persist, RestoreError,
-    StateReader, StateWriter, Step, StepError, System, rigid_bonds_alone, without_constraints,
+    DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Step, StepError, System,
+    persist, rigid_bonds_alone, without_constraints,
 };
 
 use crate::common::{MethodOptions, VERLET, acts_on_bonds};
@@ -156,15 +156,4 @@ impl Method for Recurrence {
     }
 }
 
-impl Persist for Recurrence {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_vec3("previous_positions", &self.previous);
-        to.put_f64("last_dt", &[self.last_dt]);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.previous = from.vec3("previous_positions")?.to_vec();
-        [self.last_dt] = from.f64s("last_dt")?;
-        Ok(())
-    }
-}
+persist!(Recurrence { previous as "previous_positions", last_dt, fixed rule, spec });

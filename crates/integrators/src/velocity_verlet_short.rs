@@ -32,7 +32,7 @@ impl MethodOptions for Options {
     }
 }
 
-remembers_nothing!(VelocityVerletShort);
+remembers_nothing!(VelocityVerletShort { old_forces });
 
 impl Method for VelocityVerletShort {
     fn spec(&self) -> &'static IntegratorSpec {

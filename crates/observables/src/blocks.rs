@@ -224,9 +224,10 @@ impl BlockedSums {
 
 impl Persist for BlockedSums {
     fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_u64("shape", &[self.width as u64, self.limit as u64, self.stride, self.samples]);
-        to.put_f64("sums", &self.sums.concat());
-        to.put_u64("counts", &self.counts.concat());
+        let Self { width, limit, stride, samples, sums, counts } = self;
+        to.put_u64("shape", &[*width as u64, *limit as u64, *stride, *samples]);
+        to.put_f64("sums", &sums.concat());
+        to.put_u64("counts", &counts.concat());
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {

@@ -5,8 +5,7 @@ mod particles;
 
 use lennard_core::exact::exact_sum;
 use lennard_core::{
-    DVec3, Findings, Observable, ObservableSpec, PeriodicBox, Persist, RestoreError, StateReader,
-    StateWriter, Table, View, Want,
+    DVec3, Findings, Observable, ObservableSpec, PeriodicBox, Table, View, Want, persist,
 };
 
 use crate::averages::of_series;
@@ -224,15 +223,7 @@ impl Observable for BondOrder {
     }
 }
 
-impl Persist for BondOrder {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.series.save(&mut to.section("series"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.series.restore(&from.section("series"))
-    }
-}
+persist!(BondOrder { series, fixed r_max, rule, orders });
 
 #[cfg(test)]
 mod tests;

@@ -1,9 +1,6 @@
 //! Volume, density and enthalpy of a box that a barostat changes.
 
-use lennard_core::{
-    Findings, Observable, ObservableSpec, Persist, Ramp, RestoreError, StateReader, StateWriter,
-    Table, View, Want,
-};
+use lennard_core::{Findings, Observable, ObservableSpec, Ramp, Table, View, Want, persist};
 
 use crate::averages::of_series;
 use crate::series::{Series, impl_columns};
@@ -115,15 +112,7 @@ impl Observable for ChangingBox {
     }
 }
 
-impl Persist for ChangingBox {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.series.save(&mut to.section("series"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.series.restore(&from.section("series"))
-    }
-}
+persist!(ChangingBox { series, fixed pressure, energy_unit });
 
 #[cfg(test)]
 mod tests {

@@ -3,10 +3,7 @@
 mod trial;
 mod weights;
 
-use lennard_core::{
-    Average, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, SpeciesTable,
-    StateReader, StateWriter, View, Want, tasks,
-};
+use lennard_core::{Average, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, SpeciesTable, StateReader, StateWriter, View, Want, tasks, persist};
 
 use crate::averages::{FEWEST_INDEPENDENT, estimate_of_fluctuations, of_fluctuations};
 use crate::cells::Cells;
@@ -258,20 +255,19 @@ impl Observable for ChemicalPotential {
     }
 }
 
+persist!(OfSpecies { series, weights, fixed trials });
+
 impl Persist for ChemicalPotential {
     fn save(&self, to: &mut StateWriter<'_>) {
-        for (a, of) in self.found.iter().enumerate() {
-            let mut to = to.section(&format!("species_{a}"));
-            of.series.save(&mut to.section("series"));
-            of.weights.save(&mut to.section("weights"));
+        let Self { insertions: _, temperature: _, species: _, found, longest: _ } = self;
+        for (a, of) in found.iter().enumerate() {
+            of.save(&mut to.section(&format!("species_{a}")));
         }
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         for (a, of) in self.found.iter_mut().enumerate() {
-            let from = from.section(&format!("species_{a}"));
-            of.series.restore(&from.section("series"))?;
-            of.weights.restore(&from.section("weights"))?;
+            of.restore(&from.section(&format!("species_{a}")))?;
         }
         Ok(())
     }

@@ -165,12 +165,12 @@ fn running_integral(times: &[f64], values: &[f64]) -> Vec<f64> {
 
 impl Persist for Correlator {
     fn save(&self, to: &mut StateWriter<'_>) {
-        self.products.save(&mut to.section("products"));
-        for (l, level) in self.levels.iter().enumerate() {
-            let history: Vec<f64> = level.history.iter().flatten().copied().collect();
+        let Self { channels: _, interval: _, levels, products } = self;
+        products.save(&mut to.section("products"));
+        for (l, Level { history, waiting }) in levels.iter().enumerate() {
+            let history: Vec<f64> = history.iter().flatten().copied().collect();
             to.put_f64(&format!("level_{l}"), &history);
-            let waiting = level.waiting.as_deref().unwrap_or_default();
-            to.put_f64(&format!("waiting_{l}"), waiting);
+            to.put_f64(&format!("waiting_{l}"), waiting.as_deref().unwrap_or_default());
         }
     }
 

@@ -1,9 +1,6 @@
 //! The density along one axis.
 
-use lennard_core::{
-    Axis, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    Table, View, Want,
-};
+use lennard_core::{Axis, Findings, Observable, ObservableSpec, Table, View, Want, persist};
 
 use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
@@ -116,14 +113,4 @@ impl Observable for DensityProfile {
     }
 }
 
-impl Persist for DensityProfile {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.counts.save(&mut to.section("counts"));
-        self.seen.save(&mut to.section("box"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.counts.restore(&from.section("counts"))?;
-        self.seen.restore(&from.section("box"))
-    }
-}
+persist!(DensityProfile { counts, seen as "box", fixed axis });

@@ -1,9 +1,6 @@
 //! The transport coefficient of a fluid through which an exchange of velocities drives heat or momentum.
 
-use lennard_core::{
-    Axis, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    Table, View, Want,
-};
+use lennard_core::{Axis, Findings, Observable, ObservableSpec, Table, View, Want, persist};
 
 use crate::BuildContext;
 use crate::averages::{of_blocks, tell_discarded};
@@ -52,8 +49,10 @@ pub struct ExchangeProfile {
     interval: f64,
     /// Value of each slab, and what was carried before each sample.
     sums: BlockedSums,
-    /// Carried since the last sample; `None` before the first one.
-    carried: Option<f64>,
+    /// Whether there was a sample.
+    begun: bool,
+    /// Carried since the last sample.
+    carried: f64,
 }
 
 impl ExchangeProfile {
@@ -69,14 +68,15 @@ impl ExchangeProfile {
             area: context.cell.volume() / side,
             interval: context.sample_interval(),
             sums: BlockedSums::new(slabs + 1, MOST_BLOCKS),
-            carried: None,
+            begun: false,
+            carried: 0.0,
         }
     }
 
     /// Counts what an exchange carried, ε or mσ/τ.
     pub fn add_carried(&mut self, amount: f64) {
-        if let Some(carried) = &mut self.carried {
-            *carried += amount;
+        if self.begun {
+            self.carried += amount;
         }
     }
 
@@ -138,9 +138,10 @@ impl Observable for ExchangeProfile {
 
     fn sample(&mut self, view: &View<'_>) {
         // What was carried before the first sample belongs to no interval between two.
-        let Some(carried) = self.carried.replace(0.0) else {
+        let carried = std::mem::take(&mut self.carried);
+        if !std::mem::replace(&mut self.begun, true) {
             return;
-        };
+        }
         let (cell, masses) = (view.cell(), &view.system.masses);
         let (slabs, axis) = (self.slabs, self.axis.index());
         let per_length = slabs as f64 / cell.lengths()[axis];
@@ -208,27 +209,13 @@ impl Observable for ExchangeProfile {
     }
 }
 
-impl Persist for ExchangeProfile {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.sums.save(&mut to.section("sums"));
-        to.put_u64("begun", &[u64::from(self.carried.is_some())]);
-        to.put_f64("carried", &[self.carried.unwrap_or(0.0)]);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.sums.restore(&from.section("sums"))?;
-        let [begun] = from.u64s("begun")?;
-        let [carried] = from.f64s("carried")?;
-        self.carried = (begun == 1).then_some(carried);
-        Ok(())
-    }
-}
+persist!(ExchangeProfile { sums, begun, carried, fixed driven, axis, slabs, side, area, interval });
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::testing::{context, normal};
-    use lennard_core::{DVec3, State, StateArchive, System};
+    use lennard_core::{DVec3, Persist, State, StateArchive, System};
 
     /// Samples of particles at rest in their slabs, whose mean value is linear between the first and the middle slab.
     fn shown(driven: Driven, profile: &mut ExchangeProfile, steps: std::ops::Range<u64>) {

@@ -5,8 +5,7 @@ mod fit;
 use std::f64::consts::TAU;
 
 use lennard_core::{
-    Average, Axis, DVec3, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError,
-    StateReader, StateWriter, Table, View, Want,
+    Average, Axis, DVec3, Doubt, Findings, Observable, ObservableSpec, Table, View, Want, persist,
 };
 
 use crate::averages::{changes, of_blocks, of_series, tell_discarded};
@@ -338,19 +337,7 @@ impl Observable for Interface {
     }
 }
 
-impl Persist for Interface {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.counts.save(&mut to.section("counts"));
-        self.series.save(&mut to.section("series"));
-        self.seen.save(&mut to.section("box"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.counts.restore(&from.section("counts"))?;
-        self.series.restore(&from.section("series"))?;
-        self.seen.restore(&from.section("box"))
-    }
-}
+persist!(Interface { counts, series, seen as "box", fixed axis, n_atoms });
 
 #[cfg(test)]
 mod tests;

@@ -4,10 +4,7 @@ mod integral;
 mod routes;
 mod tables;
 
-use lennard_core::{
-    Findings, Observable, ObservableSpec, Persist, RestoreError, SpeciesTable, StateReader,
-    StateWriter, View, Want,
-};
+use lennard_core::{Findings, Observable, ObservableSpec, SpeciesTable, View, Want, persist};
 
 use crate::averages::{of_blocks, tell_discarded, with_choice};
 use crate::blocks::BlockedSums;
@@ -234,21 +231,13 @@ impl Observable for KirkwoodBuff {
     }
 }
 
-impl Persist for KirkwoodBuff {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.seen.save(&mut to.section("box"));
-        self.counts.save(&mut to.section("counts"));
-        self.factors.save(&mut to.section("factors"));
-        self.temperature.save(&mut to.section("temperature"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.seen.restore(&from.section("box"))?;
-        self.counts.restore(&from.section("counts"))?;
-        self.factors.restore(&from.section("factors"))?;
-        self.temperature.restore(&from.section("temperature"))
-    }
-}
+persist!(KirkwoodBuff {
+    seen as "box",
+    counts,
+    factors,
+    temperature,
+    fixed species, r_max, bins, pairs, vectors
+});
 
 #[cfg(test)]
 mod tests;

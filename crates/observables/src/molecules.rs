@@ -3,10 +3,7 @@
 mod vibration;
 
 use lennard_core::exact::exact_sum;
-use lennard_core::{
-    DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    Table, View, Want,
-};
+use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, Want, persist};
 
 use crate::averages::of_series;
 use crate::series::{Series, impl_columns};
@@ -267,15 +264,4 @@ impl Observable for MolecularMotion {
     }
 }
 
-impl Persist for MolecularMotion {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.series.save(&mut to.section("series"));
-        to.put_f64("largest_residual", &[self.largest_residual]);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.series.restore(&from.section("series"))?;
-        [self.largest_residual] = from.f64s("largest_residual")?;
-        Ok(())
-    }
-}
+persist!(MolecularMotion { series, largest_residual, fixed context });

@@ -1,9 +1,6 @@
 //! Total momentum.
 
-use lennard_core::{
-    Average, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    Table, View, Want,
-};
+use lennard_core::{Average, Findings, Observable, ObservableSpec, Table, View, Want, persist};
 
 use crate::series::{Series, impl_columns};
 use crate::{BuildContext, ObservableError, Recipe, statistics};
@@ -105,15 +102,4 @@ impl Observable for Momentum {
     }
 }
 
-impl Persist for Momentum {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.series.save(&mut to.section("series"));
-        to.put_f64("largest", &[self.largest]);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.series.restore(&from.section("series"))?;
-        [self.largest] = from.f64s("largest")?;
-        Ok(())
-    }
-}
+persist!(Momentum { series, largest });

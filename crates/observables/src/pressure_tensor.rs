@@ -2,8 +2,7 @@
 
 use lennard_core::exact::exact_sum;
 use lennard_core::{
-    DMat3, DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
-    StateWriter, Table, View, Want,
+    DMat3, DVec3, Findings, Observable, ObservableSpec, Table, View, Want, persist,
 };
 
 use crate::averages::of_series;
@@ -171,14 +170,4 @@ impl Observable for PressureTensor {
     }
 }
 
-impl Persist for PressureTensor {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.series.save(&mut to.section("series"));
-        self.seen.save(&mut to.section("box"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.series.restore(&from.section("series"))?;
-        self.seen.restore(&from.section("box"))
-    }
-}
+persist!(PressureTensor { series, seen as "box" });

@@ -4,10 +4,7 @@ mod entropy;
 mod partial;
 mod reading;
 
-use lennard_core::{
-    Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter, Table,
-    View, Want,
-};
+use lennard_core::{Findings, Observable, ObservableSpec, Table, View, Want, persist};
 
 use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
@@ -218,21 +215,7 @@ impl Observable for RadialDistribution {
     }
 }
 
-impl Persist for RadialDistribution {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.counts.save(&mut to.section("counts"));
-        self.seen.save(&mut to.section("box"));
-        if let Some(partial) = &self.partial {
-            partial.save(to);
-        }
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.counts.restore(&from.section("counts"))?;
-        self.seen.restore(&from.section("box"))?;
-        self.partial.as_mut().map_or(Ok(()), |partial| partial.restore(from))
-    }
-}
+persist!(RadialDistribution { counts, seen as "box", ..partial, fixed n_atoms, sites, r_max, bins });
 
 #[cfg(test)]
 mod tests;

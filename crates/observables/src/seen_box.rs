@@ -1,6 +1,6 @@
 //! The box as an observable saw it, for averages over boxes that change.
 
-use lennard_core::{DVec3, PeriodicBox, Persist, RestoreError, StateReader, StateWriter};
+use lennard_core::{DVec3, PeriodicBox, persist};
 
 /// Running means of the box over samples. Of a box that does not change they are that box to the bit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,20 +54,7 @@ impl SeenBox {
     }
 }
 
-impl Persist for SeenBox {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_u64("samples", &[self.samples]);
-        to.put_f64("sides", &self.sides.to_array());
-        to.put_f64("volumes", &[self.volume, self.first_volume, self.smallest]);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        [self.samples] = from.u64s("samples")?;
-        self.sides = DVec3::from_array(from.f64s("sides")?);
-        [self.volume, self.first_volume, self.smallest] = from.f64s("volumes")?;
-        Ok(())
-    }
-}
+persist!(SeenBox { samples, sides, [volume, first_volume, smallest] as "volumes" });
 
 #[cfg(test)]
 mod tests {

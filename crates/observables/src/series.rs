@@ -94,9 +94,10 @@ impl<C: Columns> Series<C> {
 
 impl<C: Columns> Persist for Series<C> {
     fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_u64("stride", &[self.stride, self.pending_samples]);
-        to.put_f64("pending", &self.pending);
-        for (name, column) in self.rows.names().into_iter().zip(self.rows.columns()) {
+        let Self { rows, pending, pending_samples, stride, limit: _ } = self;
+        to.put_u64("stride", &[*stride, *pending_samples]);
+        to.put_f64("pending", pending);
+        for (name, column) in rows.names().into_iter().zip(rows.columns()) {
             to.put_f64(name, column);
         }
     }

@@ -4,10 +4,7 @@ mod partial;
 
 use std::f64::consts::PI;
 
-use lennard_core::{
-    Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter, Table,
-    View, Want,
-};
+use lennard_core::{Findings, Observable, ObservableSpec, Table, View, Want, persist};
 
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
@@ -197,22 +194,7 @@ impl Observable for StructureFactor {
     }
 }
 
-impl Persist for StructureFactor {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.factors.save(&mut to.section("factors"));
-        self.seen.save(&mut to.section("box"));
-        if let Some(partial) = &self.partial {
-            partial.save(to);
-        }
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.factors.restore(&from.section("factors"))?;
-        self.seen.restore(&from.section("box"))?;
-        let partial = self.partial.as_mut();
-        partial.map_or(Ok(()), |partial| partial.restore(from))
-    }
-}
+persist!(StructureFactor { factors, seen as "box", ..partial, fixed vectors });
 
 #[cfg(test)]
 mod tests;

@@ -9,10 +9,7 @@ mod responses;
 mod species;
 
 use lennard_core::exact::exact_sum;
-use lennard_core::{
-    Estimate, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader,
-    StateWriter, View, Want,
-};
+use lennard_core::{Estimate, Findings, Observable, ObservableSpec, View, Want, persist};
 
 use crate::averages::{FEWEST_INDEPENDENT, of_fluctuations, of_series};
 use crate::seen_box::SeenBox;
@@ -283,32 +280,14 @@ impl Observable for Thermodynamics {
     }
 }
 
-impl Persist for Thermodynamics {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.series.save(&mut to.section("series"));
-        if let Some(of_species) = &self.of_species {
-            of_species.save(to);
-        }
-        self.seen.save(&mut to.section("box"));
-        self.energy_line.save(&mut to.section("energy"));
-        to.put_f64("largest_momentum", &[self.largest_momentum]);
-        to.put_f64("n_dof", &[self.n_dof]);
-        to.put_f64("mass", &[self.mass]);
-        to.put_u64("half_steps", &[u64::from(self.half_steps)]);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.series.restore(&from.section("series"))?;
-        if let Some(of_species) = &mut self.of_species {
-            of_species.restore(from)?;
-        }
-        self.seen.restore(&from.section("box"))?;
-        self.energy_line.restore(&from.section("energy"))?;
-        [self.largest_momentum] = from.f64s("largest_momentum")?;
-        [self.n_dof] = from.f64s("n_dof")?;
-        [self.mass] = from.f64s("mass")?;
-        let [half_steps] = from.u64s("half_steps")?;
-        self.half_steps = half_steps == 1;
-        Ok(())
-    }
-}
+persist!(Thermodynamics {
+    series,
+    ..of_species,
+    seen as "box",
+    energy_line as "energy",
+    largest_momentum,
+    n_dof,
+    mass,
+    half_steps,
+    fixed options, context, ends, ensemble, bath, curvature, confined
+});

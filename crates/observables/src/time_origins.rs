@@ -96,10 +96,11 @@ impl TimeOrigins {
 
     /// Saves the origins, with the vectors under a name.
     pub(crate) fn save(&self, vectors: &str, to: &mut StateWriter<'_>) {
-        to.put_u64("samples", &[self.samples]);
-        let born: Vec<u64> = self.kept.iter().map(|(born, _)| *born).collect();
+        let Self { interval: _, lags: _, samples, spacing: _, vectors: _, kept } = self;
+        to.put_u64("samples", &[*samples]);
+        let born: Vec<u64> = kept.iter().map(|(born, _)| *born).collect();
         to.put_u64("origins", &born);
-        let all: Vec<DVec3> = self.kept.iter().flat_map(|(_, v)| v).copied().collect();
+        let all: Vec<DVec3> = kept.iter().flat_map(|(_, v)| v).copied().collect();
         to.put_vec3(vectors, &all);
     }
 

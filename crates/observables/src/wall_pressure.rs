@@ -1,8 +1,7 @@
 //! The pressure on each wall.
 
 use lennard_core::{
-    Axis, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    Table, View, WallReading, Want,
+    Axis, Findings, Observable, ObservableSpec, Table, View, WallReading, Want, persist,
 };
 
 use crate::averages::of_series;
@@ -63,8 +62,8 @@ impl_columns!(Rows { time, x_lower, x_upper, y_lower, y_upper, z_lower, z_upper 
 #[derive(Debug, Clone, PartialEq)]
 pub struct WallPressure {
     series: Series<Rows>,
-    /// Which walls there are, in the order of the columns.
-    has_wall: [bool; 6],
+    /// 1 for each wall that there is, in the order of the columns.
+    has_wall: [u64; 6],
     /// Time of the sample before, τ; NaN before the first.
     last_time: f64,
     /// Impulse of each wall at the sample before.
@@ -75,7 +74,7 @@ impl Default for WallPressure {
     fn default() -> Self {
         Self {
             series: Series::new(Rows::default(), MOST_ROWS),
-            has_wall: [false; 6],
+            has_wall: [0; 6],
             last_time: f64::NAN,
             last_impulse: [0.0; 6],
         }
@@ -103,7 +102,7 @@ impl Observable for WallPressure {
         row[0] = time;
         for wall in view.walls {
             let k = column(wall);
-            self.has_wall[k] = true;
+            self.has_wall[k] = 1;
             let lengths = view.cell().lengths();
             let area = view.cell().volume() / lengths[wall.axis];
             let from_hits = (wall.impulse - self.last_impulse[k]) / elapsed;
@@ -139,7 +138,7 @@ impl Observable for WallPressure {
         )
         .with("time", "τ", rows.time.clone());
         for (k, values) in columns.into_iter().enumerate() {
-            if !self.has_wall[k] {
+            if self.has_wall[k] == 0 {
                 continue;
             }
             let name = format!("{}_{}", Axis::ALL[k / 2].name(), ["lower", "upper"][k % 2]);
@@ -153,19 +152,4 @@ impl Observable for WallPressure {
     }
 }
 
-impl Persist for WallPressure {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.series.save(&mut to.section("series"));
-        to.put_f64("last_time", &[self.last_time]);
-        to.put_f64("last_impulse", &self.last_impulse);
-        to.put_u64("has_wall", &self.has_wall.map(u64::from));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.series.restore(&from.section("series"))?;
-        [self.last_time] = from.f64s("last_time")?;
-        self.last_impulse = from.f64s("last_impulse")?;
-        self.has_wall = from.u64s("has_wall")?.map(|has| has == 1);
-        Ok(())
-    }
-}
+persist!(WallPressure { series, last_time, last_impulse, has_wall });

@@ -2,7 +2,7 @@
 
 use lennard_core::{
     Boundary, Configuration, DVec3, Drifted, Energetics, Flight, ForceError, ForceProperties,
-    ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, StepError, WallReading, Want,
+    ForceTerm, Part, StepError, WallReading, Want, persist,
 };
 
 use super::MoleculesAtWalls;
@@ -57,12 +57,4 @@ impl ForceTerm for MoleculesAtWalls {
     }
 }
 
-impl Persist for MoleculesAtWalls {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.walls.save(to);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.walls.restore(from)
-    }
-}
+persist!(MoleculesAtWalls { ..walls, fixed system, solver, one, planes, damped, before });

@@ -5,8 +5,7 @@ use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::random::NoiseStream;
 use lennard_core::{
     BarostatSpec, DVec3, ForceError, ForceProperties, Integrator, IntegratorSpec, Method, Parts,
-    Persist, PressureBath, RestoreError, State, StateReader, StateWriter, Step, StepError, System,
-    Want, rigid, rigid_bonds_alone, sweeps,
+    PressureBath, State, Step, StepError, System, Want, persist, rigid, rigid_bonds_alone, sweeps,
 };
 
 use super::list::BarostatParts;
@@ -301,19 +300,12 @@ fn sinhc(y: f64) -> f64 {
     1.0 + y2 / 6.0 * (1.0 + y2 / 20.0 * (1.0 + y2 / 42.0 * (1.0 + y2 / 72.0)))
 }
 
-impl Persist for Mtk {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_f64("box", &[self.expansion, self.virial]);
-        self.of_particles.save(&mut to.section("chain_of_particles"));
-        self.of_box.save(&mut to.section("chain_of_box"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        [self.expansion, self.virial] = from.f64s("box")?;
-        self.of_particles.restore(&from.section("chain_of_particles"))?;
-        self.of_box.restore(&from.section("chain_of_box"))
-    }
-}
+persist!(Mtk {
+    [expansion, virial] as "box",
+    of_particles as "chain_of_particles",
+    of_box as "chain_of_box",
+    fixed tau, bath
+});
 
 impl Method for Mtk {
     fn spec(&self) -> &'static IntegratorSpec {

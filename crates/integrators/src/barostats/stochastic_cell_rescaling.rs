@@ -5,8 +5,7 @@ use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
 use lennard_core::{
     Barostat, BarostatSpec, BoxMoves, DVec3, Energetics, ForceError, Integrator, Part, Parts,
-    PeriodicBox, Persist, PressureBath, RestoreError, StateReader, StateWriter, Step, StepError,
-    System, Want,
+    PeriodicBox, PressureBath, Step, StepError, System, Want, persist,
 };
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
@@ -246,17 +245,7 @@ fn inside_molecules(system: &System, positions: &[DVec3], forces: &[DVec3]) -> D
     })
 }
 
-impl Persist for StochasticCellRescaling {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_u64("moves", &[self.moves.tried, self.moves.accepted]);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        let [tried, accepted] = from.u64s("moves")?;
-        self.moves = BoxMoves { tried, accepted };
-        Ok(())
-    }
-}
+persist!(StochasticCellRescaling { ..moves, fixed tau, interval, coupling, bath, noise, before, forces });
 
 impl Barostat for StochasticCellRescaling {
     fn acts_after(&self, step: u64) -> bool {

@@ -98,7 +98,7 @@ pub struct Springs {
     pushes: bool,
 }
 
-lennard_core::remembers_nothing!(Springs);
+lennard_core::remembers_nothing!(Springs { stiffness, molecules, pushes });
 
 /// Totals over bonds.
 #[derive(Clone, Copy)]

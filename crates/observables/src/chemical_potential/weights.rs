@@ -1,6 +1,6 @@
 //! How unevenly the weights of trial particles are spread.
 
-use lennard_core::{Persist, RestoreError, StateReader, StateWriter, Table};
+use lennard_core::{Table, persist};
 
 /// Logarithms of the smallest and of the largest weight that are told apart.
 const LOWEST: f64 = -40.0;
@@ -11,14 +11,14 @@ const BINS: usize = 1000;
 /// The weights e^{−ΔU/T} of all trial particles, in bins of their logarithm.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Weights {
-    counts: Vec<u64>,
-    sums: Vec<f64>,
+    counts: Box<[u64]>,
+    sums: Box<[f64]>,
     squares: f64,
 }
 
 impl Weights {
     pub(super) fn new() -> Self {
-        Self { counts: vec![0; BINS], sums: vec![0.0; BINS], squares: 0.0 }
+        Self { counts: [0; BINS].into(), sums: [0.0; BINS].into(), squares: 0.0 }
     }
 
     /// Counts a weight by its logarithm and its value.
@@ -82,21 +82,7 @@ impl Weights {
     }
 }
 
-impl Persist for Weights {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_u64("counts", &self.counts);
-        to.put_f64("sums", &self.sums);
-        to.put_f64("squares", &[self.squares]);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        let (counts, sums) = (from.u64s::<BINS>("counts")?, from.f64s::<BINS>("sums")?);
-        self.counts.copy_from_slice(&counts);
-        self.sums.copy_from_slice(&sums);
-        [self.squares] = from.f64s("squares")?;
-        Ok(())
-    }
-}
+persist!(Weights { counts, sums, squares });
 
 #[cfg(test)]
 mod tests {

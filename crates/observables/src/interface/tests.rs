@@ -2,7 +2,8 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, Energetics, Molecules, PeriodicBox, Species, SpeciesTable, State, StateArchive, System,
+    DMat3, Energetics, Molecules, PeriodicBox, Persist, Species, SpeciesTable, State, StateArchive,
+    System,
 };
 use rand_distr::{Distribution, StandardUniform};
 

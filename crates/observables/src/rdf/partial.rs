@@ -38,14 +38,17 @@ impl Partial {
             add_sample(counts, weight, &found);
         }
     }
+}
 
-    pub(super) fn save(&self, to: &mut StateWriter<'_>) {
-        for (pair, counts) in &self.pairs {
+impl Persist for Partial {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        let Self { species: _, pairs } = self;
+        for (pair, counts) in pairs {
             counts.save(&mut to.section(&pair.section()));
         }
     }
 
-    pub(super) fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         for (pair, counts) in &mut self.pairs {
             counts.restore(&from.section(&pair.section()))?;
         }

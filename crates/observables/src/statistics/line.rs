@@ -164,7 +164,8 @@ impl Line {
 impl Persist for Line {
     /// A line that grows over a run has unit weights, so that Σw is n.
     fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_f64("line", &[self.n, self.mean_x, self.mean_y, self.xx, self.xy, self.yy]);
+        let Self { n, weight: _, mean_x, mean_y, xx, xy, yy, has_errors: _ } = *self;
+        to.put_f64("line", &[n, mean_x, mean_y, xx, xy, yy]);
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {

@@ -133,19 +133,6 @@ impl Partial {
         total
     }
 
-    pub(super) fn save(&self, to: &mut StateWriter<'_>) {
-        for (kind, factors) in &self.factors {
-            factors.save(&mut to.section(&kind.section()));
-        }
-    }
-
-    pub(super) fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        for (kind, factors) in &mut self.factors {
-            factors.restore(&from.section(&kind.section()))?;
-        }
-        Ok(())
-    }
-
     /// S_CC at the smallest wave number in x_1·x_2, and whether the species gather.
     fn add_concentration(&self, factors: &BlockedSums, k: f64, findings: &mut Findings) {
         let ideal = self.species.fraction(0) * self.species.fraction(1);
@@ -165,6 +152,22 @@ impl Partial {
             ));
         }
         findings.averages.push(average);
+    }
+}
+
+impl Persist for Partial {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        let Self { species: _, factors } = self;
+        for (kind, factors) in factors {
+            factors.save(&mut to.section(&kind.section()));
+        }
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        for (kind, factors) in &mut self.factors {
+            factors.restore(&from.section(&kind.section()))?;
+        }
+        Ok(())
     }
 }
 

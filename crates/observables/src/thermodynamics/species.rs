@@ -81,14 +81,17 @@ impl SpeciesTemperatures {
         }
         findings.averages.extend(averages);
     }
+}
 
-    pub(super) fn save(&self, to: &mut StateWriter<'_>) {
-        for (a, series) in self.series.iter().enumerate() {
+impl Persist for SpeciesTemperatures {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        let Self { species: _, series } = self;
+        for (a, series) in series.iter().enumerate() {
             series.save(&mut to.section(&format!("species_{a}")));
         }
     }
 
-    pub(super) fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         for (a, series) in self.series.iter_mut().enumerate() {
             series.restore(&from.section(&format!("species_{a}")))?;
         }

@@ -1,6 +1,6 @@
 //! What all Green–Kubo coefficients share: correlation, plateau, cross-check.
 
-use lennard_core::{Doubt, Findings, Persist, RestoreError, StateReader, StateWriter, Table};
+use lennard_core::{Doubt, Findings, Table, persist};
 
 use super::helfand::Helfand;
 use crate::averages::{of_blocks, tell_discarded};
@@ -191,19 +191,7 @@ fn plateau(c: &Correlation, window: f64) -> Option<Plateau> {
     (end <= window && to > from && c.times[last - 1] >= end).then_some(Plateau { from, to })
 }
 
-impl Persist for GreenKubo {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.correlator.save(&mut to.section("correlator"));
-        self.helfand.save(&mut to.section("helfand"));
-        self.temperature.save(&mut to.section("temperature"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.correlator.restore(&from.section("correlator"))?;
-        self.helfand.restore(&from.section("helfand"))?;
-        self.temperature.restore(&from.section("temperature"))
-    }
-}
+persist!(GreenKubo { correlator, helfand, temperature, fixed window });
 
 #[cfg(test)]
 mod tests {

@@ -2,8 +2,7 @@
 
 use lennard_core::exact::exact_sum;
 use lennard_core::{
-    DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, SpeciesTable, StateReader,
-    StateWriter, View, Want,
+    DVec3, Findings, Observable, ObservableSpec, SpeciesTable, View, Want, persist,
 };
 
 use super::green_kubo::{GreenKubo, LONG_ENOUGH, Words};
@@ -125,15 +124,7 @@ impl Observable for MutualDiffusion {
     }
 }
 
-impl Persist for MutualDiffusion {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.flux.save(to);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.flux.restore(from)
-    }
-}
+persist!(MutualDiffusion { ..flux, fixed species });
 
 #[cfg(test)]
 mod tests {

@@ -2,10 +2,7 @@
 
 use std::marker::PhantomData;
 
-use lennard_core::{
-    Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter, View,
-    Want,
-};
+use lennard_core::{Findings, Observable, ObservableSpec, View, Want, persist};
 
 use super::checked_interval;
 use super::green_kubo::{GreenKubo, Words};
@@ -77,14 +74,4 @@ impl<F: Flux> Observable for OfFlux<F> {
     }
 }
 
-impl<F: Flux> Persist for OfFlux<F> {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.flux.save(to);
-        self.seen.save(&mut to.section("box"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.flux.restore(from)?;
-        self.seen.restore(&from.section("box"))
-    }
-}
+persist!([F: Flux] OfFlux<F> { ..flux, seen as "box", fixed of });
