@@ -18,10 +18,18 @@ pub struct BlockedSums {
     counts: Vec<Vec<u64>>,
 }
 
+/// Most blocks: errors come from 32 to 64.
+const BLOCKS: usize = 64;
+
 impl BlockedSums {
-    /// Nothing summed yet; at most `limit` blocks (rounded down to an even number, at least 2).
+    /// Nothing summed yet; at most 64 blocks.
     #[must_use]
-    pub fn new(width: usize, limit: usize) -> Self {
+    pub fn new(width: usize) -> Self {
+        Self::with_limit(width, BLOCKS)
+    }
+
+    /// At most `limit` blocks (rounded down to an even number, at least 2).
+    fn with_limit(width: usize, limit: usize) -> Self {
         Self {
             width,
             limit: (limit / 2).max(1) * 2,
@@ -260,7 +268,7 @@ mod tests {
 
     #[test]
     fn totals_are_exact_and_blocks_stay_bounded() {
-        let mut blocks = BlockedSums::new(2, 8);
+        let mut blocks = BlockedSums::with_limit(2, 8);
         for i in 0..1000_u32 {
             blocks.begin_sample();
             blocks.add(0, f64::from(i), 1);
@@ -277,7 +285,7 @@ mod tests {
 
     #[test]
     fn blocks_too_short_for_every_quantity_are_joined() {
-        let mut blocks = BlockedSums::new(2, 64);
+        let mut blocks = BlockedSums::new(2);
         for i in 0..12 {
             blocks.begin_sample();
             blocks.add(0, f64::from(i), 1);
@@ -293,7 +301,7 @@ mod tests {
 
     #[test]
     fn blocks_of_the_discarded_part_are_left_out_whole() {
-        let mut blocks = BlockedSums::new(1, 8);
+        let mut blocks = BlockedSums::with_limit(1, 8);
         for i in 0..40_u32 {
             blocks.begin_sample();
             blocks.add(0, f64::from(i), 1);
@@ -310,7 +318,7 @@ mod tests {
         // x·y of two means, 3 and 4, of independent normal samples: error √((4² + 3²)/n) at unit variance.
         let (n, seeds) = (64_usize, 200);
         let make = |seed: u64| {
-            let mut blocks = BlockedSums::new(2, 64);
+            let mut blocks = BlockedSums::new(2);
             let x = crate::statistics::synthetic::Ar1::new(0.0, 2 * seed).series(n);
             let y = crate::statistics::synthetic::Ar1::new(0.0, 2 * seed + 1).series(n);
             for i in 0..n {
@@ -334,7 +342,7 @@ mod tests {
     fn the_error_from_blocks_is_that_of_independent_samples() {
         // Equally spread values −1, 1, −1, 1 in blocks of one sample: variance 4/3 for four blocks, and an error widened
         // for three degrees of freedom.
-        let mut blocks = BlockedSums::new(1, 64);
+        let mut blocks = BlockedSums::new(1);
         for i in 0..4 {
             blocks.begin_sample();
             blocks.add(0, if i % 2 == 0 { -1.0 } else { 1.0 }, 1);

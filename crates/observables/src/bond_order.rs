@@ -8,9 +8,8 @@ use lennard_core::{
     DVec3, Findings, Observable, ObservableSpec, PeriodicBox, Table, View, Want, persist,
 };
 
-use crate::averages::of_series;
 use crate::error::within_box;
-use crate::series::{Series, impl_columns};
+use crate::series::{Series, columns};
 use crate::{BuildContext, ObservableError, Recipe};
 
 use harmonics::Harmonics;
@@ -52,38 +51,13 @@ impl Recipe for BondOrderOptions {
     }
 }
 
-/// One row for each sample.
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Rows {
-    time: Vec<f64>,
-    q4: Vec<f64>,
-    q6: Vec<f64>,
-    w4: Vec<f64>,
-    w6: Vec<f64>,
-    local_q4: Vec<f64>,
-    local_q6: Vec<f64>,
-    averaged_q4: Vec<f64>,
-    averaged_q6: Vec<f64>,
-    averaged_w4: Vec<f64>,
-    averaged_w6: Vec<f64>,
-    solid: Vec<f64>,
-    neighbors: Vec<f64>,
+columns! {
+    /// One row for each sample.
+    struct Rows {
+        time, q4, q6, w4, w6, local_q4, local_q6, averaged_q4, averaged_q6, averaged_w4,
+        averaged_w6, solid, neighbors
+    }
 }
-impl_columns!(Rows {
-    time,
-    q4,
-    q6,
-    w4,
-    w6,
-    local_q4,
-    local_q6,
-    averaged_q4,
-    averaged_q6,
-    averaged_w4,
-    averaged_w6,
-    solid,
-    neighbors
-});
 
 /// Bond-orientational order of orders 4 and 6.
 ///
@@ -208,11 +182,7 @@ impl Observable for BondOrder {
             ("solid_share", &rows.solid),
             ("neighbors_in_reach", &rows.neighbors),
         ];
-        let averages = named.map(|(name, column)| {
-            let mut average = of_series(name, "", column, cut);
-            average.estimate.equilibration_cut *= stride;
-            average
-        });
+        let averages = named.map(|(name, column)| self.series.average(name, "", column, cut));
         let caption =
             format!("order of bonds against time; each row is the mean of {stride} samples");
         let table = Table::new("bond_order", caption).with("time", "τ", rows.time.clone());

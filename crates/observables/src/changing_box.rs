@@ -2,8 +2,7 @@
 
 use lennard_core::{Findings, Observable, ObservableSpec, Ramp, Table, View, Want, persist};
 
-use crate::averages::of_series;
-use crate::series::{Series, impl_columns};
+use crate::series::{Series, columns};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "changing_box",
@@ -17,18 +16,9 @@ const SPEC: ObservableSpec = ObservableSpec {
 /// Rows kept before neighbors are averaged in pairs.
 const MOST_ROWS: usize = 1 << 16;
 
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Columns {
-    time: Vec<f64>,
-    volume: Vec<f64>,
-    density: Vec<f64>,
-    enthalpy: Vec<f64>,
-    side_x: Vec<f64>,
-    side_y: Vec<f64>,
-    side_z: Vec<f64>,
+columns! {
+    struct Columns { time, volume, density, enthalpy, side_x, side_y, side_z }
 }
-
-impl_columns!(Columns { time, volume, density, enthalpy, side_x, side_y, side_z });
 
 /// Volume, density and enthalpy of a run at constant pressure, per particle or per molecule; every such run has it.
 ///
@@ -51,7 +41,7 @@ impl ChangingBox {
     #[must_use]
     pub fn density(&self, discarded: f64) -> lennard_core::Average {
         let rows = self.series.rows();
-        of_series("density", "σ⁻³", &rows.density, self.cut(discarded))
+        self.series.average("density", "σ⁻³", &rows.density, self.cut(discarded))
     }
 
     fn cut(&self, discarded: f64) -> usize {
@@ -91,14 +81,11 @@ impl Observable for ChangingBox {
 
     fn finish(&self, discarded: f64) -> Findings {
         let (rows, cut, stride) = (self.series.rows(), self.cut(discarded), self.series.stride());
-        let mut averages = vec![
-            of_series("volume", "σ³", &rows.volume, cut),
+        let averages = vec![
+            self.series.average("volume", "σ³", &rows.volume, cut),
             self.density(discarded),
-            of_series("enthalpy", self.energy_unit, &rows.enthalpy, cut),
+            self.series.average("enthalpy", self.energy_unit, &rows.enthalpy, cut),
         ];
-        for average in &mut averages {
-            average.estimate.equilibration_cut *= stride;
-        }
         let caption = format!("the box against time; each row is the mean of {stride} samples");
         let table = Table::new("box", caption)
             .with("time", "τ", rows.time.clone())

@@ -3,12 +3,15 @@
 mod trial;
 mod weights;
 
-use lennard_core::{Average, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, SpeciesTable, StateReader, StateWriter, View, Want, tasks, persist};
+use lennard_core::{
+    Average, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, SpeciesTable,
+    StateReader, StateWriter, View, Want, persist, tasks,
+};
 
 use crate::averages::{FEWEST_INDEPENDENT, estimate_of_fluctuations, of_fluctuations};
 use crate::cells::Cells;
 use crate::error::within;
-use crate::series::{Series, impl_columns};
+use crate::series::{Series, columns};
 use crate::statistics;
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
@@ -69,13 +72,10 @@ impl Recipe for ChemicalPotentialOptions {
     }
 }
 
-/// Mean weight of the trial particles of a sample times the volume, and the volume, σ³.
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Rows {
-    weight: Vec<f64>,
-    volume: Vec<f64>,
+columns! {
+    /// Mean weight of the trial particles of a sample times the volume, and the volume, σ³.
+    struct Rows { weight, volume }
 }
-impl_columns!(Rows { weight, volume });
 
 /// What was found for one species.
 struct OfSpecies {

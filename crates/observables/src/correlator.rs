@@ -9,9 +9,6 @@ use crate::blocks::BlockedSums;
 /// Values that each level remembers.
 const POINTS: usize = 16;
 
-/// Blocks of the run from which the errors come.
-const BLOCKS: usize = 64;
-
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Level {
     /// Latest first, each `channels` values.
@@ -63,7 +60,7 @@ impl Correlator {
             channels,
             interval,
             levels: vec![Level::default(); levels],
-            products: BlockedSums::new(levels * POINTS, BLOCKS),
+            products: BlockedSums::new(levels * POINTS),
         }
     }
 

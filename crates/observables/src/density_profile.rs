@@ -16,9 +16,6 @@ const SPEC: ObservableSpec = ObservableSpec {
     suits: lennard_core::Suits::All,
 };
 
-/// Blocks kept for the errors.
-const MOST_BLOCKS: usize = 64;
-
 lennard_core::options! {
     /// Options of [`DensityProfile`].
     pub struct DensityProfileOptions {
@@ -59,7 +56,7 @@ impl DensityProfile {
         Self {
             axis: options.axis,
             seen: SeenBox::new(&context.cell),
-            counts: BlockedSums::new(options.bins, MOST_BLOCKS),
+            counts: BlockedSums::new(options.bins),
         }
     }
 }

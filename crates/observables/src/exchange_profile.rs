@@ -16,8 +16,6 @@ const SPEC: ObservableSpec = ObservableSpec {
     suits: lennard_core::Suits::OneSpecies,
 };
 
-/// Blocks kept for the errors.
-const MOST_BLOCKS: usize = 64;
 /// Slabs on each side of an exchanging one whose values are left out of the fit: velocities have not mixed there.
 const LEFT_OUT: usize = 1;
 
@@ -67,7 +65,7 @@ impl ExchangeProfile {
             side,
             area: context.cell.volume() / side,
             interval: context.sample_interval(),
-            sums: BlockedSums::new(slabs + 1, MOST_BLOCKS),
+            sums: BlockedSums::new(slabs + 1),
             begun: false,
             carried: 0.0,
         }

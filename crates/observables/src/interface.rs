@@ -8,11 +8,11 @@ use lennard_core::{
     Average, Axis, DVec3, Doubt, Findings, Observable, ObservableSpec, Table, View, Want, persist,
 };
 
-use crate::averages::{changes, of_blocks, of_series, tell_discarded};
+use crate::averages::{changes, of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
 use crate::pressure_tensor::PressureTensor;
 use crate::seen_box::SeenBox;
-use crate::series::{Series, impl_columns};
+use crate::series::{Series, columns};
 use crate::statistics;
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
@@ -26,8 +26,6 @@ const SPEC: ObservableSpec = ObservableSpec {
     suits: lennard_core::Suits::Atoms,
 };
 
-/// Blocks kept for the errors.
-const MOST_BLOCKS: usize = 64;
 /// Rows kept before neighbors are averaged in pairs.
 const MOST_ROWS: usize = 1 << 16;
 /// A contrast ρ_l − ρ_v below this part of the mean density is no slab: a fluid in one phase fluctuates so.
@@ -71,16 +69,9 @@ impl Recipe for InterfaceOptions {
     }
 }
 
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Rows {
-    time: Vec<f64>,
-    normal: Vec<f64>,
-    tangential: Vec<f64>,
-    tension: Vec<f64>,
-    outer: Vec<f64>,
+columns! {
+    struct Rows { time, normal, tangential, tension, outer }
 }
-
-impl_columns!(Rows { time, normal, tangential, tension, outer });
 
 /// The density across a slab about its own middle, and what follows from it.
 ///
@@ -106,7 +97,7 @@ impl Interface {
             axis: options.axis,
             n_atoms: context.n_atoms,
             seen: SeenBox::new(&context.cell),
-            counts: BlockedSums::new(options.bins, MOST_BLOCKS),
+            counts: BlockedSums::new(options.bins),
             series: Series::new(Rows::default(), MOST_ROWS),
         }
     }
@@ -311,9 +302,7 @@ impl Observable for Interface {
         for (name, unit, column) in
             [("vapor_pressure", "ε/σ³", &rows.normal), ("surface_tension", "ε/σ²", &rows.tension)]
         {
-            let mut average = of_series(name, unit, column, cut);
-            average.estimate.equilibration_cut *= self.series.stride();
-            findings.averages.push(average);
+            findings.averages.push(self.series.average(name, unit, column, cut));
         }
         let doubt = self.doubt_of_outer_part(cut);
         findings.averages =

@@ -26,9 +26,6 @@ const SPEC: ObservableSpec = ObservableSpec {
     suits: lennard_core::Suits::Atoms,
 };
 
-/// Blocks of the run from which the errors come.
-const BLOCKS: usize = 64;
-
 /// The integral from a range shorter by this part must agree with the integral over the whole range.
 const SHORTER: f64 = 0.85;
 
@@ -110,9 +107,9 @@ impl KirkwoodBuff {
             species: context.species.clone(),
             r_max,
             bins: options.bins,
-            counts: BlockedSums::new(pairs.len() * options.bins, BLOCKS),
-            factors: BlockedSums::new(pairs.len() * vectors.shells(), BLOCKS),
-            temperature: BlockedSums::new(1, BLOCKS),
+            counts: BlockedSums::new(pairs.len() * options.bins),
+            factors: BlockedSums::new(pairs.len() * vectors.shells()),
+            temperature: BlockedSums::new(1),
             pairs,
             vectors,
         })

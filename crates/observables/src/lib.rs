@@ -29,6 +29,7 @@ mod molecules;
 mod momentum;
 mod msd;
 mod orientation;
+mod over_lags;
 mod pairs;
 mod pressure_tensor;
 mod rdf;

@@ -5,8 +5,7 @@ mod vibration;
 use lennard_core::exact::exact_sum;
 use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, Want, persist};
 
-use crate::averages::of_series;
-use crate::series::{Series, impl_columns};
+use crate::series::{Series, columns};
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 use vibration::vibration;
 
@@ -43,30 +42,13 @@ impl Recipe for MolecularMotionOptions {
     }
 }
 
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Rows {
-    time: Vec<f64>,
-    temperature_of_centers: Vec<f64>,
-    temperature_inside: Vec<f64>,
-    temperature_of_rotation: Vec<f64>,
-    temperature_of_vibration: Vec<f64>,
-    bond_length: Vec<f64>,
-    bond_strain_squared: Vec<f64>,
-    end_to_end_squared: Vec<f64>,
-    pressure_of_sites: Vec<f64>,
+columns! {
+    struct Rows {
+        time, temperature_of_centers, temperature_inside, temperature_of_rotation,
+        temperature_of_vibration, bond_length, bond_strain_squared, end_to_end_squared,
+        pressure_of_sites
+    }
 }
-
-impl_columns!(Rows {
-    time,
-    temperature_of_centers,
-    temperature_inside,
-    temperature_of_rotation,
-    temperature_of_vibration,
-    bond_length,
-    bond_strain_squared,
-    end_to_end_squared,
-    pressure_of_sites,
-});
 
 /// Temperatures of the parts of molecules, their bonds and their extension, and the pressure by forces on sites.
 ///
@@ -209,27 +191,28 @@ impl Observable for MolecularMotion {
         let strain = squares(&rows.bond_strain_squared);
         let end_to_end = squares(&rows.end_to_end_squared);
         let is_rigid = self.context.molecules.are_rigid();
+        let average = |name, unit, column| self.series.average(name, unit, column, cut);
         let mut averages = vec![
-            of_series("temperature_of_centers", "ε/k_B", &rows.temperature_of_centers, cut),
-            of_series("temperature_inside_molecules", "ε/k_B", &rows.temperature_inside, cut),
+            average("temperature_of_centers", "ε/k_B", &rows.temperature_of_centers),
+            average("temperature_inside_molecules", "ε/k_B", &rows.temperature_inside),
         ];
         let hidden = self.context.molecules.hide_forces();
         if !hidden {
             let pressure = &rows.pressure_of_sites;
-            averages.push(of_series("pressure_of_sites", "ε/σ³", pressure, cut));
+            averages.push(average("pressure_of_sites", "ε/σ³", pressure));
         }
         if !is_rigid {
             let parts = [
                 ("temperature_of_rotation", &rows.temperature_of_rotation),
                 ("temperature_of_vibration", &rows.temperature_of_vibration),
             ];
-            averages.extend(parts.map(|(name, of)| of_series(name, "ε/k_B", of, cut)));
-            averages.push(of_series("bond_length", "σ", &rows.bond_length, cut));
-            averages.push(of_series("bond_strain", "", &strain, cut));
+            averages.extend(parts.map(|(name, of)| average(name, "ε/k_B", of)));
+            averages.push(average("bond_length", "σ", &rows.bond_length));
+            averages.push(average("bond_strain", "", &strain));
         }
         let topology = self.context.molecules.topology();
         if topology.is_some_and(|one| one.is_chain() && one.sites() > 2) {
-            averages.push(of_series("end_to_end_distance", "σ", &end_to_end, cut));
+            averages.push(average("end_to_end_distance", "σ", &end_to_end));
         }
         let mut remarks = vec![match hidden {
             true => "pressure_of_sites is left out: the forces of these bonds act inside the step",

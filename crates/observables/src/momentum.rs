@@ -2,7 +2,7 @@
 
 use lennard_core::{Average, Findings, Observable, ObservableSpec, Table, View, Want, persist};
 
-use crate::series::{Series, impl_columns};
+use crate::series::{Series, columns};
 use crate::{BuildContext, ObservableError, Recipe, statistics};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -34,15 +34,9 @@ impl Recipe for MomentumOptions {
     }
 }
 
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Rows {
-    time: Vec<f64>,
-    x: Vec<f64>,
-    y: Vec<f64>,
-    z: Vec<f64>,
+columns! {
+    struct Rows { time, x, y, z }
 }
-
-impl_columns!(Rows { time, x, y, z });
 
 /// The total momentum per particle, Σ m v / N, in σ/τ.
 ///

@@ -1,23 +1,21 @@
 //! The mean-square displacement and the diffusion coefficient.
 
 mod diffusion;
+mod levels;
 mod paths;
 
-use std::collections::VecDeque;
-
-use lennard_core::{
-    DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    Table, View, Want,
-};
+use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, Want, persist};
 
 use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::linear_regime::{LagCurve, LinearFit};
+use crate::over_lags::{Origins, OverLags};
 use crate::seen_box::SeenBox;
-use crate::tracked::{DEFAULT_TRACKED, OfSpecies, Tracked, sum_over_pairs};
+use crate::tracked::{DEFAULT_TRACKED, Members, Tracked};
 use crate::{BuildContext, ObservableError, Recipe};
 
+use levels::Levels;
 use paths::Paths;
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -32,12 +30,6 @@ const SPEC: ObservableSpec = ObservableSpec {
 
 /// ξ of the periodic cube's Ewald sum, in the correction of Yeh and Hummer.
 pub const YEH_HUMMER_XI: f64 = 2.837_297;
-
-/// Positions that each level remembers; also the number of lags of the first level.
-const POINTS: u64 = 16;
-
-/// Blocks of the run from which the errors come.
-const BLOCKS: usize = 64;
 
 lennard_core::options! {
     /// Options of [`MeanSquareDisplacement`].
@@ -90,11 +82,7 @@ pub struct MeanSquareDisplacement {
     tracked: Tracked,
     seen: SeenBox,
     paths: Paths,
-    samples: u64,
-    levels: Vec<VecDeque<Vec<DVec3>>>,
-    displacements: BlockedSums,
-    /// The species of a mixture; empty where there is one.
-    of_species: Vec<OfSpecies>,
+    displacements: OverLags<Levels>,
     /// Sum of the temperatures of all samples.
     temperatures: f64,
 }
@@ -120,41 +108,28 @@ impl MeanSquareDisplacement {
             ));
         }
         let longest = options.longest_lag / context.sample_interval();
-        // Level ℓ reaches 16·2^ℓ samples.
-        let levels = (longest / POINTS as f64).log2().ceil().clamp(0.0, 40.0) as usize + 1;
         let tracked = Tracked::new(context.n_atoms, options.particles);
-        let sums = || BlockedSums::new(levels * POINTS as usize, BLOCKS);
-        let of_species = tracked.sums_by_species(&context.species, sums);
+        let (levels, of_species) =
+            (Levels::new(longest, tracked.len()), tracked.by_species(&context.species));
         Ok(Self {
             options: options.clone(),
             context: context.clone(),
-            tracked,
             seen: SeenBox::new(&context.cell),
-            paths: Paths::new(&context.cell),
-            samples: 0,
-            levels: vec![VecDeque::new(); levels],
-            displacements: sums(),
-            of_species,
+            paths: Paths::new(&context.cell, tracked.len()),
+            displacements: OverLags::new("displacements", 1, levels, of_species),
+            tracked,
             temperatures: 0.0,
         })
     }
 
-    /// The lags in samples, rising, with the index of each among the sums.
-    fn lags(&self) -> Vec<(u64, usize)> {
-        (0..self.levels.len())
-            .flat_map(|level| {
-                let first = if level == 0 { 1 } else { POINTS / 2 + 1 };
-                (first..=POINTS)
-                    .map(move |j| (j << level, level * POINTS as usize + j as usize - 1))
-            })
-            .collect()
+    fn samples(&self) -> u64 {
+        self.displacements.origins.samples()
     }
 
     /// The lags that were reached.
     fn reached_lags(&self, displacements: &BlockedSums) -> Vec<(u64, usize)> {
-        let mut lags = self.lags();
-        lags.retain(|(_, k)| displacements.total(*k).1 > 0);
-        lags
+        let lags = self.displacements.origins.in_samples();
+        lags.filter(|(_, k)| displacements.total(*k).1 > 0).collect()
     }
 
     /// Mean-square displacement at each lag that was reached.
@@ -182,32 +157,9 @@ impl Observable for MeanSquareDisplacement {
     fn sample(&mut self, view: &View<'_>) {
         self.seen.see(view.cell());
         let mut now = self.tracked.relative_to_centre_of_mass(view.system, &view.state.positions);
-        self.paths.follow(view.cell(), &mut now, self.levels[0].front());
-        let weight = 1.0 / now.len().max(1) as f64;
-        self.displacements.begin_sample();
-        for species in &mut self.of_species {
-            species.sums.begin_sample();
-        }
-        for (level, history) in self.levels.iter_mut().enumerate() {
-            if !self.samples.is_multiple_of(1 << level) {
-                break;
-            }
-            // The lower half of the lags of every level but the first belongs to the level before.
-            let nearest = if level == 0 { 0 } else { POINTS as usize / 2 };
-            for (back, then) in history.iter().enumerate().skip(nearest) {
-                let square = |a: DVec3, b: DVec3| (a - b).length_squared();
-                let sum = sum_over_pairs(&now, then, square);
-                let k = level * POINTS as usize + back;
-                self.displacements.add(k, sum * weight, 1);
-                for species in &mut self.of_species {
-                    species.add_mean(k, &now, then, square);
-                }
-            }
-            history.truncate(POINTS as usize - 1);
-            history.push_front(now.clone());
-        }
+        self.paths.follow(view.cell(), &mut now, self.displacements.origins.last());
+        self.displacements.sample(&now, [|a: DVec3, b: DVec3| (a - b).length_squared()]);
         self.temperatures += view.temperature();
-        self.samples += 1;
     }
 
     /// A displacement belongs to the sample at which it ends. Where a part is discarded, some displacements still begin in
@@ -218,19 +170,19 @@ impl Observable for MeanSquareDisplacement {
         let curve = self.curve(&displacements);
         let fit = self.fit(&curve, &displacements);
         self.report(fit.as_ref(), "", &mut findings);
-        let of_species = self.of_species.iter().map(|species| {
-            let displacements = species.sums.after(discarded);
-            let curve = self.curve(&displacements);
-            (species, self.fit(&curve, &displacements), curve)
-        });
-        let of_species: Vec<(&OfSpecies, Option<LinearFit>, LagCurve)> = of_species.collect();
+        let of_species =
+            self.displacements.of_species(discarded).map(|(species, displacements)| {
+                let curve = self.curve(&displacements);
+                (species, self.fit(&curve, &displacements), curve)
+            });
+        let of_species: Vec<(&Members, Option<LinearFit>, LagCurve)> = of_species.collect();
         for (species, fit, _) in &of_species {
             self.report(fit.as_ref(), &species.suffix, &mut findings);
         }
         if let [(a, Some(fit_a), _), (b, Some(fit_b), _)] = &of_species[..] {
             self.report_darken([(a, fit_a), (b, fit_b)], &mut findings);
         }
-        tell_discarded(&mut findings, self.samples - displacements.samples());
+        tell_discarded(&mut findings, self.samples() - displacements.samples());
         findings.remarks.extend(self.tracked.remark());
         findings.remarks.extend(self.paths.remark());
         let diffusion = curve.times.iter().zip(&curve.values).map(|(t, m)| m / (6.0 * t)).collect();
@@ -243,8 +195,8 @@ impl Observable for MeanSquareDisplacement {
         .with("msd", "σ²", curve.values)
         .with("standard_error", "σ²", curve.errors)
         .with("msd_over_6t", "σ²/τ", diffusion);
-        let with = |table: Table, (species, _, curve): (&OfSpecies, _, LagCurve)| {
-            let name = |of: &str| species.section(of);
+        let with = |table: Table, (species, _, curve): (&Members, _, LagCurve)| {
+            let name = |of: &str| species.named(of);
             table.with(name("msd"), "σ²", curve.values).with(
                 name("standard_error"),
                 "σ²",
@@ -261,46 +213,13 @@ impl Observable for MeanSquareDisplacement {
     }
 }
 
-impl Persist for MeanSquareDisplacement {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_u64("samples", &[self.samples]);
-        to.put_f64("temperatures", &[self.temperatures]);
-        self.displacements.save(&mut to.section("displacements"));
-        for species in &self.of_species {
-            let section = species.section("displacements");
-            species.sums.save(&mut to.section(&section));
-        }
-        self.seen.save(&mut to.section("box"));
-        self.paths.save(&mut to.section("paths"));
-        for (level, history) in self.levels.iter().enumerate() {
-            let all: Vec<DVec3> = history.iter().flatten().copied().collect();
-            to.put_vec3(&format!("level_{level}"), &all);
-        }
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        [self.samples] = from.u64s("samples")?;
-        [self.temperatures] = from.f64s("temperatures")?;
-        self.displacements.restore(&from.section("displacements"))?;
-        for species in &mut self.of_species {
-            let section = species.section("displacements");
-            species.sums.restore(&from.section(&section))?;
-        }
-        self.seen.restore(&from.section("box"))?;
-        let n = self.tracked.len();
-        self.paths.restore(&from.section("paths"), n)?;
-        for (level, history) in self.levels.iter_mut().enumerate() {
-            let name = format!("level_{level}");
-            let all = from.vec3(&name)?;
-            let expected = POINTS.min(self.samples.div_ceil(1 << level)) as usize * n;
-            if all.len() != expected {
-                return Err(from.misfit(&name, format!("{} vectors, wanted {expected}", all.len())));
-            }
-            *history = all.chunks(n.max(1)).map(<[DVec3]>::to_vec).collect();
-        }
-        Ok(())
-    }
-}
+persist!(MeanSquareDisplacement {
+    ..displacements,
+    temperatures,
+    seen as "box",
+    paths,
+    fixed options, context, tracked
+});
 
 #[cfg(test)]
 mod tests;

@@ -1,14 +1,10 @@
 //! How long molecules remember their direction.
 
-use lennard_core::{
-    DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    Table, View, Want,
-};
+use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, Want, persist};
 
-use crate::averages::{of_blocks, tell_discarded};
-use crate::blocks::BlockedSums;
+use crate::averages::tell_discarded;
+use crate::over_lags::{Origins, OverLags};
 use crate::time_origins::TimeOrigins;
-use crate::tracked::sum_over_pairs;
 use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -21,8 +17,6 @@ const SPEC: ObservableSpec = ObservableSpec {
     suits: lennard_core::Suits::Molecules,
 };
 
-/// Blocks of the run from which the errors come.
-const BLOCKS: usize = 64;
 lennard_core::options! {
     /// Options of [`Orientation`].
     pub struct OrientationOptions {
@@ -55,10 +49,8 @@ impl Recipe for OrientationOptions {
 /// of a molecule apart. The times τ_1 and τ_2 are integrals by the trapezoidal rule up to the end of the window.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orientation {
-    /// Time origins with directions.
-    origins: TimeOrigins,
-    /// C_1 at each lag, then C_2 at each lag.
-    products: BlockedSums,
+    /// C_1 and C_2.
+    products: OverLags<TimeOrigins>,
 }
 
 impl Orientation {
@@ -71,44 +63,15 @@ impl Orientation {
         context: &BuildContext,
     ) -> Result<Self, ObservableError> {
         let window = (options.window, options.origins);
-        let interval = context.sample_interval();
-        let origins = TimeOrigins::new(window, interval, context.n_molecules())?;
-        Ok(Self { products: BlockedSums::new(2 * origins.lags, BLOCKS), origins })
+        let vectors = ("directions", context.n_molecules());
+        let origins = TimeOrigins::new(window, context.sample_interval(), vectors)?;
+        Ok(Self { products: OverLags::new("products", 2, origins, Vec::new()) })
     }
 
     /// ∫ C over the window by the trapezoidal rule.
     fn integral(&self, c: &[f64]) -> f64 {
         let pairs = c.windows(2).map(|c| 0.5 * (c[0] + c[1]));
-        pairs.sum::<f64>() * self.origins.interval
-    }
-
-    /// The function of order `l` with its errors, of which the time is added; `None` where the run is shorter than the window.
-    fn report(
-        &self,
-        products: &BlockedSums,
-        l: usize,
-        findings: &mut Findings,
-    ) -> Option<[Vec<f64>; 2]> {
-        let lags = self.origins.lags;
-        let own: Vec<usize> = ((l - 1) * lags..l * lags).collect();
-        let means = own.iter().map(|k| products.mean(*k));
-        let c = means.collect::<Option<Vec<f64>>>()?;
-        let errors: Vec<f64> = own.iter().map(|k| products.standard_error(*k)).collect();
-        let rows = products.complete_rows(&own);
-        let blocks: Vec<f64> = rows.iter().map(|c| self.integral(c)).collect();
-        let function = format!("the function C_{l} of directions");
-        let undecayed = self.origins.undecayed(&function, &c, &errors);
-        findings.averages.push(
-            of_blocks(
-                &format!("reorientation_time_{l}"),
-                "τ",
-                self.integral(&c),
-                &blocks,
-                (lags - 1) as f64 * blocks.len() as f64 / products.samples() as f64,
-            )
-            .doubted(undecayed),
-        );
-        Some([c, errors])
+        pairs.sum::<f64>() * self.products.origins.interval
     }
 }
 
@@ -123,12 +86,9 @@ fn directions(view: &View<'_>) -> Vec<DVec3> {
         .collect()
 }
 
-fn first(a: DVec3, b: DVec3) -> f64 {
-    a.dot(b)
-}
-
-fn second(a: DVec3, b: DVec3) -> f64 {
-    1.5 * a.dot(b).powi(2) - 0.5
+/// The functions whose means are C_1 and C_2.
+fn legendre(l: usize) -> impl Fn(DVec3, DVec3) -> f64 {
+    move |a, b| if l == 1 { a.dot(b) } else { 1.5 * a.dot(b).powi(2) - 0.5 }
 }
 
 impl Observable for Orientation {
@@ -141,35 +101,34 @@ impl Observable for Orientation {
     }
 
     fn sample(&mut self, view: &View<'_>) {
-        let now = directions(view);
-        let weight = 1.0 / now.len().max(1) as f64;
-        let lags = self.origins.lags;
-        self.products.begin_sample();
-        self.origins.see(&now, |lag, then| {
-            let [c_1, c_2] =
-                [sum_over_pairs(&now, then, first), sum_over_pairs(&now, then, second)];
-            self.products.add(lag, c_1 * weight, 1);
-            self.products.add(lags + lag, c_2 * weight, 1);
-        });
+        self.products.sample(&directions(view), [1, 2].map(legendre));
     }
 
     fn finish(&self, discarded: f64) -> Findings {
         let mut findings = Findings::default();
         let products = self.products.after(discarded);
-        let both = [1, 2].map(|l| self.report(&products, l, &mut findings));
+        let both = [1, 2].map(|l| {
+            let words = format!("the function C_{l} of directions");
+            let name = format!("reorientation_time_{l}");
+            let integral = |c: &[f64]| self.integral(c);
+            let (average, curve) =
+                self.products.integrated(&products, (l - 1, &words), (&name, "τ"), integral)?;
+            findings.averages.push(average);
+            Some(curve)
+        });
         let [Some([c_1, error_1]), Some([c_2, error_2])] = both else {
             findings
                 .remarks
                 .push("no functions of directions: the run is shorter than their window".into());
             return findings;
         };
-        tell_discarded(&mut findings, self.origins.samples - products.samples());
+        tell_discarded(&mut findings, self.products.origins.samples() - products.samples());
         findings.tables.push(
             Table::new(
                 "orientation",
                 "autocorrelation functions of the directions of molecules against lag",
             )
-            .with("time", "τ", self.origins.times())
+            .with("time", "τ", self.products.origins.times())
             .with("c_1", "", c_1)
             .with("standard_error_1", "", error_1)
             .with("c_2", "", c_2)
@@ -179,18 +138,7 @@ impl Observable for Orientation {
     }
 }
 
-impl Persist for Orientation {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.origins.save("directions", to);
-        self.products.save(&mut to.section("products"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.origins.restore("directions", from)?;
-        self.products.restore(&from.section("products"))?;
-        Ok(())
-    }
-}
+persist!(Orientation { ..products });
 
 #[cfg(test)]
 mod tests {

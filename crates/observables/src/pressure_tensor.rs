@@ -2,12 +2,11 @@
 
 use lennard_core::exact::exact_sum;
 use lennard_core::{
-    DMat3, DVec3, Findings, Observable, ObservableSpec, Table, View, Want, persist,
+    Average, DMat3, DVec3, Findings, Observable, ObservableSpec, Table, View, Want, persist,
 };
 
-use crate::averages::of_series;
 use crate::seen_box::SeenBox;
-use crate::series::{Series, impl_columns};
+use crate::series::{Series, columns};
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -45,18 +44,9 @@ impl Recipe for PressureTensorOptions {
     }
 }
 
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Rows {
-    time: Vec<f64>,
-    xx: Vec<f64>,
-    yy: Vec<f64>,
-    zz: Vec<f64>,
-    xy: Vec<f64>,
-    xz: Vec<f64>,
-    yz: Vec<f64>,
+columns! {
+    struct Rows { time, xx, yy, zz, xy, xz, yz }
 }
-
-impl_columns!(Rows { time, xx, yy, zz, xy, xz, yz });
 
 /// The pressure tensor in ε/σ³, with the tail on its diagonal where it is on.
 ///
@@ -127,42 +117,36 @@ impl Observable for PressureTensor {
     fn finish(&self, discarded: f64) -> Findings {
         let rows = self.series.rows();
         let cut = (discarded * rows.xx.len() as f64).ceil() as usize;
-        let average = |name: &str, unit: &str, column: &[f64]| {
-            let mut average = of_series(name, unit, column, cut);
-            average.estimate.equilibration_cut *= self.series.stride();
-            average
-        };
         let length = self.seen.sides().z;
         let tension: Vec<f64> = (0..rows.xx.len())
             .map(|i| 0.5 * length * (rows.zz[i] - 0.5 * (rows.xx[i] + rows.yy[i])))
             .collect();
         let pressure = "ε/σ³";
+        let columns = [
+            ("xx", &rows.xx),
+            ("yy", &rows.yy),
+            ("zz", &rows.zz),
+            ("xy", &rows.xy),
+            ("xz", &rows.xz),
+            ("yz", &rows.yz),
+        ];
+        let average = |name: &str, unit, column| self.series.average(name, unit, column, cut);
+        let mut averages: Vec<Average> = columns
+            .iter()
+            .map(|(name, column)| average(&format!("pressure_{name}"), pressure, column))
+            .collect();
+        averages.push(average("surface_tension_z", "ε/σ²", &tension));
+        let caption = format!(
+            "components of the pressure tensor against time; each row is the mean of {} samples",
+            self.series.stride()
+        );
+        let table = Table::new("pressure_tensor", caption).with("time", "τ", rows.time.clone());
+        let table = columns
+            .into_iter()
+            .fold(table, |table, (name, column)| table.with(name, pressure, column.clone()));
         Findings {
-            averages: vec![
-                average("pressure_xx", pressure, &rows.xx),
-                average("pressure_yy", pressure, &rows.yy),
-                average("pressure_zz", pressure, &rows.zz),
-                average("pressure_xy", pressure, &rows.xy),
-                average("pressure_xz", pressure, &rows.xz),
-                average("pressure_yz", pressure, &rows.yz),
-                average("surface_tension_z", "ε/σ²", &tension),
-            ],
-            tables: vec![
-                Table::new(
-                    "pressure_tensor",
-                    format!(
-                        "components of the pressure tensor against time; each row is the mean of {} samples",
-                        self.series.stride()
-                    ),
-                )
-                .with("time", "τ", rows.time.clone())
-                .with("xx", pressure, rows.xx.clone())
-                .with("yy", pressure, rows.yy.clone())
-                .with("zz", pressure, rows.zz.clone())
-                .with("xy", pressure, rows.xy.clone())
-                .with("xz", pressure, rows.xz.clone())
-                .with("yz", pressure, rows.yz.clone()),
-            ],
+            averages,
+            tables: vec![table],
             remarks: vec![
                 "surface_tension_z = L_z/2·(P_zz − (P_xx + P_yy)/2) is the tension of one of two flat interfaces across z; in a homogeneous fluid it is zero within its error".into(),
             ],

@@ -28,9 +28,6 @@ const SPEC: ObservableSpec = ObservableSpec {
 /// Largest distance where the scene gives none, in σ: liquid structure is gone there.
 const DEFAULT_R_MAX: f64 = 6.0;
 
-/// Blocks of histograms from which the errors come.
-const BLOCKS: usize = 64;
-
 lennard_core::options! {
     /// Options of [`RadialDistribution`].
     pub struct RdfOptions {
@@ -112,7 +109,7 @@ impl RadialDistribution {
             sites: context.molecules.sites(),
             r_max,
             bins: options.bins,
-            counts: BlockedSums::new(options.bins, BLOCKS),
+            counts: BlockedSums::new(options.bins),
             partial: Partial::new(&context.species, options.bins),
         })
     }

@@ -1,6 +1,8 @@
 //! A time series of bounded length: when it is full, neighboring rows are averaged in pairs.
 
-use lennard_core::{Persist, RestoreError, StateReader, StateWriter};
+use lennard_core::{Average, Persist, RestoreError, StateReader, StateWriter};
+
+use crate::averages::of_series;
 
 /// Named columns of equal length that a [`Series`] fills.
 pub trait Columns {
@@ -85,6 +87,13 @@ impl<C: Columns> Series<C> {
         self.len() == 0
     }
 
+    /// The mean of a column after `cut` rows, with its error and what speaks against it.
+    pub(crate) fn average(&self, name: &str, unit: &str, column: &[f64], cut: usize) -> Average {
+        let mut average = of_series(name, unit, column, cut);
+        average.estimate.equilibration_cut *= self.stride;
+        average
+    }
+
     /// Samples a row.
     #[must_use]
     pub fn stride(&self) -> u64 {
@@ -131,35 +140,37 @@ impl<C: Columns> Persist for Series<C> {
     }
 }
 
-/// Implements [`Columns`] for a struct whose listed fields are all `Vec<f64>`.
-macro_rules! impl_columns {
-    ($type:ty { $($field:ident),* $(,)? }) => {
+/// Declares the columns of a [`Series`]: a struct with a `Vec<f64>` per column.
+macro_rules! columns {
+    ($(#[$about:meta])* $visible:vis struct $type:ident { $($(#[$doc:meta])* $column:ident),* $(,)? }) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, Default, PartialEq)]
+        $visible struct $type {
+            $($(#[$doc])* $visible $column: Vec<f64>),*
+        }
         impl $crate::Columns for $type {
             fn names(&self) -> Vec<&'static str> {
-                vec![$(stringify!($field)),*]
+                vec![$(stringify!($column)),*]
             }
             fn columns(&self) -> Vec<&[f64]> {
-                vec![$(&self.$field),*]
+                vec![$(&self.$column),*]
             }
             fn columns_mut(&mut self) -> Vec<&mut Vec<f64>> {
-                vec![$(&mut self.$field),*]
+                vec![$(&mut self.$column),*]
             }
         }
     };
 }
-pub(crate) use impl_columns;
+pub(crate) use columns;
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use lennard_core::StateArchive;
 
-    #[derive(Debug, Clone, Default, PartialEq)]
-    struct Two {
-        a: Vec<f64>,
-        b: Vec<f64>,
+    columns! {
+        struct Two { a, b }
     }
-    impl_columns!(Two { a, b });
 
     #[test]
     fn a_full_series_halves_its_rows_and_keeps_their_mean() {

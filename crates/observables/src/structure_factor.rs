@@ -26,9 +26,6 @@ const SPEC: ObservableSpec = ObservableSpec {
     suits: lennard_core::Suits::All,
 };
 
-/// Blocks of the run from which the errors come.
-const BLOCKS: usize = 64;
-
 /// A peak counts where the curve has come down from it by this much, and by four standard errors.
 const SMALLEST_PROMINENCE: f64 = 0.05;
 
@@ -110,7 +107,7 @@ impl StructureFactor {
         let shells = vectors.shells();
         Ok(Self {
             seen: SeenBox::new(&context.cell),
-            factors: BlockedSums::new(shells, BLOCKS),
+            factors: BlockedSums::new(shells),
             partial: Partial::new(&context.species, shells),
             vectors,
         })

@@ -2,103 +2,73 @@
 
 use lennard_core::Table;
 
-use crate::series::impl_columns;
+use crate::series::columns;
 use crate::statistics::mean;
 
-/// The time series of [`crate::Thermodynamics`]: columns of equal length, energies per particle.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct ThermoSeries {
-    /// Time in τ; the mean time of the row's samples.
-    pub time: Vec<f64>,
-    /// Kinetic temperature 2K/n_dof on whole steps.
-    pub temperature: Vec<f64>,
-    /// The temperature that belongs to the positions: of half steps, or of whole steps where the method has no half
-    /// ones.
-    pub temperature_of_positions: Vec<f64>,
-    /// Kinetic energy K/N.
-    pub kinetic_energy: Vec<f64>,
-    /// Potential energy per particle, with the tail where it is on.
-    pub potential_energy: Vec<f64>,
-    /// Potential energy per particle without the tail.
-    pub potential_energy_without_tail: Vec<f64>,
-    /// Pressure in ε/σ³, with the tail where it is on.
-    pub pressure: Vec<f64>,
-    /// Pressure without the tail.
-    pub pressure_without_tail: Vec<f64>,
-    /// (K + conserved potential − Σ heat)/N: what exact dynamics would keep constant.
-    pub conserved_energy: Vec<f64>,
-    /// Mean square force |∇U|²/N in ε²/σ²; zero where the configurational temperature is off.
-    pub squared_force: Vec<f64>,
-    /// Laplacian ∇²U/N in ε/σ², corrected for the jump of the force at the cutoff; zero where off.
-    pub laplacian: Vec<f64>,
-    /// Mean of (K/N)², for fluctuations: row means of a square survive averaging in pairs.
-    pub kinetic_energy_squared: Vec<f64>,
-    /// Potential energy per particle of which the forces are the gradient, U_s/N: for a plain cutoff the shifted one.
-    /// Configurations are sampled with its Boltzmann factor, so fluctuations are taken of it. In a box that changes, the
-    /// energy of the tail that the box feels, V·P_tail, belongs to it.
-    pub sampled_potential_energy: Vec<f64>,
-    /// Mean of (U_s/N)².
-    pub sampled_potential_energy_squared: Vec<f64>,
-    /// Total momentum per particle, x, in σ/τ.
-    pub momentum_x: Vec<f64>,
-    /// Total momentum per particle, y.
-    pub momentum_y: Vec<f64>,
-    /// Total momentum per particle, z.
-    pub momentum_z: Vec<f64>,
-    /// W/N = Σ r·F/N without the tail.
-    pub virial: Vec<f64>,
-    /// Mean of (W/N)².
-    pub virial_squared: Vec<f64>,
-    /// Mean of (U_s/N)(W/N).
-    pub sampled_energy_virial: Vec<f64>,
-    /// Mean of (U_s/N)(K/N).
-    pub sampled_energy_kinetic: Vec<f64>,
-    /// Mean of N/K.
-    pub inverse_kinetic_energy: Vec<f64>,
-    /// Mean of W/K.
-    pub virial_over_kinetic: Vec<f64>,
-    /// Mean of (W/N)²·N/K.
-    pub virial_squared_over_kinetic: Vec<f64>,
-    /// V/N.
-    pub volume: Vec<f64>,
-    /// Mean of (V/N)².
-    pub volume_squared: Vec<f64>,
-    /// Mean of (U_s/N)(V/N).
-    pub sampled_energy_volume: Vec<f64>,
-    /// What the cutoff adds to Σ r²u″/N, ε.
-    pub curvature_of_ends: Vec<f64>,
+columns! {
+    /// The time series of [`crate::Thermodynamics`]: columns of equal length, energies per particle.
+    pub struct ThermoSeries {
+        /// Time in τ; the mean time of the row's samples.
+        time,
+        /// Kinetic temperature 2K/n_dof on whole steps.
+        temperature,
+        /// The temperature that belongs to the positions: of half steps, or of whole steps where the method has no half
+        /// ones.
+        temperature_of_positions,
+        /// Kinetic energy K/N.
+        kinetic_energy,
+        /// Potential energy per particle, with the tail where it is on.
+        potential_energy,
+        /// Potential energy per particle without the tail.
+        potential_energy_without_tail,
+        /// Pressure in ε/σ³, with the tail where it is on.
+        pressure,
+        /// Pressure without the tail.
+        pressure_without_tail,
+        /// (K + conserved potential − Σ heat)/N: what exact dynamics would keep constant.
+        conserved_energy,
+        /// Mean square force |∇U|²/N in ε²/σ²; zero where the configurational temperature is off.
+        squared_force,
+        /// Laplacian ∇²U/N in ε/σ², corrected for the jump of the force at the cutoff; zero where off.
+        laplacian,
+        /// Mean of (K/N)², for fluctuations: row means of a square survive averaging in pairs.
+        kinetic_energy_squared,
+        /// Potential energy per particle of which the forces are the gradient, U_s/N: for a plain cutoff the shifted one.
+        /// Configurations are sampled with its Boltzmann factor, so fluctuations are taken of it. In a box that changes, the
+        /// energy of the tail that the box feels, V·P_tail, belongs to it.
+        sampled_potential_energy,
+        /// Mean of (U_s/N)².
+        sampled_potential_energy_squared,
+        /// Total momentum per particle, x, in σ/τ.
+        momentum_x,
+        /// Total momentum per particle, y.
+        momentum_y,
+        /// Total momentum per particle, z.
+        momentum_z,
+        /// W/N = Σ r·F/N without the tail.
+        virial,
+        /// Mean of (W/N)².
+        virial_squared,
+        /// Mean of (U_s/N)(W/N).
+        sampled_energy_virial,
+        /// Mean of (U_s/N)(K/N).
+        sampled_energy_kinetic,
+        /// Mean of N/K.
+        inverse_kinetic_energy,
+        /// Mean of W/K.
+        virial_over_kinetic,
+        /// Mean of (W/N)²·N/K.
+        virial_squared_over_kinetic,
+        /// V/N.
+        volume,
+        /// Mean of (V/N)².
+        volume_squared,
+        /// Mean of (U_s/N)(V/N).
+        sampled_energy_volume,
+        /// What the cutoff adds to Σ r²u″/N, ε.
+        curvature_of_ends,
+    }
 }
-
-impl_columns!(ThermoSeries {
-    time,
-    temperature,
-    temperature_of_positions,
-    kinetic_energy,
-    potential_energy,
-    potential_energy_without_tail,
-    pressure,
-    pressure_without_tail,
-    conserved_energy,
-    squared_force,
-    laplacian,
-    kinetic_energy_squared,
-    sampled_potential_energy,
-    sampled_potential_energy_squared,
-    momentum_x,
-    momentum_y,
-    momentum_z,
-    virial,
-    virial_squared,
-    sampled_energy_virial,
-    sampled_energy_kinetic,
-    inverse_kinetic_energy,
-    virial_over_kinetic,
-    virial_squared_over_kinetic,
-    volume,
-    volume_squared,
-    sampled_energy_volume,
-    curvature_of_ends,
-});
 
 impl ThermoSeries {
     /// (K − K̄)(U_s − Ū_s) of each row after `cut`, at constant temperature, whose true mean is zero: velocities know nothing of positions there.

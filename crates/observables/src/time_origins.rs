@@ -3,10 +3,11 @@
 use std::collections::VecDeque;
 
 use lennard_core::number::short;
-use lennard_core::{DVec3, Doubt, RestoreError, StateReader, StateWriter};
+use lennard_core::{DVec3, Doubt, Persist, RestoreError, StateReader, StateWriter};
 
 use crate::ObservableError;
 use crate::error::{positive, within};
+use crate::over_lags::Origins;
 
 /// Most lags of a function.
 const MOST_LAGS: usize = 10_000;
@@ -20,8 +21,9 @@ pub(crate) struct TimeOrigins {
     pub interval: f64,
     /// Number of lags, the lag 0 among them.
     pub lags: usize,
-    /// Samples so far.
-    pub samples: u64,
+    /// What the vectors are called in a saved state.
+    name: &'static str,
+    samples: u64,
     spacing: u64,
     /// Vectors of a sample.
     vectors: usize,
@@ -30,14 +32,14 @@ pub(crate) struct TimeOrigins {
 }
 
 impl TimeOrigins {
-    /// No origin yet, for a window, τ, with so many origins at once, and samples of so many vectors.
+    /// No origin yet, for a window, τ, with so many origins at once, and samples of so many vectors, which have a name.
     ///
     /// # Errors
     /// [`ObservableError`] where the window holds no two samples or more than 10,000, or there is no origin.
     pub(crate) fn new(
         (window, origins): (f64, usize),
         interval: f64,
-        vectors: usize,
+        (name, vectors): (&'static str, usize),
     ) -> Result<Self, ObservableError> {
         positive("window", Some(window))?;
         let steps = (window / interval).round();
@@ -56,26 +58,12 @@ impl TimeOrigins {
         Ok(Self {
             interval,
             lags,
+            name,
             samples: 0,
             spacing: lags.div_ceil(origins) as u64,
             vectors,
             kept: VecDeque::new(),
         })
-    }
-
-    /// Takes a sample, and calls `add` with the lag and the vectors of each origin in the window.
-    pub(crate) fn see(&mut self, now: &[DVec3], mut add: impl FnMut(usize, &[DVec3])) {
-        let expired = |&(born, _): &(u64, _)| self.samples - born >= self.lags as u64;
-        while self.kept.front().is_some_and(expired) {
-            self.kept.pop_front();
-        }
-        if self.samples.is_multiple_of(self.spacing) {
-            self.kept.push_back((self.samples, now.to_vec()));
-        }
-        for (born, then) in &self.kept {
-            add((self.samples - born) as usize, then);
-        }
-        self.samples += 1;
     }
 
     /// The lags, τ.
@@ -93,30 +81,50 @@ impl TimeOrigins {
             ))
         })
     }
+}
 
-    /// Saves the origins, with the vectors under a name.
-    pub(crate) fn save(&self, vectors: &str, to: &mut StateWriter<'_>) {
-        let Self { interval: _, lags: _, samples, spacing: _, vectors: _, kept } = self;
-        to.put_u64("samples", &[*samples]);
+impl Origins for TimeOrigins {
+    fn lags(&self) -> usize {
+        self.lags
+    }
+
+    fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    fn see(&mut self, now: &[DVec3], mut add: impl FnMut(usize, &[DVec3])) {
+        let expired = |&(born, _): &(u64, _)| self.samples - born >= self.lags as u64;
+        while self.kept.front().is_some_and(expired) {
+            self.kept.pop_front();
+        }
+        if self.samples.is_multiple_of(self.spacing) {
+            self.kept.push_back((self.samples, now.to_vec()));
+        }
+        for (born, then) in &self.kept {
+            add((self.samples - born) as usize, then);
+        }
+        self.samples += 1;
+    }
+}
+
+impl Persist for TimeOrigins {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        let Self { interval: _, lags: _, name, samples, spacing: _, vectors: _, kept } = self;
+        samples.save(&mut to.section("samples"));
         let born: Vec<u64> = kept.iter().map(|(born, _)| *born).collect();
         to.put_u64("origins", &born);
         let all: Vec<DVec3> = kept.iter().flat_map(|(_, v)| v).copied().collect();
-        to.put_vec3(vectors, &all);
+        to.put_vec3(name, &all);
     }
 
-    /// Restores what [`TimeOrigins::save`] saved under the same name.
-    pub(crate) fn restore(
-        &mut self,
-        vectors: &str,
-        from: &StateReader<'_>,
-    ) -> Result<(), RestoreError> {
-        [self.samples] = from.u64s("samples")?;
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.samples.restore(&from.section("samples"))?;
         let born = from.u64("origins")?;
-        let all = from.vec3(vectors)?;
+        let all = from.vec3(self.name)?;
         let n = self.vectors;
         if all.len() != born.len() * n || born.iter().any(|b| *b >= self.samples) {
             return Err(from.misfit(
-                vectors,
+                self.name,
                 format!("{} vectors for {} origins of {n}", all.len(), born.len()),
             ));
         }

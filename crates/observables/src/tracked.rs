@@ -3,8 +3,6 @@
 use lennard_core::exact::exact_sum;
 use lennard_core::{DVec3, SpeciesTable, System};
 
-use crate::blocks::BlockedSums;
-
 /// The largest number of particles that are followed unless the scene says otherwise. The histories of
 /// more of them would take more memory than the run itself; the error of D falls only as 1/√(particles).
 pub(crate) const DEFAULT_TRACKED: usize = 16_384;
@@ -16,33 +14,20 @@ pub(crate) struct Tracked {
     n: usize,
 }
 
-/// Sums over the particles of one species.
+/// The particles of one species.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct OfSpecies {
+pub(crate) struct Members {
     /// Number of the species.
     pub number: usize,
     /// What the names of results end with.
     pub suffix: String,
     /// Places among the particles that are followed.
     pub members: Vec<usize>,
-    pub sums: BlockedSums,
 }
 
-impl OfSpecies {
-    /// Adds the mean of `pair(a_i, b_i)` over the particles of the species to quantity `k`.
-    pub(crate) fn add_mean(
-        &mut self,
-        k: usize,
-        a: &[DVec3],
-        b: &[DVec3],
-        pair: impl Fn(DVec3, DVec3) -> f64 + Sync,
-    ) {
-        let mean = mean_over_members(&self.members, a, b, pair);
-        self.sums.add(k, mean, 1);
-    }
-
-    /// The name of a section of the saved state.
-    pub(crate) fn section(&self, of: &str) -> String {
+impl Members {
+    /// The name of a column of the species.
+    pub(crate) fn named(&self, of: &str) -> String {
         format!("{of}{}", self.suffix)
     }
 }
@@ -58,28 +43,21 @@ impl Tracked {
         self.indices.len()
     }
 
-    /// Empty sums for each species of a mixture. A species of which no particle is followed is left out; one species alone gives
+    /// The particles of each species of a mixture. A species of which no particle is followed is left out; one species alone gives
     /// nothing.
-    pub(crate) fn sums_by_species(
-        &self,
-        species: &SpeciesTable,
-        empty: impl Fn() -> BlockedSums,
-    ) -> Vec<OfSpecies> {
+    pub(crate) fn by_species(&self, species: &SpeciesTable) -> Vec<Members> {
         let mut members = vec![Vec::new(); species.n_species()];
         if species.is_mixture() {
             for (place, i) in self.indices.iter().enumerate() {
                 members[species.of(*i as usize)].push(place);
             }
         }
-        let all = members.into_iter().enumerate();
-        all.filter(|(_, members)| !members.is_empty())
-            .map(|(a, members)| OfSpecies {
-                number: a,
-                suffix: format!("_{}", species.name(a)),
-                members,
-                sums: empty(),
-            })
-            .collect()
+        let all = members.into_iter().enumerate().filter(|(_, members)| !members.is_empty());
+        all.map(|(number, members)| {
+            let suffix = format!("_{}", species.name(number));
+            Members { number, suffix, members }
+        })
+        .collect()
     }
 
     /// A remark where not every particle is followed.
@@ -118,7 +96,7 @@ pub(crate) fn sum_over_pairs(
 }
 
 /// The mean of `pair(a_i, b_i)` over some places i, by an exact total.
-fn mean_over_members(
+pub(crate) fn mean_over_members(
     members: &[usize],
     a: &[DVec3],
     b: &[DVec3],

@@ -1,15 +1,13 @@
 //! The velocity autocorrelation function.
 
-use lennard_core::{
-    DVec3, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    Table, View, Want,
-};
+use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, Want, persist};
 
-use crate::averages::{of_blocks, tell_discarded};
+use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
 use crate::error::within;
+use crate::over_lags::{Origins, OverLags};
 use crate::time_origins::TimeOrigins;
-use crate::tracked::{DEFAULT_TRACKED, OfSpecies, Tracked, sum_over_pairs};
+use crate::tracked::{DEFAULT_TRACKED, Tracked};
 use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -21,9 +19,6 @@ const SPEC: ObservableSpec = ObservableSpec {
     dynamic: true,
     suits: lennard_core::Suits::All,
 };
-
-/// Blocks of the run from which the errors come.
-const BLOCKS: usize = 64;
 
 /// Below this value at the first lag the sampling is too coarse for the trapezoidal rule. For a function
 /// that starts as 1 − (Ωt)²/2, the rule errs by about a tenth of the loss in the first interval.
@@ -68,11 +63,7 @@ impl Recipe for VacfOptions {
 #[derive(Debug, Clone, PartialEq)]
 pub struct VelocityAutocorrelation {
     tracked: Tracked,
-    /// Time origins with velocities.
-    origins: TimeOrigins,
-    products: BlockedSums,
-    /// The species of a mixture; empty where there is one.
-    of_species: Vec<OfSpecies>,
+    products: OverLags<TimeOrigins>,
 }
 
 /// What was found of all particles, or of one species.
@@ -90,15 +81,11 @@ impl VelocityAutocorrelation {
     pub fn new(options: &VacfOptions, context: &BuildContext) -> Result<Self, ObservableError> {
         let tracked = Tracked::new(context.n_atoms, options.particles);
         let window = (options.window, options.origins);
-        let origins = TimeOrigins::new(window, context.sample_interval(), tracked.len())?;
+        let vectors = ("velocities", tracked.len());
+        let origins = TimeOrigins::new(window, context.sample_interval(), vectors)?;
         within("particles", options.particles, 1..=usize::MAX)?;
-        let sums = || BlockedSums::new(origins.lags, BLOCKS);
-        Ok(Self {
-            of_species: tracked.sums_by_species(&context.species, sums),
-            tracked,
-            products: sums(),
-            origins,
-        })
+        let of_species = tracked.by_species(&context.species);
+        Ok(Self { products: OverLags::new("products", 1, origins, of_species), tracked })
     }
 
     /// ⅓∫₀^t C by the trapezoidal rule, at each lag.
@@ -108,7 +95,7 @@ impl VelocityAutocorrelation {
             .enumerate()
             .map(|(k, value)| {
                 if k > 0 {
-                    sum += 0.5 * (c[k - 1] + value) * self.origins.interval / 3.0;
+                    sum += 0.5 * (c[k - 1] + value) * self.products.origins.interval / 3.0;
                 }
                 sum
             })
@@ -123,30 +110,13 @@ impl VelocityAutocorrelation {
         suffix: &str,
         findings: &mut Findings,
     ) -> Option<Curve> {
-        let lags = self.origins.lags;
-        let means = (0..lags).map(|k| products.mean(k));
-        let c = means.collect::<Option<Vec<f64>>>()?;
-        let errors: Vec<f64> = (0..lags).map(|k| products.standard_error(k)).collect();
+        let name = format!("diffusion_coefficient_green_kubo{suffix}");
+        let last = |c: &[f64]| *self.running_integral(c).last().expect("a window has lags");
+        let function = (0, "the velocity autocorrelation");
+        let (average, [c, errors]) =
+            self.products.integrated(products, function, (&name, "σ²/τ"), last)?;
+        findings.averages.push(average);
         let integral = self.running_integral(&c);
-        let every_lag: Vec<usize> = (0..lags).collect();
-        let last = lags - 1;
-        let blocks: Vec<f64> = products
-            .complete_rows(&every_lag)
-            .iter()
-            .map(|c| self.running_integral(c)[last])
-            .collect();
-        let function = "the velocity autocorrelation";
-        let undecayed = self.origins.undecayed(function, &c, &errors);
-        findings.averages.push(
-            of_blocks(
-                &format!("diffusion_coefficient_green_kubo{suffix}"),
-                "σ²/τ",
-                integral[last],
-                &blocks,
-                last as f64 * blocks.len() as f64 / products.samples() as f64,
-            )
-            .doubted(undecayed),
-        );
         Some(Curve { c, errors, integral })
     }
 }
@@ -162,18 +132,7 @@ impl Observable for VelocityAutocorrelation {
 
     fn sample(&mut self, view: &View<'_>) {
         let now = self.tracked.relative_to_centre_of_mass(view.system, &view.state.velocities);
-        let weight = 1.0 / now.len().max(1) as f64;
-        self.products.begin_sample();
-        for species in &mut self.of_species {
-            species.sums.begin_sample();
-        }
-        self.origins.see(&now, |lag, then| {
-            let sum = sum_over_pairs(&now, then, DVec3::dot);
-            self.products.add(lag, sum * weight, 1);
-            for species in &mut self.of_species {
-                species.add_mean(lag, &now, then, DVec3::dot);
-            }
-        });
+        self.products.sample(&now, [DVec3::dot]);
     }
 
     fn finish(&self, discarded: f64) -> Findings {
@@ -199,48 +158,28 @@ impl Observable for VelocityAutocorrelation {
             "vacf",
             "velocity autocorrelation function against lag, and a third of its running integral",
         )
-        .with("time", "τ", self.origins.times())
+        .with("time", "τ", self.products.origins.times())
         .with("vacf", "σ²/τ²", c)
         .with("standard_error", "σ²/τ²", errors)
         .with("normalised", "", normalised)
         .with("diffusion", "σ²/τ", integral);
-        for species in &self.of_species {
-            let products = species.sums.after(discarded);
+        for (species, products) in self.products.of_species(discarded) {
             let found = self.report(&products, &species.suffix, &mut findings);
             if let Some(curve) = found {
-                let name = |of: &str| species.section(of);
+                let name = |of: &str| species.named(of);
                 table = table
                     .with(name("vacf"), "σ²/τ²", curve.c)
                     .with(name("standard_error"), "σ²/τ²", curve.errors)
                     .with(name("diffusion"), "σ²/τ", curve.integral);
             }
         }
-        tell_discarded(&mut findings, self.origins.samples - products.samples());
+        tell_discarded(&mut findings, self.products.origins.samples() - products.samples());
         findings.tables.push(table);
         findings
     }
 }
 
-impl Persist for VelocityAutocorrelation {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        self.origins.save("velocities", to);
-        self.products.save(&mut to.section("products"));
-        for species in &self.of_species {
-            let section = species.section("products");
-            species.sums.save(&mut to.section(&section));
-        }
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.origins.restore("velocities", from)?;
-        self.products.restore(&from.section("products"))?;
-        for species in &mut self.of_species {
-            let section = species.section("products");
-            species.sums.restore(&from.section(&section))?;
-        }
-        Ok(())
-    }
-}
+persist!(VelocityAutocorrelation { ..products, fixed tracked });
 
 #[cfg(test)]
 mod tests;

@@ -4,8 +4,7 @@ use lennard_core::{
     Axis, Findings, Observable, ObservableSpec, Table, View, WallReading, Want, persist,
 };
 
-use crate::averages::of_series;
-use crate::series::{Series, impl_columns};
+use crate::series::{Series, columns};
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -41,19 +40,10 @@ impl Recipe for WallPressureOptions {
     }
 }
 
-/// Pressure on the lower and upper wall of each axis, ε/σ³; zero where there is no wall.
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Rows {
-    time: Vec<f64>,
-    x_lower: Vec<f64>,
-    x_upper: Vec<f64>,
-    y_lower: Vec<f64>,
-    y_upper: Vec<f64>,
-    z_lower: Vec<f64>,
-    z_upper: Vec<f64>,
+columns! {
+    /// Pressure on the lower and upper wall of each axis, ε/σ³; zero where there is no wall.
+    struct Rows { time, x_lower, x_upper, y_lower, y_upper, z_lower, z_upper }
 }
-
-impl_columns!(Rows { time, x_lower, x_upper, y_lower, y_upper, z_lower, z_upper });
 
 /// The normal force per area on each wall, in ε/σ³, positive where particles push the wall outward.
 ///
@@ -142,9 +132,8 @@ impl Observable for WallPressure {
                 continue;
             }
             let name = format!("{}_{}", Axis::ALL[k / 2].name(), ["lower", "upper"][k % 2]);
-            let mut average = of_series(&format!("wall_pressure_{name}"), pressure, values, cut);
-            average.estimate.equilibration_cut *= self.series.stride();
-            findings.averages.push(average);
+            let average = format!("wall_pressure_{name}");
+            findings.averages.push(self.series.average(&average, pressure, values, cut));
             table = table.with(&name, pressure, values.clone());
         }
         findings.tables.push(table);

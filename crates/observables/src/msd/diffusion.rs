@@ -9,7 +9,7 @@ use super::{MeanSquareDisplacement, YEH_HUMMER_XI};
 use crate::averages::{of_blocks, with_choice};
 use crate::blocks::BlockedSums;
 use crate::linear_regime::{LagCurve, LinearFit, fit_linear_regime};
-use crate::tracked::OfSpecies;
+use crate::tracked::Members;
 
 /// Relative difference of two sides below which a box counts as a cube.
 const CUBE_TOLERANCE: f64 = 1e-9;
@@ -33,7 +33,7 @@ impl MeanSquareDisplacement {
 
     /// What finite size takes away from D in a periodic cube, 2.837297 T/(6πηL), in σ²/τ.
     pub(super) fn finite_size_correction(&self, viscosity: f64) -> f64 {
-        let temperature = self.temperatures / self.samples as f64;
+        let temperature = self.temperatures / self.samples() as f64;
         YEH_HUMMER_XI * temperature / (6.0 * PI * viscosity * self.seen.sides().x)
     }
 
@@ -93,10 +93,10 @@ impl MeanSquareDisplacement {
     /// particles are not correlated (L. S. Darken, Trans. AIME 175, 184 (1948)).
     pub(super) fn report_darken(
         &self,
-        [(a, fit_a), (b, fit_b)]: [(&OfSpecies, &LinearFit); 2],
+        [(a, fit_a), (b, fit_b)]: [(&Members, &LinearFit); 2],
         findings: &mut Findings,
     ) {
-        let fraction = |of: &OfSpecies| self.context.species.fraction(of.number);
+        let fraction = |of: &Members| self.context.species.fraction(of.number);
         let (x_a, x_b) = (fraction(a), fraction(b));
         let mixed = |of_a: f64, of_b: f64| (x_b * of_a + x_a * of_b) / 6.0;
         // Both curves are of the same samples: their blocks are the same stretches of the run.

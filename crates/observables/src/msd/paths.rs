@@ -1,6 +1,6 @@
 //! Paths of particles in a box that may change.
 
-use lennard_core::{DVec3, PeriodicBox, RestoreError, StateReader, StateWriter};
+use lennard_core::{DVec3, PeriodicBox, Persist, RestoreError, StateReader, StateWriter};
 
 /// What the changing box has moved each particle by, taken off its position.
 ///
@@ -13,12 +13,14 @@ pub(super) struct Paths {
     sides: DVec3,
     /// What the box has moved each particle by, σ; empty as long as it has stayed.
     moved: Vec<DVec3>,
+    /// Number of particles.
+    n: usize,
 }
 
 impl Paths {
     /// Nothing has moved in the box of the start.
-    pub(super) fn new(start: &PeriodicBox) -> Self {
-        Self { sides: start.lengths(), moved: Vec::new() }
+    pub(super) fn new(start: &PeriodicBox, n: usize) -> Self {
+        Self { sides: start.lengths(), moved: Vec::new(), n }
     }
 
     /// Makes paths of the unwrapped positions of a sample; `before` are the paths of the sample before.
@@ -52,20 +54,21 @@ impl Paths {
                 .to_owned()
         })
     }
+}
 
-    pub(super) fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_f64("sides", &self.sides.to_array());
-        to.put_vec3("moved", &self.moved);
+impl Persist for Paths {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        let Self { sides, moved, n: _ } = self;
+        sides.save(&mut to.section("sides"));
+        moved.save(&mut to.section("moved"));
     }
 
-    /// Restores the paths of `n` particles.
-    pub(super) fn restore(&mut self, from: &StateReader<'_>, n: usize) -> Result<(), RestoreError> {
-        self.sides = DVec3::from_array(from.f64s("sides")?);
-        let moved = from.vec3("moved")?;
-        if !moved.is_empty() && moved.len() != n {
-            return Err(from.misfit("moved", format!("{} vectors, wanted {n}", moved.len())));
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.sides.restore(&from.section("sides"))?;
+        self.moved.restore(&from.section("moved"))?;
+        match self.moved.len() {
+            found if found == 0 || found == self.n => Ok(()),
+            found => Err(from.misfit("moved", format!("{found} vectors, wanted {}", self.n))),
         }
-        self.moved = moved.to_vec();
-        Ok(())
     }
 }

@@ -131,7 +131,7 @@ fn the_finite_size_correction_is_that_of_yeh_and_hummer() {
     // At rest T = 0 and the correction vanishes; with T = 0.72 set by hand, L = 10, η = 3.0 it is
     // 2.837297·0.72/(6π·3·10).
     let mut msd = with(Some(3.0));
-    msd.temperatures = 0.72 * msd.samples as f64;
+    msd.temperatures = 0.72 * msd.samples() as f64;
     let findings = msd.finish(0.0);
     let difference = average(&findings, "diffusion_coefficient").mean
         - average(&findings, "diffusion_coefficient_uncorrected").mean;

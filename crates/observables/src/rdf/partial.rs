@@ -2,7 +2,7 @@
 
 use lennard_core::{Findings, Persist, RestoreError, SpeciesTable, StateReader, StateWriter, View};
 
-use super::{BLOCKS, RadialDistribution, add_sample};
+use super::{RadialDistribution, add_sample};
 use crate::blocks::BlockedSums;
 use crate::pairs::count_distances_by_species;
 use crate::species_pairs::SpeciesPair;
@@ -23,9 +23,7 @@ impl Partial {
     /// Nothing counted yet; `None` where there is one species.
     pub(super) fn new(species: &SpeciesTable, bins: usize) -> Option<Self> {
         species.is_mixture().then(|| Self {
-            pairs: SpeciesPair::all(species)
-                .map(|pair| (pair, BlockedSums::new(bins, BLOCKS)))
-                .collect(),
+            pairs: SpeciesPair::all(species).map(|pair| (pair, BlockedSums::new(bins))).collect(),
             species: species.clone(),
         })
     }

@@ -4,7 +4,7 @@ use lennard_core::{
     DVec3, Findings, PeriodicBox, Persist, RestoreError, SpeciesTable, StateReader, StateWriter,
 };
 
-use super::{BLOCKS, StructureFactor};
+use super::StructureFactor;
 use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
 use crate::species_pairs::SpeciesPair;
@@ -95,7 +95,7 @@ impl Partial {
         Some(Self {
             factors: pairs
                 .chain(of_two.iter().copied())
-                .map(|kind| (kind, BlockedSums::new(shells, BLOCKS)))
+                .map(|kind| (kind, BlockedSums::new(shells)))
                 .collect(),
             species: species.clone(),
         })

@@ -4,8 +4,7 @@ use lennard_core::exact::exact_sum;
 use lennard_core::{Findings, Persist, RestoreError, SpeciesTable, StateReader, StateWriter, View};
 
 use super::MOST_ROWS;
-use crate::averages::of_series;
-use crate::series::{Series, impl_columns};
+use crate::series::{Series, columns};
 
 /// Standard errors by which temperatures of two species may differ unsaid.
 const EQUAL: f64 = 5.0;
@@ -22,12 +21,9 @@ pub(super) struct SpeciesTemperatures {
     series: Vec<Series<Temperature>>,
 }
 
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Temperature {
-    temperature: Vec<f64>,
+columns! {
+    struct Temperature { temperature }
 }
-
-impl_columns!(Temperature { temperature });
 
 impl SpeciesTemperatures {
     /// Nothing seen yet; `None` where there is one species.
@@ -63,9 +59,7 @@ impl SpeciesTemperatures {
             let column = &series.rows().temperature;
             let cut = (discarded * column.len() as f64).round() as usize;
             let name = format!("temperature_{}", self.species.name(a));
-            let mut average = of_series(&name, "ε/k_B", column, cut);
-            average.estimate.equilibration_cut *= series.stride();
-            averages.push(average);
+            averages.push(series.average(&name, "ε/k_B", column, cut));
         }
         for (a, first) in averages.iter().enumerate() {
             for second in &averages[a + 1..] {

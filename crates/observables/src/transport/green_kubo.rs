@@ -16,9 +16,6 @@ const STILL_FLAT: f64 = 3.0;
 /// A run of fewer windows than this is short: its correlation is lost in noise before it has decayed.
 pub(super) const LONG_ENOUGH: f64 = 20.0;
 
-/// Blocks of the run for which temperatures are kept apart.
-const BLOCKS: usize = 64;
-
 /// Names and units of what comes out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Words {
@@ -62,7 +59,7 @@ impl GreenKubo {
             correlator: Correlator::new(channels, interval, window),
             helfand: Helfand::new(channels, interval, window),
             window,
-            temperature: BlockedSums::new(1, BLOCKS),
+            temperature: BlockedSums::new(1),
         }
     }
 

@@ -9,9 +9,6 @@ use crate::blocks::BlockedSums;
 /// Moments that each level remembers.
 const POINTS: usize = 16;
 
-/// Blocks of the run from which the errors come.
-const BLOCKS: usize = 64;
-
 /// The mean square change ⟨(G(t₀ + t) − G(t₀))²⟩ of G = ∫ flux dt, averaged over equivalent channels.
 ///
 /// G is summed by the trapezoidal rule. Level ℓ looks at every 2^ℓ-th value of G and serves lags of 8·2^ℓ to
@@ -42,7 +39,7 @@ impl Helfand {
             integral: vec![0.0; channels],
             last: Vec::new(),
             levels: vec![VecDeque::new(); levels],
-            squares: BlockedSums::new(levels * POINTS, BLOCKS),
+            squares: BlockedSums::new(levels * POINTS),
         }
     }
 
