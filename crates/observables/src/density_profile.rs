@@ -75,37 +75,29 @@ impl Observable for DensityProfile {
         self.seen.see(cell);
         let bins = self.counts.width();
         let layers = bins as f64 / cell.lengths()[self.axis.index()];
-        self.counts.begin_sample();
-        let (sums, samples) = self.counts.current();
+        let mut counts = vec![0.0; bins];
         for r in &view.state.positions {
             let layer = (cell.wrap(*r)[self.axis.index()] * layers) as usize;
-            sums[layer.min(bins - 1)] += 1.0;
+            counts[layer.min(bins - 1)] += 1.0;
         }
-        for samples in samples {
-            *samples += 1;
-        }
+        self.counts.add_sample(counts);
     }
 
     fn finish(&self, discarded: f64) -> Findings {
         let counts = self.counts.after(discarded);
         let (bins, sides) = (counts.width(), self.seen.sides());
         let width = sides[self.axis.index()] / bins as f64;
-        let per_count = bins as f64 / self.seen.volume();
-        let layers = 0..bins;
-        let middle = |k: usize| (k as f64 + 0.5) * width;
-        let density = |k: usize| counts.mean(k).unwrap_or(f64::NAN) * per_count;
-        let error = |k: usize| counts.standard_error(k) * per_count;
+        let [densities, errors] = counts.curve(0..bins, bins as f64 / self.seen.volume());
         let name = self.axis.name();
         let table = Table::new(
             "density_profile",
             format!("number density in layers across {name}, with standard errors from blocks of the run"),
         )
-        .with(name, "σ", layers.clone().map(middle).collect::<Vec<f64>>())
-        .with("density", "σ⁻³", layers.clone().map(density).collect::<Vec<f64>>())
-        .with("standard error", "σ⁻³", layers.map(error).collect::<Vec<f64>>());
+        .with(name, "σ", (0..bins).map(|k| (k as f64 + 0.5) * width).collect())
+        .with("density", "σ⁻³", densities)
+        .with("standard error", "σ⁻³", errors);
         let mut findings = Findings { tables: vec![table], ..Findings::default() };
-        let skipped = self.counts.samples() - counts.samples();
-        tell_discarded(&mut findings, skipped);
+        tell_discarded(&mut findings, self.counts.samples() - counts.samples());
         findings
     }
 }

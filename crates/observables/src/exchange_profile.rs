@@ -185,13 +185,13 @@ impl Observable for ExchangeProfile {
             findings.averages.push(average);
         }
         if sums.samples() > 0 {
-            let means: Vec<f64> =
-                (0..=self.slabs).map(|k| sums.mean(k).unwrap_or(f64::NAN)).collect();
+            let [means, _] = sums.curve(0..self.slabs + 1, 1.0);
             self.add_remarks(&means, &mut findings);
         }
         let width = self.side / self.slabs as f64;
         let slab_volume = width * self.area * sums.samples() as f64;
         let of_slabs = |of: &dyn Fn(usize) -> f64| (0..self.slabs).map(of).collect::<Vec<f64>>();
+        let [values, errors] = sums.curve(0..self.slabs, 1.0);
         findings.tables.push(
             Table::new(
                 "exchange_profile",
@@ -199,8 +199,8 @@ impl Observable for ExchangeProfile {
             )
             .with(self.axis.name(), "σ", of_slabs(&|k| (k as f64 + 0.5) * width))
             .with("density", "σ⁻³", of_slabs(&|k| sums.total(k).1 as f64 / slab_volume))
-            .with(column, value_unit, of_slabs(&|k| sums.mean(k).unwrap_or(f64::NAN)))
-            .with("standard error", value_unit, of_slabs(&|k| sums.standard_error(k))),
+            .with(column, value_unit, values)
+            .with("standard error", value_unit, errors),
         );
         tell_discarded(&mut findings, self.sums.samples() - sums.samples());
         findings

@@ -113,17 +113,13 @@ impl Interface {
         });
         let middle = f64::atan2(sin, cos) / TAU;
         let bins = self.counts.width();
-        self.counts.begin_sample();
-        let (sums, samples) = self.counts.current();
-        let mut outer = 0;
+        let (mut counts, mut outer) = (vec![0.0; bins], 0);
         for r in positions {
             let part = (r[axis] / length - middle + 0.5).rem_euclid(1.0);
             outer += usize::from((part - 0.5).abs() > 0.5 * (1.0 - OUTER_PART));
-            sums[((part * bins as f64) as usize).min(bins - 1)] += 1.0;
+            counts[((part * bins as f64) as usize).min(bins - 1)] += 1.0;
         }
-        for samples in samples {
-            *samples += 1;
-        }
+        self.counts.add_sample(counts);
         outer
     }
 
@@ -173,25 +169,18 @@ impl Interface {
 
     /// The profile with its fit, where there is one.
     fn profile(&self, counts: &BlockedSums, slab: Option<&fit::Slab>) -> Table {
-        let (bins, per_count, length) = (counts.width(), self.per_count(), self.length());
+        let (bins, length) = (counts.width(), self.length());
         let place = |k: usize| (k as f64 + 0.5) * length / bins as f64;
         let name = self.axis.name();
         let column = |of: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..bins).map(of).collect() };
+        let [densities, errors] = counts.curve(0..bins, self.per_count());
         let table = Table::new(
             "interface_profile",
             format!("number density across {name}, counted from the middle of the slab, with standard errors from blocks of the run"),
         )
         .with(name, "σ", column(&|k| place(k) - 0.5 * length))
-        .with(
-            "density",
-            "σ⁻³",
-            column(&|k| counts.mean(k).unwrap_or(f64::NAN) * per_count),
-        )
-        .with(
-            "standard error",
-            "σ⁻³",
-            column(&|k| counts.standard_error(k) * per_count),
-        );
+        .with("density", "σ⁻³", densities)
+        .with("standard error", "σ⁻³", errors);
         match slab {
             Some(slab) => table.with("fit", "σ⁻³", column(&|k| slab.at(place(k)))),
             None => table,

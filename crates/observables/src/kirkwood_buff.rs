@@ -157,10 +157,7 @@ impl Observable for KirkwoodBuff {
             false => vec![all],
         };
         let weight = cell.volume() / self.seen.first_volume();
-        self.counts.begin_sample();
-        for (k, pairs) in found.iter().flatten().enumerate() {
-            self.counts.add(k, weight * *pairs as f64, 1);
-        }
+        self.counts.add_sample(found.iter().flatten().map(|pairs| weight * *pairs as f64));
         let of_species: Vec<Vec<[f64; 2]>> = (0..self.species.n_species())
             .map(|a| {
                 let members: Vec<_> = self.species.particles(a).map(|i| positions[i]).collect();
@@ -176,8 +173,7 @@ impl Observable for KirkwoodBuff {
                 self.factors.add(place, product / (n_a * n_b).sqrt(), 1);
             }
         }
-        self.temperature.begin_sample();
-        self.temperature.add(0, view.temperature(), 1);
+        self.temperature.add_sample([view.temperature()]);
     }
 
     fn finish(&self, discarded: f64) -> Findings {

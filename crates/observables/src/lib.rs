@@ -9,6 +9,7 @@
 //! [`BlockedSums`]), and all are saved and restored to the bit.
 
 mod averages;
+mod binned;
 mod blocks;
 mod bond_order;
 mod catalog;

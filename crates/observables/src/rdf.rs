@@ -4,16 +4,18 @@ mod entropy;
 mod partial;
 mod reading;
 
-use lennard_core::{Findings, Observable, ObservableSpec, Table, View, Want, persist};
+use lennard_core::{
+    Findings, Observable, ObservableSpec, SpeciesTable, Table, View, Want, persist,
+};
 
 use crate::averages::tell_discarded;
-use crate::blocks::BlockedSums;
+use crate::binned::Binned;
 use crate::error::{within, within_box};
-use crate::pairs::{count_distances, count_distances_inside};
+use crate::pairs::{count_distances, count_distances_by_species, count_distances_inside};
 use crate::seen_box::SeenBox;
+use crate::species_pairs::SpeciesPair;
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
-use partial::Partial;
 use reading::Reading;
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -78,19 +80,8 @@ pub struct RadialDistribution {
     sites: usize,
     r_max: f64,
     bins: usize,
-    counts: BlockedSums,
-    partial: Option<Partial>,
-}
-
-/// Adds the pairs of a sample to the open block.
-fn add_sample(to: &mut BlockedSums, weight: f64, found: &[u64]) {
-    to.begin_sample();
-    let (sums, counts) = to.current();
-    for ((sum, count), pairs) in sums.iter_mut().zip(counts).zip(found) {
-        // In a box that stays, whole numbers below 2⁵³ add exactly.
-        *sum += weight * *pairs as f64;
-        *count += 1;
-    }
+    species: SpeciesTable,
+    counts: Binned<SpeciesPair>,
 }
 
 impl RadialDistribution {
@@ -109,8 +100,8 @@ impl RadialDistribution {
             sites: context.molecules.sites(),
             r_max,
             bins: options.bins,
-            counts: BlockedSums::new(options.bins),
-            partial: Partial::new(&context.species, options.bins),
+            species: context.species.clone(),
+            counts: Binned::new("counts", options.bins, SpeciesPair::of_mixture(&context.species)),
         })
     }
 
@@ -142,7 +133,7 @@ impl RadialDistribution {
     /// g(r) in each bin with its standard error.
     #[must_use]
     pub fn distribution(&self) -> (Vec<f64>, Vec<f64>) {
-        self.reading().distribution(&self.counts)
+        self.reading().distribution(&self.counts.whole)
     }
 }
 
@@ -167,25 +158,32 @@ impl Observable for RadialDistribution {
                 *all -= inside;
             }
         }
-        if let Some(partial) = &mut self.partial {
-            partial.sample(view, self.r_max, weight, &found);
+        // In a box that stays, whole numbers below 2⁵³ add exactly.
+        let weighted = |found: Vec<u64>| found.into_iter().map(move |pairs| weight * pairs as f64);
+        if self.species.is_mixture() {
+            let by_species =
+                count_distances_by_species(&self.species, positions, cell, self.r_max, &found);
+            for ((_, counts), found) in self.counts.parts.iter_mut().zip(by_species) {
+                counts.add_sample(weighted(found));
+            }
         }
-        add_sample(&mut self.counts, weight, &found);
+        self.counts.whole.add_sample(weighted(found));
     }
 
     fn finish(&self, discarded: f64) -> Findings {
         let mut findings = Findings::default();
         let counts = self.counts.after(discarded);
-        if counts.samples() == 0 {
+        let samples = counts.whole.samples();
+        if samples == 0 {
             return findings;
         }
         let reading = self.reading();
-        let (g, error) = reading.distribution(&counts);
-        let running = reading.running(&counts, 0);
-        reading.add_peaks(&counts, &mut findings, &g, &error);
-        let partial = self.finish_partial(discarded, &mut findings);
-        findings.averages.extend(self.two_body_entropy(discarded));
-        tell_discarded(&mut findings, self.counts.samples() - counts.samples());
+        let (g, error) = reading.distribution(&counts.whole);
+        let running = reading.running(&counts.whole, 0);
+        reading.add_peaks(&counts.whole, &mut findings, &g, &error);
+        let partial = self.finish_partial(&counts.parts, &mut findings);
+        findings.averages.extend(self.two_body_entropy(&counts));
+        tell_discarded(&mut findings, self.counts.whole.samples() - samples);
         let valid = self.seen.half_shortest();
         if valid < self.r_max {
             findings.remarks.push(format!(
@@ -195,8 +193,7 @@ impl Observable for RadialDistribution {
         let table = Table::new(
                 "rdf",
                 format!(
-                    "radial distribution function over {} configurations; r is the middle of the bin, coordination counts up to its outer edge",
-                    counts.samples()
+                    "radial distribution function over {samples} configurations; r is the middle of the bin, coordination counts up to its outer edge"
                 ),
             )
             .with("r", "σ", self.radii())
@@ -212,7 +209,7 @@ impl Observable for RadialDistribution {
     }
 }
 
-persist!(RadialDistribution { counts, seen as "box", ..partial, fixed n_atoms, sites, r_max, bins });
+persist!(RadialDistribution { ..counts, seen as "box", fixed n_atoms, sites, r_max, bins, species });
 
 #[cfg(test)]
 mod tests;

@@ -2,6 +2,8 @@
 
 use lennard_core::SpeciesTable;
 
+use crate::binned::Part;
+
 /// Two species by their numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SpeciesPair {
@@ -14,6 +16,12 @@ impl SpeciesPair {
     pub(crate) fn all(species: &SpeciesTable) -> impl Iterator<Item = Self> + use<> {
         let n = species.n_species();
         (0..n).flat_map(move |a| (a..n).map(move |b| Self { a, b }))
+    }
+
+    /// The pairs of a mixture; none where there is one species.
+    pub(crate) fn of_mixture(species: &SpeciesTable) -> impl Iterator<Item = Self> + use<> {
+        let is_mixture = species.is_mixture();
+        Self::all(species).filter(move |_| is_mixture)
     }
 
     /// The same two, the other first.
@@ -31,9 +39,10 @@ impl SpeciesPair {
     pub(crate) fn suffix(self, species: &SpeciesTable) -> String {
         format!("_{}_{}", species.name(self.a), species.name(self.b))
     }
+}
 
-    /// The name of a section of the saved state.
-    pub(crate) fn section(self) -> String {
+impl Part for SpeciesPair {
+    fn section(&self) -> String {
         format!("species_{}_{}", self.a, self.b)
     }
 }

@@ -4,17 +4,19 @@ mod partial;
 
 use std::f64::consts::PI;
 
-use lennard_core::{Findings, Observable, ObservableSpec, Table, View, Want, persist};
+use lennard_core::{
+    Findings, Observable, ObservableSpec, SpeciesTable, Table, View, Want, persist,
+};
 
 use crate::averages::{of_blocks, tell_discarded};
-use crate::blocks::BlockedSums;
+use crate::binned::Binned;
 use crate::error::{positive, within};
 use crate::extrema::{extrema, fitted_extremum};
 use crate::seen_box::SeenBox;
 use crate::wave_vectors::WaveVectors;
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
-use partial::Partial;
+use partial::Kind;
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "structure-factor",
@@ -76,8 +78,8 @@ impl Recipe for StructureFactorOptions {
 pub struct StructureFactor {
     seen: SeenBox,
     vectors: WaveVectors,
-    factors: BlockedSums,
-    partial: Option<Partial>,
+    species: SpeciesTable,
+    factors: Binned<Kind>,
 }
 
 impl StructureFactor {
@@ -107,8 +109,8 @@ impl StructureFactor {
         let shells = vectors.shells();
         Ok(Self {
             seen: SeenBox::new(&context.cell),
-            factors: BlockedSums::new(shells),
-            partial: Partial::new(&context.species, shells),
+            factors: Binned::new("factors", shells, Kind::of_mixture(&context.species)),
+            species: context.species.clone(),
             vectors,
         })
     }
@@ -127,23 +129,20 @@ impl Observable for StructureFactor {
         self.seen.see(view.cell());
         let densities = self.sample_densities(&view.state.positions, view.cell());
         let n = view.state.len() as f64;
-        self.factors.begin_sample();
+        self.factors.whole.begin_sample();
         for (v, [re, im]) in self.vectors.iter().zip(densities) {
-            self.factors.add(v.shell, (re * re + im * im) / n, 1);
+            self.factors.whole.add(v.shell, (re * re + im * im) / n, 1);
         }
     }
 
     fn finish(&self, discarded: f64) -> Findings {
         let mut findings = Findings::default();
-        let factors = self.factors.after(discarded);
+        let Binned { whole: factors, parts, .. } = self.factors.after(discarded);
         if factors.samples() == 0 {
             return findings;
         }
         let wave_numbers = self.vectors.wave_numbers(self.seen.sides());
-        let shells = 0..wave_numbers.len();
-        let values: Vec<f64> =
-            shells.clone().map(|k| factors.mean(k).unwrap_or(f64::NAN)).collect();
-        let errors: Vec<f64> = shells.map(|k| factors.standard_error(k)).collect();
+        let [values, errors] = factors.curve(0..wave_numbers.len(), 1.0);
         let found = extrema(&wave_numbers, &values, |k| {
             let noise = if errors[k].is_nan() { 0.0 } else { errors[k] };
             SMALLEST_PROMINENCE.max(PROMINENCE_SIGMAS * noise)
@@ -172,8 +171,8 @@ impl Observable for StructureFactor {
             }
             None => findings.remarks.push("S(k) has no peak".into()),
         }
-        let partial = self.finish_partial(discarded, &wave_numbers, &mut findings);
-        tell_discarded(&mut findings, self.factors.samples() - factors.samples());
+        let partial = self.finish_partial(&parts, &wave_numbers, &mut findings);
+        tell_discarded(&mut findings, self.factors.whole.samples() - factors.samples());
         let table = Table::new(
             "structure_factor",
             format!(
@@ -191,7 +190,7 @@ impl Observable for StructureFactor {
     }
 }
 
-persist!(StructureFactor { factors, seen as "box", ..partial, fixed vectors });
+persist!(StructureFactor { ..factors, seen as "box", fixed vectors, species });
 
 #[cfg(test)]
 mod tests;

@@ -48,12 +48,12 @@ impl KirkwoodBuff {
         .with("k", "σ⁻¹", self.vectors.wave_numbers(self.seen.sides()));
         for (p, pair) in self.pairs.iter().enumerate() {
             let suffix = self.suffix(*pair);
-            let places = || p * shells..(p + 1) * shells;
-            let mean = |k| factors.mean(k).unwrap_or(f64::NAN);
-            let errors = places().map(|k| factors.standard_error(k)).collect();
-            table = table
-                .with(format!("structure_factor{suffix}"), "", places().map(mean).collect())
-                .with(format!("standard_error{suffix}"), "", errors);
+            let [values, errors] = factors.curve(p * shells..(p + 1) * shells, 1.0);
+            table = table.with(format!("structure_factor{suffix}"), "", values).with(
+                format!("standard_error{suffix}"),
+                "",
+                errors,
+            );
         }
         table
     }

@@ -2,8 +2,10 @@
 
 use lennard_core::Average;
 
-use super::{Partial, RadialDistribution};
+use super::RadialDistribution;
 use crate::averages::of_blocks;
+use crate::binned::Binned;
+use crate::species_pairs::SpeciesPair;
 
 impl RadialDistribution {
     /// The part of the residual entropy that pairs give, per particle in k_B, up to `r_max`:
@@ -12,17 +14,15 @@ impl RadialDistribution {
     ///
     /// It is the first term of an expansion of the residual entropy (R. E. Nettleton and M. S. Green, J. Chem. Phys. 29, 1365
     /// (1958); A. Baranyai and D. J. Evans, Phys. Rev. A 40, 3817 (1989)). `None` for molecules, whose sites are bonded.
-    pub(super) fn two_body_entropy(&self, discarded: f64) -> Option<Average> {
+    pub(super) fn two_body_entropy(&self, counts: &Binned<SpeciesPair>) -> Option<Average> {
         if self.sites > 1 {
             return None;
         }
         let density = self.n_atoms as f64 / self.seen.volume();
-        let (value, blocks) = match &self.partial {
-            None => {
-                let counts = self.counts.after(discarded);
-                self.reading().two_body_entropy(&counts, density)?
-            }
-            Some(Partial { species, pairs }) => {
+        let species = &self.species;
+        let (value, blocks) = match &counts.parts[..] {
+            [] => self.reading().two_body_entropy(&counts.whole, density)?,
+            pairs => {
                 let mut sum = (0.0, Vec::new());
                 for (pair, counts) in pairs {
                     let ordered = pair.ordered(species);
@@ -33,9 +33,8 @@ impl RadialDistribution {
                     // Unlike pairs count for both orders.
                     let fractions = species.fraction(pair.a) * species.fraction(pair.b);
                     let density = density * fractions * 2.0 / weight;
-                    let counts = counts.after(discarded);
                     let reading = self.reading_of(weight, ordered);
-                    let (value, blocks) = reading.two_body_entropy(&counts, density)?;
+                    let (value, blocks) = reading.two_body_entropy(counts, density)?;
                     sum.0 += value;
                     sum.1.resize(blocks.len(), 0.0);
                     sum.1.iter_mut().zip(blocks).for_each(|(sum, b)| *sum += b);

@@ -222,8 +222,7 @@ impl Reading {
         .iter()
         .map(|e| self.sharpest(e, g))
         .collect();
-        let means: Vec<f64> =
-            (0..radii.len()).map(|k| counts.mean(k).unwrap_or(f64::NAN)).collect();
+        let [means, _] = counts.curve(0..radii.len(), 1.0);
         let (places, heights) = found.iter().map(|e| self.extremum(g, e)(&means)).unzip();
         let kinds = found.iter().map(|e| if e.maximum { 1.0 } else { -1.0 });
         findings.tables.push(

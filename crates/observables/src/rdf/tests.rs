@@ -98,7 +98,7 @@ fn with_minimum(lowest: f64) -> Findings {
     let mut rdf = RadialDistribution::new(&options, &context).unwrap();
     let bump = |r: f64, at: f64, width: f64| (-((r - at) / width).powi(2)).exp();
     for _ in 0..40 {
-        rdf.counts.begin_sample();
+        rdf.counts.whole.begin_sample();
         for (k, r) in rdf.radii().into_iter().enumerate() {
             let g = if r < 0.9 {
                 0.0
@@ -106,7 +106,7 @@ fn with_minimum(lowest: f64) -> Findings {
                 1.0 + 1.5 * bump(r, 1.1, 0.15) - (1.0 - lowest) * bump(r, 1.6, 0.2)
             };
             let pairs = g / rdf.reading().normalisation[k];
-            rdf.counts.add(k, pairs, 1);
+            rdf.counts.whole.add(k, pairs, 1);
         }
     }
     rdf.finish(0.0)

@@ -1,14 +1,13 @@
 //! The partial structure factors of a mixture.
 
-use lennard_core::{
-    DVec3, Findings, PeriodicBox, Persist, RestoreError, SpeciesTable, StateReader, StateWriter,
-};
+use lennard_core::{DVec3, Findings, PeriodicBox, SpeciesTable};
 
 use super::StructureFactor;
 use crate::averages::of_blocks;
+use crate::binned::Part;
 use crate::blocks::BlockedSums;
 use crate::species_pairs::SpeciesPair;
-use crate::wave_vectors::{WaveVectors, real_product};
+use crate::wave_vectors::real_product;
 
 /// The composition of a mixture varies over long distances more than twice as much as in an ideal mixture: its species gather.
 const GATHERS: f64 = 2.0;
@@ -23,34 +22,38 @@ const CERTAIN: f64 = 4.0;
 /// Of two species also the factors of number and concentration, with ρ = ρ_1 + ρ_2 and c = x_2·ρ_1 − x_1·ρ_2:
 /// S_NN = ⟨|ρ|²⟩/N, which is the factor of all particles, S_NC = ⟨Re ρ·c*⟩/N and S_CC = ⟨|c|²⟩/N. In an ideal mixture S_CC is
 /// x_1·x_2 at every k. (A. B. Bhatia and D. E. Thornton, Phys. Rev. B 2, 3004 (1970).)
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Partial {
-    species: SpeciesTable,
-    factors: Vec<(Kind, BlockedSums)>,
-}
-
-/// Two quantities whose product is averaged.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
+pub(super) enum Kind {
     Species(SpeciesPair),
     NumberConcentration,
     Concentration,
 }
 
+impl Part for Kind {
+    fn section(&self) -> String {
+        match self {
+            Self::Species(pair) => pair.section(),
+            Self::NumberConcentration => "number_concentration".into(),
+            Self::Concentration => "concentration".into(),
+        }
+    }
+}
+
 impl Kind {
+    /// What is averaged of a mixture; nothing where there is one species.
+    pub(super) fn of_mixture(species: &SpeciesTable) -> impl Iterator<Item = Self> + use<> {
+        let of_two: &[Self] = match species.n_species() {
+            2 => &[Self::NumberConcentration, Self::Concentration],
+            _ => &[],
+        };
+        SpeciesPair::of_mixture(species).map(Self::Species).chain(of_two.iter().copied())
+    }
+
     fn suffix(self, species: &SpeciesTable) -> String {
         match self {
             Self::Species(pair) => pair.suffix(species),
             Self::NumberConcentration => "_NC".into(),
             Self::Concentration => "_CC".into(),
-        }
-    }
-
-    fn section(self) -> String {
-        match self {
-            Self::Species(pair) => pair.section(),
-            Self::NumberConcentration => "number_concentration".into(),
-            Self::Concentration => "concentration".into(),
         }
     }
 
@@ -83,39 +86,24 @@ impl Complex for [f64; 2] {
     }
 }
 
-impl Partial {
-    /// Nothing seen yet; `None` where there is one species.
-    pub(super) fn new(species: &SpeciesTable, shells: usize) -> Option<Self> {
-        let of_two: &[Kind] = match species.n_species() {
-            1 => return None,
-            2 => &[Kind::NumberConcentration, Kind::Concentration],
-            _ => &[],
-        };
-        let pairs = SpeciesPair::all(species).map(Kind::Species);
-        Some(Self {
-            factors: pairs
-                .chain(of_two.iter().copied())
-                .map(|kind| (kind, BlockedSums::new(shells)))
-                .collect(),
-            species: species.clone(),
-        })
-    }
-
-    /// Adds a sample; gives ρ(k) of all particles.
-    pub(super) fn sample(
+impl StructureFactor {
+    /// ρ(k) of all particles for each wave vector of a sample, whose parts are added where there are several species.
+    pub(super) fn sample_densities(
         &mut self,
-        vectors: &WaveVectors,
         positions: &[DVec3],
-        densities: impl Fn(&[DVec3]) -> Vec<[f64; 2]>,
+        cell: &PeriodicBox,
     ) -> Vec<[f64; 2]> {
-        let species = &self.species;
+        let (species, vectors) = (&self.species, &self.vectors);
+        if !species.is_mixture() {
+            return vectors.densities(positions, cell);
+        }
         let of_species: Vec<Vec<[f64; 2]>> = (0..species.n_species())
             .map(|a| {
                 let members: Vec<DVec3> = species.particles(a).map(|i| positions[i]).collect();
-                densities(&members)
+                vectors.densities(&members, cell)
             })
             .collect();
-        for (_, factors) in &mut self.factors {
+        for (_, factors) in &mut self.factors.parts {
             factors.begin_sample();
         }
         let mut here = vec![[0.0; 2]; of_species.len()];
@@ -124,13 +112,33 @@ impl Partial {
             for (here, densities) in here.iter_mut().zip(&of_species) {
                 *here = densities[k];
             }
-            for (kind, factors) in &mut self.factors {
+            for (kind, factors) in &mut self.factors.parts {
                 factors.add(vector.shell, kind.of(species, &here), 1);
             }
             let sum = here.iter().copied();
             total.push(sum.fold([0.0; 2], |sum, x| sum.zip_with(x, |a, b| a + b)));
         }
         total
+    }
+
+    /// Adds what the partial factors say, and gives their columns beside k: nothing where there is one species.
+    pub(super) fn finish_partial(
+        &self,
+        parts: &[(Kind, BlockedSums)],
+        wave_numbers: &[f64],
+        findings: &mut Findings,
+    ) -> Vec<(String, Vec<f64>)> {
+        let mut columns = Vec::new();
+        for (kind, factors) in parts {
+            let suffix = kind.suffix(&self.species);
+            let [values, errors] = factors.curve(0..wave_numbers.len(), 1.0);
+            columns.push((format!("structure_factor{suffix}"), values));
+            columns.push((format!("standard_error{suffix}"), errors));
+            if *kind == Kind::Concentration {
+                self.add_concentration(factors, wave_numbers[0], findings);
+            }
+        }
+        columns
     }
 
     /// S_CC at the smallest wave number in x_1·x_2, and whether the species gather.
@@ -152,64 +160,5 @@ impl Partial {
             ));
         }
         findings.averages.push(average);
-    }
-}
-
-impl Persist for Partial {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        let Self { species: _, factors } = self;
-        for (kind, factors) in factors {
-            factors.save(&mut to.section(&kind.section()));
-        }
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        for (kind, factors) in &mut self.factors {
-            factors.restore(&from.section(&kind.section()))?;
-        }
-        Ok(())
-    }
-}
-
-impl StructureFactor {
-    /// ρ(k) of all particles for each wave vector of a sample, whose parts are added where there are several species.
-    pub(super) fn sample_densities(
-        &mut self,
-        positions: &[DVec3],
-        cell: &PeriodicBox,
-    ) -> Vec<[f64; 2]> {
-        let Some(mut partial) = self.partial.take() else {
-            return self.vectors.densities(positions, cell);
-        };
-        let total = partial.sample(&self.vectors, positions, |r| self.vectors.densities(r, cell));
-        self.partial = Some(partial);
-        total
-    }
-
-    /// Adds what the partial factors say, and gives their columns beside k: nothing where there is one species.
-    pub(super) fn finish_partial(
-        &self,
-        discarded: f64,
-        wave_numbers: &[f64],
-        findings: &mut Findings,
-    ) -> Vec<(String, Vec<f64>)> {
-        let mut columns = Vec::new();
-        let Some(partial) = &self.partial else {
-            return columns;
-        };
-        for (kind, factors) in &partial.factors {
-            let factors = factors.after(discarded);
-            let suffix = kind.suffix(&partial.species);
-            let shells = 0..wave_numbers.len();
-            let mean = |k| factors.mean(k).unwrap_or(f64::NAN);
-            let values = shells.clone().map(mean).collect();
-            let errors = shells.map(|k| factors.standard_error(k)).collect();
-            columns.push((format!("structure_factor{suffix}"), values));
-            columns.push((format!("standard_error{suffix}"), errors));
-            if *kind == Kind::Concentration {
-                partial.add_concentration(&factors, wave_numbers[0], findings);
-            }
-        }
-        columns
     }
 }

@@ -66,8 +66,7 @@ impl GreenKubo {
     pub(crate) fn push(&mut self, flux: &[f64], temperature: f64) {
         self.correlator.push(flux);
         self.helfand.push(flux);
-        self.temperature.begin_sample();
-        self.temperature.add(0, temperature, 1);
+        self.temperature.add_sample([temperature]);
     }
 
     /// The mean temperature of the samples after the first `discarded` part.
