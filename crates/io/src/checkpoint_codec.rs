@@ -18,7 +18,7 @@ use crc32fast::Hasher;
 use glam::DVec3;
 use lennard_core::{Array, StateArchive};
 
-use crate::checkpoint_contents::{CHECKPOINT_VERSION, Checkpoint, CheckpointProblem};
+use crate::checkpoint::{CHECKPOINT_VERSION, Checkpoint, CheckpointProblem};
 
 const MAGIC: [u8; 8] = *b"LENNARD\x1a";
 

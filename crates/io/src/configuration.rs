@@ -6,9 +6,9 @@ use std::path::Path;
 use lennard_core::PeriodicBox;
 
 use crate::error::excerpt;
-use crate::found::{StartConfiguration, TrajectoryFrame};
 use crate::geometry::is_same_box;
 use crate::lines::{Lines, one_token, open_regular};
+use crate::particles::{StartConfiguration, TrajectoryFrame};
 use crate::rewind::{GZIP, Gunzip, MOST_INFLATED, Rewind};
 use crate::trajectory_reader::{Grammar, last_frame};
 use crate::units::FileUnits;

@@ -4,8 +4,8 @@ use std::io::BufRead;
 
 use glam::DVec3;
 
-use crate::lines::Lines;
-use crate::particles::{ParticleReader, Place};
+use crate::lines::{At, Lines};
+use crate::particles::{ParticleReader, Place, skip_rows};
 use crate::units::FileUnits;
 use crate::xyz_header::Header;
 use crate::{FormatError, TrajectoryFrame};
@@ -16,21 +16,13 @@ const LEAST_BYTES_A_PARTICLE: u64 = 6;
 /// Lines of a frame between its count and its particles: the header.
 const HEADER_LINES: u64 = 1;
 
+const HEADER: &str = "the header line of the frame";
+
 /// Passes over the frame whose count is the current line.
 pub(crate) fn skip_frame<R: BufRead>(lines: &mut Lines<R>) -> Result<(), FormatError> {
     let n = lines.particle_count(HEADER_LINES, LEAST_BYTES_A_PARTICLE)?;
-    for row in 0..=n {
-        lines.next_or(&missing(row, n))?;
-    }
-    Ok(())
-}
-
-fn missing(row: usize, n: usize) -> String {
-    if row == 0 {
-        "the header line of the frame".into()
-    } else {
-        format!("particle {row} of {n}: the frame is truncated")
-    }
+    lines.next_or(HEADER)?;
+    skip_rows(lines, n)
 }
 
 /// Reads the frame whose count is the current line.
@@ -40,8 +32,8 @@ pub(crate) fn parse_frame<R: BufRead>(
 ) -> Result<TrajectoryFrame, FormatError> {
     let count_line = lines.number();
     let n = lines.particle_count(HEADER_LINES, LEAST_BYTES_A_PARTICLE)?;
-    lines.next_or(&missing(0, n))?;
-    let header = Header::parse(lines.line(), units).map_err(|(f, a)| lines.refuse(f, a))?;
+    lines.next_or(HEADER)?;
+    let header = Header::parse(lines.line(), units).at(lines)?;
     let columns = &header.columns;
     // A character and a separator for each column: before memory for all arrays is taken.
     let least = 2 * columns.width() as u64;
@@ -56,15 +48,8 @@ pub(crate) fn parse_frame<R: BufRead>(
             ),
         ));
     }
-    let place =
-        Place::new(DVec3::ZERO, header.cell, header.scales).map_err(|(f, a)| lines.refuse(f, a))?;
-    let mut particles = ParticleReader::new(n, columns);
-    for row in 1..=n {
-        lines.next_or(&missing(row, n))?;
-        let read = columns.row(lines.line(), "as the header says");
-        read.and_then(|row| particles.take(row, &place)).map_err(|(f, a)| lines.refuse(f, a))?;
-    }
-    let particles = particles.finish().map_err(|(f, a)| lines.refuse(f, a))?;
+    let place = Place::new(DVec3::ZERO, header.cell, header.scales).at(lines)?;
+    let particles = ParticleReader::read(lines, n, columns, &place, "as the header says")?;
     Ok(TrajectoryFrame {
         step: header.step,
         time: header.time,

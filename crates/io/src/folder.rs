@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use crate::TrajectoryFormat;
 use crate::atomic::{close, whole_name};
 use crate::checkpoint_folder::step_of;
+use crate::claim::Holder;
 use crate::claim::{Claim, Unclaimed, is_of_claim};
 use crate::error::advice_for;
-use crate::holder::Holder;
 use crate::record::tables_in;
 
 /// What to do with an output folder that is there already.

@@ -10,8 +10,8 @@ use lennard_core::PeriodicBox;
 use crate::columns::{Column, Columns, Scalar, Vector};
 use crate::error::{Refusal, excerpt};
 use crate::geometry::{EdgeError, UPRIGHT, box_of_edges};
-use crate::lines::{Lines, finite, tokens};
-use crate::particles::{ParticleReader, Place};
+use crate::lines::{At, Lines, finite, tokens};
+use crate::particles::{ParticleReader, Place, next_row, skip_rows};
 use crate::units::{FileUnits, stated};
 use crate::{FormatError, TrajectoryFrame};
 
@@ -85,16 +85,10 @@ fn count<R: BufRead>(lines: &mut Lines<R>) -> Result<usize, FormatError> {
     lines.particle_count(1, LEAST_BYTES_A_PARTICLE)
 }
 
-fn missing(row: usize, n: usize) -> String {
-    format!("particle {row} of {n}: the frame is truncated")
-}
-
 /// Passes over the frame whose title is the current line.
 pub(crate) fn skip_frame<R: BufRead>(lines: &mut Lines<R>) -> Result<(), FormatError> {
     let n = count(lines)?;
-    for row in 1..=n {
-        lines.next_or(&missing(row, n))?;
-    }
+    skip_rows(lines, n)?;
     lines.next_or(SIDES)
 }
 
@@ -118,17 +112,17 @@ pub(crate) fn parse_frame<R: BufRead>(
         let allowed = "`system.length_scale` and `system.time_scale` in the scene: one σ in nm and one τ in ps";
         return Err(lines.refuse(found, format!("{first}{allowed}")));
     }
-    let scales = units.scales(said.as_deref()).map_err(|(f, a)| lines.refuse(f, a))?;
+    let scales = units.scales(said.as_deref()).at(lines)?;
     let n = count(lines)?;
     // The box comes last.
     let mut rows = Vec::with_capacity(n);
     for row in 1..=n {
-        lines.next_or(&missing(row, n))?;
+        next_row(lines, row, n)?;
         rows.push((lines.number(), lines.line().to_vec()));
     }
     lines.next_or(SIDES)?;
-    let cell = sides(lines.line()).map_err(|(f, a)| lines.refuse(f, a))?;
-    let place = Place::new(DVec3::ZERO, cell, scales).map_err(|(f, a)| lines.refuse(f, a))?;
+    let cell = sides(lines.line()).at(lines)?;
+    let place = Place::new(DVec3::ZERO, cell, scales).at(lines)?;
     let first = &rows[0];
     let layout = Layout::of(&first.1).ok_or_else(|| {
         let allowed = "names and numbers in 20 columns, then a position, or a position and a velocity, in columns of one width";
@@ -140,7 +134,7 @@ pub(crate) fn parse_frame<R: BufRead>(
         let taken = read.and_then(|row| particles.take(row, &place));
         taken.map_err(|(f, a)| lines.refuse_at(*number, f, a))?;
     }
-    let particles = particles.finish().map_err(|(f, a)| lines.refuse(f, a))?;
+    let particles = particles.finish().at(lines)?;
     Ok(TrajectoryFrame::of(particles, place.cell))
 }
 

@@ -10,7 +10,7 @@ use glam::DVec3;
 use crate::columns::{Column, Columns, Scalar, Vector, number, particle_number};
 use crate::error::{Refusal, excerpt};
 use crate::lammps::{Bounds, bound};
-use crate::lines::{Lines, tokens};
+use crate::lines::{At, Lines, tokens};
 use crate::particles::{ParticleReader, Place, mass, velocity};
 use crate::units::{FileUnits, Scales, stated};
 use crate::{FormatError, TrajectoryFrame};
@@ -99,7 +99,7 @@ impl Sections {
         text: &[u8],
     ) -> Result<Scales, FormatError> {
         let said = stated(&String::from_utf8_lossy(text));
-        self.units.scales(said.as_deref()).map_err(|(f, a)| lines.refuse(f, a))
+        self.units.scales(said.as_deref()).at(lines)
     }
 
     /// Reads the header; the line of the first section is the current line then, and is given back.
@@ -151,7 +151,7 @@ impl Sections {
     }
 
     fn bound<R: BufRead, const N: usize>(&self, lines: &Lines<R>) -> Result<[f64; N], FormatError> {
-        bound(content(lines.line())).map_err(|(f, a)| lines.refuse(f, a))
+        bound(content(lines.line())).at(lines)
     }
 
     /// Reads the section whose first line is the current line; gives the first line of the next one back.
@@ -163,7 +163,7 @@ impl Sections {
         let name: Vec<&[u8]> = tokens(content(first)).collect();
         match name.as_slice() {
             [b"Atoms"] => {
-                check_style(first).map_err(|(f, a)| lines.refuse(f, a))?;
+                check_style(first).at(lines)?;
                 self.atoms = Some(self.atoms_of(lines)?);
                 self.rows(lines, Self::atom)
             }
@@ -197,7 +197,7 @@ impl Sections {
             if words[0][0].is_ascii_alphabetic() {
                 return Ok(Some(lines.line().to_vec()));
             }
-            take(self, &words).map_err(|(f, a)| lines.refuse(f, a))?;
+            take(self, &words).at(lines)?;
         }
         Ok(None)
     }
@@ -214,7 +214,7 @@ impl Sections {
         if self.atoms.is_some() {
             return Err(lines.refuse("a second section Atoms", "one of them"));
         }
-        let scales = self.units.scales(None).map_err(|(f, a)| lines.refuse(f, a))?;
+        let scales = self.units.scales(None).at(lines)?;
         let (low, high) = (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
         let (tilts, line) = self.tilts.unwrap_or(([0.0; 3], lines.number()));
         let bounds = Bounds::new(low, high, tilts).map_err(|(f, a)| lines.refuse_at(line, f, a))?;
@@ -226,7 +226,7 @@ impl Sections {
         ];
         let without_image = Columns::fixed(&columns);
         Ok(Atoms {
-            place: place.map_err(|(f, a)| lines.refuse(f, a))?,
+            place: place.at(lines)?,
             with_image: Columns::fixed(&[&columns[..], &[Column::Vector(Vector::Image)]].concat()),
             particles: ParticleReader::new(n, &without_image),
             without_image,
@@ -296,7 +296,7 @@ impl Sections {
                 "{n} rows in the section Atoms, where it has {rows}: the file is truncated"
             )));
         }
-        let mut found = atoms.particles.finish().map_err(|(f, a)| lines.refuse(f, a))?;
+        let mut found = atoms.particles.finish().at(lines)?;
         if !self.masses.is_empty() {
             let of = |kind: &String| {
                 let wanted = || format!("a row in the section Masses for the type {kind}");

@@ -7,8 +7,8 @@ use std::path::Path;
 use lennard_core::{SpeciesTable, State};
 
 use crate::atomic::write_bytes_atomically;
+use crate::formats::lines::{push_float, push_integer};
 use crate::frame::finite;
-use crate::text::{push_float, push_integer};
 use crate::{Frame, FrameStyle, WriteError};
 
 /// Writes a state as a data file for `units lj` and `atom_style atomic`; `title` is its first line.

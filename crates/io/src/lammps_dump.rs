@@ -9,8 +9,8 @@ use glam::DVec3;
 use crate::columns::{Column, Columns, MOST_COLUMNS, Scalar, Vector, motion};
 use crate::error::{Refusal, excerpt};
 use crate::lammps::{Bounds, bound};
-use crate::lines::{Lines, tokens};
-use crate::particles::{ParticleReader, Place};
+use crate::lines::{At, Lines, tokens};
+use crate::particles::{ParticleReader, Place, skip_rows};
 use crate::units::FileUnits;
 use crate::{FormatError, TrajectoryFrame};
 
@@ -126,7 +126,7 @@ fn header<R: BufRead>(lines: &mut Lines<R>, units: FileUnits) -> Result<Header, 
             [b"UNITS"] => {
                 lines.next_or("the units")?;
                 let unit = String::from_utf8_lossy(lines.line()).trim().to_owned();
-                units.scales(Some(&unit)).map_err(|(f, a)| lines.refuse(f, a))?;
+                units.scales(Some(&unit)).at(lines)?;
                 said = Some(unit);
             }
             [b"TIME"] => lines.next_or("the time")?,
@@ -173,13 +173,9 @@ fn read_bounds<R: BufRead>(lines: &mut Lines<R>, edges: &[&[u8]]) -> Result<Boun
             true => bound(lines.line()),
             false => bound(lines.line()).map(|[low, high]| [low, high, 0.0]),
         };
-        [low[axis], high[axis], tilts[axis]] = row.map_err(|(f, a)| lines.refuse(f, a))?;
+        [low[axis], high[axis], tilts[axis]] = row.at(lines)?;
     }
-    Bounds::new(low, high, tilts).map_err(|(f, a)| lines.refuse(f, a))
-}
-
-fn missing(row: usize, n: usize) -> String {
-    format!("particle {row} of {n}: the frame is truncated")
+    Bounds::new(low, high, tilts).at(lines)
 }
 
 /// Passes over the frame whose first line is the current line.
@@ -188,10 +184,7 @@ pub(crate) fn skip_frame<R: BufRead>(
     units: FileUnits,
 ) -> Result<(), FormatError> {
     let n = header(lines, units)?.n;
-    for row in 1..=n {
-        lines.next_or(&missing(row, n))?;
-    }
-    Ok(())
+    skip_rows(lines, n)
 }
 
 /// Reads the frame whose first line is the current line.
@@ -208,12 +201,6 @@ pub(crate) fn parse_frame<R: BufRead>(
         );
         return Err(lines.refuse(format!("{n} particles"), allowed));
     }
-    let mut particles = ParticleReader::new(n, &columns);
-    for row in 1..=n {
-        lines.next_or(&missing(row, n))?;
-        let read = columns.row(lines.line(), "as `ITEM: ATOMS` says");
-        read.and_then(|row| particles.take(row, &place)).map_err(|(f, a)| lines.refuse(f, a))?;
-    }
-    let particles = particles.finish().map_err(|(f, a)| lines.refuse(f, a))?;
+    let particles = ParticleReader::read(lines, n, &columns, &place, "as `ITEM: ATOMS` says")?;
     Ok(TrajectoryFrame { step: Some(step), ..TrajectoryFrame::of(particles, place.cell) })
 }

@@ -10,7 +10,6 @@
 mod atomic;
 mod checkpoint;
 mod checkpoint_codec;
-mod checkpoint_contents;
 mod checkpoint_folder;
 mod claim;
 mod columns;
@@ -20,27 +19,21 @@ mod extended_xyz;
 mod folder;
 mod foreign;
 mod formats;
-mod found;
 mod frame;
 mod geometry;
 mod gro;
-mod holder;
-mod host;
 mod lammps;
 mod lammps_data;
 mod lammps_data_writer;
 mod lammps_dump;
 mod lines;
-mod mixture_record;
 mod nist;
 mod particles;
 mod record;
 mod rewind;
-mod shell;
 mod sink;
 mod species_reader;
 mod tables;
-mod text;
 mod topology;
 mod trajectory;
 mod trajectory_reader;
@@ -49,36 +42,30 @@ mod xyz_header;
 
 pub use atomic::{write_json_atomically, write_text_atomically};
 pub use checkpoint::{
-    CheckpointError, checkpoint_bytes, read_checkpoint, read_checkpoint_bytes,
-    read_checkpoint_metadata, write_checkpoint,
-};
-pub use checkpoint_contents::{
-    CHECKPOINT_VERSION, Checkpoint, CheckpointMetadata, CheckpointProblem,
+    CHECKPOINT_VERSION, Checkpoint, CheckpointError, CheckpointMetadata, CheckpointProblem,
+    checkpoint_bytes, read_checkpoint, read_checkpoint_bytes, read_checkpoint_metadata,
+    write_checkpoint,
 };
 pub use checkpoint_folder::CheckpointFolder;
+pub use claim::Holder;
 pub use configuration::{
     Beside, read_configuration, read_configuration_bytes, read_configuration_in,
 };
-pub use error::{FormatError, WriteError};
+pub use error::{FormatError, Shown, WriteError, in_shell, path_in_shell, shown};
 pub use folder::{
     Existing, FolderError, OutputFolder, create_named_folder, create_numbered_folder,
     is_empty_folder,
 };
 pub use formats::{FormatSpec, Limits, TrajectoryFormat};
-pub use found::{FoundSpecies, StartConfiguration, TrajectoryFrame};
 pub use frame::{DEFAULT_PRECISION, Frame, FrameStyle, is_element_symbol};
 pub use geometry::{EdgeError, box_of_edges, is_same_box};
-pub use holder::Holder;
-pub use host::cpu_name;
 pub use lammps_data_writer::write_lammps_data;
-pub use mixture_record::{PairRecord, SpeciesRecord};
-pub use particles::LARGEST;
+pub use particles::{FoundSpecies, LARGEST, StartConfiguration, TrajectoryFrame};
 pub use record::{
-    AverageRecord, BarostatRecord, Comparison, Conservation, Host, NeighborRecord, Performance,
-    RUN_SCHEMA, RanksRecord, RunRecord, SOUND, StageSeconds, StatePoint, ThermostatRecord,
-    read_run_record, read_run_record_bytes,
+    AverageRecord, BarostatRecord, Comparison, Conservation, Host, NeighborRecord, PairRecord,
+    Performance, RUN_SCHEMA, RanksRecord, RunRecord, SOUND, SpeciesRecord, StageSeconds,
+    StatePoint, ThermostatRecord, cpu_name, read_run_record, read_run_record_bytes,
 };
-pub use shell::{Shown, in_shell, path_in_shell, shown};
 pub use sink::{FileMark, Sink};
 pub use tables::{TableWriter, read_table_csv, read_table_csv_bytes, write_table_csv};
 pub use topology::write_topology_gro;

@@ -5,7 +5,7 @@ use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use crate::FormatError;
-use crate::error::excerpt;
+use crate::error::{Refusal, excerpt};
 
 /// Longest line that is read, in bytes: a file without line ends must not fill the memory.
 const LONGEST_LINE: u64 = 1 << 20;
@@ -190,6 +190,18 @@ impl<R: BufRead> Lines<R> {
         n.checked_mul(least_bytes_each)
             .and_then(|bytes| bytes.checked_add(more_lines))
             .is_some_and(|bytes| bytes - 1 <= self.left())
+    }
+}
+
+/// What a refusal becomes: an error at the current line.
+pub(crate) trait At<T> {
+    /// The value, or the refusal with the file and the line.
+    fn at<R: BufRead>(self, lines: &Lines<R>) -> Result<T, FormatError>;
+}
+
+impl<T> At<T> for Result<T, Refusal> {
+    fn at<R: BufRead>(self, lines: &Lines<R>) -> Result<T, FormatError> {
+        self.map_err(|(found, allowed)| lines.refuse(found, allowed))
     }
 }
 

@@ -11,7 +11,7 @@ use lennard_core::PeriodicBox;
 
 use crate::columns::{Column, Columns, Scalar, Vector};
 use crate::error::excerpt;
-use crate::lines::{Lines, finite, tokens};
+use crate::lines::{At, Lines, finite, tokens};
 use crate::particles::{ParticleReader, Place};
 use crate::units::FileUnits;
 use crate::{FormatError, TrajectoryFrame};
@@ -40,7 +40,7 @@ pub(crate) fn parse<R: BufRead>(
     units: FileUnits,
 ) -> Result<TrajectoryFrame, FormatError> {
     lines.next_or("three box sides")?;
-    let scales = units.scales(None).map_err(|(f, a)| lines.refuse(f, a))?;
+    let scales = units.scales(None).at(&lines)?;
     let sides: Option<Vec<f64>> = tokens(lines.line()).map(finite).collect();
     let cell = match sides.as_deref() {
         Some(&[x, y, z]) => PeriodicBox::new(DVec3::new(x, y, z)).ok(),
@@ -52,7 +52,7 @@ pub(crate) fn parse<R: BufRead>(
     lines.next_or("the number of particles")?;
     let n = lines.particle_count(0, LEAST_BYTES_A_PARTICLE)?;
     let columns = Columns::fixed(&[Column::Scalar(Scalar::Id), Column::Vector(Vector::Position)]);
-    let place = Place::new(DVec3::ZERO, Some(cell), scales).map_err(|(f, a)| lines.refuse(f, a))?;
+    let place = Place::new(DVec3::ZERO, Some(cell), scales).at(&lines)?;
     let mut particles = ParticleReader::new(n, &columns);
     for number in 1..=n {
         lines.next_or(&format!("particle {number} of {n}: the file is truncated"))?;
@@ -63,7 +63,7 @@ pub(crate) fn parse<R: BufRead>(
                 format!("`{number} x y z`: the particle's number, then three finite coordinates"),
             )
         })?;
-        particles.take(row, &place).map_err(|(f, a)| lines.refuse(f, a))?;
+        particles.take(row, &place).at(&lines)?;
     }
     while lines.advance()? {
         if !lines.is_blank() {
@@ -73,6 +73,6 @@ pub(crate) fn parse<R: BufRead>(
             ));
         }
     }
-    let particles = particles.finish().map_err(|(f, a)| lines.refuse(f, a))?;
+    let particles = particles.finish().at(&lines)?;
     Ok(TrajectoryFrame::of(particles, place.cell))
 }

@@ -1,15 +1,16 @@
 //! The particles of a file, row by row: one bound and one rule for every format.
 
 use std::collections::BTreeMap;
+use std::io::BufRead;
 
-use glam::DVec3;
-use lennard_core::PeriodicBox;
+use lennard_core::{DVec3, PeriodicBox};
 
+use crate::FormatError;
 use crate::columns::{Columns, Row, Vector};
 use crate::error::Refusal;
+use crate::lines::{At, Lines};
 use crate::species_reader::SpeciesReader;
 use crate::units::Scales;
-use crate::{FoundSpecies, StartConfiguration, TrajectoryFrame};
 
 /// The largest coordinate in σ and component of a velocity in σ/τ of a start: beyond, positions have fewer than seven decimals.
 pub const LARGEST: f64 = 1e9;
@@ -174,6 +175,23 @@ impl ParticleReader {
         self.species.take(row.name, row.kind, mass)
     }
 
+    /// Reads the lines of `n` particles after the current line; `as_said` tells where their columns are said.
+    pub(crate) fn read<R: BufRead>(
+        lines: &mut Lines<R>,
+        n: usize,
+        columns: &Columns,
+        place: &Place,
+        as_said: &str,
+    ) -> Result<Particles, FormatError> {
+        let mut all = Self::new(n, columns);
+        for row in 1..=n {
+            next_row(lines, row, n)?;
+            let read = columns.row(lines.line(), as_said);
+            read.and_then(|row| all.take(row, place)).at(lines)?;
+        }
+        all.finish().at(lines)
+    }
+
     /// The particles in the order of their numbers, where they have some.
     pub(crate) fn finish(self) -> Result<Particles, Refusal> {
         let mut found = self.found;
@@ -198,6 +216,20 @@ impl ParticleReader {
         sort(&order, &mut found.ids);
         Ok(found)
     }
+}
+
+/// Goes to the line of a particle.
+pub(crate) fn next_row<R: BufRead>(
+    lines: &mut Lines<R>,
+    row: usize,
+    n: usize,
+) -> Result<(), FormatError> {
+    lines.next_or(&format!("particle {row} of {n}: the frame is truncated"))
+}
+
+/// Passes over the lines of `n` particles.
+pub(crate) fn skip_rows<R: BufRead>(lines: &mut Lines<R>, n: usize) -> Result<(), FormatError> {
+    (1..=n).try_for_each(|row| next_row(lines, row, n))
 }
 
 /// Brings an array into an order; an empty one stays so.
@@ -233,4 +265,75 @@ impl StartConfiguration {
         self.velocities = Some(momenta.iter().enumerate().map(velocity).collect::<Result<_, _>>()?);
         Ok(())
     }
+}
+
+/// The species of the particles, as a file names them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FoundSpecies {
+    /// The names, in the order in which they appear; none where the file names none.
+    pub names: Vec<String>,
+    /// The type of LAMMPS beside each name, where a file has both; an element may have several types.
+    pub types: Vec<String>,
+    /// The number of the name of each particle, `[N]`; empty where there is one name at most.
+    pub of_particle: Vec<u8>,
+    /// The mass of the particles with each name; one mass where there is no name, and none where the file has no masses.
+    pub masses: Vec<f64>,
+}
+
+impl FoundSpecies {
+    /// Whether no two types have one name.
+    #[must_use]
+    pub fn elements_tell_apart(&self) -> bool {
+        (1..self.types.len()).all(|k| !self.names[..k].contains(&self.names[k]))
+    }
+
+    /// The number of the name of particle `i`.
+    #[must_use]
+    pub fn of(&self, i: usize) -> usize {
+        self.of_particle.get(i).map_or(0, |a| usize::from(*a))
+    }
+}
+
+/// A frame as read, in reduced units: a `length_scale` of the header is taken out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrajectoryFrame {
+    /// The periodic box; `None` where the header names none.
+    pub cell: Option<PeriodicBox>,
+    /// Positions, `[N]`, σ, unwrapped by the image flags where the file has them.
+    pub positions: Vec<DVec3>,
+    /// Velocities, `[N]`, σ/τ.
+    pub velocities: Option<Vec<DVec3>>,
+    /// Momenta, `[N]`, m σ/τ, where the file has no masses that make velocities of them.
+    pub momenta: Option<Vec<DVec3>>,
+    /// Forces, `[N]`, ε/σ.
+    pub forces: Option<Vec<DVec3>>,
+    /// The species of the particles.
+    pub species: FoundSpecies,
+    /// Number of the step.
+    pub step: Option<u64>,
+    /// Time in τ.
+    pub time: Option<f64>,
+    /// The other entries of the header, as text.
+    pub info: BTreeMap<String, String>,
+}
+
+/// Where a run starts, as read from a file; reduced units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StartConfiguration {
+    /// The periodic box.
+    pub cell: PeriodicBox,
+    /// Positions, `[N]`, σ, unwrapped by the image flags where the file has them.
+    pub positions: Vec<DVec3>,
+    /// Velocities, `[N]`, σ/τ, where the file has them.
+    pub velocities: Option<Vec<DVec3>>,
+    /// Momenta, `[N]`, m σ/τ, where the file has no masses that make velocities of them.
+    pub momenta: Option<Vec<DVec3>>,
+    /// Number of the step, where the file has one.
+    pub step: Option<u64>,
+    /// Time in τ, where the file has one.
+    pub time: Option<f64>,
+    /// The species of the particles.
+    pub species: FoundSpecies,
+    /// Number of frames in the file, of which this is the last.
+    pub frames: u64,
 }

@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::FormatError;
 use crate::lines::open_regular;
-use crate::mixture_record::{PairRecord, SpeciesRecord};
 
 /// Name and version of the schema of [`RunRecord`].
 pub const RUN_SCHEMA: &str = crate::schema!("run", 1);
@@ -404,4 +403,84 @@ fn parse(bytes: &[u8], path: &Path) -> Result<RunRecord, FormatError> {
         });
     }
     serde_json::from_slice(bytes).map_err(malformed)
+}
+
+/// The processor's own name, or the name of its architecture where it does not tell.
+#[must_use]
+pub fn cpu_name() -> String {
+    brand()
+        .or_else(|| {
+            std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| from_cpuinfo(&text))
+        })
+        .unwrap_or_else(|| std::env::consts::ARCH.to_string())
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fn brand() -> Option<String> {
+    let brand = raw_cpuid::CpuId::new().get_processor_brand_string()?;
+    Some(brand.as_str().trim().to_string()).filter(|name| !name.is_empty())
+}
+
+#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+fn brand() -> Option<String> {
+    None
+}
+
+/// What Linux says: the key differs from architecture to architecture.
+fn from_cpuinfo(text: &str) -> Option<String> {
+    ["model name", "cpu model", "Model", "Hardware", "uarch"].iter().find_map(|wanted| {
+        text.lines().find_map(|line| {
+            let (key, value) = line.split_once(':')?;
+            (key.trim() == *wanted && !value.trim().is_empty()).then(|| value.trim().to_string())
+        })
+    })
+}
+
+/// A species of a mixture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SpeciesRecord {
+    /// Its name.
+    pub name: String,
+    /// Symbol in files.
+    pub element: String,
+    /// Number of particles.
+    pub count: u64,
+    /// Mole fraction.
+    pub fraction: f64,
+    /// Mass of a particle, m.
+    pub mass: f64,
+}
+
+/// What acts between two species.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PairRecord {
+    /// Name of one species.
+    pub a: String,
+    /// Name of the other.
+    pub b: String,
+    /// σ_ab, σ.
+    pub sigma: f64,
+    /// ε_ab, ε.
+    pub epsilon: f64,
+    /// Cutoff, σ.
+    pub r_cut: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_name_is_one_line_that_is_not_empty() {
+        let name = cpu_name();
+        assert!(!name.is_empty() && !name.contains('\n') && name == name.trim());
+    }
+
+    #[test]
+    fn linux_tells_the_name_under_several_keys() {
+        let text = "processor\t: 0\nmodel name\t: Some CPU @ 2 GHz\n\nprocessor\t: 1\n";
+        assert_eq!(from_cpuinfo(text).unwrap(), "Some CPU @ 2 GHz");
+        assert_eq!(from_cpuinfo("Model\t\t: A board\n").unwrap(), "A board");
+        assert_eq!(from_cpuinfo("processor : 0\n"), None);
+    }
 }

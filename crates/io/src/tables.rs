@@ -9,9 +9,9 @@ use lennard_core::{Cell, Column, Table, Value};
 
 use crate::atomic::write_bytes_atomically;
 use crate::error::excerpt;
+use crate::formats::lines::{push_any_float, push_integer};
 use crate::lines::open_regular;
 use crate::sink::WholeFile;
-use crate::text::{push_any_float, push_integer};
 use crate::{FileMark, FormatError, Sink, WriteError};
 
 /// One record as CSV text, quoted where it must be.

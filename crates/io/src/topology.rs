@@ -6,7 +6,7 @@ use glam::DVec3;
 use lennard_core::PeriodicBox;
 
 use crate::atomic::write_bytes_atomically;
-use crate::text::{push_float, push_integer};
+use crate::formats::lines::{push_float, push_integer};
 use crate::{FrameStyle, TrajectoryFormat, WriteError};
 
 /// Residue and atom numbers have five columns and start over from 0 there.

@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor};
 use std::path::Path;
 
-use crate::found::TrajectoryFrame;
 use crate::lines::{Lines, open_regular};
+use crate::particles::TrajectoryFrame;
 use crate::rewind::Rewind;
 use crate::units::FileUnits;
 use crate::{FileMark, FormatError, extended_xyz, gro, lammps_dump};

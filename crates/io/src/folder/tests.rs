@@ -121,7 +121,7 @@ fn a_folder_is_held_until_it_is_dropped_and_the_process_is_named() {
 #[test]
 fn the_claim_of_a_process_that_is_gone_blocks_nothing() {
     let root = tempfile::tempdir().unwrap();
-    fs::write(root.path().join(CLAIM_FILE), "1\n").unwrap();
+    fs::write(root.path().join(CLAIM_FILE), "1\n\n\n").unwrap();
     let held = create_named_folder(root.path(), Existing::Refuse).unwrap();
     assert!(is_empty_folder(held.path()));
 }
@@ -158,7 +158,7 @@ fn a_folder_that_another_process_has_taken_over_is_named() {
 fn of_many_threads_that_find_a_dead_claim_one_takes_the_folder() {
     for _ in 0..50 {
         let root = tempfile::tempdir().unwrap();
-        fs::write(root.path().join(CLAIM_FILE), "1\n").unwrap();
+        fs::write(root.path().join(CLAIM_FILE), "1\n\n\n").unwrap();
         let taken: Vec<_> = std::thread::scope(|scope| {
             let tries: Vec<_> = (0..8)
                 .map(|_| scope.spawn(|| create_named_folder(root.path(), Existing::Keep).ok()))

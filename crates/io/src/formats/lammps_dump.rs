@@ -6,8 +6,8 @@ use std::path::Path;
 
 use super::FormatSpec;
 use super::lines::{push_field, push_lines, push_vector};
+use crate::formats::lines::{push_float, push_integer};
 use crate::frame::{NotFinite, finite};
-use crate::text::{push_float, push_integer};
 use crate::{Frame, FrameStyle, WriteError};
 
 pub(super) const SPEC: FormatSpec = FormatSpec {
@@ -55,11 +55,7 @@ fn push_header(to: &mut Vec<u8>, style: &FrameStyle, frame: &Frame<'_>) {
     if style.has_masses() {
         to.extend_from_slice(b" mass");
     }
-    to.extend_from_slice(if style.wrapped {
-        b" x y z ix iy iz"
-    } else {
-        b" xu yu zu"
-    });
+    to.extend_from_slice(if style.wrapped { b" x y z ix iy iz" } else { b" xu yu zu" });
     if style.velocities {
         to.extend_from_slice(b" vx vy vz");
     }

@@ -1,6 +1,6 @@
 //! The list of trajectory formats: one file and one line each.
 
-mod lines;
+pub(crate) mod lines;
 
 use std::path::Path;
 

@@ -37,10 +37,7 @@ const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
 
 /// Steps have 31 bits. Single precision has every whole number up to 2²⁴; beyond, positions would be worse than the
 /// precision says.
-static LIMITS: Limits = Limits {
-    last_step: i32::MAX as u64,
-    multiples: 16_777_216.0,
-};
+static LIMITS: Limits = Limits { last_step: i32::MAX as u64, multiples: 16_777_216.0 };
 
 fn push(
     to: &mut Vec<u8>,
@@ -53,17 +50,11 @@ fn push(
         .ok()
         .filter(|step| u64::from(*step) <= LIMITS.last_step)
         .ok_or_else(|| {
-            let found = state.step.to_string();
-            unwritable(
-                path,
-                "step",
-                found,
-                format!("at most {} in XTC", LIMITS.last_step),
-            )
-        })?;
-    let places: Result<Vec<DVec3>, NotFinite> = (0..state.len())
-        .map(|i| Ok(style.place(&state.cell, &state.positions, i)?.0))
-        .collect();
+        let found = state.step.to_string();
+        unwritable(path, "step", found, format!("at most {} in XTC", LIMITS.last_step))
+    })?;
+    let places: Result<Vec<DVec3>, NotFinite> =
+        (0..state.len()).map(|i| Ok(style.place(&state.cell, &state.positions, i)?.0)).collect();
     let places = places.map_err(|bad| bad.in_file(path))?;
     let reach = places.iter().fold(DVec3::ZERO, |far, r| far.max(r.abs()));
     let kept = LIMITS.precision_for(style.precision, reach.max_element());
@@ -84,11 +75,7 @@ fn push(
         // Readers divide by the precision as the file has it.
         let scale = style.length_scale * f64::from(precision);
         let multiples: Vec<[i32; 3]> = (places.iter())
-            .map(|r| {
-                (*r * scale + TO_WHOLE)
-                    .to_array()
-                    .map(|x| x.to_bits() as i32)
-            })
+            .map(|r| (*r * scale + TO_WHOLE).to_array().map(|x| x.to_bits() as i32))
             .collect();
         compression::push(to, &multiples, long);
     } else {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::FormatSpec;
 use super::lines::{push_field, push_lines, push_vector};
+use crate::formats::lines::{push_float, push_integer};
 use crate::frame::{NotFinite, finite, unwritable};
-use crate::text::{push_float, push_integer};
 use crate::{Frame, FrameStyle, WriteError};
 
 pub(super) const SPEC: FormatSpec = FormatSpec {
@@ -99,12 +99,7 @@ fn push_header(
     let number = |to: &mut Vec<u8>, key: &str, value: f64| {
         if !value.is_finite() {
             let found = format!("{key}={value}");
-            return Err(unwritable(
-                path,
-                "number in the header",
-                found,
-                "a finite number",
-            ));
+            return Err(unwritable(path, "number in the header", found, "a finite number"));
         }
         to.push(b' ');
         to.extend_from_slice(key.as_bytes());
@@ -118,10 +113,7 @@ fn push_header(
     for &(key, value) in frame.extra {
         if !is_plain_key(key) {
             let found = format!("`{}`", key.escape_debug());
-            let allowed = format!(
-                "letters, digits and _, but none of {}",
-                TAKEN_KEYS.join(", ")
-            );
+            let allowed = format!("letters, digits and _, but none of {}", TAKEN_KEYS.join(", "));
             return Err(unwritable(path, "key in the header", found, allowed));
         }
         number(to, key, value)?;

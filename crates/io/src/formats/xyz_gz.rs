@@ -43,9 +43,8 @@ fn push(
 }
 
 fn member(text: &[u8]) -> std::io::Result<Vec<u8>> {
-    let mut encoder = GzBuilder::new()
-        .operating_system(ANY_SYSTEM)
-        .write(Vec::new(), Compression::new(LEVEL));
+    let mut encoder =
+        GzBuilder::new().operating_system(ANY_SYSTEM).write(Vec::new(), Compression::new(LEVEL));
     encoder.write_all(text)?;
     encoder.finish()
 }

@@ -162,11 +162,7 @@ impl Range {
             let product: u128 = sizes.iter().map(|&size| u128::from(size)).product();
             u128::BITS - product.leading_zeros()
         });
-        Self {
-            low,
-            sizes,
-            together,
-        }
+        Self { low, sizes, together }
     }
 
     fn axis_bits(&self) -> [u32; 3] {
@@ -174,8 +170,7 @@ impl Range {
     }
 
     fn bits(&self) -> u32 {
-        self.together
-            .unwrap_or_else(|| self.axis_bits().iter().sum())
+        self.together.unwrap_or_else(|| self.axis_bits().iter().sum())
     }
 
     #[inline]
@@ -208,11 +203,7 @@ struct Bits<'a> {
 
 impl<'a> Bits<'a> {
     fn new(to: &'a mut Vec<u8>) -> Self {
-        Self {
-            to,
-            word: 0,
-            filled: 0,
-        }
+        Self { to, word: 0, filled: 0 }
     }
 
     /// Appends the lowest `bits` of a number that has no others; one bit at least, 64 at most.
@@ -226,11 +217,7 @@ impl<'a> Bits<'a> {
             let rest = bits - free;
             self.word |= number >> rest;
             self.to.extend_from_slice(&self.word.to_be_bytes());
-            self.word = if rest == 0 {
-                0
-            } else {
-                number << (u64::BITS - rest)
-            };
+            self.word = if rest == 0 { 0 } else { number << (u64::BITS - rest) };
             self.filled = rest;
         }
     }
