@@ -192,8 +192,10 @@ impl<'a> View<'a> {
 pub trait Observable: Persist + Send + Any {
     /// What it declares about itself.
     fn spec(&self) -> &'static ObservableSpec;
-    /// What it needs from the force evaluation on the steps when it samples.
-    fn want(&self) -> Want;
+    /// What it needs from the force evaluation on the steps when it samples; nothing where it looks at positions and velocities alone.
+    fn want(&self) -> Want {
+        Want::NOTHING
+    }
     /// Looks at one state.
     fn sample(&mut self, view: &View<'_>);
     /// Averages and tables of the samples after the first `discarded` part of the run, from 0 to 1. All observables

@@ -152,11 +152,9 @@ pub struct NeighborRecord {
     /// Number of builds.
     pub builds: u64,
     /// How many forces were checked against sums over all pairs.
-    #[serde(default)]
     pub checked_forces: u64,
     /// The largest difference among them, in units of what rounding explains: at most 1, or the run has failed; `null` where
     /// none was checked.
-    #[serde(default)]
     pub largest_deviation: Option<f64>,
     /// Skin in σ; `null` for a direct sum.
     pub skin: Option<f64>,
@@ -312,10 +310,8 @@ pub struct Comparison {
     #[serde(with = "number")]
     pub reference: f64,
     /// What was added to the value of an infinite system to obtain the value of N particles; `null` where nothing was.
-    #[serde(default)]
     pub finite_size: Option<f64>,
     /// How far the value of N particles may be off by a finite-size term that is not small, or not trusted; `null` where it is.
-    #[serde(default)]
     pub finite_size_uncertainty: Option<f64>,
     /// Uncertainty that the source states of its value; `null` where it states none.
     pub reference_uncertainty: Option<f64>,
@@ -343,7 +339,6 @@ pub struct StatePoint {
     #[serde(with = "number")]
     pub temperature: f64,
     /// Whether it is the temperature of half steps; else it is the temperature of whole steps.
-    #[serde(default)]
     pub half_steps: bool,
     /// Number density in σ⁻³.
     #[serde(with = "number")]

@@ -1,10 +1,7 @@
 //! An observable of one's own: the share of particles that are faster than twice the thermal speed.
 #![allow(clippy::print_stdout)] // printing is what this program is for
 
-use lennard::parts::{
-    Average, Findings, Observable, ObservableSpec, Persist, RestoreError, StateReader, StateWriter,
-    Suits, View, Want,
-};
+use lennard::parts::{Average, Findings, Observable, ObservableSpec, Suits, View, persist};
 use lennard::prelude::*;
 use lennard::statistics;
 
@@ -28,10 +25,6 @@ impl Observable for FastShare {
         &SPEC
     }
 
-    fn want(&self) -> Want {
-        Want::NOTHING
-    }
-
     fn sample(&mut self, view: &View<'_>) {
         let velocities = &view.state.velocities;
         let masses = &view.system.masses;
@@ -48,16 +41,7 @@ impl Observable for FastShare {
     }
 }
 
-impl Persist for FastShare {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        to.put_f64("samples", &self.samples);
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.samples = from.f64("samples")?.to_vec();
-        Ok(())
-    }
-}
+persist!(FastShare { samples, fixed temperature });
 
 pub(crate) fn main() -> lennard::Result<()> {
     let temperature = 1.5;

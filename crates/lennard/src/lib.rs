@@ -58,6 +58,6 @@ pub mod parts {
         Array, Average, Configuration, DMat3, DVec3, Energetics, Estimate, Findings, ForceError,
         ForceProperties, ForceTerm, IntegratorSpec, Method, Observable, ObservableSpec, Part,
         PeriodicBox, Persist, RestoreError, StateReader, StateWriter, Step, StepError, Suits,
-        System, Table, View, Want, remembers_nothing,
+        System, Table, View, Want, persist, remembers_nothing,
     };
 }

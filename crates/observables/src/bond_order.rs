@@ -5,7 +5,7 @@ mod particles;
 
 use lennard_core::exact::exact_sum;
 use lennard_core::{
-    DVec3, Findings, Observable, ObservableSpec, PeriodicBox, Table, View, Want, persist,
+    DVec3, Findings, Observable, ObservableSpec, PeriodicBox, Table, View, persist,
 };
 
 use crate::error::within_box;
@@ -153,10 +153,6 @@ pub fn solid_share(cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
 impl Observable for BondOrder {
     fn spec(&self) -> &'static ObservableSpec {
         &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::NOTHING
     }
 
     fn sample(&mut self, view: &View<'_>) {

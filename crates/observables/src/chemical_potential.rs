@@ -5,7 +5,7 @@ mod weights;
 
 use lennard_core::{
     Average, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, SpeciesTable,
-    StateReader, StateWriter, View, Want, persist, tasks,
+    StateReader, StateWriter, View, persist, tasks,
 };
 
 use crate::averages::{FEWEST_INDEPENDENT, estimate_of_fluctuations, of_fluctuations};
@@ -211,10 +211,6 @@ impl ChemicalPotential {
 impl Observable for ChemicalPotential {
     fn spec(&self) -> &'static ObservableSpec {
         &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::NOTHING
     }
 
     fn sample(&mut self, view: &View<'_>) {

@@ -1,6 +1,6 @@
 //! The density along one axis.
 
-use lennard_core::{Axis, Findings, Observable, ObservableSpec, Table, View, Want, persist};
+use lennard_core::{Axis, Findings, Observable, ObservableSpec, Table, View, persist};
 
 use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
@@ -64,10 +64,6 @@ impl DensityProfile {
 impl Observable for DensityProfile {
     fn spec(&self) -> &'static ObservableSpec {
         &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::NOTHING
     }
 
     fn sample(&mut self, view: &View<'_>) {

@@ -1,6 +1,6 @@
 //! The transport coefficient of a fluid through which an exchange of velocities drives heat or momentum.
 
-use lennard_core::{Axis, Findings, Observable, ObservableSpec, Table, View, Want, persist};
+use lennard_core::{Axis, Findings, Observable, ObservableSpec, Table, View, persist};
 
 use crate::BuildContext;
 use crate::averages::{of_blocks, tell_discarded};
@@ -128,10 +128,6 @@ impl ExchangeProfile {
 impl Observable for ExchangeProfile {
     fn spec(&self) -> &'static ObservableSpec {
         &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::NOTHING
     }
 
     fn sample(&mut self, view: &View<'_>) {

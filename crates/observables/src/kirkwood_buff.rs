@@ -4,7 +4,7 @@ mod integral;
 mod routes;
 mod tables;
 
-use lennard_core::{Findings, Observable, ObservableSpec, SpeciesTable, View, Want, persist};
+use lennard_core::{Findings, Observable, ObservableSpec, SpeciesTable, View, persist};
 
 use crate::averages::{of_blocks, tell_discarded, with_choice};
 use crate::blocks::BlockedSums;
@@ -142,10 +142,6 @@ impl KirkwoodBuff {
 impl Observable for KirkwoodBuff {
     fn spec(&self) -> &'static ObservableSpec {
         &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::NOTHING
     }
 
     fn sample(&mut self, view: &View<'_>) {

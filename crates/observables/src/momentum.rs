@@ -1,6 +1,6 @@
 //! Total momentum.
 
-use lennard_core::{Average, Findings, Observable, ObservableSpec, Table, View, Want, persist};
+use lennard_core::{Average, Findings, Observable, ObservableSpec, Table, View, persist};
 
 use crate::series::{Series, columns};
 use crate::{BuildContext, ObservableError, Recipe, statistics};
@@ -59,10 +59,6 @@ impl Momentum {
 impl Observable for Momentum {
     fn spec(&self) -> &'static ObservableSpec {
         &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::NOTHING
     }
 
     fn sample(&mut self, view: &View<'_>) {

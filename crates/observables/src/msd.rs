@@ -4,7 +4,7 @@ mod diffusion;
 mod levels;
 mod paths;
 
-use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, Want, persist};
+use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, persist};
 
 use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
@@ -148,10 +148,6 @@ impl MeanSquareDisplacement {
 impl Observable for MeanSquareDisplacement {
     fn spec(&self) -> &'static ObservableSpec {
         &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::NOTHING
     }
 
     fn sample(&mut self, view: &View<'_>) {

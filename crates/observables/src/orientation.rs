@@ -1,6 +1,6 @@
 //! How long molecules remember their direction.
 
-use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, Want, persist};
+use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, persist};
 
 use crate::averages::tell_discarded;
 use crate::over_lags::{Origins, OverLags};
@@ -94,10 +94,6 @@ fn legendre(l: usize) -> impl Fn(DVec3, DVec3) -> f64 {
 impl Observable for Orientation {
     fn spec(&self) -> &'static ObservableSpec {
         &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::NOTHING
     }
 
     fn sample(&mut self, view: &View<'_>) {

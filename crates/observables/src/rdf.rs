@@ -4,9 +4,7 @@ mod entropy;
 mod partial;
 mod reading;
 
-use lennard_core::{
-    Findings, Observable, ObservableSpec, SpeciesTable, Table, View, Want, persist,
-};
+use lennard_core::{Findings, Observable, ObservableSpec, SpeciesTable, Table, View, persist};
 
 use crate::averages::tell_discarded;
 use crate::binned::Binned;
@@ -140,10 +138,6 @@ impl RadialDistribution {
 impl Observable for RadialDistribution {
     fn spec(&self) -> &'static ObservableSpec {
         &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::NOTHING
     }
 
     fn sample(&mut self, view: &View<'_>) {

@@ -4,9 +4,7 @@ mod partial;
 
 use std::f64::consts::PI;
 
-use lennard_core::{
-    Findings, Observable, ObservableSpec, SpeciesTable, Table, View, Want, persist,
-};
+use lennard_core::{Findings, Observable, ObservableSpec, SpeciesTable, Table, View, persist};
 
 use crate::averages::{of_blocks, tell_discarded};
 use crate::binned::Binned;
@@ -119,10 +117,6 @@ impl StructureFactor {
 impl Observable for StructureFactor {
     fn spec(&self) -> &'static ObservableSpec {
         &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::NOTHING
     }
 
     fn sample(&mut self, view: &View<'_>) {

@@ -1,6 +1,6 @@
 //! The velocity autocorrelation function.
 
-use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, Want, persist};
+use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, persist};
 
 use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
@@ -124,10 +124,6 @@ impl VelocityAutocorrelation {
 impl Observable for VelocityAutocorrelation {
     fn spec(&self) -> &'static ObservableSpec {
         &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::NOTHING
     }
 
     fn sample(&mut self, view: &View<'_>) {

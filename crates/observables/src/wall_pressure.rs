@@ -1,8 +1,6 @@
 //! The pressure on each wall.
 
-use lennard_core::{
-    Axis, Findings, Observable, ObservableSpec, Table, View, WallReading, Want, persist,
-};
+use lennard_core::{Axis, Findings, Observable, ObservableSpec, Table, View, WallReading, persist};
 
 use crate::series::{Series, columns};
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
@@ -79,10 +77,6 @@ fn column(wall: &WallReading) -> usize {
 impl Observable for WallPressure {
     fn spec(&self) -> &'static ObservableSpec {
         &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::NOTHING
     }
 
     fn sample(&mut self, view: &View<'_>) {

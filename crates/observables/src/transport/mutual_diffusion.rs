@@ -1,9 +1,7 @@
 //! The mutual diffusion of two species.
 
 use lennard_core::exact::exact_sum;
-use lennard_core::{
-    DVec3, Findings, Observable, ObservableSpec, SpeciesTable, View, Want, persist,
-};
+use lennard_core::{DVec3, Findings, Observable, ObservableSpec, SpeciesTable, View, persist};
 
 use super::green_kubo::{GreenKubo, LONG_ENOUGH, Words};
 use super::{DEFAULT_WINDOW, checked_interval};
@@ -101,10 +99,6 @@ impl MutualDiffusion {
 impl Observable for MutualDiffusion {
     fn spec(&self) -> &'static ObservableSpec {
         &SPEC
-    }
-
-    fn want(&self) -> Want {
-        Want::NOTHING
     }
 
     fn sample(&mut self, view: &View<'_>) {
