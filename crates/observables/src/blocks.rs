@@ -23,7 +23,6 @@ const BLOCKS: usize = 64;
 
 impl BlockedSums {
     /// Nothing summed yet; at most 64 blocks.
-    #[must_use]
     pub fn new(width: usize) -> Self {
         Self::with_limit(width, BLOCKS)
     }
@@ -86,50 +85,37 @@ impl BlockedSums {
     }
 
     /// Samples begun so far.
-    #[must_use]
     pub fn samples(&self) -> u64 {
         self.samples
     }
 
-    /// Samples a block.
-    #[must_use]
-    pub fn stride(&self) -> u64 {
-        self.stride
-    }
-
     /// Number of quantities.
-    #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
     /// Number of complete blocks.
-    #[must_use]
     pub fn complete_blocks(&self) -> usize {
         (self.samples / self.stride) as usize
     }
 
     /// Sum and count of quantity `k` over the whole run.
-    #[must_use]
     pub fn total(&self, k: usize) -> (f64, u64) {
         (self.sums.iter().map(|row| row[k]).sum(), self.counts.iter().map(|row| row[k]).sum())
     }
 
     /// Mean of quantity `k` over the whole run; `None` where nothing was added.
-    #[must_use]
     pub fn mean(&self, k: usize) -> Option<f64> {
         let (sum, count) = self.total(k);
         (count > 0).then(|| sum / count as f64)
     }
 
     /// The means of quantity `k` over each complete block that holds any.
-    #[must_use]
     pub fn block_means(&self, k: usize) -> Vec<f64> {
         (0..self.complete_blocks()).filter_map(|b| self.block_mean(b, k)).collect()
     }
 
     /// Mean of quantity `k` over block `b`; `None` where nothing was added there.
-    #[must_use]
     pub fn block_mean(&self, b: usize, k: usize) -> Option<f64> {
         let count = self.counts[b][k];
         (count > 0).then(|| self.sums[b][k] / count as f64)
@@ -139,7 +125,6 @@ impl BlockedSums {
     ///
     /// Where most blocks are too short to hold them all, neighboring blocks are joined in pairs until at
     /// least half of them do.
-    #[must_use]
     pub fn complete_rows(&self, quantities: &[usize]) -> Vec<Vec<f64>> {
         let complete = self.complete_blocks();
         let mut joined = 1;
@@ -167,14 +152,12 @@ impl BlockedSums {
 
     /// The standard error of [`BlockedSums::mean`] from the scatter of the blocks; NaN for fewer than
     /// [`statistics::FEWEST_BLOCKS`] blocks.
-    #[must_use]
     pub fn standard_error(&self, k: usize) -> f64 {
         statistics::error_of_mean(&self.block_means(k)).standard_error
     }
 
     /// The sums without the blocks of the first `discarded` part of the samples, from 0 to 1. A block that begins in that
     /// part is left out whole.
-    #[must_use]
     pub fn after(&self, discarded: f64) -> Self {
         let samples = discarded.clamp(0.0, 1.0) * self.samples as f64;
         let blocks = ((samples / self.stride as f64).ceil() as usize).min(self.sums.len());
@@ -192,7 +175,6 @@ impl BlockedSums {
     ///
     /// `quantity` is given the mean of each sum, NaN where nothing was added; `None` where it has no value. A block
     /// without which it has none is left out.
-    #[must_use]
     pub fn jackknife(&self, quantity: impl Fn(&[f64]) -> Option<f64>) -> Option<(f64, Vec<f64>)> {
         let of = |means: &[f64]| vec![quantity(means).unwrap_or(f64::NAN)];
         let found = self.jackknife_of_each(of).pop()?;
@@ -200,7 +182,6 @@ impl BlockedSums {
     }
 
     /// [`BlockedSums::jackknife`] of several quantities at once, each not a number where it has no value.
-    #[must_use]
     pub fn jackknife_of_each(
         &self,
         quantities: impl Fn(&[f64]) -> Vec<f64>,
@@ -278,7 +259,7 @@ mod tests {
         }
         assert_eq!(blocks.total(0), (499_500.0, 1000));
         assert_eq!(blocks.total(1), (500.0, 500));
-        assert_eq!(blocks.stride(), 128);
+        assert_eq!(blocks.stride, 128);
         assert_eq!(blocks.complete_blocks(), 7);
         assert_eq!(blocks.block_means(0)[0], 63.5);
     }

@@ -52,7 +52,6 @@ pub struct Correlation {
 impl Correlator {
     /// Nothing seen yet: `channels` values a sample, samples `interval` τ apart, lags up to at least
     /// `longest_lag` τ.
-    #[must_use]
     pub fn new(channels: usize, interval: f64, longest_lag: f64) -> Self {
         let reach = (POINTS - 1) as f64 * interval;
         let levels = (longest_lag / reach).log2().ceil().clamp(0.0, 40.0) as usize + 1;
@@ -65,7 +64,6 @@ impl Correlator {
     }
 
     /// The same without the products that end in the first `discarded` part of the samples, from 0 to 1.
-    #[must_use]
     pub fn after(&self, discarded: f64) -> Self {
         Self { products: self.products.after(discarded), ..self.clone() }
     }
@@ -100,7 +98,6 @@ impl Correlator {
 
     /// The running integral of each block of the run, up to the lag with index `last` of
     /// [`Correlator::correlation`]. The errors of numbers made from the integral come from it.
-    #[must_use]
     pub fn integral_blocks(&self, last: usize) -> Vec<Vec<f64>> {
         let (lags, quantities) = self.reached();
         let end = last.min(quantities.len().saturating_sub(1));
@@ -121,7 +118,6 @@ impl Correlator {
     }
 
     /// What was found so far, at the lags that were reached.
-    #[must_use]
     pub fn correlation(&self) -> Correlation {
         let (lags, quantities) = self.reached();
         let times: Vec<f64> = lags.iter().map(|lag| lag * self.interval).collect();

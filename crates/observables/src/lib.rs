@@ -6,7 +6,7 @@
 //!
 //! Every mean comes with its standard error and its number of independent samples
 //! ([`statistics`]). All stores are bounded in memory however long the run ([`Series`],
-//! [`BlockedSums`]), and all are saved and restored to the bit.
+//! blocks of sums), and all are saved and restored to the bit.
 
 mod averages;
 mod binned;
@@ -53,25 +53,21 @@ mod vacf;
 mod wall_pressure;
 mod wave_vectors;
 
-pub use blocks::BlockedSums;
-pub use bond_order::{BondOrder, BondOrderOptions, SOLID_SHARE_BYTES, solid_share};
+pub use bond_order::{BondOrderOptions, SOLID_SHARE_BYTES, solid_share};
 pub use catalog::{ObservableOptions, build, observables};
 pub use changing_box::ChangingBox;
-pub use chemical_potential::{
-    ChemicalPotential, ChemicalPotentialOptions, Insertion, TrialEnergies,
-};
-pub use correlator::{Correlation, Correlator};
-pub use density_profile::{DensityProfile, DensityProfileOptions};
+pub use chemical_potential::{ChemicalPotentialOptions, Insertion, TrialEnergies};
+pub use density_profile::DensityProfileOptions;
 pub use error::ObservableError;
 pub use exchange_profile::{Driven, ExchangeProfile};
 pub use heat_capacity::Ensemble;
 pub use interface::{Interface, InterfaceOptions, LIQUID_DENSITY};
 pub use judge::{Allowed, Reference, Verdict, judge};
-pub use kirkwood_buff::{KirkwoodBuff, KirkwoodBuffOptions};
-pub use molecules::{MolecularMotion, MolecularMotionOptions};
+pub use kirkwood_buff::KirkwoodBuffOptions;
+pub use molecules::MolecularMotionOptions;
 pub use momentum::{Momentum, MomentumOptions};
 pub use msd::{MeanSquareDisplacement, MsdOptions, YEH_HUMMER_XI};
-pub use orientation::{Orientation, OrientationOptions};
+pub use orientation::OrientationOptions;
 pub use pairs::{count_distances, count_distances_by_species};
 pub use pressure_tensor::{PressureTensor, PressureTensorOptions};
 pub use rdf::{RadialDistribution, RdfOptions};
@@ -79,15 +75,15 @@ pub use recipe::{BuildContext, Recipe, Surroundings};
 pub use response::{Curvature, NO_RESPONSES_REMARK, RESPONSES_REMARK, response_functions};
 pub use separation::largest_density_wave;
 pub use series::{Columns, Series};
-pub use structure_factor::{StructureFactor, StructureFactorOptions};
+pub use structure_factor::StructureFactorOptions;
 pub use thermo_series::ThermoSeries;
 pub use thermodynamics::{
     Confined, Conservation, Equilibrium, HeldTemperature, PairEnd, Recorded, Thermodynamics,
     ThermodynamicsOptions,
 };
 pub use transport::{
-    MutualDiffusion, MutualDiffusionOptions, ShearViscosity, ShearViscosityOptions,
-    ThermalConductivity, ThermalConductivityOptions,
+    MutualDiffusionOptions, ShearViscosity, ShearViscosityOptions, ThermalConductivity,
+    ThermalConductivityOptions,
 };
 pub use vacf::{VacfOptions, VelocityAutocorrelation};
 pub use wall_pressure::{WallPressure, WallPressureOptions};

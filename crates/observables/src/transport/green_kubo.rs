@@ -4,7 +4,9 @@ use lennard_core::{Doubt, Findings, Table, persist};
 
 use super::helfand::Helfand;
 use crate::averages::{of_blocks, tell_discarded};
-use crate::{BlockedSums, Correlation, Correlator, statistics};
+use crate::blocks::BlockedSums;
+use crate::correlator::{Correlation, Correlator};
+use crate::statistics;
 
 /// Successive lags at which the correlation must be lost in its error before it counts as decayed: one or two
 /// can be so by chance.

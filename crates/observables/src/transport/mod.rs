@@ -8,7 +8,7 @@ mod of_flux;
 mod viscosity;
 
 pub use conductivity::{ThermalConductivity, ThermalConductivityOptions};
-pub use mutual_diffusion::{MutualDiffusion, MutualDiffusionOptions};
+pub use mutual_diffusion::MutualDiffusionOptions;
 pub use viscosity::{ShearViscosity, ShearViscosityOptions};
 
 use lennard_core::number::short;
