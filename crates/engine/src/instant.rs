@@ -36,7 +36,7 @@ fn tail_work(state: &State, stage: Option<&StageRun>) -> f64 {
 }
 
 /// A tail per particle as observers see it: per molecule of so many sites.
-pub(crate) fn correction(tail: Option<Tail>, sites: usize) -> Option<TailCorrection> {
+fn correction(tail: Option<Tail>, sites: usize) -> Option<TailCorrection> {
     tail.map(|t| TailCorrection {
         energy_per_particle: t.energy_per_particle * sites as f64,
         pressure: t.pressure,

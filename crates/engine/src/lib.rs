@@ -41,7 +41,6 @@ mod ranks;
 mod ranks_error;
 mod reach;
 mod record;
-mod recorded;
 mod resume;
 mod room;
 mod run;
@@ -90,7 +89,6 @@ pub use plan::{
 };
 pub use ranks::run_beside;
 pub use ranks_error::RanksError;
-pub use recorded::responses_of_recorded;
 pub use resume::{ResumeOptions, Resumed, restored, restored_with, resume, resume_with, way_on};
 pub use room::NoRoom;
 pub use run::{Instantaneous, Outcome, Progress, RunOptions, go_on, run};

@@ -78,7 +78,7 @@ pub use series::{Columns, Series};
 pub use structure_factor::StructureFactorOptions;
 pub use thermo_series::ThermoSeries;
 pub use thermodynamics::{
-    Confined, Conservation, Equilibrium, HeldTemperature, PairEnd, Recorded, Thermodynamics,
+    Confined, Conservation, Equilibrium, HeldTemperature, PairEnd, Thermodynamics,
     ThermodynamicsOptions,
 };
 pub use transport::{

@@ -23,7 +23,6 @@ pub(crate) use cutoffs::EndSums;
 use cutoffs::Ends;
 pub use cutoffs::PairEnd;
 pub use equilibrium::{Equilibrium, HeldTemperature};
-pub use instant::Recorded;
 pub use remarks::Confined;
 use species::SpeciesTemperatures;
 

@@ -5,7 +5,6 @@ mod missing;
 mod phase;
 mod primary;
 mod read;
-mod responses;
 mod rows;
 mod runs_of_others;
 mod table;
@@ -127,7 +126,6 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     if !run.has_two_phases() {
         remarks.extend(remark_for(model));
     }
-    remarks.extend(run.notes.iter().cloned());
     let others = RunsOfOthers::beside(run, model);
     remarks.extend(others.remark());
     // A run beside runs of others has references, whatever the equations say.

@@ -1,4 +1,4 @@
-//! One sample of the thermodynamic series: of a state as it is, and of a row that a run has written.
+//! One sample of the thermodynamic series.
 
 use lennard_core::exact::exact_sum;
 use lennard_core::{DVec3, TailCorrection, View};
@@ -68,70 +68,7 @@ impl Instant {
     }
 }
 
-/// A row of `thermo.csv`, energies per molecule.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Recorded {
-    /// Time, τ.
-    pub time: f64,
-    /// Kinetic temperature on whole steps, ε/k_B.
-    pub temperature: f64,
-    /// The same on half steps, where the method has them.
-    pub temperature_half_steps: Option<f64>,
-    /// Potential energy with its tail, ε.
-    pub potential_energy: f64,
-    /// Pressure with its tail, ε/σ³.
-    pub pressure: f64,
-    /// What exact dynamics would keep constant, ε.
-    pub conserved_energy: f64,
-    /// The heat that a bath has given, ε.
-    pub heat: f64,
-    /// V/N, σ³.
-    pub volume: f64,
-    /// The tail of this volume.
-    pub tail: TailCorrection,
-}
-
 impl Thermodynamics {
-    /// Tells the degrees of freedom, the mean mass of a particle, and whether the method has half steps, for a series of recorded rows.
-    pub fn begin_recorded(&mut self, n_dof: f64, mass: f64, half_steps: bool) {
-        self.n_dof = n_dof;
-        self.mass = mass;
-        self.half_steps = half_steps;
-        let cell = self.context.cell;
-        self.seen.see(&cell);
-        // Such rows do not tell how many pairs lie at the cutoff.
-        self.curvature = self.curvature.filter(|c| !c.of_truncated || self.ends.are_none());
-    }
-
-    /// Takes a row that a run of atoms has written.
-    ///
-    /// K = n_dof·T/2, W = 3V(P − P_tail − ρT), and the energy that the motion samples is conserved + heat − K. Forces and momentum are
-    /// not in such a row.
-    pub fn push_recorded(&mut self, row: &Recorded) {
-        let n = self.context.n_molecules() as f64;
-        let kinetic = 0.5 * row.temperature * self.n_dof / n;
-        let of_positions = row.temperature_half_steps.unwrap_or(row.temperature);
-        let pressure = row.pressure - row.tail.pressure;
-        let instant = Instant {
-            time: row.time,
-            temperature: row.temperature,
-            temperature_of_positions: of_positions,
-            kinetic_energy: kinetic,
-            potential_energy: row.potential_energy - row.tail.energy_per_particle,
-            pressure,
-            tail: row.tail,
-            conserved_energy: row.conserved_energy,
-            squared_force: 0.0,
-            laplacian: 0.0,
-            curvature_of_ends: 0.0,
-            sampled_energy: row.conserved_energy + row.heat - kinetic,
-            momentum: DVec3::ZERO,
-            virial: 3.0 * (pressure * row.volume - of_positions),
-            volume: row.volume,
-        };
-        self.series.push(&instant.row());
-    }
-
     /// What the cutoff adds to sums over pairs; nothing where no number needs it.
     fn sums_of_ends(&self, view: &View<'_>) -> EndSums {
         let is_asked = self.options.configurational_temperature || self.curvature.is_some();

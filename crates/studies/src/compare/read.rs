@@ -52,8 +52,6 @@ pub struct RunFolder {
     pub scene: Scene,
     /// The run record.
     pub record: RunRecord,
-    /// What is to be said of the record as it was read.
-    pub notes: Vec<String>,
     /// Number density in σ⁻³, of molecules where there are some.
     pub density: f64,
     /// The box; of the last state where a barostat changes it.
@@ -69,6 +67,24 @@ pub(super) fn is_of_few_bodies(molecules: u64) -> bool {
 }
 
 impl RunFolder {
+    /// Reads the folder of a finished run.
+    ///
+    /// # Errors
+    /// [`ReadError`] where there is no run, it did not finish, or a file of it cannot be read.
+    pub fn open(folder: &Path) -> Result<Self, ReadError> {
+        let run = Self::open_any(folder)?;
+        if run.record.finished {
+            return Ok(run);
+        }
+        let why = run.record.remarks.first().map(|r| format!(": {r}")).unwrap_or_default();
+        Err(ReadError::Unfinished {
+            folder: folder.to_owned(),
+            steps: run.record.steps,
+            total: run.scene.total_steps(),
+            why,
+        })
+    }
+
     /// Reads the folder of a run, finished or not.
     ///
     /// # Errors
@@ -100,7 +116,6 @@ impl RunFolder {
             shortest_side: cell.lengths().min_element(),
             scene,
             record,
-            notes: Vec::new(),
         };
         let at_rest = run.molecules() as f64 / cell.volume();
         run.density = run.average("density").map_or(at_rest, |d| d.mean);

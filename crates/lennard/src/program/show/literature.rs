@@ -68,10 +68,7 @@ pub fn compared(run: &ComparedRun, verbose: bool) -> Section {
         run.state.in_numbers(),
         run.state.words
     ));
-    let section = state_card(quantities(section, run, verbose), run, verbose);
-    // An old run has response functions from now, or tells why it has none. `verbose` shows all remarks.
-    let on_responses = |remark: &&String| remark.contains(lennard_observables::RESPONSES_REMARK);
-    section.texts(run.remarks.iter().filter(on_responses).filter(|_| !verbose)).text("")
+    state_card(quantities(section, run, verbose), run, verbose).text("")
 }
 
 /// Every measured property beside every equation, and what follows.
