@@ -31,6 +31,7 @@ pub mod parallel;
 mod persist;
 mod ramp;
 pub mod random;
+mod remark;
 pub mod rigid;
 mod sparse;
 mod spec;
@@ -66,11 +67,12 @@ pub use method::{Method, rigid_bonds_alone, without_constraints};
 pub use molecules::{Bonds, Exclusions, MOLECULES_PER_TASK, Molecules};
 pub use normals::LANES as NOISE_LANES;
 pub use observable::{
-    Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Shared, Suits, TailCorrection,
-    View,
+    Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Shared, Standing, Suits,
+    TailCorrection, View,
 };
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
 pub use ramp::Ramp;
+pub use remark::{Fronts, Remark};
 pub use spec::{IntegratorSpec, StepError, StepReport};
 pub use species::{MOST_SPECIES, Species, SpeciesTable};
 pub use state::{Configuration, Energetics, Part, State, Want};

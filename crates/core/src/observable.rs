@@ -3,10 +3,10 @@
 use std::any::Any;
 use std::sync::OnceLock;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::rigid::ConstraintSums;
-use crate::{Momentum, PeriodicBox, Persist, State, System, Table, WallReading, Want};
+use crate::{Momentum, PeriodicBox, Persist, Remark, State, System, Table, WallReading, Want};
 
 /// What an observable declares about itself.
 #[derive(Debug, Clone, Copy)]
@@ -203,23 +203,106 @@ pub trait Observable: Persist + Send + Any {
     fn finish(&self, discarded: f64) -> Findings;
 }
 
-/// A mean with what is known of its error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+/// A mean with what is known of its error. Numbers that are not finite are `null` in JSON, and NaN when read back.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// The mean of the samples that were kept.
+    #[serde(with = "finite")]
     pub mean: f64,
     /// Its standard error, correlation included.
+    #[serde(with = "finite")]
     pub standard_error: f64,
     /// The number of independent samples that it is worth.
+    #[serde(with = "finite")]
     pub n_effective: f64,
     /// The least number of independent samples that it may be worth, by the most careful estimate. This number decides
     /// whether it is too short. Otherwise, of many short series, just the series whose error is too small by chance would
-    /// pass.
+    /// pass. It is in no file.
+    #[serde(skip_serializing, default = "unknown")]
     pub least_effective: f64,
     /// Degrees of freedom ν of the standard error, which is itself known to 1/√(2ν) of its value.
+    #[serde(with = "finite", default = "unknown")]
     pub freedom: f64,
     /// The number of samples discarded at the start.
+    #[serde(default)]
     pub equilibration_cut: u64,
+}
+
+fn unknown() -> f64 {
+    f64::NAN
+}
+
+impl Estimate {
+    /// A mean that was not measured.
+    pub const UNKNOWN: Self = Self {
+        mean: f64::NAN,
+        standard_error: f64::NAN,
+        n_effective: 0.0,
+        least_effective: 0.0,
+        freedom: f64::NAN,
+        equilibration_cut: 0,
+    };
+
+    /// A mean with a standard error, of a series that is worth so many independent samples.
+    #[must_use]
+    pub const fn new(mean: f64, standard_error: f64, n_effective: f64) -> Self {
+        let least_effective = n_effective;
+        Self { mean, standard_error, n_effective, least_effective, ..Self::UNKNOWN }
+    }
+
+    /// This less another, independent one.
+    #[must_use]
+    pub fn minus(&self, other: &Self) -> Self {
+        Self::new(
+            self.mean - other.mean,
+            self.standard_error.hypot(other.standard_error),
+            self.n_effective.min(other.n_effective),
+        )
+    }
+}
+
+/// JSON has no NaN and no infinity: they are written as `null` and read as NaN.
+mod finite {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(value: &f64, to: S) -> Result<S::Ok, S::Error> {
+        if value.is_finite() { to.serialize_f64(*value) } else { to.serialize_none() }
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
+    }
+}
+
+/// What kind of number a mean is, in one word of the run record.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Standing {
+    /// A result: nothing speaks against it.
+    #[default]
+    Sound,
+    /// No result, for want of a longer run.
+    TooShort,
+    /// No result, since something still changes.
+    NotInEquilibrium,
+    /// No result, since a part of it is not known.
+    Incomplete,
+    /// Measured, but not the fluid's own.
+    Thermostat,
+}
+
+impl Standing {
+    /// The standing in words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Sound => "sound",
+            Self::TooShort => "too short",
+            Self::NotInEquilibrium => "not in equilibrium",
+            Self::Incomplete => "incomplete",
+            Self::Thermostat => "thermostat",
+        }
+    }
 }
 
 /// Why a mean is no result, or not the fluid's own.
@@ -246,14 +329,14 @@ pub enum Doubt {
 }
 
 impl Doubt {
-    /// Its name in the run record.
+    /// What it makes of a mean.
     #[must_use]
-    pub fn name(&self) -> &'static str {
+    pub fn standing(&self) -> Standing {
         match self {
-            Self::TooShort { .. } => "too-short",
-            Self::NotInEquilibrium(_) => "not-in-equilibrium",
-            Self::Incomplete(_) => "incomplete",
-            Self::Thermostat { .. } => "thermostat",
+            Self::TooShort { .. } => Standing::TooShort,
+            Self::NotInEquilibrium(_) => Standing::NotInEquilibrium,
+            Self::Incomplete(_) => Standing::Incomplete,
+            Self::Thermostat { .. } => Standing::Thermostat,
         }
     }
 
@@ -341,5 +424,19 @@ pub struct Findings {
     /// Tables.
     pub tables: Vec<Table>,
     /// Remarks that belong beside the numbers ("not corrected for finite size: no viscosity given").
-    pub remarks: Vec<String>,
+    pub remarks: Vec<Remark>,
+}
+
+impl Findings {
+    /// Adds a remark.
+    pub fn remark(&mut self, remark: impl Into<Remark>) {
+        self.remarks.push(remark.into());
+    }
+
+    /// All remarks in words, each in a line.
+    #[must_use]
+    pub fn remarks_in_words(&self) -> String {
+        let lines: Vec<String> = self.remarks.iter().map(Remark::to_string).collect();
+        lines.join("\n")
+    }
 }

@@ -1,7 +1,6 @@
 //! Which phase of a crystal beside its liquid grows, by the order of bonds.
 
-use lennard_core::number::plus_minus;
-use lennard_core::{Average, Doubt, Estimate, Findings};
+use lennard_core::{Average, Doubt, Estimate, Findings, Fronts, Remark};
 use lennard_observables::statistics::drift;
 
 use crate::Simulation;
@@ -12,8 +11,6 @@ const BOTH_PHASES: [f64; 2] = [0.15, 0.85];
 const ERRORS: f64 = 2.0;
 /// Fewest samples of the share that tell a velocity.
 const FEWEST: usize = 30;
-/// The remark that tells which phase grows begins so.
-pub const CRYSTAL_REMARK: &str = "crystal: ";
 /// Two fronts, since the box is periodic.
 const FRONTS: f64 = 2.0;
 
@@ -75,25 +72,15 @@ impl Motion {
         })
     }
 
-    fn in_words(&self) -> String {
-        let [first, last] = self.shares.map(|share| 100.0 * share);
-        let shares = format!(
-            "{first:.0} % of the particles are solid-like at the beginning, {last:.0} % at the end"
-        );
-        if let Some(few) = self.too_few() {
-            return format!("{CRYSTAL_REMARK}no velocity is told, {few}: {shares}");
+    fn told(&self) -> Fronts {
+        let (velocity, standard_error, solid_shares) = (self.velocity, self.error, self.shares);
+        match self.too_few() {
+            Some(why) => Fronts::TooFew { why, solid_shares },
+            None if velocity.abs() > ERRORS * standard_error => {
+                Fronts::Moving { velocity, standard_error, solid_shares }
+            }
+            None => Fronts::Neither { solid_shares },
         }
-        let what = if self.velocity > ERRORS * self.error {
-            "the crystal grows"
-        } else if self.velocity < -ERRORS * self.error {
-            "the crystal melts"
-        } else {
-            return format!("{CRYSTAL_REMARK}neither phase is seen to grow: {shares}");
-        };
-        format!(
-            "{CRYSTAL_REMARK}{what}, and each front moves by {} σ/τ while both phases are there: {shares}",
-            plus_minus(self.velocity, self.error)
-        )
     }
 }
 
@@ -115,13 +102,11 @@ impl Simulation {
         match found {
             Some((at, motion)) => {
                 findings[at].averages.push(motion.average());
-                findings[at].remarks.push(motion.in_words());
+                findings[at].remark(Remark::Fronts(motion.told()));
             }
             None => {
                 if let Some(first) = findings.first_mut() {
-                    first.remarks.push(format!(
-                        "{CRYSTAL_REMARK}without the observable `bond-order` no run tells which phase grows"
-                    ));
+                    first.remark(Remark::Fronts(Fronts::NotMeasured));
                 }
             }
         }
@@ -155,15 +140,15 @@ mod tests {
             assert!(found.samples < 500, "{found:?}");
             assert!((found.velocity - exact).abs() < 0.02 * exact.abs(), "{found:?}");
             assert!(found.error < 0.5 * exact.abs(), "{found:?}");
-            let grows = found.in_words().contains("the crystal grows");
-            assert_eq!(grows, rate > 0.0, "{}", found.in_words());
+            let words = found.told().to_string();
+            assert_eq!(words.starts_with("the crystal grows"), rate > 0.0, "{words}");
             let average = found.average();
             assert_eq!(average.doubt, None);
             // The error is of ten slopes, and is itself known to 1/√18.
             assert_eq!((average.estimate.freedom, average.estimate.n_effective), (9.0, 10.0));
         }
         let still = motion(0.0, 1000);
-        assert!(still.in_words().contains("neither phase"), "{still:?}");
+        assert!(matches!(still.told(), Fronts::Neither { .. }), "{still:?}");
     }
 
     #[test]
@@ -172,7 +157,7 @@ mod tests {
         assert!(found.samples < FEWEST && found.error.is_nan(), "{found:?}");
         let Some(Doubt::Incomplete(why)) = found.average().doubt else { panic!("no doubt") };
         assert!(why.contains("look more often"), "{why}");
-        let words = found.in_words();
+        let words = found.told().to_string();
         assert!(words.contains("98 % at the end"), "{words}");
         // The share rises from 50 to 98 %: it is not said that nothing grows.
         assert!(words.contains("no velocity is told") && !words.contains("neither"), "{words}");

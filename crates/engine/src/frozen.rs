@@ -1,5 +1,6 @@
 //! Whether the last state of a run is a crystal, which no equation of a fluid describes.
 
+use lennard_core::Remark;
 use lennard_observables::{SOLID_SHARE_BYTES, solid_share};
 
 use crate::Simulation;
@@ -20,17 +21,11 @@ pub(crate) fn bytes(simulation: &Simulation) -> usize {
 }
 
 /// The remark that belongs beside the means of a run whose last state is a crystal, or has one in it.
-pub(crate) fn frozen(simulation: &Simulation) -> Option<String> {
+pub(crate) fn frozen(simulation: &Simulation) -> Option<Remark> {
     if !looks(simulation) {
         return None;
     }
     let state = &simulation.state;
     let share = solid_share(&state.cell, &state.positions);
-    (share > FROZEN).then(|| {
-        format!(
-            "frozen: {:.0} % of the particles of the last state are solid-like, by the directions to their neighbors; \
-             equations and tables of fluids do not describe a crystal",
-            100.0 * share
-        )
-    })
+    (share > FROZEN).then_some(Remark::Frozen { solid_share: share })
 }

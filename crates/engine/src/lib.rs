@@ -74,7 +74,6 @@ pub use files::{Marks, RunFiles};
 pub use follower::{Ending, Follower, StopAt, Unfollowed};
 pub use force_check::{ForceCheck, Seen};
 pub use from_memory::{StartError, start_from_arrays, write_start};
-pub use front::CRYSTAL_REMARK;
 pub use growing_scenes::{
     Addition, ended, from_text, planned_stages, planned_steps, planned_text, prolonged, with_stage,
 };
@@ -93,6 +92,5 @@ pub use resume::{ResumeOptions, Resumed, restored, restored_with, resume, resume
 pub use room::NoRoom;
 pub use run::{Instantaneous, Outcome, Progress, RunOptions, go_on, run};
 pub use schedule::{Action, Observer, Operation, SET_ASIDE_EVERY, Schedule, Trigger};
-pub use separated::SEPARATED_REMARK;
 pub use simulation::{Simulation, StageRun};
 pub use timers::Timers;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use lennard_core::Findings;
+use lennard_core::{Findings, Remark};
 use lennard_integrators::dof_of_centers;
 use lennard_io::{
     AverageRecord, BarostatRecord, Conservation, Host, NeighborRecord, PairRecord, Performance,
@@ -51,6 +51,13 @@ pub fn finished(
     let conservation = simulation.thermodynamics().conservation();
     let wall_s = wall.as_secs_f64();
     let atom_steps = simulation.state.len() as f64 * simulation.state.step as f64;
+    let remarks: Vec<Remark> = findings
+        .iter()
+        .flat_map(|f| f.remarks.iter().cloned())
+        .chain(compared.remarks.into_iter().map(Remark::from))
+        .chain(few_accepted(simulation))
+        .chain(frozen(simulation))
+        .collect();
     let averages: BTreeMap<String, AverageRecord> = findings
         .iter()
         .flat_map(|f| &f.averages)
@@ -76,13 +83,8 @@ pub fn finished(
             momentum_per_atom: conservation.momentum_per_atom,
         },
         comparison: compared.entries,
-        remarks: findings
-            .iter()
-            .flat_map(|f| f.remarks.iter().cloned())
-            .chain(compared.remarks)
-            .chain(few_accepted(simulation))
-            .chain(frozen(simulation))
-            .collect(),
+        remarks: remarks.iter().map(Remark::to_string).collect(),
+        typed_remarks: remarks.into_iter().filter(|r| !matches!(r, Remark::Note { .. })).collect(),
         trajectory_frames,
         ..bare(simulation, threads)
     }
@@ -138,6 +140,7 @@ fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
         tables: Vec::new(),
         comparison: Vec::new(),
         remarks: Vec::new(),
+        typed_remarks: Vec::new(),
         trajectory_frames: None,
     }
 }
@@ -215,7 +218,7 @@ const LOWEST_ACCEPTANCE: f64 = 0.7;
 const GOOD_ACCEPTANCE: f64 = 0.9;
 
 /// What to change where too few changes of the box are accepted.
-fn few_accepted(simulation: &Simulation) -> Option<String> {
+fn few_accepted(simulation: &Simulation) -> Option<Remark> {
     let stage = simulation.stage.as_ref()?;
     let control = simulation.scene.stages[stage.index].barostat.as_ref()?;
     let moves = stage.integrator.box_moves().filter(|m| m.tried > 0)?;
@@ -226,12 +229,7 @@ fn few_accepted(simulation: &Simulation) -> Option<String> {
     let factor = ((1.0 - accepted) / (1.0 - GOOD_ACCEPTANCE)).powf(2.0 / 3.0);
     let (interval, tau) = (control.options.interval(), control.options.tau());
     let fewer = (interval as f64 / factor).floor().max(1.0);
-    Some(format!(
-        "barostat: {:.0} % of the changes of the box were accepted; the ensemble is right, and the box moves slowly: \
-         take interval = {fewer} or tau = {:.2}",
-        100.0 * accepted,
-        tau * factor
-    ))
+    Some(Remark::SlowBox { acceptance: accepted, interval: fewer, tau: tau * factor })
 }
 
 /// Where the time went, in seconds.

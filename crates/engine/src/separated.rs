@@ -5,9 +5,6 @@ use lennard_observables::largest_density_wave;
 
 use crate::Simulation;
 
-/// A remark that a fluid has separated begins so.
-pub const SEPARATED_REMARK: &str = "separated: ";
-
 /// A wave of the density with a larger amplitude is none of a homogeneous fluid.
 const SEPARATED: f64 = 0.3;
 /// A homogeneous fluid has waves of S(k) above this in one state of a thousand at most. Near a critical point S(k) is 3 on average.

@@ -30,7 +30,7 @@ impl Simulation {
             if words.is_empty() || tail.pressure == 0.0 {
                 continue;
             }
-            of_one.remarks.push(format!(
+            of_one.remark(format!(
                 "the structure is of the fluid without its tail, which adds 2·P_tail = {:.4} ε/σ³ to 1/κ_T; with the tail: {}",
                 2.0 * tail.pressure,
                 words.join(", ")

@@ -1,11 +1,11 @@
 //! What means nothing where two phases stand side by side, and is left out of a run.
 
-use lennard_core::{Average, Doubt, Findings};
-use lennard_observables::{LIQUID_DENSITY, RESPONSES_REMARK, response_functions};
+use lennard_core::{Average, Doubt, Findings, Remark};
+use lennard_observables::{LIQUID_DENSITY, response_functions};
 use lennard_scene::Scene;
 
 use crate::Simulation;
-use crate::separated::{SEPARATED_REMARK, separated};
+use crate::separated::separated;
 
 /// Means of one homogeneous phase, besides response functions. Means of a species or a pair of species begin with the same words.
 const OF_ONE_PHASE: [&str; 6] = [
@@ -16,9 +16,6 @@ const OF_ONE_PHASE: [&str; 6] = [
     "kirkwood_buff",
     "thermodynamic_factor",
 ];
-
-/// Remarks of response functions begin with these words.
-const REMARKS: [&str; 2] = ["heat_capacity: ", RESPONSES_REMARK];
 
 /// Columns and means that a tail among the forces leaves without a meaning.
 const WITHOUT_TAIL: [&str; 2] = ["potential_energy_without_tail", "pressure_without_tail"];
@@ -47,9 +44,7 @@ impl Simulation {
         if let Some(why) = &found {
             doubt_of_pressure(findings);
             if let Some(first) = findings.first_mut() {
-                first.remarks.push(format!(
-                    "{SEPARATED_REMARK}{why}; equations and tables of one phase do not describe it"
-                ));
+                first.remark(Remark::Separated { why: why.clone() });
             }
         }
         let found = found.map(|_| "the fluid has separated".to_owned());
@@ -94,7 +89,9 @@ fn is_of_one_phase(name: &str) -> bool {
 /// Takes out the remarks that tell how response functions were found.
 fn forget_responses(findings: &mut [Findings]) {
     for remarks in findings.iter_mut().map(|f| &mut f.remarks) {
-        remarks.retain(|r| !REMARKS.iter().any(|begin| r.starts_with(begin)));
+        remarks.retain(|r| {
+            !matches!(r, Remark::HeatCapacity { .. } | Remark::ResponseFunctions { .. })
+        });
     }
 }
 
@@ -129,7 +126,7 @@ fn doubt_of_pressure(findings: &mut [Findings]) {
 
 fn tell(findings: &mut [Findings], left_out: Vec<String>, why: &str) {
     if let Some(first) = findings.first_mut().filter(|_| !left_out.is_empty()) {
-        first.remarks.push(format!("left out: {}. Here {why}", left_out.join(", ")));
+        first.remark(Remark::LeftOut { quantities: left_out, why: why.to_owned() });
     }
 }
 
@@ -203,6 +200,7 @@ mod tests {
         assert_eq!(left_out, ["speed_of_sound"]);
         tell(&mut findings, left_out, "there are two phases");
         assert_eq!(findings[0].averages.len(), 1);
-        assert_eq!(findings[0].remarks, ["left out: speed_of_sound. Here there are two phases"]);
+        let words = "left out: speed_of_sound. Here there are two phases";
+        assert_eq!(findings[0].remarks_in_words(), words);
     }
 }

@@ -63,7 +63,7 @@ pub use lammps_data_writer::write_lammps_data;
 pub use particles::{FoundSpecies, LARGEST, StartConfiguration, TrajectoryFrame};
 pub use record::{
     AverageRecord, BarostatRecord, Comparison, Conservation, Host, NeighborRecord, PairRecord,
-    Performance, RUN_SCHEMA, RanksRecord, RunRecord, SOUND, SpeciesRecord, StageSeconds,
+    Performance, RUN_SCHEMA, RanksRecord, RunRecord, SpeciesRecord, StageSeconds,
     StatePoint, ThermostatRecord, cpu_name, read_run_record, read_run_record_bytes,
 };
 pub use sink::{FileMark, Sink};

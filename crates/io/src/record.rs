@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use lennard_core::Average;
+use lennard_core::{Average, Doubt, Estimate, Remark, Standing};
 use serde::{Deserialize, Serialize};
 
 use crate::FormatError;
@@ -66,8 +66,11 @@ pub struct RunRecord {
     pub tables: Vec<String>,
     /// Measured values beside values of the literature.
     pub comparison: Vec<Comparison>,
-    /// Remarks that belong beside the numbers.
+    /// Remarks that belong beside the numbers, in words.
     pub remarks: Vec<String>,
+    /// The kinds and fields of those remarks that a program may ask for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub typed_remarks: Vec<Remark>,
     /// Whole frames in the trajectory; `null` where there is none. Some readers drop a truncated last frame
     /// silently: this number tells.
     pub trajectory_frames: Option<u64>,
@@ -182,36 +185,18 @@ impl NeighborRecord {
 /// A mean with what is known of its error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AverageRecord {
-    /// The mean after the equilibration cut.
-    #[serde(with = "number")]
-    pub mean: f64,
-    /// Its standard error, correlation included.
-    #[serde(with = "number")]
-    pub standard_error: f64,
-    /// The number of independent samples that it is worth.
-    #[serde(with = "number")]
-    pub n_effective: f64,
-    /// Degrees of freedom ν of the standard error: it is known to 1/√(2ν) of its value.
-    #[serde(default, with = "number")]
-    pub freedom: f64,
-    /// The number of samples discarded at the start.
-    pub equilibration_cut: u64,
+    /// The mean after the equilibration cut, with what is known of its error.
+    #[serde(flatten)]
+    pub estimate: Estimate,
     /// Unit.
     pub unit: String,
     /// What kind of number it is: `sound`, or why it is no result: `too-short`, `not-in-equilibrium`, `incomplete` (these have
     /// no standard error), `thermostat` (measured, but not the fluid's own).
-    #[serde(default = "sound")]
-    pub standing: String,
+    #[serde(default)]
+    pub standing: Standing,
     /// The reason in words, empty where it is sound.
     #[serde(default)]
     pub reason: String,
-}
-
-/// The standing of a mean against which nothing speaks.
-pub const SOUND: &str = "sound";
-
-fn sound() -> String {
-    SOUND.to_owned()
 }
 
 impl AverageRecord {
@@ -220,13 +205,9 @@ impl AverageRecord {
     pub fn new(average: &Average, measured_steps: u64) -> Self {
         let doubt = average.doubt.as_ref();
         Self {
-            mean: average.estimate.mean,
-            standard_error: average.estimate.standard_error,
-            n_effective: average.estimate.n_effective,
-            freedom: average.estimate.freedom,
-            equilibration_cut: average.estimate.equilibration_cut,
+            estimate: average.estimate,
             unit: average.unit.clone(),
-            standing: doubt.map_or(SOUND, |d| d.name()).to_owned(),
+            standing: doubt.map_or(Standing::Sound, Doubt::standing),
             reason: doubt.map_or_else(String::new, |d| d.reason(measured_steps)),
         }
     }
@@ -234,7 +215,7 @@ impl AverageRecord {
     /// Whether nothing speaks against it.
     #[must_use]
     pub fn is_sound(&self) -> bool {
-        self.standing == SOUND
+        self.standing == Standing::Sound
     }
 }
 

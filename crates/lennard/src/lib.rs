@@ -14,7 +14,7 @@
 //!     .build()?;
 //! let mut liquid = Simulation::new(scene)?;
 //! liquid.run()?;
-//! let energy = liquid.results().average("potential_energy")?.mean;
+//! let energy = liquid.results().average("potential_energy")?.estimate.mean;
 //! assert!((-8.0..-4.0).contains(&energy));
 //! # Ok::<(), lennard::Error>(())
 //! ```
@@ -57,7 +57,7 @@ pub mod parts {
     pub use lennard_core::{
         Array, Average, Configuration, DMat3, DVec3, Energetics, Estimate, Findings, ForceError,
         ForceProperties, ForceTerm, IntegratorSpec, Method, Observable, ObservableSpec, Part,
-        PeriodicBox, Persist, RestoreError, StateReader, StateWriter, Step, StepError, Suits,
+        PeriodicBox, Persist, Remark, RestoreError, StateReader, StateWriter, Step, StepError, Suits,
         System, Table, View, Want, persist, remembers_nothing,
     };
 }

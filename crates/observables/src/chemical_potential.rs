@@ -181,7 +181,7 @@ impl ChemicalPotential {
                 "a trial particle has a tail of {tail:.4} ε, twice the tail energy of a particle"
             )
         };
-        findings.remarks.push(format!(
+        findings.remark(format!(
             "μ{suffix}: {} trial particles; the best 1 % of them give {:.1} % of the sum, and {:.0} carry it; {tail}",
             of.weights.insertions(),
             100.0 * of.weights.share_of_best(),

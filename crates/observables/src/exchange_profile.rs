@@ -111,13 +111,13 @@ impl ExchangeProfile {
             Driven::Heat => ("T", "ε/k_B"),
             Driven::Momentum(_) => ("the velocity", "σ/τ"),
         };
-        findings.remarks.push(format!(
+        findings.remark(format!(
             "{what} goes from {near:.4} to {far:.4} {unit} over the slabs that are fitted: the coefficient is a mean over these states"
         ));
         let middle = (first + last) / 2;
         if middle > first && last > middle {
             let halves = [first..=middle, middle..=last].map(|half| self.slope(means, half));
-            findings.remarks.push(format!(
+            findings.remark(format!(
                 "slope of the half near the first slab {:.4}, of the half near the middle slab {:.4} {unit} per σ",
                 halves[0], halves[1]
             ));

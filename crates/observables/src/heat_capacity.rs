@@ -1,6 +1,6 @@
 //! The heat capacity from fluctuations, in the ensemble that the run samples.
 
-use lennard_core::{Average, Estimate, Momentum, System};
+use lennard_core::{Average, Estimate, Momentum, Remark, System};
 
 use crate::averages::{FEWEST_FLUCTUATIONS, estimate_of_fluctuations, of_fluctuations};
 use crate::statistics::{estimate_after, less_control, mean};
@@ -22,19 +22,20 @@ pub enum Ensemble {
 
 impl Ensemble {
     /// Which formula was used, with the degrees of freedom.
-    pub(crate) fn remark(self, context: &BuildContext, n_dof: f64) -> String {
+    pub(crate) fn remark(self, context: &BuildContext, n_dof: f64) -> Remark {
         let kinetic = kinetic_part(context);
-        match self {
+        let how = match self {
             Self::Microcanonical => format!(
-                "heat_capacity: from the fluctuations of the kinetic energy at constant energy (Lebowitz, Percus and Verlet 1967), n_dof = {n_dof}"
+                "from the fluctuations of the kinetic energy at constant energy (Lebowitz, Percus and Verlet 1967), n_dof = {n_dof}"
             ),
             Self::Isobaric { .. } => format!(
-                "heat_capacity: c_p from the fluctuations of the enthalpy at constant pressure, less Tα²/(ρκ_T) from the fluctuations of the volume, n_dof = {n_dof}"
+                "c_p from the fluctuations of the enthalpy at constant pressure, less Tα²/(ρκ_T) from the fluctuations of the volume, n_dof = {n_dof}"
             ),
             Self::Canonical => format!(
-                "heat_capacity: {kinetic} and the fluctuations of the potential energy at constant temperature, n_dof = {n_dof}"
+                "{kinetic} and the fluctuations of the potential energy at constant temperature, n_dof = {n_dof}"
             ),
-        }
+        };
+        Remark::HeatCapacity { how }
     }
 }
 

@@ -5,7 +5,7 @@ mod fit;
 use std::f64::consts::TAU;
 
 use lennard_core::{
-    Average, Axis, DVec3, Doubt, Findings, Observable, ObservableSpec, Table, View, Want, persist,
+    Average, Axis, DVec3, Doubt, Findings, Observable, ObservableSpec, Remark, Table, View, Want, persist,
 };
 
 use crate::averages::{changes, of_blocks, tell_discarded};
@@ -266,7 +266,7 @@ impl Observable for Interface {
         let mut findings =
             Findings { tables: vec![self.profile(&counts, slab.as_ref())], ..Findings::default() };
         let Some(slab) = slab else {
-            findings.remarks.push(format!(
+            findings.remark(format!(
                 "interface: no slab. The profile about its middle has no two surfaces across {}, at a mean density of {:.4} σ⁻³; \
                  no coexisting densities, vapor pressure or surface tension",
                 self.axis.name(),
@@ -310,7 +310,7 @@ impl Observable for Interface {
             .with("tension", "ε/σ²", rows.tension.clone())
             .with("outer_density", "σ⁻³", rows.outer.clone()),
         );
-        findings.remarks = self.remarks(&slab);
+        findings.remarks = self.remarks(&slab).into_iter().map(Remark::from).collect();
         findings
     }
 }

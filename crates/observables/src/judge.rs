@@ -19,7 +19,7 @@
 //! assert_eq!(judge(4.1, Reference::band(4.0, 4.2), allowed), Verdict::Sharper);
 //! ```
 
-use lennard_core::Tone;
+use lennard_core::{Standing, Tone};
 use serde::Serialize;
 
 /// What can be said of a measured number.
@@ -124,6 +124,19 @@ impl Verdict {
             self,
             Self::Agrees | Self::Sharper | Self::Differs | Self::TooCoarse | Self::PredictedBias
         )
+    }
+}
+
+/// What speaks against a mean, before it is held against anything.
+impl From<Standing> for Verdict {
+    fn from(standing: Standing) -> Self {
+        match standing {
+            Standing::Sound => Self::NoReference,
+            Standing::TooShort => Self::TooShort,
+            Standing::NotInEquilibrium => Self::NotInEquilibrium,
+            Standing::Incomplete => Self::Incomplete,
+            Standing::Thermostat => Self::Thermostat,
+        }
     }
 }
 

@@ -204,14 +204,13 @@ impl Observable for KirkwoodBuff {
         }
         tell_discarded(&mut findings, self.counts.samples() - counts.samples());
         let reach = bins as f64 * self.width();
-        findings.remarks.push(format!(
+        findings.remark(format!(
             "Kirkwood–Buff integrals over g(r) up to {reach:.3} σ, with a weight for the range beyond; \
              the names with _structure are from S(k) at the {shells} smallest wave numbers, by a line in k² to k = 0"
         ));
         if self.species.n_species() > 2 {
-            findings.remarks.push(
-                "thermodynamic_factor and compressibility_kirkwood_buff are for one or two species"
-                    .into(),
+            findings.remark(
+                "thermodynamic_factor and compressibility_kirkwood_buff are for one or two species",
             );
         }
         findings.tables.push(self.running(&counts, bins));

@@ -72,7 +72,7 @@ pub use pairs::{count_distances, count_distances_by_species};
 pub use pressure_tensor::{PressureTensor, PressureTensorOptions};
 pub use rdf::{RadialDistribution, RdfOptions};
 pub use recipe::{BuildContext, Recipe, Surroundings};
-pub use response::{Curvature, NO_RESPONSES_REMARK, RESPONSES_REMARK, response_functions};
+pub use response::{Curvature, response_functions};
 pub use separation::largest_density_wave;
 pub use series::{Columns, Series};
 pub use structure_factor::StructureFactorOptions;

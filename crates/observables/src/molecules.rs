@@ -3,7 +3,7 @@
 mod vibration;
 
 use lennard_core::exact::exact_sum;
-use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, Want, persist};
+use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Remark, Table, View, Want, persist};
 
 use crate::series::{Series, columns};
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
@@ -243,7 +243,11 @@ impl Observable for MolecularMotion {
         if !hidden {
             table = table.with("pressure_of_sites", "ε/σ³", rows.pressure_of_sites.clone());
         }
-        Findings { averages, tables: vec![table], remarks }
+        Findings {
+            averages,
+            tables: vec![table],
+            remarks: remarks.into_iter().map(Remark::from).collect(),
+        }
     }
 }
 

@@ -87,7 +87,9 @@ impl Observable for Momentum {
                     .with("y", "σ/τ", rows.y.clone())
                     .with("z", "σ/τ", rows.z.clone()),
             ],
-            remarks: vec![format!("largest total momentum per particle: {:.3e} σ/τ", self.largest)],
+            remarks: vec![
+                format!("largest total momentum per particle: {:.3e} σ/τ", self.largest).into(),
+            ],
         }
     }
 }

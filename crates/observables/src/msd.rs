@@ -4,7 +4,7 @@ mod diffusion;
 mod levels;
 mod paths;
 
-use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, persist};
+use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Remark, Table, View, persist};
 
 use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
@@ -179,8 +179,8 @@ impl Observable for MeanSquareDisplacement {
             self.report_darken([(a, fit_a), (b, fit_b)], &mut findings);
         }
         tell_discarded(&mut findings, self.samples() - displacements.samples());
-        findings.remarks.extend(self.tracked.remark());
-        findings.remarks.extend(self.paths.remark());
+        let notes = self.tracked.remark().into_iter().chain(self.paths.remark());
+        findings.remarks.extend(notes.map(Remark::from));
         let diffusion = curve.times.iter().zip(&curve.values).map(|(t, m)| m / (6.0 * t)).collect();
         let line = fit.map(|fit| fit.line(&curve.times));
         let table = Table::new(

@@ -113,9 +113,7 @@ impl Observable for Orientation {
             Some(curve)
         });
         let [Some([c_1, error_1]), Some([c_2, error_2])] = both else {
-            findings
-                .remarks
-                .push("no functions of directions: the run is shorter than their window".into());
+            findings.remark("no functions of directions: the run is shorter than their window");
             return findings;
         };
         tell_discarded(&mut findings, self.products.origins.samples() - products.samples());

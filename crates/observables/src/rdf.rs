@@ -180,7 +180,7 @@ impl Observable for RadialDistribution {
         tell_discarded(&mut findings, self.counts.whole.samples() - samples);
         let valid = self.seen.half_shortest();
         if valid < self.r_max {
-            findings.remarks.push(format!(
+            findings.remark(format!(
                 "g(r) counts up to half the box, which was {valid:.3} σ at its smallest: beyond, pairs are missing"
             ));
         }
@@ -198,7 +198,7 @@ impl Observable for RadialDistribution {
             0,
             partial.into_iter().fold(table, |table, (name, numbers)| table.with(name, "", numbers)),
         );
-        findings.remarks.push("g(r) is normalised by N − 1: exactly 1 for an ideal gas".into());
+        findings.remark("g(r) is normalised by N − 1: exactly 1 for an ideal gas");
         findings
     }
 }

@@ -4,7 +4,7 @@ mod base;
 mod ensembles;
 mod influence;
 
-use lennard_core::{Average, Doubt, Estimate};
+use lennard_core::{Average, Doubt, Estimate, Remark};
 
 use crate::averages::{FEWEST_FLUCTUATIONS, of_fluctuations};
 use crate::{BuildContext, Ensemble, ThermoSeries};
@@ -46,11 +46,6 @@ const RESPONSES: [Response; COUNT] = [
     response("density_scaling_exponent", "", false),
     response("energy_virial_correlation", "", false),
 ];
-
-/// The remark that tells how response functions were found begins so.
-pub const RESPONSES_REMARK: &str = "response functions: ";
-/// The remark that tells why there are none begins so.
-pub const NO_RESPONSES_REMARK: &str = "no response functions: ";
 
 /// The names of all response functions, c_v first.
 pub fn response_functions() -> impl Iterator<Item = &'static str> {
@@ -125,7 +120,7 @@ fn why_unstable(values: &[(Estimate, Vec<f64>)]) -> Option<Doubt> {
 }
 
 /// What was assumed, and what is missing by name.
-pub(crate) fn remark(setting: &Setting) -> String {
+pub(crate) fn remark(setting: &Setting) -> Remark {
     let how = match setting.ensemble {
         Ensemble::Canonical => "from the fluctuations of U and W at constant temperature",
         Ensemble::Microcanonical => "from the fluctuations of K and W at constant energy",
@@ -135,17 +130,18 @@ pub(crate) fn remark(setting: &Setting) -> String {
     };
     let missing: Vec<&str> =
         RESPONSES.iter().filter(|r| r.needs_curvature).map(|r| r.name).collect();
-    match (setting.ensemble, setting.curvature) {
-        (Ensemble::Isobaric { .. }, _) => format!("{RESPONSES_REMARK}{how}"),
+    let how = match (setting.ensemble, setting.curvature) {
+        (Ensemble::Isobaric { .. }, _) => how.to_owned(),
         (_, None) => format!(
-            "{RESPONSES_REMARK}{how}; not given, since Σ r²u″ does not follow from U and W alone: {}",
+            "{how}; not given, since Σ r²u″ does not follow from U and W alone: {}",
             missing.join(", ")
         ),
         (_, Some(curvature)) if curvature.of_truncated => {
-            format!("{RESPONSES_REMARK}{how}, with Σ r²u″ from U, W and the pairs at the cutoff")
+            format!("{how}, with Σ r²u″ from U, W and the pairs at the cutoff")
         }
-        _ => format!("{RESPONSES_REMARK}{how}, with Σ r²u″ from U and W of the full potential"),
-    }
+        _ => format!("{how}, with Σ r²u″ from U and W of the full potential"),
+    };
+    Remark::ResponseFunctions { how }
 }
 
 #[cfg(test)]

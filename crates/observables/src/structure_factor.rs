@@ -158,12 +158,12 @@ impl Observable for StructureFactor {
                         0.0,
                     ));
                 }
-                findings.remarks.push(format!(
+                findings.remark(format!(
                     "first peak of S(k) at k = {:.3} σ⁻¹; a fluid freezes where it reaches 2.85 (Hansen and Verlet)",
                     top(&values).0
                 ));
             }
-            None => findings.remarks.push("S(k) has no peak".into()),
+            None => findings.remark("S(k) has no peak"),
         }
         let partial = self.finish_partial(&parts, &wave_numbers, &mut findings);
         tell_discarded(&mut findings, self.factors.whole.samples() - factors.samples());

@@ -258,7 +258,7 @@ impl Observable for Thermodynamics {
             of_species.finish(discarded, &mut findings);
         }
         findings.remarks.extend(ensemble.map(|e| e.remark(&self.context, self.n_dof)));
-        findings.remarks.extend(self.remark_on_responses());
+        findings.remark(self.remark_on_responses());
         findings.tables.push(rows.table(self.series.stride(), self.half_steps, energy));
         for (name, column) in [
             ("potential_energy", &rows.potential_energy),

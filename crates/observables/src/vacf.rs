@@ -1,6 +1,6 @@
 //! The velocity autocorrelation function.
 
-use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, persist};
+use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Remark, Table, View, persist};
 
 use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
@@ -133,20 +133,16 @@ impl Observable for VelocityAutocorrelation {
 
     fn finish(&self, discarded: f64) -> Findings {
         let mut findings = Findings::default();
-        findings.remarks.extend(self.tracked.remark());
+        findings.remarks.extend(self.tracked.remark().map(Remark::from));
         let products = self.products.after(discarded);
         let Some(Curve { c, errors, integral }) = self.report(&products, "", &mut findings) else {
-            findings
-                .remarks
-                .push("no velocity autocorrelation: the run is shorter than its window".into());
+            findings.remark("no velocity autocorrelation: the run is shorter than its window");
             return findings;
         };
-        findings
-            .remarks
-            .push("diffusion_coefficient_green_kubo is not corrected for finite size".into());
+        findings.remark("diffusion_coefficient_green_kubo is not corrected for finite size");
         if c[1] < FINE_ENOUGH * c[0] {
-            findings.remarks.push(
-                "the velocity autocorrelation falls by half in one sampling interval: sample more often for a good integral".into(),
+            findings.remark(
+                "the velocity autocorrelation falls by half in one sampling interval: sample more often for a good integral",
             );
         }
         let normalised = c.iter().map(|value| value / c[0]).collect();

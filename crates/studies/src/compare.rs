@@ -21,12 +21,13 @@ pub use read::{ReadError, RunFolder};
 pub use table::table;
 pub use verdict::Row;
 
+use lennard_core::Remark;
 use lennard_literature::{equation_of_state_for, remark_for};
 use read::is_of_few_bodies;
 use rows::Compared;
 pub(crate) use rows::HANSEN_VERLET;
 use runs_of_others::RunsOfOthers;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// A quantity of the run record in words for a table.
 ///
@@ -72,7 +73,13 @@ pub struct ComparedRun {
     /// The reason that most of the primary rows share; the headline says it.
     pub shared_reason: Option<String>,
     /// What belongs beside the numbers.
-    pub remarks: Vec<String>,
+    #[serde(serialize_with = "in_words")]
+    pub remarks: Vec<Remark>,
+}
+
+/// Remarks in words, as a reader of the document wants them.
+fn in_words<S: Serializer>(remarks: &[Remark], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(remarks.iter().map(Remark::to_string))
 }
 
 impl ComparedRun {
@@ -109,25 +116,24 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         }
         _ if run.has_two_phases() => Some("vapor and liquid side by side".to_owned()),
         Err(none) => {
-            remarks.push(format!("not compared with any equation of state: {none}"));
+            remarks.push(format!("not compared with any equation of state: {none}").into());
             Some(format!("no equation of state for {}", none.model))
         }
         Ok(equation) if !state.is_single_stable_phase() => {
-            remarks.push(format!(
-                "by {} the state {} is {}: nothing is judged by it",
-                equation.spec().name,
-                state.in_numbers(),
-                state.words
-            ));
+            remarks.push(Remark::NotJudged {
+                equation: equation.spec().name.clone(),
+                state: state.in_numbers(),
+                phase: state.words.clone(),
+            });
             Some(state.words.clone())
         }
         Ok(_) => None,
     };
     if !run.has_two_phases() {
-        remarks.extend(remark_for(model));
+        remarks.extend(remark_for(model).map(Remark::from));
     }
     let others = RunsOfOthers::beside(run, model);
-    remarks.extend(others.remark());
+    remarks.extend(others.remark().map(Remark::from));
     // A run beside runs of others has references, whatever the equations say.
     let missing = no_reference.clone().filter(|_| !others.are_there());
     let mut rows = rows::all(&Compared {
@@ -191,9 +197,10 @@ fn shared_reason(rows: &[Row]) -> Option<&Row> {
 
 /// What a run of a crystal beside its liquid is made for: it moves, so that its means are no results of an equilibrium.
 fn which_phase_grows(run: &RunFolder) -> Option<String> {
-    let mut remarks = run.record.remarks.iter();
-    let told = remarks.find_map(|r| r.strip_prefix(lennard_engine::CRYSTAL_REMARK))?;
-    Some(format!("{}.", capital(told)))
+    run.record.typed_remarks.iter().find_map(|remark| match remark {
+        Remark::Fronts(fronts) => Some(format!("{}.", capital(&fronts.to_string()))),
+        _ => None,
+    })
 }
 
 /// That a run has separated, which comes before everything else that is said of its means.
@@ -278,19 +285,16 @@ fn capital(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use lennard_core::{Estimate, Standing};
     use lennard_io::AverageRecord;
 
     use super::*;
 
     fn agreeing(quantity: &str) -> Row {
         let average = AverageRecord {
-            mean: 1.0,
-            standard_error: 0.1,
-            n_effective: 100.0,
-            freedom: 99.0,
-            equilibration_cut: 0,
+            estimate: Estimate { freedom: 99.0, ..Estimate::new(1.0, 0.1, 100.0) },
             unit: String::new(),
-            standing: lennard_io::SOUND.into(),
+            standing: Standing::Sound,
             reason: String::new(),
         };
         Row { verdict: Verdict::Agrees, primary: true, ..Row::measured(quantity, &average) }

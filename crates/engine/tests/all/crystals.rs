@@ -1,6 +1,6 @@
 //! Starts with a crystal beside its liquid, and runs of them.
 
-use lennard_core::{Persist, StateArchive};
+use lennard_core::{Persist, Remark, StateArchive};
 use lennard_engine::{Simulation, StopAt, Unfollowed};
 use lennard_observables::solid_share;
 
@@ -93,8 +93,8 @@ fn hot_crystals_melt_and_their_fronts_go_back() {
     let front = all().find(|a| a.name == "front_velocity").unwrap();
     assert!(front.estimate.mean < 0.0, "{front:?}");
     assert!(all().all(|a| a.name != "speed_of_sound"));
-    let remarks: Vec<&String> = findings.iter().flat_map(|f| &f.remarks).collect();
-    let told = remarks.iter().any(|r| r.starts_with("crystal: "));
+    let remarks: Vec<&Remark> = findings.iter().flat_map(|f| &f.remarks).collect();
+    let told = remarks.iter().any(|r| matches!(r, Remark::Fronts(_)));
     assert!(told, "{remarks:?}");
 }
 

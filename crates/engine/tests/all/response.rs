@@ -58,7 +58,7 @@ fn every_ensemble_gives_response_functions_and_says_how() {
         (&[BATH, held], "of volume and enthalpy at constant pressure"),
     ] {
         let found = findings(overrides);
-        let said = found.remarks.join("\n");
+        let said = found.remarks_in_words();
         assert!(said.contains(words), "{said}");
         for name in ["heat_capacity", "heat_capacity_pressure", "speed_of_sound"] {
             assert!(named(&found, name).is_some(), "{words}: no {name}");
@@ -72,7 +72,7 @@ fn every_ensemble_gives_response_functions_and_says_how() {
 fn what_an_ensemble_or_a_truncation_does_not_give_is_said_by_name() {
     let scaled = findings(&[("stage.production.thermostat", "rescale")]);
     assert!(named(&scaled, "speed_of_sound").is_none());
-    let said = scaled.remarks.join("\n");
+    let said = scaled.remarks_in_words();
     assert!(
         said.contains("no response functions: the measured stages sample no ensemble"),
         "{said}"
@@ -80,6 +80,6 @@ fn what_an_ensemble_or_a_truncation_does_not_give_is_said_by_name() {
     let bent = findings(&[("truncation.kind", "force-shift"), BATH]);
     assert!(named(&bent, "speed_of_sound").is_none());
     assert!(named(&bent, "thermal_pressure_coefficient").is_some());
-    let said = bent.remarks.join("\n");
+    let said = bent.remarks_in_words();
     assert!(said.contains("not given") && said.contains("speed_of_sound"), "{said}");
 }

@@ -1,6 +1,6 @@
 //! Starts as a slab of liquid beside its vapor, and runs of them.
 
-use lennard_core::{Persist, StateArchive};
+use lennard_core::{Persist, Remark, StateArchive};
 use lennard_engine::{Simulation, StopAt, Unfollowed, begin};
 
 use crate::common::{self, bits, on_threads, prepared};
@@ -174,13 +174,16 @@ fn means_of_one_phase_are_left_out_of_a_slab_and_told_by_name() {
             let mut columns = findings[0].tables.iter().flat_map(|t| &t.columns);
             assert_eq!(columns.any(|c| c.name == name), !is_planar, "{name}");
         }
-        let remarks: Vec<&String> = findings.iter().flat_map(|f| &f.remarks).collect();
-        let left_out: Vec<&&String> =
-            remarks.iter().filter(|r| r.starts_with("left out: ")).collect();
+        let remarks: Vec<&Remark> = findings.iter().flat_map(|f| &f.remarks).collect();
+        let left_out = remarks.iter().filter_map(|r| match r {
+            Remark::LeftOut { quantities, .. } => Some(quantities),
+            _ => None,
+        });
+        let left_out: Vec<_> = left_out.collect();
         assert_eq!(left_out.len(), 1 + usize::from(is_planar), "{remarks:?}");
-        assert!(left_out[0].contains("heat_capacity, "), "{remarks:?}");
-        assert!(left_out[0].contains("two_body_entropy"), "{remarks:?}");
-        assert!(!remarks.iter().any(|r| r.starts_with("heat_capacity: ")));
+        assert!(left_out[0].contains(&"heat_capacity".to_owned()), "{remarks:?}");
+        assert!(left_out[0].contains(&"two_body_entropy".to_owned()), "{remarks:?}");
+        assert!(!remarks.iter().any(|r| matches!(r, Remark::HeatCapacity { .. })));
     }
 }
 
@@ -222,7 +225,7 @@ fn quenched(temperature: &str) -> Vec<lennard_core::Findings> {
 fn a_fluid_that_separates_by_itself_has_no_means_of_one_phase() {
     let is_told = |found: &[lennard_core::Findings]| {
         let mut remarks = found.iter().flat_map(|f| &f.remarks);
-        remarks.any(|r| r.starts_with(lennard_engine::SEPARATED_REMARK))
+        remarks.any(|r| matches!(r, Remark::Separated { .. }))
     };
     let separated = quenched("0.75");
     assert!(is_told(&separated), "{:?}", separated[0].remarks);

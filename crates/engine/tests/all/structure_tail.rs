@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use lennard_core::Remark;
+
 use crate::common;
 
 const FLUID: &str = r#"
@@ -32,13 +34,12 @@ fn compressibilities_from_the_structure_are_told_with_the_tail_where_there_is_on
         common::ran(scene).findings()
     };
     let without = found("false");
-    let mut remarks = without.iter().flat_map(|f| &f.remarks);
-    assert!(!remarks.any(|r| r.starts_with(REMARK)));
+    assert!(!without.iter().any(|f| f.remarks_in_words().contains(REMARK)));
 
     let with = found("true");
-    let remarks = with.iter().flat_map(|f| &f.remarks);
-    let told: Vec<&String> = remarks.filter(|r| r.starts_with(REMARK)).collect();
-    let [told] = told[..] else {
+    let remarks = with.iter().flat_map(|f| &f.remarks).map(Remark::to_string);
+    let told: Vec<String> = remarks.filter(|r| r.starts_with(REMARK)).collect();
+    let [told] = &told[..] else {
         panic!("{told:?}");
     };
     // 2·P_tail of Lennard-Jones.

@@ -1,6 +1,6 @@
 //! Tables and the run record.
 
-use lennard_core::{Average, Cell, Column, Estimate, Table};
+use lennard_core::{Average, Cell, Column, Estimate, Fronts, Remark, Table};
 use lennard_io::{
     AverageRecord, Comparison, Conservation, Host, NeighborRecord, PairRecord, Performance,
     RUN_SCHEMA, RunRecord, SpeciesRecord, StageSeconds, StatePoint, TableWriter, ThermostatRecord,
@@ -224,6 +224,10 @@ fn record() -> RunRecord {
             remark: String::new(),
         }],
         remarks: vec!["a remark".into()],
+        typed_remarks: vec![
+            Remark::LeftOut { quantities: vec!["pressure".into()], why: "a reason".into() },
+            Remark::Fronts(Fronts::Neither { solid_shares: [0.5, 0.25] }),
+        ],
         trajectory_frames: Some(201),
     }
 }
@@ -237,8 +241,8 @@ fn the_run_record_is_written_byte_for_byte_as_the_schema_says() {
     let text = std::fs::read_to_string(&path).unwrap();
     assert_eq!(text, include_str!("../data/run.json"));
     let back = read_run_record(&path).unwrap();
-    assert_eq!(back.averages["pressure"].mean.to_bits(), (0.1_f64 + 0.2).to_bits());
-    assert!(back.averages["pressure"].standard_error.is_nan());
+    assert_eq!(back.averages["pressure"].estimate.mean.to_bits(), (0.1_f64 + 0.2).to_bits());
+    assert!(back.averages["pressure"].estimate.standard_error.is_nan());
     assert_eq!(back.seed, u64::MAX);
     let again = serde_json::to_string_pretty(&back).unwrap() + "\n";
     assert_eq!(again, text);

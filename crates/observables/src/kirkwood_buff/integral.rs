@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use crate::statistics::Line;
+
 /// The volume of a sphere, σ³.
 fn sphere(r: f64) -> f64 {
     4.0 / 3.0 * PI * r.powi(3)
@@ -76,19 +78,8 @@ pub(super) fn integral(g: &[f64], width: f64, bins: usize) -> f64 {
 
 /// The value at k = 0 of the line through S(k²), with weights; not a number for fewer than two points.
 pub(super) fn at_zero(squares: &[f64], values: &[f64], weights: &[f64]) -> f64 {
-    let (mut w, mut wx, mut wy) = (0.0, 0.0, 0.0);
-    for ((weight, x), y) in weights.iter().zip(squares).zip(values) {
-        w += weight;
-        wx += weight * x;
-        wy += weight * y;
-    }
-    let (x0, y0) = (wx / w, wy / w);
-    let (mut xx, mut xy) = (0.0, 0.0);
-    for ((weight, x), y) in weights.iter().zip(squares).zip(values) {
-        xx += weight * (x - x0).powi(2);
-        xy += weight * (x - x0) * (y - y0);
-    }
-    y0 - xy / xx * x0
+    let points = squares.iter().zip(values).zip(weights);
+    Line::weighted(points.map(|((&x, &y), &weight)| (x, y, weight))).intercept()
 }
 
 #[cfg(test)]

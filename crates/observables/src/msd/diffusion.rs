@@ -46,7 +46,7 @@ impl MeanSquareDisplacement {
     /// Adds the diffusion coefficient of a fit.
     pub(super) fn report(&self, fit: Option<&LinearFit>, suffix: &str, findings: &mut Findings) {
         let Some(fit) = fit else {
-            findings.remarks.push(format!(
+            findings.remark(format!(
                 "no diffusion coefficient{}: too few samples for a fit",
                 suffix.replace('_', " of ")
             ));
@@ -82,8 +82,8 @@ impl MeanSquareDisplacement {
                 )
             }
         };
-        findings.remarks.push(remark);
-        findings.remarks.push(format!(
+        findings.remark(remark);
+        findings.remark(format!(
             "diffusion_coefficient{suffix} is a sixth of the slope of the mean-square displacement between {:.3} and {:.3} τ",
             fit.from, fit.to
         ));
@@ -108,7 +108,7 @@ impl MeanSquareDisplacement {
         let change = mixed(fit_a.change.abs(), fit_b.change.abs());
         let doubt = unsettled(fit_a).or_else(|| unsettled(fit_b));
         findings.averages.push(with_choice(average, change).doubted(doubt));
-        findings.remarks.push(format!(
+        findings.remark(format!(
             "mutual_diffusion_darken is x{b}·D{a} + x{a}·D{b}, as if velocities of different particles were not correlated",
             a = a.suffix,
             b = b.suffix

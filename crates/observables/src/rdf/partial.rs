@@ -24,7 +24,7 @@ impl RadialDistribution {
             let suffix = pair.suffix(species);
             let ordered = pair.ordered(species);
             if ordered == 0.0 {
-                findings.remarks.push(format!("g{suffix}(r) needs two particles"));
+                findings.remark(format!("g{suffix}(r) needs two particles"));
                 continue;
             }
             let weight = if pair.a == pair.b { 2.0 } else { 1.0 };
@@ -43,9 +43,8 @@ impl RadialDistribution {
             }
         }
         if !pairs.is_empty() {
-            findings.remarks.push(
-            "coordination_number_a_b counts particles of species b around a particle of species a"
-                .into(),
+            findings.remark(
+            "coordination_number_a_b counts particles of species b around a particle of species a",
         );
         }
         columns

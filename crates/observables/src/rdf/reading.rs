@@ -237,7 +237,7 @@ impl Reading {
             .with("g", "", heights),
         );
         let Some(top) = found.iter().find(|e| e.maximum) else {
-            findings.remarks.push(format!("g{suffix}(r) has no peak"));
+            findings.remark(format!("g{suffix}(r) has no peak"));
             return;
         };
         let peak_of = self.extremum(g, top);
@@ -246,7 +246,7 @@ impl Reading {
             findings.averages.push(of_blocks(&name, "", height, &blocks, 0.0));
         }
         let Some(minimum) = self.first_minimum(&smooth, top.place) else {
-            findings.remarks.push(format!(
+            findings.remark(format!(
                 "g{suffix}(r) does not fall below {SHELL_BELOW} after its first peak: no shell, no coordination number"
             ));
             return;
@@ -260,7 +260,7 @@ impl Reading {
                 findings.averages.push(of_blocks(&name, "", number, &blocks, 0.0));
             }
         }
-        findings.remarks.push(format!(
+        findings.remark(format!(
             "first peak of g{suffix}(r) at {:.3} σ, coordination number up to the first minimum at {:.3} σ",
             peak_of(&means).0,
             minimum_of(&means).0

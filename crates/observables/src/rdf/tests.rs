@@ -123,7 +123,7 @@ fn only_a_shell_of_neighbors_is_counted() {
     // A gas: nearly even behind its first peak.
     let gas = with_minimum(0.95);
     assert_eq!(number(&gas), None);
-    assert!(gas.remarks.iter().any(|r| r.contains("no shell")));
+    assert!(gas.remarks_in_words().contains("no shell"));
 }
 
 #[test]
@@ -144,11 +144,11 @@ fn the_distribution_of_an_ideal_gas_is_one_in_a_box_that_changes() {
     assert!((mean - 1.0).abs() < 4.0 * noise && noise < 0.002, "{mean} {noise}");
     // Half of the smallest box is 3.6 σ: every bin counts all its pairs.
     let findings = rdf.finish(0.0);
-    assert!(!findings.remarks.iter().any(|r| r.contains("pairs are missing")));
+    assert!(!findings.remarks_in_words().contains("pairs are missing"));
     let short = PeriodicBox::new(lennard_core::DVec3::splat(6.0)).unwrap();
     sampled(&mut rdf, &short, random_positions(200, 6.0, 0));
     let findings = rdf.finish(0.0);
-    assert!(findings.remarks.iter().any(|r| r.contains("3.000 σ at its smallest")));
+    assert!(findings.remarks_in_words().contains("3.000 σ at its smallest"));
 }
 
 #[test]
@@ -243,7 +243,7 @@ fn partial_distributions_of_three_particles_are_those_by_hand() {
     assert_eq!(up_to("coordination_B_B"), 1.0);
     // One A has no other A.
     assert_eq!(column("g_A_A"), None);
-    assert!(findings.remarks.iter().any(|r| r.contains("g_A_A(r) needs two")));
+    assert!(findings.remarks_in_words().contains("g_A_A(r) needs two"));
 }
 
 /// The two-body entropy of these findings, with its error.

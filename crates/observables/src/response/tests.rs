@@ -190,7 +190,7 @@ fn without_the_second_derivative_what_needs_it_is_left_out_by_name() {
             "energy_virial_correlation"
         ]
     );
-    let said = remark(&bent);
+    let said = remark(&bent).to_string();
     assert!(said.contains("speed_of_sound") && said.contains("not given"), "{said}");
 }
 

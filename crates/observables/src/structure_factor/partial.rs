@@ -150,11 +150,11 @@ impl StructureFactor {
         let blocks: Vec<f64> = factors.block_means(0).iter().map(|s| s / ideal).collect();
         let average = of_blocks("concentration_fluctuations", "", mean / ideal, &blocks, 0.0);
         let (value, error) = (average.estimate.mean, average.estimate.standard_error);
-        findings.remarks.push(format!(
+        findings.remark(format!(
             "concentration_fluctuations is S_CC/(x₁·x₂) at the smallest wave number, {k:.3} σ⁻¹: 1 in an ideal mixture"
         ));
         if value - GATHERS > CERTAIN * error {
-            findings.remarks.push(format!(
+            findings.remark(format!(
                 "the species gather: over {:.1} σ the composition varies {value:.1} times as much as in an ideal mixture, which may be separating",
                 std::f64::consts::TAU / k
             ));

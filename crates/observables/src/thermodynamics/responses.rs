@@ -1,9 +1,9 @@
 //! Response functions of a run, where its ensemble gives them.
 
-use lennard_core::Average;
+use lennard_core::{Average, Remark};
 
 use super::Thermodynamics;
-use crate::response::{self, NO_RESPONSES_REMARK, Setting};
+use crate::response::{self, Setting};
 use crate::statistics::mean;
 use crate::{Curvature, Ensemble};
 
@@ -34,8 +34,8 @@ impl Thermodynamics {
     }
 
     /// How they were found, or why there are none.
-    pub(super) fn remark_on_responses(&self) -> Option<String> {
-        let none = |why: &str| Some(format!("{NO_RESPONSES_REMARK}{why}"));
+    pub(super) fn remark_on_responses(&self) -> Remark {
+        let none = |why: &str| Remark::NoResponseFunctions { why: why.to_owned() };
         if !self.context.molecules.are_atoms() {
             return none("they are given for atoms alone");
         }
@@ -44,7 +44,7 @@ impl Thermodynamics {
         }
         match self.ensemble {
             None => none("the measured stages sample no ensemble that is known"),
-            Some(ensemble) => Some(response::remark(&self.setting(ensemble, 0))),
+            Some(ensemble) => response::remark(&self.setting(ensemble, 0)),
         }
     }
 }

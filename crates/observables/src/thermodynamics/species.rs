@@ -66,7 +66,7 @@ impl SpeciesTemperatures {
                 let (x, y) = (&first.estimate, &second.estimate);
                 let errors = (x.mean - y.mean).abs() / x.standard_error.hypot(y.standard_error);
                 if errors > EQUAL {
-                    findings.remarks.push(format!(
+                    findings.remark(format!(
                         "{} and {} differ by {errors:.0} standard errors: the species are not in equilibrium with each other",
                         first.name, second.name
                     ));
@@ -135,6 +135,6 @@ mod tests {
             assert!((found.mean - 0.8).abs() < 4.0 * found.standard_error, "{found:?}");
         }
         assert!(findings.remarks.is_empty(), "{:?}", findings.remarks);
-        assert!(measured(1.3).remarks[0].contains("not in equilibrium"));
+        assert!(measured(1.3).remarks_in_words().contains("not in equilibrium"));
     }
 }

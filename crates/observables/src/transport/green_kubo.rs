@@ -83,7 +83,7 @@ impl GreenKubo {
         let correlation = correlator.correlation();
         let mut findings = Findings::default();
         let Some(plateau) = plateau(&correlation, self.window) else {
-            findings.remarks.push(format!(
+            findings.remark(format!(
                 "no {}: its correlation function does not decay into its noise within half the window of {} τ; \
                  a longer run or a longer `window` may help",
                 words.plain, self.window
@@ -114,7 +114,7 @@ impl GreenKubo {
         }
         let kept = self.temperature.after(discarded).samples();
         tell_discarded(&mut findings, self.temperature.samples() - kept);
-        findings.remarks.push(format!(
+        findings.remark(format!(
             "{}: plateau of the Green–Kubo integral from {from:.2} to {to:.2} τ; the Einstein–Helfand value is the slope over the same lags",
             words.plain
         ));

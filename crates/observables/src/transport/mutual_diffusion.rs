@@ -110,9 +110,8 @@ impl Observable for MutualDiffusion {
         let (x_a, x_b) = (self.species.fraction(0), self.species.fraction(1));
         let prefactor = self.species.n_particles() as f64 * x_a * x_b;
         let mut findings = self.flux.findings(discarded, prefactor, WORDS);
-        findings.remarks.push(
-            "mutual_diffusion is the Maxwell–Stefan coefficient, not corrected for finite size; Fick's is the thermodynamic factor times it"
-                .into(),
+        findings.remark(
+            "mutual_diffusion is the Maxwell–Stefan coefficient, not corrected for finite size; Fick's is the thermodynamic factor times it",
         );
         findings
     }

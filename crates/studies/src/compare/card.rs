@@ -260,17 +260,15 @@ pub fn card_table(card: &StateCard) -> Table {
 
 #[cfg(test)]
 mod tests {
+    use lennard_core::{Estimate, Standing};
+
     use super::*;
 
     fn row(measured: f64, standard_error: f64) -> Row {
         let average = lennard_io::AverageRecord {
-            mean: measured,
-            standard_error,
-            n_effective: 500.0,
-            freedom: 64.0,
-            equilibration_cut: 0,
+            estimate: Estimate { freedom: 64.0, ..Estimate::new(measured, standard_error, 500.0) },
             unit: String::new(),
-            standing: lennard_io::SOUND.into(),
+            standing: Standing::Sound,
             reason: String::new(),
         };
         Row::measured("heat_capacity_pressure", &average)

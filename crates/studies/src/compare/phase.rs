@@ -68,7 +68,7 @@ impl StateOfMatter {
 /// The state of a run at the measured temperature that belongs to its positions.
 #[must_use]
 pub fn state_of(run: &RunFolder, equation: Option<&dyn EquationOfState>) -> StateOfMatter {
-    let temperature = run.temperature().map_or(f64::NAN, |a| a.mean);
+    let temperature = run.temperature().map_or(f64::NAN, |a| a.estimate.mean);
     StateOfMatter {
         half_steps: run.average(HALF_STEPS).is_some(),
         ..StateOfMatter::new(run.density, temperature, equation)

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use lennard_core::{PeriodicBox, Table};
+use lennard_core::{PeriodicBox, Remark, Table};
 use lennard_io::{AverageRecord, FormatError, RunRecord};
 use lennard_scene::{Scene, SceneError};
 
@@ -118,7 +118,7 @@ impl RunFolder {
             record,
         };
         let at_rest = run.molecules() as f64 / cell.volume();
-        run.density = run.average("density").map_or(at_rest, |d| d.mean);
+        run.density = run.average("density").map_or(at_rest, |d| d.estimate.mean);
         Ok(run)
     }
 
@@ -131,9 +131,10 @@ impl RunFolder {
     /// Why the fluid is known to have separated by itself, though its scene names no surface.
     #[must_use]
     pub fn has_separated(&self) -> Option<&str> {
-        let mut remarks = self.record.remarks.iter();
-        let told = remarks.find_map(|r| r.strip_prefix(lennard_engine::SEPARATED_REMARK));
-        told.map(|why| why.split(';').next().unwrap_or(why))
+        self.record.typed_remarks.iter().find_map(|remark| match remark {
+            Remark::Separated { why } => Some(why.as_str()),
+            _ => None,
+        })
     }
 
     /// Number of molecules; of particles where there are none.
@@ -179,7 +180,7 @@ impl RunFolder {
     pub(super) fn bath_temperature(&self) -> Option<f64> {
         let bath = lennard_engine::held_temperature(&self.scene)?;
         let held = if bath.half_steps { HALF_STEPS } else { "temperature" };
-        let ratio = self.temperature()?.mean / self.average(held)?.mean;
+        let ratio = self.temperature()?.estimate.mean / self.average(held)?.estimate.mean;
         Some(bath.temperature * ratio)
     }
 

@@ -1,5 +1,6 @@
 //! Quantity by quantity: what it is compared with, and how far off it may be.
 
+use lennard_core::Remark;
 use lennard_literature::{
     EquationOfState, ModelKind, TransportProperty, equation_of_state_for, property,
 };
@@ -235,7 +236,7 @@ impl Compared<'_> {
         // With N_f/3 = N − 1 the mean of ρT + W/(3V) + P_tail is above P₀ by T/V.
         let record = &self.run.record;
         let missing = missing_centers(record.atoms, record.n_dof, &self.run.scene.molecules());
-        let volume = self.run.average("volume").map_or(f64::INFINITY, |v| v.mean);
+        let volume = self.run.average("volume").map_or(f64::INFINITY, |v| v.estimate.mean);
         let shift = missing * self.state.temperature / volume;
         row.against(control.pressure + shift, None, HELD_PRESSURE, "the pressure of the barostat")
             .noted(format!(
@@ -268,15 +269,15 @@ impl Compared<'_> {
             return row;
         }
         let diffusion = self.run.average("diffusion_coefficient");
-        let frozen =
-            diffusion.filter(|d| d.mean < FROZEN_DIFFUSION * self.state.temperature.sqrt());
+        let frozen = diffusion
+            .filter(|d| d.estimate.mean < FROZEN_DIFFUSION * self.state.temperature.sqrt());
         let comparison = &self.run.record.comparison;
         let has_term = comparison.iter().any(|c| c.quantity == row.quantity);
         let in_doubt = comparison.iter().any(|c| c.finite_size_uncertainty.is_some());
         let reason = match frozen {
             Some(d) => format!(
                 "its particles hardly diffuse (D = {}): a crystal or a glass, which this fluid equation does not describe",
-                crate::report::significant(d.mean, 2)
+                crate::report::significant(d.estimate.mean, 2)
             ),
             None if in_doubt && !has_term => {
                 "its finite-size term is not known, and no longer small in this state".into()
@@ -295,8 +296,10 @@ impl Compared<'_> {
     }
 
     fn heat_capacity(&self, row: Row) -> Row {
-        let remarks = &self.run.record.remarks;
-        let how = remarks.iter().find_map(|r| r.strip_prefix("heat_capacity: "));
+        let how = self.run.record.typed_remarks.iter().find_map(|remark| match remark {
+            Remark::HeatCapacity { how } => Some(how.as_str()),
+            _ => None,
+        });
         let row = row.noted(how.unwrap_or_default());
         let (density, temperature) = (self.state.density, self.state.temperature);
         let Some(equation) = self.equation() else {
@@ -334,8 +337,8 @@ impl Compared<'_> {
             return row;
         };
         row.against(
-            kinetic.mean,
-            Some(kinetic.standard_error),
+            kinetic.estimate.mean,
+            Some(kinetic.estimate.standard_error),
             TEMPERATURES,
             "the kinetic temperature of the same run (of half steps where the method has them)",
         )

@@ -114,8 +114,8 @@ impl<'a> RunsOfOthers<'a> {
             return row;
         };
         let side = |n: f64| (n / reference.rho).cbrt();
-        let factor =
-            YEH_HUMMER_XI * reference.temperature / (6.0 * std::f64::consts::PI * viscosity.mean);
+        let factor = YEH_HUMMER_XI * reference.temperature
+            / (6.0 * std::f64::consts::PI * viscosity.estimate.mean);
         let (theirs, own) = (side(f64::from(particles)), self.run.shortest_side);
         let shift = factor * (1.0 / theirs - 1.0 / own);
         let uncorrected = format!("diffusion_coefficient_uncorrected{}", suffix(&row.quantity));

@@ -42,8 +42,8 @@ impl Compared<'_> {
         let row = match plain {
             Some(plain) => row.noted(format!(
                 "corrected for finite size after Yeh and Hummer by +{:.4}, {:.4} before",
-                corrected - plain.mean,
-                plain.mean
+                corrected - plain.estimate.mean,
+                plain.estimate.mean
             )),
             None => row.noted("not corrected for finite size"),
         };
@@ -53,7 +53,7 @@ impl Compared<'_> {
         }
         // A source that does not say whether it corrected for finite size lies between the two.
         let between = match plain {
-            Some(plain) => Some((plain.mean, corrected)),
+            Some(plain) => Some((plain.estimate.mean, corrected)),
             None => own_correction(run, self.state).map(|added| (corrected, corrected + added)),
         };
         match between {
@@ -71,8 +71,13 @@ impl Compared<'_> {
         let Some(green_kubo) = self.run.average(green_kubo).filter(|a| a.is_sound()) else {
             return row;
         };
-        let error = row.standard_error.max(green_kubo.standard_error);
-        row.against_with_error(green_kubo.mean, error, TRANSPORT, "Green–Kubo from the same run")
+        let error = row.standard_error.max(green_kubo.estimate.standard_error);
+        row.against_with_error(
+            green_kubo.estimate.mean,
+            error,
+            TRANSPORT,
+            "Green–Kubo from the same run",
+        )
     }
 }
 
@@ -84,7 +89,7 @@ fn own_correction(run: &RunFolder, state: &StateOfMatter) -> Option<f64> {
     let volume = run.volume();
     // Roundings of the cube of a length.
     let is_cube = (side.powi(3) / volume - 1.0).abs() < 1e-9;
-    let viscosity = run.average("shear_viscosity")?.mean;
+    let viscosity = run.average("shear_viscosity")?.estimate.mean;
     is_cube.then(|| {
         YEH_HUMMER_XI * state.temperature / (6.0 * std::f64::consts::PI * viscosity * side)
     })

@@ -100,17 +100,6 @@ impl Tolerance {
     }
 }
 
-/// What speaks against an average, by its standing in the run record; else there is no reference yet.
-fn of_standing(average: &AverageRecord) -> Verdict {
-    match average.standing.as_str() {
-        "not-in-equilibrium" => Verdict::NotInEquilibrium,
-        "too-short" => Verdict::TooShort,
-        "incomplete" => Verdict::Incomplete,
-        "thermostat" => Verdict::Thermostat,
-        _ => Verdict::NoReference,
-    }
-}
-
 /// The next larger number of two digits: 0.1551 becomes 0.16.
 fn rounded_up(x: f64) -> f64 {
     if !(x.is_finite() && x > 0.0) {
@@ -126,13 +115,13 @@ fn rounded_up(x: f64) -> f64 {
 impl Row {
     /// An average of a run, with what speaks against it, and no reference yet.
     pub(crate) fn measured(quantity: &str, average: &AverageRecord) -> Self {
-        let error_known_to = 1.0 / (2.0 * average.freedom).sqrt();
+        let error_known_to = 1.0 / (2.0 * average.estimate.freedom).sqrt();
         Self {
             quantity: quantity.into(),
             unit: average.unit.clone(),
             primary: false,
-            measured: average.mean,
-            standard_error: average.standard_error,
+            measured: average.estimate.mean,
+            standard_error: average.estimate.standard_error,
             error_known_to,
             reference: None,
             reference_error: None,
@@ -145,7 +134,7 @@ impl Row {
             scale: None,
             tolerance_words: String::new(),
             predicted_bias: None,
-            verdict: of_standing(average),
+            verdict: average.standing.into(),
             reason: average.reason.clone(),
             source: String::new(),
             remark: String::new(),

@@ -200,6 +200,7 @@ fn picture(points: &[SweptPoint], estimates: &[MeltingEstimate]) -> Option<Pictu
 mod tests {
     use std::path::Path;
 
+    use lennard_core::{Estimate, Standing};
     use lennard_io::AverageRecord;
 
     use super::*;
@@ -211,13 +212,12 @@ mod tests {
     /// A finished point with fronts of v = 2·(at − T).
     fn point(n: f64, temperature: f64, at: f64) -> SweptPoint {
         let average = AverageRecord {
-            mean: 2.0 * (at - temperature),
-            standard_error: 0.01,
-            n_effective: 10.0,
-            freedom: 9.0,
-            equilibration_cut: 0,
+            estimate: Estimate {
+                freedom: 9.0,
+                ..Estimate::new(2.0 * (at - temperature), 0.01, 10.0)
+            },
             unit: "σ/τ".into(),
-            standing: lennard_io::SOUND.into(),
+            standing: Standing::Sound,
             reason: String::new(),
         };
         let state = StateOfMatter::new(0.96, temperature, None);

@@ -41,9 +41,9 @@ fn level(at: f64, word: impl Into<String>) -> Guide {
 
 /// A level at a mean of the run, with a word beside it that says whether the mean is a result.
 fn level_at(run: &RunFolder, average: &str, word: &str) -> Vec<Guide> {
-    let mean = run.average(average).map(|a| match a.standard_error.is_finite() {
-        true => level(a.mean, word),
-        false => level(a.mean, format!("{word}: no result")),
+    let mean = run.average(average).map(|a| match a.estimate.standard_error.is_finite() {
+        true => level(a.estimate.mean, word),
+        false => level(a.estimate.mean, format!("{word}: no result")),
     });
     mean.into_iter().collect()
 }
@@ -52,10 +52,10 @@ fn level_at(run: &RunFolder, average: &str, word: &str) -> Vec<Guide> {
 /// no result says why.
 fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String {
     run.average(average).map_or(String::new(), |a| {
-        let value = match a.standard_error.is_finite() {
-            true => with_error(a.mean, a.standard_error),
+        let value = match a.estimate.standard_error.is_finite() {
+            true => with_error(a.estimate.mean, a.estimate.standard_error),
             false => {
-                format!("{} (no result: {})", significant(a.mean, 4), a.standing.replace('-', " "))
+                format!("{} (no result: {})", significant(a.estimate.mean, 4), a.standing.words())
             }
         };
         sentence.replace("{}", &value)
@@ -65,7 +65,7 @@ fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String {
 /// Temperature, energy, pressure and conserved energy against time; density and volume where the box changes. Of a fluid, the
 /// means and where they begin.
 pub(super) fn time_series(run: &RunFolder, is_fluid: bool) -> Vec<Picture> {
-    let cut = run.average("potential_energy").map_or(0, |a| a.equilibration_cut);
+    let cut = run.average("potential_energy").map_or(0, |a| a.estimate.equilibration_cut);
     let time = run.table("measured").and_then(|table| table.numbers("time")).unwrap_or_default();
     // The cut counts samples, and a row may be the mean of several.
     let interval = run.scene.output.thermo_every as f64 * run.scene.integrator.dt;
@@ -141,7 +141,7 @@ pub(super) fn blocking(run: &RunFolder) -> Vec<Picture> {
         if !errors.iter().any(|error| *error > 0.0) {
             return None;
         }
-        let printed = run.average(name).map(|average| average.standard_error);
+        let printed = run.average(name).map(|average| average.estimate.standard_error);
         let printed = printed.filter(|error| error.is_finite());
         let line = match printed {
             Some(_) => "the line is the error printed beside the mean, from the correlation time",

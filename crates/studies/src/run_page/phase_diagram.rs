@@ -157,14 +157,14 @@ impl Lines {
             }));
         }
         let figure = self.points_of_others(figure, |p| Some((p.density?, p.temperature)));
-        let with_error = |a: &AverageRecord| (a.mean, a.standard_error);
+        let with_error = |a: &AverageRecord| (a.estimate.mean, a.estimate.standard_error);
         // The density of a box that does not change is exact.
         let density = run.average("density").map(with_error);
         let densities = match ["vapor_density", "liquid_density"].map(|name| run.average(name)) {
             [Some(vapor), Some(liquid)] => [vapor, liquid].map(with_error).to_vec(),
             _ => vec![density.unwrap_or((state.density, 0.0))],
         };
-        let error = run.temperature().map_or(f64::NAN, |t| t.standard_error);
+        let error = run.temperature().map_or(f64::NAN, |t| t.estimate.standard_error);
         let here = densities.into_iter().map(|(density, of_density)| Point {
             // Not a number where one of both errors is not known: the point is then no result.
             error: Some(error + 0.0 * of_density),
@@ -194,7 +194,7 @@ impl Lines {
             true => "vapor_pressure",
             false => "pressure",
         };
-        let pressure = run.average(name).filter(|p| p.is_sound() && p.mean > 0.0)?;
+        let pressure = run.average(name).filter(|p| p.is_sound() && p.estimate.mean > 0.0)?;
         let temperature = run.temperature().filter(|t| t.is_sound())?;
         let critical = self.equation.spec().critical;
         let at_critical = self.equation.pressure(critical.density, critical.temperature);
@@ -226,8 +226,8 @@ impl Lines {
                 .with(others(self.others(), |row| [(row.temperature, row.pressure)]));
         }
         let figure = self.points_of_others(figure, |p| Some((p.temperature, p.pressure?)));
-        let (t, p) = (temperature.mean, pressure.mean);
-        let errors = (temperature.standard_error, pressure.standard_error);
+        let (t, p) = (temperature.estimate.mean, pressure.estimate.mean);
+        let errors = (temperature.estimate.standard_error, pressure.estimate.standard_error);
         // The rows of a slab have the pressure of the whole box: how its vapor pressure goes with T is not known.
         let correlation = correlation(run).filter(|_| name == "pressure");
         let ellipse = ellipse((t, p), errors, correlation.unwrap_or(0.0));

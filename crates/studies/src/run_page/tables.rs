@@ -1,7 +1,7 @@
 //! The tables of a run's page.
 
 use crate::report::{Section, percent, significant};
-use lennard_core::{Cell, Table};
+use lennard_core::{Cell, Remark, Table};
 use lennard_io::RunRecord;
 
 use crate::compare::{ComparedRun, Row, RunFolder, card_table, quantity_words, table};
@@ -55,7 +55,7 @@ pub(super) fn notes(compared: &ComparedRun) -> Vec<String> {
     shared
         .into_iter()
         .map(|(notes, quantities)| format!("**{}**: {notes}", quantities.join(", ")))
-        .chain(compared.remarks.iter().cloned())
+        .chain(compared.remarks.iter().map(Remark::to_string))
         .collect()
 }
 
@@ -115,10 +115,10 @@ pub(super) fn averages(compared: &ComparedRun, record: &RunRecord) -> Table {
     Table::rows_of("averages", &rows)
         .caption(caption)
         .column("Quantity", |(row, _)| quantity_words(&row.quantity))
-        .measured("Mean", |(_, a)| Some((a.mean, a.standard_error)))
+        .measured("Mean", |(_, a)| Some((a.estimate.mean, a.estimate.standard_error)))
         .column("Unit", |(_, a)| &a.unit)
-        .column("Independent samples", |(_, a)| Cell::rounded(a.n_effective, 3))
-        .column("Discarded", |(_, a)| a.equilibration_cut)
+        .column("Independent samples", |(_, a)| Cell::rounded(a.estimate.n_effective, 3))
+        .column("Discarded", |(_, a)| a.estimate.equilibration_cut)
         .column(
             "Why no result",
             |(row, a)| {

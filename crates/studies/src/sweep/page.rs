@@ -1,5 +1,7 @@
 //! The page of a sweep, from the blocks of its readings.
 
+use lennard_core::Remark;
+
 use crate::report::{Block, Page, Section};
 
 use super::{SweepRecord, SweptPoint};
@@ -55,16 +57,18 @@ fn together(sections: Vec<Section>) -> Vec<Section> {
 
 /// Remarks of all points, each once, with how many points they belong to.
 fn remarks(points: &[SweptPoint]) -> Vec<String> {
-    let mut counted: Vec<(String, usize)> = Vec::new();
+    let mut counted: Vec<(&Remark, usize)> = Vec::new();
     for remark in points.iter().filter_map(|p| p.compared.as_ref()).flat_map(|c| &c.remarks) {
-        match counted.iter_mut().find(|(text, _)| text == remark) {
+        match counted.iter_mut().find(|(known, _)| *known == remark) {
             Some((_, n)) => *n += 1,
-            None => counted.push((remark.clone(), 1)),
+            None => counted.push((remark, 1)),
         }
     }
     counted
         .into_iter()
-        .map(|(text, n)| if n > 1 { format!("{text} ({n} points)") } else { text })
+        .map(|(remark, n)| {
+            if n > 1 { format!("{remark} ({n} points)") } else { remark.to_string() }
+        })
         .chain(
             points
                 .iter()

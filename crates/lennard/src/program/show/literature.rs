@@ -1,8 +1,9 @@
 //! Sweeps and comparisons for people.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use lennard_core::{Cell, Table};
+use lennard_core::{Cell, Remark, Table};
 use lennard_scene::Scene;
 use lennard_studies::compare::{self, ComparedRun, Row, StateOfMatter, quantity_words};
 use lennard_studies::report::{Section, counted, particles, signed, significant};
@@ -44,12 +45,14 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
     for sentence in &record.sentences {
         note(sentence);
     }
-    let mut remarks: Vec<&String> =
-        record.points.iter().filter_map(|p| p.compared.as_ref()).flat_map(|c| &c.remarks).collect();
-    remarks.sort();
-    remarks.dedup();
     // Which points are no single phase stands in the table.
-    for remark in remarks.into_iter().filter(|r| !r.starts_with("by ")) {
+    let compared = record.points.iter().filter_map(|p| p.compared.as_ref());
+    let remarks = compared.flat_map(|c| &c.remarks);
+    let remarks: BTreeSet<String> = remarks
+        .filter(|remark| !matches!(remark, Remark::NotJudged { .. }))
+        .map(Remark::to_string)
+        .collect();
+    for remark in remarks {
         note(&format!("note: {remark}"));
     }
     let kept = record.points.iter().filter(|p| p.kept).count();

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lennard_core::number::short;
-use lennard_core::{Cell, Table};
+use lennard_core::{Cell, Remark, Table};
 use lennard_engine::{EnergyReport, KineticSource, Simulation};
 use lennard_io::{Conservation, RunRecord};
 use lennard_studies::compare::ComparedRun;
@@ -60,7 +60,11 @@ pub fn results(
     };
     let section =
         if verbose { literature::state_card(section, compared, verbose) } else { section };
-    let remarks = record.remarks.iter().filter(|r| verbose || r.starts_with("barostat: "));
+    let of_barostat = |remark: &&Remark| matches!(remark, Remark::SlowBox { .. });
+    let remarks = match verbose {
+        true => record.remarks.clone(),
+        false => record.typed_remarks.iter().filter(of_barostat).map(Remark::to_string).collect(),
+    };
     let momentum = verbose.then(|| {
         let momentum = record.conservation.momentum_per_atom;
         format!("largest momentum: {momentum:.1e} σ/τ per particle")
@@ -71,7 +75,7 @@ pub fn results(
         .text(conserved_energy(&record.conservation, energy_unit(record)))
         .texts(record.barostat.as_ref().and_then(|b| b.acceptance_in_words()))
         .texts(momentum)
-        .texts(remarks.map(|remark| format!("note: {remark}")))
+        .texts(remarks.iter().map(|remark| format!("note: {remark}")))
         .text(speed(record, compared.is_of_few_bodies()))
         .texts(ranks(record))
         .texts(verbose.then(|| where_the_time_went(record)).into_iter().flatten())

@@ -1,18 +1,16 @@
 //! Verdicts follow the numbers.
 
+use lennard_core::{Estimate, Standing};
+
 use super::*;
 
 const TOLERANCE: Tolerance = Tolerance::new(4.0, 0.003, 0.0);
 
 fn average(mean: f64, standard_error: f64) -> AverageRecord {
     AverageRecord {
-        mean,
-        standard_error,
-        n_effective: 500.0,
-        freedom: 64.0,
-        equilibration_cut: 0,
+        estimate: Estimate { freedom: 64.0, ..Estimate::new(mean, standard_error, 500.0) },
         unit: "ε".into(),
-        standing: lennard_io::SOUND.into(),
+        standing: Standing::Sound,
         reason: String::new(),
     }
 }
@@ -106,10 +104,9 @@ fn a_bias_explains_a_difference_of_its_size_and_no_other() {
 #[test]
 fn what_is_no_result_is_held_against_nothing() {
     let doubted = AverageRecord {
-        standing: "too-short".into(),
+        standing: Standing::TooShort,
         reason: "12 samples".into(),
-        standard_error: f64::NAN,
-        ..average(-7.0, 0.0)
+        ..average(-7.0, f64::NAN)
     };
     let row = Row::measured("u", &doubted).against(-5.0, None, TOLERANCE, "a source");
     assert_eq!(row.verdict_words(), "too short: 12 samples");
