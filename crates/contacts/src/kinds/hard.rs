@@ -23,9 +23,7 @@ impl Contact for Hard {
     };
 
     fn response(&self) -> Response {
-        Response::Impact {
-            restitution: self.restitution,
-        }
+        Response::Impact { restitution: self.restitution }
     }
 
     fn in_words(&self) -> String {

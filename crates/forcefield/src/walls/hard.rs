@@ -96,9 +96,7 @@ impl Rebound for Hard {
         match self.response {
             Response::Billiard => HitRule::OnLines,
             Response::Event => HitRule::OnParabolas,
-            Response::Mirror => HitRule::Mirrored {
-                restitution: self.kept_share(),
-            },
+            Response::Mirror => HitRule::Mirrored { restitution: self.kept_share() },
             Response::Project => HitRule::Projected,
             Response::Contact => HitRule::ByContacts,
         }

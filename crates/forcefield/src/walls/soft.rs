@@ -49,11 +49,7 @@ struct Spring(ContactLaw);
 impl WallForce for Spring {
     fn at(&self, z: f64) -> WallPoint {
         let point = self.0.at(-z);
-        WallPoint {
-            energy: point.energy,
-            force: point.force,
-            curvature: point.curvature,
-        }
+        WallPoint { energy: point.energy, force: point.force, curvature: point.curvature }
     }
 
     fn reach(&self) -> f64 {

@@ -33,9 +33,7 @@ impl Wall for Thermal {
     fn surface(&self, context: &WallContext, is_upper: bool) -> Surface {
         let upper = self.upper_temperature.filter(|_| is_upper);
         let temperature = upper.or(self.temperature);
-        Surface::Hit(Arc::new(Heated {
-            temperature: temperature.unwrap_or(context.temperature),
-        }))
+        Surface::Hit(Arc::new(Heated { temperature: temperature.unwrap_or(context.temperature) }))
     }
 }
 

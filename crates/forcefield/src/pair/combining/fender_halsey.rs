@@ -19,14 +19,7 @@ impl CombiningRule for FenderHalsey {
 
     fn combine(&self, one: Size, other: Size) -> Option<Size> {
         let sum = one.epsilon + other.epsilon;
-        let epsilon = if sum == 0.0 {
-            0.0
-        } else {
-            2.0 * one.epsilon * other.epsilon / sum
-        };
-        Some(Size {
-            sigma: 0.5 * (one.sigma + other.sigma),
-            epsilon,
-        })
+        let epsilon = if sum == 0.0 { 0.0 } else { 2.0 * one.epsilon * other.epsilon / sum };
+        Some(Size { sigma: 0.5 * (one.sigma + other.sigma), epsilon })
     }
 }

@@ -31,9 +31,6 @@ impl CombiningRule for LorentzBerthelot {
     }
 
     fn deviating(&self, deviation: Deviation) -> Self {
-        Self {
-            k: deviation.k.unwrap_or(self.k),
-            l: deviation.l.unwrap_or(self.l),
-        }
+        Self { k: deviation.k.unwrap_or(self.k), l: deviation.l.unwrap_or(self.l) }
     }
 }

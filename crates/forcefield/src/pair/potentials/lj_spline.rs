@@ -68,9 +68,7 @@ impl PairPotential for LjSpline {
             curvature: x.mul_add(number(6.0 * b), number(2.0 * a)),
         };
         // Registers know no branch: the weight of the spline is 0 inside the joint and 1 outside, exactly.
-        let outside = ((r2 - number(JOINT2)) * number(STEEP))
-            .max(number(0.0))
-            .min(number(1.0));
+        let outside = ((r2 - number(JOINT2)) * number(STEEP)).max(number(0.0)).min(number(1.0));
         let inside = number(1.0) - outside;
         let choose = |lj: R, spline: R| outside.mul_add(spline, inside * lj);
         Pair {
@@ -96,11 +94,7 @@ mod tests {
 
     fn model() -> Model {
         let options = PotentialOptions::LjSpline(LjSpline {});
-        Model::new(
-            &options,
-            &TruncationOptions::new(TruncationKind::Shift, 2.5),
-        )
-        .unwrap()
+        Model::new(&options, &TruncationOptions::new(TruncationKind::Shift, 2.5)).unwrap()
     }
 
     /// ∫ f dr over [from, to] by Simpson's rule.
@@ -113,9 +107,7 @@ mod tests {
             k if k % 2 == 1 => 4.0,
             _ => 2.0,
         };
-        (0..=steps)
-            .map(|k| h / 3.0 * weight(k) * f(from + h * f64::from(k)))
-            .sum()
+        (0..=steps).map(|k| h / 3.0 * weight(k) * f(from + h * f64::from(k))).sum()
     }
 
     #[test]
@@ -134,10 +126,8 @@ mod tests {
     #[test]
     fn two_derivatives_are_continuous_at_the_joint_and_one_at_the_end() {
         let model = model();
-        let (below, above) = (
-            model.eval(JOINT2 * (1.0 - 1e-15)),
-            model.eval(JOINT2 * (1.0 + 1e-15)),
-        );
+        let (below, above) =
+            (model.eval(JOINT2 * (1.0 - 1e-15)), model.eval(JOINT2 * (1.0 + 1e-15)));
         for (a, b) in [
             (below.energy, above.energy),
             (below.force, above.force),

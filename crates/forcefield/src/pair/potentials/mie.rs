@@ -29,18 +29,9 @@ impl Potential for Mie {
     };
     /// Even and odd exponents, and Lennard-Jones.
     const EXAMPLES: &'static [Self] = &[
-        Self {
-            repulsive: 14,
-            attractive: 6,
-        },
-        Self {
-            repulsive: 11,
-            attractive: 5,
-        },
-        Self {
-            repulsive: 12,
-            attractive: 6,
-        },
+        Self { repulsive: 14, attractive: 6 },
+        Self { repulsive: 11, attractive: 5 },
+        Self { repulsive: 12, attractive: 6 },
     ];
     type Formula = Formula;
 
@@ -83,10 +74,7 @@ impl Formula {
     #[inline(always)]
     fn powers<R: Real>(&self, inv_r2: R) -> (R, R) {
         let c = inv_r2.splat(self.strength);
-        (
-            c * inverse_power(inv_r2, self.n),
-            c * inverse_power(inv_r2, self.m),
-        )
+        (c * inverse_power(inv_r2, self.n), c * inverse_power(inv_r2, self.m))
     }
 }
 
@@ -117,11 +105,7 @@ impl PairPotential for Formula {
         let (n, m) = (f64::from(self.n), f64::from(self.m));
         let powers = self.powers(inv_r2);
         let of_laplacian = sum(powers, n * (n - 1.0), m * (m - 1.0));
-        let sums = [
-            of_n + powers.0,
-            of_m + powers.1,
-            inv_r2.mul_add(of_laplacian, laplacian),
-        ];
+        let sums = [of_n + powers.0, of_m + powers.1, inv_r2.mul_add(of_laplacian, laplacian)];
         (inv_r2 * sum(powers, n, m), sums)
     }
 
@@ -154,27 +138,14 @@ mod tests {
 
     #[test]
     fn twelve_and_six_are_lennard_jones_and_every_minimum_is_minus_one() {
-        let mie = |repulsive, attractive| {
-            Mie {
-                repulsive,
-                attractive,
-            }
-            .formula()
-        };
+        let mie = |repulsive, attractive| Mie { repulsive, attractive }.formula();
         let lennard_jones = LennardJones {};
         for r in [0.9_f64, 1.0, 1.122_462, 1.7, 2.5] {
             let (r2, inv_r2) = (r * r, (r * r).recip());
             let (a, b) = (mie(12, 6).eval(r2, inv_r2), lennard_jones.eval(r2, inv_r2));
             let unit = LennardJones::UNIT;
-            for (a, b) in [
-                (a.energy, b.energy),
-                (a.force, b.force),
-                (a.curvature, b.curvature),
-            ] {
-                assert!(
-                    (a - unit * b).abs() < 1e-12 * (1.0 + a.abs()),
-                    "{r}: {a} {b}"
-                );
+            for (a, b) in [(a.energy, b.energy), (a.force, b.force), (a.curvature, b.curvature)] {
+                assert!((a - unit * b).abs() < 1e-12 * (1.0 + a.abs()), "{r}: {a} {b}");
             }
         }
         for (of_mie, of_lennard_jones) in [

@@ -40,11 +40,7 @@ impl PairPotential for NoPotential {
     #[inline(always)]
     fn eval<R: Real>(&self, r2: R, _inv_r2: R) -> Pair<R> {
         let zero = r2.splat(0.0);
-        Pair {
-            energy: zero,
-            force: zero,
-            curvature: zero,
-        }
+        Pair { energy: zero, force: zero, curvature: zero }
     }
 
     fn tail_energy(&self, _r_cut: f64) -> f64 {

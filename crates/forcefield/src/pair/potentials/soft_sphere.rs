@@ -26,11 +26,8 @@ impl Potential for SoftSphere {
         is_lennard_jones: false,
     };
     /// Even and odd exponents, and the longest tail.
-    const EXAMPLES: &'static [Self] = &[
-        Self { exponent: 12 },
-        Self { exponent: 9 },
-        Self { exponent: 4 },
-    ];
+    const EXAMPLES: &'static [Self] =
+        &[Self { exponent: 12 }, Self { exponent: 9 }, Self { exponent: 4 }];
     type Formula = Self;
 
     fn formula(&self) -> Self {

@@ -36,11 +36,7 @@ impl Table {
     /// # Errors
     /// [`OptionError`] where there is no file, where it is no table, or where its content has changed.
     fn open(&self) -> Result<(&'static Tabulated, Checksum), OptionError> {
-        let refuse = |found: String, allowed: String| OptionError {
-            key: "file",
-            found,
-            allowed,
-        };
+        let refuse = |found: String, allowed: String| OptionError { key: "file", found, allowed };
         let Some(path) = self.file else {
             return Err(OptionError {
                 key: "kind",
@@ -100,10 +96,7 @@ impl Potential for Table {
 
     fn formula(&self) -> Formula {
         let (table, _) = self.open().expect("checked before");
-        Formula {
-            table,
-            tail_exponent: self.tail_exponent,
-        }
+        Formula { table, tail_exponent: self.tail_exponent }
     }
 
     fn in_words(&self) -> String {
@@ -161,15 +154,9 @@ impl Potential for Table {
     }
 
     fn with_file(&self, file: TablePath) -> Result<Self, OptionError> {
-        let moved = Self {
-            file: Some(file),
-            ..*self
-        };
+        let moved = Self { file: Some(file), ..*self };
         let (_, checksum) = moved.open()?;
-        Ok(Self {
-            checksum: Some(checksum),
-            ..moved
-        })
+        Ok(Self { checksum: Some(checksum), ..moved })
     }
 }
 
@@ -189,9 +176,7 @@ impl Formula {
 
     /// By how much ∫ r² U dr beyond the table changes from the exponent of the options to the exponent at the end of the table.
     fn tail_error(&self) -> f64 {
-        let written = self
-            .tail_exponent
-            .map_or(0.0, |p| self.beyond(f64::from(p)));
+        let written = self.tail_exponent.map_or(0.0, |p| self.beyond(f64::from(p)));
         (written - self.beyond(self.table.exponent_at_end())).abs()
     }
 }
@@ -215,9 +200,7 @@ impl PairPotential for Formula {
     }
 
     fn tail_energy(&self, r_cut: f64) -> f64 {
-        let beyond = self
-            .tail_exponent
-            .map_or(0.0, |p| self.beyond(f64::from(p)));
+        let beyond = self.tail_exponent.map_or(0.0, |p| self.beyond(f64::from(p)));
         self.table.integral(r_cut) + beyond
     }
 
@@ -227,11 +210,7 @@ impl PairPotential for Formula {
         let at_cut = self.eval(r2, r2.recip()).energy;
         let (end, (energy, _)) = (self.table.range.1, self.table.at_end());
         // Without a tail the integral ends with the table.
-        let at_end = if self.tail_exponent.is_some() {
-            0.0
-        } else {
-            end.powi(3) * energy
-        };
+        let at_end = if self.tail_exponent.is_some() { 0.0 } else { end.powi(3) * energy };
         at_end - r_cut.powi(3) * at_cut - 3.0 * self.tail_energy(r_cut)
     }
 }

@@ -46,10 +46,7 @@ impl PairPotential for Wca {
     #[inline(always)]
     fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
         let pair = LennardJones {}.eval(r2, inv_r2);
-        Pair {
-            energy: pair.energy + inv_r2.splat(1.0 / Self::UNIT),
-            ..pair
-        }
+        Pair { energy: pair.energy + inv_r2.splat(1.0 / Self::UNIT), ..pair }
     }
 
     fn tail_energy(&self, _r_cut: f64) -> f64 {
