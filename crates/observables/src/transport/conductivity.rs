@@ -10,7 +10,7 @@ use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "thermal-conductivity",
-    summary: "thermal conductivity from the correlation of the heat flux (Green–Kubo), with its Einstein–Helfand cross-check",
+    summary: "thermal conductivity from the correlation of the heat flux (Green–Kubo)",
     equation: "λ = V/(3T²) ∫₀^∞ ⟨J(0)·J(t)⟩ dt; V J = Σ_i [e_i v_i + ½ Σ_{j≠i} r_ij (F_ij·v_i)], e_i = ½ m v_i² + ½ Σ_j U(r_ij)",
     source: "J. H. Irving and J. G. Kirkwood, The statistical mechanical theory of transport processes IV, J. Chem. Phys. 18, 817 (1950), \
              equation 6.16; M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), equations 2.122 and 2.123",

@@ -39,12 +39,12 @@ pub struct Words {
 /// than three of its errors, the number is incomplete. Where t_d is not reached within half the window, there is no
 /// number.
 ///
-/// **Cross-check.** Half the slope of ⟨(G(t) − G(0))²⟩, G = ∫ j dt, over the same stretch of lags is the same
+/// **Cross-check** of mutual diffusion. Half the slope of ⟨(G(t) − G(0))²⟩, G = ∫ j dt, over the same stretch of lags is the same
 /// number by the road of Einstein and Helfand.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct GreenKubo {
     correlator: Correlator,
-    helfand: Helfand,
+    helfand: Option<Helfand>,
     window: f64,
     temperature: BlockedSums,
 }
@@ -59,15 +59,23 @@ impl GreenKubo {
     pub(crate) fn new(channels: usize, interval: f64, window: f64) -> Self {
         Self {
             correlator: Correlator::new(channels, interval, window),
-            helfand: Helfand::new(channels, interval, window),
+            helfand: None,
             window,
             temperature: BlockedSums::new(1),
         }
     }
 
+    /// The same with the cross-check.
+    pub(crate) fn with_helfand(channels: usize, interval: f64, window: f64) -> Self {
+        let helfand = Some(Helfand::new(channels, interval, window));
+        Self { helfand, ..Self::new(channels, interval, window) }
+    }
+
     pub(crate) fn push(&mut self, flux: &[f64], temperature: f64) {
         self.correlator.push(flux);
-        self.helfand.push(flux);
+        if let Some(helfand) = &mut self.helfand {
+            helfand.push(flux);
+        }
         self.temperature.add_sample([temperature]);
     }
 
@@ -106,8 +114,8 @@ impl GreenKubo {
             findings.averages.push(average.doubted(doubt.clone()));
         };
         add(words.name, value, &blocks);
-        let helfand = self.helfand.after(discarded);
-        if let Some((slope, blocks)) = helfand.half_slope(from, to) {
+        let helfand = self.helfand.as_ref().map(|helfand| helfand.after(discarded));
+        if let Some((slope, blocks)) = helfand.and_then(|helfand| helfand.half_slope(from, to)) {
             let blocks: Vec<f64> = blocks.iter().map(|b| prefactor * b).collect();
             let name = format!("{}_einstein_helfand", words.name);
             add(&name, prefactor * slope, &blocks);
@@ -115,8 +123,13 @@ impl GreenKubo {
         let kept = self.temperature.after(discarded).samples();
         tell_discarded(&mut findings, self.temperature.samples() - kept);
         findings.remark(format!(
-            "{}: plateau of the Green–Kubo integral from {from:.2} to {to:.2} τ; the Einstein–Helfand value is the slope over the same lags",
-            words.plain
+            "{}: plateau of the Green–Kubo integral from {from:.2} to {to:.2} τ{}",
+            words.plain,
+            if self.helfand.is_some() {
+                "; the Einstein–Helfand value is the slope over the same lags"
+            } else {
+                ""
+            }
         ));
         findings.tables.extend(self.table(&correlation, prefactor, words));
         findings
@@ -202,7 +215,7 @@ mod tests {
     /// Three channels with correlation φ^k and unit variance.
     fn found(phi: f64, interval: f64, n: usize, seed: u64) -> Findings {
         let series: Vec<Vec<f64>> = (0..3).map(|c| Ar1::new(phi, 3 * seed + c).series(n)).collect();
-        let mut both = GreenKubo::new(3, interval, 4.0);
+        let mut both = GreenKubo::with_helfand(3, interval, 4.0);
         for ((a, b), c) in series[0].iter().zip(&series[1]).zip(&series[2]) {
             both.push(&[*a, *b, *c], 1.0);
         }

@@ -82,7 +82,7 @@ impl MutualDiffusion {
         context.has_species(&options.species())?;
         Ok(Self {
             species: context.species.clone(),
-            flux: GreenKubo::new(3, interval, options.window),
+            flux: GreenKubo::with_helfand(3, interval, options.window),
         })
     }
 

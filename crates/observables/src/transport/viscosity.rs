@@ -9,11 +9,10 @@ use crate::{BuildContext, ObservableError, PressureTensor, Recipe, Surroundings}
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "shear-viscosity",
-    summary: "shear viscosity from the correlation of the pressure tensor (Green–Kubo), with its Einstein–Helfand cross-check",
+    summary: "shear viscosity from the correlation of the pressure tensor (Green–Kubo)",
     equation: "η = V/T ∫₀^∞ ⟨P_s(0) P_s(t)⟩ dt, averaged over the five independent components P_s of the traceless symmetric pressure tensor",
     source: "P. J. Daivis and D. J. Evans, Comparison of constant pressure and constant volume nonequilibrium simulations of \
-             sheared model decane, J. Chem. Phys. 100, 541 (1994), equation 11; \
-             E. Helfand, Phys. Rev. 119, 1 (1960)",
+             sheared model decane, J. Chem. Phys. 100, 541 (1994), equation 11",
     dynamic: true,
     suits: lennard_core::Suits::Atoms,
 };
