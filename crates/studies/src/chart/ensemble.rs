@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use lennard_core::Want;
+use lennard_core::{Estimate, Want};
 use lennard_engine::{
     Action, EngineError, Follower, Operation, Schedule, Simulation, Trigger, measured_stage,
 };
@@ -12,7 +12,7 @@ use lennard_scene::{Scene, model_kind};
 
 use super::types::{ChartedPoint, Ensemble, Reference, Sampled};
 use crate::StudyError;
-use crate::lab::{Drift, ShortStage, Value, Workbench};
+use crate::lab::{Drift, ShortStage, Workbench};
 use crate::settings::Settings;
 
 /// Time between two looks at the volume, τ.
@@ -47,7 +47,7 @@ pub(super) fn sample(
     let held = stage.barostat.as_ref().map_or(f64::NAN, |c| c.pressure);
     let thermodynamics = simulation.thermodynamics();
     let rows = thermodynamics.series();
-    let value = |series: &[f64]| Value::from(statistics::estimate_stationary(series));
+    let value = |series: &[f64]| statistics::estimate_stationary(series);
     let (pressure, density) = (value(&rows.pressure), value(&densities));
     let conservation = thermodynamics.conservation();
     let moves = simulation.stage.as_ref().and_then(|s| s.integrator.box_moves());
@@ -55,7 +55,7 @@ pub(super) fn sample(
         time: sampled as f64 * dt,
         temperature: value(&rows.temperature_of_positions),
         pressure,
-        pressure_off: Value {
+        pressure_off: Estimate {
             mean: pressure.mean - held - missing * density.mean * stage.temperature,
             ..pressure
         },
@@ -103,17 +103,13 @@ impl Follower for Volumes {
 
 /// The variance of a correlated series with its standard error: the mean square about the mean, over 1 − 1/n for n independent
 /// samples.
-fn variance(series: &[f64]) -> Value {
+fn variance(series: &[f64]) -> Estimate {
     let mean = statistics::estimate_stationary(series);
     let squares: Vec<f64> = series.iter().map(|x| (x - mean.mean).powi(2)).collect();
     let found = statistics::estimate_stationary(&squares);
     let n = mean.n_effective.max(2.0);
     let unbiased = n / (n - 1.0);
-    Value {
-        mean: unbiased * found.mean,
-        standard_error: unbiased * found.standard_error,
-        n_effective: found.n_effective,
-    }
+    Estimate::new(unbiased * found.mean, unbiased * found.standard_error, found.n_effective)
 }
 
 /// The ensemble of the scene of a workbench, with the reference that its finished points are compared with.
@@ -185,7 +181,7 @@ fn reference(
 
 /// The mean of values, each as heavy as its number of independent samples, with its standard error. The errors themselves are no good
 /// weights: a variance that came out small by chance has a small error too.
-fn together(values: impl Iterator<Item = Value>) -> Option<(f64, f64)> {
+fn together(values: impl Iterator<Item = Estimate>) -> Option<(f64, f64)> {
     let (mut weights, mut sum, mut squares) = (0.0, 0.0, 0.0);
     for value in values.filter(|v| v.standard_error.is_finite() && v.n_effective > 0.0) {
         let weight = value.n_effective;
@@ -205,7 +201,7 @@ mod tests {
 
     #[test]
     fn the_mean_of_runs_trusts_the_long_ones() {
-        let value = |mean, standard_error, n_effective| Value { mean, standard_error, n_effective };
+        let value = Estimate::new;
         let (mean, error) =
             together([value(1.0, 1.0, 10.0), value(2.0, 0.5, 40.0)].into_iter()).unwrap();
         assert!((mean - 1.8).abs() < 1e-12 && (error - 500.0_f64.sqrt() / 50.0).abs() < 1e-12);

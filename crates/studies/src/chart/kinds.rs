@@ -1,12 +1,13 @@
 //! The kinds of error, one a diagram: what each is about, and how it is read from a point.
 
 use crate::report::significant;
+use lennard_core::Estimate;
 
 use super::types::{
     Against, Chart, ChartedPoint, Ensemble, Errors, Outcome, Panel, Sampled, Tightest, median,
 };
 use crate::StudyError;
-use crate::lab::{AgainstEquation, Measured, Value, Workbench};
+use crate::lab::{AgainstEquation, Measured, Workbench};
 use crate::settings::Settings;
 
 /// Rounding of a number in double precision, 2⁻⁵³.
@@ -95,7 +96,7 @@ fn of_forces_at_start(read: impl Fn(&Errors) -> Option<f64> + 'static) -> Read {
     })
 }
 
-fn value(v: Value) -> Option<Error> {
+fn value(v: Estimate) -> Option<Error> {
     Some((v.mean, Some(v.standard_error)))
 }
 
@@ -212,7 +213,7 @@ fn of_thermodynamics(
             judged.push(point.number);
         }
     }
-    let against_equation = |pick: fn(&AgainstEquation) -> Value| -> Read {
+    let against_equation = |pick: fn(&AgainstEquation) -> Estimate| -> Read {
         let (judged, read) =
             (judged.clone(), of_run(move |m| value(pick(m.against_equation.as_ref()?))));
         Box::new(
@@ -223,7 +224,7 @@ fn of_thermodynamics(
     };
     let of_tightest = tight.measured().cloned();
     let number = tight.number;
-    type Pick = fn(&Measured) -> Value;
+    type Pick = fn(&Measured) -> Estimate;
     let against_tightest = |pick: Pick| -> Read {
         let of_tightest = of_tightest.clone();
         let read = of_run(move |m| {
@@ -348,7 +349,7 @@ fn of_baths(ensemble: &Ensemble) -> Vec<Kind> {
             "Mean density",
             "(ρ − reference) / σ⁻³",
             format!("⟨ρ⟩ beside {source}."),
-            of_sample(move |s| value(Value { mean: s.density.mean - density, ..s.density })),
+            of_sample(move |s| value(Estimate { mean: s.density.mean - density, ..s.density })),
         )
         .first("ρ / σ⁻³"),
         kind(

@@ -1,6 +1,6 @@
 //! The page of a chart.
 
-use lennard_core::{Cell, Table, Tone};
+use lennard_core::{Cell, Estimate, Table, Tone};
 
 use super::advice::{basis, unresolved};
 use super::figures;
@@ -9,7 +9,7 @@ use super::types::{
     Advice, Against, Axis, Chart, ChartedPoint, Ensemble, Errors, Mark, Outcome, Panel, Reference,
     Sampled,
 };
-use crate::lab::{Measured, Value};
+use crate::lab::Measured;
 use crate::report::{Block, Page, Section, counted, significant};
 
 /// Standard errors beyond which a mean under baths is called off.
@@ -238,7 +238,7 @@ fn off(reference: Option<&Reference>, point: &ChartedPoint) -> Vec<&'static str>
     let (Some(found), Some(reference)) = (point.sampled(), reference) else {
         return Vec::new();
     };
-    let beyond = |value: Value, target: f64, own: Option<f64>| {
+    let beyond = |value: Estimate, target: f64, own: Option<f64>| {
         (value.mean - target).abs() > OFF * value.standard_error.hypot(own.unwrap_or(0.0))
     };
     let all = [
@@ -296,7 +296,7 @@ fn all_points(chart: &Chart) -> Section {
     let errors = |p: &'_ ChartedPoint, pick: fn(&Errors) -> Option<f64>| {
         Cell::rounded(p.errors.as_ref().and_then(pick), 3)
     };
-    let value = |p: &ChartedPoint, pick: fn(&Measured) -> Value| {
+    let value = |p: &ChartedPoint, pick: fn(&Measured) -> Estimate| {
         let value = p.measured().map(pick).filter(|v| v.mean.is_finite());
         value.map(|v| (v.mean, v.standard_error))
     };

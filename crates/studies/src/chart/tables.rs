@@ -1,11 +1,11 @@
 //! The numbers of a chart as tables.
 
-use lennard_core::Table;
 use lennard_core::stopwatch::Spread;
+use lennard_core::{Estimate, Table};
 use serde::Serialize;
 
 use super::types::{Against, Chart, ChartedPoint, Panel, Reference, Sampled};
-use crate::lab::{Measured, Value};
+use crate::lab::Measured;
 
 /// Every point with everything that is known of it.
 pub(super) fn points(chart: &Chart) -> Table {
@@ -24,7 +24,9 @@ fn failure(point: &ChartedPoint) -> &str {
 }
 
 /// What a run under baths sampled, with its error.
-pub(super) fn sampled(pick: fn(&Sampled) -> Value) -> impl Fn(&ChartedPoint) -> Option<(f64, f64)> {
+pub(super) fn sampled(
+    pick: fn(&Sampled) -> Estimate,
+) -> impl Fn(&ChartedPoint) -> Option<(f64, f64)> {
     move |p| p.sampled().map(pick).map(|v| (v.mean, v.standard_error))
 }
 
@@ -118,7 +120,7 @@ fn of_settings(chart: &Chart) -> Table {
         .table()
 }
 
-type Pick = fn(&Measured) -> Value;
+type Pick = fn(&Measured) -> Estimate;
 
 /// The measured values: name, unit and where they stand.
 const VALUES: [(&str, &str, Pick); 4] = [

@@ -1,5 +1,6 @@
 //! What is asked of a chart, what is known of its points, and what its diagrams hold.
 
+use lennard_core::Estimate;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -7,9 +8,7 @@ use lennard_core::stopwatch::BUSY;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
-use crate::lab::{
-    Cost, Drift, Failed, ForceErrors, Measured, Slopes, Timing, TrajectoryError, Value,
-};
+use crate::lab::{Cost, Drift, Failed, ForceErrors, Measured, Slopes, Timing, TrajectoryError};
 use crate::settings::Settings;
 
 /// Why a chart cannot be made.
@@ -168,17 +167,17 @@ pub struct Sampled {
     /// Time that was sampled, τ.
     pub time: f64,
     /// Temperature of the positions, ε/k_B.
-    pub temperature: Value,
+    pub temperature: Estimate,
     /// Pressure ρT + W/(3V) with tail, ε/σ³.
-    pub pressure: Value,
+    pub pressure: Estimate,
     /// The same less what the ensemble of this N has: P₀ + (1 − n_dof/3N)·⟨ρ⟩·T.
-    pub pressure_off: Value,
+    pub pressure_off: Estimate,
     /// Number density of molecules or particles, σ⁻³.
-    pub density: Value,
+    pub density: Estimate,
     /// Volume, σ³.
-    pub volume: Value,
+    pub volume: Estimate,
     /// Variance of the volume, σ⁶.
-    pub variance: Value,
+    pub variance: Estimate,
     /// Drift of the conserved energy, ε/τ per particle.
     pub drift: Drift,
     /// Accepted share of the proposed changes of the box; absent where none is proposed.

@@ -18,47 +18,15 @@ const SETTLING_TIME: f64 = 1.0;
 /// … or for this share of a run that is short.
 const LARGEST_SETTLING_SHARE: f64 = 0.2;
 
-/// A mean with its standard error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Value {
-    /// The mean.
-    pub mean: f64,
-    /// Its standard error, correlation included.
-    pub standard_error: f64,
-    /// Independent samples that it is worth.
-    pub n_effective: f64,
-}
-
-impl From<Estimate> for Value {
-    fn from(e: Estimate) -> Self {
-        Self { mean: e.mean, standard_error: e.standard_error, n_effective: e.n_effective }
-    }
-}
-
-impl Value {
-    /// A value that was not measured.
-    const UNKNOWN: Self = Self { mean: f64::NAN, standard_error: f64::NAN, n_effective: 0.0 };
-
-    /// The mean of independent values of equal weight.
-    #[must_use]
-    pub fn mean_of(values: &[Self]) -> Self {
-        let n = values.len() as f64;
-        Self {
-            mean: values.iter().map(|v| v.mean).sum::<f64>() / n,
-            standard_error: values.iter().map(|v| v.standard_error.powi(2)).sum::<f64>().sqrt() / n,
-            n_effective: values.iter().map(|v| v.n_effective).sum(),
-        }
-    }
-
-    /// This less another, independent one.
-    #[must_use]
-    pub fn minus(&self, other: &Self) -> Self {
-        Self {
-            mean: self.mean - other.mean,
-            standard_error: self.standard_error.hypot(other.standard_error),
-            n_effective: self.n_effective.min(other.n_effective),
-        }
-    }
+/// The mean of independent values of equal weight.
+#[must_use]
+pub fn mean_of(values: &[Estimate]) -> Estimate {
+    let n = values.len() as f64;
+    Estimate::new(
+        values.iter().map(|v| v.mean).sum::<f64>() / n,
+        values.iter().map(|v| v.standard_error.powi(2)).sum::<f64>().sqrt() / n,
+        values.iter().map(|v| v.n_effective).sum(),
+    )
 }
 
 /// Drift of the energy that the forces conserve.
@@ -76,9 +44,9 @@ pub struct AgainstEquation {
     /// The equation.
     pub source: String,
     /// U − U_EOS at the temperature of the positions, ε.
-    pub potential_energy: Value,
+    pub potential_energy: Estimate,
     /// P − P_EOS at the temperature of the positions, ε/σ³.
-    pub pressure: Value,
+    pub pressure: Estimate,
     /// What the equation itself is off by, where that is known: U and P.
     pub own_uncertainty: Option<(f64, f64)>,
 }
@@ -89,22 +57,22 @@ pub struct Measured {
     /// Simulated time that was sampled, τ.
     pub time: f64,
     /// Kinetic temperature of whole steps, ε/k_B.
-    pub temperature: Value,
+    pub temperature: Estimate,
     /// Temperature of the positions, ε/k_B: half steps have it where the method has half steps, else whole steps. U and P
     /// of every run are judged at this temperature.
-    pub temperature_of_positions: Value,
+    pub temperature_of_positions: Estimate,
     /// Configurational temperature, ε/k_B.
-    pub configurational_temperature: Value,
+    pub configurational_temperature: Estimate,
     /// The first less the second, sample by sample.
-    pub temperature_difference: Value,
+    pub temperature_difference: Estimate,
     /// Potential energy per particle, of the model with its tail where it has one, ε.
-    pub potential_energy: Value,
+    pub potential_energy: Estimate,
     /// Pressure, of the model with its tail where it has one, ε/σ³.
-    pub pressure: Value,
+    pub pressure: Estimate,
     /// The same potential energy at the temperature of [`Slopes`].
-    pub potential_energy_at_reference: Value,
+    pub potential_energy_at_reference: Estimate,
     /// The same pressure at the temperature of [`Slopes`].
-    pub pressure_at_reference: Value,
+    pub pressure_at_reference: Estimate,
     /// Root mean square of the energy that the forces conserve about its drift, ε per particle.
     pub energy_rms: f64,
     /// Its drift.
@@ -172,23 +140,23 @@ impl Workbench {
         cut: usize,
         slopes: &Slopes,
     ) -> Result<Measured, StudyError> {
-        let of = |column: &[f64]| Value::from(statistics::estimate_after(column, cut));
+        let of = |column: &[f64]| statistics::estimate_after(column, cut);
         let temperature = of(&rows.temperature_of_positions);
-        let about = |column: &[f64], slope: f64| -> Value {
+        let about = |column: &[f64], slope: f64| -> Estimate {
             let positions = &rows.temperature_of_positions;
-            statistics::about_line(column, positions, slope, cut).into()
+            statistics::about_line(column, positions, slope, cut)
         };
         let at_reference = |column: &[f64], slope: f64| {
             let value = about(column, slope);
-            Value { mean: value.mean - slope * (temperature.mean - slopes.temperature), ..value }
+            Estimate { mean: value.mean - slope * (temperature.mean - slopes.temperature), ..value }
         };
         let line = statistics::drift(&rows.time, &rows.conserved_energy);
         Ok(Measured {
             time: rows.time.last().copied().unwrap_or(0.0),
             temperature: of(&rows.temperature),
             temperature_of_positions: temperature,
-            configurational_temperature: Value::UNKNOWN,
-            temperature_difference: Value::UNKNOWN,
+            configurational_temperature: Estimate::UNKNOWN,
+            temperature_difference: Estimate::UNKNOWN,
             potential_energy: of(&rows.potential_energy),
             pressure: of(&rows.pressure),
             potential_energy_at_reference: at_reference(&rows.potential_energy, slopes.du_dt),
@@ -211,7 +179,7 @@ impl Workbench {
         &self,
         settings: &Settings,
         temperature: f64,
-        about: impl Fn(f64, f64) -> (Value, Value),
+        about: impl Fn(f64, f64) -> (Estimate, Estimate),
     ) -> Result<Option<AgainstEquation>, StudyError> {
         let model = model_kind(&settings.apply(self.scene())?);
         let density = self.start().density_of_molecules(self.scene());
@@ -220,7 +188,7 @@ impl Workbench {
         Ok(covered.map(|equation| {
             let state = equation.at(density, temperature);
             let (u, p) = about(state.du_dt, state.dp_dt);
-            let less = |v: Value, reference: f64| Value { mean: v.mean - reference, ..v };
+            let less = |v: Estimate, reference: f64| Estimate { mean: v.mean - reference, ..v };
             AgainstEquation {
                 source: equation.spec().name.clone(),
                 potential_energy: less(u, state.potential_energy),
@@ -247,10 +215,12 @@ impl Workbench {
 /// U and P less the values of the equation of state, as the comparison of a run corrects and judges them.
 fn beside(comparison: &Comparison, rows: &ThermoSeries, cut: usize) -> Option<AgainstEquation> {
     let entry = |quantity: &str| comparison.entries.iter().find(|e| e.quantity == quantity);
-    let difference = |entry: &lennard_io::Comparison, column: &[f64]| Value {
-        mean: entry.difference,
-        standard_error: entry.standard_error,
-        n_effective: statistics::estimate_after(column, cut).n_effective,
+    let difference = |entry: &lennard_io::Comparison, column: &[f64]| {
+        Estimate::new(
+            entry.difference,
+            entry.standard_error,
+            statistics::estimate_after(column, cut).n_effective,
+        )
     };
     let (u, p) = entry("potential_energy").zip(entry("pressure"))?;
     Some(AgainstEquation {
@@ -263,7 +233,7 @@ fn beside(comparison: &Comparison, rows: &ThermoSeries, cut: usize) -> Option<Ag
 
 /// T − T_conf with its error: to first order it fluctuates as T_i − (F²_i − T_conf·L_i)/⟨L⟩, with F² the mean square
 /// force and L the Laplacian of a particle.
-fn temperature_difference(found: &Thermodynamics, cut: usize) -> Value {
+fn temperature_difference(found: &Thermodynamics, cut: usize) -> Estimate {
     let rows = found.series();
     let ratio = statistics::ratio(&rows.squared_force, &rows.laplacian, cut).0.mean;
     let from = cut.min(rows.laplacian.len());
@@ -275,7 +245,7 @@ fn temperature_difference(found: &Thermodynamics, cut: usize) -> Value {
             rows.temperature[i] - configurational
         })
         .collect();
-    statistics::estimate_stationary(&differences).into()
+    statistics::estimate_stationary(&differences)
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ mod untruncated;
 mod workbench;
 
 pub use forces::ForceErrors;
-pub use measured::{AgainstEquation, Drift, Measured, Value};
+pub use measured::{AgainstEquation, Drift, Measured, mean_of};
 pub use motion::TrajectoryError;
 pub use rig::Rig;
 pub use slopes::Slopes;

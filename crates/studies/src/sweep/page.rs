@@ -66,9 +66,11 @@ fn remarks(points: &[SweptPoint]) -> Vec<String> {
     }
     counted
         .into_iter()
-        .map(|(remark, n)| {
-            if n > 1 { format!("{remark} ({n} points)") } else { remark.to_string() }
-        })
+        .map(
+            |(remark, n)| {
+                if n > 1 { format!("{remark} ({n} points)") } else { remark.to_string() }
+            },
+        )
         .chain(
             points
                 .iter()

@@ -9,8 +9,8 @@ use super::prices::Prices;
 use super::sample::{Sample, stable_dt_of_springs};
 use super::verify::Runs;
 use super::{Row, TuneError};
-use crate::lab::Value;
 use crate::settings::Settings;
+use lennard_core::Estimate;
 
 /// What a search was made with.
 pub(super) struct Search<'a> {
@@ -177,7 +177,8 @@ pub(super) fn relaxed(accuracy: &Accuracy, planned: [f64; 2]) -> Accuracy {
 
 /// How the chosen settings stand beside an equation of state, or why they do not.
 pub(super) fn beside_equation(scene: &Scene, runs: &Runs) -> String {
-    let value = |v: &Value| format!("{} ± {}", signed(v.mean, 2), significant(v.standard_error, 1));
+    let value =
+        |v: &Estimate| format!("{} ± {}", signed(v.mean, 2), significant(v.standard_error, 1));
     match &runs.against_equation {
         Some((source, u, p)) => {
             let said = format!("beside {source}: U {}, P {}", value(u), value(p));

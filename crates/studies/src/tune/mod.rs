@@ -25,11 +25,12 @@ pub use search::tune;
 pub use speed::Speed;
 pub use verify::Runs;
 
+use lennard_core::Estimate;
 use lennard_forcefield::NeighborOptions;
 use lennard_scene::{Chosen, Judged};
 use serde::Serialize;
 
-use crate::lab::{Cost, Value, Workbench};
+use crate::lab::{Cost, Workbench};
 use crate::settings::Settings;
 
 /// Name and version of the schema of [`Tuning`].
@@ -90,7 +91,7 @@ pub struct Tuning {
     /// Whether the chosen settings are faster than the usual ones, as far as these timings tell.
     pub speed: Speed,
     /// Errors of U and P predicted for the usual settings.
-    pub usual_errors: Option<[Value; 2]>,
+    pub usual_errors: Option<[Estimate; 2]>,
     /// What the chosen settings measured in the verification.
     pub runs: Runs,
     /// Remarks.

@@ -7,7 +7,7 @@ use lennard_observables::{count_distances, count_distances_by_species};
 use lennard_scene::Scene;
 
 use super::TuneError;
-use crate::lab::Value;
+use lennard_core::Estimate;
 
 /// Width of the bins of distance, σ.
 pub(super) const BIN_WIDTH: f64 = 0.02;
@@ -149,23 +149,23 @@ impl Fluid {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Change {
     /// On the same configurations.
-    pub direct: Value,
+    pub direct: Estimate,
     /// By the change of structure.
-    pub response: Value,
+    pub response: Estimate,
 }
 
 impl Change {
     /// The sum, in which a response r ± e counts as r³/(r² + e²), as far as it stands out of its noise. A response
     /// that is lost in noise adds an uncertainty and no error.
-    pub fn total(&self) -> Value {
+    pub fn total(&self) -> Estimate {
         let (r, e) = (self.response.mean, self.response.standard_error);
         let weight = if r == 0.0 { 0.0 } else { r * r / (r * r + e * e) };
         let unsure = e * weight.sqrt().max(0.5);
-        Value {
-            mean: self.direct.mean + weight * r,
-            standard_error: self.direct.standard_error.hypot(unsure),
-            n_effective: self.response.n_effective,
-        }
+        Estimate::new(
+            self.direct.mean + weight * r,
+            self.direct.standard_error.hypot(unsure),
+            self.response.n_effective,
+        )
     }
 }
 

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use lennard_core::{Part, Want};
+use lennard_core::{Estimate, Part, Want};
 use lennard_forcefield::{Model, Precision, SpeciesPair, TruncationKind, TruncationOptions};
 use lennard_scene::Scene;
 use serde::Serialize;
@@ -14,7 +14,7 @@ use super::pairs::{Terms, model_of};
 use super::sample::Sample;
 use super::survey::Survey;
 use crate::jobs::side_by_side_quietly;
-use crate::lab::{Failed, Value, Workbench};
+use crate::lab::{Failed, Workbench};
 use crate::settings::Settings;
 use crate::stability::groups::stands_for_itself;
 
@@ -39,34 +39,33 @@ const SEEN: f64 = 3.0;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Prediction {
     /// By the end of the potential.
-    pub truncation: Value,
+    pub truncation: Estimate,
     /// By the time step.
-    pub step: Value,
+    pub step: Estimate,
     /// By the precision of the pair terms.
-    pub precision: Value,
+    pub precision: Estimate,
     /// Together.
-    pub total: Value,
+    pub total: Estimate,
 }
 
 impl Prediction {
-    fn sum(truncation: Value, step: Value, precision: Value) -> Self {
+    fn sum(truncation: Estimate, step: Estimate, precision: Estimate) -> Self {
         let parts = [truncation, step, precision];
         let variance: f64 = parts.iter().map(|p| p.standard_error.powi(2)).sum();
         Self {
             truncation,
             step,
             precision,
-            total: Value {
-                mean: parts.iter().map(|p| p.mean).sum(),
-                standard_error: variance.sqrt(),
-                n_effective: truncation.n_effective.min(step.n_effective),
-            },
+            total: Estimate::new(
+                parts.iter().map(|p| p.mean).sum(),
+                variance.sqrt(),
+                truncation.n_effective.min(step.n_effective),
+            ),
         }
     }
 }
 
-pub(super) const NOTHING: Value =
-    Value { mean: 0.0, standard_error: 0.0, n_effective: f64::INFINITY };
+pub(super) const NOTHING: Estimate = Estimate::new(0.0, 0.0, f64::INFINITY);
 
 /// Models of every error, from one survey.
 pub(super) struct Models<'a> {
@@ -74,13 +73,13 @@ pub(super) struct Models<'a> {
     survey: &'a Survey,
     stability: &'a Stability,
     /// Coefficients of dt^order in U and P.
-    law: [Value; 2],
+    law: [Estimate; 2],
     order: i32,
     /// Errors of U and P in mixed precision.
-    mixed: [Value; 2],
+    mixed: [Estimate; 2],
     /// The potential without any cutoff, where U and P wanted are its own.
     full: Option<Terms>,
-    known: BTreeMap<(u8, bool, u64), [Value; 2]>,
+    known: BTreeMap<(u8, bool, u64), [Estimate; 2]>,
     /// What measurements have added to the truncation's part: at which cutoff, and to U and P.
     learnt: Option<(f64, [f64; 2])>,
 }
@@ -152,12 +151,14 @@ impl<'a> Models<'a> {
     }
 
     /// The errors of U and P by the step alone.
-    pub fn of_step(&self, dt: f64) -> [Value; 2] {
+    pub fn of_step(&self, dt: f64) -> [Estimate; 2] {
         let power = dt.powi(self.order);
-        self.law.map(|a| Value {
-            mean: a.mean * power,
-            standard_error: power * a.standard_error.hypot(NEXT_ORDER * a.mean),
-            n_effective: a.n_effective,
+        self.law.map(|a| {
+            Estimate::new(
+                a.mean * power,
+                power * a.standard_error.hypot(NEXT_ORDER * a.mean),
+                a.n_effective,
+            )
         })
     }
 
@@ -167,7 +168,7 @@ impl<'a> Models<'a> {
         Ok(jump + self.stability.of_step(settings.dt))
     }
 
-    fn of_truncation(&mut self, truncation: TruncationOptions) -> Result<[Value; 2], TuneError> {
+    fn of_truncation(&mut self, truncation: TruncationOptions) -> Result<[Estimate; 2], TuneError> {
         let Some(full) = &self.full else {
             return Ok([NOTHING; 2]);
         };
@@ -194,7 +195,7 @@ impl<'a> Models<'a> {
 }
 
 /// The errors of U and P in mixed precision: one configuration a chain, evaluated in both.
-fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Value; 2], TuneError> {
+fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Estimate; 2], TuneError> {
     let mut differences = Vec::new();
     for end in &survey.ends {
         let at = |precision| {
@@ -212,11 +213,7 @@ fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Value; 2], TuneErro
         differences.push([mixed[0] - double[0], mixed[1] - double[1]]);
     }
     let largest = |i: usize| differences.iter().map(|d| d[i].abs()).fold(0.0, f64::max);
-    Ok([0, 1].map(|i| Value {
-        mean: 0.0,
-        standard_error: largest(i),
-        n_effective: differences.len() as f64,
-    }))
+    Ok([0, 1].map(|i| Estimate::new(0.0, largest(i), differences.len() as f64)))
 }
 
 /// The coefficients of a law dt^order of which nothing is known. Two runs in the scene's own ensemble give them,
@@ -227,7 +224,7 @@ fn fitted_law(
     stability: &Stability,
     order: i32,
     seconds: f64,
-) -> Result<[Value; 2], TuneError> {
+) -> Result<[Estimate; 2], TuneError> {
     let method = sample.own.integrator.method.spec();
     let limit =
         method.stability_limit.unwrap_or(super::sample::VERLET_LIMIT) / super::sample::VERLET_LIMIT;
@@ -252,9 +249,9 @@ fn fitted_law(
     };
     let (a, b) = (careful_run?, long_run?);
     let span = long.dt.powi(order) - careful.dt.powi(order);
-    let of = |x: &Value, y: &Value| {
+    let of = |x: &Estimate, y: &Estimate| {
         let d = y.minus(x);
-        Value { mean: d.mean / span, standard_error: d.standard_error / span, ..d }
+        Estimate { mean: d.mean / span, standard_error: d.standard_error / span, ..d }
     };
     Ok([
         of(&a.potential_energy_at_reference, &b.potential_energy_at_reference),

@@ -1,5 +1,6 @@
 //! From a scene to settings: survey, models, search, verification.
 
+use lennard_core::Estimate;
 use std::time::{Duration, Instant};
 
 use lennard_forcefield::{Precision, TruncationKind};
@@ -16,7 +17,7 @@ use super::survey::Survey;
 use super::verify::{self, Runs};
 use super::{Row, SCHEMA, TuneError, TuneOptions, Tuning};
 use crate::Progress;
-use crate::lab::{Cost, Value, costs};
+use crate::lab::{Cost, costs};
 use crate::settings::Settings;
 
 /// Shares of the time for survey, stability, prices, and the runs that verify; the rest is for the start and the end.
@@ -140,7 +141,7 @@ pub fn tune(
 struct Verified {
     candidate: Candidate,
     runs: Runs,
-    measured: [Value; 2],
+    measured: [Estimate; 2],
 }
 
 /// Chooses and runs, until prediction and measurement together keep every target.
@@ -212,7 +213,11 @@ fn verified(
 }
 
 /// The keys whose errors are above their targets: of U and P, and of a measured drift by two standard errors.
-fn missed(accuracy: &Accuracy, errors: &[Value; 2], drift: Option<&Value>) -> Vec<&'static str> {
+fn missed(
+    accuracy: &Accuracy,
+    errors: &[Estimate; 2],
+    drift: Option<&Estimate>,
+) -> Vec<&'static str> {
     let asked = accuracy.asked().into_iter();
     asked
         .filter(|(key, target, _)| match *key {
@@ -227,7 +232,7 @@ fn missed(accuracy: &Accuracy, errors: &[Value; 2], drift: Option<&Value>) -> Ve
 fn rows(
     accuracy: &Accuracy,
     candidate: &Candidate,
-    measured: &[Value; 2],
+    measured: &[Estimate; 2],
     runs: &Runs,
     planned: [f64; 2],
     each: &str,

@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use lennard_core::Want;
+use lennard_core::{Estimate, Want};
 use lennard_engine::{Action, EngineError, Follower, Operation, Schedule, Simulation, Trigger};
 use lennard_forcefield::TruncationOptions;
 use lennard_observables::statistics;
@@ -14,7 +14,7 @@ use super::TuneError;
 use super::pairs::{BIN_WIDTH, Change, Counts, Fluid, Terms, bins_within, dot};
 use super::sample::Sample;
 use crate::jobs::side_by_side_quietly;
-use crate::lab::{Slopes, Start, Value};
+use crate::lab::{Slopes, Start};
 
 /// Time between two frames, τ: about that in which the pressure forgets itself.
 const FRAME_INTERVAL: f64 = 0.06;
@@ -216,7 +216,7 @@ impl Survey {
     /// with ω² = ⟨∇²U⟩/n_dof, and the temperature of half steps is higher by T·h²ω²/4. At a temperature T̃·(1 − c·h²ω²)
     /// a quantity A is off by h²·(c·ω²·⟨δA δU⟩ − ⟨δA δX⟩)/T. For an oscillator this is zero at half steps, and the exact
     /// ⟨U⟩·h²ω²/4 at whole steps. With other masses |∇U|² is Σ|∇_iU|²/m_i and ∇²U is Σ∇_i²U/m_i.
-    pub fn step_law(&self, half_steps: bool) -> [Value; 2] {
+    pub fn step_law(&self, half_steps: bool) -> [Estimate; 2] {
         let t = self.temperature;
         let c = if half_steps { -1.0 / 12.0 } else { 1.0 / 6.0 };
         let laplacians = self.laplacians();

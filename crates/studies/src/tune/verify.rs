@@ -1,5 +1,6 @@
 //! Chosen settings against the safest, by independent runs.
 
+use lennard_core::Estimate;
 use serde::Serialize;
 
 use super::TuneError;
@@ -7,7 +8,7 @@ use super::predict::Models;
 use super::sample::Sample;
 use super::survey::Survey;
 use crate::jobs::side_by_side_quietly;
-use crate::lab::{Failed, Measured, Value, Workbench};
+use crate::lab::{Failed, Measured, Workbench, mean_of};
 use crate::settings::Settings;
 
 /// What runs of some settings measured together.
@@ -16,35 +17,30 @@ pub struct Runs {
     /// Simulated time of all runs, τ.
     pub time: f64,
     /// U at the temperature of comparison, ε per particle.
-    pub potential_energy: Value,
+    pub potential_energy: Estimate,
     /// P at the temperature of comparison, ε/σ³.
-    pub pressure: Value,
+    pub pressure: Estimate,
     /// Drift of the conserved energy, ε/τ per particle.
-    pub drift: Value,
+    pub drift: Estimate,
     /// The name of the equation of state of this model, and U and P less its values, where there is one.
-    pub against_equation: Option<(String, Value, Value)>,
+    pub against_equation: Option<(String, Estimate, Estimate)>,
 }
 
 impl Runs {
     fn of(runs: &[Measured]) -> Self {
-        let mean = |of: &dyn Fn(&Measured) -> Value| {
-            Value::mean_of(&runs.iter().map(of).collect::<Vec<_>>())
-        };
+        let mean =
+            |of: &dyn Fn(&Measured) -> Estimate| mean_of(&runs.iter().map(of).collect::<Vec<_>>());
         let equation = runs.first().and_then(|r| r.against_equation.as_ref());
         Self {
             time: runs.iter().map(|r| r.time).sum(),
             potential_energy: mean(&|r| r.potential_energy_at_reference),
             pressure: mean(&|r| r.pressure_at_reference),
-            drift: mean(&|r| Value {
-                mean: r.drift.slope,
-                standard_error: r.drift.standard_error,
-                n_effective: f64::NAN,
-            }),
+            drift: mean(&|r| Estimate::new(r.drift.slope, r.drift.standard_error, f64::NAN)),
             against_equation: equation.map(|found| {
                 let all: Vec<_> = runs.iter().filter_map(|r| r.against_equation.as_ref()).collect();
-                let u: Vec<Value> = all.iter().map(|a| a.potential_energy).collect();
-                let p: Vec<Value> = all.iter().map(|a| a.pressure).collect();
-                (found.source.clone(), Value::mean_of(&u), Value::mean_of(&p))
+                let u: Vec<Estimate> = all.iter().map(|a| a.potential_energy).collect();
+                let p: Vec<Estimate> = all.iter().map(|a| a.pressure).collect();
+                (found.source.clone(), mean_of(&u), mean_of(&p))
             }),
         }
     }
@@ -91,25 +87,25 @@ pub(super) fn runs(
 
 /// How far U and P of some settings are from the safest settings: the difference of the runs, and the error that
 /// the safest step still makes.
-pub(super) fn errors(chosen: &Runs, safest: &Runs, models: &Models<'_>, dt: f64) -> [Value; 2] {
+pub(super) fn errors(chosen: &Runs, safest: &Runs, models: &Models<'_>, dt: f64) -> [Estimate; 2] {
     let left = models.of_step(dt);
     let pairs =
         [(chosen.potential_energy, safest.potential_energy), (chosen.pressure, safest.pressure)];
     [0, 1].map(|i| {
         let difference = pairs[i].0.minus(&pairs[i].1);
-        Value { mean: difference.mean + left[i].mean, ..difference }
+        Estimate { mean: difference.mean + left[i].mean, ..difference }
     })
 }
 
 /// Two independent values of the same, each with the weight of its certainty.
-pub(super) fn weighted(a: Value, b: Value) -> Value {
+pub(super) fn weighted(a: Estimate, b: Estimate) -> Estimate {
     let (wa, wb) = (a.standard_error.powi(-2), b.standard_error.powi(-2));
     if !(wa.is_finite() && wb.is_finite() && wb > 0.0) {
         return a;
     }
-    Value {
-        mean: (wa * a.mean + wb * b.mean) / (wa + wb),
-        standard_error: (wa + wb).sqrt().recip(),
-        n_effective: a.n_effective.min(b.n_effective),
-    }
+    Estimate::new(
+        (wa * a.mean + wb * b.mean) / (wa + wb),
+        (wa + wb).sqrt().recip(),
+        a.n_effective.min(b.n_effective),
+    )
 }

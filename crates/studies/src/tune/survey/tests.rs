@@ -130,7 +130,7 @@ fn a_shell_of_neighbors_beyond_the_cutoff_is_missed_by_its_energy() {
 
 #[test]
 fn a_response_that_is_lost_in_noise_adds_an_uncertainty_and_no_error() {
-    let value = |mean, standard_error| Value { mean, standard_error, n_effective: 10.0 };
+    let value = |mean, standard_error| Estimate::new(mean, standard_error, 10.0);
     let lost = Change { direct: value(1.0, 0.0), response: value(0.01, 1.0) }.total();
     assert!((lost.mean - 1.0).abs() < 1e-4 && lost.standard_error == 0.5);
     let seen = Change { direct: value(1.0, 0.0), response: value(1.0, 0.1) }.total();
