@@ -2,14 +2,12 @@
 
 use lennard_core::{Average, Doubt, Findings, ThermostatSpec};
 use lennard_observables::Equilibrium;
+use lennard_observables::quantities::{Mark, has_mark};
 use lennard_scene::Scene;
 
 use crate::Simulation;
 use crate::baths::measured_baths;
 use crate::exchange;
-
-/// Quantities that velocity scaling sets instead of sampling them.
-const SET_BY_SCALING: [&str; 3] = ["temperature", "temperature_half_steps", "kinetic_energy"];
 
 impl Simulation {
     /// Averages, tables and remarks of all observables over one part of the run, thermodynamics first. Each average has what
@@ -84,7 +82,7 @@ fn by_thermostat(
         });
     }
     let bath = baths.iter().find(|b| !b.canonical)?;
-    let sets_it = SET_BY_SCALING.contains(&quantity);
+    let sets_it = has_mark(quantity, Mark::SetByScaling);
     let why = if sets_it {
         format!("set by `{}`, not measured", bath.name)
     } else {

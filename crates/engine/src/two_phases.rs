@@ -1,27 +1,12 @@
 //! What means nothing where two phases stand side by side, and is left out of a run.
 
 use lennard_core::{Average, Doubt, Findings, Remark};
+use lennard_observables::quantities::{Mark, has_mark, is_of_one_phase};
 use lennard_observables::{LIQUID_DENSITY, response_functions};
 use lennard_scene::Scene;
 
 use crate::Simulation;
 use crate::separated::separated;
-
-/// Means of one homogeneous phase, besides response functions. Means of a species or a pair of species begin with the same words.
-const OF_ONE_PHASE: [&str; 6] = [
-    "two_body_entropy",
-    "rdf_first_peak",
-    "coordination_number",
-    "residual_chemical_potential",
-    "kirkwood_buff",
-    "thermodynamic_factor",
-];
-
-/// Columns and means that a tail among the forces leaves without a meaning.
-const WITHOUT_TAIL: [&str; 2] = ["potential_energy_without_tail", "pressure_without_tail"];
-
-/// Means that a fluid which has separated by itself gives for no phase: the surfaces pull at the box.
-const WITH_SURFACES: [&str; 2] = ["pressure", "pressure_without_tail"];
 
 /// Why a mean over the whole box belongs to no phase; `None` where the box holds one phase, as far as the run knows.
 fn two_phases(scene: &Scene, findings: &[Findings]) -> Option<String> {
@@ -65,9 +50,9 @@ impl Simulation {
                 left_out,
                 "the planar tail is among the forces, and response functions do not count it",
             );
-            let left_out = without(findings, |name| WITHOUT_TAIL.contains(&name));
+            let left_out = without(findings, |name| has_mark(name, Mark::Plain));
             for table in findings.iter_mut().flat_map(|f| &mut f.tables) {
-                table.columns.retain(|c| !WITHOUT_TAIL.contains(&c.name.as_str()));
+                table.columns.retain(|c| !has_mark(&c.name, Mark::Plain));
             }
             tell(
                 findings,
@@ -80,10 +65,6 @@ impl Simulation {
 
 fn is_response(name: &str) -> bool {
     response_functions().any(|function| function == name)
-}
-
-fn is_of_one_phase(name: &str) -> bool {
-    is_response(name) || OF_ONE_PHASE.iter().any(|begin| name.starts_with(begin))
 }
 
 /// Takes out the remarks that tell how response functions were found.
@@ -113,7 +94,7 @@ fn without(findings: &mut [Findings], is_left_out: impl Fn(&str) -> bool) -> Vec
 /// Says of the pressure that it belongs to no phase.
 fn doubt_of_pressure(findings: &mut [Findings]) {
     for average in findings.iter_mut().flat_map(|f| &mut f.averages) {
-        if WITH_SURFACES.contains(&average.name.as_str()) {
+        if has_mark(&average.name, Mark::AcrossSurfaces) {
             average.doubt.get_or_insert_with(|| {
                 Doubt::Incomplete(
                     "the fluid has separated: the mean counts both phases and the tension of the surfaces between them".into(),
@@ -135,22 +116,6 @@ mod tests {
     use lennard_core::Estimate;
 
     use super::*;
-
-    #[test]
-    fn what_belongs_to_one_phase_is_known_by_its_name() {
-        for name in [
-            "heat_capacity",
-            "speed_of_sound",
-            "two_body_entropy",
-            "rdf_first_peak_A_B",
-            "coordination_number",
-        ] {
-            assert!(is_of_one_phase(name), "{name}");
-        }
-        for name in ["pressure", "liquid_density", "surface_tension", "ln_z"] {
-            assert!(!is_of_one_phase(name), "{name}");
-        }
-    }
 
     const ESTIMATE: Estimate = Estimate {
         mean: 1.0,

@@ -18,6 +18,8 @@ use crate::{BuildContext, ObservableError, Recipe};
 use levels::Levels;
 use paths::Paths;
 
+pub use diffusion::{CORRECTED, UNCORRECTED};
+
 const SPEC: ObservableSpec = ObservableSpec {
     name: "msd",
     summary: "mean-square displacement over many time origins, diffusion coefficient with finite-size correction",

@@ -16,6 +16,7 @@ mod verdict;
 pub(crate) use card::is_a_part;
 pub use card::{CardEquation, CardRow, StateCard, card_table};
 pub use lennard_observables::Verdict;
+pub use lennard_observables::quantities::quantity_words;
 pub use phase::{StateOfMatter, state_of};
 pub use read::{ReadError, RunFolder};
 pub use table::table;
@@ -28,24 +29,6 @@ use rows::Compared;
 pub(crate) use rows::HANSEN_VERLET;
 use runs_of_others::RunsOfOthers;
 use serde::{Serialize, Serializer};
-
-/// A quantity of the run record in words for a table.
-///
-/// The two kinetic temperatures have different names: a finite step makes them differ.
-#[must_use]
-pub fn quantity_words(name: &str) -> String {
-    match name {
-        "temperature" => "T, whole steps".into(),
-        read::HALF_STEPS => "T, half steps".into(),
-        "heat_capacity_pressure" => "heat capacity c_p".into(),
-        "joule_thomson_coefficient" => "Joule–Thomson coefficient".into(),
-        "grueneisen_parameter" => "Grüneisen parameter".into(),
-        "density_scaling_exponent" => "density-scaling exponent".into(),
-        "energy_virial_correlation" => "correlation of energy and virial".into(),
-        "rdf_first_peak" => "first peak of g(r)".into(),
-        other => other.replace('_', " "),
-    }
-}
 
 /// A run beside the literature.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -276,7 +259,8 @@ fn headline(rows: &[Row], no_reference: Option<&str>) -> String {
     text.trim_start().to_owned()
 }
 
-fn capital(text: &str) -> String {
+/// The text with a capital first letter.
+pub(crate) fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| {
         first.to_uppercase().collect::<String>() + letters.as_str()

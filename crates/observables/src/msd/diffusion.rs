@@ -14,6 +14,11 @@ use crate::tracked::Members;
 /// Relative difference of two sides below which a box counts as a cube.
 const CUBE_TOLERANCE: f64 = 1e-9;
 
+/// Name of D of an infinite system: with the correction for the finite box.
+pub const CORRECTED: &str = "diffusion_coefficient_corrected";
+/// Name of D of the box as it is.
+pub const UNCORRECTED: &str = "diffusion_coefficient_uncorrected";
+
 /// The unit of every coefficient.
 const UNIT: &str = "σ²/τ";
 
@@ -60,31 +65,25 @@ impl MeanSquareDisplacement {
             findings.averages.push(average.doubted(unsettled(fit)));
         };
         let uncorrected = fit.slope / 6.0;
+        add(UNCORRECTED, uncorrected);
         let remark = match (self.options.viscosity, self.correction()) {
             (Some(viscosity), Some(correction)) => {
-                add("diffusion_coefficient", uncorrected + correction);
-                add("diffusion_coefficient_uncorrected", uncorrected);
+                add(CORRECTED, uncorrected + correction);
                 format!(
-                    "diffusion_coefficient{suffix} is corrected for finite size after Yeh and Hummer: +{correction:.6} σ²/τ with viscosity {} ε τ/σ³, whose own error is not counted",
+                    "{CORRECTED}{suffix} is corrected for finite size after Yeh and Hummer: +{correction:.6} σ²/τ with viscosity {} ε τ/σ³, whose own error is not counted",
                     short(viscosity)
                 )
             }
-            (Some(_), None) => {
-                add("diffusion_coefficient", uncorrected);
-                format!(
-                    "diffusion_coefficient{suffix} is not corrected for finite size: the correction is known for cubic boxes only"
-                )
-            }
-            (None, _) => {
-                add("diffusion_coefficient", uncorrected);
-                format!(
-                    "diffusion_coefficient{suffix} is not corrected for finite size: no viscosity is given"
-                )
-            }
+            (Some(_), None) => format!(
+                "{UNCORRECTED}{suffix} is not corrected for finite size: the correction is known for cubic boxes only"
+            ),
+            (None, _) => format!(
+                "{UNCORRECTED}{suffix} is not corrected for finite size: no viscosity is given"
+            ),
         };
         findings.remark(remark);
         findings.remark(format!(
-            "diffusion_coefficient{suffix} is a sixth of the slope of the mean-square displacement between {:.3} and {:.3} τ",
+            "{UNCORRECTED}{suffix} is a sixth of the slope of the mean-square displacement between {:.3} and {:.3} τ",
             fit.from, fit.to
         ));
     }

@@ -60,7 +60,7 @@ fn brownian_motion_gives_its_diffusion_coefficient_and_the_spread_of_seeds_its_e
             }
             path.clone()
         });
-        let found = average(&msd.finish(0.0), "diffusion_coefficient");
+        let found = average(&msd.finish(0.0), UNCORRECTED);
         values.push(found.mean);
         squares.push(found.standard_error.powi(2));
     }
@@ -98,7 +98,7 @@ fn ballistic_lags_are_left_out_of_the_fit() {
         r.clone()
     });
     let findings = msd.finish(0.0);
-    let found = average(&findings, "diffusion_coefficient");
+    let found = average(&findings, UNCORRECTED);
     let exact = 0.5 * (1.0 - 1.0 / n as f64);
     assert!(found.standard_error < 0.03 * exact);
     // Four standard errors and what the rest of the transient, e^{−γt} at t ≈ 2, can do.
@@ -133,8 +133,7 @@ fn the_finite_size_correction_is_that_of_yeh_and_hummer() {
     let mut msd = with(Some(3.0));
     msd.temperatures = 0.72 * msd.samples() as f64;
     let findings = msd.finish(0.0);
-    let difference = average(&findings, "diffusion_coefficient").mean
-        - average(&findings, "diffusion_coefficient_uncorrected").mean;
+    let difference = average(&findings, CORRECTED).mean - average(&findings, UNCORRECTED).mean;
     assert!((difference - 0.003_612_558_7).abs() < 1e-9, "{difference}");
     assert!(with(None).finish(0.0).remarks_in_words().contains("not corrected"));
 }
@@ -156,8 +155,8 @@ fn each_species_has_its_displacement_and_its_diffusion_coefficient() {
         path.clone()
     });
     let findings = msd.finish(0.0);
-    let all = average(&findings, "diffusion_coefficient").mean;
-    let found = ["A", "B"].map(|a| average(&findings, &format!("diffusion_coefficient_{a}")));
+    let all = average(&findings, UNCORRECTED).mean;
+    let found = ["A", "B"].map(|a| average(&findings, &format!("{UNCORRECTED}_{a}")));
     for (found, exact) in found.iter().zip(exact) {
         // The centre of mass takes and gives a few per cent: below the error.
         assert!((found.mean - exact).abs() < 4.0 * found.standard_error, "{found:?}");

@@ -157,7 +157,7 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
     assert!(temperature.standard_error < 0.004);
 
     // Two roads to D, sampled from the same run: both have errors below 4 %.
-    let diffusion = average("diffusion_coefficient");
+    let diffusion = average("diffusion_coefficient_uncorrected");
     let green_kubo = average("diffusion_coefficient_green_kubo");
     agree(diffusion, green_kubo);
     assert!(diffusion.standard_error < 0.04 * diffusion.mean);

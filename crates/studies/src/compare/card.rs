@@ -3,28 +3,19 @@
 use crate::report::significant;
 use lennard_core::{Cell, Column, Table, Tone};
 use lennard_literature::{EquationOfState, ModelKind, PROPERTIES, Property, equations_for};
+use lennard_observables::quantities::{
+    Mark, QUANTITIES, has_mark, quantity_name, quantity_of, quantity_unit,
+};
 use lennard_observables::{Allowed, Reference, Verdict, judge};
 use serde::Serialize;
 
 use super::{Row, RunFolder, StateOfMatter};
 
-/// Means that are compared at the number of particles of the run, and stand in the comparison for that reason.
-const OF_THE_WHOLE_SYSTEM: [&str; 2] = ["total_energy", "enthalpy"];
-
-/// Means that are a part of a property: the mean, the property, and the name in tables. They stand beside it, and judge nothing.
-const PARTS: [(&str, &str, &str); 1] =
-    [("two_body_entropy", "residual_entropy", "two-body entropy s₂, beside s_res")];
-
 /// Whether a row of a card is a part of the property that it stands beside: no equation is judged by it.
 pub(crate) fn is_a_part(property: &str) -> bool {
-    PARTS.iter().any(|(mean, ..)| *mean == property)
+    quantity_of(property).is_some_and(|quantity| quantity.part_of.is_some())
 }
 
-/// Means that belong to the temperature of the bath, and not to the measured one: trial particles have weights of that.
-const AT_THE_BATH: [&str; 1] = ["residual_chemical_potential"];
-
-/// Means that belong to the pressure of a barostat, where there is one: they have no row, since a card is at the measured density.
-const AT_THE_PRESSURE: [&str; 2] = ["pressure", "potential_energy"];
 /// A property that the comparison holds against nothing may be so many errors off.
 const ERRORS: f64 = 3.0;
 
@@ -111,7 +102,7 @@ pub fn card(
     let at_pressure = run.scene.stages.iter().any(|s| s.measure && s.barostat.is_some());
     let row = |mean: &str, name: &str, property: &Property, judged: bool| -> Option<CardRow> {
         let row = compared.iter().find(|r| r.quantity == mean)?;
-        let states = if AT_THE_BATH.contains(&mean) { &at_the_bath } else { &states };
+        let states = if has_mark(mean, Mark::AtBath) { &at_the_bath } else { &states };
         let mut values: Vec<f64> = states.iter().map(property.of).collect();
         // The first equation judges the run. Its value and the reference differ by the finite-size term of U and P.
         let finite_size = row.reference.zip(values.first()).map_or(0.0, |(r, v)| r - v);
@@ -122,7 +113,7 @@ pub fn card(
         Some(CardRow {
             property: mean.to_owned(),
             name: name.to_owned(),
-            unit: property.unit.to_owned(),
+            unit: quantity_unit(property.key).to_owned(),
             measured: row.measured,
             standard_error: or_none(row.is_sound(), row.standard_error),
             error: or_none(applies(row), row.combined_error.unwrap_or(row.standard_error)),
@@ -134,12 +125,14 @@ pub fn card(
     };
     let mut rows: Vec<CardRow> = PROPERTIES
         .iter()
-        .filter(|p| !OF_THE_WHOLE_SYSTEM.contains(&p.key))
-        .filter(|p| !(at_pressure && AT_THE_PRESSURE.contains(&p.key)))
-        .filter_map(|p| row(p.key, p.name, p, true))
+        .filter(|p| !has_mark(p.key, Mark::WholeSystem))
+        .filter(|p| !(at_pressure && has_mark(p.key, Mark::AtVolume)))
+        .filter_map(|p| row(p.key, &quantity_name(p.key), p, true))
         .collect();
-    rows.extend(PARTS.iter().filter_map(|(mean, whole, name)| {
-        row(mean, name, lennard_literature::property(whole)?, false)
+    rows.extend(QUANTITIES.iter().filter_map(|part| {
+        let whole = quantity_of(part.part_of?)?;
+        let name = format!("{} {}, beside {}", part.words, part.symbol, whole.symbol);
+        row(part.key, &name, lennard_literature::property(whole.key)?, false)
     }));
     if equations.is_empty() || rows.is_empty() {
         return None;
@@ -311,6 +304,13 @@ mod tests {
         // A crystal beside the equation of a fluid.
         let frozen = Row { reference: None, reason: "hardly diffuses".into(), ..compared };
         assert_eq!(beside_band(&frozen, band), Verdict::NoReference);
+    }
+
+    #[test]
+    fn every_property_of_an_equation_is_a_quantity() {
+        for property in PROPERTIES {
+            assert!(quantity_of(property.key).is_some(), "{}", property.key);
+        }
     }
 
     #[test]

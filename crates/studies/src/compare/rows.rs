@@ -4,12 +4,12 @@ use lennard_core::Remark;
 use lennard_literature::{
     EquationOfState, ModelKind, TransportProperty, equation_of_state_for, property,
 };
-use lennard_observables::HeldTemperature;
+use lennard_observables::quantities::{Beside, quantity_of};
+use lennard_observables::{HeldTemperature, UNCORRECTED};
 use lennard_scene::PressureControl;
 
 use super::card::spread;
 use super::missing::missing_centers;
-use super::read::HALF_STEPS;
 use super::runs_of_others::RunsOfOthers;
 use super::tail_bias::tail_bias;
 use super::verdict::Tolerance;
@@ -32,45 +32,6 @@ const TEMPERATURES: Tolerance = Tolerance::new(4.0, 0.0, 0.005);
 /// Response functions: so many errors, and the spread of the equations; this part of the value where there is one alone.
 const RESPONSE: Tolerance = Tolerance::new(3.0, 0.0, 0.0);
 const RESPONSE_PART: f64 = 0.02;
-
-/// How a quantity is held against its reference.
-type Beside = fn(&Compared<'_>, Row) -> Row;
-
-/// Every quantity that has a reference, with the way in which it is held against it.
-const REFERENCES: [(&str, Beside); 30] = [
-    ("temperature", |c, row| c.beside_bath(row, false)),
-    (HALF_STEPS, |c, row| c.beside_bath(row, true)),
-    ("potential_energy", |c, row| c.potential_energy(row)),
-    ("pressure", |c, row| c.pressure(row)),
-    ("density", |c, row| c.beside_equation_at_pressure(row, DENSITY)),
-    ("heat_capacity", |c, row| c.heat_capacity(row)),
-    ("heat_capacity_pressure", |c, row| c.response(row)),
-    ("thermal_pressure_coefficient", |c, row| c.response(row)),
-    ("isothermal_compressibility", |c, row| c.response(row)),
-    ("isentropic_compressibility", |c, row| c.response(row)),
-    ("thermal_expansion", |c, row| c.response(row)),
-    ("speed_of_sound", |c, row| c.response(row)),
-    ("joule_thomson_coefficient", |c, row| c.response(row)),
-    ("grueneisen_parameter", |c, row| c.response(row)),
-    ("density_scaling_exponent", |c, row| c.response(row)),
-    ("configurational_temperature", |c, row| c.configurational_temperature(row)),
-    ("diffusion_coefficient", |c, row| c.diffusion(row)),
-    ("shear_viscosity", |c, row| c.beside_table(row, TransportProperty::ShearViscosity)),
-    ("thermal_conductivity", |c, row| c.beside_table(row, TransportProperty::ThermalConductivity)),
-    ("shear_viscosity_einstein_helfand", |c, row| c.cross_check(row, "shear_viscosity")),
-    ("thermal_conductivity_einstein_helfand", |c, row| c.cross_check(row, "thermal_conductivity")),
-    ("viscosity_by_exchange", |c, row| c.beside_table(row, TransportProperty::ShearViscosity)),
-    ("thermal_conductivity_by_exchange", |c, row| {
-        c.beside_table(row, TransportProperty::ThermalConductivity)
-    }),
-    ("structure_factor_first_peak", |_, row| freezing_height(row)),
-    ("pressure_zz", |c, row| c.beside_two_phases(row)),
-    ("surface_tension_z", |c, row| c.beside_two_phases(row)),
-    ("liquid_density", |c, row| c.beside_two_phases(row)),
-    ("vapor_density", |c, row| c.beside_two_phases(row)),
-    ("vapor_pressure", |c, row| c.beside_two_phases(row)),
-    ("surface_tension", |c, row| c.beside_two_phases(row)),
-];
 
 /// Height of the main peak of S(k) at freezing.
 pub(crate) const HANSEN_VERLET: f64 = 2.85;
@@ -96,7 +57,7 @@ pub(super) fn all(compared: &Compared<'_>) -> Vec<Row> {
     let run = compared.run;
     let of_positions = run.temperature_name();
     let mut primary = vec![of_positions];
-    primary.extend(primary::of(run));
+    primary.extend(primary::of(run).map(|key| -> &str { key }));
     let of_others: Vec<String> = compared.others.names().collect();
     for name in &of_others {
         if !primary.contains(&name.as_str()) {
@@ -122,10 +83,25 @@ impl Compared<'_> {
         if let Some(of_others) = self.others.of(name) {
             return Some(self.others.hold(row, of_others));
         }
-        let reference = REFERENCES.iter().find(|(quantity, _)| *quantity == name);
-        Some(match reference {
-            Some((_, beside)) => beside(self, row),
-            None => row,
+        let beside = quantity_of(name).map_or(Beside::Nothing, |quantity| quantity.beside);
+        Some(match beside {
+            Beside::Nothing => row,
+            Beside::Bath => self.beside_bath(row, false),
+            Beside::BathOnHalfSteps => self.beside_bath(row, true),
+            Beside::PotentialEnergy => self.potential_energy(row),
+            Beside::Pressure => self.pressure(row),
+            Beside::Density => self.beside_equation_at_pressure(row, DENSITY),
+            Beside::HeatCapacity => self.heat_capacity(row),
+            Beside::ResponseFunction => self.response(row),
+            Beside::KineticTemperature => self.configurational_temperature(row),
+            Beside::SelfDiffusion => self.diffusion(row),
+            Beside::Viscosity => self.beside_table(row, TransportProperty::ShearViscosity),
+            Beside::Conductivity => self.beside_table(row, TransportProperty::ThermalConductivity),
+            Beside::FreezingHeight => freezing_height(row),
+            Beside::LiquidDensity
+            | Beside::VaporDensity
+            | Beside::VaporPressure
+            | Beside::SurfaceTension => self.beside_two_phases(row, beside),
         })
     }
 
@@ -268,7 +244,7 @@ impl Compared<'_> {
         if row.verdict != Verdict::Differs {
             return row;
         }
-        let diffusion = self.run.average("diffusion_coefficient");
+        let diffusion = self.run.average(UNCORRECTED);
         let frozen = diffusion
             .filter(|d| d.estimate.mean < FROZEN_DIFFUSION * self.state.temperature.sqrt());
         let comparison = &self.run.record.comparison;

@@ -3,7 +3,7 @@
 use lennard_literature::{
     KobAndersenQuantity, KobAndersenRow, ModelKind, kob_andersen_at, kob_andersen_states,
 };
-use lennard_observables::YEH_HUMMER_XI;
+use lennard_observables::{UNCORRECTED, YEH_HUMMER_XI};
 
 use super::verdict::Tolerance;
 use super::{Row, RunFolder};
@@ -68,8 +68,8 @@ impl<'a> RunsOfOthers<'a> {
             Q::PeakAA => format!("rdf_first_peak_{0}_{0}", species(0)),
             Q::PeakAB => format!("rdf_first_peak_{}_{}", species(0), species(1)),
             Q::PeakBB => format!("rdf_highest_peak_{0}_{0}", species(1)),
-            Q::DiffusionA => format!("diffusion_coefficient_{}", species(0)),
-            Q::DiffusionB => format!("diffusion_coefficient_{}", species(1)),
+            Q::DiffusionA => format!("{UNCORRECTED}_{}", species(0)),
+            Q::DiffusionB => format!("{UNCORRECTED}_{}", species(1)),
         }
     }
 
@@ -118,11 +118,6 @@ impl<'a> RunsOfOthers<'a> {
             / (6.0 * std::f64::consts::PI * viscosity.estimate.mean);
         let (theirs, own) = (side(f64::from(particles)), self.run.shortest_side);
         let shift = factor * (1.0 / theirs - 1.0 / own);
-        let uncorrected = format!("diffusion_coefficient_uncorrected{}", suffix(&row.quantity));
-        if self.run.average(&uncorrected).is_some() {
-            row.reason = "corrected for finite size, as the reference is not".into();
-            return row;
-        }
         let allowed = Tolerance::new(ERRORS, reference.tolerance, SIZE_CORRECTION);
         row.against(reference.value + shift, None, allowed, &source(reference)).noted(format!(
             "{}, carried to the box of this run by {}",
@@ -130,11 +125,6 @@ impl<'a> RunsOfOthers<'a> {
             crate::report::signed(shift, 2)
         ))
     }
-}
-
-/// The end of a name that tells the species.
-fn suffix(quantity: &str) -> &str {
-    quantity.strip_prefix("diffusion_coefficient").unwrap_or_default()
 }
 
 fn source(row: &KobAndersenRow) -> String {

@@ -1,7 +1,7 @@
 //! Transport coefficients beside tabulated ones, and beside themselves by another road.
 
 use lennard_literature::{ModelKind, TransportProperty, transport_near};
-use lennard_observables::YEH_HUMMER_XI;
+use lennard_observables::{CORRECTED, UNCORRECTED, YEH_HUMMER_XI};
 
 use super::rows::Compared;
 use super::verdict::Tolerance;
@@ -37,12 +37,16 @@ impl Compared<'_> {
 
     pub(super) fn diffusion(&self, row: Row) -> Row {
         let run = self.run;
-        let corrected = row.measured;
-        let plain = run.average("diffusion_coefficient_uncorrected");
+        let is_corrected = row.quantity == CORRECTED;
+        if !is_corrected && run.average(CORRECTED).is_some() {
+            return row;
+        }
+        let measured = row.measured;
+        let plain = run.average(UNCORRECTED).filter(|_| is_corrected);
         let row = match plain {
             Some(plain) => row.noted(format!(
                 "corrected for finite size after Yeh and Hummer by +{:.4}, {:.4} before",
-                corrected - plain.estimate.mean,
+                measured - plain.estimate.mean,
                 plain.estimate.mean
             )),
             None => row.noted("not corrected for finite size"),
@@ -53,8 +57,8 @@ impl Compared<'_> {
         }
         // A source that does not say whether it corrected for finite size lies between the two.
         let between = match plain {
-            Some(plain) => Some((plain.estimate.mean, corrected)),
-            None => own_correction(run, self.state).map(|added| (corrected, corrected + added)),
+            Some(plain) => Some((plain.estimate.mean, measured)),
+            None => own_correction(run, self.state).map(|added| (measured, measured + added)),
         };
         match between {
             Some((low, high)) => {
@@ -64,20 +68,6 @@ impl Compared<'_> {
             }
             None => row,
         }
-    }
-
-    /// Einstein–Helfand beside Green–Kubo: the same fluctuations by another road, so that their errors do not add up.
-    pub(super) fn cross_check(&self, row: Row, green_kubo: &str) -> Row {
-        let Some(green_kubo) = self.run.average(green_kubo).filter(|a| a.is_sound()) else {
-            return row;
-        };
-        let error = row.standard_error.max(green_kubo.estimate.standard_error);
-        row.against_with_error(
-            green_kubo.estimate.mean,
-            error,
-            TRANSPORT,
-            "Green–Kubo from the same run",
-        )
     }
 }
 

@@ -1,6 +1,7 @@
 //! A slab beside what the literature has for vapor and liquid in equilibrium.
 
 use lennard_literature::TwoPhaseSource;
+use lennard_observables::quantities::Beside;
 
 use super::Row;
 use super::rows::Compared;
@@ -14,7 +15,7 @@ impl Compared<'_> {
     /// A number of a slab beside the literature at the measured temperature.
     ///
     /// The normal pressure of a flat interface is the vapor pressure, since it is the same on both sides.
-    pub(super) fn beside_two_phases(&self, mut row: Row) -> Row {
+    pub(super) fn beside_two_phases(&self, mut row: Row, beside: Beside) -> Row {
         if !self.run.has_two_phases() {
             return row;
         }
@@ -34,10 +35,10 @@ impl Compared<'_> {
             return row;
         };
         let saturation = phases.saturation;
-        let (reference, tolerance) = match row.quantity.as_str() {
-            "liquid_density" => (Some(saturation.liquid_density), LIQUID_DENSITY),
-            "vapor_density" => (Some(saturation.vapor_density), STEEP),
-            "vapor_pressure" | "pressure_zz" => (Some(saturation.pressure), STEEP),
+        let (reference, tolerance) = match beside {
+            Beside::LiquidDensity => (Some(saturation.liquid_density), LIQUID_DENSITY),
+            Beside::VaporDensity => (Some(saturation.vapor_density), STEEP),
+            Beside::VaporPressure => (Some(saturation.pressure), STEEP),
             _ => (phases.surface_tension, STEEP),
         };
         match reference {

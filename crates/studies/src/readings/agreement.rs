@@ -1,31 +1,29 @@
 //! All points together beside the equations of state: their differences, and χ² of each equation.
 
+use lennard_observables::quantities::{Mark, QUANTITIES, Quantity, quantity_of};
 use serde::Serialize;
 
 use super::blocks::{Blocks, EQUATIONS, POINTS, StudyPoints, TOGETHER};
 use super::equations;
 use super::points::Kind;
 use super::probability::{probability_words, tail_probability};
-use crate::compare::{Row, Verdict, quantity_words};
+use crate::compare::{Row, Verdict, capital, quantity_words};
 use crate::report::{Axis, Figure, Look, Picture, Point, Section, Series, Symbol};
 use crate::sweep::SweptPoint;
 use lennard_core::{Cell, Table, Tone};
 
-/// The quantities whose differences are summed up.
-const JUDGED: [&str; 4] =
-    ["potential_energy", "pressure", "heat_capacity", "configurational_temperature"];
-/// The quantities whose differences are drawn: quantity, title, label of the axis.
-const DRAWN: [[&str; 3]; 2] = [
-    ["potential_energy", "Potential energy: measured − equation of state", "ΔU / ε"],
-    ["pressure", "Pressure: measured − equation of state", "ΔP / (ε/σ³)"],
-];
+/// The quantities whose differences are drawn.
+const DRAWN: [&str; 2] = ["potential_energy", "pressure"];
 
 /// All points together, their differences, and each equation beside them.
 pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
     let points = study.swept;
-    let together: Vec<Agreement> = JUDGED.iter().filter_map(|q| agreement(points, q)).collect();
-    let drawn =
-        DRAWN.into_iter().filter_map(|[q, title, unit]| differences(points, q, title, unit));
+    let together: Vec<Agreement> = QUANTITIES
+        .iter()
+        .filter(|quantity| quantity.is(Mark::Summed))
+        .filter_map(|quantity| agreement(points, quantity.key))
+        .collect();
+    let drawn = DRAWN.into_iter().filter_map(quantity_of).filter_map(|q| differences(points, q));
     let figures = Section::new(POINTS).figures(drawn.collect());
     let mut blocks = Blocks { sections: vec![figures], ..Blocks::default() };
     if Kind::of(points) == Kind::Fluids {
@@ -35,11 +33,11 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
             false => section.table(agreement_table(&together)),
         });
     }
-    let judgements = equations::judgements(points);
-    if !judgements.is_empty() {
-        let table = equations::table(&judgements, quantity_words);
+    let deviations = equations::deviations(points);
+    if !deviations.is_empty() {
+        let table = equations::table(&deviations, quantity_words);
         blocks.sections.push(Section::new(EQUATIONS).table(table));
-        blocks.tables.push(equations::table(&judgements, str::to_owned));
+        blocks.tables.push(equations::table(&deviations, str::to_owned));
         blocks.tables.push(equations::beside_equations(points));
     }
     if !together.is_empty() {
@@ -123,12 +121,12 @@ fn agreement(points: &[SweptPoint], quantity: &str) -> Option<Agreement> {
     })
 }
 
-fn differences(points: &[SweptPoint], quantity: &str, title: &str, unit: &str) -> Option<Picture> {
+fn differences(points: &[SweptPoint], quantity: &Quantity) -> Option<Picture> {
     let marks = |judged: bool| -> Vec<Point> {
         points
             .iter()
             .filter_map(|point| {
-                let r = point.row(quantity)?;
+                let r = point.row(quantity.key)?;
                 let state = &point.compared.as_ref()?.state;
                 let is_judged = state.is_single_stable_phase();
                 (is_judged == judged).then_some(Point {
@@ -149,9 +147,13 @@ fn differences(points: &[SweptPoint], quantity: &str, title: &str, unit: &str) -
     if judged.is_empty() && others.is_empty() {
         return None;
     }
-    let mut figure =
-        Figure::new(quantity, title, Axis::linear("density ρ / σ⁻³"), Axis::linear(unit))
-            .level(0.0, "");
+    let mut figure = Figure::new(
+        quantity.key,
+        format!("{}: measured − equation of state", capital(quantity.words)),
+        Axis::linear("density ρ / σ⁻³"),
+        Axis::linear(format!("Δ{}", quantity.axis())),
+    )
+    .level(0.0, "");
     for (name, points, symbol, color) in
         [("single phase", judged, Symbol::Disc, 0), ("not judged", others, Symbol::Ring, 1)]
     {

@@ -1,6 +1,7 @@
 //! Diffusion against the inverse temperature.
 
 use lennard_observables::statistics::Line;
+use lennard_observables::{CORRECTED, UNCORRECTED};
 
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 
@@ -10,7 +11,6 @@ use super::properties::{label_of, series_of};
 
 /// The fewest temperatures that make a line.
 const FEWEST: usize = 3;
-const QUANTITY: &str = "diffusion_coefficient";
 
 /// One line of Arrhenius, D = D₀·exp(−E/T).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,12 +53,19 @@ fn picture(study: &StudyPoints<'_>) -> Option<Picture> {
         Axis::linear("1/T / (k_B/ε)"),
         Axis::logarithmic("D / (σ²/τ)"),
     );
+    // One line has one kind of D: corrected for finite size where every point is.
+    let all_corrected =
+        points.iter().all(|p| p.mean(UNCORRECTED).is_none() || p.mean(CORRECTED).is_some());
+    let (quantity, which) = match all_corrected {
+        true => (CORRECTED, "corrected for finite size"),
+        false => (UNCORRECTED, "not corrected for finite size"),
+    };
     let mut fits = Vec::new();
     for (color, group) in series_of(&points, "temperature").into_iter().enumerate() {
         let measured: Vec<(f64, f64, f64, &Averaged<'_>)> = group
             .iter()
             .filter_map(|p| {
-                let mean = p.mean(QUANTITY)?;
+                let mean = p.mean(quantity)?;
                 Some((p.temperature()?, mean.value, mean.error, *p))
             })
             .filter(|(_, d, ..)| *d > 0.0)
@@ -89,8 +96,10 @@ fn picture(study: &StudyPoints<'_>) -> Option<Picture> {
             with_error(factor.0, factor.1)
         ));
     }
-    let caption =
-        format!("Bars are one standard error. Lines are D = D₀·exp(−E/T). {}.", fits.join("; "));
+    let caption = format!(
+        "Bars are one standard error, D is {which}. Lines are D = D₀·exp(−E/T). {}.",
+        fits.join("; ")
+    );
     (!fits.is_empty()).then(|| Picture::new(figure, caption, "table.csv"))
 }
 

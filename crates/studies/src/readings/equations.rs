@@ -21,7 +21,7 @@ struct Beside<'a> {
 
 /// How an equation does for one property over the points that it covers.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Judgement {
+pub(super) struct Deviation {
     /// Name of the property.
     pub property: String,
     /// Name of the equation.
@@ -69,7 +69,7 @@ fn all(points: &[SweptPoint]) -> impl Iterator<Item = Beside<'_>> {
 }
 
 /// Every equation for every property that has enough points.
-pub(super) fn judgements(points: &[SweptPoint]) -> Vec<Judgement> {
+pub(super) fn deviations(points: &[SweptPoint]) -> Vec<Deviation> {
     judged(all(points).map(|beside| {
         let equations = beside.card.equations.iter().zip(beside.row.differences());
         Item {
@@ -84,17 +84,17 @@ pub(super) fn judgements(points: &[SweptPoint]) -> Vec<Judgement> {
 }
 
 /// The sums over all items, property by property.
-fn judged<'a>(items: impl Iterator<Item = Item<'a>>) -> Vec<Judgement> {
-    let mut found: Vec<Judgement> = Vec::new();
+fn judged<'a>(items: impl Iterator<Item = Item<'a>>) -> Vec<Deviation> {
+    let mut found: Vec<Deviation> = Vec::new();
     for item in items {
         for (name, counts, difference, error) in item.equations {
             let z = difference / error;
             if !z.is_finite() {
                 continue;
             }
-            let is_it = |j: &Judgement| j.property == item.property && j.equation == name;
+            let is_it = |j: &Deviation| j.property == item.property && j.equation == name;
             let at = found.iter().position(is_it).unwrap_or_else(|| {
-                found.push(Judgement {
+                found.push(Deviation {
                     property: item.property.to_owned(),
                     equation: name.to_owned(),
                     counts,
@@ -107,16 +107,16 @@ fn judged<'a>(items: impl Iterator<Item = Item<'a>>) -> Vec<Judgement> {
                 });
                 found.len() - 1
             });
-            let judgement = &mut found[at];
-            judgement.points += 1;
-            let weight = 1.0 / judgement.points as f64;
-            judgement.chi_squared += z * z;
-            judgement.mean_difference += (difference - judgement.mean_difference) * weight;
+            let deviation = &mut found[at];
+            deviation.points += 1;
+            let weight = 1.0 / deviation.points as f64;
+            deviation.chi_squared += z * z;
+            deviation.mean_difference += (difference - deviation.mean_difference) * weight;
             let relative = (difference / item.measured).abs();
-            judgement.relative += (relative - judgement.relative) * weight;
-            if z.abs() > judgement.largest_in_errors.abs() {
-                judgement.largest_in_errors = z;
-                item.point.clone_into(&mut judgement.at);
+            deviation.relative += (relative - deviation.relative) * weight;
+            if z.abs() > deviation.largest_in_errors.abs() {
+                deviation.largest_in_errors = z;
+                item.point.clone_into(&mut deviation.at);
             }
         }
     }
@@ -127,11 +127,11 @@ fn judged<'a>(items: impl Iterator<Item = Item<'a>>) -> Vec<Judgement> {
 }
 
 /// χ² of each equation for each property, which `named` writes for a file or for a reader.
-pub(super) fn table(judgements: &[Judgement], named: impl Fn(&str) -> String) -> Table {
+pub(super) fn table(deviations: &[Deviation], named: impl Fn(&str) -> String) -> Table {
     let caption = "Each equation beside all points that it covers, with the errors of the runs alone. χ² per point is 1 where an equation is exact to these errors. U and P are \
                    compared for as many particles and less the known bias of the cutoff, with errors at the given temperature. A point under a barostat has neither. Other \
                    properties are compared for an infinite system.";
-    Table::rows_of("equations", judgements)
+    Table::rows_of("equations", deviations)
         .caption(caption)
         .column("property", |j| named(&j.property))
         .column("equation", |j| {

@@ -4,11 +4,12 @@ use std::collections::BTreeSet;
 
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol};
 use lennard_literature::{EquationOfState, Property, equation_of_state_for, property};
+use lennard_observables::quantities::{Mark, axis, has_mark};
 use lennard_scene::study::{SHORT_KEYS, ShortKey};
 
 use super::averaged::{Averaged, averaged};
 use super::blocks::StudyPoints;
-use crate::compare::quantity_words;
+use crate::compare::{capital, quantity_words};
 use crate::sweep::{Setting, SettingValue};
 
 /// Most series of one figure.
@@ -47,8 +48,7 @@ pub(super) fn pictures(study: &StudyPoints<'_>) -> Vec<Picture> {
 /// The temperature is what was asked for, and densities of slabs have a figure of their own.
 fn is_worth_drawing(quantity: &str, key: &str) -> bool {
     let temperature = quantity.starts_with("temperature") && key != "dt";
-    let coexisting = ["liquid_density", "vapor_density"].contains(&quantity);
-    !temperature && !coexisting
+    !temperature && !has_mark(quantity, Mark::Coexisting)
 }
 
 /// The short name of a key, where it has one.
@@ -113,15 +113,11 @@ fn picture(
     equation: Option<&'static dyn EquationOfState>,
 ) -> Option<Picture> {
     let words = quantity_words(quantity);
-    let y = match unit.is_empty() {
-        true => words.clone(),
-        false => format!("{words} / {}", in_brackets(unit)),
-    };
     let mut figure = Figure::new(
         format!("{quantity}_over_{key}"),
         capital(&words),
         Axis::linear(label),
-        Axis::linear(y),
+        Axis::linear(axis(&words, unit)),
     );
     let mut has_line = false;
     for (color, group) in groups.iter().enumerate() {
@@ -187,19 +183,4 @@ fn line(
     });
     let points: Vec<Point> = points.collect();
     points.iter().any(|p| p.y.is_finite()).then_some(points)
-}
-
-/// A unit that holds a stroke, in brackets.
-fn in_brackets(unit: &str) -> String {
-    match unit.contains('/') {
-        true => format!("({unit})"),
-        false => unit.to_owned(),
-    }
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().collect::<String>() + letters.as_str()
-    })
 }

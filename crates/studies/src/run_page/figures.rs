@@ -4,7 +4,14 @@ use crate::report::{
     Axis, Columns, Dash, FigureRow, Guide, Look, Picture, Symbol, significant, with_error,
 };
 
-use crate::compare::{HANSEN_VERLET, RunFolder};
+use lennard_observables::quantities::{Quantity, axis, quantity_of, quantity_words};
+use lennard_observables::{CORRECTED, UNCORRECTED};
+
+use crate::compare::{HANSEN_VERLET, RunFolder, capital};
+
+/// The coefficients with Green–Kubo integrals.
+const VISCOSITY: &str = "shear_viscosity";
+const CONDUCTIVITY: &str = "thermal_conductivity";
 
 pub(super) const TIME_SERIES: &str = "Measured stages only. What lies left of the dashed line is the start that all averages leave out.";
 /// The same of few bodies, which have no averages.
@@ -72,26 +79,32 @@ pub(super) fn time_series(run: &RunFolder, is_fluid: bool) -> Vec<Picture> {
     let start = time.first().filter(|_| is_fluid && cut > 0);
     let begin =
         start.map(|start| Guide::Vertical(start + cut as f64 * interval, "averages begin".into()));
-    let row = |(table, name, title, label)| FigureRow {
-        name,
-        title,
-        x: Axis::linear("time / τ"),
-        y: Axis::linear(label),
-        table,
-        columns: vec![Columns::new("", ["time", name], Look::line)],
-        guides: begin.iter().cloned().collect(),
-        caption: if is_fluid { said_of(run, name, "Mean {}.") } else { String::new() },
-        ..FigureRow::default()
+    let draw = |(table, name)| {
+        let quantity = quantity_of(name)?;
+        let row = FigureRow {
+            name,
+            title: &capital(quantity.words),
+            x: Axis::linear("time / τ"),
+            y: Axis::linear(quantity.axis()),
+            table,
+            columns: vec![Columns::new("", ["time", name], Look::line)],
+            guides: begin.iter().cloned().collect(),
+            caption: if is_fluid { said_of(run, name, "Mean {}.") } else { String::new() },
+            ..FigureRow::default()
+        };
+        row.draw(|name| run.table(name))
     };
-    let rows = [
-        ("measured", "temperature", "Temperature, whole steps", "T / (ε/k_B)"),
-        ("measured", "potential_energy", "Potential energy", "U/N / ε"),
-        ("measured", "pressure", "Pressure", "P / (ε/σ³)"),
-        ("box", "density", "Density", "ρ / σ⁻³"),
-        ("box", "volume", "Volume", "V / σ³"),
-        ("measured", "conserved_energy", "Conserved energy", "(E − heat)/N / ε"),
-    ];
-    drawn(run, rows.map(row))
+    [
+        ("measured", "temperature"),
+        ("measured", "potential_energy"),
+        ("measured", "pressure"),
+        ("box", "density"),
+        ("box", "volume"),
+        ("measured", "conserved_energy"),
+    ]
+    .into_iter()
+    .filter_map(draw)
+    .collect()
 }
 
 /// Temperature, energy and pressure against time through all stages; nothing where there is one stage.
@@ -111,32 +124,28 @@ pub(super) fn all_stages(run: &RunFolder) -> Vec<Picture> {
         Some(Guide::Vertical(*first.0, name))
     };
     let guides: Vec<Guide> = (1..stages.len()).filter_map(begins).collect();
-    let row = |(name, column, title, label)| FigureRow {
-        name,
-        title,
-        x: Axis::linear("time / τ"),
-        y: Axis::linear(label),
-        table: "thermo",
-        columns: vec![Columns::new("", ["time", column], Look::line)],
-        guides: guides.clone(),
-        ..FigureRow::default()
+    let draw = |column| {
+        let quantity = quantity_of(column)?;
+        let row = FigureRow {
+            name: &format!("all_stages_{column}"),
+            title: &format!("{}, all stages", capital(quantity.words)),
+            x: Axis::linear("time / τ"),
+            y: Axis::linear(quantity.axis()),
+            table: "thermo",
+            columns: vec![Columns::new("", ["time", column], Look::line)],
+            guides: guides.clone(),
+            ..FigureRow::default()
+        };
+        row.draw(|name| run.table(name))
     };
-    let rows = [
-        ("all_stages_temperature", "temperature", "Temperature, all stages", "T / (ε/k_B)"),
-        (
-            "all_stages_potential_energy",
-            "potential_energy",
-            "Potential energy, all stages",
-            "U/N / ε",
-        ),
-        ("all_stages_pressure", "pressure", "Pressure, all stages", "P / (ε/σ³)"),
-    ];
-    drawn(run, rows.map(row))
+    ["temperature", "potential_energy", "pressure"].into_iter().filter_map(draw).collect()
 }
 
 /// Blocking curves.
 pub(super) fn blocking(run: &RunFolder) -> Vec<Picture> {
-    let draw = |(file, name, title, label)| {
+    let draw = |name| {
+        let quantity = quantity_of(name)?;
+        let file = &format!("blocking_{name}");
         let errors = run.table(file)?.numbers("standard_error")?;
         if !errors.iter().any(|error| *error > 0.0) {
             return None;
@@ -150,9 +159,9 @@ pub(super) fn blocking(run: &RunFolder) -> Vec<Picture> {
         let curve = Columns::new("", ["block", "standard_error"], dotted_marks);
         let row = FigureRow {
             name: file,
-            title,
+            title: &format!("{}: error against block length", capital(quantity.words)),
             x: Axis::logarithmic("samples per block"),
-            y: Axis::linear(label),
+            y: Axis::linear(axis("standard error", quantity.unit)),
             table: file,
             columns: vec![curve.error("uncertainty")],
             guides: printed.map(|error| level(error, "printed error")).into_iter().collect(),
@@ -161,29 +170,7 @@ pub(super) fn blocking(run: &RunFolder) -> Vec<Picture> {
         };
         row.draw(|name| run.table(name))
     };
-    [
-        (
-            "blocking_potential_energy",
-            "potential_energy",
-            "Potential energy: error against block length",
-            "standard error / ε",
-        ),
-        (
-            "blocking_pressure",
-            "pressure",
-            "Pressure: error against block length",
-            "standard error / ε/σ³",
-        ),
-        (
-            "blocking_temperature",
-            "temperature",
-            "Temperature, whole steps: error against block length",
-            "standard error / ε/k_B",
-        ),
-    ]
-    .into_iter()
-    .filter_map(draw)
-    .collect()
+    ["potential_energy", "pressure", "temperature"].into_iter().filter_map(draw).collect()
 }
 
 /// The density across a slab with its fit.
@@ -267,11 +254,13 @@ fn minima(run: &RunFolder) -> Vec<f64> {
 
 /// Mean-square displacement, velocity autocorrelation, Green–Kubo integrals.
 pub(super) fn motion(run: &RunFolder) -> Vec<Picture> {
-    let green_kubo = |(name, title, label)| FigureRow {
+    let title = |name| format!("Green–Kubo integral of the {}", quantity_words(name));
+    let [of_viscosity, of_conductivity] = [VISCOSITY, CONDUCTIVITY].map(title);
+    let green_kubo = |name, title| FigureRow {
         name,
         title,
         x: Axis::linear("upper limit / τ"),
-        y: Axis::linear(label),
+        y: Axis::linear(quantity_of(name).map(Quantity::axis).unwrap_or_default()),
         table: name,
         columns: vec![
             Columns::new("", ["time", "integral"], dotted_marks).error("integral_standard_error"),
@@ -283,10 +272,9 @@ pub(super) fn motion(run: &RunFolder) -> Vec<Picture> {
         },
         ..FigureRow::default()
     };
-    let [plain, _] = diffusion(run);
     let integral = "A third of its integral: D = {} σ²/τ in this box";
     let mut caption = said_of(run, GREEN_KUBO, integral)
-        + &said_of(run, plain, "; the slope of the displacement gives {}");
+        + &said_of(run, UNCORRECTED, "; the slope of the displacement gives {}");
     if !caption.is_empty() {
         caption += ". Neither is corrected for finite size.";
     }
@@ -313,29 +301,10 @@ pub(super) fn motion(run: &RunFolder) -> Vec<Picture> {
             guides: level_at(run, GREEN_KUBO, "D in this box"),
             ..FigureRow::default()
         },
-        green_kubo((
-            "shear_viscosity",
-            "Green–Kubo integral of the shear viscosity",
-            "η / (ετ/σ³)",
-        )),
-        green_kubo((
-            "thermal_conductivity",
-            "Green–Kubo integral of the thermal conductivity",
-            "λ / (k_B/(στ))",
-        )),
+        green_kubo(VISCOSITY, &of_viscosity),
+        green_kubo(CONDUCTIVITY, &of_conductivity),
     ];
     drawn(run, rows)
-}
-
-/// The names of the diffusion coefficient as measured, and corrected for finite size. The second is empty where the run has no
-/// correction.
-fn diffusion(run: &RunFolder) -> [&'static str; 2] {
-    const CORRECTED: &str = "diffusion_coefficient";
-    const PLAIN: &str = "diffusion_coefficient_uncorrected";
-    match run.average(PLAIN) {
-        Some(_) => [PLAIN, CORRECTED],
-        None => [CORRECTED, ""],
-    }
 }
 
 fn displacement(run: &RunFolder) -> FigureRow<'static> {
@@ -343,13 +312,12 @@ fn displacement(run: &RunFolder) -> FigureRow<'static> {
         (Vec::new(), vec![Columns::new("measured", ["time", "msd"], Look::line)]);
     let mut caption = "No straight part was found: the run is too short.".to_owned();
     if let Some([from, to]) = fitted(run) {
-        let [plain, corrected] = diffusion(run);
         caption = format!(
             "The dashed line is fitted from {} to {} τ.{}{}",
             significant(from, 3),
             significant(to, 3),
-            said_of(run, plain, " A sixth of its slope: D = {} σ²/τ in this box."),
-            said_of(run, corrected, " Corrected for finite size (Yeh and Hummer): D = {} σ²/τ."),
+            said_of(run, UNCORRECTED, " A sixth of its slope: D = {} σ²/τ in this box."),
+            said_of(run, CORRECTED, " Corrected for finite size (Yeh and Hummer): D = {} σ²/τ."),
         );
         columns.push(Columns::new("fit", ["time", "fit"], |_| Look::Line(Dash::Dashed)).at(1));
         guides = vec![Guide::Vertical(from, "fit".into()), Guide::Vertical(to, String::new())];

@@ -1,14 +1,11 @@
 //! The table of a sweep for programs, `table.csv`.
 
 use lennard_core::{Cell, Table};
+use lennard_observables::quantities::{QUANTITIES, Quantity, quantity_of};
 use lennard_scene::study::SHORT_KEYS;
 
 use super::{SettingValue, SweptPoint};
 use crate::compare::{ComparedRun, Row};
-
-/// The quantities of a sweep with their short names.
-const QUANTITIES: [(&str, &str); 3] =
-    [("potential_energy", "u"), ("pressure", "p"), ("heat_capacity", "cv")];
 
 /// Every point with all that it has measured, beside its references.
 pub(super) fn table(points: &[SweptPoint]) -> Table {
@@ -35,7 +32,7 @@ pub(super) fn table(points: &[SweptPoint]) -> Table {
             })
         });
     }
-    for (quantity, short) in QUANTITIES {
+    for Quantity { key: quantity, short, .. } in QUANTITIES.iter().filter(|q| !q.short.is_empty()) {
         let of = |p: &SweptPoint, number: fn(&Row) -> Option<f64>| p.row(quantity).and_then(number);
         table = table
             .column(short, |p| mean(p, quantity))
@@ -82,7 +79,7 @@ fn others(points: &[SweptPoint]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     let rows = points.iter().filter_map(|p| p.compared.as_ref());
     for row in rows.flat_map(|c| &c.rows) {
-        let has_columns = QUANTITIES.iter().any(|(q, _)| *q == row.quantity)
+        let has_columns = quantity_of(&row.quantity).is_some_and(|q| !q.short.is_empty())
             || row.quantity == "density"
             || row.quantity.starts_with("temperature");
         if !has_columns && !names.contains(&row.quantity) {

@@ -162,7 +162,7 @@ fn the_figure_of_the_displacement_has_its_fit_and_says_which_d_is_corrected() {
         format!("A sixth of its slope: D = {}", told(PLAIN)),
         format!(
             "Corrected for finite size (Yeh and Hummer): D = {}",
-            told("diffusion_coefficient")
+            told("diffusion_coefficient_corrected")
         ),
     ] {
         assert!(msd.contains(&words), "{words} in {msd}");

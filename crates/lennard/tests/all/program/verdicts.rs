@@ -166,10 +166,10 @@ fn friction_is_said_beside_diffusion_and_no_correction_is_added() {
         "stage.production.thermostat={ kind = \"langevin\", friction = 10.0 }",
     ]);
     let averages = record["averages"].as_object().unwrap();
-    let diffusion = &averages["diffusion_coefficient"];
+    let diffusion = &averages["diffusion_coefficient_uncorrected"];
     assert_eq!(diffusion["standing"], "thermostat", "{diffusion}");
-    assert!(!averages.contains_key("diffusion_coefficient_uncorrected"));
-    let row = row(&compared, "diffusion_coefficient");
+    assert!(!averages.contains_key("diffusion_coefficient_corrected"));
+    let row = row(&compared, "diffusion_coefficient_uncorrected");
     assert_eq!(row["verdict"], "thermostat");
     assert!(row["reference"].is_null());
     assert!(table.contains("langevin"), "{table}");
@@ -470,7 +470,7 @@ fn one_part_of_the_run_is_discarded_for_every_observable() {
     for (name, every) in [
         ("rdf_first_peak", 50),
         ("structure_factor_first_peak", 100),
-        ("diffusion_coefficient", 10),
+        ("diffusion_coefficient_uncorrected", 10),
     ] {
         let own = every * discarded(name);
         assert!((steps..=steps + 20_000 / 32).contains(&own), "{name}: {own} {steps}");
