@@ -34,14 +34,10 @@ impl Scale {
 /// A property of a fluid in a state.
 #[derive(Debug, Clone, Copy)]
 pub struct Property {
-    /// Name in options and files; the name of the same quantity among the averages of a run.
+    /// Name in options and files; the name of the same quantity among the averages of a run, with words and a unit.
     pub key: &'static str,
-    /// Name in tables.
-    pub name: &'static str,
     /// Its formula in plain text.
     pub equation: &'static str,
-    /// Unit; empty for a plain number.
-    pub unit: &'static str,
     /// The size beside which a difference in it is small or large.
     pub scale: Scale,
     /// Its value.
@@ -49,13 +45,11 @@ pub struct Property {
 }
 
 macro_rules! properties {
-    ($($key:literal, $name:literal, $equation:literal, $unit:literal, $scale:ident, $of:expr;)*) => {
+    ($($key:literal, $equation:literal, $scale:ident, $of:expr;)*) => {
         /// All properties, in the order of a table.
         pub const PROPERTIES: &[Property] = &[$(Property {
             key: $key,
-            name: $name,
             equation: $equation,
-            unit: $unit,
             scale: Scale::$scale,
             of: $of,
         }),*];
@@ -63,25 +57,25 @@ macro_rules! properties {
 }
 
 properties! {
-    "pressure", "pressure P", "ρT(1 + ρ ∂α/∂ρ), α = a_res/T", "ε/σ³", IdealPressure, |s| s.pressure;
-    "compressibility_factor", "compressibility factor Z", "P/(ρT)", "", One, |s| s.pressure / (s.rho * s.temperature);
-    "potential_energy", "potential energy U/N", "∂α/∂β", "ε", Thermal, |s| s.potential_energy;
-    "total_energy", "energy E/N", "U/N + kinetic part", "ε", Thermal, FluidState::total_energy;
-    "enthalpy", "enthalpy H/N", "E/N + P/ρ", "ε", Thermal, |s| s.total_energy() + s.pressure / s.rho;
-    "heat_capacity", "heat capacity c_v", "kinetic part − β² ∂²α/∂β²", "k_B", Value, |s| s.heat_capacity_volume;
-    "heat_capacity_pressure", "heat capacity c_p", "c_v + T γ_V² κ_T/ρ", "k_B", Value, |s| s.heat_capacity_pressure;
-    "thermal_pressure_coefficient", "thermal pressure coefficient γ_V", "∂P/∂T at constant V", "k_B/σ³", Value, |s| s.dp_dt;
-    "isothermal_compressibility", "isothermal compressibility κ_T", "(1/ρ) ∂ρ/∂P at constant T", "σ³/ε", Value, FluidState::isothermal_compressibility;
-    "isentropic_compressibility", "isentropic compressibility κ_S", "κ_T c_v/c_p", "σ³/ε", Value, |s| s.isothermal_compressibility() * s.heat_capacity_volume / s.heat_capacity_pressure;
-    "thermal_expansion", "thermal expansion α_P", "γ_V κ_T", "k_B/ε", Value, |s| s.dp_dt * s.isothermal_compressibility();
-    "speed_of_sound", "speed of sound w", "1/√(ρ m κ_S)", "σ/τ", Value, |s| s.speed_of_sound;
-    "joule_thomson_coefficient", "Joule–Thomson coefficient μ_JT", "(T α_P − 1)/(ρ c_p)", "σ³/k_B", PerHeat, FluidState::joule_thomson;
-    "grueneisen_parameter", "Grüneisen parameter Γ", "γ_V/(ρ c_v)", "", Value, |s| s.dp_dt / (s.rho * s.heat_capacity_volume);
-    "density_scaling_exponent", "density-scaling exponent γ", "⟨δW δU⟩/(3⟨δU²⟩) = (γ_V/ρ − 1)/(∂u/∂T)", "", Value, |s| (s.dp_dt / s.rho - 1.0) / s.du_dt;
-    "structure_factor_zero", "structure factor S(0)", "ρ T κ_T", "", Value, |s| s.temperature / s.dp_drho;
-    "residual_helmholtz_energy", "residual Helmholtz energy a_res", "T α", "ε", Thermal, |s| s.temperature * s.residual_helmholtz;
-    "residual_entropy", "residual entropy s_res", "(U/N − a_res)/T", "k_B", Value, |s| s.potential_energy / s.temperature - s.residual_helmholtz;
-    "residual_chemical_potential", "residual chemical potential μ_res", "a_res + T(Z − 1)", "ε", Thermal, |s| s.temperature * (s.residual_helmholtz - 1.0) + s.pressure / s.rho;
+    "pressure", "ρT(1 + ρ ∂α/∂ρ), α = a_res/T", IdealPressure, |s| s.pressure;
+    "compressibility_factor", "P/(ρT)", One, |s| s.pressure / (s.rho * s.temperature);
+    "potential_energy", "∂α/∂β", Thermal, |s| s.potential_energy;
+    "total_energy", "U/N + kinetic part", Thermal, FluidState::total_energy;
+    "enthalpy", "E/N + P/ρ", Thermal, |s| s.total_energy() + s.pressure / s.rho;
+    "heat_capacity", "kinetic part − β² ∂²α/∂β²", Value, |s| s.heat_capacity_volume;
+    "heat_capacity_pressure", "c_v + T γ_V² κ_T/ρ", Value, |s| s.heat_capacity_pressure;
+    "thermal_pressure_coefficient", "∂P/∂T at constant V", Value, |s| s.dp_dt;
+    "isothermal_compressibility", "(1/ρ) ∂ρ/∂P at constant T", Value, FluidState::isothermal_compressibility;
+    "isentropic_compressibility", "κ_T c_v/c_p", Value, |s| s.isothermal_compressibility() * s.heat_capacity_volume / s.heat_capacity_pressure;
+    "thermal_expansion", "γ_V κ_T", Value, |s| s.dp_dt * s.isothermal_compressibility();
+    "speed_of_sound", "1/√(ρ m κ_S)", Value, |s| s.speed_of_sound;
+    "joule_thomson_coefficient", "(T α_P − 1)/(ρ c_p)", PerHeat, FluidState::joule_thomson;
+    "grueneisen_parameter", "γ_V/(ρ c_v)", Value, |s| s.dp_dt / (s.rho * s.heat_capacity_volume);
+    "density_scaling_exponent", "⟨δW δU⟩/(3⟨δU²⟩) = (γ_V/ρ − 1)/(∂u/∂T)", Value, |s| (s.dp_dt / s.rho - 1.0) / s.du_dt;
+    "structure_factor_zero", "ρ T κ_T", Value, |s| s.temperature / s.dp_drho;
+    "residual_helmholtz_energy", "T α", Thermal, |s| s.temperature * s.residual_helmholtz;
+    "residual_entropy", "(U/N − a_res)/T", Value, |s| s.potential_energy / s.temperature - s.residual_helmholtz;
+    "residual_chemical_potential", "a_res + T(Z − 1)", Thermal, |s| s.temperature * (s.residual_helmholtz - 1.0) + s.pressure / s.rho;
 }
 
 /// The property with this name.

@@ -1,6 +1,7 @@
 //! The equations of state of the literature.
 
 use lennard_literature::{EquationOfState, PROPERTIES, list};
+use lennard_observables::quantities::{quantity_name, quantity_unit};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -49,9 +50,9 @@ pub fn properties<'py>(
 
 /// The properties that every equation of state gives: key, name, equation and unit.
 #[pyfunction]
-pub fn property_list() -> Vec<(&'static str, &'static str, &'static str, &'static str)> {
+pub fn property_list() -> Vec<(&'static str, String, &'static str, &'static str)> {
     let all = PROPERTIES.iter();
-    all.map(|p| (p.key, p.name, p.equation, p.unit)).collect()
+    all.map(|p| (p.key, quantity_name(p.key), p.equation, quantity_unit(p.key))).collect()
 }
 
 /// Vapor and liquid at a temperature: pressure, vapor density, liquid density; `None` where they do not coexist.

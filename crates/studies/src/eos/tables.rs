@@ -2,6 +2,7 @@
 
 use lennard_core::{Cell, Table, Tone};
 use lennard_literature::{EquationOfState, Property, freezing_lines_of};
+use lennard_observables::quantities::{quantity_name, quantity_unit};
 
 use super::{Coexistence, Evaluated, Freezing};
 
@@ -21,8 +22,8 @@ fn value(evaluated: &Evaluated, property: &Property) -> Cell {
 #[must_use]
 pub fn single(evaluated: &[Evaluated], properties: &[&Property]) -> Table {
     let mut table = Table::rows_of("state", properties)
-        .column("Property", |p| p.name)
-        .column("Unit", |p| p.unit);
+        .column("Property", |p| quantity_name(p.key))
+        .column("Unit", |p| quantity_unit(p.key));
     for one in evaluated.iter().filter(|e| e.found.is_ok()) {
         table = table.column(&one.equation.spec().name, |p| value(one, p));
     }
@@ -37,7 +38,7 @@ pub fn curve(evaluated: &[Evaluated], properties: &[&Property]) -> Table {
         .column("T [ε/k_B]", |e| Cell::rounded(e.temperature, DIGITS))
         .column("ρ [σ⁻³]", |e| Cell::rounded(density(e), DIGITS));
     for property in properties {
-        let heading = match property.unit {
+        let heading = match quantity_unit(property.key) {
             "" => property.key.to_owned(),
             unit => format!("{} [{unit}]", property.key),
         };
