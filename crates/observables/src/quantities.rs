@@ -104,6 +104,8 @@ pub struct Quantity {
     pub short: &'static str,
     /// What it is held against.
     pub beside: Beside,
+    /// The quantity that it repeats up to a constant or a factor: checks of errors count only that one.
+    pub repeats: Option<&'static str>,
     /// The property of an equation of state that it is a part of. It stands beside that property and judges nothing.
     pub part_of: Option<&'static str>,
     /// The kinds of runs whose readers look for it first.
@@ -150,8 +152,8 @@ const fn quantity(
     symbol: &'static str,
     unit: &'static str,
 ) -> Quantity {
-    let (short, beside, part_of) = ("", Nothing, None);
-    Quantity { key, words, symbol, unit, short, beside, part_of, primary: &[], marks: &[] }
+    let (short, beside, repeats, part_of) = ("", Nothing, None, None);
+    Quantity { key, words, symbol, unit, short, beside, repeats, part_of, primary: &[], marks: &[] }
 }
 
 const fn response(
@@ -173,6 +175,7 @@ pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         beside: BathOnHalfSteps,
         marks: &[SetByScaling],
+        repeats: Some("temperature"),
         ..quantity("temperature_half_steps", "T, half steps", "T", "ε/k_B")
     },
     Quantity {
@@ -208,6 +211,7 @@ pub const QUANTITIES: &[Quantity] = &[
     },
     Quantity {
         marks: &[Plain],
+        repeats: Some("potential_energy"),
         ..quantity("potential_energy_without_tail", "potential energy without tail", "U/N", "ε")
     },
     Quantity {
@@ -219,6 +223,7 @@ pub const QUANTITIES: &[Quantity] = &[
     },
     Quantity {
         marks: &[Plain, AcrossSurfaces],
+        repeats: Some("pressure"),
         ..quantity("pressure_without_tail", "pressure without tail", "P", "ε/σ³")
     },
     Quantity {
@@ -233,7 +238,9 @@ pub const QUANTITIES: &[Quantity] = &[
         ..quantity("enthalpy", "enthalpy", "H/N", "ε")
     },
     Quantity {
-        marks: &[SetByScaling], ..quantity("kinetic_energy", "kinetic energy", "K/N", "ε")
+        marks: &[SetByScaling],
+        repeats: Some("temperature"),
+        ..quantity("kinetic_energy", "kinetic energy", "K/N", "ε")
     },
     Quantity { marks: &[WholeSystem], ..quantity("total_energy", "total energy", "E/N", "ε") },
     quantity("conserved_energy", "conserved energy", "(E − heat)/N", "ε"),
@@ -276,6 +283,7 @@ pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         beside: SelfDiffusion,
         primary: &[Fluid],
+        repeats: Some("diffusion_coefficient_uncorrected"),
         ..quantity(
             "diffusion_coefficient_corrected",
             "diffusion coefficient, corrected",

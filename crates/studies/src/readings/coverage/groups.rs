@@ -1,5 +1,8 @@
 //! Shares pooled over cells, where seeds are many enough for narrow bars.
 
+use lennard_observables::quantities::quantity_of;
+use lennard_observables::{Allowed, Reference, Verdict, judge};
+
 use super::super::probability::binomial_tails;
 use super::judge::{Judged, NORMAL, RARE};
 
@@ -9,19 +12,9 @@ const BARS: ([f64; 2], f64) = ([0.60, 0.76], 0.92);
 /// Numbers that count as an independent one where quantities are pooled, since quantities of one run move together.
 const TOGETHER: usize = 3;
 
-/// Quantities that repeat another one up to a constant or a factor; groups count only the other one.
-const REPEATED: [(&str, &str); 5] = [
-    ("kinetic_energy", "temperature"),
-    ("temperature_half_steps", "temperature"),
-    ("potential_energy_without_tail", "potential_energy"),
-    ("pressure_without_tail", "pressure"),
-    ("diffusion_coefficient_uncorrected", "diffusion_coefficient"),
-];
-
-/// The quantity that another one repeats.
+/// The quantity that another one repeats; groups count only the first.
 pub fn repeats(quantity: &str) -> Option<&'static str> {
-    let found = REPEATED.iter().find(|(name, _)| *name == quantity);
-    found.map(|(_, original)| *original)
+    quantity_of(quantity)?.repeats
 }
 
 /// Sums over cells.
@@ -61,39 +54,28 @@ impl Sums {
         sorted.get(sorted.len() / 2).copied()
     }
 
-    /// How the shares stand to their bars.
-    pub fn standing(&self) -> Standing {
-        if self.given == 0 {
-            return Standing::Inside;
-        }
+    /// How far the shares are outside their bars.
+    pub fn far(&self) -> f64 {
         let ([low, high], least) = BARS;
-        let shares = [self.share(0), self.share(1)];
-        let far =
-            [low - shares[0], shares[0] - high, least - shares[1]].into_iter().fold(0.0, f64::max);
-        if far == 0.0 {
-            return Standing::Inside;
+        let one = Reference::band(low, high).difference(self.share(0));
+        let two = Reference::band(least, f64::INFINITY).difference(self.share(1));
+        one.abs().max(two.abs())
+    }
+
+    /// The verdict on the shares. Outside their bars as chance may have it with so few numbers they are too coarse.
+    pub fn verdict(&self) -> Verdict {
+        if self.given == 0 {
+            return Verdict::Agrees;
         }
+        let verdict = judge(self.far(), Reference::value(0.0), Allowed::within(0.0));
+        let shares = [self.share(0), self.share(1)];
         let n = self.given.div_ceil(self.together.max(1));
         let tails =
             |k: usize| binomial_tails((shares[k] * n as f64).round() as usize, n, NORMAL[k]);
         let ((below, above), (below_two, _)) = (tails(0), tails(1));
-        if below.min(above).min(below_two) >= RARE {
-            Standing::Chance
-        } else {
-            Standing::Outside(far)
-        }
+        let is_chance = below.min(above).min(below_two) >= RARE;
+        if verdict == Verdict::Differs && is_chance { Verdict::TooCoarse } else { verdict }
     }
-}
-
-/// How a group's shares stand to their bars.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Standing {
-    /// Inside.
-    Inside,
-    /// Outside, as chance may have it with so few numbers.
-    Chance,
-    /// Outside by this share.
-    Outside(f64),
 }
 
 /// A row of a table: a name, and sums by length.
@@ -148,23 +130,24 @@ pub fn by_state(judged: &[Judged], lengths: &[u64]) -> Vec<Row> {
 mod tests {
     use super::*;
 
-    fn standing(given: usize, together: usize, one: f64, two: f64) -> Standing {
+    fn sums(given: usize, together: usize, one: f64, two: f64) -> Sums {
         let part = |share: f64| (share * given as f64).round() as usize;
-        Sums { given, together, within: [part(one), part(two)], ..Sums::default() }.standing()
+        Sums { given, together, within: [part(one), part(two)], ..Sums::default() }
     }
 
     #[test]
     fn bars_hold_for_many_numbers_and_give_way_for_few() {
-        assert_eq!(standing(900, 1, 0.68, 0.95), Standing::Inside);
-        assert_eq!(standing(900, 1, 0.61, 0.925), Standing::Inside);
+        assert_eq!(sums(900, 1, 0.68, 0.95).verdict(), Verdict::Agrees);
+        assert_eq!(sums(900, 1, 0.61, 0.925).verdict(), Verdict::Agrees);
         for (one, two) in [(0.58, 0.95), (0.78, 0.99), (0.65, 0.9)] {
-            let found = standing(900, 1, one, two);
-            assert!(matches!(found, Standing::Outside(far) if far < 0.021), "{found:?}");
+            let found = sums(900, 1, one, two);
+            assert_eq!(found.verdict(), Verdict::Differs);
+            assert!(found.far() < 0.021, "{found:?}");
         }
-        assert_eq!(standing(500, 3, 0.59, 0.95), Standing::Chance);
-        assert_eq!(standing(30, 1, 0.5, 0.9), Standing::Chance);
+        assert_eq!(sums(500, 3, 0.59, 0.95).verdict(), Verdict::TooCoarse);
+        assert_eq!(sums(30, 1, 0.5, 0.9).verdict(), Verdict::TooCoarse);
         // Errors too small by a factor of two.
-        assert!(matches!(standing(150, 3, 0.38, 0.68), Standing::Outside(_)));
-        assert_eq!(standing(0, 1, 0.0, 0.0), Standing::Inside);
+        assert_eq!(sums(150, 3, 0.38, 0.68).verdict(), Verdict::Differs);
+        assert_eq!(sums(0, 1, 0.0, 0.0).verdict(), Verdict::Agrees);
     }
 }

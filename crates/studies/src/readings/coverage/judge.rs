@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use lennard_core::Standing;
 use lennard_io::AverageRecord;
 use lennard_observables::statistics::{Line, mean, variance};
 use serde::Serialize;
@@ -135,9 +136,9 @@ fn values(
     quantity: &str,
 ) -> Vec<((f64, f64), Option<f64>)> {
     let value = |run: &&BTreeMap<String, AverageRecord>| {
-        let average = run.get(quantity).filter(|average| average.mean.is_finite())?;
-        let error = Some(average.standard_error).filter(|error| error.is_finite());
-        Some(((run.get(CONSERVED)?.mean, average.mean), error))
+        let average = run.get(quantity).filter(|average| average.estimate.mean.is_finite())?;
+        let error = Some(average.estimate.standard_error).filter(|error| error.is_finite());
+        Some(((run.get(CONSERVED)?.estimate.mean, average.estimate.mean), error))
     };
     runs.iter().filter_map(value).collect()
 }
@@ -257,10 +258,13 @@ fn without(runs: &[&BTreeMap<String, AverageRecord>], quantity: &str) -> BTreeMa
     let mut counts = BTreeMap::new();
     for run in runs {
         let why = match run.get(quantity) {
-            Some(average) if average.mean.is_finite() && average.standard_error.is_finite() => {
+            Some(average)
+                if average.estimate.mean.is_finite()
+                    && average.estimate.standard_error.is_finite() =>
+            {
                 continue;
             }
-            Some(average) => average.standing.clone(),
+            Some(average) => average.standing.words().to_owned(),
             None => ABSENT.to_owned(),
         };
         *counts.entry(why).or_insert(0) += 1;
@@ -300,8 +304,9 @@ fn faults(judged: &Judged) -> Vec<Fault> {
         // A bath changes how particles diffuse, however long the run: it may say so in place of a number. The tests of
         // equilibrium and of plateaus are wrong in some per cent of runs by their nature.
         for (why, n) in &judged.without {
-            let by_nature = if why == "too-short" { 0 } else { judged.given / BY_NATURE };
-            if why != ABSENT && why != "thermostat" && *n > by_nature {
+            let by_nature =
+                if why == Standing::TooShort.words() { 0 } else { judged.given / BY_NATURE };
+            if why != ABSENT && why != Standing::Thermostat.words() && *n > by_nature {
                 add(format!("{n} runs without a number ({why})"), 0.0);
             }
         }

@@ -5,7 +5,9 @@ use std::fmt::Write as _;
 use lennard_core::{Cell, Table};
 use serde_json::{Value, json};
 
-use super::groups::{Row, Standing, Sums, by_quantity, by_state, repeats};
+use lennard_observables::Verdict;
+
+use super::groups::{Row, Sums, by_quantity, by_state, repeats};
 use super::judge::Judged;
 
 /// Cells in the list; the record has all.
@@ -56,8 +58,8 @@ impl Summary {
         let mut failed = Vec::new();
         for row in self.quantities.iter().chain(&self.states) {
             for (sums, &length) in row.sums.iter().zip(&self.lengths) {
-                if let Standing::Outside(far) = sums.standing() {
-                    failed.push((far, row.name.as_str(), length, sums));
+                if sums.verdict() == Verdict::Differs {
+                    failed.push((sums.far(), row.name.as_str(), length, sums));
                 }
             }
         }
@@ -178,7 +180,7 @@ impl Summary {
         let sums = |(sums, length): (&Sums, &u64)| {
             json!({
                 "steps": length, "given": sums.given, "without": sums.without, "within": sums.within,
-                "scatter": sums.scatter(), "fails": matches!(sums.standing(), Standing::Outside(_)),
+                "scatter": sums.scatter(), "fails": sums.verdict() == Verdict::Differs,
             })
         };
         let row = |row: &Row| {
@@ -206,10 +208,10 @@ fn entry(sums: &Sums) -> String {
     }
     let mut text = String::new();
     if sums.given > 0 {
-        let mark = match sums.standing() {
-            Standing::Inside => "",
-            Standing::Chance => "~ ",
-            Standing::Outside(_) => "✗ ",
+        let mark = match sums.verdict() {
+            Verdict::TooCoarse => "~ ",
+            Verdict::Differs => "✗ ",
+            _ => "",
         };
         let _ = write!(text, "{mark}{:.0} / {:.0} %", 100.0 * sums.share(0), 100.0 * sums.share(1));
         if let Some(ratio) = sums.scatter() {

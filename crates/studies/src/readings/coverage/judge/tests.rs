@@ -1,9 +1,12 @@
 //! Made-up runs with known errors.
 
+use lennard_core::Estimate;
 use lennard_core::random::Streams;
 use rand::Rng;
 
-use super::super::groups::{Standing, by_quantity};
+use lennard_observables::Verdict;
+
+use super::super::groups::by_quantity;
 use super::*;
 
 /// A number from a normal distribution: the sum of twelve uniform ones.
@@ -14,13 +17,12 @@ fn normal(random: &mut impl Rng) -> f64 {
 
 fn average(mean: f64, error: Option<f64>) -> AverageRecord {
     AverageRecord {
-        mean,
-        standard_error: error.unwrap_or(f64::NAN),
-        n_effective: 100.0,
-        freedom: 99.0,
-        equilibration_cut: 0,
+        estimate: Estimate {
+            freedom: 99.0,
+            ..Estimate::new(mean, error.unwrap_or(f64::NAN), 100.0)
+        },
         unit: String::new(),
-        standing: if error.is_some() { "sound" } else { "too-short" }.to_owned(),
+        standing: if error.is_some() { Standing::Sound } else { Standing::TooShort },
         reason: String::new(),
     }
 }
@@ -73,7 +75,7 @@ fn right_errors_pass_and_errors_too_small_or_too_large_by_two_are_caught() {
         assert!(listed.contains(&faulty), "{faulty} cells listed at {factor}");
         let rows = by_quantity(&judged, &[2500, 200_000]);
         for sums in rows.iter().flat_map(|row| &row.sums) {
-            let fails = sums.standing() != Standing::Inside;
+            let fails = sums.verdict() != Verdict::Agrees;
             assert_eq!(fails, groups_fail, "{factor} {sums:?}");
             assert!((sums.scatter().unwrap() * factor - 1.0).abs() < 0.1);
         }
@@ -110,7 +112,7 @@ fn a_short_mean_that_is_off_is_seen_where_its_scatter_is_right() {
     let mut random = Streams::new(1).sequential("runs");
     let mut short = runs(0.0, 0.1, Some(0.1), &mut random);
     for run in &mut short {
-        run.get_mut("pressure").unwrap().mean += 0.2;
+        run.get_mut("pressure").unwrap().estimate.mean += 0.2;
     }
     let long = runs(0.0, 0.03, Some(0.03), &mut random);
     let judged = all(&[sample(cell(false, 2500), &short), sample(cell(false, 20_000), &long)]);
@@ -127,7 +129,7 @@ fn too_short_is_an_answer_but_not_at_the_longest_length_of_a_liquid() {
         let runs = runs(0.0, 0.1, None, &mut random);
         let judged = all(&[sample(cell, &runs)]);
         assert_eq!(judged[0].given, 0);
-        assert_eq!(judged[0].without["too-short"], 30);
+        assert_eq!(judged[0].without["too short"], 30);
         assert_eq!(!judged[0].faults.is_empty(), is_long_enough);
     }
 }
