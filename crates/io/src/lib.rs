@@ -63,8 +63,8 @@ pub use lammps_data_writer::write_lammps_data;
 pub use particles::{FoundSpecies, LARGEST, StartConfiguration, TrajectoryFrame};
 pub use record::{
     AverageRecord, BarostatRecord, Comparison, Conservation, Host, NeighborRecord, PairRecord,
-    Performance, RUN_SCHEMA, RanksRecord, RunRecord, SpeciesRecord, StageSeconds,
-    StatePoint, ThermostatRecord, cpu_name, read_run_record, read_run_record_bytes,
+    Performance, RUN_SCHEMA, RanksRecord, RunRecord, SpeciesRecord, StageSeconds, StatePoint,
+    ThermostatRecord, cpu_name, read_run_record, read_run_record_bytes,
 };
 pub use sink::{FileMark, Sink};
 pub use tables::{TableWriter, read_table_csv, read_table_csv_bytes, write_table_csv};

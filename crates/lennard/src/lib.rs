@@ -57,7 +57,7 @@ pub mod parts {
     pub use lennard_core::{
         Array, Average, Configuration, DMat3, DVec3, Energetics, Estimate, Findings, ForceError,
         ForceProperties, ForceTerm, IntegratorSpec, Method, Observable, ObservableSpec, Part,
-        PeriodicBox, Persist, Remark, RestoreError, StateReader, StateWriter, Step, StepError, Suits,
-        System, Table, View, Want, persist, remembers_nothing,
+        PeriodicBox, Persist, Remark, RestoreError, StateReader, StateWriter, Step, StepError,
+        Suits, System, Table, View, Want, persist, remembers_nothing,
     };
 }

@@ -5,7 +5,8 @@ mod fit;
 use std::f64::consts::TAU;
 
 use lennard_core::{
-    Average, Axis, DVec3, Doubt, Findings, Observable, ObservableSpec, Remark, Table, View, Want, persist,
+    Average, Axis, DVec3, Doubt, Findings, Observable, ObservableSpec, Remark, Table, View, Want,
+    persist,
 };
 
 use crate::averages::{changes, of_blocks, tell_discarded};

@@ -3,7 +3,9 @@
 mod vibration;
 
 use lennard_core::exact::exact_sum;
-use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Remark, Table, View, Want, persist};
+use lennard_core::{
+    DVec3, Findings, Observable, ObservableSpec, Remark, Table, View, Want, persist,
+};
 
 use crate::series::{Series, columns};
 use crate::{BuildContext, ObservableError, Recipe, Surroundings};
