@@ -10,7 +10,7 @@ use crate::StudyError;
 use crate::report::Page;
 
 /// A study that has run: all that it has measured, as JSON, as tables and as a page.
-pub trait Study: Serialize {
+pub trait Study: Serialize + Sized {
     /// Name of the file with all that it has measured.
     const JSON: &'static str = "study.json";
 
@@ -34,7 +34,7 @@ pub trait Study: Serialize {
 pub(crate) fn write_all(
     dir: &Path,
     tables: &[Table],
-    (json, study): (&str, &(impl Serialize + ?Sized)),
+    (json, study): (&str, &impl Serialize),
     page: &Page,
 ) -> Result<(), StudyError> {
     let figure_dir = dir.join("figures");

@@ -40,7 +40,7 @@ pub(super) fn page(chart: &Chart, command: &str) -> Page {
         let panels = chart.panels.iter().filter(|p| names.contains(&p.name));
         let blocks: Vec<Block> = panels.flat_map(|panel| of_panel(chart, panel)).collect();
         if !blocks.is_empty() {
-            sections.push(Section { title: title.into(), blocks });
+            sections.push(Section { blocks, ..Section::new(title) });
         }
     }
     if matches!(chart.against, Against::Tightest(_)) {
