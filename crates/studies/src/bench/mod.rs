@@ -15,14 +15,15 @@ pub use types::{
     with_range,
 };
 
-use std::path::Path;
 use std::time::Duration;
 
+use lennard_core::Table;
 use lennard_forcefield::measure;
 
 use crate::jobs::pool;
 use crate::lab::{Start, to_temperature};
-use crate::{Progress, StudyError, files};
+use crate::report::Page;
+use crate::{Progress, Study};
 use variants::Blocks;
 
 /// Least number of steps from the scene's start to the state that is measured, and how long a block should take with the warm-up's
@@ -100,13 +101,16 @@ pub fn run(options: &BenchOptions, progress: &mut dyn Progress) -> Result<BenchS
     })
 }
 
-/// Writes `bench.json`, CSV tables, SVG figures (in `figures/`) and `report.html` into `dir`.
-///
-/// # Errors
-/// [`StudyError`] where a figure cannot be drawn or a file cannot be written.
-pub fn write(study: &BenchStudy, dir: &Path) -> Result<(), StudyError> {
-    let page = page::page(study);
-    files::write_all(dir, &page::csv(study), ("bench.json", study), &page)
+impl Study for BenchStudy {
+    const JSON: &'static str = "bench.json";
+
+    fn tables(&self) -> Vec<Table> {
+        page::csv(self)
+    }
+
+    fn page(&self) -> Page {
+        page::page(self)
+    }
 }
 
 /// A part of the whole work, as progress shows it.

@@ -49,7 +49,7 @@ fn each_variant_is_measured_once_and_its_numbers_agree_with_one_another() {
     let on_processor = kernel.processor_ns.map(|s| s.median);
     assert_eq!(first("whole step, processor time"), on_processor);
     let folder = tempfile::tempdir().unwrap();
-    write(&study, folder.path()).unwrap();
+    study.write(folder.path()).unwrap();
     for file in [
         "bench.json",
         "kernels.csv",

@@ -55,11 +55,13 @@ impl Section {
 
     /// Every figure of the section.
     pub fn pictures(&self) -> impl Iterator<Item = &Picture> {
-        let of_block = |block| match block {
-            &Block::Figures(ref pictures) => Some(pictures),
-            _ => None,
-        };
-        self.blocks.iter().filter_map(of_block).flatten()
+        let blocks = self.blocks.iter();
+        blocks
+            .filter_map(|block| match block {
+                Block::Figures(pictures) => Some(pictures),
+                _ => None,
+            })
+            .flatten()
     }
 
     /// Adds a block.

@@ -341,5 +341,5 @@ fn fitted(run: &RunFolder) -> Option<[f64; 2]> {
     let lags = table.numbers("time")?.into_iter().zip(table.numbers("fit")?);
     let mut fitted = lags.filter(|(lag, fit)| *lag > 0.0 && *fit > 0.0).map(|(lag, _)| lag);
     let first = fitted.next()?;
-    Some([first, fitted.last()?])
+    Some([first, fitted.next_back()?])
 }

@@ -16,11 +16,6 @@ use crate::workspace::Workspace;
 const EXPLAINED: &[(&str, &[&str], &str)] = &[
     ("contacts", &["kinds", "kinds/*"], "a kind implements the trait of its list"),
     (
-        "lennard",
-        &["program/show", "program/show/tables"],
-        "a table of literature values is one of the pages that are shown",
-    ),
-    (
         "forcefield",
         &["pair/combining", "pair/combining/*"],
         "a file of a combining rule implements the trait that the list dispatches to",

@@ -1,14 +1,15 @@
 //! `lennard bench`: how fast the parts of a step are.
 
-use lennard_io::{in_shell, path_in_shell};
+use lennard_studies::Study;
 use lennard_studies::bench::{self, BenchError, BenchOptions, Subject};
 
 use crate::program::args::BenchArgs;
-use crate::program::commands::{Inputs, UNFINISHED, output_folder, print_json, replace_if};
-use crate::program::failure::{DONE, Failure, OTHER};
+use crate::program::commands::{Inputs, UNFINISHED, answer, output_folder, replace_if};
+use crate::program::failure::{Failure, OTHER};
 use crate::program::progress::Display;
 use crate::program::show::{self, Style};
 use crate::program::signals::{Signals, StartUp};
+use crate::program::typed;
 
 /// Blocks for each variant where nothing else is said.
 const REPEATS: usize = 7;
@@ -42,42 +43,17 @@ pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
         threads: args.threads.iter().map(|&t| usize::from(t)).collect(),
         repeats,
         quick: args.quick,
-        command: command(args),
+        command: typed::again(None, &[]),
         machine: machine(),
     };
     let mut progress = Display::of_study(args.quiet);
     let study = bench::run(&options, &mut progress);
     drop(progress);
     let study = study?;
-    bench::write(&study, folder.path())?;
-    if args.json {
-        print_json(&study)?;
-    } else if !args.quiet {
+    study.write(folder.path())?;
+    answer(args.json, args.quiet, &study, || {
         show::print(&show::bench(&study, folder.path()), Style::Ruled);
-    }
-    Ok(DONE)
-}
-
-/// The command as it can be typed again.
-fn command(args: &BenchArgs) -> String {
-    let mut words = vec!["lennard bench".to_owned()];
-    words.extend(args.scene.iter().map(|scene| path_in_shell(scene)));
-    let settings = args.set.iter().map(|(key, value)| format!("{key}={value}"));
-    words.extend(settings.map(|setting| format!("--set {}", in_shell(&setting))));
-    let lists = [("--isa", args.isa.join(",")), ("--precision", args.precision.join(","))];
-    words.extend(
-        lists
-            .into_iter()
-            .filter(|(_, list)| !list.is_empty())
-            .map(|(name, list)| format!("{name} {}", in_shell(&list))),
-    );
-    if !args.threads.is_empty() {
-        let threads: Vec<String> = args.threads.iter().map(u16::to_string).collect();
-        words.push(format!("--threads {}", threads.join(",")));
-    }
-    words.extend(args.repeats.map(|n| format!("--repeats {n}")));
-    words.extend(args.quick.then(|| "--quick".to_owned()));
-    words.join(" ")
+    })
 }
 
 /// What the figures belong to.

@@ -2,16 +2,17 @@
 
 use std::path::Path;
 
-use lennard_io::{Existing, in_shell, path_in_shell};
+use lennard_io::Existing;
 use lennard_scene::Scene;
 use lennard_studies::chart::{self, Axes, ChartError, ChartOptions, Size};
 
 use crate::program::args::ChartArgs;
-use crate::program::commands::{Inputs, output_folder, print_json};
-use crate::program::failure::{DONE, Failure, INPUT, STOPPED};
+use crate::program::commands::{Inputs, answer, output_folder};
+use crate::program::failure::{Failure, INPUT, STOPPED};
 use crate::program::progress::Display;
 use crate::program::show::{self, Style};
 use crate::program::signals::{FirstStep, Signals, StartUp};
+use crate::program::typed;
 
 /// Measures what is not measured yet, and prints where the scene's own settings stand.
 pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
@@ -31,7 +32,7 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
     let kind = if args.ensemble { "ensemble" } else { "chart" };
     let folder = signals.claim(
         || output_folder(args.out.as_deref(), Existing::Keep, &format!("{}-{kind}", scene.name)),
-        |folder| Some(nothing().unless_kept(chart::has_points, kept_points(args, folder))),
+        |folder| Some(nothing().unless_kept(chart::has_points, kept_points(folder))),
     )?;
     let processors = lennard_core::parallel::processors();
     let options = ChartOptions {
@@ -47,51 +48,24 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
         threads: usize::from(args.threads),
         with_peers: args.with_peers,
         stop: signals.stop(),
-        command: command(args, folder.path()),
+        command: typed::again(Some(folder.path()), &[]),
     };
     let mut display = FirstStep::new(&signals, Display::of_study(args.quiet));
     let found = chart::run(&scene, &options, &mut display)?;
     drop(display);
-    if args.json {
-        print_json(&found)?;
-    } else if !args.quiet {
+    let done = answer(args.json, args.quiet, &found, || {
         show::print(&show::chart(&found, folder.path()), Style::Ruled);
-    }
+    })?;
     if !found.finished {
-        eprintln!("{}", kept_points(args, folder.path()));
+        eprintln!("{}", kept_points(folder.path()));
         return Ok(STOPPED);
     }
-    Ok(DONE)
+    Ok(done)
 }
 
-fn kept_points(args: &ChartArgs, folder: &Path) -> String {
-    format!("stopped on request; finished points are kept\n  to go on: {}", command(args, folder))
-}
-
-/// The command that makes the same chart, or goes on with it.
-fn command(args: &ChartArgs, folder: &Path) -> String {
-    let mut line =
-        format!("lennard chart {} --out {}", path_in_shell(&args.scene), path_in_shell(folder));
-    for (key, value) in &args.set {
-        line += &format!(" --set {}", in_shell(&format!("{key}={value}")));
-    }
-    if let Some(lock) = &args.lock {
-        line += &format!(" --lock {}", path_in_shell(lock));
-    }
-    for (wanted, flag) in [
-        (args.quick, " --quick"),
-        (args.full, " --full"),
-        (args.with_peers, " --with-peers"),
-        (args.ensemble, " --ensemble"),
-    ] {
-        if wanted {
-            line += flag;
-        }
-    }
-    if args.threads != 1 {
-        line += &format!(" --threads {}", args.threads);
-    }
-    line
+fn kept_points(folder: &Path) -> String {
+    let command = typed::again(Some(folder), &[]);
+    format!("stopped on request; finished points are kept\n  to go on: {command}")
 }
 
 impl From<ChartError> for Failure {

@@ -19,7 +19,7 @@ pub fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         .collect::<Result<_, ReadError>>()?;
     let style = if args.verbose { Style::Ruled } else { Style::Open };
     let schema = lennard_io::schema!("compare", 1);
-    answer(args.json, &json!({ "schema": schema, "runs": compared }), || {
+    answer(args.json, false, &json!({ "schema": schema, "runs": compared }), || {
         compared.iter().for_each(|run| show::print(&show::compared(run, args.verbose), style));
     })
 }

@@ -28,7 +28,7 @@ pub fn energy(args: &EnergyArgs) -> Result<u8, Failure> {
         let extra = [("total_potential_energy", report.potential_energy)];
         lennard_io::write_frame(path, &style, &Frame { state, extra: &extra })?;
     }
-    answer(args.scene.json, &evaluated.report, || {
+    answer(args.scene.json, false, &evaluated.report, || {
         show::print(&show::energy(&evaluated.report), Style::Ruled);
     })
 }

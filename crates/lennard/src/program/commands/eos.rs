@@ -66,7 +66,7 @@ pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
         None if curve => OF_A_CURVE.iter().filter_map(|key| property(key)).collect(),
         None => PROPERTIES.iter().collect(),
     };
-    answer(args.json, &eos::states_json(&all.concat(), &properties), || match curve {
+    answer(args.json, false, &eos::states_json(&all.concat(), &properties), || match curve {
         true => all.iter().for_each(|one| printed(&show::curve(one, &properties))),
         false => printed(&show::state(&all.concat(), &properties)),
     })
@@ -106,7 +106,7 @@ impl<R> TwoPhases<R> {
             return Err(refused(format!("{}: {}", self.nothing, limits.join("; "))));
         }
         let all: Vec<_> = found.iter().map(|(e, rows)| (self.json)(*e, rows)).collect();
-        answer(args.json, &json!({ "schema": eos::SCHEMA, "equations": all }), || {
+        answer(args.json, false, &json!({ "schema": eos::SCHEMA, "equations": all }), || {
             found.iter().for_each(|(e, rows)| printed(&(self.show)(*e, rows)));
         })
     }

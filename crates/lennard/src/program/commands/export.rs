@@ -42,7 +42,7 @@ pub fn export(args: &ExportArgs) -> Result<u8, Failure> {
     let files: Vec<String> = done.files.iter().map(|f| f.display().to_string()).collect();
     let schema = lennard_io::schema!("export", 1);
     let document = json!({ "schema": schema, "files": files, "remarks": done.remarks });
-    answer(args.scene.json, &document, || {
+    answer(args.scene.json, false, &document, || {
         println!(
             "{}: {} particles at step {}, and the commands to go on",
             files.join(", "),

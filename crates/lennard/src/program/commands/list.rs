@@ -77,7 +77,7 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
 /// Prints entries as JSON, or as `show` does.
 fn told(json: bool, entries: &[Entry], show: impl FnOnce()) -> Result<u8, Failure> {
     let schema = lennard_io::schema!("list", 1);
-    answer(json, &json!({ "schema": schema, "entries": entries }), show)
+    answer(json, false, &json!({ "schema": schema, "entries": entries }), show)
 }
 
 /// What can be listed.
@@ -155,7 +155,7 @@ fn integrators() -> Vec<Entry> {
 }
 
 fn formats() -> Vec<Entry> {
-    each(&TrajectoryFormat::ALL, |format| {
+    each(TrajectoryFormat::ALL, |format| {
         let s = format.spec();
         Entry {
             properties: properties! {

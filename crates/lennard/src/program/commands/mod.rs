@@ -25,13 +25,12 @@ use lennard_core::parallel::{self, PoolError};
 use lennard_engine::EngineError;
 use lennard_io::{Existing, OutputFolder};
 use lennard_scene::{Scene, UsedLock};
-use lennard_studies::Study;
 use serde::Serialize;
 
 use crate::program::args::SceneArgs;
 pub use crate::program::commands::inputs::Inputs;
 use crate::program::failure::{DONE, Failure, INPUT, OTHER};
-use crate::program::{out, show};
+use crate::program::out;
 
 /// Loads the scene of a command with its overrides. Where the scene asks for an accuracy, the settings of its
 /// lock file are added, if there is one. Without a lock file, a scene that leaves settings to be chosen is
@@ -121,27 +120,19 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Prints what a command has found: as one JSON document, which names its schema, or as `show` does for a person.
-pub fn answer(json: bool, found: &impl Serialize, show: impl FnOnce()) -> Result<u8, Failure> {
+/// Prints what a command has found: as one JSON document, which names its schema, or as `show` does for a person, unless `quiet`.
+pub fn answer(
+    json: bool,
+    quiet: bool,
+    found: &impl Serialize,
+    show: impl FnOnce(),
+) -> Result<u8, Failure> {
     match json {
         true => print_json(found)?,
+        false if quiet => {}
         false => show(),
     }
     Ok(DONE)
-}
-
-/// Prints what a study has found: as one JSON document, or what its page says first.
-pub fn answer_of_study(
-    json: bool,
-    quiet: bool,
-    study: &impl Study,
-    folder: &Path,
-) -> Result<u8, Failure> {
-    answer(json, study, || {
-        if !quiet {
-            show::page(&study.page(), folder);
-        }
-    })
 }
 
 /// `lennard version`.
@@ -161,7 +152,7 @@ pub fn version(json: bool) -> Result<u8, Failure> {
         isa: lennard_forcefield::available_isas(),
         threads: parallel::processors(),
     };
-    answer(json, &version, || {
+    answer(json, false, &version, || {
         println!("lennard {}", version.version);
         println!("processor: {}, {} threads", version.cpu, version.threads);
         println!("instruction sets of the pair kernel: {}", version.isa.join(", "));

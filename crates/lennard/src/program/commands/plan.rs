@@ -19,7 +19,7 @@ pub fn plan(args: &PlanArgs) -> Result<u8, Failure> {
     });
     let plan =
         on_threads(threads, || Ok(lennard_engine::plan(&mut simulation, threads, network)?))?;
-    answer(args.scene.json, &plan, || {
+    answer(args.scene.json, false, &plan, || {
         let lock = lock.as_ref().map(|lock| lock.path.as_path());
         show::print(&show::plan(&plan, args.verbose, lock), Style::Ruled);
     })

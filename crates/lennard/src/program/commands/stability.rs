@@ -4,11 +4,10 @@ use lennard_studies::stability::{self, StabilityOptions};
 use lennard_studies::{Progress, Study, StudyError, mechanics};
 
 use crate::program::args::StabilityArgs;
-use crate::program::commands::{
-    UNFINISHED, answer_of_study, on_threads, output_folder, replace_if,
-};
+use crate::program::commands::{UNFINISHED, answer, on_threads, output_folder, replace_if};
 use crate::program::failure::{Failure, INPUT, OTHER};
 use crate::program::progress::Display;
+use crate::program::show;
 use crate::program::signals::{Signals, StartUp};
 use crate::program::typed;
 
@@ -50,7 +49,7 @@ fn study<S: Study + Send>(
         Ok(study)
     })?;
     drop(progress);
-    answer_of_study(args.json, args.quiet, &study, folder.path())
+    answer(args.json, args.quiet, &study, || show::page(&study.page(), folder.path()))
 }
 
 impl From<StudyError> for Failure {

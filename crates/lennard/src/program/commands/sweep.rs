@@ -10,10 +10,10 @@ use lennard_studies::sweep::{self, Ending, SweepError, SweepOptions};
 use crate::program::args::SweepArgs;
 use crate::program::commands::sweep_ends::{NOT_BEGUN, command, deadline, ended, keep_inputs};
 use crate::program::commands::sweep_tasks::Tasks;
-use crate::program::commands::{output_folder, print_json};
+use crate::program::commands::{answer, output_folder};
 use crate::program::failure::{Failure, INPUT, OTHER};
 use crate::program::progress::Display;
-use crate::program::show;
+use crate::program::show::{self, Style};
 use crate::program::signals::{Signals, StartUp};
 
 /// Does what is asked of a sweep.
@@ -44,9 +44,9 @@ fn whole(args: &SweepArgs, started: Instant) -> Result<u8, Failure> {
         |_| None,
     )?;
     let quiet = args.quiet || args.json;
-    let command = command(args, folder.path());
+    let command = command(folder.path());
     if !quiet {
-        show::sweep_header(&sweep, threads, folder.path());
+        show::print(&show::sweep_header(&sweep, threads, folder.path()), Style::Narrow);
     }
     let mut display = Display::of_study(args.quiet);
     let options = SweepOptions {
@@ -60,11 +60,9 @@ fn whole(args: &SweepArgs, started: Instant) -> Result<u8, Failure> {
     };
     let record = sweep::run(&sweep, &options, &mut display)?;
     drop(display);
-    if args.json {
-        print_json(&record)?;
-    } else if !args.quiet && record.ending != Ending::NotBegun {
-        show::sweep(&record, folder.path());
-    }
+    answer(args.json, args.quiet || record.ending == Ending::NotBegun, &record, || {
+        show::print(&show::sweep(&record, folder.path()), Style::Narrow);
+    })?;
     if let Some(failure) = &record.failure {
         eprintln!("{failure}");
     }

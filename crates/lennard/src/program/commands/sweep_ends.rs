@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use lennard_io::{in_shell, path_in_shell};
-use lennard_scene::{Start, shipped};
+use lennard_scene::Start;
 use lennard_studies::sweep::{self, Ending, Sweep, SweptPoint};
 
 use crate::program::args::SweepArgs;
 use crate::program::commands::Inputs;
 use crate::program::failure::{DONE, Failure, INPUT, OTHER, STOPPED};
+use crate::program::typed;
 
 /// What is said of a sweep without a step that could be kept.
 pub(super) const NOT_BEGUN: &str =
@@ -72,14 +72,19 @@ pub(super) fn deadline(args: &SweepArgs, started: Instant) -> Option<Instant> {
     started.checked_add(args.max_walltime?)
 }
 
-/// The command that runs or goes on with a sweep, as a shell reads it.
-pub(super) fn command(args: &SweepArgs, folder: &Path) -> String {
-    let shipped = shipped::find(&args.sweep).filter(|_| shipped::is_shipped(&args.sweep));
-    let file = path_in_shell(shipped.map_or(&args.sweep, |sweep| Path::new(sweep.name)));
-    let line = format!("lennard sweep {file} --out {}", path_in_shell(folder));
-    args.set.iter().fold(line, |line, (key, value)| {
-        format!("{line} --set {}", in_shell(&format!("{key}={value}")))
-    })
+/// The command that runs or goes on with a whole sweep.
+pub(super) fn command(folder: &Path) -> String {
+    /// What belongs to one process, and not to the sweep.
+    const OF_ONE: [&str; 7] = [
+        "--point=",
+        "--chunk=",
+        "--emit=",
+        "--max-walltime=",
+        "--threads=",
+        "--collect",
+        "--points",
+    ];
+    typed::again(Some(folder), &OF_ONE)
 }
 
 /// Refuses an output folder where a file that the sweep reads would be replaced or removed.

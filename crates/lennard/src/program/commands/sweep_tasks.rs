@@ -7,14 +7,15 @@ use std::time::Instant;
 use lennard_io::{Existing, shown};
 use lennard_studies::sweep::{self, Plan, Scheduler, Script, SweepOptions};
 use serde::Serialize;
+use serde_json::json;
 
 use crate::program::args::{SchedulerName, SweepArgs};
 use crate::program::commands::sweep_ends::{NOT_BEGUN, command, deadline, ended, keep_inputs};
-use crate::program::commands::{output_folder, print_json};
+use crate::program::commands::{answer, output_folder};
 use crate::program::failure::{DONE, Failure, INPUT};
 use crate::program::out;
 use crate::program::progress::Display;
-use crate::program::show;
+use crate::program::show::{self, Style};
 use crate::program::signals::{Signals, StartUp};
 
 /// What is asked of a sweep in parts.
@@ -55,14 +56,11 @@ impl Tasks<'_> {
                 values: point.values().map(|(key, text)| (key.to_owned(), value(text))).collect(),
             })
             .collect();
-        if self.args.json {
-            print_json(&points)?;
-        } else {
-            for point in points {
+        answer(self.args.json, false, &document(&points), || {
+            for point in &points {
                 println!("{:>5}  {}", point.number, point.name);
             }
-        }
-        Ok(DONE)
+        })
     }
 
     /// Runs the points of one task.
@@ -85,7 +83,7 @@ impl Tasks<'_> {
             .map_or_else(|| lennard_engine::recommended_threads(part.points[0].atoms), usize::from);
         signals.under_way();
         let mut display = Display::of_study(args.quiet);
-        let command = command(args, self.folder());
+        let command = command(self.folder());
         let options = SweepOptions {
             folder: self.folder(),
             threads,
@@ -97,16 +95,12 @@ impl Tasks<'_> {
         };
         let points = sweep::run_points(&part, &options, &mut display)?;
         drop(display);
-        if args.json {
-            print_json(&points)?;
-        } else if !args.quiet {
-            for point in &points {
-                if point.compared.is_some() {
-                    let before = if point.kept { ", by an earlier process" } else { "" };
-                    println!("{}: finished{before}", point.name);
-                }
+        answer(args.json, args.quiet, &document(&points), || {
+            for point in points.iter().filter(|point| point.compared.is_some()) {
+                let before = if point.kept { ", by an earlier process" } else { "" };
+                println!("{}: finished{before}", point.name);
             }
-        }
+        })?;
         let ending = sweep::ending_of(&points, self.folder());
         let again = format!("{command} --point {point}");
         let again = if chunk > 1 { format!("{again} --chunk {chunk}") } else { again };
@@ -119,13 +113,11 @@ impl Tasks<'_> {
         let sweep = self.plan()?.sweep()?;
         keep_inputs(&args.sweep, &sweep, self.folder())?;
         let folder = output_folder(Some(self.folder()), Existing::Keep, &sweep.name)?;
-        let command = command(args, folder.path());
+        let command = command(folder.path());
         let record = sweep::collect(&sweep, folder.path(), &command)?;
-        if args.json {
-            print_json(&record)?;
-        } else if !args.quiet {
-            show::sweep(&record, folder.path());
-        }
+        answer(args.json, args.quiet, &record, || {
+            show::print(&show::sweep(&record, folder.path()), Style::Narrow);
+        })?;
         if let Some(failure) = &record.failure {
             eprintln!("{failure}");
         }
@@ -147,7 +139,7 @@ impl Tasks<'_> {
             return Err(Failure::new("writing the script", error, INPUT));
         }
         let script = Script {
-            command: command(self.args, self.folder()),
+            command: command(self.folder()),
             folder,
             plan: &plan,
             chunk: self.args.chunk as usize,
@@ -162,6 +154,11 @@ impl Tasks<'_> {
         }));
         Ok(DONE)
     }
+}
+
+/// Points as one JSON document.
+fn document(points: &impl Serialize) -> serde_json::Value {
+    json!({ "schema": lennard_io::schema!("sweep-points", 1), "points": points })
 }
 
 /// A number where the text is one.

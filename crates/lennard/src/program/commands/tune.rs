@@ -7,8 +7,8 @@ use lennard_scene::{Chosen, Lock, Scene};
 use lennard_studies::tune::{self, TuneError, TuneOptions};
 
 use crate::program::args::TuneArgs;
-use crate::program::commands::{Inputs, on_threads, print_json};
-use crate::program::failure::{DONE, Failure, INPUT, OTHER};
+use crate::program::commands::{Inputs, answer, on_threads};
+use crate::program::failure::{Failure, INPUT, OTHER};
 use crate::program::progress::Display;
 use crate::program::show::{self, Style};
 use crate::program::signals::{Signals, StartUp};
@@ -44,21 +44,19 @@ pub fn tune(args: &TuneArgs) -> Result<u8, Failure> {
         let remarks = tuning.speed.remarks.iter().map(|r| format!("# {r}.\n"));
         lennard_io::write_text_atomically(lock, &(remarks.collect::<String>() + &text))?;
     }
-    if args.scene.json {
-        print_json(&tuning)?;
-    } else if !args.quiet {
-        show::print(&show::tuning(&tuning), Style::Ruled);
-        match lock {
-            Some(lock) => {
-                println!("  {}; `lennard run` takes the settings from there", lock.display())
+    answer(args.scene.json, args.quiet, &tuning, || {
+        let taken = match &lock {
+            Some(lock) => format!("{}; `lennard run` takes the settings from there", lock.display()),
+            None => {
+                "the scene has settings of its own and asks for no `accuracy`, so no lock is written; to run it with these:"
+                    .to_owned()
             }
-            None => println!(
-                "  the scene has settings of its own and asks for no `accuracy`, so no lock is written; to run it with these:\n  {}",
-                with_settings(path, &overrides, &tuning.chosen())
-            ),
+        };
+        show::print(&show::tuning(&tuning).text(taken), Style::Ruled);
+        if lock.is_none() {
+            println!("  {}", with_settings(path, &overrides, &tuning.chosen()));
         }
-    }
-    Ok(DONE)
+    })
 }
 
 /// Refuses a lock file without a folder to write it to, before a minute is spent.

@@ -9,26 +9,24 @@ use lennard_studies::compare::{self, ComparedRun, Row, StateOfMatter, quantity_w
 use lennard_studies::report::{Section, counted, particles, signed, significant};
 use lennard_studies::sweep::{Sweep, SweepRecord, workers};
 
-use super::{narrow_table, note};
-use crate::program::out;
-
 /// What is about to run, with the points that are no single stable phase. Two phases that the start puts side by side are
 /// meant, and are judged by saturation.
-pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) {
-    out::heading(&sweep.name);
-    println!(
-        "  {}, {} at a time, output in {}",
-        counted(sweep.points.len(), "point"),
-        workers(sweep.points.len(), threads),
-        folder.display()
-    );
+pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) -> Section {
+    let points = sweep.points.len();
     let is_meant = |scene: &Scene| scene.surfaces().is_some() || scene.half_crystal().is_some();
-    for point in sweep.points.iter().filter(|p| !is_meant(&p.scene)) {
+    let unstable = sweep.points.iter().filter(|p| !is_meant(&p.scene)).filter_map(|point| {
         let state = planned(point);
-        if !state.is_single_stable_phase() {
-            println!("  {}: {}; it is run and not judged", point.name, state.words);
-        }
-    }
+        let said = format!("{}: {}; it is run and not judged", point.name, state.words);
+        (!state.is_single_stable_phase()).then_some(said)
+    });
+    Section::new(&*sweep.name)
+        .text(format!(
+            "{}, {} at a time, output in {}",
+            counted(points, "point"),
+            workers(points, threads),
+            folder.display()
+        ))
+        .texts(unstable)
 }
 
 fn planned(point: &lennard_studies::sweep::Point) -> StateOfMatter {
@@ -37,13 +35,11 @@ fn planned(point: &lennard_studies::sweep::Point) -> StateOfMatter {
     StateOfMatter::new(point.density, point.scene.system.temperature, equation)
 }
 
-/// The table of a sweep.
-pub fn sweep(record: &SweepRecord, folder: &Path) {
+/// The tables of a sweep, and what they say.
+pub fn sweep(record: &SweepRecord, folder: &Path) -> Section {
+    let mut section = Section::new("");
     for table in &record.terminal {
-        println!("\n{}", narrow_table(table));
-    }
-    for sentence in &record.sentences {
-        note(sentence);
+        section = section.text("").table(table.clone());
     }
     // Which points are no single phase stands in the table.
     let compared = record.points.iter().filter_map(|p| p.compared.as_ref());
@@ -52,14 +48,15 @@ pub fn sweep(record: &SweepRecord, folder: &Path) {
         .filter(|remark| !matches!(remark, Remark::NotJudged { .. }))
         .map(Remark::to_string)
         .collect();
-    for remark in remarks {
-        note(&format!("note: {remark}"));
-    }
     let kept = record.points.iter().filter(|p| p.kept).count();
-    if kept > 0 {
-        println!("  {kept} points had been finished before and were not run again");
-    }
-    println!("\n  page: {}", folder.join("report.html").display());
+    let kept = (kept > 0)
+        .then(|| format!("{kept} points had been finished before and were not run again"));
+    section
+        .texts(&record.sentences)
+        .texts(remarks.iter().map(|remark| format!("note: {remark}")))
+        .texts(kept)
+        .text("")
+        .text(format!("page: {}", folder.join("report.html").display()))
 }
 
 /// One run beside the literature.

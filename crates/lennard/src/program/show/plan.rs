@@ -6,7 +6,7 @@ use lennard_core::{Cell, Table};
 use lennard_engine::{Nodes, PATIENCE, Plan, PlanItem};
 use lennard_studies::report::Section;
 
-use super::{bytes, duration, wrapped};
+use super::text::{bytes, duration, wrapped};
 use crate::program::args::RATES;
 
 /// Parts with a smaller share than this are printed together.

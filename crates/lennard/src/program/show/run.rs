@@ -9,7 +9,8 @@ use lennard_io::{Conservation, RunRecord};
 use lennard_studies::compare::ComparedRun;
 use lennard_studies::report::{Section, counted, particles, signed, significant};
 
-use super::{duration, literature};
+use super::literature;
+use super::text::duration;
 
 /// The page of a run or a study.
 const PAGE: &str = "report.html";

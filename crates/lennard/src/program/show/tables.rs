@@ -5,7 +5,7 @@ use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Width};
 use lennard_core::Table;
 use lennard_studies::report::{ErrorStyle, cell_text, heading, is_numeric};
 
-use super::WIDTH;
+use super::text::WIDTH;
 
 /// How tables are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,6 +14,8 @@ pub enum Style {
     Ruled,
     /// Without, and in lines that fit: for tables that everybody reads.
     Open,
+    /// In lines that fit, with errors in brackets.
+    Narrow,
     /// Names with what they are, without headings.
     Names,
 }
@@ -26,12 +28,13 @@ impl Style {
             Self::Open => {
                 let mut open = table(shown);
                 if !leaves_room(&open) {
-                    return narrow_table(shown).to_string();
+                    return Self::Narrow.of(shown);
                 }
                 open.load_style(UTF8_BORDERS_ONLY).set_width(WIDTH);
                 // A hyphen begins a number; elsewhere it joins words.
                 open.to_string().replace(" -", " −")
             }
+            Self::Narrow => narrow_table(shown).to_string(),
             Self::Names => names(shown),
         }
     }
@@ -56,12 +59,12 @@ fn names(table: &Table) -> String {
 }
 
 /// A table that fits the terminal.
-pub(super) fn table(table: &Table) -> comfy_table::Table {
+fn table(table: &Table) -> comfy_table::Table {
     styled(table, ErrorStyle::PlusMinus)
 }
 
 /// A table of at most [`WIDTH`] columns, with errors in brackets. Where it can, its last column alone takes several lines.
-pub(super) fn narrow_table(table: &Table) -> comfy_table::Table {
+fn narrow_table(table: &Table) -> comfy_table::Table {
     let mut shown = styled(table, ErrorStyle::Brackets);
     shown.load_style(UTF8_BORDERS_ONLY).set_width(WIDTH);
     for column in shown.column_iter_mut().skip(1) {
@@ -148,5 +151,18 @@ mod tests {
         assert!(shown.contains("configurational"), "{shown}");
         let widest = shown.lines().map(|line| line.chars().count()).max();
         assert!(widest <= Some(usize::from(WIDTH)), "{shown}");
+    }
+
+    #[test]
+    fn numbers_stand_on_the_right_and_errors_beside_them() {
+        let items = [("a", Some((1.5, 0.25))), ("longer", None)];
+        let items =
+            Table::rows_of("t", &items).column("name", |i| i.0).measured("x [σ]", |i| i.1).table();
+        let text = table(&items).to_string();
+        for line in
+            ["│ name   ┆       x / σ │", "│ a      ┆ 1.50 ± 0.25 │", "│ longer ┆           – │"]
+        {
+            assert!(text.contains(line), "{line} in\n{text}");
+        }
     }
 }

@@ -6,7 +6,7 @@ use lennard_studies::lab::Cost;
 use lennard_studies::report::{Section, counted};
 use lennard_studies::tune::{Row, Tuning};
 
-use super::duration;
+use super::text::duration;
 
 /// What was chosen, what it errs and what it costs.
 pub fn tuning(tuning: &Tuning) -> Section {

@@ -260,7 +260,7 @@ fn a_chart_that_is_interrupted_says_how_to_go_on() {
         assert!(point.contains("[errors") && !point.contains("[[timings]]"), "{point}");
     }
     assert!(
-        words.contains("stopped on request; finished points are kept\n  to go on: lennard chart scene.toml --out out"),
+        words.contains("stopped on request; finished points are kept\n  to go on: lennard chart scene.toml --quick --out out"),
         "{words}"
     );
 }

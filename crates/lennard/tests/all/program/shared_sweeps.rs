@@ -37,6 +37,7 @@ fn points_have_numbers_names_and_values() {
     assert!(listed.contains("    5  rho0.5-T2.5\n"), "{listed}");
     let json = success(&mut place.command(&["sweep", "sweep.toml", "--points", "--json"]));
     let points: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let points = &points["points"];
     assert_eq!(points[4]["name"], "rho0.5-T2");
     assert_eq!(points[4]["values"]["temperature"], 2);
     assert!(!place.path("runs").exists(), "nothing is written");

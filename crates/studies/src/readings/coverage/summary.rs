@@ -168,7 +168,7 @@ impl Summary {
                 chance(*probability),
             )
         };
-        let mut lines: Vec<String> = news.iter().take(SHOWN).map(|one| in_words(one)).collect();
+        let mut lines: Vec<String> = news.iter().take(SHOWN).map(in_words).collect();
         if news.len() > SHOWN {
             lines.push(format!("and {} more, in coverage_cells.csv", news.len() - SHOWN));
         }
