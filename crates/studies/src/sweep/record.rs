@@ -7,7 +7,7 @@ use lennard_scene::SceneError;
 
 use super::{Ending, Sweep, SweepError, SweepRecord, SweptPoint, csv, page};
 use crate::readings::{Blocks, READINGS, Reading, StudyPoints, chosen};
-use crate::report::Section;
+use crate::report::{Picture, Section};
 
 /// Name and version of the schema of [`SweepRecord`].
 const SWEEP_SCHEMA: &str = lennard_io::schema!("sweep", 1);
@@ -26,7 +26,8 @@ pub(super) struct ReadSweep {
     lead: String,
     sections: Vec<Section>,
     tables: Vec<Table>,
-    files: Vec<&'static str>,
+    /// Figures that are files.
+    figures: Vec<Picture>,
 }
 
 /// Reads the points of a sweep.
@@ -57,7 +58,7 @@ pub(super) fn read(
         lead: String::new(),
         sections: Vec::new(),
         tables: Vec::new(),
-        files: Vec::new(),
+        figures: Vec::new(),
     };
     let mut drawn: Vec<String> = Vec::new();
     let has_ended = matches!(ending, Ending::Finished | Ending::Failed);
@@ -69,8 +70,10 @@ pub(super) fn read(
             return Err(nothing_to_read(sweep, &all.record.points, reading).into());
         }
         let figures = blocks.sections.iter().flat_map(Section::pictures);
-        drawn.extend(figures.map(|picture| picture.name().to_owned()));
-        all.files.extend(reading.files.iter().copied());
+        let is_file = |p: &&Picture| reading.files.contains(&&*format!("{}.svg", p.name()));
+        let figures: Vec<Picture> = figures.filter(is_file).cloned().collect();
+        drawn.extend(figures.iter().map(|picture| picture.name().to_owned()));
+        all.figures.extend(figures);
         all.take(blocks);
     }
     if all.record.failure.is_some() && ending == Ending::Finished {
@@ -115,13 +118,11 @@ impl ReadSweep {
         for table in &self.tables {
             lennard_io::write_table_csv(&folder.join(format!("{}.csv", table.name)), table)?;
         }
-        let page = page::page(&self.record, self.sections, &self.lead, command);
-        for picture in page.pictures() {
-            let name = format!("{}.svg", picture.name());
-            if self.files.contains(&&*name) {
-                lennard_io::write_text_atomically(&folder.join(name), &picture.to_svg()?)?;
-            }
+        for picture in &self.figures {
+            let path = folder.join(format!("{}.svg", picture.name()));
+            lennard_io::write_text_atomically(&path, &picture.to_svg()?)?;
         }
+        let page = page::page(&self.record, self.sections, &self.lead, command);
         lennard_io::write_text_atomically(&report, &page.to_html()?)?;
         Ok(self.record)
     }

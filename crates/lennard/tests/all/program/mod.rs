@@ -17,6 +17,7 @@ mod messages;
 mod mixtures;
 mod numbers;
 mod output_folders;
+mod own_study;
 mod ranks;
 mod restart;
 mod shared_sweeps;

@@ -1,0 +1,77 @@
+//! A study of a user's own: any key of the scene, multiplied or together with others, with a reading.
+
+use crate::program::common::{Place, stderr, success};
+
+const BASE: &str = r#"
+[system]
+lattice = "fcc"
+n_atoms = 108
+density = 0.5
+temperature = 1.5
+seed = 3
+
+[truncation]
+kind = "cut"
+r_cut = 2.0
+tail_correction = false
+
+[[stage]]
+name = "production"
+steps = 12_000
+thermostat = { kind = "bussi", tau = 0.2 }
+"#;
+
+const STUDY: &str = "base = \"base.toml\"\nreading = \"table\"\n\
+    [grid]\n\"truncation.kind\" = [\"cut\", \"shift\"]\n\"integrator.dt\" = [0.002, 0.004, 0.008]\n";
+
+/// Proves that a study over truncations and steps runs, keeps its points, gives one of them to a process, and draws every
+/// property over the step.
+#[test]
+fn truncations_and_steps_make_a_study_with_a_table_and_figures() {
+    let place = Place::with(&[("base.toml", BASE), ("study.toml", STUDY)]);
+    let listed = success(&mut place.command(&["sweep", "study.toml", "--points"]));
+    assert!(listed.contains("    4  shift-dt0.004\n"), "{listed}");
+    let one = ["sweep", "study.toml", "--out", "out", "--point", "shift-dt0.004", "--no-report"];
+    success(&mut place.command(&one));
+    let whole = ["sweep", "study.toml", "--out", "out", "--json", "--quiet", "--no-report"];
+    let record: serde_json::Value =
+        serde_json::from_str(&success(&mut place.command(&whole))).unwrap();
+    let points = record["points"].as_array().unwrap();
+    let kept: Vec<bool> = points.iter().map(|p| p["kept"].as_bool().unwrap()).collect();
+    assert_eq!(kept, [false, false, false, false, true, false]);
+    assert_eq!(points[3]["settings"][0]["key"], "truncation.kind");
+    assert_eq!(points[3]["settings"][0]["value"], "shift");
+    assert_eq!(points[3]["settings"][1]["value"], 0.002);
+    let table = place.read("out/table.csv");
+    let heading = table.lines().next().unwrap();
+    assert!(heading.contains(",truncation.kind,dt,"), "{heading}");
+    let page = place.read("out/report.html");
+    for words in [
+        "time step dt / τ",
+        "Potential energy",
+        "Pressure",
+        ">shift<",
+        "seeds of one state are averaged",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    // A figure of the literature is none of this study.
+    assert!(!place.path("out/pressure.svg").exists() && record.get("agreement").is_none());
+}
+
+/// Proves that a study of which all points fail writes no table, and says which reading has nothing and why.
+#[test]
+fn a_reading_without_points_writes_nothing() {
+    let study = "base = \"base.toml\"\nreading = \"arrhenius\"\n[grid]\ntemperature = [1.5, 2.0, 2.5]\n\
+        [set]\n\"stage.production.steps\" = 20\n";
+    let place = Place::with(&[("base.toml", BASE), ("study.toml", study)]);
+    let ended = place.output(&["sweep", "study.toml", "--out", "out", "--quiet", "--no-report"]);
+    assert_eq!(ended.status.code(), Some(2), "{}", stderr(&ended));
+    let said = stderr(&ended);
+    assert!(
+        said.contains("study.toml, line 2: `reading` has nothing to read: `arrhenius`"),
+        "{said}"
+    );
+    assert!(said.contains("found:   0 of 3 points failed"), "{said}");
+    assert!(!place.path("out/table.csv").exists() && !place.path("out/report.html").exists());
+}
