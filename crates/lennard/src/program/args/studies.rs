@@ -176,7 +176,7 @@ pub enum SchedulerName {
 /// Arguments of `sweep`.
 #[derive(Debug, Args)]
 pub struct SweepArgs {
-    /// The sweep: a file with a base scene and `[[point]]` tables or a `[grid]`, or the name of a shipped sweep.
+    /// The sweep: a file with a base scene and `[[point]]` tables, a `[zip]` or a `[grid]`, or the name of a shipped sweep.
     #[arg(value_parser = scene_file)]
     pub sweep: PathBuf,
     /// Override a key of every point's scene, such as `truncation.r_cut=4`; may be repeated.
