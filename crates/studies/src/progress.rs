@@ -13,3 +13,22 @@ pub struct Silent;
 impl Progress for Silent {
     fn update(&mut self, _label: &str, _done: f64) {}
 }
+
+/// A part of a study, from one share of the whole to another.
+pub(crate) struct Part<'a> {
+    whole: &'a mut dyn Progress,
+    from: f64,
+    to: f64,
+}
+
+impl<'a> Part<'a> {
+    pub(crate) fn of(whole: &'a mut dyn Progress, from: f64, to: f64) -> Self {
+        Self { whole, from, to }
+    }
+}
+
+impl Progress for Part<'_> {
+    fn update(&mut self, label: &str, done: f64) {
+        self.whole.update(label, self.from + (self.to - self.from) * done);
+    }
+}

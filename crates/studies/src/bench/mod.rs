@@ -22,6 +22,7 @@ use lennard_forcefield::measure;
 
 use crate::jobs::pool;
 use crate::lab::{Start, to_temperature};
+use crate::progress::Part;
 use crate::report::Page;
 use crate::{Progress, Study};
 use variants::Blocks;
@@ -80,8 +81,9 @@ pub fn run(options: &BenchOptions, progress: &mut dyn Progress) -> Result<BenchS
     let pairs = measure::work(&mut start.forces(scene)?, start.configuration())?.pairs;
     let pairs_per_atom = pairs as f64 / start.len() as f64;
     let blocks = Blocks { start: &start, steps, repeats: options.repeats };
-    let kernels = kernels::kernels(&plan, &blocks, pairs_per_atom, &mut Part(progress, 0.05, 0.8))?;
-    let skin = kernels::skins(&plan[0], &blocks, &mut Part(progress, 0.8, 1.0))?;
+    let kernels =
+        kernels::kernels(&plan, &blocks, pairs_per_atom, &mut Part::of(progress, 0.05, 0.8))?;
+    let skin = kernels::skins(&plan[0], &blocks, &mut Part::of(progress, 0.8, 1.0))?;
     progress.update("done", 1.0);
     Ok(BenchStudy {
         schema: lennard_io::schema!("bench", 1),
@@ -110,15 +112,6 @@ impl Study for BenchStudy {
 
     fn page(&self) -> Page {
         page::page(self)
-    }
-}
-
-/// A part of the whole work, as progress shows it.
-struct Part<'a>(&'a mut dyn Progress, f64, f64);
-
-impl Progress for Part<'_> {
-    fn update(&mut self, label: &str, done: f64) {
-        self.0.update(label, self.1 + (self.2 - self.1) * done);
     }
 }
 

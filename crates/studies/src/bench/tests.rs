@@ -88,15 +88,3 @@ fn the_model_decides_how_many_pairs_count() {
         study.pairs_per_atom
     );
 }
-
-#[test]
-fn what_cannot_run_here_is_refused_with_the_key() {
-    let refused = |isa: &str, precision: &str| {
-        let mut options = options(&[]);
-        options.isas = vec![isa.into()];
-        options.precisions = vec![precision.into()];
-        run(&options, &mut Silent).unwrap_err().to_string()
-    };
-    assert!(refused("sse9", "double").contains("`kernel.isa` is not a known name"));
-    assert!(refused("portable", "single").contains("`kernel.precision` is not a known name"));
-}

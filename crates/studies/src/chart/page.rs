@@ -6,8 +6,7 @@ use super::advice::{basis, unresolved};
 use super::figures;
 use super::tables::{drift, relative_variance, sampled};
 use super::types::{
-    Advice, Against, Axis, Chart, ChartedPoint, Ensemble, Errors, Mark, Outcome, Panel, Reference,
-    Sampled,
+    Advice, Against, Axis, Chart, ChartedPoint, Ensemble, Mark, Panel, Reference, Sampled,
 };
 use crate::lab::Measured;
 use crate::report::{Block, Page, Section, counted, significant};
@@ -43,9 +42,7 @@ pub(super) fn page(chart: &Chart, command: &str) -> Page {
             sections.push(Section { blocks, ..Section::new(title) });
         }
     }
-    if matches!(chart.against, Against::Tightest(_)) {
-        sections.push(all_points(chart));
-    }
+    sections.push(all_points(chart));
     sections.push(left_out(chart));
     Page {
         title: match &chart.against {
@@ -290,56 +287,38 @@ fn front(chart: &Chart, panel: &Panel) -> Table {
         .table()
 }
 
+/// Every point with its cost, its means, and its error in each diagram.
 fn all_points(chart: &Chart) -> Section {
-    let caption = "U and P belong to the model in the same row, with its tail where it has one. Digits in brackets are one standard error in \
-                   the last digits; `points.csv` has everything with n_eff.";
-    let errors = |p: &'_ ChartedPoint, pick: fn(&Errors) -> Option<f64>| {
-        Cell::rounded(p.errors.as_ref().and_then(pick), 3)
-    };
-    let value = |p: &ChartedPoint, pick: fn(&Measured) -> Estimate| {
-        let value = p.measured().map(pick).filter(|v| v.mean.is_finite());
-        value.map(|v| (v.mean, v.standard_error))
-    };
-    let mut section = Section::new("All points").table(
-        Table::rows_of("all-points", &chart.points)
-            .caption(caption)
-            .column("", |p| p.number)
-            .column("Settings", |p| chart.label(p.number))
-            .column("µs per atom and τ", |p| {
-                Cell::rounded(p.cost().map(|c| 1e6 * c.wall.median), 3)
-            })
-            .column("Force, same model", |p| errors(p, |e| Some(e.forces.same_model)))
-            .column("Force, untruncated", |p| errors(p, |e| e.forces.untruncated))
-            .column("Energy RMS [ε]", |p| match p.errors.as_ref().map(|e| &e.measured) {
-                Some(Outcome::Failed(_)) => failed(),
-                Some(Outcome::Found(m)) => Cell::rounded(m.energy_rms, 3),
-                None => Cell::default(),
-            })
-            .measured("Drift [(ε/τ)]", |p| {
-                let drift = p.measured().map(|m| m.drift);
-                drift.map(|d| (d.slope, d.standard_error))
-            })
+    let caption = "U and P belong to the model in the same row, with its tail where it has one. Columns with the name of a diagram hold its error. \
+                   Digits in brackets are one standard error in the last digits; `points.csv` has everything with n_eff.";
+    let mut table = Table::rows_of("all-points", &chart.points)
+        .caption(caption)
+        .column("", |p| p.number)
+        .column("Settings", |p| chart.label(p.number))
+        .column("µs per atom and τ", |p| Cell::rounded(p.cost().map(|c| 1e6 * c.wall.median), 3));
+    if matches!(chart.against, Against::Tightest(_)) {
+        let value = |p: &ChartedPoint, pick: fn(&Measured) -> Estimate| {
+            let value = p.measured().map(pick).filter(|v| v.mean.is_finite());
+            value.map(|v| (v.mean, v.standard_error))
+        };
+        table = table
             .measured("T", |p| value(p, |m| m.temperature))
-            .measured("T − T_conf", |p| value(p, |m| m.temperature_difference))
             .measured("U [ε]", |p| value(p, |m| m.potential_energy))
-            .measured("P [(ε/σ³)]", |p| value(p, |m| m.pressure))
-            .column("Trajectory [σ]", |p| errors(p, |e| Some(e.trajectory.found()?.distance)))
-            .column("There and back [σ]", |p| errors(p, |e| e.reversibility.found().copied()))
-            .table(),
-    );
+            .measured("P [(ε/σ³)]", |p| value(p, |m| m.pressure));
+    }
+    for panel in &chart.panels {
+        table = table.column(panel.title, |p| panel.mark(p.number).map(error_cell));
+    }
+    let section = Section::new("All points").table(table.table());
     let failures: Vec<String> = chart
         .points
         .iter()
-        .filter_map(|p| match &p.errors.as_ref()?.measured {
-            Outcome::Failed(f) => Some(format!("**{}**, {}: {}", p.number, p.label, f.reason)),
-            Outcome::Found(_) => None,
-        })
+        .filter_map(|p| Some(format!("**{}**, {}: {}", p.number, p.label, p.failure()?.reason)))
         .collect();
-    if !failures.is_empty() {
-        section =
-            section.with(Block::Heading("Runs that failed".into())).with(Block::List(failures));
+    match failures.is_empty() {
+        true => section,
+        false => section.heading("Runs that failed").list(failures),
     }
-    section
 }
 
 fn left_out(chart: &Chart) -> Section {

@@ -26,6 +26,7 @@ use lennard_core::Table;
 
 pub use study::{OscillatorStudy, StabilityOptions, StabilityStudy};
 
+use crate::progress::Part;
 use crate::report::Page;
 use crate::{Progress, Study, StudyError};
 
@@ -34,15 +35,6 @@ const CLAIMS: &str = include_str!("claims.csv");
 
 /// Share of the oscillator part in the time of the whole study.
 const OSCILLATOR_SHARE: f64 = 0.03;
-
-/// The progress of the fluid part, as a share of the whole.
-struct FluidProgress<'a>(&'a mut dyn Progress);
-
-impl Progress for FluidProgress<'_> {
-    fn update(&mut self, label: &str, done: f64) {
-        self.0.update(label, OSCILLATOR_SHARE + (1.0 - OSCILLATOR_SHARE) * done);
-    }
-}
 
 /// Runs the study.
 ///
@@ -54,7 +46,7 @@ pub fn run(
     progress: &mut dyn Progress,
 ) -> Result<StabilityStudy, StudyError> {
     let oscillator = oscillator(options.quick, progress)?;
-    let fluid = fluid::measure(options.quick, &mut FluidProgress(progress))?;
+    let fluid = fluid::measure(options.quick, &mut Part::of(progress, OSCILLATOR_SHARE, 1.0))?;
     let mut numbers = numbers::on_the_oscillator(&oscillator)?;
     numbers::on_the_fluid(&fluid, &mut numbers);
     let claims = crate::claims::all_judged(CLAIMS, &numbers)?;

@@ -1,4 +1,4 @@
-//! The cheapest settings whose predicted errors are small enough.
+//! Picks from the points of a chart that is predicted, not run: the cheapest settings whose errors keep the accuracy.
 
 use lennard_forcefield::{ListMode, Precision, TruncationKind, TruncationOptions};
 use lennard_scene::{Accuracy, Scene};
@@ -143,7 +143,7 @@ fn plain_numbers(from: f64, to: f64) -> Vec<f64> {
     found
 }
 
-/// Settings with what they are expected to err and to cost.
+/// A point of the predicted chart: settings with what they are expected to err and to cost.
 #[derive(Debug, Clone)]
 pub(super) struct Candidate {
     pub settings: Settings,
