@@ -6,7 +6,6 @@
 
 mod ball;
 mod bodies;
-mod collision_figures;
 pub mod collisions;
 pub mod comparison;
 pub mod cradle;

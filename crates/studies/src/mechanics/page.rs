@@ -1,9 +1,9 @@
 //! The page of the study.
 
-use crate::report::{Block, Page, Section};
+use crate::report::{Block, Page, Picture, Section};
 
 use super::study::MechanicsStudy;
-use super::{collision_figures, figures, tables};
+use super::{figures, tables};
 use crate::claims;
 
 /// The whole page.
@@ -15,6 +15,11 @@ pub(super) fn page(study: &MechanicsStudy) -> Page {
         ("Settings".to_owned(), settings.to_owned()),
     ];
     provenance.extend(options.provenance.iter().cloned());
+    let pictures = figures::drawn(found);
+    let of = |names: &[&str]| -> Vec<Picture> {
+        let named = |name: &&str| pictures.iter().find(|p| p.name() == *name).cloned();
+        names.iter().filter_map(named).collect()
+    };
     let one = |title: &str, text: &str| Section::new(title).text(text);
     Page {
         title: "Constraints, springs and collisions".into(),
@@ -30,26 +35,26 @@ pub(super) fn page(study: &MechanicsStudy) -> Page {
                 "Two dumbbells meet and part. A way is judged by its error against rigid dumbbells, by its energy, by its cost, and by the largest step that it bears. \
                  Springs are another model: their error ends at a value that falls as 1/k, while their largest step falls as 1/√k.",
             )
-            .figures(figures::ways(found))
+            .figures(of(&["ways-error", "ways-energy", "ways-cost", "ways-limit"]))
             .table(tables::ways(found)),
-            direction(study),
+            direction().figures(of(&["rotor", "drift-density"])),
             one(
                 "Relaxation: sweeps and tolerance",
                 "A sweep corrects one bond after another. On a straight chain of n bonds it lowers the residual by cos²(π/(n + 1)), so that sweeps grow as n². \
                  A tolerance leaves an error of the velocity of tol·r/h: tolerance and step belong together.",
             )
-            .figures([vec![figures::rates(found)], figures::tolerances(found)].concat()),
+            .figures(of(&["sweeps", "tolerance-energy", "tolerance-sweeps"])),
             one(
                 "Pendulums and chains",
                 "Solutions by a Runge–Kutta method of order 8 with a tolerance of 2.3·10⁻¹⁴, with g = 9.81 σ/τ² and beads of unit mass.",
             )
             .table(tables::solved(found)),
-            spook(study),
+            spook().figures(of(&["spook-amplification"])),
             one(
                 "Collisions with a wall",
                 "A penalty force fails at both ends: too weak, and a particle passes; too strong, and each hit gains energy. Hard walls have four rules.",
             )
-            .figures(collision_figures::penalty(found))
+            .figures(of(&["penalty-energy", "penalty-depth", "bounces"]))
             .table(tables::damped(found)),
             one(
                 "Rows and stacks",
@@ -60,10 +65,10 @@ pub(super) fn page(study: &MechanicsStudy) -> Page {
                 "Pressure on walls",
                 "Between hard walls the virial theorem holds in discrete time, term by term.",
             )
-            .figures(vec![collision_figures::pressure(found)]),
+            .figures(of(&["wall-pressure"])),
             one("Fluids of rigid dumbbells", "The same scene under each way, and beside two equations of state.")
                 .table(tables::drifts(found))
-                .figures(collision_figures::states(found)),
+                .figures(of(&["states-energy", "states-pressure"])),
             claims::section(&study.claims),
         ],
         provenance,
@@ -74,7 +79,7 @@ fn equations(lines: &[&str]) -> Block {
     Block::Equations(lines.iter().map(|line| (*line).to_owned()).collect())
 }
 
-fn direction(study: &MechanicsStudy) -> Section {
+fn direction() -> Section {
     Section::new("Which way a correction points")
         .text(
             "The article moves two particles along the bond between them as it is after the drift. On a free rotor with the angle α per step this gives \
@@ -92,10 +97,9 @@ fn direction(study: &MechanicsStudy) -> Section {
              method, of first order, and does not agree. In a fluid its drift is −h·⟨T_b·r·Ω²⟩ per bond, with the tension T_b: it cools a gas and heats a dense liquid."
                 .into(),
         ))
-        .figures(figures::direction(&study.found))
 }
 
-fn spook(study: &MechanicsStudy) -> Section {
+fn spook() -> Section {
     Section::new("SPOOK: compliance and damping")
         .text(
             "One damped spring as the constraint g(x) = x, with s = ωh, ω² = 1/(εm) and γ = 1/(1 + 4τ/h). The scheme follows from an average of the constraint over the \
@@ -115,5 +119,4 @@ fn spook(study: &MechanicsStudy) -> Section {
              the critical choice and the default. Contacts of SPOOK alone bounce by the phase of the step: they need an impact stage before them."
                 .into(),
         ))
-        .figures(vec![figures::maps(&study.found)])
 }
