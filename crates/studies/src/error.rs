@@ -25,7 +25,7 @@ pub enum StudyError {
     /// The box of a study's own fluid cannot be made.
     #[error("the fluid of the study: {0}")]
     Box(#[from] lennard_core::BoxError),
-    /// The forces of a study's own fluid cannot be built.
+    /// Forces that a study makes itself cannot be built.
     #[error("the fluid of the study: {0}")]
     ForceField(#[from] ForceFieldError),
     /// Settings that do not go together, or do not fit the scene.

@@ -5,7 +5,7 @@ use lennard_integrators::IntegratorEntry;
 use serde::Serialize;
 
 use super::run::{FluidRun, Outcome, Plan, run};
-use super::start::{STATES, Start, TRUNCATIONS};
+use super::start::{FluidStart, STATES, TRUNCATIONS};
 use crate::StudyError;
 
 /// A step is stable if the energy has changed by less than this share of the kinetic energy 3/2·T …
@@ -58,7 +58,7 @@ fn stable(run: &FluidRun, temperature: f64) -> bool {
 /// Searches and bisects.
 pub(crate) fn find(
     entry: &'static IntegratorEntry,
-    start: &Start,
+    start: &FluidStart,
 ) -> Result<FluidLimit, StudyError> {
     let temperature = STATES[start.state_point].temperature;
     let attempt = |dt: f64| {

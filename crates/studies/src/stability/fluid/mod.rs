@@ -17,7 +17,7 @@ use crate::stability::groups::{entry, stands_for_itself};
 use crate::{Progress, StudyError};
 use limit::FluidLimit;
 use run::{FluidRun, Plan};
-use start::{STATES, Start, TRUNCATIONS};
+use start::{FluidStart, STATES, TRUNCATIONS};
 use study::{SHOWN_TRUNCATION, limit_at};
 
 pub(crate) use page::sections;
@@ -83,10 +83,10 @@ pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidS
         (0..states).flat_map(|s| truncations.iter().map(move |t| (s, *t))).collect();
     let starts = side_by_side(
         &places,
-        |(s, t)| Start::equilibrate(*s, *t, quick),
+        |(s, t)| FluidStart::equilibrate(*s, *t, quick),
         |share| progress.update("fluid: equilibration", SHARES[0] * share),
     );
-    let starts: Vec<Start> = starts.into_iter().collect::<Result<_, _>>()?;
+    let starts: Vec<FluidStart> = starts.into_iter().collect::<Result<_, _>>()?;
 
     let mut between = |part: usize, label: &str, share: f64| {
         progress.update(label, SHARES[part - 1] + (SHARES[part] - SHARES[part - 1]) * share);
@@ -101,7 +101,7 @@ pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidS
         place(a).cmp(&place(b)).then(a.dt.total_cmp(&b.dt))
     });
 
-    let mut searches: Vec<(&Method, &Start)> = starts
+    let mut searches: Vec<(&Method, &FluidStart)> = starts
         .iter()
         .flat_map(|start| methods.iter().map(move |m| (m, start)))
         .filter(|(m, start)| !m.costly || start.truncation == SHOWN_TRUNCATION)
@@ -122,7 +122,7 @@ pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidS
     Ok(FluidStudy { left_out, runs, limits, double, mixed, past_limit })
 }
 
-fn plans<'a>(methods: &[Method], starts: &'a [Start], quick: bool) -> Vec<Plan<'a>> {
+fn plans<'a>(methods: &[Method], starts: &'a [FluidStart], quick: bool) -> Vec<Plan<'a>> {
     let time = if quick { 0.25 * TIME } else { TIME };
     let steps: &[f64] = if quick { &QUICK_STEPS } else { &STEPS };
     let mut plans = Vec::new();
@@ -155,7 +155,7 @@ type Edges = (Vec<FluidRun>, Vec<FluidRun>, Vec<(f64, FluidRun)>);
 /// The floors of double and mixed precision, and what happens past the limit.
 fn edges(
     methods: &[Method],
-    starts: &[Start],
+    starts: &[FluidStart],
     limits: &[FluidLimit],
     quick: bool,
     done: impl FnMut(f64),

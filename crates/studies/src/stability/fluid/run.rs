@@ -6,7 +6,7 @@ use lennard_integrators::IntegratorEntry;
 use lennard_observables::statistics::Line;
 use serde::Serialize;
 
-use super::start::{ATOMS, STATES, Start, TRUNCATIONS};
+use super::start::{ATOMS, FluidStart, STATES, TRUNCATIONS};
 use crate::StudyError;
 use crate::lab::Rig;
 
@@ -88,7 +88,7 @@ impl FluidRun {
 #[derive(Clone, Copy)]
 pub(crate) struct Plan<'a> {
     pub(crate) entry: &'static IntegratorEntry,
-    pub(crate) start: &'a Start,
+    pub(crate) start: &'a FluidStart,
     pub(crate) dt: f64,
     pub(crate) steps: u64,
     pub(crate) precision: Precision,
