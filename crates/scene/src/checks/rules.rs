@@ -240,3 +240,24 @@ pub(super) fn check(scene: &Scene) -> Result<(), SceneError> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_refuses_a_scene_of_the_bad_ones() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../inputs/bad.toml");
+        let bad: toml::Table = std::fs::read_to_string(file).unwrap().parse().unwrap();
+        let cases = bad["case"].as_array().unwrap();
+        let expected: Vec<&str> = cases.iter().filter_map(|c| c["expected"].as_str()).collect();
+        for Row { why, found, way_out, .. } in ROWS {
+            let pieces = [why, found, way_out].map(|text| {
+                let open = text.replace("{fit}", "{a}").replace("{b}", "{a}");
+                open.split("{a}").map(str::to_owned).collect::<Vec<_>>()
+            });
+            let tells = |text: &&&str| pieces.iter().flatten().all(|piece| text.contains(piece));
+            assert!(expected.iter().any(|text| tells(&text)), "no case: {why}; {found}; {way_out}");
+        }
+    }
+}
