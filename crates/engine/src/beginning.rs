@@ -189,9 +189,8 @@ pub fn size_and_density(scene: &Scene) -> Result<(usize, f64), EngineError> {
 
 /// Number of particles and their box, where the scene alone says them.
 fn size(scene: &Scene) -> Result<Option<(usize, PeriodicBox)>, EngineError> {
-    let particles = scene.system.start.particles(scene.molecules().sites());
     let cell = scene.placement()?.map(|placement| placement.cell);
-    Ok(particles.zip(cell))
+    Ok(scene.n_particles().zip(cell))
 }
 
 /// What is to be known of a start that was read from a file.

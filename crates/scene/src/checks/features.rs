@@ -140,8 +140,8 @@ pub(super) fn confinement(scene: &Scene) -> Vec<Part> {
 }
 
 pub(super) fn surfaces(scene: &Scene) -> Vec<Part> {
-    let words = scene.surfaces();
-    words.map(|words| part(scene.key_of_surfaces(), words)).into_iter().collect()
+    let key = if scene.slab().is_some() { "slab" } else { "system.vacuum" };
+    scene.surfaces().map(|words| part(key, words)).into_iter().collect()
 }
 
 pub(super) fn slab(scene: &Scene) -> Vec<Part> {

@@ -11,12 +11,10 @@ impl Scene {
     /// Number of particles; `None` where a file has it.
     #[must_use]
     pub fn n_particles(&self) -> Option<usize> {
-        let count = self.system.start.count()?;
-        match self.system.start {
-            Start::Lattice { .. } | Start::Slab(_) => Some(count * self.molecules().sites()),
-            Start::HalfCrystal(_) | Start::Listed { .. } | Start::Configuration { .. } => {
-                Some(count)
-            }
+        match &self.system.start {
+            // Every site is listed; elsewhere the scene counts molecules.
+            Start::Listed { positions, .. } => Some(positions.len()),
+            start => Some(start.count()? * self.molecules().sites()),
         }
     }
 
@@ -101,10 +99,7 @@ impl Scene {
     pub fn slab(&self) -> Option<&Slab> {
         match &self.system.start {
             Start::Slab(slab) => Some(slab),
-            Start::Lattice { .. }
-            | Start::HalfCrystal(_)
-            | Start::Listed { .. }
-            | Start::Configuration { .. } => None,
+            _ => None,
         }
     }
 
@@ -116,21 +111,7 @@ impl Scene {
                 Some(format!("system.vacuum = {vacuum}"))
             }
             Start::Slab(_) => Some("`[slab]`".to_owned()),
-            Start::Lattice { .. }
-            | Start::HalfCrystal(_)
-            | Start::Listed { .. }
-            | Start::Configuration { .. } => None,
-        }
-    }
-
-    /// The key that makes surfaces.
-    pub(crate) fn key_of_surfaces(&self) -> &'static str {
-        match self.system.start {
-            Start::Slab(_) => "slab",
-            Start::Lattice { .. }
-            | Start::HalfCrystal(_)
-            | Start::Listed { .. }
-            | Start::Configuration { .. } => "system.vacuum",
+            _ => None,
         }
     }
 

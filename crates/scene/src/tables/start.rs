@@ -115,16 +115,6 @@ impl Start {
         }
     }
 
-    /// Number of particles, with so many sites in a molecule; `None` where a file has it.
-    #[must_use]
-    pub fn particles(&self, sites: usize) -> Option<usize> {
-        match self {
-            // Every site is listed; elsewhere the scene counts molecules.
-            Self::Listed { positions, .. } => Some(positions.len()),
-            _ => Some(self.count()? * sites),
-        }
-    }
-
     /// Whether each particle has the velocity that the scene lists, total momentum included.
     #[must_use]
     pub fn lists_velocities(&self) -> bool {
