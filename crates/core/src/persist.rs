@@ -70,7 +70,7 @@ pub trait Persist {
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError>;
 }
 
-/// Implements [`Persist`] for a type, of which each field is named once: a field that nobody names does not compile.
+/// Implements [`Persist`] for a type by the names of all its fields. A type with another field does not compile.
 ///
 /// | Written | Meaning |
 /// |---|---|

@@ -42,10 +42,10 @@ mod xyz_header;
 
 pub use atomic::{write_json_atomically, write_text_atomically};
 pub use checkpoint::{
-    CHECKPOINT_VERSION, Checkpoint, CheckpointError, CheckpointMetadata, CheckpointProblem,
-    checkpoint_bytes, read_checkpoint, read_checkpoint_bytes, read_checkpoint_metadata,
-    write_checkpoint,
+    CheckpointError, checkpoint_bytes, read_checkpoint, read_checkpoint_bytes,
+    read_checkpoint_metadata, write_checkpoint,
 };
+pub use checkpoint_codec::{CHECKPOINT_VERSION, Checkpoint, CheckpointMetadata, CheckpointProblem};
 pub use checkpoint_folder::CheckpointFolder;
 pub use claim::Holder;
 pub use configuration::{
@@ -60,13 +60,14 @@ pub use formats::{FormatSpec, Limits, TrajectoryFormat};
 pub use frame::{DEFAULT_PRECISION, Frame, FrameStyle, is_element_symbol};
 pub use geometry::{EdgeError, box_of_edges, is_same_box};
 pub use lammps_data_writer::write_lammps_data;
-pub use particles::{FoundSpecies, LARGEST, StartConfiguration, TrajectoryFrame};
+pub use particles::{LARGEST, StartConfiguration, TrajectoryFrame};
 pub use record::{
     AverageRecord, BarostatRecord, Comparison, Conservation, Host, NeighborRecord, PairRecord,
     Performance, RUN_SCHEMA, RanksRecord, RunRecord, SpeciesRecord, StageSeconds, StatePoint,
     ThermostatRecord, cpu_name, read_run_record, read_run_record_bytes,
 };
 pub use sink::{FileMark, Sink};
+pub use species_reader::FoundSpecies;
 pub use tables::{TableWriter, read_table_csv, read_table_csv_bytes, write_table_csv};
 pub use topology::write_topology_gro;
 pub use trajectory::{TrajectoryWriter, write_frame};

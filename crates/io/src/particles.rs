@@ -9,7 +9,7 @@ use crate::FormatError;
 use crate::columns::{Columns, Row, Vector};
 use crate::error::Refusal;
 use crate::lines::{At, Lines};
-use crate::species_reader::SpeciesReader;
+use crate::species_reader::{FoundSpecies, SpeciesReader};
 use crate::units::Scales;
 
 /// The largest coordinate in σ and component of a velocity in σ/τ of a start: beyond, positions have fewer than seven decimals.
@@ -264,33 +264,6 @@ impl StartConfiguration {
         };
         self.velocities = Some(momenta.iter().enumerate().map(velocity).collect::<Result<_, _>>()?);
         Ok(())
-    }
-}
-
-/// The species of the particles, as a file names them.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct FoundSpecies {
-    /// The names, in the order in which they appear; none where the file names none.
-    pub names: Vec<String>,
-    /// The type of LAMMPS beside each name, where a file has both; an element may have several types.
-    pub types: Vec<String>,
-    /// The number of the name of each particle, `[N]`; empty where there is one name at most.
-    pub of_particle: Vec<u8>,
-    /// The mass of the particles with each name; one mass where there is no name, and none where the file has no masses.
-    pub masses: Vec<f64>,
-}
-
-impl FoundSpecies {
-    /// Whether no two types have one name.
-    #[must_use]
-    pub fn elements_tell_apart(&self) -> bool {
-        (1..self.types.len()).all(|k| !self.names[..k].contains(&self.names[k]))
-    }
-
-    /// The number of the name of particle `i`.
-    #[must_use]
-    pub fn of(&self, i: usize) -> usize {
-        self.of_particle.get(i).map_or(0, |a| usize::from(*a))
     }
 }
 

@@ -1,10 +1,36 @@
 //! The names and masses of particles, gathered line by line.
 
-use crate::FoundSpecies;
 use crate::error::{Refusal, excerpt};
 
 /// The most names of a file.
 const MOST_NAMES: usize = 255;
+
+/// The species of the particles, as a file names them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FoundSpecies {
+    /// The names, in the order in which they appear; none where the file names none.
+    pub names: Vec<String>,
+    /// The type of LAMMPS beside each name, where a file has both; an element may have several types.
+    pub types: Vec<String>,
+    /// The number of the name of each particle, `[N]`; empty where there is one name at most.
+    pub of_particle: Vec<u8>,
+    /// The mass of the particles with each name; one mass where there is no name, and none where the file has no masses.
+    pub masses: Vec<f64>,
+}
+
+impl FoundSpecies {
+    /// Whether no two types have one name.
+    #[must_use]
+    pub fn elements_tell_apart(&self) -> bool {
+        (1..self.types.len()).all(|k| !self.names[..k].contains(&self.names[k]))
+    }
+
+    /// The number of the name of particle `i`.
+    #[must_use]
+    pub fn of(&self, i: usize) -> usize {
+        self.of_particle.get(i).map_or(0, |a| usize::from(*a))
+    }
+}
 
 /// Gathers the species of a frame.
 pub(crate) struct SpeciesReader {

@@ -10,8 +10,9 @@ use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
 use crate::error::{positive, within};
 use crate::linear_regime::{LagCurve, LinearFit};
-use crate::over_lags::{Origins, OverLags};
+use crate::over_lags::OverLags;
 use crate::seen_box::SeenBox;
+use crate::time_origins::Origins;
 use crate::tracked::{DEFAULT_TRACKED, Members, Tracked};
 use crate::{BuildContext, ObservableError, Recipe};
 

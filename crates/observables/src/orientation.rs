@@ -3,8 +3,8 @@
 use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, persist};
 
 use crate::averages::tell_discarded;
-use crate::over_lags::{Origins, OverLags};
-use crate::time_origins::TimeOrigins;
+use crate::over_lags::OverLags;
+use crate::time_origins::{Origins, TimeOrigins};
 use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {

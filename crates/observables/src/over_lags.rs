@@ -4,20 +4,8 @@ use lennard_core::{Average, DVec3, Persist, RestoreError, StateReader, StateWrit
 
 use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
-use crate::time_origins::TimeOrigins;
+use crate::time_origins::{Origins, TimeOrigins};
 use crate::tracked::{Members, mean_over_members, sum_over_pairs};
-
-/// The earlier samples that each sample is compared with.
-pub(crate) trait Origins: Persist {
-    /// Number of lags.
-    fn lags(&self) -> usize;
-
-    /// Samples so far.
-    fn samples(&self) -> u64;
-
-    /// Takes a sample, and calls `add` with the number of the lag and the vectors of each earlier sample.
-    fn see(&mut self, now: &[DVec3], add: impl FnMut(usize, &[DVec3]));
-}
 
 /// Functions of two samples at each lag, over all particles and over each species of a mixture.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,12 +7,23 @@ use lennard_core::{DVec3, Doubt, Persist, RestoreError, StateReader, StateWriter
 
 use crate::ObservableError;
 use crate::error::{positive, within};
-use crate::over_lags::Origins;
 
 /// Most lags of a function.
 const MOST_LAGS: usize = 10_000;
 /// A function counts as decayed where its end is below this part of its beginning.
 const DECAYED: f64 = 0.01;
+
+/// The earlier samples that each sample is compared with.
+pub(crate) trait Origins: Persist {
+    /// Number of lags.
+    fn lags(&self) -> usize;
+
+    /// Samples so far.
+    fn samples(&self) -> u64;
+
+    /// Takes a sample, and calls `add` with the number of the lag and the vectors of each earlier sample.
+    fn see(&mut self, now: &[DVec3], add: impl FnMut(usize, &[DVec3]));
+}
 
 /// Time origins at equal distances, as many at once as the window of the function takes.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,8 +5,8 @@ use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Remark, Table, V
 use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
 use crate::error::within;
-use crate::over_lags::{Origins, OverLags};
-use crate::time_origins::TimeOrigins;
+use crate::over_lags::OverLags;
+use crate::time_origins::{Origins, TimeOrigins};
 use crate::tracked::{DEFAULT_TRACKED, Tracked};
 use crate::{BuildContext, ObservableError, Recipe};
 

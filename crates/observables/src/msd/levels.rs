@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use lennard_core::{DVec3, Persist, RestoreError, StateReader, StateWriter};
 
-use crate::over_lags::Origins;
+use crate::time_origins::Origins;
 
 /// Samples that each level remembers; also the number of lags of the first level.
 const POINTS: u64 = 16;
