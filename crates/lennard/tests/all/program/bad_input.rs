@@ -68,7 +68,7 @@ fn every_refusal_of_what_was_removed_prints_the_new_way() {
 
 #[test]
 fn the_refusal_that_the_documents_show_is_the_one_that_the_program_gives() {
-    let document = std::fs::read_to_string(root().join("docs/reliability.md")).unwrap();
+    let document = std::fs::read_to_string(root().join("docs/running.md")).unwrap();
     let inputs = BadInputs::read();
     let expected = &inputs.case("unknown-key").expected;
     let shown = format!("error: reading the scene: unknown-key.toml, {expected}");
