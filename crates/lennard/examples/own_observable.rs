@@ -1,7 +1,9 @@
 //! An observable of one's own: the share of particles that are faster than twice the thermal speed.
 #![allow(clippy::print_stdout)] // printing is what this program is for
 
-use lennard::parts::{Average, Findings, Observable, ObservableSpec, Suits, View, persist};
+use lennard::parts::{
+    Average, Estimate, Findings, Observable, ObservableSpec, Suits, View, persist,
+};
 use lennard::prelude::*;
 use lennard::statistics;
 
