@@ -47,7 +47,7 @@ pub(crate) fn write_all(
         let path = figure_dir.join(format!("{}.svg", picture.name()));
         write_text_atomically(&path, &picture.to_svg()?)?;
     }
-    write_json_atomically(&dir.join(json), study)?;
+    write_json_atomically(&dir.join(json), &study)?;
     write_text_atomically(&dir.join("report.html"), &page.to_html()?)?;
     Ok(())
 }
