@@ -12,7 +12,7 @@ use crate::error::{within, within_box};
 use crate::pairs::{count_distances, count_distances_by_species};
 use crate::seen_box::SeenBox;
 use crate::species_pairs::SpeciesPair;
-use crate::wave_vectors::{WaveVectors, real_product};
+use crate::wave_vectors::WaveVectors;
 use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -154,17 +154,12 @@ impl Observable for KirkwoodBuff {
         };
         let weight = cell.volume() / self.seen.first_volume();
         self.counts.add_sample(found.iter().flatten().map(|pairs| weight * *pairs as f64));
-        let of_species: Vec<Vec<[f64; 2]>> = (0..self.species.n_species())
-            .map(|a| {
-                let members: Vec<_> = self.species.particles(a).map(|i| positions[i]).collect();
-                self.vectors.densities(&members, cell)
-            })
-            .collect();
+        let densities = self.vectors.densities_by_species(&self.species, positions, cell);
         self.factors.begin_sample();
         for (p, SpeciesPair { a, b }) in self.pairs.iter().enumerate() {
             let (n_a, n_b) = (self.species.count(*a) as f64, self.species.count(*b) as f64);
             for (k, vector) in self.vectors.iter().enumerate() {
-                let product = real_product(of_species[*a][k], of_species[*b][k]);
+                let product = densities[*a][k].dot(densities[*b][k]);
                 let place = p * self.vectors.shells() + vector.shell;
                 self.factors.add(place, product / (n_a * n_b).sqrt(), 1);
             }

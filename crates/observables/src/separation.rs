@@ -14,8 +14,8 @@ const SHELLS: usize = 3;
 #[must_use]
 pub fn largest_density_wave(cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
     let waves = WaveVectors::smallest(cell.lengths(), SHELLS);
-    let squares = waves.densities(positions, cell).into_iter();
-    let largest = squares.map(|[re, im]| re * re + im * im).fold(0.0, f64::max);
+    let waves = waves.densities(positions, cell).into_iter();
+    let largest = waves.map(|wave| wave.length_squared()).fold(0.0, f64::max);
     2.0 * largest.sqrt() / positions.len() as f64
 }
 

@@ -124,8 +124,8 @@ impl Observable for StructureFactor {
         let densities = self.sample_densities(&view.state.positions, view.cell());
         let n = view.state.len() as f64;
         self.factors.whole.begin_sample();
-        for (v, [re, im]) in self.vectors.iter().zip(densities) {
-            self.factors.whole.add(v.shell, (re * re + im * im) / n, 1);
+        for (v, density) in self.vectors.iter().zip(densities) {
+            self.factors.whole.add(v.shell, density.length_squared() / n, 1);
         }
     }
 

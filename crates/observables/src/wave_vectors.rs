@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use lennard_core::{DVec3, PeriodicBox};
+use glam::DVec2;
+use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
 use rayon::prelude::*;
 
 use crate::StructureFactorOptions;
@@ -145,7 +146,7 @@ impl WaveVectors {
     }
 
     /// Σ_j exp(−i k·r_j) for each wave vector, as real and imaginary part.
-    pub(crate) fn densities(&self, positions: &[DVec3], cell: &PeriodicBox) -> Vec<[f64; 2]> {
+    pub(crate) fn densities(&self, positions: &[DVec3], cell: &PeriodicBox) -> Vec<DVec2> {
         let highest = |axis: usize| {
             self.vectors
                 .iter()
@@ -169,14 +170,24 @@ impl WaveVectors {
                     .collect()
             })
             .collect();
-        let mut total = vec![[0.0; 2]; self.vectors.len()];
+        let mut total = vec![DVec2::ZERO; self.vectors.len()];
         for part in parts {
-            for (t, p) in total.iter_mut().zip(part) {
-                t[0] += p[0];
-                t[1] += p[1];
+            for (total, part) in total.iter_mut().zip(part) {
+                *total += DVec2::from_array(part);
             }
         }
         total
+    }
+
+    /// The same sums over the particles of each species.
+    pub(crate) fn densities_by_species(
+        &self,
+        species: &SpeciesTable,
+        positions: &[DVec3],
+        cell: &PeriodicBox,
+    ) -> Vec<Vec<DVec2>> {
+        let members = |a| species.particles(a).map(|i| positions[i]).collect::<Vec<DVec3>>();
+        (0..species.n_species()).map(|a| self.densities(&members(a), cell)).collect()
     }
 }
 
@@ -231,11 +242,6 @@ fn sum_of_products(x: Phase<'_>, y: Phase<'_>, z: Phase<'_>) -> [f64; 2] {
         im += cxy * sz + sxy * cz;
     }
     [re, im]
-}
-
-/// Re x·y*.
-pub(crate) fn real_product(x: [f64; 2], y: [f64; 2]) -> f64 {
-    x[0] * y[0] + x[1] * y[1]
 }
 
 #[cfg(test)]

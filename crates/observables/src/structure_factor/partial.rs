@@ -1,5 +1,6 @@
 //! The partial structure factors of a mixture.
 
+use glam::DVec2;
 use lennard_core::{DVec3, Findings, PeriodicBox, SpeciesTable};
 
 use super::StructureFactor;
@@ -7,7 +8,6 @@ use crate::averages::of_blocks;
 use crate::binned::Part;
 use crate::blocks::BlockedSums;
 use crate::species_pairs::SpeciesPair;
-use crate::wave_vectors::real_product;
 
 /// The composition of a mixture varies over long distances more than twice as much as in an ideal mixture: its species gather.
 const GATHERS: f64 = 2.0;
@@ -58,31 +58,19 @@ impl Kind {
     }
 
     /// What one wave vector adds, given ρ_a of all species.
-    fn of(self, species: &SpeciesTable, densities: &[[f64; 2]]) -> f64 {
+    fn of(self, species: &SpeciesTable, densities: &[DVec2]) -> f64 {
         let n = species.n_particles() as f64;
-        let all = || densities[0].zip_with(densities[1], |x, y| x + y);
-        let concentration = || {
-            let (x, y) = (species.fraction(0), species.fraction(1));
-            densities[0].zip_with(densities[1], |a, b| y * a - x * b)
-        };
+        let all = || densities[0] + densities[1];
+        let concentration =
+            || species.fraction(1) * densities[0] - species.fraction(0) * densities[1];
         match self {
             Self::Species(pair) => {
                 let (a, b) = (species.count(pair.a) as f64, species.count(pair.b) as f64);
-                real_product(densities[pair.a], densities[pair.b]) / (a * b).sqrt()
+                densities[pair.a].dot(densities[pair.b]) / (a * b).sqrt()
             }
-            Self::NumberConcentration => real_product(all(), concentration()) / n,
-            Self::Concentration => real_product(concentration(), concentration()) / n,
+            Self::NumberConcentration => all().dot(concentration()) / n,
+            Self::Concentration => concentration().length_squared() / n,
         }
-    }
-}
-
-trait Complex {
-    fn zip_with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self;
-}
-
-impl Complex for [f64; 2] {
-    fn zip_with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
-        [of(self[0], other[0]), of(self[1], other[1])]
     }
 }
 
@@ -92,21 +80,16 @@ impl StructureFactor {
         &mut self,
         positions: &[DVec3],
         cell: &PeriodicBox,
-    ) -> Vec<[f64; 2]> {
+    ) -> Vec<DVec2> {
         let (species, vectors) = (&self.species, &self.vectors);
         if !species.is_mixture() {
             return vectors.densities(positions, cell);
         }
-        let of_species: Vec<Vec<[f64; 2]>> = (0..species.n_species())
-            .map(|a| {
-                let members: Vec<DVec3> = species.particles(a).map(|i| positions[i]).collect();
-                vectors.densities(&members, cell)
-            })
-            .collect();
+        let of_species = vectors.densities_by_species(species, positions, cell);
         for (_, factors) in &mut self.factors.parts {
             factors.begin_sample();
         }
-        let mut here = vec![[0.0; 2]; of_species.len()];
+        let mut here = vec![DVec2::ZERO; of_species.len()];
         let mut total = Vec::with_capacity(vectors.len());
         for (k, vector) in vectors.iter().enumerate() {
             for (here, densities) in here.iter_mut().zip(&of_species) {
@@ -115,8 +98,7 @@ impl StructureFactor {
             for (kind, factors) in &mut self.factors.parts {
                 factors.add(vector.shell, kind.of(species, &here), 1);
             }
-            let sum = here.iter().copied();
-            total.push(sum.fold([0.0; 2], |sum, x| sum.zip_with(x, |a, b| a + b)));
+            total.push(here.iter().sum());
         }
         total
     }

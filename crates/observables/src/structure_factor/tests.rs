@@ -30,10 +30,9 @@ fn a_face_centred_lattice_scatters_with_n_at_its_reciprocal_vectors_and_nothing_
     let options = StructureFactorOptions { k_max: 16.0, shells: 60, directions: 800 };
     let factor = StructureFactor::new(&options, &context).unwrap();
     let mut seen = 0;
-    for (v, [re, im]) in
-        factor.vectors.iter().zip(factor.vectors.densities(&positions, &context.cell))
-    {
-        let s = (re * re + im * im) / n as f64;
+    let found = factor.vectors.densities(&positions, &context.cell);
+    for (v, density) in factor.vectors.iter().zip(found) {
+        let s = density.length_squared() / n as f64;
         let cubic = v.multiples.iter().all(|m| m % 4 == 0);
         let [h, k, l] = v.multiples.map(|m| (m / 4).rem_euclid(2));
         let bragg = cubic && h == k && k == l;
@@ -53,7 +52,8 @@ fn a_negative_multiple_is_summed_as_the_plain_definition_has_it() {
         random_positions(30, 6.0, 3).into_iter().map(|r| r + DVec3::new(12.0, -6.0, 0.0)).collect();
     let found = factor.vectors.densities(&positions, &context.cell);
     assert!(factor.vectors.iter().any(|v| v.multiples[2] < 0));
-    for (v, [re, im]) in factor.vectors.iter().zip(found) {
+    for (v, density) in factor.vectors.iter().zip(found) {
+        let [re, im] = density.to_array();
         let k = glam::IVec3::from_array(v.multiples).as_dvec3() * (2.0 * PI / 6.0);
         let (c, s) = positions.iter().fold((0.0, 0.0), |(c, s), r| {
             let (sin, cos) = (-k.dot(*r)).sin_cos();
