@@ -164,8 +164,7 @@ pub enum Command {
     #[command(after_help = "Examples:\n  \
         lennard bench --quick\n  \
         lennard bench verlet-1967/triple-point --threads 1,2 --repeats 15\n  \
-        lennard bench --isa avx2,portable --precision mixed --json\n  \
-        lennard bench --features        what each feature of a scene costs\n\n\
+        lennard bench --isa avx2,portable --precision mixed --json\n\n\
         Without a scene: bench/melt-32k, and with --quick bench/fluid-864.")]
     Bench(BenchArgs),
     /// Print what an equation of state gives at any state, without a run: properties, curves, coexistence.
