@@ -3,9 +3,9 @@
 use lennard_core::number::significant;
 
 use crate::report::axis::Span;
-use crate::report::legend::LEGEND_ROW;
 use crate::report::sheet::{
-    AFTER, BEFORE, BELOW, GREY, GRID, INK, Sheet, TEXT, WIDTH, color, fitting, text_width,
+    AFTER, BEFORE, BELOW, GREY, GRID, INK, LEGEND_ROW, Sheet, TEXT, WIDTH, color, fitting,
+    text_width,
 };
 use crate::report::{Axis, Dash, ReportError};
 

@@ -2,12 +2,10 @@
 
 use crate::report::escape::escape;
 use crate::report::sheet::{
-    AFTER, INK, LINE, Place, Sheet, TEXT, WIDTH, color, fitting, text_width,
+    AFTER, INK, LEGEND_ROW, LINE, Place, Sheet, TEXT, WIDTH, color, fitting, text_width,
 };
-use crate::report::{Figure, Look, Picture, Series};
+use crate::report::{Figure, Look, Series};
 
-/// Height of a line of the legend, design units.
-pub(crate) const LEGEND_ROW: f64 = 24.0;
 /// Width of the sample in the legend, design units.
 const SAMPLE: f64 = 34.0;
 /// The fewest entries that figures of a row share in one legend.
@@ -53,9 +51,8 @@ fn entries(figure: &Figure) -> impl Iterator<Item = Entry> {
 }
 
 /// The entries that figures of a row share; none where they are few, or of one figure alone.
-pub(crate) fn shared(pictures: &[Picture]) -> Vec<Entry> {
-    let all: Vec<Vec<Entry>> =
-        pictures.iter().filter_map(Picture::plot).map(|figure| entries(figure).collect()).collect();
+pub(crate) fn shared<'a>(figures: impl Iterator<Item = &'a Figure>) -> Vec<Entry> {
+    let all: Vec<Vec<Entry>> = figures.map(|figure| entries(figure).collect()).collect();
     let Some(first) = all.first() else {
         return Vec::new();
     };

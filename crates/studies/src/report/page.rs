@@ -202,7 +202,7 @@ impl Block {
                 format!("<pre class=\"equations\">{}</pre>\n", lines.join("\n"))
             }
             Self::Figures(pictures) => {
-                let shared = legend::shared(pictures);
+                let shared = legend::shared(pictures.iter().filter_map(Picture::plot));
                 let mut html = String::new();
                 if !shared.is_empty() {
                     html.push_str(&legend::to_html(&shared));

@@ -15,6 +15,8 @@ const FINE: f64 = 8.0;
 pub(crate) const WIDTH: f64 = 560.0;
 /// Height of tick labels, axis labels and legends, design units.
 pub(crate) const TEXT: f64 = 17.0;
+/// Height of a line of the legend, design units.
+pub(crate) const LEGEND_ROW: f64 = 24.0;
 /// Height of the title, design units.
 pub(crate) const TITLE: f64 = 19.0;
 /// Average width of a character of a sans-serif face as a share of its height.

@@ -83,8 +83,8 @@ pub(super) fn state_card(section: Section, run: &ComparedRun, verbose: bool) -> 
     }
 }
 
-/// The primary quantities of a run with their verdicts, and what is said below them; with `verbose` all of them, and what each
-/// verdict is made of.
+/// The primary quantities of a run with their verdicts, and the lines below them. With `verbose` these are all quantities, and
+/// each has the parts of its verdict.
 pub(super) fn quantities(section: Section, run: &ComparedRun, verbose: bool) -> Section {
     let rows: Vec<&Row> = run.rows.iter().collect();
     let table = match verbose {

@@ -12,7 +12,7 @@ use super::text::WIDTH;
 pub enum Style {
     /// With a line between all columns.
     Ruled,
-    /// Without, and in lines that fit: for tables that everybody reads.
+    /// Without them, and in lines that fit.
     Open,
     /// In lines that fit, with errors in brackets.
     Narrow,
