@@ -34,12 +34,12 @@ fn force_fields_that_cannot_be_are_refused() {
     assert!(matches!(refusal(|o, _| o.truncation.r_cut = -1.0), Refused::BadCutoff(_)));
     assert!(matches!(refusal(|o, _| o.truncation.r_cut = 6.0), Refused::CutoffOverHalfBox { .. }));
     let short = refusal(|o, _| {
-        o.potential = wca.clone();
+        o.potential = wca;
         o.truncation.r_cut = 1.1;
     });
     assert!(matches!(short, Refused::CutoffInsideEnd { .. }));
     let switched = refusal(|o, _| {
-        o.potential = wca.clone();
+        o.potential = wca;
         o.truncation = TruncationOptions::new(TruncationKind::Switch, 1.2);
     });
     assert!(matches!(switched, Refused::SwitchAtOwnEnd { .. }));

@@ -118,7 +118,7 @@ impl Workbench {
         let conservation = found.conservation();
         Ok(Measured {
             time: stages[1].steps as f64 * dt,
-            configurational_temperature: configurational.into(),
+            configurational_temperature: configurational,
             temperature_difference: temperature_difference(found, cut),
             energy_rms: conservation.energy_rms_per_atom,
             drift: Drift {

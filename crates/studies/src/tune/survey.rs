@@ -230,7 +230,7 @@ impl Survey {
             let (with_u, with_x) = (products(&a, &total), products(&a, &x));
             let z: Vec<f64> =
                 with_u.iter().zip(&with_x).map(|(u, x)| (c * frequency * u - x) / t).collect();
-            statistics::estimate_stationary(&z).into()
+            statistics::estimate_stationary(&z)
         })
     }
 
@@ -273,8 +273,8 @@ impl Survey {
                 .map(|(c, f)| -(c - f) / self.temperature)
                 .collect();
             Change {
-                direct: statistics::estimate_stationary(&direct).into(),
-                response: statistics::estimate_stationary(&response).into(),
+                direct: statistics::estimate_stationary(&direct),
+                response: statistics::estimate_stationary(&response),
             }
         })
     }

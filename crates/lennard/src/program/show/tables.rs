@@ -27,7 +27,7 @@ impl Style {
             Self::Ruled => table(shown).to_string(),
             Self::Open => {
                 let mut open = table(shown);
-                if !leaves_room(&open) {
+                if !numbers_fit(&mut open, shown) {
                     return Self::Narrow.of(shown);
                 }
                 open.load_style(UTF8_BORDERS_ONLY).set_width(WIDTH);
@@ -81,10 +81,27 @@ fn narrow_table(table: &Table) -> comfy_table::Table {
     shown
 }
 
+/// Below this width a column of words is hard to read.
+const NARROWEST: u16 = 14;
+
+/// Keeps numbers with their errors in one line, where they leave room for columns of words.
+fn numbers_fit(shown: &mut comfy_table::Table, table: &Table) -> bool {
+    let widths = shown.column_max_content_widths();
+    let needed = widths.iter().zip(&table.columns).map(|(width, column)| {
+        if is_numeric(column) { *width } else { NARROWEST.min(*width) }
+    });
+    let spaces = 2 * widths.len() as u16 + 2;
+    let fit = needed.sum::<u16>() + spaces <= WIDTH;
+    for (column, shown) in table.columns.iter().zip(shown.column_iter_mut()) {
+        if fit && is_numeric(column) {
+            shown.set_constraint(ColumnConstraint::ContentWidth);
+        }
+    }
+    fit
+}
+
 /// Whether all columns but the last leave room for words in the last.
 fn leaves_room(shown: &comfy_table::Table) -> bool {
-    /// Below this width a column of words is hard to read.
-    const NARROWEST: u16 = 14;
     let widths = shown.column_max_content_widths();
     let spaces = 2 * widths.len() as u16 + 2;
     widths.iter().rev().skip(1).sum::<u16>() + spaces + NARROWEST <= WIDTH
