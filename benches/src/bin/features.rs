@@ -1,8 +1,8 @@
-//! What each feature of a scene costs when it is on, and what the engine with everything off adds to a loop called by hand, on one
-//! thread: `features [SCENE] [key=value ...]` with the keys `isa`, `precision`, `atoms`, `cutoff` and `repeats`.
+//! Measures on one thread how much each feature of a scene costs, and how much the engine with everything off adds to a bare loop:
+//! `features [SCENE] [key=value ...]` with the keys `isa`, `precision`, `atoms`, `cutoff` and `repeats`.
 //!
-//! Every block of steps starts from the same state, and each round shuffles the order of the blocks. The clock is that of the
-//! processor, where the system tells it.
+//! Every block of steps starts from the same state, and each round shuffles the order of the blocks. Time is counted by
+//! the clock of the processor, where the system tells it.
 
 use std::error::Error;
 use std::io::{Write, stdout};

@@ -1,8 +1,8 @@
 //! Sparse symmetric positive definite systems A·x = b, of which many have one pattern: A = L·D·Lᵀ.
 //!
-//! The pattern is analysed once: an order of elimination with little fill, the elements of L below the diagonal, and the
-//! element that each product of two of them changes. A matrix of that pattern is then factored without a search and
-//! without memory. Molecules have at most some dozens of unknowns, which a library for large matrices does not serve better.
+//! The pattern is analysed once. It gives an order of elimination with little fill, the elements of L below the diagonal,
+//! and the element that each product of two elements changes. A matrix of that pattern is then factored without a search
+//! and without memory. Molecules have at most some dozens of unknowns, which a library for large matrices does not serve better.
 
 use std::collections::BTreeSet;
 use std::ops::Range;

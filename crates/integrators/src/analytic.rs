@@ -7,8 +7,9 @@ use lennard_core::{
 };
 
 use crate::OscillatorModel;
-use crate::common::{MethodOptions, VERLET};
+use crate::common::MethodOptions;
 use crate::oscillator::ExactOscillator;
+use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {
     /// Options of the exact solution: there are none.

@@ -6,7 +6,8 @@ use lennard_core::{
     State, StateReader, StateWriter, Step, StepError,
 };
 
-use crate::common::{MethodOptions, VERLET};
+use crate::common::MethodOptions;
+use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {
     /// Options of the bit-reversible method.

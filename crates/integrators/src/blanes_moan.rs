@@ -3,8 +3,9 @@
 use glam::DMat2;
 use lennard_core::{Integrator, IntegratorSpec};
 
-use crate::common::{MethodOptions, VERLET};
+use crate::common::MethodOptions;
 use crate::composition::Composition;
+use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {
     /// Options of the method of Blanes and Moan: there are none.

@@ -2,7 +2,7 @@
 
 use lennard_core::options::Options;
 use lennard_core::random::NoiseStream;
-use lennard_core::{Integrator, IntegratorSpec, Ramp, System};
+use lennard_core::{Integrator, Ramp, System};
 
 /// How a method is given the harmonic oscillator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,24 +37,3 @@ pub(crate) trait BathOptions: Options {
 pub(crate) fn acts_on_bonds(system: &System) -> bool {
     system.molecules.are_rigid() || system.molecules.hide_forces()
 }
-
-/// What Verlet's family of methods declares; another method names where it differs.
-pub const VERLET: IntegratorSpec = IntegratorSpec {
-    name: "",
-    summary: "",
-    equations: "",
-    position_order: 2,
-    velocity_order: 2,
-    symplectic: true,
-    reversible: true,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
-    half_kicks: true,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
-    force_evaluations: 1,
-    stability_limit: Some(2.0),
-    oscillator_map: Some(crate::velocity_verlet::oscillator_map),
-    source: "",
-};

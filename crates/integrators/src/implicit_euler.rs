@@ -8,8 +8,9 @@ use lennard_core::{
     remembers_nothing, sweeps,
 };
 
-use crate::common::{MethodOptions, VERLET};
+use crate::common::MethodOptions;
 use crate::krylov::{conjugate_gradients, dot};
+use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {
     /// Options of implicit Euler. The defaults lie far below what a step of first order leaves, and within reach of double precision.

@@ -6,7 +6,8 @@ use lennard_core::{
     System, ThermostatSpec, remembers_nothing, rigid_bonds_alone,
 };
 
-use crate::common::{BathOptions, VERLET};
+use crate::common::BathOptions;
+use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {
     /// Options of Langevin dynamics: velocities are forgotten within the inverse of the friction.

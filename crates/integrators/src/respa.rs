@@ -7,8 +7,9 @@ use lennard_core::{
     System, Want, check_finite, persist, rigid_bonds_alone, sweeps,
 };
 
-use crate::common::{MethodOptions, VERLET};
+use crate::common::MethodOptions;
 use crate::oscillator::HarmonicForces;
+use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {
     /// Options of RESPA. Four inner steps show the gain of the split, and stay clear of resonances in a fluid.

@@ -8,8 +8,9 @@ use lennard_core::{
 
 use crate::OscillatorModel;
 use crate::bonds::SpookBonds;
-use crate::common::{MethodOptions, VERLET};
+use crate::common::MethodOptions;
 pub use crate::regularisation::{Damping, Regularisation};
+use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {
     /// Options of SPOOK: there are none; compliance and damping belong to the constraint.

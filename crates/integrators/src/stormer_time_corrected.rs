@@ -2,8 +2,9 @@
 
 use lennard_core::{Integrator, IntegratorSpec};
 
-use crate::common::{MethodOptions, VERLET};
+use crate::common::MethodOptions;
 use crate::stormer_verlet::{Recurrence, StepRule};
+use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {
     /// Options of this rule: there are none.

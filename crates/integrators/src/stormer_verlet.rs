@@ -6,7 +6,8 @@ use lennard_core::{
     persist, rigid_bonds_alone, without_constraints,
 };
 
-use crate::common::{MethodOptions, VERLET, acts_on_bonds};
+use crate::common::{MethodOptions, acts_on_bonds};
+use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {
     /// Options of Störmer–Verlet: there are none.

@@ -3,7 +3,8 @@
 use glam::DMat2;
 use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError, remembers_nothing};
 
-use crate::common::{MethodOptions, VERLET};
+use crate::common::MethodOptions;
+use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {
     /// Options of symplectic Euler: there are none.

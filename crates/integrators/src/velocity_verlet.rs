@@ -6,12 +6,33 @@ use lennard_core::{
     remembers_nothing, rigid_bonds_alone,
 };
 
-use crate::common::{MethodOptions, VERLET};
+use crate::common::MethodOptions;
 
 lennard_core::options! {
     /// Options of velocity Verlet: there are none.
     pub struct Options {}
 }
+
+/// What Verlet's family of methods declares; another method names where it differs.
+pub const VERLET: IntegratorSpec = IntegratorSpec {
+    name: "",
+    summary: "",
+    equations: "",
+    position_order: 2,
+    velocity_order: 2,
+    symplectic: true,
+    reversible: true,
+    fixed_step_only: false,
+    velocity_dependent_forces: false,
+    conserves_momentum: true,
+    half_kicks: true,
+    is_kick_drift_kick: false,
+    holds_rigid_bonds: false,
+    force_evaluations: 1,
+    stability_limit: Some(2.0),
+    oscillator_map: Some(oscillator_map),
+    source: "",
+};
 
 /// What velocity Verlet declares about itself.
 pub static SPEC: IntegratorSpec = IntegratorSpec {

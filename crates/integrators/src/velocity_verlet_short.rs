@@ -3,7 +3,8 @@
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{DVec3, Integrator, IntegratorSpec, Method, Step, StepError, remembers_nothing};
 
-use crate::common::{MethodOptions, VERLET};
+use crate::common::MethodOptions;
+use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {
     /// Options of short velocity Verlet: there are none.

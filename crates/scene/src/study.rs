@@ -168,7 +168,7 @@ impl StudyFile {
         Reader { source: document.source(), root: document.root }.read(path)
     }
 
-    /// The trouble of a scene at the place of the study that caused it: in `[set]`, or at one of the values that the point has.
+    /// The trouble of a scene at the place of the study that caused it. That is `[set]`, or one of the values of the point.
     /// `None` where the trouble does not come from the study.
     #[must_use]
     pub fn trace<'a>(

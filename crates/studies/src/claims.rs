@@ -1,6 +1,6 @@
 //! Claims as data: who claims what, by which number it is judged, what theory says, and the verdict.
 //!
-//! A study has a file of claims and a list of measured [`Numbers`]. A row of the file names its number by a key, and
+//! A study has a file of claims and a list of measured `Numbers`. A row of the file names its number by a key, and
 //! the labels of that number fill the braces of the row. A row may stand for every number of its key.
 
 use crate::StudyError;

@@ -95,8 +95,8 @@ pub(crate) fn side_by_side_with<I: Sync, R: Send>(
     results.into_iter().filter_map(|slot| slot.into_inner().ok().flatten()).collect()
 }
 
-/// Does what may take long and writes nothing; `None` where `stop` is set meanwhile. The thread at work is then left alone:
-/// nobody waits for a start that nobody wants.
+/// Does what may take long and writes nothing; `None` where `stop` is set meanwhile. The thread at work is then left alone,
+/// since its start is not wanted any more.
 pub(crate) fn unless_stopped<T: Send + 'static>(
     stop: &AtomicBool,
     start: impl FnOnce() -> T + Send + 'static,

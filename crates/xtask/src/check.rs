@@ -13,8 +13,8 @@ type Tier = (&'static str, Work);
 
 /// The work of a tier.
 enum Work {
-    /// A command line of the shell, in the root of the workspace. `{packages}` stands for the chosen crates, `{pytest}` for
-    /// the Python tests with a worker per processor, where the tests of a file stay in one worker.
+    /// A command line of the shell, in the root of the workspace. `{packages}` stands for the chosen crates.
+    /// `{pytest}` stands for the Python tests with a worker per processor; tests of a file stay in one worker.
     Line(&'static str),
     /// A command line beside which the next tiers run: a test program ends on one processor while others wait.
     Beside(&'static str),
@@ -219,7 +219,8 @@ mod tests {
                 }
                 for words in fs::read_to_string(&page).unwrap().split("cargo xtask ").skip(1) {
                     let name: String = words.chars().take_while(char::is_ascii_lowercase).collect();
-                    let is_known = name.is_empty() || crate::HELP.contains(&format!("\n  {name} "));
+                    let is_known =
+                        name.is_empty() || crate::workspace::HELP.contains(&format!("\n  {name} "));
                     assert!(is_known, "{}: cargo xtask {name}", page.display());
                 }
             }

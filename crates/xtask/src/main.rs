@@ -11,9 +11,7 @@ mod workspace;
 
 use std::process::ExitCode;
 
-use workspace::Workspace;
-
-const HELP: &str = include_str!("help.txt");
+use workspace::{HELP, Workspace};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -27,8 +27,7 @@ use crate::report::Page;
 use crate::{Progress, Study};
 use variants::Blocks;
 
-/// Least number of steps from the scene's start to the state that is measured, and how long a block should take with the warm-up's
-/// settings, s: a lattice melts in these.
+/// Least number of steps before the measurement, in which a lattice melts, and how long a block of them should take, s.
 const WARM: (u64, f64) = (300, 0.1);
 /// The same for a quick look, where a half-molten crystal is good enough.
 const WARM_QUICK: (u64, f64) = (100, 0.025);

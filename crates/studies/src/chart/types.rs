@@ -510,8 +510,8 @@ impl Chart {
         )
     }
 
-    /// By how much repeated timings differ, over their median: of the scene's own settings, or of the middle one of all points where
-    /// that is more.
+    /// By how much repeated timings differ, over their median. The scene's own settings count, or the middle one of all points where it
+    /// differs more.
     #[must_use]
     pub fn scatter(&self) -> f64 {
         scatter(&self.points)

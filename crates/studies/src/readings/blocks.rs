@@ -33,7 +33,7 @@ pub struct StudyPoints<'a> {
 pub struct Blocks {
     /// A sentence for the head of the page.
     pub lead: String,
-    /// Sections of the page; those of one title stand together.
+    /// Sections of the page; sections of one title stand together.
     pub sections: Vec<Section>,
     /// Tables that are files.
     pub tables: Vec<Table>,

@@ -1,5 +1,5 @@
-//! What settings will err, part by part, before any run with them: by the end of the potential, by the step and the drift that it
-//! brings, by precision.
+//! Predicts the error of settings, part by part, before any run with them. Parts are the end of the potential, the step, the drift
+//! that it brings, and precision.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -381,7 +381,7 @@ fn drift_of_jump(
 
 /// How fast the variance of the energy grows by pairs of one kind that cross their cutoff, ε²/τ a particle or molecule.
 ///
-/// `crossing` is their number for each volume and each particle or molecule, σ⁻³, times g at the cutoff, and `squared_speed` the mean
+/// `crossing` is their number for each volume and each particle or molecule, σ⁻³, times g at the cutoff. `squared_speed` is the mean
 /// square of their relative velocity along one axis, (σ/τ)²: T over the reduced mass.
 fn variance_growth(
     model: &Model,

@@ -87,9 +87,10 @@ const NARROWEST: u16 = 14;
 /// Keeps numbers with their errors in one line, where they leave room for columns of words.
 fn numbers_fit(shown: &mut comfy_table::Table, table: &Table) -> bool {
     let widths = shown.column_max_content_widths();
-    let needed = widths.iter().zip(&table.columns).map(|(width, column)| {
-        if is_numeric(column) { *width } else { NARROWEST.min(*width) }
-    });
+    let needed = widths
+        .iter()
+        .zip(&table.columns)
+        .map(|(width, column)| if is_numeric(column) { *width } else { NARROWEST.min(*width) });
     let spaces = 2 * widths.len() as u16 + 2;
     let fit = needed.sum::<u16>() + spaces <= WIDTH;
     for (column, shown) in table.columns.iter().zip(shown.column_iter_mut()) {

@@ -24,8 +24,8 @@ thermostat = { kind = "bussi", tau = 0.2 }
 const STUDY: &str = "base = \"base.toml\"\nreading = \"table\"\n\
     [grid]\n\"truncation.kind\" = [\"cut\", \"shift\"]\n\"integrator.dt\" = [0.002, 0.004, 0.008]\n";
 
-/// Proves that a study over truncations and steps runs, keeps its points, gives one of them to a process, and draws every
-/// property over the step.
+/// Proves that a study over truncations and steps runs, keeps its points, and gives one point to a process.
+/// It draws every property over the step.
 #[test]
 fn truncations_and_steps_make_a_study_with_a_table_and_figures() {
     let place = Place::with(&[("base.toml", BASE), ("study.toml", STUDY)]);
