@@ -220,7 +220,7 @@ mod tests {
                 for words in fs::read_to_string(&page).unwrap().split("cargo xtask ").skip(1) {
                     let name: String = words.chars().take_while(char::is_ascii_lowercase).collect();
                     let is_known =
-                        name.is_empty() || crate::workspace::HELP.contains(&format!("\n  {name} "));
+                        name.is_empty() || crate::help::HELP.contains(&format!("\n  {name} "));
                     assert!(is_known, "{}: cargo xtask {name}", page.display());
                 }
             }

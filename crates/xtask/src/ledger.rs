@@ -58,7 +58,7 @@ pub fn run(workspace: Workspace, arguments: &[&str]) -> ExitCode {
             "--names" => names_alone = true,
             "--binary" => binary = rest.next().map(PathBuf::from),
             _ => {
-                eprintln!("{}", crate::workspace::HELP);
+                eprintln!("{}", crate::help::HELP);
                 return ExitCode::from(2);
             }
         }

@@ -3,6 +3,7 @@
 
 mod book;
 mod check;
+mod help;
 mod ledger;
 mod python;
 mod soak;
@@ -11,7 +12,8 @@ mod workspace;
 
 use std::process::ExitCode;
 
-use workspace::{HELP, Workspace};
+use help::HELP;
+use workspace::Workspace;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -6,8 +6,6 @@ use std::process::{Command, ExitCode};
 
 use serde_json::Value;
 
-pub const HELP: &str = include_str!("help.txt");
-
 /// A package of the workspace and the packages of the workspace that it needs to be built.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Package {

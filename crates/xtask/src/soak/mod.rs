@@ -123,7 +123,7 @@ fn run(workspace: &Workspace, arguments: &[&str]) -> ExitCode {
 }
 
 fn usage(fault: &str) -> ExitCode {
-    eprintln!("{fault}\n\n{}", crate::workspace::HELP);
+    eprintln!("{fault}\n\n{}", crate::help::HELP);
     ExitCode::from(2)
 }
 

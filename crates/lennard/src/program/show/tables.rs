@@ -27,7 +27,7 @@ impl Style {
             Self::Ruled => table(shown).to_string(),
             Self::Open => {
                 let mut open = table(shown);
-                if !numbers_fit(&mut open, shown) {
+                if !keep_numbers_whole(&mut open, shown) {
                     return Self::Narrow.of(shown);
                 }
                 open.load_style(UTF8_BORDERS_ONLY).set_width(WIDTH);
@@ -84,8 +84,8 @@ fn narrow_table(table: &Table) -> comfy_table::Table {
 /// Below this width a column of words is hard to read.
 const NARROWEST: u16 = 14;
 
-/// Keeps numbers with their errors in one line, where they leave room for columns of words.
-fn numbers_fit(shown: &mut comfy_table::Table, table: &Table) -> bool {
+/// Keeps numbers with their errors in one line; `false` where they leave no room for columns of words.
+fn keep_numbers_whole(shown: &mut comfy_table::Table, table: &Table) -> bool {
     let widths = shown.column_max_content_widths();
     let needed = widths
         .iter()
