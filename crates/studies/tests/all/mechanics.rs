@@ -37,7 +37,8 @@ fn check_verdicts(study: &MechanicsStudy) {
         assert_eq!(of_the_article, is_its_own && label != "B1", "{claim:?}");
         assert_eq!(matches!(claim.source, Source::Manual), label == "B2", "{claim:?}");
     }
-    assert!(study.claims.len() > 60, "{}", study.claims.len());
+    // Not every number has a claim, so that a row that is lost shows in the count alone.
+    assert_eq!(study.claims.len(), 105);
     let differing: Vec<_> = study.claims.iter().filter(|c| !c.theory_agrees).collect();
     assert!(differing.is_empty(), "{differing:#?}");
 }

@@ -1,16 +1,15 @@
 //! `lennard sweep`: many state points from one file.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use lennard_core::parallel::{can_have, processors};
 use lennard_io::Existing;
-use lennard_studies::sweep::{self, Ending, SweepError, SweepOptions};
+use lennard_studies::sweep::{self, Ending, SweepError};
 
 use crate::program::args::SweepArgs;
-use crate::program::commands::sweep_ends::{NOT_BEGUN, command, deadline, ended, keep_inputs};
+use crate::program::commands::output_folder;
+use crate::program::commands::sweep_ends::{NOT_BEGUN, keep_inputs, options, printed};
 use crate::program::commands::sweep_tasks::Tasks;
-use crate::program::commands::{answer, output_folder};
 use crate::program::failure::{Failure, INPUT, OTHER};
 use crate::program::progress::Display;
 use crate::program::show::{self, Style};
@@ -43,30 +42,14 @@ fn whole(args: &SweepArgs, started: Instant) -> Result<u8, Failure> {
         // What a point has done is kept, and the sweep itself gives up what only starts.
         |_| None,
     )?;
-    let quiet = args.quiet || args.json;
-    let command = command(folder.path());
-    if !quiet {
+    if !args.quiet && !args.json {
         show::print(&show::sweep_header(&sweep, threads, folder.path()), Style::Narrow);
     }
     let mut display = Display::of_study(args.quiet);
-    let options = SweepOptions {
-        folder: folder.path(),
-        threads,
-        replace: args.force,
-        reports: !args.no_report,
-        stop: Arc::clone(signals.stop()),
-        deadline: deadline(args, started),
-        command: command.clone(),
-    };
+    let options = options(args, started, folder.path(), threads, &signals);
     let record = sweep::run(&sweep, &options, &mut display)?;
     drop(display);
-    answer(args.json, args.quiet || record.ending == Ending::NotBegun, &record, || {
-        show::print(&show::sweep(&record, folder.path()), Style::Narrow);
-    })?;
-    if let Some(failure) = &record.failure {
-        eprintln!("{failure}");
-    }
-    Ok(ended(record.ending, &record.points, &command))
+    printed(args, args.quiet || record.ending == Ending::NotBegun, &record, folder.path())
 }
 
 impl From<SweepError> for Failure {

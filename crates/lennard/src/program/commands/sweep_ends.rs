@@ -1,14 +1,17 @@
-//! What the whole of a sweep and its tasks share: inputs that are kept, the command to go on with, and how it ends.
+//! Shared by a whole sweep and its tasks: inputs that are kept, options, the command to go on with, and the end.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use lennard_scene::Start;
-use lennard_studies::sweep::{self, Ending, Sweep, SweptPoint};
+use lennard_studies::sweep::{self, Ending, Sweep, SweepOptions, SweepRecord, SweptPoint};
 
 use crate::program::args::SweepArgs;
-use crate::program::commands::Inputs;
+use crate::program::commands::{Inputs, answer};
 use crate::program::failure::{DONE, Failure, INPUT, OTHER, STOPPED};
+use crate::program::show::{self, Style};
+use crate::program::signals::Signals;
 use crate::program::typed;
 
 /// What is said of a sweep without a step that could be kept.
@@ -67,9 +70,39 @@ fn some_of(names: &[&str]) -> String {
     shown
 }
 
-/// When to stop.
-pub(super) fn deadline(args: &SweepArgs, started: Instant) -> Option<Instant> {
-    started.checked_add(args.max_walltime?)
+/// How points are run into a folder.
+pub(super) fn options<'a>(
+    args: &SweepArgs,
+    started: Instant,
+    folder: &'a Path,
+    threads: usize,
+    signals: &Signals,
+) -> SweepOptions<'a> {
+    SweepOptions {
+        folder,
+        threads,
+        replace: args.force,
+        reports: !args.no_report,
+        stop: Arc::clone(signals.stop()),
+        deadline: args.max_walltime.and_then(|time| started.checked_add(time)),
+        command: command(folder),
+    }
+}
+
+/// Prints the record of a sweep, and gives the exit code.
+pub(super) fn printed(
+    args: &SweepArgs,
+    quiet: bool,
+    record: &SweepRecord,
+    folder: &Path,
+) -> Result<u8, Failure> {
+    answer(args.json, quiet, record, || {
+        show::print(&show::sweep(record, folder), Style::Narrow);
+    })?;
+    if let Some(failure) = &record.failure {
+        eprintln!("{failure}");
+    }
+    Ok(ended(record.ending, &record.points, &command(folder)))
 }
 
 /// The command that runs or goes on with a whole sweep.

@@ -1,21 +1,21 @@
 //! A sweep in parts, for many processes on one machine or on many: each runs points of its own, and one collects.
 
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Instant;
 
 use lennard_io::{Existing, shown};
-use lennard_studies::sweep::{self, Plan, Scheduler, Script, SweepOptions};
+use lennard_studies::sweep::{self, Plan, Scheduler, Script};
 use serde::Serialize;
 use serde_json::json;
 
 use crate::program::args::{SchedulerName, SweepArgs};
-use crate::program::commands::sweep_ends::{NOT_BEGUN, command, deadline, ended, keep_inputs};
+use crate::program::commands::sweep_ends::{
+    NOT_BEGUN, command, ended, keep_inputs, options, printed,
+};
 use crate::program::commands::{answer, output_folder};
 use crate::program::failure::{DONE, Failure, INPUT};
 use crate::program::out;
 use crate::program::progress::Display;
-use crate::program::show::{self, Style};
 use crate::program::signals::{Signals, StartUp};
 
 /// What is asked of a sweep in parts.
@@ -83,16 +83,7 @@ impl Tasks<'_> {
             .map_or_else(|| lennard_engine::recommended_threads(part.points[0].atoms), usize::from);
         signals.under_way();
         let mut display = Display::of_study(args.quiet);
-        let command = command(self.folder());
-        let options = SweepOptions {
-            folder: self.folder(),
-            threads,
-            replace: args.force,
-            reports: !args.no_report,
-            stop: Arc::clone(signals.stop()),
-            deadline: deadline(args, self.started),
-            command: command.clone(),
-        };
+        let options = options(args, self.started, self.folder(), threads, &signals);
         let points = sweep::run_points(&part, &options, &mut display)?;
         drop(display);
         answer(args.json, args.quiet, &document(&points), || {
@@ -102,7 +93,7 @@ impl Tasks<'_> {
             }
         })?;
         let ending = sweep::ending_of(&points, self.folder());
-        let again = format!("{command} --point {point}");
+        let again = format!("{} --point {point}", options.command);
         let again = if chunk > 1 { format!("{again} --chunk {chunk}") } else { again };
         Ok(ended(ending, &points, &again))
     }
@@ -113,15 +104,8 @@ impl Tasks<'_> {
         let sweep = self.plan()?.sweep()?;
         keep_inputs(&args.sweep, &sweep, self.folder())?;
         let folder = output_folder(Some(self.folder()), Existing::Keep, &sweep.name)?;
-        let command = command(folder.path());
-        let record = sweep::collect(&sweep, folder.path(), &command)?;
-        answer(args.json, args.quiet, &record, || {
-            show::print(&show::sweep(&record, folder.path()), Style::Narrow);
-        })?;
-        if let Some(failure) = &record.failure {
-            eprintln!("{failure}");
-        }
-        Ok(ended(record.ending, &record.points, &command))
+        let record = sweep::collect(&sweep, folder.path(), &command(folder.path()))?;
+        printed(args, args.quiet, &record, folder.path())
     }
 
     /// Prints a script for a scheduler.
