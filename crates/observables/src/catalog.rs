@@ -1,16 +1,11 @@
-//! The list of observables: one line for each.
+//! Everything that follows from the list of observables in `lib.rs`.
 
-use std::ops::RangeInclusive;
-
-use lennard_core::options::{Keys, Options};
-use lennard_core::{Observable, ObservableSpec};
-use serde::{Deserialize, Serialize};
-
-use crate::ObservableError;
-use crate::recipe::{BuildContext, Recipe, Surroundings};
-
+/// Declares the observables: a line makes the module of an observable, exports its options, and adds it to the list.
+/// An observable whose module stands above has no `in`.
 macro_rules! catalog {
-    ($($(#[$doc:meta])* $variant:ident => $options:ty,)*) => {
+    ($($(#[$doc:meta])* $variant:ident $(in $file:ident)? => $options:ident,)*) => {
+        $($(mod $file; pub use $file::$options;)?)*
+
         /// The options of one observable, as a scene's `[[observable]]` table gives them (`kind` and
         /// the keys of that kind; `every` belongs to the scene and is not among them).
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -102,59 +97,19 @@ macro_rules! catalog {
             }
         }
 
-        const SPECS: &[ObservableSpec] = &[$(*<$options as Recipe>::SPEC,)*];
+        impl ObservableOptions {
+            /// The observable's name in scene files.
+            #[must_use]
+            pub fn name(&self) -> &'static str {
+                self.spec().name
+            }
+        }
+
+        /// All observables, in the order of the list.
+        #[must_use]
+        pub fn observables() -> &'static [ObservableSpec] {
+            const SPECS: &[ObservableSpec] = &[$(*<$options as Recipe>::SPEC,)*];
+            SPECS
+        }
     };
-}
-
-catalog! {
-    /// Temperature, energies, pressure, configurational temperature, conservation.
-    Thermodynamics => crate::ThermodynamicsOptions,
-    /// The nine components of the pressure tensor.
-    PressureTensor => crate::PressureTensorOptions,
-    /// The pressure on each wall.
-    WallPressure => crate::WallPressureOptions,
-    /// The density along one axis.
-    DensityProfile => crate::DensityProfileOptions,
-    /// A slab of liquid beside its vapor.
-    Interface => crate::InterfaceOptions,
-    /// Total momentum.
-    Momentum => crate::MomentumOptions,
-    /// Temperatures, bonds and pressure of molecules.
-    Molecules => crate::MolecularMotionOptions,
-    /// How long molecules remember their direction.
-    Orientation => crate::OrientationOptions,
-    /// The radial distribution function g(r).
-    Rdf => crate::RdfOptions,
-    /// The mean-square displacement and the diffusion coefficient.
-    Msd => crate::MsdOptions,
-    /// The velocity autocorrelation function.
-    Vacf => crate::VacfOptions,
-    /// The static structure factor S(k).
-    StructureFactor => crate::StructureFactorOptions,
-    /// The order of the directions to neighbors.
-    BondOrder => crate::BondOrderOptions,
-    /// The residual chemical potential.
-    ChemicalPotential => crate::ChemicalPotentialOptions,
-    /// Kirkwood–Buff integrals of the species.
-    KirkwoodBuff => crate::KirkwoodBuffOptions,
-    /// The mutual diffusion coefficient of two species.
-    MutualDiffusion => crate::MutualDiffusionOptions,
-    /// The shear viscosity.
-    ShearViscosity => crate::ShearViscosityOptions,
-    /// The thermal conductivity.
-    ThermalConductivity => crate::ThermalConductivityOptions,
-}
-
-impl ObservableOptions {
-    /// The observable's name in scene files.
-    #[must_use]
-    pub fn name(&self) -> &'static str {
-        self.spec().name
-    }
-}
-
-/// All observables, in the order of the list.
-#[must_use]
-pub fn observables() -> &'static [ObservableSpec] {
-    SPECS
 }
