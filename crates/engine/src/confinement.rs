@@ -1,11 +1,11 @@
 //! Walls and fields of a scene: force terms beside the pairs, and what must hold of the start.
 
-use lennard_contacts::{Contacts, MoleculesAtWalls};
 use lennard_core::{
     DVec3, ForceProperties, ForceSum, ForceTerm, PeriodicBox, SpeciesTable, System,
 };
 use lennard_forcefield::{ConstantField, PairForces, Walls};
 use lennard_integrators::{BondHolder, BondOptions};
+use lennard_integrators::{Contacts, MoleculesAtWalls};
 use lennard_scene::Scene;
 
 use crate::EngineError;

@@ -1,7 +1,7 @@
 //! Pairs of a start that are so close that no run may begin there.
 
-use lennard_contacts::Response;
 use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
+use lennard_integrators::Response;
 use lennard_scene::Scene;
 
 use crate::EngineError;

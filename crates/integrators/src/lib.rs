@@ -18,7 +18,6 @@ pub mod fire;
 mod krylov;
 mod list;
 pub mod oscillator;
-mod regularisation;
 
 pub mod analytic;
 pub mod bit_reversible_verlet;
@@ -45,9 +44,11 @@ pub mod nose_hoover;
 pub mod rescale;
 
 pub use barostats::{BarostatOptions, Coupling, barostats, dof_of_centers};
-pub use bonds::{BondHolder, BondOptions, BondSpec, SpookBonds, bond_methods};
+pub use bonds::{BondHolder, BondOptions, BondSpec, bond_methods};
 pub use common::OscillatorModel;
+pub use contacts::{Bodies, ContactOptions, Contacts, MoleculesAtWalls, Response, contacts};
 pub use exchange::{ExchangeOptions, ExchangeSpec, Exchanged, exchanges};
 pub use list::{
     IntegratorEntry, IntegratorOptions, ThermostatOptions, build, integrators, thermostats,
 };
+pub use spook::{SpookBonds, UnilateralLaw};

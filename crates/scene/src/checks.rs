@@ -1,11 +1,11 @@
 //! What must hold between tables: rows of features that do not go together, and numbers that must fit each other.
 
-use lennard_contacts::Response;
 use lennard_core::number::short;
 use lennard_core::options::MOST_STEPS;
 use lennard_core::options::quoted;
 use lennard_core::{Axis, PeriodicBox};
 use lennard_forcefield::SHALLOWEST_ROOM;
+use lennard_integrators::Response;
 use lennard_integrators::{spook, thermostats};
 use lennard_io::Limits;
 

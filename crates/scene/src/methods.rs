@@ -1,8 +1,8 @@
 //! Methods that a table names: each has keys of its own beside the keys of the table.
 
-use lennard_contacts::ContactOptions;
 use lennard_core::options::{Keys, OptionError, Options};
 use lennard_forcefield::{CombiningOptions, PotentialOptions, WallOptions};
+use lennard_integrators::ContactOptions;
 use lennard_integrators::{
     BarostatOptions, BondOptions, IntegratorOptions, ThermostatOptions, respa,
 };

@@ -1,11 +1,11 @@
 //! A scene written out again, with every default in its place.
 
-use lennard_contacts::ContactOptions;
 use lennard_core::DVec3;
 use lennard_forcefield::{
     CombiningOptions, KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions,
     WallOptions,
 };
+use lennard_integrators::ContactOptions;
 use lennard_integrators::{BondOptions, IntegratorOptions};
 use lennard_observables::ObservableOptions;
 use serde::Serialize;

@@ -299,7 +299,7 @@ const CONTACTS: [(&str, &[(&str, &str)]); 6] = [
 
 #[test]
 fn every_contact_goes_on_to_the_bit_between_walls_too() {
-    for spec in lennard_contacts::contacts() {
+    for spec in lennard_integrators::contacts() {
         assert!(CONTACTS.iter().any(|(kind, _)| *kind == spec.name));
     }
     for (kind, more) in CONTACTS {

@@ -8,7 +8,6 @@ mod dashpots;
 pub mod direct;
 mod dumbbells;
 mod implicit_springs;
-mod impulses;
 mod molecule;
 pub mod relaxation;
 pub mod spook;
@@ -20,7 +19,7 @@ use lennard_core::options::{Keys, OptionError, Options};
 use lennard_core::{BondSolver, Bonds, ForceTerm, Molecules, Topology};
 use serde::{Deserialize, Serialize};
 
-pub use impulses::SpookBonds;
+use crate::spook::SpookBonds;
 
 /// What a way to hold bonds declares about itself.
 #[derive(Debug, Clone, Copy)]

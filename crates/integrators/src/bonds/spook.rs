@@ -3,10 +3,9 @@
 use lennard_core::options::OptionError;
 use lennard_core::{Bonds, ForceTerm, Molecules};
 
-use super::impulses::SpookBonds;
 use super::spring::Springs;
 use super::{BondHolder, BondMethod, BondSpec};
-use crate::regularisation::Damping;
+use crate::spook::{Damping, SpookBonds};
 
 lennard_core::options! {
     /// Options of SPOOK's bonds.

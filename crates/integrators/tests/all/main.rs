@@ -6,6 +6,7 @@ mod bonds;
 mod common;
 mod conformance;
 mod constraints;
+mod contacts;
 mod fire;
 mod force_terms;
 mod implicit_and_constrained;

@@ -1,9 +1,9 @@
 //! What a scene has that does not go with everything: each feature, with the keys where it stands and its words.
 
-use lennard_contacts::Response;
 use lennard_core::options::quoted;
 use lennard_core::{Bonds, Integrator, IntegratorSpec};
 use lennard_forcefield::{CutoffUnit, HitRule, PotentialOptions, Surface, TruncationKind};
+use lennard_integrators::Response;
 use lennard_integrators::{
     BarostatOptions, IntegratorEntry, build, integrators, spook, stormer_verlet, thermostats,
 };

@@ -1,11 +1,11 @@
 //! The list of tables of a scene file: one line each, with the keys that it declares and the methods that it names.
 
-use lennard_contacts::ContactOptions;
 use lennard_core::options::{Allowed, KeySpec, Keys, Options};
 use lennard_forcefield::{
     CombiningOptions, KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions,
     WallOptions,
 };
+use lennard_integrators::ContactOptions;
 use lennard_integrators::{
     BarostatOptions, BondOptions, ExchangeOptions, IntegratorOptions, ThermostatOptions,
 };

@@ -1,10 +1,10 @@
 //! What takes the homogeneity of a fluid away: walls, fields, held particles, contacts and planar tails.
 
-use lennard_contacts::{Bodies, Contacts, Response};
 use lennard_core::options::upper_bound;
 use lennard_core::random::Streams;
 use lennard_core::{DVec3, Masses, PeriodicBox, SpeciesTable};
 use lennard_forcefield::{ConstantField, SlitPlanes, Surface, WallContext, WallPair, Walls};
+use lennard_integrators::{Bodies, Contacts, Response};
 
 use crate::tables::PLANAR;
 use crate::tables::walls::FieldKeys;

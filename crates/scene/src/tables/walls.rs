@@ -1,8 +1,8 @@
 //! The tables `[[wall]]`, `[field]` and `[contact]`: what confines a fluid, and bodies that touch.
 
-use lennard_contacts::ContactOptions;
 use lennard_core::Axis;
 use lennard_forcefield::WallOptions;
+use lennard_integrators::ContactOptions;
 
 use crate::limits::LONGEST_SIDE;
 

@@ -2,8 +2,8 @@
 
 use lennard_core::{DVec3, Masses};
 use lennard_forcefield::{ContactLaw, SpringLaw};
-use lennard_integrators::contacts::{self, Contact, Solver};
 use lennard_integrators::spook::Regularisation;
+use lennard_integrators::spook::{self, Contact, Solver};
 use serde::Serialize;
 
 use super::bodies::{Bodies, BodyForces};
@@ -50,9 +50,9 @@ pub(crate) fn cradles() -> Result<Vec<Cradle>, StudyError> {
         resolve(&row(n), &mut v);
         v.iter().map(|v| v.x).collect()
     };
-    let in_turn = |c: &[Contact], v: &mut [DVec3]| contacts::impacts_in_turn(c, &masses, v, 1.0);
+    let in_turn = |c: &[Contact], v: &mut [DVec3]| spook::impacts_in_turn(c, &masses, v, 1.0);
     let at_once = |c: &[Contact], v: &mut [DVec3]| {
-        contacts::impacts_at_once(c, &masses, v, 1.0);
+        spook::impacts_at_once(c, &masses, v, 1.0);
     };
     Ok(vec![
         Cradle {
@@ -87,7 +87,7 @@ pub(crate) fn cradles() -> Result<Vec<Cradle>, StudyError> {
 pub(crate) fn stack() -> f64 {
     const G: f64 = 9.81;
     let fall = [DVec3::new(0.0, 0.0, -G); 5];
-    let forces = contacts::resting_forces(&contacts::column(5), &Masses::Uniform(1.0), &fall);
+    let forces = spook::resting_forces(&spook::column(5), &Masses::Uniform(1.0), &fall);
     let off = forces.iter().zip([5.0, 4.0, 3.0, 2.0, 1.0]).map(|(f, n)| (f / (n * G) - 1.0).abs());
     off.fold(0.0, f64::max)
 }
@@ -101,7 +101,7 @@ pub(crate) fn spook_rebound(damping: f64) -> impl Iterator<Item = f64> {
         let (masses, mut v) = (Masses::Uniform(1.0), [DVec3::NEG_Z]);
         let regular = Regularisation::new(0.0, damping * h, h);
         let (still, exact) = ([DVec3::ZERO], Solver::Exact);
-        contacts::spook_contacts(&contact, &masses, &mut v, &still, regular, h, exact);
+        spook::spook_contacts(&contact, &masses, &mut v, &still, regular, h, exact);
         v[0].z
     })
 }

@@ -1,11 +1,11 @@
 //! Unilateral contacts of SPOOK in whole steps: restitution, stacks at rest, energy of a ball, sweeps.
 
-use lennard_contacts::{Bodies, Contacts, Response, UnilateralLaw};
 use lennard_core::{Exclusions, ForceSum, Masses, NoForces};
 use lennard_forcefield::{Hard, WallOptions};
 use lennard_integrators::IntegratorOptions;
-use lennard_integrators::contacts::{Problem, Solver, TwoSided, column};
 use lennard_integrators::spook::{self, Damping};
+use lennard_integrators::spook::{Problem, Solver, TwoSided, column};
+use lennard_integrators::{Bodies, Contacts, Response, UnilateralLaw};
 use serde::Serialize;
 
 use super::ball::{Balls, floor, gravity};

@@ -14,7 +14,11 @@ use crate::workspace::Workspace;
 /// Circles that stay: the crate, all files that may be in the circle (`folder/*` for every file in it), and the reason.
 /// A circle with any other file is a fault.
 const EXPLAINED: &[(&str, &[&str], &str)] = &[
-    ("contacts", &["kinds", "kinds/*"], "a kind implements the trait of its list"),
+    (
+        "integrators",
+        &["contacts/kinds", "contacts/kinds/*"],
+        "a kind implements the trait of its list",
+    ),
     (
         "forcefield",
         &["pair/combining", "pair/combining/*"],

@@ -16,7 +16,7 @@ const LISTS: &[(&str, &str)] = &[
     ("crates/forcefield/src/pair/truncations/", "TruncationKind"),
     ("crates/forcefield/src/pair/combining/", "CombiningOptions"),
     ("crates/forcefield/src/walls/", "WallOptions"),
-    ("crates/contacts/src/kinds/", "ContactOptions"),
+    ("crates/integrators/src/contacts/kinds/", "ContactOptions"),
     ("crates/observables/src/", "ObservableOptions"),
 ];
 

@@ -51,7 +51,7 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
         Listed::Walls => each(lennard_forcefield::walls(), |s| {
             described([s.name, s.summary, s.equation, s.source])
         }),
-        Listed::Contacts => each(lennard_contacts::contacts(), |s| {
+        Listed::Contacts => each(lennard_integrators::contacts(), |s| {
             described([s.name, s.summary, s.equation, s.source])
         }),
         Listed::Observables => each(lennard_observables::observables(), |s| {

@@ -3,7 +3,7 @@
 use lennard_core::{DVec3, PeriodicBox};
 use lennard_neighbor::{Images, NeighborList, Positions, ScalarScanner};
 
-use crate::Bodies;
+use super::bodies::Bodies;
 
 /// Up to so many bodies, all pairs cost less than a list.
 const FEW: usize = 48;

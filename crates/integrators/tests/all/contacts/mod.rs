@@ -1,7 +1,7 @@
 //! Tests of contacts from outside: springs, dashpots, impacts, and bodies at rest.
 
 mod bonds;
-mod common;
+pub(crate) mod common;
 mod hard;
 mod molecules;
 mod soft;

@@ -11,16 +11,16 @@
 
 use lennard_core::{DVec3, Flight, ForceTerm, StepError, System, sweeps};
 use lennard_forcefield::{HitRule, Walls};
-use lennard_integrators::SpookBonds;
-use lennard_integrators::contacts::{
-    Contact, Problem, Regular, Solver, TwoSided, groups, push_all, rates, spook_contacts,
-};
-use lennard_integrators::spook::Damping;
 
-use crate::Bodies;
-use crate::bodies::reduced_mass;
-use crate::impacts::{Flown, work_of};
-use crate::near::NearPairs;
+use super::bonds::SpookBonds;
+use super::groups::groups;
+use super::impulses::{Regular, spook_contacts};
+use super::problem::{Problem, Solver, TwoSided};
+use super::regularisation::Damping;
+use super::rows::{Contact, push_all, rates};
+use crate::contacts::bodies::{Bodies, reduced_mass};
+use crate::contacts::impacts::{Flown, work_of};
+use crate::contacts::near::NearPairs;
 
 /// Bodies that approach or part by no more than so many kicks of a step rest on each other, at the depth 0.
 const KICKS_OF_CONTACT: f64 = 2.0;

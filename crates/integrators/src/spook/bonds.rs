@@ -4,8 +4,8 @@ use lennard_core::rigid::{BondEquations, add_along_bonds, bond_vectors, equation
 use lennard_core::tasks::map_items;
 use lennard_core::{DVec3, MOLECULES_PER_TASK, Masses, System, Topology};
 
-use crate::contacts::Contact;
-use crate::regularisation::{Damping, Regularisation};
+use super::regularisation::{Damping, Regularisation};
+use super::rows::Contact;
 
 /// The bonds of molecules, for the method that solves for them in its step.
 #[derive(Debug, Clone)]
@@ -37,7 +37,7 @@ fn directions(topology: &Topology, sites: &[DVec3], to: &mut Vec<DVec3>) {
 
 impl SpookBonds {
     /// Bonds with a compliance in σ²/ε and a damping, solved directly or by a number of sweeps.
-    pub(super) fn new(compliance: f64, damping: Damping, sweeps: u32) -> Self {
+    pub(crate) fn new(compliance: f64, damping: Damping, sweeps: u32) -> Self {
         Self { compliance, damping, sweeps, rates: Vec::new() }
     }
 

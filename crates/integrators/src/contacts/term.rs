@@ -5,13 +5,12 @@ use lennard_core::{
     ForceProperties, ForceTerm, Part, StepError, System, WallReading, Want, persist, sweeps,
 };
 use lennard_forcefield::{ContactLaw, Walls};
-use lennard_integrators::SpookBonds;
 
-use crate::dashpots::{Moving, damp};
-use crate::impacts;
-use crate::near::NearPairs;
-use crate::unilateral::HeldBonds;
-use crate::{Bodies, Response, unilateral};
+use super::dashpots::{Moving, damp};
+use super::impacts;
+use super::near::NearPairs;
+use super::{Bodies, Response};
+use crate::spook::{HeldBonds, SpookBonds, contact_step};
 
 /// The deepest overlap of bodies that give way, as a share of the contact distance: beyond, bodies would come out on the other side.
 const DEEPEST: f64 = 0.5;
@@ -259,7 +258,7 @@ impl Boundary for Contacts {
             }
             Response::Unilateral(law) => {
                 let of = (bodies, self.held.as_ref());
-                unilateral::step(&law, of, near, walls, flight)?
+                contact_step(&law, of, near, walls, flight)?
             }
             Response::Spring(law) => {
                 return between_dashpots(&law, bodies, near, walls, flight);

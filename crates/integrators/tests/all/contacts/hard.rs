@@ -1,14 +1,14 @@
 //! Impacts in flight.
 
-use lennard_contacts::{Bodies, Contacts, Response};
 use lennard_core::random::Streams;
 use lennard_core::{
     Axis, Boundary, DVec3, Exclusions, Flight, ForceSum, ForceTerm, Masses, NoForces, Persist,
     StateArchive, System,
 };
 use lennard_forcefield::{ConstantField, SlitPlanes, WallContext, WallOptions, WallPair, Walls};
+use lennard_integrators::{Bodies, Contacts, Response};
 
-use crate::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
+use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
 
 fn hard(restitution: f64) -> Response {
     Response::Impact { restitution }

@@ -4,7 +4,7 @@ use lennard_core::options::{Keys, OptionError, Options};
 use lennard_forcefield::ContactLaw;
 use serde::{Deserialize, Serialize};
 
-use crate::unilateral::UnilateralLaw;
+use crate::spook::UnilateralLaw;
 
 /// What a contact declares about itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -1,8 +1,8 @@
 //! Bodies whose contacts are the unilateral constraints of SPOOK.
 
+use crate::spook::Damping;
+use crate::spook::Solver;
 use lennard_core::options::OptionError;
-use lennard_integrators::contacts::Solver;
-use lennard_integrators::spook::Damping;
 
 use super::{Contact, ContactSpec, Response, UnilateralLaw};
 

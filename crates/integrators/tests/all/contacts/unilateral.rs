@@ -1,6 +1,5 @@
 //! Unilateral contacts of SPOOK: impacts at any phase, stacks at rest, rows of balls.
 
-use lennard_contacts::{Bodies, Contacts, Response, UnilateralLaw};
 use lennard_core::random::Streams;
 use lennard_core::{Configuration, Part, StepError, Want};
 use lennard_core::{DVec3, Exclusions, ForceError, ForceSum, ForceTerm, Masses, NoForces, System};
@@ -8,10 +7,11 @@ use lennard_forcefield::{
     ConstantField, Hard, SlitPlanes, WallContext, WallOptions, WallPair, Walls,
 };
 use lennard_integrators::IntegratorOptions;
-use lennard_integrators::contacts::Solver;
 use lennard_integrators::spook::Damping;
+use lennard_integrators::spook::Solver;
+use lennard_integrators::{Bodies, Contacts, Response, UnilateralLaw};
 
-use crate::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
+use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
 
 fn law(restitution: f64, compliance: f64) -> UnilateralLaw {
     UnilateralLaw { restitution, compliance, damping: Damping::Steps(2.0), solver: Solver::Exact }

@@ -6,8 +6,8 @@
 
 use lennard_core::{DVec3, Drifted, Masses, StepError};
 
-use super::Contact;
 use super::groups::{bodies_of, groups};
+use super::rows::Contact;
 
 /// Contacts of a group up to which a direct solve costs less than sweeps.
 const MOST_DIRECT: usize = 32;

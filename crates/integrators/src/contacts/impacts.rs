@@ -1,13 +1,13 @@
 //! Flights of hard bodies: from impact to impact in the order of time, between bodies and at walls.
 
+use crate::spook::{Contact, impacts_at_once, rates};
 use lennard_core::random::CounterRng;
 use lennard_core::{Axis, DVec3, Drifted, Flight, ForceTerm};
 use lennard_forcefield::{KICKS_OF_REST, Walls};
-use lennard_integrators::contacts::{Contact, impacts_at_once, rates};
 
-use crate::Bodies;
-use crate::bodies::reduced_mass;
-use crate::near::NearPairs;
+use super::bodies::Bodies;
+use super::bodies::reduced_mass;
+use super::near::NearPairs;
 
 /// Impacts of one body in one flight, after which it and all that it touches come to rest on each other.
 const MOST_IMPACTS: u32 = 16;

@@ -1,6 +1,6 @@
 //! Complementarity problems of stacks, pyramids and rows.
 
-use super::super::column;
+use super::super::rows::column;
 use super::*;
 
 fn problem<'a>(contacts: &'a [Contact], b: &'a [f64]) -> Problem<'a> {

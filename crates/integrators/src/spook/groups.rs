@@ -2,7 +2,7 @@
 
 use lennard_core::Masses;
 
-use super::Contact;
+use super::rows::Contact;
 
 /// The bodies of some contacts, ascending.
 pub(super) fn bodies_of(contacts: &[Contact], group: &[usize]) -> Vec<usize> {

@@ -1,10 +1,10 @@
 //! Few bodies and many, under contacts alone.
 
-use lennard_contacts::{Bodies, ContactOptions, Contacts, Response};
 use lennard_core::random::Streams;
 use lennard_core::{
     DVec3, Exclusions, ForceSum, Integrator, NoForces, PeriodicBox, State, System, Want,
 };
+use lennard_integrators::{Bodies, ContactOptions, Contacts, Response};
 use lennard_integrators::{IntegratorOptions, build};
 use rand::RngExt;
 

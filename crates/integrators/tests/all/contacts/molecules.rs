@@ -1,6 +1,5 @@
 //! Molecules whose bonds are held in drifts, between walls that are hit.
 
-use lennard_contacts::MoleculesAtWalls;
 use lennard_core::random::Streams;
 use lennard_core::{
     BondSolver, Bonds, DVec3, ForceSum, ForceTerm, Molecules, NoForces, PeriodicBox, State,
@@ -9,9 +8,10 @@ use lennard_core::{
 use lennard_forcefield::{
     Hard, SlitPlanes, Soft, SpringLaw, WallContext, WallOptions, WallPair, Walls,
 };
+use lennard_integrators::MoleculesAtWalls;
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build};
 
-use crate::common::{cube, random_vectors};
+use super::common::{cube, random_vectors};
 
 const SIDE: f64 = 12.0;
 

@@ -3,8 +3,8 @@
 use lennard_core::{DVec3, Masses, PeriodicBox};
 use lennard_forcefield::ContactLaw;
 
-use crate::Bodies;
-use crate::bodies::reduced_mass;
+use super::bodies::Bodies;
+use super::bodies::reduced_mass;
 
 /// Bodies in flight, as dashpots see them.
 pub(crate) struct Moving<'a> {

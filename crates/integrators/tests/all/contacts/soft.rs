@@ -1,13 +1,13 @@
 //! Springs with dashpots.
 
-use lennard_contacts::{Bodies, Contacts, Response};
 use lennard_core::{
     Configuration, DMat3, DVec3, Exclusions, ForceError, ForceTerm, Masses, Part, PeriodicBox,
     System, Want,
 };
 use lennard_forcefield::{ContactLaw, SpringLaw};
+use lennard_integrators::{Bodies, Contacts, Response};
 
-use crate::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
+use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
 
 fn spring(law: SpringLaw, restitution: f64) -> Response {
     Response::Spring(ContactLaw::new(law, 400.0, restitution))

@@ -1,17 +1,17 @@
 //! Contacts of SPOOK beside the bonds of molecules, which they are solved for with.
 
-use lennard_contacts::{Bodies, Contacts, Response, UnilateralLaw};
 use lennard_core::{
     Bonds, DVec3, ForceSum, ForceTerm, Integrator, Molecules, NoForces, State, System, Want,
 };
 use lennard_forcefield::ConstantField;
 use lennard_integrators::bonds::spook;
-use lennard_integrators::contacts::Solver;
 use lennard_integrators::spook::Damping;
+use lennard_integrators::spook::Solver;
+use lennard_integrators::{Bodies, Contacts, Response, UnilateralLaw};
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, SpookBonds, build};
 
-use crate::common::cube;
-use crate::unilateral::planes;
+use super::common::cube;
+use super::unilateral::planes;
 
 /// Chains under SPOOK, held by themselves or with the contacts.
 struct Chains {

@@ -1,5 +1,13 @@
 //! SPOOK: symplectic Euler whose velocities also satisfy a regularised, damped constraint.
 
+mod bonds;
+mod contacts;
+mod groups;
+mod impulses;
+mod problem;
+mod regularisation;
+mod rows;
+
 use glam::DMat2;
 use lennard_core::{
     Constraint, DVec3, ForceProperties, Integrator, IntegratorSpec, Masses, Method, State, Step,
@@ -7,10 +15,17 @@ use lennard_core::{
 };
 
 use crate::OscillatorModel;
-use crate::bonds::SpookBonds;
 use crate::common::MethodOptions;
-pub use crate::regularisation::{Damping, Regularisation};
 use crate::velocity_verlet::VERLET;
+
+pub use bonds::SpookBonds;
+pub use contacts::UnilateralLaw;
+pub(crate) use contacts::{HeldBonds, step as contact_step};
+pub use groups::groups;
+pub use impulses::{Regular, impacts_at_once, impacts_in_turn, resting_forces, spook_contacts};
+pub use problem::{Problem, Solution, Solver, TwoSided};
+pub use regularisation::{Damping, Regularisation};
+pub use rows::{Contact, column, push_all, rates};
 
 lennard_core::options! {
     /// Options of SPOOK: there are none; compliance and damping belong to the constraint.
