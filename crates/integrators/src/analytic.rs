@@ -43,7 +43,10 @@ pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
 pub struct Analytic;
 
 impl MethodOptions for Options {
-    const OSCILLATOR: OscillatorModel = OscillatorModel::ExactSolution;
+    fn oscillator(&self) -> OscillatorModel {
+        OscillatorModel::ExactSolution
+    }
+
     fn build(&self) -> Integrator {
         Integrator::new(Analytic)
     }

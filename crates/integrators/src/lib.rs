@@ -8,6 +8,9 @@
 //!
 //! Everything is in reduced units: times in τ = σ√(m/ε), lengths in σ, energies in ε.
 
+#[macro_use]
+mod methods;
+
 pub mod bonds;
 mod chain;
 mod common;

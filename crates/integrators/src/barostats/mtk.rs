@@ -39,7 +39,9 @@ impl BarostatParts for Options {
         }
     }
 
-    const IS_INSIDE_STEP: bool = true;
+    fn is_inside_step(&self) -> bool {
+        true
+    }
 
     fn tau(&self) -> f64 {
         self.tau

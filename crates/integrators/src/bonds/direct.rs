@@ -24,16 +24,17 @@ const MOST_ITERATIONS: u32 = 50;
 /// Parts of a chain converge as pq/((p + 1)(q + 1)): two halves of a chain of 64 sites in some 10³ sweeps.
 const MOST_SWEEPS: u32 = 100_000;
 
-impl BondMethod for Options {
-    const SPEC: BondSpec = BondSpec {
-        name: "direct",
-        summary: "Rigid bonds by the exact solution for each molecule: closed form for one bond, Newton's method for chains, rings and branches.",
-        equations: "x = x~ + M^-1 G_n^T L with |d| = r for each bond; one bond: eta = -c/(b + sqrt(b^2 - a c)), a = |d_n|^2, b = s.d_n, c = |s|^2 - r^2; then v += dx/h, and v - M^-1 G^T A^-1 G v after each kick",
-        bonds: Bonds::Rigid,
-        integrator: None,
-        source: "Andersen, \"Rattle: a velocity version of the Shake algorithm\", J. Comput. Phys. 52, 24 (1983)",
-    };
+/// What this way declares about itself.
+pub const SPEC: BondSpec = BondSpec {
+    name: "direct",
+    summary: "Rigid bonds by the exact solution for each molecule: closed form for one bond, Newton's method for chains, rings and branches.",
+    equations: "x = x~ + M^-1 G_n^T L with |d| = r for each bond; one bond: eta = -c/(b + sqrt(b^2 - a c)), a = |d_n|^2, b = s.d_n, c = |s|^2 - r^2; then v += dx/h, and v - M^-1 G^T A^-1 G v after each kick",
+    bonds: Bonds::Rigid,
+    integrator: None,
+    source: "Andersen, \"Rattle: a velocity version of the Shake algorithm\", J. Comput. Phys. 52, 24 (1983)",
+};
 
+impl BondMethod for Options {
     fn build(&self, molecules: &Molecules) -> BondHolder {
         let Some(topology) = molecules.topology() else {
             return BondHolder::Drift(Box::new(Dumbbells));

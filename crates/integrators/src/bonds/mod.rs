@@ -15,9 +15,8 @@ pub mod spring;
 #[cfg(test)]
 mod tests;
 
-use lennard_core::options::{Keys, OptionError, Options};
+use lennard_core::options::OptionError;
 use lennard_core::{BondSolver, Bonds, ForceTerm, Molecules, Topology};
-use serde::{Deserialize, Serialize};
 
 use crate::spook::SpookBonds;
 
@@ -51,14 +50,12 @@ pub enum BondHolder {
 }
 
 /// What the options type of each way provides for the list.
-pub(crate) trait BondMethod: Options {
-    /// What the way declares about itself.
-    const SPEC: BondSpec;
+pub trait BondMethod {
     /// The way with these options, for such molecules.
     fn build(&self, molecules: &Molecules) -> BondHolder;
     /// Whether bonds are constraints or springs with these options.
     fn bonds(&self) -> Bonds {
-        Self::SPEC.bonds
+        Bonds::Rigid
     }
     /// Checks options that must go together.
     ///
@@ -94,132 +91,18 @@ pub(crate) trait BondMethod: Options {
     }
 }
 
-/// Makes the options enum and the list from lines `Variant: module,`.
-macro_rules! list_of_bond_methods {
-    ($($(#[$doc:meta])* $variant:ident: $module:ident,)*) => {
-        /// A way to hold bonds, with its options: the scene's table `[bonds]`.
-        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-        #[serde(tag = "method", rename_all = "kebab-case")]
-        pub enum BondOptions {
-            $($(#[$doc])* $variant($module::Options),)*
-        }
-
-        static BOND_METHODS: &[BondSpec] = &[$(<$module::Options as BondMethod>::SPEC,)*];
-
-        impl BondOptions {
-            /// What the chosen way declares about itself.
-            #[must_use]
-            pub fn spec(&self) -> BondSpec {
-                match self {
-                    $(Self::$variant(_) => <$module::Options as BondMethod>::SPEC,)*
-                }
-            }
-
-            /// The scene keys of every entry of the list, by its name.
-            #[must_use]
-            pub fn keys() -> Vec<(&'static str, Keys)> {
-                vec![$((
-                    <$module::Options as BondMethod>::SPEC.name,
-                    <$module::Options as Options>::KEYS,
-                ),)*]
-            }
-
-            /// Whether every option has a possible value, and all of them go together.
-            ///
-            /// # Errors
-            /// [`OptionError`], which names the key, what was found and what is allowed.
-            pub fn check(&self) -> Result<(), OptionError> {
-                match self {
-                    $(Self::$variant(options) => {
-                        options.check()?;
-                        options.check_together()
-                    })*
-                }
-            }
-
-            /// Whether the options suit such molecules.
-            ///
-            /// # Errors
-            /// [`OptionError`], which names the key, what was found and what is allowed.
-            pub fn check_for(&self, topology: &Topology) -> Result<(), OptionError> {
-                match self {
-                    $(Self::$variant(options) => BondMethod::check_for(options, topology),)*
-                }
-            }
-
-            /// The way with these options, for such molecules.
-            #[must_use]
-            pub fn build(&self, molecules: &Molecules) -> BondHolder {
-                match self {
-                    $(Self::$variant(options) => BondMethod::build(options, molecules),)*
-                }
-            }
-
-            /// Whether bonds are constraints or springs.
-            #[must_use]
-            pub fn bonds(&self) -> Bonds {
-                match self {
-                    $(Self::$variant(options) => BondMethod::bonds(options),)*
-                }
-            }
-
-            /// The angular frequency ω of a bond between two unit masses, τ⁻¹; zero where it does not limit the step.
-            #[must_use]
-            pub fn frequency(&self) -> f64 {
-                match self {
-                    $(Self::$variant(options) => BondMethod::frequency(options),)*
-                }
-            }
-
-            /// Sweeps over the bonds alone in the step of the one integrator that solves for them; 0 without.
-            #[must_use]
-            pub fn sweeps_alone(&self) -> u32 {
-                match self {
-                    $(Self::$variant(options) => BondMethod::sweeps_alone(options),)*
-                }
-            }
-
-            /// Whether vibrations of bonds lose energy, so that no bath keeps them at its temperature.
-            #[must_use]
-            pub fn damps_vibrations(&self) -> bool {
-                match self {
-                    $(Self::$variant(options) => BondMethod::damps_vibrations(options),)*
-                }
-            }
-
-            /// Why a run samples no known ensemble with these options; `None` where it does.
-            #[must_use]
-            pub fn no_ensemble(&self) -> Option<&'static str> {
-                match self {
-                    $(Self::$variant(options) => BondMethod::no_ensemble(options),)*
-                }
-            }
-
-            /// Every way with its default options.
-            #[must_use]
-            pub fn examples() -> Vec<Self> {
-                vec![$(Self::$variant(Default::default()),)*]
-            }
-        }
-    };
-}
-
-list_of_bond_methods! {
-    /// The exact solution for each molecule.
-    Direct: direct,
-    /// One bond after another, again and again.
-    Relaxation: relaxation,
-    /// The constraints of SPOOK.
-    Spook: spook,
-    /// Stiff springs.
-    Spring: spring,
-}
-
-impl BondOptions {
-    /// The name in scene files.
-    #[must_use]
-    pub fn name(&self) -> &'static str {
-        self.spec().name
+list_of_methods! {
+    /// A way to hold bonds, with its options: the scene's table `[bonds]`.
+    #[serde(tag = "method", rename_all = "kebab-case")]
+    pub enum BondOptions: BondMethod, declared by SPEC: BondSpec {
+        /// The exact solution for each molecule.
+        Direct: direct,
+        /// One bond after another, again and again.
+        Relaxation: relaxation,
+        /// The constraints of SPOOK.
+        Spook: spook,
+        /// Stiff springs.
+        Spring: spring,
     }
 }
 
@@ -232,5 +115,5 @@ impl Default for BondOptions {
 /// Every way to hold bonds, in the order of `lennard list`.
 #[must_use]
 pub fn bond_methods() -> &'static [BondSpec] {
-    BOND_METHODS
+    BondOptions::SPECS
 }

@@ -35,16 +35,17 @@ const DEFAULT_TOLERANCE: f64 = 1e-10;
 /// A straight chain of 64 sites takes some 10⁴ sweeps to 10⁻¹².
 const MOST_SWEEPS: u32 = 100_000;
 
-impl BondMethod for Options {
-    const SPEC: BondSpec = BondSpec {
-        name: "relaxation",
-        summary: "Rigid bonds by relaxation: each bond is corrected in turn until all have their length (SHAKE), or for a number of sweeps.",
-        equations: "direction old: eta = w (r^2 - |s|^2)/(2 s.d_n), x_i -= eta d_n/(m_i k), x_j += eta d_n/(m_j k); direction new: f = w (|s| - r)/(|s| k), x_i += f s/m_i, x_j -= f s/m_j; k = 1/m_i + 1/m_j",
-        bonds: Bonds::Rigid,
-        integrator: None,
-        source: "Ryckaert, Ciccotti and Berendsen, \"Numerical integration of the cartesian equations of motion of a system with constraints\", J. Comput. Phys. 23, 327 (1977)",
-    };
+/// What this way declares about itself.
+pub const SPEC: BondSpec = BondSpec {
+    name: "relaxation",
+    summary: "Rigid bonds by relaxation: each bond is corrected in turn until all have their length (SHAKE), or for a number of sweeps.",
+    equations: "direction old: eta = w (r^2 - |s|^2)/(2 s.d_n), x_i -= eta d_n/(m_i k), x_j += eta d_n/(m_j k); direction new: f = w (|s| - r)/(|s| k), x_i += f s/m_i, x_j -= f s/m_j; k = 1/m_i + 1/m_j",
+    bonds: Bonds::Rigid,
+    integrator: None,
+    source: "Ryckaert, Ciccotti and Berendsen, \"Numerical integration of the cartesian equations of motion of a system with constraints\", J. Comput. Phys. 23, 327 (1977)",
+};
 
+impl BondMethod for Options {
     fn build(&self, _molecules: &Molecules) -> BondHolder {
         let rule = Relaxation { options: self.clone() };
         BondHolder::Drift(Box::new(EachMolecule(rule)))

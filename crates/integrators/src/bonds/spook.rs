@@ -27,16 +27,17 @@ impl Options {
     }
 }
 
-impl BondMethod for Options {
-    const SPEC: BondSpec = BondSpec {
-        name: "spook",
-        summary: "Regularised, damped constraints of SPOOK, solved exactly for each molecule; with the integrator `spook` alone.",
-        equations: "g = |d| - r; S L = -(4/h) y g + y G v - G (v + h f/m), S = G M^-1 G^T + (4/h^2) eps y, y = 1/(1 + 4 tau/h); v' = v + h f/m + M^-1 G^T L",
-        bonds: Bonds::Rigid,
-        integrator: Some(crate::spook::SPEC.name),
-        source: "Lacoursière, \"Ghosts and Machines: Regularized Variational Methods for Interactive Simulations of Multibodies with Dry Frictional Contacts\", PhD thesis, Umeå University (2007), the SPOOK stepper",
-    };
+/// What this way declares about itself.
+pub const SPEC: BondSpec = BondSpec {
+    name: "spook",
+    summary: "Regularised, damped constraints of SPOOK, solved exactly for each molecule; with the integrator `spook` alone.",
+    equations: "g = |d| - r; S L = -(4/h) y g + y G v - G (v + h f/m), S = G M^-1 G^T + (4/h^2) eps y, y = 1/(1 + 4 tau/h); v' = v + h f/m + M^-1 G^T L",
+    bonds: Bonds::Rigid,
+    integrator: Some(crate::spook::SPEC.name),
+    source: "Lacoursière, \"Ghosts and Machines: Regularized Variational Methods for Interactive Simulations of Multibodies with Dry Frictional Contacts\", PhD thesis, Umeå University (2007), the SPOOK stepper",
+};
 
+impl BondMethod for Options {
     fn bonds(&self) -> Bonds {
         match self.compliance > 0.0 {
             true => Bonds::Impulses,

@@ -37,16 +37,17 @@ lennard_core::options! {
     }
 }
 
-impl BondMethod for Options {
-    const SPEC: BondSpec = BondSpec {
-        name: "spring",
-        summary: "Bonds as stiff springs, which take no degree of freedom away: a force, or implicit inside the drift.",
-        equations: "U = k/2 (|d| - r)^2, f = -k (|d| - r) - c d|d|/dt; omega = sqrt(k (1/m_i + 1/m_j)); explicit: h below 2/omega, u.w exp(-c (1/m_i + 1/m_j) h/2) before and after the drift; midpoint: x' = x + h (v + v')/2, v' = v + h f((x + x')/2)/m; linearly implicit: (M + h C + h^2 K) dv = h (f - C v - h K v), K = k u u^T, C = c u u^T",
-        bonds: Bonds::Springs,
-        integrator: None,
-        source: "Allen and Tildesley, \"Computer Simulation of Liquids\", 2nd ed. (2017), section 1.3.3",
-    };
+/// What this way declares about itself.
+pub const SPEC: BondSpec = BondSpec {
+    name: "spring",
+    summary: "Bonds as stiff springs, which take no degree of freedom away: a force, or implicit inside the drift.",
+    equations: "U = k/2 (|d| - r)^2, f = -k (|d| - r) - c d|d|/dt; omega = sqrt(k (1/m_i + 1/m_j)); explicit: h below 2/omega, u.w exp(-c (1/m_i + 1/m_j) h/2) before and after the drift; midpoint: x' = x + h (v + v')/2, v' = v + h f((x + x')/2)/m; linearly implicit: (M + h C + h^2 K) dv = h (f - C v - h K v), K = k u u^T, C = c u u^T",
+    bonds: Bonds::Springs,
+    integrator: None,
+    source: "Allen and Tildesley, \"Computer Simulation of Liquids\", 2nd ed. (2017), section 1.3.3",
+};
 
+impl BondMethod for Options {
     fn bonds(&self) -> Bonds {
         match self.is_force() {
             true => Bonds::Springs,

@@ -130,7 +130,10 @@ pub fn with_bonds(bonds: SpookBonds) -> Integrator {
 }
 
 impl MethodOptions for Options {
-    const OSCILLATOR: OscillatorModel = OscillatorModel::Constraint;
+    fn oscillator(&self) -> OscillatorModel {
+        OscillatorModel::Constraint
+    }
+
     fn build(&self) -> Integrator {
         Integrator::new(Spook::default())
     }

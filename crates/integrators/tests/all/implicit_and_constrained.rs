@@ -175,7 +175,7 @@ fn systems_that_do_not_suit_are_refused_by_name() {
     // A constraint that the method would ignore.
     for entry in lennard_integrators::integrators() {
         if entry.oscillator == OscillatorModel::Force {
-            assert!(unsuited(start((entry.default_options)(), &system)), "{}", entry.spec.name);
+            assert!(unsuited(start(entry.default_options.clone(), &system)), "{}", entry.spec.name);
         }
     }
     let spook = || IntegratorOptions::Spook(Default::default());

@@ -153,7 +153,7 @@ fn names_summaries_and_sources_are_there_and_options_go_by_the_names() {
         }
         let text = format!("kind = \"{}\"", spec.name);
         let options: IntegratorOptions = toml::from_str(&text).unwrap();
-        assert_eq!(options, (entry.default_options)());
+        assert_eq!(options, entry.default_options.clone());
         assert_eq!(options.name(), spec.name);
         assert_eq!(options.check(), Ok(()));
         // What is written out is read back as the same.

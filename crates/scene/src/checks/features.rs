@@ -292,7 +292,7 @@ pub(super) fn barostats(scene: &Scene) -> Vec<Part> {
 
 /// Barostats whose step takes the place of the method.
 pub(super) fn barostats_in_steps(scene: &Scene) -> Vec<Part> {
-    let outside = all_barostats_but(BarostatOptions::is_inside_step);
+    let outside = all_barostats_but(|barostat| barostat.is_inside_step());
     let inside = stages(scene, "barostat", |stage| {
         let options = &stage.barostat.as_ref()?.options;
         options.is_inside_step().then(|| in_quotes(options.name()))

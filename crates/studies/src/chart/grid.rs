@@ -142,7 +142,7 @@ impl Maker<'_> {
         let mut methods = vec![own.clone()];
         for entry in integrators() {
             if names.contains(&entry.spec.name) && entry.spec.name != own.name() {
-                methods.push((entry.default_options)());
+                methods.push(entry.default_options.clone());
             }
         }
         if self.bath_takes_the_place_of_the_method() {

@@ -49,9 +49,8 @@ fn springs_by(scheme: spring::Scheme, stiffness: f64) -> BondOptions {
 
 /// Every way: the methods of the list with their default options, and variants.
 pub(crate) fn ways() -> Vec<Way> {
-    let of_the_list = BondOptions::examples()
-        .into_iter()
-        .map(|bonds| Way { name: bonds.name().to_owned(), bonds });
+    let of_the_list =
+        BondOptions::all().into_iter().map(|bonds| Way { name: bonds.name().to_owned(), bonds });
     let variant = |name: &str, bonds| Way { name: name.to_owned(), bonds };
     of_the_list
         .chain([

@@ -1,6 +1,6 @@
 //! Bodies that bounce off each other in flight.
 
-use super::{Contact, ContactSpec, Response};
+use super::{ContactKind, ContactSpec, Response};
 
 lennard_core::options! {
     /// Hard spheres: where two meet in flight, their relative normal velocity becomes −e times itself. Impacts follow each other in
@@ -8,20 +8,21 @@ lennard_core::options! {
     ///
     /// Between kicks the motion is exact. For e = 1, drift and kicks are exact flows, so that the step stays symplectic.
     #[derive(Copy)]
-    pub struct Hard {
+    pub struct Options {
         /// Restitution e: the share of the relative normal speed that two bodies keep. Below 1 impacts take energy out, which counts as heat.
         restitution: f64 = 1.0, Between(0.0, 1.0);
     }
 }
 
-impl Contact for Hard {
-    const SPEC: ContactSpec = ContactSpec {
-        name: "hard",
-        summary: "Hard spheres that bounce in flight, each impact at its time.",
-        equation: "n.(v_j - v_i) -> -e n.(v_j - v_i) where r_ij = diameter",
-        source: "B. J. Alder and T. E. Wainwright, Studies in molecular dynamics. I. General method, J. Chem. Phys. 31, 459 (1959): the flight from impact to impact; kicks of other forces stand between flights",
-    };
+/// What this kind declares about itself.
+pub const SPEC: ContactSpec = ContactSpec {
+    name: "hard",
+    summary: "Hard spheres that bounce in flight, each impact at its time.",
+    equation: "n.(v_j - v_i) -> -e n.(v_j - v_i) where r_ij = diameter",
+    source: "B. J. Alder and T. E. Wainwright, Studies in molecular dynamics. I. General method, J. Chem. Phys. 31, 459 (1959): the flight from impact to impact; kicks of other forces stand between flights",
+};
 
+impl ContactKind for Options {
     fn response(&self) -> Response {
         Response::Impact { restitution: self.restitution }
     }

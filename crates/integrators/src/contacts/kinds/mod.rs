@@ -1,8 +1,12 @@
 //! The list of contacts: one file and one line each.
 
-use lennard_core::options::{Keys, OptionError, Options};
+mod hard;
+mod soft;
+mod spook;
+
+use lennard_core::options::OptionError;
 use lennard_forcefield::ContactLaw;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::spook::UnilateralLaw;
 
@@ -45,10 +49,7 @@ impl Response {
 }
 
 /// The file of a contact provides this for its options type.
-pub trait Contact: Options + 'static {
-    /// What the contact declares about itself.
-    const SPEC: ContactSpec;
-
+pub trait ContactKind {
     /// What happens where two bodies touch.
     fn response(&self) -> Response;
 
@@ -64,85 +65,22 @@ pub trait Contact: Options + 'static {
     }
 }
 
-/// Makes options, dispatch and lists from lines `file::Variant = "name",`.
-macro_rules! list_of_contacts {
-    ($($(#[$doc:meta])* $file:ident::$variant:ident = $name:literal,)*) => {
-        $(mod $file; pub use $file::$variant;)*
-
-        /// What a scene's table `[contact]` says beside `diameter`.
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(tag = "kind")]
-        #[non_exhaustive]
-        pub enum ContactOptions {
-            $($(#[$doc])* #[serde(rename = $name)] $variant($variant),)*
-        }
-
-        impl ContactOptions {
-            /// What the contact declares about itself.
-            #[must_use]
-            pub fn spec(&self) -> &'static ContactSpec {
-                match self {
-                    $(Self::$variant(_) => &<$variant as Contact>::SPEC,)*
-                }
-            }
-
-            /// What happens where two bodies touch.
-            #[must_use]
-            pub fn response(&self) -> Response {
-                match self {
-                    $(Self::$variant(contact) => contact.response(),)*
-                }
-            }
-
-            /// The contact with its options, in words.
-            #[must_use]
-            pub fn in_words(&self) -> String {
-                match self {
-                    $(Self::$variant(contact) => contact.in_words(),)*
-                }
-            }
-
-            /// Whether the options lie in their ranges.
-            ///
-            /// # Errors
-            /// [`OptionError`] with the key that is to blame.
-            pub fn check(&self) -> Result<(), OptionError> {
-                match self {
-                    $(Self::$variant(contact) => {
-                        contact.check()?;
-                        contact.check_together()
-                    })*
-                }
-            }
-
-            /// The scene keys of every contact, by its name.
-            #[must_use]
-            pub fn keys() -> Vec<(&'static str, Keys)> {
-                vec![$((<$variant as Contact>::SPEC.name, <$variant as Options>::KEYS),)*]
-            }
-
-            /// Every contact with its default options, in the order of the list.
-            #[must_use]
-            pub fn all() -> Vec<Self> {
-                vec![$(Self::$variant(<$variant>::default()),)*]
-            }
-        }
-
-        static CONTACTS: &[ContactSpec] = &[$(<$variant as Contact>::SPEC,)*];
-    };
-}
-
-list_of_contacts! {
-    /// Springs that push bodies apart, with a dashpot.
-    soft::Soft = "soft",
-    /// Impacts in flight.
-    hard::Hard = "hard",
-    /// Unilateral constraints.
-    spook::Spook = "spook",
+list_of_methods! {
+    /// What a scene's table `[contact]` says beside `diameter`.
+    #[serde(tag = "kind", rename_all = "kebab-case")]
+    #[non_exhaustive]
+    pub enum ContactOptions: ContactKind, declared by SPEC: ContactSpec {
+        /// Springs that push bodies apart, with a dashpot.
+        Soft: soft,
+        /// Impacts in flight.
+        Hard: hard,
+        /// Unilateral constraints.
+        Spook: spook,
+    }
 }
 
 /// Every contact that a scene may name.
 #[must_use]
 pub fn contacts() -> &'static [ContactSpec] {
-    CONTACTS
+    ContactOptions::SPECS
 }

@@ -4,7 +4,7 @@ use crate::spook::Damping;
 use crate::spook::Solver;
 use lennard_core::options::OptionError;
 
-use super::{Contact, ContactSpec, Response, UnilateralLaw};
+use super::{ContactKind, ContactSpec, Response, UnilateralLaw};
 
 lennard_core::options! {
     /// Unilateral constraints g ≥ 0 of SPOOK, solved in each step for all bodies that touch. They push and never pull.
@@ -12,7 +12,7 @@ lennard_core::options! {
     /// Before the solve an impact stage gives bodies that meet their restitution, at any phase of the step. A body at rest sinks
     /// in by the compliance times the force on it.
     #[derive(Copy)]
-    pub struct Spook {
+    pub struct Options {
         /// Restitution e of an impact: the share of the relative normal speed that two bodies keep. What impacts take counts as heat.
         restitution: f64 = 0.0, Between(0.0, 1.0);
         /// Compliance ε, the inverse of a stiffness; 0 is rigid.
@@ -26,20 +26,21 @@ lennard_core::options! {
     }
 }
 
-impl Spook {
+impl Options {
     fn damping(&self) -> Damping {
         Damping::new(self.damping_steps, self.damping_time)
     }
 }
 
-impl Contact for Spook {
-    const SPEC: ContactSpec = ContactSpec {
-        name: "spook",
-        summary: "Unilateral constraints of SPOOK after an impact stage; with the integrator `spook` alone.",
-        equation: "0 <= L, S L - b >= 0, L.(S L - b) = 0; S = G M^-1 G^T + (4/h^2) eps y, b = -(4/h) y g + y G v - G (v + h f/m), y = 1/(1 + 4 tau/h)",
-        source: "Lacoursière, \"Ghosts and Machines: Regularized Variational Methods for Interactive Simulations of Multibodies with Dry Frictional Contacts\", PhD thesis, Umeå University (2007), the SPOOK stepper; the rule for rest is derived here (docs/walls.md)",
-    };
+/// What this kind declares about itself.
+pub const SPEC: ContactSpec = ContactSpec {
+    name: "spook",
+    summary: "Unilateral constraints of SPOOK after an impact stage; with the integrator `spook` alone.",
+    equation: "0 <= L, S L - b >= 0, L.(S L - b) = 0; S = G M^-1 G^T + (4/h^2) eps y, b = -(4/h) y g + y G v - G (v + h f/m), y = 1/(1 + 4 tau/h)",
+    source: "Lacoursière, \"Ghosts and Machines: Regularized Variational Methods for Interactive Simulations of Multibodies with Dry Frictional Contacts\", PhD thesis, Umeå University (2007), the SPOOK stepper; the rule for rest is derived here (docs/walls.md)",
+};
 
+impl ContactKind for Options {
     fn response(&self) -> Response {
         Response::Unilateral(UnilateralLaw {
             restitution: self.restitution,

@@ -120,7 +120,7 @@ impl Sample {
 
 /// Runs the plan to its end or to its failure; only a fluid that cannot even be started is an error.
 pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
-    let options = (plan.entry.default_options)();
+    let options = plan.entry.default_options.clone();
     let mut result = FluidRun {
         method: plan.entry.spec.name,
         state: STATES[plan.start.state_point].name,
