@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use lennard_engine::{Progress, Simulation, Unfollowed, prepare};
 use lennard_scene::{Scene, SceneError};
+use tempfile::TempDir;
 
 /// A dense fluid of dumbbells, the force shifted to zero at the cutoff.
 pub(crate) const DUMBBELLS: &str = r#"
@@ -83,16 +84,23 @@ impl Progress for AskToStop<'_> {
     }
 }
 
-/// All files of a run by name: run.json without what depends on the clock, and of checkpoints what is asked for.
-pub(crate) fn contents(
-    folder: &Path,
-    of_checkpoint: impl Fn(&Path) -> Vec<u8>,
-) -> BTreeMap<String, Vec<u8>> {
+/// A new folder, in memory where the system has a place for it: hundreds of short runs need not wait for a disk.
+pub(crate) fn folder() -> TempDir {
+    tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
+}
+
+/// Files by name.
+pub(crate) type Files = BTreeMap<String, Vec<u8>>;
+
+/// All files of a run, without what a clock has measured.
+pub(crate) fn contents(folder: &Path) -> Files {
     let entry = |entry: fs::DirEntry| {
         let name = entry.file_name().into_string().unwrap();
         let path = entry.path();
         if name.ends_with(".lennard") {
-            return (name, of_checkpoint(&path));
+            let mut checkpoint = lennard_io::read_checkpoint(&path).unwrap();
+            checkpoint.archive.arrays.retain(|name, _| !name.ends_with("seconds"));
+            return (name, lennard_io::checkpoint_bytes(&checkpoint));
         }
         let mut bytes = fs::read(path).unwrap();
         if name == "run.json" {
@@ -105,4 +113,13 @@ pub(crate) fn contents(
         (name, bytes)
     };
     fs::read_dir(folder).unwrap().map(|e| entry(e.unwrap())).collect()
+}
+
+/// Wants the same files with the same bytes.
+pub(crate) fn same_files(expected: &Files, found: &Files, what: &str) {
+    let names = |files: &Files| files.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(expected), names(found), "{what}");
+    for (name, bytes) in expected {
+        assert!(*bytes == found[name], "{what}: {name} differs");
+    }
 }

@@ -1,10 +1,10 @@
 //! Starts with a crystal beside its liquid, and runs of them.
 
-use lennard_core::{Persist, Remark, StateArchive};
-use lennard_engine::{Simulation, StopAt, Unfollowed};
+use lennard_core::Remark;
+use lennard_engine::{Simulation, Unfollowed};
 use lennard_observables::solid_share;
 
-use crate::common::{self, bits, on_threads, prepared};
+use crate::common::{self, prepared};
 
 const CRYSTAL: &str = r#"
     [system]
@@ -56,27 +56,6 @@ fn half_a_crystal_has_its_particles_its_cross_section_and_no_overlap() {
     }
     let share = solid_share(&s.state.cell, positions);
     assert!((0.35..0.75).contains(&share), "{share}");
-}
-
-#[test]
-fn half_a_crystal_has_the_same_bits_on_any_number_of_threads_and_in_two_parts() {
-    let run = |threads| {
-        on_threads(threads, || {
-            let mut s = build(&[]);
-            s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-            (bits(&s), format!("{:?}", s.findings()))
-        })
-    };
-    let one = run(1);
-    assert!(run(3) == one);
-    let mut first = build(&[]);
-    first.run(&mut StopAt::new(50)).unwrap_or_else(|e| panic!("{e}"));
-    let mut archive = StateArchive::default();
-    first.save(&mut archive.writer());
-    let mut second = build(&[]);
-    second.restore(&archive.reader()).unwrap();
-    second.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-    assert!((bits(&second), format!("{:?}", second.findings())) == one);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use lennard_engine::{Simulation, Unfollowed};
 
-use crate::common::{self, bits, on_threads, prepared};
+use crate::common::{self, prepared};
 
 /// A dense gas in a long box at constant energy.
 const GAS: &str = r#"
@@ -73,11 +73,4 @@ fn heat_goes_to_the_middle_slab_and_momentum_to_the_first() {
     let all = driven.findings();
     let mut names = all.iter().flat_map(|f| &f.averages).map(|a| a.name.as_str());
     assert!(names.all(|name| name != "heat_capacity_pressure"));
-}
-
-#[test]
-fn an_exchange_has_the_same_bits_on_any_number_of_threads() {
-    let with = |threads| on_threads(threads, || bits(&run("\"heat\"", "400", "0.004")));
-    assert!(with(1) == with(3));
-    assert!(with(1) != on_threads(1, || bits(&run("none", "400", "0.004"))));
 }

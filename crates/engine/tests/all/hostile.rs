@@ -7,6 +7,8 @@ use lennard_core::{Array, DVec3, Want};
 use lennard_engine::{Action, Operation, ResumeOptions, Schedule, StopAt, Trigger, resume};
 use lennard_io::{Checkpoint, FileMark, checkpoint_bytes, read_checkpoint};
 
+use crate::common;
+
 /// Takes a few steps, with everything evaluated at each.
 fn a_few(from: u64) -> StopAt {
     let each = Operation::new(Action::Call, Trigger::Always).wanting(Want::ENERGY_AND_VIRIAL);
@@ -54,7 +56,7 @@ impl Bench {
 /// impossible numbers. The run is brought back or refused by name; it never panics.
 #[test]
 fn arrays_that_cannot_be_are_refused_by_name_or_harmless() {
-    let bench = Bench(tempfile::tempdir().unwrap());
+    let bench = Bench(common::folder());
     let mut said = Vec::new();
     for (file, whole) in corpus() {
         assert_eq!(bench.restart(&whole), Ok(()), "{file}");
@@ -105,8 +107,8 @@ fn arrays_that_cannot_be_are_refused_by_name_or_harmless() {
 }
 
 fn distortions(array: &Array) -> Vec<(&'static str, Option<Array>)> {
-    let absurd = [f64::NAN, f64::INFINITY, 1e308, -1.0, 0.0];
-    let counts = [0, 1, 1 << 40, u64::MAX];
+    let absurd = [f64::NAN, 1e308, 0.0];
+    let counts = [0, 1 << 40, u64::MAX];
     let other = match array {
         Array::F64(_) => Array::U64(vec![1]),
         _ => Array::F64(vec![1.0]),
@@ -128,7 +130,7 @@ fn distortions(array: &Array) -> Vec<(&'static str, Option<Array>)> {
         }
         Array::U64(v) => {
             lengths(v, &mut |what, v| add(what, Array::U64(v)));
-            for at in 0..v.len().min(4) {
+            for at in 0..v.len().min(3) {
                 for &n in &counts {
                     let mut v = v.clone();
                     v[at] = n;
@@ -164,7 +166,7 @@ fn first<T: Clone>(values: &[T], value: T) -> Vec<T> {
 
 #[test]
 fn metadata_that_does_not_fit_is_refused() {
-    let bench = Bench(tempfile::tempdir().unwrap());
+    let bench = Bench(common::folder());
     let (_, whole) = corpus().swap_remove(0);
     let refused = |change: &dyn Fn(&mut Checkpoint), wanted: &str| {
         let mut checkpoint = whole.clone();

@@ -1,6 +1,6 @@
-//! What must hold whatever the scene: bits, splits, observers, conservation, and failing well.
+//! What must hold whatever the scene: observers, conservation, and failing well.
 
-use lennard_core::{DVec3, Persist, StateArchive, Want};
+use lennard_core::{DVec3, Want};
 use lennard_engine::{
     Action, EngineError, Follower, Operation, Schedule, Simulation, StopAt, Trigger, Unfollowed,
     begin, prepare_from,
@@ -32,99 +32,6 @@ const LIQUID: &str = r#"
 
 fn build(overrides: &[(&str, &str)]) -> Simulation {
     prepared(common::scene(LIQUID, overrides))
-}
-
-/// Everything that later steps depend on, to the bit.
-fn archive(simulation: &Simulation) -> StateArchive {
-    let mut archive = StateArchive::default();
-    simulation.save(&mut archive.writer());
-    archive
-}
-
-/// Names of the saved arrays in which two simulations differ.
-fn differing(a: &Simulation, b: &Simulation) -> Vec<String> {
-    let (a, b) = (archive(a), archive(b));
-    let names = a.arrays.keys().chain(b.arrays.keys());
-    // Compared as text: it tells every finite number from every other, and NaN equals itself.
-    let text = |archive: &StateArchive, name: &String| format!("{:?}", archive.arrays.get(name));
-    // Wall time is carried along for the run record; it is the one thing that differs.
-    names
-        .filter(|name| *name != "forces/seconds" && text(&a, name) != text(&b, name))
-        .cloned()
-        .collect()
-}
-
-#[test]
-fn the_bits_are_the_same_for_any_number_of_threads() {
-    // 864 particles as in the issue of 1967, and 6912 so that sweeps and sums have several chunks.
-    for (n, steps) in [("864", "2000"), ("6912", "200")] {
-        let run = |threads| {
-            on_threads(threads, || {
-                let mut s = build(&[("system.n_atoms", n), ("stage.0.steps", steps)]);
-                s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-                bits(&s)
-            })
-        };
-        let one = run(1);
-        for threads in [2, 3, 8] {
-            assert!(run(threads) == one, "{n} particles on {threads} threads");
-        }
-    }
-}
-
-/// Runs `steps` at once, and `first` then the rest through a saved state: all bits must agree.
-fn split_and_compare(overrides: &[(&str, &str)], first: u64, what: &str) {
-    let mut whole = build(overrides);
-    assert!(whole.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{what}: {e}")));
-    let steps = whole.state.step;
-
-    let mut begun = build(overrides);
-    assert!(!begun.run(&mut StopAt::new(first)).unwrap_or_else(|e| panic!("{what}: {e}")));
-    let saved = archive(&begun);
-    let mut resumed = build(overrides);
-    resumed.restore(&saved.reader()).unwrap_or_else(|e| panic!("{what}: {e}"));
-    assert!(resumed.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{what}: {e}")));
-
-    assert_eq!(resumed.state.step, steps);
-    assert!(bits(&resumed) == bits(&whole), "{what}");
-    assert_eq!(differing(&resumed, &whole), Vec::<String>::new(), "{what}");
-    // Going on in the same simulation is the same again.
-    assert!(begun.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{what}: {e}")));
-    assert!(bits(&begun) == bits(&whole), "{what}");
-}
-
-const OBSERVABLES: &str = r#"[{kind="rdf", every=20}, {kind="msd", every=10}, {kind="vacf", every=5}, {kind="pressure-tensor", every=10}]"#;
-
-#[test]
-fn four_hundred_steps_and_six_hundred_are_a_thousand_to_the_bit() {
-    for bath in [None, Some("rescale"), Some("bussi"), Some("langevin")] {
-        let mut overrides = vec![("observable", OBSERVABLES)];
-        overrides.extend(bath.map(|b| ("stage.0.thermostat", b)));
-        split_and_compare(&overrides, 400, &format!("velocity-verlet with {bath:?}"));
-    }
-}
-
-#[test]
-fn every_method_goes_on_from_a_saved_state_to_the_bit() {
-    for entry in lennard_integrators::integrators() {
-        let method = entry.spec.name;
-        // These two move the oscillator alone: a scene that names one is refused.
-        if ["analytic", "spook"].contains(&method) {
-            assert!(common::parse(LIQUID, &[("integrator.kind", method)]).is_err());
-            continue;
-        }
-        // Small enough for explicit Euler, whose energy grows at any step.
-        let overrides = [
-            ("integrator.kind", method),
-            ("integrator.dt", "0.0005"),
-            ("stage.0.steps", "100"),
-            ("observable", OBSERVABLES),
-        ];
-        split_and_compare(&overrides, 37, method);
-        let mut with_bath = overrides.to_vec();
-        with_bath.push(("stage.0.thermostat", "bussi"));
-        split_and_compare(&with_bath, 37, &format!("{method} with bussi"));
-    }
 }
 
 #[test]
@@ -229,13 +136,13 @@ fn the_energy_fluctuation_falls_as_the_square_of_dt() {
         s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         s.thermodynamics().conservation().energy_rms_per_atom
     };
-    // The same 8 τ of the same liquid at both steps; one of them scatters by 0.035, and the mean of four by half as much.
-    let exponents = ["11", "12", "13", "14"].map(|seed| {
+    // The same 8 τ of the same liquid at both steps; one of them scatters by 0.035, and the mean of two by 0.025.
+    let exponents = ["11", "12"].map(|seed| {
         let (coarse, fine) = (rms(seed, "0.008", "1000"), rms(seed, "0.002", "4000"));
         (coarse / fine).ln() / 4.0_f64.ln()
     });
-    let mean = exponents.iter().sum::<f64>() / 4.0;
-    assert!((mean - 2.0).abs() < 0.07, "exponents {exponents:?}");
+    let mean = exponents.iter().sum::<f64>() / 2.0;
+    assert!((mean - 2.0).abs() < 0.09, "exponents {exponents:?}");
 }
 
 #[test]
@@ -369,7 +276,7 @@ fn return_distance(method: &str, n: &str, steps: u64, threads: usize) -> f64 {
 fn the_bit_reversible_method_returns_to_its_start_exactly_and_velocity_verlet_does_not() {
     for threads in [1, 3] {
         assert_eq!(
-            return_distance("bit-reversible-verlet", "256", 1500, threads),
+            return_distance("bit-reversible-verlet", "256", 600, threads),
             0.0,
             "{threads} threads"
         );

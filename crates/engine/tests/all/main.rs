@@ -1,4 +1,4 @@
-//! Tests of runs from outside: invariants, restart, watching, hostile input.
+//! Tests of runs from outside: invariants, same bits, watching, hostile input.
 
 mod bodies;
 mod collisions;
@@ -17,7 +17,7 @@ mod pressure;
 mod ranks;
 mod refusals;
 mod response;
-mod restart;
+mod same_bits;
 mod slabs;
 mod structure_tail;
 mod walls;

@@ -1,13 +1,13 @@
-//! Mixtures: the bits of one species, mixed starts, equipartition, splits and resumes, files, and what is refused.
+//! Mixtures: the bits of one species, mixed starts, equipartition, files, and what is refused.
 
-use lennard_core::{Configuration, DVec3, ForceTerm, Part, Persist, StateArchive, System, Want};
+use lennard_core::{Configuration, DVec3, ForceTerm, Part, System, Want};
 use lennard_engine::{
     EngineError, Simulation, StopAt, Unfollowed, begin, evaluate_energy, prepare,
 };
 use lennard_io::{Frame, FrameStyle};
 use lennard_scene::Scene;
 
-use crate::common::{self, bits, on_threads, ran};
+use crate::common::{self, bits, ran};
 
 /// A liquid of two species of unlike sizes, depths and masses.
 const MIXTURE: &str = r#"
@@ -173,56 +173,6 @@ fn barostats_conserve_energy_with_the_tails_of_all_pairs() {
 }
 
 #[test]
-fn the_bits_are_the_same_for_any_number_of_threads() {
-    let run = |threads: usize| {
-        on_threads(threads, || {
-            let steps = [("system.n_atoms", "500"), ("stage.0.steps", "100")];
-            bits(&ran(scene(&steps)))
-        })
-    };
-    let one = run(1);
-    for threads in [2, 3, 8] {
-        assert!(run(threads) == one, "{threads} threads");
-    }
-}
-
-#[test]
-fn four_hundred_steps_and_six_hundred_are_a_thousand_to_the_bit() {
-    // Everything that follows species, in a box that changes.
-    let observed = [
-        ("system.n_atoms", "256"),
-        ("stage.0.thermostat", "bussi"),
-        ("stage.0.barostat", "{ kind = \"stochastic-cell-rescaling\", pressure = 2.0 }"),
-        (
-            "observable",
-            r#"[{ kind = "msd", every = 5 }, { kind = "vacf", every = 5, window = 0.3 },
-                { kind = "kirkwood-buff", every = 50 }, { kind = "mutual-diffusion", every = 4, window = 0.5 },
-                { kind = "structure-factor", every = 50 }]"#,
-        ),
-    ];
-    for overrides in [&[][..], &observed] {
-        parts_make_the_whole(overrides);
-    }
-}
-
-fn parts_make_the_whole(overrides: &[(&str, &str)]) {
-    let whole = ran(scene(overrides));
-    let mut begun = prepare(scene(overrides)).unwrap_or_else(|e| panic!("{e}"));
-    begun.run(&mut StopAt::new(400)).unwrap_or_else(|e| panic!("{e}"));
-    let mut archive = StateArchive::default();
-    begun.save(&mut archive.writer());
-    let mut resumed = prepare(scene(overrides)).unwrap_or_else(|e| panic!("{e}"));
-    resumed.restore(&archive.reader()).unwrap_or_else(|e| panic!("{e}"));
-    for other in [&mut begun, &mut resumed] {
-        other.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-        assert!(bits(other) == bits(&whole));
-        // As text, for which not a number equals itself.
-        let found = |simulation: &Simulation| format!("{:?}", simulation.findings());
-        assert_eq!(found(other), found(&whole));
-    }
-}
-
-#[test]
 fn walls_that_are_hit_or_are_springs_take_particles_of_all_species() {
     let between = |wall: &str, steps: &str| {
         ran(scene(&[
@@ -296,13 +246,10 @@ fn near_and_far_forces_of_all_pairs_of_species_make_up_the_whole() {
 }
 
 #[test]
-fn respa_conserves_the_energy_of_a_mixture_and_goes_on_to_the_bit() {
+fn respa_conserves_the_energy_of_a_mixture() {
     let simulation = ran(scene(&SPLIT));
     let kept = simulation.thermodynamics().conservation();
     assert!(kept.energy_rms_per_atom < 2e-3, "{kept:?}");
-    parts_make_the_whole(&SPLIT);
-    let on = |threads| on_threads(threads, || bits(&ran(scene(&SPLIT))));
-    assert!(on(1) == on(3));
 }
 
 #[test]

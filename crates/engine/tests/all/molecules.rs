@@ -1,13 +1,13 @@
-//! Fluids of molecules: bits, restarts, identities of the pressure, and files that bring them back.
+//! Fluids of molecules: identities of the pressure, and files that bring them back.
 
 use lennard_core::exact::exact_sum;
-use lennard_core::{Configuration, DVec3, Part, PeriodicBox, Persist, StateArchive, Want, rigid};
+use lennard_core::{Configuration, DVec3, Part, PeriodicBox, Want, rigid};
 use lennard_engine::{EngineError, Simulation, StopAt, Unfollowed, prepare};
 use lennard_scene::Scene;
 
-use crate::common::{self, DUMBBELLS, bits, on_threads, prepared};
+use crate::common::{self, DUMBBELLS, prepared};
 
-/// A rigid triangle, and a square ring with a tail, as overrides.
+/// A rigid triangle, as overrides.
 const TRIANGLE: [(&str, &str); 6] = [
     ("molecule.kind", "sites"),
     ("molecule.sites", "3"),
@@ -16,20 +16,9 @@ const TRIANGLE: [(&str, &str); 6] = [
     ("molecule.bond_length", "0.7"),
     ("system.density", "0.1"),
 ];
-const RING_WITH_A_TAIL: [(&str, &str); 6] = [
-    ("molecule.kind", "sites"),
-    ("molecule.sites", "5"),
-    ("molecule.bonds", "[[1, 2], [2, 3], [3, 4], [1, 4], [5, 4]]"),
-    ("molecule.shape", "[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [-0.6, 1.8, 0]]"),
-    ("molecule.bond_length", "1.0"),
-    ("system.density", "0.04"),
-];
 
 /// The deterministic barostat.
 const MTK: &str = "{ kind = \"mtk\", pressure = 1.0, tau = 0.5 }";
-
-/// Springs with dashpots.
-const DAMPED: &[(&str, &str)] = &[("bonds.method", "spring"), ("bonds.damping", "3.0")];
 
 const PLAIN: (&str, &str) = ("integrator.kind", "velocity-verlet");
 
@@ -42,152 +31,12 @@ const fn with_shape(
     [a, b, c, d, e, f, more, and]
 }
 
-/// Ways to hold bonds, and molecules of each kind, as overrides.
-const WAYS: &[&[(&str, &str)]] = &[
-    &[("bonds.method", "direct")],
-    &[("bonds.method", "relaxation")],
-    &[("bonds.method", "relaxation"), ("bonds.direction", "new")],
-    &[("bonds.method", "relaxation"), ("bonds.sweeps", "3")],
-    &[("bonds.method", "spring")],
-    &[("bonds.method", "spring"), ("bonds.scheme", "midpoint")],
-    &[("bonds.method", "spring"), ("bonds.scheme", "linearly-implicit")],
-    DAMPED,
-    &[DAMPED[0], DAMPED[1], ("bonds.scheme", "midpoint"), ("integrator.kind", "leapfrog")],
-    &[DAMPED[0], DAMPED[1], ("bonds.scheme", "linearly-implicit")],
-    &[DAMPED[0], DAMPED[1], ("integrator.kind", "respa")],
-    &[
-        DAMPED[0],
-        DAMPED[1],
-        ("wall", "[{ kind = \"hard\", restitution = 0.9 }]"),
-        ("observable", "[]"),
-    ],
-    &[DAMPED[0], DAMPED[1], ("stage.0.thermostat", "nose-hoover"), ("stage.0.barostat", MTK)],
-    &[("bonds.method", "spook"), ("integrator.kind", "spook")],
-    &[("bonds.method", "direct"), ("kernel.precision", "mixed")],
-    &[("bonds.method", "direct"), ("integrator.kind", "leapfrog")],
-    &[("bonds.method", "relaxation"), ("integrator.kind", "stormer-verlet")],
-    &[("bonds.method", "spring"), ("bonds.scheme", "midpoint"), ("integrator.kind", "leapfrog")],
-    &[("bonds.method", "direct"), ("integrator.kind", "respa")],
-    &[("bonds.method", "spring"), ("bonds.scheme", "midpoint"), ("integrator.kind", "respa")],
-    &[("wall", "[{ kind = \"soft\", restitution = 0.5 }]"), ("observable", "[]")],
-    &[
-        ("bonds.method", "spook"),
-        ("integrator.kind", "spook"),
-        ("contact.kind", "spook"),
-        ("contact.diameter", "0.8"),
-        ("wall", "[{ kind = \"hard\", response = \"contact\", restitution = 0.5 }]"),
-        ("truncation.tail_correction", "false"),
-        ("observable", "[]"),
-    ],
-    &[("observable", "[{ kind = \"orientation\", every = 4, window = 0.1, origins = 3 }]")],
-    &[("wall", "[{ kind = \"wca\" }]"), ("observable", "[]")],
-    &[("bonds.method", "spring"), ("wall", "[{ kind = \"hard\" }]"), ("observable", "[]")],
-    &[("wall", "[{ kind = \"hard\", restitution = 0.9 }]"), ("observable", "[]")],
-    &[("wall", "[{ kind = \"thermal\" }]"), ("observable", "[]")],
-    &[
-        ("bonds.method", "spring"),
-        ("bonds.scheme", "midpoint"),
-        ("wall", "[{ kind = \"hard\" }]"),
-        ("observable", "[]"),
-    ],
-    &[
-        ("stage.0.thermostat", "bussi"),
-        (
-            "stage.0.barostat",
-            "{ kind = \"stochastic-cell-rescaling\", pressure = 1.0, tau = 0.5, interval = 5 }",
-        ),
-    ],
-    &[("stage.0.thermostat", "nose-hoover"), ("stage.0.barostat", MTK)],
-    &[
-        ("stage.0.thermostat", "nose-hoover"),
-        ("stage.0.barostat", MTK),
-        ("bonds.method", "spring"),
-        ("bonds.scheme", "midpoint"),
-    ],
-    &[
-        ("contact.diameter", "0.8"),
-        ("contact.stiffness", "500.0"),
-        ("system.held", "[1, 40]"),
-        ("truncation.tail_correction", "false"),
-        ("observable", "[]"),
-    ],
-    &[
-        ("molecule.kind", "chain"),
-        ("molecule.sites", "4"),
-        ("molecule.bond_length", "1.0"),
-        ("system.density", "0.1"),
-    ],
-    &[
-        ("molecule.kind", "chain"),
-        ("molecule.sites", "3"),
-        ("molecule.bond_length", "1.0"),
-        ("system.density", "0.1"),
-        ("bonds.method", "relaxation"),
-    ],
-    &[
-        ("molecule.kind", "chain"),
-        ("molecule.sites", "4"),
-        ("molecule.bond_length", "1.0"),
-        ("system.density", "0.1"),
-        ("bonds.max_group", "2"),
-    ],
-    &with_shape(TRIANGLE, ("bonds.method", "direct"), PLAIN),
-    &with_shape(RING_WITH_A_TAIL, ("bonds.method", "direct"), PLAIN),
-    &with_shape(RING_WITH_A_TAIL, ("bonds.method", "relaxation"), PLAIN),
-    &with_shape(RING_WITH_A_TAIL, ("bonds.method", "spring"), PLAIN),
-    &with_shape(RING_WITH_A_TAIL, ("bonds.method", "spook"), ("integrator.kind", "spook")),
-];
-
 fn scene(overrides: &[(&str, &str)]) -> Scene {
     common::scene(DUMBBELLS, overrides)
 }
 
 fn build(overrides: &[(&str, &str)]) -> Simulation {
     prepared(scene(overrides))
-}
-
-#[test]
-fn every_way_has_the_same_bits_on_any_number_of_threads() {
-    for way in WAYS {
-        // Several tasks of molecules.
-        let mut overrides = vec![("system.n_molecules", "864"), ("stage.0.steps", "40")];
-        overrides.extend_from_slice(way);
-        let run = |threads| {
-            on_threads(threads, || {
-                let mut s = build(&overrides);
-                s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-                bits(&s)
-            })
-        };
-        let one = run(1);
-        for threads in [2, 3] {
-            assert!(run(threads) == one, "{way:?} on {threads} threads");
-        }
-    }
-}
-
-#[test]
-fn forty_steps_and_sixty_are_a_hundred_to_the_bit() {
-    for way in WAYS {
-        for bath in ["none", "bussi", "langevin"] {
-            let by_spook = way.contains(&("bonds.method", "spook"));
-            if by_spook && bath == "langevin" {
-                continue;
-            }
-            let mut overrides = vec![("stage.0.thermostat", bath)];
-            overrides.extend_from_slice(way);
-            let mut whole = build(&overrides);
-            whole.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-            let mut begun = build(&overrides);
-            begun.run(&mut StopAt::new(40)).unwrap_or_else(|e| panic!("{e}"));
-            let mut archive = StateArchive::default();
-            begun.save(&mut archive.writer());
-            let mut resumed = build(&overrides);
-            resumed.restore(&archive.reader()).unwrap();
-            resumed.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-            assert!(bits(&resumed) == bits(&whole), "{way:?} {bath}");
-        }
-    }
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Starts as a slab of liquid beside its vapor, and runs of them.
 
-use lennard_core::{Persist, Remark, StateArchive};
-use lennard_engine::{Simulation, StopAt, Unfollowed, begin};
+use lennard_core::Remark;
+use lennard_engine::{Simulation, Unfollowed, begin};
 
-use crate::common::{self, bits, on_threads, prepared};
+use crate::common::{self, prepared};
 
 const SLAB: &str = r#"
     [system]
@@ -73,41 +73,6 @@ const TAILS: [&[(&str, &str)]; 3] = [
         ("integrator.kind", "respa"),
     ],
 ];
-
-#[test]
-fn a_slab_has_the_same_bits_on_any_number_of_threads_and_in_two_parts() {
-    for overrides in TAILS {
-        same_in_parts_and_on_threads(overrides);
-    }
-}
-
-fn same_in_parts_and_on_threads(overrides: &[(&str, &str)]) {
-    let run = |threads| {
-        on_threads(threads, || {
-            let mut s = build(overrides);
-            s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-            (bits(&s), findings(&s))
-        })
-    };
-    let one = run(1);
-    assert!(run(3) == one);
-    let mut first = build(overrides);
-    first.run(&mut StopAt::new(50)).unwrap_or_else(|e| panic!("{e}"));
-    let mut archive = StateArchive::default();
-    first.save(&mut archive.writer());
-    let mut second = build(overrides);
-    second.restore(&archive.reader()).unwrap();
-    second.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-    assert!((bits(&second), findings(&second)) == one);
-}
-
-/// What the observables found, as text: NaN then equals NaN.
-fn findings(simulation: &Simulation) -> String {
-    let interface = simulation.observable::<lennard_observables::Interface>();
-    let found = lennard_core::Observable::finish(interface.unwrap(), 0.0);
-    assert!(found.averages.iter().any(|a| a.name == "surface_tension"));
-    format!("{found:?}")
-}
 
 #[test]
 fn the_planar_tail_is_conserved_with_the_rest_and_keeps_the_middle_of_the_box() {
