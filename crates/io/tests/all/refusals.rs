@@ -1,5 +1,6 @@
-//! What readers and writers refuse. The words are tested by `inputs/bad.toml`.
+//! What readers and writers refuse. `bad_files.toml` has the words for files, and `inputs/bad.toml` has them for scenes.
 
+use std::collections::BTreeMap;
 use std::fs;
 
 use lennard_core::{State, Table};
@@ -9,6 +10,44 @@ use lennard_io::{
     read_checkpoint, read_checkpoint_bytes, read_configuration_bytes, read_table_csv_bytes,
     write_checkpoint, write_frame, write_table_csv, write_text_atomically,
 };
+
+/// `bad_files.toml`, whose head explains it.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BadFiles {
+    bases: BTreeMap<String, String>,
+    file: Vec<BadFile>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BadFile {
+    text: Option<String>,
+    base: Option<String>,
+    change: Option<[String; 2]>,
+    answer: String,
+}
+
+#[test]
+fn every_bad_file_is_refused_with_line_found_and_allowed() {
+    let all: BadFiles = toml::from_str(include_str!("../bad_files.toml")).unwrap();
+    for file in &all.file {
+        let text = match (&file.text, &file.base, &file.change) {
+            (Some(text), None, None) => text.clone(),
+            (None, Some(base), Some([piece, other])) => {
+                assert!(all.bases[base].contains(piece), "{base} has no {piece:?}");
+                all.bases[base].replacen(piece, other, 1)
+            }
+            _ => panic!("{}: a text, or a base with a change", file.answer),
+        };
+        let error = read_configuration_bytes(text.as_bytes()).expect_err(&text);
+        let message = error.to_string();
+        assert_eq!(message.split_once(':').unwrap().1, file.answer, "{text}");
+        let (line, _) = file.answer.split_once(": found ").expect("what was found");
+        assert_eq!(error.line(), line.parse().ok());
+    }
+    assert!(all.file.len() > 100);
+}
 
 #[test]
 fn files_that_are_not_there_and_lines_without_end_are_refused() {
