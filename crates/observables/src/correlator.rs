@@ -192,7 +192,6 @@ impl Persist for Correlator {
 mod tests {
     use super::*;
     use crate::statistics::synthetic::Ar1;
-    use lennard_core::StateArchive;
 
     fn channels(n: usize, seed: u64) -> Vec<[f64; 3]> {
         let of = |k| Ar1::new(0.95, 3 * seed + k).series(n);
@@ -232,19 +231,5 @@ mod tests {
         let mut correlator = Correlator::new(1, 1.0, 200.0);
         (0..1000).for_each(|_| correlator.push(&[2.0]));
         assert!(correlator.correlation().values.iter().all(|c| *c == 4.0));
-    }
-
-    #[test]
-    fn a_correlator_restored_in_the_middle_continues_to_the_bit() {
-        let data = channels(777, 2);
-        let make = || Correlator::new(3, 0.01, 2.0);
-        let (mut whole, mut first, mut second) = (make(), make(), make());
-        data.iter().for_each(|s| whole.push(s));
-        data[..401].iter().for_each(|s| first.push(s));
-        let mut archive = StateArchive::default();
-        first.save(&mut archive.writer());
-        second.restore(&archive.reader()).unwrap();
-        data[401..].iter().for_each(|s| second.push(s));
-        assert_eq!(whole, second);
     }
 }

@@ -186,7 +186,7 @@ mod tests {
     /// Rotational diffusion: C_l = e^{−l(l+1)·D·t}, and τ_1 = 3·τ_2.
     #[test]
     fn rotational_diffusion_decays_exponentially_with_its_two_times() {
-        let (n, samples, d, dt) = (200, 4000, 0.6, 0.05);
+        let (n, samples, d, dt) = (200, 2000, 0.6, 0.05);
         let mut u: Vec<DVec3> = (0..n).map(|m| normal(5, u64::MAX, m).normalize()).collect();
         let mut path = Vec::new();
         for s in 0..samples {

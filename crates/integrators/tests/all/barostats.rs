@@ -117,7 +117,7 @@ fn the_volume_of_an_ideal_gas_is_gamma_distributed_at_each_interval_and_coupling
                 "kind = \"stochastic-cell-rescaling\"\ntau = 0.5\ninterval = {interval}\ncoupling = \"{coupling}\""
             );
             let mut method = integrator("kind = \"bussi\"", &barostat, 5);
-            let volumes = volumes(&mut method, 0.02, 100, 8000);
+            let volumes = volumes(&mut method, 0.02, 100, 2500);
             is_canonical(&volumes, n_dof, &barostat);
             let moves = method.box_moves().unwrap();
             assert!(0 < moves.accepted && moves.accepted < moves.tried);
@@ -131,7 +131,7 @@ fn the_deterministic_barostat_gives_the_ideal_gas_the_same_volumes() {
     let barostat = "kind = \"mtk\"\ntau = 0.5\nchain = 5";
     let thermostat = "kind = \"nose-hoover\"\ntau = 0.5\nchain = 5";
     let mut method = integrator(thermostat, barostat, 5);
-    let volumes = volumes(&mut method, 0.02, 200, 8000);
+    let volumes = volumes(&mut method, 0.02, 200, 2500);
     is_canonical(&volumes, n_dof, barostat);
 }
 
@@ -164,7 +164,7 @@ fn one_molecule_has_no_centre_that_a_box_could_feel() {
 fn with_langevin_no_momentum_is_kept_and_the_shape_is_one_larger() {
     let barostat = "kind = \"stochastic-cell-rescaling\"\ntau = 0.5\ninterval = 10";
     let mut method = integrator("kind = \"langevin\"", barostat, 6);
-    let volumes = volumes(&mut method, 0.02, 100, 8000);
+    let volumes = volumes(&mut method, 0.02, 100, 2500);
     is_canonical(&volumes, 3.0 * N as f64, barostat);
 }
 

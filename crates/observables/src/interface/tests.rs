@@ -2,8 +2,7 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, Energetics, Molecules, PeriodicBox, Persist, Species, SpeciesTable, State, StateArchive,
-    System,
+    DMat3, Energetics, Molecules, PeriodicBox, Species, SpeciesTable, State, System,
 };
 use rand_distr::{Distribution, StandardUniform};
 
@@ -142,24 +141,4 @@ fn a_fluid_in_one_phase_has_no_slab_and_says_so() {
 fn nothing_seen_gives_no_number() {
     let interface = Interface::new(&InterfaceOptions::default(), &context(VAPOR));
     assert!(interface.finish(0.0).averages.is_empty());
-}
-
-#[test]
-fn a_restored_interface_goes_on_to_the_bit() {
-    let new = || Interface::new(&InterfaceOptions::default(), &context(LIQUID + VAPOR));
-    let (mut whole, mut first, mut second) = (new(), new(), new());
-    shown(90, true, &mut |s, view| {
-        whole.sample(view);
-        match s {
-            0..37 => first.sample(view),
-            37 => {
-                let mut archive = StateArchive::default();
-                first.save(&mut archive.writer());
-                second.restore(&archive.reader()).unwrap();
-                second.sample(view);
-            }
-            _ => second.sample(view),
-        }
-    });
-    assert_eq!(second, whole);
 }

@@ -227,13 +227,11 @@ mod tests {
         let (phi, interval) = (0.9, 0.02);
         // Trapezoidal sum of φ^k: ½(1 + φ)/(1 − φ) intervals, times the prefactor.
         let exact = 2.0 * interval * 0.5 * (1.0 + phi) / (1.0 - phi);
+        let all: Vec<Findings> = (0..24).map(|seed| found(phi, interval, 40_000, seed)).collect();
         for name in ["x", "x_einstein_helfand"] {
-            let estimates: Vec<Estimate> = (0..24)
-                .map(|seed| {
-                    let findings = found(phi, interval, 40_000, seed);
-                    findings.averages.iter().find(|a| a.name == name).expect("it decays").estimate
-                })
-                .collect();
+            let of = |found: &Findings| found.averages.iter().find(|a| a.name == name).cloned();
+            let estimates: Vec<Estimate> =
+                all.iter().map(|found| of(found).expect("it decays").estimate).collect();
             let values: Vec<f64> = estimates.iter().map(|e| e.mean).collect();
             let squares: Vec<f64> = estimates.iter().map(|e| e.standard_error.powi(2)).collect();
             let printed = mean(&squares).sqrt();

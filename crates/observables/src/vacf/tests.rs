@@ -29,7 +29,7 @@ fn langevin_velocities_decay_exponentially_and_integrate_to_their_diffusion_coef
     let mut values = Vec::new();
     let mut squares = Vec::new();
     for seed in 0..24 {
-        let findings = ornstein_uhlenbeck(seed, 3000);
+        let findings = ornstein_uhlenbeck(seed, 1500);
         let estimate = findings.averages[0].estimate;
         values.push(estimate.mean);
         squares.push(estimate.standard_error.powi(2));

@@ -155,6 +155,31 @@ fn the_list_the_names_and_the_scene_tables_agree() {
     }
 }
 
+/// Observables that take over in the middle of a walk what others saved end with the bits of those that saw all of it.
+fn go_on_to_the_bit(
+    make: &dyn Fn() -> Vec<Box<dyn Observable>>,
+    look: &dyn Fn(&mut dyn Observable, &View<'_>),
+) {
+    let (mut whole, mut first, mut second) = (make(), make(), make());
+    walk(120, |s, view| {
+        if s == 57 {
+            for (a, b) in first.iter().zip(&mut second) {
+                b.restore(&saved(a.as_ref()).reader()).unwrap();
+            }
+        }
+        let parts = if s < 57 { &mut first } else { &mut second };
+        whole.iter_mut().chain(parts).for_each(|observable| look(observable.as_mut(), view));
+    });
+    for (k, a) in whole.iter().enumerate() {
+        let (name, archive) = (a.spec().name, saved(a.as_ref()));
+        assert!(!archive.arrays.is_empty(), "{name} saves nothing");
+        assert!(archive == saved(second[k].as_ref()), "{name}");
+        // As text, for which NaN equals NaN.
+        assert_eq!(format!("{:?}", a.finish(0.0)), format!("{:?}", second[k].finish(0.0)));
+        assert!(archive != saved(first[k].as_ref()), "{name}: nothing happened after the restart");
+    }
+}
+
 #[test]
 fn an_observable_restored_in_the_middle_ends_with_the_same_bits() {
     // Every default, and the options under which more of the state is used.
@@ -164,40 +189,10 @@ fn an_observable_restored_in_the_middle_ends_with_the_same_bits() {
         particles: 17,
         ..MsdOptions::default()
     }));
-    let make = || -> Vec<Box<dyn Observable>> {
-        options.iter().map(|o| build(o, &context_for(o, N)).unwrap()).collect()
-    };
-    let (mut whole, mut first, mut second) = (make(), make(), make());
-    walk(180, |s, view| {
-        if s == 77 {
-            for (a, b) in first.iter().zip(&mut second) {
-                b.restore(&saved(a.as_ref()).reader()).unwrap();
-            }
-        }
-        for k in 0..whole.len() {
-            sample(whole[k].as_mut(), view);
-            if s < 77 {
-                sample(first[k].as_mut(), view);
-            } else {
-                sample(second[k].as_mut(), view);
-            }
-        }
-    });
-    for (a, b) in whole.iter().zip(&second) {
-        let name = a.spec().name;
-        let archive = saved(a.as_ref());
-        assert!(!archive.arrays.is_empty(), "{name} saves nothing");
-        assert!(archive == saved(b.as_ref()), "{name}");
-        // As text, for which NaN equals NaN.
-        assert_eq!(format!("{:?}", a.finish(0.0)), format!("{:?}", b.finish(0.0)));
-    }
-    for (a, b) in first.iter().zip(&second) {
-        let name = a.spec().name;
-        assert!(
-            saved(a.as_ref()) != saved(b.as_ref()),
-            "{name}: nothing happened after the restart"
-        );
-    }
+    go_on_to_the_bit(
+        &|| options.iter().map(|o| build(o, &context_for(o, N)).unwrap()).collect(),
+        &sample,
+    );
 }
 
 #[test]
@@ -212,24 +207,9 @@ fn an_observable_of_a_mixture_restored_in_the_middle_ends_with_the_same_bits() {
             .map(|o| build(o, context).unwrap())
             .collect()
     };
-    let (mut whole, mut first, mut second) = (make(&context), make(&context), make(&context));
-    walk(180, |s, view| {
-        let view = View { system: &system, shared: Default::default(), ..*view };
-        if s == 77 {
-            for (a, b) in first.iter().zip(&mut second) {
-                b.restore(&saved(a.as_ref()).reader()).unwrap();
-            }
-        }
-        let parts = if s < 77 { &mut first } else { &mut second };
-        for observable in whole.iter_mut().chain(parts) {
-            observable.sample(&view);
-        }
+    go_on_to_the_bit(&|| make(&context), &|observable, view| {
+        observable.sample(&View { system: &system, shared: Default::default(), ..*view });
     });
-    for (a, b) in whole.iter().zip(&second) {
-        let name = a.spec().name;
-        assert!(saved(a.as_ref()) == saved(b.as_ref()), "{name}");
-        assert_eq!(format!("{:?}", a.finish(0.0)), format!("{:?}", b.finish(0.0)));
-    }
     // What was counted by species is not taken for a pure fluid's, nor missed.
     for name in ["rdf", "msd", "vacf", "structure-factor", "kirkwood-buff", "thermodynamics"] {
         let of = |all: Vec<Box<dyn Observable>>| {

@@ -11,6 +11,7 @@ use lennard_observables::{
 };
 use rand_distr::{Distribution, StandardNormal};
 
+const N: usize = 108;
 const R_CUT: f64 = 2.5;
 const DT: f64 = 0.004;
 const EVERY: u64 = 5;
@@ -59,25 +60,25 @@ fn forces(cell: &PeriodicBox, state: &mut State) {
     };
 }
 
-/// A lattice of 4³ cells, stirred at ρ = 0.8 until it is a fluid near T = 1.2.
+/// A lattice of 3³ cells, stirred at ρ = 0.8 until it is a fluid near T = 1.2.
 fn fluid(cell: &PeriodicBox) -> State {
-    let a = cell.lengths().x / 4.0;
+    let a = cell.lengths().x / 3.0;
     let basis = [[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
-    let positions: Vec<DVec3> = (0..256)
+    let positions: Vec<DVec3> = (0..N)
         .map(|i| {
-            let corner = DVec3::new((i / 64) as f64, (i / 16 % 4) as f64, (i / 4 % 4) as f64);
+            let corner = DVec3::new((i / 36) as f64, (i / 12 % 3) as f64, (i / 4 % 3) as f64);
             (corner + DVec3::from_array(basis[i % 4])) * a
         })
         .collect();
     let mut rng = Streams::new(5).sequential("velocities");
-    let mut velocities: Vec<DVec3> = (0..256)
+    let mut velocities: Vec<DVec3> = (0..N)
         .map(|_| DVec3::from_array(std::array::from_fn(|_| StandardNormal.sample(&mut rng))))
         .collect();
-    let mean = velocities.iter().sum::<DVec3>() / 256.0;
+    let mean = velocities.iter().sum::<DVec3>() / N as f64;
     velocities.iter_mut().for_each(|v| *v -= mean);
     let mut state = State::new(*cell, positions, velocities);
     forces(cell, &mut state);
-    let system = System::atoms(256);
+    let system = System::atoms(N);
     for step in 0..2500 {
         advance(cell, &mut state);
         if step < 1500 && step % 10 == 0 {
@@ -104,15 +105,15 @@ fn advance(cell: &PeriodicBox, state: &mut State) {
 
 #[test]
 fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
-    let cell = PeriodicBox::cubic_for_density(256, 0.8).unwrap();
+    let cell = PeriodicBox::cubic_for_density(N, 0.8).unwrap();
     let context = BuildContext {
         cell,
-        n_atoms: 256,
+        n_atoms: N,
         dt: DT,
         every: EVERY,
         r_cut: R_CUT,
         molecules: lennard_core::Molecules::ATOMS,
-        species: SpeciesTable::one(Species::unnamed(), 256),
+        species: SpeciesTable::one(Species::unnamed(), N),
         insertion: None,
     };
     let mut thermodynamics = Thermodynamics::new(&context);
@@ -126,7 +127,7 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
     let mut vacf = VelocityAutocorrelation::new(&options, &context).unwrap();
     let mut rdf = RadialDistribution::new(&RdfOptions::default(), &context).unwrap();
     let mut state = fluid(&cell);
-    let system = System::atoms(256);
+    let system = System::atoms(N);
     for step in 0..10_000_u64 {
         advance(&cell, &mut state);
         if step % EVERY != 0 {
@@ -154,14 +155,14 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
     };
     let temperature = average("temperature");
     agree(temperature, average("configurational_temperature"));
-    assert!(temperature.standard_error < 0.004);
+    assert!(temperature.standard_error < 0.006);
 
-    // Two roads to D, sampled from the same run: both have errors below 4 %.
+    // Two roads to D, sampled from the same run: both have errors below 8 %.
     let diffusion = average("diffusion_coefficient_uncorrected");
     let green_kubo = average("diffusion_coefficient_green_kubo");
     agree(diffusion, green_kubo);
-    assert!(diffusion.standard_error < 0.04 * diffusion.mean);
-    assert!(green_kubo.standard_error < 0.04 * green_kubo.mean);
+    assert!(diffusion.standard_error < 0.08 * diffusion.mean);
+    assert!(green_kubo.standard_error < 0.08 * green_kubo.mean);
 
     // A dense liquid: some twelve neighbors, as in the close-packed lattice.
     let neighbors = average("coordination_number");
@@ -177,7 +178,7 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
         .filter(|(r, _)| **r < R_CUT)
         .map(|(r, g)| {
             let (s6, shell) = (r.powi(-6), 4.0 * std::f64::consts::PI * r * r * width);
-            0.5 * 255.0 / cell.volume() * g * shell * 4.0 * (s6 * s6 - s6)
+            0.5 * (N - 1) as f64 / cell.volume() * g * shell * 4.0 * (s6 * s6 - s6)
         })
         .sum();
     let direct = average("potential_energy");
@@ -193,6 +194,6 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
     // At this step, the conserved energy of velocity Verlet fluctuates by some 1e-4, and the kinetic energy
     // alone by 0.05.
     assert!(kept.energy_rms_per_atom < 1e-3);
-    // 10,000 steps of 256 kicks of size 0.1, each rounded to 2⁻⁵³.
+    // 10,000 steps of 108 kicks of size 0.1, each rounded to 2⁻⁵³.
     assert!(kept.momentum_per_atom < 1e-13);
 }
