@@ -14,6 +14,7 @@ type Tier = (&'static str, Work);
 /// The work of a tier.
 enum Work {
     /// A command line of the shell, in the root of the workspace. `{packages}` stands for the chosen crates.
+    /// `{apart}` stands for a target folder of their own for commands that run while others compile tests.
     /// `{pytest}` stands for the Python tests with a worker per processor; tests of a file stay in one worker.
     Line(&'static str),
     /// A command line beside which the next tiers run: a test program ends on one processor while others wait.
@@ -26,7 +27,8 @@ use Work::{Beside, Line, Own};
 
 /// By file, since cargo does not see modules that a macro declares.
 const FORMAT: &str = "git ls-files -z --cached --others --exclude-standard '*.rs' | xargs -0 rustfmt --check --edition 2024";
-const LINTS: Tier = ("lints", Line("cargo clippy --quiet --all-targets {packages} -- -D warnings"));
+const LINTS: Tier =
+    ("lints", Line("cargo clippy --quiet {apart} --all-targets {packages} -- -D warnings"));
 const RUST_TESTS: &str = "cargo test --no-fail-fast {packages} -- --quiet";
 const BUILD: Tier = ("build", Line("cargo build --package lennard"));
 const TIDINESS: Tier = ("tidiness", Own(tidy::check));
@@ -43,15 +45,17 @@ const COMMANDS: &[(&str, bool, &[Tier])] = &[
         false,
         &[
             ("format", Line(FORMAT)),
+            // First, since the pair loops take one processor for minutes to compile.
+            ("Rust tests", Beside(RUST_TESTS)),
             LINTS,
             (
                 "documentation",
-                Line("RUSTDOCFLAGS='-D warnings' cargo doc --quiet --workspace --no-deps"),
+                Line("RUSTDOCFLAGS='-D warnings' cargo doc --quiet {apart} --workspace --no-deps"),
             ),
-            ENVIRONMENT,
-            ("builds", Line("cargo test --quiet --workspace --no-run")),
-            ("Rust tests", Beside(RUST_TESTS)),
             TIDINESS,
+            ENVIRONMENT,
+            // Waits until the tests are compiled.
+            ("builds", Line("cargo test --quiet --workspace --no-run")),
             NAMES,
             BOOK,
             PACKAGE,
@@ -146,11 +150,24 @@ fn shell(workspace: &Workspace, line: &str) -> Command {
     let pytest = format!("'{}' -m pytest -rs -n auto --dist loadfile", python.display());
     let line = line
         .replace("{packages}", &workspace.package_arguments().join(" "))
-        .replace("{pytest}", &pytest);
+        .replace("{pytest}", &pytest)
+        .replace(
+            "{apart}",
+            &format!("--target-dir '{}'", workspace.target.join("lints").display()),
+        );
     let mut command = workspace.command("sh");
     command.args(["-e", "-c", &line]);
     command.env("LENNARD_BINARY", workspace.binary()).env("CARGO", cargo());
+    command.envs(folder_in_memory().map(|folder| ("TMPDIR", folder)));
     command
+}
+
+/// Where short runs may write so that thousands of them wait for no disk: in memory, where a gigabyte is left for files.
+fn folder_in_memory() -> Option<&'static str> {
+    let left = Command::new("df").args(["-k", "--output=avail", "/dev/shm"]).output().ok()?;
+    let kilobytes: u64 =
+        String::from_utf8(left.stdout).ok()?.lines().last()?.trim().parse().ok()?;
+    (kilobytes >= 1 << 20).then_some("/dev/shm")
 }
 
 /// A command line that runs on, with both outputs in a file.
