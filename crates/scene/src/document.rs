@@ -10,6 +10,8 @@ use toml::{Spanned, Table, Value};
 use crate::error::{Place, SceneError, Source};
 use crate::names::nearest;
 
+/// What stands for the measured stage in a key: `stage.measured.steps`.
+const MEASURED: &str = "measured";
 /// The largest scene file that is read, in bytes: far above any real one.
 const LARGEST_FILE: usize = 1 << 20;
 
@@ -240,7 +242,10 @@ impl Override {
         };
         let found = match which.parse::<usize>() {
             Ok(index) => (index < items.len()).then_some(index),
-            Err(_) => items.iter().position(|item| label(item).as_deref() == Some(which)),
+            Err(_) => items
+                .iter()
+                .position(|item| label(item).as_deref() == Some(which))
+                .or_else(|| measured(items).filter(|_| array == "stage" && which == MEASURED)),
         };
         found.ok_or_else(|| {
             let names: Vec<String> = items.iter().filter_map(label).collect();
@@ -255,6 +260,13 @@ impl Override {
                 .suggestion(nearest(which, names.iter().map(String::as_str)))
         })
     }
+}
+
+/// The last stage that is measured: a stage that says so, or the last unless it says that it is not.
+fn measured(stages: &[Value]) -> Option<usize> {
+    let says = |i: usize| stages[i].get("measure").and_then(Value::as_bool);
+    let last = stages.len().checked_sub(1)?;
+    (0..=last).rev().find(|i| says(*i).unwrap_or(*i == last)).or(Some(last))
 }
 
 /// The kind of a value, in words.

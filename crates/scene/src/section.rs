@@ -9,7 +9,7 @@ use toml::{Table, Value};
 
 use crate::Source;
 use crate::document::{in_short, join, kind};
-use crate::error::SceneError;
+use crate::error::{Place, SceneError};
 use crate::methods::Method;
 use crate::names::{left_out, nearest, no_key};
 use crate::reference::{self, Allowed, KeyDoc, Tag, quoted};
@@ -53,8 +53,14 @@ impl<'a> Section<'a> {
         join(self.path, key)
     }
 
-    /// Reads a table whose keys all belong to `T`.
+    /// Reads a table whose keys all belong to `T`. Where a method is named beside the file, keys of the file that belong to
+    /// another method go with that method.
     pub fn read<T: DeserializeOwned>(&self, table: &Table) -> Result<T, SceneError> {
+        let mut table = table.clone();
+        if let Some(method) = self.method_in(&table).map(str::to_owned) {
+            table.retain(|key, _| !self.is_of_replaced_method(&method, key));
+        }
+        let table = &table;
         let tag = self.tag();
         if let Some(tag) = tag.filter(|tag| !table.contains_key(tag.key)) {
             return Err(self.missing(tag.key, table));
@@ -69,6 +75,17 @@ impl<'a> Section<'a> {
             }
         }
         self.typed(table)
+    }
+
+    /// Whether a key of the file belongs to another method than the one that was named beside the file.
+    fn is_of_replaced_method(&self, method: &str, key: &str) -> bool {
+        let is_beside =
+            |key: &str| matches!(self.source.place(&self.name(key)), Some(Place::Override(_)));
+        let is_of_any = || reference::keys().iter().any(|d| d.table == self.table && d.key == key);
+        self.tag().is_some_and(|tag| is_beside(tag.key))
+            && !is_beside(key)
+            && self.doc(Some(method), key).is_none()
+            && is_of_any()
     }
 
     /// Takes the keys that `S` declares out of a table, and reads them. The keys of the method stay.

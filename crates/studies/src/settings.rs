@@ -4,7 +4,7 @@ use lennard_forcefield::{
     CutoffUnit, ListMode, NeighborOptions, Precision, SplitOptions, TruncationKind,
     TruncationOptions,
 };
-use lennard_integrators::{BarostatOptions, IntegratorOptions, ThermostatOptions};
+use lennard_integrators::IntegratorOptions;
 use lennard_scene::{DEFAULT_SPLIT, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -27,48 +27,6 @@ pub struct Settings {
     pub list: ListMode,
     /// The skin of the list, σ; chosen from density, temperature and dt where absent.
     pub skin: Option<f64>,
-    /// Heat bath and pressure bath of the measured stages; absent where a run keeps the scene's heat bath at constant volume.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub baths: Option<Baths>,
-}
-
-/// A thermostat and a barostat with their keys.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Baths {
-    /// The heat bath.
-    pub thermostat: ThermostatOptions,
-    /// The pressure bath, without its pressure.
-    pub barostat: BarostatOptions,
-}
-
-impl Baths {
-    /// The baths in a line: `stochastic-cell-rescaling every 10, τ_p 1; bussi, τ_T 0.5`.
-    #[must_use]
-    pub fn label(&self) -> String {
-        let digits = |x: f64| crate::report::significant(x, 3);
-        let every = match self.barostat.is_inside_step() {
-            true => String::new(),
-            false => format!(" every {}", self.barostat.interval()),
-        };
-        format!(
-            "{}{every}, τ_p {}; {}, τ_T {}",
-            self.barostat.name(),
-            digits(self.barostat.tau()),
-            self.thermostat.name(),
-            digits(self.heat_time()),
-        )
-    }
-
-    /// The relaxation time of the thermostat, τ: the inverse of the friction for Langevin noise, and 0 for rescaling.
-    #[must_use]
-    pub fn heat_time(&self) -> f64 {
-        match &self.thermostat {
-            ThermostatOptions::Bussi(o) => o.tau,
-            ThermostatOptions::NoseHoover(o) => o.tau,
-            ThermostatOptions::Langevin(o) => 1.0 / o.friction,
-            ThermostatOptions::Rescale(_) => 0.0,
-        }
-    }
 }
 
 /// The usual cutoff of a liquid, σ.
@@ -110,7 +68,6 @@ impl Settings {
             precision: scene.kernel.precision,
             list: scene.neighbor.mode,
             skin: scene.neighbor.skin,
-            baths: None,
         }
     }
 
@@ -145,12 +102,6 @@ impl Settings {
         for stage in &mut changed.stages {
             stage.steps = scaled(stage.steps);
             stage.dt = stage.dt.map(|dt| dt * ratio);
-            if let Some(baths) = self.baths.as_ref().filter(|_| stage.measure) {
-                stage.thermostat = Some(baths.thermostat.clone());
-                if let Some(control) = &mut stage.barostat {
-                    control.options = baths.barostat.clone();
-                }
-            }
         }
         for observable in &mut changed.observables {
             observable.every = scaled(observable.every);
@@ -163,12 +114,9 @@ impl Settings {
         Ok(changed)
     }
 
-    /// The settings in a line: `velocity-verlet, dt 0.00462, cut at 2.5 σ with tail, double, list`; where baths are chosen, the baths.
+    /// The settings in a line: `velocity-verlet, dt 0.00462, cut at 2.5 σ with tail, double, list`.
     #[must_use]
     pub fn label(&self) -> String {
-        if let Some(baths) = &self.baths {
-            return baths.label();
-        }
         let list = match (self.list, self.skin) {
             (ListMode::Direct, _) => "all pairs".to_owned(),
             (_, Some(skin)) => format!("list with skin {skin} σ"),

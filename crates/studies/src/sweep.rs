@@ -12,8 +12,8 @@ mod script;
 mod swept;
 
 pub use error::SweepError;
-pub use load::{load, plan};
-pub use plan::{Plan, PlannedPoint, Point, Setting, SettingValue, Sweep};
+pub use load::{load, over, plan};
+pub use plan::{LeftOut, Plan, PlannedPoint, Point, Setting, SettingValue, Sweep};
 pub use point_run::{SweepOptions, workers};
 pub use record::files;
 pub use run::{collect, ending_of, run, run_points};

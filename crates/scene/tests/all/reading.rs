@@ -450,3 +450,28 @@ fn an_integer_beyond_64_bits_is_called_so_wherever_it_is_written() {
     let named = [("name".to_owned(), "\"99999999999999999999\"".to_owned())];
     assert_eq!(Scene::parse(SCENE, "t.toml", &named).unwrap().name, digits);
 }
+
+/// Proves that a method named beside the file takes the place of the file's, whose own keys go, and that shared keys stay.
+#[test]
+fn a_method_beside_the_file_takes_the_keys_of_the_other_with_it() {
+    let text = "[system]\nn_atoms = 108\ndensity = 0.5\ntemperature = 1.0\n[[stage]]\nname = \"a\"\nsteps = 10\nmeasure = true\n\
+        thermostat = { kind = \"nose-hoover\", tau = 0.5 }\n\
+        barostat = { kind = \"stochastic-cell-rescaling\", pressure = 0.7, tau = 2.0, interval = 5 }\n\
+        [[stage]]\nname = \"b\"\nsteps = 10\nmeasure = false\n[truncation]\nr_cut = 2.0\n";
+    let read = |overrides: &[(&str, &str)]| {
+        let owned = overrides.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned()));
+        Scene::parse(text, "t.toml", &owned.collect::<Vec<_>>())
+    };
+    // The measured stage is the one that says so.
+    let scene = read(&[("stage.measured.barostat.kind", "mtk")]).unwrap();
+    let barostat = scene.stages[0].barostat.as_ref().unwrap();
+    assert_eq!((barostat.options.name(), barostat.pressure), ("mtk", 0.7));
+    assert_eq!(barostat.options.tau(), 2.0);
+    // What was set beside the file, or belongs to no method, is refused as ever.
+    let set = [("stage.a.barostat.kind", "mtk"), ("stage.a.barostat.interval", "5")];
+    assert!(read(&set).unwrap_err().to_string().contains("barostat.interval`"));
+    let wrong = text.replace("interval = 5", "intervall = 5");
+    let beside = [("stage.a.barostat.kind".to_owned(), "mtk".to_owned())];
+    let message = Scene::parse(&wrong, "t.toml", &beside).unwrap_err().to_string();
+    assert!(message.contains("`stage.0.barostat.intervall` is not a known key"), "{message}");
+}

@@ -2,7 +2,7 @@
 
 use lennard_core::stopwatch::BUSY;
 
-use super::types::{Advice, Against, Axis, Chart, ChartedPoint, Mark};
+use super::types::{Advice, Axis, Chart, ChartedPoint, Mark};
 use crate::report::significant;
 
 /// Standard errors within which a statistical error counts as known.
@@ -131,11 +131,8 @@ fn may_be_advised(chart: &Chart, number: usize) -> bool {
 /// pairs, by their masses, and from springs. A shorter step at which a run of the chart failed tells more. None for a method without
 /// a limit whose runs all held.
 fn stability_limit(chart: &Chart, point: &ChartedPoint) -> Option<f64> {
-    let Against::Tightest(tight) = &chart.against else {
-        return None;
-    };
     let limit = point.settings.integrator.spec().stability_limit;
-    let rough = limit.map(|limit| LOWEST_LIMIT * limit * tight.step_of_fastest);
+    let rough = limit.map(|limit| LOWEST_LIMIT * limit * chart.against.step_of_fastest);
     let failed = chart
         .points
         .iter()
@@ -180,7 +177,7 @@ mod tests {
             atoms: 108,
             density: 0.8,
             finished: true,
-            against: Against::Tightest(Tightest {
+            against: Tightest {
                 step_of_fastest: lennard_engine::watchdog::rough_stable_dt(0.722, 1.0),
                 slopes: Slopes {
                     temperature: 0.722,
@@ -191,7 +188,7 @@ mod tests {
                 reach: None,
                 left_out_of_forces: None,
                 tightest: 0,
-            }),
+            },
             cost_by: Axis::Wall,
             points: points.collect(),
             left_out: Vec::new(),
@@ -230,11 +227,9 @@ mod tests {
         assert!((0.022..0.026).contains(&limit), "{limit}");
         assert_eq!(advised(&of_forces, &marks), Some(2));
         // Particles that are four times as fast are told shorter steps.
-        let Against::Tightest(slow) = of_forces.against.clone() else { panic!() };
-        let fast = Tightest { step_of_fastest: 0.25 * slow.step_of_fastest, ..slow.clone() };
-        of_forces.against = Against::Tightest(fast);
+        of_forces.against.step_of_fastest *= 0.25;
         assert_eq!(advised(&of_forces, &marks), Some(1));
-        of_forces.against = Against::Tightest(slow);
+        of_forces.against.step_of_fastest *= 4.0;
         // A run that failed at 0.01 tells more than the rough limit.
         let failed = || crate::lab::Failed { reason: "it blew up".into(), step: None };
         let mut point =

@@ -15,7 +15,7 @@ use crate::report::{
 /// Colour of the front and of legend entries that are about symbols.
 const DARK: usize = 6;
 
-/// The picture that comes first: the errors of P, U and forces, or of P, ρ and var V under baths, against cost, each with its front.
+/// The picture that comes first: the errors of P, U and forces against cost, each with its front.
 /// `None` where nothing is known yet.
 pub(super) fn overview(chart: &Chart) -> Option<Picture> {
     let by = chart.cost_by;
@@ -68,27 +68,18 @@ pub(super) fn overview(chart: &Chart) -> Option<Picture> {
     (!figure.is_empty()).then(|| Picture::new(figure, caption, "points.csv"))
 }
 
-/// The figures of a panel, by both costs; under baths by wall time alone, since they take the same pair forces. None where there is
-/// nothing to show.
+/// The figures of a panel, by both costs; none where there is nothing to show.
 pub(super) fn of(chart: &Chart, panel: &Panel) -> Vec<Picture> {
     let has_value = |m: &Mark| m.error.is_some_and(|e| e != 0.0);
     if !panel.marks.iter().any(has_value) {
         return Vec::new();
     }
-    match is_of_baths(chart) {
-        true => vec![figure(chart, panel, Axis::Wall)],
-        false => [Axis::Wall, Axis::Forces].map(|axis| figure(chart, panel, axis)).into(),
-    }
-}
-
-fn is_of_baths(chart: &Chart) -> bool {
-    chart.points.iter().any(|p| p.settings.baths.is_some())
+    [Axis::Wall, Axis::Forces].map(|axis| figure(chart, panel, axis)).into()
 }
 
 /// File stem of a figure.
-fn name(chart: &Chart, panel: &Panel, axis: Axis) -> String {
+fn name(panel: &Panel, axis: Axis) -> String {
     match axis {
-        _ if is_of_baths(chart) => panel.name.to_owned(),
         Axis::Wall => format!("{}-wall", panel.name),
         Axis::Forces => format!("{}-forces", panel.name),
     }
@@ -113,35 +104,27 @@ fn cost(mark: &Mark, axis: Axis) -> f64 {
 }
 
 fn figure(chart: &Chart, panel: &Panel, axis: Axis) -> Picture {
-    let [x, y] = [cost_label(chart, axis), panel.label].map(|label| match panel.is_signed {
-        true => report::Axis::linear(label),
-        false => report::Axis::logarithmic(label),
-    });
-    let mut figure = Figure::new(name(chart, panel, axis), panel.title, x, y);
-    if panel.is_signed {
-        figure = figure.level(0.0, "reference");
-    } else {
-        if let Some(floor) = panel.floor {
-            figure = figure.guided(Guide::UpTo(floor, panel.floor_words.into()));
-        }
-        let mut on_front: Vec<&Mark> = panel.marks.iter().filter(|m| m.on_front(axis)).collect();
-        on_front.sort_by(|a, b| a.cost(axis).total_cmp(&b.cost(axis)));
-        let floor = panel.floor.unwrap_or(0.0);
-        figure = figure.with(staircase("Pareto front".into(), &on_front, axis, floor, DARK));
+    let [x, y] = [cost_label(chart, axis), panel.label].map(report::Axis::logarithmic);
+    let mut figure = Figure::new(name(panel, axis), panel.title, x, y);
+    if let Some(floor) = panel.floor {
+        figure = figure.guided(Guide::UpTo(floor, panel.floor_words.into()));
     }
+    let mut on_front: Vec<&Mark> = panel.marks.iter().filter(|m| m.on_front(axis)).collect();
+    on_front.sort_by(|a, b| a.cost(axis).total_cmp(&b.cost(axis)));
+    let floor = panel.floor.unwrap_or(0.0);
+    figure = figure.with(staircase("Pareto front".into(), &on_front, axis, floor, DARK));
     let (mut groups, mut methods) = (BTreeSet::new(), BTreeSet::new());
     for mark in &panel.marks {
         let Some(charted) = chart.point(mark.number) else {
             continue;
         };
-        let (group, (symbol, method)) = (group(chart, charted), method(chart, charted));
+        let (group, (symbol, method)) = (group(charted), method(chart, charted));
         groups.insert(group);
         let look = Look::Points(SYMBOLS[symbol]);
         figure = figure.with(match mark.error {
             Some(error) => {
-                let y = if panel.is_signed { error } else { error.abs() };
                 let label = label(charted, mark, axis);
-                Series::new("", look, group, vec![point(chart, mark, axis, y, label)])
+                Series::new("", look, group, vec![point(chart, mark, axis, error.abs(), label)])
             }
             None => {
                 let failed = FailedPoint { x: cost(mark, axis), note: Some(note(chart, mark)) };
@@ -166,8 +149,8 @@ fn figure(chart: &Chart, panel: &Panel, axis: Axis) -> Picture {
     Picture::new(figure, caption, format!("{}.csv", panel.name))
 }
 
-/// What colours stand for: ways to end the potential, and what is varied of baths.
-const GROUPS: [&str; 10] = [
+/// What colours stand for: ways to end the potential.
+const GROUPS: [&str; 7] = [
     "cut, with tail",
     "cut, without tail",
     "shifted",
@@ -175,20 +158,9 @@ const GROUPS: [&str; 10] = [
     "switched",
     "another engine",
     "another truncation",
-    "τ of the scene",
-    "another τ_p",
-    "another τ_T",
 ];
 
-fn group(chart: &Chart, point: &ChartedPoint) -> usize {
-    let own = chart.points.first().and_then(|own| own.settings.baths.as_ref());
-    if let (Some(own), Some(baths)) = (own, &point.settings.baths) {
-        return match (baths.heat_time() == own.heat_time(), baths.barostat.tau()) {
-            (false, _) => 9,
-            (true, tau) if tau == own.barostat.tau() => 7,
-            (true, _) => 8,
-        };
-    }
+fn group(point: &ChartedPoint) -> usize {
     let t = &point.settings.truncation;
     match t.kind {
         _ if point.engine.is_some() => 5,
@@ -212,14 +184,8 @@ const SYMBOLS: [Symbol; 8] = [
     Symbol::Frame,
 ];
 
-/// Index of the symbol and what it stands for: the method, or mixed precision whatever the method; under baths the barostat.
+/// Index of the symbol and what it stands for: the method, or mixed precision whatever the method.
 fn method(chart: &Chart, point: &ChartedPoint) -> (usize, String) {
-    if let Some(baths) = &point.settings.baths {
-        return match baths.barostat.is_inside_step() {
-            true => (3, "MTK".into()),
-            false => (1, "stochastic cell rescaling".into()),
-        };
-    }
     if point.settings.precision == Precision::Mixed {
         return (0, "mixed precision".into());
     }
@@ -252,11 +218,10 @@ fn point(chart: &Chart, mark: &Mark, axis: Axis, y: f64, label: Option<String>) 
     }
 }
 
-/// The label beside a mark: a name for the scene's own settings and the usual ones, a number on the front. Of few baths each has one.
+/// The label beside a mark: a name for the scene's own settings and the usual ones, a number on the front.
 fn label(point: &ChartedPoint, mark: &Mark, axis: Axis) -> Option<String> {
     match point {
         _ if point.number == 1 => Some("scene".into()),
-        _ if point.settings.baths.is_some() => Some(mark.number.to_string()),
         _ if point.engine.is_none() && point.settings.are_usual() => Some("usual".into()),
         _ => mark.on_front(axis).then(|| mark.number.to_string()),
     }

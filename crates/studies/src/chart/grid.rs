@@ -2,13 +2,12 @@
 
 use lennard_forcefield::{ListMode, Precision, TruncationKind};
 use lennard_integrators::{IntegratorOptions, OscillatorModel, integrators};
-use lennard_scene::SceneError;
 
-use super::baths::{choices, own_baths};
-use super::types::{Axes, LeftOut, Size};
+use super::types::Size;
 use crate::lab::Workbench;
 use crate::settings::{Settings, truncation_is_free};
 use crate::stability::groups::stands_for_itself;
+use crate::sweep::LeftOut;
 
 /// Settings to be tried, and those that were left out.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -46,21 +45,10 @@ const TRUNCATIONS: [(TruncationKind, bool); 5] = [
 ];
 
 /// The settings around the settings of the workbench's scene. What does not fit the scene is left out, with the reason.
-///
-/// # Errors
-/// [`SceneError`] where baths are to be varied and the scene holds no pressure.
-pub fn grid(bench: &Workbench, axes: Axes, size: Size) -> Result<Grid, SceneError> {
+pub fn grid(bench: &Workbench, size: Size) -> Grid {
     let mut maker = Maker { bench, grid: Grid::default() };
-    let base = Settings::of(bench.scene());
-    match axes {
-        Axes::Settings => maker.of_settings(&base, size),
-        Axes::Baths => {
-            for baths in choices(&own_baths(bench.scene())?, size) {
-                maker.take(&Settings { baths: Some(baths), ..base.clone() });
-            }
-        }
-    }
-    Ok(maker.grid)
+    maker.of_settings(&Settings::of(bench.scene()), size);
+    maker.grid
 }
 
 struct Maker<'a> {

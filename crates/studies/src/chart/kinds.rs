@@ -3,9 +3,7 @@
 use crate::report::significant;
 use lennard_core::Estimate;
 
-use super::types::{
-    Against, Chart, ChartedPoint, Ensemble, Errors, Outcome, Panel, Sampled, Tightest, median,
-};
+use super::types::{Chart, ChartedPoint, Errors, Outcome, Panel, Tightest, median};
 use crate::StudyError;
 use crate::lab::{AgainstEquation, Measured, Workbench};
 use crate::settings::Settings;
@@ -85,10 +83,6 @@ fn of_run(read: impl Fn(&Measured) -> Option<Error> + 'static) -> Read {
     outcome(|point| Some(&point.errors.as_ref()?.measured), read)
 }
 
-fn of_sample(read: impl Fn(&Sampled) -> Option<Error> + 'static) -> Read {
-    outcome(|point| point.sampled.as_ref(), read)
-}
-
 fn of_forces_at_start(read: impl Fn(&Errors) -> Option<f64> + 'static) -> Read {
     Box::new(move |point| match point.errors.as_ref().and_then(&read) {
         Some(error) => Reading::Found(error, None),
@@ -102,10 +96,7 @@ fn value(v: Estimate) -> Option<Error> {
 
 /// Every kind of error that a chart shows.
 pub(super) fn kinds(bench: &Workbench, chart: &Chart) -> Result<Vec<Kind>, StudyError> {
-    let tight = match &chart.against {
-        Against::Ensemble(ensemble) => return Ok(of_baths(ensemble)),
-        Against::Tightest(tight) => tight,
-    };
+    let tight = &chart.against;
     let mut kinds = of_forces(tight);
     kinds.extend(of_conservation());
     kinds.extend(of_thermodynamics(bench, chart, tight)?);
@@ -307,62 +298,4 @@ fn of_motion(chart: &Chart) -> Vec<Kind> {
         )
         .with_floor(Floor::None),
     ]
-}
-
-/// What a run under chosen baths samples, less what the ensemble has.
-fn of_baths(ensemble: &Ensemble) -> Vec<Kind> {
-    let Some(reference) = ensemble.reference.clone() else {
-        return Vec::new();
-    };
-    let source = reference.source.clone();
-    let (density, variance) = (reference.density, reference.variance);
-    let pace = kind(
-        "pace",
-        "Pace of the volume",
-        "τ per independent volume",
-        "How soon V forgets itself: the error of a mean grows with the root of this time.",
-        of_sample(|s| Some((s.pace().recip(), None))),
-    )
-    .with_floor(Floor::None);
-    let mut kinds = vec![
-        kind(
-            "variance",
-            "Variance of the volume",
-            "(var V − reference) / reference",
-            format!("Fluctuations of V beside {source}. Bars are one standard error."),
-            of_sample(move |s| {
-                let v = s.variance;
-                Some((v.mean / variance - 1.0, Some(v.standard_error / variance)))
-            }),
-        )
-        .first("var V (relative)"),
-        kind(
-            "pressure",
-            "Mean pressure",
-            "(P − P₀) / (ε/σ³)",
-            "⟨P⟩ less P₀ and less what the missing degrees of freedom of the centre of mass add.",
-            of_sample(|s| value(s.pressure_off)),
-        )
-        .first("P / (ε/σ³)"),
-        kind(
-            "density",
-            "Mean density",
-            "(ρ − reference) / σ⁻³",
-            format!("⟨ρ⟩ beside {source}."),
-            of_sample(move |s| value(Estimate { mean: s.density.mean - density, ..s.density })),
-        )
-        .first("ρ / σ⁻³"),
-        kind(
-            "drift",
-            "Drift of the conserved energy",
-            "drift / (ε/τ per particle)",
-            "Drift of E + V·P_tail − Σ heat, where heat includes the work of the barostat.",
-            of_sample(|s| Some((s.drift.slope, Some(s.drift.standard_error)))),
-        ),
-    ];
-    for kind in &mut kinds {
-        kind.panel.is_signed = true;
-    }
-    kinds.insert(1, pace);
-    kinds
 }

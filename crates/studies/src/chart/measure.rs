@@ -4,17 +4,16 @@ use std::sync::atomic::Ordering;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use lennard_core::stopwatch::{in_turn, shuffled};
-use lennard_engine::EngineError;
 use lennard_forcefield::{ListMode, Precision, TruncationKind};
 use lennard_scene::Scene;
 
 use super::grid::{COMMON_STEPS, Grid, grid};
 use super::store::Store;
 use super::types::{
-    Against, Axes, Chart, ChartError, ChartOptions, ChartedPoint, Errors, Lengths, Outcome, Size,
-    Tightest, cost_by,
+    Chart, ChartError, ChartOptions, ChartedPoint, Errors, Lengths, Outcome, Size, Tightest,
+    cost_by,
 };
-use super::{ensemble, panels, peers};
+use super::{panels, peers};
 use crate::jobs::{pool, side_by_side_on};
 use crate::lab::{self, Slopes, Workbench, modelled_work};
 use crate::settings::{Settings, truncation_is_free};
@@ -25,12 +24,12 @@ const SCHEMA: &str = lennard_io::schema!("chart", 3);
 
 /// Length of the trajectories that are compared, τ: before chaos takes over.
 const SHORT_TIME: f64 = 0.25;
-/// Shortest and longest runs that measure settings, τ.
-const OF_SETTINGS: (f64, f64) = (2.0, 200.0);
-/// Shortest and longest runs that measure baths, τ.
-const OF_BATHS: (f64, f64) = (10.0, 4000.0);
+/// Shortest and longest runs, τ.
+const LENGTHS: (f64, f64) = (2.0, 200.0);
 /// The tightest run is that much longer: all others are compared with it.
 const TIGHT_FACTOR: f64 = 2.0;
+/// Share of all work that is done when every point is measured, for the progress.
+const MEASURED_SHARE: f64 = 0.85;
 /// Length of the runs of the whole grid of settings, τ.
 const FULL_TIME: f64 = 20.0;
 
@@ -43,58 +42,39 @@ pub(super) fn all(
     let store = Store::open(options.folder, scene, options.anew)?;
     progress.update("equilibrating", 0.0);
     let bench = Workbench::new(scene)?;
-    let mut grid = grid(&bench, options.axes, options.size)
-        .map_err(|e| StudyError::Engine(EngineError::from(e)))?;
-    let tightest = match options.axes {
-        Axes::Settings => Some(with_tightest(&mut grid, &bench)?),
-        Axes::Baths => None,
-    };
+    let mut grid = grid(&bench, options.size);
+    let tightest = with_tightest(&mut grid, &bench)?;
     let plan = lengths(&bench, &grid, tightest, options);
     store.begin(scene, &plan)?;
-    let tight = match tightest {
-        Some(tightest) => Some(against_tightest(&bench, &grid, tightest, plan.time)?),
-        None => None,
-    };
+    let tight = against_tightest(&bench, &grid, tightest, plan.time)?;
 
     let fresh = grid.settings.iter().enumerate();
     let fresh = fresh.map(|(i, settings)| ChartedPoint::new(i + 1, settings.clone()));
     let points = Points::new(fresh, &bench, &store, options, &plan);
     points.measure(progress, |point| {
-        match &tight {
-            Some(tight) => {
-                let is_tightest = point.number == tight.tightest + 1;
-                let time = if is_tightest { plan.tight_time } else { plan.time };
-                point.errors = Some(errors(&bench, &point.settings, time, &plan, &tight.slopes)?);
-            }
-            None => {
-                let sampled = ensemble::sample(&bench, &point.settings, point.number, plan.time);
-                point.sampled = Some(Outcome::of(sampled)?);
-            }
-        }
+        let is_tightest = point.number == tight.tightest + 1;
+        let time = if is_tightest { plan.tight_time } else { plan.time };
+        point.errors = Some(errors(&bench, &point.settings, time, &plan, &tight.slopes)?);
         Ok(())
     })?;
     points.time(progress)?;
     let (mut points, finished) = points.close();
 
     let mut remarks = Vec::new();
-    if let Some(tight) = tight.as_ref().filter(|_| options.with_peers && finished) {
+    if options.with_peers && finished {
         progress.update("other engines", 0.99);
         match peers::of_lammps(&bench, &plan, &tight.slopes, &points) {
             Ok(found) => points.extend(found),
             Err(reason) => remarks.push(format!("LAMMPS is left out: {reason}")),
         }
     }
-    let against = match tight {
-        Some(tight) => Against::Tightest(tight),
-        None => Against::Ensemble(ensemble::ensemble(&bench, &points)?),
-    };
     let mut chart = Chart {
         schema: SCHEMA,
         scene: scene.name.to_string(),
         atoms: bench.start().len(),
         density: bench.start().density(),
         finished,
-        against,
+        against: tight,
         cost_by: cost_by(&points),
         points,
         left_out: grid.left_out,
@@ -116,8 +96,6 @@ struct Points<'a> {
     store: &'a Store,
     options: &'a ChartOptions<'a>,
     plan: &'a Lengths,
-    /// Share of all work that is done when every point is measured, for the progress.
-    measured_share: f64,
 }
 
 impl<'a> Points<'a> {
@@ -129,12 +107,8 @@ impl<'a> Points<'a> {
         options: &'a ChartOptions<'a>,
         plan: &'a Lengths,
     ) -> Self {
-        let measured_share = match options.axes {
-            Axes::Settings => 0.85,
-            Axes::Baths => 0.9,
-        };
         let points = fresh.map(|fresh| Mutex::new(store.load(&fresh).unwrap_or(fresh))).collect();
-        Self { points, bench, store, options, plan, measured_share }
+        Self { points, bench, store, options, plan }
     }
 
     fn seed(&self) -> u64 {
@@ -160,7 +134,7 @@ impl<'a> Points<'a> {
                 work(&mut point)?;
                 self.store.save(&point)
             },
-            |share| progress.update("measuring errors", self.measured_share * share),
+            |share| progress.update("measuring errors", MEASURED_SHARE * share),
         );
         measured.into_iter().collect()
     }
@@ -176,8 +150,8 @@ impl<'a> Points<'a> {
             let timed = &mut *point;
             pool.install(|| self.one_timing(timed))?;
             self.store.save(&point)?;
-            let left = 1.0 - self.measured_share;
-            progress.update("timing", self.measured_share + left * turn.done);
+            let left = 1.0 - MEASURED_SHARE;
+            progress.update("timing", MEASURED_SHARE + left * turn.done);
             Ok(())
         })
     }
@@ -278,38 +252,26 @@ fn nothing_to_compare(grid: &Grid) -> ChartError {
 }
 
 /// How long everything runs: a function of the scene and the grid, never of a clock.
-fn lengths(
-    bench: &Workbench,
-    grid: &Grid,
-    tightest: Option<usize>,
-    options: &ChartOptions<'_>,
-) -> Lengths {
+fn lengths(bench: &Workbench, grid: &Grid, tightest: usize, options: &ChartOptions<'_>) -> Lengths {
     let scene = bench.scene();
     let work = |s: &Settings| modelled_work(scene, bench.start(), s);
     let a_tau: f64 = grid.settings.iter().map(work).sum();
     let quick = options.size == Size::Quick;
     // Seconds of one thread, by the model of costs, that all measuring runs of a chart together may take.
-    let (time, timing_seconds) = match (tightest, options.size) {
-        (Some(tightest), size) => {
-            let a_tau = a_tau + (TIGHT_FACTOR - 1.0) * work(&grid.settings[tightest]);
-            match size {
-                Size::Quick => (5.0 / a_tau, 0.02),
-                Size::Default => (130.0 / a_tau, 0.03),
-                Size::Full => (FULL_TIME, 0.03),
-            }
-        }
-        (None, Size::Quick) => (6.0 / a_tau, 0.05),
-        (None, Size::Default) => (240.0 / a_tau, 0.05),
-        (None, Size::Full) => (2400.0 / a_tau, 0.05),
+    let a_tau = a_tau + (TIGHT_FACTOR - 1.0) * work(&grid.settings[tightest]);
+    let (time, timing_seconds) = match options.size {
+        Size::Quick => (5.0 / a_tau, 0.02),
+        Size::Default => (130.0 / a_tau, 0.03),
+        Size::Full => (FULL_TIME, 0.03),
     };
-    let time = bounded(scene, time, if tightest.is_some() { OF_SETTINGS } else { OF_BATHS });
+    let time = bounded(scene, time, LENGTHS);
     let unit = COMMON_STEPS * scene.integrator.dt;
     Lengths {
         size: options.size,
         points: grid.settings.len(),
         time,
-        tight_time: tightest.map_or(time, |_| TIGHT_FACTOR * time),
-        short_time: tightest.map_or(0.0, |_| unit * (SHORT_TIME / unit).round().max(1.0)),
+        tight_time: TIGHT_FACTOR * time,
+        short_time: unit * (SHORT_TIME / unit).round().max(1.0),
         repeats: if quick { 3 } else { 5 },
         timing_seconds,
         threads: options.threads,
@@ -344,8 +306,8 @@ fn errors(
 
 #[cfg(test)]
 mod tests {
-    use super::super::types::LeftOut;
     use super::*;
+    use crate::sweep::LeftOut;
 
     #[test]
     fn an_empty_grid_is_refused_and_says_why() {

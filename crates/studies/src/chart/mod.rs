@@ -1,11 +1,9 @@
-//! `lennard chart`: speed against accuracy, for one scene with many settings, or with many baths.
+//! `lennard chart`: speed against accuracy, for one scene with many settings.
 //!
 //! All runs begin at one equilibrated start. What each finishes is stored in the output folder, so that the same command
 //! goes on where it was stopped.
 
 mod advice;
-mod baths;
-mod ensemble;
 mod figures;
 mod grid;
 mod kinds;
@@ -17,12 +15,11 @@ mod store;
 mod tables;
 mod types;
 
-pub use baths::suits;
 pub use page::summary;
 pub use store::{POINTS, has_points};
 pub use types::{
-    Advice, Against, Axes, Axis, Chart, ChartError, ChartOptions, ChartedPoint, Ensemble, Errors,
-    LeftOut, Lengths, Mark, Outcome, Panel, Reference, Sampled, Size, Tightest,
+    Advice, Axis, Chart, ChartError, ChartOptions, ChartedPoint, Errors, Lengths, Mark, Outcome,
+    Panel, Size, Tightest,
 };
 
 use lennard_scene::Scene;

@@ -4,19 +4,12 @@ use lennard_core::{Cell, Estimate, Table, Tone};
 
 use super::advice::{basis, unresolved};
 use super::figures;
-use super::tables::{drift, relative_variance, sampled};
-use super::types::{
-    Advice, Against, Axis, Chart, ChartedPoint, Ensemble, Mark, Panel, Reference, Sampled,
-};
+use super::types::{Advice, Axis, Chart, ChartedPoint, Mark, Panel};
 use crate::lab::Measured;
 use crate::report::{Block, Page, Section, counted, significant};
 
-/// Standard errors beyond which a mean under baths is called off.
-const OFF: f64 = 3.0;
-
 /// Sections with the panels that belong to them.
-const SECTIONS: [(&str, &[&str]); 5] = [
-    ("Accuracy, pace and cost", &["variance", "pace", "pressure", "density", "drift"]),
+const SECTIONS: [(&str, &[&str]); 4] = [
     ("Forces", &["forces-same-model", "forces-untruncated"]),
     ("Energy and temperature", &["energy-fluctuation", "energy-drift", "temperatures"]),
     ("U and P", &["energy-equation", "pressure-equation", "energy-tightest", "pressure-tightest"]),
@@ -26,14 +19,11 @@ const SECTIONS: [(&str, &[&str]); 5] = [
 /// The whole page.
 pub(super) fn page(chart: &Chart, command: &str) -> Page {
     let plan = &chart.plan;
-    let of_runs = match &chart.against {
-        Against::Tightest(_) => format!(
-            "runs of {} τ, the tightest of {} τ, in an order that is shuffled",
-            significant(plan.time, 3),
-            significant(plan.tight_time, 3)
-        ),
-        Against::Ensemble(_) => format!("runs of {} τ", significant(plan.time, 3)),
-    };
+    let of_runs = format!(
+        "runs of {} τ, the tightest of {} τ, in an order that is shuffled",
+        significant(plan.time, 3),
+        significant(plan.tight_time, 3)
+    );
     let mut sections = vec![summary(chart)];
     for (title, names) in SECTIONS {
         let panels = chart.panels.iter().filter(|p| names.contains(&p.name));
@@ -45,10 +35,7 @@ pub(super) fn page(chart: &Chart, command: &str) -> Page {
     sections.push(all_points(chart));
     sections.push(left_out(chart));
     Page {
-        title: match &chart.against {
-            Against::Tightest(_) => format!("Speed against accuracy: {}", chart.scene),
-            Against::Ensemble(_) => format!("Barostat and thermostat: {}", chart.scene),
-        },
+        title: format!("Speed against accuracy: {}", chart.scene),
         lead: lead(chart),
         command: Some(command.to_owned()),
         sections,
@@ -59,7 +46,7 @@ pub(super) fn page(chart: &Chart, command: &str) -> Page {
             (
                 "Costs".into(),
                 format!(
-                    "the engine's main loop, with changes of the box and without observables and output, {}; median and range of {} timings, \
+                    "the engine's main loop, without observables and output, {}; median and range of {} timings, \
                      each round in another order",
                     counted(plan.threads, "thread"),
                     plan.repeats
@@ -71,21 +58,14 @@ pub(super) fn page(chart: &Chart, command: &str) -> Page {
 }
 
 fn lead(chart: &Chart) -> String {
-    let (points, atoms) = (chart.points.len(), chart.atoms);
-    match &chart.against {
-        Against::Tightest(_) => format!(
-            "{points} settings on {atoms} particles at density {}, all from one equilibrated start. Each error stands in a diagram of its own. \
-             Numbers mark the Pareto front: nothing that costs less errs less. Crosses at the upper edge are runs that failed. In the \
-             tinted strip differences say nothing. **Point at a mark, or tap it, to see what it is.**",
-            significant(chart.density, 4),
-        ),
-        Against::Ensemble(ensemble) => format!(
-            "{points} choices at P₀ = {}, T = {} with {atoms} particles, all from one equilibrated start. A right choice has the same ⟨P⟩, \
-             density and variance of V as all others, and they differ in cost and pace. **Point at a mark, or tap it, to see what it is.**",
-            significant(ensemble.pressure, 4),
-            significant(ensemble.temperature, 4),
-        ),
-    }
+    format!(
+        "{} settings on {} particles at density {}, all from one equilibrated start. Each error stands in a diagram of its own. \
+         Numbers mark the Pareto front: nothing that costs less errs less. Crosses at the upper edge are runs that failed. In the \
+         tinted strip differences say nothing. **Point at a mark, or tap it, to see what it is.**",
+        chart.points.len(),
+        chart.atoms,
+        significant(chart.density, 4),
+    )
 }
 
 /// What a reader sees first: the main errors against cost, the scene's own settings, and what would do as well for less.
@@ -101,9 +81,6 @@ pub fn summary(chart: &Chart) -> Section {
     section = section.figures(figures::overview(chart).into_iter().collect());
     for sentence in introduction(chart) {
         section = section.text(sentence);
-    }
-    if let Against::Ensemble(ensemble) = &chart.against {
-        section = section.table(choices(chart, ensemble));
     }
     let advised: Vec<&Panel> = chart.panels.iter().filter(|p| p.advice.is_some()).collect();
     match unresolved(chart) {
@@ -121,9 +98,7 @@ fn introduction(chart: &Chart) -> Vec<String> {
     let mut said =
         vec![format!("Number 1, \"scene\" in the diagrams, is the scene itself: {}.", own.label)];
     let mut others = chart.points[1..].iter();
-    let is_usual = |p: &&ChartedPoint| {
-        p.engine.is_none() && p.settings.baths.is_none() && p.settings.are_usual()
-    };
+    let is_usual = |p: &&ChartedPoint| p.engine.is_none() && p.settings.are_usual();
     if let Some(usual) = others.find(is_usual) {
         said.push(format!(
             "Number {}, \"usual\", is what most people would take: {}.",
@@ -151,14 +126,6 @@ fn introduction(chart: &Chart) -> Vec<String> {
             m.pressure.n_effective,
             significant(m.temperature.standard_error, 2),
             m.temperature.n_effective,
-        ));
-    }
-    if let Against::Ensemble(Ensemble { reference: Some(reference), .. }) = &chart.against {
-        said.push(format!(
-            "The reference is {}: density {}, variance of V {} σ⁶.",
-            reference.source,
-            significant(reference.density, 5),
-            significant(reference.variance, 4)
         ));
     }
     said
@@ -205,47 +172,6 @@ fn own_settings(chart: &Chart, panels: &[&Panel]) -> Table {
         .table()
 }
 
-/// Choices of baths with what they sampled, beside the reference.
-fn choices(chart: &Chart, ensemble: &Ensemble) -> Table {
-    let reference = ensemble.reference.as_ref();
-    let caption = "Digits in brackets are one standard error in the last digits. V is independent so many times in a τ. What is off is \
-                   beyond three standard errors.";
-    Table::rows_of("choices", &chart.points)
-        .caption(caption)
-        .column("Baths", |p| format!("{}: {}", p.number, p.label))
-        .column("Cost [(µs/τ)]", |p| Cell::rounded(p.cost().map(|c| 1e6 * c.wall.median), 3))
-        .column("Accepted", |p| Cell::rounded(p.sampled().and_then(|s| s.acceptance), 2))
-        .measured("P − P₀ [(ε/σ³)]", sampled(|s| s.pressure_off))
-        .measured("ρ [σ⁻³]", sampled(|s| s.density))
-        .measured("var V ÷ reference", |p| relative_variance(reference, p))
-        .column("V per τ", |p| Cell::rounded(p.sampled().map(Sampled::pace), 2))
-        .measured("Drift [10⁻⁶ ε/τ]", |p| {
-            drift(p).map(|(slope, error)| (1e6 * slope, 1e6 * error))
-        })
-        .column("Off", |p| match (p.failure(), off(reference, p)) {
-            (Some(_), _) => failed(),
-            (None, words) if words.is_empty() => Cell::default(),
-            (None, words) => Cell::words(words.join(", ")).toned(Tone::Bad),
-        })
-        .table()
-}
-
-/// What is beyond three standard errors of its reference.
-fn off(reference: Option<&Reference>, point: &ChartedPoint) -> Vec<&'static str> {
-    let (Some(found), Some(reference)) = (point.sampled(), reference) else {
-        return Vec::new();
-    };
-    let beyond = |value: Estimate, target: f64, own: Option<f64>| {
-        (value.mean - target).abs() > OFF * value.standard_error.hypot(own.unwrap_or(0.0))
-    };
-    let all = [
-        ("P", beyond(found.pressure_off, 0.0, None)),
-        ("ρ", beyond(found.density, reference.density, reference.density_error)),
-        ("var V", beyond(found.variance, reference.variance, reference.variance_error)),
-    ];
-    all.into_iter().filter_map(|(name, off)| off.then_some(name)).collect()
-}
-
 fn of_panel(chart: &Chart, panel: &Panel) -> Vec<Block> {
     let shown = figures::of(chart, panel);
     let mut blocks = vec![Block::Heading(panel.title.into())];
@@ -254,9 +180,7 @@ fn of_panel(chart: &Chart, panel: &Panel) -> Vec<Block> {
         blocks.push(Block::Remark(text));
     } else {
         blocks.push(Block::Figures(shown));
-        if !panel.is_signed {
-            blocks.push(Block::Table(front(chart, panel)));
-        }
+        blocks.push(Block::Table(front(chart, panel)));
     }
     blocks
 }
@@ -291,21 +215,18 @@ fn front(chart: &Chart, panel: &Panel) -> Table {
 fn all_points(chart: &Chart) -> Section {
     let caption = "U and P belong to the model in the same row, with its tail where it has one. Columns with the name of a diagram hold its error. \
                    Digits in brackets are one standard error in the last digits; `points.csv` has everything with n_eff.";
+    let value = |p: &ChartedPoint, pick: fn(&Measured) -> Estimate| {
+        let value = p.measured().map(pick).filter(|v| v.mean.is_finite());
+        value.map(|v| (v.mean, v.standard_error))
+    };
     let mut table = Table::rows_of("all-points", &chart.points)
         .caption(caption)
         .column("", |p| p.number)
         .column("Settings", |p| chart.label(p.number))
-        .column("µs per atom and τ", |p| Cell::rounded(p.cost().map(|c| 1e6 * c.wall.median), 3));
-    if matches!(chart.against, Against::Tightest(_)) {
-        let value = |p: &ChartedPoint, pick: fn(&Measured) -> Estimate| {
-            let value = p.measured().map(pick).filter(|v| v.mean.is_finite());
-            value.map(|v| (v.mean, v.standard_error))
-        };
-        table = table
-            .measured("T", |p| value(p, |m| m.temperature))
-            .measured("U [ε]", |p| value(p, |m| m.potential_energy))
-            .measured("P [(ε/σ³)]", |p| value(p, |m| m.pressure));
-    }
+        .column("µs per atom and τ", |p| Cell::rounded(p.cost().map(|c| 1e6 * c.wall.median), 3))
+        .measured("T", |p| value(p, |m| m.temperature))
+        .measured("U [ε]", |p| value(p, |m| m.potential_energy))
+        .measured("P [(ε/σ³)]", |p| value(p, |m| m.pressure));
     for panel in &chart.panels {
         table = table.column(panel.title, |p| panel.mark(p.number).map(error_cell));
     }

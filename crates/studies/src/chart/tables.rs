@@ -4,73 +4,15 @@ use lennard_core::stopwatch::Spread;
 use lennard_core::{Estimate, Table};
 use serde::Serialize;
 
-use super::types::{Against, Chart, ChartedPoint, Panel, Reference, Sampled};
+use super::types::{Chart, ChartedPoint, Panel};
 use crate::lab::Measured;
-
-/// Every point with everything that is known of it.
-pub(super) fn points(chart: &Chart) -> Table {
-    match &chart.against {
-        Against::Tightest(_) => of_settings(chart),
-        Against::Ensemble(ensemble) => of_baths(chart, ensemble.reference.as_ref()),
-    }
-}
 
 fn wall(point: &ChartedPoint, pick: fn(&Spread) -> f64) -> Option<f64> {
     point.cost().map(|c| pick(&c.wall))
 }
 
-fn failure(point: &ChartedPoint) -> &str {
-    point.failure().or(point.not_timed.as_ref()).map_or("", |failed| failed.reason.as_str())
-}
-
-/// What a run under baths sampled, with its error.
-pub(super) fn sampled(
-    pick: fn(&Sampled) -> Estimate,
-) -> impl Fn(&ChartedPoint) -> Option<(f64, f64)> {
-    move |p| p.sampled().map(pick).map(|v| (v.mean, v.standard_error))
-}
-
-/// The drift of a run under baths with its error, ε/τ per particle.
-pub(super) fn drift(point: &ChartedPoint) -> Option<(f64, f64)> {
-    point.sampled().map(|s| (s.drift.slope, s.drift.standard_error))
-}
-
-/// var V over the variance of the reference, with its error.
-pub(super) fn relative_variance(
-    reference: Option<&Reference>,
-    point: &ChartedPoint,
-) -> Option<(f64, f64)> {
-    let (variance, scale) = (point.sampled()?.variance, reference?.variance.recip());
-    Some((scale * variance.mean, scale * variance.standard_error))
-}
-
-fn of_baths(chart: &Chart, reference: Option<&Reference>) -> Table {
-    let baths = |p: &'_ ChartedPoint| p.settings.baths.clone();
-    Table::rows_of("points", &chart.points)
-        .column("number", |p| p.number)
-        .column("baths", |p| p.label.clone())
-        .column("wall median [s per atom and tau]", |p| wall(p, |w| w.median))
-        .column("wall lowest [s per atom and tau]", |p| wall(p, |w| w.lowest))
-        .column("wall highest [s per atom and tau]", |p| wall(p, |w| w.highest))
-        .column("interval [steps]", |p| baths(p).map(|b| b.barostat.interval()))
-        .column("tau_p [tau]", |p| baths(p).map(|b| b.barostat.tau()))
-        .column("tau_T [tau]", |p| baths(p).map(|b| b.heat_time()))
-        .column("acceptance", |p| p.sampled().and_then(|s| s.acceptance))
-        .column("sampled time [tau]", |p| p.sampled().map(|s| s.time))
-        .measured("T [epsilon/k_B]", sampled(|s| s.temperature))
-        .measured("P [epsilon/sigma^3]", sampled(|s| s.pressure))
-        .measured("P less that of the ensemble [epsilon/sigma^3]", sampled(|s| s.pressure_off))
-        .measured("density [sigma^-3]", sampled(|s| s.density))
-        .measured("V [sigma^3]", sampled(|s| s.volume))
-        .measured("var V [sigma^6]", sampled(|s| s.variance))
-        .measured("var V over reference", |p| relative_variance(reference, p))
-        .column("independent volumes per tau", |p| p.sampled().map(Sampled::pace))
-        .measured("energy drift [epsilon/tau per atom]", drift)
-        .column("failure", failure)
-        .table()
-}
-
-fn of_settings(chart: &Chart) -> Table {
+/// Every point with everything that is known of it.
+pub(super) fn points(chart: &Chart) -> Table {
     let mut table = Table::rows_of("points", &chart.points)
         .column("number", |p| p.number)
         .column("engine", |p| p.engine.as_deref().unwrap_or("lennard"))

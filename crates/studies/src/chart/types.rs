@@ -1,6 +1,5 @@
 //! What is asked of a chart, what is known of its points, and what its diagrams hold.
 
-use lennard_core::Estimate;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -8,8 +7,9 @@ use lennard_core::stopwatch::BUSY;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
-use crate::lab::{Cost, Drift, Failed, ForceErrors, Measured, Slopes, Timing, TrajectoryError};
+use crate::lab::{Cost, Failed, ForceErrors, Measured, Slopes, Timing, TrajectoryError};
 use crate::settings::Settings;
+use crate::sweep::LeftOut;
 
 /// Why a chart cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -41,20 +41,11 @@ impl From<lennard_io::WriteError> for ChartError {
     }
 }
 
-/// The settings that a chart varies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Axes {
-    /// Method, step, truncation, cutoff, precision and list.
-    Settings,
-    /// Barostat and thermostat of the measured stage.
-    Baths,
-}
-
 /// How many settings are tried.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Size {
-    /// A dozen and a half, or five choices of baths: a first look.
+    /// A dozen and a half: a first look.
     Quick,
     /// Every dt with the methods that matter, and every truncation with every cutoff in both precisions, crossed where
     /// the two meet.
@@ -66,8 +57,6 @@ pub enum Size {
 
 /// How to make a chart.
 pub struct ChartOptions<'a> {
-    /// What is varied.
-    pub axes: Axes,
     /// The output folder, which exists.
     pub folder: &'a Path,
     /// How many settings.
@@ -97,7 +86,7 @@ pub struct Lengths {
     pub time: f64,
     /// The same for the tightest run, τ.
     pub tight_time: f64,
-    /// Length of the trajectories that are compared, and of the way there and back, τ; 0 for baths.
+    /// Length of the trajectories that are compared, and of the way there and back, τ.
     pub short_time: f64,
     /// Timings of each.
     pub repeats: usize,
@@ -109,15 +98,6 @@ pub struct Lengths {
     pub cpu: String,
     /// The version of the program.
     pub version: String,
-}
-
-/// Settings that were not taken, with the reason.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct LeftOut {
-    /// Which.
-    pub what: String,
-    /// Why.
-    pub why: String,
 }
 
 /// What came of a run.
@@ -161,37 +141,6 @@ pub struct Errors {
     pub reversibility: Outcome<f64>,
 }
 
-/// What a run under chosen baths sampled.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Sampled {
-    /// Time that was sampled, τ.
-    pub time: f64,
-    /// Temperature of the positions, ε/k_B.
-    pub temperature: Estimate,
-    /// Pressure ρT + W/(3V) with tail, ε/σ³.
-    pub pressure: Estimate,
-    /// The same less what the ensemble of this N has: P₀ + (1 − n_dof/3N)·⟨ρ⟩·T.
-    pub pressure_off: Estimate,
-    /// Number density of molecules or particles, σ⁻³.
-    pub density: Estimate,
-    /// Volume, σ³.
-    pub volume: Estimate,
-    /// Variance of the volume, σ⁶.
-    pub variance: Estimate,
-    /// Drift of the conserved energy, ε/τ per particle.
-    pub drift: Drift,
-    /// Accepted share of the proposed changes of the box; absent where none is proposed.
-    pub acceptance: Option<f64>,
-}
-
-impl Sampled {
-    /// Independent volumes in a τ.
-    #[must_use]
-    pub fn pace(&self) -> f64 {
-        self.volume.n_effective / self.time
-    }
-}
-
 /// One choice of settings with what it costs and errs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ChartedPoint {
@@ -213,12 +162,9 @@ pub struct ChartedPoint {
     /// The timings so far.
     #[serde(default)]
     pub timings: Vec<Timing>,
-    /// The errors of settings, once they are measured.
+    /// Its errors, once they are measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub errors: Option<Errors>,
-    /// What a run under chosen baths sampled, once that is known.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub sampled: Option<Outcome<Sampled>>,
 }
 
 impl ChartedPoint {
@@ -234,7 +180,6 @@ impl ChartedPoint {
             not_timed: None,
             timings: Vec::new(),
             errors: None,
-            sampled: None,
         }
     }
 
@@ -244,32 +189,25 @@ impl ChartedPoint {
         Cost::of(&self.timings, self.pair_forces_per_atom_tau?)
     }
 
-    /// What the run of settings measured, where it came to its end.
+    /// What its run measured, where it came to its end.
     #[must_use]
     pub fn measured(&self) -> Option<&Measured> {
         self.errors.as_ref()?.measured.found()
     }
 
-    /// What the run under baths sampled, where it came to its end.
-    #[must_use]
-    pub fn sampled(&self) -> Option<&Sampled> {
-        self.sampled.as_ref()?.found()
-    }
-
     /// Why its run failed.
     #[must_use]
     pub fn failure(&self) -> Option<&Failed> {
-        match (&self.errors, &self.sampled) {
-            (Some(Errors { measured: Outcome::Failed(failed), .. }), _)
-            | (_, Some(Outcome::Failed(failed))) => Some(failed),
-            _ => None,
+        match &self.errors.as_ref()?.measured {
+            Outcome::Failed(failed) => Some(failed),
+            Outcome::Found(_) => None,
         }
     }
 
     /// Whether all is known of it but its costs.
     #[must_use]
     pub fn is_measured(&self) -> bool {
-        self.errors.is_some() || self.sampled.is_some()
+        self.errors.is_some()
     }
 
     /// Whether it has `repeats` timings, or cannot be timed.
@@ -365,9 +303,6 @@ pub struct Panel {
     /// The error's name and unit in the first picture; absent where it is not in it.
     #[serde(skip)]
     pub in_overview: Option<&'static str>,
-    /// Whether errors are drawn with their sign; their size stands on a logarithmic axis otherwise.
-    #[serde(skip)]
-    pub is_signed: bool,
     /// What is shown, in sentences.
     pub about: String,
     /// Errors below this say nothing.
@@ -403,42 +338,6 @@ pub struct Tightest {
     pub tightest: usize,
 }
 
-/// Density and variance of V that every right choice of baths samples.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Reference {
-    /// Density, σ⁻³.
-    pub density: f64,
-    /// Its standard error, where it is a mean of runs.
-    pub density_error: Option<f64>,
-    /// Variance of the volume, σ⁶.
-    pub variance: f64,
-    /// Its standard error, likewise.
-    pub variance_error: Option<f64>,
-    /// Where they come from.
-    pub source: String,
-}
-
-/// The ensemble that every right choice of baths samples.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Ensemble {
-    /// Temperature, ε/k_B.
-    pub temperature: f64,
-    /// Pressure of the barostat, ε/σ³.
-    pub pressure: f64,
-    /// What density and variance of V are compared with; absent where no run is finished.
-    pub reference: Option<Reference>,
-}
-
-/// What the errors of a chart are measured against.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Against {
-    /// The tightest settings.
-    Tightest(Tightest),
-    /// The ensemble at one pressure and temperature.
-    Ensemble(Ensemble),
-}
-
 /// A chart: every point with its costs and errors.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Chart {
@@ -456,7 +355,7 @@ pub struct Chart {
     pub finished: bool,
     /// What errors are measured against.
     #[serde(flatten)]
-    pub against: Against,
+    pub against: Tightest,
     /// How cost is counted where settings are compared: wall time, or pair forces where clocks were disturbed.
     pub cost_by: Axis,
     /// The points; the scene's own settings stand first.
@@ -525,10 +424,9 @@ fn scatter(points: &[ChartedPoint]) -> f64 {
     median(points.iter().filter_map(of).collect()).unwrap_or(0.0).max(own)
 }
 
-/// How cost is counted: by wall time, unless clocks were disturbed. Baths differ in what a pair force does not count.
+/// How cost is counted: by wall time, unless clocks were disturbed.
 pub(super) fn cost_by(points: &[ChartedPoint]) -> Axis {
-    let of_baths = points.iter().any(|p| p.settings.baths.is_some());
-    if scatter(points) > BUSY && !of_baths { Axis::Forces } else { Axis::Wall }
+    if scatter(points) > BUSY { Axis::Forces } else { Axis::Wall }
 }
 
 /// The middle one of the values that are finite.

@@ -26,5 +26,4 @@ pub(crate) use start::{to_temperature, under_bussi};
 pub use tight::TightTrajectory;
 pub use timing::{Cost, Timing, costs, modelled_work};
 pub use untruncated::Untruncated;
-pub(crate) use workbench::ShortStage;
 pub use workbench::{Failed, Workbench};

@@ -109,13 +109,10 @@ impl Workbench {
     pub fn timing(&self, settings: &Settings, seconds: f64) -> Result<Timing, StudyError> {
         let dt = self.stage_dt(settings);
         let per_step = modelled_work(self.scene(), self.start(), settings) * dt;
-        // The cost of a change of the box is spread over whole intervals of the barostat.
-        let interval = settings.baths.as_ref().map_or(1, |baths| baths.barostat.interval().max(1));
-        let whole = |steps: u64| steps.div_ceil(interval) * interval;
-        let steps = whole(((seconds / per_step) as u64).clamp(FEWEST_STEPS, MOST_STEPS));
-        let stage = ShortStage { steps: whole(WARM_UP) + steps, measure: false };
+        let steps = ((seconds / per_step) as u64).clamp(FEWEST_STEPS, MOST_STEPS);
+        let stage = ShortStage { steps: WARM_UP + steps, measure: false };
         let mut simulation = self.simulation(settings, &[stage], 1)?;
-        take(&mut simulation, whole(WARM_UP), Want::NOTHING)?;
+        take(&mut simulation, WARM_UP, Want::NOTHING)?;
         let before = simulation.forces.statistics().evaluations;
         let (elapsed, taken) = timed(|| take(&mut simulation, steps, Want::NOTHING));
         taken?;

@@ -81,13 +81,6 @@ impl Workbench {
         }
     }
 
-    /// The same scene and start with another seed: runs of the two differ by noise alone.
-    pub(crate) fn with_seed(&self, more: u64) -> Self {
-        let mut scene = self.scene.clone();
-        scene.system.seed = scene.system.seed.wrapping_add(more);
-        Self::with_start(&scene, self.start.clone())
-    }
-
     /// The scene as it was given.
     #[must_use]
     pub fn scene(&self) -> &Scene {
@@ -125,8 +118,8 @@ impl Workbench {
         Ok(self.start.forces(&scene)?)
     }
 
-    /// A simulation from the start with these stages; thermodynamics is sampled on each `sample_every`th step. The box changes where
-    /// the settings name a barostat; other settings are judged at the density of the scene.
+    /// A simulation from the start with these stages, at the density of the start; thermodynamics is sampled on each
+    /// `sample_every`th step.
     pub(crate) fn simulation(
         &self,
         settings: &Settings,
@@ -142,7 +135,7 @@ impl Workbench {
             steps: stage.steps,
             measure: stage.measure,
             temperature_from: None,
-            barostat: settings.baths.as_ref().and(measured.barostat.clone()),
+            barostat: None,
             exchange: None,
             ..measured.clone()
         };

@@ -126,7 +126,7 @@ mod tests {
             failure: None,
             elsewhere: None,
             compared: None,
-            averages: Default::default(),
+            record: None,
             wall_s: 0.0,
             ns_per_atom_step: 0.0,
         };

@@ -243,7 +243,7 @@ mod tests {
                 shared_reason: None,
                 remarks: Vec::new(),
             }),
-            averages: Default::default(),
+            record: None,
             wall_s: 0.0,
             ns_per_atom_step: 0.0,
         }
@@ -283,6 +283,7 @@ mod tests {
             name: "melting".into(),
             base: "melting.toml".into(),
             readings: Vec::new(),
+            left_out: Vec::new(),
             source: Default::default(),
             points: points.iter().map(planned).collect(),
         };

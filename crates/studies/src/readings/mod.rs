@@ -7,6 +7,7 @@ mod blocks;
 mod coexistence;
 mod coverage;
 mod critical;
+mod ensemble;
 mod equations;
 mod isotherms;
 mod melting;
@@ -35,7 +36,7 @@ pub struct Reading {
 }
 
 /// Every reading, in the order of a page.
-pub const READINGS: [Reading; 7] = [
+pub const READINGS: [Reading; 8] = [
     Reading {
         name: "isotherms",
         about: "pressure against density, for each temperature with three densities or more",
@@ -83,6 +84,14 @@ pub const READINGS: [Reading; 7] = [
         files: &[],
         is_usual: true,
         read: points::read,
+    },
+    Reading {
+        name: "ensemble",
+        about: "what barostats and thermostats sample of the volume, at which pace and cost",
+        needs: &[],
+        files: &["ensemble.csv", "compressibility.svg", "pace.svg"],
+        is_usual: false,
+        read: ensemble::read,
     },
     Reading {
         name: "coverage",

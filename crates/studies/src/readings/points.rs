@@ -39,7 +39,7 @@ pub(super) enum Kind {
 }
 
 /// A quantity of the table, its heading, and the heading of its difference where it has a reference.
-type Shown = (&'static str, &'static str, Option<&'static str>);
+pub(super) type Shown = (&'static str, &'static str, Option<&'static str>);
 
 impl Kind {
     /// What the points are, by what any of them has measured.
@@ -196,7 +196,7 @@ pub(super) fn of_points(points: &[SweptPoint]) -> Table {
     }
     // In the last column, which pages keep in sight.
     if let Some(heading) = kind.verdicts() {
-        table = table.column(heading, |p| verdicts(p, kind));
+        table = table.column(heading, |p| verdicts(p, kind.columns()));
     }
     table.table()
 }
@@ -209,16 +209,16 @@ fn why_unfinished(point: &SweptPoint) -> Cell {
 }
 
 /// The verdicts of a point, each with the quantities that have it, or why there are none.
-fn verdicts(point: &SweptPoint, kind: Kind) -> Cell {
+pub(super) fn verdicts(point: &SweptPoint, columns: &[Shown]) -> Cell {
     let Some(compared) = &point.compared else {
         return why_unfinished(point);
     };
-    let rows = || kind.columns().iter().filter_map(|(quantity, ..)| point.row(quantity));
+    let rows = || columns.iter().filter_map(|(quantity, ..)| point.row(quantity));
     if !compared.state.is_single_stable_phase() && !rows().any(|r| r.verdict.is_judged()) {
         return Cell::words("not judged").toned(Tone::Careful);
     }
     let mut shared: Vec<(String, Vec<&str>)> = Vec::new();
-    for (quantity, heading, _) in kind.columns() {
+    for (quantity, heading, _) in columns {
         let Some(row) = point.row(quantity) else {
             continue;
         };

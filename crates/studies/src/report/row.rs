@@ -17,7 +17,7 @@
 //! `by` draws one series for each value of a column, in the order of the table, and `{}` in the name stands for this value.
 //! `error` names the column of standard errors. Curves that are no columns, such as a law, are `theory`.
 
-use lennard_core::{Table, Value};
+use lennard_core::{Cell, Table, Value};
 
 use crate::report::{Axis, Figure, Guide, Look, Picture, Point, Series};
 
@@ -71,7 +71,7 @@ impl<'a> Columns<'a> {
         Self { name, names, error: None, look, first: 0, by: None }
     }
 
-    /// The same with the standard errors of this column.
+    /// The same with the standard errors of this column: its numbers, or the errors in it where it is the column that is drawn.
     #[must_use]
     pub fn error(self, column: &'a str) -> Self {
         Self { error: Some(column), ..self }
@@ -93,7 +93,10 @@ impl<'a> Columns<'a> {
     fn series(&self, table: &Table) -> Option<Vec<Series>> {
         let [x, y] = self.names.map(|name| table.numbers(name));
         let (x, y) = (x?, y?);
-        let error = self.error.and_then(|name| table.numbers(name));
+        let error = self.error.and_then(|name| match name == self.names[1] {
+            true => own_errors(table, name),
+            false => table.numbers(name),
+        });
         let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
         for row in 0..table.rows() {
             let value = self.by.map_or(Some(String::new()), |by| value_of(table, by, row))?;
@@ -119,6 +122,16 @@ impl<'a> Columns<'a> {
         });
         Some(series.collect())
     }
+}
+
+/// The standard errors of a column of measured numbers.
+fn own_errors(table: &Table, name: &str) -> Option<Vec<f64>> {
+    let column = table.columns.iter().find(|column| column.name == name)?;
+    let error = |cell: &Cell| match cell.value {
+        Value::Measured { error, .. } => error,
+        _ => f64::NAN,
+    };
+    Some(column.cells.iter().map(error).collect())
 }
 
 /// The value of a cell that divides rows, as it is written.

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use lennard_scene::SceneError;
 use lennard_scene::study::StudyFile;
+use lennard_scene::{Name, SceneError};
 
 use super::{Plan, PlannedPoint, Sweep, SweepError};
 use crate::readings::READINGS;
@@ -16,8 +16,26 @@ use crate::report::counted;
 /// [`SweepError`] where the file is wrong, or has more points than a cluster shares.
 pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepError> {
     let plan = Plan::new(path, StudyFile::load(path)?, overrides)?;
+    plan.check_keys()?;
     check_readings(&plan)?;
     Ok(plan)
+}
+
+/// Reads a study file with another scene in the place of its own. Points that do not fit this scene are left out, with the reason.
+///
+/// # Errors
+/// [`SweepError`] where the file is wrong, or fits the scene with no point.
+pub fn over(
+    study: &Path,
+    scene: &Path,
+    overrides: &[(String, String)],
+) -> Result<Sweep, SweepError> {
+    let file = StudyFile { base: scene.to_owned(), ..StudyFile::load(study)? };
+    let mut plan = Plan::new(study, file, overrides)?;
+    plan.name = Name::new(format!("{}-{}", Name::of_file(scene), plan.name)).unwrap_or(plan.name);
+    check_readings(&plan)?;
+    plan.fits_one_process()?;
+    plan.fitting()
 }
 
 /// Reads a study file with overrides for every point, and checks the scene of each.

@@ -20,6 +20,10 @@ pub(super) fn page(
     if !remarks.is_empty() {
         sections.push(Section::new("Remarks").list(remarks));
     }
+    if !record.left_out.is_empty() {
+        let items = record.left_out.iter().map(|l| format!("{}: {}", l.what, l.why));
+        sections.push(Section::new("Left out").list(items.collect::<Vec<_>>()));
+    }
     Page {
         title: format!("Sweep {}", record.name),
         lead: format!("{finished} of {} points are finished. {lead}", record.points.len()),

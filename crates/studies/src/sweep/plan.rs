@@ -100,10 +100,30 @@ pub struct Sweep {
     pub base: PathBuf,
     /// Its points, in the order of the file.
     pub points: Vec<Point>,
+    /// Points that do not fit the scene, where a shipped study is laid over a scene of the user's.
+    pub left_out: Vec<LeftOut>,
     /// What is read from them; empty where the study names nothing.
     pub readings: Vec<String>,
     /// The study file, for what is found wrong later.
     pub source: Source,
+}
+
+/// What was not tried, with the reason.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, serde::Deserialize)]
+pub struct LeftOut {
+    /// Which.
+    pub what: String,
+    /// Why.
+    pub why: String,
+}
+
+impl LeftOut {
+    /// The reason in one line.
+    pub(crate) fn of(what: &str, error: &dyn std::fmt::Display) -> Self {
+        let text = error.to_string();
+        let lines: Vec<&str> = text.lines().map(str::trim).collect();
+        Self { what: what.to_owned(), why: lines.join("; ") }
+    }
 }
 
 /// The value that a point has on an axis.
@@ -205,7 +225,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The points of a study file, with overrides for every point. Of the scenes it reads as many as it needs to know each key.
+    /// The points of a study file, with overrides for every point. No scene is read.
     ///
     /// # Errors
     /// [`SweepError`] where the file is wrong, or has more points than a cluster shares.
@@ -214,21 +234,25 @@ impl Plan {
         study: StudyFile,
         overrides: &[(String, String)],
     ) -> Result<Self, SweepError> {
-        let plan = Self {
+        Ok(Self {
             name: study.name.clone(),
             file: file.to_owned(),
             points: expand(&study)?,
             common: study.set.iter().chain(overrides).cloned().collect(),
             study,
-        };
+        })
+    }
+
+    /// Refuses keys that the scene has not got: of each key the first point that has it is read.
+    pub(super) fn check_keys(&self) -> Result<(), SweepError> {
         let mut known: BTreeSet<*const Axis> = BTreeSet::new();
-        for point in &plan.points {
+        for point in &self.points {
             if point.choices.iter().any(|c| !known.contains(&Arc::as_ptr(&c.axis))) {
-                plan.scene(point)?;
+                self.scene(point)?;
                 known.extend(point.choices.iter().map(|c| Arc::as_ptr(&c.axis)));
             }
         }
-        Ok(plan)
+        Ok(())
     }
 
     /// Refuses more points than one process runs.
@@ -258,9 +282,35 @@ impl Plan {
             name: self.name.clone(),
             base: self.study.base.clone(),
             points: planned.iter().map(|p| self.point(p)).collect::<Result<_, _>>()?,
+            left_out: Vec::new(),
             readings: self.study.readings.clone(),
             source: self.study.source.clone(),
         })
+    }
+
+    /// The sweep with the points that fit the base scene; the others are left out, each with the reason.
+    ///
+    /// # Errors
+    /// The first [`SweepError`] where no point fits that sets a key.
+    pub(super) fn fitting(&self) -> Result<Sweep, SweepError> {
+        let mut sweep = self.part(0..0)?;
+        let (mut n_fitting, mut first) = (0, None);
+        for planned in &self.points {
+            match self.point(planned) {
+                Ok(point) => {
+                    sweep.points.push(point);
+                    n_fitting += usize::from(!planned.overrides().is_empty());
+                }
+                Err(error) => {
+                    sweep.left_out.push(LeftOut::of(planned.name.as_str(), &error));
+                    first.get_or_insert(error);
+                }
+            }
+        }
+        match first.filter(|_| n_fitting == 0) {
+            Some(error) => Err(error),
+            None => Ok(sweep),
+        }
     }
 
     /// Checks the scenes of all points, and keeps none.
@@ -399,10 +449,10 @@ fn expand(study: &StudyFile) -> Result<Vec<PlannedPoint>, SceneError> {
     if points.len() > MOST_SHARED {
         return Err(too_many(study, MOST_SHARED));
     }
-    let is_none = |(_, choices): &(Vec<String>, Vec<Choice>)| {
-        choices.iter().all(|c| c.axis.scene_key().is_none())
+    let is_none = |(names, choices): &(Vec<String>, Vec<Choice>)| {
+        names.is_empty() && choices.iter().all(|c| c.axis.scene_key().is_none())
     };
-    // A list without values leaves no combination; a table without keys is no point.
+    // A list without values leaves no combination; a table without keys is no point, unless it names the base scene.
     if points.is_empty() || points.iter().any(is_none) {
         return Err(no_points(study));
     }

@@ -48,6 +48,7 @@ pub(super) fn read(
         cpu: lennard_io::cpu_name(),
         threads,
         points,
+        left_out: sweep.left_out.clone(),
         entries: Default::default(),
         terminal: Vec::new(),
         sentences: Vec::new(),

@@ -122,7 +122,7 @@ fn conclude(point: &Point, outcome: Result<PointEnd, Failed>, folder: &Path) -> 
         failure: None,
         elsewhere: None,
         compared: None,
-        averages: Default::default(),
+        record: None,
         wall_s: f64::NAN,
         ns_per_atom_step: f64::NAN,
     };
@@ -136,7 +136,7 @@ fn conclude(point: &Point, outcome: Result<PointEnd, Failed>, folder: &Path) -> 
                 swept.wall_s = run.record.wall_s;
                 swept.ns_per_atom_step = run.record.performance.ns_per_atom_step;
                 swept.compared = Some(compare(&run));
-                swept.averages = run.record.averages;
+                swept.record = Some(run.record);
             }
         },
     }

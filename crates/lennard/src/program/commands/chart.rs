@@ -1,12 +1,15 @@
 //! `lennard chart`: speed against accuracy for one scene.
 
 use std::path::Path;
+use std::time::Instant;
 
 use lennard_io::Existing;
 use lennard_scene::Scene;
-use lennard_studies::chart::{self, Axes, ChartError, ChartOptions, Size};
+use lennard_studies::chart::{self, ChartError, ChartOptions, Size};
+use lennard_studies::sweep;
 
-use crate::program::args::ChartArgs;
+use crate::program::args::{ChartArgs, SweepArgs};
+use crate::program::commands::sweep::whole;
 use crate::program::commands::{Inputs, answer, output_folder};
 use crate::program::failure::{Failure, INPUT, STOPPED};
 use crate::program::progress::Display;
@@ -16,27 +19,25 @@ use crate::program::typed;
 
 /// Measures what is not measured yet, and prints where the scene's own settings stand.
 pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
+    if args.ensemble {
+        return ensemble(args);
+    }
     let nothing = || StartUp::of_nothing("stopped before the first point: no point was measured");
     let signals = Signals::listen(nothing())?;
     let (scene, lock) = Scene::load_settled(&args.scene, &args.set, args.lock.as_deref())?;
     scene.homogeneous_for("lennard chart")?;
-    if args.ensemble {
-        chart::suits(&scene)?;
-    }
     if let Some(folder) = &args.out {
         let lock = lock.as_ref().map(|l| l.path.as_path());
         let inputs = Inputs::of_scene(&args.scene, lock, &scene);
         inputs.not_in(folder)?;
         inputs.not_below(&folder.join(chart::POINTS))?;
     }
-    let kind = if args.ensemble { "ensemble" } else { "chart" };
     let folder = signals.claim(
-        || output_folder(args.out.as_deref(), Existing::Keep, &format!("{}-{kind}", scene.name)),
+        || output_folder(args.out.as_deref(), Existing::Keep, &format!("{}-chart", scene.name)),
         |folder| Some(nothing().unless_kept(chart::has_points, kept_points(folder))),
     )?;
     let processors = lennard_core::parallel::processors();
     let options = ChartOptions {
-        axes: if args.ensemble { Axes::Baths } else { Axes::Settings },
         folder: folder.path(),
         size: match (args.quick, args.full) {
             (true, _) => Size::Quick,
@@ -54,13 +55,39 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
     let found = chart::run(&scene, &options, &mut display)?;
     drop(display);
     let done = answer(args.json, args.quiet, &found, || {
-        show::print(&show::chart(&found, folder.path()), Style::Ruled);
+        show::print(&show::chart(&found, folder.path()), Style::Narrow);
     })?;
     if !found.finished {
         eprintln!("{}", kept_points(folder.path()));
         return Ok(STOPPED);
     }
     Ok(done)
+}
+
+/// Runs the shipped sweep over settings of barostat and thermostat with this scene.
+fn ensemble(args: &ChartArgs) -> Result<u8, Failure> {
+    let study = match (args.quick, args.full) {
+        (true, _) => "shipped:/studies/ensemble-quick.toml",
+        (false, true) => "shipped:/studies/ensemble-full.toml",
+        (false, false) => "shipped:/studies/ensemble.toml",
+    };
+    let sweep = SweepArgs {
+        sweep: args.scene.clone(),
+        set: args.set.clone(),
+        out: args.out.clone(),
+        points: false,
+        point: None,
+        chunk: 1,
+        collect: false,
+        emit: None,
+        max_walltime: None,
+        force: args.force,
+        threads: args.workers,
+        no_report: false,
+        json: args.json,
+        quiet: args.quiet,
+    };
+    whole(&sweep, Instant::now(), || sweep::over(study.as_ref(), &args.scene, &args.set))
 }
 
 fn kept_points(folder: &Path) -> String {

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use lennard_core::parallel::{can_have, processors};
 use lennard_io::Existing;
-use lennard_studies::sweep::{self, Ending, SweepError};
+use lennard_studies::sweep::{self, Ending, Sweep, SweepError};
 
 use crate::program::args::SweepArgs;
 use crate::program::commands::output_folder;
@@ -23,14 +23,18 @@ pub fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
         (None, Some(scheduler)) => tasks.emit(scheduler),
         (None, None) if args.points => tasks.list(),
         (None, None) if args.collect => tasks.collect(),
-        (None, None) => whole(args, tasks.started),
+        (None, None) => whole(args, tasks.started, || sweep::load(&args.sweep, &args.set)),
     }
 }
 
 /// Runs the points that are not finished yet, and prints their table.
-fn whole(args: &SweepArgs, started: Instant) -> Result<u8, Failure> {
+pub fn whole(
+    args: &SweepArgs,
+    started: Instant,
+    load: impl FnOnce() -> Result<Sweep, SweepError>,
+) -> Result<u8, Failure> {
     let signals = Signals::listen(StartUp::of_nothing(NOT_BEGUN))?;
-    let sweep = sweep::load(&args.sweep, &args.set)?;
+    let sweep = load()?;
     if let Some(folder) = &args.out {
         keep_inputs(&args.sweep, &sweep, folder)?;
     }

@@ -60,9 +60,10 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
 fn samples<'a>(study: &StudyPoints<'a>) -> Vec<Sample<'a>> {
     let mut samples: Vec<Sample<'a>> = Vec::new();
     for (point, swept) in study.sweep.points.iter().zip(study.swept) {
-        if !swept.averages.contains_key(judge::CONSERVED) {
+        let averages = swept.record.as_ref().map(|record| &record.averages);
+        let Some(averages) = averages.filter(|all| all.contains_key(judge::CONSERVED)) else {
             continue;
-        }
+        };
         let is_liquid = point.density >= LEAST_DENSITY_OF_LIQUIDS
             && point.scene.surfaces().is_none()
             && point.scene.half_crystal().is_none();
@@ -73,8 +74,8 @@ fn samples<'a>(study: &StudyPoints<'a>) -> Vec<Sample<'a>> {
             is_long_enough: is_liquid && measured_steps(point) >= ENOUGH_STEPS,
         };
         match samples.iter_mut().find(|sample| sample.cell == cell) {
-            Some(sample) => sample.runs.push(&swept.averages),
-            None => samples.push(Sample { cell, runs: vec![&swept.averages] }),
+            Some(sample) => sample.runs.push(averages),
+            None => samples.push(Sample { cell, runs: vec![averages] }),
         }
     }
     samples

@@ -1,0 +1,139 @@
+//! What barostats and thermostats sample of a fluid at one pressure, at which pace and cost.
+
+use lennard_core::{Cell, Table};
+use lennard_engine::measured_stage;
+use lennard_io::RunRecord;
+
+use super::blocks::{Blocks, POINTS, StudyPoints};
+use super::points::{Shown, verdicts};
+use crate::report::{Axis, Columns, FigureRow, Guide, Look, Section};
+use crate::sweep::{Point, SweptPoint};
+
+/// What every right choice samples alike.
+const SHOWN: [Shown; 3] =
+    [("pressure", "P", None), ("density", "ρ", None), ("isothermal_compressibility", "κ_T", None)];
+const COST: &str = "Cost";
+const PACE: &str = "V per τ";
+const COMPRESSIBILITY: &str = "κ_T ÷ equation";
+
+/// Independent volumes from which on a pace is told.
+const FEWEST: f64 = 10.0;
+
+/// A point beside its run.
+type Run<'a> = (&'a Point, &'a SweptPoint);
+
+/// The table of the choices, with two figures.
+pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
+    let held = |(point, _): &Run<'_>| measured_stage(&point.scene).barostat.is_some();
+    let runs: Vec<Run<'_>> = study.sweep.points.iter().zip(study.swept).filter(held).collect();
+    if !runs.iter().any(|(_, swept)| swept.record.is_some()) {
+        return Blocks::default();
+    }
+    let table = table(&runs);
+    let figures = figures().into_iter().filter_map(|row| row.draw(|_| Some(table.clone())));
+    let section = Section::new(POINTS).figures(figures.collect()).table(table.clone());
+    Blocks {
+        lead: "A right choice has the pressure, the density and the compressibility of all others. They differ in cost and pace.".into(),
+        sections: vec![section],
+        terminal: vec![table.clone().without(&["Barostat", "ρ − equation"])],
+        tables: vec![table],
+        sentences: vec!["V is independent so many times in a τ; var V = T·V·κ_T".into()],
+        ..Blocks::default()
+    }
+}
+
+fn table(runs: &[Run<'_>]) -> Table {
+    let row = |(_, swept): &Run<'_>, quantity: usize| swept.row(SHOWN[quantity].0).cloned();
+    let difference = |run: &Run<'_>, quantity: usize| {
+        let row = row(run, quantity)?;
+        Some((row.difference?, row.combined_error?))
+    };
+    Table::rows_of("ensemble", runs)
+        .caption(
+            "Digits in brackets are one standard error in the last digits. V is independent so many times in a τ, and var V is T·V·κ_T.",
+        )
+        .column("Choice", |(point, _)| label(point))
+        .column("Barostat", |(point, _)| {
+            measured_stage(&point.scene).barostat.as_ref().map(|b| b.options.name())
+        })
+        .column(&format!("{COST} [(µs/τ)]"), |run| Cell::rounded(cost(run), 3))
+        .column("Accepted", |(_, swept)| Cell::rounded(accepted(swept.record.as_ref()), 2))
+        .measured("P − P₀ [(ε/σ³)]", |run| difference(run, 0))
+        .measured("ρ [σ⁻³]", |run| row(run, 1).map(|r| (r.measured, r.standard_error)))
+        .measured("ρ − equation", |run| difference(run, 1))
+        .measured(COMPRESSIBILITY, |run| {
+            let row = row(run, 2)?;
+            let reference = row.reference?;
+            Some((row.measured / reference, row.standard_error / reference))
+        })
+        .column(PACE, |run| Cell::rounded(pace(run), 2))
+        .measured("Drift [10⁻⁶ ε/τ]", |(_, swept)| {
+            let found = swept.record.as_ref()?.conservation;
+            let (slope, error) =
+                (found.energy_drift_per_atom_per_tau, found.energy_drift_standard_error);
+            Some((1e6 * slope, 1e6 * error))
+        })
+        .column("Verdicts", |(_, swept)| verdicts(swept, &SHOWN))
+        .table()
+}
+
+/// What the study chose, in words.
+fn label(point: &Point) -> String {
+    let words = point.settings.iter().map(|setting| {
+        let key = setting.key.rsplit('.').next().unwrap_or_default();
+        match setting.value.to_string() {
+            value if value.starts_with(|c: char| c.is_ascii_digit()) => format!("{key} {value}"),
+            value => value,
+        }
+    });
+    words.collect::<Vec<_>>().join(", ")
+}
+
+/// Wall time of the run for each particle and τ, with all that it observes and writes, µs.
+fn cost((point, swept): &Run<'_>) -> Option<f64> {
+    let dt = point.scene.stage_dt(measured_stage(&point.scene));
+    swept.record.as_ref().map(|_| 1e-3 * swept.ns_per_atom_step / dt)
+}
+
+/// Accepted share of the proposed changes of the box.
+fn accepted(record: Option<&RunRecord>) -> Option<f64> {
+    let barostat = record?.barostat.as_ref()?;
+    Some(barostat.accepted? as f64 / barostat.proposed.filter(|n| *n > 0)? as f64)
+}
+
+/// Independent volumes in a τ, of a run that is long enough to tell.
+fn pace((point, swept): &Run<'_>) -> Option<f64> {
+    let measured = point.scene.stages.iter().filter(|stage| stage.measure);
+    let time: f64 = measured.map(|s| s.steps as f64 * point.scene.stage_dt(s)).sum();
+    let volume = swept.record.as_ref()?.averages.get("volume")?.estimate;
+    (volume.n_effective >= FEWEST).then(|| volume.n_effective / time)
+}
+
+fn figures() -> [FigureRow<'static>; 2] {
+    let row = |name, title, y, columns, caption: &str| FigureRow {
+        name,
+        title,
+        x: Axis::linear("wall time / (µs per atom and τ)"),
+        y,
+        table: "ensemble",
+        columns: vec![columns],
+        caption: caption.into(),
+        ..FigureRow::default()
+    };
+    let of = |column| Columns::new("{}", [COST, column], Look::marks).by("Barostat");
+    let compressibility = row(
+        "compressibility",
+        "Compressibility from the variance of V",
+        Axis::linear("κ_T over the equation of state"),
+        of(COMPRESSIBILITY).error(COMPRESSIBILITY),
+        "κ_T = var V/(T·V) beside the equation of state. Bars are one standard error.",
+    );
+    let pace = row(
+        "pace",
+        "Pace of the volume",
+        Axis::linear("independent volumes in a τ"),
+        of(PACE),
+        "How often V forgets itself: the error of a mean falls with the root of this number.",
+    );
+    [FigureRow { guides: vec![Guide::Horizontal(1.0, "equation".into())], ..compressibility }, pace]
+}
