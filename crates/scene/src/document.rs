@@ -75,6 +75,11 @@ impl Document {
         }
     }
 
+    /// Whether a key was written in the file.
+    fn is_of_file(&self, key: &str) -> bool {
+        matches!(self.places.get(key), Some(Place::Line(_)))
+    }
+
     /// Forgets the places of a key and of everything in it.
     fn forget(&mut self, name: &str) {
         let inside = |key: &str| key.strip_prefix(name).is_some_and(|rest| rest.starts_with('.'));
@@ -97,6 +102,10 @@ impl Document {
             match key.as_str() {
                 "system.density" => self.remove("system.box"),
                 "system.box" => self.remove("system.density"),
+                // Another truncation ends elsewhere than the one of the file.
+                "truncation.kind" if self.is_of_file("truncation.switch_from") => {
+                    self.remove("truncation.switch_from");
+                }
                 _ => {}
             }
             // What is no TOML is a text without its quotes.

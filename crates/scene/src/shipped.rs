@@ -50,10 +50,21 @@ impl Shipped {
         prose[..end].to_owned()
     }
 
-    /// Whether the file is a sweep, which names its scene as `base`.
+    /// Whether the file is a study, which names its scene as `base`.
     #[must_use]
-    pub fn is_sweep(&self) -> bool {
+    pub fn is_study(&self) -> bool {
         self.text.lines().any(|line| line.starts_with("base = "))
+    }
+
+    /// The command that runs the file: `run`, or for a study `sweep` or `chart`.
+    #[must_use]
+    pub fn command(&self) -> &'static str {
+        let is_chart = || self.text.lines().any(|line| line == "reading = \"chart\"");
+        match self.is_study() {
+            false => "run",
+            true if is_chart() => "chart",
+            true => "sweep",
+        }
     }
 }
 

@@ -12,6 +12,7 @@
 //! "truncation.tail_correction" = [true, false]
 //! [grid]                                            # the product of lists
 //! dt = [0.002, 0.004]
+//! "stage.production.steps" = { times = [1, 2] }     # multiples of the value that the scene has
 //! ```
 //!
 //! The points are `[[point]]` × `[zip]` × `[grid]`. A key is a [short name](SHORT_KEYS), or any key that `--set` takes.
@@ -23,7 +24,7 @@ use toml::{Table, Value};
 use crate::document::{Document, in_short, join};
 use crate::error::{Place, SceneError, Source};
 use crate::names::nearest;
-use crate::{Name, reference, shipped};
+use crate::{Name, Scene, reference, shipped};
 
 /// A short name for a key of the scene, and how tables and figures call it.
 #[derive(Debug, PartialEq, Eq)]
@@ -67,6 +68,8 @@ pub const SHORT_KEYS: [ShortKey; 9] = [
     short(SEED, "system.seed", "seed", "seed", "seed"),
     ShortKey { name: LONGER, key: None, prefix: "", label: "times as long", symbol: LONGER },
 ];
+/// How a key ends whose values multiply the value of the scene.
+const TIMES: &str = ".times";
 /// Keys without a short name stand before this one.
 const AFTER_OTHERS: &str = "r_cut";
 
@@ -91,6 +94,8 @@ pub struct Axis {
     pub path: String,
     /// Its values.
     pub values: Vec<AxisValue>,
+    /// Whether its values multiply the value of the scene: `{ times = [0.5, 2.0] }`.
+    pub times: bool,
 }
 
 impl Axis {
@@ -166,6 +171,44 @@ impl StudyFile {
         })?;
         let document = Document::parse(&text, &file)?;
         Reader { source: document.source(), root: document.root }.read(path)
+    }
+
+    /// Whether a key takes multiples of the value that the scene has.
+    #[must_use]
+    pub fn has_multiples(&self) -> bool {
+        let tables = self.points.iter().chain(&self.zip).chain(&self.grid);
+        tables.flat_map(|table| &table.axes).any(|axis| axis.times)
+    }
+
+    /// Puts the multiples of the values that a scene has in the place of their factors.
+    ///
+    /// # Errors
+    /// [`SceneError`] where a factor is no number above 0, or multiplies what is no number.
+    pub fn multiply(&mut self, scene: &Scene) -> Result<(), SceneError> {
+        let resolved = scene.resolved_table();
+        let tables = self.points.iter_mut().chain(&mut self.zip).chain(&mut self.grid);
+        for axis in tables.flat_map(|table| &mut table.axes).filter(|axis| axis.times) {
+            let refuse =
+                |message: &str, found: &str| self.source.refuse(&axis.path, message).found(found);
+            let key = axis.scene_key().unwrap_or_default().to_owned();
+            let (table, name) = key.rsplit_once('.').unwrap_or(("", &key));
+            let own = resolved.get(table).and_then(|table| table.get(name));
+            let Some(own) =
+                own.and_then(|own| own.as_float().or(own.as_integer().map(|n| n as f64)))
+            else {
+                return Err(refuse("multiplies what is no number", &format!("`{key}`"))
+                    .allowed("a key of a table of the scene that holds a number, such as `dt`"));
+            };
+            for value in &mut axis.values {
+                let factor = value.text.parse().ok().filter(|factor: &f64| *factor > 0.0);
+                let Some(factor) = factor else {
+                    return Err(refuse("is not allowed", &value.text).allowed("numbers above 0"));
+                };
+                value.text = format!("{:?}", own * factor);
+                value.words = (own * factor).to_string();
+            }
+        }
+        Ok(())
     }
 
     /// The trouble of a scene at the place of the study that caused it. That is `[set]`, or one of the values of the point.
@@ -292,6 +335,10 @@ impl Reader {
         let mut read = AxisTable::default();
         for (written_key, value) in written {
             let path = join(at, &written_key);
+            let (written_key, times) = match written_key.strip_suffix(TIMES) {
+                Some(key) => (key.to_owned(), true),
+                None => (written_key, false),
+            };
             let items = match value {
                 Value::Array(items) => items.as_slice(),
                 _ => std::slice::from_ref(value),
@@ -316,7 +363,7 @@ impl Reader {
                 return Err(self.source.twice(&path, &key, &first.path));
             }
             let values = items.iter().map(AxisValue::of).collect();
-            read.axes.push(Axis { key, path, values });
+            read.axes.push(Axis { key, path, values, times });
         }
         read.axes.sort_by_key(Axis::rank);
         Ok(read)

@@ -191,8 +191,7 @@ pub fn truncation_is_free(scene: &Scene) -> bool {
 pub(crate) mod tests {
     use super::*;
 
-    pub(crate) fn scene(extra: &[(&str, &str)]) -> Scene {
-        const TEXT: &str = r#"
+    pub(crate) const TEXT: &str = r#"
             [system]
             n_atoms = 256
             density = 0.8442
@@ -214,6 +213,8 @@ pub(crate) mod tests {
             [output]
             thermo_every = 10
         "#;
+
+    pub(crate) fn scene(extra: &[(&str, &str)]) -> Scene {
         let extra: Vec<(String, String)> =
             extra.iter().map(|(k, v)| ((*k).into(), (*v).into())).collect();
         Scene::parse(TEXT, "test.toml", &extra).unwrap()

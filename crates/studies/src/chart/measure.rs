@@ -17,6 +17,7 @@ use super::{panels, peers};
 use crate::jobs::{pool, side_by_side_on};
 use crate::lab::{self, Slopes, Workbench, modelled_work};
 use crate::settings::{Settings, truncation_is_free};
+use crate::sweep::Sweep;
 use crate::{Progress, StudyError};
 
 /// Name and version of the schema of [`Chart`].
@@ -36,13 +37,14 @@ const FULL_TIME: f64 = 20.0;
 /// Everything there is to measure, or as much as was done when it was stopped.
 pub(super) fn all(
     scene: &Scene,
+    study: &Sweep,
     options: &ChartOptions<'_>,
     progress: &mut dyn Progress,
 ) -> Result<Chart, ChartError> {
     let store = Store::open(options.folder, scene, options.anew)?;
     progress.update("equilibrating", 0.0);
     let bench = Workbench::new(scene)?;
-    let mut grid = grid(&bench, options.size);
+    let mut grid = grid(&bench, study)?;
     let tightest = with_tightest(&mut grid, &bench)?;
     let plan = lengths(&bench, &grid, tightest, options);
     store.begin(scene, &plan)?;

@@ -24,18 +24,20 @@ pub use types::{
 
 use lennard_scene::Scene;
 
+use crate::sweep::Sweep;
 use crate::{Progress, files};
 
-/// Measures what is not measured yet, and writes the chart; where it was stopped, with what there is.
+/// Measures the points of a study that are not measured yet, all from one start of its scene, and writes the chart; where it was stopped, with what there is.
 ///
 /// # Errors
 /// [`ChartError`] where the scene cannot be run, the folder holds something else, or a file cannot be written.
 pub fn run(
     scene: &Scene,
+    study: &Sweep,
     options: &ChartOptions<'_>,
     progress: &mut dyn Progress,
 ) -> Result<Chart, ChartError> {
-    let chart = measure::all(scene, options, progress)?;
+    let chart = measure::all(scene, study, options, progress)?;
     let mut tables = vec![tables::points(&chart)];
     tables.extend(chart.panels.iter().map(|p| tables::panel(&chart, p)));
     let page = page::page(&chart, &options.command);

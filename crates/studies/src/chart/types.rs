@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use lennard_core::stopwatch::BUSY;
+use lennard_scene::SceneError;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
@@ -30,6 +31,9 @@ pub enum ChartError {
         /// Why the others cannot.
         why: String,
     },
+    /// The study changes what is no setting.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
     /// Anything that goes wrong in any study.
     #[error(transparent)]
     Study(#[from] StudyError),

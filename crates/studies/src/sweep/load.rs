@@ -4,11 +4,14 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use lennard_scene::study::StudyFile;
-use lennard_scene::{Name, SceneError};
+use lennard_scene::{Name, Scene, SceneError};
 
 use super::{Plan, PlannedPoint, Sweep, SweepError};
 use crate::readings::READINGS;
 use crate::report::counted;
+
+/// The reading of a chart.
+const CHART: &str = "chart";
 
 /// Reads a study file with overrides for every point. Of the scenes it reads as many as it needs to know each key.
 ///
@@ -16,9 +19,38 @@ use crate::report::counted;
 /// [`SweepError`] where the file is wrong, or has more points than a cluster shares.
 pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepError> {
     let plan = Plan::new(path, StudyFile::load(path)?, overrides)?;
+    if plan.study.readings == [CHART] {
+        let refused = plan.study.source.refuse("reading", "is not read from a sweep");
+        let found = format!("{CHART:?}, which runs all points from one start");
+        return Err(refused.found(found).allowed("`lennard chart` for this file").into());
+    }
     plan.check_keys()?;
     check_readings(&plan)?;
     Ok(plan)
+}
+
+/// Whether a file is a study, which names its scene as `base`.
+#[must_use]
+pub fn is_study(path: &Path) -> bool {
+    let text = lennard_scene::shipped::read(path).unwrap_or_default();
+    text.split(|byte| *byte == b'\n').any(|line| line.starts_with(b"base ="))
+}
+
+/// Reads the study file of a chart, with the scene that it names.
+///
+/// # Errors
+/// [`SweepError`] where the file is wrong, or is read otherwise.
+pub fn chart(path: &Path, overrides: &[(String, String)]) -> Result<(Scene, Sweep), SweepError> {
+    let plan = Plan::new(path, StudyFile::load(path)?, overrides)?;
+    if plan.study.readings != [CHART] {
+        let refused = plan.study.source.refuse("reading", "is no chart");
+        let found = format!("{:?}", plan.study.readings.join(", "));
+        let allowed = format!("`reading = {CHART:?}`, or `lennard sweep` for this file");
+        return Err(refused.found(found).allowed(allowed).into());
+    }
+    plan.check_keys()?;
+    plan.fits_one_process()?;
+    Ok((plan.base_scene()?, plan.fitting()?))
 }
 
 /// Reads a study file with another scene in the place of its own. Points that do not fit this scene are left out, with the reason.
@@ -33,7 +65,6 @@ pub fn over(
     let file = StudyFile { base: scene.to_owned(), ..StudyFile::load(study)? };
     let mut plan = Plan::new(study, file, overrides)?;
     plan.name = Name::new(format!("{}-{}", Name::of_file(scene), plan.name)).unwrap_or(plan.name);
-    check_readings(&plan)?;
     plan.fits_one_process()?;
     plan.fitting()
 }

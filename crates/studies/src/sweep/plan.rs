@@ -225,22 +225,26 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The points of a study file, with overrides for every point. No scene is read.
+    /// The points of a study file, with overrides for every point.
     ///
     /// # Errors
     /// [`SweepError`] where the file is wrong, or has more points than a cluster shares.
     pub(super) fn new(
         file: &Path,
-        study: StudyFile,
+        mut study: StudyFile,
         overrides: &[(String, String)],
     ) -> Result<Self, SweepError> {
-        Ok(Self {
-            name: study.name.clone(),
-            file: file.to_owned(),
-            points: expand(&study)?,
-            common: study.set.iter().chain(overrides).cloned().collect(),
-            study,
-        })
+        let common: Vec<(String, String)> = study.set.iter().chain(overrides).cloned().collect();
+        if study.has_multiples() {
+            study.multiply(&Scene::load(&study.base, &common)?)?;
+        }
+        let (name, points) = (study.name.clone(), expand(&study)?);
+        Ok(Self { name, file: file.to_owned(), points, common, study })
+    }
+
+    /// The base scene, with what the study sets for all points.
+    pub(super) fn base_scene(&self) -> Result<Scene, SweepError> {
+        Ok(Scene::load(&self.study.base, &self.common)?)
     }
 
     /// Refuses keys that the scene has not got: of each key the first point that has it is read.
@@ -302,7 +306,11 @@ impl Plan {
                     n_fitting += usize::from(!planned.overrides().is_empty());
                 }
                 Err(error) => {
-                    sweep.left_out.push(LeftOut::of(planned.name.as_str(), &error));
+                    let why: &dyn std::fmt::Display = match &error {
+                        SweepError::Scene { source, .. } => source,
+                        other => other,
+                    };
+                    sweep.left_out.push(LeftOut::of(planned.name.as_str(), why));
                     first.get_or_insert(error);
                 }
             }

@@ -120,7 +120,8 @@ pub struct StabilityArgs {
 /// Arguments of `chart`.
 #[derive(Debug, Args)]
 pub struct ChartArgs {
-    /// The scene: a file, or the name of a shipped scene (`lennard list scenes`).
+    /// The scene: a file, or the name of a shipped scene (`lennard list scenes`). Or a study file with `reading = "chart"`, which names
+    /// a scene and the settings to try.
     #[arg(value_parser = scene_file)]
     pub scene: PathBuf,
     /// Override a key, such as `system.density=0.8`; may be repeated.

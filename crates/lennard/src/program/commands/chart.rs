@@ -4,9 +4,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use lennard_io::Existing;
-use lennard_scene::Scene;
+use lennard_scene::{Lock, Scene, UsedLock};
 use lennard_studies::chart::{self, ChartError, ChartOptions, Size};
-use lennard_studies::sweep;
+use lennard_studies::sweep::{self, Sweep};
 
 use crate::program::args::{ChartArgs, SweepArgs};
 use crate::program::commands::sweep::whole;
@@ -24,8 +24,7 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
     }
     let nothing = || StartUp::of_nothing("stopped before the first point: no point was measured");
     let signals = Signals::listen(nothing())?;
-    let (scene, lock) = Scene::load_settled(&args.scene, &args.set, args.lock.as_deref())?;
-    scene.homogeneous_for("lennard chart")?;
+    let (scene, lock, study) = read(args)?;
     if let Some(folder) = &args.out {
         let lock = lock.as_ref().map(|l| l.path.as_path());
         let inputs = Inputs::of_scene(&args.scene, lock, &scene);
@@ -52,7 +51,7 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
         command: typed::again(Some(folder.path()), &[]),
     };
     let mut display = FirstStep::new(&signals, Display::of_study(args.quiet));
-    let found = chart::run(&scene, &options, &mut display)?;
+    let found = chart::run(&scene, &study, &options, &mut display)?;
     drop(display);
     let done = answer(args.json, args.quiet, &found, || {
         show::print(&show::chart(&found, folder.path()), Style::Narrow);
@@ -64,13 +63,38 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
     Ok(done)
 }
 
+/// The scene with its lock file, and the points around it: of the study file that is named, or of a shipped one over the scene.
+fn read(args: &ChartArgs) -> Result<(Scene, Option<UsedLock>, Sweep), Failure> {
+    if sweep::is_study(&args.scene) {
+        let (scene, study) = sweep::chart(&args.scene, &args.set)?;
+        scene.homogeneous_for("lennard chart")?;
+        return Ok((scene, None, study));
+    }
+    let (scene, lock) = Scene::load_settled(&args.scene, &args.set, args.lock.as_deref())?;
+    scene.homogeneous_for("lennard chart")?;
+    let mut overrides = args.set.clone();
+    if let Some(lock) = &lock {
+        let chosen = Lock::load(&lock.path)?.chosen().overrides();
+        overrides.extend(chosen.into_iter().filter(|(key, _)| !scene.source.wrote(key)));
+    }
+    let study = of_size(args, ["chart-quick", "chart", "chart-full"]);
+    let study = sweep::over(study.as_ref(), &args.scene, &overrides)?;
+    Ok((scene, lock, study))
+}
+
+/// The shipped study of the size that is asked for.
+fn of_size(args: &ChartArgs, [quick, default, full]: [&str; 3]) -> String {
+    let name = match (args.quick, args.full) {
+        (true, _) => quick,
+        (false, true) => full,
+        (false, false) => default,
+    };
+    format!("shipped:/studies/{name}.toml")
+}
+
 /// Runs the shipped sweep over settings of barostat and thermostat with this scene.
 fn ensemble(args: &ChartArgs) -> Result<u8, Failure> {
-    let study = match (args.quick, args.full) {
-        (true, _) => "shipped:/studies/ensemble-quick.toml",
-        (false, true) => "shipped:/studies/ensemble-full.toml",
-        (false, false) => "shipped:/studies/ensemble.toml",
-    };
+    let study = of_size(args, ["ensemble-quick", "ensemble", "ensemble-full"]);
     let sweep = SweepArgs {
         sweep: args.scene.clone(),
         set: args.set.clone(),

@@ -109,8 +109,7 @@ fn unknown(name: &str, known: &[String]) -> Failure {
 
 fn scenes() -> Vec<Entry> {
     each(lennard_scene::shipped::scenes(), |scene| {
-        let command = if scene.is_sweep() { "sweep" } else { "run" };
-        let source = format!("lennard {command} {}", scene.name);
+        let source = format!("lennard {} {}", scene.command(), scene.name);
         without_equation([scene.name, &scene.subject(), &source])
     })
 }

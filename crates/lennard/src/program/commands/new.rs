@@ -33,8 +33,8 @@ pub fn new(args: &NewArgs) -> Result<u8, Failure> {
         println!("{}: for editors", schema.display());
     }
     let typed = path_in_shell(&file);
-    if scene.is_sweep() {
-        println!("  lennard sweep {typed}");
+    if scene.is_study() {
+        println!("  lennard {} {typed}", scene.command());
     } else {
         println!("  lennard plan {typed}   what it computes, and for how long");
         println!("  lennard run {typed}");

@@ -75,3 +75,35 @@ fn a_reading_without_points_writes_nothing() {
     assert!(said.contains("found:   0 of 3 points failed"), "{said}");
     assert!(!place.path("out/table.csv").exists() && !place.path("out/report.html").exists());
 }
+
+/// Proves that a chart of a user's own points runs from the same reader of studies, and that what is no such chart is refused.
+#[test]
+fn truncations_and_steps_make_a_chart_of_a_users_own() {
+    let study = "base = \"base.toml\"\nreading = \"chart\"\n[set]\n\"stage.production.steps\" = 10\n\
+        [grid]\n\"truncation.kind\" = [\"cut\", \"shift\"]\ndt = { times = [1, 2] }\n";
+    let place = Place::with(&[("base.toml", BASE), ("study.toml", study)]);
+    let arguments = ["chart", "study.toml", "--quick", "--out", "out", "--json", "--quiet"];
+    let chart: serde_json::Value =
+        serde_json::from_str(&success(&mut place.command(&arguments))).unwrap();
+    let points = chart["points"].as_array().unwrap();
+    let dt = |p: &serde_json::Value| p["settings"]["dt"].as_f64().unwrap();
+    // The scene stands first, and a point that is the scene stands once. The tightest settings are the scene's here.
+    let steps: Vec<f64> = points.iter().map(dt).collect();
+    assert_eq!(steps, [0.004, 0.008, 0.004, 0.008]);
+    assert_eq!(points[2]["settings"]["truncation"]["kind"], "shift");
+
+    for (command, from, to, words) in [
+        ("sweep", "dt", "dt", "`reading` is not read from a sweep"),
+        ("chart", "\"chart\"", "\"table\"", "`reading` is no chart"),
+        ("chart", "dt = ", "density = ", "points that differ in `density`"),
+        ("chart", "[1, 2]", "[1, -2]", "found:   -2\n  allowed: numbers above 0"),
+        ("chart", "dt = ", "\"truncation.kinds\" = ", "multiplies what is no number"),
+    ] {
+        place.write("study.toml", &study.replace(from, to));
+        let refused = place.output(&[command, "study.toml", "--out", "other", "--quiet"]);
+        let said = stderr(&refused);
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(said.contains(words), "{words}: {said}");
+        assert!(!place.path("other/points").exists());
+    }
+}
