@@ -325,7 +325,7 @@ const CONTACTS: [(&str, Overrides<'_>); 6] = [
 
 #[test]
 fn every_contact_between_walls_too() {
-    for spec in lennard_contacts::contacts() {
+    for spec in lennard_integrators::contacts() {
         assert!(CONTACTS.iter().any(|(kind, _)| *kind == spec.name));
     }
     for (kind, more) in CONTACTS {
