@@ -3,8 +3,8 @@
 //! A study has a file of claims and a list of measured `Numbers`. A row of the file names its number by a key, and
 //! the labels of that number fill the braces of the row. A row may stand for every number of its key.
 
-use crate::StudyError;
-use crate::report::{Section, significant};
+use crate::report::{Given, Page, Section, filled, significant, written};
+use crate::{StudyError, StudyOptions};
 use lennard_core::{Cell, Table, Tone};
 use lennard_observables::{Allowed, Reference, Verdict, judge};
 use serde::{Deserialize, Serialize, Serializer};
@@ -133,10 +133,7 @@ impl Number {
 
     /// A text with the values of the labels in braces.
     fn filled(&self, text: &str) -> String {
-        let fill = |text: String, (label, value): &(&str, String)| {
-            text.replace(&format!("{{{label}}}"), value)
-        };
-        self.labels.iter().fold(text.to_owned(), fill)
+        filled(text, &self.labels)
     }
 
     /// The value of a sum of products, such as `0.02 + 1e-6 * {theory}`; `None` where a part of it is no number.
@@ -310,8 +307,32 @@ pub fn table(claims: &[Claim]) -> Table {
         .table()
 }
 
+/// The page of a study with claims: its text, and the claims with their verdicts.
+///
+/// # Errors
+/// [`StudyError::Report`] where the text names what is not given.
+pub(crate) fn page(
+    text: &str,
+    options: &StudyOptions,
+    claims: &[Claim],
+    mut given: Given,
+) -> Result<Page, StudyError> {
+    let differing = claims.iter().filter(|c| !c.theory_agrees).count();
+    given.words.extend([("verdicts", tally(claims)), ("differing", differing.to_string())]);
+    let mut page = written(text, &given)?;
+    let settings = if options.quick { "quick: shorter runs" } else { "full" };
+    page.sections.push(section(claims));
+    page.command = Some(options.command.clone());
+    page.provenance = vec![
+        ("Command".into(), format!("`{}`", options.command)),
+        ("Settings".into(), settings.into()),
+    ];
+    page.provenance.extend(options.provenance.iter().cloned());
+    Ok(page)
+}
+
 /// The claims with their verdicts, for a page and a terminal.
-pub(crate) fn section(claims: &[Claim]) -> Section {
+fn section(claims: &[Claim]) -> Section {
     Section::new("Claims and verdicts").table(table(claims)).brief(&["Judged by", "Wanted"])
 }
 

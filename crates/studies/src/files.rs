@@ -9,6 +9,17 @@ use serde::Serialize;
 use crate::StudyError;
 use crate::report::Page;
 
+/// What a study with claims is asked for, and how it is named.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct StudyOptions {
+    /// Shorter runs on coarser grids, for tests.
+    pub quick: bool,
+    /// The command that is printed below figures and tables.
+    pub command: String,
+    /// Names and values for the footer of the page (machine, date), which the study itself does not look up.
+    pub provenance: Vec<(String, String)>,
+}
+
 /// A study that has run: all that it has measured, as JSON, as tables and as a page.
 pub trait Study: Serialize + Sized {
     /// Name of the file with all that it has measured.
@@ -18,14 +29,17 @@ pub trait Study: Serialize + Sized {
     fn tables(&self) -> Vec<Table>;
 
     /// The page, whose brief sections a terminal shows too.
-    fn page(&self) -> Page;
+    ///
+    /// # Errors
+    /// [`StudyError::Report`] where the text of the page names what the study does not have.
+    fn page(&self) -> Result<Page, StudyError>;
 
     /// Writes tables as CSV, the pictures of the page (in `figures/`), the study as JSON, and the page as `report.html`.
     ///
     /// # Errors
     /// [`StudyError`] where a figure cannot be drawn or a file cannot be written.
     fn write(&self, dir: &Path) -> Result<(), StudyError> {
-        write_all(dir, &self.tables(), (Self::JSON, self), &self.page())
+        write_all(dir, &self.tables(), (Self::JSON, self), &self.page()?)
     }
 }
 

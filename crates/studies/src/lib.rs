@@ -31,5 +31,5 @@ pub mod sweep;
 pub mod tune;
 
 pub use error::StudyError;
-pub use files::Study;
+pub use files::{Study, StudyOptions};
 pub use progress::{Progress, Silent};

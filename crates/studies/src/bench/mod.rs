@@ -24,7 +24,7 @@ use crate::jobs::pool;
 use crate::lab::{Start, to_temperature};
 use crate::progress::Part;
 use crate::report::Page;
-use crate::{Progress, Study};
+use crate::{Progress, Study, StudyError};
 use variants::Blocks;
 
 /// Least number of steps before the measurement, in which a lattice melts, and how long a block of them should take, s.
@@ -109,8 +109,8 @@ impl Study for BenchStudy {
         page::csv(self)
     }
 
-    fn page(&self) -> Page {
-        page::page(self)
+    fn page(&self) -> Result<Page, StudyError> {
+        Ok(page::page(self))
     }
 }
 

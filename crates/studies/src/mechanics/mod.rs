@@ -9,11 +9,9 @@ mod bodies;
 pub mod collisions;
 pub mod comparison;
 pub mod cradle;
-mod figures;
 pub mod fluid;
 pub mod maps;
 mod numbers;
-mod page;
 pub mod precise;
 pub mod pressure;
 pub mod relaxing;
@@ -24,20 +22,23 @@ mod ways;
 
 use lennard_core::Table;
 
-pub use study::{MechanicsMeasurements, MechanicsOptions, MechanicsStudy};
+pub use study::{MechanicsMeasurements, MechanicsStudy};
 
 use crate::report::Page;
-use crate::{Progress, Study, StudyError};
+use crate::{Progress, Study, StudyError, StudyOptions};
 
 /// Who claims what about bonds, collisions and SPOOK.
 const CLAIMS: &str = include_str!("claims.csv");
+
+/// The page with its figures.
+const PAGE: &str = include_str!("page.toml");
 
 /// Runs the study.
 ///
 /// # Errors
 /// [`StudyError`] where a method fails at a place where all must work.
 pub fn run(
-    options: &MechanicsOptions,
+    options: &StudyOptions,
     progress: &mut dyn Progress,
 ) -> Result<MechanicsStudy, StudyError> {
     let quick = options.quick;
@@ -89,7 +90,7 @@ impl Study for MechanicsStudy {
         tables
     }
 
-    fn page(&self) -> Page {
-        page::page(self)
+    fn page(&self) -> Result<Page, StudyError> {
+        crate::claims::page(PAGE, &self.options, &self.claims, tables::given(&self.found))
     }
 }

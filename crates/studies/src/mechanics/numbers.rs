@@ -27,19 +27,14 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 fn relaxation(found: &MechanicsMeasurements, all: &mut Numbers) {
     let r = &found.relaxing;
     for rate in &r.rates {
-        let chain = match (rate.over_relaxation == 1.0, rate.angle > 0.0) {
-            (true, false) => "straight",
-            (true, true) => "at an angle",
-            (false, _) => "over-relaxed",
-        };
         all.add("rate of sweeps", rate.measured)
-            .of("chain", chain)
+            .of("chain", rate.chain())
             .of("n", rate.bonds)
             .of("degrees", format!("{:.0}", rate.angle.to_degrees()))
             .of("omega", format!("{:.3}", rate.over_relaxation))
             .theory(rate.theory);
     }
-    let straight = r.rates.iter().filter(|rate| rate.angle == 0.0 && rate.over_relaxation == 1.0);
+    let straight = r.rates.iter().filter(|rate| rate.chain() == "straight");
     let off = largest(straight.map(|rate| rate.measured / rate.theory - 1.0));
     all.add("sweeps against Gauss–Seidel", off);
     all.add("iterations over sweeps", r.chain_iterations[3] / r.chain_iterations[2]);

@@ -29,6 +29,17 @@ pub struct Rate {
     pub sweeps: f64,
 }
 
+impl Rate {
+    /// What kind of chain it belongs to.
+    pub(super) fn chain(&self) -> &'static str {
+        match (self.over_relaxation == 1.0, self.angle > 0.0) {
+            (true, false) => "straight",
+            (true, true) => "at an angle",
+            (false, _) => "over-relaxed",
+        }
+    }
+}
+
 /// A tolerance at a step, on two dumbbells that meet.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct AtTolerance {

@@ -1,13 +1,10 @@
-//! What the study of mechanics asks for, and what it measured.
+//! What the study of mechanics measured.
 
 use serde::Serialize;
 
 use super::{collisions, comparison, fluid, maps, precise, pressure, relaxing};
+use crate::StudyOptions;
 use crate::claims::Claim;
-use crate::stability::StabilityOptions;
-
-/// What to study and how it is named; the default is the full study.
-pub type MechanicsOptions = StabilityOptions;
 
 /// Everything that was measured.
 #[derive(Debug, Clone, Serialize)]
@@ -40,7 +37,7 @@ pub struct MechanicsStudy {
     /// Name and version of the schema.
     pub schema: &'static str,
     /// What was asked for.
-    pub options: MechanicsOptions,
+    pub options: StudyOptions,
     /// The measurements.
     pub found: MechanicsMeasurements,
     /// What is claimed, by whom, and whether it holds.

@@ -1,9 +1,97 @@
 //! The tables of the study, as CSV and on the page.
 
+use std::f64::consts::PI;
+
 use lennard_core::{Cell, Table};
 
-use super::comparison::{Convergence, LARGEST_STEP};
+use super::collisions::Bouncing;
+use super::comparison::{Convergence, LARGEST_STEP, WayResults};
+use super::maps::{DAMPING, theory};
 use super::study::MechanicsMeasurements;
+use crate::report::{Drawn, Given};
+
+/// In figures against ωh, s = ∞ stands here.
+const AT_INFINITY: f64 = 60.0;
+
+/// What the text of the page names: the tables of the files with columns that figures need, and the tables of the page.
+pub(super) fn given(found: &MechanicsMeasurements) -> Given {
+    let mut tables: Vec<Table> = csv(found).into_iter().map(|t| extended(found, t)).collect();
+    tables.extend(by_theory(found));
+    tables.extend([ways(found), solved(found), damped(found), cradles(found), drifts(found)]);
+    Given { tables, words: vec![("ways", found.ways.len().to_string())], lists: Vec::new() }
+}
+
+/// A table with the columns that are drawn alone.
+fn extended(found: &MechanicsMeasurements, table: Table) -> Table {
+    let rates = &found.relaxing.rates;
+    let balls = found.collisions.bouncing.iter();
+    match table.name.as_str() {
+        "ways" => {
+            let cost = |w: &WayResults| -> Vec<f64> {
+                w.points.iter().map(|p| w.cost[0] / p.dt).collect()
+            };
+            table.and("cost of a time", found.ways.iter().flat_map(cost))
+        }
+        "rates" => table
+            .and("chain", rates.iter().map(|r| r.chain()))
+            .and("sweeps measured", rates.iter().map(|r| sweeps(r.measured))),
+        "spook-map" => {
+            table.and("place", found.maps.points.iter().map(|p| p.phase.min(AT_INFINITY)))
+        }
+        "penalty" => {
+            table.and("size of the gain", found.collisions.stiff.iter().map(|hit| hit.gain.abs()))
+        }
+        "bounces" => {
+            let name = |b: &Bouncing| format!("{}, e = {}", b.rule, b.restitution);
+            table.and("ball", balls.flat_map(|b| vec![name(b); b.path.len()]))
+        }
+        _ => table,
+    }
+}
+
+/// Curves of theory, and the largest step of each way.
+fn by_theory(found: &MechanicsMeasurements) -> [Table; 4] {
+    let bonds: Vec<f64> = (2..=100).map(f64::from).collect();
+    let angle = |n: &f64| PI / (n + 1.0);
+    let dense = |k: u32| 0.1 * 400.0_f64.powf(f64::from(k) / 300.0);
+    let map: Vec<(f64, f64)> =
+        DAMPING.iter().flat_map(|damping| (0..=300).map(move |k| (*damping, dense(k)))).collect();
+    let reached: Vec<(&WayResults, f64)> =
+        found.ways.iter().filter_map(|w| Some((w, w.points.last()?.position_error))).collect();
+    // Through the stiffest of the explicit springs.
+    let stiffest = reached.iter().find(|(way, _)| way.name == "spring, k = 64000");
+    let law: Vec<(f64, f64)> = stiffest
+        .and_then(|(way, error)| Some((*error, way.largest_step?)))
+        .map_or(Vec::new(), |(error, step)| {
+            [1.0, 256.0].map(|more: f64| (error * more, step * more.sqrt())).into()
+        });
+    [
+        Table::rows_of("rates by theory", &bonds)
+            .column("bonds", |n| *n)
+            .column("plain", |n| sweeps(angle(n).cos().powi(2)))
+            .column("best", |n| sweeps(2.0 / (1.0 + angle(n).sin()) - 1.0))
+            .table(),
+        Table::rows_of("spook-map by theory", &map)
+            .column("tau/h", |(damping, _)| *damping)
+            .column("omega h", |(_, s)| *s)
+            .column("radius", |(damping, s)| theory(*s, *damping).radius())
+            .table(),
+        Table::rows_of("limits", &reached)
+            .column("way", |(way, _)| &way.name)
+            .column("smallest error", |(_, error)| *error)
+            .column("largest step", |(way, _)| way.largest_step.unwrap_or(LARGEST_STEP))
+            .table(),
+        Table::rows_of("limits by theory", &law)
+            .column("error", |(error, _)| *error)
+            .column("step", |(_, step)| *step)
+            .table(),
+    ]
+}
+
+/// Sweeps of a rate for a factor of 10⁻¹².
+fn sweeps(rate: f64) -> f64 {
+    -12.0 * 10.0_f64.ln() / rate.ln()
+}
 
 /// All tables with every digit.
 pub(super) fn csv(found: &MechanicsMeasurements) -> Vec<Table> {
@@ -102,7 +190,7 @@ pub(super) fn csv(found: &MechanicsMeasurements) -> Vec<Table> {
 }
 
 /// Each way in a line.
-pub(super) fn ways(found: &MechanicsMeasurements) -> Table {
+fn ways(found: &MechanicsMeasurements) -> Table {
     let caption = format!(
         "Order of the position error, where it falls as a power of h, and RMS of the energy at the step nearest to 0.0025 τ. The largest stable step is for a rotor with Ω = 2 τ⁻¹ \
          that also vibrates, and was looked for up to {LARGEST_STEP} τ. The time is the fastest of a whole step without pair forces, per bond."
@@ -131,7 +219,7 @@ pub(super) fn ways(found: &MechanicsMeasurements) -> Table {
 }
 
 /// Problems with known solutions.
-pub(super) fn solved(found: &MechanicsMeasurements) -> Table {
+fn solved(found: &MechanicsMeasurements) -> Table {
     Table::rows_of("solved-in-a-line", &found.solved)
         .caption("Largest error of a position at the end, at the smallest step.")
         .column("Problem", |s| s.problem)
@@ -143,7 +231,7 @@ pub(super) fn solved(found: &MechanicsMeasurements) -> Table {
 }
 
 /// Restitution of damped springs.
-pub(super) fn damped(found: &MechanicsMeasurements) -> Table {
+fn damped(found: &MechanicsMeasurements) -> Table {
     Table::rows_of("damped-springs", &found.collisions.damped)
         .caption("Soft walls with a dashpot at ωh = 0.1, over all phases of the step.")
         .column("Law", |d| d.law)
@@ -154,7 +242,7 @@ pub(super) fn damped(found: &MechanicsMeasurements) -> Table {
 }
 
 /// Rows of balls.
-pub(super) fn cradles(found: &MechanicsMeasurements) -> Table {
+fn cradles(found: &MechanicsMeasurements) -> Table {
     let row = |values: &[f64]| {
         let words: Vec<String> = values.iter().map(|v| format!("{v:.4}")).collect();
         Cell::figures(words.join(", "))
@@ -168,7 +256,7 @@ pub(super) fn cradles(found: &MechanicsMeasurements) -> Table {
 }
 
 /// Drifts of fluids.
-pub(super) fn drifts(found: &MechanicsMeasurements) -> Table {
+fn drifts(found: &MechanicsMeasurements) -> Table {
     Table::rows_of("drifts-in-a-line", &found.drifts)
         .caption(
             "Fluids of 108 dumbbells at constant energy. The error is of the slope of ten means.",

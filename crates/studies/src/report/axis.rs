@@ -1,6 +1,7 @@
 //! Axes: ranges, ticks and their labels.
 
 use lennard_core::number::{significant, superscript};
+use serde::Deserialize;
 
 use crate::report::ReportError;
 
@@ -12,7 +13,8 @@ const LOGARITHMIC_MARGIN: f64 = 1.3;
 const MOST_LABELS: usize = 6;
 
 /// How values are laid along an axis.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Scale {
     /// Equal differences.
     #[default]
@@ -22,11 +24,13 @@ pub enum Scale {
 }
 
 /// An axis.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Axis {
     /// Quantity and unit.
     pub label: String,
     /// Linear or logarithmic.
+    #[serde(default)]
     pub scale: Scale,
     /// Fixed ends; fitted to the values where `None`.
     pub range: Option<(f64, f64)>,

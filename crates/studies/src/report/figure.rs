@@ -1,5 +1,7 @@
 //! A figure as data: axes, series, guides.
 
+use serde::Deserialize;
+
 use crate::report::{Axis, Dash, Symbol};
 
 /// A point with an optional error bar.
@@ -131,7 +133,8 @@ impl Series {
 }
 
 /// A thin line, or a tinted strip, across the figure with a word beside it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Guide {
     /// At this abscissa, from bottom to top.
     Vertical(f64, String),

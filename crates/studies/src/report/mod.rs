@@ -17,6 +17,7 @@ mod picture;
 mod row;
 mod sheet;
 mod table;
+mod written;
 
 pub use axis::{Axis, Scale};
 pub use bars::{BarFigure, BarSeries};
@@ -31,6 +32,7 @@ pub use particles::{ParticleFigure, Sphere};
 pub use picture::{Drawing, Picture};
 pub use row::{Columns, FigureRow};
 pub use table::{ErrorStyle, cell_text, heading, is_numeric};
+pub(crate) use written::{Drawn, Given, filled, written};
 
 /// Why a figure cannot be drawn.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -53,6 +55,9 @@ pub enum ReportError {
         /// Upper end asked for.
         high: String,
     },
+    /// The text of a page names what is not there.
+    #[error("the text of the page: {0}")]
+    Text(String),
     /// The bars of a series are not one for each group.
     #[error("figure `{figure}`: series `{series}` has {found} bars for {wanted} groups")]
     BarCount {

@@ -15,11 +15,17 @@
 //! ```
 //!
 //! `by` draws one series for each value of a column, in the order of the table, and `{}` in the name stands for this value.
+//! The page of a study has such rows in a file: see [`super::written`].
 //! `error` names the column of standard errors. Curves that are no columns, such as a law, are `theory`.
 
-use lennard_core::{Cell, Table, Value};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 
-use crate::report::{Axis, Figure, Guide, Look, Picture, Point, Series};
+use lennard_core::{Cell, Table, Value};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
+
+use crate::report::{Axis, Dash, Figure, Guide, Look, Picture, Point, Series, Symbol};
 
 /// Points of a line that can be told apart on a page.
 const MOST_POINTS: usize = 600;
@@ -48,33 +54,95 @@ pub struct FigureRow<'a> {
 }
 
 /// Columns that are drawn: one series, or one for each value of another column.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Columns<'a> {
     /// Name in the legend; `{}` stands for the value of the column that divides the rows.
-    name: &'a str,
-    /// The columns of abscissa and ordinate.
-    names: [&'a str; 2],
+    #[serde(default)]
+    name: Cow<'a, str>,
+    /// The table, where it is not the one of the figure.
+    pub(super) table: Option<Cow<'a, str>>,
+    /// The column of abscissae.
+    x: Cow<'a, str>,
+    /// The column of ordinates.
+    y: Cow<'a, str>,
     /// The column of standard errors.
-    error: Option<&'a str>,
+    error: Option<Cow<'a, str>>,
+    /// The column with what a reader sees who points at a mark.
+    note: Option<Cow<'a, str>>,
+    /// The column with the abscissae of failed runs.
+    failed: Option<Cow<'a, str>>,
     /// The look of the series of an index.
-    look: fn(usize) -> Look,
+    #[serde(deserialize_with = "look_of_name")]
+    look: LookOf,
     /// The index of the first series.
+    #[serde(default, rename = "at")]
     first: usize,
+    /// The column with the index of a series, in place of their order.
+    index: Option<Cow<'a, str>>,
     /// The column that divides the rows.
-    by: Option<&'a str>,
+    by: Option<Cow<'a, str>>,
+    /// The rows that are drawn: columns with the values that they must have, as they are written.
+    #[serde(default)]
+    pub(super) only: Only,
+    /// Of each series, the first point that is drawn …
+    #[serde(default)]
+    from: usize,
+    /// … and each so manieth after it; zero for all.
+    #[serde(default)]
+    every: usize,
+}
+
+/// The look of the series of an index.
+type LookOf = fn(usize) -> Look;
+
+/// Columns with the values that their rows must have, as they are written.
+pub(super) type Only = BTreeMap<String, Vec<String>>;
+
+/// The looks by the names that a file has for them.
+fn look_of_name<'de, D: Deserializer<'de>>(from: D) -> Result<LookOf, D::Error> {
+    const LOOKS: [(&str, LookOf); 9] = [
+        ("line", Look::line),
+        ("marks", Look::marks),
+        ("joined", Look::joined),
+        ("disc", |_| Look::Points(Symbol::Disc)),
+        ("ring", |_| Look::Points(Symbol::Ring)),
+        ("solid", |_| Look::Line(Dash::Solid)),
+        ("dashed", |_| Look::Line(Dash::Dashed)),
+        ("dotted", |_| Look::Line(Dash::Dotted)),
+        ("dashed marks", |i| Look::LineAndPoints(Dash::Dashed, Symbol::cycle(i))),
+    ];
+    let name = String::deserialize(from)?;
+    let look = LOOKS.iter().find(|(known, _)| *known == name);
+    look.map(|(_, look)| *look).ok_or_else(|| D::Error::custom(format!("no look `{name}`")))
 }
 
 impl<'a> Columns<'a> {
     /// Abscissa and ordinate under a name in the legend; an empty one keeps them out.
     #[must_use]
-    pub fn new(name: &'a str, names: [&'a str; 2], look: fn(usize) -> Look) -> Self {
-        Self { name, names, error: None, look, first: 0, by: None }
+    pub fn new(name: &'a str, [x, y]: [&'a str; 2], look: LookOf) -> Self {
+        Self {
+            name: name.into(),
+            table: None,
+            x: x.into(),
+            y: y.into(),
+            error: None,
+            note: None,
+            failed: None,
+            look,
+            first: 0,
+            index: None,
+            by: None,
+            only: Only::new(),
+            from: 0,
+            every: 0,
+        }
     }
 
     /// The same with the standard errors of this column: its numbers, or the errors in it where it is the column that is drawn.
     #[must_use]
     pub fn error(self, column: &'a str) -> Self {
-        Self { error: Some(column), ..self }
+        Self { error: Some(column.into()), ..self }
     }
 
     /// The same with the look and the color of the `index`-th series.
@@ -86,39 +154,57 @@ impl<'a> Columns<'a> {
     /// One series for each value of this column.
     #[must_use]
     pub fn by(self, column: &'a str) -> Self {
-        Self { by: Some(column), ..self }
+        Self { by: Some(column.into()), ..self }
+    }
+
+    /// The first column that a table lacks.
+    pub(super) fn lacking(&self, table: &Table) -> Option<&str> {
+        let options = [&self.error, &self.note, &self.failed, &self.index, &self.by];
+        let named = options.into_iter().flatten().chain([&self.x, &self.y]).map(|name| &**name);
+        let mut all = named.chain(self.only.keys().map(String::as_str));
+        all.find(|name| !table.columns.iter().any(|column| column.name == *name))
     }
 
     /// The series of a table; none where it lacks a column.
     fn series(&self, table: &Table) -> Option<Vec<Series>> {
-        let [x, y] = self.names.map(|name| table.numbers(name));
-        let (x, y) = (x?, y?);
-        let error = self.error.and_then(|name| match name == self.names[1] {
+        if self.lacking(table).is_some() {
+            return None;
+        }
+        let numbers = |name: &Option<Cow<'_, str>>| table.numbers(name.as_deref()?);
+        let (x, y) = (table.numbers(&self.x)?, table.numbers(&self.y)?);
+        let [failed, index] = [&self.failed, &self.index].map(numbers);
+        let error = self.error.as_ref().and_then(|name| match *name == self.y {
             true => own_errors(table, name),
             false => table.numbers(name),
         });
         let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
-        for row in 0..table.rows() {
-            let value = self.by.map_or(Some(String::new()), |by| value_of(table, by, row))?;
-            match groups.iter_mut().find(|(known, _)| *known == value) {
+        for row in (0..table.rows()).filter(|row| takes(&self.only, table, *row)) {
+            let value = self.by.as_ref().map_or(Some(String::new()), |by| value_of(table, by, row));
+            match groups.iter_mut().find(|(known, _)| Some(known) == value.as_ref()) {
                 Some((_, rows)) => rows.push(row),
-                None => groups.push((value, vec![row])),
+                None => groups.push((value?, vec![row])),
             }
         }
         let point = |row: usize| Point {
             error: error.as_ref().map(|error| error[row]),
+            note: self.note.as_ref().and_then(|note| value_of(table, note, row)),
             ..Point::from((x[row], y[row]))
         };
         let series = groups.into_iter().enumerate().map(|(i, (value, rows))| {
-            let index = self.first + i;
+            let index = index.as_ref().map_or(self.first + i, |index| index[rows[0]] as usize);
+            let failed = rows.iter().filter_map(|row| Some(failed.as_ref()?[*row]));
+            let failures = failed.filter(|x| x.is_finite()).collect();
             let points: Vec<Point> = rows
-                .into_iter()
-                .map(point)
+                .iter()
+                .map(|row| point(*row))
                 .filter(|p| p.x.is_finite() && p.y.is_finite())
+                .skip(self.from)
+                .step_by(self.every.max(1))
                 .collect();
             let look = (self.look)(index);
             let points = if matches!(look, Look::Line(_)) { thinned(points) } else { points };
             Series::new(self.name.replace("{}", &value), look, index, points)
+                .with_failures(failures)
         });
         Some(series.collect())
     }
@@ -134,8 +220,16 @@ fn own_errors(table: &Table, name: &str) -> Option<Vec<f64>> {
     Some(column.cells.iter().map(error).collect())
 }
 
-/// The value of a cell that divides rows, as it is written.
-fn value_of(table: &Table, column: &str, row: usize) -> Option<String> {
+/// Whether a row has the values that it must have.
+pub(super) fn takes(only: &Only, table: &Table, row: usize) -> bool {
+    let has = |(column, values): (&String, &Vec<String>)| {
+        value_of(table, column, row).is_some_and(|value| values.contains(&value))
+    };
+    only.iter().all(has)
+}
+
+/// The value of a cell, as it is written.
+pub(super) fn value_of(table: &Table, column: &str, row: usize) -> Option<String> {
     let column = table.columns.iter().find(|c| c.name == column)?;
     Some(match &column.cells.get(row)?.value {
         Value::Words(words) | Value::Figures(words) => words.clone(),
@@ -161,7 +255,11 @@ impl FigureRow<'_> {
     /// The figure with its caption; none where there is no such table, or nothing in its columns.
     pub fn draw(self, tables: impl Fn(&str) -> Option<Table>) -> Option<Picture> {
         let table = tables(self.table)?;
-        let drawn = self.columns.iter().filter_map(|columns| columns.series(&table)).flatten();
+        let series = |columns: &Columns<'_>| match &columns.table {
+            Some(other) => columns.series(&tables(other)?),
+            None => columns.series(&table),
+        };
+        let drawn = self.columns.iter().filter_map(series).flatten();
         let figure = Figure {
             series: self.theory.into_iter().chain(drawn).collect(),
             guides: self.guides,

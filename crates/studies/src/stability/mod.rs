@@ -5,10 +5,8 @@
 //! here without a change of this crate.
 
 pub mod amplification;
-mod convergence_figures;
 pub mod discretisation;
 pub mod displacement;
-mod figures;
 pub(crate) mod fit;
 pub mod fluid;
 pub mod groups;
@@ -17,21 +15,23 @@ pub(crate) mod map;
 mod numbers;
 pub mod orders;
 pub(crate) mod oscillator;
-mod page;
 mod study;
 mod tables;
 pub mod variable_step;
 
 use lennard_core::Table;
 
-pub use study::{OscillatorStudy, StabilityOptions, StabilityStudy};
+pub use study::{OscillatorStudy, StabilityStudy};
 
 use crate::progress::Part;
 use crate::report::Page;
-use crate::{Progress, Study, StudyError};
+use crate::{Progress, Study, StudyError, StudyOptions};
 
 /// Who claims what about integrators.
 const CLAIMS: &str = include_str!("claims.csv");
+
+/// The page with its figures.
+const PAGE: &str = include_str!("page.toml");
 
 /// Share of the oscillator part in the time of the whole study.
 const OSCILLATOR_SHARE: f64 = 0.03;
@@ -42,7 +42,7 @@ const OSCILLATOR_SHARE: f64 = 0.03;
 /// [`StudyError`] where a method fails at a place where all must work. An unstable method, or one that refuses,
 /// is a result and no error.
 pub fn run(
-    options: &StabilityOptions,
+    options: &StudyOptions,
     progress: &mut dyn Progress,
 ) -> Result<StabilityStudy, StudyError> {
     let oscillator = oscillator(options.quick, progress)?;
@@ -91,8 +91,10 @@ impl Study for StabilityStudy {
         tables
     }
 
-    fn page(&self) -> Page {
-        page::page(self)
+    fn page(&self) -> Result<Page, StudyError> {
+        let mut given = tables::given(&self.oscillator);
+        fluid::give(&self.fluid, &mut given);
+        crate::claims::page(PAGE, &self.options, &self.claims, given)
     }
 }
 

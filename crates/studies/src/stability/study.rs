@@ -1,27 +1,11 @@
-//! What the study of stability asks for, and what it measured.
+//! What the study of stability measured.
 
 use serde::Serialize;
 
 use super::fluid::FluidStudy;
 use super::{amplification, discretisation, displacement, groups, infinite, orders, variable_step};
+use crate::StudyOptions;
 use crate::claims::Claim;
-
-/// What to study and how it is named.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StabilityOptions {
-    /// Shorter runs on coarser grids, for tests.
-    pub quick: bool,
-    /// The command that is printed below figures and tables.
-    pub command: String,
-    /// Names and values for the footer of the page (machine, date), which the study itself does not look up.
-    pub provenance: Vec<(String, String)>,
-}
-
-impl Default for StabilityOptions {
-    fn default() -> Self {
-        Self { quick: false, command: "lennard stability".into(), provenance: Vec::new() }
-    }
-}
 
 /// Everything found on the oscillator.
 #[derive(Debug, Clone, Serialize)]
@@ -50,7 +34,7 @@ pub struct StabilityStudy {
     /// Name and version of the schema.
     pub schema: &'static str,
     /// What was asked for.
-    pub options: StabilityOptions,
+    pub options: StudyOptions,
     /// The oscillator.
     pub oscillator: OscillatorStudy,
     /// The fluid.

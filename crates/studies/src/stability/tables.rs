@@ -1,11 +1,177 @@
 //! The tables of the oscillator part, as CSV and on the page.
 
-use crate::report::significant;
-use lennard_core::{Cell, Table, Tone};
+use lennard_core::{Cell, RowsOf, Table, Tone};
 
-use super::displacement::{Case, STEP};
+use super::amplification::{MethodMap, theory};
+use super::displacement::{Case, Run, STEP};
+use super::groups::Group;
+use super::map::StepMap;
 use super::orders::OrderLine;
 use super::study::OscillatorStudy;
+use super::variable_step::exact_path;
+use crate::report::{Drawn, Given, significant};
+
+/// The largest spectral radius shown.
+const TALLEST: f64 = 3.0;
+/// |x| in σ at which a line that leaves its figure is not followed any further.
+const OUT_OF_SIGHT: f64 = 2e4;
+/// Steps shown in the close view of a stiff case.
+const CLOSE_STEPS: usize = 24;
+/// Points of a line less one.
+const DENSE: u32 = 499;
+
+/// What the text of the page names on the oscillator: words, lists, the tables of the files with columns that figures need, and
+/// the tables of the page.
+pub(super) fn given(study: &OscillatorStudy) -> Given {
+    let shared = study.groups.iter().filter(|g| g.members.len() > 1);
+    let groups = shared.map(|group| {
+        let names = group.members.iter().map(|m| format!("`{}`", m.spec.name));
+        format!("One map, one line: {}.", names.collect::<Vec<_>>().join(", "))
+    });
+    let at_infinity = &study.infinite;
+    let rigid = at_infinity.rigid.iter().find(|r| r.damping_steps == 0.0);
+    let last = rigid.map_or(f64::NAN, |r| r.last_displacement);
+    let points = order_points(study);
+    let orders = order_columns(Table::rows_of("orders", &points))
+        .column("label", |p| &p.label)
+        .column("drawn", |p| if p.group.is_some() { "yes" } else { "no" })
+        .column("index", |p| p.group.unwrap_or(0))
+        .column("error by theory", |p| p.by_theory)
+        .table();
+    let mut tables = vec![maps(study), cases(study), orders, limits_on_page(study)];
+    tables.push(
+        Table::rows_of("analytic", &exact_path())
+            .column("time", |p| p.0)
+            .column("x", |p| p.1)
+            .table(),
+    );
+    tables.extend(csv(study).into_iter().map(|table| extended(study, table)));
+    tables.extend(study.cases.iter().map(case_on_page));
+    Given {
+        tables,
+        words: vec![
+            ("methods", study.methods.len().to_string()),
+            ("steps at infinity", at_infinity.steps.to_string()),
+            ("last displacement", significant(last, 7)),
+            ("deviation", significant(at_infinity.deviation_from_linear, 1)),
+            ("deviation at the limit", significant(at_infinity.at_limit.deviation_from_linear, 1)),
+        ],
+        lists: vec![("groups", groups.collect())],
+    }
+}
+
+/// A table with the columns that are drawn alone.
+fn extended(study: &OscillatorStudy, table: Table) -> Table {
+    let column = |name: &str| table.numbers(name).unwrap_or_default();
+    match table.name.as_str() {
+        "amplification" => {
+            let of_method = |m: &MethodMap| vec![m.group; m.points.len()];
+            let groups: Vec<usize> = study.methods.iter().flat_map(of_method).collect();
+            let [omega_h, phase, radius] =
+                ["omega h", "phase measured", "radius measured"].map(column);
+            of_groups(table, &study.groups, &groups)
+                .and("radius shown", radius.iter().map(|r| Some(*r).filter(|r| *r <= TALLEST)))
+                .and("phase error", omega_h.iter().zip(&phase).map(|(x, p)| phase_error(*x, *p)))
+        }
+        "exponential-error" => {
+            let [wh, wt, root, taylor] = [
+                "wh",
+                "wt",
+                "relative error from the growing root",
+                "relative error from the Taylor start",
+            ]
+            .map(column);
+            let over_square = |(error, wh): (&f64, &f64)| error / (wh * wh);
+            table
+                .and("from q₊", root.iter().zip(&wh).map(over_square))
+                .and("from the Taylor start", taylor.iter().zip(&wh).map(over_square))
+                .and("wt/24", wt.iter().map(|t| t / 24.0))
+                .and("wt/24 + 1/16", wt.iter().map(|t| t / 24.0 + 1.0 / 16.0))
+        }
+        "infinite-stiffness" => {
+            let (steps, x) = (column("step"), column("|x|"));
+            let largest = |largest: &mut f64, (n, x): (&f64, &f64)| {
+                *largest = if *n == 1.0 { *x } else { largest.max(*x) };
+                Some(*largest)
+            };
+            table
+                .and("largest |x|", steps.iter().zip(&x).scan(0.0, largest))
+                .and("2n + 1", steps.iter().map(|n| 2.0 * n + 1.0))
+        }
+        _ => table,
+    }
+}
+
+/// A table with names and indices of the groups of its rows.
+pub(super) fn of_groups(table: Table, groups: &[Group], of_rows: &[usize]) -> Table {
+    table
+        .and("group", of_rows.iter().map(|g| groups[*g].name.as_str()))
+        .and("index", of_rows.iter().copied())
+}
+
+/// |θ/(ωh) − 1|.
+fn phase_error(omega_h: f64, phase: f64) -> f64 {
+    (phase / omega_h - 1.0).abs()
+}
+
+/// The declared map of each group along ωh. The exact solution has no phase error to show on a logarithmic axis.
+fn maps(study: &OscillatorStudy) -> Table {
+    let share = |i: u32| f64::from(i) / f64::from(DENSE);
+    let groups = study.groups.iter().enumerate();
+    let places: Vec<(usize, &Group, f64)> =
+        groups.flat_map(|(g, group)| (0..=DENSE).map(move |i| (g, group, share(i)))).collect();
+    let along = |share: f64| 0.004 + (4.0 - 0.004) * share;
+    let of_phases = |share: f64| 0.05 * (3.2_f64 / 0.05).powf(share);
+    Table::rows_of("maps", &places)
+        .column("group", |(_, group, _)| &group.name)
+        .column("index", |(g, ..)| *g)
+        .column("omega h", |(.., share)| along(*share))
+        .column("radius", |(_, group, share)| {
+            theory(group.first(), along(*share)).map(StepMap::radius)
+        })
+        .column("omega h of phases", |(.., share)| of_phases(*share))
+        .column("phase error", |(_, group, share)| {
+            let is_exact = group.first().spec.position_order == 0;
+            let phase = theory(group.first(), of_phases(*share)).and_then(StepMap::phase);
+            phase.filter(|_| !is_exact).map(|phase| phase_error(of_phases(*share), phase))
+        })
+        .table()
+}
+
+/// A step of a run, with its case.
+type CaseStep<'a> = (&'a Case, &'a Run, usize);
+
+/// Every run of every case up to where it leaves all figures. Large swings come first: small ones are drawn over them.
+fn cases(study: &OscillatorStudy) -> Table {
+    let mut steps: Vec<CaseStep<'_>> = Vec::new();
+    for case in &study.cases {
+        let mut runs: Vec<&Run> = case.runs.iter().collect();
+        let size = |r: &Run| r.positions.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        runs.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        for run in runs {
+            let sight = run.positions.iter().position(|x| x.abs() > OUT_OF_SIGHT);
+            let shown = sight.map_or(run.positions.len(), |n| n + 1);
+            steps.extend((0..shown).map(|n| (case, run, n)));
+        }
+    }
+    let time = |n: usize| n as f64 * STEP;
+    let stopped = |(_, run, n): &CaseStep<'_>, within: usize| {
+        let end = run.positions.len() - 1;
+        (*n == 0 && run.stopped.is_some() && end <= within).then(|| time(end))
+    };
+    let groups: Vec<usize> = steps.iter().map(|(_, run, _)| run.group).collect();
+    let table = Table::rows_of("cases", &steps)
+        .column("case", |(case, ..)| case.name)
+        .column("title", |(case, ..)| case.title)
+        .column("omega h", |(case, ..)| Cell::figures(format!("{:.6}", case.omega_h)))
+        .column("time", |(.., n)| time(*n))
+        .column("x", |(_, run, n)| run.positions[*n])
+        .column("x of first steps", |(_, run, n)| (*n <= CLOSE_STEPS).then(|| run.positions[*n]))
+        .column("energy", |(_, run, n)| run.energies[*n] / run.energies[0])
+        .column("stopped", |step| stopped(step, usize::MAX))
+        .column("stopped at first", |step| stopped(step, CLOSE_STEPS));
+    of_groups(table.table(), &study.groups, &groups)
+}
 
 /// All CSV tables of the oscillator part.
 pub(crate) fn csv(study: &OscillatorStudy) -> Vec<Table> {
@@ -44,12 +210,18 @@ fn limits(study: &OscillatorStudy) -> Table {
 struct OrderPoint<'a> {
     kind: &'static str,
     name: &'a str,
+    /// The group that the line stands for, where it is drawn for one.
+    group: Option<usize>,
+    /// Name and measured order.
+    label: String,
     theory: Option<f64>,
     measured: Option<f64>,
     at: (f64, f64),
+    /// The error on the line of the order of theory through the middle step.
+    by_theory: Option<f64>,
 }
 
-fn orders(study: &OscillatorStudy) -> Table {
+fn order_points(study: &OscillatorStudy) -> Vec<OrderPoint<'_>> {
     let o = &study.orders;
     let kinds: [(&'static str, &[OrderLine]); 6] = [
         ("global position", &o.positions),
@@ -62,32 +234,55 @@ fn orders(study: &OscillatorStudy) -> Table {
     let mut points = Vec::new();
     for (kind, lines) in kinds {
         for line in lines {
+            let stands_for =
+                |g: &Group| kind.starts_with("global") && g.first().spec.name == line.name;
+            let group = study.groups.iter().position(stands_for);
+            let name = group.map_or(&line.name, |g| &study.groups[g].name);
+            let order = line.measured.map_or("rounding".to_owned(), |p| format!("order {p:.2}"));
+            let (h, e) = line.errors[line.errors.len() / 2];
             points.extend(line.errors.iter().map(|at| OrderPoint {
                 kind,
                 name: &line.name,
+                group,
+                label: format!("{name}: {order}"),
                 theory: Some(line.theory),
                 measured: line.measured,
                 at: *at,
+                by_theory: line.measured.map(|_| e * (at.0 / h).powf(line.theory)),
             }));
         }
     }
     for run in &study.step_rules {
+        // Adding zero turns −0.00 into 0.00.
+        let order = |order: f64| {
+            format!("{}: order {:.2}", run.rule, (100.0 * order).round() / 100.0 + 0.0)
+        };
         points.extend(run.errors.iter().map(|at| OrderPoint {
             kind: "changing step",
             name: run.rule,
+            group: None,
+            label: run.order.map_or(run.rule.to_owned(), order),
             theory: None,
             measured: run.order,
             at: *at,
+            by_theory: None,
         }));
     }
-    Table::rows_of("orders", &points)
+    points
+}
+
+fn orders(study: &OscillatorStudy) -> Table {
+    order_columns(Table::rows_of("orders", &order_points(study))).table()
+}
+
+fn order_columns<'a>(table: RowsOf<'a, OrderPoint<'a>>) -> RowsOf<'a, OrderPoint<'a>> {
+    table
         .column("kind", |p| p.kind)
         .column("name", |p| p.name)
         .column("order by theory", |p| p.theory)
         .column("order measured", |p| p.measured)
         .column("h [tau]", |p| p.at.0)
         .column("error", |p| p.at.1)
-        .table()
 }
 
 fn growth(study: &OscillatorStudy) -> Table {
@@ -165,12 +360,12 @@ fn paths(study: &OscillatorStudy) -> Table {
 }
 
 /// The largest stable ωh of every method.
-pub(crate) fn limits_on_page(study: &OscillatorStudy) -> Table {
+fn limits_on_page(study: &OscillatorStudy) -> Table {
     let caption = "The largest stable ωh on the oscillator: as declared, from the declared map, and by \
                    bisection over runs of 50 000 steps, which count as bounded while |x| < 10⁶. The last \
                    column is the largest relative difference between the measured and the declared spectral \
                    radius.";
-    Table::rows_of("limits", &study.methods)
+    Table::rows_of("limits-of-methods", &study.methods)
         .caption(caption)
         .column("Method", |m| format!("`{}`", m.method))
         .column("Declared", |m| Cell::rounded(m.declared_limit, 8).or_figures("none"))
@@ -188,7 +383,7 @@ pub(crate) fn limits_on_page(study: &OscillatorStudy) -> Table {
 }
 
 /// The fate of each method at one stiffness.
-pub(crate) fn case_on_page(case: &Case) -> Table {
+fn case_on_page(case: &Case) -> Table {
     let steps = case.summaries.first().map_or(0, |s| s.steps);
     let caption = format!(
         "{} = {} ε/σ², ωh = {:.6}, over {steps} steps. The amplitude by theory is the amplitude of the one-step \

@@ -6,14 +6,14 @@ use lennard_integrators::bond_methods;
 use lennard_observables::Verdict;
 use lennard_studies::claims::Source;
 use lennard_studies::mechanics::comparison::Convergence;
-use lennard_studies::mechanics::{self, MechanicsOptions, MechanicsStudy};
-use lennard_studies::{Silent, Study};
+use lennard_studies::mechanics::{self, MechanicsStudy};
+use lennard_studies::{Silent, Study, StudyOptions};
 
 fn study() -> MechanicsStudy {
-    let options = MechanicsOptions {
+    let options = StudyOptions {
         quick: true,
         command: "lennard mechanics --quick --out \"<dir>\"".into(),
-        ..MechanicsOptions::default()
+        ..StudyOptions::default()
     };
     mechanics::run(&options, &mut Silent).expect("the quick study runs")
 }

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use lennard_observables::Verdict;
 use lennard_studies::stability::fluid::run::{FluidRun, Outcome};
-use lennard_studies::stability::{self, StabilityOptions, StabilityStudy};
-use lennard_studies::{Progress, Study};
+use lennard_studies::stability::{self, StabilityStudy};
+use lennard_studies::{Progress, Study, StudyOptions};
 
 /// Keeps what it is told.
 #[derive(Default)]
@@ -18,10 +18,10 @@ impl Progress for Told {
 }
 
 fn study() -> (StabilityStudy, Told) {
-    let options = StabilityOptions {
+    let options = StudyOptions {
         quick: true,
         command: "lennard stability --quick --out \"<dir>\"".into(),
-        ..StabilityOptions::default()
+        ..StudyOptions::default()
     };
     let mut told = Told::default();
     let study = stability::run(&options, &mut told).expect("the quick study runs");

@@ -1,7 +1,6 @@
 //! `lennard stability` and `lennard mechanics`: studies of few bodies, theory and measurement in one picture.
 
-use lennard_studies::stability::{self, StabilityOptions};
-use lennard_studies::{Progress, Study, StudyError, mechanics};
+use lennard_studies::{Progress, Study, StudyError, StudyOptions, mechanics, stability};
 
 use crate::program::args::StabilityArgs;
 use crate::program::commands::{UNFINISHED, answer, on_threads, output_folder, replace_if};
@@ -24,7 +23,7 @@ pub fn mechanics(args: &StabilityArgs) -> Result<u8, Failure> {
 fn study<S: Study + Send>(
     args: &StabilityArgs,
     name: &str,
-    run: fn(&StabilityOptions, &mut dyn Progress) -> Result<S, StudyError>,
+    run: fn(&StudyOptions, &mut dyn Progress) -> Result<S, StudyError>,
 ) -> Result<u8, Failure> {
     let nothing = || StartUp::of_nothing(UNFINISHED);
     let signals = Signals::listen(nothing())?;
@@ -33,7 +32,7 @@ fn study<S: Study + Send>(
         |_| Some(nothing()),
     )?;
     let threads = args.threads.map_or_else(lennard_core::parallel::processors, usize::from);
-    let options = StabilityOptions {
+    let options = StudyOptions {
         quick: args.quick,
         command: typed::again(None, &[]),
         provenance: vec![
@@ -43,13 +42,14 @@ fn study<S: Study + Send>(
         ],
     };
     let mut progress = Display::of_study(args.quiet);
-    let study = on_threads(threads, || {
+    let (study, page) = on_threads(threads, || {
         let study = run(&options, &mut progress)?;
         study.write(folder.path())?;
-        Ok(study)
+        let page = study.page()?;
+        Ok((study, page))
     })?;
     drop(progress);
-    answer(args.json, args.quiet, &study, || show::page(&study.page(), folder.path()))
+    answer(args.json, args.quiet, &study, || show::page(&page, folder.path()))
 }
 
 impl From<StudyError> for Failure {

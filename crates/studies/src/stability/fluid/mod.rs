@@ -1,9 +1,7 @@
 //! The fluid part of the study: the largest step at which each method stays stable in a Lennard-Jones liquid. Below
 //! it, drift and fluctuation of the energy are measured.
 
-mod figures;
 pub mod limit;
-mod page;
 pub mod run;
 pub mod start;
 mod study;
@@ -20,9 +18,8 @@ use run::{FluidRun, Plan};
 use start::{FluidStart, STATES, TRUNCATIONS};
 use study::{SHOWN_TRUNCATION, limit_at};
 
-pub(crate) use page::sections;
 pub use study::FluidStudy;
-pub(crate) use tables::csv;
+pub(crate) use tables::{csv, give};
 
 /// Steps of the drift and fluctuation runs, τ.
 const STEPS: [f64; 8] = [0.001, 0.002, 0.004, 0.006, 0.008, 0.012, 0.016, 0.024];

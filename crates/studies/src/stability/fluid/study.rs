@@ -27,19 +27,6 @@ pub struct FluidStudy {
     pub past_limit: Vec<(f64, FluidRun)>,
 }
 
-impl FluidStudy {
-    /// The runs at a state point under a truncation, as indices of [`STATES`] and [`TRUNCATIONS`].
-    pub(super) fn runs_at(
-        &self,
-        state: usize,
-        truncation: usize,
-    ) -> impl Iterator<Item = &FluidRun> {
-        let (state, truncation) = (STATES[state].name, TRUNCATIONS[truncation].1);
-        let here = move |r: &&FluidRun| r.state == state && r.truncation == truncation;
-        self.runs.iter().filter(here)
-    }
-}
-
 /// The limit of a method at a state point under a truncation, as indices of [`STATES`] and [`TRUNCATIONS`].
 pub(super) fn limit_at<'a>(
     limits: &'a [FluidLimit],

@@ -1,14 +1,19 @@
 //! The tables of the fluid part, as CSV and on the page.
 
-use crate::report::significant;
 use lennard_core::{Cell, RowsOf, Table, Tone};
 
-use super::limit::FluidLimit;
+use super::limit::{self, FluidLimit};
 use super::run::{FluidRun, Outcome};
-use super::start::{STATES, TRUNCATIONS};
+use super::start::{self, STATES, TRUNCATIONS};
 use super::study::{FluidStudy, SHOWN_TRUNCATION, limit_at};
+use crate::report::{Drawn, Given, significant};
+use crate::stability::groups::{Group, groups};
+use crate::stability::tables::of_groups;
 
-pub(crate) fn in_words(outcome: &Outcome) -> String {
+/// The state points in names of files.
+const PLACES: [&str; 3] = ["triple-point", "t-1.5", "t-5"];
+
+fn in_words(outcome: &Outcome) -> String {
     match outcome {
         Outcome::Completed => "completed".to_owned(),
         Outcome::Stopped { step, time, reason } => {
@@ -40,6 +45,66 @@ fn of_runs<'a, T>(table: RowsOf<'a, T>, run: impl Fn(&'a T) -> &'a FluidRun) -> 
         .column("momentum per atom", |i| run(i).momentum)
         .column("force evaluations per step", |i| run(i).evaluations_per_step)
         .table()
+}
+
+/// Adds what the text of the page names on the fluid.
+pub(crate) fn give(study: &FluidStudy, given: &mut Given) {
+    let groups = groups();
+    let tables = csv(study).into_iter().map(|table| extended(study, &groups, table));
+    given.tables.extend(tables);
+    given.tables.extend([limits_on_page(study), cost_on_page(study), past_on_page(study)]);
+    given.words.extend([
+        ("atoms", start::ATOMS.to_string()),
+        ("density", start::DENSITY.to_string()),
+        ("r_cut", start::R_CUT.to_string()),
+        ("allowed change", (100.0 * limit::ALLOWED_CHANGE).to_string()),
+        ("least time", limit::LEAST_TIME.to_string()),
+        ("least steps", limit::LEAST_STEPS.to_string()),
+    ]);
+    let left_out = study.left_out.iter();
+    let left_out = left_out.map(|(name, reason)| format!("Left out: `{name}`: {reason}."));
+    given.lists.push(("left out", left_out.collect()));
+}
+
+/// A table with the columns that are drawn alone.
+fn extended(study: &FluidStudy, groups: &[Group], table: Table) -> Table {
+    let place = |state: &str| STATES.iter().position(|s| s.name == state).unwrap_or_default();
+    let group = |method: &str| {
+        let has = |group: &Group| group.members.iter().any(|e| e.spec.name == method);
+        groups.iter().position(has).unwrap_or_default()
+    };
+    let of_methods = |table: Table, methods: Vec<&'static str>| {
+        let of_rows: Vec<usize> = methods.iter().map(|method| group(method)).collect();
+        let stands = |(m, g): (&&str, &usize)| groups[*g].representative().spec.name == *m;
+        let drawn = methods.iter().zip(&of_rows).map(stands);
+        let table = table.and("drawn", drawn.map(|drawn| if drawn { "yes" } else { "no" }));
+        of_groups(table, groups, &of_rows)
+    };
+    let of_runs = |table: Table, runs: &[&FluidRun]| {
+        let table = table
+            .and("failed", runs.iter().map(|r| Some(r.dt).filter(|_| !r.completed())))
+            .and("|drift|", runs.iter().map(|r| r.drift.map(f64::abs)))
+            .and("note", runs.iter().map(|r| format!("{}, dt = {}", r.method, r.dt)))
+            .and("place", runs.iter().map(|r| PLACES[place(r.state)]));
+        of_methods(table, runs.iter().map(|r| r.method).collect())
+    };
+    match table.name.as_str() {
+        "fluid" => of_runs(table, &study.runs.iter().collect::<Vec<_>>()),
+        "fluid-precision" => {
+            let runs: Vec<&FluidRun> = study.double.iter().chain(&study.mixed).collect();
+            let last = study.double.last().and_then(|r| Some((r.dt, r.fluctuation?)));
+            let law = |r: &&FluidRun| last.map(|(dt, y)| y * (r.dt / dt).powi(2));
+            of_runs(table.and("dt² law", runs.iter().map(law)), &runs)
+        }
+        "fluid-limits" => {
+            let all = || study.limits.iter();
+            let table = table
+                .and("T", all().map(|l| STATES[place(l.state)].temperature))
+                .and("middle", all().map(FluidLimit::middle));
+            of_methods(table, all().map(|l| l.method).collect())
+        }
+        _ => table,
+    }
 }
 
 /// All CSV tables of the fluid part.
@@ -77,7 +142,7 @@ fn failure_in_words(limit: &FluidLimit) -> String {
 }
 
 /// The largest stable steps: one row per method, one column per state point, then the other truncations.
-pub(crate) fn limits_on_page(study: &FluidStudy) -> Table {
+fn limits_on_page(study: &FluidStudy) -> Table {
     let mut methods: Vec<&'static str> = Vec::new();
     for l in &study.limits {
         if !methods.contains(&l.method) {
@@ -87,7 +152,7 @@ pub(crate) fn limits_on_page(study: &FluidStudy) -> Table {
     let caption = "Largest stable dt in τ, ρ* = 0.8442, 256 atoms, cutoff 2.5 σ (`fluid-limits.csv` has both \
                    ends of each bracket and how the run beyond it failed). The steps of methods with several \
                    force evaluations per step are not comparable without that number.";
-    let mut table = Table::rows_of("fluid-limits", &methods)
+    let mut table = Table::rows_of("limits-on-the-fluid", &methods)
         .caption(caption)
         .column("Method", |method| format!("`{method}`"));
     let others = (0..TRUNCATIONS.len()).filter(|t| *t != SHOWN_TRUNCATION);
@@ -113,7 +178,7 @@ fn limit_cell(limit: &FluidLimit) -> Cell {
 }
 
 /// Cost and quality of each method at one step that all can take.
-pub(crate) fn cost_on_page(study: &FluidStudy) -> Table {
+fn cost_on_page(study: &FluidStudy) -> Table {
     let shown = TRUNCATIONS[SHOWN_TRUNCATION].1;
     let here = |r: &&FluidRun| r.truncation == shown && r.dt == 0.004;
     let runs: Vec<&FluidRun> = study.runs.iter().filter(here).collect();
@@ -133,7 +198,7 @@ pub(crate) fn cost_on_page(study: &FluidStudy) -> Table {
 }
 
 /// What happens past the limit.
-pub(crate) fn past_on_page(study: &FluidStudy) -> Table {
+fn past_on_page(study: &FluidStudy) -> Table {
     let caption = format!(
         "What happens past the limit: {} steps near the triple point at multiples of the largest stable \
          step. A run is stopped as soon as its energy has run away, or where method or forces report a number \
