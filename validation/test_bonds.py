@@ -16,11 +16,13 @@ RIGID, FLAT = 0.321021, 1.0 / 3.0
 def trimers(bonds: str, dt: float) -> str:
     return f"""
 [system]
-lattice = "sc"
 n_molecules = 512
 density = 0.001
 temperature = 1.0
 seed = 3
+
+[start]
+lattice = "sc"
 
 [molecule]
 kind = "chain"
@@ -110,7 +112,6 @@ def liquid(way: str, bath: str) -> str:
     steps = 120_000 if way in SPRINGS else 60_000
     return f"""
 [system]
-lattice = "fcc"
 n_molecules = 108
 density = 0.458
 temperature = 2.0

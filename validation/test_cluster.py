@@ -20,7 +20,6 @@ pytestmark = pytest.mark.cluster
 
 BASE = """
 [system]
-lattice = "fcc"
 n_atoms = 256
 density = 0.5
 temperature = 1.5

@@ -12,11 +12,13 @@ pytestmark = pytest.mark.physics
 
 SCENE = """
 [system]
-lattice = "{lattice}"
 n_atoms = {n}
 density = {density}
 temperature = {temperature}
 seed = {seed}
+
+[start]
+lattice = "{lattice}"
 {species}
 [truncation]
 {truncation}

@@ -12,7 +12,6 @@ SCENES = lv.commands.ROOT / "inputs/thermodynamics"
 
 EQUILIBRIUM = """
 [system]
-lattice = "fcc"
 n_atoms = 864
 density = {density}
 temperature = {temperature}

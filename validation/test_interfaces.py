@@ -26,7 +26,8 @@ n_atoms = {atoms}
 temperature = {temperature}
 seed = {seed}
 
-[slab]
+[start]
+kind = "slab"
 
 [truncation]
 {truncation}

@@ -14,7 +14,6 @@ import lennard_validation as lv
 
 MIXTURE = """
 [system]
-lattice = "fcc"
 n_atoms = {n}
 density = {density}
 temperature = {temperature}

@@ -24,7 +24,6 @@ STATES = [
 def dumbbells(length: float, density: float, temperature: float, molecules: int, steps: tuple[int, int]) -> str:
     return f"""
 [system]
-lattice = "fcc"
 n_molecules = {molecules}
 density = {density}
 temperature = {temperature}

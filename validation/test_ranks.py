@@ -21,7 +21,6 @@ pytestmark = pytest.mark.mpi
 
 SCENE = """
 [system]
-lattice = "fcc"
 n_atoms = {n}
 density = 0.8442
 temperature = 1.2

@@ -77,7 +77,6 @@ def lennard_run(case, threads, isa, precision, bath):
     if case == MOLECULES:
         fluid = f"""
         [system]
-        lattice = "fcc"
         n_molecules = {4 * cells**3}
         density = {DUMBBELLS["density"]}
         temperature = {DUMBBELLS["temperature"]}

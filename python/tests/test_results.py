@@ -174,7 +174,7 @@ def test_a_sweep_takes_a_scene_of_the_program_and_keeps_the_values_of_its_keys()
 def test_a_sweep_refuses_wrong_points_before_anything_runs():
     for one in (0.5, "fcc"):
         with pytest.raises(TypeError, match="needs a list of values"):
-            lennard.sweep(SCENE, {"system.lattice": one})
+            lennard.sweep(SCENE, {"start.lattice": one})
     with pytest.raises(lennard.SceneError, match="system.density"):
         lennard.sweep(SCENE, {"density": [0.5, -1.0]})
     with pytest.raises(TypeError, match="a grid or points"):

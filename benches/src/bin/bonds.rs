@@ -20,7 +20,7 @@ use lennard_scene::Scene;
 const REPEATS: &str = "repeats";
 /// Keys that replace a key of the scene.
 const OF_SCENE: [(&str, &str); 9] = [
-    ("lattice", "system.lattice"),
+    ("lattice", "start.lattice"),
     ("kind", "molecule.kind"),
     ("sites", "molecule.sites"),
     ("length", "molecule.bond_length"),

@@ -167,7 +167,7 @@ pub(crate) fn begin_in_memory(
                 _ => "positions beside a lattice",
             };
             let allowed = "a `configuration` in the place of `lattice`, `n_atoms` and `density`";
-            Err(scene.source.invalid("system.lattice", found, allowed).into())
+            Err(scene.source.invalid("start.lattice", found, allowed).into())
         }
     }
 }
@@ -214,7 +214,7 @@ fn as_listed(
 ) -> Result<Beginning, EngineError> {
     let cell = placement.cell;
     let mut positions: Vec<DVec3> = positions.iter().map(|r| *r + placement.corner).collect();
-    let origin = Origin { key: "system.positions", name: "the scene".to_owned() };
+    let origin = Origin { key: "start.positions", name: "the scene".to_owned() };
     starting_molecules::check(scene, &origin, &cell, &positions)?;
     let species = scene.species_in_order(&scene.counts(positions.len())?);
     overlaps::pairs(scene, &origin, &cell, &positions, &species)?;
@@ -241,7 +241,7 @@ fn from_configuration(
             .into());
     }
     let mut read = read;
-    let origin = Origin { key: "system.configuration", name: path.display().to_string() };
+    let origin = Origin { key: "start.file", name: path.display().to_string() };
     scene.held_are_among(read.positions.len())?;
     scene.contact_fits(&read.cell)?;
     starting_molecules::unfold(scene, path, &read.cell, &mut read.positions)?;

@@ -243,7 +243,7 @@ fn relax(
         scene
             .source
             .invalid(
-                "system.lattice",
+                "start.lattice",
                 format!("`random`, which could not be relaxed: {e}"),
                 "a lattice, or a lower density",
             )

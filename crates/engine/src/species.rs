@@ -49,7 +49,7 @@ pub(crate) fn of_file(
     n: usize,
 ) -> Result<SpeciesTable, EngineError> {
     let refuse = |found: String, allowed: String| -> EngineError {
-        scene.source.invalid("system.configuration", found, allowed).into()
+        scene.source.invalid("start.file", found, allowed).into()
     };
     let file = path.display();
     let Some(mixture) = &scene.mixture else {

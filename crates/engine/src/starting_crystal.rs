@@ -27,7 +27,7 @@ pub(crate) fn positions(
     let points = PeriodicBox::new(room)
         .ok()
         .and_then(|part| initial::random_points(&part, n_liquid, streams))
-        .ok_or_else(|| initial::too_dense(scene, "crystal.liquid_density"))?;
+        .ok_or_else(|| initial::too_dense(scene, "start.liquid_density"))?;
     // The lattice begins a quarter of a plane distance above zero: the gap lies half on each side.
     let first = DVec3::new(0.0, 0.0, placement.filled.z + 0.5 * gap);
     let wrapped = points.into_iter().map(|r| placement.cell.wrap(r + first));

@@ -73,7 +73,7 @@ pub fn unfold(
     if !n.is_multiple_of(sites) {
         let found = format!("{n} particles in {}", path.display());
         let allowed = format!("a multiple of molecule.sites = {sites}");
-        return Err(scene.source.invalid("system.configuration", found, allowed).into());
+        return Err(scene.source.invalid("start.file", found, allowed).into());
     }
     initial::unfold_molecules(cell, topology, positions);
     Ok(())

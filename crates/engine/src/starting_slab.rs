@@ -85,7 +85,7 @@ fn vapor(
     let points = PeriodicBox::new(room)
         .ok()
         .and_then(|part| initial::random_points(&part, n, streams))
-        .ok_or_else(|| initial::too_dense(scene, "slab.vapor_density"))?;
+        .ok_or_else(|| initial::too_dense(scene, "start.vapor_density"))?;
     let first = DVec3::new(0.0, 0.0, placement.corner.z + slab.thickness + GAP);
     Ok(points.into_iter().map(|r| placement.cell.wrap(r + first)).collect())
 }

@@ -130,8 +130,11 @@ mod tests {
     fn a_planar_tail_alone_is_no_sign_of_two_phases_and_a_liquid_density_is() {
         let text = r#"
             [system]
-            configuration = "slab.xyz"
             temperature = 0.8
+
+            [start]
+            kind = "file"
+            file = "slab.xyz"
             [truncation]
             kind = "cut"
             r_cut = 2.5

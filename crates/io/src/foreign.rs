@@ -3,9 +3,9 @@
 use crate::lines::{one_token, tokens};
 use crate::nist::is_number;
 
-const BY_MDANALYSIS: &str = "GRO, as MDAnalysis writes a frame (`universe.atoms.write(\"start.gro\")`), with `system.length_scale`, one σ in nm; \
+const BY_MDANALYSIS: &str = "GRO, as MDAnalysis writes a frame (`universe.atoms.write(\"start.gro\")`), with `start.length_scale`, one σ in nm; \
     or extended XYZ, LAMMPS dump or data, or NIST columns";
-const BY_ASE: &str = "extended XYZ, as `ase convert` writes it (`ase convert -o extxyz FILE start.xyz`), with `system.length_scale`, one σ in Å; \
+const BY_ASE: &str = "extended XYZ, as `ase convert` writes it (`ase convert -o extxyz FILE start.xyz`), with `start.length_scale`, one σ in Å; \
     or LAMMPS dump or data, GRO, or NIST columns";
 const BY_GZIP: &str = "the text itself, or the text compressed by gzip";
 

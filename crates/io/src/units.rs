@@ -26,7 +26,7 @@ impl Scales {
         let Some(time) = self.time else {
             return Err((
                 "velocities in units of the file".into(),
-                "`system.time_scale` in the scene, one τ in the file's unit of time".into(),
+                "`start.time_scale` in the scene, one τ in the file's unit of time".into(),
             ));
         };
         Ok(found / self.length * time)
@@ -87,13 +87,13 @@ impl FileUnits {
         match (self.length, stated) {
             (None, Some(unit)) if !is_reduced(unit) => Err((
                 format!("units {}", excerpt(unit.as_bytes())),
-                "units lj (reduced units), or `system.length_scale` and `system.time_scale` in the scene: one σ and one τ in \
+                "units lj (reduced units), or `start.length_scale` and `start.time_scale` in the scene: one σ and one τ in \
                  units of the file"
                     .into(),
             )),
             (None, _) => Ok(Scales { length: 1.0, time: Some(1.0) }),
             (Some(_), Some(unit)) if is_reduced(unit) => Err((
-                format!("units {} beside `system.length_scale` in the scene", excerpt(unit.as_bytes())),
+                format!("units {} beside `start.length_scale` in the scene", excerpt(unit.as_bytes())),
                 "one of them".into(),
             )),
             (Some(length), _) => Ok(Scales { length, time: self.time }),

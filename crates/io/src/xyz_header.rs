@@ -117,7 +117,7 @@ fn scales(info: &mut BTreeMap<String, String>, units: FileUnits) -> Result<Scale
     match own {
         None => Ok(scales),
         Some(_) if units.length.is_some() => Err((
-            "length_scale beside `system.length_scale` in the scene".into(),
+            "length_scale beside `start.length_scale` in the scene".into(),
             "one of them".into(),
         )),
         Some(length) => Ok(Scales { length, ..scales }),

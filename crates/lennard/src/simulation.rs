@@ -44,7 +44,7 @@ impl Simulation {
     /// A simulation that starts from arrays: box sides and positions in σ, velocities in σ/τ. Without velocities they are drawn
     /// for the temperature of the scene.
     ///
-    /// The scene names a file in their place, such as `system.configuration = "start.xyz"`; it is not read.
+    /// The scene names a file in their place, such as `start.file = "start.xyz"`; it is not read.
     ///
     /// # Errors
     /// As [`Simulation::with_parts`]; [`Error::Start`] where the arrays differ in length or hold a number that is not finite.

@@ -143,7 +143,7 @@ fn bodies(scene: &Scene) -> Result<(), SceneError> {
     {
         return Err(scene
             .source
-            .refuse("system.positions", "makes no whole molecules")
+            .refuse("start.positions", "makes no whole molecules")
             .found(format!("{} positions", positions.len()))
             .allowed(format!("a multiple of molecule.sites = {sites}")));
     }
@@ -174,7 +174,7 @@ fn molecules(scene: &Scene) -> Result<(), SceneError> {
             .refuse("molecule.shape", "is missing")
             .found("nothing, and a start on a lattice")
             .allowed(
-                "the places of the sites of one molecule, or `system.configuration` with a file",
+                "the places of the sites of one molecule, or `start.file` with a file",
             ));
     }
     molecule.bonds.check_for(&molecule.topology).map_err(|e| {

@@ -87,13 +87,13 @@ mod tests {
         assert!(rule("sixthpower").contains("waldman-hagler"));
         assert!(rule("Lorentz").contains("lorentz-berthelot"));
         assert!(rule("kong").contains("explicit"));
-        let lattice = |name| left_out("system.lattice", name).unwrap_or_default();
+        let lattice = |name| left_out("start.lattice", name).unwrap_or_default();
         assert!(lattice("hcp").contains("fcc") && lattice("none").contains("random"));
         let words = ["nvt", "npt", "nve", "hcp", "rho", "dump", "none", "lj", "thermo", "cutoff"];
         for word in words {
             for key in [
                 "",
-                "system.lattice",
+                "start.lattice",
                 "truncation.kind",
                 "output.format",
                 "observable.0.kind",

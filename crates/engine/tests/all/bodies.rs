@@ -168,14 +168,14 @@ fn a_chain_on_a_floor_is_solved_for_with_its_contacts_and_comes_to_rest_flat() {
 fn a_column_that_sweeps_do_not_solve_ends_the_run_and_a_number_of_sweeps_is_taken_as_it_is() {
     let places: Vec<String> = (0..80).map(|i| format!("[10, 10, {i}]")).collect();
     let column = [
-        ("system.positions", format!("[{}]", places.join(", "))),
+        ("start.positions", format!("[{}]", places.join(", "))),
         ("system.box", "[20, 20, 100]".to_owned()),
         ("contact.compliance", "0.0".to_owned()),
         ("stage.0.steps", "10".to_owned()),
     ];
     let mut column: Vec<(&str, &str)> = column.iter().map(|(k, v)| (*k, v.as_str())).collect();
     let falling = format!("[{}]", ["[0, 0, -1]"; 80].join(", "));
-    let hits_the_floor = [("system.velocities", falling.as_str()), ("contact.compliance", "0.001")];
+    let hits_the_floor = [("start.velocities", falling.as_str()), ("contact.compliance", "0.001")];
     let hitting = [column.as_slice(), &hits_the_floor].concat();
     for (column, advice) in [
         (&column, "at rest take `contact.compliance` above 0"),

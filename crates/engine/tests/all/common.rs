@@ -12,7 +12,6 @@ use tempfile::TempDir;
 /// A dense fluid of dumbbells, the force shifted to zero at the cutoff.
 pub(crate) const DUMBBELLS: &str = r#"
     [system]
-    lattice = "fcc"
     n_molecules = 108
     density = 0.4
     temperature = 2.0

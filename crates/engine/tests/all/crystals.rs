@@ -11,7 +11,8 @@ const CRYSTAL: &str = r#"
     n_atoms = 700
     temperature = 1.0
     seed = 7
-    [crystal]
+    [start]
+    kind = "half-crystal"
     cells = 4
     layers = 6
     [truncation]
@@ -62,8 +63,8 @@ fn half_a_crystal_has_its_particles_its_cross_section_and_no_overlap() {
 fn hot_crystals_melt_and_their_fronts_go_back() {
     let mut s = build(&[
         ("system.temperature", "1.5"),
-        ("crystal.crystal_density", "1.0063"),
-        ("crystal.liquid_density", "0.9186"),
+        ("start.crystal_density", "1.0063"),
+        ("start.liquid_density", "0.9186"),
         ("stage.production.steps", "1500"),
     ]);
     s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));

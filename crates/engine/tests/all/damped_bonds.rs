@@ -137,7 +137,7 @@ fn vibrations_with_dashpots_stay_colder_than_their_bath_and_means_say_so() {
 fn a_long_chain_may_change_its_energy_by_more_than_a_dumbbell() {
     let s = run(&[
         ("system.n_molecules", "8"),
-        ("system.lattice", "sc"),
+        ("start.lattice", "sc"),
         ("system.density", "0.00005"),
         ("molecule.kind", "chain"),
         ("molecule.sites", "64"),

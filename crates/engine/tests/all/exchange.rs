@@ -7,7 +7,6 @@ use crate::common::{self, prepared};
 /// A dense gas in a long box at constant energy.
 const GAS: &str = r#"
     [system]
-    lattice = "fcc"
     n_atoms = 324
     box = [7.6, 7.6, 22.8]
     temperature = 1.9

@@ -12,7 +12,6 @@ use crate::common::{self, bits, on_threads, prepared};
 /// A liquid near its triple point, 256 particles, one measured stage.
 const LIQUID: &str = r#"
     [system]
-    lattice = "fcc"
     n_atoms = 256
     density = 0.8442
     temperature = 1.4
@@ -303,7 +302,7 @@ fn particles_nearly_on_top_of_each_other_are_relaxed_in_any_precision() {
         for apart in [3e-3, 1e-5] {
             let scene = common::scene(
                 LIQUID,
-                &[("system.lattice", "random"), ("kernel.precision", precision)],
+                &[("start.kind", "random"), ("kernel.precision", precision)],
             );
             let mut beginning = begin(&scene).unwrap_or_else(|e| panic!("{e}"));
             beginning.positions[1] = beginning.positions[0] + DVec3::new(0.0, apart, 0.0);

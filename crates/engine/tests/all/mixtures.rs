@@ -275,7 +275,7 @@ fn a_file_of_a_mixture_gives_the_same_energy_and_the_same_species() {
     std::fs::write(&path, text).unwrap();
     match evaluate_energy(&common::scene(&system, &[])) {
         Err(EngineError::Scene(e)) => {
-            assert_eq!(e.key_path(), Some("system.configuration"), "{e}");
+            assert_eq!(e.key_path(), Some("start.file"), "{e}");
             assert!(e.to_string().contains("\"Xe\""), "{e}");
         }
         _ => panic!("a species that the scene does not know was taken"),

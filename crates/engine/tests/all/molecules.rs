@@ -204,7 +204,7 @@ fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
     }
     write(&folded, &path);
     let text = DUMBBELLS.replace(
-        "lattice = \"fcc\"\n    n_molecules = 108\n    density = 0.4\n",
+        "n_molecules = 108\n    density = 0.4\n",
         "configuration = \"start.xyz\"\n",
     );
     let load = |path: &std::path::Path, text: &str| {

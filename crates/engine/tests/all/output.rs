@@ -121,7 +121,6 @@ fn xtc_and_topology_have_whole_molecules_of_every_kind() {
 /// A hot gas whose particles leave the range of the precision at once.
 const GAS: &str = r#"
     [system]
-    lattice = "fcc"
     n_atoms = 32
     density = 0.001
     temperature = 2.0

@@ -180,7 +180,7 @@ fn every_observable_list_state_and_precision() {
     assert_eq!(liquid(&[("neighbor.mode", "direct")]), Ok(()));
     assert_eq!(liquid(&[("kernel.precision", "mixed")]), Ok(()));
     assert_eq!(liquid(&[("kernel.isa", "portable")]), Ok(()));
-    assert_eq!(liquid(&[("system.lattice", "random")]), Ok(()));
+    assert_eq!(liquid(&[("start.kind", "random")]), Ok(()));
     assert_eq!(
         liquid(&[
             ("output.velocities", "true"),

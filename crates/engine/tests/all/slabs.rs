@@ -10,7 +10,8 @@ const SLAB: &str = r#"
     n_atoms = 700
     temperature = 0.8
     seed = 7
-    [slab]
+    [start]
+    kind = "slab"
     [truncation]
     kind = "shift"
     r_cut = 2.5
@@ -157,7 +158,6 @@ const QUENCHED: &str = r#"
     n_atoms = 864
     density = 0.25
     temperature = 0.75
-    lattice = "fcc"
     seed = 3
     [truncation]
     kind = "cut"

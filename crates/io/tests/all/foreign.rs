@@ -45,7 +45,7 @@ fn units_are_taken_out_where_the_scene_names_them_and_refused_elsewhere() {
         let message = read(text, None, None).unwrap_err();
         assert!(message.contains("found units `"), "{message}");
         assert!(
-            message.contains("units lj (reduced units), or `system.length_scale`"),
+            message.contains("units lj (reduced units), or `start.length_scale`"),
             "{message}"
         );
         let start = read(text, Some(2.0), Some(8.0)).unwrap();
@@ -54,15 +54,15 @@ fn units_are_taken_out_where_the_scene_names_them_and_refused_elsewhere() {
         assert_eq!(start.velocities.unwrap()[0], DVec3::new(2.0, 0.0, 0.0));
         let message = read(text, Some(2.0), None).unwrap_err();
         assert!(
-            message.contains("velocities in units of the file; allowed: `system.time_scale`"),
+            message.contains("velocities in units of the file; allowed: `start.time_scale`"),
             "{message}"
         );
     }
     let header = |entry: &str| format!("2\n{LATTICE} {entry}\nAr 1 2 3\nAr 2 3 4\n");
     for (text, found) in [
-        (data("units = lj", row, ""), "units `lj` beside `system.length_scale` in the scene"),
-        (header("units=lj"), "units `lj` beside `system.length_scale` in the scene"),
-        (header("length_scale=2"), "length_scale beside `system.length_scale` in the scene"),
+        (data("units = lj", row, ""), "units `lj` beside `start.length_scale` in the scene"),
+        (header("units=lj"), "units `lj` beside `start.length_scale` in the scene"),
+        (header("length_scale=2"), "length_scale beside `start.length_scale` in the scene"),
     ] {
         read(&text, None, None).unwrap();
         let message = read(&text, Some(2.0), None).unwrap_err();
@@ -118,12 +118,12 @@ fn gro_is_read_in_nanometers_and_picoseconds() {
     let message = read(&text, None, None).unwrap_err();
     assert!(
         message.contains("found a GRO file, in nm and ps")
-            && message.contains("`system.length_scale`"),
+            && message.contains("`start.length_scale`"),
         "{message}"
     );
     let message = read(&text, Some(0.5), None).unwrap_err();
     assert!(
-        message.contains(":3: found velocities") && message.contains("`system.time_scale`"),
+        message.contains(":3: found velocities") && message.contains("`start.time_scale`"),
         "{message}"
     );
     let start = read(&text, Some(0.5), Some(2.0)).unwrap();

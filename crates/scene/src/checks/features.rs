@@ -140,7 +140,7 @@ pub(super) fn confinement(scene: &Scene) -> Vec<Part> {
 }
 
 pub(super) fn surfaces(scene: &Scene) -> Vec<Part> {
-    let key = if scene.slab().is_some() { "slab" } else { "system.vacuum" };
+    let key = if scene.slab().is_some() { "slab" } else { "start.vacuum" };
     scene.surfaces().map(|words| part(key, words)).into_iter().collect()
 }
 
@@ -165,12 +165,12 @@ fn lattice(scene: &Scene) -> Option<Lattice> {
 }
 
 pub(super) fn random_start(scene: &Scene) -> Vec<Part> {
-    one(lattice(scene) == Some(Lattice::Random), "system.lattice", "\"random\"")
+    one(lattice(scene) == Some(Lattice::Random), "start.kind", "\"random\"")
 }
 
 pub(super) fn vacuum(scene: &Scene) -> Vec<Part> {
     match scene.system.start {
-        Start::Lattice { vacuum, .. } => one(vacuum > 0.0, "system.vacuum", &vacuum.to_string()),
+        Start::Lattice { vacuum, .. } => one(vacuum > 0.0, "start.vacuum", &vacuum.to_string()),
         _ => Vec::new(),
     }
 }

@@ -216,7 +216,7 @@ const ROWS: &[Row] = rows! {
         "gives no energy of single particles"; "\"planar\" with observable {b}"; "other observables"
     planar_tail / full_box:
         "needs flat surfaces across z"; "\"planar\" and {b}";
-        "true in a homogeneous fluid, or a start with `[slab]`, `system.vacuum` or `configuration`"
+        "true in a homogeneous fluid, or a start with `[slab]`, `start.vacuum` or `configuration`"
 };
 
 /// Refuses the first two features that do not go with each other.

@@ -122,7 +122,7 @@ impl Reader<'_> {
 
     /// The amount of each species: all as fractions, all as counts, or all in a configuration file.
     fn amounts(&self, rows: &[(Name, SpeciesKeys)]) -> Result<Vec<Amount>, SceneError> {
-        let of_file = self.source.wrote("system.configuration");
+        let of_file = self.source.wrote("start.file");
         let by_count = rows.iter().any(|(_, row)| row.count.is_some());
         let mut amounts = Vec::new();
         for (a, (name, row)) in rows.iter().enumerate() {

@@ -127,7 +127,7 @@ impl Reader<'_> {
         if parts.iter().any(|length| *length < SHORTEST_PART) {
             return Err(self
                 .source
-                .refuse("crystal.layers", "leaves no room for two phases")
+                .refuse("start.layers", "leaves no room for two phases")
                 .found(format!(
                     "{} cells along z with {} particles of {n_atoms}: {:.2} σ of crystal, {:.2} σ of liquid",
                     start.layers,
@@ -223,7 +223,7 @@ impl Reader<'_> {
         if vapor_density >= liquid_density {
             return Err(self
                 .source
-                .refuse("slab.vapor_density", "is not below the density of the liquid")
+                .refuse("start.vapor_density", "is not below the density of the liquid")
                 .found(vapor_density)
                 .allowed(format!("below {liquid_density} σ⁻³")));
         }
@@ -241,7 +241,7 @@ impl Reader<'_> {
         if thickness + Slab::LEAST_VAPOR > length {
             return Err(self
                 .source
-                .refuse("slab.thickness", "leaves no room for vapor")
+                .refuse("start.thickness", "leaves no room for vapor")
                 .found(thickness)
                 .allowed(format!(
                     "{} σ below the length of the box, {} σ",
@@ -322,7 +322,7 @@ impl Reader<'_> {
         if table.velocities.is_some() && table.positions.is_none() {
             return Err(self
                 .source
-                .refuse("system.velocities", "has no positions beside it")
+                .refuse("start.velocities", "has no positions beside it")
                 .found("`velocities` alone")
                 .allowed("`positions` with one position for each velocity"));
         }
@@ -375,7 +375,7 @@ impl Reader<'_> {
                     &[&OF_LATTICES[..], &["positions"]].concat(),
                     "no such key: the configuration file has it",
                 )?;
-                let path = resolve(self.source, "system.configuration", Path::new(path))?;
+                let path = resolve(self.source, "start.file", Path::new(path))?;
                 Start::Configuration { path, geometry, units }
             }
             (None, None) if let Some(phases) = side_by_side => {

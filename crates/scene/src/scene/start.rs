@@ -108,7 +108,7 @@ impl Scene {
     pub fn surfaces(&self) -> Option<String> {
         match &self.system.start {
             Start::Lattice { vacuum, .. } if *vacuum > 0.0 => {
-                Some(format!("system.vacuum = {vacuum}"))
+                Some(format!("start.vacuum = {vacuum}"))
             }
             Start::Slab(_) => Some("`[slab]`".to_owned()),
             _ => None,
@@ -158,7 +158,7 @@ impl Scene {
             let key = if filled.max_element() > LONGEST_SIDE || *vacuum == 0.0 {
                 key
             } else {
-                "system.vacuum"
+                "start.vacuum"
             };
             self.source
                 .refuse(key, "makes an impossible box")

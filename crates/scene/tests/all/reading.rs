@@ -143,7 +143,7 @@ fn overrides_reach_every_table_by_index_and_by_name() {
         ("truncation.kind", "shift"),
         ("truncation.r_cut", "3"),
         ("output.velocities", "false"),
-        ("system.lattice", "\"fcc\""),
+        ("start.lattice", "\"fcc\""),
     ])
     .unwrap();
     assert_eq!(scene.system.seed, 42);
@@ -266,7 +266,7 @@ fn a_slab_stands_in_the_middle_of_its_longer_box() {
 fn the_lattice_of_a_density_has_that_density() {
     for (lattice, n) in [("fcc", 864), ("bcc", 1024), ("sc", 1000), ("random", 777)] {
         let n_text = n.to_string();
-        let scene = with(&[("system.lattice", lattice), ("system.n_atoms", &n_text)]).unwrap();
+        let scene = with(&[("start.lattice", lattice), ("system.n_atoms", &n_text)]).unwrap();
         let placement = scene.placement().unwrap().unwrap();
         let density = n as f64 / placement.cell.volume();
         assert!((density - 0.8).abs() < 1e-14, "{lattice}: {density}");
@@ -283,7 +283,7 @@ fn a_cutoff_of_exactly_half_the_box_is_legal() {
     let boxed = |r_cut: &str| {
         with(&[
             ("system.box", "[10.0, 9.0, 8.0]"),
-            ("system.lattice", "random"),
+            ("start.kind", "random"),
             ("truncation.r_cut", r_cut),
         ])
     };
@@ -400,7 +400,7 @@ fn a_configuration_is_looked_for_beside_the_scene() {
     let text = SMALL.replace("n_atoms = 500\ndensity = 0.8", "configuration = \"start.xyz\"");
     std::fs::write(&scene, text).unwrap();
     let error = Scene::load(&scene, &[]).unwrap_err();
-    assert_eq!(error.key_path(), Some("system.configuration"));
+    assert_eq!(error.key_path(), Some("start.file"));
     assert_eq!(error.line(), Some(2));
     std::fs::write(folder.path().join("start.xyz"), "").unwrap();
     let loaded = Scene::load(&scene, &[]).unwrap();

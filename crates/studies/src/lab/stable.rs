@@ -29,7 +29,7 @@ mod tests {
 
     fn estimate(more: &str) -> f64 {
         let text = format!(
-            "[system]\nlattice = \"fcc\"\nn_atoms = 32\ndensity = 0.5\ntemperature = 1.0\n[truncation]\nr_cut = 1.5\n\
+            "[system]\nn_atoms = 32\ndensity = 0.5\ntemperature = 1.0\n[truncation]\nr_cut = 1.5\n\
              {more}[integrator]\ndt = 0.001\n[[stage]]\nname = \"production\"\nsteps = 10\n"
         );
         let scene = Scene::parse(&text, "test.toml", &[]).unwrap();

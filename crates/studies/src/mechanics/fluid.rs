@@ -53,7 +53,7 @@ pub struct StateResults {
 /// A fluid of dumbbells in equilibrium.
 fn equilibrated(density: f64, molecules: usize, steps: u32) -> Result<Simulation, StudyError> {
     let text = format!(
-        "[system]\nlattice = \"fcc\"\nn_molecules = {molecules}\ndensity = {density:?}\ntemperature = 2.0\nseed = 7\n\
+        "[system]\nn_molecules = {molecules}\ndensity = {density:?}\ntemperature = 2.0\nseed = 7\n\
          [molecule]\nkind = \"dumbbell\"\nbond_length = {LENGTH:?}\n\
          [truncation]\nkind = \"force-shift\"\nr_cut = 2.5\n\
          [integrator]\ndt = 0.002\n\
@@ -187,7 +187,7 @@ pub(crate) fn states(quick: bool) -> Result<Vec<StateResults>, StudyError> {
     let (molecules, settle, steps) = if quick { (108, 1000, 2000) } else { (256, 10_000, 60_000) };
     let of_density = |density: &f64| -> Result<StateResults, StudyError> {
         let text = format!(
-            "[system]\nlattice = \"fcc\"\nn_molecules = {molecules}\ndensity = {density:?}\ntemperature = 2.4\nseed = 11\n\
+            "[system]\nn_molecules = {molecules}\ndensity = {density:?}\ntemperature = 2.4\nseed = 11\n\
              [molecule]\nkind = \"dumbbell\"\nbond_length = {LENGTH:?}\n\
              [truncation]\nkind = \"cut\"\nr_cut = {}\n\
              [integrator]\ndt = 0.002\n\

@@ -34,7 +34,7 @@ const VARIANTS: &[(&str, &[&str])] = &[
     ),
     ("every pair, no list", &["neighbor.mode=direct"]),
     ("bit-reversible Verlet", &["integrator.kind=bit-reversible-verlet"]),
-    ("random start", &["system.lattice=random"]),
+    ("random start", &["start.kind=random"]),
     (
         "constant pressure, stochastic cell rescaling",
         &[

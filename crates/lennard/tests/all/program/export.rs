@@ -7,11 +7,13 @@ use crate::program::common::{lennard, stderr, stdout};
 
 const SCENE: &str = r#"
 [system]
-lattice = "bcc"
 n_atoms = 54
 density = 0.8
 temperature = 1.2
 seed = 5
+
+[start]
+lattice = "bcc"
 [truncation]
 kind = "shift"
 r_cut = 2.0

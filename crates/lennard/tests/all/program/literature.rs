@@ -4,7 +4,6 @@ use crate::program::common::lennard_in;
 
 const BASE: &str = r#"
 [system]
-lattice = "fcc"
 n_atoms = 108
 density = 0.7
 temperature = 1.5
@@ -235,9 +234,9 @@ fn a_crystal_beside_its_liquid_is_headed_by_the_phase_that_grows() {
         "--set",
         "system.n_atoms=700",
         "--set",
-        "crystal.cells=4",
+        "start.cells=4",
         "--set",
-        "crystal.layers=6",
+        "start.layers=6",
         "--set",
         "truncation.r_cut=2.5",
         "--set",

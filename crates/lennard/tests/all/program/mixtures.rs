@@ -14,7 +14,7 @@ fn kob_andersen(changes: &[&str]) -> Value {
     let place = Place::with(&[]);
     let mut arguments =
         vec!["run", "mixture/kob-andersen", "--out", "out", "--no-report", "--quiet"];
-    let small = ["system.n_atoms=500", "system.lattice=fcc"];
+    let small = ["system.n_atoms=500", "start.lattice=fcc"];
     for change in small.iter().chain(changes) {
         arguments.extend(["--set", change]);
     }

@@ -7,7 +7,6 @@ use crate::program::common::{Place, lennard_in, stderr, stdout};
 
 const SCENE: &str = r#"
 [system]
-lattice = "fcc"
 n_atoms = 108
 density = 0.6
 temperature = 1.3

@@ -4,7 +4,6 @@ use crate::program::common::{Place, stderr, success};
 
 const BASE: &str = r#"
 [system]
-lattice = "fcc"
 n_atoms = 108
 density = 0.5
 temperature = 1.5

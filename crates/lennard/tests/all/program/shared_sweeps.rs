@@ -7,7 +7,6 @@ use crate::program::common::{Place, lennard, stderr, success};
 
 const BASE: &str = r#"
 [system]
-lattice = "fcc"
 n_atoms = 108
 density = 0.5
 temperature = 1.5

@@ -5,7 +5,6 @@ use serde_json::Value;
 
 const SCENE: &str = r#"
 [system]
-lattice = "fcc"
 n_atoms = 108
 density = 0.7
 temperature = 1.5

@@ -55,7 +55,7 @@ fn a_grid_keeps_to_what_the_scene_leaves_open() {
     let wca = of_scene(&[("potential.kind", "wca")]);
     assert!(wca.settings.iter().all(|s| s.truncation.r_cut == 2.5));
     assert!(wca.left_out.iter().any(|l| l.why.contains("ends by itself")), "{:?}", wca.left_out);
-    let slab = of_scene(&[("system.vacuum", "5.0"), ("truncation.tail_correction", "false")]);
+    let slab = of_scene(&[("start.vacuum", "5.0"), ("truncation.tail_correction", "false")]);
     assert!(slab.settings.iter().all(|s| !s.truncation.tail_correction));
     let langevin = of_scene(&[("stage.production.thermostat", "langevin")]);
     assert!(langevin.settings.iter().all(|s| s.integrator.name() == "velocity-verlet"));
