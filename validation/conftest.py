@@ -49,12 +49,14 @@ class Scene:
     extra: str = field(default="")
 
     def text(self) -> str:
+        start = ""
         if self.configuration is not None:
-            system = f'configuration = "{self.configuration.resolve().as_posix()}"'
+            system = ""
+            start = f'[start]\nkind = "file"\nfile = "{self.configuration.resolve().as_posix()}"\n'
         elif self.box is not None:
-            system = f'lattice = "fcc"\nn_atoms = {self.n_atoms}\nbox = {list(self.box)}'
+            system = f"n_atoms = {self.n_atoms}\nbox = {list(self.box)}"
         else:
-            system = f'lattice = "fcc"\nn_atoms = {self.n_atoms}\ndensity = {self.density}'
+            system = f"n_atoms = {self.n_atoms}\ndensity = {self.density}"
         equilibration = (
             f'[[stage]]\nname = "equilibrate"\nsteps = {self.equilibrate}\n'
             'thermostat = { kind = "bussi", tau = 0.1 }\n'
@@ -67,6 +69,7 @@ class Scene:
 temperature = {self.temperature}
 seed = {self.seed}
 
+{start}
 [truncation]
 {self.truncation}
 

@@ -18,7 +18,7 @@ temperature = {temperature}
 seed = {seed}
 
 [start]
-lattice = "{lattice}"
+kind = "{start}"
 {species}
 [truncation]
 {truncation}
@@ -58,7 +58,7 @@ r_cut = 1.5
 
 
 def averages(tmp_path, name: str, **values) -> dict:
-    values = {"lattice": "fcc", "species": "", "dt": 0.004, "bath": '{ kind = "bussi", tau = 0.5 }'} | values
+    values = {"start": "lattice", "species": "", "dt": 0.004, "bath": '{ kind = "bussi", tau = 0.5 }'} | values
     path = tmp_path / f"{name}.toml"
     path.write_text(SCENE.format(**values), encoding="utf-8")
     return lv.run(path, out=tmp_path / name).averages
@@ -99,7 +99,7 @@ def test_the_configurational_temperature_counts_the_pairs_at_the_cutoff(
 ):
     bath = '{ kind = "langevin", friction = 1.0 }' if n < 10 else '{ kind = "bussi", tau = 0.5 }'
     found = averages(
-        tmp_path, "run", lattice="random" if n < 10 else "fcc", n=n, density=density, temperature=temperature, seed=3,
+        tmp_path, "run", start="random" if n < 10 else "lattice", n=n, density=density, temperature=temperature, seed=3,
         truncation=f'kind = "shift"\nr_cut = {r_cut}', dt=0.003, bath=bath, steps=steps,
     )
     kinetic, other = found["temperature_half_steps"], found["configurational_temperature"]

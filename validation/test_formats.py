@@ -244,7 +244,8 @@ def test_ase_has_momenta_masses_and_energies_where_asked_for(runs, frames):
 
 def energy_of(runs: dict[str, lv.Run], configuration: Path, tmp_path: Path) -> dict:
     scene = runs["xyz"].folder.parent / "scene.toml"
-    text = scene.read_text(encoding="utf-8").replace('lattice = "fcc"', f'configuration = "{configuration.as_posix()}"')
+    text = scene.read_text(encoding="utf-8")
+    text = f'start = {{ kind = "file", file = "{configuration.as_posix()}" }}\n{text}'
     text = text.replace("n_atoms = 400\n", "").replace(f"box = {list(SIDES)}\n", "")
     text = text.replace("fraction = 0.75\n", "").replace("fraction = 0.25\n", "")
     changed = tmp_path / "start.toml"

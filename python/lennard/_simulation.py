@@ -100,7 +100,6 @@ class Simulation:
         seed: int | None = None,
         r_cut: float | None = None,
         dt: float | None = None,
-        lattice: str | None = None,
         threads: int | None = None,
         set: Mapping[str, Any] | None = None,
         **tables: Any,
@@ -108,12 +107,12 @@ class Simulation:
         """Particles on a lattice with Maxwell–Boltzmann velocities, and no stage yet.
 
         ``density`` in σ⁻³ and ``temperature`` in ε/k_B. The lattice is fcc, which takes 4m³ particles (256, 500, 864,
-        1372, 2048, 4000) in a cube; ``lattice="random"`` takes any number. Every other table of a scene may be given:
+        1372, 2048, 4000) in a cube; ``start={"kind": "random"}`` takes any number. Every other table of a scene may be given:
         ``truncation={"kind": "shift"}``, ``integrator={...}``, ``potential={...}``, ``molecule={...}``, ``wall=[{...}]``.
         """
         scene: dict[str, Any] = {name: table for name, table in tables.items()}
         system = dict(scene.pop("system", {}))
-        given = {"lattice": lattice, "density": density, "temperature": temperature, "seed": seed}
+        given = {"density": density, "temperature": temperature, "seed": seed}
         system.update({key: value for key, value in given.items() if value is not None})
         system.setdefault("n_molecules" if "molecule" in scene else "n_atoms", n)
         scene["system"] = system
@@ -137,12 +136,12 @@ class Simulation:
         """A simulation that starts from arrays.
 
         ``positions`` ``[N, 3]`` in σ, ``box`` one or three sides in σ, ``velocities`` ``[N, 3]`` in σ/τ. Without
-        velocities they are drawn for ``temperature``. The scene names ``start.xyz`` as its configuration;
+        velocities they are drawn for ``temperature``. The scene names ``start.xyz`` as its file;
         :meth:`export` writes both, for the command line.
         """
         scene: dict[str, Any] = {name: table for name, table in tables.items()}
-        system = {"configuration": "start.xyz", "temperature": temperature, **scene.pop("system", {})}
-        scene["system"] = system
+        scene["system"] = {"temperature": temperature, **scene.pop("system", {})}
+        scene["start"] = {"kind": "file", "file": "start.xyz", **scene.pop("start", {})}
         given = _arrays.numbers("box", box)
         if given.shape not in [(), (1,), (3,)]:
             raise ValueError(f"box has the shape {given.shape}\n  allowed: one side, or three sides along x, y and z")

@@ -205,7 +205,8 @@ class Lennard(Calculator):
         """The force field as a scene; where its particles start does not matter."""
         given = self.parameters
         scene: dict[str, Any] = {
-            "system": {"n_atoms": n, "box": lengths, "temperature": 1.0, "lattice": "random"},
+            "system": {"n_atoms": n, "box": lengths, "temperature": 1.0},
+            "start": {"kind": "random"},
             "truncation": _truncation(given["truncation"], given["tail"], _reduced(given["rc"], given["sigma"])),
             "kernel": {"precision": given["precision"]},
         }

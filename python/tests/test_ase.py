@@ -26,7 +26,7 @@ from lennard.ase import ARGON, Lennard  # noqa: E402
 def fluid(seed: int = 0, n: int = 108, density: float = 0.7, sigma: float = 1.0, sides=(1.0, 1.0, 1.0)) -> Atoms:
     """Atoms at random without overlaps."""
     simulation = lennard.Simulation.liquid(
-        density=density, temperature=1.0, n=n, lattice="random", seed=seed, r_cut=1.5
+        density=density, temperature=1.0, n=n, start={"kind": "random"}, seed=seed, r_cut=1.5
     )
     scale = np.array(sides) * sigma
     return Atoms(f"Ar{n}", positions=simulation.positions * scale, cell=simulation.box * scale, pbc=True)

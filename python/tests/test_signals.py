@@ -15,7 +15,7 @@ import lennard, numpy as np
 n, steps = int(sys.argv[1]), int(sys.argv[2])
 # A shell that starts a command in the background has it ignore this signal.
 signal.signal(signal.SIGINT, signal.default_int_handler)
-scene = dict(density=0.8, temperature=1.0, n=n, seed=2, lattice="fcc")
+scene = dict(density=0.8, temperature=1.0, n=n, seed=2)
 simulation = lennard.Simulation.liquid(**scene)
 sent = []
 def send():

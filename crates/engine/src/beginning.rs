@@ -5,7 +5,7 @@ use std::path::Path;
 use lennard_core::random::Streams;
 use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
 use lennard_io::{Beside, StartConfiguration};
-use lennard_scene::{Geometry, Lattice, Placement, Scene, Start};
+use lennard_scene::{Geometry, Placement, Scene, Start};
 
 use crate::EngineError;
 use crate::confinement::{Confinement, place_between_walls};
@@ -45,7 +45,7 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
         Start::Lattice { lattice, n_atoms, .. } => {
             let placement = scene.placement()?.expect("a lattice start has a placement");
             let cell = placement.cell;
-            if *lattice == Lattice::Random {
+            let Some(lattice) = lattice else {
                 let filled = PeriodicBox::new(placement.filled).map_err(|e| {
                     scene.source.invalid("system.box", e, "finite positive lengths")
                 })?;
@@ -61,7 +61,7 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
                     relax: true,
                 };
                 return Ok((beginning, Vec::new()));
-            }
+            };
             let cells = placement.cells.expect("a lattice has cells");
             let centers =
                 initial::lattice_sites(placement.corner, placement.filled, cells, lattice.basis());
@@ -91,7 +91,7 @@ pub(crate) fn begin_with_remarks(scene: &Scene) -> Result<(Beginning, Vec<String
             let beginning = as_listed(scene, placement, positions, velocities.clone())?;
             Ok((beginning, Vec::new()))
         }
-        Start::Configuration { path, geometry, units } => {
+        Start::File { path, geometry, units } => {
             let given = match geometry {
                 Some(Geometry::Box(sides)) => {
                     Some(PeriodicBox::new(DVec3::from_array(*sides)).map_err(|e| {
@@ -160,19 +160,19 @@ pub(crate) fn begin_in_memory(
     start: StartConfiguration,
 ) -> Result<(Beginning, Vec<String>), EngineError> {
     match &scene.system.start {
-        Start::Configuration { path, .. } => begin_at(scene, path, start, None),
+        Start::File { path, .. } => begin_at(scene, path, start, None),
         Start::Lattice { .. } | Start::Slab(_) | Start::HalfCrystal(_) | Start::Listed { .. } => {
             let found = match scene.system.start {
                 Start::Listed { .. } => "positions beside those that the scene lists",
-                _ => "positions beside a lattice",
+                _ => "positions beside a start that the scene makes",
             };
-            let allowed = "a `configuration` in the place of `lattice`, `n_atoms` and `density`";
-            Err(scene.source.invalid("start.lattice", found, allowed).into())
+            let allowed = "\"file\"";
+            Err(scene.source.invalid("start.kind", found, allowed).into())
         }
     }
 }
 
-/// Number of particles and their density in σ⁻³, as the scene's start has them; reads the file of a `configuration`.
+/// Number of particles and their density in σ⁻³, as the scene's start has them; reads the file of a start from one.
 ///
 /// # Errors
 /// [`EngineError`] where the start cannot be made.

@@ -149,7 +149,7 @@ pub(crate) fn prepare_own_from(
         }
         None => {
             let temperature = scene.system.temperature;
-            if let Start::Configuration { path, .. } = &scene.system.start {
+            if let Start::File { path, .. } = &scene.system.start {
                 remarks.push(format!(
                     "{} has no velocities: they are drawn at T = {temperature} with seed {}",
                     path.display(),
@@ -243,7 +243,7 @@ fn relax(
         scene
             .source
             .invalid(
-                "start.lattice",
+                "start.kind",
                 format!("`random`, which could not be relaxed: {e}"),
                 "a lattice, or a lower density",
             )

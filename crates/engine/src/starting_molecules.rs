@@ -48,7 +48,7 @@ pub fn on_a_lattice(
                     pair.distance
                 ),
                 format!(
-                    "no pair nearer than {within} σ: a lower density, shorter bonds, or lattice = \"sc\" for chains"
+                    "no pair nearer than {within} σ: a lower density, shorter bonds, or start.lattice = \"sc\" for chains"
                 ),
             )
             .into()),

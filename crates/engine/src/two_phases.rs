@@ -14,7 +14,7 @@ fn two_phases(scene: &Scene, findings: &[Findings]) -> Option<String> {
         return Some(format!("the start has surfaces ({surfaces})"));
     }
     if scene.half_crystal().is_some() {
-        return Some("a crystal stands beside its liquid (`[crystal]`)".to_owned());
+        return Some("a crystal stands beside its liquid".to_owned());
     }
     let mut averages = findings.iter().flat_map(|f| &f.averages);
     let found = averages.any(|average| average.name == LIQUID_DENSITY);

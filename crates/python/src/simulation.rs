@@ -142,8 +142,7 @@ impl Core {
         let text = planned_text(&simulation.scene);
         lennard_io::write_text_atomically(&folder.join("scene.toml"), &text)
             .map_err(|e| failed(e.to_string()))?;
-        let (Some(start), Start::Configuration { path, .. }) =
-            (start, &simulation.scene.system.start)
+        let (Some(start), Start::File { path, .. }) = (start, &simulation.scene.system.start)
         else {
             return Ok(());
         };

@@ -26,7 +26,7 @@ pub(crate) struct NoLattice {
     pub above: Option<usize>,
 }
 
-/// Cells along each axis of a region with the given sides; `None` for a random start.
+/// Cells along each axis of a region with the given sides.
 ///
 /// In a cube there are m cells along each axis, so N = 4m³ (fcc), 2m³ (bcc) or m³ (sc). In another region the
 /// counts are those that come nearest to cubic cells, with edges that differ by at most a tenth.
@@ -34,15 +34,11 @@ pub(crate) fn cells(
     lattice: Lattice,
     n_atoms: usize,
     sides: DVec3,
-) -> Result<Option<[usize; 3]>, NoLattice> {
-    let per_cell = lattice.basis().len();
-    if per_cell == 0 {
-        return Ok(None);
-    }
+) -> Result<[usize; 3], NoLattice> {
     if sides.max_element() - sides.min_element() <= SAME_SIDE * sides.max_element() {
-        in_cube(lattice, n_atoms).map(|m| Some([m; 3]))
+        in_cube(lattice, n_atoms).map(|m| [m; 3])
     } else {
-        in_cuboid(lattice, n_atoms, sides).map(Some)
+        in_cuboid(lattice, n_atoms, sides)
     }
 }
 
@@ -141,16 +137,15 @@ mod tests {
     #[test]
     fn a_cube_takes_four_times_a_cube_number_on_fcc_and_names_the_neighbors_otherwise() {
         let cube = DVec3::splat(10.0);
-        assert_eq!(cells(Lattice::Fcc, 864, cube), Ok(Some([6; 3])));
-        assert_eq!(cells(Lattice::Bcc, 432, cube), Ok(Some([6; 3])));
-        assert_eq!(cells(Lattice::Sc, 1, cube), Ok(Some([1; 3])));
-        assert_eq!(cells(Lattice::Random, 7, cube), Ok(None));
+        assert_eq!(cells(Lattice::Fcc, 864, cube), Ok([6; 3]));
+        assert_eq!(cells(Lattice::Bcc, 432, cube), Ok([6; 3]));
+        assert_eq!(cells(Lattice::Sc, 1, cube), Ok([1; 3]));
         let wrong = cells(Lattice::Fcc, 1000, cube).unwrap_err();
         assert_eq!((wrong.below, wrong.above), (Some(864), Some(1372)));
         let few = cells(Lattice::Fcc, 3, cube).unwrap_err();
         assert_eq!((few.below, few.above), (None, Some(4)));
         let largest = 4 * 629_usize.pow(3);
-        assert_eq!(cells(Lattice::Fcc, largest, cube), Ok(Some([629; 3])));
+        assert_eq!(cells(Lattice::Fcc, largest, cube), Ok([629; 3]));
         let wrong = cells(Lattice::Fcc, largest + 1, cube).unwrap_err();
         assert_eq!((wrong.below, wrong.above), (Some(largest), Some(4 * 630_usize.pow(3))));
     }
@@ -158,8 +153,8 @@ mod tests {
     #[test]
     fn a_long_region_takes_nearly_cubic_cells() {
         let sides = DVec3::new(10.0, 10.0, 20.0);
-        assert_eq!(cells(Lattice::Fcc, 1000, sides), Ok(Some([5, 5, 10])));
-        assert_eq!(cells(Lattice::Sc, 16, DVec3::new(2.0, 2.0, 4.05)), Ok(Some([2, 2, 4])));
+        assert_eq!(cells(Lattice::Fcc, 1000, sides), Ok([5, 5, 10]));
+        assert_eq!(cells(Lattice::Sc, 16, DVec3::new(2.0, 2.0, 4.05)), Ok([2, 2, 4]));
     }
 
     #[test]
@@ -193,6 +188,6 @@ mod tests {
     #[test]
     fn a_layer_one_cell_thin_is_a_lattice_too() {
         let sides = DVec3::new(10.0, 10.0, 2.0);
-        assert_eq!(cells(Lattice::Fcc, 100, sides), Ok(Some([5, 5, 1])));
+        assert_eq!(cells(Lattice::Fcc, 100, sides), Ok([5, 5, 1]));
     }
 }

@@ -15,7 +15,7 @@ use crate::{Accuracy, MixtureTables, Place, Scene, SceneError, Source};
 impl Scene {
     /// Reads a scene file, with overrides such as `("stage.production.steps", "1000")` over it.
     ///
-    /// A relative path of a `configuration` or a table is taken from the folder of the scene file.
+    /// A relative path of a start or a table is taken from the folder of the scene file.
     ///
     /// # Errors
     /// [`SceneError`] for the first thing that is wrong.

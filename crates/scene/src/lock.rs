@@ -324,7 +324,7 @@ fn identity(scene: &Scene) -> Table {
         stage.remove("steps");
     }
     // The folder may move with the scene.
-    for (table, key) in [("system", "configuration"), ("potential", "file")] {
+    for (table, key) in [("start", "file"), ("potential", "file")] {
         if let Some(Value::String(path)) = all.get_mut(table).and_then(|table| table.get_mut(key))
             && let Some(name) = Path::new(path.as_str()).file_name()
         {

@@ -87,8 +87,8 @@ mod tests {
         assert!(rule("sixthpower").contains("waldman-hagler"));
         assert!(rule("Lorentz").contains("lorentz-berthelot"));
         assert!(rule("kong").contains("explicit"));
-        let lattice = |name| left_out("start.lattice", name).unwrap_or_default();
-        assert!(lattice("hcp").contains("fcc") && lattice("none").contains("random"));
+        let start = |name| left_out("start.kind", name).unwrap_or_default();
+        assert!(start("hcp").contains("fcc") && start("none").contains("random"));
         let words = ["nvt", "npt", "nve", "hcp", "rho", "dump", "none", "lj", "thermo", "cutoff"];
         for word in words {
             for key in [

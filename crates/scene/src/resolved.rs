@@ -14,7 +14,9 @@ use crate::tables::PLANAR;
 use crate::tables::output::{CheckpointKeys, OutputKeys};
 use crate::tables::species::{PairKeys, SpeciesKeys};
 use crate::tables::stages::{ObservableKeys, StageKeys, StepKeys};
-use crate::tables::start::{CrystalKeys, Numbers, Sides, SlabKeys, SystemKeys};
+use crate::tables::start::{
+    FileKeys, LatticeKeys, Numbers, PositionKeys, RandomKeys, Sides, StartKeys, SystemKeys,
+};
 use crate::tables::walls::{ContactKeys, FieldKeys, WallKeys};
 use crate::{
     Accuracy, Geometry, MixtureTables, MoleculeOptions, Output, ProgramParts, Scene, Start, System,
@@ -88,10 +90,7 @@ impl<'a> ResolvedTruncation<'a> {
 struct Resolved<'a> {
     name: &'a str,
     system: SystemKeys,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    slab: Option<SlabKeys>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    crystal: Option<CrystalKeys>,
+    start: StartKeys,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     species: Vec<SpeciesKeys>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -164,8 +163,7 @@ impl Scene {
         Resolved {
             name: &self.name,
             system: self.into(),
-            slab: self.slab().map(SlabKeys::from),
-            crystal: self.half_crystal().map(CrystalKeys::from),
+            start: (&self.system.start).into(),
             species: species.iter().map(SpeciesKeys::from).collect(),
             mixing: mixture.and_then(|mixture| mixture.rule.as_ref()),
             pair: mixture.map_or(Vec::new(), MixtureTables::pair_keys),
@@ -210,36 +208,49 @@ impl From<&Scene> for SystemKeys {
             held: (!held.is_empty()).then_some(Numbers(held)),
             ..Self::default()
         };
-        let mut place = |geometry: &Geometry| match geometry {
-            Geometry::Density(density) => keys.density = Some(*density),
-            Geometry::Box(sides) => keys.sides = Some(Sides(*sides)),
+        let (n, geometry) = match start {
+            Start::Lattice { n_atoms, geometry, .. } => (Some(*n_atoms), Some(*geometry)),
+            Start::Slab(slab) => (Some(slab.n_atoms), None),
+            Start::HalfCrystal(start) => (Some(start.n_atoms), None),
+            Start::Listed { sides, .. } => (None, Some(Geometry::Box(*sides))),
+            Start::File { geometry, .. } => (None, *geometry),
         };
-        match start {
-            Start::Lattice { lattice, n_atoms, geometry, vacuum } => {
-                place(geometry);
-                keys.lattice = Some(*lattice);
-                match &scene.molecule {
-                    None => keys.n_atoms = Some(*n_atoms),
-                    Some(_) => keys.n_molecules = Some(*n_atoms),
-                }
-                keys.vacuum = Some(*vacuum);
-            }
-            Start::Slab(slab) => keys.n_atoms = Some(slab.n_atoms),
-            Start::HalfCrystal(start) => keys.n_atoms = Some(start.n_atoms),
-            Start::Listed { sides, positions, velocities } => {
-                let in_rows = |all: &Vec<DVec3>| all.iter().map(DVec3::to_array).collect();
-                place(&Geometry::Box(*sides));
-                keys.positions = Some(in_rows(positions));
-                keys.velocities = velocities.as_ref().map(in_rows);
-            }
-            Start::Configuration { path, geometry, units } => {
-                (keys.length_scale, keys.time_scale) = (units.length, units.time);
-                if let Some(geometry) = geometry {
-                    place(geometry);
-                }
-                keys.configuration = Some(path.to_string_lossy().into_owned());
-            }
+        match &scene.molecule {
+            None => keys.n_atoms = n,
+            Some(_) => keys.n_molecules = n,
+        }
+        match geometry {
+            Some(Geometry::Density(density)) => keys.density = Some(density),
+            Some(Geometry::Box(sides)) => keys.sides = Some(Sides(sides)),
+            None => {}
         }
         keys
+    }
+}
+
+impl From<&Start> for StartKeys {
+    fn from(start: &Start) -> Self {
+        match start {
+            Start::Lattice { lattice: Some(lattice), vacuum, .. } => {
+                Self::Lattice(LatticeKeys { lattice: *lattice, vacuum: *vacuum })
+            }
+            Start::Lattice { lattice: None, vacuum, .. } => {
+                Self::Random(RandomKeys { vacuum: *vacuum })
+            }
+            Start::Slab(slab) => Self::Slab(slab.into()),
+            Start::HalfCrystal(start) => Self::HalfCrystal(start.into()),
+            Start::Listed { positions, velocities, .. } => {
+                let in_rows = |all: &Vec<DVec3>| all.iter().map(DVec3::to_array).collect();
+                Self::Positions(PositionKeys {
+                    positions: Some(in_rows(positions)),
+                    velocities: velocities.as_ref().map(in_rows),
+                })
+            }
+            Start::File { path, units, .. } => Self::File(FileKeys {
+                file: Some(path.to_string_lossy().into_owned()),
+                length_scale: units.length,
+                time_scale: units.time,
+            }),
+        }
     }
 }

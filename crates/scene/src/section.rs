@@ -218,6 +218,13 @@ impl<'a> Section<'a> {
         if let Some(message) = no_key(found) {
             return refuse(format!("cannot be used: {message}")).allowed(known.join(", "));
         }
+        let of_others =
+            reference::keys().iter().filter(|doc| doc.table == self.table && doc.key == found);
+        let others: Vec<&str> = of_others.filter_map(|doc| doc.method).collect();
+        if let (Some(tag), [_, ..]) = (self.tag(), &others[..]) {
+            let message = format!("goes with {} = {} alone", tag.key, quoted(&others));
+            return refuse(message).allowed(known.join(", "));
+        }
         refuse("is not a known key".to_owned())
             .allowed(known.join(", "))
             .suggestion(nearest(found, known.iter().copied()))

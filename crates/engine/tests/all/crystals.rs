@@ -85,7 +85,8 @@ fn the_cross_section_may_change_beside_a_crystal_and_not_in_a_fluid() {
         "{ kind = \"stochastic-cell-rescaling\", pressure = 4.0, coupling = \"xy-z\" }",
     );
     assert_eq!(build(&[coupling]).state.len(), 700);
-    let fluid = CRYSTAL.replace("[crystal]\n    cells = 4\n    layers = 6\n", "");
+    let fluid = CRYSTAL
+        .replace("[start]\n    kind = \"half-crystal\"\n    cells = 4\n    layers = 6\n", "");
     let as_fluid = [
         ("system.n_atoms", "864"),
         ("system.density", "0.8"),

@@ -53,7 +53,7 @@ fn dump(elements: [&str; 2]) -> String {
 
 fn scene_of(path: &Path, more: &str) -> Scene {
     let text = format!(
-        "[system]\nconfiguration = {path:?}\ntemperature = 1.0\nseed = 5\n{more}\n\
+        "[system]\ntemperature = 1.0\nseed = 5\n[start]\nkind = \"file\"\nfile = {path:?}\n{more}\n\
          [[stage]]\nname = \"production\"\nsteps = 10\n"
     );
     common::scene(&text, &[])

@@ -142,12 +142,10 @@ fn a_start_from_memory_needs_a_scene_that_names_a_configuration() {
     let error =
         prepare_with(lattice, Some(start.clone()), OwnParts::none()).err().map(|e| e.to_string());
     let message = error.unwrap_or_default();
-    assert!(message.contains("positions beside a lattice"), "{message}");
-    assert!(
-        message.contains("a `configuration` in the place of `lattice`, `n_atoms` and `density`")
-    );
+    assert!(message.contains("positions beside a start that the scene makes"), "{message}");
+    assert!(message.contains("allowed: \"file\""), "{message}");
     let text = format!(
-        "[system]\nconfiguration = \"start.xyz\"\ntemperature = 1.0\n[truncation]\nr_cut = 2.5\n{MEASURE}"
+        "[start]\nkind = \"file\"\nfile = \"start.xyz\"\n[system]\ntemperature = 1.0\n[truncation]\nr_cut = 2.5\n{MEASURE}"
     );
     let simulation =
         prepare_with(scene(&text), Some(start), OwnParts::none()).unwrap_or_else(|e| panic!("{e}"));

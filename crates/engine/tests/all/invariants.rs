@@ -300,10 +300,8 @@ fn a_hundred_thousand_bit_reversible_steps_of_864_particles_lead_back_to_the_las
 fn particles_nearly_on_top_of_each_other_are_relaxed_in_any_precision() {
     for precision in ["double", "mixed"] {
         for apart in [3e-3, 1e-5] {
-            let scene = common::scene(
-                LIQUID,
-                &[("start.kind", "random"), ("kernel.precision", precision)],
-            );
+            let scene =
+                common::scene(LIQUID, &[("start.kind", "random"), ("kernel.precision", precision)]);
             let mut beginning = begin(&scene).unwrap_or_else(|e| panic!("{e}"));
             beginning.positions[1] = beginning.positions[0] + DVec3::new(0.0, apart, 0.0);
             let simulation = prepare_from(scene, beginning)

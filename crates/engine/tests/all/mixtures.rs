@@ -262,7 +262,8 @@ fn a_file_of_a_mixture_gives_the_same_energy_and_the_same_species() {
     let frame = Frame { state: &simulation.state, extra: &[] };
     lennard_io::write_frame(&path, &style, &frame).unwrap();
     let system = MIXTURE
-        .replace("n_atoms = 108", &format!("configuration = {path:?}"))
+        .replace("n_atoms = 108", "")
+        .replace("[system]", &format!("start = {{ kind = \"file\", file = {path:?} }}\n[system]"))
         .replace("density = 0.9", "")
         .replace("fraction = 0.7", "")
         .replace("fraction = 0.3", "");

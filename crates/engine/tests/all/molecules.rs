@@ -204,8 +204,8 @@ fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
     }
     write(&folded, &path);
     let text = DUMBBELLS.replace(
-        "n_molecules = 108\n    density = 0.4\n",
-        "configuration = \"start.xyz\"\n",
+        "[system]\n    n_molecules = 108\n    density = 0.4\n",
+        "start = { kind = \"file\", file = \"start.xyz\" }\n    [system]\n",
     );
     let load = |path: &std::path::Path, text: &str| {
         let scene = path.with_extension("toml");

@@ -251,7 +251,7 @@ fn a_box_in_file_and_scene_may_be_rounded_apart() {
     fs::write(&path, format!("2\nLattice=\"6 0 0 0 6 0 0 0 6\"\n{rows}")).unwrap();
     let text = |side: &str| {
         format!(
-            "[system]\nconfiguration = \"{}\"\nbox = {side}\ntemperature = 1.0\n\
+            "[start]\nkind = \"file\"\nfile = \"{}\"\n[system]\nbox = {side}\ntemperature = 1.0\n\
              [truncation]\nr_cut = 2.5\n[[stage]]\nname = \"production\"\nsteps = 1\n",
             path.display()
         )

@@ -88,8 +88,10 @@ fn scene(system: &str, more: &str) -> Scene {
 
 #[test]
 fn points_that_no_descent_can_take_apart_are_refused() {
-    let crowd =
-        scene("lattice = \"random\"\nn_atoms = 60\ndensity = 60.0", "[truncation]\nr_cut = 0.49");
+    let crowd = scene(
+        "n_atoms = 60\ndensity = 60.0",
+        "[start]\nkind = \"random\"\n[truncation]\nr_cut = 0.49",
+    );
     let error = prepare(crowd).err().expect("refused").to_string();
     assert!(error.contains("could not be relaxed"), "{error}");
 }
@@ -101,9 +103,11 @@ fn a_method_that_does_not_suit_the_positions_ends_the_run() {
     let file = folder.path().join("start.xyz");
     let far = "1\nLattice=\"9 0 0 0 9 0 0 0 9\" Properties=species:S:1:pos:R:3\nAr 1e6 2 3\n";
     std::fs::write(&file, far).unwrap();
-    let start = format!("configuration = {:?}", file.display().to_string());
-    let mut simulation = prepare(scene(&start, "[integrator]\nkind = \"bit-reversible-verlet\""))
-        .unwrap_or_else(|e| panic!("{e}"));
+    let more = format!(
+        "[start]\nkind = \"file\"\nfile = {:?}\n[integrator]\nkind = \"bit-reversible-verlet\"",
+        file.display().to_string()
+    );
+    let mut simulation = prepare(scene("", &more)).unwrap_or_else(|e| panic!("{e}"));
     let error = simulation.run(&mut Unfollowed).unwrap_err();
     assert!(error.to_string().contains("bit-reversible-verlet"), "{error}");
 }
@@ -111,8 +115,9 @@ fn a_method_that_does_not_suit_the_positions_ends_the_run() {
 #[test]
 fn a_start_whose_forces_are_not_finite_has_no_energy() {
     // No reader lets a place pass that is so far away that no digit of it is left within the box.
-    let text = "positions = [[1.4, 2, 3], [5, 5, 5]]\nbox = 9";
-    let mut scene = scene(text, "[neighbor]\nmode = \"verlet\"");
+    let more = "[start]\nkind = \"positions\"\npositions = [[1.4, 2, 3], [5, 5, 5]]\n\
+                [neighbor]\nmode = \"verlet\"";
+    let mut scene = scene("box = 9", more);
     if let Start::Listed { positions, .. } = &mut scene.system.start {
         positions[0].x = 1.4e10;
     }

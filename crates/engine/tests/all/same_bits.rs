@@ -361,7 +361,7 @@ fn slabs_with_their_tail_as_a_force_and_half_crystals() {
     let planar = [("truncation.kind", "cut"), ("truncation.tail_correction", "planar")];
     let slab = [
         ("system", "{ n_atoms = 700, temperature = 0.8, seed = 7 }"),
-        ("slab", "{}"),
+        ("start.kind", "slab"),
         ("truncation", r#"{ kind = "shift", r_cut = 2.5 }"#),
         ("observable", r#"[{ kind = "interface", every = 4 }]"#),
     ];
@@ -372,7 +372,7 @@ fn slabs_with_their_tail_as_a_force_and_half_crystals() {
     assert_eq!(
         liquid(&[
             ("system", "{ n_atoms = 700, temperature = 1.0, seed = 7 }"),
-            ("crystal", "{ cells = 4, layers = 6 }"),
+            ("start", r#"{ kind = "half-crystal", cells = 4, layers = 6 }"#),
             ("truncation", "{ r_cut = 2.5 }"),
             ("observable", r#"[{ kind = "bond-order", every = 4 }]"#),
             ("stage.production.thermostat", "bussi"),
@@ -578,8 +578,9 @@ fn a_run_made_longer_is_the_longer_run() {
 fn a_run_goes_on_without_its_start_configuration() {
     let root = tempfile::tempdir().unwrap();
     let start = begun(root.path(), "first", 0, &[]).join("final.xyz");
-    let system = format!("{{ configuration = {start:?}, temperature = 1.2 }}");
-    let second = begun(root.path(), "second", 50, &[("system", &system)]);
+    let file = format!("{{ kind = \"file\", file = {start:?} }}");
+    let overrides = [("system", "{ temperature = 1.2 }"), ("start", &*file)];
+    let second = begun(root.path(), "second", 50, &overrides);
     fs::remove_file(&start).unwrap();
     assert_eq!(goes_on(&second, 0, 1, &ResumeOptions::default()), Ending::Finished);
 }

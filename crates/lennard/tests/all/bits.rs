@@ -115,6 +115,7 @@ fn arrays_start_where_another_simulation_is() {
 /// The same liquid from a file that is not there: arrays stand for it.
 fn liquid_from(file: &str) -> SceneBuilder {
     SceneBuilder::new()
+        .set("start.kind", "file")
         .set("start.file", file)
         .set("system.temperature", 0.722)
         .set("truncation.r_cut", 2.2)

@@ -9,7 +9,7 @@ use lennard_integrators::{
 };
 use lennard_observables::{ObservableOptions, Surroundings, observables as all_observables};
 
-use crate::{Lattice, Molecule, Scene, Stage, Start, WallTable};
+use crate::{Molecule, Scene, Stage, Start, WallTable};
 
 /// The integrators that fit, as a scene names them: `integrator.kind = "leapfrog", "velocity-verlet"`.
 pub(crate) fn kinds_that(fit: impl Fn(&IntegratorEntry) -> bool) -> String {
@@ -140,32 +140,26 @@ pub(super) fn confinement(scene: &Scene) -> Vec<Part> {
 }
 
 pub(super) fn surfaces(scene: &Scene) -> Vec<Part> {
-    let key = if scene.slab().is_some() { "slab" } else { "start.vacuum" };
+    let key = if scene.slab().is_some() { "start.kind" } else { "start.vacuum" };
     scene.surfaces().map(|words| part(key, words)).into_iter().collect()
 }
 
 pub(super) fn slab(scene: &Scene) -> Vec<Part> {
-    one(scene.slab().is_some(), "slab", "`[slab]`")
+    one(scene.slab().is_some(), "start.kind", "a slab")
 }
 
 pub(super) fn half_crystal(scene: &Scene) -> Vec<Part> {
-    one(scene.half_crystal().is_some(), "crystal", "`[crystal]`")
+    one(scene.half_crystal().is_some(), "start.kind", "a crystal beside its liquid")
 }
 
 pub(super) fn full_box(scene: &Scene) -> Vec<Part> {
-    let is_full = lattice(scene).is_some() && scene.surfaces().is_none();
+    let is_full = matches!(scene.system.start, Start::Lattice { .. }) && scene.surfaces().is_none();
     one(is_full, "system", "a start that fills its box")
 }
 
-fn lattice(scene: &Scene) -> Option<Lattice> {
-    match scene.system.start {
-        Start::Lattice { lattice, .. } => Some(lattice),
-        _ => None,
-    }
-}
-
 pub(super) fn random_start(scene: &Scene) -> Vec<Part> {
-    one(lattice(scene) == Some(Lattice::Random), "start.kind", "\"random\"")
+    let is_random = matches!(scene.system.start, Start::Lattice { lattice: None, .. });
+    one(is_random, "start.kind", "\"random\"")
 }
 
 pub(super) fn vacuum(scene: &Scene) -> Vec<Part> {

@@ -47,7 +47,7 @@ const ROWS: &[Row] = rows! {
         "is for molecules alone"; "{a} without `[molecule]`"; "{fit}"
     random_start / molecules:
         "does not go with molecules"; "\"random\"";
-        "\"fcc\", \"sc\" or \"bcc\", or `configuration` with a file"
+        "\"lattice\", or \"file\" with a file"
     walls_off_bonds / held_bonds_alone:
         "moves single sites, off their bonds"; "{a} with {b}";
         "\"billiard\"; or a \"thermal\" wall, or a wall that only exerts a force"
@@ -131,7 +131,7 @@ const ROWS: &[Row] = rows! {
     vacuum / any_walls:
         "does not go with walls"; "{a}"; "0: the walls make the box longer by their `thickness`"
     random_start / any_walls:
-        "does not go with walls"; "{a}, whose relaxation knows no walls"; "\"fcc\", \"sc\" or \"bcc\""
+        "does not go with walls"; "{a}, whose relaxation knows no walls"; "\"lattice\""
     planes_of_contacts / no_contacts_of_spook:
         "is for planes that contacts of SPOOK solve for"; "{a} {b}";
         "[contact] kind = \"spook\", or response = \"billiard\""
@@ -150,19 +150,19 @@ const ROWS: &[Row] = rows! {
 
     // Two phases at the start.
     slab / molecules:
-        "does not go with `[molecule]`"; "`[slab]` and `[molecule]`"; "a slab of atoms in a periodic box"
+        "does not go with `[molecule]`"; "{a} and `[molecule]`"; "a slab of atoms in a periodic box"
     slab / confinement:
-        "does not go with {b}"; "`[slab]` and {b}"; "a slab of atoms in a periodic box"
+        "does not go with {b}"; "{a} and {b}"; "a slab of atoms in a periodic box"
     half_crystal / molecules:
-        "does not go with `[molecule]`"; "`[crystal]` and `[molecule]`"; "atoms of one species in a periodic box"
+        "does not go with `[molecule]`"; "{a} and `[molecule]`"; "atoms of one species in a periodic box"
     half_crystal / species:
-        "does not go with several species"; "`[crystal]` and several species"; "atoms of one species in a periodic box"
+        "does not go with several species"; "{a} and several species"; "atoms of one species in a periodic box"
     half_crystal / accuracy:
-        "does not go with `[accuracy]`"; "`[crystal]` and `[accuracy]`"; "atoms of one species in a periodic box"
+        "does not go with `[accuracy]`"; "{a} and `[accuracy]`"; "atoms of one species in a periodic box"
     half_crystal / contacts:
-        "does not go with contacts"; "`[crystal]` and contacts"; "atoms of one species in a periodic box"
+        "does not go with contacts"; "{a} and contacts"; "atoms of one species in a periodic box"
     half_crystal / confinement:
-        "does not go with {b}"; "`[crystal]` and {b}"; "atoms of one species in a periodic box"
+        "does not go with {b}"; "{a} and {b}"; "atoms of one species in a periodic box"
 
     // Contacts.
     spook_alone / contacts:
@@ -216,7 +216,7 @@ const ROWS: &[Row] = rows! {
         "gives no energy of single particles"; "\"planar\" with observable {b}"; "other observables"
     planar_tail / full_box:
         "needs flat surfaces across z"; "\"planar\" and {b}";
-        "true in a homogeneous fluid, or a start with `[slab]`, `start.vacuum` or `configuration`"
+        "true in a homogeneous fluid, or a start with `start.vacuum`, or start.kind = \"slab\" or \"file\""
 };
 
 /// Refuses the first two features that do not go with each other.

@@ -137,9 +137,9 @@ impl Reader<'_> {
                 }
                 (Some(_), None) | (None, Some(_)) if of_file => {
                     let key = if row.count.is_some() { "count" } else { "fraction" };
-                    return Err(refuse(key, "does not go with `configuration`")
+                    return Err(refuse(key, "does not go with `start.file`")
                         .found(format!("`{key}` of {name:?}"))
-                        .allowed("no such key: the configuration file has it"));
+                        .allowed("no such key: the file has it"));
                 }
                 (None, None) if of_file => Amount::OfFile,
                 (Some(_), None) if by_count => {

@@ -1,4 +1,4 @@
-//! Reads the tables `[system]`, `[slab]` and `[crystal]`.
+//! Reads the tables `[system]` and `[start]`.
 
 use crate::reference;
 use std::path::Path;
@@ -11,7 +11,9 @@ use toml::Value;
 
 use crate::document::in_short;
 use crate::read::{Reader, Resolve};
-use crate::tables::start::{CrystalKeys, Numbers, Sides, SlabKeys, SystemKeys, per_cell};
+use crate::tables::start::{
+    CrystalKeys, Numbers, PositionKeys, Sides, SlabKeys, StartKeys, SystemKeys, per_cell,
+};
 use crate::{Geometry, HalfCrystal, SceneError, Slab, Start, System};
 
 /// A row of numbers as a vector.
@@ -19,28 +21,28 @@ fn vectors(rows: &[[f64; 3]]) -> Vec<DVec3> {
     rows.iter().map(|row| DVec3::from_array(*row)).collect()
 }
 
+/// What is allowed beside a start with two phases.
+const BY_PHASES: &str = "nothing: the box follows from `n_atoms` and the keys of `[start]`";
+
 impl Reader<'_> {
     /// The start of particles that are listed, in a box.
-    pub fn listed(
-        &self,
-        positions: &[[f64; 3]],
-        velocities: Option<&[[f64; 3]]>,
-        geometry: Option<Geometry>,
-    ) -> Result<Start, SceneError> {
+    fn listed(&self, keys: &PositionKeys, geometry: Option<Geometry>) -> Result<Start, SceneError> {
         let refuse = |key: &str, message: &str, found: String, allowed: &str| {
-            let key = format!("system.{key}");
-            Err(self.source.refuse(&key, message).found(found).allowed(allowed))
+            Err(self.source.refuse(key, message).found(found).allowed(allowed))
         };
+        let velocities = keys.velocities.as_deref();
+        let positions = self.of_start("positions", keys.positions.as_deref())?;
         let Some(Geometry::Box(sides)) = geometry else {
             let found = "`positions` without a box".to_owned();
             let allowed = "`box` with one side, or three sides [Lx, Ly, Lz]";
-            return refuse("box", "is missing", found, allowed);
+            return refuse("system.box", "is missing", found, allowed);
         };
         if positions.is_empty() {
             let found = "an empty list".to_owned();
-            return refuse("positions", "has no particle", found, "at least one position");
+            return refuse("start.positions", "has no particle", found, "at least one position");
         }
-        for (key, rows) in [("positions", Some(positions)), ("velocities", velocities)] {
+        for (key, rows) in [("start.positions", Some(positions)), ("start.velocities", velocities)]
+        {
             let bad =
                 rows.into_iter().flatten().flatten().find(|x| !(-LARGEST..=LARGEST).contains(*x));
             if let Some(x) = bad {
@@ -53,7 +55,7 @@ impl Reader<'_> {
         {
             let found = format!("{} velocities of {} particles", velocities.len(), positions.len());
             let allowed = "one velocity for each of `positions`";
-            return refuse("velocities", "has another length", found, allowed);
+            return refuse("start.velocities", "has another length", found, allowed);
         }
         Ok(Start::Listed {
             sides,
@@ -92,19 +94,19 @@ const SHORTEST_PART: f64 = 4.0;
 
 impl Reader<'_> {
     /// The start of `n_atoms` particles at a temperature (ε/k_B); the freezing line of `model` gives densities that are not written.
-    pub fn half_crystal(
+    fn half_crystal(
         &self,
+        table: &CrystalKeys,
         n_atoms: usize,
         temperature: f64,
         model: Option<ModelKind>,
     ) -> Result<HalfCrystal, SceneError> {
-        let table: CrystalKeys = self.plain("crystal")?;
         let [crystal_density, liquid_density] = match (table.crystal_density, table.liquid_density)
         {
             (Some(crystal), Some(liquid)) => [crystal, liquid],
             (crystal, liquid) => {
                 let keys = ["crystal_density", "liquid_density"];
-                let missing = MissingDensity::of("crystal", keys, [crystal, liquid]);
+                let missing = MissingDensity::of(keys, [crystal, liquid]);
                 let [c, l] = self.on_freezing_line(temperature, model, &missing)?;
                 [crystal.unwrap_or(c), liquid.unwrap_or(l)]
             }
@@ -175,7 +177,7 @@ impl Reader<'_> {
 }
 
 /// A density that a table does not write.
-pub(crate) struct MissingDensity {
+struct MissingDensity {
     /// The key of the first that is missing.
     pub key: String,
     /// The keys that are missing, in words.
@@ -184,14 +186,14 @@ pub(crate) struct MissingDensity {
 
 impl MissingDensity {
     /// What is missing of the two densities of a table, where one is at least.
-    pub(crate) fn of(table: &str, keys: [&str; 2], written: [Option<f64>; 2]) -> Self {
+    fn of(keys: [&str; 2], written: [Option<f64>; 2]) -> Self {
         let all = keys.into_iter().zip(written);
         let missing: Vec<&str> =
             all.filter(|(_, written)| written.is_none()).map(|(key, _)| key).collect();
         let words: Vec<String> = missing.iter().map(|key| format!("`{key}`")).collect();
         Self {
-            key: format!("{table}.{}", missing.first().unwrap_or(&keys[0])),
-            allowed: format!("{} in [{table}]", words.join(" and ")),
+            key: format!("start.{}", missing.first().unwrap_or(&keys[0])),
+            allowed: format!("{} in [start]", words.join(" and ")),
         }
     }
 }
@@ -204,18 +206,18 @@ const THICKNESS_OF_SIDE: f64 = 1.5;
 
 impl Reader<'_> {
     /// The slab of `n_atoms` particles at a temperature (ε/k_B); the literature of `model` gives densities that are not written.
-    pub fn slab(
+    fn slab(
         &self,
+        table: &SlabKeys,
         n_atoms: usize,
         temperature: f64,
         model: Option<ModelKind>,
     ) -> Result<Slab, SceneError> {
-        let table: SlabKeys = self.plain("slab")?;
         let [liquid_density, vapor_density] = match (table.liquid_density, table.vapor_density) {
             (Some(liquid), Some(vapor)) => [liquid, vapor],
             (liquid, vapor) => {
                 let keys = ["liquid_density", "vapor_density"];
-                let missing = MissingDensity::of("slab", keys, [liquid, vapor]);
+                let missing = MissingDensity::of(keys, [liquid, vapor]);
                 let [l, v] = self.coexisting(temperature, model, &missing)?;
                 [liquid.unwrap_or(l), vapor.unwrap_or(v)]
             }
@@ -282,7 +284,7 @@ impl Reader<'_> {
         Ok([s.liquid_density, s.vapor_density])
     }
 
-    /// The table; `counted` is the number of particles that the species have together, where they are counted, and `model`
+    /// Both tables; `counted` is the number of particles that the species have together, where they are counted, and `model`
     /// the model of atoms of one species.
     pub fn system(
         &self,
@@ -295,125 +297,87 @@ impl Reader<'_> {
             self.refuse_triclinic(sides)?;
         }
         let table: SystemKeys = self.section("system").read(written)?;
+        let keys: StartKeys = self.section("start").method(self.table("start"))?;
         let geometry = match (table.density, table.sides) {
             (Some(_), Some(_)) => {
                 return Err(self
                     .source
                     .refuse("system.box", "and `density` are both given")
                     .found("both")
-                    .allowed("one of them (and `vacuum` for empty space beside the particles)"));
+                    .allowed(
+                        "one of them (and `start.vacuum` for empty space beside the particles)",
+                    ));
             }
             (Some(density), None) => Some(Geometry::Density(density)),
             (None, Some(Sides(sides))) => Some(Geometry::Box(sides)),
             (None, None) => None,
         };
-        const OF_LATTICES: [&str; 5] = ["lattice", "n_atoms", "n_molecules", "density", "vacuum"];
-        let excludes = |own: &str, keys: &[&str], allowed: &str| {
-            let mut given = keys.iter().filter_map(|key| Some((key, written.get(*key)?)));
-            let Some((key, value)) = given.next() else {
-                return Ok(());
-            };
-            Err(self
-                .source
-                .refuse(&format!("system.{key}"), format!("does not go with `{own}`"))
-                .found(in_short(value))
-                .allowed(allowed))
+        self.said_by_start(&keys)?;
+        let is_listed = matches!(keys, StartKeys::Positions(_));
+        let temperature = match table.temperature {
+            // Bodies that are listed are at rest unless the scene says otherwise.
+            None if is_listed => 0.0,
+            temperature => temperature.ok_or_else(|| self.needed("temperature"))?,
         };
-        if table.velocities.is_some() && table.positions.is_none() {
-            return Err(self
-                .source
-                .refuse("start.velocities", "has no positions beside it")
-                .found("`velocities` alone")
-                .allowed("`positions` with one position for each velocity"));
-        }
-        let units = FileUnits { length: table.length_scale, time: table.time_scale };
-        let alone = match units {
-            _ if table.configuration.is_some() => units.time.filter(|_| units.length.is_none()),
-            units => units.length.or(units.time),
+        let count = || self.count(table.n_atoms.or(counted), table.n_molecules);
+        let filled = |lattice, vacuum| {
+            let n_atoms = count()?;
+            let geometry = geometry.ok_or_else(|| self.needed("density"))?;
+            Ok(Start::Lattice { lattice, n_atoms, geometry, vacuum })
         };
-        if let Some(found) = alone {
-            let key = if units.length.is_some() { "length_scale" } else { "time_scale" };
-            return Err(self
-                .source
-                .refuse(&format!("system.{key}"), "is of a file in other units")
-                .found(found)
-                .allowed("`configuration` with the file, and `length_scale` beside it"));
-        }
-        let is_listed = table.positions.is_some();
-        let phases = ["slab", "crystal"];
-        let both = phases.iter().filter(|t| self.source.wrote(t));
-        let side_by_side: Vec<&&str> = both.collect();
-        if let [_, other, ..] = side_by_side[..] {
-            return Err(self
-                .source
-                .refuse(other, "does not go with `[slab]`")
-                .found("both")
-                .allowed("`[slab]` for liquid and vapor, `[crystal]` for crystal and liquid"));
-        }
-        let side_by_side = side_by_side.first().map(|table| **table);
-        if let Some(phases) = side_by_side
-            && (is_listed || table.configuration.is_some())
-        {
-            let (own, says) = match is_listed {
-                true => ("positions", "positions say"),
-                false => ("configuration", "configuration file says"),
-            };
-            return Err(self
-                .source
-                .refuse(phases, format!("does not go with `{own}`"))
-                .found(format!("`[{phases}]` and `{own}`"))
-                .allowed(format!("one of them: the {says} where the particles are")));
-        }
-        let start = match (&table.configuration, &table.positions) {
-            (None, Some(positions)) => {
-                excludes("positions", &OF_LATTICES, "nothing: the positions say it")?;
-                self.listed(positions, table.velocities.as_deref(), geometry)?
+        let start = match &keys {
+            StartKeys::Lattice(keys) => filled(Some(keys.lattice), keys.vacuum)?,
+            StartKeys::Random(keys) => filled(None, keys.vacuum)?,
+            StartKeys::Slab(keys) => Start::Slab(self.slab(keys, count()?, temperature, model)?),
+            StartKeys::HalfCrystal(keys) => {
+                Start::HalfCrystal(self.half_crystal(keys, count()?, temperature, model)?)
             }
-            (Some(path), _) => {
-                excludes(
-                    "configuration",
-                    &[&OF_LATTICES[..], &["positions"]].concat(),
-                    "no such key: the configuration file has it",
-                )?;
-                let path = resolve(self.source, "start.file", Path::new(path))?;
-                Start::Configuration { path, geometry, units }
-            }
-            (None, None) if let Some(phases) = side_by_side => {
-                let of_table = format!("[{phases}]");
-                excludes(
-                    &of_table,
-                    &["lattice", "density", "box", "vacuum"],
-                    &format!(
-                        "nothing: the box follows from `n_atoms` and the keys of `{of_table}`"
-                    ),
-                )?;
-                let temperature = table.temperature.ok_or_else(|| self.needed("temperature"))?;
-                let n_atoms = self.count(table.n_atoms.or(counted), table.n_molecules)?;
-                match phases {
-                    "slab" => Start::Slab(self.slab(n_atoms, temperature, model)?),
-                    _ => Start::HalfCrystal(self.half_crystal(n_atoms, temperature, model)?),
+            StartKeys::Positions(keys) => self.listed(keys, geometry)?,
+            StartKeys::File(keys) => {
+                let units = FileUnits { length: keys.length_scale, time: keys.time_scale };
+                if let (Some(found), None) = (units.time, units.length) {
+                    return Err(self
+                        .source
+                        .refuse("start.time_scale", "is of a file in other units")
+                        .found(found)
+                        .allowed("`length_scale` beside it"));
                 }
+                let path = self.of_start("file", keys.file.as_ref())?;
+                let path = resolve(self.source, "start.file", Path::new(path))?;
+                Start::File { path, geometry, units }
             }
-            (None, None) => Start::Lattice {
-                lattice: table.lattice.unwrap_or_default(),
-                n_atoms: self.count(table.n_atoms.or(counted), table.n_molecules)?,
-                geometry: geometry.ok_or_else(|| self.needed("density"))?,
-                vacuum: table.vacuum.unwrap_or(0.0),
-            },
         };
-        Ok(System {
-            start,
-            temperature: match table.temperature {
-                // Bodies that are listed are at rest unless the scene says otherwise.
-                None if is_listed => 0.0,
-                temperature => temperature.ok_or_else(|| self.needed("temperature"))?,
-            },
-            seed: table.seed,
-            held: match &table.held {
-                Some(Numbers(numbers)) => self.held(numbers)?,
-                None => Vec::new(),
-            },
-        })
+        let held = table.held.map_or(Ok(Vec::new()), |Numbers(numbers)| self.held(&numbers))?;
+        Ok(System { start, temperature, seed: table.seed, held })
+    }
+
+    /// Refuses a key of `[system]` that the start says itself.
+    fn said_by_start(&self, start: &StartKeys) -> Result<(), SceneError> {
+        const COUNTS: [&str; 3] = ["n_atoms", "n_molecules", "density"];
+        let (kind, keys, allowed) = match start {
+            StartKeys::Lattice(_) | StartKeys::Random(_) => return Ok(()),
+            StartKeys::Positions(_) => ("positions", &COUNTS[..], "nothing: the positions say it"),
+            StartKeys::File(_) => ("file", &COUNTS[..], "no such key: the file has it"),
+            StartKeys::Slab(_) => ("slab", &["density", "box"][..], BY_PHASES),
+            StartKeys::HalfCrystal(_) => ("half-crystal", &["density", "box"][..], BY_PHASES),
+        };
+        let written = self.table("system");
+        match keys.iter().find_map(|key| Some((key, written.get(*key)?))) {
+            None => Ok(()),
+            Some((key, value)) => Err(self
+                .source
+                .refuse(
+                    &format!("system.{key}"),
+                    format!("does not go with `start.kind = {kind:?}`"),
+                )
+                .found(in_short(value))
+                .allowed(allowed)),
+        }
+    }
+
+    /// The value of a key of `[start]` that its kind needs.
+    fn of_start<V>(&self, key: &str, value: Option<V>) -> Result<V, SceneError> {
+        self.section("start").needed(self.table("start"), key, value)
     }
 
     /// The number of particles, or of molecules where the scene has some.
@@ -442,7 +406,7 @@ impl Reader<'_> {
         let allowed = reference::find("system", None, key).map(|doc| doc.allowed.text());
         let or = match key {
             "density" => ", or `box` with three sides",
-            "n_atoms" | "n_molecules" => ", or `positions`, or `configuration` with a file",
+            "n_atoms" | "n_molecules" => ", or `[start]` with `positions` or a `file`",
             _ => "",
         };
         self.source

@@ -17,7 +17,7 @@ use crate::tables::species::{PairKeys, SpeciesKeys};
 use crate::tables::stages::{
     BarostatKeys, IntegratorKeys, ObservableKeys, PressureRamp, StageKeys, TemperatureRamp,
 };
-use crate::tables::start::{CrystalKeys, SlabKeys, SystemKeys};
+use crate::tables::start::{StartKeys, SystemKeys};
 use crate::tables::walls::{ContactKeys, FieldKeys, WallKeys};
 use crate::{Accuracy, MoleculeOptions, Name};
 
@@ -187,15 +187,13 @@ macro_rules! tables {
 pub(super) static TABLES: &[TableDoc] = tables! {
     /// At the top of the file.
     "" Form::Top, keys TopKeys;
-    /// Where the particles start: on a lattice or at random (`n_atoms` with `density` or `box`). The other ways are `positions` in a
-    /// `box`, and a `configuration` file.
+    /// How many particles there are and in which box: `n_atoms` with `density` or `box`.
     "system" Form::Once, keys SystemKeys;
-    /// A start with a slab of liquid across z, and vapor on both sides. The cross-section is a square, and its side follows from
-    /// `n_atoms`. An empty table takes every default.
-    "slab" Form::Once, keys SlabKeys;
-    /// A start with a crystal across z, and its liquid beside it. The cross-section is a square of whole cells without strain. An empty table
-    /// takes every default.
-    "crystal" Form::Once, keys CrystalKeys;
+    /// Where the particles stand at the start. `slab` is liquid across z with vapor on both sides, and `half-crystal` a crystal across z
+    /// beside its liquid: every key has a default, and the box follows from `n_atoms`. The others stand in the box of `[system]`; `positions`
+    /// and `file` have a number of particles of their own.
+    "start" Form::Once,
+        methods StartKeys, "kind" = Usual::Name("lattice"), "How they stand.";
     /// A species of a mixture, at most eight. Without such a table all particles have σ = ε = m = 1. On a lattice the species are mixed
     /// at random, from the seed.
     "species" Form::Many, keys SpeciesKeys;

@@ -73,22 +73,18 @@ impl Scene {
         let crystal = DVec3::new(side, side, start.crystal_length());
         let sides = crystal + DVec3::new(0.0, 0.0, start.liquid_length());
         Ok(Placement {
-            cell: self.box_of_phases("crystal", sides)?,
+            cell: self.box_of_phases(sides)?,
             corner: DVec3::ZERO,
             filled: crystal,
             cells: Some([start.cells, start.cells, start.layers]),
         })
     }
 
-    /// The box of a start with two phases, refused under the name of its table.
-    pub(crate) fn box_of_phases(
-        &self,
-        table: &str,
-        sides: DVec3,
-    ) -> Result<PeriodicBox, SceneError> {
+    /// The box of a start with two phases.
+    fn box_of_phases(&self, sides: DVec3) -> Result<PeriodicBox, SceneError> {
         PeriodicBox::new(sides).map_err(|_| {
             self.source
-                .refuse(table, "makes an impossible box")
+                .refuse("start", "makes an impossible box")
                 .found(format!("sides of {} and {} σ", short(sides.x), short(sides.z)))
                 .allowed("finite sides above 0")
         })
@@ -110,7 +106,7 @@ impl Scene {
             Start::Lattice { vacuum, .. } if *vacuum > 0.0 => {
                 Some(format!("start.vacuum = {vacuum}"))
             }
-            Start::Slab(_) => Some("`[slab]`".to_owned()),
+            Start::Slab(_) => Some("a slab".to_owned()),
             _ => None,
         }
     }
@@ -119,7 +115,7 @@ impl Scene {
     pub(crate) fn slab_placement(&self, slab: &Slab) -> Result<Placement, SceneError> {
         let sides = slab.sides();
         Ok(Placement {
-            cell: self.box_of_phases("slab", sides)?,
+            cell: self.box_of_phases(sides)?,
             corner: DVec3::new(0.0, 0.0, 0.5 * (slab.length - slab.thickness)),
             filled: DVec3::new(sides.x, sides.y, slab.thickness),
             cells: None,
@@ -134,14 +130,14 @@ impl Scene {
     pub fn placement(&self) -> Result<Option<Placement>, SceneError> {
         let (lattice, n_atoms, geometry, vacuum) = match &self.system.start {
             Start::Lattice { lattice, n_atoms, geometry, vacuum } => {
-                (Some(lattice), n_atoms, geometry, vacuum)
+                (lattice.as_ref(), n_atoms, geometry, vacuum)
             }
             Start::Slab(slab) => return self.slab_placement(slab).map(Some),
             Start::HalfCrystal(start) => return self.crystal_placement(start).map(Some),
             Start::Listed { sides, positions, .. } => {
                 (None, &positions.len(), &Geometry::Box(*sides), &0.0)
             }
-            Start::Configuration { .. } => return Ok(None),
+            Start::File { .. } => return Ok(None),
         };
         let (filled, key) = match geometry {
             Geometry::Density(density) => {
@@ -152,7 +148,7 @@ impl Scene {
         };
         let mut lengths = filled;
         lengths.z += vacuum;
-        let (room, clear) = self.room_of_walls(lattice.is_some());
+        let (room, clear) = self.room_of_walls(!matches!(self.system.start, Start::Listed { .. }));
         lengths += room;
         let refuse = |found: f64| {
             let key = if filled.max_element() > LONGEST_SIDE || *vacuum == 0.0 {
@@ -171,11 +167,10 @@ impl Scene {
             }
         }
         let cell = PeriodicBox::new(lengths).map_err(|_| refuse(f64::NAN))?;
-        let cells = match lattice {
-            Some(lattice) => cells(*lattice, *n_atoms, filled)
-                .map_err(|none| self.no_lattice(*n_atoms, &none))?,
-            None => None,
-        };
+        let cells = lattice
+            .map(|lattice| cells(*lattice, *n_atoms, filled))
+            .transpose()
+            .map_err(|none| self.no_lattice(*n_atoms, &none))?;
         Ok(Some(Placement {
             cell,
             corner: clear + DVec3::new(0.0, 0.0, 0.5 * vacuum),
@@ -191,7 +186,7 @@ impl Scene {
             (None, None) => "none near".to_owned(),
         };
         let (key, or) = match self.molecule {
-            None => ("system.n_atoms", "; or any number with lattice = \"random\""),
+            None => ("system.n_atoms", "; or any number with start.kind = \"random\""),
             Some(_) => ("system.n_molecules", ""),
         };
         self.source

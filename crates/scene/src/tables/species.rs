@@ -13,7 +13,7 @@ lennard_core::options! {
         name: Option<String> = None, else "needed", Words("at most 200 letters, digits, `-` and `_`, beginning with a letter, and unlike any other species'");
         /// Share of all particles; the fractions of all species add up to 1.
         fraction: Option<f64> = None, else "this or `count`", Between(1e-9, 1.0);
-        /// Number of particles. With `configuration`, the file has them, and neither key is written.
+        /// Number of particles. A start from a file has them, and neither key is written.
         count: Option<usize> = None, else "this or `fraction`", Whole(1, MOST_ATOMS);
         /// σ of two particles of this species.
         sigma: f64 = 1.0, Between(0.01, 100.0), in "σ";

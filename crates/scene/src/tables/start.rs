@@ -1,8 +1,8 @@
-//! The tables `[system]`, `[slab]` and `[crystal]`: where the particles start.
+//! The tables `[system]` and `[start]`: how many particles there are, in which box, and how they stand at the start.
 
 use std::path::PathBuf;
 
-use lennard_core::options::OptionValue;
+use lennard_core::options::{Keys, OptionValue, Options};
 use lennard_core::{DVec3, PeriodicBox};
 use lennard_io::FileUnits;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -10,6 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use crate::limits::{
     COLDEST, DENSEST, HOTTEST, LONGEST_SIDE, MOST_ATOMS, MOST_ENTRIES, SHORTEST_SIDE, THINNEST,
 };
+use crate::methods::Method;
 use crate::tables::as_toml;
 
 /// The table `[system]`.
@@ -27,7 +28,7 @@ pub struct System {
 }
 
 lennard_core::choices! {
-    /// The arrangement of the first positions.
+    /// A cubic lattice.
     pub enum Lattice {
         /// Face-centred cubic, 4 particles a cell.
         #[default]
@@ -36,8 +37,6 @@ lennard_core::choices! {
         Sc = "sc",
         /// Body-centred cubic, 2 particles a cell.
         Bcc = "bcc",
-        /// At random, relaxed until nothing overlaps.
-        Random = "random",
     }
 }
 
@@ -68,8 +67,8 @@ pub struct Placement {
 pub enum Start {
     /// On a lattice, or at random without overlaps.
     Lattice {
-        /// Which one.
-        lattice: Lattice,
+        /// Which one; `None` for places at random, relaxed until nothing overlaps.
+        lattice: Option<Lattice>,
         /// Number of particles, or of molecules where particles are bonded.
         n_atoms: usize,
         /// Size of the region that they fill; a density is of molecules where particles are bonded.
@@ -92,8 +91,8 @@ pub enum Start {
         velocities: Option<Vec<DVec3>>,
     },
     /// As a file says.
-    Configuration {
-        /// The file: extended XYZ, LAMMPS dump or data, GRO, or the NIST columns.
+    File {
+        /// Its path: extended XYZ, LAMMPS dump or data, GRO, or the NIST columns.
         path: PathBuf,
         /// The box, for files that name none.
         geometry: Option<Geometry>,
@@ -111,7 +110,7 @@ impl Start {
             Self::Slab(slab) => Some(slab.n_atoms),
             Self::HalfCrystal(start) => Some(start.n_atoms),
             Self::Listed { positions, .. } => Some(positions.len()),
-            Self::Configuration { .. } => None,
+            Self::File { .. } => None,
         }
     }
 
@@ -178,7 +177,7 @@ impl HalfCrystal {
 }
 
 lennard_core::options! {
-    /// The keys of `[crystal]`.
+    /// The keys of a start with a crystal beside its liquid.
     pub(crate) struct CrystalKeys {
         /// Face-centred cells across x and across y.
         cells: Option<usize> = None, else "as many as make the crystal about twice as long as wide", Whole(1, MOST_ENTRIES as i64);
@@ -203,14 +202,13 @@ impl From<&HalfCrystal> for CrystalKeys {
 }
 
 impl Lattice {
-    /// The sites of a cell as fractions of its edges; empty for a random start.
+    /// The sites of a cell as fractions of its edges.
     #[must_use]
     pub fn basis(self) -> &'static [[f64; 3]] {
         match self {
             Self::Fcc => &[[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]],
             Self::Sc => &[[0.0, 0.0, 0.0]],
             Self::Bcc => &[[0.0, 0.0, 0.0], [0.5, 0.5, 0.5]],
-            Self::Random => &[],
         }
     }
 }
@@ -260,7 +258,7 @@ impl Slab {
 }
 
 lennard_core::options! {
-    /// The keys of `[slab]`.
+    /// The keys of a start with a slab of liquid.
     pub(crate) struct SlabKeys {
         /// Density of the liquid at the start.
         liquid_density: Option<f64> = None, else "saturation of the model at `system.temperature`", Between(THINNEST, DENSEST), in "σ⁻³";
@@ -287,34 +285,85 @@ impl From<&Slab> for SlabKeys {
 lennard_core::options! {
     /// The keys of `[system]`.
     pub(crate) struct SystemKeys {
-        /// Arrangement at the start. In a cube, fcc takes 4m³ particles, bcc 2m³, sc m³; in another box, 4abc, 2abc or abc with nearly cubic cells (edges within 10 % of each other). `random` takes any number, relaxed until nothing overlaps.
-        lattice: Option<Lattice> = None, else "`\"fcc\"`", Names(Lattice::names);
-        /// Number of particles.
+        /// Number of particles; `positions` and files have their own.
         n_atoms: Option<usize> = None, else "needed", Whole(1, MOST_ATOMS);
         /// Number of molecules, in place of `n_atoms`: their centres stand on the lattice, their axes along its body diagonals.
         n_molecules: Option<usize> = None, else "needed with `[molecule]`", Whole(1, MOST_ATOMS);
         /// Number density of the start; the box is a cube.
         density: Option<f64> = None, else "this or `box`", Between(THINNEST, DENSEST), in "σ⁻³";
-        /// Box sides. With a `configuration`, the box of a file that names none.
+        /// Box sides. With a `file`, the box of a file that names none.
         sides as "box": Option<Sides> = None, else "this or `density`", Words("one side, or three sides [Lx, Ly, Lz], each a finite number above 0"), in "σ";
-        /// Empty length added to the box along z, with the particles in the middle: a slab between two surfaces. `density` and `box` then describe the filled part.
-        vacuum: Option<f64> = None, else "`0.0`", Between(0.0, LONGEST_SIDE), in "σ";
-        /// Start from these positions, in the `box`. Takes the place of `lattice`, `n_atoms` and `density`. With molecules, the sites of each follow each other. Along an axis with walls they count from the lower wall.
-        positions: Option<Vec<[f64; 3]>> = None, else "none", Words("a list with one position [x, y, z] for each particle"), in "σ";
-        /// Velocities of the `positions`. Their total momentum is kept.
-        velocities: Option<Vec<[f64; 3]>> = None, else "velocities of `temperature`", Words("a list with one velocity [vx, vy, vz] for each of `positions`"), in "σ/τ";
         /// Particles that never move: their mass is infinite.
         held: Option<Numbers> = None, else "none", Words("a list of numbers of particles, from 1, each once, and not all of them");
-        /// Start from this file (extended XYZ, LAMMPS dump or data, GRO, NIST columns; each may be compressed by gzip), relative to the scene file. Takes the place of `lattice`, `n_atoms` and `density`.
-        configuration: Option<String> = None, else "none", Words("the path of a file that can be read");
-        /// One σ in the unit of length of the `configuration` file, where that is not σ: 0.3405 for argon in nm, 3.405 in ångström.
-        length_scale: Option<f64> = None, else "the file holds reduced units", Between(1e-12, 1e12), in "file units per σ";
-        /// One τ in the unit of time of the `configuration` file, for its velocities: 2.156 for argon in ps.
-        time_scale: Option<f64> = None, else "needed with `length_scale`, where the file has velocities", Between(1e-12, 1e12), in "file units per τ";
         /// Temperature of the first velocities (where neither scene nor file gives them) and of every thermostat that names no other.
         temperature: Option<f64> = None, else "needed; `0.0` with `positions`", ZeroOrBetween(COLDEST, HOTTEST), in "ε/k_B";
         /// Seed of every random stream.
         seed: u64 = 1, Whole(0, i64::MAX);
+    }
+}
+
+/// `[start]`: its kind, with the keys of the kind.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub(crate) enum StartKeys {
+    Lattice(LatticeKeys),
+    Random(RandomKeys),
+    Slab(SlabKeys),
+    HalfCrystal(CrystalKeys),
+    Positions(PositionKeys),
+    File(FileKeys),
+}
+
+impl Method for StartKeys {
+    fn keys() -> Vec<(&'static str, Keys)> {
+        vec![
+            ("lattice", LatticeKeys::KEYS),
+            ("random", RandomKeys::KEYS),
+            ("slab", SlabKeys::KEYS),
+            ("half-crystal", CrystalKeys::KEYS),
+            ("positions", PositionKeys::KEYS),
+            ("file", FileKeys::KEYS),
+        ]
+    }
+}
+
+lennard_core::options! {
+    /// The keys of a start on a lattice.
+    pub(crate) struct LatticeKeys {
+        /// Which lattice. In a cube, fcc takes 4m³ particles, bcc 2m³, sc m³; in another box, 4abc, 2abc or abc with nearly cubic cells (edges within 10 % of each other).
+        lattice: Lattice = Lattice::Fcc, Names(Lattice::names);
+        /// Empty length added to the box along z, with the particles in the middle: a slab between two surfaces. `density` and `box` then describe the filled part.
+        vacuum: f64 = 0.0, Between(0.0, LONGEST_SIDE), in "σ";
+    }
+}
+
+lennard_core::options! {
+    /// The keys of a start at random.
+    pub(crate) struct RandomKeys {
+        /// As on a lattice.
+        vacuum: f64 = 0.0, Between(0.0, LONGEST_SIDE), in "σ";
+    }
+}
+
+lennard_core::options! {
+    /// The keys of a start from positions.
+    pub(crate) struct PositionKeys {
+        /// The positions, in the `box`. With molecules, the sites of each follow each other. Along an axis with walls they count from the lower wall.
+        positions: Option<Vec<[f64; 3]>> = None, else "needed", Words("a list with one position [x, y, z] for each particle"), in "σ";
+        /// Velocities of the `positions`. Their total momentum is kept.
+        velocities: Option<Vec<[f64; 3]>> = None, else "velocities of `system.temperature`", Words("a list with one velocity [vx, vy, vz] for each of `positions`"), in "σ/τ";
+    }
+}
+
+lennard_core::options! {
+    /// The keys of a start from a file.
+    pub(crate) struct FileKeys {
+        /// The file (extended XYZ, LAMMPS dump or data, GRO, NIST columns; each may be compressed by gzip), relative to the scene file.
+        file: Option<String> = None, else "needed", Words("the path of a file that can be read");
+        /// One σ in the unit of length of the file, where that is not σ: 0.3405 for argon in nm, 3.405 in ångström.
+        length_scale: Option<f64> = None, else "the file holds reduced units", Between(1e-12, 1e12), in "file units per σ";
+        /// One τ in the unit of time of the file, for its velocities: 2.156 for argon in ps.
+        time_scale: Option<f64> = None, else "needed with `length_scale`, where the file has velocities", Between(1e-12, 1e12), in "file units per τ";
     }
 }
 

@@ -28,8 +28,8 @@ fn tag(table: &str) -> Option<&'static str> {
     match table {
         "mixing" => Some("rule"),
         "bonds" => Some("method"),
-        "potential" | "integrator" | "wall" | "contact" | "observable" | "stage.thermostat"
-        | "stage.barostat" => Some("kind"),
+        "start" | "potential" | "integrator" | "wall" | "contact" | "observable"
+        | "stage.thermostat" | "stage.barostat" => Some("kind"),
         _ => None,
     }
 }
@@ -56,7 +56,6 @@ fn with_unknown_key(table: &str, method: Option<&str>) -> String {
     match table {
         "" => format!("zzz = 1\n{SYSTEM}{STAGE}"),
         "system" => format!("{SYSTEM}{rows}\n{STAGE}"),
-        "slab" | "crystal" => scene(&format!("[{table}]\n{rows}")).replace("density = 0.8\n", ""),
         "species" => scene(&format!("{species}{rows}")),
         "mixing" => scene(&format!("{species}[mixing]\n{rows}")),
         "pair" => scene(&format!("{species}[[pair]]\n{rows}")),

@@ -253,8 +253,8 @@ fn late_trouble_is_put_on_the_line_of_its_key() {
 
 #[test]
 fn a_slab_stands_in_the_middle_of_its_longer_box() {
-    let text = SMALL.replace("density = 0.8", "box = [8.0, 8.0, 8.0]\nvacuum = 12.0")
-        + "\n[truncation]\nkind = \"shift\"\n";
+    let text = SMALL.replace("density = 0.8", "box = [8.0, 8.0, 8.0]")
+        + "\n[start]\nvacuum = 12.0\n[truncation]\nkind = \"shift\"\n";
     let placement = parse(&text).unwrap().placement().unwrap().unwrap();
     assert_eq!(placement.cell.lengths().to_array(), [8.0, 8.0, 20.0]);
     assert_eq!(placement.corner.to_array(), [0.0, 0.0, 6.0]);
@@ -264,17 +264,23 @@ fn a_slab_stands_in_the_middle_of_its_longer_box() {
 
 #[test]
 fn the_lattice_of_a_density_has_that_density() {
-    for (lattice, n) in [("fcc", 864), ("bcc", 1024), ("sc", 1000), ("random", 777)] {
-        let n_text = n.to_string();
-        let scene = with(&[("start.lattice", lattice), ("system.n_atoms", &n_text)]).unwrap();
+    let cases = [
+        ("start.lattice", "fcc", 864),
+        ("start.lattice", "bcc", 1024),
+        ("start.lattice", "sc", 1000),
+        ("start.kind", "random", 777),
+    ];
+    for (key, name, n) in cases {
+        let scene = with(&[(key, name), ("system.n_atoms", &n.to_string())]).unwrap();
         let placement = scene.placement().unwrap().unwrap();
         let density = n as f64 / placement.cell.volume();
-        assert!((density - 0.8).abs() < 1e-14, "{lattice}: {density}");
+        assert!((density - 0.8).abs() < 1e-14, "{name}: {density}");
         let Start::Lattice { lattice, .. } = scene.system.start else {
             panic!("a lattice");
         };
-        let sites = placement.cells.map(|c| lattice.basis().len() * c.iter().product::<usize>());
-        assert_eq!(sites, (lattice != Lattice::Random).then_some(n));
+        let sites = placement.cells.zip(lattice);
+        let sites = sites.map(|(c, lattice)| lattice.basis().len() * c.iter().product::<usize>());
+        assert_eq!(sites, (name != "random").then_some(n));
     }
 }
 
@@ -397,11 +403,12 @@ fn the_name_is_that_of_the_file_unless_the_scene_has_one() {
 fn a_configuration_is_looked_for_beside_the_scene() {
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("scene.toml");
-    let text = SMALL.replace("n_atoms = 500\ndensity = 0.8", "configuration = \"start.xyz\"");
+    let start = "start = { kind = \"file\", file = \"start.xyz\" }\n[system]";
+    let text = SMALL.replace("[system]\nn_atoms = 500\ndensity = 0.8", start);
     std::fs::write(&scene, text).unwrap();
     let error = Scene::load(&scene, &[]).unwrap_err();
     assert_eq!(error.key_path(), Some("start.file"));
-    assert_eq!(error.line(), Some(2));
+    assert_eq!(error.line(), Some(1));
     std::fs::write(folder.path().join("start.xyz"), "").unwrap();
     let loaded = Scene::load(&scene, &[]).unwrap();
     // The resolved scene can stand anywhere.

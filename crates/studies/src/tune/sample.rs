@@ -177,7 +177,7 @@ pub fn comfortable_cutoff(half: f64) -> f64 {
 /// An fcc lattice of so many particles, or centres of molecules, that stands for the start of a scene.
 pub(super) fn lattice_of(n_atoms: usize, density: f64) -> SceneStart {
     let geometry = Geometry::Density(density);
-    SceneStart::Lattice { lattice: Lattice::Fcc, n_atoms, geometry, vacuum: 0.0 }
+    SceneStart::Lattice { lattice: Some(Lattice::Fcc), n_atoms, geometry, vacuum: 0.0 }
 }
 
 /// The fluid in which a scene is tuned, equilibrated, with every free setting at a careful value.

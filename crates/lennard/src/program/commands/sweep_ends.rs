@@ -123,7 +123,7 @@ pub(super) fn command(folder: &Path) -> String {
 /// Refuses an output folder where a file that the sweep reads would be replaced or removed.
 pub(super) fn keep_inputs(file: &Path, sweep: &Sweep, folder: &Path) -> Result<(), Failure> {
     let configurations = sweep.points.iter().filter_map(|point| match &point.scene.system.start {
-        Start::Configuration { path, .. } => Some(path.clone()),
+        Start::File { path, .. } => Some(path.clone()),
         Start::Lattice { .. } | Start::Slab(_) | Start::HalfCrystal(_) | Start::Listed { .. } => {
             None
         }

@@ -101,7 +101,7 @@ fn final_xyz_starts_a_new_run() {
     let scene = temporary.path().join("next.toml");
     std::fs::write(
         &scene,
-        "[system]\nconfiguration = \"first/final.xyz\"\ntemperature = 0.722\n[truncation]\nr_cut = 2.5\n\
+        "[start]\nkind = \"file\"\nfile = \"first/final.xyz\"\n[system]\ntemperature = 0.722\n[truncation]\nr_cut = 2.5\n\
          [integrator]\ndt = 0.004\n[[stage]]\nname = \"production\"\nsteps = 100\n",
     )
     .unwrap();

@@ -172,8 +172,9 @@ fn the_data_file_is_a_start_with_the_same_energy() {
     assert!(text.contains("The run is finished: its last stage once more."), "{text}");
     assert!(commands(&text).contains(&"reset_timestep 50".to_owned()));
     let energy = |file: &str| -> serde_json::Value {
-        let start = format!("configuration = {file:?}");
-        let text = SCENE.replace("lattice = \"bcc\"\nn_atoms = 54\ndensity = 0.8", &start);
+        let text = SCENE
+            .replace("n_atoms = 54\ndensity = 0.8", "")
+            .replace("lattice = \"bcc\"", &format!("kind = \"file\"\nfile = {file:?}"));
         fs::write(root.path().join("start.toml"), text).unwrap();
         let output =
             lennard(&["energy", "start.toml", "--json"]).current_dir(root.path()).output().unwrap();
@@ -238,7 +239,7 @@ fn what_lammps_does_not_have_is_refused_and_nothing_is_written() {
         (
             vec![
                 ("kind = \"shift\"", "kind = \"cut\"\ntail_correction = \"planar\""),
-                ("density = 0.8", "density = 0.8\nvacuum = 10.0"),
+                ("lattice = \"bcc\"", "lattice = \"bcc\"\nvacuum = 10.0"),
                 ("kind = \"rdf\"", "kind = \"momentum\""),
             ],
             "the planar tail, in an export to LAMMPS",

@@ -47,7 +47,7 @@ fn a_new_scene_has_the_comments_of_its_model_and_its_own_command() {
     let text = place.read("my-fluid.toml");
     assert!(text.starts_with("#:schema ./scene.schema.json\n"), "{text}");
     assert!(text.contains("#     lennard run my-fluid.toml\n"), "{text}");
-    assert!(text.contains("# Where the particles start."), "{text}");
+    assert!(text.contains("# The particles, which start on a lattice."), "{text}");
     let schema: serde_json::Value = serde_json::from_str(&place.read("scene.schema.json")).unwrap();
     assert_eq!(
         schema,

@@ -23,7 +23,7 @@ fn write_clump(folder: &Path, side: &str) {
     let lattice = format!("Lattice=\"{side} 0 0 0 {side} 0 0 0 {side}\"");
     let start = format!("27\n{lattice} Properties=species:S:1:pos:R:3\n{}", rows.concat());
     fs::write(folder.join("clump.xyz"), start).unwrap();
-    let scene = "[system]\nconfiguration = \"clump.xyz\"\ntemperature = 1e-3\n[truncation]\nr_cut = 1.2\n\
+    let scene = "[start]\nkind = \"file\"\nfile = \"clump.xyz\"\n[system]\ntemperature = 1e-3\n[truncation]\nr_cut = 1.2\n\
                  [kernel]\nprecision = \"mixed\"\n[[stage]]\nname = \"production\"\nsteps = 20\n";
     fs::write(folder.join("clump.toml"), scene).unwrap();
 }
@@ -79,9 +79,10 @@ fn a_box_that_grows_too_wide_for_mixed_precision_stops_the_run_with_a_way_out() 
 fn a_system_without_memory_for_it_is_refused_with_what_would_fit() {
     let temporary = tempfile::tempdir().unwrap();
     let folder = temporary.path();
-    let scene = "[system]\nlattice = \"sc\"\nn_atoms = 500_000_000\nbox = [600, 800, 1041.7]\ntemperature = 1.0\n\
+    let scene = "[start]\nlattice = \"sc\"\n[system]\nn_atoms = 500_000_000\nbox = [600, 800, 1041.7]\ntemperature = 1.0\n\
                  [[stage]]\nname = \"production\"\nsteps = 10\n";
-    fs::write(folder.join("big.toml"), scene.replace("sc", "random")).unwrap();
+    fs::write(folder.join("big.toml"), scene.replace("lattice = \"sc\"", "kind = \"random\""))
+        .unwrap();
     fs::write(
         folder.join("few.toml"),
         scene.replace("500_000_000", "1_000").replace("600, 800, 1041.7", "10, 10, 10"),

@@ -137,7 +137,10 @@ fn a_run_that_cannot_be_compared_says_why() {
             .status
             .success()
     );
-    let next = SCENE.replace("n_atoms = 108\ndensity = 0.7", "configuration = \"first/final.xyz\"");
+    let next = SCENE.replace(
+        "[system]\nn_atoms = 108\ndensity = 0.7",
+        "start = { kind = \"file\", file = \"first/final.xyz\" }\n[system]",
+    );
     fs::write(path.join("next.toml"), next).unwrap();
     assert!(
         within(path, &["run", "next.toml", "--out", "next", "--quiet", "--no-report"])

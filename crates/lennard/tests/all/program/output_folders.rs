@@ -158,8 +158,10 @@ fn an_input_in_the_output_folder_is_never_replaced() {
     bench.write("study/scene.toml", SCENE);
     bench.write("study/run.json", "{}");
     fs::write(bench.path("study/start.xyz"), &start).unwrap();
-    let from_file =
-        SCENE.replace("n_atoms = 108\ndensity = 0.8", "configuration = \"study/start.xyz\"");
+    let from_file = SCENE.replace(
+        "[system]\nn_atoms = 108\ndensity = 0.8",
+        "start = { kind = \"file\", file = \"study/start.xyz\" }\n[system]",
+    );
     bench.write("from-file.toml", &from_file);
     std::os::unix::fs::symlink("study", bench.path("link")).unwrap();
     std::os::unix::fs::symlink("study/scene.toml", bench.path("scene-link.toml")).unwrap();
@@ -212,8 +214,10 @@ fn a_sweep_keeps_its_base_and_its_own_file() {
 fn energy_and_tune_write_over_no_input() {
     let bench = bench();
     ok(&bench.output(&["run", "liquid.toml", "--quiet", "--out", "start"]));
-    let from_file =
-        SCENE.replace("n_atoms = 108\ndensity = 0.8", "configuration = \"start/final.xyz\"");
+    let from_file = SCENE.replace(
+        "[system]\nn_atoms = 108\ndensity = 0.8",
+        "start = { kind = \"file\", file = \"start/final.xyz\" }\n[system]",
+    );
     bench.write("from-file.toml", &from_file);
     let start = fs::read(bench.path("start/final.xyz")).unwrap();
     for file in ["from-file.toml", "./start/../start/final.xyz"] {

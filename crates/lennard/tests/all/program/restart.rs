@@ -477,8 +477,10 @@ fn physics_that_fails_leaves_its_state_the_one_before_and_the_last_checkpoint() 
     assert_eq!(record(&out)["finished"], false);
     assert!(record(&out)["remarks"].to_string().contains("likely cause"));
     // The state before is a start for another run, with a smaller step.
-    let next = SCENE
-        .replace("n_atoms = 108\ndensity = 0.8442", "configuration = \"out/before-failure.xyz\"");
+    let next = SCENE.replace(
+        "[system]\nn_atoms = 108\ndensity = 0.8442",
+        "start = { kind = \"file\", file = \"out/before-failure.xyz\" }\n[system]",
+    );
     fs::write(bench.path("next.toml"), next).unwrap();
     ok(&bench.command(&["run", "next.toml", "--quiet", "--out", "next"]).output().unwrap());
     // The last good checkpoint is whole; going on from it fails in the same way.

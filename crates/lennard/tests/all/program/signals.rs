@@ -9,7 +9,7 @@ use std::time::Duration;
 use crate::program::common::{Place, lennard, stderr};
 
 /// A start that takes seconds: particles at random, relaxed.
-const SLOW: &str = "[system]\nlattice = \"random\"\nn_atoms = 100_000\ndensity = 0.7\ntemperature = 1.2\n\
+const SLOW: &str = "[start]\nkind = \"random\"\n[system]\nn_atoms = 100_000\ndensity = 0.7\ntemperature = 1.2\n\
                     [truncation]\nr_cut = 2.5\n[[stage]]\nname = \"production\"\nsteps = 1_000_000_000\n";
 
 const SMALL: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.2\n[truncation]\nr_cut = 2.2\n\
@@ -93,7 +93,7 @@ fn a_run_that_starts_ends_at_once_and_nothing_was_written() {
 fn a_run_whose_first_step_is_under_way_takes_its_files_with_it() {
     let bench = bench();
     // A lattice starts fast; its first step takes longest.
-    let scene = SLOW.replace("lattice = \"random\"\n", "").replace("100_000", "2_048_000");
+    let scene = SLOW.replace("random", "lattice").replace("100_000", "2_048_000");
     bench.write("large.toml", &scene);
     let mut child = start(&bench, &["run", "large.toml", "--quiet", "--out", "out"]);
     wait_for(&mut child, "the record", |_| bench.path("out/run.json").exists());

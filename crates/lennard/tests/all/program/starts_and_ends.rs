@@ -4,11 +4,14 @@ use std::fs;
 
 use crate::program::common::{Place, stderr, success};
 
+/// What stands in the place of the particles where a file has them.
+const FROM_FILE: &str = "start = { kind = \"file\", file = \"start.xyz\" }\n[system]";
+
 const SCENE: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.2\n[truncation]\nr_cut = 2.2\n\
                      [[stage]]\nname = \"production\"\nsteps = 20\n";
 
 fn bench() -> Place {
-    let from_file = SCENE.replace("n_atoms = 108\ndensity = 0.8", "configuration = \"start.xyz\"");
+    let from_file = SCENE.replace("[system]\nn_atoms = 108\ndensity = 0.8", FROM_FILE);
     Place::with(&[("liquid.toml", SCENE), ("from-file.toml", &from_file)])
 }
 
@@ -90,8 +93,7 @@ fn the_drift_of_a_file_of_molecules_has_the_temperatures_of_molecules() {
             "[truncation]",
             "[molecule]\nkind = \"dumbbell\"\nbond_length = 0.6\n[truncation]",
         );
-    let from_file =
-        scene.replace("n_molecules = 108\ndensity = 0.4", "configuration = \"start.xyz\"");
+    let from_file = scene.replace("[system]\nn_molecules = 108\ndensity = 0.4", FROM_FILE);
     let bench = Place::with(&[("liquid.toml", &scene), ("from-file.toml", &from_file)]);
     succeed_in(&bench, &["run", "liquid.toml", "--quiet", "--out", "made"]);
     bench.write("start.xyz", &drifting(&bench.read("made/final.xyz"), 0.5));
@@ -112,7 +114,7 @@ fn the_drift_across_walls_stays_and_no_remark_claims_otherwise() {
     let scene = SCENE
         .replace("r_cut = 2.2", "r_cut = 2.2\ntail_correction = false")
         .replace("[[stage]]", wall);
-    let from_file = scene.replace("n_atoms = 108\ndensity = 0.8", "configuration = \"start.xyz\"");
+    let from_file = scene.replace("[system]\nn_atoms = 108\ndensity = 0.8", FROM_FILE);
     let bench = Place::with(&[("slit.toml", &scene), ("from-file.toml", &from_file)]);
     succeed_in(&bench, &["run", "slit.toml", "--quiet", "--out", "made"]);
     let frame = bench.read("made/final.xyz");

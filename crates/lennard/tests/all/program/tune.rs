@@ -48,12 +48,12 @@ fn a_scene_whose_cutoff_fits_is_not_refused_for_the_usual_one() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.toml");
     let scene = SCENE
-        .replace("n_atoms = 500", "n_atoms = 125\nlattice = \"sc\"")
+        .replace("n_atoms = 500", "n_atoms = 125")
         .replace("density = 0.3", "density = 0.95")
         .replace("{ potential_energy = 0.03, pressure = 0.02,", "{ potential_energy = 0.5,")
         .replace(
             "[[stage]]\nname = \"equilibrate\"",
-            "[truncation]\nr_cut = 2\n\n[[stage]]\nname = \"equilibrate\"",
+            "[start]\nlattice = \"sc\"\n[truncation]\nr_cut = 2\n\n[[stage]]\nname = \"equilibrate\"",
         );
     std::fs::write(&path, scene).unwrap();
     let mut tune = vec!["tune", path.to_str().unwrap(), "--json", "--quiet"];

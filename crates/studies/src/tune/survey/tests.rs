@@ -166,7 +166,7 @@ const ACCURACY: &str = "accuracy = { potential_energy = 0.01 }\n[[stage]]\nname 
 
 #[test]
 fn pairs_of_species_add_up_to_the_energy_the_virial_and_the_laplacian_of_the_engine() {
-    let mixture = "[system]\nlattice = \"sc\"\nn_atoms = 512\ndensity = 1.0\ntemperature = 2.0\n\
+    let mixture = "[start]\nlattice = \"sc\"\n[system]\nn_atoms = 512\ndensity = 1.0\ntemperature = 2.0\n\
         [[species]]\nname = \"A\"\nfraction = 0.75\n\
         [[species]]\nname = \"B\"\nfraction = 0.25\nsigma = 0.88\nepsilon = 0.5\n\
         [mixing]\nrule = \"explicit\"\n[[pair]]\na = \"A\"\nb = \"B\"\nsigma = 0.8\nepsilon = 1.5\n\
