@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lennard_scene::{Geometry, Lattice, Scene, SceneError, Start, reference};
+use lennard_scene::{Geometry, Scene, SceneError, Start, reference};
 
 const SMALL: &str = r#"[system]
 n_atoms = 500
