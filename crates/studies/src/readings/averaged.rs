@@ -1,5 +1,6 @@
 //! Points of a study that differ in their seeds alone, taken together.
 
+use crate::report::Point;
 use crate::sweep::{Setting, SettingValue, SweptPoint};
 
 /// From so many seeds on, their scatter is an error of its own.
@@ -37,10 +38,15 @@ pub(super) fn averaged(points: &[SweptPoint]) -> Vec<Averaged<'_>> {
 impl Averaged<'_> {
     /// The number that was chosen for a key.
     pub fn setting(&self, key: &str) -> Option<f64> {
-        match self.settings.iter().find(|s| s.key == key)?.value {
-            SettingValue::Number(number) => Some(number),
+        match self.value(key)? {
+            SettingValue::Number(number) => Some(*number),
             SettingValue::Words(_) => None,
         }
+    }
+
+    /// What was chosen for a key.
+    pub fn value(&self, key: &str) -> Option<&SettingValue> {
+        self.settings.iter().find(|s| s.key == key).map(|s| &s.value)
     }
 
     /// The mean of a quantity over the seeds; `None` where no run has measured it.
@@ -61,6 +67,30 @@ impl Averaged<'_> {
             });
         }
         Some(mean_of(&sound))
+    }
+
+    /// A mark at a mean over the seeds, with its error, its name and its page; `None` where no run has measured it.
+    pub fn mark(&self, x: f64, quantity: &str) -> Option<Point> {
+        let mean = self.mean(quantity)?;
+        Some(Point {
+            error: Some(mean.error),
+            note: Some(self.name()),
+            link: self.page(),
+            ..Point::from((x, mean.value))
+        })
+    }
+
+    /// The same mark with the mean along the abscissa, and its error too where it has one.
+    pub fn mark_across(&self, quantity: &str, y: f64) -> Option<Point> {
+        let mark = self.mark(f64::NAN, quantity)?;
+        let error = mark.error.filter(|error| error.is_finite());
+        Some(Point {
+            x: mark.y,
+            y,
+            x_range: error.map(|error| (mark.y - error, mark.y + error)),
+            error: mark.error.filter(|_| error.is_none()),
+            ..mark
+        })
     }
 
     /// The mean measured temperature, ε/k_B; `None` where no run has ended.
@@ -100,8 +130,25 @@ fn mean_of(sound: &[[f64; 2]]) -> Mean {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+
+    /// A point of these settings that has not been run.
+    pub fn point(name: &str, settings: Vec<Setting>) -> SweptPoint {
+        SweptPoint {
+            name: name.to_owned(),
+            settings,
+            page: None,
+            planned: crate::compare::StateOfMatter::new(0.5, 1.0, None),
+            kept: false,
+            failure: None,
+            elsewhere: None,
+            compared: None,
+            record: None,
+            wall_s: 0.0,
+            ns_per_atom_step: 0.0,
+        }
+    }
 
     #[test]
     fn the_error_of_seeds_is_the_printed_one_or_their_scatter_where_it_is_larger() {
@@ -117,19 +164,8 @@ mod tests {
 
     #[test]
     fn points_that_differ_in_their_seeds_stand_together() {
-        let point = |name: &str, density: f64| SweptPoint {
-            name: name.to_owned(),
-            settings: vec![Setting::number("density", density)],
-            page: None,
-            planned: crate::compare::StateOfMatter::new(density, 1.0, None),
-            kept: false,
-            failure: None,
-            elsewhere: None,
-            compared: None,
-            record: None,
-            wall_s: 0.0,
-            ns_per_atom_step: 0.0,
-        };
+        let point =
+            |name: &str, density: f64| point(name, vec![Setting::number("density", density)]);
         let points =
             [point("rho0.1-seed1", 0.1), point("rho0.2-seed1", 0.2), point("rho0.1-seed2", 0.1)];
         let together = averaged(&points);

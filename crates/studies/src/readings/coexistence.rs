@@ -6,9 +6,12 @@ use lennard_literature::{
     surface_tensions_by_simulation, thol_2016,
 };
 
+use lennard_observables::quantities::{Quantity, quantity_of};
+
 use super::averaged::{Averaged, averaged};
 use super::blocks::{Blocks, StudyPoints};
 use super::critical::{CriticalEstimate, Pair, estimate};
+use crate::compare::capital;
 use crate::sweep::SweptPoint;
 
 /// The fewest temperatures that make a curve.
@@ -72,11 +75,8 @@ fn pictures(study: &StudyPoints<'_>, critical: Option<&CriticalEstimate>) -> Vec
         coldest,
     };
     let mut drawn = vec![lines.in_density(&points, study.swept, critical)];
-    let others = |name: &str, title: &str, unit: &str, logarithmic: bool| {
-        lines.against_temperature(&points, name, title, unit, logarithmic)
-    };
-    drawn.extend(others("vapor_pressure", "Vapor pressure", "p_s / (ε/σ³)", true));
-    drawn.extend(others("surface_tension", "Surface tension", "γ / (ε/σ²)", false));
+    let others = ["vapor_pressure", "surface_tension"].into_iter().filter_map(quantity_of);
+    drawn.extend(others.filter_map(|quantity| lines.against_temperature(&points, quantity)));
     drawn
 }
 
@@ -154,7 +154,9 @@ impl Lines {
         }
         let marks: Vec<Point> = ["vapor_density", "liquid_density"]
             .into_iter()
-            .flat_map(|name| points.iter().filter_map(move |p| mark_at_density(p, name)))
+            .flat_map(|name| {
+                points.iter().filter_map(move |p| p.mark_across(name, p.temperature()?))
+            })
             .collect();
         figure = figure.with(Series::new("this sweep", DISC, MEASURED, marks));
         let diameters: Vec<(f64, f64)> =
@@ -183,38 +185,27 @@ impl Lines {
         Picture::new(figure, caption, "table.csv")
     }
 
-    fn against_temperature(
-        &self,
-        points: &[Averaged<'_>],
-        name: &str,
-        title: &str,
-        unit: &str,
-        logarithmic: bool,
-    ) -> Option<Picture> {
+    fn against_temperature(&self, points: &[Averaged<'_>], quantity: &Quantity) -> Option<Picture> {
+        let name = quantity.key;
+        // A pressure grows with temperature over decades.
+        let is_pressure = name == "vapor_pressure";
         let marks: Vec<Point> = points
             .iter()
-            .filter_map(|p| {
-                let mean = p.mean(name)?;
-                Some(Point {
-                    error: Some(mean.error),
-                    note: Some(p.name()),
-                    link: p.page(),
-                    ..Point::from((p.temperature()?, mean.value))
-                })
-            })
-            .filter(|p| !logarithmic || p.y > 0.0)
+            .filter_map(|p| p.mark(p.temperature()?, name))
+            .filter(|p| !is_pressure || p.y > 0.0)
             .collect();
         if marks.is_empty() {
             return None;
         }
-        let axis = match logarithmic {
-            true => Axis::logarithmic(unit),
-            false => Axis::linear(unit),
+        let axis = match is_pressure {
+            true => Axis::logarithmic(quantity.axis()),
+            false => Axis::linear(quantity.axis()),
         };
+        let title = capital(quantity.words);
         let mut figure = Figure::new(name, title, Axis::linear("T / (ε/k_B)"), axis);
-        let value = |phases: &TwoPhases| match name {
-            "surface_tension" => phases.surface_tension,
-            _ => Some(phases.saturation.pressure),
+        let value = |phases: &TwoPhases| match is_pressure {
+            true => Some(phases.saturation.pressure),
+            false => phases.surface_tension,
         };
         let known =
             [(self.of_equation(), SOLID, EQUATION), (self.of_correlations(), DASHED, CORRELATION)];
@@ -229,13 +220,13 @@ impl Lines {
             }
         }
         let hottest = marks.iter().map(|p| p.x).fold(0.0, f64::max);
-        if name == "surface_tension" && self.source == Some(TwoPhaseSource::Vrabec) {
+        if !is_pressure && self.source == Some(TwoPhaseSource::Vrabec) {
             let near = |(t, _): &(f64, f64)| (self.coldest - 0.05..=hottest + 0.05).contains(t);
             let single: Vec<(f64, f64)> =
                 surface_tensions_by_simulation().into_iter().filter(near).collect();
             figure = figure.with(Series::new("Vrabec 2006, simulations", RING, OTHERS, single));
         }
-        if name == "vapor_pressure" && self.is_full_potential() {
+        if is_pressure && self.is_full_potential() {
             let others: Vec<(f64, f64)> = coexistence_by_simulation()
                 .iter()
                 .step_by(EACH)
@@ -252,17 +243,4 @@ impl Lines {
     fn is_full_potential(&self) -> bool {
         self.equation.is_some_and(|e| e.spec().key == thol_2016().spec().key)
     }
-}
-
-/// A density with its error along the abscissa, where it has one.
-fn mark_at_density(point: &Averaged<'_>, name: &str) -> Option<Point> {
-    let mean = point.mean(name)?;
-    let is_result = mean.error.is_finite();
-    Some(Point {
-        x_range: is_result.then_some((mean.value - mean.error, mean.value + mean.error)),
-        error: (!is_result).then_some(mean.error),
-        note: Some(point.name()),
-        link: point.page(),
-        ..Point::from((mean.value, point.temperature()?))
-    })
 }

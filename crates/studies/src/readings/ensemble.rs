@@ -5,13 +5,12 @@ use lennard_engine::measured_stage;
 use lennard_io::RunRecord;
 
 use super::blocks::{Blocks, POINTS, StudyPoints};
-use super::points::{Shown, verdicts};
+use super::points::verdicts;
 use crate::report::{Axis, Columns, FigureRow, Guide, Look, Section};
 use crate::sweep::{Point, SweptPoint};
 
 /// What every right choice samples alike.
-const SHOWN: [Shown; 3] =
-    [("pressure", "P", None), ("density", "ρ", None), ("isothermal_compressibility", "κ_T", None)];
+const SHOWN: [&str; 3] = ["pressure", "density", "isothermal_compressibility"];
 const COST: &str = "Cost";
 const PACE: &str = "V per τ";
 const COMPRESSIBILITY: &str = "κ_T ÷ equation";
@@ -43,7 +42,7 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
 }
 
 fn table(runs: &[Run<'_>]) -> Table {
-    let row = |(_, swept): &Run<'_>, quantity: usize| swept.row(SHOWN[quantity].0).cloned();
+    let row = |(_, swept): &Run<'_>, quantity: usize| swept.row(SHOWN[quantity]).cloned();
     let difference = |run: &Run<'_>, quantity: usize| {
         let row = row(run, quantity)?;
         Some((row.difference?, row.combined_error?))

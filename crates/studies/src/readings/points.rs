@@ -1,10 +1,11 @@
 //! Every point with its results: a table by what the points are, and each property against what the study changes.
 
-use lennard_core::{Cell, Table, Tone};
+use lennard_core::{Cell, Table, Tone, Value};
+use lennard_observables::quantities::{Quantity, quantity_of};
 
 use super::blocks::{Blocks, POINTS, PROPERTIES, StudyPoints};
 use super::properties;
-use crate::compare::Verdict;
+use crate::compare::{Verdict, capital};
 use crate::report::Section;
 use crate::sweep::SweptPoint;
 
@@ -38,9 +39,6 @@ pub(super) enum Kind {
     Crystals,
 }
 
-/// A quantity of the table, its heading, and the heading of its difference where it has a reference.
-pub(super) type Shown = (&'static str, &'static str, Option<&'static str>);
-
 impl Kind {
     /// What the points are, by what any of them has measured.
     pub(super) fn of(points: &[SweptPoint]) -> Self {
@@ -54,35 +52,34 @@ impl Kind {
         }
     }
 
-    /// The quantities of the table.
-    fn columns(self) -> &'static [Shown] {
+    /// The keys of the quantities of the table.
+    fn keys(self) -> &'static [&'static str] {
         match self {
-            Self::Fluids => &[
-                ("potential_energy", "U [ε]", Some("U − equation")),
-                ("pressure", "P [(ε/σ³)]", Some("P − equation")),
-                ("heat_capacity", "c_v [k_B]", Some("c_v − equation")),
-            ],
-            Self::Slabs => &[
-                ("liquid_density", "ρ of liquid [σ⁻³]", Some("ρ_l − literature")),
-                ("vapor_density", "ρ of vapor [σ⁻³]", Some("ρ_v − literature")),
-                ("vapor_pressure", "p_s [(ε/σ³)]", Some("p_s − literature")),
-                ("surface_tension", "γ [(ε/σ²)]", Some("γ − literature")),
-            ],
-            Self::Crystals => &[
-                ("front_velocity", "Velocity of a front [(σ/τ)]", None),
-                ("solid_share", "Solid share", None),
-                ("pressure", "P [(ε/σ³)]", None),
-            ],
+            Self::Fluids => &["potential_energy", "pressure", "heat_capacity"],
+            Self::Slabs => {
+                &["liquid_density", "vapor_density", "vapor_pressure", "surface_tension"]
+            }
+            Self::Crystals => &["front_velocity", "solid_share", "pressure"],
         }
     }
 
-    /// The heading of the verdicts; `None` where nothing is judged.
-    fn verdicts(self) -> Option<&'static str> {
+    /// The quantities of the table.
+    fn quantities(self) -> impl Iterator<Item = &'static Quantity> {
+        self.keys().iter().filter_map(|key| quantity_of(key))
+    }
+
+    /// What a difference is taken from; `None` where nothing is judged.
+    fn reference(self) -> Option<&'static str> {
         match self {
-            Self::Fluids => Some("Verdicts of U, P, c_v"),
-            Self::Slabs => Some("Verdicts of ρ, p_s, γ"),
+            Self::Fluids => Some("equation"),
+            Self::Slabs => Some("literature"),
             Self::Crystals => None,
         }
+    }
+
+    /// The heading of the difference of a quantity from its reference.
+    fn difference(self, quantity: &Quantity) -> Option<String> {
+        Some(format!("{} − {}", heading(quantity), self.reference()?))
     }
 
     /// What the points are, and what they stand beside.
@@ -104,6 +101,14 @@ impl Kind {
     }
 }
 
+/// The heading of a quantity: its letter, or its words.
+fn heading(quantity: &Quantity) -> String {
+    match quantity.symbol {
+        "" => capital(quantity.words),
+        symbol => symbol.to_owned(),
+    }
+}
+
 /// The column of T at whole steps, where every finished point has T at half steps.
 fn second_temperature(points: &[SweptPoint]) -> Option<&'static str> {
     let mut finished = points.iter().filter(|p| p.compared.is_some());
@@ -112,11 +117,15 @@ fn second_temperature(points: &[SweptPoint]) -> Option<&'static str> {
 
 /// The points in columns that fit a terminal: one temperature, and differences where there is room for them.
 fn for_terminal(points: &[SweptPoint]) -> Table {
-    let mut left_out = vec!["State", "c_v", "c_v − equation"];
-    left_out.extend(second_temperature(points));
-    if Kind::of(points) == Kind::Slabs {
-        left_out.extend(Kind::Slabs.columns().iter().filter_map(|(.., beside)| *beside));
+    let kind = Kind::of(points);
+    let mut left_out = vec!["State".to_owned()];
+    left_out.extend(second_temperature(points).map(str::to_owned));
+    for quantity in kind.quantities() {
+        let is_last = quantity.key == "heat_capacity";
+        left_out.extend(is_last.then(|| heading(quantity)));
+        left_out.extend(kind.difference(quantity).filter(|_| is_last || kind == Kind::Slabs));
     }
+    let left_out: Vec<&str> = left_out.iter().map(String::as_str).collect();
     let mut table = of_points(points).without(&left_out);
     for column in &mut table.columns {
         if column.name.starts_with("T, ") {
@@ -140,6 +149,8 @@ fn linked(mut table: Table, points: &[SweptPoint]) -> Table {
 
 /// Without columns that say nothing here, so that the verdicts are in view.
 fn narrow(mut table: Table, points: &[SweptPoint]) -> Table {
+    let says_something = |cell: &Cell| cell.value != Value::Missing;
+    table.columns.retain(|column| column.cells.iter().any(says_something));
     if let Some(column) = second_temperature(points) {
         table = table.without(&[column]);
     }
@@ -170,12 +181,18 @@ pub(super) fn of_points(points: &[SweptPoint]) -> Table {
         .column("Point", |p| &p.name)
         .column("T, whole steps", |p| mean(p, "temperature"))
         .column("T, half steps", |p| mean(p, "temperature_half_steps"));
-    for (quantity, heading, beside) in kind.columns() {
-        table =
-            table.measured(heading, |p| p.row(quantity).map(|r| (r.measured, r.standard_error)));
-        let Some(beside) = beside else { continue };
-        table = table.column(beside, |p| {
-            let row = p.row(quantity)?;
+    for quantity in kind.quantities() {
+        let unit = match quantity.unit {
+            "" => String::new(),
+            unit if unit.contains('/') => format!(" [({unit})]"),
+            unit => format!(" [{unit}]"),
+        };
+        table = table.measured(&(heading(quantity) + &unit), |p| {
+            p.row(quantity.key).map(|r| (r.measured, r.standard_error))
+        });
+        let Some(beside) = kind.difference(quantity) else { continue };
+        table = table.column(&beside, |p| {
+            let row = p.row(quantity.key)?;
             let cell = Cell::measured(row.difference?, row.combined_error?);
             Some(cell.toned(row.verdict.tone()))
         });
@@ -183,7 +200,7 @@ pub(super) fn of_points(points: &[SweptPoint]) -> Table {
     // Where all are the same, there is nothing to tell.
     if kind != Kind::Crystals || points.iter().any(|p| p.compared.is_none()) {
         table = table.column("State", |p| {
-            if p.compared.is_none() && kind.verdicts().is_none() {
+            if p.compared.is_none() && kind.reference().is_none() {
                 return why_unfinished(p);
             }
             let state = p.state();
@@ -195,8 +212,10 @@ pub(super) fn of_points(points: &[SweptPoint]) -> Table {
         });
     }
     // In the last column, which pages keep in sight.
-    if let Some(heading) = kind.verdicts() {
-        table = table.column(heading, |p| verdicts(p, kind.columns()));
+    if kind.reference().is_some() {
+        let all: Vec<String> = kind.quantities().map(heading).collect();
+        table =
+            table.column(&format!("Verdicts of {}", all.join(", ")), |p| verdicts(p, kind.keys()));
     }
     table.table()
 }
@@ -209,24 +228,24 @@ fn why_unfinished(point: &SweptPoint) -> Cell {
 }
 
 /// The verdicts of a point, each with the quantities that have it, or why there are none.
-pub(super) fn verdicts(point: &SweptPoint, columns: &[Shown]) -> Cell {
+pub(super) fn verdicts(point: &SweptPoint, keys: &[&str]) -> Cell {
     let Some(compared) = &point.compared else {
         return why_unfinished(point);
     };
-    let rows = || columns.iter().filter_map(|(quantity, ..)| point.row(quantity));
+    let rows = || keys.iter().filter_map(|key| point.row(key));
     if !compared.state.is_single_stable_phase() && !rows().any(|r| r.verdict.is_judged()) {
         return Cell::words("not judged").toned(Tone::Careful);
     }
-    let mut shared: Vec<(String, Vec<&str>)> = Vec::new();
-    for (quantity, heading, _) in columns {
-        let Some(row) = point.row(quantity) else {
+    let mut shared: Vec<(String, Vec<String>)> = Vec::new();
+    for quantity in keys.iter().filter_map(|key| quantity_of(key)) {
+        let Some(row) = point.row(quantity.key) else {
             continue;
         };
         let words = match row.verdict {
             Verdict::PredictedBias => row.verdict_words(),
             other => other.words().to_owned(),
         };
-        let name = heading.split(" [").next().unwrap_or(heading);
+        let name = heading(quantity);
         match shared.iter_mut().find(|(known, _)| *known == words) {
             Some((_, names)) => names.push(name),
             None => shared.push((words, vec![name])),

@@ -24,8 +24,8 @@ pub(super) fn pictures(study: &StudyPoints<'_>) -> Vec<Picture> {
     let Some(key) = swept_axis(&points) else {
         return Vec::new();
     };
-    let label = short_key(&key).map_or(&*key, |short| short.label);
     let groups = series_of(&points, &key);
+    let place = Place::of(&points, &key);
     if groups.len() > MOST_SERIES {
         return Vec::new();
     }
@@ -42,7 +42,7 @@ pub(super) fn pictures(study: &StudyPoints<'_>) -> Vec<Picture> {
     let has_equation = judged.into_iter().any(|c| c.equation.is_some());
     let equation =
         model.filter(|_| has_equation).and_then(|model| equation_of_state_for(model).ok());
-    names.into_iter().filter_map(|name| picture(name, (&key, label), &groups, equation)).collect()
+    names.into_iter().filter_map(|name| picture(name, &place, &groups, equation)).collect()
 }
 
 /// The temperature is what was asked for, and densities of slabs have a figure of their own.
@@ -56,17 +56,60 @@ fn short_key(key: &str) -> Option<&'static ShortKey> {
     SHORT_KEYS.iter().find(|short| short.name == key)
 }
 
-/// The key with the most numbers, of two or more: short names first.
+/// Where points lie along the key that a sweep changes.
+struct Place<'a> {
+    key: &'a str,
+    /// The values of a key that has words, in the order of the sweep; empty where it has numbers.
+    words: Vec<String>,
+}
+
+impl<'a> Place<'a> {
+    fn of(points: &[Averaged<'_>], key: &'a str) -> Self {
+        let mut words: Vec<String> = Vec::new();
+        for value in points.iter().filter_map(|p| p.value(key)) {
+            if let SettingValue::Words(word) = value
+                && !words.contains(word)
+            {
+                words.push(word.clone());
+            }
+        }
+        Self { key, words }
+    }
+
+    fn axis(&self) -> Axis {
+        let label = short_key(self.key).map_or(self.key, |short| short.label);
+        match self.words.is_empty() {
+            true => Axis::linear(label),
+            false => Axis::of_words(label, self.words.clone()),
+        }
+    }
+
+    fn at(&self, point: &Averaged<'_>) -> Option<f64> {
+        match point.value(self.key)? {
+            SettingValue::Number(number) => Some(*number),
+            SettingValue::Words(word) => {
+                self.words.iter().position(|known| known == word).map(|at| at as f64)
+            }
+        }
+    }
+}
+
+/// The key with the most numbers, of two or more: short names first. Where no key has two numbers, the key with the most words.
 fn swept_axis(points: &[Averaged<'_>]) -> Option<String> {
-    let values = |key: &str| -> usize {
-        let bits = points.iter().filter_map(|p| p.setting(key));
-        bits.map(f64::to_bits).collect::<BTreeSet<u64>>().len()
+    let values = |key: &str| -> (usize, usize) {
+        let all = points.iter().filter_map(|p| p.value(key));
+        let (numbers, words): (BTreeSet<String>, BTreeSet<String>) =
+            all.map(ToString::to_string).partition(|value| value.parse::<f64>().is_ok());
+        match numbers.len() {
+            0 | 1 => (0, words.len()),
+            n => (n, 0),
+        }
     };
     let others = points.iter().flat_map(|p| p.settings).map(|s| s.key.as_str());
     let keys = || SHORT_KEYS.iter().map(|short| short.name).chain(others.clone());
     let most = keys().map(values).max()?;
     let axis = keys().find(|key| values(key) == most)?;
-    (most >= 2).then(|| axis.to_owned())
+    (most >= (0, 2)).then(|| axis.to_owned())
 }
 
 /// Points that differ in one key alone, in the order of the sweep, each sorted by this key.
@@ -78,7 +121,7 @@ pub(super) fn series_of<'a, 'b>(
         p.settings.iter().filter(|s| s.key != key).collect()
     };
     let mut groups: Vec<Vec<&Averaged<'_>>> = Vec::new();
-    for point in points.iter().filter(|p| p.setting(key).is_some()) {
+    for point in points.iter().filter(|p| p.value(key).is_some()) {
         match groups.iter_mut().find(|g| others(g[0]) == others(point)) {
             Some(group) => group.push(point),
             None => groups.push(vec![point]),
@@ -108,42 +151,35 @@ pub(super) fn label_of(point: &Averaged<'_>, key: &str) -> String {
 
 fn picture(
     (quantity, unit): (&str, &str),
-    (key, label): (&str, &str),
+    place: &Place<'_>,
     groups: &[Vec<&Averaged<'_>>],
     equation: Option<&'static dyn EquationOfState>,
 ) -> Option<Picture> {
     let words = quantity_words(quantity);
-    let mut figure = Figure::new(
-        format!("{quantity}_over_{key}"),
-        capital(&words),
-        Axis::linear(label),
-        Axis::linear(axis(&words, unit)),
-    );
+    let name = format!("{quantity}_over_{}", place.key);
+    let value = Axis::linear(axis(&words, unit));
+    // Words have room at the side.
+    let is_across = !place.words.is_empty();
+    let (x, y) = if is_across { (value, place.axis()) } else { (place.axis(), value) };
+    let mut figure = Figure::new(name, capital(&words), x, y);
     let mut has_line = false;
     for (color, group) in groups.iter().enumerate() {
-        let marks: Vec<Point> = group
-            .iter()
-            .filter_map(|p| {
-                let mean = p.mean(quantity)?;
-                Some(Point {
-                    error: Some(mean.error),
-                    note: Some(p.name()),
-                    link: p.page(),
-                    ..Point::from((p.setting(key)?, mean.value))
-                })
-            })
-            .collect();
+        let mark = |p: &&Averaged<'_>| match is_across {
+            true => p.mark_across(quantity, place.at(p)?),
+            false => p.mark(place.at(p)?, quantity),
+        };
+        let marks: Vec<Point> = group.iter().filter_map(mark).collect();
         if marks.len() < 2 {
             continue;
         }
         let curve = equation.zip(property(quantity));
-        let curve = curve.and_then(|(e, property)| line(e, property, key, group));
+        let curve = curve.and_then(|(e, property)| line(e, property, place.key, group));
         if let Some(curve) = curve.filter(|c| !c.is_empty()) {
             has_line = true;
             figure = figure.with(Series::new("", Look::Line(Dash::Solid), color, curve));
         }
         let look = Look::Points(Symbol::cycle(color));
-        figure = figure.with(Series::new(label_of(group[0], key), look, color, marks));
+        figure = figure.with(Series::new(label_of(group[0], place.key), look, color, marks));
     }
     let name = equation.map_or("", |e| e.spec().name.as_str());
     let caption = match has_line {
@@ -183,4 +219,32 @@ fn line(
     });
     let points: Vec<Point> = points.collect();
     points.iter().any(|p| p.y.is_finite()).then_some(points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::averaged::tests::point;
+    use super::*;
+    use crate::sweep::SweptPoint;
+
+    #[test]
+    fn a_key_of_words_is_an_axis_where_no_key_has_two_numbers() {
+        let words = |kind: &str| Setting {
+            key: "truncation.kind".into(),
+            value: SettingValue::Words(kind.into()),
+        };
+        let at = |kind: &str, dt: f64| point(kind, vec![words(kind), Setting::number("dt", dt)]);
+        let axis = |points: &[SweptPoint]| swept_axis(&averaged(points));
+        let points = [at("shift", 0.004), at("cut", 0.004)];
+        assert_eq!(axis(&points).as_deref(), Some("truncation.kind"));
+        assert_eq!(axis(&points[..1]), None);
+        let numbers = [at("shift", 0.004), at("cut", 0.004), at("cut", 0.002)];
+        assert_eq!(axis(&numbers).as_deref(), Some("dt"));
+        // Words stand in the order of the study.
+        let points = averaged(&points);
+        let place = Place::of(&points, "truncation.kind");
+        assert_eq!(points.iter().map(|p| place.at(p)).collect::<Vec<_>>(), [Some(0.0), Some(1.0)]);
+        assert_eq!(place.axis().words, ["shift", "cut"]);
+        assert_eq!(series_of(&points, "truncation.kind").len(), 1);
+    }
 }

@@ -34,13 +34,23 @@ pub struct Axis {
     pub scale: Scale,
     /// Fixed ends; fitted to the values where `None`.
     pub range: Option<(f64, f64)>,
+    /// What stands at 0, 1, 2, … where the axis has words in place of numbers.
+    #[serde(default)]
+    pub words: Vec<String>,
 }
 
 impl Axis {
     /// A linear axis fitted to the values.
     #[must_use]
     pub fn linear(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Linear, range: None }
+        Self { label: label.into(), ..Self::default() }
+    }
+
+    /// An axis with words at 0, 1, 2, …
+    #[must_use]
+    pub fn of_words(label: impl Into<String>, words: Vec<String>) -> Self {
+        let end = words.len() as f64 - 0.5;
+        Self { words, ..Self::linear(label).from_to(-0.5, end) }
     }
 
     /// A logarithmic axis fitted to the values.
@@ -84,7 +94,15 @@ impl Axis {
                 self.padded(low, high)
             }
         };
-        Ok(Span::new(self.scale, low, high))
+        let span = Span::new(self.scale, low, high);
+        Ok(match self.words.len() {
+            0 => span,
+            n => Span {
+                major: (0..n).map(|i| i as f64).collect(),
+                words: self.words.clone(),
+                ..span
+            },
+        })
     }
 
     fn padded(&self, low: f64, high: f64) -> (f64, f64) {
@@ -119,6 +137,7 @@ pub(crate) struct Span {
     step: f64,
     major: Vec<f64>,
     minor: Vec<f64>,
+    words: Vec<String>,
 }
 
 impl Span {
@@ -127,7 +146,7 @@ impl Span {
             Scale::Linear => linear_ticks(low, high),
             Scale::Logarithmic => logarithmic_ticks(low, high),
         };
-        Self { scale, low, high, step, major, minor }
+        Self { scale, low, high, step, major, minor, words: Vec::new() }
     }
 
     /// Where a value lies between the ends, 0 to 1; `None` where it cannot be shown at all.
@@ -165,6 +184,9 @@ impl Span {
     }
 
     pub(crate) fn label(&self, value: f64) -> String {
+        if let Some(word) = self.words.get(value as usize) {
+            return word.clone();
+        }
         let largest = self.low.abs().max(self.high.abs());
         match self.scale {
             Scale::Logarithmic if self.low >= 0.9e-3 && self.high <= 1.1e4 => significant(value, 1),
@@ -233,6 +255,14 @@ fn logarithmic_ticks(low: f64, high: f64) -> (f64, Vec<f64>, Vec<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn words_stand_in_place_of_numbers() {
+        let axis = Axis::of_words("kind", vec!["cut".into(), "shift".into()]);
+        let span = axis.span("f", std::iter::empty()).unwrap();
+        let labels: Vec<String> = span.ticks().iter().map(|v| span.label(*v)).collect();
+        assert_eq!((labels, span.ends()), (vec!["cut".into(), "shift".into()], (-0.5, 1.5)));
+    }
 
     fn labels(axis: Axis, values: &[f64]) -> Vec<String> {
         let span = axis.span("test", values.iter().copied()).unwrap();

@@ -63,7 +63,7 @@ fn a_sweep_runs_its_points_once_and_every_run_has_a_page() {
     assert!(points.trim_end().ends_with("<table class=\"judged\">\n<thead><tr>"));
     let heads = page.split("<th scope=\"col\">Point</th>").nth(1).unwrap();
     let last = heads.split("</th></tr>").next().unwrap();
-    assert!(last.ends_with(">Verdicts of U, P, c_v"), "{last}");
+    assert!(last.ends_with(">Verdicts of U/N, P, c_v"), "{last}");
 
     let again =
         lennard_in(folder.path(), &["sweep", "sweep.toml", "--out", "out", "--json", "--quiet"]);
