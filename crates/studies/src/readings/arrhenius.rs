@@ -66,7 +66,7 @@ fn picture(study: &StudyPoints<'_>) -> Option<Picture> {
             .iter()
             .filter_map(|p| {
                 let mean = p.mean(quantity)?;
-                Some((p.temperature()?, mean.value, mean.error, *p))
+                Some((p.temperature()?, mean.mean, mean.standard_error, *p))
             })
             .filter(|(_, d, ..)| *d > 0.0)
             .collect();

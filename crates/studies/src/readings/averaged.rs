@@ -1,5 +1,9 @@
 //! Points of a study that differ in their seeds alone, taken together.
 
+use lennard_core::Estimate;
+
+use crate::compare::Row;
+use crate::lab::mean_of;
 use crate::report::Point;
 use crate::sweep::{Setting, SettingValue, SweptPoint};
 
@@ -12,15 +16,6 @@ pub(super) struct Averaged<'a> {
     pub settings: &'a [Setting],
     /// The points.
     pub points: Vec<&'a SweptPoint>,
-}
-
-/// A mean over seeds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Mean {
-    /// The mean.
-    pub value: f64,
-    /// Its standard error; not a number where no run gives one, so that the mean is no result.
-    pub error: f64,
 }
 
 /// The points of a sweep, seeds together, in the order of the sweep.
@@ -52,31 +47,25 @@ impl Averaged<'_> {
     /// The mean of a quantity over the seeds; `None` where no run has measured it.
     ///
     /// Its error is √Σs²/n of the printed errors, or the scatter of the seeds where it is larger and there are four seeds or more.
-    /// Runs without an error are left out where others have one.
-    pub fn mean(&self, quantity: &str) -> Option<Mean> {
-        let rows = || self.points.iter().filter_map(|p| p.row(quantity));
-        let sound: Vec<[f64; 2]> = rows()
-            .filter(|r| r.standard_error.is_finite())
-            .map(|r| [r.measured, r.standard_error])
-            .collect();
-        if sound.is_empty() {
-            let values: Vec<f64> = rows().map(|r| r.measured).collect();
-            return (!values.is_empty()).then(|| Mean {
-                value: values.iter().sum::<f64>() / values.len() as f64,
-                error: f64::NAN,
-            });
+    /// Runs without an error are left out where others have one; where no run has one, the mean is no result.
+    pub fn mean(&self, quantity: &str) -> Option<Estimate> {
+        let rows = self.points.iter().filter_map(|p| p.row(quantity));
+        let estimate = |r: &Row| Estimate::new(r.measured, r.standard_error, f64::NAN);
+        let mut all: Vec<Estimate> = rows.map(estimate).collect();
+        if all.iter().any(|one| one.standard_error.is_finite()) {
+            all.retain(|one| one.standard_error.is_finite());
         }
-        Some(mean_of(&sound))
+        (!all.is_empty()).then(|| of_seeds(&all))
     }
 
     /// A mark at a mean over the seeds, with its error, its name and its page; `None` where no run has measured it.
     pub fn mark(&self, x: f64, quantity: &str) -> Option<Point> {
         let mean = self.mean(quantity)?;
         Some(Point {
-            error: Some(mean.error),
+            error: Some(mean.standard_error),
             note: Some(self.name()),
             link: self.page(),
-            ..Point::from((x, mean.value))
+            ..Point::from((x, mean.mean))
         })
     }
 
@@ -118,15 +107,14 @@ impl Averaged<'_> {
     }
 }
 
-/// The mean of values with errors.
-fn mean_of(sound: &[[f64; 2]]) -> Mean {
-    let n = sound.len() as f64;
-    let value = sound.iter().map(|[x, _]| x).sum::<f64>() / n;
-    let printed = sound.iter().map(|[_, s]| s * s).sum::<f64>().sqrt() / n;
-    let squares: f64 = sound.iter().map(|[x, _]| (x - value).powi(2)).sum();
+/// The mean of values of several seeds.
+fn of_seeds(values: &[Estimate]) -> Estimate {
+    let mean = mean_of(values);
+    let n = values.len() as f64;
+    let squares: f64 = values.iter().map(|one| (one.mean - mean.mean).powi(2)).sum();
     let scatter = (squares / (n * (n - 1.0))).sqrt();
-    let error = if sound.len() >= FEWEST_SEEDS { printed.max(scatter) } else { printed };
-    Mean { value, error }
+    let is_scatter = values.len() >= FEWEST_SEEDS && scatter > mean.standard_error;
+    Estimate { standard_error: if is_scatter { scatter } else { mean.standard_error }, ..mean }
 }
 
 #[cfg(test)]
@@ -152,14 +140,24 @@ pub(super) mod tests {
 
     #[test]
     fn the_error_of_seeds_is_the_printed_one_or_their_scatter_where_it_is_larger() {
-        let two = mean_of(&[[1.0, 0.3], [2.0, 0.4]]);
-        assert_eq!(two.value, 1.5);
-        assert!((two.error - 0.25).abs() < 1e-15);
+        let of = |pairs: &[[f64; 2]]| {
+            let estimates = pairs.iter().map(|[mean, error]| Estimate::new(*mean, *error, 10.0));
+            of_seeds(&estimates.collect::<Vec<_>>())
+        };
+        let two = of(&[[1.0, 0.3], [2.0, 0.4]]);
+        assert_eq!(two.mean, 1.5);
+        assert!((two.standard_error - 0.25).abs() < 1e-15);
         // Four seeds scatter by far more than they print.
-        let four = mean_of(&[[0.0, 0.1], [2.0, 0.1], [0.0, 0.1], [2.0, 0.1]]);
-        assert!((four.error - (4.0_f64 / 12.0).sqrt()).abs() < 1e-15);
-        let quiet = mean_of(&[[1.0, 0.1]; 4]);
-        assert!((quiet.error - 0.05).abs() < 1e-15);
+        let four = of(&[[0.0, 0.1], [2.0, 0.1], [0.0, 0.1], [2.0, 0.1]]);
+        assert!((four.standard_error - (4.0_f64 / 12.0).sqrt()).abs() < 1e-15);
+        let quiet = of(&[[1.0, 0.1]; 4]);
+        assert!((quiet.standard_error - 0.05).abs() < 1e-15);
+        // Without a printed error the scatter makes no result.
+        assert!(
+            of(&[[0.0, f64::NAN], [1.0, f64::NAN], [0.0, f64::NAN], [1.0, f64::NAN]])
+                .standard_error
+                .is_nan()
+        );
     }
 
     #[test]

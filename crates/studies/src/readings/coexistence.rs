@@ -38,8 +38,8 @@ const MEASURED: usize = 1;
 fn pairs(points: &[SweptPoint]) -> Vec<Pair> {
     let pair = |point: &Averaged<'_>| {
         let density = |name: &str| {
-            let mean = point.mean(name).filter(|m| m.error.is_finite())?;
-            Some([mean.value, mean.error])
+            let mean = point.mean(name).filter(|m| m.standard_error.is_finite())?;
+            Some([mean.mean, mean.standard_error])
         };
         Some(Pair {
             temperature: point.temperature()?,

@@ -64,8 +64,9 @@ const KEY: &str = "temperature";
 /// The fronts of points that differ in temperature alone, from cold to hot, seeds together.
 fn fronts(group: &[&Averaged<'_>]) -> Vec<Front> {
     let front = |point: &&Averaged<'_>| {
-        let mean = point.mean("front_velocity").filter(|m| m.error.is_finite())?;
-        Some(Front { temperature: point.setting(KEY)?, velocity: mean.value, error: mean.error })
+        let mean = point.mean("front_velocity").filter(|m| m.standard_error.is_finite())?;
+        let (velocity, error) = (mean.mean, mean.standard_error);
+        Some(Front { temperature: point.setting(KEY)?, velocity, error })
     };
     group.iter().filter_map(front).collect()
 }

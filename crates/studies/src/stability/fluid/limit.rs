@@ -25,7 +25,7 @@ const LARGEST_DT: f64 = 0.5;
 const HALVINGS: u32 = 4;
 
 /// The limit of one method at one state point under one truncation.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct FluidLimit {
     /// The method.
     pub method: &'static str,
@@ -74,10 +74,7 @@ pub(crate) fn find(
         method: entry.spec.name,
         state: STATES[start.state_point].name,
         truncation: TRUNCATIONS[start.truncation].1,
-        stable: None,
-        unstable: None,
-        failure: None,
-        failure_change: None,
+        ..FluidLimit::default()
     };
     let take = |limit: &mut FluidLimit, dt: f64| -> Result<bool, StudyError> {
         let run = attempt(dt)?;
