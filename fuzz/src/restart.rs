@@ -43,7 +43,7 @@ pub fn restart(bytes: &[u8]) -> bool {
         let resumed = resume(folder.path(), &ResumeOptions::default());
         let went_on = resumed.and_then(|mut resumed| {
             let from = resumed.simulation.state.step;
-            resumed.simulation.run(&mut a_few(from))?;
+            resumed.simulation.follow(&mut a_few(from))?;
             // What observables make of it must be no panic either.
             drop(resumed.simulation.findings());
             Ok(())

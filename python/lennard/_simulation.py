@@ -284,9 +284,6 @@ class Simulation:
         text, tables = self._core.results()
         found = [Table._of(table) for table in tables]
         record = json.loads(text)
-        # A scene without a measured stage has one at its end that stands in and is never run.
-        record["scene"]["stage"] = record["scene"]["stage"][: len(self._core.stages[0])]
-        record["finished"] = self.steps_left == 0
         whole = record["scene"]["output"].get("whole", False)
         sites = self.n_atoms // self.n_molecules if whole else 1
         return Run(

@@ -285,7 +285,7 @@ impl Bench {
                 let schedule = Schedule::of_output(&simulation.scene).with(stop);
                 let mut writing = Writing { files, schedule, end };
                 let watch = Stopwatch::start();
-                simulation.run(&mut writing)?;
+                simulation.follow(&mut writing)?;
                 Ok(watch.on_processor())
             }
         }

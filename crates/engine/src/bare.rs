@@ -46,5 +46,5 @@ pub fn take(simulation: &mut Simulation, steps: u64, want: Want) -> Result<(), E
     let wanted =
         (!want.is_nothing()).then(|| Operation::new(Action::Call, Trigger::Always).wanting(want));
     let schedule = wanted.into_iter().collect();
-    simulation.run(&mut StopAt::following(schedule, end)).map(drop)
+    simulation.follow(&mut StopAt::following(schedule, end)).map(drop)
 }

@@ -22,6 +22,7 @@ use crate::initial;
 use crate::own::OwnParts;
 use crate::planar_tail::PlanarTail;
 use crate::reach::remark_on_reach;
+use crate::recording::Recording;
 use crate::schedule::Observer;
 use crate::simulation::Simulation;
 use crate::starting_molecules::{remark_on_damping, remark_on_springs};
@@ -40,8 +41,11 @@ pub fn conditions<'a>(
     let measured: Vec<&Stage> = scene.stages.iter().filter(|s| s.measure).collect();
     let stages: Vec<&Stage> =
         if measured.is_empty() { scene.stages.iter().collect() } else { measured };
-    let temperature = stages.iter().map(|s| s.temperature).fold(0.0, f64::max);
-    let dt = stages.iter().map(|s| scene.stage_dt(s)).fold(0.0, f64::max);
+    let (mut temperature, mut dt) = (scene.system.temperature, scene.integrator.dt);
+    if !stages.is_empty() {
+        temperature = stages.iter().map(|s| s.temperature).fold(0.0, f64::max);
+        dt = stages.iter().map(|s| scene.stage_dt(s)).fold(0.0, f64::max);
+    }
     Conditions { cell, n_atoms, temperature, dt, mixture }
 }
 
@@ -186,6 +190,8 @@ pub(crate) fn prepare_own_from(
         own,
         team: None,
         shares_forces: false,
+        recording: Recording::default(),
+        threads: None,
     };
     simulation.keeps_own_method()?;
     simulation.tells_observables_apart()?;

@@ -33,7 +33,7 @@ pub struct Past {
 pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint {
     let mut archive = StateArchive::default();
     let mut writer = archive.writer();
-    simulation.save(&mut writer);
+    Persist::save(simulation, &mut writer);
     let mut run = writer.section("run");
     run.put_vec3("cell", &[simulation.start_cell.lengths()]);
     save_species(simulation.system.species(), &mut run);

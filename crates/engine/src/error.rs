@@ -1,9 +1,12 @@
 //! What can go wrong with a run, sorted by whose turn it is to do something about it.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
+use lennard_core::BoxError;
+use lennard_core::parallel::PoolError;
 use lennard_forcefield::ForceFieldError;
-use lennard_io::{CheckpointError, FormatError, WriteError, path_in_shell};
+use lennard_io::{CheckpointError, FormatError, LARGEST, WriteError, path_in_shell};
 use lennard_scene::{SceneError, Source};
 
 use crate::failure::PhysicsFailure;
@@ -12,8 +15,10 @@ use crate::plan::NodesError;
 use crate::ranks_error::RanksError;
 use crate::room::NoRoom;
 
-/// Why a run did not start or did not end.
-#[derive(Debug, thiserror::Error)]
+/// Why a simulation cannot be made, run, saved or asked.
+///
+/// Its `Debug` form is the message too, so that a `main` that returns it prints what a reader understands.
+#[derive(thiserror::Error)]
 pub enum EngineError {
     /// The scene asks for something impossible: exit code 2.
     #[error(transparent)]
@@ -42,6 +47,43 @@ pub enum EngineError {
     /// A scene cannot be planned for so many machines: exit code 2.
     #[error(transparent)]
     Nodes(#[from] NodesError),
+    /// A saved simulation cannot be read: exit code 2.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// Arrays are no start: exit code 2.
+    #[error(transparent)]
+    Start(#[from] StartError),
+    /// A folder holds whole runs: exit code 2.
+    #[error(
+        "a folder holds a run from its first step, and this simulation has done {0} steps\n  allowed: a new simulation of the same scene"
+    )]
+    Begun(u64),
+    /// The run has no such mean or table: exit code 2.
+    #[error("the run has no {kind} `{name}`\n  allowed: {known}{}", hint(.nearest))]
+    NoSuchResult {
+        /// `average` or `table`.
+        kind: &'static str,
+        /// The name asked for.
+        name: String,
+        /// The names that there are.
+        known: String,
+        /// The nearest of them.
+        nearest: Option<String>,
+    },
+    /// There is no pool of so many threads: exit code 2 for a number that is not allowed, else 1.
+    #[error("starting threads: {0}")]
+    Threads(#[from] PoolError),
+}
+
+fn hint(nearest: &Option<String>) -> String {
+    let line = |name| format!("\n  nearest: {name}");
+    nearest.as_ref().map_or_else(String::new, line)
+}
+
+impl fmt::Debug for EngineError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
 }
 
 impl EngineError {
@@ -60,12 +102,31 @@ impl EngineError {
             | Self::Configuration(_)
             | Self::Folder(_)
             | Self::Resume(_)
-            | Self::Nodes(_) => 2,
+            | Self::Nodes(_)
+            | Self::Checkpoint(_)
+            | Self::Start(_)
+            | Self::Begun(_)
+            | Self::NoSuchResult { .. }
+            | Self::Threads(PoolError::Number(_)) => 2,
             Self::Physics(_) => 3,
-            Self::Write(_) | Self::Memory(_) => 1,
+            Self::Write(_) | Self::Memory(_) | Self::Threads(_) => 1,
             Self::Ranks(error) => error.exit_code(),
         }
     }
+}
+
+/// Why arrays are no start.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum StartError {
+    /// The arrays differ in length.
+    #[error("one velocity for each position is wanted")]
+    OneVelocityEach,
+    /// A number is not finite, or too large.
+    #[error("a position or velocity is not a finite number from -{LARGEST:e} to {LARGEST:e}")]
+    OutOfBounds,
+    /// The sides make no box.
+    #[error(transparent)]
+    Box(#[from] BoxError),
 }
 
 /// A force field that does not fit, put on the line of the scene that it is about.

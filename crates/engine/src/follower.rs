@@ -1,8 +1,12 @@
 //! Who follows a run from outside.
 
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use crate::moment::Moment;
 use crate::schedule::{Action, Operation, Schedule, Trigger};
 use crate::{EngineError, Simulation};
-use std::ops::ControlFlow;
 
 /// Follows a run from outside: writes files, shows progress, stops it.
 pub trait Follower {
@@ -78,5 +82,41 @@ impl Follower for StopAt {
         } else {
             ControlFlow::Continue(())
         })
+    }
+}
+
+/// Told how far a run is, time and again.
+pub trait Progress: Send {
+    /// `done` of `total` steps, in the stage of this name.
+    fn update(&mut self, stage: &str, done: u64, total: u64);
+
+    /// The fluid at a step that writes a row of `thermo.csv`, before [`Self::update`] tells the step. The numbers are taken
+    /// where they are asked for.
+    fn at_row(&mut self, _fluid: &dyn Fn() -> Moment) {}
+}
+
+impl Progress for () {
+    fn update(&mut self, _stage: &str, _done: u64, _total: u64) {}
+}
+
+/// How a run is followed and stopped from outside.
+pub struct Control<'a> {
+    /// Set from outside to stop after the steps under way, at most [`crate::watchdog::EVERY`].
+    pub stop: &'a AtomicBool,
+    /// When to stop by itself, likewise.
+    pub deadline: Option<Instant>,
+    /// Told how far the run is.
+    pub progress: &'a mut dyn Progress,
+}
+
+impl Control<'_> {
+    /// Whether and why to stop now.
+    pub(crate) fn told_to_stop(&self) -> Option<Ending> {
+        if self.stop.load(Ordering::Relaxed) {
+            return Some(Ending::Stopped);
+        }
+        self.deadline
+            .is_some_and(|deadline| Instant::now() >= deadline)
+            .then_some(Ending::OutOfTime)
     }
 }

@@ -2,25 +2,12 @@
 
 use std::path::Path;
 
-use lennard_core::{BoxError, DVec3, PeriodicBox, State};
+use lennard_core::{DVec3, PeriodicBox, State};
 use lennard_io::{FoundSpecies, Frame, FrameStyle, LARGEST, StartConfiguration, WriteError};
 
 use crate::Simulation;
+use crate::error::StartError;
 use crate::files::style;
-
-/// Why arrays are no start.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum StartError {
-    /// The arrays differ in length.
-    #[error("one velocity for each position is wanted")]
-    OneVelocityEach,
-    /// A number is not finite, or too large.
-    #[error("a position or velocity is not a finite number from -{LARGEST:e} to {LARGEST:e}")]
-    OutOfBounds,
-    /// The sides make no box.
-    #[error(transparent)]
-    Box(#[from] BoxError),
-}
 
 /// A start from arrays: box sides and unwrapped positions in σ, velocities in σ/τ. Without velocities they are drawn for the
 /// temperature of the scene.

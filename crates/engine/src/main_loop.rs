@@ -20,7 +20,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`EngineError`] where physics or a follower fails.
-    pub fn run(&mut self, follower: &mut dyn Follower) -> Result<bool, EngineError> {
+    pub fn follow(&mut self, follower: &mut dyn Follower) -> Result<bool, EngineError> {
         if self.state.len() <= SHORT_STEPS_UP_TO {
             lennard_core::parallel::awake(|| self.run_stages(follower))
         } else {

@@ -8,10 +8,11 @@ use crate::confinement::Confinement;
 use crate::simulation::Simulation;
 use crate::{EngineError, build};
 
-/// The values of a moment, in reduced units; energies are for each particle, or for each molecule.
-#[derive(Debug, Clone, PartialEq)]
+/// The values of a moment, in reduced units; energies are for each particle, or for each molecule. What is not known at its step
+/// is not a number.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
-    /// Kinetic temperature 2K/n_dof, ε/k_B.
+    /// Kinetic temperature 2K/n_dof of whole steps, ε/k_B.
     pub temperature: f64,
     /// K/N, ε.
     pub kinetic_energy: f64,
@@ -21,6 +22,18 @@ pub struct Moment {
     pub pressure: f64,
 }
 
+impl Moment {
+    pub(crate) fn of(simulation: &Simulation) -> Self {
+        let view = simulation.view();
+        Self {
+            temperature: view.temperature(),
+            kinetic_energy: view.kinetic_energy() / simulation.system.n_molecules() as f64,
+            potential_energy: simulation.potential_energy_per_particle().unwrap_or(f64::NAN),
+            pressure: simulation.pressure().unwrap_or(f64::NAN),
+        }
+    }
+}
+
 impl Simulation {
     /// The values of the state as it is. What is missing is evaluated with a list made for it, so that what
     /// the run computes next keeps its bits.
@@ -28,28 +41,17 @@ impl Simulation {
     /// # Errors
     /// [`EngineError`] where a force is not finite.
     pub fn moment(&mut self) -> Result<Moment, EngineError> {
-        let missing = {
-            let found = &self.state.energetics;
-            let incomplete = found.potential_energy.is_none() || found.scalar_virial().is_none();
-            incomplete || self.stage.is_none()
-        };
-        let kept = missing.then(|| self.evaluated()).transpose()?.map(|(forces, energetics)| {
-            let forces = std::mem::replace(&mut self.state.forces, forces);
-            let energetics = std::mem::replace(&mut self.state.energetics, energetics);
-            (forces, energetics)
-        });
-        let view = self.view();
-        let n = self.system.n_molecules() as f64;
-        let moment = Moment {
-            temperature: view.temperature(),
-            kinetic_energy: view.kinetic_energy() / n,
-            potential_energy: self.potential_energy_per_particle().unwrap_or(f64::NAN),
-            pressure: self.pressure().unwrap_or(f64::NAN),
-        };
-        if let Some((forces, energetics)) = kept {
-            self.state.forces = forces;
-            self.state.energetics = energetics;
+        let found = &self.state.energetics;
+        let is_complete = found.potential_energy.is_some() && found.scalar_virial().is_some();
+        if is_complete && self.stage.is_some() {
+            return Ok(Moment::of(self));
         }
+        let (forces, energetics) = self.on_its_threads(|simulation| simulation.evaluated())??;
+        let forces = std::mem::replace(&mut self.state.forces, forces);
+        let energetics = std::mem::replace(&mut self.state.energetics, energetics);
+        let moment = Moment::of(self);
+        self.state.forces = forces;
+        self.state.energetics = energetics;
         Ok(moment)
     }
 

@@ -1,18 +1,15 @@
 //! Several ranks in one run. Each has the whole state; rank 0 writes and prints, and the others take the same steps beside it.
 //!
 //! Clocks and signals differ between ranks, and no rank may act by its own. After some steps all ranks therefore agree
-//! whether to stop, and whether a checkpoint is due ([`next`]). All else is computed alike from the same numbers.
+//! whether to stop, and whether a checkpoint is due ([`agree`]). All else is computed alike from the same numbers.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use lennard_core::{DVec3, State, Team};
 use lennard_io::RanksRecord;
 
-use crate::follower::{Ending, Follower};
+use crate::follower::Ending;
 use crate::ranks_error::RanksError;
-use crate::schedule::{Action, Schedule};
 use crate::watchdog::LISTS_EVERY;
 use crate::{EngineError, Simulation};
 
@@ -92,38 +89,8 @@ pub(crate) struct Decision {
     pub checkpoint: bool,
 }
 
-/// What follows a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Next {
-    /// The run ends here.
-    Stop(Ending),
-    /// A checkpoint is due.
-    Checkpoint,
-    /// Neither.
-    GoOn,
-}
-
-/// What follows a step on all ranks. Every rank calls it after the same steps.
-pub(crate) fn next(
-    simulation: &Simulation,
-    schedule: &Schedule,
-    own: Decision,
-) -> Result<Next, EngineError> {
-    let decided = agree(simulation, own)?;
-    let step = simulation.state.step;
-    // A request that comes with the last step changes nothing any more.
-    if step < simulation.scene.total_steps()
-        && let Some(ending) = decided.stop
-    {
-        return Ok(Next::Stop(ending));
-    }
-    let measured = simulation.current_stage().measure;
-    let is_due = decided.checkpoint || schedule.does(Action::Checkpoint, step, measured);
-    Ok(if is_due { Next::Checkpoint } else { Next::GoOn })
-}
-
 /// What all ranks decide: a request to any rank stops all, and so does any clock. One process decides for itself.
-fn agree(simulation: &Simulation, own: Decision) -> Result<Decision, EngineError> {
+pub(crate) fn agree(simulation: &Simulation, own: Decision) -> Result<Decision, EngineError> {
     let Some(team) = &simulation.team else {
         return Ok(own);
     };
@@ -135,63 +102,4 @@ fn agree(simulation: &Simulation, own: Decision) -> Result<Decision, EngineError
     let stop =
         if stopped { Some(Ending::Stopped) } else { out_of_time.then_some(Ending::OutOfTime) };
     Ok(Decision { stop, checkpoint })
-}
-
-/// Runs a shared simulation beside rank 0, which writes its files; `stop` is set from outside to stop all ranks.
-///
-/// # Errors
-/// [`EngineError`] where physics stops the run, as on all ranks.
-///
-/// # Panics
-/// Where the simulation is not shared: that is a bug of the caller.
-pub fn run_beside(simulation: &mut Simulation, stop: &AtomicBool) -> Result<Ending, EngineError> {
-    assert!(simulation.team.is_some(), "the simulation is shared");
-    let mut companion = Companion {
-        schedule: Schedule::of_output(&simulation.scene),
-        stop,
-        last_checkpoint: None,
-        ending: Ending::Finished,
-    };
-    simulation.run(&mut companion)?;
-    companion.checkpoint(simulation)?;
-    Ok(companion.ending)
-}
-
-/// Follows the run as the recorder of rank 0 does, and writes nothing.
-struct Companion<'a> {
-    schedule: Schedule,
-    stop: &'a AtomicBool,
-    last_checkpoint: Option<u64>,
-    ending: Ending,
-}
-
-impl Companion<'_> {
-    /// Looks at what rank 0 looks at before it writes a checkpoint: a failure is met by all ranks.
-    fn checkpoint(&mut self, simulation: &Simulation) -> Result<(), EngineError> {
-        if self.last_checkpoint != Some(simulation.state.step) {
-            simulation.watch_closely()?;
-            self.last_checkpoint = Some(simulation.state.step);
-        }
-        Ok(())
-    }
-}
-
-impl Follower for Companion<'_> {
-    fn schedule(&self) -> &Schedule {
-        &self.schedule
-    }
-
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
-        let stop = self.stop.load(Ordering::Relaxed);
-        let own = Decision { stop: stop.then_some(Ending::Stopped), checkpoint: false };
-        match next(simulation, &self.schedule, own)? {
-            Next::Stop(ending) => {
-                self.ending = ending;
-                return Ok(ControlFlow::Break(()));
-            }
-            Next::Checkpoint => self.checkpoint(simulation)?,
-            Next::GoOn => {}
-        }
-        Ok(ControlFlow::Continue(()))
-    }
 }

@@ -12,16 +12,13 @@ use lennard_io::{
 use lennard_observables::ChangingBox;
 
 use crate::frozen::frozen;
+use crate::threads::Threads;
 use crate::{Simulation, at_constant_pressure, compare};
 
 /// The record of a run that has not ended, or not well; `remarks` say how it failed.
 #[must_use]
-pub fn unfinished(
-    simulation: &Simulation,
-    threads: usize,
-    remarks: impl IntoIterator<Item = String>,
-) -> RunRecord {
-    let mut record = bare(simulation, threads);
+pub fn unfinished(simulation: &Simulation, remarks: impl IntoIterator<Item = String>) -> RunRecord {
+    let mut record = bare(simulation);
     record.remarks.extend(remarks);
     record
 }
@@ -31,7 +28,6 @@ pub fn unfinished(
 pub fn finished(
     simulation: &Simulation,
     findings: &[Findings],
-    threads: usize,
     wall: Duration,
     trajectory_frames: Option<u64>,
     finished: bool,
@@ -86,15 +82,17 @@ pub fn finished(
         remarks: remarks.iter().map(Remark::to_string).collect(),
         typed_remarks: remarks.into_iter().filter(|r| !matches!(r, Remark::Note { .. })).collect(),
         trajectory_frames,
-        ..bare(simulation, threads)
+        ..bare(simulation)
     }
 }
 
 /// What is known before and whatever happens.
-fn bare(simulation: &Simulation, threads: usize) -> RunRecord {
+fn bare(simulation: &Simulation) -> RunRecord {
     let scene = &simulation.scene;
     let statistics = simulation.forces.statistics();
     let seen = simulation.force_check.seen();
+    let threads = simulation.threads.as_ref();
+    let threads = threads.map_or_else(rayon::current_num_threads, Threads::count);
     let stage = simulation.stage.as_ref();
     let bath = stage.and_then(|s| scene.stages[s.index].thermostat.as_ref().map(|t| (t, s.heat)));
     RunRecord {

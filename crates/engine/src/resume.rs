@@ -318,7 +318,8 @@ impl Saved<'_> {
         let Self { checkpoint, path, own } = *self;
         let misfit =
             |reason: String| ResumeError::DoesNotFit { checkpoint: path.to_owned(), reason };
-        let scene = Scene::parse(&checkpoint.scene, &path.display().to_string(), overrides)?;
+        let name = path.display().to_string();
+        let scene = Scene::parse_to_grow(&checkpoint.scene, &name, overrides)?;
         let sides = checkpointing::saved_start_cell(&checkpoint.archive)
             .map_err(|e| misfit(e.to_string()))?;
         let cell = PeriodicBox::new(sides).map_err(|e| misfit(e.to_string()))?;

@@ -111,8 +111,13 @@ impl Schedule {
     /// The same schedule with one operation more.
     #[must_use]
     pub fn with(mut self, operation: Operation) -> Self {
-        self.0.push(operation);
+        self.add(operation);
         self
+    }
+
+    /// Adds an operation.
+    pub(crate) fn add(&mut self, operation: Operation) {
+        self.0.push(operation);
     }
 
     /// Whether any operation is due at a step.

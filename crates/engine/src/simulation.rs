@@ -1,4 +1,5 @@
-//! A simulation: the system, its forces, the stage under way and the observables.
+//! A simulation: the system, its forces, the stage under way, the observables, and what runs have recorded. Rust, Python and the
+//! program share it.
 
 use std::any::Any;
 
@@ -10,7 +11,9 @@ use lennard_scene::{Scene, Stage};
 
 use crate::force_check::ForceCheck;
 use crate::own::OwnParts;
+use crate::recording::Recording;
 use crate::schedule::Observer;
+use crate::threads::Threads;
 use crate::timers::Timers;
 
 /// Everything that a run is made of.
@@ -53,6 +56,10 @@ pub struct Simulation {
     pub team: Option<Team>,
     /// Whether the ranks share the pair forces out.
     pub shares_forces: bool,
+    /// What runs in memory have kept.
+    pub recording: Recording,
+    /// The threads at work; `None` where those of the caller are.
+    pub threads: Option<Threads>,
 }
 
 /// The stage under way: its integrator, and what its heat bath has put in.

@@ -87,7 +87,7 @@ pub(crate) fn main() -> lennard::Result<()> {
     let results = gas.results();
     let profile = results.table("density_profile")?;
     let (z, density) = (profile.numbers("z"), profile.numbers("density"));
-    let side = gas.state().cell.lengths().z;
+    let side = gas.state.cell.lengths().z;
     for (z, density) in z.into_iter().flatten().zip(density.into_iter().flatten()) {
         // ρ(z) ∝ exp(−u/T); the mean of exp(a·cos) over a period is I₀(a), the modified Bessel function.
         let formula = 0.01 * (amplitude / temperature * (TAU * z / side).cos()).exp() / 1.063_483;

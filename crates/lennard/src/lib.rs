@@ -27,22 +27,22 @@
 //! [`OwnParts`] brings forces, an integrator and observables that no scene names. The module [`parts`] has the contracts
 //! that they keep. The folder `examples` of this crate has one of each, and the tutorials of the book explain them.
 
-mod error;
 #[cfg(feature = "program")]
 pub mod program;
-mod results;
-mod simulation;
 
-pub use error::{Error, Result};
 pub use lennard_core::{DMat3, DVec3, PeriodicBox, State, Table};
-pub use lennard_engine::{Ending, EngineError, KeptFrame, Moment, OwnParts, Progress, StartError};
+pub use lennard_engine::{
+    Control, Ending, EngineError as Error, KeptFrame, Moment, OwnParts, Progress, Recording,
+    Results, Simulation, StartError,
+};
 pub use lennard_io::{AverageRecord, RunRecord};
 pub use lennard_literature as literature;
 pub use lennard_observables::statistics;
 pub use lennard_scene::{Scene, SceneBuilder, SceneError, shipped};
-pub use results::Results;
-pub use simulation::Simulation;
 pub use toml;
+
+/// A result, or what went wrong.
+pub type Result<T> = std::result::Result<T, Error>;
 
 /// What nearly every program needs.
 pub mod prelude {

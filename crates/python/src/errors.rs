@@ -1,8 +1,9 @@
 //! Errors of the engine as Python exceptions, with their parts as attributes.
 
+use lennard_core::parallel::PoolError;
 use lennard_engine::{EngineError, PhysicsFailure};
 use lennard_scene::SceneError;
-use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError};
+use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -57,7 +58,14 @@ pub fn of_engine(error: EngineError, from_file: bool) -> PyErr {
         EngineError::Folder(_) => with_message("FolderError", &error),
         EngineError::Resume(_) => with_message("CheckpointError", &error),
         EngineError::Memory(_) => PyMemoryError::new_err(error.to_string()),
-        EngineError::Ranks(_) | EngineError::Nodes(_) => PyRuntimeError::new_err(error.to_string()),
+        EngineError::Checkpoint(_)
+        | EngineError::Start(_)
+        | EngineError::Begun(_)
+        | EngineError::NoSuchResult { .. }
+        | EngineError::Threads(PoolError::Number(_)) => PyValueError::new_err(error.to_string()),
+        EngineError::Ranks(_) | EngineError::Nodes(_) | EngineError::Threads(_) => {
+            PyRuntimeError::new_err(error.to_string())
+        }
     }
 }
 

@@ -3,13 +3,13 @@
 use std::sync::{Mutex, PoisonError};
 
 use lennard_core::{Configuration, DVec3, Energetics, ForceTerm, Part, PeriodicBox, Want};
+use lennard_engine::Threads;
 use lennard_forcefield::{ForceFieldOptions, PairForces};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::threads::Threads;
-use crate::{errors, numbers};
+use crate::{errors, numbers, scenes};
 
 struct Inner {
     options: ForceFieldOptions,
@@ -56,8 +56,7 @@ impl Evaluator {
         threads: Option<usize>,
     ) -> PyResult<Self> {
         let overrides = Vec::new();
-        let scene = lennard_engine::from_text(scene, "calculator", &overrides)
-            .map_err(|e| errors::of_scene(&e))?;
+        let scene = scenes::from_text(scene, "calculator", &overrides)?;
         if scene.mixture.is_some() {
             return Err(PyValueError::new_err(
                 "the calculator takes one species of particles; run a mixture as a Simulation",
@@ -65,10 +64,14 @@ impl Evaluator {
         }
         let species = scene.species_table(n, &[]);
         let threads = threads.unwrap_or_else(|| lennard_engine::recommended_threads(n));
-        let mut threads = Threads::new(threads)?;
         let cell = cell(lengths)?;
-        let built = threads.run(py, || lennard_engine::forces(&scene, cell, &species))?;
-        let (options, forces) = built.map_err(|e| errors::of_engine(e, false))?;
+        let built = py.detach(|| {
+            let threads = Threads::new(threads)?;
+            let build = || lennard_engine::forces(&scene, cell, &species);
+            let (options, forces) = threads.pool()?.install(build)?;
+            Ok((options, forces, threads))
+        });
+        let (options, forces, threads) = built.map_err(|e| errors::of_engine(e, false))?;
         let inner = Mutex::new(Inner { options, forces, threads, n });
         Ok(Self { inner })
     }
@@ -95,7 +98,8 @@ impl Evaluator {
                 Want { per_particle: each, ..(Want::ENERGY_AND_VIRIAL | Want::VIRIAL_TENSOR) };
             let at = Configuration::at_rest(&cell, &positions);
             let evaluate = || forces.evaluate(at, Part::All, want, &mut out);
-            let found = threads.pool()?.install(evaluate);
+            let pool = threads.pool().map_err(|e| errors::of_engine(e.into(), false))?;
+            let found = pool.install(evaluate);
             let energetics = found.map_err(|e| wrong(e.to_string()))?;
             let tail = lennard_forcefield::tail_correction(options, *n, cell.volume());
             Ok((out, energetics, tail, forces.statistics().builds))

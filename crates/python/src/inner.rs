@@ -1,40 +1,27 @@
 //! What a simulation in Python is made of.
 
-use std::path::Path;
+use std::sync::Arc;
 
-use lennard_core::{DVec3, parallel};
-use lennard_engine::{
-    EngineError, Measurement, OwnParts, Recording, Simulation, planned_steps, recommended_threads,
-};
+use lennard_core::DVec3;
+use lennard_engine::{EngineError, Simulation};
 use lennard_io::{Checkpoint, StartConfiguration};
-use lennard_scene::{Scene, SceneError};
 use numpy::PyReadonlyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use rayon::ThreadPool;
 
-use crate::threads::Threads;
 use crate::view::View;
 use crate::{errors, numbers};
 
-/// A simulation with what belongs to it.
+/// A simulation with what belongs to it in Python.
 pub struct Inner {
     pub simulation: Simulation,
-    pub recording: Recording,
-    pub threads: Threads,
     /// Whether lines of the scene mean anything to the user.
     pub from_file: bool,
     /// The start, where it came as arrays.
     pub start: Option<StartConfiguration>,
     /// The view that has the vectors of the state now.
     pub view: Option<Py<View>>,
-}
-
-/// The parts that a simulation is made from.
-pub struct Made {
-    pub scene: Scene,
-    pub from_file: bool,
-    pub threads: Option<usize>,
-    pub start: Option<StartConfiguration>,
 }
 
 /// Positions, velocities and box sides.
@@ -49,86 +36,47 @@ pub fn start((positions, velocities, lengths): Arrays<'_>) -> PyResult<StartConf
 }
 
 impl Inner {
-    /// Prepares a scene.
-    pub fn make(py: Python<'_>, made: Made) -> PyResult<Self> {
-        let Made { scene, from_file, threads, start } = made;
-        let begin = start.clone();
-        let prepare = || lennard_engine::prepare_with(scene, begin, OwnParts::none());
-        Ok(Self { start, ..Self::built(py, from_file, threads, prepare)? })
-    }
-
-    /// Brings a saved simulation back.
-    pub fn restored(
-        py: Python<'_>,
-        checkpoint: &Checkpoint,
-        path: &Path,
-        threads: Option<usize>,
-    ) -> PyResult<Self> {
-        Self::built(py, false, threads, || lennard_engine::restored(checkpoint, path))
-    }
-
-    fn built(
+    /// A simulation that is made, and then works, on so many threads, or on as many as pay.
+    pub fn made(
         py: Python<'_>,
         from_file: bool,
-        asked: Option<usize>,
-        build: impl FnOnce() -> Result<Simulation, EngineError> + Send,
+        threads: Option<usize>,
+        make: impl FnOnce() -> Result<Simulation, EngineError> + Send,
     ) -> PyResult<Self> {
-        let mut threads = Threads::new(asked.unwrap_or_else(parallel::processors))?;
-        let built = threads.run(py, build)?;
-        let simulation = built.map_err(|e| errors::of_engine(e, from_file))?;
-        if asked.is_none() {
-            threads = Threads::new(recommended_threads(simulation.state.len()))?;
-        }
-        Ok(Self {
-            simulation,
-            recording: Recording::default(),
-            threads,
-            from_file,
-            start: None,
-            view: None,
-        })
+        let made = py.detach(|| Simulation::made_on(threads, make));
+        let simulation = made.map_err(|e| errors::of_engine(e, from_file))?;
+        Ok(Self { simulation, from_file, start: None, view: None })
     }
 
-    /// Does `work` on the threads of the simulation.
+    /// The threads of the simulation.
+    pub fn pool(&self) -> PyResult<Arc<ThreadPool>> {
+        let threads = self.simulation.threads.as_ref().expect("it was made on threads");
+        threads.pool().map_err(|e| errors::of_engine(e.into(), false))
+    }
+
+    /// Does `work` on the threads of the simulation, without Python's lock.
     pub fn on_threads<R: Send>(
         &mut self,
         py: Python<'_>,
-        work: impl FnOnce(&mut Simulation) -> R + Send,
+        work: impl FnOnce(&mut Simulation) -> Result<R, EngineError> + Send,
     ) -> PyResult<R> {
-        let simulation = &mut self.simulation;
-        self.threads.run(py, move || work(simulation))
+        let (pool, simulation) = (self.pool()?, &mut self.simulation);
+        let done = py.detach(|| pool.install(|| work(simulation)));
+        done.map_err(|e| errors::of_engine(e, self.from_file))
     }
 
     /// Forces on all particles where they are now, ε/σ.
     pub fn present_forces(&mut self, py: Python<'_>) -> PyResult<Vec<DVec3>> {
-        let forces = self.on_threads(py, |simulation| simulation.present_forces())?;
-        forces.map_err(|e| errors::of_engine(e, self.from_file))
+        self.on_threads(py, |simulation| simulation.present_forces())
     }
 
     /// All that is needed to go on from here, to the bit.
     pub fn snapshot(&mut self, py: Python<'_>) -> PyResult<Checkpoint> {
-        self.on_threads(py, |simulation| lennard_engine::snapshot(simulation))
-    }
-
-    /// Takes a scene with other stages to come.
-    pub fn grow(
-        &mut self,
-        py: Python<'_>,
-        scene: Result<Scene, SceneError>,
-        measurement: Measurement,
-    ) -> PyResult<()> {
-        let scene = scene.map_err(|e| errors::of_scene(&e))?;
-        self.on_threads(py, |simulation| simulation.grow(scene, measurement))?
-            .map_err(|e| errors::of_engine(e, false))?;
-        if measurement == Measurement::Anew {
-            self.recording = Recording::default();
-        }
-        Ok(())
+        self.on_threads(py, |simulation| Ok(lennard_engine::snapshot(simulation)))
     }
 
     /// Steps of the scene that are not done.
     pub fn steps_left(&self) -> u64 {
-        let steps = planned_steps(&self.simulation.scene);
-        steps.saturating_sub(self.simulation.state.step)
+        self.simulation.scene.total_steps().saturating_sub(self.simulation.state.step)
     }
 }

@@ -11,7 +11,6 @@ mod numbers;
 mod run;
 mod scenes;
 mod simulation;
-mod threads;
 mod view;
 
 use pyo3::prelude::*;

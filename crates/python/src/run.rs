@@ -6,9 +6,9 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use lennard_engine::{Ending, EngineError, Progress, RunOptions};
+use lennard_engine::{Control, Ending, Progress};
 use lennard_io::{Existing, RunRecord};
-use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
@@ -64,7 +64,7 @@ pub fn watched<T: Send>(
     py: Python<'_>,
     pool: &ThreadPool,
     callback: Option<&Py<PyAny>>,
-    work: impl FnOnce(&AtomicBool, &mut dyn Progress) -> T + Send,
+    work: impl FnOnce(Control<'_>) -> T + Send,
 ) -> (Option<T>, PyResult<()>) {
     py.detach(move || {
         let (stop, position) = (AtomicBool::new(false), Position::default());
@@ -73,7 +73,8 @@ pub fn watched<T: Send>(
             let (stop, position) = (&stop, &position);
             scope.spawn(move |_| {
                 let stage = String::new();
-                let done = work(stop, &mut Teller { position, stage });
+                let progress = &mut Teller { position, stage };
+                let done = work(Control { stop, deadline: None, progress });
                 // The receiver waits below for as long as this runs.
                 let _ = finish.send(done);
             });
@@ -109,28 +110,16 @@ pub fn in_folder(
     report: bool,
     callback: Option<&Py<PyAny>>,
 ) -> PyResult<RunRecord> {
-    let Inner { simulation, threads, from_file, .. } = inner;
-    if simulation.stage.is_some() {
-        return Err(PyValueError::new_err(
-            "a folder holds a run from its first step, and this simulation has done some\n  \
-             allowed: a new simulation of the same scene",
-        ));
-    }
-    let engine = |e| errors::of_engine(e, *from_file);
-    let claimed = lennard_io::create_named_folder(folder, existing)
-        .map_err(|e| engine(EngineError::Folder(e)))?;
-    let count = threads.count();
-    let (done, raised) = watched(py, threads.pool()?, callback, |stop, progress| {
-        let options =
-            RunOptions { folder: &claimed, threads: count, stop, deadline: None, progress };
-        lennard_engine::run(simulation, options)
-    });
-    let outcome = done.transpose().map_err(engine)?;
+    let pool = inner.pool()?;
+    let Inner { simulation, from_file, .. } = inner;
+    let (done, raised) =
+        watched(py, &pool, callback, |control| simulation.run_in(folder, existing, control));
+    let outcome = done.transpose().map_err(|e| errors::of_engine(e, *from_file))?;
     raised?;
     let outcome = outcome.ok_or_else(|| PyRuntimeError::new_err("the run has no end"))?;
     if report && outcome.ending == Ending::Finished {
-        let path = claimed.path();
-        let written = threads.run(py, || lennard_studies::run_page::write(path))?;
+        let write = || lennard_studies::run_page::write(folder);
+        let written = py.detach(|| pool.install(write));
         written.map_err(|e| PyOSError::new_err(e.to_string()))?;
     }
     Ok(outcome.record)

@@ -1,6 +1,6 @@
 //! Scenes from TOML text and files.
 
-use lennard_engine::{from_text, planned_text};
+use lennard_engine::text_to_run;
 use lennard_scene::{Scene, reference, shipped};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -13,8 +13,13 @@ pub type Overrides = Vec<(String, String)>;
 /// A scene with every default written out, as TOML.
 #[pyfunction]
 pub fn resolve(text: &str, name: &str, overrides: Overrides) -> PyResult<String> {
-    let scene = from_text(text, name, &overrides).map_err(|e| errors::of_scene(&e))?;
-    Ok(planned_text(&scene))
+    from_text(text, name, &overrides).map(|scene| text_to_run(&scene))
+}
+
+/// A scene from a text, whose lines mean nothing to the user. It may have no stages yet.
+pub fn from_text(text: &str, name: &str, overrides: &Overrides) -> PyResult<Scene> {
+    let scene = Scene::parse_to_grow(text, name, overrides);
+    scene.map_err(|e| errors::of_scene(&e.without_line()))
 }
 
 /// The same of a scene file.

@@ -4,20 +4,19 @@ use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use lennard_engine::{
-    Addition, Measurement, MemoryOptions, Simulation, ended, from_text, planned_stages,
-    planned_steps, planned_text, prolonged, run_in_memory, with_stage,
+    Addition, OwnParts, Results, Simulation, Threads, prepare_with, restored, text_to_run,
 };
-use lennard_io::Existing;
+use lennard_io::{Existing, WriteError};
 use lennard_scene::{Scene, Start, shipped};
 use numpy::PyArray2;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
-use crate::inner::{self, Arrays, Inner, Made};
+use crate::inner::{self, Arrays, Inner};
 use crate::scenes::Overrides;
 use crate::view::View;
-use crate::{errors, numbers, run};
+use crate::{errors, numbers, run, scenes};
 
 /// A simulation. One thread of Python uses it at a time; another gets an error at once.
 #[pyclass(frozen)]
@@ -73,8 +72,8 @@ impl Core {
         let (scene, lock) = loaded.map_err(|e| errors::of_scene(&e))?;
         let processors = lennard_core::parallel::processors();
         let of_lock = lock.map(|l| l.threads.min(processors));
-        Inner::make(py, Made { scene, from_file: true, threads: threads.or(of_lock), start: None })
-            .map(Self::around)
+        let make = || lennard_engine::prepare(scene);
+        Inner::made(py, true, threads.or(of_lock), make).map(Self::around)
     }
 
     /// A simulation of a scene from its text. `start` is positions, velocities and box sides in the place of a file.
@@ -88,12 +87,11 @@ impl Core {
         threads: Option<usize>,
         start: Option<Arrays<'_>>,
     ) -> PyResult<Self> {
-        let scene = from_text(text, name, &overrides).map_err(|e| errors::of_scene(&e))?;
-        Inner::make(
-            py,
-            Made { scene, from_file: false, threads, start: start.map(inner::start).transpose()? },
-        )
-        .map(Self::around)
+        let scene = scenes::from_text(text, name, &overrides)?;
+        let start = start.map(inner::start).transpose()?;
+        let begin = start.clone();
+        let make = || prepare_with(scene, begin, OwnParts::none());
+        Ok(Self::around(Inner { start, ..Inner::made(py, false, threads, make)? }))
     }
 
     /// A simulation as it was when it was saved, to the bit.
@@ -102,7 +100,8 @@ impl Core {
     fn load(py: Python<'_>, path: PathBuf, threads: Option<usize>) -> PyResult<Self> {
         let checkpoint =
             lennard_io::read_checkpoint(&path).map_err(|e| PyValueError::new_err(e.to_string()))?;
-        Inner::restored(py, &checkpoint, &path, threads).map(Self::around)
+        let make = || restored(&checkpoint, &path);
+        Inner::made(py, false, threads, make).map(Self::around)
     }
 
     /// The same from bytes.
@@ -111,7 +110,8 @@ impl Core {
     fn from_bytes(py: Python<'_>, bytes: &[u8], threads: Option<usize>) -> PyResult<Self> {
         let checkpoint = lennard_io::read_checkpoint_bytes(bytes)
             .map_err(|e| PyValueError::new_err(e.to_string()))?;
-        Inner::restored(py, &checkpoint, "bytes".as_ref(), threads).map(Self::around)
+        let make = || restored(&checkpoint, "bytes".as_ref());
+        Inner::made(py, false, threads, make).map(Self::around)
     }
 
     /// Saves all that is needed to go on from here to the bit.
@@ -130,26 +130,26 @@ impl Core {
     /// The scene as TOML, every default written out.
     fn scene(&self) -> PyResult<String> {
         let inner = self.used()?;
-        Ok(planned_text(&inner.simulation.scene))
+        Ok(text_to_run(&inner.simulation.scene))
     }
 
     /// Writes the scene, and the start where it came as arrays, into a folder.
     fn export(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         let mut inner = self.used()?;
-        let Inner { simulation, start, threads, .. } = &mut *inner;
-        let failed = |e: String| PyOSError::new_err(e);
         std::fs::create_dir_all(&folder)?;
-        let text = planned_text(&simulation.scene);
-        lennard_io::write_text_atomically(&folder.join("scene.toml"), &text)
-            .map_err(|e| failed(e.to_string()))?;
-        let (Some(start), Start::File { path, .. }) = (start, &simulation.scene.system.start)
-        else {
+        let failed = |e: WriteError| PyOSError::new_err(e.to_string());
+        let text = text_to_run(&inner.simulation.scene);
+        lennard_io::write_text_atomically(&folder.join("scene.toml"), &text).map_err(failed)?;
+        let Some(start) = inner.start.clone() else {
             return Ok(());
         };
-        let path = folder.join(path);
-        let write = move || lennard_engine::write_start(&path, simulation, start);
-        let written = threads.run(py, write)?;
-        written.map_err(|e| failed(e.to_string()))
+        let written = inner.on_threads(py, move |simulation| {
+            let Start::File { path, .. } = &simulation.scene.system.start else {
+                return Ok(Ok(()));
+            };
+            Ok(lennard_engine::write_start(&folder.join(path), simulation, &start))
+        })?;
+        written.map_err(failed)
     }
 
     /// Adds a stage and begins to measure anew; keys of the stage, observables and output come as TOML.
@@ -161,41 +161,30 @@ impl Core {
         observables: Option<&str>,
         output: Option<&str>,
     ) -> PyResult<()> {
-        let mut inner = self.whole()?;
         let addition = Addition { stage, observables, output };
-        let scene = with_stage(&inner.simulation, &addition);
-        inner.grow(py, scene, Measurement::Anew)
+        self.whole()?.on_threads(py, |simulation| simulation.add(&addition))
     }
 
     /// Makes the last stage longer.
     fn prolong(&self, py: Python<'_>, steps: u64) -> PyResult<()> {
-        let mut inner = self.whole()?;
-        let scene = prolonged(&inner.simulation, steps);
-        inner.grow(py, scene, Measurement::GoesOn)
+        self.whole()?.on_threads(py, |simulation| simulation.prolong(steps))
     }
 
     /// Ends the stage under way here, and drops the stages after it.
     fn end_stage(&self, py: Python<'_>) -> PyResult<()> {
-        let mut inner = self.whole()?;
-        let scene = ended(&inner.simulation);
-        inner.grow(py, Ok(scene), Measurement::GoesOn)
+        self.whole()?.on_threads(py, Simulation::end_stage)
     }
 
     /// Runs up to a step, or to the end of the scene, without Python's lock.
     #[pyo3(signature = (until, callback))]
     fn run(&self, py: Python<'_>, until: Option<u64>, callback: Option<Py<PyAny>>) -> PyResult<()> {
         let mut inner = self.whole()?;
-        if inner.steps_left() == 0 {
-            return Ok(());
-        }
-        let Inner { simulation, recording, threads, from_file, .. } = &mut *inner;
-        let end = planned_steps(&simulation.scene);
-        let until = Some(until.unwrap_or(end).min(end));
-        let (done, raised) =
-            run::watched(py, threads.pool()?, callback.as_ref(), |stop, progress| {
-                let options = MemoryOptions { until, stop, progress };
-                run_in_memory(simulation, recording, options)
-            });
+        let pool = inner.pool()?;
+        let Inner { simulation, from_file, .. } = &mut *inner;
+        let until = until.unwrap_or(u64::MAX);
+        let (done, raised) = run::watched(py, &pool, callback.as_ref(), |control| {
+            simulation.run_until(until, control)
+        });
         // Physics that failed is the more important news.
         if let Some(Err(error)) = done {
             return Err(errors::of_engine(error, *from_file));
@@ -222,10 +211,8 @@ impl Core {
     /// The record of what was measured, as JSON, and the tables of the observables.
     fn results<'py>(&self, py: Python<'py>) -> PyResult<(String, Vec<Bound<'py, PyDict>>)> {
         let mut inner = self.whole()?;
-        let Inner { simulation, recording, threads, .. } = &mut *inner;
-        let count = threads.count();
-        let found = move || recording.results(simulation, count);
-        let (record, tables) = threads.run(py, found)?;
+        let found = inner.on_threads(py, |simulation| Ok(simulation.results()))?;
+        let Results { record, tables } = found;
         let tables = tables.iter().map(|t| numbers::table(py, t));
         Ok((as_json(&record)?, tables.collect::<PyResult<_>>()?))
     }
@@ -233,13 +220,13 @@ impl Core {
     /// The rows of this run: the table that the command line writes to `thermo.csv`.
     fn thermo<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let inner = self.used()?;
-        numbers::table(py, &inner.recording.thermo_table(&inner.simulation))
+        numbers::table(py, &inner.simulation.thermo())
     }
 
     /// The frames of this run, as arrays by name.
     fn frames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let inner = self.used()?;
-        numbers::frames(py, &inner.recording.frames, inner.simulation.state.len())
+        numbers::frames(py, &inner.simulation.recording.frames, inner.simulation.state.len())
     }
 
     /// Lends the vectors of the state to a view; until it is closed, the simulation cannot be used.
@@ -303,9 +290,7 @@ impl Core {
 
     /// Temperature, kinetic and potential energy of a particle, and pressure.
     fn moment(&self, py: Python<'_>) -> PyResult<(f64, f64, f64, f64)> {
-        let mut inner = self.whole()?;
-        let moment = inner.on_threads(py, Simulation::moment)?;
-        let moment = moment.map_err(|e| errors::of_engine(e, inner.from_file))?;
+        let moment = self.whole()?.on_threads(py, Simulation::moment)?;
         Ok((moment.temperature, moment.kinetic_energy, moment.potential_energy, moment.pressure))
     }
 
@@ -314,7 +299,7 @@ impl Core {
     fn stages(&self) -> PyResult<(Vec<StageEntry>, Option<usize>)> {
         let inner = self.used()?;
         let simulation = &inner.simulation;
-        let stages = planned_stages(&simulation.scene).iter();
+        let stages = simulation.scene.stages.iter();
         let all = stages.map(|s| (s.name.to_string(), s.steps, s.measure)).collect();
         Ok((all, simulation.stage.as_ref().map(|s| s.index)))
     }
@@ -323,8 +308,9 @@ impl Core {
     #[getter]
     fn names(&self) -> PyResult<(String, String, usize)> {
         let inner = self.used()?;
-        let scene = &inner.simulation.scene;
-        Ok((scene.name.to_string(), scene.model_name(), inner.threads.count()))
+        let Simulation { scene, threads, .. } = &inner.simulation;
+        let threads = threads.as_ref().map_or(1, Threads::count);
+        Ok((scene.name.to_string(), scene.model_name(), threads))
     }
 
     /// Element and mass of each species, and the species of each particle.

@@ -27,7 +27,8 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] for the first thing that is wrong; never for a scene as it was read.
     pub fn check(&self) -> Result<(), SceneError> {
-        whole_scene(self)
+        whole_scene(self)?;
+        measures(self)
     }
 }
 
@@ -74,11 +75,7 @@ fn stages(scene: &Scene) -> Result<(), SceneError> {
     }
     let mut measured = scene.stages.iter().enumerate().filter(|(_, s)| s.measure);
     let Some((_, first)) = measured.next() else {
-        return Err(scene
-            .source
-            .refuse("stage", "has no measured stage")
-            .found("measure = false in every stage")
-            .allowed("`measure = true` in at least one stage"));
+        return Ok(());
     };
     for (i, stage) in measured {
         let alike = scene.stage_dt(stage) == scene.stage_dt(first)
@@ -97,6 +94,22 @@ fn stages(scene: &Scene) -> Result<(), SceneError> {
                 ))
                 .allowed("measured stages that are alike in dt, thermostat, barostat, exchange and temperature"));
         }
+    }
+    Ok(())
+}
+
+/// Whether at least one stage is measured.
+pub(crate) fn measures(scene: &Scene) -> Result<(), SceneError> {
+    let refuse = |what, found: &str, allowed: &str| {
+        Err(scene.source.refuse("stage", what).found(found).allowed(allowed))
+    };
+    if scene.stages.is_empty() {
+        let allowed = "at least one `[[stage]]` with `name` and `steps`";
+        return refuse("is missing", "no stage", allowed);
+    }
+    if !scene.stages.iter().any(|stage| stage.measure) {
+        let allowed = "`measure = true` in at least one stage";
+        return refuse("has no measured stage", "measure = false in every stage", allowed);
     }
     Ok(())
 }

@@ -70,7 +70,9 @@ impl Scene {
         };
         let mut document = Document::parse(&text, &file)?;
         change(&mut document);
-        read(document, &file, overrides, &resolve)
+        let scene = read(document, &file, overrides, &resolve)?;
+        checks::measures(&scene)?;
+        Ok(scene)
     }
 
     /// Reads a scene from its text; `name` stands for the file in messages. Only the table of a potential is read besides.
@@ -78,6 +80,20 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] for the first thing that is wrong.
     pub fn parse(
+        text: &str,
+        name: &str,
+        overrides: &[(String, String)],
+    ) -> Result<Self, SceneError> {
+        let scene = Self::parse_to_grow(text, name, overrides)?;
+        checks::measures(&scene)?;
+        Ok(scene)
+    }
+
+    /// As [`Scene::parse`], for a program that adds stages while it runs: there may be no stage yet, or none that is measured.
+    ///
+    /// # Errors
+    /// As [`Scene::parse`].
+    pub fn parse_to_grow(
         text: &str,
         name: &str,
         overrides: &[(String, String)],
@@ -171,7 +187,10 @@ pub(crate) fn left_free(scene: &Scene) -> Vec<&'static str> {
                         !own_cutoff && (cut || !wrote("truncation.kind"))
                     }
                     "truncation.kind" | "truncation.r_cut" => !own_cutoff,
-                    "integrator.dt" => scene.stages.iter().any(|s| s.measure && s.dt.is_none()),
+                    "integrator.dt" => {
+                        let mut measured = scene.stages.iter().filter(|s| s.measure).peekable();
+                        measured.peek().is_none() || measured.any(|s| s.dt.is_none())
+                    }
                     _ => scene.kernel.kernel == Kernel::Auto,
                 }
         })

@@ -114,6 +114,7 @@ struct Resolved<'a> {
     contact: Option<WithMethod<'a, ContactOptions, ContactKeys>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     wall: Vec<WithMethod<'a, WallOptions, WallKeys>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     stage: Vec<StageKeys>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     observable: Vec<WithMethod<'a, ObservableOptions, ObservableKeys>>,

@@ -83,7 +83,7 @@ impl Costs {
     ) -> Result<Self, EngineError> {
         let mut bare = with_everything_off(simulation)?;
         let mut measured = FirstSteps::from(Instant::now());
-        bare.run(&mut measured)?;
+        bare.follow(&mut measured)?;
         let (first, last) = (measured.first.unwrap_or_default(), bare.forces.statistics());
         let halo = |n: &usize| Some((*n, bare.forces.halo_on(*n)?));
         let halos = ranks.iter().filter_map(halo).collect();
@@ -261,7 +261,7 @@ fn take_steps_unseen(bare: &mut Simulation, scene: &Simulation) -> Result<(), En
         ..Operation::new(Action::Sample, o.trigger())
     });
     let schedule = samples.fold(Schedule::of_output(&scene.scene), Schedule::with);
-    bare.run(&mut StopAt::following(schedule, end)).map(drop)
+    bare.follow(&mut StopAt::following(schedule, end)).map(drop)
 }
 
 /// What a stage's heat bath adds to a step: the mean over some steps in free flight. For a bath inside the step this is

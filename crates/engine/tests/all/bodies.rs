@@ -120,7 +120,7 @@ fn a_stack_of_spook_carries_its_weight_and_sinks_in_by_the_compliance_times_its_
     let mut run = common::prepared(scene_of_inputs("stack-spook", &[("stage.0.steps", "18000")]));
     let mut impulses = [0.0; 2];
     for (impulse, step) in impulses.iter_mut().zip([16_000, 18_000]) {
-        let stopped = run.run(&mut StopAt::new(step));
+        let stopped = run.follow(&mut StopAt::new(step));
         stopped.unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(run.state.step, step);
         let floor = lennard_core::ForceTerm::walls(run.forces.as_ref())[0];
@@ -147,7 +147,7 @@ fn a_chain_on_a_floor_is_solved_for_with_its_contacts_and_comes_to_rest_flat() {
     let mut run = common::prepared(scene_of_inputs("chain-on-floor", &[("stage.0.steps", "8000")]));
     let mut impulses = [0.0; 2];
     for (impulse, step) in impulses.iter_mut().zip([6000, 8000]) {
-        let stopped = run.run(&mut StopAt::new(step));
+        let stopped = run.follow(&mut StopAt::new(step));
         stopped.unwrap_or_else(|e| panic!("{e}"));
         let floor = lennard_core::ForceTerm::walls(run.forces.as_ref())[0];
         *impulse = floor.impulse;
@@ -182,7 +182,7 @@ fn a_column_that_sweeps_do_not_solve_ends_the_run_and_a_number_of_sweeps_is_take
         (&hitting, "in impacts, which are rigid, say with `contact.sweeps`"),
     ] {
         let mut run = common::prepared(scene_of_inputs("stack-spook", column));
-        let words = run.run(&mut Unfollowed).unwrap_err().to_string();
+        let words = run.follow(&mut Unfollowed).unwrap_err().to_string();
         for part in [
             "80 contacts of bodies that touch each other were not solved for in 20000 sweeps",
             "take `contact.compliance` above 0",
@@ -280,7 +280,7 @@ fn a_contact_too_weak_for_its_load_stops_the_run_and_says_who_and_where() {
     let weak = [("contact.stiffness".to_owned(), "3.0".to_owned())];
     let scene = Scene::load(&root.join("stack.toml"), &weak).unwrap();
     let mut run = common::prepared(scene);
-    let error = run.run(&mut lennard_engine::Unfollowed).unwrap_err().to_string();
+    let error = run.follow(&mut lennard_engine::Unfollowed).unwrap_err().to_string();
     for words in [
         "particles 0 and 1 overlap by 0.5",
         "half their contact distance",

@@ -55,7 +55,7 @@ pub(crate) fn prepared(scene: Scene) -> Simulation {
 /// The simulation of a scene after its last step.
 pub(crate) fn ran(scene: Scene) -> Simulation {
     let mut simulation = prepared(scene);
-    simulation.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    simulation.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     simulation
 }
 

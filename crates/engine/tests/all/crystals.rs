@@ -67,7 +67,7 @@ fn hot_crystals_melt_and_their_fronts_go_back() {
         ("start.liquid_density", "0.9186"),
         ("stage.production.steps", "1500"),
     ]);
-    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     let findings = s.findings();
     let all = || findings.iter().flat_map(|f| &f.averages);
     let front = all().find(|a| a.name == "front_velocity").unwrap();

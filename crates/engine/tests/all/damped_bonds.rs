@@ -11,7 +11,7 @@ fn run(overrides: &[(&str, &str)]) -> Simulation {
     let mut all = vec![("bonds.method", "spring")];
     all.extend_from_slice(overrides);
     let mut s = prepared(common::scene(DUMBBELLS, &all));
-    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     s
 }
 

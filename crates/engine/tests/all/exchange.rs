@@ -30,7 +30,7 @@ fn run(exchange: &str, steps: &str, dt: &str) -> Simulation {
         ("integrator.dt", dt),
     ];
     let mut simulation = prepared(common::scene(GAS, &overrides));
-    assert!(simulation.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}")));
+    assert!(simulation.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}")));
     simulation
 }
 

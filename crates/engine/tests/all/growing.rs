@@ -5,8 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use lennard_core::{DVec3, PeriodicBox};
 use lennard_engine::{
-    Ending, Measurement, MemoryOptions, OwnParts, Recording, Simulation, prepare, prepare_with,
-    restored, run_in_memory, snapshot,
+    Addition, Control, Ending, OwnParts, Simulation, prepare, prepare_with, restored, snapshot,
 };
 use lennard_io::StartConfiguration;
 use lennard_scene::Scene;
@@ -23,15 +22,10 @@ fn scene(text: &str) -> Scene {
     common::scene(text, &[])
 }
 
-fn run(simulation: &mut Simulation, recording: &mut Recording, until: Option<u64>) -> Ending {
-    let options = MemoryOptions { until, stop: &AtomicBool::new(false), progress: &mut () };
-    run_in_memory(simulation, recording, options).unwrap_or_else(|e| panic!("{e}"))
-}
-
-/// The scene of a simulation as text, with another stage at its end.
-fn grown(simulation: &Simulation, stage: &str) -> Scene {
-    let text = simulation.scene_to_grow().resolved_toml();
-    scene(&(text.replace("measure = true", "measure = false") + "\n" + stage))
+fn run(simulation: &mut Simulation, until: Option<u64>) -> Ending {
+    let control = Control { stop: &AtomicBool::new(false), deadline: None, progress: &mut () };
+    let until = until.unwrap_or(u64::MAX);
+    simulation.run_until(until, control).unwrap_or_else(|e| panic!("{e}"))
 }
 
 #[test]
@@ -39,28 +33,48 @@ fn a_scene_that_grew_has_the_bits_and_means_of_one_that_was_whole() {
     let whole_text = format!("{SYSTEM}{MELT}{MEASURE}");
     let first = whole_text.replace(MEASURE, "").replace("measure = false\n", "");
     let mut simulation = prepare(scene(&first)).unwrap_or_else(|e| panic!("{e}"));
-    let mut recording = Recording::default();
-    run(&mut simulation, &mut recording, Some(33));
+    run(&mut simulation, Some(33));
     assert_eq!(simulation.state.step, 33);
-    run(&mut simulation, &mut recording, None);
-    let longer = grown(&simulation, MEASURE);
-    simulation.grow(longer.clone(), Measurement::Anew).unwrap_or_else(|e| panic!("{e}"));
-    let mut recording = Recording::default();
-    run(&mut simulation, &mut recording, None);
+    run(&mut simulation, None);
+    let stage = MEASURE.replace("[[stage]]", "");
+    let addition = Addition { stage: &stage, observables: None, output: None };
+    simulation.add(&addition).unwrap_or_else(|e| panic!("{e}"));
+    run(&mut simulation, None);
 
-    let mut whole = prepare(longer).unwrap_or_else(|e| panic!("{e}"));
-    let mut of_whole = Recording::default();
-    run(&mut whole, &mut of_whole, None);
+    let mut whole = prepare(simulation.scene.clone()).unwrap_or_else(|e| panic!("{e}"));
+    run(&mut whole, None);
     assert_eq!(simulation.state.positions, whole.state.positions);
     assert_eq!(simulation.state.velocities, whole.state.velocities);
-    let (record, _) = recording.results(&simulation, 1);
-    let (expected, _) = of_whole.results(&whole, 1);
     // As text, since a mean that is too short has an error that is no number.
-    let (found, wanted) = (record.averages, expected.averages);
-    assert_eq!(format!("{found:?}"), format!("{wanted:?}"));
+    let averages = |of: &Simulation| format!("{:?}", of.results().record.averages);
+    assert_eq!(averages(&simulation), averages(&whole));
     // The rows of the measured stage alone, and of all.
-    assert_eq!(recording.thermo[0].len(), 16);
-    assert_eq!(of_whole.thermo[0].len(), 28);
+    assert_eq!(simulation.recording.thermo[0].len(), 16);
+    assert_eq!(whole.recording.thermo[0].len(), 28);
+}
+
+#[test]
+fn a_scene_without_a_stage_grows_to_the_bits_of_one_that_was_planned() {
+    let addition = |stage: &'static str| Addition { stage, observables: None, output: None };
+    let scene = Scene::parse_to_grow(SYSTEM, "scene.toml", &[]).unwrap_or_else(|e| panic!("{e}"));
+    let mut grown = prepare(scene).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(run(&mut grown, None), Ending::Finished);
+    assert_eq!(grown.state.step, 0);
+    grown.add(&addition("name = \"a\"\nsteps = 30\nmeasure = false")).unwrap();
+    run(&mut grown, None);
+    assert!(grown.scene.stages.iter().all(|stage| !stage.measure));
+    let saved = snapshot(&grown);
+    let mut again = restored(&saved, Path::new("memory")).unwrap_or_else(|e| panic!("{e}"));
+    for simulation in [&mut grown, &mut again] {
+        simulation.add(&addition("name = \"b\"\nsteps = 50")).unwrap();
+        run(simulation, None);
+    }
+    let mut planned = prepare(grown.scene.clone()).unwrap_or_else(|e| panic!("{e}"));
+    run(&mut planned, None);
+    assert_eq!(grown.state.positions, planned.state.positions);
+    assert_eq!(grown.state.positions, again.state.positions);
+    let refused = Scene::parse(SYSTEM, "scene.toml", &[]).expect_err("a run has stages");
+    assert!(refused.to_string().contains("no stage"), "{refused}");
 }
 
 #[test]
@@ -70,8 +84,8 @@ fn a_look_at_the_moment_changes_no_bit() {
     let mut left_alone = prepare(scene(&text)).unwrap_or_else(|e| panic!("{e}"));
     for until in [0, 7, 23, 80] {
         if until > 0 {
-            run(&mut looked_at, &mut Recording::default(), Some(until));
-            run(&mut left_alone, &mut Recording::default(), Some(until));
+            run(&mut looked_at, Some(until));
+            run(&mut left_alone, Some(until));
         }
         let moment = looked_at.moment().unwrap_or_else(|e| panic!("{e}"));
         assert!(moment.pressure.is_finite() && moment.potential_energy < -3.0);
@@ -80,48 +94,19 @@ fn a_look_at_the_moment_changes_no_bit() {
 }
 
 #[test]
-fn what_is_no_growth_is_refused() {
-    let text = format!("{SYSTEM}{MELT}{MEASURE}");
-    let mut simulation = prepare(scene(&text)).unwrap_or_else(|e| panic!("{e}"));
-    run(&mut simulation, &mut Recording::default(), Some(90));
-    let refused = |simulation: &mut Simulation, change: &dyn Fn(&mut Scene)| {
-        let mut other = simulation.scene_to_grow();
-        change(&mut other);
-        let error = simulation.grow(other, Measurement::GoesOn).unwrap_err();
-        error.to_string()
-    };
-    let message = refused(&mut simulation, &|s| s.system.seed += 1);
-    assert!(message.contains("another scene"), "{message}");
-    assert!(
-        message.contains("the scene of the simulation; stages, observables and output may change")
-    );
-    let message = refused(&mut simulation, &|s| s.stages.truncate(1));
-    assert!(message.contains("all stages that have begun"), "{message}");
-    let message = refused(&mut simulation, &|s| s.stages[1].steps = 29);
-    assert!(message.contains("another stage `measure`"), "{message}");
-    assert!(message.contains("stage `measure` as it was run, 30 steps or more"));
-    let message = refused(&mut simulation, &|s| s.stages[0].steps += 1);
-    assert!(message.contains("stage `melt` as it was run, 60 steps or more"));
-    // What a stage still has to do may change.
-    let mut shorter = simulation.scene_to_grow();
-    shorter.stages[1].steps = 30;
-    assert!(simulation.grow(shorter, Measurement::GoesOn).is_ok());
-}
-
-#[test]
 fn a_simulation_is_saved_by_itself_before_its_first_step_and_after_some() {
     let text = format!("{SYSTEM}{MELT}{MEASURE}");
     let mut simulation = prepare(scene(&text)).unwrap_or_else(|e| panic!("{e}"));
     for until in [0, 41, 97] {
         if until > 0 {
-            run(&mut simulation, &mut Recording::default(), Some(until));
+            run(&mut simulation, Some(until));
         }
         let saved = snapshot(&simulation);
         let mut other = restored(&saved, Path::new("memory")).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(other.state.positions, simulation.state.positions);
-        run(&mut other, &mut Recording::default(), None);
+        run(&mut other, None);
         let mut undisturbed = prepare(scene(&text)).unwrap_or_else(|e| panic!("{e}"));
-        run(&mut undisturbed, &mut Recording::default(), None);
+        run(&mut undisturbed, None);
         assert_eq!(other.state.positions, undisturbed.state.positions, "from step {until}");
     }
 }

@@ -43,7 +43,7 @@ impl Bench {
         let mut resumed =
             resume(self.0.path(), &ResumeOptions::default()).map_err(|e| e.to_string())?;
         let mut a_few = a_few(resumed.simulation.state.step);
-        resumed.simulation.run(&mut a_few).map_err(|e| {
+        resumed.simulation.follow(&mut a_few).map_err(|e| {
             assert!([2, 3].contains(&e.exit_code()), "{e}");
             e.to_string()
         })?;

@@ -51,7 +51,7 @@ fn observing_changes_no_bit_of_the_trajectory() {
         ];
         let run = |more: &[(&str, &str)]| {
             let mut s = build(&[&fluid, more].concat());
-            s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+            s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
             s
         };
         let bare = run(&[("output.thermo_every", "1000")]);
@@ -77,7 +77,7 @@ fn a_run_that_goes_wrong_says_the_same_whether_it_was_looked_at_or_not() {
                 ("neighbor.mode", "verlet"),
                 ("output.thermo_every", "1000"),
             ]);
-            let error = s.run(follower).expect_err("the step is too long");
+            let error = s.follow(follower).expect_err("the step is too long");
             (error.to_string(), s.state.step, s.stage_run().steps_done)
         };
         let each = Operation::new(Action::Call, Trigger::Always);
@@ -90,7 +90,7 @@ fn a_run_that_goes_wrong_says_the_same_whether_it_was_looked_at_or_not() {
 fn momentum_is_conserved_and_the_temperature_is_the_one_asked_for_at_the_start() {
     let mut s = build(&[]);
     assert!((s.view().temperature() - 1.4).abs() < 1e-13);
-    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     // Each step adds roundings of the kicks: N·√steps·ε_machine·|v| ≈ 256·30·1e-16·3, and a margin of ten.
     assert!(s.system.momentum(&s.state.velocities).length() < 2e-10);
 }
@@ -105,7 +105,7 @@ fn momentum_of_mixed_precision_stays_below_a_random_walk_of_its_rounding() {
             ("kernel.precision", "mixed"),
             ("stage.0.steps", &steps.to_string()),
         ]);
-        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         let n = s.state.forces.len() as f64;
         let squares: f64 = s.state.forces.iter().map(|f| f.length_squared()).sum();
         // δ = 7e-7 of the force in mixed precision (benches/NOTES.md); the walk reaches three times its width one time in 400.
@@ -132,7 +132,7 @@ fn the_energy_fluctuation_falls_as_the_square_of_dt() {
             ("stage", &stages),
             ("output.thermo_every", "1"),
         ]);
-        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         s.thermodynamics().conservation().energy_rms_per_atom
     };
     // The same 8 τ of the same liquid at both steps; one of them scatters by 0.035, and the mean of two by 0.025.
@@ -147,7 +147,7 @@ fn the_energy_fluctuation_falls_as_the_square_of_dt() {
 #[test]
 fn a_step_far_too_large_stops_the_run_and_says_why() {
     let mut s = build(&[("integrator.dt", "0.08")]);
-    let error = s.run(&mut Unfollowed).expect_err("dt = 0.08 is far past the limit of stability");
+    let error = s.follow(&mut Unfollowed).expect_err("dt = 0.08 is far past the limit of stability");
     assert_eq!(error.exit_code(), 3);
     let text = error.to_string();
     assert!(text.contains("dt = 0.08 τ is too large"), "{text}");
@@ -157,7 +157,7 @@ fn a_step_far_too_large_stops_the_run_and_says_why() {
 #[test]
 fn hot_particles_outrun_no_list() {
     let mut s = build(&[("system.temperature", "3")]);
-    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     let statistics = s.forces.statistics();
     let seen = s.force_check.seen();
     assert!(seen.forces >= 10 && seen.largest_deviation < 1.0, "{seen:?}");
@@ -172,7 +172,7 @@ fn a_heat_bath_costs_a_method_with_memory_no_second_force_evaluation() {
             ("stage.0.thermostat", "bussi"),
             ("stage.0.steps", "50"),
         ]);
-        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(s.forces.statistics().evaluations, 51, "{method}");
     }
 }
@@ -187,7 +187,7 @@ fn a_bath_holds_its_temperature_with_every_method_and_its_heat_is_accounted_for(
                 ("stage.0.thermostat", bath),
                 ("stage.0.steps", "3000"),
             ]);
-            s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+            s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
             let series = s.thermodynamics().series();
             let late = &series.temperature[series.temperature.len() / 3..];
             let mean = late.iter().sum::<f64>() / late.len() as f64;
@@ -209,7 +209,7 @@ fn the_energy_of_the_triple_point_does_not_drift_in_a_hundred_thousand_steps() {
         ("integrator.dt", "0.004618802153517006"),
         ("stage", stages),
     ]);
-    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     let found = s.thermodynamics().conservation();
     let (drift, error) = (found.energy_drift_per_atom_per_tau, found.energy_drift_standard_error);
     // The 95 % interval lies inside ±5e-7 ε per particle per τ.
@@ -265,7 +265,7 @@ fn return_distance(method: &str, n: &str, steps: u64, threads: usize) -> f64 {
             turn: steps,
             first: Vec::new(),
         };
-        assert!(s.run(&mut turn).unwrap_or_else(|e| panic!("{e}")));
+        assert!(s.follow(&mut turn).unwrap_or_else(|e| panic!("{e}")));
         let moved = s.state.positions.iter().zip(&turn.first).map(|(a, b)| (*a - *b).length());
         moved.fold(0.0, f64::max)
     })

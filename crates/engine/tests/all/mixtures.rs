@@ -137,7 +137,7 @@ fn baths_and_barostats_give_each_species_the_temperature_of_the_bath() {
         let mut series: [Vec<f64>; 2] = Default::default();
         for step in 1..=100 {
             simulation
-                .run(&mut StopAt::new(100 * step))
+                .follow(&mut StopAt::new(100 * step))
                 .unwrap_or_else(|e| panic!("{bath}, {barostat}: {e}"));
             let t = temperatures(&simulation.system, &simulation.state.velocities);
             series[0].push(t[0]);
@@ -201,7 +201,7 @@ fn walls_that_are_hit_or_are_springs_take_particles_of_all_species() {
     .unwrap_or_else(|e| panic!("{e}"));
     let mut means = [0.0; 2];
     for sample in 1..=40 {
-        simulation.run(&mut StopAt::new(20_000 + 500 * sample)).unwrap_or_else(|e| panic!("{e}"));
+        simulation.follow(&mut StopAt::new(20_000 + 500 * sample)).unwrap_or_else(|e| panic!("{e}"));
         let t = temperatures(&simulation.system, &simulation.state.velocities);
         means[0] += t[0] / 40.0;
         means[1] += t[1] / 40.0;
@@ -291,5 +291,5 @@ fn the_check_of_forces_knows_the_species() {
     assert!(seen.forces >= 10 && seen.largest_deviation <= 1.0, "{seen:?}");
     let mut other = prepare(scene(&[("system.seed", "8")])).unwrap_or_else(|e| panic!("{e}"));
     other.force_check = simulation.force_check;
-    assert!(other.run(&mut Unfollowed).is_err());
+    assert!(other.follow(&mut Unfollowed).is_err());
 }

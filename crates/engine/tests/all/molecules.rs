@@ -43,7 +43,7 @@ fn build(overrides: &[(&str, &str)]) -> Simulation {
 fn bonds_keep_their_length_and_velocities_have_no_part_along_them() {
     for (way, tolerance) in [("direct", 1e-14), ("relaxation", 1.1e-10)] {
         let mut s = build(&[("bonds.method", way), ("stage.0.steps", "2000")]);
-        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         let sums = rigid::constraint_sums(&s.system, &s.state);
         assert!(sums.largest_residual <= tolerance, "{way}: {sums:?}");
         for (x, v) in s.state.positions.chunks(2).zip(s.state.velocities.chunks(2)) {
@@ -61,7 +61,7 @@ fn energy_is_kept_with_an_error_of_second_order() {
     let rms = |dt: &str, steps: &str| {
         let mut s =
             build(&[("integrator.dt", dt), ("stage.0.steps", steps), ("output.thermo_every", "1")]);
-        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         let found = s.thermodynamics().conservation();
         assert!(found.energy_drift_per_atom_per_tau.abs() < 1e-3, "{found:?}");
         found.energy_rms_per_atom
@@ -81,7 +81,7 @@ fn reversed_velocities_lead_a_fluid_back_over_1000_steps() {
     ]);
     let first = s.state.positions.clone();
     for stop in [1000, 2000] {
-        s.run(&mut StopAt::new(stop)).unwrap_or_else(|e| panic!("{e}"));
+        s.follow(&mut StopAt::new(stop)).unwrap_or_else(|e| panic!("{e}"));
         s.state.velocities.iter_mut().for_each(|v| *v = -*v);
     }
     let off = s.state.positions.iter().zip(&first);
@@ -100,7 +100,7 @@ fn respa_holds_bonds_and_keeps_the_energy_as_its_inner_steps_do() {
         ];
         all.extend_from_slice(overrides);
         let mut s = build(&all);
-        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         let sums = rigid::constraint_sums(&s.system, &s.state);
         assert!(sums.largest_residual < 1e-14, "{sums:?}");
         for (x, v) in (s.state.positions.chunks(2)).zip(s.state.velocities.chunks(2)) {
@@ -139,7 +139,7 @@ fn respa_holds_bonds_and_keeps_the_energy_as_its_inner_steps_do() {
 fn the_virials_of_sites_and_of_molecules_agree_at_each_instant() {
     let mut s = build(&[("stage.0.thermostat", "bussi"), ("stage.0.steps", "1000")]);
     for stop in [10, 200, 500, 1000] {
-        s.run(&mut StopAt::new(stop)).unwrap_or_else(|e| panic!("{e}"));
+        s.follow(&mut StopAt::new(stop)).unwrap_or_else(|e| panic!("{e}"));
         let view = s.view();
         let pairs = s.state.energetics.scalar_virial().expect("a sampled step");
         let w = rigid::constraint_sums(&s.system, &s.state).virial;
@@ -161,7 +161,7 @@ fn the_virials_of_sites_and_of_molecules_agree_at_each_instant() {
 #[test]
 fn the_molecular_virial_is_the_derivative_of_the_energy() {
     let mut s = build(&[("stage.0.steps", "500"), ("stage.0.thermostat", "bussi")]);
-    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     let lengths = s.state.cell.lengths();
     let mut energy_at = |stretch: f64| {
         let cell = PeriodicBox::new(lengths * stretch).unwrap();
@@ -191,7 +191,7 @@ fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("start.xyz");
     let mut first = build(&[("stage.0.steps", "300"), ("stage.0.thermostat", "bussi")]);
-    first.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    first.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     let style =
         lennard_io::FrameStyle { sites_per_molecule: 2, ..lennard_io::FrameStyle::default() };
     let write = |state: &lennard_core::State, path: &std::path::Path| {
@@ -219,7 +219,7 @@ fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
     let mut again = load(&path, &text).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(again.system.n_molecules(), 108);
     assert!(rigid::constraint_sums(&again.system, &again.state).largest_residual < 1e-8);
-    again.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    again.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     // A bond that is too long, and a file that holds half a molecule.
     let refused = |result: Result<Simulation, EngineError>| match result {
         Ok(_) => panic!("accepted"),
@@ -266,7 +266,7 @@ fn a_bond_that_turns_too_far_stops_the_run() {
         ("system.temperature", "10.0"),
         ("system.density", "0.01"),
     ]);
-    let failed = s.run(&mut Unfollowed).expect_err("a step of 0.2 τ");
+    let failed = s.follow(&mut Unfollowed).expect_err("a step of 0.2 τ");
     let EngineError::Physics(failure) = failed else { panic!("{failed}") };
     let text = failure.to_string();
     assert!(text.contains("turned too far in one step"), "{text}");
@@ -292,7 +292,7 @@ fn a_barostat_moves_molecules_by_their_centres_and_keeps_what_is_inside() {
         overrides.extend_from_slice(way);
         let mut s = build(&overrides);
         let start = s.state.cell.volume();
-        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         assert!((s.state.cell.volume() / start - 1.0).abs() > 1e-3, "{way:?}");
         let molecules = &s.system.molecules;
         let longest = |x: &[DVec3]| {
@@ -327,7 +327,7 @@ fn volume_of_a_gas(thermostat: &str, barostat: &str, potential: (&str, &str)) ->
         ("stage.0.steps", "120000"),
         ("observable", "[]"),
     ]);
-    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     let changing: &lennard_observables::ChangingBox = s.observable().unwrap();
     let found = lennard_core::Observable::finish(changing, 0.05);
     let volume = found.averages.iter().find(|a| a.name == "volume").unwrap();
@@ -364,7 +364,7 @@ fn the_deterministic_barostat_conserves_its_energy_with_molecules_to_the_square_
             ];
             overrides.extend_from_slice(way);
             let mut s = build(&overrides);
-            s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+            s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
             s.thermodynamics().conservation().energy_rms_per_atom
         };
         let (coarse, fine) = (off("0.004", "500"), off("0.002", "1000"));
@@ -389,7 +389,7 @@ fn rigid_molecules_between_walls_that_are_hit_keep_energy_and_bonds_and_both_wal
             ];
             overrides.extend_from_slice(way);
             let mut s = build(&overrides);
-            s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+            s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
             let walls = s.forces.walls();
             assert!(walls.iter().all(|wall| wall.hits > 5), "{walls:?}");
             let [lower, upper] = [walls[0].impulse, walls[1].impulse];
@@ -417,7 +417,7 @@ fn a_bond_that_turns_too_far_between_walls_ends_the_run_with_the_molecule_and_th
         ("system.temperature", "10.0"),
         ("system.density", "0.01"),
     ]);
-    let failed = s.run(&mut Unfollowed).expect_err("a step of 0.2 τ");
+    let failed = s.follow(&mut Unfollowed).expect_err("a step of 0.2 τ");
     let text = failed.to_string();
     assert!(
         text.contains(" (counted from 1) turned too far in one step")

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use lennard_core::{DVec3, PeriodicBox};
 use lennard_engine::{
-    Ending, EngineError, Outcome, ResumeOptions, RunOptions, Simulation, go_on, resume, run,
+    Control, Ending, EngineError, Outcome, ResumeOptions, Simulation, go_on, resume, run,
 };
 use lennard_io::{Existing, create_named_folder, read_configuration, read_trajectory};
 
@@ -22,13 +22,13 @@ fn until(
     let stop = AtomicBool::new(false);
     let progress = &mut AskToStop(step, &stop);
     let held = &create_named_folder(folder, Existing::Keep).unwrap();
-    let options = RunOptions { folder: held, threads: 1, stop: &stop, deadline: None, progress };
+    let control = Control { stop: &stop, deadline: None, progress };
     let owned = |(key, value): &(&str, &str)| ((*key).to_owned(), (*value).to_owned());
     let changed =
         ResumeOptions { output: changes.iter().map(owned).collect(), ..ResumeOptions::default() };
     match simulation {
-        Some(simulation) => run(simulation, options),
-        None => go_on(&mut resume(folder, &changed)?, options),
+        Some(simulation) => run(simulation, held, control),
+        None => go_on(&mut resume(folder, &changed)?, held, control),
     }
 }
 

@@ -185,7 +185,7 @@ fn a_box_that_shrinks_below_twice_the_cutoff_stops_the_run_by_name() {
         ("stage.equilibrate.steps", "5000"),
     ]))
     .unwrap_or_else(|e| panic!("{e}"));
-    let message = simulation.run(&mut Unfollowed).unwrap_err().to_string();
+    let message = simulation.follow(&mut Unfollowed).unwrap_err().to_string();
     for part in [
         "the box has shrunk to ",
         "below twice the cutoff of 2.5 σ",

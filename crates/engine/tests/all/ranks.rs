@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use lennard_core::{Team, team_of_threads};
 use lennard_engine::{
-    Ending, EngineError, ResumeOptions, RunOptions, Simulation, go_on, prepare, resume, run,
+    Control, Ending, EngineError, ResumeOptions, Simulation, go_on, prepare, resume, run,
     run_beside,
 };
 use lennard_io::{Existing, create_named_folder};
@@ -72,21 +72,15 @@ fn on_rank(case: Case<'_>, folder: &Path, until: u64, team: Option<&Team>) -> En
         return run_beside(&mut simulation, &stop);
     }
     let held = create_named_folder(folder, Existing::Keep).unwrap();
-    let options = RunOptions {
-        folder: &held,
-        threads: 1,
-        stop: &stop,
-        deadline: None,
-        progress: &mut progress,
-    };
+    let control = Control { stop: &stop, deadline: None, progress: &mut progress };
     let outcome = if goes_on {
         let mut resumed = resume(folder, &ResumeOptions::default())?;
         shared(&mut resumed.simulation)?;
-        go_on(&mut resumed, options)?
+        go_on(&mut resumed, &held, control)?
     } else {
         let mut simulation = prepare(common::scene(case.0, case.1))?;
         shared(&mut simulation)?;
-        run(&mut simulation, options)?
+        run(&mut simulation, &held, control)?
     };
     let ranks = outcome.record.performance.ranks;
     assert_eq!(ranks.map(|r| r.ranks), team.map(|t| t.ranks() as u64));

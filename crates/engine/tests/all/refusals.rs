@@ -108,7 +108,7 @@ fn a_method_that_does_not_suit_the_positions_ends_the_run() {
         file.display().to_string()
     );
     let mut simulation = prepare(scene("", &more)).unwrap_or_else(|e| panic!("{e}"));
-    let error = simulation.run(&mut Unfollowed).unwrap_err();
+    let error = simulation.follow(&mut Unfollowed).unwrap_err();
     assert!(error.to_string().contains("bit-reversible-verlet"), "{error}");
 }
 

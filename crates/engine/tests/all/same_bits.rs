@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use lennard_engine::{Ending, EngineError, ResumeOptions, RunOptions, go_on, prepare, resume, run};
+use lennard_engine::{Control, Ending, EngineError, ResumeOptions, go_on, prepare, resume, run};
 use lennard_io::{Existing, create_named_folder};
 use lennard_scene::Scene;
 
@@ -59,10 +59,10 @@ fn until(
         let progress = &mut AskToStop(step, &stop);
         let simulation = scene.map(prepare).transpose()?;
         let folder = &create_named_folder(folder, Existing::Keep).unwrap();
-        let run_options = RunOptions { folder, threads: 1, stop: &stop, deadline: None, progress };
+        let control = Control { stop: &stop, deadline: None, progress };
         let outcome = match simulation {
-            Some(mut simulation) => run(&mut simulation, run_options)?,
-            None => go_on(&mut resume(folder.path(), options)?, run_options)?,
+            Some(mut simulation) => run(&mut simulation, folder, control)?,
+            None => go_on(&mut resume(folder.path(), options)?, folder, control)?,
         };
         Ok(outcome.ending)
     })

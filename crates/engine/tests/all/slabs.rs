@@ -86,7 +86,7 @@ fn the_planar_tail_is_conserved_with_the_rest_and_keeps_the_middle_of_the_box() 
     ];
     let mut s = build(&overrides);
     assert!(s.tail().is_none(), "no number is added to means");
-    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     let start = s.stage_run().start_energy;
     let want = lennard_core::Want::ENERGY_AND_VIRIAL;
     let mut forces = vec![lennard_core::DVec3::ZERO; s.state.len()];
@@ -120,7 +120,7 @@ fn means_of_one_phase_are_left_out_of_a_slab_and_told_by_name() {
         let mut all = vec![("observable", "[{ kind = \"interface\" }, { kind = \"rdf\" }]")];
         all.extend_from_slice(overrides);
         let mut s = build(&all);
-        s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         s.findings()
     };
     let has = |findings: &[lennard_core::Findings], name: &str| {
@@ -182,7 +182,7 @@ fn mean_of<'a>(
 fn quenched(temperature: &str) -> Vec<lennard_core::Findings> {
     let overrides = [("system.temperature", temperature)];
     let mut s = prepared(common::scene(QUENCHED, &overrides));
-    s.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     s.findings()
 }
 

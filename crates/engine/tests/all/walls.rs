@@ -85,7 +85,7 @@ fn momentum_across_the_walls_is_thermal_and_along_them_it_is_conserved() {
         assert_eq!(system.n_dof(Momentum::Conserved), n_dof, "{wall}");
         let temperature = system.temperature(&simulation.state.velocities, Momentum::Conserved);
         assert!((temperature - 1.5).abs() < 1e-12, "{wall}");
-        simulation.run(&mut Unfollowed).unwrap();
+        simulation.follow(&mut Unfollowed).unwrap();
         let momentum = system.momentum(&simulation.state.velocities);
         assert!(system.kept_part(momentum).length() < 1e-11, "{wall}: {momentum}");
         assert!(n_dof == 324.0 || momentum.length() > 0.1, "{wall}: {momentum}");
@@ -98,7 +98,7 @@ fn every_wall_keeps_its_particles_and_its_energy() {
         for precision in ["double", "mixed"] {
             let tables = format!("[{{kind=\"{}\"}}]", wall.name);
             let mut simulation = build(&[("wall", &tables), ("kernel.precision", precision)]);
-            simulation.run(&mut Unfollowed).unwrap();
+            simulation.follow(&mut Unfollowed).unwrap();
             let slit = simulation.scene.slits(&simulation.state.cell)[0];
             assert!(slit.width() > 5.0 && slit.room > 0.0);
             for r in &simulation.state.positions {
@@ -120,7 +120,7 @@ fn the_walls_carry_the_weight_of_a_gas_and_both_feel_a_fluid_alike() {
     let pressures = |overrides: &[(&str, &str)]| -> [(f64, f64); 2] {
         let observable = ("observable", "[{kind=\"wall-pressure\"}]");
         let mut simulation = build(&[&[observable], overrides].concat());
-        simulation.run(&mut Unfollowed).unwrap();
+        simulation.follow(&mut Unfollowed).unwrap();
         let averages = simulation.observers[1].observable.finish(0.2).averages;
         let names = ["wall_pressure_z_lower", "wall_pressure_z_upper"];
         names.map(|name| {
@@ -284,7 +284,7 @@ fn a_ball_at_rest_on_a_wall_that_takes_energy_counts_no_heat() {
 #[test]
 fn a_particle_through_a_soft_wall_fails_with_the_wall_and_the_cause() {
     let mut simulation = build(&[("wall", "[{kind=\"soft\", stiffness=5.0}]")]);
-    let error = simulation.run(&mut Unfollowed).unwrap_err().to_string();
+    let error = simulation.follow(&mut Unfollowed).unwrap_err().to_string();
     assert!(error.contains("σ beyond the wall at the"), "{error}");
     assert!(error.contains(" end of z, at a speed of "), "{error}");
     assert!(error.contains("likely cause: the wall is too weak for a particle so fast"), "{error}");

@@ -124,7 +124,7 @@ fn one_missed_pair_just_inside_a_plain_cutoff_stops_the_run() {
             130,
             u64::MAX,
         );
-        let error = simulation.run(&mut Unfollowed).expect_err("one pair was left out");
+        let error = simulation.follow(&mut Unfollowed).expect_err("one pair was left out");
         assert_eq!(error.exit_code(), 3);
         let text = error.to_string();
         let EngineError::Physics(failure) = error else { panic!("{text}") };
@@ -167,7 +167,9 @@ fn every_method_leaves_the_whole_force_which_is_checked_and_found_right() {
                 continue;
             };
             let mut simulation = prepared(scene);
-            simulation.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{}: {e}", entry.spec.name));
+            simulation
+                .follow(&mut Unfollowed)
+                .unwrap_or_else(|e| panic!("{}: {e}", entry.spec.name));
             // At step 100 and at the end.
             let seen = simulation.force_check.seen();
             assert_eq!(seen.forces, 2, "{}", entry.spec.name);
@@ -187,14 +189,14 @@ fn every_method_leaves_the_whole_force_which_is_checked_and_found_right() {
 #[test]
 fn what_was_checked_is_counted_on_after_a_restart() {
     let mut whole = build(&[("stage.0.steps", "250")]);
-    whole.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    whole.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(whole.force_check.seen().forces, 3);
     let mut archive = StateArchive::default();
-    whole.save(&mut archive.writer());
+    Persist::save(&whole, &mut archive.writer());
     let mut again = build(&[("stage.0.steps", "400")]);
     again.restore(&archive.reader()).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(again.force_check.seen(), whole.force_check.seen());
-    again.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    again.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(again.force_check.seen().forces, 5);
     // Nothing that was saved has a default.
     archive.arrays.retain(|name, _| !name.starts_with("force_check"));
@@ -206,7 +208,7 @@ fn what_was_checked_is_counted_on_after_a_restart() {
 #[test]
 fn a_force_that_is_not_finite_stops_the_run_at_that_step_and_names_the_particle() {
     let mut simulation = faulty(&[], u64::MAX, 42);
-    let error = simulation.run(&mut Unfollowed).expect_err("a force was not finite");
+    let error = simulation.follow(&mut Unfollowed).expect_err("a force was not finite");
     assert_eq!(error.exit_code(), 3);
     let text = error.to_string();
     for wanted in [
@@ -225,7 +227,7 @@ fn a_force_that_is_not_finite_stops_the_run_at_that_step_and_names_the_particle(
 #[test]
 fn a_method_that_is_stable_at_no_step_is_not_told_to_take_a_smaller_one() {
     let error = build(&[("integrator.kind", "explicit-euler")])
-        .run(&mut Unfollowed)
+        .follow(&mut Unfollowed)
         .expect_err("explicit Euler heats until it fails");
     let text = error.to_string();
     let wanted = "likely cause: explicit-euler is stable at no step";
@@ -243,7 +245,7 @@ fn what_watching_costs() {
     for n in ["864", "32000", "256000"] {
         let mut simulation = build(&[("system.n_atoms", n), ("stage.0.steps", "200")]);
         let clock = Instant::now();
-        simulation.run(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        simulation.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         let step = clock.elapsed().as_secs_f64() / 200.0;
         let repeats = 100;
         let clock = Instant::now();

@@ -77,6 +77,12 @@ impl From<EngineError> for Failure {
             EngineError::Ranks(e) => Self::new("sharing the run between ranks", e, code),
             EngineError::Resume(e) => Self::new("going on with a run", e, code),
             EngineError::Physics(e) => Self { message: e.to_string(), code },
+            // These come from calls of a library alone.
+            e @ (EngineError::Checkpoint(_)
+            | EngineError::Start(_)
+            | EngineError::Begun(_)
+            | EngineError::NoSuchResult { .. }
+            | EngineError::Threads(_)) => Self::new("using a simulation", e, code),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
-use lennard_engine::{Instantaneous, Progress};
+use lennard_engine::{Moment, Progress};
 
 /// Time between two updates of the bar.
 const BAR_INTERVAL: Duration = Duration::from_millis(100);
@@ -72,7 +72,7 @@ impl Display {
 }
 
 /// "T 0.722  U −6.070  P 0.19": what is not known at this step is left out.
-fn in_words(fluid: Instantaneous) -> String {
+fn in_words(fluid: Moment) -> String {
     let values = [("T", fluid.temperature), ("U", fluid.potential_energy), ("P", fluid.pressure)];
     let known = values.into_iter().filter(|(_, value)| value.is_finite());
     let words: Vec<String> = known
@@ -147,7 +147,7 @@ impl Progress for Display {
         }
     }
 
-    fn at_row(&mut self, fluid: &dyn Fn() -> Instantaneous) {
+    fn at_row(&mut self, fluid: &dyn Fn() -> Moment) {
         if !self.silent && self.last.elapsed() >= self.interval() {
             self.fluid = Some(in_words(fluid()));
         }
@@ -174,8 +174,12 @@ mod tests {
 
     #[test]
     fn the_fluid_is_told_in_symbols_and_what_is_unknown_is_left_out() {
-        let fluid =
-            |pressure| Instantaneous { temperature: 0.72213, potential_energy: -6.0701, pressure };
+        let fluid = |pressure| Moment {
+            temperature: 0.72213,
+            kinetic_energy: 1.08,
+            potential_energy: -6.0701,
+            pressure,
+        };
         assert_eq!(in_words(fluid(0.19)), "T 0.7221  U −6.070  P 0.1900");
         assert_eq!(in_words(fluid(f64::NAN)), "T 0.7221  U −6.070");
     }
@@ -187,7 +191,7 @@ mod tests {
         let asked = std::cell::Cell::new(0);
         let fluid = || {
             asked.set(asked.get() + 1);
-            Instantaneous { temperature: 1.0, potential_energy: -1.0, pressure: 0.1 }
+            Moment { temperature: 1.0, kinetic_energy: 1.5, potential_energy: -1.0, pressure: 0.1 }
         };
         display.at_row(&fluid);
         assert_eq!(asked.get(), 0);

@@ -259,7 +259,7 @@ impl<P: lennard_engine::Progress> lennard_engine::Progress for FirstStep<'_, P> 
         self.progress.update(stage, done, total);
     }
 
-    fn at_row(&mut self, fluid: &dyn Fn() -> lennard_engine::Instantaneous) {
+    fn at_row(&mut self, fluid: &dyn Fn() -> lennard_engine::Moment) {
         self.progress.at_row(fluid);
     }
 }

@@ -52,8 +52,8 @@ fn memory_a_folder_and_the_command_line_have_the_same_bits() {
     let mut in_memory = prepared(&liquid()).on_threads(2).unwrap();
     in_memory.run().unwrap();
     assert_eq!(averages(&in_memory), serde_json::to_value(&record.averages).unwrap());
-    assert_eq!(in_memory.frames().len(), 4);
-    assert_eq!(in_memory.frames()[3].positions, in_memory.state().positions);
+    assert_eq!(in_memory.recording.frames.len(), 4);
+    assert_eq!(in_memory.recording.frames[3].positions, in_memory.state.positions);
     assert_eq!(in_memory.thermo().numbers("step").unwrap().last(), Some(&300.0));
 }
 
@@ -70,7 +70,7 @@ fn steps_in_pieces_and_a_saved_simulation_have_the_bits_of_one_run() {
     let mut loaded = Simulation::load(&file).unwrap();
     for simulation in [&mut pieces, &mut loaded] {
         simulation.step(150).unwrap();
-        assert_eq!(simulation.state(), whole.state());
+        assert_eq!(simulation.state, whole.state);
         assert_eq!(averages(simulation), averages(&whole));
     }
 }
@@ -82,19 +82,19 @@ fn a_stage_that_is_added_is_measured_by_itself_and_stands_in_the_scene() {
     let hot = toml! { name = "hot" steps = 50 temperature = 2.0 thermostat = "bussi" };
     liquid.add_stage(hot).unwrap();
     liquid.run().unwrap();
-    assert_eq!(liquid.state().step, 350);
+    assert_eq!(liquid.state.step, 350);
     assert_eq!(liquid.thermo().numbers("step").unwrap().first(), Some(&310.0));
-    let again = SceneBuilder::from_toml(liquid.scene().resolved_toml());
+    let again = SceneBuilder::from_toml(liquid.scene.resolved_toml());
     let mut again = prepared(&again);
     again.run().unwrap();
-    assert_eq!(again.state(), liquid.state());
+    assert_eq!(again.state, liquid.state);
 }
 
 #[test]
 fn arrays_start_where_another_simulation_is() {
     let mut first = prepared(&liquid());
     first.step(50).unwrap();
-    let state = first.state().clone();
+    let state = first.state.clone();
     let scene = liquid_from("start.xyz").build().unwrap();
     let started = |velocities| {
         let (sides, positions) = (state.cell.lengths(), state.positions.clone());
@@ -104,7 +104,7 @@ fn arrays_start_where_another_simulation_is() {
     let [one, other] = [&mut first, &mut second].map(|s| s.moment().unwrap());
     assert!((one.potential_energy - other.potential_energy).abs() < 1e-12);
     second.run().unwrap();
-    assert_eq!(second.state().step, 30);
+    assert_eq!(second.state.step, 30);
     let short = started(Some(vec![])).err().expect("refused").to_string();
     assert_eq!(short, "one velocity for each position is wanted");
     let hot = vec![lennard::DVec3::NAN; state.len()];

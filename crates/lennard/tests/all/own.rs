@@ -137,7 +137,7 @@ impl Progress for StopAt<'_> {
 fn a_field_adds_its_energy_and_its_force_and_takes_a_degree_of_freedom_back() {
     let mut with = prepared(OwnParts::none().force("spring", SPRING)).unwrap();
     let mut without = prepared(OwnParts::none()).unwrap();
-    let positions = with.state().positions.clone();
+    let positions = with.state.positions.clone();
     let energy: f64 = positions.iter().map(|r| 0.005 * r.z * r.z).sum();
     let difference =
         with.moment().unwrap().potential_energy - without.moment().unwrap().potential_energy;
@@ -157,9 +157,9 @@ fn a_method_of_ones_own_steps_and_is_named() {
     let mut scene = prepared(OwnParts::none()).unwrap();
     own.run().unwrap();
     scene.run().unwrap();
-    assert_ne!(own.state().positions, scene.state().positions);
-    assert_eq!(own.scene().method_name(), "position-verlet");
-    let text = own.scene().resolved_toml();
+    assert_ne!(own.state.positions, scene.state.positions);
+    assert_eq!(own.scene.method_name(), "position-verlet");
+    let text = own.scene.resolved_toml();
     assert!(text.contains("[program]\nintegrator = \"position-verlet\""), "{text}");
 }
 
@@ -176,7 +176,7 @@ fn a_run_with_parts_goes_on_to_the_bit_in_its_program_and_nowhere_else() {
     piece.save(&file).unwrap();
     let mut loaded = Simulation::load_with_parts(&file, &parts()).unwrap();
     loaded.run().unwrap();
-    assert_eq!(loaded.state(), whole.state());
+    assert_eq!(loaded.state, whole.state);
     let refused = |parts: &OwnParts| {
         let error = Simulation::load_with_parts(&file, parts).err().expect("refused");
         error.to_string()

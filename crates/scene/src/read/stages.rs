@@ -182,16 +182,9 @@ impl Reader<'_> {
 
     pub fn stages(&self, temperature: f64) -> Result<Vec<Stage>, SceneError> {
         let tables = self.list("stage")?;
-        if tables.is_empty() {
-            return Err(self
-                .source
-                .refuse("stage", "is missing")
-                .found("no stage")
-                .allowed("at least one `[[stage]]` with `name` and `steps`"));
-        }
-        let last = tables.len() - 1;
+        let count = tables.len();
         let all = tables.into_iter().enumerate();
-        all.map(|(i, table)| self.stage(&format!("stage.{i}"), table, temperature, i == last))
+        all.map(|(i, table)| self.stage(&format!("stage.{i}"), table, temperature, i + 1 == count))
             .collect()
     }
 

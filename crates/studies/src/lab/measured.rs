@@ -103,7 +103,7 @@ impl Workbench {
         let every = ((SAMPLE_INTERVAL / dt).round() as u64).max(1);
         let stages = [stage(settling, false), stage(time, true)];
         let mut simulation = self.simulation(settings, &stages, every)?;
-        simulation.run(&mut Unfollowed)?;
+        simulation.follow(&mut Unfollowed)?;
         let found = simulation.thermodynamics();
         let cut = found.equilibration_cut();
         let rows = found.series();

@@ -83,7 +83,7 @@ impl Start {
             before.stages.push(to_temperature(scene, equilibration_steps(scene.integrator.dt)));
         }
         let mut simulation = lennard_engine::prepare(before)?;
-        simulation.run(&mut Unfollowed)?;
+        simulation.follow(&mut Unfollowed)?;
         Ok(simulation.into())
     }
 

@@ -60,7 +60,7 @@ fn equilibrated(density: f64, molecules: usize, steps: u32) -> Result<Simulation
          [[stage]]\nname = \"equilibrate\"\nsteps = {steps}\nthermostat = {{ kind = \"bussi\", tau = 0.1 }}\n"
     );
     let mut simulation = prepare(scene(&text)?)?;
-    simulation.run(&mut Unfollowed)?;
+    simulation.follow(&mut Unfollowed)?;
     Ok(simulation)
 }
 
@@ -182,7 +182,7 @@ pub(crate) fn states(quick: bool) -> Result<Vec<StateResults>, StudyError> {
             if quick { 2.8 } else { 3.5 }
         );
         let mut simulation = prepare(scene(&text)?)?;
-        simulation.run(&mut Unfollowed)?;
+        simulation.follow(&mut Unfollowed)?;
         let averages = simulation.observers[0].observable.finish(0.0).averages;
         let value = |name: &str| -> (f64, f64) {
             let found = averages.iter().find(|a| a.name == name);

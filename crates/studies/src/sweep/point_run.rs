@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
-use lennard_engine::{Ending, EngineError, ResumeOptions, RunOptions};
-use lennard_io::{Existing, FolderError, OutputFolder, RunRecord};
+use lennard_engine::{Control, Ending, EngineError, ResumeOptions};
+use lennard_io::{Existing, FolderError, RunRecord};
 use rayon::ThreadPool;
 
 use super::{Failed, Point};
@@ -161,7 +161,7 @@ impl PointRun<'_> {
         }
         let folder = self.options.folder.join(&self.point.name);
         let pool = Arc::new(pool(threads).map_err(|e| Failed::otherwise(&e))?);
-        let end = match self.start_or_go_on(&pool, threads, &folder) {
+        let end = match self.start_or_go_on(&pool, &folder) {
             Err(EngineError::Folder(busy @ FolderError::Busy { .. })) => {
                 return Ok(PointEnd::Elsewhere(busy.to_string()));
             }
@@ -176,7 +176,6 @@ impl PointRun<'_> {
     fn start_or_go_on(
         &self,
         pool: &Arc<ThreadPool>,
-        threads: usize,
         folder: &Path,
     ) -> Result<PointEnd, EngineError> {
         let claim =
@@ -199,7 +198,7 @@ impl PointRun<'_> {
             };
             if let Ok(mut resumed) = resumed {
                 let go_on =
-                    || lennard_engine::go_on(&mut resumed, self.how(&held, threads, &mut counter));
+                    || lennard_engine::go_on(&mut resumed, &held, self.control(&mut counter));
                 return Ok(pool.install(go_on)?.ending.into());
             }
         }
@@ -214,18 +213,13 @@ impl PointRun<'_> {
             return Ok(PointEnd::FinishedBefore);
         }
         held.remove_run().map_err(EngineError::Folder)?;
-        let run = || lennard_engine::run(&mut simulation, self.how(&held, threads, &mut counter));
+        let run = || lennard_engine::run(&mut simulation, &held, self.control(&mut counter));
         Ok(pool.install(run)?.ending.into())
     }
 
-    fn how<'a>(
-        &'a self,
-        folder: &'a OutputFolder,
-        threads: usize,
-        progress: &'a mut dyn lennard_engine::Progress,
-    ) -> RunOptions<'a> {
+    fn control<'a>(&'a self, progress: &'a mut dyn lennard_engine::Progress) -> Control<'a> {
         let SweepOptions { stop, deadline, .. } = self.options;
-        RunOptions { folder, threads, stop, deadline: *deadline, progress }
+        Control { stop, deadline: *deadline, progress }
     }
 }
 

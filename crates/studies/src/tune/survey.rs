@@ -116,7 +116,7 @@ impl Survey {
                 frames: Vec::new(),
             };
             let mut simulation = sample.start.simulation(scene)?;
-            simulation.run(&mut watcher)?;
+            simulation.follow(&mut watcher)?;
             let time = simulation.state.time - PARTING_TIME;
             Ok((watcher.frames, simulation.into(), time))
         };

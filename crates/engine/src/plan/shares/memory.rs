@@ -19,6 +19,6 @@ pub(super) fn bytes_under_a_bath(scene: &Scene) -> u64 {
 /// Bytes of what a checkpoint is put together in.
 pub(super) fn checkpoint_bytes(bare: &Simulation) -> usize {
     let mut archive = StateArchive::default();
-    bare.save(&mut archive.writer());
+    Persist::save(bare, &mut archive.writer());
     archive.bytes()
 }

@@ -95,13 +95,13 @@ fn a_slow_first_step_is_followed_by_three_or_nothing_is_told_of_the_time() {
     let began = |before: Duration| FirstSteps::from(Instant::now() - before);
     // The first step has taken longer than all steps are measured for.
     let mut slow = began(Duration::from_secs(1));
-    bare.run(&mut slow).unwrap();
+    bare.follow(&mut slow).unwrap();
     assert!(slow.seconds.len() >= 3 && slow.mean().is_some());
     // The list is built again, or is as good as never built.
     let builds = bare.forces.statistics().builds;
     assert!(builds > slow.first.unwrap().builds || slow.seconds.len() >= 50);
     let mut too_slow = began(PATIENCE);
-    bare.run(&mut too_slow).unwrap();
+    bare.follow(&mut too_slow).unwrap();
     assert_eq!((too_slow.seconds.len(), too_slow.mean()), (0, None));
     let costs = Costs { step: None, ..costs(Vec::new(), vec![0.0]) };
     assert!(costs.of_run(&bare.scene).is_none());

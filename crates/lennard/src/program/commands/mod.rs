@@ -100,18 +100,6 @@ pub fn replace_if(force: bool) -> Existing {
     if force { Existing::Replace } else { Existing::Refuse }
 }
 
-/// Writes the page of a finished run.
-pub fn write_report(
-    outcome: &lennard_engine::Outcome,
-    folder: &Path,
-    control: &crate::program::args::ControlArgs,
-) -> Result<(), Failure> {
-    if outcome.ending == lennard_engine::Ending::Finished && !control.no_report {
-        lennard_studies::run_page::write(folder)?;
-    }
-    Ok(())
-}
-
 /// Prints one JSON document.
 pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     let text =

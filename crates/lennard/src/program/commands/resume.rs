@@ -3,12 +3,12 @@
 use std::time::Instant;
 
 use lennard_core::Team;
-use lennard_engine::{EngineError, ResumeError, ResumeOptions, RunOptions};
+use lennard_engine::{Control, EngineError, ResumeError, ResumeOptions};
 use lennard_io::Existing;
 
 use crate::program::args::ResumeArgs;
-use crate::program::commands::run::tell;
-use crate::program::commands::{on_threads, output_folder, threads, write_report};
+use crate::program::commands::run::Running;
+use crate::program::commands::{output_folder, threads};
 use crate::program::failure::Failure;
 use crate::program::progress::Display;
 use crate::program::ranks;
@@ -66,19 +66,8 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
     }
     // The checkpoint is loaded: whatever happens now, the run can go on.
     signals.under_way();
-    let mut display = Display::new(args.control.quiet);
-    let outcome = on_threads(threads, || {
-        let options = RunOptions {
-            folder: &folder,
-            threads,
-            stop: signals.stop(),
-            deadline,
-            progress: &mut display,
-        };
-        let ended = lennard_engine::go_on(&mut resumed, options);
-        ended.map_err(|e| ranks::failed(team, e, &args.folder))
-    })?;
-    drop(display);
-    write_report(&outcome, &args.folder, &args.control)?;
-    tell(&outcome, &args.folder, total, args.json, &args.control)
+    let run = Running { team, folder: &folder, threads, stop: signals.stop(), deadline, total };
+    let display = Display::new(args.control.quiet);
+    let work = |control: Control<'_>| lennard_engine::go_on(&mut resumed, &folder, control);
+    run.to_its_end(display, work, args.json, &args.control)
 }

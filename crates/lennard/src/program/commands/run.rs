@@ -1,15 +1,16 @@
 //! `lennard run`: a scene from start to finished folder.
 
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use lennard_core::Team;
-use lennard_engine::{Ending, Outcome, RunOptions};
-use lennard_io::path_in_shell;
+use lennard_engine::{Control, Ending, EngineError, Outcome, Progress};
+use lennard_io::{OutputFolder, path_in_shell};
 
 use crate::program::args::{ControlArgs, RunArgs};
 use crate::program::commands::{
-    load_locked, on_threads, output_folder, print_json, replace_if, threads_with, write_report,
+    load_locked, on_threads, output_folder, print_json, replace_if, threads_with,
 };
 use crate::program::failure::{DONE, Failure, STOPPED};
 use crate::program::progress::Display;
@@ -58,25 +59,55 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
         let remarks = simulation.remarks.iter().cloned().chain(simulation.foreseen());
         show::print(&header.texts(remarks), Style::Ruled);
     }
-    let mut display = FirstStep::new(&signals, Display::new(args.control.quiet));
-    let outcome = on_threads(threads, || {
-        let options = RunOptions {
-            folder: &folder,
-            threads,
-            stop: signals.stop(),
-            deadline,
-            progress: &mut display,
-        };
-        let ended = lennard_engine::run(&mut simulation, options);
-        ended.map_err(|e| ranks::failed(team, e, folder.path()))
-    })?;
-    drop(display);
-    write_report(&outcome, folder.path(), &args.control)?;
-    tell(&outcome, folder.path(), simulation.scene.total_steps(), args.scene.json, &args.control)
+    let display = FirstStep::new(&signals, Display::new(args.control.quiet));
+    let run = Running {
+        team,
+        folder: &folder,
+        threads,
+        stop: signals.stop(),
+        deadline,
+        total: simulation.scene.total_steps(),
+    };
+    let work = |control: Control<'_>| lennard_engine::run(&mut simulation, &folder, control);
+    run.to_its_end(display, work, args.scene.json, &args.control)
+}
+
+/// A run or the rest of one, in its folder.
+pub struct Running<'a> {
+    pub team: Option<&'a Team>,
+    pub folder: &'a OutputFolder,
+    pub threads: usize,
+    pub stop: &'a AtomicBool,
+    pub deadline: Option<Instant>,
+    /// Steps of the whole scene.
+    pub total: u64,
+}
+
+impl Running<'_> {
+    /// Does the steps that are left, writes the page, and prints what was found.
+    pub fn to_its_end(
+        &self,
+        mut progress: impl Progress,
+        steps: impl FnOnce(Control<'_>) -> Result<Outcome, EngineError> + Send,
+        json: bool,
+        args: &ControlArgs,
+    ) -> Result<u8, Failure> {
+        let Self { team, threads, stop, deadline, total, .. } = *self;
+        let folder = self.folder.path();
+        let outcome = on_threads(threads, || {
+            let control = Control { stop, deadline, progress: &mut progress };
+            steps(control).map_err(|e| ranks::failed(team, e, folder))
+        })?;
+        drop(progress);
+        if outcome.ending == Ending::Finished && !args.no_report {
+            lennard_studies::run_page::write(folder)?;
+        }
+        tell(&outcome, folder, total, json, args)
+    }
 }
 
 /// Prints what a run found, or where it stopped.
-pub fn tell(
+fn tell(
     outcome: &Outcome,
     folder: &Path,
     total: u64,

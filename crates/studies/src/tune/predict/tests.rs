@@ -87,7 +87,7 @@ fn energy_diffuses_by_crossings_of_the_cutoff_as_the_law_says() {
         shell: vec![],
         r_cut,
     };
-    simulation.run(&mut looks).unwrap();
+    simulation.follow(&mut looks).unwrap();
     // The heat bath's work is counted apart; its stage is left out.
     let from = 1500 / every as usize + 1;
     let energies = &looks.energies[from..];

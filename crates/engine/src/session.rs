@@ -1,0 +1,198 @@
+//! What a user of the library does with a simulation: make it, run it, ask it, save it.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use lennard_core::{DVec3, parallel};
+use lennard_io::{Existing, RunRecord};
+use lennard_scene::Scene;
+
+use crate::checkpointing::snapshot;
+use crate::follower::{Control, Ending, Progress};
+use crate::from_memory::start_from_arrays;
+use crate::growth::Addition;
+use crate::own::OwnParts;
+use crate::resume::restored_with;
+use crate::run::Outcome;
+use crate::simulation::Simulation;
+use crate::threads::Threads;
+use crate::{EngineError, build};
+
+impl Simulation {
+    /// Places the particles of a scene and builds its forces. No step is done yet.
+    ///
+    /// # Errors
+    /// [`EngineError`] for what is wrong with the scene and can only be seen now, such as a file of its start.
+    pub fn new(scene: Scene) -> Result<Self, EngineError> {
+        Self::with_parts(scene, OwnParts::none())
+    }
+
+    /// A simulation with forces, an integrator or observables that the program brings.
+    ///
+    /// The resolved scene names these parts in `[program]`. `lennard run` and `lennard resume` refuse it, since they have not
+    /// got them.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`], and where a part does not keep its contract or does not go with the scene.
+    pub fn with_parts(scene: Scene, parts: OwnParts) -> Result<Self, EngineError> {
+        Self::made_on(None, || build::prepare_with(scene, None, parts))
+    }
+
+    /// A simulation that starts from arrays: box sides and positions in σ, velocities in σ/τ. Without velocities they are drawn
+    /// for the temperature of the scene.
+    ///
+    /// The scene names a file in their place, such as `start.file = "start.xyz"`; it is not read.
+    ///
+    /// # Errors
+    /// As [`Simulation::with_parts`]; [`EngineError::Start`] where the arrays differ in length or hold a number that is not finite.
+    pub fn from_arrays(
+        scene: Scene,
+        sides: DVec3,
+        positions: Vec<DVec3>,
+        velocities: Option<Vec<DVec3>>,
+        parts: OwnParts,
+    ) -> Result<Self, EngineError> {
+        let start = start_from_arrays(sides, positions, velocities)?;
+        Self::made_on(None, || build::prepare_with(scene, Some(start), parts))
+    }
+
+    /// A simulation as it was when it was saved, to the bit. A checkpoint of a run in a folder is such a file too.
+    ///
+    /// # Errors
+    /// [`EngineError`] where the file cannot be read, is of another version, or its simulation had parts of a program.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, EngineError> {
+        Self::load_with_parts(path, &OwnParts::none())
+    }
+
+    /// As [`Simulation::load`], for a simulation that had these parts.
+    ///
+    /// # Errors
+    /// As [`Simulation::load`], and where it had other parts.
+    pub fn load_with_parts(path: impl AsRef<Path>, parts: &OwnParts) -> Result<Self, EngineError> {
+        let path = path.as_ref();
+        let checkpoint = lennard_io::read_checkpoint(path)?;
+        Self::made_on(None, || restored_with(&checkpoint, path, parts))
+    }
+
+    /// A simulation that is made, and then works, on so many threads; on as many as pay for its particles where no number is given.
+    ///
+    /// # Errors
+    /// As `make`, and [`EngineError::Threads`] where the system gives no threads.
+    pub fn made_on(
+        threads: Option<usize>,
+        make: impl FnOnce() -> Result<Self, EngineError> + Send,
+    ) -> Result<Self, EngineError> {
+        let makers = Threads::new(threads.unwrap_or_else(parallel::processors))?;
+        let made = makers.pool()?.install(make)?;
+        match threads {
+            Some(_) => Ok(Self { threads: Some(makers), ..made }),
+            None => {
+                let threads = build::recommended_threads(made.state.len());
+                made.on_threads(threads)
+            }
+        }
+    }
+
+    /// The same simulation on so many threads, in the place of as many as pay. The bits do not depend on it.
+    ///
+    /// # Errors
+    /// [`EngineError::Threads`] where the system gives none.
+    pub fn on_threads(self, threads: usize) -> Result<Self, EngineError> {
+        Ok(Self { threads: Some(Threads::new(threads)?), ..self })
+    }
+
+    /// Does work on the threads of the simulation.
+    ///
+    /// # Errors
+    /// [`EngineError::Threads`] where a forked child gets none.
+    pub fn on_its_threads<R: Send>(
+        &mut self,
+        work: impl FnOnce(&mut Self) -> R + Send,
+    ) -> Result<R, EngineError> {
+        match self.threads.as_ref().map(Threads::pool) {
+            None => Ok(work(self)),
+            Some(pool) => Ok(pool?.install(|| work(self))),
+        }
+    }
+
+    /// Saves all that is needed to go on from here, to the bit. Rows and frames in memory are not saved.
+    ///
+    /// # Errors
+    /// [`EngineError`] where the file cannot be written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), EngineError> {
+        Ok(lennard_io::write_checkpoint(path.as_ref(), &snapshot(self))?)
+    }
+
+    /// Runs what is left of the scene.
+    ///
+    /// # Errors
+    /// [`EngineError`] where physics stops the run.
+    pub fn run(&mut self) -> Result<(), EngineError> {
+        self.run_watched(&AtomicBool::new(false), &mut ()).map(drop)
+    }
+
+    /// As [`Simulation::run`], and tells how far it is. It stops a few steps after `stop` is set, and a later call goes on to
+    /// the same bits.
+    ///
+    /// # Errors
+    /// As [`Simulation::run`].
+    pub fn run_watched(
+        &mut self,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<Ending, EngineError> {
+        self.run_until(u64::MAX, Control { stop, deadline: None, progress })
+    }
+
+    /// Takes so many steps. The last stage becomes longer where the scene would end.
+    ///
+    /// 400 steps and 600 steps have the bits and the averages of 1000 steps.
+    ///
+    /// # Errors
+    /// As [`Simulation::run`], and where the last stage is a ramp.
+    pub fn step(&mut self, steps: u64) -> Result<(), EngineError> {
+        let planned = self.scene.total_steps();
+        let end = self.state.step + steps;
+        if end > planned {
+            self.prolong(end - planned)?;
+        }
+        let stop = &AtomicBool::new(false);
+        self.run_until(end, Control { stop, deadline: None, progress: &mut () }).map(drop)
+    }
+
+    /// Adds a stage with the keys of a `[[stage]]` table, and begins to measure anew. [`Simulation::run`] then runs it.
+    ///
+    /// # Errors
+    /// [`EngineError::Scene`] where the stage is wrong, with the words of the scene reader.
+    pub fn add_stage(&mut self, stage: toml::Table) -> Result<(), EngineError> {
+        self.add(&Addition { stage: &stage.to_string(), observables: None, output: None })
+    }
+
+    /// Runs the whole scene into a new folder, with the files of `lennard run` to the byte except for the page.
+    ///
+    /// # Errors
+    /// [`EngineError`] where steps were done before, the folder is taken, physics stops the run, or a file cannot be written.
+    pub fn run_in_folder(&mut self, folder: impl AsRef<Path>) -> Result<RunRecord, EngineError> {
+        let stop = &AtomicBool::new(false);
+        let control = Control { stop, deadline: None, progress: &mut () };
+        Ok(self.run_in(folder.as_ref(), Existing::Refuse, control)?.record)
+    }
+
+    /// As [`Simulation::run_in_folder`], where `existing` says what becomes of an earlier run there.
+    ///
+    /// # Errors
+    /// As [`Simulation::run_in_folder`].
+    pub fn run_in(
+        &mut self,
+        folder: &Path,
+        existing: Existing,
+        control: Control<'_>,
+    ) -> Result<Outcome, EngineError> {
+        if self.stage.is_some() {
+            return Err(EngineError::Begun(self.state.step));
+        }
+        let folder =
+            lennard_io::create_named_folder(folder, existing).map_err(EngineError::Folder)?;
+        self.on_its_threads(|simulation| crate::run(simulation, &folder, control))?
+    }
+}
