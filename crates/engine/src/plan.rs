@@ -15,7 +15,7 @@ use crate::run::SET_ASIDE_BYTES;
 use crate::simulation::Simulation;
 use crate::watchdog;
 use crate::{EngineError, build};
-use shares::{Costs, barostat_name, bath_name};
+use shares::{Costs, Part, THERMODYNAMICS, barostat_name, bath_name};
 
 pub use nodes::{Network, Nodes, NodesError, OnNodes};
 
@@ -100,11 +100,11 @@ pub fn plan(
     let most = lennard_forcefield::most_ranks(simulation.state.len());
     let ranks = network.map_or(Vec::new(), |network| network.sizes(most));
     let costs = Costs::measure(simulation, &ranks)?;
-    let seconds = costs.of_run(&scene);
-    let total = seconds.as_ref().map(|parts| parts.values().sum::<f64>());
-    for item in &mut items {
-        let of_part = seconds.as_ref().and_then(|parts| parts.get(&item.part));
-        item.share = of_part.zip(total).filter(|_| item.on).map(|(s, t)| s / t);
+    let total = costs.parts.as_ref().map(|all| all.iter().map(Part::of_run).sum::<f64>());
+    for item in items.iter_mut().filter(|item| item.on) {
+        let all = costs.parts.iter().flatten().filter(|part| part.name == item.part);
+        let seconds = all.map(Part::of_run).reduce(|a, b| a + b);
+        item.share = seconds.zip(total).map(|(s, t)| s / t);
     }
     let (n, molecules) = (simulation.state.len(), simulation.system.n_molecules());
     let state = n * STATE_BYTES;
@@ -136,7 +136,7 @@ pub fn plan(
         items,
         bytes,
         program_bytes: PROGRAM_BYTES,
-        seconds_per_step: costs.step.map(|_| costs.median_step),
+        seconds_per_step: total.map(|_| costs.median_step),
         measured_steps: costs.steps,
         estimated_seconds: total,
         remarks: [simulation.remarks.clone(), foreseen].concat(),
@@ -322,19 +322,18 @@ fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
 }
 
 fn of_observables(scene: &Scene) -> Vec<PlanItem> {
-    const THERMO: &str = "thermodynamics";
     let rows = scene.output.thermo_every;
     let averages = format!("averages on every {rows}th step of measured stages");
     let mut items =
-        vec![item(THERMO, How::either(scene.stages.iter().any(|s| s.measure), &averages))];
+        vec![item(THERMODYNAMICS, How::either(scene.stages.iter().any(|s| s.measure), &averages))];
     let tables = scene.observables.iter();
     let named = tables.map(|table| (table.options.name(), table.every));
-    let named: Vec<_> = named.filter(|(name, _)| *name != THERMO).collect();
+    let named: Vec<_> = named.filter(|(name, _)| *name != THERMODYNAMICS).collect();
     for (name, every) in &named {
         items.push(item(name, How::On(format!("every {every} steps"))));
     }
     for spec in lennard_observables::observables() {
-        if spec.name != THERMO && named.iter().all(|(name, _)| *name != spec.name) {
+        if spec.name != THERMODYNAMICS && named.iter().all(|(name, _)| *name != spec.name) {
             items.push(item(spec.name, How::Off("not in the scene")));
         }
     }

@@ -4,15 +4,14 @@ mod first_steps;
 mod memory;
 mod names;
 
-use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use lennard_core::stopwatch::{Spread, Stopwatch, repeated, timed};
-use lennard_core::{Configuration, HaloSize, Integrator, NoForces, Part, Want};
+use lennard_core::{Configuration, HaloSize, Integrator, NoForces, Part as Whole, Want};
 use lennard_io::{Frame, Sink, TrajectoryWriter};
-use lennard_scene::{Scene, Stage};
+use lennard_scene::Stage;
 
 use crate::bare::bare;
 use crate::beginning::Beginning;
@@ -22,7 +21,7 @@ use crate::files::{header, style};
 use crate::follower::StopAt;
 use crate::planar_tail::PlanarTail;
 use crate::run::{aside, set_aside};
-use crate::schedule::{Action, Observer, Operation, Schedule, Trigger};
+use crate::schedule::{Action, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
 use crate::{EngineError, SET_ASIDE_EVERY, watchdog};
 
@@ -35,41 +34,46 @@ pub(super) use names::{barostat_name, bath_name};
 const PART_FOR: Duration = Duration::from_millis(30);
 /// Calls of a part that is measured alone, at most.
 const CALLS: usize = 9;
+/// The observable that every run has.
+pub(super) const THERMODYNAMICS: &str = "thermodynamics";
 /// Calls of a part of the watchdog in one measurement.
 const WATCHING_CALLS: u32 = 50;
 
-/// Seconds of each part, for one call or one step.
+/// A part of the work of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Part {
+    /// Its name in the plan.
+    pub(super) name: String,
+    /// How often the run calls it.
+    pub(super) calls: f64,
+    /// How long one call takes, s.
+    seconds: f64,
+}
+
+impl Part {
+    fn new(name: impl Into<String>, calls: f64, seconds: f64) -> Self {
+        // Differences of two measurements may come out below nothing.
+        Self { name: name.into(), calls, seconds: seconds.max(0.0) }
+    }
+
+    /// Seconds of the whole run.
+    pub(super) fn of_run(&self) -> f64 {
+        self.calls * self.seconds
+    }
+}
+
+/// What the first steps of a scene cost, and each part of the run.
 pub(super) struct Costs {
     /// Steps in the measurement.
     pub(super) steps: u64,
-    /// A step with everything off, mean; `None` where steps are too slow to measure.
-    pub(super) step: Option<f64>,
-    /// The same, median.
+    /// The median time of a step with everything off, s.
     pub(super) median_step: f64,
-    /// Pair loops of such a step.
-    force: f64,
-    /// List building of such a step.
-    neighbor: f64,
-    /// A planar tail of such a step; 0 without one.
-    tail: f64,
     /// Bytes that the forces hold; fused steps are included where the scene has steps without an observer.
     pub(super) force_bytes: u64,
     /// Bytes of what a checkpoint is put together in.
     pub(super) checkpoint_bytes: usize,
-    /// An evaluation with energy and virial.
-    evaluation: f64,
-    /// What energy and virial add to an evaluation.
-    totals: f64,
-    /// What the Laplacian adds to that.
-    laplacian: f64,
-    /// What observers want beyond that adds to it: the tensor of the virial, or entries of single particles.
-    beyond_totals: f64,
-    thermodynamics: f64,
-    /// What each observable wants of the forces, and a sample of it.
-    observers: Vec<(Want, f64)>,
-    baths: Vec<f64>,
-    frame: f64,
-    watch: f64,
+    /// The parts of the run; `None` where steps are too slow to measure.
+    pub(super) parts: Option<Vec<Part>>,
     /// Builds of the list in such a step, and what a rank would need of others, by the number of ranks.
     pub(super) builds: f64,
     pub(super) halos: Vec<(usize, HaloSize)>,
@@ -89,118 +93,112 @@ impl Costs {
         let halos = ranks.iter().filter_map(halo).collect();
         let (step, times) = (measured.mean(), measured.seconds);
         let all = times.len().max(1) as f64;
-        let evaluate = |bare: &mut Simulation, want| -> Result<f64, EngineError> {
-            let mut fault = None;
-            let time = median(|| {
-                let at = Configuration::at_rest(&bare.state.cell, &bare.state.positions);
-                let forces = &mut bare.state.forces;
-                match bare.forces.evaluate(at, Part::All, want, forces) {
-                    Ok(found) => bare.state.energetics = found,
-                    Err(error) => fault = Some(error),
-                }
-            });
-            fault.map_or(Ok(time), |e| Err(bare.failed(e.into())))
-        };
-        let tail = PlanarTail::of(&bare.scene, &bare.state.cell).map_or(0.0, |tail| {
-            let mut forces = bare.state.forces.clone();
-            median(|| drop(tail.push(&bare.state.cell, &bare.state.positions, &mut forces)))
-        });
-        let forces = evaluate(&mut bare, Want::NOTHING)?;
-        let energies = evaluate(&mut bare, Want::ENERGY_AND_VIRIAL)?;
-        let laplacian = evaluate(&mut bare, Want::TOTALS)?;
-        // Measured only where an observer asks: on a large system it takes memory. It also leaves what observers look at.
-        let wants = simulation.observers.iter().map(|o| o.observable.want());
-        let wanted = wants.fold(Want::TOTALS, |all, want| all | want);
-        let beyond_totals =
-            if is_beyond_totals(wanted) { evaluate(&mut bare, wanted)? - laplacian } else { 0.0 };
-        let view = bare.view();
-        let observers = simulation.observers.iter_mut();
-        let sampled = |o: &mut Observer| median(|| o.observable.sample(&view));
-        let mut observers = observers.map(|o| (o.observable.want(), sampled(o)));
-        // The first is thermodynamics, whose wishes are parts of the plan by themselves.
-        let thermodynamics = observers.next().map_or(0.0, |(_, cost)| cost);
-        let observers = observers.collect();
-        take_steps_unseen(&mut bare, simulation)?;
-        let stages = simulation.scene.stages.iter();
-        let baths = stages.map(|stage| bath(&bare, stage)).collect();
+        let force = (last.force_seconds - first.force_seconds) / all;
+        let neighbor = (last.neighbor_seconds - first.neighbor_seconds) / all;
+        let mut parts = of_parts(simulation, &mut bare)?;
+        let others: f64 = parts.iter().filter(|p| is_of_a_step(&p.name)).map(|p| p.seconds).sum();
+        let steps = simulation.scene.total_steps() as f64;
+        let rest = step.unwrap_or_default() - force - neighbor - others;
+        parts.extend([
+            Part::new("pair forces", steps, force),
+            Part::new("neighbor list", steps, neighbor),
+            Part::new("integrator", steps, rest),
+        ]);
         let under_a_bath = bytes_under_a_bath(&simulation.scene) * bare.state.len() as u64;
         Ok(Self {
             steps: times.len() as u64,
-            step,
             median_step: Spread::of(times).map_or(f64::NAN, |steps| steps.median),
-            force: (last.force_seconds - first.force_seconds) / all,
-            neighbor: (last.neighbor_seconds - first.neighbor_seconds) / all,
-            tail,
             force_bytes: bare.forces.statistics().bytes + under_a_bath,
             checkpoint_bytes: checkpoint_bytes(&bare),
-            evaluation: energies,
-            totals: energies - forces,
-            laplacian: laplacian - energies,
-            beyond_totals,
-            thermodynamics,
-            observers,
-            baths,
-            frame: frame(&bare),
-            watch: watching_seconds(&bare),
+            parts: step.map(|_| parts),
             builds: (last.builds - first.builds) as f64 / all,
             halos,
         })
     }
+}
 
-    /// Seconds of each part in the whole run, by the part's name in the plan; `None` where steps are too slow to measure.
-    pub(super) fn of_run(&self, scene: &Scene) -> Option<BTreeMap<String, f64>> {
-        let step = self.step?;
-        let mut parts: BTreeMap<String, f64> = BTreeMap::new();
-        let mut add = |part: &str, seconds: f64| {
-            // Differences of two measurements may come out below nothing.
-            *parts.entry(part.to_owned()).or_default() += seconds.max(0.0);
-        };
-        let rows = scene.output.thermo_every;
-        for (stage, bath) in scene.stages.iter().zip(&self.baths) {
-            let steps = stage.steps as f64;
-            add("pair forces", steps * self.force);
-            add("neighbor list", steps * self.neighbor);
-            add("integrator", steps * (step - self.force - self.neighbor - self.tail - self.watch));
-            if self.tail > 0.0 {
-                add("tail correction", steps * self.tail);
+/// Parts of a bare step beside forces, lists and integrator.
+const TAIL: &str = "tail correction";
+const WATCHDOG: &str = "watchdog";
+
+fn is_of_a_step(part: &str) -> bool {
+    [TAIL, WATCHDOG].contains(&part)
+}
+
+/// Measures what a run has beside forces, lists and integrator; it takes some steps more.
+fn of_parts(simulation: &mut Simulation, bare: &mut Simulation) -> Result<Vec<Part>, EngineError> {
+    let scene = &simulation.scene;
+    let mut evaluate = |want| -> Result<f64, EngineError> {
+        let mut fault = None;
+        let time = median(|| {
+            let at = Configuration::at_rest(&bare.state.cell, &bare.state.positions);
+            match bare.forces.evaluate(at, Whole::All, want, &mut bare.state.forces) {
+                Ok(found) => bare.state.energetics = found,
+                Err(error) => fault = Some(error),
             }
-            add("watchdog", steps * self.watch);
-            add("energy and virial", steps / rows as f64 * self.totals);
-            if let Some(thermostat) = &stage.thermostat {
-                add(&bath_name(stage, thermostat.name()), steps * bath);
+        });
+        fault.map_or(Ok(time), |e| Err(bare.failed(e.into())))
+    };
+    let forces = evaluate(Want::NOTHING)?;
+    let evaluation = evaluate(Want::ENERGY_AND_VIRIAL)?;
+    let with_laplacian = evaluate(Want::TOTALS)?;
+    // Measured only where an observer asks: on a large system it takes memory. It also leaves what observers look at.
+    let wants = simulation.observers.iter().map(|o| o.observable.want());
+    let wanted = wants.fold(Want::TOTALS, |all, want| all | want);
+    let beyond = if is_beyond_totals(wanted) { evaluate(wanted)? - with_laplacian } else { 0.0 };
+    let totals = evaluation - forces;
+    // Seconds that `want` costs at the forces on a step that is due every so often.
+    let rows = scene.output.thermo_every;
+    let of_want = |want: Want, every: u64| {
+        let totals = if want.is_nothing() { 0.0 } else { alone(every, rows) * totals.max(0.0) };
+        totals + if is_beyond_totals(want) { beyond.max(0.0) } else { 0.0 }
+    };
+    let steps = scene.total_steps() as f64;
+    let measured: u64 = scene.stages.iter().filter(|s| s.measure).map(|s| s.steps).sum();
+    let measured_every = |every: u64| measured as f64 / every as f64;
+    let mut parts = vec![
+        Part::new("energy and virial", steps / rows as f64, totals),
+        Part::new("configurational temperature", measured_every(rows), with_laplacian - evaluation),
+    ];
+    parts.extend(PlanarTail::of(&bare.scene, &bare.state.cell).map(|tail| {
+        let mut forces = bare.state.forces.clone();
+        let call = || drop(tail.push(&bare.state.cell, &bare.state.positions, &mut forces));
+        Part::new(TAIL, steps, median(call))
+    }));
+    let view = bare.view();
+    // The first is thermodynamics, whose wishes are parts of the plan by themselves.
+    let named = scene.observables.iter().filter(|o| o.options.name() != THERMODYNAMICS);
+    let named = named.map(|table| Some((table.options.name(), table.every)));
+    for (observer, named) in simulation.observers.iter_mut().zip([None].into_iter().chain(named)) {
+        let cost = median(|| observer.observable.sample(&view));
+        parts.push(match named {
+            None => Part::new(THERMODYNAMICS, measured_every(rows), cost),
+            Some((name, every)) => {
+                let wanted = of_want(observer.observable.want(), every);
+                Part::new(name, measured_every(every), cost + wanted)
             }
-            if let Some(control) = &stage.barostat {
-                let changes = steps / control.options.interval() as f64;
-                let name = barostat_name(stage, control.options.name());
-                // The step before it asks for energy and virial too.
-                let evaluations = control.options.evaluations() as f64;
-                add(&name, changes * (evaluations * self.evaluation + self.totals));
-            }
-            if !stage.measure {
-                continue;
-            }
-            add("configurational temperature", steps / rows as f64 * self.laplacian);
-            add("thermodynamics", steps / rows as f64 * self.thermodynamics);
-            let others = scene.observables.iter().filter(|o| o.options.name() != "thermodynamics");
-            for (table, (want, cost)) in others.zip(&self.observers) {
-                let samples = steps / table.every as f64;
-                let wanted = self.wanted(*want, alone(table.every, rows));
-                add(table.options.name(), samples * (cost + wanted));
-            }
-            if let Some(every) = scene.output.trajectory_every {
-                let wanted = self.wanted(Want::ENERGY_AND_VIRIAL, alone(every, rows));
-                add("trajectory", steps / every as f64 * (self.frame + wanted));
-            }
+        });
+    }
+    take_steps_unseen(bare, simulation)?;
+    for stage in &simulation.scene.stages {
+        if let Some(thermostat) = &stage.thermostat {
+            let name = bath_name(stage, thermostat.name());
+            parts.push(Part::new(name, stage.steps as f64, bath(bare, stage)));
         }
-        Some(parts)
+        if let Some(control) = &stage.barostat {
+            let name = barostat_name(stage, control.options.name());
+            let changes = stage.steps as f64 / control.options.interval() as f64;
+            // The step before it asks for energy and virial too.
+            let evaluations = control.options.evaluations() as f64;
+            parts.push(Part::new(name, changes, evaluations * evaluation + totals));
+        }
     }
-
-    /// Seconds that `want` costs at the forces, where a share `alone` of the steps has no other reason to compute totals.
-    fn wanted(&self, want: Want, alone: f64) -> f64 {
-        let totals = if want.is_nothing() { 0.0 } else { alone * self.totals.max(0.0) };
-        let beyond = if is_beyond_totals(want) { self.beyond_totals.max(0.0) } else { 0.0 };
-        totals + beyond
-    }
+    parts.extend(simulation.scene.output.trajectory_every.map(|every| {
+        let wanted = of_want(Want::ENERGY_AND_VIRIAL, every);
+        Part::new("trajectory", measured_every(every), frame(bare) + wanted)
+    }));
+    parts.push(Part::new(WATCHDOG, steps, watching_seconds(bare)));
+    Ok(parts)
 }
 
 /// Whether an evaluation with totals alone does not give what is wanted.

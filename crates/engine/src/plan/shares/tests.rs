@@ -1,3 +1,5 @@
+use lennard_scene::Scene;
+
 use super::*;
 
 fn scene(more: &str) -> Scene {
@@ -6,30 +8,6 @@ fn scene(more: &str) -> Scene {
          [output]\nthermo_every = 10\n{more}"
     );
     Scene::parse(&text, "scene.toml", &[]).unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn costs(observers: Vec<(Want, f64)>, baths: Vec<f64>) -> Costs {
-    Costs {
-        steps: 3,
-        step: Some(10.0),
-        median_step: 10.0,
-        force: 6.0,
-        tail: 0.0,
-        neighbor: 2.0,
-        force_bytes: 0,
-        checkpoint_bytes: 0,
-        evaluation: 0.0,
-        totals: 5.0,
-        laplacian: -1.0,
-        beyond_totals: 7.0,
-        thermodynamics: 0.5,
-        observers,
-        baths,
-        frame: 3.0,
-        watch: 0.25,
-        builds: 0.0,
-        halos: Vec::new(),
-    }
 }
 
 #[test]
@@ -65,25 +43,29 @@ fn parts_are_paid_as_often_as_the_scene_says() {
         "trajectory_every = 15\n[[stage]]\nname = \"a\"\nsteps = 300\nthermostat = \"bussi\"\n\
          [[stage]]\nname = \"b\"\nsteps = 600\n[[observable]]\nkind = \"rdf\"\nevery = 20\n",
     );
-    let parts = costs(vec![(Want::NOTHING, 4.0)], vec![0.1, 0.0]).of_run(&scene).unwrap();
-    let near = |part: &str, wanted: f64| {
-        let found = parts[part];
-        assert!((found - wanted).abs() < 1e-9, "{part}: {found}, wanted {wanted}");
+    let mut simulation = crate::prepare(scene).unwrap();
+    let parts = Costs::measure(&mut simulation, &[]).unwrap().parts.unwrap();
+    let calls = |name: &str| {
+        let found: Vec<&Part> = parts.iter().filter(|part| part.name == name).collect();
+        assert!(found.len() == 1 && found[0].of_run() >= 0.0, "{name}: {found:?}");
+        found[0].calls
     };
-    near("pair forces", 900.0 * 6.0);
-    near("neighbor list", 900.0 * 2.0);
-    near("integrator", 900.0 * 1.75);
-    near("watchdog", 900.0 * 0.25);
-    near("energy and virial", 90.0 * 5.0);
-    near("thermostat bussi of a", 300.0 * 0.1);
+    assert_eq!(calls("pair forces"), 900.0);
+    assert_eq!(calls("neighbor list"), 900.0);
+    assert_eq!(calls("integrator"), 900.0);
+    assert_eq!(calls("watchdog"), 900.0);
+    assert_eq!(calls("energy and virial"), 90.0);
+    assert_eq!(calls("thermostat bussi of a"), 300.0);
     // The second stage alone is measured.
-    near("thermodynamics", 60.0 * 0.5);
-    near("rdf", 30.0 * 4.0);
-    // A measurement below nothing is nothing.
-    near("configurational temperature", 0.0);
+    assert_eq!(calls("thermodynamics"), 60.0);
+    assert_eq!(calls("configurational temperature"), 60.0);
+    assert_eq!(calls("rdf"), 30.0);
+    assert_eq!(calls("trajectory"), 40.0);
+    assert_eq!(parts.len(), 10);
     // Frames on steps 15, 30, 45, …: every second one falls on a row.
-    near("trajectory", 40.0 * (3.0 + 0.5 * 5.0));
-    assert!(!parts.contains_key("msd"));
+    assert_eq!(alone(15, 10), 0.5);
+    // A measurement below nothing is nothing.
+    assert_eq!(Part::new("frame", 3.0, -1.0).of_run(), 0.0);
 }
 
 #[test]
@@ -103,6 +85,4 @@ fn a_slow_first_step_is_followed_by_three_or_nothing_is_told_of_the_time() {
     let mut too_slow = began(PATIENCE);
     bare.follow(&mut too_slow).unwrap();
     assert_eq!((too_slow.seconds.len(), too_slow.mean()), (0, None));
-    let costs = Costs { step: None, ..costs(Vec::new(), vec![0.0]) };
-    assert!(costs.of_run(&bare.scene).is_none());
 }
