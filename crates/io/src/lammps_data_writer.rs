@@ -7,8 +7,8 @@ use std::path::Path;
 use lennard_core::{SpeciesTable, State};
 
 use crate::atomic::write_bytes_atomically;
-use crate::formats::lines::{push_float, push_integer};
-use crate::frame::finite;
+use crate::formats::columns::{Column, Layout};
+use crate::formats::lines::push_float;
 use crate::{Frame, FrameStyle, WriteError};
 
 /// Writes a state as a data file for `units lj` and `atom_style atomic`; `title` is its first line.
@@ -43,31 +43,13 @@ pub fn write_lammps_data(
         text.extend_from_slice(line.as_bytes());
     }
     text.extend_from_slice(b"\nAtoms # atomic\n\n");
-    for i in 0..state.len() {
-        let (position, image) =
-            style.place(&state.cell, &state.positions, i).map_err(|bad| bad.in_file(path))?;
-        push_integer(&mut text, i + 1);
-        text.push(b' ');
-        push_integer(&mut text, species.of(i) + 1);
-        push_numbers(&mut text, position.to_array(), push_float);
-        let flags = image.unwrap_or_default().to_array();
-        push_numbers(&mut text, flags, push_integer);
-        text.push(b'\n');
-    }
+    let columns = |names: &[Column]| {
+        let named: Vec<_> = names.iter().map(|column| (*column, "")).collect();
+        Layout::new(&style, 1.0, &named)
+    };
+    let atoms = columns(&[Column::Id, Column::Type, Column::Position, Column::Image]);
+    atoms.push_all(&mut text, path, state)?;
     text.extend_from_slice(b"\nVelocities\n\n");
-    for (i, velocity) in state.velocities.iter().enumerate() {
-        let velocity = finite("velocity", i, *velocity).map_err(|bad| bad.in_file(path))?;
-        push_integer(&mut text, i + 1);
-        push_numbers(&mut text, velocity.to_array(), push_float);
-        text.push(b'\n');
-    }
+    columns(&[Column::Id, Column::Velocity]).push_all(&mut text, path, state)?;
     write_bytes_atomically(path, &text)
-}
-
-/// Appends numbers, each with a blank before it.
-fn push_numbers<T>(to: &mut Vec<u8>, numbers: [T; 3], push: impl Fn(&mut Vec<u8>, T)) {
-    for number in numbers {
-        to.push(b' ');
-        push(to, number);
-    }
 }

@@ -5,9 +5,8 @@
 use std::path::Path;
 
 use super::FormatSpec;
-use super::lines::{push_field, push_lines, push_vector};
-use crate::formats::lines::{push_float, push_integer};
-use crate::frame::{NotFinite, finite};
+use super::columns::{Column, Layout};
+use super::lines::{push_float, push_integer};
 use crate::{Frame, FrameStyle, WriteError};
 
 pub(super) const SPEC: FormatSpec = FormatSpec {
@@ -29,15 +28,22 @@ fn push(
     style: &FrameStyle,
     frame: &Frame<'_>,
 ) -> Result<Option<f64>, WriteError> {
-    push_header(to, style, frame);
-    let vectors = 1 + usize::from(style.velocities) + usize::from(style.forces);
-    push_lines(to, path, frame.state.len(), vectors, |text, i| {
-        push_particle(text, style, frame, i)
-    })?;
-    Ok(None)
-}
-
-fn push_header(to: &mut Vec<u8>, style: &FrameStyle, frame: &Frame<'_>) {
+    let positions = if style.wrapped { " x y z" } else { " xu yu zu" };
+    let layout = Layout::new(
+        style,
+        1.0,
+        &[
+            (Column::Id, " id"),
+            (Column::Type, " type"),
+            (Column::Element, " element"),
+            (Column::Molecule, " mol"),
+            (Column::Mass, " mass"),
+            (Column::Position, positions),
+            (Column::Image, " ix iy iz"),
+            (Column::Velocity, " vx vy vz"),
+            (Column::Force, " fx fy fz"),
+        ],
+    );
     to.extend_from_slice(b"ITEM: TIMESTEP\n");
     push_integer(to, frame.state.step);
     to.extend_from_slice(b"\nITEM: NUMBER OF ATOMS\n");
@@ -48,53 +54,7 @@ fn push_header(to: &mut Vec<u8>, style: &FrameStyle, frame: &Frame<'_>) {
         push_float(to, side);
         to.push(b'\n');
     }
-    to.extend_from_slice(b"ITEM: ATOMS id type element");
-    if style.sites_per_molecule > 1 {
-        to.extend_from_slice(b" mol");
-    }
-    if style.has_masses() {
-        to.extend_from_slice(b" mass");
-    }
-    to.extend_from_slice(if style.wrapped { b" x y z ix iy iz" } else { b" xu yu zu" });
-    if style.velocities {
-        to.extend_from_slice(b" vx vy vz");
-    }
-    if style.forces {
-        to.extend_from_slice(b" fx fy fz");
-    }
-    to.push(b'\n');
-}
-
-fn push_particle(
-    to: &mut Vec<u8>,
-    style: &FrameStyle,
-    frame: &Frame<'_>,
-    i: usize,
-) -> Result<(), NotFinite> {
-    let state = frame.state;
-    let (position, image) = style.place(&state.cell, &state.positions, i)?;
-    let species = style.species_of(i);
-    push_integer(to, i + 1);
-    push_field(to, style.species.of(i) + 1);
-    to.push(b' ');
-    to.extend_from_slice(species.element.as_bytes());
-    if style.sites_per_molecule > 1 {
-        push_field(to, i / style.sites_per_molecule + 1);
-    }
-    if style.has_masses() {
-        to.push(b' ');
-        push_float(to, species.mass);
-    }
-    push_vector(to, position);
-    for flag in image.into_iter().flat_map(|image| image.to_array()) {
-        push_field(to, flag);
-    }
-    if style.velocities {
-        push_vector(to, finite("velocity", i, frame.state.velocities[i])?);
-    }
-    if style.forces {
-        push_vector(to, finite("force", i, frame.state.forces[i])?);
-    }
-    to.push(b'\n');
-    Ok(())
+    to.extend_from_slice(format!("ITEM: ATOMS{}\n", layout.names).as_bytes());
+    layout.push_all(to, path, frame.state)?;
+    Ok(None)
 }

@@ -52,9 +52,10 @@ pub(super) fn push_lines(
     Ok(())
 }
 
-/// Appends three numbers, each with a blank before it.
+/// Appends three numbers with blanks between them.
 pub(super) fn push_vector(to: &mut Vec<u8>, vector: DVec3) {
-    for component in vector.to_array() {
+    push_float(to, vector.x);
+    for component in [vector.y, vector.z] {
         to.push(b' ');
         push_float(to, component);
     }

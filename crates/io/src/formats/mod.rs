@@ -1,5 +1,6 @@
 //! The list of trajectory formats: one file and one line each.
 
+pub(crate) mod columns;
 pub(crate) mod lines;
 
 use std::path::Path;

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::FormatSpec;
-use super::lines::{push_field, push_lines, push_vector};
-use crate::formats::lines::{push_float, push_integer};
-use crate::frame::{NotFinite, finite, unwritable};
+use super::columns::{Column, Layout};
+use super::lines::{push_float, push_integer};
+use crate::frame::unwritable;
 use crate::{Frame, FrameStyle, WriteError};
 
 pub(super) const SPEC: FormatSpec = FormatSpec {
@@ -20,6 +20,18 @@ pub(super) const SPEC: FormatSpec = FormatSpec {
     ends_with_line: true,
     push,
 };
+
+/// Columns with their names, types and widths.
+const COLUMNS: &[(Column, &str)] = &[
+    (Column::Element, ":species:S:1"),
+    (Column::Position, ":pos:R:3"),
+    (Column::Velocity, ":velo:R:3"),
+    (Column::Force, ":forces:R:3"),
+    (Column::Image, ":map_shift:I:3"),
+    (Column::Molecule, ":molecule:I:1"),
+    (Column::Mass, ":masses:R:1"),
+    (Column::Momentum, ":momenta:R:3"),
+];
 
 /// Keys of the header that the dialect itself uses or that readers take for something else.
 const TAKEN_KEYS: [&str; 12] = [
@@ -53,12 +65,9 @@ pub(super) fn push(
     style: &FrameStyle,
     frame: &Frame<'_>,
 ) -> Result<Option<f64>, WriteError> {
-    push_header(to, path, style, frame)?;
-    let vectors = [style.velocities, style.forces, style.for_ase];
-    let vectors = 1 + vectors.into_iter().filter(|there| *there).count();
-    push_lines(to, path, frame.state.len(), vectors, |text, i| {
-        push_particle(text, style, frame, i)
-    })?;
+    let layout = Layout::new(style, style.length_scale, COLUMNS);
+    push_header(to, path, style, &layout.names, frame)?;
+    layout.push_all(to, path, frame.state)?;
     Ok(None)
 }
 
@@ -66,6 +75,7 @@ fn push_header(
     to: &mut Vec<u8>,
     path: &Path,
     style: &FrameStyle,
+    columns: &str,
     frame: &Frame<'_>,
 ) -> Result<(), WriteError> {
     push_integer(to, frame.state.len());
@@ -76,25 +86,8 @@ fn push_header(
     push_float(to, sides.y);
     to.extend_from_slice(b" 0.0 0.0 0.0 ");
     push_float(to, sides.z);
-    to.extend_from_slice(b"\" Properties=species:S:1:pos:R:3");
-    if style.velocities {
-        to.extend_from_slice(b":velo:R:3");
-    }
-    if style.forces {
-        to.extend_from_slice(b":forces:R:3");
-    }
-    if style.wrapped {
-        to.extend_from_slice(b":map_shift:I:3");
-    }
-    if style.sites_per_molecule > 1 {
-        to.extend_from_slice(b":molecule:I:1");
-    }
-    if style.has_masses() {
-        to.extend_from_slice(b":masses:R:1");
-    }
-    if style.for_ase {
-        to.extend_from_slice(b":momenta:R:3");
-    }
+    // Names stand between colons.
+    to.extend_from_slice(format!("\" Properties={}", &columns[1..]).as_bytes());
     to.extend_from_slice(b" pbc=\"T T T\"");
     let number = |to: &mut Vec<u8>, key: &str, value: f64| {
         if !value.is_finite() {
@@ -129,45 +122,6 @@ fn push_header(
     to.extend_from_slice(b" units=lj");
     if style.length_scale != 1.0 {
         number(to, "length_scale", style.length_scale)?;
-    }
-    to.push(b'\n');
-    Ok(())
-}
-
-fn push_particle(
-    to: &mut Vec<u8>,
-    style: &FrameStyle,
-    frame: &Frame<'_>,
-    i: usize,
-) -> Result<(), NotFinite> {
-    let state = frame.state;
-    let (written, image) = style.place(&state.cell, &state.positions, i)?;
-    let species = style.species_of(i);
-    to.extend_from_slice(species.element.as_bytes());
-    push_vector(to, finite("position", i, written * style.length_scale)?);
-    if style.velocities {
-        let velocity = state.velocities[i] * style.length_scale;
-        push_vector(to, finite("velocity", i, velocity)?);
-    }
-    if style.forces {
-        let force = state.forces[i] / style.length_scale;
-        push_vector(to, finite("force", i, force)?);
-    }
-    if let Some(image) = image {
-        for flag in image.to_array() {
-            push_field(to, flag);
-        }
-    }
-    if style.sites_per_molecule > 1 {
-        push_field(to, i / style.sites_per_molecule + 1);
-    }
-    if style.has_masses() {
-        to.push(b' ');
-        push_float(to, species.mass);
-    }
-    if style.for_ase {
-        let momentum = species.mass * state.velocities[i] * style.length_scale;
-        push_vector(to, finite("momentum", i, momentum)?);
     }
     to.push(b'\n');
     Ok(())
