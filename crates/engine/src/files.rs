@@ -28,21 +28,37 @@ use crate::{EngineError, Simulation};
 /// Energies over the number of particles, or of molecules.
 const PER_PARTICLE: &str = "ε per particle";
 
-const THERMO_COLUMNS: &[(&str, &str)] = &[
-    ("step", ""),
-    ("time", "τ"),
-    ("stage", ""),
-    ("temperature", "ε/k_B"),
-    ("temperature_half_steps", "ε/k_B"),
-    ("potential_energy", PER_PARTICLE),
-    ("pressure", "ε/σ³"),
-    ("conserved_energy", PER_PARTICLE),
-    ("heat", PER_PARTICLE),
+/// A column of `thermo.csv`: its name, its unit, and its value for the state as it is.
+type ThermoColumn = (&'static str, &'static str, fn(&Simulation) -> Cell);
+
+const THERMO_COLUMNS: &[ThermoColumn] = &[
+    ("step", "", |s| s.state.step.into()),
+    ("time", "τ", |s| s.state.time.into()),
+    ("stage", "", |s| s.stage_run().index.into()),
+    ("temperature", "ε/k_B", |s| s.view().temperature().into()),
+    ("temperature_half_steps", "ε/k_B", |s| half_steps(s).unwrap_or(f64::NAN).into()),
+    ("potential_energy", PER_PARTICLE, |s| {
+        s.potential_energy_per_particle().unwrap_or(f64::NAN).into()
+    }),
+    ("pressure", "ε/σ³", |s| s.pressure().unwrap_or(f64::NAN).into()),
+    ("conserved_energy", PER_PARTICLE, |s| {
+        s.conserved_energy_per_particle().unwrap_or(f64::NAN).into()
+    }),
+    ("heat", PER_PARTICLE, |s| (s.stage_run().heat / s.system.n_molecules() as f64).into()),
 ];
 
 /// Columns that follow in a scene with a barostat.
-const BOX_COLUMNS: &[(&str, &str)] =
-    &[("density", "σ⁻³"), ("box_x", "σ"), ("box_y", "σ"), ("box_z", "σ")];
+const BOX_COLUMNS: &[ThermoColumn] = &[
+    ("density", "σ⁻³", |s| (s.system.n_molecules() as f64 / s.state.cell.volume()).into()),
+    ("box_x", "σ", |s| s.state.cell.lengths().x.into()),
+    ("box_y", "σ", |s| s.state.cell.lengths().y.into()),
+    ("box_z", "σ", |s| s.state.cell.lengths().z.into()),
+];
+
+fn columns_of(simulation: &Simulation) -> impl Iterator<Item = &'static ThermoColumn> {
+    let more = if simulation.box_changes() { BOX_COLUMNS } else { &[] };
+    THERMO_COLUMNS.iter().chain(more)
+}
 
 /// The columns of `thermo.csv`, whose energies are per molecule where there are molecules.
 pub(crate) fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'static str)> {
@@ -50,36 +66,12 @@ pub(crate) fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'st
         PER_PARTICLE => simulation.system.molecules.energy_unit(),
         unit => unit,
     };
-    let more = if simulation.box_changes() { BOX_COLUMNS } else { &[] };
-    let columns = THERMO_COLUMNS.iter().chain(more);
-    columns.map(|(name, of)| (*name, unit(of))).collect()
+    columns_of(simulation).map(|(name, of, _)| (*name, unit(of))).collect()
 }
 
 /// The row of `thermo.csv` for the state as it is.
 pub(crate) fn thermo_row(simulation: &Simulation) -> Vec<Cell> {
-    let n = simulation.system.n_molecules() as f64;
-    let temperature = simulation.view().temperature();
-    let potential = simulation.potential_energy_per_particle().unwrap_or(f64::NAN);
-    let pressure = simulation.pressure().unwrap_or(f64::NAN);
-    let conserved = simulation.conserved_energy_per_particle().unwrap_or(f64::NAN);
-    let heat = simulation.stage_run().heat / n;
-    let mut row = vec![
-        simulation.state.step.into(),
-        simulation.state.time.into(),
-        simulation.stage_run().index.into(),
-        temperature.into(),
-        half_steps(simulation).unwrap_or(f64::NAN).into(),
-        potential.into(),
-        pressure.into(),
-        conserved.into(),
-        heat.into(),
-    ];
-    if simulation.box_changes() {
-        let cell = &simulation.state.cell;
-        row.push((n / cell.volume()).into());
-        row.extend(cell.lengths().to_array().map(Into::into));
-    }
-    row
+    columns_of(simulation).map(|(_, _, value)| value(simulation)).collect()
 }
 
 /// The growing and the final files of a run.

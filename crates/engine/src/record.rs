@@ -11,9 +11,10 @@ use lennard_io::{
 };
 use lennard_observables::ChangingBox;
 
+use crate::Simulation;
+use crate::compare::{Compared, at_constant_pressure, beside_equation_of_state};
 use crate::frozen::frozen;
 use crate::threads::Threads;
-use crate::{Simulation, at_constant_pressure, compare};
 
 /// The record of a run that has not ended, or not well; `remarks` say how it failed.
 #[must_use]
@@ -41,7 +42,8 @@ pub fn finished(
         }
         None => {
             let density = molecules as f64 / simulation.state.cell.volume();
-            compare::with_equation_of_state(scene, density, molecules, thermodynamics)
+            let what = Compared::Results;
+            beside_equation_of_state(scene, density, molecules, thermodynamics, what)
         }
     };
     let conservation = simulation.thermodynamics().conservation();
