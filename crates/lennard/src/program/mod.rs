@@ -9,6 +9,7 @@ mod out;
 mod args;
 mod commands;
 mod failure;
+mod lammps;
 mod list_entry;
 mod progress;
 mod ranks;

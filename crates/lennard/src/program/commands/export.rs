@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-use lennard_engine::{LammpsExport, ResumeOptions, Simulation};
+use lennard_engine::{ResumeOptions, Simulation};
 use lennard_io::{Existing, FolderError, create_named_folder, path_in_shell};
 use serde_json::json;
 
 use crate::program::args::{ExportArgs, ExportFormat};
 use crate::program::commands::{answer, load_locked, on_threads};
 use crate::program::failure::{Failure, INPUT};
+use crate::program::lammps::{LammpsExport, export_to_lammps};
 
 /// Writes the files of another program.
 pub fn export(args: &ExportArgs) -> Result<u8, Failure> {
@@ -68,5 +69,5 @@ fn write(
     let making = |e: FolderError| Failure::new("making the output folder", e, INPUT);
     let held = create_named_folder(folder, existing).map_err(making)?;
     let ExportFormat::Lammps = args.format;
-    Ok(lennard_engine::export_to_lammps(held.path(), simulation)?)
+    Ok(export_to_lammps(held.path(), simulation)?)
 }

@@ -7,7 +7,7 @@ use lennard_integrators::{
 use lennard_scene::{PressureControl, Scene, Stage};
 
 use super::script::Script;
-use crate::{EngineError, Simulation};
+use lennard_engine::{EngineError, Simulation};
 
 /// Seeds of LAMMPS are positive and have 31 bits; some fixes add to them.
 const SEEDS: u64 = 900_000_000;

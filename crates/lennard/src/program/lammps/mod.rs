@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 use lennard_core::Axis;
 use lennard_scene::Scene;
 
-use crate::lammps::script::Script;
-use crate::{EngineError, Simulation};
+use lennard_engine::{EngineError, Simulation};
+use script::Script;
 
 /// The state in a folder of an export.
 const DATA: &str = "start.data";

@@ -4,7 +4,7 @@ use lennard_forcefield::{PotentialOptions, SpeciesPair, TruncationKind};
 use lennard_scene::Scene;
 
 use super::script::Script;
-use crate::EngineError;
+use lennard_engine::EngineError;
 
 /// Where the WCA potential ends, in σ_ab: 2^(1/6).
 const END_OF_WCA: f64 = 1.122_462_048_309_373;
