@@ -47,6 +47,8 @@ pub struct AllPairs {
     precision: Precision,
     split: Option<SplitOptions>,
     exclusions: Exclusions,
+    /// How far the force of a pair by rows may be off, as a share of it or of ε/σ.
+    rows: f64,
 }
 
 impl AllPairs {
@@ -56,7 +58,12 @@ impl AllPairs {
     /// [`ForceFieldError`] where potential and truncation do not go together or are out of range.
     pub fn new(o: &ForceFieldOptions, mixture: Option<&Mixture>) -> Result<Self, ForceFieldError> {
         let (model, laws) = interaction(o, mixture)?;
+        let tolerance = model.form.formula.tolerance();
         Ok(Self {
+            rows: match model.form.compiled(laws.is_none()) {
+                Some(_) => 0.0,
+                None => tolerance.force,
+            },
             model,
             laws,
             precision: o.kernel.precision,
@@ -80,7 +87,7 @@ impl AllPairs {
         let largest_r_cut = self.model.r_cut;
         let (relative, seen) = self.rounding(cell);
         let mut force = DVec3::ZERO;
-        let (mut size, mut shaken) = (0.0, 0.0);
+        let (mut size, mut shaken, mut off_by_rows) = (0.0, 0.0, 0.0);
         for (j, other) in within((1.0 + SOUGHT_BEYOND) * largest_r_cut + seen, own, cell, positions)
         {
             if j == particle || self.exclusions.exclude(j, particle) {
@@ -89,12 +96,13 @@ impl AllPairs {
             let r_ij = cell.minimum_image(own - other);
             let r2 = r_ij.length_squared();
             let r = r2.sqrt();
-            let (pair, r_cut) = self.between(particle, j, r2);
+            let (pair, r_cut, unit) = self.between(particle, j, r2);
             let strength = (pair.force * r).abs();
             let off = seen + places(own, other, cell);
             if r2 <= r_cut * r_cut {
                 force += pair.force * r_ij;
                 size += strength;
+                off_by_rows += self.rows * strength.max(unit);
                 let of_split = self.split.map_or(0.0, |s| 4.0 * strength / s.width);
                 shaken += off * (pair.curvature.abs() + pair.force.abs() + of_split);
             }
@@ -106,15 +114,18 @@ impl AllPairs {
         let parts = if self.split.is_some() { 2.0 } else { 1.0 };
         CheckedForce {
             force,
-            tolerance: (parts * (relative * size + shaken)).max(f64::MIN_POSITIVE),
+            tolerance: (parts * (relative * size + shaken) + off_by_rows).max(f64::MIN_POSITIVE),
         }
     }
 
-    /// The values of two particles at r² = `r2` σ², and their cutoff, σ.
-    fn between(&self, i: usize, j: usize, r2: f64) -> (Pair<f64>, f64) {
+    /// The values of two particles at r² = `r2` σ², their cutoff, σ, and their ε/σ.
+    fn between(&self, i: usize, j: usize, r2: f64) -> (Pair<f64>, f64, f64) {
         match &self.laws {
-            None => (self.model.eval(r2), self.model.r_cut),
-            Some(laws) => (laws.eval(i, j, r2), laws.between(i, j).r_cut2.sqrt()),
+            None => (self.model.eval(r2), self.model.r_cut, 1.0),
+            Some(laws) => {
+                let law = laws.between(i, j);
+                (law.eval(r2), law.r_cut2.sqrt(), law.epsilon / law.sigma2.sqrt())
+            }
         }
     }
 

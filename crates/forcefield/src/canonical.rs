@@ -12,7 +12,7 @@ use lennard_core::parallel::for_each_piece;
 use lennard_core::{Exclusions, PeriodicBox};
 use rayon::prelude::*;
 
-use crate::interaction::Interaction;
+use crate::interaction::Pairwise;
 use crate::simd::{ChunkTotals, Detail, PerParticle};
 use crate::sums::{Totals, outer};
 
@@ -71,8 +71,7 @@ type ChunkWork<'a> =
 /// Exact sums over particles.
 type ParticleSums = ExactSums<{ ChunkTotals::NUMBERS }>;
 
-/// Runs all chunks and returns their totals, where they are wanted. One instance serves all potentials, since the loop is
-/// short.
+/// Runs all chunks and returns their totals, where they are wanted.
 fn run_chunks(
     forces: &mut [DVec3],
     each: Option<&mut [PerParticle]>,
@@ -115,21 +114,21 @@ fn run_chunks(
 
 impl CanonicalJob<'_> {
     /// Writes forces (and `each`); returns the totals that `detail` asks for.
-    pub fn run<I: Interaction>(
+    pub fn run(
         &self,
-        interaction: &I,
+        pairwise: &Pairwise,
         detail: Detail,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
     ) -> Totals {
         run_chunks(forces, each, detail, &|chunk, forces, each, sums| {
-            self.chunk(interaction, chunk, forces, each, sums);
+            self.chunk(pairwise, chunk, forces, each, sums);
         })
     }
 
-    fn chunk<I: Interaction>(
+    fn chunk(
         &self,
-        interaction: &I,
+        pairwise: &Pairwise,
         chunk: usize,
         forces: &mut [DVec3],
         mut each: Option<&mut [PerParticle]>,
@@ -142,14 +141,14 @@ impl CanonicalJob<'_> {
                 NeighborSource::AllBut(exclusions) => {
                     let others = (0..i).chain(i + 1..self.wrapped.len());
                     if exclusions.are_none() {
-                        self.particle(interaction, i, others, &mut mine)
+                        self.particle(pairwise, i, others, &mut mine)
                     } else {
                         let others = others.filter(|j| !exclusions.exclude(i, *j));
-                        self.particle(interaction, i, others, &mut mine)
+                        self.particle(pairwise, i, others, &mut mine)
                     }
                 }
                 NeighborSource::Listed(lists) => {
-                    self.particle(interaction, i, lists[i].iter().map(|j| *j as usize), &mut mine)
+                    self.particle(pairwise, i, lists[i].iter().map(|j| *j as usize), &mut mine)
                 }
             };
             if let Some(sums) = &mut sums {
@@ -163,9 +162,9 @@ impl CanonicalJob<'_> {
 
     /// The force on particle `i` by its neighbors, ε/σ, whose other sums are added to `totals`.
     #[inline(always)]
-    fn particle<I: Interaction>(
+    fn particle(
         &self,
-        interaction: &I,
+        pairwise: &Pairwise,
         i: usize,
         neighbors: impl Iterator<Item = usize>,
         totals: &mut ChunkTotals,
@@ -183,7 +182,7 @@ impl CanonicalJob<'_> {
             );
             let r2 = r_ij.length_squared();
             if r2 <= r_cut2
-                && let Some(pair) = interaction.between_in_epsilon(i, j, r2)
+                && let Some(pair) = pairwise.between(i, j, r2)
             {
                 let f_ij = pair.force * r_ij;
                 force += f_ij;
@@ -191,7 +190,7 @@ impl CanonicalJob<'_> {
                 totals.virial_trace += pair.force * r2;
                 totals.virial += outer(r_ij, f_ij);
                 totals.laplacian += pair.curvature - 2.0 * pair.force;
-                totals.at_cutoff += interaction.energy_at_cutoff(i, j);
+                totals.at_cutoff += pairwise.energy_at_cutoff(i, j);
                 totals.pairs += 1;
             }
         }

@@ -8,11 +8,11 @@ use lennard_core::{ForceError, FusedBath, FusedSteps, Masses};
 use lennard_neighbor::Positions;
 
 use crate::clock::Clock;
+use crate::interaction::Pairwise;
 use crate::share::Share;
 use crate::simd::{
-    Detail, Disjoint, KickDrift, Level, ListStatus, LoopOver, Mover, PackedCopies, PairList,
-    Prepared, Request, SlotNoise, SlotState, SumOverChunks, are_few, by_slot, fused_step,
-    to_particles,
+    Detail, Disjoint, KickDrift, Level, ListStatus, Mover, PackedCopies, PairList, Prepared,
+    Request, SlotNoise, SlotState, SumOverChunks, are_few, by_slot, fused_step, to_particles,
 };
 use crate::validity::ListValidity;
 
@@ -81,7 +81,7 @@ impl FusedBuffers {
         &mut self,
         validity: &mut ListValidity,
         (list, copies): (&mut P, &mut PackedCopies<P::Row>),
-        interaction: &dyn LoopOver<P>,
+        pairwise: &Pairwise,
         steps: &mut FusedSteps<'_>,
         kick_drift: KickDrift,
         clock: &mut Clock,
@@ -103,7 +103,7 @@ impl FusedBuffers {
         loop {
             let most = steps.steps - taken;
             let (done, status) = validity.with_list(list, cell, |used| {
-                let over_list = interaction.over(list, used.r_cut, cell);
+                let over_list = pairwise.over(list, used.r_cut, cell);
                 let mut done = 0;
                 while done < most {
                     let acts = steps.bath.as_ref().is_some_and(FusedBath::acts);

@@ -4,7 +4,6 @@
 //! reference loop stays for ever, and every other one is compared with it.
 
 mod all_pairs;
-mod any_interaction;
 mod canonical;
 mod clock;
 mod contact_law;
@@ -40,8 +39,8 @@ pub use options::{
 };
 pub use pair::potentials::*;
 pub use pair::{
-    CombiningOptions, CombiningSpec, Deviation, Mixture, Model, Pair, Plain, Size, SpeciesPair,
-    TablePath, Tail, TruncationKind, TruncationSpec, combining_rules, model_name, tail_correction,
+    CombiningOptions, CombiningSpec, Deviation, Mixture, Model, Pair, Size, SpeciesPair, TablePath,
+    Tail, Tolerance, TruncationKind, TruncationSpec, combining_rules, model_name, tail_correction,
     tail_in, tail_of_mixture, truncations,
 };
 pub use plan::{Conditions, ForcePlan, Search, recommended_threads};

@@ -9,9 +9,7 @@ use lennard_core::stopwatch::timed;
 use lennard_core::{Configuration, ForceError, ForceTerm, Part, Want};
 
 use crate::options::{Isa, Precision, TruncationOptions};
-use crate::pair::LennardJones;
 use crate::pair::Model;
-use crate::pair::Plain;
 use crate::provider::PairForces;
 use crate::simd::{Level, limit};
 
@@ -83,10 +81,9 @@ pub fn arithmetic_limit(isa: Isa, precision: Precision) -> Option<f64> {
     const RUNS: usize = 9;
     let level = Level::choose(isa)?;
     let r_cut = TruncationOptions::default().r_cut;
-    let form = Plain { potential: LennardJones {}, shift: 0.0 };
     let best = (0..RUNS)
         .map(|_| {
-            let (seconds, (pairs, sum)) = timed(|| limit(level, precision, &form, r_cut, ROUNDS));
+            let (seconds, (pairs, sum)) = timed(|| limit(level, precision, r_cut, ROUNDS));
             black_box(sum);
             pairs as f64 / seconds
         })

@@ -8,6 +8,7 @@ use lennard_neighbor::skin::{SkinInputs, cheapest_skin};
 use serde::Serialize;
 
 use crate::error::{ForceFieldError, LARGEST_N};
+use crate::interaction::{NearPart, NoRows, Pairwise};
 use crate::listed::Loop;
 use crate::options::{ForceFieldOptions, Kernel, ListMode, Precision};
 use crate::pair::{Laws, Mixture, Model, as_one_fluid};
@@ -105,11 +106,12 @@ pub fn recommended_threads(n_atoms: usize, available: usize) -> usize {
 }
 
 /// The decisions as [`crate::provider`] needs them.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct Decision {
-    pub model: Model,
-    /// The potentials of each pair of species, where pairs differ. The model then has the formula and the largest cutoff.
-    pub laws: Option<Arc<Laws>>,
+    /// The whole force.
+    pub whole: Pairwise,
+    /// The near part, where the force is split.
+    pub near: Option<Pairwise>,
     pub level: Level,
     /// The loop that a list serves, where there is one.
     pub listed: Loop,
@@ -149,19 +151,33 @@ pub(crate) fn decide(
     let tie = largest - r_cut < TIE_MARGIN * largest;
     let widest = c.cell.lengths().max_element();
     let is_mixed = o.kernel.precision == Precision::Mixed;
-    let too_wide = is_mixed && widest > Loop::Cluster.widest();
-    let listed = match o.kernel.precision {
+    let in_double = is_mixed.then(|| only_in_double(widest, level)).flatten();
+    let mut listed = match o.kernel.precision {
         _ if o.canonical || tie => Loop::Canonical,
-        Precision::Mixed if !too_wide => Loop::Cluster,
+        Precision::Mixed if in_double.is_none() => Loop::Cluster,
         Precision::Double | Precision::Mixed => Loop::Rows,
     };
-    let (search, skin, mut reason) = search(o, c, r_cut, listed)?;
+    let has_laws = laws.is_some();
+    let laws = laws.map(Arc::new);
+    let mut whole = Pairwise::new(model, laws.clone(), None);
+    let mut near = o.split.map(|split| Pairwise::new(model, laws, Some(NearPart::new(&split))));
+    let (mut search, mut skin, mut reason) = choose_search(o, c, r_cut, listed)?;
+    if search == Search::Verlet && listed != Loop::Canonical {
+        match in_lanes(&whole, near.as_ref()) {
+            Ok(loops) => (whole, near) = loops,
+            Err(without) => {
+                listed = Loop::Canonical;
+                (search, skin, reason) = choose_search(o, c, r_cut, listed)?;
+                reason.push_str(&format!("; {without}"));
+            }
+        }
+    }
     let canonical = search != Search::Verlet || listed == Loop::Canonical;
     let precision = match (search, listed) {
         (Search::Verlet, Loop::Cluster) => Precision::Mixed,
         _ => Precision::Double,
     };
-    let remark = too_wide.then(too_wide_for_mixed);
+    let remark = in_double;
     let kernel = match (search, listed) {
         (Search::Nothing, _) => "none",
         (Search::Reference, _) => "reference",
@@ -176,13 +192,13 @@ pub(crate) fn decide(
     } else if is_mixed && precision == Precision::Double {
         reason.push_str("; this loop is always in double precision");
     }
-    match (&laws, c.mixture) {
-        (Some(_), Some(mixture)) => {
+    match c.mixture {
+        Some(mixture) if has_laws => {
             let species = mixture.species();
             reason.push_str(&format!("; a table has the pairs of {species} species"));
         }
-        (None, Some(_)) => reason.push_str("; all species are alike and need no table of pairs"),
-        _ => {}
+        Some(_) => reason.push_str("; all species are alike and need no table of pairs"),
+        None => {}
     }
     let plan = ForcePlan {
         model: crate::pair::model_name(o),
@@ -197,7 +213,7 @@ pub(crate) fn decide(
         remark,
         recommended_threads: recommended_threads(c.n_atoms, usize::MAX),
     };
-    Ok(Decision { model, laws: laws.map(Arc::new), level, listed, plan })
+    Ok(Decision { whole, near, level, listed, plan })
 }
 
 /// The one truncated potential, or all potentials of a mixture beside a model with its formula and its largest cutoff.
@@ -212,16 +228,39 @@ pub(crate) fn interaction(
         return Ok((Model::new(&o.potential, &truncation)?, None));
     }
     let laws = Laws::new(&o.potential, &o.truncation, mixture)?;
-    let model = Model { form: laws.form, r_cut: laws.r_cut, energy_at_cutoff: 0.0 };
+    let form = laws.of_pairs[0][0].form;
+    let model = Model { form, r_cut: laws.r_cut, energy_at_cutoff: 0.0 };
     Ok((model, Some(laws)))
 }
 
 /// Why pairs are in double precision where mixed precision was asked for.
-fn too_wide_for_mixed() -> String {
-    format!(
-        "mixed precision resolves positions up to {:.0} σ a side: pairs in this longer box are in double precision",
-        Loop::Cluster.widest()
-    )
+fn only_in_double(widest: f64, level: Level) -> Option<String> {
+    if widest > Loop::Cluster.widest() {
+        return Some(format!(
+            "mixed precision resolves positions up to {:.0} σ a side: pairs in this longer box are in double precision",
+            Loop::Cluster.widest()
+        ));
+    }
+    (level == Level::Portable).then(|| {
+        "mixed precision needs AVX2 or AVX-512: pairs are in double precision, which takes half the time without them"
+            .to_owned()
+    })
+}
+
+/// The whole force and its near part with loops in lanes, or why there are none.
+fn in_lanes(
+    whole: &Pairwise,
+    near: Option<&Pairwise>,
+) -> Result<(Pairwise, Option<Pairwise>), String> {
+    let loops = |pairwise: &Pairwise, of: &str| {
+        pairwise.clone().with_loops().map_err(|NoRows { r }| {
+            format!(
+                "rows of the {of} cannot hold 1e-10 of U at r = {r:.4} σ: the formula itself is summed, in double precision without lanes"
+            )
+        })
+    };
+    let near = near.map(|near| loops(near, "near force")).transpose()?;
+    Ok((loops(whole, "force")?, near))
 }
 
 fn check_split(o: &ForceFieldOptions, r_cut: f64) -> Result<(), ForceFieldError> {
@@ -236,7 +275,7 @@ fn check_split(o: &ForceFieldOptions, r_cut: f64) -> Result<(), ForceFieldError>
 }
 
 /// Chooses the search for pairs, the skin of a list for this loop, and gives the reason. No pair is nearer than a cutoff of 0.
-fn search(
+fn choose_search(
     o: &ForceFieldOptions,
     c: &Conditions<'_>,
     r_cut: f64,

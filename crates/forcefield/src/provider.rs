@@ -2,24 +2,21 @@
 
 mod persist;
 
-use std::sync::Arc;
-
 use glam::{DMat3, DVec3};
 use lennard_core::{
     Backend, Configuration, Energetics, Exclusions, ForceError, ForceProperties, ForceStatistics,
     ForceTerm, FusedSteps, HaloSize, Masses, Part, PeriodicBox, Team, TooManyRanks, Want,
 };
 
-use crate::any_interaction::{AnyInteraction, with_whole};
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
 use crate::clock::Clock;
 use crate::error::ForceFieldError;
-use crate::interaction::{ManySpecies, OneSpecies, SplitWeights};
+use crate::interaction::Pairwise;
 use crate::listed::{Listed, Loop};
 use crate::non_finite;
-use crate::options::{ForceFieldOptions, SplitOptions};
-use crate::pair::{Laws, Model, with_form};
+use crate::options::ForceFieldOptions;
 use crate::plan::{Conditions, ForcePlan, Search, TIE_MARGIN, decide};
+use crate::reference;
 use crate::simd::{Detail, KickDrift, PerParticle};
 use crate::sums::Totals;
 
@@ -31,11 +28,11 @@ enum Strategy {
     Verlet(Box<Listed>),
 }
 
-/// Near and far parts.
-struct Split {
-    options: SplitOptions,
-    /// A short list for the near part. Without it, the near part uses the pairs of the whole force.
-    near: Option<Box<Listed>>,
+/// The near part.
+struct Near {
+    pairwise: Pairwise,
+    /// A short list. Without it, the near part uses the pairs of the whole force.
+    list: Option<Box<Listed>>,
 }
 
 /// Forces between pairs of particles.
@@ -45,12 +42,12 @@ pub struct PairForces {
     /// The longest side of the box that the loop takes, σ.
     widest: f64,
     n_atoms: usize,
-    model: Model,
-    /// The potentials of each pair of species, where pairs differ.
-    laws: Option<Arc<Laws>>,
+    whole: Pairwise,
     exclusions: Exclusions,
     strategy: Strategy,
-    split: Option<Split>,
+    near: Option<Near>,
+    /// Room for the forces of the near part while the far part is made.
+    near_forces: Vec<DVec3>,
     plan: ForcePlan,
     evaluations: u64,
     clock: Clock,
@@ -65,26 +62,25 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<PairForces, Fo
     let plan = decision.plan;
     let listed = |r_cut| {
         let level = decision.level;
-        let laws = decision.laws.as_ref();
         Box::new(Listed::new(
             (r_cut, plan.skin),
             level,
             decision.listed,
             o.exclusions,
-            laws.map(|laws| laws.mixture.of_particle().clone()),
+            decision.whole.of_particle(),
         ))
     };
     let strategy = match plan.search {
         Search::Nothing => Strategy::Nothing,
         Search::Reference => Strategy::Reference,
         Search::Direct => Strategy::Direct { wrapped: Vec::new() },
-        Search::Verlet => Strategy::Verlet(listed(decision.model.r_cut)),
+        Search::Verlet => Strategy::Verlet(listed(decision.whole.model().r_cut)),
     };
-    let split = o.split.map(|options| Split {
-        options,
-        near: matches!(strategy, Strategy::Verlet(_)).then(|| listed(options.r_split)),
-    });
     let is_listed = matches!(strategy, Strategy::Verlet(_));
+    let near = o
+        .split
+        .zip(decision.near)
+        .map(|(split, pairwise)| Near { list: is_listed.then(|| listed(split.r_split)), pairwise });
     let needs_one_image = is_listed && decision.listed != Loop::Canonical;
     Ok(PairForces {
         widest: match strategy {
@@ -94,33 +90,15 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<PairForces, Fo
         },
         largest_share: if needs_one_image { 1.0 - TIE_MARGIN } else { 1.0 },
         n_atoms: c.n_atoms,
-        model: decision.model,
-        laws: decision.laws,
+        whole: decision.whole,
         exclusions: o.exclusions,
         strategy,
-        split,
+        near,
+        near_forces: Vec::new(),
         plan,
         evaluations: 0,
         clock: Clock::default(),
     })
-}
-
-/// Runs `$body` with `$interaction` bound to the interaction of a form and the laws of a mixture.
-macro_rules! with_interaction {
-    ($form:expr, $laws:expr, $interaction:ident => $body:expr) => {
-        with_form!($form, form => match $laws {
-            // Unit tests look at parts, and tests/all at loops: without the loops, unit tests compile two minutes faster.
-            _ if cfg!(test) => unreachable!("a unit test evaluates no forces"),
-            None => {
-                let $interaction = OneSpecies(form);
-                $body
-            }
-            Some(laws) => {
-                let $interaction = ManySpecies { form, laws };
-                $body
-            }
-        })
-    };
 }
 
 impl PairForces {
@@ -150,7 +128,7 @@ impl PairForces {
 
     /// Checks that each pair has one image inside the cutoff at most in a box, and that the loop resolves positions in it.
     fn check_box(&self, cell: &PeriodicBox) -> Result<(), ForceError> {
-        let (r_cut, largest) = (self.model.r_cut, cell.largest_cutoff());
+        let (r_cut, largest) = (self.whole.model().r_cut, cell.largest_cutoff());
         if r_cut > largest * self.largest_share {
             return Err(ForceError::CutoffOverHalfBox { r_cut, largest });
         }
@@ -177,26 +155,26 @@ impl PairForces {
         Ok(Totals::NOTHING.deliver(want, 0.0, each))
     }
 
-    /// Evaluates a part of the force, or the whole.
+    /// Writes the whole forces (and `each`), or those of the near part, and returns the totals that `detail` asks for.
     fn run(
         &mut self,
-        interaction: &dyn AnyInteraction,
-        near: bool,
+        of_near: bool,
         at: Configuration<'_>,
         detail: Detail,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
     ) -> Result<Totals, ForceError> {
         let clock = &mut self.clock;
-        if let Some(Split { near: Some(list), .. }) = &mut self.split
-            && near
-        {
-            return list.evaluate(interaction, at, detail, forces, each, clock);
+        let (pairwise, own_list) = match &mut self.near {
+            Some(near) if of_near => (&near.pairwise, near.list.as_mut()),
+            _ => (&self.whole, None),
+        };
+        if let Some(list) = own_list {
+            return list.evaluate(pairwise, at, detail, forces, each, clock);
         }
-        // The near part is zero beyond r_split, so that the cutoff of the whole force serves it too.
-        let (model, exclusions) = (self.model, &self.exclusions);
+        let exclusions = &self.exclusions;
         if let Strategy::Verlet(listed) = &mut self.strategy {
-            return listed.evaluate(interaction, at, detail, forces, each, clock);
+            return listed.evaluate(pairwise, at, detail, forces, each, clock);
         }
         if !at.positions.iter().all(|r| r.is_finite()) {
             return Err(non_finite::position(at.positions));
@@ -205,19 +183,43 @@ impl PairForces {
             Strategy::Direct { wrapped } => {
                 wrap(at.cell, at.positions, wrapped);
                 let job = CanonicalJob {
-                    r_cut: model.r_cut,
+                    r_cut: pairwise.model().r_cut,
                     cell: at.cell,
                     wrapped,
                     neighbors: NeighborSource::AllBut(exclusions),
                 };
-                interaction.canonical(&job, detail, forces, each)
+                job.run(pairwise, detail, forces, each)
             }
-            _ => interaction.reference(&model, exclusions, at, forces, each),
+            _ => reference::evaluate(pairwise, exclusions, at, forces, each),
         });
         if !forces.iter().all(|f| f.is_finite()) {
             return Err(non_finite::force(forces));
         }
         Ok(totals)
+    }
+
+    /// The far part: what the near part leaves of the whole. It has all pairs, and the whole jump at the cutoff.
+    fn far(
+        &mut self,
+        at: Configuration<'_>,
+        detail: Detail,
+        forces: &mut [DVec3],
+        mut each: Option<&mut [PerParticle]>,
+    ) -> Result<Totals, ForceError> {
+        let whole = self.run(false, at, detail, forces, each.as_deref_mut())?;
+        let mut near = std::mem::take(&mut self.near_forces);
+        near.resize(forces.len(), DVec3::ZERO);
+        let mut near_each = each.as_ref().map(|each| vec![(0.0, DMat3::ZERO); each.len()]);
+        let of_near = self.run(true, at, detail, &mut near, near_each.as_deref_mut())?;
+        for (force, near) in forces.iter_mut().zip(&near) {
+            *force -= *near;
+        }
+        for (each, near) in each.into_iter().flatten().zip(near_each.iter().flatten()) {
+            each.0 -= near.0;
+            each.1 -= near.1;
+        }
+        self.near_forces = near;
+        Ok(whole.without(&of_near))
     }
 }
 
@@ -238,11 +240,9 @@ impl ForceTerm for PairForces {
             return self.nothing(at, want, forces);
         }
         self.check_box(at.cell)?;
-        let split = match (part, &self.split) {
-            (Part::All, _) => None,
-            (_, Some(split)) => Some(SplitWeights::new(&split.options, part == Part::Near)),
-            (_, None) => return Err(ForceError::NotSplit),
-        };
+        if part != Part::All && self.near.is_none() {
+            return Err(ForceError::NotSplit);
+        }
         self.evaluations += 1;
         let mut each = want.per_particle.then(|| vec![(0.0, DMat3::ZERO); self.n_atoms]);
         let detail = if want.per_particle || want.virial_tensor {
@@ -252,24 +252,17 @@ impl ForceTerm for PairForces {
         } else {
             Detail::Totals
         };
-        let near = part == Part::Near;
         let slots = each.as_deref_mut();
-        // A copy of the pointer, which leaves the lists free to change.
-        let laws = self.laws.clone();
-        let mut totals = with_interaction!(self.model.form, &laws, interaction => match split {
-            None => with_whole(interaction, |whole| {
-                self.run(whole, false, at, detail, forces, slots)
-            }),
-            Some(weights) => {
-                self.run(&weights.of(interaction), near, at, detail, forces, slots)
+        let mut jump = self.whole.model().energy_at_cutoff;
+        let totals = match part {
+            Part::All => self.run(false, at, detail, forces, slots)?,
+            Part::Far => self.far(at, detail, forces, slots)?,
+            Part::Near => {
+                // The near part is zero at the cutoff.
+                jump = 0.0;
+                let totals = self.run(true, at, detail, forces, slots)?;
+                Totals { at_cutoff: 0.0, ..totals }
             }
-        })?;
-        // The far part has the whole jump at the cutoff, since the near part is zero there.
-        let jump = if near {
-            totals.at_cutoff = 0.0;
-            0.0
-        } else {
-            self.model.energy_at_cutoff
         };
         Ok(totals.deliver(want, jump, each))
     }
@@ -278,7 +271,7 @@ impl ForceTerm for PairForces {
         ForceProperties {
             velocity_dependent: false,
             linear: false,
-            splits: self.split.is_some() || matches!(self.strategy, Strategy::Nothing),
+            splits: self.near.is_some() || matches!(self.strategy, Strategy::Nothing),
             ..ForceProperties::default()
         }
     }
@@ -295,7 +288,7 @@ impl ForceTerm for PairForces {
             Strategy::Verlet(listed) => Some(listed),
             _ => None,
         };
-        let near = self.split.as_ref().and_then(|s| s.near.as_ref());
+        let near = self.near.as_ref().and_then(|near| near.list.as_ref());
         for listed in whole.into_iter().chain(near) {
             statistics.builds += listed.builds();
             statistics.bytes += listed.bytes();
@@ -331,9 +324,7 @@ impl Backend for PairForces {
             return 0;
         };
         let clock = &mut self.clock;
-        let taken = with_interaction!(self.model.form, &self.laws, interaction => {
-            with_whole(interaction, |whole| listed.advance(whole, steps, kick_drift, clock))
-        });
+        let taken = listed.advance(&self.whole, steps, kick_drift, clock);
         self.evaluations += taken;
         taken
     }
@@ -342,7 +333,7 @@ impl Backend for PairForces {
         let Strategy::Verlet(listed) = &mut self.strategy else {
             return Ok(false);
         };
-        if let Some(near) = self.split.as_mut().and_then(|s| s.near.as_mut()) {
+        if let Some(near) = self.near.as_mut().and_then(|near| near.list.as_mut()) {
             near.share(team, self.n_atoms)?;
         }
         listed.share(team, self.n_atoms)

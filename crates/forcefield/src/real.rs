@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::pair::tabulated::TableRows;
+use crate::pair::{NarrowRow, PairRows, RowsOf, WideRow};
 
 /// A real number, or several side by side.
 ///
@@ -35,28 +35,93 @@ pub trait Real:
     fn min(self, other: Self) -> Self;
     /// The larger of the two.
     fn max(self, other: Self) -> Self;
-    /// The row of a table for r² = `self`, and the distance from the begin of the row.
-    ///
-    /// Any number has a row: numbers outside the table have its first or last one.
-    #[must_use]
-    fn look_up(self, rows: &TableRows) -> (Self, [Self; 4]);
 }
 
 /// A number type of registers.
-pub trait Number: Copy + Send + Sync + 'static {
+pub trait Number: Copy + std::fmt::Debug + Send + Sync + 'static {
+    /// A row of a pair law.
+    type Row: Copy + std::fmt::Debug + Send + Sync;
+    /// Bits of the mantissa.
+    const MANTISSA: u32;
+    /// The number whose last bit counts 1, and whose other bits do not change by counting.
+    const COUNTS_FROM: f64;
     /// The number nearest to a double.
     fn of(value: f64) -> Self;
+    /// The bits of a value without the last ones.
+    fn number(value: f64, shift: u32) -> u64;
+    /// Number of bits.
+    const BITS: u32;
+    /// The last bits of a number that hold the leading bits of another one in a row.
+    const FOLDED: u32;
+    /// The number with these bits.
+    fn from_bits(bits: u64) -> Self;
+    /// The bits of the number.
+    fn bits(self) -> u64;
+    /// The number as a double.
+    fn value(self) -> f64;
+    /// A row of four numbers.
+    fn row(numbers: [Self; 4]) -> Self::Row;
+    /// The rows for registers of this type.
+    fn rows(rows: &PairRows) -> &RowsOf<Self>;
 }
 
 impl Number for f64 {
+    type Row = WideRow;
+    const BITS: u32 = 64;
+    const FOLDED: u32 = 32;
+    const MANTISSA: u32 = 52;
+    const COUNTS_FROM: f64 = 4_503_599_627_370_496.0;
+
     fn of(value: f64) -> Self {
         value
+    }
+    fn number(value: f64, shift: u32) -> u64 {
+        value.to_bits() >> shift
+    }
+    fn from_bits(bits: u64) -> Self {
+        Self::from_bits(bits)
+    }
+    fn bits(self) -> u64 {
+        self.to_bits()
+    }
+    fn value(self) -> f64 {
+        self
+    }
+    fn row(numbers: [Self; 4]) -> WideRow {
+        WideRow(numbers)
+    }
+    fn rows(rows: &PairRows) -> &RowsOf<Self> {
+        &rows.wide
     }
 }
 
 impl Number for f32 {
+    type Row = NarrowRow;
+    const BITS: u32 = 32;
+    const FOLDED: u32 = 12;
+    const MANTISSA: u32 = 23;
+    const COUNTS_FROM: f64 = 8_388_608.0;
+
     fn of(value: f64) -> Self {
         value as Self
+    }
+    fn number(value: f64, shift: u32) -> u64 {
+        u64::from((value as Self).to_bits() >> shift)
+    }
+    fn from_bits(bits: u64) -> Self {
+        Self::from_bits(bits as u32)
+    }
+    fn bits(self) -> u64 {
+        u64::from(self.to_bits())
+    }
+    fn value(self) -> f64 {
+        f64::from(self)
+    }
+    fn row(numbers: [Self; 4]) -> NarrowRow {
+        NarrowRow(numbers)
+    }
+    fn rows(rows: &PairRows) -> &RowsOf<Self> {
+        &rows.narrow
     }
 }
 
@@ -81,9 +146,5 @@ impl Real for f64 {
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         f64::max(self, other)
-    }
-    #[inline(always)]
-    fn look_up(self, rows: &TableRows) -> (Self, [Self; 4]) {
-        TableRows::look_up(rows, self)
     }
 }

@@ -50,6 +50,17 @@ impl Totals {
         self.pairs += 1;
     }
 
+    /// The totals of what some of these pairs leave of the whole: all pairs, and the whole energy at the cutoff.
+    pub fn without(self, part: &Self) -> Self {
+        Self {
+            energy: self.energy - part.energy,
+            virial_trace: self.virial_trace - part.virial_trace,
+            virial: self.virial - part.virial,
+            laplacian: self.laplacian - part.laplacian,
+            ..self
+        }
+    }
+
     /// The exact totals of chunks, which contain every pair from both of its ends.
     ///
     /// The sum over a chunk has the order of its list, which no cut into tasks changes. The exact sum begins here.

@@ -8,7 +8,7 @@
 use lennard_core::MOST_SPECIES;
 
 use super::Interaction;
-use crate::pair::{Laws, Pair, PairForm, PairLaw};
+use crate::pair::{Constants, Laws, Pair, PairForm, PairLaw};
 use crate::real::Number;
 use crate::simd::{BySpecies, Lanes};
 
@@ -19,7 +19,12 @@ pub struct ManySpecies<'a, F> {
     pub form: F,
     /// The numbers of each pair.
     pub laws: &'a Laws,
+    /// The constants of each pair.
+    pub constants: &'a ConstantsOfPairs,
 }
+
+/// The constants of a form for each pair of species.
+pub type ConstantsOfPairs = [[Constants<f64>; MOST_SPECIES]; MOST_SPECIES];
 
 /// The numbers of a species with each other one, in units of a loop: see [`PairLaw`].
 #[derive(Clone, Copy)]
@@ -29,15 +34,13 @@ pub struct Row<T> {
     inv_sigma2: BySpecies<T>,
     epsilon: BySpecies<T>,
     stiffness: BySpecies<T>,
-    constants: [BySpecies<T>; 2],
+    constants: Constants<BySpecies<T>>,
     energy_at_cutoff: BySpecies<T>,
 }
 
 /// The numbers of all pairs of species.
 pub struct Table<T> {
     rows: [Row<T>; MOST_SPECIES],
-    /// The square of the length unit, σ².
-    unit2: f64,
 }
 
 /// A [`Row`] in registers.
@@ -48,14 +51,20 @@ pub struct OwnRow<L: Lanes> {
     inv_sigma2: L::Table,
     epsilon: L::Table,
     stiffness: L::Table,
-    constants: [L::Table; 2],
+    constants: Constants<L::Table>,
     energy_at_cutoff: L::Table,
-    unit2: L,
 }
 
 impl<T: Number> Row<T> {
-    fn new(laws: &[PairLaw; MOST_SPECIES], unit: f64, r_cut: f64, length: f64) -> Self {
+    fn new<F: PairForm>(
+        of: &ManySpecies<'_, F>,
+        species: usize,
+        unit: f64,
+        r_cut: f64,
+        length: f64,
+    ) -> Self {
         let unit2 = length * length;
+        let laws = &of.laws.of_pairs[species];
         let each = |number: &dyn Fn(&PairLaw) -> f64| {
             let mut row = [T::of(0.0); MOST_SPECIES];
             for (to, law) in row.iter_mut().zip(laws) {
@@ -63,44 +72,35 @@ impl<T: Number> Row<T> {
             }
             BySpecies(row)
         };
+        let constant = |k: usize| {
+            let of_pairs = of.constants[species].map(|c| of.form.constants::<T>(c)[k]);
+            BySpecies(of_pairs.map(T::of))
+        };
         Self {
             r_cut2: each(&|law| law.r_cut2.min(r_cut * r_cut) / unit2),
             sigma2: each(&|law| law.sigma2 / unit2),
             inv_sigma2: each(&|law| law.inv_sigma2 * unit2),
             epsilon: each(&|law| law.epsilon),
             stiffness: each(&|law| law.stiffness),
-            constants: [each(&|law| law.constants[0]), each(&|law| law.constants[1])],
+            constants: [constant(0), constant(1), constant(2)],
             energy_at_cutoff: each(&|law| law.energy_at_cutoff / unit),
         }
     }
 }
 
 impl<F: PairForm> Interaction for ManySpecies<'_, F> {
-    const RARE: bool = F::RARE_IN_MIXTURES;
-    const SHARES_LOOPS_OF_PARTS: bool = Self::RARE;
     const UNIT: f64 = F::UNIT;
     type Numbers<T: Number> = Table<T>;
     type Own<L: Lanes> = OwnRow<L>;
 
-    #[inline(always)]
-    fn between(&self, i: usize, j: usize, r2: f64) -> Option<Pair<f64>> {
-        let law = self.laws.between(i, j);
-        (r2 <= law.r_cut2).then(|| law.eval(&self.form, r2))
-    }
-
-    #[inline(always)]
-    fn energy_at_cutoff(&self, i: usize, j: usize) -> f64 {
-        self.laws.between(i, j).energy_at_cutoff
-    }
-
     fn numbers<T: Number>(&self, r_cut: f64, length: f64) -> Table<T> {
-        let row = |a: usize| Row::new(&self.laws.of_pairs[a], F::UNIT, r_cut, length);
+        let row = |a: usize| Row::new(self, a, F::UNIT, r_cut, length);
         // A loop may ask at every step, and no particle has one of the other species.
         let mut rows = [row(0); MOST_SPECIES];
         for (a, to) in rows.iter_mut().enumerate().take(self.laws.mixture.species()).skip(1) {
             *to = row(a);
         }
-        Table { rows, unit2: length * length }
+        Table { rows }
     }
 
     #[inline(always)]
@@ -112,9 +112,12 @@ impl<F: PairForm> Interaction for ManySpecies<'_, F> {
             inv_sigma2: L::table(isa, &own.inv_sigma2),
             epsilon: L::table(isa, &own.epsilon),
             stiffness: L::table(isa, &own.stiffness),
-            constants: [L::table(isa, &own.constants[0]), L::table(isa, &own.constants[1])],
+            constants: [
+                L::table(isa, &own.constants[0]),
+                L::table(isa, &own.constants[1]),
+                L::table(isa, &own.constants[2]),
+            ],
             energy_at_cutoff: L::table(isa, &own.energy_at_cutoff),
-            unit2: L::constant(isa, numbers.unit2),
         }
     }
 
@@ -131,11 +134,14 @@ impl<F: PairForm> Interaction for ManySpecies<'_, F> {
         r2: L,
     ) -> Pair<L> {
         // There is no closure here: it may be a call, and a call leaves the instruction set.
-        let constants =
-            [L::pick(own.constants[0], neighbors), L::pick(own.constants[1], neighbors)];
+        let constants = [
+            L::pick(own.constants[0], neighbors),
+            L::pick(own.constants[1], neighbors),
+            L::pick(own.constants[2], neighbors),
+        ];
         let inv_sigma2 = L::pick(own.inv_sigma2, neighbors);
         let sigma2 = L::pick(own.sigma2, neighbors);
-        let pair = self.form.eval_with(constants, r2 * inv_sigma2, sigma2 / r2);
+        let pair = self.form.eval(constants, r2 * inv_sigma2, sigma2 / r2);
         let epsilon = L::pick(own.epsilon, neighbors);
         let stiffness = L::pick(own.stiffness, neighbors);
         Pair {
@@ -148,10 +154,5 @@ impl<F: PairForm> Interaction for ManySpecies<'_, F> {
     #[inline(always)]
     fn at_cutoff<L: Lanes>(own: &OwnRow<L>, neighbors: L::Species) -> Option<L> {
         Some(L::pick(own.energy_at_cutoff, neighbors))
-    }
-
-    #[inline(always)]
-    fn in_sigma<L: Lanes, const IN_SIGMA: bool>(own: &OwnRow<L>, r2: L) -> L {
-        if IN_SIGMA { r2 } else { r2 * own.unit2 }
     }
 }

@@ -1,20 +1,23 @@
-//! What particles do to each other, as the loops sum it: one truncated potential, or one for each pair of species.
+//! What particles do to each other.
 //!
 //! ```text
+//!   Pairwise       the whole force or its near part: the formula for one pair, and the loops over lists
+//!   NearPart       the weight of the near part
 //!   OneSpecies     one form and its cutoff; species are never looked at
 //!   ManySpecies    one form, and a table of numbers for each pair of species
-//!   Part           the near or the far part of either
 //! ```
 //!
 //! A loop in lanes takes the numbers of one particle first (`own`), and with each register of neighbors their species.
 
 mod many_species;
+mod near_part;
 mod one_species;
-mod part;
+mod pairwise;
 
 pub use many_species::ManySpecies;
+pub use near_part::NearPart;
 pub use one_species::OneSpecies;
-pub use part::SplitWeights;
+pub use pairwise::{NoRows, Pairwise};
 
 use crate::pair::Pair;
 use crate::real::Number;
@@ -22,31 +25,12 @@ use crate::simd::Lanes;
 
 /// The interaction of particles. A loop compiles it in.
 pub trait Interaction: Copy + Send + Sync {
-    /// Whether runs use it so seldom that an instance of the loop without energetics is not worth compiling.
-    const RARE: bool;
-    /// Whether the whole force takes the instances of the loops that its parts need anyway.
-    const SHARES_LOOPS_OF_PARTS: bool = false;
     /// The unit of energy of all values, ε: loops multiply their sums by it.
     const UNIT: f64;
     /// The numbers of the interaction for registers of `T`, in the units of a loop.
     type Numbers<T: Number>: Send + Sync;
     /// The numbers of the interaction with one particle, in registers.
     type Own<L: Lanes>: Copy;
-
-    /// The values of particles `i` and `j` at r² = `r2` σ², in [`Interaction::UNIT`]; none beyond the cutoff of their pair.
-    ///
-    /// A loop itself compares r² with the largest cutoff.
-    fn between(&self, i: usize, j: usize, r2: f64) -> Option<Pair<f64>>;
-
-    /// U(r_cut) of particles `i` and `j`, which the conserved energy subtracts, ε; 0 where pairs are counted instead.
-    fn energy_at_cutoff(&self, i: usize, j: usize) -> f64;
-
-    /// The values of particles `i` and `j` at r² = `r2` σ², ε; none beyond the cutoff of their pair.
-    #[inline(always)]
-    fn between_in_epsilon(&self, i: usize, j: usize, r2: f64) -> Option<Pair<f64>> {
-        let pair = self.between(i, j, r2)?;
-        Some(pair.in_epsilon(Self::UNIT))
-    }
 
     /// The numbers for a loop whose unit of length is `length` σ, and whose list ends at `r_cut` σ.
     fn numbers<T: Number>(&self, r_cut: f64, length: f64) -> Self::Numbers<T>;
@@ -89,7 +73,4 @@ pub trait Interaction: Copy + Send + Sync {
 
     /// U(r_cut) with each neighbor; none where pairs are counted instead.
     fn at_cutoff<L: Lanes>(own: &Self::Own<L>, neighbors: L::Species) -> Option<L>;
-
-    /// r² in σ², where the loop has `r2` in its units.
-    fn in_sigma<L: Lanes, const IN_SIGMA: bool>(own: &Self::Own<L>, r2: L) -> L;
 }

@@ -1,15 +1,20 @@
 //! One truncated potential for all pairs.
 
 use super::Interaction;
-use crate::pair::{Pair, PairForm};
+use crate::pair::{Constants, Pair, PairForm};
 use crate::real::Number;
 use crate::simd::Lanes;
 
 /// One truncated potential for all pairs.
 #[derive(Clone, Copy)]
-pub struct OneSpecies<F>(pub F);
+pub struct OneSpecies<F> {
+    /// The form.
+    pub form: F,
+    /// Its constants.
+    pub constants: Constants<f64>,
+}
 
-/// The cutoff and the units of a loop.
+/// The cutoff, the units of a loop, and the constants of the form.
 pub struct Cutoff {
     /// r_cut², in units of the loop.
     r_cut2: f64,
@@ -17,6 +22,7 @@ pub struct Cutoff {
     unit2: f64,
     /// The inverse of `unit2`, σ⁻².
     inv_unit2: f64,
+    constants: Constants<f64>,
 }
 
 /// A [`Cutoff`] in registers.
@@ -25,28 +31,22 @@ pub struct OwnCutoff<L> {
     r_cut2: L,
     unit2: L,
     inv_unit2: L,
+    constants: Constants<L>,
 }
 
 impl<F: PairForm> Interaction for OneSpecies<F> {
-    const RARE: bool = F::RARE;
-    const SHARES_LOOPS_OF_PARTS: bool = F::RARE;
     const UNIT: f64 = F::UNIT;
     type Numbers<T: Number> = Cutoff;
     type Own<L: Lanes> = OwnCutoff<L>;
 
-    #[inline(always)]
-    fn between(&self, _i: usize, _j: usize, r2: f64) -> Option<Pair<f64>> {
-        Some(self.0.eval(r2, 1.0 / r2))
-    }
-
-    #[inline(always)]
-    fn energy_at_cutoff(&self, _i: usize, _j: usize) -> f64 {
-        0.0
-    }
-
     fn numbers<T: Number>(&self, r_cut: f64, length: f64) -> Cutoff {
         let unit2 = length * length;
-        Cutoff { r_cut2: r_cut * r_cut / unit2, unit2, inv_unit2: 1.0 / unit2 }
+        Cutoff {
+            r_cut2: r_cut * r_cut / unit2,
+            unit2,
+            inv_unit2: 1.0 / unit2,
+            constants: self.form.constants::<T>(self.constants),
+        }
     }
 
     #[inline(always)]
@@ -55,6 +55,11 @@ impl<F: PairForm> Interaction for OneSpecies<F> {
             r_cut2: L::constant(isa, numbers.r_cut2),
             unit2: L::constant(isa, numbers.unit2),
             inv_unit2: L::constant(isa, numbers.inv_unit2),
+            constants: [
+                L::constant(isa, numbers.constants[0]),
+                L::constant(isa, numbers.constants[1]),
+                L::constant(isa, numbers.constants[2]),
+            ],
         }
     }
 
@@ -71,9 +76,9 @@ impl<F: PairForm> Interaction for OneSpecies<F> {
         r2: L,
     ) -> Pair<L> {
         if IN_SIGMA {
-            self.0.eval(r2, r2.recip())
+            self.form.eval(own.constants, r2, r2.recip())
         } else {
-            self.0.eval(r2 * own.unit2, own.inv_unit2 / r2)
+            self.form.eval(own.constants, r2 * own.unit2, own.inv_unit2 / r2)
         }
     }
 
@@ -91,13 +96,12 @@ impl<F: PairForm> Interaction for OneSpecies<F> {
             return pair.keep(inside).add_up(r2, sums);
         }
         let inv_r2 = if IN_SIGMA { r2.recip() } else { own.inv_unit2 / r2 };
-        let r2 = Self::in_sigma::<L, IN_SIGMA>(own, r2);
-        self.0.add_up(r2, inv_r2.keep(inside), sums)
+        self.form.add_up(own.constants, r2, inv_r2.keep(inside), sums)
     }
 
     fn totals(&self, sums: [f64; 3], pairs: u64, length: f64) -> [f64; 3] {
         if F::VANISHES {
-            return self.0.totals(sums, pairs);
+            return self.form.totals(self.constants, sums, pairs);
         }
         let [energy, virial, laplacian] = sums;
         [energy, length * length * virial, laplacian]
@@ -106,10 +110,5 @@ impl<F: PairForm> Interaction for OneSpecies<F> {
     #[inline(always)]
     fn at_cutoff<L: Lanes>(_own: &OwnCutoff<L>, _neighbors: L::Species) -> Option<L> {
         None
-    }
-
-    #[inline(always)]
-    fn in_sigma<L: Lanes, const IN_SIGMA: bool>(own: &OwnCutoff<L>, r2: L) -> L {
-        if IN_SIGMA { r2 } else { r2 * own.unit2 }
     }
 }

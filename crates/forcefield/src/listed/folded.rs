@@ -3,8 +3,8 @@
 use glam::DVec3;
 use lennard_neighbor::NeighborList;
 
-use crate::any_interaction::AnyInteraction;
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
+use crate::interaction::Pairwise;
 use crate::simd::{Detail, ListInUse, ListStatus, MotionSummary, Ordered, PerParticle};
 use crate::sums::Totals;
 
@@ -36,7 +36,7 @@ impl Folded {
     pub(super) fn evaluate(
         &mut self,
         used: &ListInUse<'_, NeighborList>,
-        interaction: &dyn AnyInteraction,
+        pairwise: &Pairwise,
         positions: &[DVec3],
         detail: Detail,
         forces: &mut [DVec3],
@@ -60,7 +60,7 @@ impl Folded {
             wrapped: &self.wrapped,
             neighbors: NeighborSource::Listed(&self.lists),
         };
-        let totals = interaction.canonical(&job, detail, forces, each);
+        let totals = job.run(pairwise, detail, forces, each);
         Evaluated { status, totals, broken: !forces.iter().all(|f| f.is_finite()) }
     }
 }

@@ -14,9 +14,9 @@ use lennard_neighbor::{ClusterList, FIXED_UNITS, Images, NeighborList, Positions
 
 use self::evaluated::Evaluated;
 use self::folded::Folded;
-use crate::any_interaction::AnyInteraction;
 use crate::clock::Clock;
 use crate::fused::FusedBuffers;
+use crate::interaction::Pairwise;
 use crate::non_finite;
 use crate::share::Share;
 use crate::simd::{
@@ -206,7 +206,7 @@ impl Listed {
     /// Writes forces (and `each`) at a configuration, and returns the totals that `detail` asks for.
     pub fn evaluate(
         &mut self,
-        interaction: &dyn AnyInteraction,
+        pairwise: &Pairwise,
         at: Configuration<'_>,
         detail: Detail,
         forces: &mut [DVec3],
@@ -217,7 +217,7 @@ impl Listed {
             let mut request = Request::of(detail);
             while self.may_be_valid(at.cell, at.positions.len()) {
                 let each = each.as_deref_mut();
-                let outcome = self.attempt(interaction, at, request, forces, each);
+                let outcome = self.attempt(pairwise, at, request, forces, each);
                 match &outcome.status {
                     ListStatus::Complete | ListStatus::NonFinite => return Ok(outcome),
                     ListStatus::Incomplete(pairs) if self.insert(pairs) => {
@@ -227,7 +227,7 @@ impl Listed {
                 }
             }
             clock.building(|| self.build(at.cell, at.positions))?;
-            Ok(self.attempt(interaction, at, Request::of(detail), forces, each))
+            Ok(self.attempt(pairwise, at, Request::of(detail), forces, each))
         })?;
         if outcome.status == ListStatus::NonFinite {
             return Err(non_finite::position(at.positions));
@@ -242,7 +242,7 @@ impl Listed {
     /// Judges the list where the request demands it, and evaluates where the list is complete.
     fn attempt(
         &mut self,
-        interaction: &dyn AnyInteraction,
+        pairwise: &Pairwise,
         at: Configuration<'_>,
         request: Request,
         forces: &mut [DVec3],
@@ -251,16 +251,16 @@ impl Listed {
         let (validity, positions) = (&self.validity, at.positions);
         match &mut self.pairs {
             Pairs::Canonical(list, folded) => validity.with_list(&**list, at.cell, |used| {
-                folded.evaluate(used, interaction, positions, request.detail, forces, each)
+                folded.evaluate(used, pairwise, positions, request.detail, forces, each)
             }),
             Pairs::Rows(list, copies) => validity.with_list(&**list, at.cell, |used| {
                 let packed = &mut copies.packed;
-                let found = used.evaluate(packed, interaction, positions, request, forces, each);
+                let found = used.evaluate(packed, pairwise, positions, request, forces, each);
                 Evaluated::of(found, request.detail, used.share.map(Share::team))
             }),
             Pairs::Clusters(list, copies) => validity.with_list(&**list, at.cell, |used| {
                 let packed = &mut copies.packed;
-                let found = used.evaluate(packed, interaction, positions, request, forces, each);
+                let found = used.evaluate(packed, pairwise, positions, request, forces, each);
                 Evaluated::of(found, request.detail, used.share.map(Share::team))
             }),
         }
@@ -269,7 +269,7 @@ impl Listed {
     /// Takes fused steps: see [`lennard_core::Backend::advance`].
     pub fn advance(
         &mut self,
-        interaction: &dyn AnyInteraction,
+        pairwise: &Pairwise,
         steps: &mut FusedSteps<'_>,
         kick_drift: KickDrift,
         clock: &mut Clock,
@@ -281,22 +281,12 @@ impl Listed {
         let taken = clock.computing(|clock| match &mut self.pairs {
             // Canonical forces have one loop only, which does not fuse steps.
             Pairs::Canonical(..) => 0,
-            Pairs::Rows(list, Copies { packed, fused }) => fused.advance(
-                validity,
-                (&mut **list, packed),
-                interaction,
-                steps,
-                kick_drift,
-                clock,
-            ),
-            Pairs::Clusters(list, Copies { packed, fused }) => fused.advance(
-                validity,
-                (&mut **list, packed),
-                interaction,
-                steps,
-                kick_drift,
-                clock,
-            ),
+            Pairs::Rows(list, Copies { packed, fused }) => {
+                fused.advance(validity, (&mut **list, packed), pairwise, steps, kick_drift, clock)
+            }
+            Pairs::Clusters(list, Copies { packed, fused }) => {
+                fused.advance(validity, (&mut **list, packed), pairwise, steps, kick_drift, clock)
+            }
         });
         // Checkpoints read them, and single evaluations.
         self.validity.know_all_built();

@@ -2,9 +2,7 @@
 
 use lennard_core::MOST_SPECIES;
 
-use super::{
-    Constants, Form, Mixture, Model, Pair, PairForm, PotentialOptions, SpeciesPair, with_form,
-};
+use super::{Form, Mixture, Model, Pair, PotentialOptions, SpeciesPair};
 use crate::error::ForceFieldError;
 use crate::options::TruncationOptions;
 
@@ -21,28 +19,29 @@ pub struct PairLaw {
     pub epsilon: f64,
     /// ε_ab/σ_ab², ε/σ²: the unit of −U′/r and of U″.
     pub stiffness: f64,
-    /// The constants of the form, at the cutoff r_cut/σ_ab.
-    pub constants: Constants<f64>,
+    /// The form, at the cutoff r_cut/σ_ab.
+    pub form: Form,
     /// U(r_cut), ε: what the conserved energy subtracts for each pair.
     pub energy_at_cutoff: f64,
 }
 
 impl PairLaw {
     /// No interaction.
-    const NOTHING: Self = Self {
-        r_cut2: 0.0,
-        sigma2: 1.0,
-        inv_sigma2: 1.0,
-        epsilon: 0.0,
-        stiffness: 0.0,
-        constants: [0.0; 2],
-        energy_at_cutoff: 0.0,
-    };
+    fn nothing(form: Form) -> Self {
+        Self {
+            r_cut2: 0.0,
+            sigma2: 1.0,
+            inv_sigma2: 1.0,
+            epsilon: 0.0,
+            stiffness: 0.0,
+            form,
+            energy_at_cutoff: 0.0,
+        }
+    }
 
-    /// The values of the pair at r² = `r2` σ² ≤ r_cut², in [`PairForm::UNIT`].
-    #[inline(always)]
-    pub fn eval<F: PairForm>(&self, form: &F, r2: f64) -> Pair<f64> {
-        let pair = form.eval_with(self.constants, r2 * self.inv_sigma2, self.sigma2 / r2);
+    /// The values of the pair at r² = `r2` σ² ≤ r_cut², ε.
+    pub fn eval(&self, r2: f64) -> Pair<f64> {
+        let pair = self.form.eval(r2 * self.inv_sigma2);
         Pair {
             energy: self.epsilon * pair.energy,
             force: self.stiffness * pair.force,
@@ -54,8 +53,6 @@ impl PairLaw {
 /// The truncated potentials of all pairs of species.
 #[derive(Clone, Debug)]
 pub struct Laws {
-    /// The formula, with the constants of the first pair.
-    pub form: Form,
     /// The largest cutoff, σ.
     pub r_cut: f64,
     /// The smallest cutoff, σ.
@@ -78,11 +75,10 @@ impl Laws {
     ) -> Result<Self, ForceFieldError> {
         let first = in_own_units(potential, truncation, mixture.pair(0, 0), [0; 2])?;
         let mut laws = Self {
-            form: first.form,
             r_cut: 0.0,
             smallest_r_cut: f64::INFINITY,
             mixture: mixture.clone(),
-            of_pairs: [[PairLaw::NOTHING; MOST_SPECIES]; MOST_SPECIES],
+            of_pairs: [[PairLaw::nothing(first.form); MOST_SPECIES]; MOST_SPECIES],
         };
         for a in 0..mixture.species() {
             for b in 0..mixture.species() {
@@ -100,7 +96,7 @@ impl Laws {
                     inv_sigma2: 1.0 / sigma2,
                     epsilon: pair.epsilon,
                     stiffness: pair.epsilon / sigma2,
-                    constants: with_form!(&model.form, form => form.constants()),
+                    form: model.form,
                     energy_at_cutoff: pair.epsilon * model.energy_at_cutoff,
                 };
             }
@@ -115,16 +111,6 @@ impl Laws {
         let [a, b] = [i, j].map(|i| usize::from(of_particle[i]));
         &self.of_pairs[a][b]
     }
-
-    /// The values of two particles at r² = `r2` σ² ≤ r_cut², ε.
-    pub fn eval(&self, i: usize, j: usize, r2: f64) -> Pair<f64> {
-        let law = self.between(i, j);
-        with_form!(&self.form, form => in_epsilon(form, law.eval(form, r2)))
-    }
-}
-
-fn in_epsilon<F: PairForm>(_form: &F, pair: Pair<f64>) -> Pair<f64> {
-    pair.in_epsilon(F::UNIT)
 }
 
 /// The truncation of the one fluid that a mixture is where all its pairs have σ = ε = 1 and the same cutoff.

@@ -1,29 +1,44 @@
-//! Pair potentials, their truncations, and the truncated potential that the kernels sum.
+//! Pair potentials, their truncations, and the forms and rows that the loops sum.
 //!
 //! A potential is one file in `potentials/` and one line in its list; a truncation likewise in `truncations/`, and a
-//! combining rule in `combining/`. Options, scene keys, dispatch to the kernels, tails, names and tests follow from the lists.
+//! combining rule in `combining/`. Options, scene keys, tails, names and tests follow from the lists.
+//!
+//! ```text
+//!   form         formula and truncation, in double precision, for one pair: what the reference loop sums
+//!   compiled     the forms that loops compile in, since rows would take too long
+//!   rows         any form as cubics of −U′/r in r², made when a run is built and judged by the formula
+//! ```
 
 mod combining;
+mod compiled;
+mod form;
 mod laws;
 mod mixture;
 mod model;
 pub mod potentials;
+mod rows;
 mod smoothstep;
 pub(crate) mod tabulated;
 mod tail;
 mod truncations;
 
 pub use combining::{CombiningOptions, CombiningSpec, Deviation, Size, combining_rules};
+pub(crate) use compiled::{
+    ByRows, Constants, ForceShifted, PairForm, Shape, Spline, Switched, TwelveSix, TwoPowers,
+};
+pub use form::Form;
+pub(crate) use form::{Compiled, Side};
 pub(crate) use laws::{Laws, PairLaw, as_one_fluid};
 pub use mixture::{Mixture, SpeciesPair};
 pub use model::{Model, model_name};
-pub(crate) use potentials::with_form;
 pub use potentials::*;
-pub(crate) use smoothstep::{Smoothstep, Step};
+pub use rows::Tolerance;
+pub(crate) use rows::{LawOfRows, NarrowRow, PairRows, RowsOf, WideRow};
+pub(crate) use smoothstep::Smoothstep;
 pub use tabulated::TablePath;
 pub use tail::{Tail, tail_correction, tail_in, tail_of_mixture};
-pub(crate) use truncations::with_truncated;
-pub use truncations::{Plain, Truncated, TruncationKind, TruncationSpec, truncations};
+pub(crate) use truncations::Truncation;
+pub use truncations::{TruncationKind, TruncationSpec, truncations};
 
 use crate::options::TruncationOptions;
 use crate::real::Real;
@@ -40,18 +55,18 @@ pub struct Pair<R> {
     pub curvature: R,
 }
 
-impl<R: Real> Pair<R> {
+impl Pair<f64> {
     /// The values in ε, of a formula that counts in `unit` ε.
-    #[inline(always)]
     pub(crate) fn in_epsilon(self, unit: f64) -> Self {
-        let unit = self.energy.splat(unit);
         Self {
             energy: self.energy * unit,
             force: self.force * unit,
             curvature: self.curvature * unit,
         }
     }
+}
 
+impl<R: Real> Pair<R> {
     /// The values where the mask holds, zero elsewhere.
     #[inline(always)]
     pub(crate) fn keep(self, inside: R::Mask) -> Self
@@ -78,74 +93,28 @@ impl<R: Real> Pair<R> {
     }
 }
 
-/// U(r) without any cutoff. The trait is not object-safe, on purpose: each kernel compiles the formula in.
+/// U(r) without any cutoff, in double precision: what the reference loop and the rows of loops are made of.
 pub trait PairPotential: Copy + std::fmt::Debug + Send + Sync + 'static {
-    /// The unit of energy of the formula, ε. A common factor of every pair becomes a factor of the sums, where it costs
-    /// nothing.
+    /// The unit of energy of the formula, ε.
     const UNIT: f64 = 1.0;
-    /// Whether runs bend the end of the potential (force shift, switch) so seldom that their loops have few instances of it,
-    /// which are slower.
-    const SELDOM_BENT: bool = false;
-    /// Whether mixtures use the potential so seldom that their loops have few instances of it, which are slower.
-    const RARE_IN_MIXTURES: bool = true;
-    /// Whether U, −U′/r and U″ are 0 where 1/r² is 0, as inverse powers are. Loops of sums then mask 1/r² alone.
-    const VANISHES: bool = false;
-    /// U, −U′/r and U″ at r² = `r2` σ², in [`PairPotential::UNIT`]; `inv_r2` is 1/r².
-    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R>;
-    /// Returns −U′/r with the bits of [`PairPotential::eval`], and adds the pair to three sums that
-    /// [`PairPotential::totals`] understands.
-    ///
-    /// A potential of two powers sums the powers, which takes the fewest operations.
-    #[inline(always)]
-    fn add_up<R: Real>(&self, r2: R, inv_r2: R, sums: [R; 3]) -> (R, [R; 3]) {
-        self.eval(r2, inv_r2).add_up(r2, sums)
+    /// r² where one formula gives way to another, σ²; none where there is one formula.
+    const JOINT2: Option<f64> = None;
+    /// U, −U′/r and U″ at r² = `r2` σ², in [`PairPotential::UNIT`]; the formula of one side of the joint goes on beyond it.
+    fn on(&self, side: Side, r2: f64) -> Pair<f64>;
+    /// The shape that loops compile in; none where they take rows.
+    fn shape(&self) -> Option<Shape> {
+        None
     }
-    /// Σ U, Σ −r·U′ and Σ (U″ + 2U′/r) from the sums of [`PairPotential::add_up`].
-    fn totals(&self, sums: [f64; 3]) -> [f64; 3] {
-        sums
+    /// r² where values of the potential begin, σ²: below, U is a straight line in r². None where it is a formula.
+    fn begin2(&self) -> Option<f64> {
+        None
+    }
+    /// How far a loop may be from the formula.
+    fn tolerance(&self) -> Tolerance {
+        Tolerance::FORMULA
     }
     /// ∫ r² U dr from `r_cut` to ∞, ε·σ³.
     fn tail_energy(&self, r_cut: f64) -> f64;
     /// ∫ r³ U′ dr from `r_cut` to ∞, ε·σ³.
     fn tail_virial(&self, r_cut: f64) -> f64;
 }
-
-/// A truncated potential, as a kernel sees it: valid for r ≤ r_cut. The kernel's own comparison makes it zero beyond.
-pub trait PairForm: Copy + Send + Sync + 'static {
-    /// Whether runs use the form so seldom that an instance of the loop without energetics is not worth compiling.
-    const RARE: bool = false;
-    /// The same in mixtures.
-    const RARE_IN_MIXTURES: bool = true;
-    /// As [`PairPotential::VANISHES`], but for a constant that each pair adds to U.
-    const VANISHES: bool = false;
-    /// The unit of energy of the form, ε: kernels multiply their sums by it.
-    const UNIT: f64;
-    /// The numbers of the form that depend on its cutoff. In a mixture they differ from one pair of species to another.
-    fn constants(&self) -> Constants<f64>;
-    /// U, −U′/r and U″ at r² = `r2` σ², for r ≤ r_cut, in [`PairForm::UNIT`], with the constants of any cutoff; `inv_r2` is
-    /// 1/r².
-    fn eval_with<R: Real>(&self, constants: Constants<R>, r2: R, inv_r2: R) -> Pair<R>;
-    /// U, −U′/r and U″ at r² = `r2` σ², for r ≤ r_cut, in [`PairForm::UNIT`]; `inv_r2` is 1/r².
-    #[inline(always)]
-    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
-        let [a, b] = self.constants();
-        self.eval_with([r2.splat(a), r2.splat(b)], r2, inv_r2)
-    }
-    /// As [`PairPotential::add_up`], where the form [`VANISHES`](PairForm::VANISHES).
-    #[inline(always)]
-    fn add_up<R: Real>(&self, r2: R, inv_r2: R, sums: [R; 3]) -> (R, [R; 3]) {
-        self.eval(r2, inv_r2).add_up(r2, sums)
-    }
-    /// Σ U, Σ −r·U′ and Σ (U″ + 2U′/r) from the sums of [`PairForm::add_up`] over so many pairs.
-    fn totals(&self, sums: [f64; 3], _pairs: u64) -> [f64; 3] {
-        sums
-    }
-    /// U, −U′/r and U″ at r² = `r2` σ², in ε.
-    #[inline(always)]
-    fn eval_in_epsilon<R: Real>(&self, r2: R) -> Pair<R> {
-        self.eval(r2, r2.recip()).in_epsilon(Self::UNIT)
-    }
-}
-
-/// The numbers of a form that depend on its cutoff; 0 where a form has fewer.
-pub type Constants<R> = [R; 2];

@@ -1,10 +1,9 @@
-//! From options to the one truncated potential that the kernels run.
+//! From options to the one truncated potential that the loops sum.
 
-use super::{Form, Pair, PairForm, with_form};
+use super::{Form, Pair};
 use crate::error::ForceFieldError;
 use crate::options::{ForceFieldOptions, TruncationOptions};
 use crate::pair::PotentialOptions;
-use crate::real::Real;
 
 /// A truncated potential with its cutoff.
 #[derive(Clone, Copy, Debug)]
@@ -37,8 +36,9 @@ impl Model {
     }
 
     /// U, −U′/r and U″ at r² = `r2` σ² ≤ r_cut².
-    pub fn eval<R: Real>(&self, r2: R) -> Pair<R> {
-        with_form!(&self.form, form => form.eval_in_epsilon(r2))
+    #[must_use]
+    pub fn eval(&self, r2: f64) -> Pair<f64> {
+        self.form.eval(r2)
     }
 }
 

@@ -11,7 +11,7 @@ impl Persist for PairForces {
         if let Strategy::Verlet(listed) = &self.strategy {
             listed.save(&mut to.section("list"));
         }
-        if let Some(near) = self.split.as_ref().and_then(|s| s.near.as_ref()) {
+        if let Some(near) = self.near.as_ref().and_then(|near| near.list.as_ref()) {
             near.save(&mut to.section("near_list"));
         }
     }
@@ -20,7 +20,7 @@ impl Persist for PairForces {
         if let Strategy::Verlet(listed) = &mut self.strategy {
             listed.restore(&from.section("list"), self.n_atoms)?;
         }
-        if let Some(near) = self.split.as_mut().and_then(|s| s.near.as_mut()) {
+        if let Some(near) = self.near.as_mut().and_then(|near| near.list.as_mut()) {
             near.restore(&from.section("near_list"), self.n_atoms)?;
         }
         [self.evaluations] = from.u64s("evaluations")?;

@@ -14,7 +14,7 @@ use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
 use crate::options::Precision;
-use crate::pair::PairForm;
+use crate::pair::RowsOf;
 
 /// Four doubles. A value proves that this processor has AVX2 and FMA.
 #[derive(Clone, Copy)]
@@ -66,7 +66,6 @@ register!(
 
 impl Lanes for F64x4 {
     const WIDTH: usize = 4;
-    const SPECIAL_LOOPS: bool = true;
     type Isa = Avx2;
     type Row = DoubleRow;
     type Rows = [Self; 3];
@@ -115,6 +114,10 @@ impl Lanes for F64x4 {
         }
     }
 
+    #[inline(always)]
+    fn look_up(self, rows: &RowsOf<f64>, first: Self) -> (Self, [Self; 5]) {
+        self.row_of(rows, first)
+    }
     #[inline(always)]
     fn at_most(self, limit: Self) -> Self::Mask {
         // SAFETY: a value of this type proves AVX2.
@@ -186,7 +189,6 @@ impl RowLanes for F64x4 {
 
 impl Lanes for F32x8 {
     const WIDTH: usize = 8;
-    const SPECIAL_LOOPS: bool = true;
     type Isa = Avx2;
     type Row = FixedRow;
     type Rows = Fixed8;
@@ -231,6 +233,10 @@ impl Lanes for F32x8 {
         Self(unsafe { _mm256_permutevar8x32_ps(table.0, species) })
     }
 
+    #[inline(always)]
+    fn look_up(self, rows: &RowsOf<f32>, first: Self) -> (Self, [Self; 5]) {
+        self.row_of(rows, first)
+    }
     #[inline(always)]
     fn at_most(self, limit: Self) -> Self::Mask {
         // SAFETY: a value of this type proves AVX2.

@@ -18,7 +18,7 @@ use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
 use crate::options::Precision;
-use crate::pair::PairForm;
+use crate::pair::RowsOf;
 
 /// Eight doubles. A value proves that this processor has AVX-512.
 #[derive(Clone, Copy)]
@@ -61,7 +61,6 @@ register!(
 
 impl Lanes for F64x8 {
     const WIDTH: usize = 8;
-    const SPECIAL_LOOPS: bool = true;
     type Isa = Avx512;
     type Row = DoubleRow;
     type Rows = [Self; 3];
@@ -99,6 +98,10 @@ impl Lanes for F64x8 {
         Self(unsafe { _mm512_permutexvar_pd(species, table.0) })
     }
 
+    #[inline(always)]
+    fn look_up(self, rows: &RowsOf<f64>, first: Self) -> (Self, [Self; 5]) {
+        self.row_of(rows, first)
+    }
     #[inline(always)]
     fn at_most(self, limit: Self) -> Self::Mask {
         // SAFETY: a value of this type proves AVX-512.
@@ -187,7 +190,6 @@ impl RowLanes for F64x8 {
 
 impl Lanes for F32x16 {
     const WIDTH: usize = 16;
-    const SPECIAL_LOOPS: bool = true;
     type Isa = Avx512;
     type Row = FixedRow;
     type Rows = Fixed16;
@@ -231,6 +233,10 @@ impl Lanes for F32x16 {
         Self(unsafe { _mm512_permutexvar_ps(species, table.0) })
     }
 
+    #[inline(always)]
+    fn look_up(self, rows: &RowsOf<f32>, first: Self) -> (Self, [Self; 5]) {
+        self.row_of(rows, first)
+    }
     #[inline(always)]
     fn at_most(self, limit: Self) -> Self::Mask {
         // SAFETY: a value of this type proves AVX-512.

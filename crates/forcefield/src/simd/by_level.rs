@@ -50,16 +50,10 @@ macro_rules! run_loops {
 
         /// The arithmetic of a number of rounds without memory, in a precision.
         #[target_feature(enable = $features)]
-        pub fn limit<F: PairForm>(
-            isa: $token,
-            form: &F,
-            r_cut: f64,
-            rounds: u64,
-            precision: Precision,
-        ) -> (u64, f64) {
+        pub fn limit(isa: $token, r_cut: f64, rounds: u64, precision: Precision) -> (u64, f64) {
             match precision {
-                Precision::Double => arithmetic::<$doubles, F>(isa, form, r_cut, rounds),
-                Precision::Mixed => arithmetic::<$singles, F>(isa, form, r_cut, rounds),
+                Precision::Double => arithmetic::<$doubles>(isa, r_cut, rounds),
+                Precision::Mixed => arithmetic::<$singles>(isa, r_cut, rounds),
             }
         }
     };

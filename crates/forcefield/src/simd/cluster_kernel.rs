@@ -144,12 +144,6 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
         common: &mut C,
     ) -> ([MemberSums<L, A>; CLUSTER], Units) {
         let all = [u16::MAX; CLUSTER];
-        // Masks change no bit of a full block. A rare interaction takes them everywhere, which spares a third of its code.
-        let (masked, plain) = if const { I::RARE } {
-            (counts.masked + counts.plain, 0)
-        } else {
-            (counts.masked, counts.plain)
-        };
         // SAFETY: the contract is passed on.
         unsafe {
             let members = self.members();
@@ -159,7 +153,7 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
             // The members are the first entries of the first masked block. No member interacts with itself.
             let mut but = THEMSELVES;
             let mut excluded = excluded.iter();
-            for _ in 0..masked {
+            for _ in 0..counts.masked {
                 if let Some(excluded) = excluded.next() {
                     but = *excluded;
                 }
@@ -168,7 +162,7 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
                 but = [0; CLUSTER];
                 sums = self.block::<A, C, true>(members, stream, valid, sums, common);
             }
-            for _ in 0..plain {
+            for _ in 0..counts.plain {
                 sums = self.block::<A, C, false>(members, stream, all, sums, common);
             }
             (sums, self.units)

@@ -60,17 +60,15 @@ impl<'a, I: Interaction> ClusterJob<'a, I> {
         let interaction = self.interaction;
         // SAFETY: the contract is passed on, here and below.
         unsafe {
-            if const { L::SPECIAL_LOOPS && !I::RARE } {
-                if let (true, Some(in_units)) = (span.compact, &self.in_units) {
-                    let frame = ClusterFrame::<L, true>::new(isa, rows, self.scale);
-                    let kernel = ClusterKernel::new(isa, interaction, in_units, rows, frame);
-                    return kernel.run(counts, excluded, stream, common);
-                }
-                if span.compact {
-                    let frame = ClusterFrame::<L, false>::new(isa, rows, self.scale);
-                    let kernel = ClusterKernel::new(isa, interaction, &self.in_sigma, rows, frame);
-                    return kernel.run(counts, excluded, stream, common);
-                }
+            if let (true, Some(in_units)) = (span.compact, &self.in_units) {
+                let frame = ClusterFrame::<L, true>::new(isa, rows, self.scale);
+                let kernel = ClusterKernel::new(isa, interaction, in_units, rows, frame);
+                return kernel.run(counts, excluded, stream, common);
+            }
+            if span.compact {
+                let frame = ClusterFrame::<L, false>::new(isa, rows, self.scale);
+                let kernel = ClusterKernel::new(isa, interaction, &self.in_sigma, rows, frame);
+                return kernel.run(counts, excluded, stream, common);
             }
             let frame = AbsoluteFrame::new(isa, rows, self.scale);
             let kernel = ClusterKernel::new(isa, interaction, &self.in_sigma, rows, frame);
@@ -107,15 +105,8 @@ pub unsafe fn run<L: FixedLanes, I: Interaction>(
     let chunk = &chunks[chunk];
     // SAFETY: the contract is passed on.
     unsafe {
-        // The constant is alone in its condition: only then does the compiler drop the other instances.
-        if I::RARE {
-            return sweep::<L, I, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, later, output);
-        }
         if detail == Detail::Forces {
             return sweep::<L, I, ForcesAlone, ForcesAlone>(isa, job, rows, chunk, later, output);
-        }
-        if const { !L::SPECIAL_LOOPS } {
-            return sweep::<L, I, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, later, output);
         }
         if detail == Detail::Totals && is_full(chunk, rows) {
             sweep::<L, I, ForcesAlone, CommonSums<L>>(isa, job, rows, chunk, later, output)
@@ -165,10 +156,8 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Common<L>>(
                 prefetch_read(rows.as_ptr().wrapping_add(first + ATOMS_PER_CHUNK + ahead));
             }
             let counts = BlockCounts::of(span, begin);
-            if L::SPECIAL_LOOPS {
-                output.prefetch(first + CLUSTER, CLUSTER);
-                output.prefetch_next_chunk(first, CLUSTER);
-            }
+            output.prefetch(first + CLUSTER, CLUSTER);
+            output.prefetch_next_chunk(first, CLUSTER);
             let own = if first + CLUSTER <= n {
                 [&rows[first], &rows[first + 1], &rows[first + 2], &rows[first + 3]]
             } else {

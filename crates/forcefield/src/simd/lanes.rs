@@ -4,6 +4,7 @@ use glam::DVec3;
 use lennard_neighbor::{CLUSTER, ENTRY_SCALE, cluster_center};
 
 use super::row::{DoubleRow, FixedRow};
+use crate::pair::RowsOf;
 use crate::real::{Number, Real};
 use lennard_core::MOST_SPECIES;
 
@@ -57,8 +58,6 @@ pub struct BySpecies<T>(pub [T; MOST_SPECIES]);
 pub trait Lanes: Real {
     /// Number of lanes.
     const WIDTH: usize;
-    /// Whether frequent cases are worth loops of their own: compact clusters, and totals without the tensor of the virial.
-    const SPECIAL_LOOPS: bool;
     /// Proof that this processor has the instruction set.
     type Isa: Copy + Send + Sync;
     /// One row of packed coordinates.
@@ -88,6 +87,11 @@ pub trait Lanes: Real {
     fn table(isa: Self::Isa, numbers: &BySpecies<Self::Number>) -> Self::Table;
     /// The number of the species of each lane.
     fn pick(table: Self::Table, species: Self::Species) -> Self;
+
+    /// The row of a pair law for scaled r² = `self`: the distance from its begin, and its u, g₀, g₁, g₂ and g₃.
+    ///
+    /// `first` is [`RowsOf::first_of`] the law of each lane. Any number has a row: numbers beyond them have the first or the last one.
+    fn look_up(self, rows: &RowsOf<Self::Number>, first: Self) -> (Self, [Self; 5]);
 
     /// The lanes whose value is at most `limit`.
     fn at_most(self, limit: Self) -> Self::Mask;

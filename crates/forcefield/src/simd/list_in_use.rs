@@ -14,9 +14,10 @@ use super::output::Output;
 use super::packed::{
     Evaluation, Fetch, ListStatus, Outcome, PackedCopies, Request, RunChunk, Which,
 };
-use super::pair_list::{LoopOver, PairList};
+use super::pair_list::PairList;
 use super::row::DoubleRow;
 use super::totals::{ChunkTotals, PerParticle};
+use crate::interaction::Pairwise;
 use crate::share::Share;
 
 /// Positions and the index in them of each slot.
@@ -99,14 +100,14 @@ impl<P: PairList> ListInUse<'_, P> {
     pub fn evaluate(
         &self,
         copies: &mut PackedCopies<P::Row>,
-        interaction: &dyn LoopOver<P>,
+        pairwise: &Pairwise,
         positions: &[DVec3],
         request: Request,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
     ) -> Outcome {
         let order = self.list.particles();
-        let over_list = interaction.over(self.list, self.r_cut, self.cell);
+        let over_list = pairwise.over(self.list, self.r_cut, self.cell);
         let run = |output: &Output<'_>, rows: &[P::Row], chunk: usize| {
             // SAFETY: `PackedCopies::run` runs each chunk once.
             unsafe { over_list.run(self.level, rows, chunk, request.detail, output) }

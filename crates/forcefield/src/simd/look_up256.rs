@@ -1,29 +1,33 @@
-//! Rows of tables in lanes of AVX2.
+//! Rows of pair laws in lanes of AVX2.
 
 use std::arch::x86_64::*;
 
 use super::avx2::{F32x8, F64x4};
-use crate::pair::tabulated::TableRows;
+use crate::pair::RowsOf;
+use crate::real::Number;
 
 impl F64x4 {
-    /// [`Real::look_up`](crate::real::Real::look_up).
+    /// [`Lanes::look_up`](super::Lanes::look_up).
     #[inline(always)]
-    pub(super) fn row_of(self, rows: &TableRows) -> (Self, [Self; 4]) {
-        const SHIFT: i32 = TableRows::SHIFTS.0 as i32;
+    pub(super) fn row_of(self, rows: &RowsOf<f64>, first: Self) -> (Self, [Self; 5]) {
         // Rows are numbered in units of 8 bytes, which an address takes without a shift.
         const UNITS: usize = 4;
-        let (rows, numbering) = rows.wide();
+        let counts_from = f64::COUNTS_FROM.to_bits() + rows.first;
         // SAFETY: a value of this type proves AVX2. A clamped number has a row, and a number that is not one becomes the lowest.
         unsafe {
-            let held = _mm256_max_pd(self.0, _mm256_set1_pd(numbering.lowest));
-            let held = _mm256_min_pd(held, _mm256_set1_pd(numbering.highest));
-            let number = _mm256_srli_epi64::<SHIFT>(_mm256_castpd_si256(held));
-            let begin = _mm256_castsi256_pd(_mm256_slli_epi64::<SHIFT>(number));
-            let first = _mm256_set1_epi64x(numbering.first as i64);
+            let held = _mm256_max_pd(self.0, _mm256_set1_pd(rows.lowest));
+            let held = _mm256_castpd_si256(_mm256_min_pd(held, _mm256_set1_pd(rows.highest)));
+            let number = _mm256_srlv_epi64(held, _mm256_set1_epi64x(rows.shift.into()));
+            let begin = _mm256_and_si256(held, _mm256_set1_epi64x(-1 << rows.shift));
+            let first = _mm256_sub_epi64(
+                _mm256_castpd_si256(first.0),
+                _mm256_set1_epi64x(counts_from as i64),
+            );
+            let number = _mm256_add_epi64(number, first);
             let mut at = [0_u64; 4];
-            let units =
-                _mm256_slli_epi64::<{ UNITS.ilog2() as i32 }>(_mm256_sub_epi64(number, first));
+            let units = _mm256_slli_epi64::<{ UNITS.ilog2() as i32 }>(number);
             _mm256_storeu_si256(at.as_mut_ptr().cast(), units);
+            let rows = rows.rows();
             let row = |k: usize| {
                 debug_assert!(at[k] as usize / UNITS < rows.len());
                 _mm256_load_pd(rows.as_ptr().cast::<u64>().add(at[k] as usize).cast())
@@ -33,35 +37,41 @@ impl F64x4 {
             let odd_low = _mm256_unpackhi_pd(a, b);
             let even_high = _mm256_unpacklo_pd(c, d);
             let odd_high = _mm256_unpackhi_pd(c, d);
-            let columns = [
-                Self(_mm256_permute2f128_pd::<0x20>(even_low, even_high)),
-                Self(_mm256_permute2f128_pd::<0x20>(odd_low, odd_high)),
-                Self(_mm256_permute2f128_pd::<0x31>(even_low, even_high)),
-                Self(_mm256_permute2f128_pd::<0x31>(odd_low, odd_high)),
+            let [u, g0, g1, g2] = [
+                _mm256_permute2f128_pd::<0x20>(even_low, even_high),
+                _mm256_permute2f128_pd::<0x20>(odd_low, odd_high),
+                _mm256_permute2f128_pd::<0x31>(even_low, even_high),
+                _mm256_permute2f128_pd::<0x31>(odd_low, odd_high),
             ];
-            (Self(_mm256_sub_pd(self.0, begin)), columns)
+            let g3 = _mm256_castsi256_pd(_mm256_slli_epi64::<32>(_mm256_castpd_si256(g2)));
+            let row = [Self(u), Self(g0), Self(g1), Self(g2), Self(g3)];
+            (Self(_mm256_sub_pd(self.0, _mm256_castsi256_pd(begin))), row)
         }
     }
 }
 
 impl F32x8 {
-    /// [`Real::look_up`](crate::real::Real::look_up).
+    /// [`Lanes::look_up`](super::Lanes::look_up).
     #[inline(always)]
-    pub(super) fn row_of(self, rows: &TableRows) -> (Self, [Self; 4]) {
-        const SHIFT: i32 = TableRows::SHIFTS.1 as i32;
+    pub(super) fn row_of(self, rows: &RowsOf<f32>, first: Self) -> (Self, [Self; 5]) {
         const UNITS: usize = 2;
-        let (rows, numbering) = rows.narrow();
+        let counts_from = (f32::COUNTS_FROM as f32).to_bits() + rows.first as u32;
         // SAFETY: as above.
         unsafe {
-            let held = _mm256_max_ps(self.0, _mm256_set1_ps(numbering.lowest as f32));
-            let held = _mm256_min_ps(held, _mm256_set1_ps(numbering.highest as f32));
-            let number = _mm256_srli_epi32::<SHIFT>(_mm256_castps_si256(held));
-            let begin = _mm256_castsi256_ps(_mm256_slli_epi32::<SHIFT>(number));
-            let first = _mm256_set1_epi32(numbering.first as i32);
+            let held = _mm256_max_ps(self.0, _mm256_set1_ps(rows.lowest as f32));
+            let held =
+                _mm256_castps_si256(_mm256_min_ps(held, _mm256_set1_ps(rows.highest as f32)));
+            let number = _mm256_srlv_epi32(held, _mm256_set1_epi32(rows.shift as i32));
+            let begin = _mm256_and_si256(held, _mm256_set1_epi32(-1 << rows.shift));
+            let first = _mm256_sub_epi32(
+                _mm256_castps_si256(first.0),
+                _mm256_set1_epi32(counts_from as i32),
+            );
+            let number = _mm256_add_epi32(number, first);
             let mut at = [0_u32; 8];
-            let units =
-                _mm256_slli_epi32::<{ UNITS.ilog2() as i32 }>(_mm256_sub_epi32(number, first));
+            let units = _mm256_slli_epi32::<{ UNITS.ilog2() as i32 }>(number);
             _mm256_storeu_si256(at.as_mut_ptr().cast(), units);
+            let rows = rows.rows();
             let row = |k: usize| {
                 debug_assert!(at[k] as usize / UNITS < rows.len());
                 _mm_load_ps(rows.as_ptr().cast::<u64>().add(at[k] as usize).cast())
@@ -79,14 +89,15 @@ impl F32x8 {
             };
             let (first_ab, last_ab) = (low(a, b), high(a, b));
             let (first_cd, last_cd) = (low(c, d), high(c, d));
-            let column = |v: __m256d| Self(_mm256_castpd_ps(v));
-            let columns = [
-                column(_mm256_unpacklo_pd(first_ab, first_cd)),
-                column(_mm256_unpackhi_pd(first_ab, first_cd)),
-                column(_mm256_unpacklo_pd(last_ab, last_cd)),
-                column(_mm256_unpackhi_pd(last_ab, last_cd)),
+            let [u, g0, g1, g2] = [
+                _mm256_castpd_ps(_mm256_unpacklo_pd(first_ab, first_cd)),
+                _mm256_castpd_ps(_mm256_unpackhi_pd(first_ab, first_cd)),
+                _mm256_castpd_ps(_mm256_unpacklo_pd(last_ab, last_cd)),
+                _mm256_castpd_ps(_mm256_unpackhi_pd(last_ab, last_cd)),
             ];
-            (Self(_mm256_sub_ps(self.0, begin)), columns)
+            let g3 = _mm256_castsi256_ps(_mm256_slli_epi32::<20>(_mm256_castps_si256(g2)));
+            let row = [Self(u), Self(g0), Self(g1), Self(g2), Self(g3)];
+            (Self(_mm256_sub_ps(self.0, _mm256_castsi256_ps(begin))), row)
         }
     }
 }

@@ -6,7 +6,7 @@
 //! ```text
 //!   level, row, totals            instruction sets, rows, sums
 //!   lanes, registers              operations of a register; avx512, avx2 and portable implement them
-//!   look_up256, look_up512        rows of tables
+//!   look_up256, look_up512        rows of pair laws
 //!   frames, cluster_kernel        pairs of one cluster        \
 //!   cluster_loop, row_loop        loops over one chunk         > written once for all lanes
 //!   arithmetic                    speed limit of the loops    /
@@ -75,6 +75,6 @@ pub use list_in_use::{ListInUse, Ordered};
 pub use motion::{MotionSummary, SomeRows};
 pub use mover::{Mover, SlotNoise, SumOverChunks};
 pub use packed::{ListStatus, Outcome, PackedCopies, Prepared, Request, are_few};
-pub use pair_list::{LoopOver, PairList};
+pub use pair_list::{ChunkLoop, PairList};
 pub use row::{DoubleRow, FixedRow};
 pub use totals::{ChunkTotals, Detail, PerParticle};

@@ -102,6 +102,13 @@ pub trait PairList: Sync {
     }
     /// Inserts such a pair, where the list [`INSERTS`](PairList::INSERTS) pairs.
     fn insert(&mut self, _pair: [u32; 2]) {}
+    /// The loop over the list for an interaction, with a cutoff, σ, in a box.
+    fn chunk_loop<'a, I: Interaction + 'a>(
+        &'a self,
+        interaction: I,
+        r_cut: f64,
+        cell: &PeriodicBox,
+    ) -> Box<dyn ChunkLoop<Self::Row> + 'a>;
 }
 
 /// The loop over the chunks of a list, for one interaction.
@@ -122,28 +129,6 @@ pub trait ChunkLoop<Row>: Sync {
     ) -> ChunkTotals;
 }
 
-/// An interaction of any kind that has a loop over lists of this kind.
-pub trait LoopOver<P: PairList> {
-    /// The loop over a list with a cutoff, σ, in a box.
-    fn over<'a>(
-        &'a self,
-        list: &'a P,
-        r_cut: f64,
-        cell: &PeriodicBox,
-    ) -> Box<dyn ChunkLoop<P::Row> + 'a>;
-}
-
-impl<I: Interaction> LoopOver<NeighborList> for I {
-    fn over<'a>(
-        &'a self,
-        list: &'a NeighborList,
-        r_cut: f64,
-        _cell: &PeriodicBox,
-    ) -> Box<dyn ChunkLoop<DoubleRow> + 'a> {
-        Box::new(RowJob::new(*self, r_cut, list))
-    }
-}
-
 impl<I: Interaction> ChunkLoop<DoubleRow> for RowJob<'_, I> {
     unsafe fn run(
         &self,
@@ -157,18 +142,6 @@ impl<I: Interaction> ChunkLoop<DoubleRow> for RowJob<'_, I> {
     }
 }
 
-impl<I: Interaction> LoopOver<ClusterList> for I {
-    fn over<'a>(
-        &'a self,
-        list: &'a ClusterList,
-        r_cut: f64,
-        cell: &PeriodicBox,
-    ) -> Box<dyn ChunkLoop<FixedRow> + 'a> {
-        let scale = (cell.lengths() / FIXED_UNITS).to_array();
-        Box::new(ClusterJob::new(*self, r_cut, scale, list))
-    }
-}
-
 impl<I: Interaction> ChunkLoop<FixedRow> for ClusterJob<'_, I> {
     unsafe fn run(
         &self,
@@ -178,7 +151,19 @@ impl<I: Interaction> ChunkLoop<FixedRow> for ClusterJob<'_, I> {
         detail: Detail,
         output: &Output<'_>,
     ) -> ChunkTotals {
-        by_level!(level, run_cluster(self, rows, chunk, detail, output))
+        match level {
+            // SAFETY: the level holds a token, which proves the instruction set.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512(isa) => unsafe {
+                super::avx512::run_cluster(isa, self, rows, chunk, detail, output)
+            },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(isa) => unsafe {
+                super::avx2::run_cluster(isa, self, rows, chunk, detail, output)
+            },
+            _ => unreachable!("portable loops are in double precision"),
+        }
     }
 }
 
@@ -253,6 +238,15 @@ impl PairList for NeighborList {
 
     fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
         self.for_each_named(chunk, name);
+    }
+
+    fn chunk_loop<'a, I: Interaction + 'a>(
+        &'a self,
+        interaction: I,
+        r_cut: f64,
+        _cell: &PeriodicBox,
+    ) -> Box<dyn ChunkLoop<DoubleRow> + 'a> {
+        Box::new(RowJob::new(interaction, r_cut, self))
     }
 
     fn slots_of_ghosts(&self) -> impl ExactSizeIterator<Item = u32> {
@@ -349,6 +343,16 @@ impl PairList for ClusterList {
 
     fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
         self.for_each_named(chunk, name);
+    }
+
+    fn chunk_loop<'a, I: Interaction + 'a>(
+        &'a self,
+        interaction: I,
+        r_cut: f64,
+        cell: &PeriodicBox,
+    ) -> Box<dyn ChunkLoop<FixedRow> + 'a> {
+        let scale = (cell.lengths() / FIXED_UNITS).to_array();
+        Box::new(ClusterJob::new(interaction, r_cut, scale, self))
     }
 
     fn slots_of_ghosts(&self) -> impl ExactSizeIterator<Item = u32> {

@@ -3,7 +3,7 @@
 /// Implements [`Real`](crate::real::Real) for a register type, from its number type and its instructions.
 ///
 /// The instructions are, in this order: broadcast, add, subtract, multiply, divide, multiply and add, square root,
-/// minimum, maximum. The type has a function `row_of` for tables. A value of the type proves that this processor has the instruction set.
+/// minimum, maximum. A value of the type proves that this processor has the instruction set.
 macro_rules! register {
     ($lanes:ident, $float:ty, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
      $fmadd:ident, $sqrt:ident, $min:ident, $max:ident) => {
@@ -72,10 +72,6 @@ macro_rules! register {
             fn max(self, o: Self) -> Self {
                 // SAFETY: as above.
                 Self(unsafe { $max(self.0, o.0) })
-            }
-            #[inline(always)]
-            fn look_up(self, rows: &crate::pair::tabulated::TableRows) -> (Self, [Self; 4]) {
-                self.row_of(rows)
             }
         }
     };

@@ -61,20 +61,16 @@ pub unsafe fn run<L: RowLanes, I: Interaction>(
             }
             Entries::Narrow(e) => e,
         };
-        // The constant is alone in its condition: only then does the compiler drop the other instances.
-        if I::RARE {
-            return sweep::<L, I, u16, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, e, output);
-        }
-        if detail == Detail::Forces {
-            return sweep::<L, I, u16, ForcesAlone, ForcesAlone>(isa, job, rows, chunk, e, output);
-        }
-        if const { !L::SPECIAL_LOOPS } {
-            return sweep::<L, I, u16, PairSums<L>, ForcesAlone>(isa, job, rows, chunk, e, output);
-        }
-        if detail == Detail::Totals {
-            sweep::<L, I, u16, ForcesAlone, CommonSums<L>>(isa, job, rows, chunk, e, output)
-        } else {
-            sweep::<L, I, u16, PairSums<L>, CommonSums<L>>(isa, job, rows, chunk, e, output)
+        match detail {
+            Detail::Forces => {
+                sweep::<L, I, u16, ForcesAlone, ForcesAlone>(isa, job, rows, chunk, e, output)
+            }
+            Detail::Totals => {
+                sweep::<L, I, u16, ForcesAlone, CommonSums<L>>(isa, job, rows, chunk, e, output)
+            }
+            Detail::Everything => {
+                sweep::<L, I, u16, PairSums<L>, CommonSums<L>>(isa, job, rows, chunk, e, output)
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Lennard-Jones 12-6, the potential of a simple liquid.
 
 use super::{Potential, PotentialSpec};
-use crate::pair::{Pair, PairPotential};
+use crate::pair::{Pair, PairPotential, Shape, Side};
 use crate::real::Real;
 
 lennard_core::options! {
@@ -30,13 +30,10 @@ impl Potential for LennardJones {
     }
 }
 
-impl PairPotential for LennardJones {
-    const UNIT: f64 = 48.0;
-    const RARE_IN_MIXTURES: bool = false;
-    const VANISHES: bool = true;
-
+impl LennardJones {
+    /// U, −U′/r and U″ in [`PairPotential::UNIT`], from 1/r².
     #[inline(always)]
-    fn eval<R: Real>(&self, _r2: R, inv_r2: R) -> Pair<R> {
+    pub(crate) fn values<R: Real>(inv_r2: R) -> Pair<R> {
         let inv_r4 = inv_r2 * inv_r2;
         let inv_r6 = inv_r4 * inv_r2;
         let inv_r8 = inv_r4 * inv_r4;
@@ -48,9 +45,9 @@ impl PairPotential for LennardJones {
         }
     }
 
-    /// Sums Σ r⁻⁶, Σ r⁻¹² and Σ (f + 3/11·r⁻⁸), where f = r⁻⁸·(r⁻⁶ − 1/2) is at hand: r⁻⁸·(11r⁻⁶ − 5/2) = 11f + 3r⁻⁸.
+    /// Returns −U′/r, and adds to Σ r⁻⁶, Σ r⁻¹² and Σ (f + 3/11·r⁻⁸), where f = r⁻⁸·(r⁻⁶ − 1/2) is at hand: r⁻⁸·(11r⁻⁶ − 5/2) = 11f + 3r⁻⁸.
     #[inline(always)]
-    fn add_up<R: Real>(&self, _r2: R, inv_r2: R, [of_6, of_12, laplacian]: [R; 3]) -> (R, [R; 3]) {
+    pub(crate) fn add_up<R: Real>(inv_r2: R, [of_6, of_12, laplacian]: [R; 3]) -> (R, [R; 3]) {
         let inv_r4 = inv_r2 * inv_r2;
         let inv_r6 = inv_r4 * inv_r2;
         let inv_r8 = inv_r4 * inv_r4;
@@ -63,9 +60,22 @@ impl PairPotential for LennardJones {
         (force, sums)
     }
 
-    fn totals(&self, [of_6, of_12, laplacian]: [f64; 3]) -> [f64; 3] {
+    /// Σ U, Σ −r·U′ and Σ (U″ + 2U′/r) from the sums of [`LennardJones::add_up`].
+    pub(crate) fn totals([of_6, of_12, laplacian]: [f64; 3]) -> [f64; 3] {
         let virial = of_12 - 0.5 * of_6;
         [(of_12 - of_6) / 12.0, virial, 11.0 * laplacian]
+    }
+}
+
+impl PairPotential for LennardJones {
+    const UNIT: f64 = 48.0;
+
+    fn on(&self, _side: Side, r2: f64) -> Pair<f64> {
+        Self::values(r2.recip())
+    }
+
+    fn shape(&self) -> Option<Shape> {
+        Some(Shape::TwelveSix { below: 0.0 })
     }
 
     fn tail_energy(&self, r_cut: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! Lennard-Jones/spline: a short-ranged Lennard-Jones potential with two continuous derivatives.
 
 use super::{EndsByItself, LennardJones, Potential, PotentialSpec};
-use crate::pair::{Pair, PairPotential};
+use crate::pair::{Pair, PairPotential, Shape, Side};
 use crate::real::Real;
 
 lennard_core::options! {
@@ -20,6 +20,8 @@ const JOINT2: f64 = 1.548_668_397_006_242;
 const A: f64 = -4.864_890_082_711_485;
 /// b = −(387072/61009)/r_s³, ε/σ³.
 const B: f64 = -3.292_002_800_390_959;
+/// Makes the smallest distance from the joint larger than 1, and stays finite in single precision.
+const STEEP: f64 = 1e30;
 
 impl Potential for LjSpline {
     const SPEC: PotentialSpec = PotentialSpec {
@@ -48,25 +50,27 @@ impl EndsByItself for LjSpline {
     const END_IN_WORDS: &'static str = "1.737";
 }
 
-/// Makes the smallest distance from the joint larger than 1, and stays finite in single precision.
-const STEEP: f64 = 1e30;
-
-impl PairPotential for LjSpline {
-    const UNIT: f64 = LennardJones::UNIT;
-
+impl LjSpline {
+    /// U, −U′/r and U″ beyond the joint, in the unit of Lennard-Jones.
     #[inline(always)]
-    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
+    fn outside<R: Real>(r2: R, inv_r2: R) -> Pair<R> {
         let number = |value: f64| r2.splat(value);
-        let of_lj = LennardJones {}.eval(r2, inv_r2);
         let r = r2.sqrt();
         let x = r - number(Self::END);
         let (a, b) = (A / Self::UNIT, B / Self::UNIT);
-        let of_spline = Pair {
+        Pair {
             energy: x * x * x.mul_add(number(b), number(a)),
             // −U′/r, with 1/r = r/r².
             force: -(r * inv_r2) * (x * x.mul_add(number(3.0 * b), number(2.0 * a))),
             curvature: x.mul_add(number(6.0 * b), number(2.0 * a)),
-        };
+        }
+    }
+
+    /// U, −U′/r and U″ on both sides of the joint.
+    #[inline(always)]
+    pub(crate) fn values<R: Real>(r2: R, inv_r2: R) -> Pair<R> {
+        let number = |value: f64| r2.splat(value);
+        let (of_lj, of_spline) = (LennardJones::values(inv_r2), Self::outside(r2, inv_r2));
         // Registers know no branch: the weight of the spline is 0 inside the joint and 1 outside, exactly.
         let outside = ((r2 - number(JOINT2)) * number(STEEP)).max(number(0.0)).min(number(1.0));
         let inside = number(1.0) - outside;
@@ -76,6 +80,22 @@ impl PairPotential for LjSpline {
             force: choose(of_lj.force, of_spline.force),
             curvature: choose(of_lj.curvature, of_spline.curvature),
         }
+    }
+}
+
+impl PairPotential for LjSpline {
+    const UNIT: f64 = LennardJones::UNIT;
+    const JOINT2: Option<f64> = Some(JOINT2);
+
+    fn on(&self, side: Side, r2: f64) -> Pair<f64> {
+        match side {
+            Side::Inside => LennardJones {}.on(side, r2),
+            Side::Outside => Self::outside(r2, r2.recip()),
+        }
+    }
+
+    fn shape(&self) -> Option<Shape> {
+        Some(Shape::Spline)
     }
 
     fn tail_energy(&self, _r_cut: f64) -> f64 {

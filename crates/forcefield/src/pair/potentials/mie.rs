@@ -1,8 +1,7 @@
 //! The Mie potential, two inverse powers.
 
-use super::{LARGEST_EXPONENT, Potential, PotentialSpec, SMALLEST_EXPONENT, inverse_power};
-use crate::pair::{Pair, PairPotential};
-use crate::real::Real;
+use super::{LARGEST_EXPONENT, Potential, PotentialSpec, SMALLEST_EXPONENT};
+use crate::pair::{Pair, PairPotential, Shape, Side, TwoPowers};
 use lennard_core::options::OptionError;
 
 lennard_core::options! {
@@ -70,48 +69,18 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// C·r⁻ⁿ and C·r⁻ᵐ.
-    #[inline(always)]
-    fn powers<R: Real>(&self, inv_r2: R) -> (R, R) {
-        let c = inv_r2.splat(self.strength);
-        (c * inverse_power(inv_r2, self.n), c * inverse_power(inv_r2, self.m))
+    fn two_powers(&self) -> TwoPowers {
+        TwoPowers { n: self.n, m: self.m }
     }
-}
-
-/// a·`repulsion` − b·`attraction`.
-#[inline(always)]
-fn sum<R: Real>((repulsion, attraction): (R, R), a: f64, b: f64) -> R {
-    repulsion.mul_add(repulsion.splat(a), attraction * repulsion.splat(-b))
 }
 
 impl PairPotential for Formula {
-    const VANISHES: bool = true;
-
-    /// −U′/r = C·(n·r⁻ⁿ − m·r⁻ᵐ)/r² and U″ = C·(n(n+1)·r⁻ⁿ − m(m+1)·r⁻ᵐ)/r².
-    #[inline(always)]
-    fn eval<R: Real>(&self, _r2: R, inv_r2: R) -> Pair<R> {
-        let (n, m) = (f64::from(self.n), f64::from(self.m));
-        let powers = self.powers(inv_r2);
-        Pair {
-            energy: powers.0 - powers.1,
-            force: inv_r2 * sum(powers, n, m),
-            curvature: inv_r2 * sum(powers, n * (n + 1.0), m * (m + 1.0)),
-        }
+    fn on(&self, _side: Side, r2: f64) -> Pair<f64> {
+        self.two_powers().values([self.strength; 2], r2.recip())
     }
 
-    /// Sums Σ C·r⁻ⁿ, Σ C·r⁻ᵐ and Σ C·(n(n−1)·r⁻ⁿ − m(m−1)·r⁻ᵐ)/r².
-    #[inline(always)]
-    fn add_up<R: Real>(&self, _r2: R, inv_r2: R, [of_n, of_m, laplacian]: [R; 3]) -> (R, [R; 3]) {
-        let (n, m) = (f64::from(self.n), f64::from(self.m));
-        let powers = self.powers(inv_r2);
-        let of_laplacian = sum(powers, n * (n - 1.0), m * (m - 1.0));
-        let sums = [of_n + powers.0, of_m + powers.1, inv_r2.mul_add(of_laplacian, laplacian)];
-        (inv_r2 * sum(powers, n, m), sums)
-    }
-
-    fn totals(&self, [of_n, of_m, laplacian]: [f64; 3]) -> [f64; 3] {
-        let (n, m) = (f64::from(self.n), f64::from(self.m));
-        [of_n - of_m, n * of_n - m * of_m, laplacian]
+    fn shape(&self) -> Option<Shape> {
+        Some(Shape::TwoPowers { form: self.two_powers(), strengths: [self.strength; 2] })
     }
 
     fn tail_energy(&self, r_cut: f64) -> f64 {
@@ -141,8 +110,8 @@ mod tests {
         let mie = |repulsive, attractive| Mie { repulsive, attractive }.formula();
         let lennard_jones = LennardJones {};
         for r in [0.9_f64, 1.0, 1.122_462, 1.7, 2.5] {
-            let (r2, inv_r2) = (r * r, (r * r).recip());
-            let (a, b) = (mie(12, 6).eval(r2, inv_r2), lennard_jones.eval(r2, inv_r2));
+            let (a, b) =
+                (mie(12, 6).on(Side::Inside, r * r), lennard_jones.on(Side::Inside, r * r));
             let unit = LennardJones::UNIT;
             for (a, b) in [(a.energy, b.energy), (a.force, b.force), (a.curvature, b.curvature)] {
                 assert!((a - unit * b).abs() < 1e-12 * (1.0 + a.abs()), "{r}: {a} {b}");
@@ -160,7 +129,7 @@ mod tests {
             // U′ = 0 at r = (n/m)^{1/(n−m)}.
             let (n_real, m_real) = (f64::from(n), f64::from(m));
             let r = (n_real / m_real).powf(1.0 / (n_real - m_real));
-            let at_minimum = mie(n, m).eval(r * r, (r * r).recip());
+            let at_minimum = mie(n, m).on(Side::Inside, r * r);
             assert!((at_minimum.energy + 1.0).abs() < 1e-13, "{n}-{m}");
             assert!(at_minimum.force.abs() < 1e-11 && at_minimum.curvature > 0.0);
         }

@@ -3,7 +3,7 @@
 use lennard_core::options::{Keys, OptionError, Options};
 use serde::{Deserialize, Serialize};
 
-use super::{PairPotential, Plain, TablePath, Truncated, TruncationOptions};
+use super::{Pair, PairPotential, Shape, Side, TablePath, Tolerance, TruncationOptions};
 use crate::real::Real;
 
 /// The smallest exponent of an inverse power: below it the tail integrals diverge.
@@ -30,7 +30,7 @@ pub struct PotentialSpec {
 
 /// r⁻ⁿ where 1/r² is `inv_r2`, by squaring: the exponent is the same for all lanes.
 #[inline(always)]
-fn inverse_power<R: Real>(inv_r2: R, exponent: u32) -> R {
+pub(super) fn inverse_power<R: Real>(inv_r2: R, exponent: u32) -> R {
     let mut product = if exponent % 2 == 1 { inv_r2.sqrt() } else { inv_r2.splat(1.0) };
     let mut bits = exponent / 2;
     let mut power = inv_r2;
@@ -50,7 +50,7 @@ pub trait Potential: Options + Copy + 'static {
     const SPEC: PotentialSpec;
     /// Options for the tests, one for each way through the formula.
     const EXAMPLES: &'static [Self];
-    /// The formula that kernels compile in.
+    /// The formula.
     type Formula: PairPotential;
 
     /// The formula with these options.
@@ -114,10 +114,10 @@ pub struct OwnEnd {
 }
 
 /// Makes options, dispatch and lists from lines `file::Variant,`. A line `file::Variant ends,` is for a potential that is
-/// [`EndsByItself`]: kernels have one instance of it in place of one per truncation. A name in scene files that does not follow
+/// [`EndsByItself`]: no truncation changes it. A name in scene files that does not follow
 /// from the variant stands at the end of the line, as `= "name"`.
 macro_rules! list_of_potentials {
-    ($d:tt $($(#[$doc:meta])* $file:ident::$variant:ident $($ends:ident)? $(= $name:literal)?,)*) => {
+    ($($(#[$doc:meta])* $file:ident::$variant:ident $($ends:ident)? $(= $name:literal)?,)*) => {
         $(mod $file; pub use $file::$variant;)*
 
         /// The pair potential U(r), before any truncation, in reduced units: the scene's table `[potential]`.
@@ -216,6 +216,13 @@ macro_rules! list_of_potentials {
                 }
             }
 
+            /// The formula with these options.
+            pub(super) fn formula(&self) -> Formula {
+                match self {
+                    $(Self::$variant(potential) => Formula::$variant(potential.formula()),)*
+                }
+            }
+
             /// ∫ r² U dr and ∫ r³ U′ dr from `r_cut` to ∞, ε·σ³.
             pub(super) fn tail_integrals(&self, r_cut: f64) -> (f64, f64) {
                 match self {
@@ -229,35 +236,61 @@ macro_rules! list_of_potentials {
 
         static POTENTIALS: &[PotentialSpec] = &[$(<$variant as Potential>::SPEC,)*];
 
-        /// Every combination of potential and truncation that can run.
+        /// The formula of a potential.
         #[derive(Clone, Copy, Debug)]
-        pub enum Form {
-            $($(#[$doc])* $variant(list_of_potentials!(@form $variant $($ends)?)),)*
+        pub(crate) enum Formula {
+            $($(#[$doc])* $variant(<$variant as Potential>::Formula),)*
         }
 
-        impl Form {
-            /// The truncated potential that the options describe.
-            pub(super) fn new(potential: &PotentialOptions, truncation: &TruncationOptions) -> Self {
-                match potential {
-                    $(PotentialOptions::$variant(potential) => {
-                        let formula = potential.formula();
-                        Self::$variant(list_of_potentials!(@truncated formula, truncation $(, $ends)?))
-                    })*
+        impl Formula {
+            /// [`PairPotential::UNIT`].
+            pub fn unit(&self) -> f64 {
+                match self {
+                    $(Self::$variant(_) => <$variant as Potential>::Formula::UNIT,)*
+                }
+            }
+
+            /// [`PairPotential::JOINT2`].
+            pub fn joint2(&self) -> Option<f64> {
+                match self {
+                    $(Self::$variant(_) => <$variant as Potential>::Formula::JOINT2,)*
+                }
+            }
+
+            /// [`PairPotential::on`].
+            #[inline]
+            pub fn on(&self, side: Side, r2: f64) -> Pair<f64> {
+                match self {
+                    $(Self::$variant(formula) => formula.on(side, r2),)*
+                }
+            }
+
+            /// U, −U′/r and U″ at r² = `r2` σ², in units of the formula.
+            pub fn eval(&self, r2: f64) -> Pair<f64> {
+                self.on(Side::of(r2, self.joint2()), r2)
+            }
+
+            /// [`PairPotential::shape`].
+            pub fn shape(&self) -> Option<Shape> {
+                match self {
+                    $(Self::$variant(formula) => formula.shape(),)*
+                }
+            }
+
+            /// [`PairPotential::begin2`].
+            pub fn begin2(&self) -> Option<f64> {
+                match self {
+                    $(Self::$variant(formula) => formula.begin2(),)*
+                }
+            }
+
+            /// [`PairPotential::tolerance`].
+            pub fn tolerance(&self) -> Tolerance {
+                match self {
+                    $(Self::$variant(formula) => formula.tolerance(),)*
                 }
             }
         }
-
-        /// Runs `$body` with `$form` bound to the concrete truncated potential of a [`Form`].
-        macro_rules! with_form {
-            ($d value:expr, $d form:ident => $d body:expr) => {
-                match $d value {
-                    $($crate::pair::Form::$variant(truncated) => {
-                        $crate::pair::with_truncated!($($ends)? truncated, $d form => $d body)
-                    })*
-                }
-            };
-        }
-        pub(crate) use with_form;
     };
     (@end $variant:ident ends) => {
         Some(OwnEnd {
@@ -266,13 +299,9 @@ macro_rules! list_of_potentials {
         })
     };
     (@end $variant:ident) => { None };
-    (@form $variant:ident ends) => { Plain<<$variant as Potential>::Formula> };
-    (@form $variant:ident) => { Truncated<<$variant as Potential>::Formula> };
-    (@truncated $formula:ident, $truncation:ident, ends) => { Plain::uncut($formula) };
-    (@truncated $formula:ident, $truncation:ident) => { Truncated::new($formula, $truncation) };
 }
 
-list_of_potentials! { $
+list_of_potentials! {
     /// Lennard-Jones 12-6.
     lennard_jones::LennardJones,
     /// Weeks–Chandler–Andersen. Its own end replaces `truncation.r_cut`.

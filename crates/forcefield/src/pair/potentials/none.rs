@@ -1,8 +1,7 @@
 //! No pair potential: particles do not see each other.
 
 use super::{EndsByItself, Potential, PotentialSpec};
-use crate::pair::{Pair, PairPotential};
-use crate::real::Real;
+use crate::pair::{Pair, PairPotential, Side};
 
 lennard_core::options! {
     /// No pair potential, U = 0: for bodies that meet in contacts alone, for chains in a field, and for the ideal gas.
@@ -35,12 +34,8 @@ impl EndsByItself for NoPotential {
 }
 
 impl PairPotential for NoPotential {
-    const SELDOM_BENT: bool = true;
-
-    #[inline(always)]
-    fn eval<R: Real>(&self, r2: R, _inv_r2: R) -> Pair<R> {
-        let zero = r2.splat(0.0);
-        Pair { energy: zero, force: zero, curvature: zero }
+    fn on(&self, _side: Side, _r2: f64) -> Pair<f64> {
+        Pair { energy: 0.0, force: 0.0, curvature: 0.0 }
     }
 
     fn tail_energy(&self, _r_cut: f64) -> f64 {

@@ -1,8 +1,7 @@
 //! The soft sphere, an inverse power.
 
-use super::{LARGEST_EXPONENT, Potential, PotentialSpec, SMALLEST_EXPONENT, inverse_power};
-use crate::pair::{Pair, PairPotential};
-use crate::real::Real;
+use super::{LARGEST_EXPONENT, Potential, PotentialSpec, SMALLEST_EXPONENT};
+use crate::pair::{Pair, PairPotential, Shape, Side, TwoPowers};
 
 lennard_core::options! {
     /// Soft sphere, the inverse power: U = r⁻ⁿ, −U′/r = n·r⁻ⁿ/r², U″ = n(n+1)·r⁻ⁿ/r².
@@ -39,19 +38,20 @@ impl Potential for SoftSphere {
     }
 }
 
-impl PairPotential for SoftSphere {
-    const VANISHES: bool = true;
+impl SoftSphere {
+    /// The power, and another one that costs nothing and has no strength.
+    fn one_power(&self) -> TwoPowers {
+        TwoPowers { n: self.exponent, m: 0 }
+    }
+}
 
-    #[inline(always)]
-    fn eval<R: Real>(&self, _r2: R, inv_r2: R) -> Pair<R> {
-        let energy = inverse_power(inv_r2, self.exponent);
-        let n = f64::from(self.exponent);
-        let scaled = energy * inv_r2;
-        Pair {
-            energy,
-            force: scaled * inv_r2.splat(n),
-            curvature: scaled * inv_r2.splat(n * (n + 1.0)),
-        }
+impl PairPotential for SoftSphere {
+    fn on(&self, _side: Side, r2: f64) -> Pair<f64> {
+        self.one_power().values([1.0, 0.0], r2.recip())
+    }
+
+    fn shape(&self) -> Option<Shape> {
+        Some(Shape::TwoPowers { form: self.one_power(), strengths: [1.0, 0.0] })
     }
 
     fn tail_energy(&self, r_cut: f64) -> f64 {

@@ -2,9 +2,8 @@
 
 use super::{LARGEST_EXPONENT, Potential, PotentialSpec, SMALLEST_EXPONENT};
 use crate::options::TruncationOptions;
-use crate::pair::tabulated::{Checksum, TablePath, Tabulated, stored};
-use crate::pair::{Pair, PairPotential};
-use crate::real::Real;
+use crate::pair::tabulated::{Checksum, ROWS_ADD, TablePath, Tabulated, stored};
+use crate::pair::{Pair, PairPotential, Side, Tolerance};
 use lennard_core::options::OptionError;
 
 lennard_core::options! {
@@ -182,21 +181,19 @@ impl Formula {
 }
 
 impl PairPotential for Formula {
-    const SELDOM_BENT: bool = true;
+    fn on(&self, _side: Side, r2: f64) -> Pair<f64> {
+        self.table.at(r2)
+    }
 
-    #[inline(always)]
-    fn eval<R: Real>(&self, r2: R, _inv_r2: R) -> Pair<R> {
-        let (d, [u, g0, g1, g2]) = r2.look_up(self.table.rows());
-        let number = |value: f64| r2.splat(value);
-        let force = d.mul_add(d.mul_add(g2, g1), g0);
-        // U is the integral of −½·force over d; U″ = 2·dU/ds + 4s·d²U/ds².
-        let integral = d.mul_add(d.mul_add(g2 * number(1.0 / 3.0), g1 * number(0.5)), g0);
-        let change = d.mul_add(g2 + g2, g1);
-        Pair {
-            energy: (d * number(-0.5)).mul_add(integral, u),
-            force,
-            curvature: (r2 * number(-2.0)).mul_add(change, -force),
-        }
+    fn begin2(&self) -> Option<f64> {
+        Some(self.table.range.0 * self.table.range.0)
+    }
+
+    /// Rows add to the error of the spline what the table states.
+    fn tolerance(&self) -> Tolerance {
+        let added = self.table.error.times(ROWS_ADD / (1.0 + ROWS_ADD));
+        let rows = Tolerance::FORMULA;
+        Tolerance { energy: rows.energy.max(added.energy), force: rows.force.max(added.force) }
     }
 
     fn tail_energy(&self, r_cut: f64) -> f64 {
@@ -207,7 +204,7 @@ impl PairPotential for Formula {
     /// By parts: ∫ r³U′ dr = −r_cut³·U(r_cut) − 3·∫ r²U dr, where r³U vanishes at ∞.
     fn tail_virial(&self, r_cut: f64) -> f64 {
         let r2 = r_cut * r_cut;
-        let at_cut = self.eval(r2, r2.recip()).energy;
+        let at_cut = self.table.at(r2).energy;
         let (end, (energy, _)) = (self.table.range.1, self.table.at_end());
         // Without a tail the integral ends with the table.
         let at_end = if self.tail_exponent.is_some() { 0.0 } else { end.powi(3) * energy };

@@ -1,8 +1,7 @@
 //! Weeks–Chandler–Andersen, the repulsive part of Lennard-Jones.
 
 use super::{EndsByItself, LennardJones, Potential, PotentialSpec};
-use crate::pair::{Pair, PairPotential};
-use crate::real::Real;
+use crate::pair::{Pair, PairPotential, Shape, Side};
 
 lennard_core::options! {
     /// Weeks–Chandler–Andersen: U = 4·(r⁻¹² − r⁻⁶) + 1 inside 2^{1/6} σ, where the cutoff ends it.
@@ -43,10 +42,13 @@ impl EndsByItself for Wca {
 impl PairPotential for Wca {
     const UNIT: f64 = LennardJones::UNIT;
 
-    #[inline(always)]
-    fn eval<R: Real>(&self, r2: R, inv_r2: R) -> Pair<R> {
-        let pair = LennardJones {}.eval(r2, inv_r2);
-        Pair { energy: pair.energy + inv_r2.splat(1.0 / Self::UNIT), ..pair }
+    fn on(&self, side: Side, r2: f64) -> Pair<f64> {
+        let pair = LennardJones {}.on(side, r2);
+        Pair { energy: pair.energy + 1.0 / Self::UNIT, ..pair }
+    }
+
+    fn shape(&self) -> Option<Shape> {
+        Some(Shape::TwelveSix { below: -1.0 / Self::UNIT })
     }
 
     fn tail_energy(&self, _r_cut: f64) -> f64 {

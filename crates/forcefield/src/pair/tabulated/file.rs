@@ -155,7 +155,7 @@ fn judged(three: &[Knot], floor: f64) -> Option<Judged<'_>> {
         return None;
     };
     let cubic = super::spline::Cubic::between(before, after);
-    let (energy, slope) = cubic.at(at.s() - before.s());
+    let (energy, slope, _) = cubic.at(at.s() - before.s());
     let force = -2.0 * at.r * slope;
     let sizes = three.iter().map(|k| k.force.abs());
     let allowed = SHARE_OF_NEIGHBORS * sizes.fold(0.0, f64::max) + floor;

@@ -1,26 +1,28 @@
 //! Potentials that a file lists as r, U and F, with a spline through them.
 
 mod file;
-mod rows;
 mod spline;
 mod store;
 
-pub use rows::TableRows;
 pub use store::{Checksum, TablePath, stored};
 
+use crate::pair::Pair;
 use file::Knot;
+pub(crate) use spline::Cubic;
 use spline::{Deviation, Spline};
 
-/// A potential from a file: a spline through its rows, and the rows that kernels read.
+/// What the rows of loops may add to the error of the spline, as a share of it.
+pub const ROWS_ADD: f64 = 0.5;
+
+/// A potential from a file: a spline through its rows.
 #[derive(Debug)]
 pub struct Tabulated {
     spline: Spline,
-    rows: TableRows,
     /// Number of rows of the file.
     pub knots: usize,
     /// Smallest and largest distance of the file, σ.
     pub range: (f64, f64),
-    /// The largest error that the spline states, of U and of F: relative to 1 + |U| and 1 + |F|.
+    /// The largest error that the spline states with the rows of loops, of U and of F: relative to 1 + |U| and 1 + |F|.
     pub error: Deviation,
 }
 
@@ -36,38 +38,37 @@ impl Tabulated {
     }
 
     fn new(knots: &[Knot]) -> Self {
-        let spline = Spline::through(knots);
-        let rows = TableRows::of(&spline);
-        let resolved = spline::left_out(knots);
-        let stored = rows.deviation(&spline);
         Self {
             knots: knots.len(),
             range: (knots[0].r, knots[knots.len() - 1].r),
-            error: Deviation {
-                energy: resolved.energy + stored.energy,
-                force: resolved.force + stored.force,
-            },
-            spline,
-            rows,
+            error: spline::left_out(knots).times(1.0 + ROWS_ADD),
+            spline: Spline::through(knots),
         }
     }
 
-    /// The rows that kernels read.
-    pub fn rows(&self) -> &TableRows {
-        &self.rows
+    /// U, −U′/r and U″ at r² = `r2` σ²; below the first row U is a straight line in r², and beyond the last one its cubic goes on.
+    pub fn at(&self, r2: f64) -> Pair<f64> {
+        let begin2 = self.range.0 * self.range.0;
+        let (energy, slope, bend) = self.spline.at(r2.max(begin2));
+        if r2 < begin2 {
+            let force = -2.0 * slope;
+            return Pair { energy: energy + slope * (r2 - begin2), force, curvature: -force };
+        }
+        // U″ = 2·dU/ds + 4s·d²U/ds².
+        Pair { energy, force: -2.0 * slope, curvature: 2.0 * slope + 4.0 * r2 * bend }
     }
 
     /// U at the first row, ε.
     pub fn at_begin(&self) -> f64 {
         let r = self.range.0;
-        self.spline.at(r * r).0
+        self.at(r * r).energy
     }
 
     /// U and U′ at the end of the file, ε and ε/σ.
     pub fn at_end(&self) -> (f64, f64) {
         let r = self.range.1;
-        let (energy, slope) = self.spline.at(r * r);
-        (energy, 2.0 * r * slope)
+        let end = self.at(r * r);
+        (end.energy, -end.force * r)
     }
 
     /// The exponent p of the decay at the end of the file, −r·U′/U: U falls as r⁻ᵖ there. Not finite where U is 0.

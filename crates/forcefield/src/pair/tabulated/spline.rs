@@ -23,10 +23,11 @@ impl Cubic {
         ])
     }
 
-    /// Value and slope at a distance from the begin.
-    pub fn at(&self, d: f64) -> (f64, f64) {
+    /// Value, slope and second derivative at a distance from the begin.
+    pub fn at(&self, d: f64) -> (f64, f64, f64) {
         let [a, b, c, e] = self.0;
-        (a + d * (b + d * (c + d * e)), b + d * (2.0 * c + d * (3.0 * e)))
+        let slope = b + d * (2.0 * c + d * (3.0 * e));
+        (a + d * (b + d * (c + d * e)), slope, 2.0 * c + d * (6.0 * e))
     }
 }
 
@@ -40,6 +41,11 @@ pub struct Deviation {
 }
 
 impl Deviation {
+    /// The deviations times a number.
+    pub fn times(self, by: f64) -> Self {
+        Self { energy: by * self.energy, force: by * self.force }
+    }
+
     /// The larger deviations, with those at a distance where U, F and their errors are known.
     pub fn or(self, energy: (f64, f64), force: (f64, f64)) -> Self {
         let relative = |(value, error): (f64, f64)| error.abs() / (1.0 + value.abs());
@@ -66,13 +72,8 @@ impl Spline {
         }
     }
 
-    /// The first and the last s.
-    pub fn range(&self) -> (f64, f64) {
-        (self.begins[0], self.end)
-    }
-
-    /// U and dU/ds at s; the first and the last piece go on beyond the ends.
-    pub fn at(&self, s: f64) -> (f64, f64) {
+    /// U, dU/ds and d²U/ds² at s; the first and the last piece go on beyond the ends.
+    pub fn at(&self, s: f64) -> (f64, f64, f64) {
         let piece = self.begins.partition_point(|begin| *begin <= s).max(1) - 1;
         self.pieces[piece].at(s - self.begins[piece])
     }
@@ -106,7 +107,7 @@ pub fn left_out(knots: &[Knot]) -> Deviation {
     for three in knots.windows(3) {
         let [before, at, after] = three else { continue };
         let (width, x) = (after.s() - before.s(), at.s() - before.s());
-        let (energy, _) = Cubic::between(before, after).at(x);
+        let (energy, ..) = Cubic::between(before, after).at(x);
         // The error of a cubic is u₄/24·x²(w − x)².
         let shape = x * x * (width - x) * (width - x);
         let fourth = 24.0 * (energy - at.energy).abs() / shape;

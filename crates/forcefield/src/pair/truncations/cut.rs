@@ -1,9 +1,9 @@
 //! The plain cutoff.
 
-use super::{Plain, TruncationSpec, without_switch};
+use super::{Truncation, TruncationSpec, without_switch};
 use crate::error::ForceFieldError;
 use crate::options::TruncationOptions;
-use crate::pair::PairPotential;
+use crate::pair::potentials::Formula;
 
 pub(super) const SPEC: TruncationSpec = TruncationSpec {
     name: "cut",
@@ -24,6 +24,6 @@ pub(super) fn check(options: &TruncationOptions) -> Result<(), ForceFieldError> 
     without_switch(options)
 }
 
-pub(super) fn form<P: PairPotential>(potential: P, _options: &TruncationOptions) -> Plain<P> {
-    Plain { potential, shift: 0.0 }
+pub(super) fn truncation(_formula: &Formula, _options: &TruncationOptions) -> Truncation {
+    Truncation::Plain { shift: 0.0 }
 }

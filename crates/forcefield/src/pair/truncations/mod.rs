@@ -1,4 +1,4 @@
-//! The list of truncations: one file each, and one line for each form that kernels compile in.
+//! The list of truncations: one file and one line each.
 
 mod cut;
 mod force_shift;
@@ -6,17 +6,14 @@ mod shift;
 mod switch;
 mod xplor;
 
-pub use force_shift::ForceShift;
-pub use switch::Switch;
-pub use xplor::Xplor;
-
 use lennard_core::options::OptionValue;
 use serde::{Deserialize, Serialize};
 
-use super::{Constants, Pair, PairForm, PairPotential};
+use super::potentials::Formula;
+use super::smoothstep::{Smoothstep, weighted};
+use super::{Pair, Side};
 use crate::error::ForceFieldError;
 use crate::options::TruncationOptions;
-use crate::real::Real;
 
 /// What a truncation declares about itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -38,140 +35,112 @@ pub struct TruncationSpec {
     pub weights: bool,
 }
 
-/// Plain or shifted cutoff: U − `shift`.
+/// What a truncation makes of a potential up to r_cut, with its numbers in units of the potential.
 #[derive(Clone, Copy, Debug)]
-pub struct Plain<P> {
-    /// The potential.
-    pub potential: P,
-    /// What is subtracted from the energy: 0, or U(r_cut), in units of the potential.
-    pub shift: f64,
+pub(crate) enum Truncation {
+    /// U − `shift`: a plain cutoff, or a shifted one.
+    Plain {
+        /// 0, or U(r_cut).
+        shift: f64,
+    },
+    /// U − U(r_cut) − U′(r_cut)·(r − r_cut), so that −U′/r becomes −U′/r + U′(r_cut)/r.
+    ForceShift {
+        /// U′(r_cut).
+        slope: f64,
+        /// U(r_cut) − U′(r_cut)·r_cut.
+        constant: f64,
+    },
+    /// U·S(r²) with the quintic step.
+    Switch(Smoothstep),
+    /// U·S(r²) with the cubic step.
+    Xplor(Smoothstep),
 }
 
-impl<P: PairPotential> PairForm for Plain<P> {
-    const RARE_IN_MIXTURES: bool = P::RARE_IN_MIXTURES;
-    const VANISHES: bool = P::VANISHES;
-    const UNIT: f64 = P::UNIT;
-    #[inline(always)]
-    fn constants(&self) -> Constants<f64> {
-        [self.shift, 0.0]
+impl Truncation {
+    /// r² where the potential begins to change, σ²; none where it changes everywhere alike.
+    pub fn joint2(&self) -> Option<f64> {
+        match self {
+            Self::Plain { .. } | Self::ForceShift { .. } => None,
+            Self::Switch(step) | Self::Xplor(step) => Some(step.begin2()),
+        }
     }
-    #[inline(always)]
-    fn eval_with<R: Real>(&self, [shift, _]: Constants<R>, r2: R, inv_r2: R) -> Pair<R> {
-        let pair = self.potential.eval(r2, inv_r2);
-        Pair { energy: pair.energy - shift, ..pair }
-    }
-    #[inline(always)]
-    fn add_up<R: Real>(&self, r2: R, inv_r2: R, sums: [R; 3]) -> (R, [R; 3]) {
-        self.potential.add_up(r2, inv_r2, sums)
-    }
-    fn totals(&self, sums: [f64; 3], pairs: u64) -> [f64; 3] {
-        let [energy, virial, laplacian] = self.potential.totals(sums);
-        [energy - pairs as f64 * self.shift, virial, laplacian]
+
+    /// The values of a pair at r² = `r2` σ² on a side of the joint.
+    pub fn of(&self, pair: Pair<f64>, side: Side, r2: f64) -> Pair<f64> {
+        match self {
+            Self::Plain { shift } => Pair { energy: pair.energy - shift, ..pair },
+            Self::ForceShift { slope, constant } => Pair {
+                energy: pair.energy - (r2.sqrt() * slope + constant),
+                force: (1.0 / r2).sqrt() * slope + pair.force,
+                curvature: pair.curvature,
+            },
+            Self::Switch(step) => weighted(pair, step.quintic(side, r2), r2),
+            Self::Xplor(step) => weighted(pair, step.cubic(side, r2), r2),
+        }
     }
 }
 
-impl<P> Plain<P> {
-    /// A potential that ends by itself.
-    pub fn uncut(potential: P) -> Self {
-        Self { potential, shift: 0.0 }
-    }
-}
-
-/// Makes kinds, forms and dispatch from lines `Form { Kind: file, … }`: the truncations that share a form share its
-/// instances of the kernels.
+/// Makes kinds and dispatch from lines `Kind: file`.
 macro_rules! list_of_truncations {
-    ($d:tt $($form:ident { $($(#[$doc:meta])* $kind:ident: $file:ident,)* })*) => {
+    ($($(#[$doc:meta])* $kind:ident: $file:ident,)*) => {
         /// How the potential ends at r_cut.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
         #[serde(rename_all = "kebab-case")]
         #[non_exhaustive]
         pub enum TruncationKind {
-            $($($(#[$doc])* $kind,)*)*
+            $($(#[$doc])* $kind,)*
         }
 
         impl TruncationKind {
             /// Every truncation, in the order of the list.
-            pub const ALL: &'static [Self] = &[$($(Self::$kind,)*)*];
+            pub const ALL: &'static [Self] = &[$(Self::$kind,)*];
 
             /// What the truncation declares about itself.
             #[must_use]
             pub fn spec(self) -> &'static TruncationSpec {
                 match self {
-                    $($(Self::$kind => &$file::SPEC,)*)*
+                    $(Self::$kind => &$file::SPEC,)*
                 }
             }
 
             /// The truncation in words, at the end of a model's name.
             pub(super) fn in_words(self, options: &TruncationOptions) -> String {
                 match self {
-                    $($(Self::$kind => $file::in_words(options),)*)*
+                    $(Self::$kind => $file::in_words(options),)*
                 }
             }
 
             /// Refuses options that do not go with the truncation.
             pub(super) fn check(self, options: &TruncationOptions) -> Result<(), ForceFieldError> {
                 match self {
-                    $($(Self::$kind => $file::check(options),)*)*
+                    $(Self::$kind => $file::check(options),)*
+                }
+            }
+
+            /// What the truncation makes of a potential.
+            pub(super) fn of(self, formula: &Formula, options: &TruncationOptions) -> Truncation {
+                match self {
+                    $(Self::$kind => $file::truncation(formula, options),)*
                 }
             }
         }
 
-        /// A potential with any truncation.
-        #[derive(Clone, Copy, Debug)]
-        pub enum Truncated<P> {
-            $(
-                #[doc = concat!("The form `", stringify!($form), "`.")]
-                $form($form<P>),
-            )*
-        }
-
-        impl<P: PairPotential> Truncated<P> {
-            /// The potential with the truncation of the options.
-            pub(super) fn new(potential: P, options: &TruncationOptions) -> Self {
-                match options.kind {
-                    $($(TruncationKind::$kind => Self::$form($file::form(potential, options)),)*)*
-                }
-            }
-        }
-
-        static TRUNCATIONS: &[TruncationSpec] = &[$($($file::SPEC,)*)*];
-
-        /// Runs `$body` with `$form` bound to the form of a truncated potential, or to a potential that ends by itself.
-        macro_rules! with_truncated {
-            (ends $d value:ident, $d form:ident => $d body:expr) => {{
-                let $d form = $d value;
-                $d body
-            }};
-            ($d value:ident, $d form:ident => $d body:expr) => {
-                match $d value {
-                    $($crate::pair::Truncated::$form($d form) => $d body,)*
-                }
-            };
-        }
-        pub(crate) use with_truncated;
+        static TRUNCATIONS: &[TruncationSpec] = &[$($file::SPEC,)*];
     };
 }
 
-list_of_truncations! { $
-    Plain {
-        /// Plain cutoff: U as it is up to r_cut, zero beyond; the energy jumps there.
-        #[default]
-        Cut: cut,
-        /// U − U(r_cut): the same forces as the plain cutoff, and a continuous energy.
-        Shift: shift,
-    }
-    ForceShift {
-        /// U − U(r_cut) − U′(r_cut)·(r − r_cut): energy and force are continuous.
-        ForceShift: force_shift,
-    }
-    Switch {
-        /// U·S with a quintic S in r², from 1 at `switch_from` to 0 at r_cut: energy, force and curvature are continuous.
-        Switch: switch,
-    }
-    Xplor {
-        /// U·S with a cubic S in r², from 1 at `switch_from` to 0 at r_cut: energy and force are continuous.
-        Xplor: xplor,
-    }
+list_of_truncations! {
+    /// Plain cutoff: U as it is up to r_cut, zero beyond; the energy jumps there.
+    #[default]
+    Cut: cut,
+    /// U − U(r_cut): the same forces as the plain cutoff, and a continuous energy.
+    Shift: shift,
+    /// U − U(r_cut) − U′(r_cut)·(r − r_cut): energy and force are continuous.
+    ForceShift: force_shift,
+    /// U·S with a quintic S in r², from 1 at `switch_from` to 0 at r_cut: energy, force and curvature are continuous.
+    Switch: switch,
+    /// U·S with a cubic S in r², from 1 at `switch_from` to 0 at r_cut: energy and force are continuous.
+    Xplor: xplor,
 }
 
 impl TruncationKind {

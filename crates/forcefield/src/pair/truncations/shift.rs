@@ -1,9 +1,9 @@
 //! Cut and shifted.
 
-use super::{Plain, TruncationSpec, without_switch};
+use super::{Truncation, TruncationSpec, without_switch};
 use crate::error::ForceFieldError;
 use crate::options::TruncationOptions;
-use crate::pair::PairPotential;
+use crate::pair::potentials::Formula;
 
 pub(super) const SPEC: TruncationSpec = TruncationSpec {
     name: "shift",
@@ -23,7 +23,6 @@ pub(super) fn check(options: &TruncationOptions) -> Result<(), ForceFieldError> 
     without_switch(options)
 }
 
-pub(super) fn form<P: PairPotential>(potential: P, options: &TruncationOptions) -> Plain<P> {
-    let r_cut = options.r_cut;
-    Plain { potential, shift: potential.eval(r_cut * r_cut, (r_cut * r_cut).recip()).energy }
+pub(super) fn truncation(formula: &Formula, options: &TruncationOptions) -> Truncation {
+    Truncation::Plain { shift: formula.eval(options.r_cut * options.r_cut).energy }
 }

@@ -1,11 +1,10 @@
 //! The quintic switch.
 
-use super::TruncationSpec;
+use super::{Truncation, TruncationSpec};
 use crate::error::ForceFieldError;
 use crate::options::TruncationOptions;
-use crate::pair::smoothstep::{Smoothstep, weighted};
-use crate::pair::{Constants, Pair, PairForm, PairPotential};
-use crate::real::Real;
+use crate::pair::Smoothstep;
+use crate::pair::potentials::Formula;
 use lennard_core::number::short;
 
 pub(super) const SPEC: TruncationSpec = TruncationSpec {
@@ -43,28 +42,6 @@ pub(super) fn check(options: &TruncationOptions) -> Result<(), ForceFieldError> 
     }
 }
 
-pub(super) fn form<P: PairPotential>(potential: P, options: &TruncationOptions) -> Switch<P> {
-    Switch { potential, step: Smoothstep::new(begins(options), options.r_cut) }
-}
-
-/// U·S(r²) with a [`Smoothstep`] that ends at r_cut: energy, force and curvature are continuous.
-#[derive(Clone, Copy, Debug)]
-pub struct Switch<P> {
-    /// The potential.
-    pub potential: P,
-    /// The switch.
-    pub step: Smoothstep,
-}
-
-impl<P: PairPotential> PairForm for Switch<P> {
-    const RARE: bool = P::SELDOM_BENT;
-    const UNIT: f64 = P::UNIT;
-    #[inline(always)]
-    fn constants(&self) -> Constants<f64> {
-        self.step.constants()
-    }
-    #[inline(always)]
-    fn eval_with<R: Real>(&self, step: Constants<R>, r2: R, inv_r2: R) -> Pair<R> {
-        weighted(self.potential.eval(r2, inv_r2), Smoothstep::with(step, r2), r2)
-    }
+pub(super) fn truncation(_formula: &Formula, options: &TruncationOptions) -> Truncation {
+    Truncation::Switch(Smoothstep::new(begins(options), options.r_cut))
 }

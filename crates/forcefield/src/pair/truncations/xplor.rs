@@ -1,11 +1,10 @@
 //! The cubic switch of X-PLOR.
 
-use super::{TruncationSpec, switch};
+use super::{Truncation, TruncationSpec, switch};
 use crate::error::ForceFieldError;
 use crate::options::TruncationOptions;
-use crate::pair::smoothstep::{Smoothstep, weighted};
-use crate::pair::{Constants, Pair, PairForm, PairPotential};
-use crate::real::Real;
+use crate::pair::Smoothstep;
+use crate::pair::potentials::Formula;
 use lennard_core::number::short;
 
 pub(super) const SPEC: TruncationSpec = TruncationSpec {
@@ -29,29 +28,6 @@ pub(super) fn check(options: &TruncationOptions) -> Result<(), ForceFieldError> 
     switch::check(options)
 }
 
-pub(super) fn form<P: PairPotential>(potential: P, options: &TruncationOptions) -> Xplor<P> {
-    Xplor { potential, step: Smoothstep::new(switch::begins(options), options.r_cut) }
-}
-
-/// U·S(r²) with a cubic [`Smoothstep`] that ends at r_cut: energy and force are continuous, the curvature jumps at both ends.
-#[derive(Clone, Copy, Debug)]
-pub struct Xplor<P> {
-    /// The potential.
-    potential: P,
-    /// The switch.
-    step: Smoothstep,
-}
-
-impl<P: PairPotential> PairForm for Xplor<P> {
-    const RARE: bool = true;
-    const UNIT: f64 = P::UNIT;
-    #[inline(always)]
-    fn constants(&self) -> Constants<f64> {
-        self.step.constants()
-    }
-    #[inline(always)]
-    fn eval_with<R: Real>(&self, step: Constants<R>, r2: R, inv_r2: R) -> Pair<R> {
-        let pair = self.potential.eval(r2, inv_r2);
-        weighted(pair, Smoothstep::cubic_with(step, r2), r2)
-    }
+pub(super) fn truncation(_formula: &Formula, options: &TruncationOptions) -> Truncation {
+    Truncation::Xplor(Smoothstep::new(switch::begins(options), options.r_cut))
 }

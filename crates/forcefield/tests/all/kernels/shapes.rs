@@ -148,7 +148,11 @@ fn agrees_there(
         }
         for ((f, w), (size, stiffness)) in found.iter().zip(wanted).zip(sizes) {
             let bound = match kernel.precision {
-                Precision::Double => 1e-13 * size + (1e-13 + place) * stiffness,
+                Precision::Double => {
+                    1e-13 * size
+                        + (1e-13 + place) * stiffness
+                        + off_by_rows(base, species) * (size + n as f64)
+                }
                 Precision::Mixed => 1e-6 * size + (SEEN + unit) * stiffness + 1e-6,
             };
             prop_assert!(
