@@ -106,9 +106,7 @@ impl Pairwise {
         let loops = self.loops.as_ref().expect("a list in lanes has loops");
         match &loops.law {
             Law::Rows(rows) => self.loop_of(loops, ByRows(rows), list, r_cut, cell),
-            Law::Formula(Compiled::TwelveSix) => {
-                self.loop_of(loops, TwelveSix, list, r_cut, cell)
-            }
+            Law::Formula(Compiled::TwelveSix) => self.loop_of(loops, TwelveSix, list, r_cut, cell),
             Law::Formula(Compiled::ForceShifted) => {
                 self.loop_of(loops, ForceShifted, list, r_cut, cell)
             }
@@ -149,10 +147,7 @@ impl Pairwise {
     }
 
     /// The constants `of` the form of each pair of species.
-    fn constants(
-        &self,
-        of: impl Fn(&Form, [usize; 2]) -> Constants<f64>,
-    ) -> Box<ConstantsOfPairs> {
+    fn constants(&self, of: impl Fn(&Form, [usize; 2]) -> Constants<f64>) -> Box<ConstantsOfPairs> {
         let mut constants = Box::new([[[0.0; 3]; MOST_SPECIES]; MOST_SPECIES]);
         match &self.laws {
             None => constants[0][0] = of(&self.model.form, [0; 2]),

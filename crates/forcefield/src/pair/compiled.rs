@@ -3,7 +3,7 @@
 
 use super::potentials::inverse_power;
 use super::smoothstep::switched;
-use super::{LennardJones, LjSpline, Pair, PairPotential, PairRows};
+use super::{LennardJones, LjSpline, Pair, PairRows};
 use crate::real::{Number, Real};
 use crate::simd::Lanes;
 
@@ -129,7 +129,7 @@ impl PairForm for Switched {
 pub struct Spline;
 
 impl PairForm for Spline {
-    const UNIT: f64 = LjSpline::UNIT;
+    const UNIT: f64 = LennardJones::UNIT;
 
     #[inline(always)]
     fn eval<L: Lanes>(&self, _constants: Constants<L>, r2: L, inv_r2: L) -> Pair<L> {

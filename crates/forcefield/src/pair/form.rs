@@ -1,7 +1,7 @@
 //! A truncated potential for one pair, in double precision: what the reference loop sums, and what rows are made of.
 
-use super::potentials::Formula;
 use super::compiled::{Constants, Shape, TwoPowers};
+use super::potentials::Formula;
 use super::{Pair, Truncation};
 use crate::options::TruncationOptions;
 use crate::pair::PotentialOptions;

@@ -94,13 +94,21 @@ impl<R: Real> Pair<R> {
 }
 
 /// U(r) without any cutoff, in double precision: what the reference loop and the rows of loops are made of.
-pub trait PairPotential: Copy + std::fmt::Debug + Send + Sync + 'static {
+pub trait PairPotential: std::fmt::Debug + Send + Sync {
     /// The unit of energy of the formula, ε.
-    const UNIT: f64 = 1.0;
+    fn unit(&self) -> f64 {
+        1.0
+    }
     /// r² where one formula gives way to another, σ²; none where there is one formula.
-    const JOINT2: Option<f64> = None;
-    /// U, −U′/r and U″ at r² = `r2` σ², in [`PairPotential::UNIT`]; the formula of one side of the joint goes on beyond it.
+    fn joint2(&self) -> Option<f64> {
+        None
+    }
+    /// U, −U′/r and U″ at r² = `r2` σ², in its unit; the formula of one side of the joint goes on beyond it.
     fn on(&self, side: Side, r2: f64) -> Pair<f64>;
+    /// The same by the formula that holds at `r2`.
+    fn eval(&self, r2: f64) -> Pair<f64> {
+        self.on(Side::of(r2, self.joint2()), r2)
+    }
     /// The shape that loops compile in; none where they take rows.
     fn shape(&self) -> Option<Shape> {
         None

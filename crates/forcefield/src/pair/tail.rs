@@ -29,7 +29,8 @@ pub fn tail_correction(o: &ForceFieldOptions, n_atoms: usize, volume: f64) -> Op
     if !o.truncation.tail_correction {
         return None;
     }
-    let (energy, virial) = o.potential.tail_integrals(o.truncation.r_cut);
+    let (r_cut, formula) = (o.truncation.r_cut, o.potential.formula());
+    let (energy, virial) = (formula.tail_energy(r_cut), formula.tail_virial(r_cut));
     let n = n_atoms as f64;
     let pairs_density = 2.0 * PI * n * (n / volume);
     Some(Tail::new(pairs_density * energy, -pairs_density * virial, n, volume))
@@ -49,11 +50,12 @@ pub fn tail_of_mixture(o: &ForceFieldOptions, mixture: &Mixture, volume: f64) ->
         return tail_correction(&one, mixture.n_atoms(), volume);
     }
     let (mut energy, mut virial) = (0.0, 0.0);
+    let formula = o.potential.formula();
     for (pairs, pair) in mixture.ordered_pairs() {
-        let of_pair = o.potential.tail_integrals(pair.r_cut / pair.sigma);
+        let r_cut = pair.r_cut / pair.sigma;
         let unit = pairs * pair.epsilon * pair.sigma.powi(3);
-        energy += unit * of_pair.0;
-        virial += unit * of_pair.1;
+        energy += unit * formula.tail_energy(r_cut);
+        virial += unit * formula.tail_virial(r_cut);
     }
     let density = 2.0 * PI / volume;
     let n = mixture.n_atoms() as f64;

@@ -59,7 +59,7 @@ impl<const N: usize> Neg for Group<N> {
 impl<const N: usize> Real for Group<N> {
     #[inline(always)]
     fn splat(self, value: f64) -> Self {
-        Self([value as f64; N])
+        Self([value; N])
     }
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
@@ -149,7 +149,7 @@ impl<const N: usize> Lanes for Group<N> {
     }
     #[inline(always)]
     fn sum(self) -> f64 {
-        self.0.iter().map(|v| f64::from(*v)).sum()
+        self.0.iter().sum()
     }
 }
 

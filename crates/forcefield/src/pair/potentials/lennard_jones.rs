@@ -31,6 +31,9 @@ impl Potential for LennardJones {
 }
 
 impl LennardJones {
+    /// The unit of energy of the formula, ε: a common factor of every pair becomes a factor of the sums, where it costs nothing.
+    pub(crate) const UNIT: f64 = 48.0;
+
     /// U, −U′/r and U″ in [`PairPotential::UNIT`], from 1/r².
     #[inline(always)]
     pub(crate) fn values<R: Real>(inv_r2: R) -> Pair<R> {
@@ -68,7 +71,9 @@ impl LennardJones {
 }
 
 impl PairPotential for LennardJones {
-    const UNIT: f64 = 48.0;
+    fn unit(&self) -> f64 {
+        Self::UNIT
+    }
 
     fn on(&self, _side: Side, r2: f64) -> Pair<f64> {
         Self::values(r2.recip())

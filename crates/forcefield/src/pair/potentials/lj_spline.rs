@@ -1,6 +1,6 @@
 //! Lennard-Jones/spline: a short-ranged Lennard-Jones potential with two continuous derivatives.
 
-use super::{EndsByItself, LennardJones, Potential, PotentialSpec};
+use super::{LennardJones, OwnEnd, Potential, PotentialSpec};
 use crate::pair::{Pair, PairPotential, Shape, Side};
 use crate::real::Real;
 
@@ -23,6 +23,9 @@ const B: f64 = -3.292_002_800_390_959;
 /// Makes the smallest distance from the joint larger than 1, and stays finite in single precision.
 const STEEP: f64 = 1e30;
 
+/// (67/48)·(26/7)^{1/6} σ.
+const END: f64 = 1.737_051_854_945_982;
+
 impl Potential for LjSpline {
     const SPEC: PotentialSpec = PotentialSpec {
         name: "lj-spline",
@@ -32,6 +35,7 @@ impl Potential for LjSpline {
         source: "B. L. Holian and D. J. Evans, Shear viscosities away from the melting line: A comparison of equilibrium and nonequilibrium molecular dynamics, J. Chem. Phys. 78 (1983) 5147",
         is_lennard_jones: false,
     };
+    const END: Option<OwnEnd> = Some(OwnEnd { r: END, in_words: "1.737" });
     const EXAMPLES: &'static [Self] = &[Self {}];
     type Formula = Self;
 
@@ -44,20 +48,14 @@ impl Potential for LjSpline {
     }
 }
 
-impl EndsByItself for LjSpline {
-    /// (67/48)·(26/7)^{1/6} σ.
-    const END: f64 = 1.737_051_854_945_982;
-    const END_IN_WORDS: &'static str = "1.737";
-}
-
 impl LjSpline {
     /// U, −U′/r and U″ beyond the joint, in the unit of Lennard-Jones.
     #[inline(always)]
     fn outside<R: Real>(r2: R, inv_r2: R) -> Pair<R> {
         let number = |value: f64| r2.splat(value);
         let r = r2.sqrt();
-        let x = r - number(Self::END);
-        let (a, b) = (A / Self::UNIT, B / Self::UNIT);
+        let x = r - number(END);
+        let (a, b) = (A / LennardJones::UNIT, B / LennardJones::UNIT);
         Pair {
             energy: x * x * x.mul_add(number(b), number(a)),
             // −U′/r, with 1/r = r/r².
@@ -84,8 +82,13 @@ impl LjSpline {
 }
 
 impl PairPotential for LjSpline {
-    const UNIT: f64 = LennardJones::UNIT;
-    const JOINT2: Option<f64> = Some(JOINT2);
+    fn unit(&self) -> f64 {
+        LennardJones::UNIT
+    }
+
+    fn joint2(&self) -> Option<f64> {
+        Some(JOINT2)
+    }
 
     fn on(&self, side: Side, r2: f64) -> Pair<f64> {
         match side {
@@ -136,7 +139,7 @@ mod tests {
         let mayer = |r: f64| ((-model.eval(r * r).energy).exp() - 1.0) * r * r;
         // Below 0.3 σ the exponential is 0 to all digits. The joint is an end of both parts, since U‴ jumps there.
         let inside = integral(mayer, 0.3, JOINT2.sqrt());
-        let outside = integral(mayer, JOINT2.sqrt(), LjSpline::END);
+        let outside = integral(mayer, JOINT2.sqrt(), END);
         let core = -0.3_f64.powi(3) / 3.0;
         let b2 = -2.0 * std::f64::consts::PI * (core + inside + outside);
         // Gauss-Legendre with 2400 points elsewhere: -2.93260552851; eight digits are known from others.

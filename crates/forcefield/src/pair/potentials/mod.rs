@@ -3,7 +3,7 @@
 use lennard_core::options::{Keys, OptionError, Options};
 use serde::{Deserialize, Serialize};
 
-use super::{Pair, PairPotential, Shape, Side, TablePath, Tolerance, TruncationOptions};
+use super::{PairPotential, TablePath, TruncationOptions};
 use crate::real::Real;
 
 /// The smallest exponent of an inverse power: below it the tail integrals diverge.
@@ -48,6 +48,8 @@ pub(super) fn inverse_power<R: Real>(inv_r2: R, exponent: u32) -> R {
 pub trait Potential: Options + Copy + 'static {
     /// What the potential declares about itself.
     const SPEC: PotentialSpec;
+    /// Where the potential falls to zero by itself, with U = U′ = 0: this end replaces `truncation.r_cut`.
+    const END: Option<OwnEnd> = None;
     /// Options for the tests, one for each way through the formula.
     const EXAMPLES: &'static [Self];
     /// The formula.
@@ -96,14 +98,6 @@ pub trait Potential: Options + Copy + 'static {
     }
 }
 
-/// A potential that falls to zero by itself, with U = U′ = 0 at its end: no truncation changes it.
-pub trait EndsByItself: Potential {
-    /// The distance at which the potential ends, σ. It replaces `truncation.r_cut`.
-    const END: f64;
-    /// The distance in plain text.
-    const END_IN_WORDS: &'static str;
-}
-
 /// Where a potential ends by itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OwnEnd {
@@ -113,11 +107,10 @@ pub struct OwnEnd {
     pub in_words: &'static str,
 }
 
-/// Makes options, dispatch and lists from lines `file::Variant,`. A line `file::Variant ends,` is for a potential that is
-/// [`EndsByItself`]: no truncation changes it. A name in scene files that does not follow
-/// from the variant stands at the end of the line, as `= "name"`.
+/// Makes options, dispatch and lists from lines `file::Variant,`. A name in scene files that does not follow from the variant stands
+/// at the end of the line, as `= "name"`.
 macro_rules! list_of_potentials {
-    ($($(#[$doc:meta])* $file:ident::$variant:ident $($ends:ident)? $(= $name:literal)?,)*) => {
+    ($($(#[$doc:meta])* $file:ident::$variant:ident $(= $name:literal)?,)*) => {
         $(mod $file; pub use $file::$variant;)*
 
         /// The pair potential U(r), before any truncation, in reduced units: the scene's table `[potential]`.
@@ -149,7 +142,7 @@ macro_rules! list_of_potentials {
             #[must_use]
             pub fn own_end(&self) -> Option<OwnEnd> {
                 match self {
-                    $(Self::$variant(_) => list_of_potentials!(@end $variant $($ends)?),)*
+                    $(Self::$variant(_) => <$variant as Potential>::END,)*
                 }
             }
 
@@ -223,15 +216,6 @@ macro_rules! list_of_potentials {
                 }
             }
 
-            /// ∫ r² U dr and ∫ r³ U′ dr from `r_cut` to ∞, ε·σ³.
-            pub(super) fn tail_integrals(&self, r_cut: f64) -> (f64, f64) {
-                match self {
-                    $(Self::$variant(potential) => {
-                        let formula = potential.formula();
-                        (formula.tail_energy(r_cut), formula.tail_virial(r_cut))
-                    })*
-                }
-            }
         }
 
         static POTENTIALS: &[PotentialSpec] = &[$(<$variant as Potential>::SPEC,)*];
@@ -242,72 +226,25 @@ macro_rules! list_of_potentials {
             $($(#[$doc])* $variant(<$variant as Potential>::Formula),)*
         }
 
-        impl Formula {
-            /// [`PairPotential::UNIT`].
-            pub fn unit(&self) -> f64 {
-                match self {
-                    $(Self::$variant(_) => <$variant as Potential>::Formula::UNIT,)*
-                }
-            }
+        impl std::ops::Deref for Formula {
+            type Target = dyn PairPotential;
 
-            /// [`PairPotential::JOINT2`].
-            pub fn joint2(&self) -> Option<f64> {
+            fn deref(&self) -> &Self::Target {
                 match self {
-                    $(Self::$variant(_) => <$variant as Potential>::Formula::JOINT2,)*
-                }
-            }
-
-            /// [`PairPotential::on`].
-            #[inline]
-            pub fn on(&self, side: Side, r2: f64) -> Pair<f64> {
-                match self {
-                    $(Self::$variant(formula) => formula.on(side, r2),)*
-                }
-            }
-
-            /// U, −U′/r and U″ at r² = `r2` σ², in units of the formula.
-            pub fn eval(&self, r2: f64) -> Pair<f64> {
-                self.on(Side::of(r2, self.joint2()), r2)
-            }
-
-            /// [`PairPotential::shape`].
-            pub fn shape(&self) -> Option<Shape> {
-                match self {
-                    $(Self::$variant(formula) => formula.shape(),)*
-                }
-            }
-
-            /// [`PairPotential::begin2`].
-            pub fn begin2(&self) -> Option<f64> {
-                match self {
-                    $(Self::$variant(formula) => formula.begin2(),)*
-                }
-            }
-
-            /// [`PairPotential::tolerance`].
-            pub fn tolerance(&self) -> Tolerance {
-                match self {
-                    $(Self::$variant(formula) => formula.tolerance(),)*
+                    $(Self::$variant(formula) => formula,)*
                 }
             }
         }
     };
-    (@end $variant:ident ends) => {
-        Some(OwnEnd {
-            r: <$variant as EndsByItself>::END,
-            in_words: <$variant as EndsByItself>::END_IN_WORDS,
-        })
-    };
-    (@end $variant:ident) => { None };
 }
 
 list_of_potentials! {
     /// Lennard-Jones 12-6.
     lennard_jones::LennardJones,
     /// Weeks–Chandler–Andersen. Its own end replaces `truncation.r_cut`.
-    wca::Wca ends,
+    wca::Wca,
     /// Lennard-Jones/spline. Its own end replaces `truncation.r_cut`.
-    lj_spline::LjSpline ends,
+    lj_spline::LjSpline,
     /// Mie n-m, two inverse powers.
     mie::Mie,
     /// Soft sphere, an inverse power.
@@ -315,7 +252,7 @@ list_of_potentials! {
     /// A table of r, U and F.
     table::Table,
     /// No pair potential at all.
-    none::NoPotential ends = "none",
+    none::NoPotential = "none",
 }
 
 impl Default for PotentialOptions {

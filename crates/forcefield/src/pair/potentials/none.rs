@@ -1,6 +1,6 @@
 //! No pair potential: particles do not see each other.
 
-use super::{EndsByItself, Potential, PotentialSpec};
+use super::{OwnEnd, Potential, PotentialSpec};
 use crate::pair::{Pair, PairPotential, Side};
 
 lennard_core::options! {
@@ -18,6 +18,8 @@ impl Potential for NoPotential {
         source: "nothing to cite: without other forces it is the ideal gas",
         is_lennard_jones: false,
     };
+    /// No pair is ever near enough, so that nothing is searched or summed.
+    const END: Option<OwnEnd> = Some(OwnEnd { r: 0.0, in_words: "0" });
     /// There is no way through a formula.
     const EXAMPLES: &'static [Self] = &[];
     type Formula = Self;
@@ -25,12 +27,6 @@ impl Potential for NoPotential {
     fn formula(&self) -> Self {
         *self
     }
-}
-
-impl EndsByItself for NoPotential {
-    /// No pair is ever near enough, so that nothing is searched or summed.
-    const END: f64 = 0.0;
-    const END_IN_WORDS: &'static str = "0";
 }
 
 impl PairPotential for NoPotential {

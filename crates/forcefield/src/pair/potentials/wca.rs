@@ -1,6 +1,6 @@
 //! Weeks–Chandler–Andersen, the repulsive part of Lennard-Jones.
 
-use super::{EndsByItself, LennardJones, Potential, PotentialSpec};
+use super::{LennardJones, OwnEnd, Potential, PotentialSpec};
 use crate::pair::{Pair, PairPotential, Shape, Side};
 
 lennard_core::options! {
@@ -12,6 +12,9 @@ lennard_core::options! {
     pub struct Wca {}
 }
 
+/// 2^{1/6} σ, the minimum of the Lennard-Jones potential.
+const END: f64 = 1.122_462_048_309_373;
+
 impl Potential for Wca {
     const SPEC: PotentialSpec = PotentialSpec {
         name: "wca",
@@ -21,6 +24,7 @@ impl Potential for Wca {
         source: "J. D. Weeks, D. Chandler and H. C. Andersen, Role of repulsive forces in determining the equilibrium structure of simple liquids, J. Chem. Phys. 54 (1971) 5237, eq. 4",
         is_lennard_jones: false,
     };
+    const END: Option<OwnEnd> = Some(OwnEnd { r: END, in_words: "2^(1/6)" });
     const EXAMPLES: &'static [Self] = &[Self {}];
     type Formula = Self;
 
@@ -33,22 +37,18 @@ impl Potential for Wca {
     }
 }
 
-impl EndsByItself for Wca {
-    /// 2^{1/6} σ, the minimum of the Lennard-Jones potential.
-    const END: f64 = 1.122_462_048_309_373;
-    const END_IN_WORDS: &'static str = "2^(1/6)";
-}
-
 impl PairPotential for Wca {
-    const UNIT: f64 = LennardJones::UNIT;
+    fn unit(&self) -> f64 {
+        LennardJones::UNIT
+    }
 
     fn on(&self, side: Side, r2: f64) -> Pair<f64> {
         let pair = LennardJones {}.on(side, r2);
-        Pair { energy: pair.energy + 1.0 / Self::UNIT, ..pair }
+        Pair { energy: pair.energy + 1.0 / LennardJones::UNIT, ..pair }
     }
 
     fn shape(&self) -> Option<Shape> {
-        Some(Shape::TwelveSix { below: -1.0 / Self::UNIT })
+        Some(Shape::TwelveSix { below: -1.0 / LennardJones::UNIT })
     }
 
     fn tail_energy(&self, _r_cut: f64) -> f64 {

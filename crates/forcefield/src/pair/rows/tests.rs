@@ -52,12 +52,6 @@ fn holds(name: &str, law: &LawOfRows<'_>) {
     let rows =
         PairRows::new(std::slice::from_ref(law)).unwrap_or_else(|(_, r)| panic!("{name} at {r}"));
     let (of_energy, of_force) = largest(&rows, law);
-    // A printed table of these is in benches/NOTES.md.
-    let bits = [
-        <f64 as Number>::MANTISSA - rows.wide.shift,
-        <f32 as Number>::MANTISSA - rows.narrow.shift,
-    ];
-    println!("{name}: {of_energy:.1e} {of_force:.1e}, 2^{bits:?} rows an octave");
     assert!(of_energy <= 1.1e-10 && of_force <= 1.1e-9, "{name}: {of_energy:e} {of_force:e}");
 }
 
