@@ -5,7 +5,8 @@
 
 use std::ops::Range;
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 use crate::tasks::{for_each_item, for_each_task, map_tasks};
 
@@ -85,17 +86,28 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool, PoolError> {
 /// Looks for work that a waiting thread makes before it offers its processor to others.
 const LOOKS: u32 = 200;
 
+/// How long the work waits for the other threads of its pool. A thread that is busy elsewhere stays there.
+const GATHERING: Duration = Duration::from_millis(20);
+
+/// What the threads of a pool that is kept awake are told.
+const GATHER: u8 = 0;
+const BEGUN: u8 = 1;
+const DONE: u8 = 2;
+
 /// Runs `work` on the current pool while its other threads stay awake.
 ///
 /// A step of a thousand particles takes some tens of microseconds, and waking a thread that sleeps takes
 /// as long. A pool that falls asleep between parallel sections never gets to help. The price is that
 /// waiting threads look for work all the time. Results do not depend on it.
+///
+/// Work begins when the other threads wait. A thread that comes later does not wait: it could stand inside a part of
+/// the work, and the work would never end.
 pub fn awake<T>(work: impl FnOnce() -> T) -> T {
     /// Sends the other threads home also where `work` panics.
-    struct Done<'a>(&'a AtomicBool);
+    struct Done<'a>(&'a AtomicU8);
     impl Drop for Done<'_> {
         fn drop(&mut self) {
-            self.0.store(true, Ordering::Release);
+            self.0.store(DONE, Ordering::Release);
         }
     }
     let threads = rayon::current_num_threads();
@@ -105,25 +117,38 @@ pub fn awake<T>(work: impl FnOnce() -> T) -> T {
     if threads == 1 {
         return work();
     }
-    let done = AtomicBool::new(false);
+    let (stage, waiting) = (AtomicU8::new(GATHER), AtomicUsize::new(0));
     rayon::in_place_scope(|scope| {
         scope.spawn_broadcast(|_, thread| {
-            let mut looks = 0;
-            while thread.index() != me && !done.load(Ordering::Acquire) {
-                if rayon::yield_now() == Some(rayon::Yield::Executed) {
-                    looks = 0;
-                } else if looks < LOOKS {
-                    looks += 1;
-                    std::hint::spin_loop();
-                } else {
-                    looks = 0;
-                    std::thread::yield_now();
-                }
+            if thread.index() != me && stage.load(Ordering::Acquire) == GATHER {
+                waiting.fetch_add(1, Ordering::Release);
+                look_for_work(|| stage.load(Ordering::Acquire) == DONE);
             }
         });
-        let _done = Done(&done);
+        let _done = Done(&stage);
+        let since = Instant::now();
+        while waiting.load(Ordering::Acquire) < threads - 1 && since.elapsed() < GATHERING {
+            std::thread::yield_now();
+        }
+        stage.store(BEGUN, Ordering::Release);
         work()
     })
+}
+
+/// Helps with whatever work the pool has until `done`.
+fn look_for_work(done: impl Fn() -> bool) {
+    let mut looks = 0;
+    while !done() {
+        if rayon::yield_now() == Some(rayon::Yield::Executed) {
+            looks = 0;
+        } else if looks < LOOKS {
+            looks += 1;
+            std::hint::spin_loop();
+        } else {
+            looks = 0;
+            std::thread::yield_now();
+        }
+    }
 }
 
 /// Whether `check` holds for each range of some that make up `0..n`; all are looked at.
@@ -228,5 +253,40 @@ mod tests {
                 .install(|| std::panic::catch_unwind(|| awake(|| panic!("on purpose"))).is_err());
             assert!(caught);
         }
+    }
+
+    /// A thread that runs a part of the work may meet its own call to wait there. Work would wait for the part, and the
+    /// part for the end of the work.
+    #[test]
+    fn a_thread_that_is_late_does_not_wait_inside_the_work() {
+        let (ended, end) = std::sync::mpsc::channel();
+        std::thread::spawn(move || {
+            let pool = pool(2).unwrap();
+            let (busy, begun, left) =
+                (AtomicBool::new(false), AtomicBool::new(false), AtomicBool::new(false));
+            let wait_for = |flag: &AtomicBool| {
+                while !flag.load(Ordering::Acquire) {
+                    std::thread::yield_now();
+                }
+            };
+            pool.in_place_scope(|scope| {
+                scope.spawn(|_| {
+                    busy.store(true, Ordering::Release);
+                    wait_for(&begun);
+                    while rayon::yield_now() == Some(rayon::Yield::Executed) {}
+                    left.store(true, Ordering::Release);
+                });
+                wait_for(&busy);
+                scope.spawn(|_| {
+                    awake(|| {
+                        begun.store(true, Ordering::Release);
+                        wait_for(&left);
+                    });
+                });
+            });
+            ended.send(()).unwrap();
+        });
+        let hang = Duration::from_secs(60);
+        end.recv_timeout(hang).expect("the late thread leaves the work");
     }
 }
