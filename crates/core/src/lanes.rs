@@ -17,120 +17,84 @@ pub fn in_lanes<W: WithSimd>(work: W) -> W::Output {
     pulp::Arch::new().dispatch(work)
 }
 
-/// `W` registers side by side: one number in each lane.
-///
-/// With more than one, operations that wait for a division of one register have another to go on with.
+/// One number in each lane.
 #[derive(Debug, Clone, Copy)]
-pub struct Register<S: Simd, const W: usize = 1>(S, [S::f64s; W]);
+pub struct Register<S: Simd>(S, S::f64s);
 
-impl<S: Simd, const W: usize> Register<S, W> {
+impl<S: Simd> Register<S> {
     /// How many lanes there are.
     pub const LANES: usize = {
-        assert!(W * S::F64_LANES <= MOST_LANES);
-        W * S::F64_LANES
+        assert!(S::F64_LANES <= MOST_LANES);
+        S::F64_LANES
     };
 
     /// The same number in all lanes.
     #[inline(always)]
     pub fn all(simd: S, number: f64) -> Self {
-        Self(simd, [simd.splat_f64s(number); W])
+        Self(simd, simd.splat_f64s(number))
     }
 
     /// The number `of(lane)` in each lane.
     #[inline(always)]
     pub fn each(simd: S, of: impl Fn(usize) -> f64) -> Self {
-        let mut all = [simd.splat_f64s(0.0); W];
-        for (w, register) in all.iter_mut().enumerate() {
-            let mut numbers = [0.0; MOST_LANES];
-            for (lane, number) in numbers.iter_mut().enumerate().take(S::F64_LANES) {
-                *number = of(w * S::F64_LANES + lane);
-            }
-            *register = S::as_simd_f64s(&numbers[..S::F64_LANES]).0[0];
+        let mut numbers = [0.0; MOST_LANES];
+        for (lane, number) in numbers.iter_mut().enumerate().take(Self::LANES) {
+            *number = of(lane);
         }
-        Self(simd, all)
+        Self::of_array(simd, &numbers)
     }
 
     #[inline(always)]
     fn of_array(simd: S, numbers: &[f64; MOST_LANES]) -> Self {
-        let all = S::as_simd_f64s(&numbers[..Self::LANES]).0;
-        let mut registers = [simd.splat_f64s(0.0); W];
-        registers.copy_from_slice(all);
-        Self(simd, registers)
+        Self(simd, S::as_simd_f64s(&numbers[..Self::LANES]).0[0])
     }
 
     /// The numbers of the lanes, and zeros after them.
     #[inline(always)]
     pub fn numbers(self) -> [f64; MOST_LANES] {
         let mut numbers = [0.0; MOST_LANES];
-        let all = S::as_mut_simd_f64s(&mut numbers[..Self::LANES]).0;
-        all.copy_from_slice(&self.1);
+        S::as_mut_simd_f64s(&mut numbers[..Self::LANES]).0[0] = self.1;
         numbers
     }
 
     /// |a| in each lane.
     #[inline(always)]
     #[must_use]
-    pub fn abs(mut self) -> Self {
-        for a in &mut self.1 {
-            *a = self.0.abs_f64s(*a);
-        }
-        self
-    }
-
-    /// √a in each lane.
-    #[inline(always)]
-    #[must_use]
-    pub fn sqrt(mut self) -> Self {
-        for a in &mut self.1 {
-            *a = self.0.sqrt_f64s(*a);
-        }
-        self
+    pub fn abs(self) -> Self {
+        Self(self.0, self.0.abs_f64s(self.1))
     }
 
     /// The larger number of two in each lane; either one where one is no number.
     #[inline(always)]
     #[must_use]
-    pub fn max(mut self, other: Self) -> Self {
-        for (a, b) in self.1.iter_mut().zip(other.1) {
-            *a = self.0.max_f64s(*a, b);
-        }
-        self
+    pub fn max(self, other: Self) -> Self {
+        Self(self.0, self.0.max_f64s(self.1, other.1))
     }
 
     /// `yes` in lanes where a ≤ `limit`, else `no`; `no` where a is no number.
     #[inline(always)]
     #[must_use]
-    pub fn choose_up_to(mut self, limit: Self, yes: Self, no: Self) -> Self {
-        for (w, a) in self.1.iter_mut().enumerate() {
-            let mask = self.0.less_than_or_equal_f64s(*a, limit.1[w]);
-            *a = self.0.select_f64s(mask, yes.1[w], no.1[w]);
-        }
-        self
+    pub fn choose_up_to(self, limit: Self, yes: Self, no: Self) -> Self {
+        let mask = self.0.less_than_or_equal_f64s(self.1, limit.1);
+        Self(self.0, self.0.select_f64s(mask, yes.1, no.1))
     }
 
     /// The largest number of all lanes, none of which may be no number.
     #[inline(always)]
     pub fn largest(self) -> f64 {
-        let mut largest = self.1[0];
-        for other in &self.1[1..] {
-            largest = self.0.max_f64s(largest, *other);
-        }
-        self.0.reduce_max_f64s(largest)
+        self.0.reduce_max_f64s(self.1)
     }
 }
 
 /// A binary operation, rounded once in each lane.
 macro_rules! in_each_lane {
     ($($operator:ident $name:ident $on_registers:ident,)*) => {$(
-        impl<S: Simd, const W: usize> $operator for Register<S, W> {
+        impl<S: Simd> $operator for Register<S> {
             type Output = Self;
 
             #[inline(always)]
-            fn $name(mut self, other: Self) -> Self {
-                for (a, b) in self.1.iter_mut().zip(other.1) {
-                    *a = self.0.$on_registers(*a, b);
-                }
-                self
+            fn $name(self, other: Self) -> Self {
+                Self(self.0, self.0.$on_registers(self.1, other.1))
             }
         }
     )*};
@@ -145,9 +109,9 @@ in_each_lane! {
 
 /// One vector in each lane, in three registers.
 #[derive(Debug, Clone, Copy)]
-pub struct RegisterVector<S: Simd, const W: usize = 1>([Register<S, W>; 3]);
+pub struct RegisterVector<S: Simd>([Register<S>; 3]);
 
-impl<S: Simd, const W: usize> RegisterVector<S, W> {
+impl<S: Simd> RegisterVector<S> {
     /// The same vector in all lanes.
     #[inline(always)]
     pub fn all(simd: S, vector: DVec3) -> Self {
@@ -157,7 +121,7 @@ impl<S: Simd, const W: usize> RegisterVector<S, W> {
 
     /// a·b in each lane.
     #[inline(always)]
-    pub fn dot(self, other: Self) -> Register<S, W> {
+    pub fn dot(self, other: Self) -> Register<S> {
         let ([x, y, z], [a, b, c]) = (self.0, other.0);
         x * a + y * b + z * c
     }
@@ -166,32 +130,9 @@ impl<S: Simd, const W: usize> RegisterVector<S, W> {
     pub fn in_lane(self, lane: usize) -> DVec3 {
         DVec3::from_array(self.0.map(|component| component.numbers()[lane]))
     }
-
-    /// The vectors of site `k` of each molecule, where `sites` are as many molecules of `SITES` sites as there are lanes.
-    #[inline(always)]
-    pub fn of_site<const SITES: usize>(simd: S, sites: &[DVec3], k: usize) -> Self {
-        // One check of the length for all lanes.
-        let sites = &sites[..Register::<S, W>::LANES * SITES];
-        Self([
-            Register::each(simd, |lane| sites[lane * SITES + k].x),
-            Register::each(simd, |lane| sites[lane * SITES + k].y),
-            Register::each(simd, |lane| sites[lane * SITES + k].z),
-        ])
-    }
-
-    /// Writes what [`RegisterVector::of_site`] reads.
-    #[inline(always)]
-    pub fn to_site<const SITES: usize>(self, sites: &mut [DVec3], k: usize) {
-        let sites = &mut sites[..Register::<S, W>::LANES * SITES];
-        let [x, y, z] = self.0;
-        let (x, y, z) = (x.numbers(), y.numbers(), z.numbers());
-        for lane in 0..Register::<S, W>::LANES {
-            sites[lane * SITES + k] = DVec3::new(x[lane], y[lane], z[lane]);
-        }
-    }
 }
 
-impl<S: Simd, const W: usize> Add for RegisterVector<S, W> {
+impl<S: Simd> Add for RegisterVector<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -201,7 +142,7 @@ impl<S: Simd, const W: usize> Add for RegisterVector<S, W> {
     }
 }
 
-impl<S: Simd, const W: usize> Sub for RegisterVector<S, W> {
+impl<S: Simd> Sub for RegisterVector<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -211,11 +152,11 @@ impl<S: Simd, const W: usize> Sub for RegisterVector<S, W> {
     }
 }
 
-impl<S: Simd, const W: usize> Mul<RegisterVector<S, W>> for Register<S, W> {
-    type Output = RegisterVector<S, W>;
+impl<S: Simd> Mul<RegisterVector<S>> for Register<S> {
+    type Output = RegisterVector<S>;
 
     #[inline(always)]
-    fn mul(self, vector: RegisterVector<S, W>) -> RegisterVector<S, W> {
+    fn mul(self, vector: RegisterVector<S>) -> RegisterVector<S> {
         let [x, y, z] = vector.0;
         RegisterVector([self * x, self * y, self * z])
     }
@@ -233,8 +174,8 @@ impl Block {
     /// How many sites of molecules of `sites` sites fill all lanes.
     #[inline(always)]
     #[must_use]
-    pub fn size<S: Simd, const W: usize>(sites: usize) -> usize {
-        Register::<S, W>::LANES * sites
+    pub fn size<S: Simd>(sites: usize) -> usize {
+        Register::<S>::LANES * sites
     }
 
     /// The molecules of a slice of `n_sites` sites, at least one molecule and no more than there are lanes.
@@ -258,14 +199,9 @@ impl Block {
 
     /// The vectors of site `k` of each molecule.
     #[inline(always)]
-    pub fn gather<S: Simd, const W: usize>(
-        &self,
-        simd: S,
-        from: &[DVec3],
-        k: usize,
-    ) -> RegisterVector<S, W> {
+    pub fn gather<S: Simd>(&self, simd: S, from: &[DVec3], k: usize) -> RegisterVector<S> {
         let [mut x, mut y, mut z] = [[0.0; MOST_LANES]; 3];
-        for lane in 0..Register::<S, W>::LANES {
+        for lane in 0..Register::<S>::LANES {
             let vector = from[self.site(lane, k)];
             (x[lane], y[lane], z[lane]) = (vector.x, vector.y, vector.z);
         }
@@ -278,15 +214,10 @@ impl Block {
 
     /// Writes the vectors of site `k` of each molecule.
     #[inline(always)]
-    pub fn scatter<S: Simd, const W: usize>(
-        &self,
-        vectors: RegisterVector<S, W>,
-        to: &mut [DVec3],
-        k: usize,
-    ) {
+    pub fn scatter<S: Simd>(&self, vectors: RegisterVector<S>, to: &mut [DVec3], k: usize) {
         let [x, y, z] = vectors.0;
         let (x, y, z) = (x.numbers(), y.numbers(), z.numbers());
-        for lane in 0..Register::<S, W>::LANES {
+        for lane in 0..Register::<S>::LANES {
             to[self.site(lane, k)] = DVec3::new(x[lane], y[lane], z[lane]);
         }
     }
@@ -301,20 +232,20 @@ mod tests {
     }
 
     /// What a sum of all operations gives for the sites of `molecules` molecules of two sites.
-    struct Sum<const W: usize>(usize);
+    struct Sum(usize);
 
-    impl<const W: usize> WithSimd for Sum<W> {
+    impl WithSimd for Sum {
         type Output = Vec<DVec3>;
 
         fn with_simd<S: Simd>(self, simd: S) -> Vec<DVec3> {
             let mut sites: Vec<DVec3> = (0..2 * self.0).map(|k| site(k as f64)).collect();
-            for sites in sites.chunks_mut(Block::size::<S, W>(2)) {
+            for sites in sites.chunks_mut(Block::size::<S>(2)) {
                 let block = Block::new(sites.len(), 2);
-                let a: RegisterVector<S, W> = block.gather(simd, sites, 0);
+                let a: RegisterVector<S> = block.gather(simd, sites, 0);
                 let b = block.gather(simd, sites, 1);
                 let three = Register::all(simd, 3.0);
                 let dot = a.dot(b);
-                let root = dot.abs().sqrt().max(Register::all(simd, 2.0)) / three;
+                let root = dot.abs().max(Register::all(simd, 2.0)) / three;
                 let chosen = root.choose_up_to(three, root, three);
                 block.scatter(chosen * (a - b) + dot * a, sites, 1);
             }
@@ -327,48 +258,16 @@ mod tests {
     #[test]
     fn lanes_have_the_bits_of_numbers_one_by_one() {
         for molecules in 1..20 {
-            let found = in_lanes(Sum::<1>(molecules));
-            assert_eq!(found, Sum::<1>(molecules).with_simd(Scalar));
-            assert_eq!(found, in_lanes(Sum::<2>(molecules)));
-            assert_eq!(found, Sum::<2>(molecules).with_simd(Scalar));
+            let found = in_lanes(Sum(molecules));
+            assert_eq!(found, Sum(molecules).with_simd(Scalar));
             for pair in found.chunks_exact(2) {
                 let a = pair[0];
                 let b = site((a.x - 0.1).round() + 1.0);
                 let dot = a.dot(b);
-                let root = (dot.abs().sqrt().max(2.0) / 3.0).min(3.0);
+                let root = (dot.abs().max(2.0) / 3.0).min(3.0);
                 let wanted = root * (a - b) + dot * a;
                 assert!((pair[1] - wanted).length() < 1e-12 * (1.0 + wanted.length()));
             }
-        }
-    }
-
-    /// The sites of molecules of three sites: read as a slice, and written back in the order of the lanes.
-    struct Whole;
-
-    impl WithSimd for Whole {
-        type Output = [Vec<DVec3>; 2];
-
-        fn with_simd<S: Simd>(self, simd: S) -> [Vec<DVec3>; 2] {
-            let lanes = Register::<S, 2>::LANES;
-            let sites: Vec<DVec3> = (0..3 * lanes).map(|k| site(k as f64)).collect();
-            let block = Block::new(sites.len(), 3);
-            let mut both = [sites.clone(), sites];
-            for k in 0..3 {
-                let [one, other] = &mut both;
-                let of_slice = RegisterVector::<S, 2>::of_site::<3>(simd, one, k);
-                let of_block = block.gather::<S, 2>(simd, other, k);
-                (of_block - of_block.dot(of_block) * of_slice).to_site::<3>(one, k);
-                block.scatter(of_slice - of_slice.dot(of_slice) * of_block, other, k);
-            }
-            both
-        }
-    }
-
-    #[test]
-    fn a_slice_of_whole_molecules_is_read_and_written_as_a_block() {
-        for [one, other] in [in_lanes(Whole), Whole.with_simd(Scalar)] {
-            assert_eq!(one, other);
-            assert_ne!(one[4], site(4.0));
         }
     }
 
@@ -379,7 +278,7 @@ mod tests {
 
         fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
             let [none, zero, one] =
-                [f64::NAN, 0.0, 1.0].map(|number| Register::<S, 2>::all(simd, number));
+                [f64::NAN, 0.0, 1.0].map(|number| Register::<S>::all(simd, number));
             let chosen = [none, zero].map(|number| number.choose_up_to(one, zero, one));
             chosen.map(Register::largest)
         }

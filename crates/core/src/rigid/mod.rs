@@ -6,7 +6,6 @@
 //! leave it or both enter it.
 
 mod chains;
-mod dumbbells;
 mod equations;
 mod tridiagonal;
 
@@ -14,8 +13,6 @@ use std::ops::Range;
 
 pub use chains::InverseMasses;
 use chains::Project;
-use dumbbells::ProjectDumbbells;
-pub use dumbbells::filled;
 pub use equations::BondEquations;
 pub use tridiagonal::Tridiagonal;
 
@@ -115,12 +112,8 @@ fn on_rigid_molecules(
     let tasks = velocities.chunks_mut(size).zip(positions.chunks(size));
     for_each_item(tasks, |space: &mut Workspace, task, (v, x)| {
         let (masses, first) = (&system.masses, task * size);
-        let is_single = topology.bonds().len() == 1;
-        if topology.is_chain() && !is_single {
+        if topology.is_chain() {
             return in_lanes(Project { before: &before, sites, masses, first, x, v });
-        }
-        if is_single {
-            return in_lanes(ProjectDumbbells { before: &before, masses, first, x, v });
         }
         before(first, v);
         let both = v.chunks_exact_mut(sites).zip(x.chunks_exact(sites));

@@ -63,7 +63,7 @@ impl WithSimd for DriftChains<'_, '_> {
         let inverse_masses = InverseMasses::new(simd, self.masses);
         let mut chains = ChainsInLanes::new(simd, self.topology, self.tolerance);
         let mut molecule = task.first_molecule;
-        let size = Block::size::<S, 1>(sites);
+        let size = Block::size::<S>(sites);
         let moving = (task.positions.chunks_mut(size))
             .zip(task.velocities.chunks_mut(size))
             .zip(task.forces.chunks(size));
@@ -321,7 +321,7 @@ impl<S: Simd> ChainsInLanes<S> {
     /// For each lane with a pivot that is not positive: the bond, and its part across its old direction.
     #[cold]
     fn turned(&self, fine: Register<S>) -> Vec<(usize, NoSolution)> {
-        let lanes = (0..Register::<S, 1>::LANES).filter(|lane| fine.numbers()[*lane] == 0.0);
+        let lanes = (0..Register::<S>::LANES).filter(|lane| fine.numbers()[*lane] == 0.0);
         lanes
             .map(|lane| {
                 let is_fine = |row: &Row<S>| 1.0 / row.inverse_pivot.numbers()[lane] > 0.0;
@@ -335,7 +335,7 @@ impl<S: Simd> ChainsInLanes<S> {
     /// The lanes whose residual is above the limit.
     #[cold]
     fn not_converged(&self, off: Register<S>) -> Vec<(usize, NoSolution)> {
-        let found = off.numbers().into_iter().take(Register::<S, 1>::LANES).enumerate();
+        let found = off.numbers().into_iter().take(Register::<S>::LANES).enumerate();
         let limit = self.limit.numbers()[0];
         found
             .filter(|(_, off)| off.is_nan() || *off > limit)

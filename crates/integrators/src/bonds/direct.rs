@@ -1,24 +1,25 @@
-//! The direct solution: closed form for one bond, Newton's method for all others.
+//! The direct solution: Newton's method for the bonds of each molecule.
 
 use lennard_core::options::OptionError;
 use lennard_core::rigid::{Tridiagonal, add_along_bonds, bond_vectors, equations_of};
 use lennard_core::{Bond, Bonds, DVec3, Drifted, Molecules, Topology};
 
 use super::chains::Chains;
-use super::dumbbells::Dumbbells;
 use super::molecule::{EachMolecule, MoleculeRule, MovedMolecule, NoSolution, Space};
 use super::{BondHolder, BondMethod, BondSpec};
 
 lennard_core::options! {
     /// Options of the direct solution.
     pub struct Options {
-        /// Largest | |d|/r − 1 | after a drift; the closed form of a single bond is exact.
+        /// Largest | |d|/r − 1 | after a drift; a single bond is solved to rounding.
         tolerance: f64 = 1e-10, Between(4e-15, 1e-2);
         /// Most bonds of a chain that are solved for at once: longer chains are cut, and the parts relaxed one after another; 0 cuts nothing.
         max_group: u32 = 0, Whole(0, 63), in "bonds";
     }
 }
 
+/// The smallest tolerance that lengths of bonds reach.
+const ROUNDING: f64 = 4e-15;
 /// Newton's method with the matrix of the start converges in up to ten iterations, or not at all.
 const MOST_ITERATIONS: u32 = 50;
 /// Parts of a chain converge as pq/((p + 1)(q + 1)): two halves of a chain of 64 sites in some 10³ sweeps.
@@ -27,8 +28,8 @@ const MOST_SWEEPS: u32 = 100_000;
 /// What this way declares about itself.
 pub const SPEC: BondSpec = BondSpec {
     name: "direct",
-    summary: "Rigid bonds by the exact solution for each molecule: closed form for one bond, Newton's method for chains, rings and branches.",
-    equations: "x = x~ + M^-1 G_n^T L with |d| = r for each bond; one bond: eta = -c/(b + sqrt(b^2 - a c)), a = |d_n|^2, b = s.d_n, c = |s|^2 - r^2; then v += dx/h, and v - M^-1 G^T A^-1 G v after each kick",
+    summary: "Rigid bonds by the exact solution for each molecule: Newton's method for bonds, chains, rings and branches.",
+    equations: "x = x~ + M^-1 G_n^T L with |d| = r for each bond; then v += dx/h, and v - M^-1 G^T A^-1 G v after each kick",
     bonds: Bonds::Rigid,
     integrator: None,
     source: "Andersen, \"Rattle: a velocity version of the Shake algorithm\", J. Comput. Phys. 52, 24 (1983)",
@@ -37,13 +38,11 @@ pub const SPEC: BondSpec = BondSpec {
 impl BondMethod for Options {
     fn build(&self, molecules: &Molecules) -> BondHolder {
         let Some(topology) = molecules.topology() else {
-            return BondHolder::Drift(Box::new(Dumbbells));
+            return BondHolder::Drift(Box::new(Chains { tolerance: self.tolerance }));
         };
         let bonds = topology.bonds();
-        if bonds.len() == 1 {
-            return BondHolder::Drift(Box::new(Dumbbells));
-        }
-        let tolerance = self.tolerance;
+        // A third iteration costs a single bond little, and leaves rounding alone.
+        let tolerance = if bonds.len() == 1 { ROUNDING } else { self.tolerance };
         let most = self.max_group as usize;
         if most > 0 && most < bonds.len() && topology.is_chain() {
             let parts = bonds.chunks(most).map(part).collect();

@@ -6,7 +6,6 @@
 mod chains;
 mod dashpots;
 pub mod direct;
-mod dumbbells;
 mod implicit_springs;
 mod molecule;
 pub mod relaxation;

@@ -4,17 +4,9 @@ use lennard_core::lanes::{Scalar, WithSimd, in_lanes};
 use lennard_core::{Bonds, DVec3, Masses, Molecules};
 
 use super::chains::DriftChains;
-use super::dumbbells::DriftDumbbells;
 use super::molecule::{Outcome, TaskOf};
 
 const LENGTH: f64 = 0.8;
-
-fn by_form<W: WithSimd>(one_by_one: bool, work: W) -> W::Output {
-    match one_by_one {
-        true => work.with_simd(Scalar),
-        false => in_lanes(work),
-    }
-}
 
 /// A vector for each number, without order.
 fn scattered(k: usize) -> DVec3 {
@@ -52,19 +44,16 @@ fn molecules_have_the_same_bits_in_registers_and_one_by_one() {
                     kick: Some(0.005),
                     h: 0.01,
                 };
-                let (masses, outcome_of) = (&masses, &mut outcome);
-                if sites == 2 {
-                    let work = DriftDumbbells { length: LENGTH, masses, task, outcome: outcome_of };
-                    by_form(one_by_one, work);
-                } else {
-                    let work = DriftChains {
-                        tolerance: 1e-12,
-                        topology,
-                        masses,
-                        task,
-                        outcome: outcome_of,
-                    };
-                    by_form(one_by_one, work);
+                let drift = DriftChains {
+                    tolerance: 1e-12,
+                    topology,
+                    masses: &masses,
+                    task,
+                    outcome: &mut outcome,
+                };
+                match one_by_one {
+                    true => drift.with_simd(Scalar),
+                    false => in_lanes(drift),
                 }
                 let bits = |of: &[DVec3]| -> Vec<[u64; 3]> {
                     of.iter().map(|v| v.to_array().map(f64::to_bits)).collect()
