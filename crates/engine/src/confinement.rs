@@ -4,8 +4,7 @@ use lennard_core::{
     DVec3, ForceProperties, ForceSum, ForceTerm, PeriodicBox, SpeciesTable, System,
 };
 use lennard_forcefield::{ConstantField, PairForces, Walls};
-use lennard_integrators::{BondHolder, BondOptions};
-use lennard_integrators::{Contacts, MoleculesAtWalls};
+use lennard_integrators::{BondHolder, BondOptions, Contacts, Obstacles};
 use lennard_scene::Scene;
 
 use crate::EngineError;
@@ -15,7 +14,6 @@ use crate::planar_tail::PlanarTail;
 #[derive(Debug, Clone, Default)]
 pub struct Confinement {
     walls: Option<Walls>,
-    /// Contacts have the walls among them.
     contacts: Option<Contacts>,
     field: Option<ConstantField>,
     planar_tail: Option<PlanarTail>,
@@ -31,11 +29,7 @@ impl Confinement {
     /// Velocities that the scene lists keep their total momentum: its components then count as degrees of freedom.
     #[must_use]
     pub fn with_system(scene: &Scene, cell: &PeriodicBox, species: SpeciesTable) -> (System, Self) {
-        let walls = scene.walls_in(cell);
-        let (walls, contacts) = match scene.contacts_beside(&species, walls) {
-            Ok(contacts) => (None, Some(contacts)),
-            Err(walls) => (walls, None),
-        };
+        let (walls, contacts) = (scene.walls_in(cell), scene.contacts_of(&species));
         let system = System::of_species(species).bonded(scene.molecules());
         // Held particles before the field, which they do not feel.
         let held = system.holding(&scene.system.held);
@@ -74,19 +68,15 @@ impl Confinement {
     #[must_use]
     pub fn beside(self, pairs: PairForces) -> ForceSum<PairForces> {
         let mut sum = ForceSum::new(pairs);
-        if let Some(walls) = self.walls {
-            let hit = walls.properties().bounds_flight;
-            let holder = self.bonds.filter(|_| hit);
-            let holder = holder.map(|(bonds, system)| (bonds.build(&system.molecules), system));
-            sum = match holder {
-                Some((BondHolder::Drift(solver) | BondHolder::InDrift(solver, _), system)) => {
-                    sum.with(MoleculesAtWalls::new(walls, &system, solver))
-                }
-                _ => sum.with(walls),
-            };
-        }
-        if let Some(contacts) = self.contacts {
-            sum = sum.with(contacts);
+        if self.walls.is_some() || self.contacts.is_some() {
+            let mut obstacles = Obstacles::new(self.walls, self.contacts);
+            if let Some((bonds, system)) = self.bonds
+                && let BondHolder::Drift(solver) | BondHolder::InDrift(solver, _) =
+                    bonds.build(&system.molecules)
+            {
+                obstacles = obstacles.holding(&system, solver);
+            }
+            sum = sum.with(obstacles);
         }
         if let Some(field) = self.field {
             sum = sum.with(field);

@@ -18,6 +18,7 @@ mod composition;
 pub mod contacts;
 mod exchange;
 pub mod fire;
+mod flight;
 mod krylov;
 mod list;
 pub mod oscillator;
@@ -49,8 +50,9 @@ pub mod rescale;
 pub use barostats::{BarostatOptions, Coupling, barostats, dof_of_centers};
 pub use bonds::{BondHolder, BondOptions, BondSpec, bond_methods};
 pub use common::OscillatorModel;
-pub use contacts::{Bodies, ContactOptions, Contacts, MoleculesAtWalls, Response, contacts};
+pub use contacts::{Bodies, ContactOptions, Contacts, Response, contacts};
 pub use exchange::{ExchangeOptions, ExchangeSpec, Exchanged, exchanges};
+pub use flight::Obstacles;
 pub use list::{
     IntegratorEntry, IntegratorOptions, ThermostatOptions, build, integrators, thermostats,
 };

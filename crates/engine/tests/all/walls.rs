@@ -7,6 +7,7 @@ use lennard_core::{
 };
 use lennard_engine::{Simulation, Unfollowed};
 use lennard_forcefield::{ConstantField, SlitPlanes, WallContext, WallPair, Walls, walls};
+use lennard_integrators::Obstacles;
 
 use crate::common::{self, prepared};
 
@@ -151,12 +152,12 @@ fn the_walls_carry_the_weight_of_a_gas_and_both_feel_a_fluid_alike() {
 }
 
 /// Walls across z of a cube of side 10, between 2 and 8.
-pub(crate) fn slit_of(options: &str) -> Walls {
+pub(crate) fn slit_of(options: &str) -> Obstacles {
     let cell = PeriodicBox::new(DVec3::splat(10.0)).unwrap();
     let planes = SlitPlanes::new(&cell, Axis::Z.index(), 4.0, 0.0);
     let context = WallContext { temperature: 1.0 };
     let pair = WallPair::new(&toml::from_str(options).unwrap(), planes, &context);
-    Walls::new(vec![pair], Streams::new(1).noise("walls"))
+    Obstacles::new(Walls::new(vec![pair], Streams::new(1).noise("walls")), None)
 }
 
 /// One ball in gravity between walls, dropped from the middle.

@@ -1,8 +1,6 @@
 //! The list of walls: one file and one line each.
 
-mod at_end;
-mod flight;
-mod parabola;
+mod hits;
 mod planes;
 mod surface;
 mod term;
@@ -10,8 +8,8 @@ mod term;
 use lennard_core::options::{Keys, OptionError, Options};
 use serde::{Deserialize, Serialize};
 
-pub use flight::KICKS_OF_REST;
 pub use hard::Response;
+pub use hits::KICKS_OF_REST;
 pub use planes::{SHALLOWEST_ROOM, SlitPlanes};
 pub use surface::{Hit, HitRule, Rebound, Surface, WallForce, WallPoint};
 pub use term::{WallPair, Walls};

@@ -1,11 +1,11 @@
-//! All walls of a slit as one force term, and as the boundary of free flight.
+//! All walls of a slit as one force term.
 
 use lennard_core::exact::exact_sums;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::random::NoiseStream;
 use lennard_core::{
-    Axis, Boundary, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties,
-    ForceTerm, Part, Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
+    Axis, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
+    Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
 };
 
 use super::{HitRule, SlitPlanes, Surface, WallContext, WallOptions};
@@ -183,7 +183,9 @@ impl ForceTerm for Walls {
         let positions = at.positions;
         let mut felt = Felt::default();
         // Walls that are only hit feel nothing here.
-        if part != Part::Far && self.any_surface(Surface::exerts) {
+        if part != Part::Far
+            && self.pairs.iter().any(|pair| pair.surfaces.iter().any(Surface::exerts))
+        {
             felt = self.felt_of_all(positions);
             if let Some((particle, pair, end, depth)) = felt.beyond {
                 return Err(ForceError::BeyondWall {
@@ -250,10 +252,6 @@ impl ForceTerm for Walls {
 
     fn walls(&self) -> &[WallReading] {
         &self.readings
-    }
-
-    fn boundary(&mut self) -> Option<&mut dyn Boundary> {
-        if self.pairs.iter().any(WallPair::bounds_flight) { Some(self) } else { None }
     }
 }
 

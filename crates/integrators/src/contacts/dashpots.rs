@@ -18,16 +18,18 @@ pub(crate) struct Moving<'a> {
 ///
 /// The decay of each pair is exact. Before the flight pairs come in their order and after it in reverse, so that the whole step is
 /// symmetric in time.
-pub(crate) fn damp<'p>(
+pub(crate) fn damp(
     law: &ContactLaw,
     bodies: &Bodies,
-    pairs: impl Iterator<Item = &'p [u32; 2]>,
+    pairs: &[[u32; 2]],
     moving: &mut Moving<'_>,
     h: f64,
+    is_after: bool,
 ) -> f64 {
     let mut heat = 0.0;
-    for [i, j] in pairs {
-        let (i, j) = (*i as usize, *j as usize);
+    for k in 0..pairs.len() {
+        let [i, j] = pairs[if is_after { pairs.len() - 1 - k } else { k }];
+        let (i, j) = (i as usize, j as usize);
         let apart = moving.cell.minimum_image(moving.positions[j] - moving.positions[i]);
         let distance = bodies.distance(i, j);
         let r2 = apart.length_squared();

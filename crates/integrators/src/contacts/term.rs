@@ -1,16 +1,14 @@
-//! Contacts as a force term and as the boundary of flights, with the walls beside them.
+//! Contacts as a force term.
 
 use lennard_core::{
-    Boundary, Configuration, DMat3, DVec3, Drifted, Energetics, Flight, ForceError,
-    ForceProperties, ForceTerm, Part, StepError, System, WallReading, Want, persist, sweeps,
+    Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part, System,
+    Want, persist,
 };
-use lennard_forcefield::{ContactLaw, Walls};
+use lennard_forcefield::ContactLaw;
 
-use super::dashpots::{Moving, damp};
-use super::impacts;
 use super::near::NearPairs;
 use super::{Bodies, Response};
-use crate::spook::{HeldBonds, SpookBonds, contact_step};
+use crate::spook::{HeldBonds, SpookBonds};
 
 /// The deepest overlap of bodies that give way, as a share of the contact distance: beyond, bodies would come out on the other side.
 const DEEPEST: f64 = 0.5;
@@ -22,18 +20,17 @@ pub struct ContactReading {
     pub impacts: u64,
 }
 
-/// The contacts of all bodies, and the walls beside them.
+/// The contacts of all bodies.
 ///
 /// Springs add F = F(δ)·n to each of two bodies that overlap by δ, and their energy and virial to the sums over pairs. A dashpot
 /// acts half before a flight and half after it. Impacts happen in flights. Neither dashpots nor impacts are in the virial.
 #[derive(Debug, Clone)]
 pub struct Contacts {
-    response: Response,
-    bodies: Bodies,
-    walls: Option<Walls>,
-    near: NearPairs,
-    reading: ContactReading,
-    held: Option<HeldBonds>,
+    pub(crate) response: Response,
+    pub(crate) bodies: Bodies,
+    pub(crate) near: NearPairs,
+    pub(crate) reading: ContactReading,
+    pub(crate) held: Option<HeldBonds>,
 }
 
 /// What one pair adds.
@@ -77,14 +74,13 @@ impl Touch {
 }
 
 impl Contacts {
-    /// Contacts of bodies, with the walls of the scene beside them.
+    /// Contacts of bodies.
     #[must_use]
-    pub fn new(response: Response, bodies: Bodies, walls: Option<Walls>) -> Self {
+    pub fn new(response: Response, bodies: Bodies) -> Self {
         Self {
             near: NearPairs::of(&bodies),
             response,
             bodies,
-            walls,
             reading: ContactReading::default(),
             held: None,
         }
@@ -157,7 +153,7 @@ impl ForceTerm for Contacts {
         at: Configuration<'_>,
         part: Part,
         want: Want,
-        scratch: &mut Vec<DVec3>,
+        _scratch: &mut Vec<DVec3>,
         forces: &mut [DVec3],
     ) -> Result<Energetics, ForceError> {
         if part != Part::Far && matches!(self.response, Response::Unilateral(_)) {
@@ -187,7 +183,7 @@ impl ForceTerm for Contacts {
                 }
             }
         }
-        let own = Energetics {
+        Ok(Energetics {
             potential_energy: want.energy.then_some(energy),
             conserved_potential: want.energy.then_some(energy),
             virial: want.virial.then_some(virial),
@@ -195,11 +191,7 @@ impl ForceTerm for Contacts {
             virial_trace: None,
             pairs: None,
             per_particle: each,
-        };
-        match &mut self.walls {
-            None => Ok(own),
-            Some(walls) => Ok(own.with_term(&walls.add(at, part, want, scratch, forces)?)),
-        }
+        })
     }
 
     /// The sum over all other bodies: no list can hide one.
@@ -207,7 +199,7 @@ impl ForceTerm for Contacts {
         let excluded = |j: usize| self.bodies.exclusions().exclude(particle, j);
         // In the order of the pairs, so that the sum has the same bits.
         let others = (0..at.positions.len()).filter(|j| *j != particle && !excluded(*j));
-        let contacts: DVec3 = others
+        others
             .filter_map(|j| {
                 let Response::Spring(law) = &self.response else {
                     return None;
@@ -217,91 +209,20 @@ impl ForceTerm for Contacts {
                 let force = touch.force * touch.apart;
                 Some(if particle == pair[0] { force } else { -force })
             })
-            .sum();
-        let walls = self.walls.as_ref().map(|w| w.force_on(particle, at));
-        contacts + walls.unwrap_or_default()
+            .sum()
     }
 
     fn properties(&self) -> ForceProperties {
         let needs_solved_contacts = matches!(self.response, Response::Unilateral(_));
-        let own = ForceProperties {
+        ForceProperties {
             splits: true,
             bounds_flight: self.response.acts_in_flight() && !needs_solved_contacts,
             needs_solved_contacts,
             holds_bonds: needs_solved_contacts && self.held.is_some(),
             ..ForceProperties::default()
-        };
-        match &self.walls {
-            None => own,
-            Some(walls) => own.with_term(walls.properties()),
         }
-    }
-
-    fn walls(&self) -> &[WallReading] {
-        self.walls.as_ref().map_or(&[], |walls| walls.walls())
-    }
-
-    fn boundary(&mut self) -> Option<&mut dyn Boundary> {
-        if self.response.acts_in_flight() {
-            return Some(self);
-        }
-        self.walls.as_mut().and_then(|walls| walls.boundary())
     }
 }
 
-impl Boundary for Contacts {
-    fn fly(&mut self, flight: Flight<'_>) -> Result<Drifted, StepError> {
-        let (near, bodies, walls) = (&mut self.near, &self.bodies, self.walls.as_mut());
-        let flown = match self.response {
-            Response::Impact { restitution } => {
-                impacts::fly(bodies, restitution, near, walls, flight)
-            }
-            Response::Unilateral(law) => {
-                let of = (bodies, self.held.as_ref());
-                contact_step(&law, of, near, walls, flight)?
-            }
-            Response::Spring(law) => {
-                return between_dashpots(&law, bodies, near, walls, flight);
-            }
-        };
-        self.reading.impacts += flown.impacts;
-        Ok(flown.drifted)
-    }
-}
-
-/// The flight of soft bodies, with half a step of their dashpots before it and half after it.
-fn between_dashpots(
-    law: &ContactLaw,
-    bodies: &Bodies,
-    near: &mut NearPairs,
-    walls: Option<&mut Walls>,
-    flight: Flight<'_>,
-) -> Result<Drifted, StepError> {
-    let Flight { cell, positions, velocities, masses, h, .. } = flight;
-    let half = 0.5 * h;
-    let mut dashpots = |positions: &[DVec3], velocities: &mut [DVec3], is_after: bool| {
-        let pairs = near.at(bodies, cell, positions, 0.0);
-        let mut moving = Moving { cell, positions, velocities, masses };
-        match is_after {
-            false => damp(law, bodies, pairs.iter(), &mut moving, half),
-            true => damp(law, bodies, pairs.iter().rev(), &mut moving, half),
-        }
-    };
-    let before = dashpots(positions, velocities, false);
-    let on_the_way = match walls.and_then(|walls| walls.boundary()) {
-        Some(walls) => walls.fly(Flight {
-            positions: &mut *positions,
-            velocities: &mut *velocities,
-            ..flight
-        })?,
-        None => {
-            sweeps::drift(positions, velocities, h);
-            Drifted::default()
-        }
-    };
-    let after = dashpots(positions, velocities, true);
-    Ok(Drifted { heat: before + on_the_way.heat + after, ..on_the_way })
-}
-
-persist!(Contacts { ..reading, walls, fixed response, bodies, near, held });
+persist!(Contacts { ..reading, fixed response, bodies, near, held });
 persist!(ContactReading { impacts });

@@ -17,10 +17,10 @@ use super::groups::groups;
 use super::impulses::{Regular, spook_contacts};
 use super::problem::{Problem, Solver, TwoSided};
 use super::regularisation::Damping;
-use super::rows::{Contact, push_all, rates};
+use super::rows::{Contact, push_all, rates, work_of};
 use crate::contacts::bodies::{Bodies, reduced_mass};
-use crate::contacts::impacts::{Flown, work_of};
 use crate::contacts::near::NearPairs;
+use crate::flight::events::Flown;
 
 /// Bodies that approach or part by no more than so many kicks of a step rest on each other, at the depth 0.
 const KICKS_OF_CONTACT: f64 = 2.0;

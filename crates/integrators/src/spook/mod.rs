@@ -25,6 +25,7 @@ pub use groups::groups;
 pub use impulses::{Regular, impacts_at_once, impacts_in_turn, resting_forces, spook_contacts};
 pub use problem::{Problem, Solution, Solver, TwoSided};
 pub use regularisation::{Damping, Regularisation};
+pub(crate) use rows::work_of;
 pub use rows::{Contact, column, push_all, rates};
 
 lennard_core::options! {

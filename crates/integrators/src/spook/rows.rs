@@ -68,3 +68,9 @@ pub fn push_all(contacts: &[Contact], impulses: &[f64], masses: &Masses, v: &mut
         contact.push(*impulse, masses, v);
     }
 }
+
+/// The kinetic energy that impulses λ of contacts put in, ε: ½·Σ λ·(G·v + G·v′).
+pub(crate) fn work_of(impulses: &[f64], before: &[f64], after: &[f64]) -> f64 {
+    let rates = before.iter().zip(after).map(|(before, after)| before + after);
+    0.5 * impulses.iter().zip(rates).map(|(i, r)| i * r).sum::<f64>()
+}

@@ -90,18 +90,10 @@ impl Scene {
         response.is_some_and(|response| response.acts_in_flight())
     }
 
-    /// The contacts between particles of these species, with the walls beside them; the walls alone where there are no contacts.
-    ///
-    /// # Errors
-    /// The walls as they were, where the scene has no contacts.
-    pub fn contacts_beside(
-        &self,
-        species: &SpeciesTable,
-        walls: Option<Walls>,
-    ) -> Result<Contacts, Option<Walls>> {
-        let Some(table) = &self.contact else {
-            return Err(walls);
-        };
+    /// The contacts between particles of these species; `None` where the scene has none.
+    #[must_use]
+    pub fn contacts_of(&self, species: &SpeciesTable) -> Option<Contacts> {
+        let table = self.contact.as_ref()?;
         let exclusions = self.molecules().exclusions();
         let bodies = match species.is_mixture() {
             false => Bodies::alike(self.contact_distance(0, 0), exclusions),
@@ -109,7 +101,7 @@ impl Scene {
                 Bodies::of_species(species.clone(), |a, b| self.contact_distance(a, b), exclusions)
             }
         };
-        Ok(Contacts::new(table.options.response(), bodies, walls))
+        Some(Contacts::new(table.options.response(), bodies))
     }
 
     /// Whether the contacts fit a box: a body touches one image of another at most.

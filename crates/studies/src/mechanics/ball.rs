@@ -5,7 +5,7 @@ use lennard_core::{
     Axis, DVec3, ForceSum, ForceTerm, Masses, NoForces, PeriodicBox, State, StepError, System, Want,
 };
 use lennard_forcefield::{ConstantField, SlitPlanes, WallContext, WallOptions, WallPair, Walls};
-use lennard_integrators::{IntegratorOptions, build};
+use lennard_integrators::{IntegratorOptions, Obstacles, build};
 
 use crate::StudyError;
 use crate::lab::Rig;
@@ -57,7 +57,8 @@ impl Balls {
         g: f64,
         h: f64,
     ) -> Result<Self, StudyError> {
-        let forces = ForceSum::new(NoForces).with(floor(wall)?).with(gravity(g));
+        let forces =
+            ForceSum::new(NoForces).with(Obstacles::new(floor(wall)?, None)).with(gravity(g));
         let method = IntegratorOptions::default();
         Self::start(forces, &method, (&[height], speed), h)
     }

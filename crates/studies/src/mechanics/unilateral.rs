@@ -5,7 +5,7 @@ use lennard_forcefield::{Hard, WallOptions};
 use lennard_integrators::IntegratorOptions;
 use lennard_integrators::spook::{self, Damping};
 use lennard_integrators::spook::{Problem, Solver, TwoSided, column};
-use lennard_integrators::{Bodies, Contacts, Response, UnilateralLaw};
+use lennard_integrators::{Bodies, Contacts, Obstacles, Response, UnilateralLaw};
 use serde::Serialize;
 
 use super::ball::{Balls, floor, gravity};
@@ -51,8 +51,9 @@ fn balls(
         solver: Solver::Exact,
     };
     let bodies = Bodies::alike(1.0, Exclusions::NONE);
-    let contacts = Contacts::new(Response::Unilateral(law), bodies, Some(floor(&wall)?));
-    let forces = ForceSum::new(NoForces).with(contacts).with(gravity(g));
+    let contacts = Contacts::new(Response::Unilateral(law), bodies);
+    let obstacles = Obstacles::new(floor(&wall)?, contacts);
+    let forces = ForceSum::new(NoForces).with(obstacles).with(gravity(g));
     let method = IntegratorOptions::Spook(spook::Options {});
     Balls::start(forces, &method, column, h)
 }

@@ -7,7 +7,7 @@ use lennard_forcefield::ConstantField;
 use lennard_integrators::bonds::spook;
 use lennard_integrators::spook::Damping;
 use lennard_integrators::spook::Solver;
-use lennard_integrators::{Bodies, Contacts, Response, UnilateralLaw};
+use lennard_integrators::{Bodies, Contacts, Obstacles, Response, UnilateralLaw};
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, SpookBonds, build};
 
 use super::common::cube;
@@ -52,11 +52,11 @@ impl Chains {
             solver,
         };
         let bodies = Bodies::alike(diameter, molecules.exclusions());
-        let contacts = Contacts::new(Response::Unilateral(law), bodies, Some(planes(restitution)))
+        let contacts = Contacts::new(Response::Unilateral(law), bodies)
             .with_bonds(bonds_of(&molecules, of_bonds), system.clone());
         let mut chains = Self {
             state: State::new(cube(20.0), x, v),
-            forces: ForceSum::new(NoForces).with(contacts),
+            forces: ForceSum::new(NoForces).with(Obstacles::new(planes(restitution), contacts)),
             method: build(&IntegratorOptions::Spook(Default::default())),
             h: 0.005,
             heat: 0.0,

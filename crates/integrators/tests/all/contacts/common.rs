@@ -4,7 +4,7 @@ use lennard_core::random::Streams;
 use lennard_core::{
     DVec3, Exclusions, ForceSum, Integrator, NoForces, PeriodicBox, State, System, Want,
 };
-use lennard_integrators::{Bodies, ContactOptions, Contacts, Response};
+use lennard_integrators::{Bodies, ContactOptions, Contacts, Obstacles, Response};
 use lennard_integrators::{IntegratorOptions, build};
 use rand::RngExt;
 
@@ -71,11 +71,11 @@ pub(crate) fn cube(side: f64) -> PeriodicBox {
 }
 
 /// Equal spheres of diameter 1 σ.
-pub(crate) fn spheres(response: Response) -> Contacts {
-    Contacts::new(response, Bodies::alike(1.0, Exclusions::NONE), None)
+pub(crate) fn spheres(response: Response) -> Obstacles {
+    Obstacles::new(None, Contacts::new(response, Bodies::alike(1.0, Exclusions::NONE)))
 }
 
-pub(crate) fn alone(contacts: Contacts) -> ForceSum<NoForces> {
+pub(crate) fn alone(contacts: Obstacles) -> ForceSum<NoForces> {
     ForceSum::new(NoForces).with(contacts)
 }
 

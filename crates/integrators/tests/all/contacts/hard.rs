@@ -6,7 +6,7 @@ use lennard_core::{
     StateArchive, System,
 };
 use lennard_forcefield::{ConstantField, SlitPlanes, WallContext, WallOptions, WallPair, Walls};
-use lennard_integrators::{Bodies, Contacts, Response};
+use lennard_integrators::{Bodies, Contacts, Obstacles, Response};
 
 use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
 
@@ -15,7 +15,7 @@ fn hard(restitution: f64) -> Response {
 }
 
 /// One flight over h without forces.
-fn fly(contacts: &mut Contacts, x: &mut [DVec3], v: &mut [DVec3], masses: &Masses, h: f64) -> f64 {
+fn fly(contacts: &mut Obstacles, x: &mut [DVec3], v: &mut [DVec3], masses: &Masses, h: f64) -> f64 {
     let boundary: &mut dyn Boundary = contacts.boundary().unwrap();
     let drifted = boundary.fly(Flight {
         cell: &cube(8.0),
@@ -117,7 +117,7 @@ fn over_a_floor(z: &[f64], e_floor: f64, e_balls: f64) -> Rig {
     let pair = WallPair::new(&wall, planes, &WallContext { temperature: 1.0 });
     let walls = Walls::new(vec![pair], Streams::new(1).noise("walls"));
     let bodies = Bodies::alike(1.0, Exclusions::NONE);
-    let contacts = Contacts::new(hard(e_balls), bodies, Some(walls));
+    let contacts = Obstacles::new(walls, Contacts::new(hard(e_balls), bodies));
     let field = ConstantField::new(DVec3::NEG_Z, Masses::Uniform(1.0));
     let forces = ForceSum::new(NoForces).with(contacts).with(field);
     let x = z.iter().map(|z| DVec3::new(4.0, 4.0, 1.0 + z)).collect();
@@ -221,7 +221,8 @@ fn a_wall_at_a_temperature_lets_no_body_rest_however_hard_it_is_pressed() {
         WallOptions::all().into_iter().find(|wall| wall.spec().name == "thermal").unwrap();
     let pair = WallPair::new(&thermal, planes, &WallContext { temperature: 1e-4 });
     let walls = Walls::new(vec![pair], Streams::new(1).noise("walls"));
-    let mut contacts = Contacts::new(hard(0.5), Bodies::alike(1.0, Exclusions::NONE), Some(walls));
+    let mut contacts =
+        Obstacles::new(walls, Contacts::new(hard(0.5), Bodies::alike(1.0, Exclusions::NONE)));
     let (mut x, mut v) = ([DVec3::new(4.0, 4.0, 1.0)], [DVec3::NEG_Z]);
     let drifted = contacts.boundary().unwrap().fly(Flight {
         cell: &cell,

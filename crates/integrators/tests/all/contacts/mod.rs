@@ -1,4 +1,4 @@
-//! Tests of contacts from outside: springs, dashpots, impacts, and bodies at rest.
+//! Tests of flights from outside: walls, springs, dashpots, impacts, and bodies at rest.
 
 mod bonds;
 pub(crate) mod common;
@@ -6,3 +6,4 @@ mod hard;
 mod molecules;
 mod soft;
 mod unilateral;
+mod walls;

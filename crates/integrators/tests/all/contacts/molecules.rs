@@ -8,7 +8,7 @@ use lennard_core::{
 use lennard_forcefield::{
     Hard, SlitPlanes, Soft, SpringLaw, WallContext, WallOptions, WallPair, Walls,
 };
-use lennard_integrators::MoleculesAtWalls;
+use lennard_integrators::Obstacles;
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build};
 
 use super::common::{cube, random_vectors};
@@ -65,7 +65,7 @@ impl Gas {
         let mut v = random_vectors(n * sites, "velocities");
         v.iter_mut().for_each(|v| *v *= 2.0);
         rigid::project_velocities(&system, &x, &mut v);
-        let walls = MoleculesAtWalls::new(walls(options), &system, solver(&molecules));
+        let walls = Obstacles::new(walls(options), None).holding(&system, solver(&molecules));
         let mut gas = Self {
             system: system.pushed_along([true; 3]),
             state: State::new(cube(SIDE), x, v),
@@ -207,7 +207,7 @@ fn a_dumbbell_that_falls_flat_on_a_floor_bounces_and_rests_with_both_sites() {
     for e in [1.0, 0.5] {
         let system = System::of_molecules(2, molecules.clone());
         let x = vec![DVec3::new(5.0, 6.0, 2.0), DVec3::new(6.0, 6.0, 2.0)];
-        let walls = MoleculesAtWalls::new(walls(&hard(e)), &system, solver(&molecules));
+        let walls = Obstacles::new(walls(&hard(e)), None).holding(&system, solver(&molecules));
         let field = lennard_forcefield::ConstantField::new(DVec3::NEG_Z, system.masses.clone());
         let mut forces = ForceSum::new(NoForces).with(walls).with(field);
         let system = system.pushed_along([true; 3]);
@@ -248,7 +248,7 @@ fn rebound(law: SpringLaw, e: f64, along: DVec3) -> f64 {
         let phase = (f64::from(k) + 0.5) / f64::from(phases);
         let lower = DVec3::new(5.0, 6.0, 1.0 + (2.0 + phase) * h);
         let state_v = vec![DVec3::NEG_Z; 2];
-        let walls = MoleculesAtWalls::new(walls(&options), &system, solver(&molecules));
+        let walls = Obstacles::new(walls(&options), None).holding(&system, solver(&molecules));
         let mut forces = ForceSum::new(NoForces).with(walls);
         let system = system.pushed_along([true; 3]);
         let mut state = State::new(cube(SIDE), vec![lower, lower + along], state_v);

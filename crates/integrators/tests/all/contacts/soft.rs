@@ -5,7 +5,7 @@ use lennard_core::{
     System, Want,
 };
 use lennard_forcefield::{ContactLaw, SpringLaw};
-use lennard_integrators::{Bodies, Contacts, Response};
+use lennard_integrators::{Bodies, Contacts, Obstacles, Response};
 
 use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
 
@@ -13,7 +13,7 @@ fn spring(law: SpringLaw, restitution: f64) -> Response {
     Response::Spring(ContactLaw::new(law, 400.0, restitution))
 }
 
-fn energy(contacts: &mut Contacts, cell: &PeriodicBox, x: &[DVec3]) -> f64 {
+fn energy(contacts: &mut Obstacles, cell: &PeriodicBox, x: &[DVec3]) -> f64 {
     let mut forces = vec![DVec3::ZERO; x.len()];
     let at = Configuration::at_rest(cell, x);
     let found = contacts.evaluate(at, Part::All, Want::ENERGY, &mut forces);
@@ -173,13 +173,13 @@ fn the_ends_of_a_bond_and_bodies_of_two_species_touch_as_they_should() {
     let x = [DVec3::splat(3.0), DVec3::new(3.8, 3.0, 3.0)];
     let bonded = Molecules::chains(2, 0.8, Bonds::Rigid).exclusions();
     let response = spring(SpringLaw::Linear, 1.0);
-    let mut bond = Contacts::new(response, Bodies::alike(1.0, bonded), None);
+    let mut bond = Obstacles::new(None, Contacts::new(response, Bodies::alike(1.0, bonded)));
     assert_eq!(energy(&mut bond, &cell, &x), 0.0);
     assert!((energy(&mut spheres(response), &cell, &x) - 200.0 * 0.04).abs() < 1e-12);
     let table = SpeciesTable::new([Species::unnamed(), Species::unnamed()], &[0, 1]);
     let small = |a: usize, b: usize| [0.5, 0.9, 1.0][a + b];
     let bodies = Bodies::of_species(table, small, Exclusions::NONE);
     assert_eq!(bodies.largest(), 1.0);
-    let mut unlike = Contacts::new(response, bodies, None);
+    let mut unlike = Obstacles::new(None, Contacts::new(response, bodies));
     assert!((energy(&mut unlike, &cell, &x) - 200.0 * 0.01).abs() < 1e-12);
 }

@@ -9,7 +9,7 @@ use lennard_forcefield::{
 use lennard_integrators::IntegratorOptions;
 use lennard_integrators::spook::Damping;
 use lennard_integrators::spook::Solver;
-use lennard_integrators::{Bodies, Contacts, Response, UnilateralLaw};
+use lennard_integrators::{Bodies, Contacts, Obstacles, Response, UnilateralLaw};
 
 use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
 
@@ -32,12 +32,10 @@ pub(crate) fn planes(restitution: f64) -> Walls {
     Walls::new(vec![pair], Streams::new(1).noise("walls"))
 }
 
-fn on_planes(law: UnilateralLaw) -> Contacts {
-    Contacts::new(
-        Response::Unilateral(law),
-        Bodies::alike(1.0, Exclusions::NONE),
-        Some(planes(law.restitution)),
-    )
+fn on_planes(law: UnilateralLaw) -> Obstacles {
+    let bodies = Bodies::alike(1.0, Exclusions::NONE);
+    let contacts = Contacts::new(Response::Unilateral(law), bodies);
+    Obstacles::new(planes(law.restitution), contacts)
 }
 
 fn rig(x: &[DVec3], v: &[DVec3], forces: ForceSum<NoForces>, dt: f64) -> Rig {
@@ -148,7 +146,7 @@ fn a_row_that_is_hit_follows_newtons_rule_for_all_contacts_at_once() {
         let mut v = vec![DVec3::ZERO; n];
         v[0] = DVec3::X;
         let bodies = Bodies::alike(0.25, Exclusions::NONE);
-        let contacts = Contacts::new(spook(1.0), bodies, None);
+        let contacts = Obstacles::new(None, Contacts::new(spook(1.0), bodies));
         // All but the first touch to the bit.
         let mut row = rig(&x, &v, alone(contacts), 0.01);
         (0..20).for_each(|_| row.step());

@@ -11,9 +11,6 @@
 //! The dashpots of soft walls act half before a flight and half after it, as for single particles. They act on the speed u of a site
 //! with the mass 1/κ. Their impulse too passes through the bonds.
 
-mod dashpots;
-mod term;
-
 use std::ops::Range;
 
 use lennard_core::random::CounterRng;
@@ -22,18 +19,15 @@ use lennard_core::{
 };
 use lennard_forcefield::{Hit, HitRule, Rebound, Surface, Walls};
 
-/// Hits of one molecule in one flight after which its sites keep no speed across the planes that they hit.
-const MOST_HITS: usize = 16;
-/// Hits of one molecule in one flight after which it flies on.
-const MOST_EVENTS: usize = 64;
+use super::events::{self, Arrival, Mover};
+
 /// Steps towards the time of a hit.
 const MOST_ROOT_STEPS: usize = 100;
 /// A site so near a plane, as a share of the plane's coordinate, is at the plane.
 const AT_PLANE: f64 = 4.0 * f64::EPSILON;
 
-/// Walls that are hit by molecules, as a force term and as the boundary of flights.
-pub struct MoleculesAtWalls {
-    walls: Walls,
+/// Molecules that hit walls, and what holds their bonds.
+pub(super) struct HeldMolecules {
     system: System,
     solver: Box<dyn BondSolver>,
     /// One molecule alone, for its flights from hit to hit.
@@ -53,25 +47,9 @@ struct Sites {
     v: Vec<DVec3>,
 }
 
-/// A site that arrives at a plane.
-#[derive(Debug, Clone, Copy)]
-struct Arrival {
-    time: f64,
-    site: usize,
-    plane: usize,
-}
-
-/// What one molecule is given for a flight.
-struct Given<'a> {
-    forces: &'a [DVec3],
-    h: f64,
-    random: CounterRng,
-}
-
-impl MoleculesAtWalls {
-    /// Walls that are hit by the molecules of a system, whose bonds `solver` holds.
-    #[must_use]
-    pub fn new(walls: Walls, system: &System, solver: Box<dyn BondSolver>) -> Self {
+impl HeldMolecules {
+    /// The molecules of a system between walls; `solver` holds their bonds.
+    pub(super) fn new(walls: &Walls, system: &System, solver: Box<dyn BondSolver>) -> Self {
         let molecules = system.molecules.clone();
         let is_hit = |plane: &usize| walls.surface(*plane).rule() == Some(HitRule::OnLines);
         let is_damped = |plane: &usize| walls.surface(*plane).dashpot().is_some();
@@ -79,7 +57,6 @@ impl MoleculesAtWalls {
         Self {
             planes: planes.clone().filter(is_hit).collect(),
             damped: planes.filter(is_damped).collect(),
-            walls,
             one: System::of_molecules(molecules.sites(), molecules),
             system: system.clone(),
             solver,
@@ -87,6 +64,36 @@ impl MoleculesAtWalls {
         }
     }
 
+    /// Flies all molecules.
+    pub(super) fn fly(
+        &mut self,
+        walls: &mut Walls,
+        flight: Flight<'_>,
+    ) -> Result<Drifted, StepError> {
+        let Flight { positions, velocities, h, .. } = flight;
+        let mut before = std::mem::take(&mut self.before);
+        let mut at = AtWalls { of: self, walls };
+        let mut heat = at.damp_all(positions, velocities, 0.5 * h, false);
+        let flight = Flight { positions: &mut *positions, velocities: &mut *velocities, ..flight };
+        before.x.clear();
+        before.x.extend_from_slice(flight.positions);
+        before.v.clear();
+        before.v.extend_from_slice(flight.velocities);
+        let mut drifted = at.fly_all(&before, flight)?;
+        heat += at.damp_all(positions, velocities, 0.5 * h, true);
+        self.before = before;
+        drifted.heat += heat;
+        Ok(drifted)
+    }
+}
+
+/// The molecules, and the walls that they hit.
+struct AtWalls<'a> {
+    of: &'a mut HeldMolecules,
+    walls: &'a mut Walls,
+}
+
+impl AtWalls<'_> {
     /// The distance of a site from a plane, σ: positive between the planes.
     fn distance(&self, plane: usize, x: DVec3) -> f64 {
         self.walls.walls()[plane].distance(x)
@@ -100,7 +107,7 @@ impl MoleculesAtWalls {
 
     /// Whether a site lies behind a plane that is hit.
     fn is_behind(&self, x: DVec3) -> bool {
-        let mut planes = self.planes.iter();
+        let mut planes = self.of.planes.iter();
         planes.any(|plane| self.distance(*plane, x) < -self.rounding(*plane))
     }
 
@@ -118,7 +125,7 @@ impl MoleculesAtWalls {
             kick: None,
             h: t,
         };
-        let drifted = self.solver.drift(&self.one, drift)?;
+        let drifted = self.of.solver.drift(&self.of.one, drift)?;
         Ok((to, drifted))
     }
 
@@ -131,11 +138,11 @@ impl MoleculesAtWalls {
     ) -> Result<Option<Arrival>, StepError> {
         let mut first: Option<Arrival> = None;
         for site in 0..from.x.len() {
-            if self.one.masses.is_held(site) {
+            if self.of.one.masses.is_held(site) {
                 continue;
             }
-            for k in 0..self.planes.len() {
-                let plane = self.planes[k];
+            for k in 0..self.of.planes.len() {
+                let plane = self.of.planes[k];
                 let (before, after) =
                     (self.distance(plane, from.x[site]), self.distance(plane, end.x[site]));
                 if after >= -self.rounding(plane) {
@@ -151,8 +158,8 @@ impl MoleculesAtWalls {
                     }
                     false => continue,
                 };
-                if first.is_none_or(|other| time < other.time) {
-                    first = Some(Arrival { time, site, plane });
+                if first.is_none_or(|other| time < other.after) {
+                    first = Some(Arrival { after: time, site, plane });
                 }
             }
         }
@@ -202,9 +209,9 @@ impl MoleculesAtWalls {
 
     /// Gives the one molecule the masses of these sites.
     fn take_masses(&mut self, own: &Range<usize>) {
-        self.one.masses = match &self.system.masses {
+        self.of.one.masses = match &self.of.system.masses {
             Masses::Each(_) => {
-                Masses::Each(own.clone().map(|i| self.system.masses.of(i)).collect())
+                Masses::Each(own.clone().map(|i| self.of.system.masses.of(i)).collect())
             }
             alike => alike.clone(),
         };
@@ -214,7 +221,7 @@ impl MoleculesAtWalls {
     fn pushed(&self, x: &[DVec3], site: usize, plane: usize) -> (Vec<DVec3>, f64) {
         let normal = self.walls.walls()[plane].normal();
         let mut along = vec![DVec3::ZERO; x.len()];
-        along[site] = normal / self.one.masses.of(site);
+        along[site] = normal / self.of.one.masses.of(site);
         self.project(x, &mut along);
         let kappa = normal.dot(along[site]);
         (along, kappa)
@@ -222,7 +229,7 @@ impl MoleculesAtWalls {
 
     /// Takes the part along rigid bonds off velocities of the one molecule.
     fn project(&self, x: &[DVec3], v: &mut [DVec3]) {
-        rigid::project_velocities(&self.one, x, v);
+        rigid::project_velocities(&self.of.one, x, v);
     }
 
     /// The hit of a site at a plane; returns the kinetic energy put in, ε. `is_tired` leaves no speed across the plane.
@@ -230,13 +237,14 @@ impl MoleculesAtWalls {
         &mut self,
         sites: &mut Sites,
         Arrival { site, plane, .. }: Arrival,
-        given: &mut Given<'_>,
+        (forces, h): (&[DVec3], f64),
+        random: &mut CounterRng,
         is_tired: bool,
     ) -> f64 {
         self.project(&sites.x, &mut sites.v);
         let reading = self.walls.walls()[plane];
         let (axis, normal) = (reading.axis, reading.normal());
-        let masses = self.one.masses.clone();
+        let masses = self.of.one.masses.clone();
         let (along, kappa) = self.pushed(&sites.x, site, plane);
         let towards = normal.dot(sites.v[site]);
         let surface = self.walls.surface(plane).clone();
@@ -256,16 +264,14 @@ impl MoleculesAtWalls {
         let leaving = match surface.restitution() {
             _ if is_tired => 0.0,
             Some(e) => {
-                let mut kick: Vec<DVec3> = (given.forces.iter().enumerate())
-                    .map(|(k, f)| given.h / masses.of(k) * *f)
-                    .collect();
+                let mut kick: Vec<DVec3> =
+                    (forces.iter().enumerate()).map(|(k, f)| h / masses.of(k) * *f).collect();
                 self.project(&sites.x, &mut kick);
                 is_rest = self.walls.rests(plane, towards, kick[site]);
                 if is_rest { 0.0 } else { e * towards }
             }
             None => {
                 // All velocities are drawn anew. The normal speed of the site has the density of the flux of a mass 1/κ.
-                let random = &mut given.random;
                 for (k, v) in sites.v.iter_mut().enumerate() {
                     *v = drawn(wall.as_ref(), masses.of(k), random);
                 }
@@ -292,28 +298,6 @@ impl MoleculesAtWalls {
         if is_rest { 0.0 } else { kinetic(&sites.v) - before.1 }
     }
 
-    /// Flies one molecule from hit to hit, where its flight without hits is known. Returns the molecule, and what hits and bonds did.
-    fn fly_one(
-        &mut self,
-        mut sites: Sites,
-        (mut end, mut to_end): (Sites, Drifted),
-        mut given: Given<'_>,
-    ) -> Result<(Sites, Drifted), StepError> {
-        let (mut left, mut drifted) = (given.h, Drifted::default());
-        for hits in 0..MOST_EVENTS {
-            let Some(arrival) = self.first_arrival(&sites, &end, left)? else {
-                break;
-            };
-            let (at_plane, to_plane) = self.flown(&sites, arrival.time)?;
-            sites = at_plane;
-            left -= arrival.time;
-            drifted = drifted.and(to_plane);
-            drifted.heat += self.hit(&mut sites, arrival, &mut given, hits >= MOST_HITS);
-            (end, to_end) = self.flown(&sites, left)?;
-        }
-        Ok((end, drifted.and(to_end)))
-    }
-
     /// Flies all molecules from what they were `before`.
     fn fly_all(&mut self, before: &Sites, flight: Flight<'_>) -> Result<Drifted, StepError> {
         let Flight { positions, velocities, forces, h, step, is_later, .. } = flight;
@@ -324,8 +308,8 @@ impl MoleculesAtWalls {
             kick: None,
             h,
         };
-        let mut drifted = self.solver.drift(&self.system, drift)?;
-        let sites = self.system.molecules.sites();
+        let mut drifted = self.of.solver.drift(&self.of.system, drift)?;
+        let sites = self.of.system.molecules.sites();
         for (molecule, first) in (0..positions.len()).step_by(sites).enumerate() {
             let own = first..first + sites;
             if !positions[own.clone()].iter().any(|x| self.is_behind(*x)) {
@@ -334,21 +318,122 @@ impl MoleculesAtWalls {
             self.take_masses(&own);
             let start =
                 Sites { x: before.x[own.clone()].to_vec(), v: before.v[own.clone()].to_vec() };
-            let given = Given {
-                forces: &forces[own.clone()],
-                h,
-                random: self.walls.noise_of(first, step, is_later),
-            };
             let numbered = |error| of_molecule(error, molecule + 1);
             let whole = self.flown(&start, h).map_err(numbered)?;
             // What the bonds put in over the whole flight is counted already.
             drifted.heat -= whole.1.heat;
-            let (end, by_hits) = self.fly_one(start, whole, given).map_err(numbered)?;
+            let mut mover = OneMolecule {
+                random: self.walls.noise_of(first, step, is_later),
+                at: &mut *self,
+                sites: start,
+                end: Some((h, whole)),
+                drifted: Drifted::default(),
+                forces: &forces[own.clone()],
+                h,
+            };
+            events::fly(&mut mover, 1, h).map_err(numbered)?;
+            let (end, by_hits) = (mover.sites, mover.drifted);
             drifted = drifted.and(by_hits);
             positions[own.clone()].copy_from_slice(&end.x);
             velocities[own].copy_from_slice(&end.v);
         }
         Ok(drifted)
+    }
+
+    /// Lets the dashpots of all walls act on all molecules for a time h, τ; returns the kinetic energy put in, 0 or less, ε.
+    ///
+    /// A site that moves outward with u at the depth δ takes the impulse p = (u′ − u)/κ, where u′ is the speed after the decay of a
+    /// mass 1/κ. Before the flight sites come in their order and after it in reverse, so that the whole step is symmetric in time.
+    fn damp_all(&mut self, x: &[DVec3], v: &mut [DVec3], h: f64, is_after: bool) -> f64 {
+        if self.of.damped.is_empty() {
+            return 0.0;
+        }
+        let sites = self.of.system.molecules.sites();
+        let mut heat = 0.0;
+        for first in (0..x.len()).step_by(sites) {
+            let own = first..first + sites;
+            let is_in_contact = |x: &DVec3| {
+                let mut planes = self.of.damped.iter();
+                planes.any(|plane| self.distance(*plane, *x) < 0.0)
+            };
+            if x[own.clone()].iter().any(is_in_contact) {
+                self.take_masses(&own);
+                heat += self.damp_one(&x[own.clone()], &mut v[own], h, is_after);
+            }
+        }
+        heat
+    }
+
+    fn damp_one(&mut self, x: &[DVec3], v: &mut [DVec3], h: f64, is_after: bool) -> f64 {
+        self.project(x, v);
+        let mut heat = 0.0;
+        let planes = self.of.damped.len();
+        let all = x.len() * planes;
+        for k in 0..all {
+            let k = if is_after { all - 1 - k } else { k };
+            let (site, plane) = (k / planes, self.of.damped[k % planes]);
+            let depth = -self.distance(plane, x[site]);
+            if depth <= 0.0 || self.of.one.masses.is_held(site) {
+                continue;
+            }
+            let (along, kappa) = self.pushed(x, site, plane);
+            let outward = self.towards(plane, v[site]);
+            let Some(contact) = self.walls.surface(plane).dashpot() else {
+                continue;
+            };
+            let after = contact.damped(depth, outward, 1.0 / kappa, h);
+            let impulse = (after - outward) / kappa;
+            for (v, along) in v.iter_mut().zip(&along) {
+                *v += impulse * *along;
+            }
+            self.walls.take_momentum(plane, -impulse);
+            heat += 0.5 * (after * after - outward * outward) / kappa;
+        }
+        heat
+    }
+}
+
+/// One molecule in flight.
+struct OneMolecule<'a, 'w> {
+    at: &'a mut AtWalls<'w>,
+    sites: Sites,
+    /// A flight without hits that is known: its time, the molecule at its end, and what the bonds took.
+    end: Option<(f64, (Sites, Drifted))>,
+    drifted: Drifted,
+    forces: &'a [DVec3],
+    h: f64,
+    random: CounterRng,
+}
+
+impl OneMolecule<'_, '_> {
+    fn flown(&mut self, t: f64) -> Result<(Sites, Drifted), StepError> {
+        match self.end.take() {
+            Some((time, end)) if time == t => Ok(end),
+            _ => self.at.flown(&self.sites, t),
+        }
+    }
+}
+
+impl Mover for OneMolecule<'_, '_> {
+    fn arrival(&mut self, _unit: usize, left: f64) -> Result<Option<Arrival>, StepError> {
+        let end = self.flown(left)?;
+        let first = self.at.first_arrival(&self.sites, &end.0, left);
+        self.end = Some((left, end));
+        first
+    }
+
+    fn advance(&mut self, _unit: usize, by: f64) -> Result<(), StepError> {
+        let (sites, drifted) = self.flown(by)?;
+        (self.sites, self.drifted) = (sites, self.drifted.and(drifted));
+        Ok(())
+    }
+
+    fn hit(&mut self, _unit: usize, arrival: Arrival, _left: f64, is_tired: bool) {
+        // What is known of the flight holds without the hit.
+        self.end = None;
+        let flight = (self.forces, self.h);
+        let random = &mut self.random;
+        self.drifted.heat += self.at.hit(&mut self.sites, arrival, flight, random, is_tired);
     }
 }
 

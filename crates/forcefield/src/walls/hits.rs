@@ -1,53 +1,14 @@
-//! The flight of particles between walls that are hit: along straight lines, the billiard rule.
+//! Hits of particles at walls: where they happen, and what they do.
 
+use lennard_core::DVec3;
 use lennard_core::random::CounterRng;
-use lennard_core::{Boundary, DVec3, Drifted, Flight, StepError};
 
-use super::{Hit, HitRule, SlitPlanes, Surface, WallPair, Walls};
+use super::{Hit, HitRule, SlitPlanes, Surface, Walls};
 
-/// Hits of one particle in one flight, after which it rests at the plane.
-pub(super) const MOST_HITS: usize = 16;
 /// A particle that arrives by no more than so many kicks of the flight rests at a plane that takes energy.
 pub const KICKS_OF_REST: f64 = 1.0 + 1e-9;
 
 impl Walls {
-    /// Flies one particle over `h` τ; returns the kinetic energy that hits put in.
-    fn fly_one(
-        &mut self,
-        x: &mut DVec3,
-        v: &mut DVec3,
-        mass: f64,
-        (kick, h): (DVec3, f64),
-        random: &mut CounterRng,
-    ) -> f64 {
-        let end = *x + h * *v;
-        let stays = |pair: &WallPair| {
-            !pair.is_hit_on_the_way() || pair.distances(end).iter().all(|z| *z > 0.0)
-        };
-        if self.pairs.iter().all(stays) || !end.is_finite() {
-            *x = end;
-            return 0.0;
-        }
-        let (mut left, mut heat) = (h, 0.0);
-        for _ in 0..MOST_HITS {
-            let Some((time, index)) = self.next_hit(*x, *v, left) else {
-                break;
-            };
-            *x += time * *v;
-            x[self.readings[index].axis] = self.readings[index].position;
-            left -= time;
-            heat += self.hit(index, v, mass, kick, random);
-        }
-        if let Some((_, index)) = self.next_hit(*x, *v, left) {
-            // Too many hits: the particle rests at the plane.
-            heat -= 0.5 * mass * v[self.readings[index].axis].powi(2);
-            self.stop(index, v, mass);
-        }
-        *x += left * *v;
-        self.clamp_between_planes(x);
-        heat
-    }
-
     /// The next hit of a particle that flies straight from `x` (σ) with `v` (σ/τ) for `left` τ. It gives the time until then, τ, and
     /// the index of the plane in [`lennard_core::ForceTerm::walls`].
     #[must_use]
@@ -77,7 +38,7 @@ impl Walls {
     }
 
     /// Takes the speed across a plane off a particle, and hands the momentum to the wall.
-    pub(super) fn stop(&mut self, index: usize, v: &mut DVec3, mass: f64) {
+    pub fn stop(&mut self, index: usize, v: &mut DVec3, mass: f64) {
         let reading = self.readings[index];
         self.take_momentum(index, reading.outward() * mass * v[reading.axis]);
         v[reading.axis] = 0.0;
@@ -95,7 +56,8 @@ impl Walls {
     }
 
     /// Whether hits of a plane take energy: its restitution is below 1.
-    pub(super) fn takes_energy(&self, index: usize) -> bool {
+    #[must_use]
+    pub fn takes_energy(&self, index: usize) -> bool {
         self.surface(index).restitution().is_some_and(|e| e < 1.0)
     }
 
@@ -143,7 +105,7 @@ impl Walls {
     /// The earliest time within `left` τ at which a particle at x arrives at a wall that is hit, with the index of the wall.
     ///
     /// `time` gives the time of arrival at a plane from the distance, the axis and the outward direction along it.
-    pub(super) fn first_hit(
+    pub fn first_hit(
         &self,
         x: DVec3,
         left: f64,
@@ -164,37 +126,5 @@ impl Walls {
             }
         }
         first
-    }
-}
-
-impl Boundary for Walls {
-    fn fly(&mut self, flight: Flight<'_>) -> Result<Drifted, StepError> {
-        let along_parabolas = self.follows_parabolas();
-        let (is_damped, acts_at_end) = (self.has_dashpots(), self.acts_at_end());
-        let particles = flight.positions.iter_mut().zip(flight.velocities);
-        let mut heat = 0.0;
-        for (i, ((x, v), force)) in particles.zip(flight.forces).enumerate() {
-            if flight.masses.is_held(i) {
-                continue;
-            }
-            let (mass, h) = (flight.masses.of(i), flight.h);
-            let mut random = self.noise_of(i, flight.step, flight.is_later);
-            let (start, kick) = (*x, h / mass * *force);
-            if is_damped {
-                heat += self.damp(*x, v, mass, 0.5 * h);
-            }
-            heat += if along_parabolas {
-                self.fall_one(x, v, mass, *force / mass, h, &mut random)
-            } else {
-                self.fly_one(x, v, mass, (kick, h), &mut random)
-            };
-            if acts_at_end {
-                heat += self.end_one((start, x), v, kick, h, mass, &mut random);
-            }
-            if is_damped {
-                heat += self.damp(*x, v, mass, 0.5 * h);
-            }
-        }
-        Ok(Drifted::with_heat(heat))
     }
 }
