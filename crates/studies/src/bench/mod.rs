@@ -3,7 +3,6 @@
 //! Every block of steps starts from the same state, so that all variants do the same work. Each repeat shuffles the order
 //! of the blocks, so that a machine that slows down slows all variants down. Nothing here decides anything about a run.
 
-mod figures;
 mod kernels;
 mod page;
 mod types;
@@ -110,7 +109,7 @@ impl Study for BenchStudy {
     }
 
     fn page(&self) -> Result<Page, StudyError> {
-        Ok(page::page(self))
+        page::page(self)
     }
 }
 

@@ -1,10 +1,10 @@
 //! The tables and the page of a benchmark.
 
-use crate::report::{Page, Section, percent, significant};
+use crate::StudyError;
+use crate::report::{Drawn, Given, Page, percent, significant, written};
 use lennard_core::stopwatch::Spread;
 use lennard_core::{Cell, RowsOf, Table};
 
-use super::figures;
 use super::types::{BenchStudy, KernelResult, with_range};
 
 /// The best time, in brackets the median of the repeats: `70.1 (74.3)`.
@@ -14,28 +14,25 @@ fn best(spread: Spread) -> String {
 
 /// Every number, as CSV.
 pub(super) fn csv(study: &BenchStudy) -> Vec<Table> {
-    let mut tables = Vec::new();
-    if !study.kernels.is_empty() {
-        let table = Table::rows_of("kernels", &study.kernels)
-            .column("kernel", |k| &k.kernel)
-            .column("isa", |k| &k.isa)
-            .column("precision", |k| &k.precision)
-            .column("threads", |k| k.threads);
-        let table = spread(table, "speed [M atom-steps/s]", |k| k.speed);
-        let table = spread(table, "step [ns/atom]", |k| k.step_ns);
-        let table = spread(table, "forces [ns/atom]", |k| k.forces_ns);
-        let table = spread(table, "totals [ns/atom]", |k| k.totals_ns)
-            .column("build [ns/atom]", |k| k.build_ns.map(|s| s.median))
-            .column("processor time [ns/atom-step]", |k| k.processor_ns.map(|s| s.median))
-            .column("list share", |k| k.list_share.median)
-            .column("steps per build", |k| k.steps_per_build)
-            .column("lanes per pair", |k| k.lanes_per_pair)
-            .column("limit [pairs/s]", |k| k.limit)
-            .column("share of limit", |k| k.limit_share)
-            .column("bytes per atom", |k| k.bytes_per_atom)
-            .column("skin [σ]", |k| k.skin);
-        tables.push(table.table());
-    }
+    let table = Table::rows_of("kernels", &study.kernels)
+        .column("kernel", |k| &k.kernel)
+        .column("isa", |k| &k.isa)
+        .column("precision", |k| &k.precision)
+        .column("threads", |k| k.threads);
+    let table = spread(table, "speed [M atom-steps/s]", |k| k.speed);
+    let table = spread(table, "step [ns/atom]", |k| k.step_ns);
+    let table = spread(table, "forces [ns/atom]", |k| k.forces_ns);
+    let table = spread(table, "totals [ns/atom]", |k| k.totals_ns)
+        .column("build [ns/atom]", |k| k.build_ns.map(|s| s.median))
+        .column("processor time [ns/atom-step]", |k| k.processor_ns.map(|s| s.median))
+        .column("list share", |k| k.list_share.median)
+        .column("steps per build", |k| k.steps_per_build)
+        .column("lanes per pair", |k| k.lanes_per_pair)
+        .column("limit [pairs/s]", |k| k.limit)
+        .column("share of limit", |k| k.limit_share)
+        .column("bytes per atom", |k| k.bytes_per_atom)
+        .column("skin [σ]", |k| k.skin);
+    let mut tables = vec![table.table()];
     tables.extend(study.skin.iter().map(|skin| {
         let table = Table::rows_of("skins", &skin.points).column("skin [σ]", |p| p.skin);
         let heading = format!("step, {} [ns/atom]", skin.clock);
@@ -52,50 +49,75 @@ fn spread<'a, T>(table: RowsOf<'a, T>, heading: &str, of: impl Fn(&T) -> Spread)
         .column("highest", |item| of(item).highest)
 }
 
+/// The words and the figures of the page.
+const PAGE: &str = include_str!("page.toml");
+
 /// The page.
-pub(super) fn page(study: &BenchStudy) -> Page {
-    let mut sections = vec![Section::new("Pictures").figures(figures::all(study))];
-    let doubts = study.doubts();
-    if !doubts.is_empty() {
-        let section =
-            Section::new("Doubts").text("Figures with a question mark are to be doubted.");
-        sections.push(section.list(doubts));
-    }
-    if !study.kernels.is_empty() {
-        sections.push(Section::new("Kernels").table(kernels(study, true)));
-    }
-    if let Some(skin) = &study.skin {
-        sections.push(Section::new("Skin").text(format!(
-            "The scene gets a skin of {:.3} σ. Of those tried {:.3} σ is the cheapest; the chosen one costs {} more ({}).",
-            skin.chosen,
-            skin.cheapest,
-            percent(skin.excess),
-            skin.with
-        )));
-    }
-    Page {
-        title: format!("{}: how fast", study.scene),
-        lead: format!(
-            "{} atoms at ρ = {:.4}, {}, {:.1} pairs per atom within the cutoff, T = {:.3}. Every block of {} steps starts from the same \
-             state; the order of the blocks is shuffled in each of {} repeats. Times belong to this machine at that hour: only \
-             ratios carry over.",
-            study.atoms,
-            study.density,
-            study.model,
-            study.pairs_per_atom,
-            study.temperature,
-            study.steps,
-            study.repeats
-        ),
+///
+/// # Errors
+/// [`StudyError::Report`] where its text names what is not there.
+pub(super) fn page(study: &BenchStudy) -> Result<Page, StudyError> {
+    let command = format!("`{}`", study.command);
+    Ok(Page {
         command: Some(study.command.clone()),
-        sections,
-        provenance: study
-            .machine
-            .iter()
-            .cloned()
-            .chain([("command".to_owned(), format!("`{}`", study.command))])
-            .collect(),
+        provenance: study.machine.iter().cloned().chain([("command".into(), command)]).collect(),
+        ..written(PAGE, &given(study))?
+    })
+}
+
+/// What the names and the braces of the page stand for.
+fn given(study: &BenchStudy) -> Given {
+    let all = &study.kernels;
+    let best = |of: &dyn Fn(&KernelResult) -> Spread| all.iter().map(|k| of(k).lowest).collect();
+    let (forces, totals): (Vec<f64>, Vec<f64>) = (best(&|k| k.forces_ns), best(&|k| k.totals_ns));
+    let drawn = csv(study)
+        .swap_remove(0)
+        .and("variant", all.iter().map(KernelResult::label))
+        .and("file", all.iter().map(|k| k.label().replace(' ', "-")))
+        .and("half range of speed", all.iter().map(|k| k.speed.half_range()))
+        .and("half range of step", all.iter().map(|k| k.step_ns.half_range()))
+        .and(
+            "steps of a list",
+            all.iter().map(|k| k.steps_per_build.map_or("all".into(), |n| format!("{n:.1}"))),
+        )
+        .and("best forces", forces)
+        .and("best totals", totals)
+        .and("best build", all.iter().map(|k| k.build_ns.map(|s| s.lowest)));
+    let points = study.skin.iter().flat_map(|skin| &skin.points).collect::<Vec<_>>();
+    let chosen = study.skin.as_ref().map_or(f64::NAN, |skin| skin.chosen);
+    let skins = Table::rows_of("skins", &points)
+        .column("skin", |p| p.skin)
+        .column("step", |p| p.step_ns.median)
+        .column("half range", |p| p.step_ns.half_range())
+        .column("step of the chosen", |p| (p.skin == chosen).then_some(p.step_ns.median));
+    let words = vec![
+        ("scene", study.scene.clone()),
+        ("atoms", study.atoms.to_string()),
+        ("density", format!("{:.4}", study.density)),
+        ("model", study.model.clone()),
+        ("pairs", format!("{:.1}", study.pairs_per_atom)),
+        ("temperature", format!("{:.3}", study.temperature)),
+        ("steps", study.steps.to_string()),
+        ("repeats", study.repeats.to_string()),
+        (
+            "skin",
+            study.skin.as_ref().map_or("There is no list.".into(), |skin| {
+                format!(
+                    "The scene gets a skin of {:.3} σ. Of those tried {:.3} σ is the cheapest; the chosen one costs {} more ({}).",
+                    skin.chosen,
+                    skin.cheapest,
+                    percent(skin.excess),
+                    skin.with
+                )
+            }),
+        ),
+    ];
+    let mut doubts = study.doubts();
+    if doubts.is_empty() {
+        doubts.push("nothing speaks against the figures".into());
     }
+    let in_words = Table { name: "kernels in words".into(), ..kernels(study, true) };
+    Given { tables: vec![drawn, skins.table(), in_words], words, lists: vec![("doubts", doubts)] }
 }
 
 /// The speed of each kernel; with the range of whole steps, and the median beside best times, where there is room.

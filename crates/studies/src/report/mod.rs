@@ -1,11 +1,10 @@
 //! Figures and self-contained pages from results.
 //!
-//! A [`Figure`] or a [`BarFigure`] is plain data and becomes one SVG text. A [`Page`] is plain data and becomes one
+//! A [`Figure`] is plain data and becomes one SVG text. A [`Page`] is plain data and becomes one
 //! HTML text with everything inside. The same data give the same bytes: nothing here reads a clock, a font, a file
 //! or the environment.
 
 mod axis;
-mod bars;
 mod draw;
 mod escape;
 mod figure;
@@ -20,7 +19,6 @@ mod table;
 mod written;
 
 pub use axis::{Axis, Scale};
-pub use bars::{BarFigure, BarSeries};
 pub use escape::{escape, inline_markup};
 pub use figure::{FailedPoint, Figure, Guide, Look, Point, Series};
 pub use lennard_core::number::{
@@ -58,16 +56,4 @@ pub enum ReportError {
     /// The text of a page names what is not there.
     #[error("the text of the page: {0}")]
     Text(String),
-    /// The bars of a series are not one for each group.
-    #[error("figure `{figure}`: series `{series}` has {found} bars for {wanted} groups")]
-    BarCount {
-        /// Name of the figure.
-        figure: String,
-        /// Name of the series.
-        series: String,
-        /// Bars found.
-        found: usize,
-        /// Groups of the figure.
-        wanted: usize,
-    },
 }

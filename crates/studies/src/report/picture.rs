@@ -1,7 +1,7 @@
 //! A drawing with the words below it.
 
 use crate::report::legend::Entry;
-use crate::report::{BarFigure, Figure, ParticleFigure, Point, ReportError};
+use crate::report::{Figure, ParticleFigure, Point, ReportError};
 
 /// What the caption of a figure says where some of its points are no results.
 const NO_RESULTS: &str = "Open grey marks have no known error: they are no results.";
@@ -11,8 +11,6 @@ const NO_RESULTS: &str = "Open grey marks have no known error: they are no resul
 pub enum Drawing {
     /// Points and lines.
     Plot(Figure),
-    /// Bars in groups.
-    Bars(BarFigure),
     /// Particles in their box.
     Particles(ParticleFigure),
 }
@@ -20,12 +18,6 @@ pub enum Drawing {
 impl From<Figure> for Drawing {
     fn from(figure: Figure) -> Self {
         Self::Plot(figure)
-    }
-}
-
-impl From<BarFigure> for Drawing {
-    fn from(figure: BarFigure) -> Self {
-        Self::Bars(figure)
     }
 }
 
@@ -69,7 +61,6 @@ impl Picture {
     pub fn name(&self) -> &str {
         match &self.drawing {
             Drawing::Plot(figure) => &figure.name,
-            Drawing::Bars(figure) => &figure.name,
             Drawing::Particles(figure) => &figure.name,
         }
     }
@@ -94,7 +85,6 @@ impl Picture {
     pub(crate) fn to_svg_beside(&self, entries: &[Entry]) -> Result<String, ReportError> {
         match &self.drawing {
             Drawing::Plot(figure) => figure.to_svg_beside(entries),
-            Drawing::Bars(figure) => figure.to_svg(),
             Drawing::Particles(figure) => figure.to_svg(),
         }
     }

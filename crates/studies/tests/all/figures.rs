@@ -1,6 +1,6 @@
 //! What cannot be drawn is said by name.
 
-use lennard_studies::report::{Axis, BarFigure, BarSeries, Dash, Figure, Look, Series};
+use lennard_studies::report::{Axis, Dash, Figure, Look, Series};
 
 #[test]
 fn a_figure_that_cannot_be_drawn_says_which_and_why() {
@@ -16,16 +16,5 @@ fn a_figure_that_cannot_be_drawn_says_which_and_why() {
     assert_eq!(
         figure(Axis::linear("y").from_to(2.0, 1.0), vec![(1.0, 1.0), (2.0, 2.0)]),
         "figure `drift`: the axis `y` cannot run from 2 to 1"
-    );
-    let bars = BarFigure {
-        name: "cost".into(),
-        title: "Cost".into(),
-        axis: Axis::linear("ns"),
-        groups: vec!["a".into(), "b".into()],
-        series: vec![BarSeries { name: "double".into(), color: 0, values: vec![None] }],
-    };
-    assert_eq!(
-        bars.to_svg().unwrap_err().to_string(),
-        "figure `cost`: series `double` has 1 bars for 2 groups"
     );
 }
