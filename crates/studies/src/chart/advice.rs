@@ -194,6 +194,7 @@ mod tests {
             left_out: Vec::new(),
             remarks: Vec::new(),
             panels: Vec::new(),
+            command: String::new(),
             plan: Lengths {
                 size: Size::Quick,
                 points: steps.len(),

@@ -82,6 +82,7 @@ pub(super) fn all(
         left_out: grid.left_out,
         remarks,
         panels: Vec::new(),
+        command: options.command.clone(),
         plan,
     };
     chart.panels = panels::panels(&bench, &chart)?;

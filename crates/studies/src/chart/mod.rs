@@ -24,10 +24,14 @@ pub use types::{
 
 use lennard_scene::Scene;
 
-use crate::sweep::Sweep;
-use crate::{Progress, files};
+use lennard_core::Table;
 
-/// Measures the points of a study that are not measured yet, all from one start of its scene, and writes the chart; where it was stopped, with what there is.
+use crate::report::Page;
+use crate::sweep::Sweep;
+use crate::{Progress, Study, StudyError};
+
+/// Measures the points of a study that are not measured yet, all from one start of its scene, and writes the chart. Where it was
+/// stopped, the chart has what there is.
 ///
 /// # Errors
 /// [`ChartError`] where the scene cannot be run, the folder holds something else, or a file cannot be written.
@@ -38,13 +42,17 @@ pub fn run(
     progress: &mut dyn Progress,
 ) -> Result<Chart, ChartError> {
     let chart = measure::all(scene, study, options, progress)?;
-    let mut tables = vec![tables::points(&chart)];
-    tables.extend(chart.panels.iter().map(|p| tables::panel(&chart, p)));
-    let page = page::page(&chart, &options.command);
-    files::write_all(options.folder, &tables, ("study.json", &chart), &page)?;
-    for panel in &chart.panels {
-        let path = options.folder.join(format!("{}.json", panel.name));
-        lennard_io::write_json_atomically(&path, &tables::panel_json(&chart, panel))?;
-    }
+    chart.write(options.folder)?;
     Ok(chart)
+}
+
+impl Study for Chart {
+    fn tables(&self) -> Vec<Table> {
+        let panels = self.panels.iter().map(|panel| tables::panel(self, panel));
+        std::iter::once(tables::points(self)).chain(panels).collect()
+    }
+
+    fn page(&self) -> Result<Page, StudyError> {
+        Ok(page::page(self))
+    }
 }

@@ -17,7 +17,7 @@ const SECTIONS: [(&str, &[&str]); 4] = [
 ];
 
 /// The whole page.
-pub(super) fn page(chart: &Chart, command: &str) -> Page {
+pub(super) fn page(chart: &Chart) -> Page {
     let plan = &chart.plan;
     let of_runs = format!(
         "runs of {} τ, the tightest of {} τ, in an order that is shuffled",
@@ -37,10 +37,10 @@ pub(super) fn page(chart: &Chart, command: &str) -> Page {
     Page {
         title: format!("Speed against accuracy: {}", chart.scene),
         lead: lead(chart),
-        command: Some(command.to_owned()),
+        command: Some(chart.command.clone()),
         sections,
         provenance: vec![
-            ("Command".into(), format!("`{command}`")),
+            ("Command".into(), format!("`{}`", chart.command)),
             ("Version".into(), plan.version.clone()),
             ("Processor".into(), plan.cpu.clone()),
             (

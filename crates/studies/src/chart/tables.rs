@@ -96,23 +96,3 @@ pub(super) fn panel(chart: &Chart, panel: &Panel) -> Table {
         .column("failure", |m| m.failure.as_deref().unwrap_or_default())
         .table()
 }
-
-/// A panel with the settings of its points, for JSON.
-#[derive(Serialize)]
-pub(super) struct PanelJson<'a> {
-    schema: &'static str,
-    scene: &'a str,
-    #[serde(flatten)]
-    panel: &'a Panel,
-    settings: Vec<(usize, String)>,
-}
-
-/// A panel as a document of its own.
-pub(super) fn panel_json<'a>(chart: &'a Chart, panel: &'a Panel) -> PanelJson<'a> {
-    PanelJson {
-        schema: lennard_io::schema!("chart-panel", 1),
-        scene: &chart.scene,
-        panel,
-        settings: panel.marks.iter().map(|m| (m.number, chart.label(m.number))).collect(),
-    }
-}

@@ -370,6 +370,9 @@ pub struct Chart {
     pub remarks: Vec<String>,
     /// The diagrams.
     pub panels: Vec<Panel>,
+    /// The command, for the page.
+    #[serde(skip)]
+    pub command: String,
 }
 
 impl Chart {

@@ -20,7 +20,6 @@ mod verify;
 
 pub use error::TuneError;
 pub use predict::Prediction;
-pub use sample::{CAREFUL_STEP, comfortable_cutoff, judged_fluid};
 pub use search::tune;
 pub use speed::Speed;
 pub use verify::Runs;

@@ -8,7 +8,7 @@ use lennard_scene::{Geometry, Lattice, MoleculeKind, Scene, Stage, Start as Scen
 
 use super::TuneError;
 use super::pairs::Fluid;
-use crate::lab::{self, Start, Workbench, under_bussi};
+use crate::lab::{self, Start, under_bussi};
 use crate::settings::Settings;
 
 /// Fluids of this many particles are judged as they are. In a smaller fluid, half the box is too short to see what a
@@ -26,7 +26,7 @@ const SURVEY_CUTOFF: f64 = 3.0;
 /// Most steps taken of each stage before the measurement.
 const MOST_STEPS: u64 = 10_000;
 /// Time step of survey and reference as a share of the stability limit (0.003 τ at the triple point).
-pub const CAREFUL_STEP: f64 = 0.075;
+const CAREFUL_STEP: f64 = 0.075;
 /// Relaxation time of the survey's heat bath, τ: about that in which a liquid forgets its energy by itself.
 const RELAXATION_TIME: f64 = 0.15;
 /// Time in which the start settles at its temperature, τ.
@@ -167,8 +167,7 @@ impl Sample {
 
 /// The longest cutoff that leaves a list its skin, for half a box side in σ. Without a skin every step builds the
 /// list anew, which costs several times more than the forces.
-#[must_use]
-pub fn comfortable_cutoff(half: f64) -> f64 {
+fn comfortable_cutoff(half: f64) -> f64 {
     /// Skin that the cost model chooses for liquids, σ.
     const SKIN: f64 = 0.3;
     ((half - SKIN) * 100.0).floor() / 100.0
@@ -178,15 +177,6 @@ pub fn comfortable_cutoff(half: f64) -> f64 {
 pub(super) fn lattice_of(n_atoms: usize, density: f64) -> SceneStart {
     let geometry = Geometry::Density(density);
     SceneStart::Lattice { lattice: Some(Lattice::Fcc), n_atoms, geometry, vacuum: 0.0 }
-}
-
-/// The fluid in which a scene is tuned, equilibrated, with every free setting at a careful value.
-///
-/// # Errors
-/// [`TuneError`] where it cannot be built or its equilibration fails.
-pub fn judged_fluid(scene: &Scene) -> Result<Workbench, TuneError> {
-    let sample = Sample::prepare(scene)?;
-    Ok(Workbench::with_start(&sample.own, sample.start))
 }
 
 /// The stability limit that springs of bonds set velocity Verlet, τ; `None` where bonds do not limit the step.
