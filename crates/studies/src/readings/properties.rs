@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol};
 use lennard_literature::{EquationOfState, Property, equation_of_state_for, property};
-use lennard_observables::quantities::{Mark, axis, has_mark};
+use lennard_observables::quantities::{Mark, Quantity, axis, has_mark};
 use lennard_scene::study::{SHORT_KEYS, ShortKey};
 
 use super::averaged::{Averaged, averaged};
@@ -37,12 +37,40 @@ pub(super) fn pictures(study: &StudyPoints<'_>) -> Vec<Picture> {
             names.push(name);
         }
     }
+    let equation = equation(study);
+    let drawn = names.into_iter().filter_map(|(quantity, unit)| {
+        let name = format!("{quantity}_over_{key}");
+        picture(name, (quantity, unit), &place, &groups, equation)
+    });
+    drawn.collect()
+}
+
+/// One quantity against one key, for points that differ in this key alone and have `fewest` values of it or more; `None` where there
+/// are no such points, or too many series of them.
+pub(super) fn along(
+    study: &StudyPoints<'_>,
+    key: &str,
+    quantity: &Quantity,
+    fewest: usize,
+) -> Option<Picture> {
+    let points = averaged(study.swept);
+    let measured = |p: &&Averaged<'_>| p.mean(quantity.key).is_some();
+    let mut groups = series_of(&points, key);
+    groups.retain(|group| group.iter().filter(|p| measured(p)).count() >= fewest);
+    if groups.is_empty() || groups.len() > MOST_SERIES {
+        return None;
+    }
+    let (place, equation) = (Place::of(&points, key), equation(study));
+    let name = (quantity.key, quantity.unit);
+    picture(quantity.key.to_owned(), name, &place, &groups, equation)
+}
+
+/// The equation of state of the model, where any point stands beside it.
+fn equation(study: &StudyPoints<'_>) -> Option<&'static dyn EquationOfState> {
     let model = study.sweep.points.first().map(|p| lennard_scene::model_kind(&p.scene));
     let judged = study.swept.iter().filter_map(|p| p.compared.as_ref());
     let has_equation = judged.into_iter().any(|c| c.equation.is_some());
-    let equation =
-        model.filter(|_| has_equation).and_then(|model| equation_of_state_for(model).ok());
-    names.into_iter().filter_map(|name| picture(name, &place, &groups, equation)).collect()
+    model.filter(|_| has_equation).and_then(|model| equation_of_state_for(model).ok())
 }
 
 /// The temperature is what was asked for, and densities of slabs have a figure of their own.
@@ -150,13 +178,13 @@ pub(super) fn label_of(point: &Averaged<'_>, key: &str) -> String {
 }
 
 fn picture(
+    name: String,
     (quantity, unit): (&str, &str),
     place: &Place<'_>,
     groups: &[Vec<&Averaged<'_>>],
     equation: Option<&'static dyn EquationOfState>,
 ) -> Option<Picture> {
     let words = quantity_words(quantity);
-    let name = format!("{quantity}_over_{}", place.key);
     let value = Axis::linear(axis(&words, unit));
     // Words have room at the side.
     let is_across = !place.words.is_empty();
