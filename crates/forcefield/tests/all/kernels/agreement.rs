@@ -187,6 +187,7 @@ fn parts_add_up_to_the_whole_force(species: usize) {
         let r_cut = Model::new(&base.potential, &base.truncation).unwrap().r_cut;
         let mixture = mixture_or_one(species, base.truncation.r_cut, start.len());
         let mixture = mixture.as_ref();
+        let sizes = magnitudes_of(&base, mixture, cell, &positions);
         for kernel in kernels() {
             for mode in [ListMode::Verlet, ListMode::Direct] {
                 let options = ForceFieldOptions {
@@ -210,7 +211,6 @@ fn parts_add_up_to_the_whole_force(species: usize) {
                     Precision::Double => 1e-13,
                     Precision::Mixed => 1e-5,
                 };
-                let sizes = magnitudes_of(&base, mixture, cell, &positions);
                 for (((n, f), w), (size, _)) in near.iter().zip(&far).zip(&whole).zip(&sizes) {
                     assert!((*n + *f - *w).length() <= relative * size, "{options:?}");
                 }
