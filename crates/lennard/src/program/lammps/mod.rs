@@ -66,38 +66,25 @@ pub fn export_to_lammps(
 }
 
 fn refuse_what_has_no_equal(scene: &Scene) -> Result<(), EngineError> {
-    if scene.molecule.is_some() {
-        return Err(scene
-            .source
-            .invalid("molecule", "molecules, in an export to LAMMPS", "atoms")
-            .into());
-    }
-    let others = [
-        (scene.contact.is_some(), "contact", "contacts"),
-        (!scene.system.held.is_empty(), "system.held", "held particles"),
-        (scene.planar_tail, "truncation.tail_correction", "the planar tail"),
-        (
-            scene.stages.iter().any(|stage| stage.exchange.is_some()),
-            "stage",
-            "exchanges of velocities",
-        ),
+    const WITHOUT: &str = "a scene without";
+    let walls = scene.walls.first().map(|wall| format!("walls across {}", Axis::name(wall.axis)));
+    let exchanges = scene.stages.iter().any(|stage| stage.exchange.is_some());
+    let periodic = "a box that is periodic in all directions";
+    let rows = [
+        (scene.molecule.is_some(), "molecule", "molecules", "atoms"),
+        (scene.contact.is_some(), "contact", "contacts", WITHOUT),
+        (!scene.system.held.is_empty(), "system.held", "held particles", WITHOUT),
+        (scene.planar_tail, "truncation.tail_correction", "the planar tail", WITHOUT),
+        (exchanges, "stage", "exchanges of velocities", WITHOUT),
+        (walls.is_some(), "wall.0.kind", walls.as_deref().unwrap_or_default(), periodic),
     ];
-    if let Some((_, key, words)) = others.iter().find(|(there, ..)| *there) {
-        let found = format!("{words}, in an export to LAMMPS");
-        return Err(scene.source.invalid(key, found, "a scene without").into());
+    match rows.into_iter().find(|(there, ..)| *there) {
+        None => Ok(()),
+        Some((_, key, words, allowed)) => {
+            let found = format!("{words}, in an export to LAMMPS");
+            Err(scene.source.invalid(key, found, allowed).into())
+        }
     }
-    if let Some(wall) = scene.walls.first() {
-        let axis: &str = Axis::name(wall.axis);
-        return Err(scene
-            .source
-            .invalid(
-                "wall.0.kind",
-                format!("walls across {axis}, in an export to LAMMPS"),
-                "a box that is periodic in all directions",
-            )
-            .into());
-    }
-    Ok(())
 }
 
 fn head(script: &mut Script, simulation: &Simulation) {

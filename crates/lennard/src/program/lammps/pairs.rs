@@ -81,24 +81,15 @@ fn style(scene: &Scene) -> Result<Style, EngineError> {
         (PotentialOptions::LennardJones(_) | PotentialOptions::Mie(_), None) => {
             let kind = scene.truncation.kind.name();
             let potential = scene.potential.spec().name;
-            return Err(scene
-                .source
-                .invalid(
-                    "truncation.kind",
-                    format!("{kind:?} of the potential {potential:?}, which LAMMPS does not have"),
-                    "\"cut\" or \"shift\"; for \"lennard-jones\" also \"force-shift\"",
-                )
-                .into());
+            let found =
+                format!("{kind:?} of the potential {potential:?}, which LAMMPS does not have");
+            let allowed = "\"cut\" or \"shift\"; for \"lennard-jones\" also \"force-shift\"";
+            return Err(scene.source.invalid("truncation.kind", found, allowed).into());
         }
         (other, _) => {
-            return Err(scene
-                .source
-                .invalid(
-                    "potential.kind",
-                    format!("{:?}, in an export to LAMMPS", other.spec().name),
-                    "\"lennard-jones\", \"mie\" or \"wca\"",
-                )
-                .into());
+            let found = format!("{:?}, in an export to LAMMPS", other.spec().name);
+            let allowed = "\"lennard-jones\", \"mie\" or \"wca\"";
+            return Err(scene.source.invalid("potential.kind", found, allowed).into());
         }
     };
     Ok(style)
