@@ -1,6 +1,6 @@
 //! The flight of single particles between walls, one after the other.
 
-use lennard_core::{DVec3, Drifted, Flight, ForceTerm, StepError};
+use lennard_core::{DVec3, Drifted, Flight, ForceTerm, StepError, WallReading};
 use lennard_forcefield::{ContactLaw, HitRule, Walls};
 
 use super::lines::Lines;
@@ -8,7 +8,7 @@ use super::parabola::Parabola;
 
 /// What planes do in flights, by their index.
 struct Planes {
-    on_the_way: Vec<usize>,
+    on_the_way: Vec<WallReading>,
     /// Whether particles fly along parabolas from hit to hit.
     along_parabolas: bool,
     at_end: Vec<(usize, HitRule)>,
@@ -22,7 +22,7 @@ impl Planes {
         let rules: Vec<_> = rules.collect();
         let on_the_way = rules.iter().filter(|(_, rule)| rule.is_on_the_way());
         Self {
-            on_the_way: on_the_way.map(|(plane, _)| *plane).collect(),
+            on_the_way: on_the_way.map(|(plane, _)| walls.walls()[*plane]).collect(),
             along_parabolas: rules.iter().any(|(_, rule)| *rule == HitRule::OnParabolas),
             at_end: rules.into_iter().filter(|(_, rule)| rule.is_at_end()).collect(),
             dashpots: all
@@ -40,15 +40,14 @@ pub(super) fn fly(walls: &mut Walls, flight: Flight<'_>) -> Result<Drifted, Step
     for i in (0..positions.len()).filter(|i| !masses.is_held(*i)) {
         let (mass, force) = (masses.of(i), forces[i]);
         let (x, v) = (&mut positions[i], &mut velocities[i]);
-        let (start, kick) = (*x, h / mass * force);
-        heat += damp(walls, &planes, *x, v, mass, 0.5 * h);
-        let end = *x + h * *v;
-        let passes = |plane: &usize| walls.walls()[*plane].distance(end) <= 0.0;
+        let start = *x;
+        heat += damp(walls, &planes, start, v, mass, 0.5 * h);
+        let end = start + h * *v;
         if planes.along_parabolas {
             let random = walls.noise_of(i, step, is_later);
             let free = force / mass;
             heat += Parabola { walls, x, v, mass, free, h, random, heat: 0.0 }.fly()?;
-        } else if end.is_finite() && planes.on_the_way.iter().any(passes) {
+        } else if end.is_finite() && planes.on_the_way.iter().any(|p| p.distance(end) <= 0.0) {
             let flight = Flight {
                 cell,
                 positions: &mut positions[i..=i],
@@ -63,9 +62,12 @@ pub(super) fn fly(walls: &mut Walls, flight: Flight<'_>) -> Result<Drifted, Step
         } else {
             *x = end;
         }
-        let (x, v) = (&mut positions[i], &mut velocities[i]);
-        heat += end_one(walls, &planes, (start, x), v, kick, h, mass);
-        heat += damp(walls, &planes, *x, v, mass, 0.5 * h);
+        if !planes.at_end.is_empty() {
+            let kick = h / mass * force;
+            let now = (start, &mut positions[i]);
+            heat += end_one(walls, &planes, now, &mut velocities[i], kick, h, mass);
+        }
+        heat += damp(walls, &planes, positions[i], &mut velocities[i], mass, 0.5 * h);
     }
     Ok(Drifted::with_heat(heat))
 }

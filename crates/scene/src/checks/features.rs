@@ -205,14 +205,6 @@ pub(super) fn held_bonds(scene: &Scene) -> Vec<Part> {
     bonds(scene, |m| m.bonds.bonds() != Bonds::Springs && !is_of_spook(m))
 }
 
-pub(super) fn held_bonds_alone(scene: &Scene) -> Vec<Part> {
-    if scene.contact.is_some() { Vec::new() } else { held_bonds(scene) }
-}
-
-pub(super) fn held_bonds_in_contact(scene: &Scene) -> Vec<Part> {
-    if scene.contact.is_some() { held_bonds(scene) } else { Vec::new() }
-}
-
 pub(super) fn bonds_by_impulses(scene: &Scene) -> Vec<Part> {
     bonds(scene, |m| m.bonds.bonds() == Bonds::Impulses && !is_of_spook(m))
 }
@@ -477,10 +469,6 @@ pub(super) fn walls_in_drifts(scene: &Scene) -> Vec<Part> {
     walls(scene, |surface| {
         (surface.rule().is_some() || surface.dashpot().is_some()) && !solved(surface.rule())
     })
-}
-
-pub(super) fn walls_hit_on_lines(scene: &Scene) -> Vec<Part> {
-    walls(scene, |surface| surface.rule() == Some(HitRule::OnLines))
 }
 
 /// Walls that are hit elsewhere than on lines, or have a dashpot.
