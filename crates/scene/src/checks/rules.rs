@@ -48,18 +48,12 @@ const ROWS: &[Row] = rows! {
     random_start / molecules:
         "does not go with molecules"; "\"random\"";
         "\"lattice\", or \"file\" with a file"
-    walls_off_bonds / held_bonds_alone:
+    walls_off_bonds / held_bonds:
         "moves single sites, off their bonds"; "{a} with {b}";
         "\"billiard\"; or a \"thermal\" wall, or a wall that only exerts a force"
     walls_in_drifts / bonds_of_spook:
         "does not go with molecules"; "{a}, which acts in drifts, and {b}";
         "a wall that only exerts a force: \"lennard-jones-9-3\", \"lennard-jones-10-4\", \"wca\", or \"soft\" with restitution = 1; or \"hard\" with response = \"contact\" and [contact] kind = \"spook\""
-    walls_hit_on_lines / held_bonds_in_contact:
-        "does not go with molecules"; "{a}, which acts in drifts, beside [contact]";
-        "a wall that only exerts a force: \"lennard-jones-9-3\", \"lennard-jones-10-4\", \"wca\", or \"soft\" with restitution = 1; or no [contact]"
-    walls_off_lines / held_bonds_in_contact:
-        "does not go with molecules"; "{a}, which acts in drifts, and {b}";
-        "a wall that only exerts a force: \"lennard-jones-9-3\", \"lennard-jones-10-4\", \"wca\", or \"soft\" with restitution = 1; or \"hard\" without [contact]"
     barostats_in_steps / bonds_of_spook:
         "does not go with the bonds of SPOOK"; "{a}, whose step takes the place of the method that solves for them";
         "{fit}; or another way to hold bonds"

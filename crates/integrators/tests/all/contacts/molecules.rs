@@ -6,10 +6,11 @@ use lennard_core::{
     StepError, StepReport, System, Want, rigid,
 };
 use lennard_forcefield::{
-    Hard, SlitPlanes, Soft, SpringLaw, WallContext, WallOptions, WallPair, Walls,
+    ContactLaw, Hard, SlitPlanes, Soft, SpringLaw, WallContext, WallOptions, WallPair, Walls,
 };
-use lennard_integrators::Obstacles;
-use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build};
+use lennard_integrators::{
+    Bodies, BondHolder, BondOptions, Contacts, IntegratorOptions, Obstacles, Response, build,
+};
 
 use super::common::{cube, random_vectors};
 
@@ -50,6 +51,16 @@ struct Gas {
 impl Gas {
     /// Chains that do not see each other, in a closed box.
     fn new(options: &WallOptions, n: usize, sites: usize, h: f64) -> Self {
+        Self::touching(options, (n, sites), h, |_| None)
+    }
+
+    /// Chains whose sites are bodies with contacts.
+    fn touching(
+        options: &WallOptions,
+        (n, sites): (usize, usize),
+        h: f64,
+        contacts: impl Fn(&Molecules) -> Option<Contacts>,
+    ) -> Self {
         let molecules = Molecules::chains(sites, 0.8, Bonds::Rigid);
         let centers = random_vectors(n, "centers");
         let x: Vec<DVec3> = (0..n * sites)
@@ -65,7 +76,8 @@ impl Gas {
         let mut v = random_vectors(n * sites, "velocities");
         v.iter_mut().for_each(|v| *v *= 2.0);
         rigid::project_velocities(&system, &x, &mut v);
-        let walls = Obstacles::new(walls(options), None).holding(&system, solver(&molecules));
+        let walls = Obstacles::new(walls(options), contacts(&molecules));
+        let walls = walls.holding(&system, solver(&molecules));
         let mut gas = Self {
             system: system.pushed_along([true; 3]),
             state: State::new(cube(SIDE), x, v),
@@ -76,7 +88,7 @@ impl Gas {
             report: StepReport::default(),
         };
         let Self { system, state, forces, method, .. } = &mut gas;
-        method.start(system, state, forces, h, Want::NOTHING).unwrap();
+        method.start(system, state, forces, h, Want::ENERGY).unwrap();
         gas
     }
 
@@ -86,7 +98,7 @@ impl Gas {
 
     fn tried(&mut self) -> Result<(), StepError> {
         let Self { system, state, forces, method, h, heat, report } = self;
-        *report = method.step(system, state, forces, *h, Want::NOTHING)?;
+        *report = method.step(system, state, forces, *h, Want::ENERGY)?;
         *heat += report.heat;
         Ok(())
     }
@@ -128,6 +140,32 @@ fn rigid_dumbbells_keep_energy_and_bonds_over_300_hits() {
     assert!(hits > 300, "{hits}");
     // 20 τ at a speed of about 1.2: each centre hits a wall more than twice.
     assert!(gas.impulse() > 60.0 * 2.0, "{}", gas.impulse());
+}
+
+/// Contacts of soft bodies, held bonds and hits at planes in one flight: the energy of each step is off by h².
+#[test]
+fn soft_bodies_on_held_bonds_keep_their_energy_between_hard_walls() {
+    let worst = |h: f64| {
+        let mut gas = Gas::touching(&hard(1.0), (16, 2), h, |molecules| {
+            let law = ContactLaw::new(SpringLaw::Linear, 2000.0, 1.0);
+            let bodies = Bodies::alike(0.5, molecules.exclusions());
+            Some(Contacts::new(Response::Spring(law), bodies))
+        });
+        let energy =
+            |gas: &Gas| gas.energy() + gas.state.energetics.potential_energy.unwrap() - gas.heat;
+        let (before, mut worst, mut touched) = (energy(&gas), 0.0_f64, 0);
+        for _ in 0..(8.0 / h) as u32 {
+            gas.step();
+            worst = worst.max((energy(&gas) / before - 1.0).abs());
+            touched += u32::from(gas.state.energetics.potential_energy.unwrap() > 1e-3);
+        }
+        let hits: u64 = gas.forces.walls().iter().map(|wall| wall.hits).sum();
+        assert!(hits > 20 && touched > 100, "{hits} {touched}");
+        assert!(gas.residual() < 1e-13 && gas.outside() < 1e-12);
+        worst
+    };
+    let (coarse, fine) = (worst(0.002), worst(0.0005));
+    assert!(coarse < 2e-2 && fine < coarse / 4.0, "{coarse:e} {fine:e}");
 }
 
 #[test]
@@ -214,13 +252,13 @@ fn a_dumbbell_that_falls_flat_on_a_floor_bounces_and_rests_with_both_sites() {
         let mut state = State::new(cell, x, vec![DVec3::ZERO; 2]);
         let mut method = build(&IntegratorOptions::default()).with_bonds(solver(&molecules));
         let h = 0.01;
-        method.start(&system, &mut state, &mut forces, h, Want::NOTHING).unwrap();
+        method.start(&system, &mut state, &mut forces, h, Want::ENERGY).unwrap();
         let (mut heat, mut halfway) = (0.0, (0.0, 0.0));
         for step in 0..3000 {
             if step == 2000 {
                 halfway = (heat, forces.walls().iter().map(|w| w.impulse).sum::<f64>());
             }
-            let report = method.step(&system, &mut state, &mut forces, h, Want::NOTHING);
+            let report = method.step(&system, &mut state, &mut forces, h, Want::ENERGY);
             heat += report.unwrap().heat;
         }
         let energy: f64 = (0..2)
