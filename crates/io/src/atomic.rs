@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn json_ends_with_a_line_end_and_reads_back() {
+    fn json_ends_with_a_line_end_reads_back_and_leaves_nothing_beside() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.json");
         write_json_atomically(&path, &[1.5, f64::MIN_POSITIVE]).unwrap();
@@ -152,5 +152,6 @@ mod tests {
         assert!(text.ends_with("]\n"));
         let back: [f64; 2] = serde_json::from_str(&text).unwrap();
         assert_eq!(back, [1.5, f64::MIN_POSITIVE]);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

@@ -273,17 +273,6 @@ mod tests {
     }
 
     #[test]
-    fn a_content_error_names_file_line_found_and_allowed() {
-        let error = FormatError::Content {
-            file: "a.xyz".into(),
-            line: 7,
-            found: "`x`".into(),
-            allowed: "a finite number".into(),
-        };
-        assert_eq!(error.to_string(), "a.xyz:7: found `x`; allowed: a finite number");
-    }
-
-    #[test]
     fn a_full_disk_is_met_with_advice_to_free_space() {
         let error = WriteError::io(
             Path::new("t.xyz"),

@@ -5,7 +5,7 @@ use glam::DVec3;
 use lennard_core::{Array, StateArchive};
 use lennard_io::{
     Checkpoint, CheckpointFolder, CheckpointMetadata, CheckpointProblem, FileMark, read_checkpoint,
-    read_checkpoint_bytes, read_checkpoint_metadata, write_checkpoint,
+    read_checkpoint_bytes, write_checkpoint,
 };
 use proptest::prelude::*;
 use rand::RngExt;
@@ -107,30 +107,6 @@ fn a_flipped_bit_anywhere_is_noticed() {
     }
 }
 
-#[test]
-fn each_kind_of_damage_has_its_own_reason() {
-    let bytes = bytes_of(&checkpoint(12));
-    let reason = |bytes: &[u8]| read_checkpoint_bytes(bytes).unwrap_err().problem;
-    let changed = |at: usize, to: u8| {
-        let mut bytes = bytes.clone();
-        bytes[at] = to;
-        bytes
-    };
-    assert!(matches!(reason(b""), CheckpointProblem::NotACheckpoint));
-    assert!(matches!(reason(&changed(0, b'l')), CheckpointProblem::NotACheckpoint));
-    assert!(matches!(reason(&changed(8, 9)), CheckpointProblem::OtherVersion { found: 9 }));
-    assert!(matches!(reason(&changed(900, 0x55)), CheckpointProblem::Damaged));
-    for length in [8, 20, 24, 28, 1000, bytes.len() - 1] {
-        assert!(
-            matches!(reason(&bytes[..length]), CheckpointProblem::WrongLength { .. }),
-            "{length}"
-        );
-    }
-    let mut longer = bytes.clone();
-    longer.push(0);
-    assert!(matches!(reason(&longer), CheckpointProblem::WrongLength { .. }));
-}
-
 /// Puts length and checksum right again, as someone would who wants to be believed.
 fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes.truncate(bytes.len().saturating_sub(4));
@@ -201,33 +177,6 @@ fn the_last_two_are_kept_and_an_abandoned_future_is_not() {
 }
 
 #[test]
-fn a_damaged_newest_checkpoint_is_refused_and_the_whole_older_one_named() {
-    let root = tempfile::tempdir().unwrap();
-    let folder = CheckpointFolder::new(root.path());
-    for step in [5, 10] {
-        folder.write(&checkpoint(step)).unwrap();
-    }
-    let damage = |step| {
-        let mut bytes = std::fs::read(folder.path(step)).unwrap();
-        let middle = bytes.len() / 2;
-        bytes[middle] ^= 1;
-        std::fs::write(folder.path(step), bytes).unwrap();
-    };
-    damage(10);
-    let error = folder.load_newest().unwrap_err();
-    assert!(matches!(error.problem, CheckpointProblem::Damaged));
-    assert_eq!(error.older.as_deref(), Some(folder.path(5).as_path()));
-    let message = error.to_string();
-    assert!(message.contains("checkpoint-000000000010.lennard: it is damaged"), "{message}");
-    assert!(message.contains("the one before it is whole: "), "{message}");
-    assert_eq!(read_checkpoint_metadata(&folder.path(5)).unwrap().step, 5);
-    damage(5);
-    let error = folder.load_newest().unwrap_err();
-    assert_eq!(error.older, None, "a damaged one is not offered");
-    assert!(read_checkpoint(&folder.path(5)).is_err());
-}
-
-#[test]
 fn a_failed_write_leaves_the_older_checkpoints_untouched() {
     let root = tempfile::tempdir().unwrap();
     let folder = CheckpointFolder::new(root.path());
@@ -239,30 +188,4 @@ fn a_failed_write_leaves_the_older_checkpoints_untouched() {
     assert!(folder.write(&checkpoint(15)).is_err());
     assert_same(&read_checkpoint(&folder.path(5)).unwrap(), &checkpoint(5));
     assert_same(&read_checkpoint(&folder.path(10)).unwrap(), &checkpoint(10));
-}
-
-/// Not a check of speed: run with `--ignored --nocapture` to see it.
-#[test]
-#[ignore = "a measurement: writes about 120 MB"]
-#[allow(clippy::print_stdout)] // the figures are its purpose
-fn time_for_a_million_atoms() {
-    let n = 1_000_000;
-    let mut large = checkpoint(1);
-    for name in ["positions", "velocities", "forces", "list/reference", "msd/start"] {
-        let values = (0..n).map(|i| DVec3::splat(f64::from(i)).sqrt()).collect();
-        large.archive.arrays.insert(name.into(), Array::Vec3(values));
-    }
-    let root = tempfile::tempdir().unwrap();
-    let path = root.path().join("c");
-    for _ in 0..3 {
-        let start = std::time::Instant::now();
-        write_checkpoint(&path, &large).unwrap();
-        let written = start.elapsed();
-        let start = std::time::Instant::now();
-        let back = read_checkpoint(&path).unwrap();
-        let read = start.elapsed();
-        let megabytes = std::fs::metadata(&path).unwrap().len() / 1_000_000;
-        println!("{megabytes} MB: written and synced in {written:?}, read in {read:?}");
-        assert_same(&large, &back);
-    }
 }

@@ -44,10 +44,7 @@ fn units_are_taken_out_where_the_scene_names_them_and_refused_elsewhere() {
     for text in [&real, &metal, &header] {
         let message = read(text, None, None).unwrap_err();
         assert!(message.contains("found units `"), "{message}");
-        assert!(
-            message.contains("units lj (reduced units), or `start.length_scale`"),
-            "{message}"
-        );
+        assert!(message.contains("units lj (reduced units), or `start.length_scale`"), "{message}");
         let start = read(text, Some(2.0), Some(8.0)).unwrap();
         assert_eq!(start.cell.lengths(), DVec3::new(2.0, 2.5, 3.0));
         assert_eq!(start.positions[1], DVec3::new(1.0, 1.5, 2.0));

@@ -4,8 +4,7 @@ use lennard_core::{Average, Cell, Column, Estimate, Fronts, Remark, Table};
 use lennard_io::{
     AverageRecord, Comparison, Conservation, Host, NeighborRecord, PairRecord, Performance,
     RUN_SCHEMA, RunRecord, SpeciesRecord, StageSeconds, StatePoint, TableWriter, ThermostatRecord,
-    WriteError, read_run_record, read_run_record_bytes, read_table_csv, write_json_atomically,
-    write_table_csv,
+    read_run_record, read_run_record_bytes, read_table_csv, write_json_atomically, write_table_csv,
 };
 
 fn table() -> Table {
@@ -96,44 +95,6 @@ fn a_table_with_a_bad_row_is_refused_with_its_line() {
         assert_eq!(error.line(), Some(line), "{error}");
         assert!(error.to_string().contains(found), "{error}");
     }
-}
-
-#[test]
-fn a_resumed_table_is_byte_identical_to_one_that_was_never_stopped() {
-    let folder = tempfile::tempdir().unwrap();
-    let (whole, split) = (folder.path().join("a.csv"), folder.path().join("b.csv"));
-    let columns = [("step", ""), ("time", "τ")];
-    let row = |step: u64| [Cell::from(step), Cell::from(step as f64 * 0.1)];
-    let mut writer = TableWriter::create(&whole, &columns).unwrap();
-    for step in 0..9 {
-        writer.write(&row(step)).unwrap();
-    }
-    assert_eq!(writer.finish().unwrap().records, 9);
-
-    let mut writer = TableWriter::create(&split, &columns).unwrap();
-    let at_start = writer.mark();
-    assert_eq!(at_start.records, 0);
-    for step in 0..5 {
-        writer.write(&row(step)).unwrap();
-    }
-    let mark = writer.mark();
-    for step in 5..7 {
-        writer.write(&row(step)).unwrap();
-    }
-    drop(writer);
-    let mut writer = TableWriter::resume_at(&split, &columns, mark).unwrap();
-    for step in 5..9 {
-        writer.write(&row(step)).unwrap();
-    }
-    assert_eq!(writer.finish().unwrap().records, 9);
-    let text = std::fs::read_to_string(&whole).unwrap();
-    assert!(text.starts_with("step,time [τ]\n0,0.0\n1,0.1\n2,0.2\n3,0.30000000000000004\n"));
-    assert_eq!(text, std::fs::read_to_string(&split).unwrap());
-
-    let other = [("step", ""), ("time", "s")];
-    let error = TableWriter::resume_at(&split, &other, mark).unwrap_err();
-    assert!(matches!(error, WriteError::NotResumable { .. }));
-    assert_eq!(text, std::fs::read_to_string(&split).unwrap());
 }
 
 fn record() -> RunRecord {

@@ -4,8 +4,8 @@ use crate::common::{cell, system};
 use glam::DVec3;
 use lennard_core::{PeriodicBox, Species, SpeciesTable, State};
 use lennard_io::{
-    Beside, FileMark, Frame, FrameStyle, TrajectoryFormat, TrajectoryWriter, WriteError,
-    read_configuration, read_configuration_in, read_trajectory, whole_frames, write_frame,
+    Beside, Frame, FrameStyle, TrajectoryFormat, TrajectoryWriter, WriteError, read_configuration,
+    read_configuration_in, read_trajectory, whole_frames, write_frame,
 };
 use proptest::prelude::*;
 
@@ -149,37 +149,6 @@ proptest! {
 }
 
 #[test]
-fn a_resumed_trajectory_is_byte_identical_to_one_that_was_never_stopped() {
-    let folder = tempfile::tempdir().unwrap();
-    let (whole, split) = (folder.path().join("a.xyz"), folder.path().join("b.xyz"));
-    let states: Vec<State> = (0..6).map(|seed| system(30, 2.0, seed)).collect();
-    let mut writer = TrajectoryWriter::create(&whole, TrajectoryFormat::Xyz, &style()).unwrap();
-    for state in &states {
-        writer.write(&frame(state)).unwrap();
-    }
-    assert_eq!(writer.finish().unwrap().records, 6);
-
-    let mut writer = TrajectoryWriter::create(&split, TrajectoryFormat::Xyz, &style()).unwrap();
-    let mut mark = FileMark::default();
-    for (i, state) in states[..5].iter().enumerate() {
-        writer.write(&frame(state)).unwrap();
-        if i == 2 {
-            mark = writer.mark();
-        }
-    }
-    drop(writer);
-    let killed = std::fs::read(&split).unwrap();
-    std::fs::write(&split, &killed[..killed.len() - 17]).unwrap();
-    let mut writer =
-        TrajectoryWriter::resume_at(&split, TrajectoryFormat::Xyz, &style(), mark).unwrap();
-    for state in &states[3..] {
-        writer.write(&frame(state)).unwrap();
-    }
-    assert_eq!(writer.finish().unwrap().records, 6);
-    assert!(std::fs::read(&whole).unwrap() == std::fs::read(&split).unwrap());
-}
-
-#[test]
 fn whole_frames_are_told_from_a_truncated_one_wherever_it_is_cut() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.xyz");
@@ -305,29 +274,6 @@ fn what_readers_would_take_for_something_else_is_refused() {
     let empty = State::new(state.cell, vec![], vec![]);
     assert!(write_frame(&path, &style(), &self::frame(&empty)).is_err());
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
-}
-
-/// Not a check of speed: run with `--ignored --nocapture` to see it.
-#[test]
-#[ignore = "a measurement: writes about 250 MB"]
-#[allow(clippy::print_stdout)] // the figures are its purpose
-fn time_for_frames_of_a_million_atoms() {
-    let state = system(1_000_000, 2.0, 1);
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("t.xyz");
-    let mut writer = TrajectoryWriter::create(&path, TrajectoryFormat::Xyz, &style()).unwrap();
-    for _ in 0..2 {
-        let start = std::time::Instant::now();
-        writer.write(&frame(&state)).unwrap();
-        println!("written in {:?}", start.elapsed());
-    }
-    println!("{} MB a frame", writer.finish().unwrap().bytes / 2_000_000);
-    let start = std::time::Instant::now();
-    assert_eq!(whole_frames(&path).unwrap().records, 2);
-    println!("two frames counted in {:?}", start.elapsed());
-    let start = std::time::Instant::now();
-    assert_eq!(read_configuration(&path).unwrap().positions.len(), 1_000_000);
-    println!("last of two frames read in {:?}", start.elapsed());
 }
 
 #[test]
