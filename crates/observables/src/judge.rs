@@ -241,6 +241,13 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_value_is_met_up_to_its_tolerance() {
+        let by = |off: f64| judge(2.0 + off, Reference::value(2.0), Allowed::within(0.125));
+        assert_eq!([-0.125, 0.125].map(by), [Verdict::Agrees; 2]);
+        assert_eq!([-0.13, 0.13].map(by), [Verdict::Differs; 2]);
+    }
+
+    #[test]
     fn a_bound_is_met_beyond_it_alone_and_by_no_missing_number() {
         let any = |reference, measured| judge(measured, reference, Allowed::within(0.0));
         assert_eq!(any(Reference::above(1.0), 1.1), Verdict::Agrees);

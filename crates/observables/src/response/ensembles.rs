@@ -102,7 +102,12 @@ pub(super) fn base(setting: &Setting, context: &BuildContext, means: &[f64]) -> 
 }
 
 /// V² ∂²U/∂V² per particle under affine scaling, (X + 2W)/9; not a number where X is not known.
-fn second_volume_derivative(setting: &Setting, energy: f64, virial: f64, of_ends: f64) -> f64 {
+pub(super) fn second_volume_derivative(
+    setting: &Setting,
+    energy: f64,
+    virial: f64,
+    of_ends: f64,
+) -> f64 {
     let Some(curvature) = setting.curvature else {
         return f64::NAN;
     };

@@ -51,6 +51,16 @@ fn named(averages: &[Average], name: &str) -> lennard_core::Estimate {
     averages.iter().find(|a| a.name == name).unwrap().estimate
 }
 
+/// U ∝ V^(−n/3) for each term of Lennard-Jones, and W = n·U.
+#[test]
+fn the_second_derivative_by_the_volume_is_that_of_powers() {
+    let setting = setting(Ensemble::Canonical);
+    for n in [6.0, 12.0] {
+        let found = ensembles::second_volume_derivative(&setting, 1.0, n, 0.0);
+        assert!((found - n / 3.0 * (n / 3.0 + 1.0)).abs() < 1e-12, "{n}: {found}");
+    }
+}
+
 #[test]
 fn an_ideal_gas_at_constant_energy_has_its_textbook_values() {
     let t = 1.5;
