@@ -108,7 +108,12 @@ pub fn run(workspace: Workspace, name: &str) -> Option<ExitCode> {
     let results = in_turn(&workspace, tiers);
     let left_out = if name == "test" { LEFT_OUT } else { &["everything else (cargo xtask test)"] };
     println!("\n{}", summary(&results, left_out));
-    Some(ExitCode::from(u8::from(results.iter().any(|(_, passed, _)| !passed))))
+    Some(ExitCode::from(exit_code(&results)))
+}
+
+/// 0 where all tiers passed.
+fn exit_code(results: &[Outcome]) -> u8 {
+    u8::from(results.iter().any(|(_, passed, _)| !passed))
 }
 
 /// A tier with whether it passed, and its time.
@@ -217,6 +222,7 @@ mod tests {
         let results = in_turn(&workspace, &tiers);
         let passed: Vec<bool> = results.iter().map(|(_, passed, _)| *passed).collect();
         assert_eq!(passed, [false, true, false, false]);
+        assert_eq!([exit_code(&results), exit_code(&results[1..2])], [1, 0]);
         assert_eq!(fs::read_to_string(root.join("waits.log")).unwrap(), "a fault\n");
         let text = summary(&results, &["physics"]);
         assert!(text.contains("left out, physics"), "{text}");

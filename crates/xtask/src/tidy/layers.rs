@@ -84,10 +84,10 @@ mod tests {
     }
 
     #[test]
-    fn integrators_must_not_see_forces_and_nothing_may_look_upwards() {
+    fn no_crate_may_look_upwards_or_aside() {
         for (name, needed) in [
-            ("integrators", "forcefield"),
-            ("integrators", "neighbor"),
+            ("integrators", "observables"),
+            ("forcefield", "integrators"),
             ("core", "io"),
             ("engine", "studies"),
             ("scene", "engine"),
