@@ -287,28 +287,3 @@ impl Source {
         SceneError::new(&self.file, message).at(self.place(key).cloned()).key(key)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::Scene;
-
-    #[test]
-    fn a_key_of_an_override_is_told_as_it_was_typed() {
-        const TEXT: &str = "[system]\nn_atoms = 108\ndensity = 0.5\ntemperature = 1.0\n[integrator]\ndt = 0.004\n\
-            [[stage]]\nname = \"melt\"\nsteps = 10\n[[stage]]\nname = \"production\"\nsteps = 10\n[[observable]]\nkind = \"rdf\"\n";
-        for (key, value, told) in [
-            ("stage.production.thermostat", "\"andersen\"", "`stage.production.thermostat`"),
-            ("stage.1.thermostat", "\"andersen\"", "`stage.1.thermostat`"),
-            (
-                "stage.melt.thermostat",
-                "{ kind = \"bussi\", tau = -1 }",
-                "`stage.melt.thermostat.tau`",
-            ),
-            ("observable.rdf.every", "0", "`observable.rdf.every`"),
-        ] {
-            let overrides = [(key.to_owned(), value.to_owned())];
-            let error = Scene::parse(TEXT, "a.toml", &overrides).unwrap_err().to_string();
-            assert!(error.contains(told), "{told}: {error}");
-        }
-    }
-}

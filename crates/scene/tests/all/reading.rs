@@ -175,68 +175,6 @@ fn an_override_of_density_takes_the_place_of_a_box() {
 }
 
 #[test]
-fn errors_of_overrides_name_the_override() {
-    let cases = [
-        (
-            "system.n_atom",
-            "864",
-            "scene.toml, override `system.n_atom=864`: `system.n_atom` is not a known key",
-        ),
-        (
-            "system.temperature",
-            "-1",
-            "scene.toml, override `system.temperature=-1`: `system.temperature` is negative",
-        ),
-        (
-            "system.temperature",
-            "warm",
-            "scene.toml, override `system.temperature=warm`: `system.temperature` is a text",
-        ),
-        (
-            "stage.melt.steps",
-            "5",
-            "scene.toml, override `stage.melt.steps=5`: `stage.melt` names no such entry",
-        ),
-        (
-            "stage.7.steps",
-            "5",
-            "scene.toml, override `stage.7.steps=5`: `stage.7` names no such entry",
-        ),
-        (
-            "system..seed",
-            "5",
-            "scene.toml, override `system..seed=5`: `system..seed` has an empty part",
-        ),
-        (
-            "system.seed.low",
-            "5",
-            "scene.toml, override `system.seed.low=5`: `system.seed` is a table",
-        ),
-        (
-            "potential.kind",
-            "wca2",
-            "scene.toml, override `potential.kind=wca2`: `potential.kind` is not a known name",
-        ),
-        (
-            "stage.heat.thermostat",
-            "bussy",
-            "scene.toml, override `stage.heat.thermostat=bussy`: `stage.heat.thermostat` is not a known name",
-        ),
-        (
-            "truncation.r_cut",
-            "9",
-            "scene.toml, override `truncation.r_cut=9`: `truncation.r_cut` does not fit",
-        ),
-    ];
-    for (key, value, expected) in cases {
-        let error = with(&[(key, value)]).unwrap_err();
-        assert!(error.to_string().starts_with(expected), "{error}\nexpected: {expected}");
-        assert_eq!(error.line(), None);
-        assert!(error.overridden_by().is_some());
-    }
-}
-
-#[test]
 fn late_trouble_is_put_on_the_line_of_its_key() {
     let scene = parse(SMALL).unwrap();
     assert_eq!(scene.source.locate("system.density"), Some(3));
@@ -432,30 +370,6 @@ fn files_that_are_no_scenes_are_refused_with_their_name() {
     assert_eq!(parse(&huge).unwrap_err().message(), "is too large for a scene");
     let error = Scene::load(Path::new("/"), &[]).unwrap_err();
     assert_eq!(error.message(), "the scene file cannot be read");
-}
-
-#[test]
-fn an_integer_beyond_64_bits_is_called_so_wherever_it_is_written() {
-    const SCENE: &str = "[system]\nn_atoms = 108\ndensity = 0.8\ntemperature = 1.0\nseed = 1\n\
-                         [truncation]\nr_cut = 2.0\n[[stage]]\nname = \"a\"\nsteps = 1\n";
-    let digits = "99999999999999999999";
-    let found = format!("found:   {digits}, an integer beyond 64 bits");
-    let allowed = "allowed: whole numbers from −2^63 to 2^63 − 1";
-    let overridden = Scene::parse(SCENE, "t.toml", &[("system.seed".into(), digits.into())]);
-    let written =
-        Scene::parse(&SCENE.replace("seed = 1", &format!("seed = {digits}")), "t.toml", &[]);
-    for (refused, place) in [
-        (overridden, "override `system.seed=99999999999999999999`: `system.seed` "),
-        (written, "t.toml, line 5: "),
-    ] {
-        let message = refused.unwrap_err().to_string();
-        for words in [place, &found, allowed] {
-            assert!(message.contains(words), "wanted {words} in\n{message}");
-        }
-    }
-    // A bare word is a text still, and so are digits in quotes.
-    let named = [("name".to_owned(), "\"99999999999999999999\"".to_owned())];
-    assert_eq!(Scene::parse(SCENE, "t.toml", &named).unwrap().name, digits);
 }
 
 /// Proves that a method named beside the file takes the place of the file's, whose own keys go, and that shared keys stay.

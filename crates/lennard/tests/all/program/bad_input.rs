@@ -112,13 +112,22 @@ fn overrides_that_fit_nothing_name_the_override() {
         ("system.densty=0.8", "nearest: density"),
         ("truncation.r_cut=9", "r_cut"),
         ("stage.productoin.steps=5", "production"),
+        ("stage.melt.thermostat=andersen", "`stage.melt.thermostat` cannot be \"andersen\""),
+        ("stage.melt.thermostat.tau=-1", "`stage.melt.thermostat.tau`"),
+        ("observable.rdf.every=0", "`observable.rdf.every`"),
+        ("stage.7.steps=5", "`stage.7` names no such entry"),
+        ("system..seed=5", "`system..seed` has an empty part"),
+        ("system.seed.low=5", "`system.seed` holds a value, not a table"),
+        ("system.seed=99999999999999999999", "99999999999999999999, an integer beyond 64 bits"),
         ("integrator.kind=velocity-verlt", "nearest: velocity-verlet"),
     ] {
         let output = lennard(&["plan", "inputs/verlet-1967/triple-point.toml", "--set", set])
             .output()
             .unwrap();
         assert_eq!(output.status.code(), Some(2), "{set}: {}", stderr(&output));
-        assert!(stderr(&output).contains(wanted), "{set}: {}", stderr(&output));
+        for words in [&*format!("override `{set}`: "), wanted] {
+            assert!(stderr(&output).contains(words), "{set}: {}", stderr(&output));
+        }
     }
 }
 

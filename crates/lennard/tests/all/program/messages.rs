@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 
 use crate::program::common::{lennard, root, stderr, stdout};
 
@@ -99,32 +99,6 @@ fn a_sweep_says_why_it_cannot_begin_and_how_to_go_on() {
         }
     }
     refused(&within(path, &sweep), 2, &["its run.json cannot be read: ", allowed]);
-}
-
-#[cfg(unix)]
-#[test]
-fn a_sweep_that_is_stopped_says_how_to_go_on() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path();
-    fs::write(path.join("base.toml"), SCENE.replace("steps = 100", "steps = 1000000000")).unwrap();
-    fs::write(path.join("sweep.toml"), "base = \"base.toml\"\n[grid]\ndensity = 0.5\n").unwrap();
-    let child = lennard(&["sweep", "sweep.toml", "--out", "out", "--quiet"])
-        .current_dir(path)
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    while !fs::read_dir(path.join("out"))
-        .is_ok_and(|all| all.flatten().any(|e| e.path().join("run.json").exists()))
-    {
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
-    let id = child.id().to_string();
-    assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
-    let wanted = [
-        "stopped on request; what is finished is kept, and points at work have checkpoints",
-        "to go on: lennard sweep sweep.toml --out out",
-    ];
-    refused(&child.wait_with_output().unwrap(), 4, &wanted);
 }
 
 #[test]
