@@ -147,7 +147,8 @@ fn the_energy_fluctuation_falls_as_the_square_of_dt() {
 #[test]
 fn a_step_far_too_large_stops_the_run_and_says_why() {
     let mut s = build(&[("integrator.dt", "0.08")]);
-    let error = s.follow(&mut Unfollowed).expect_err("dt = 0.08 is far past the limit of stability");
+    let error =
+        s.follow(&mut Unfollowed).expect_err("dt = 0.08 is far past the limit of stability");
     assert_eq!(error.exit_code(), 3);
     let text = error.to_string();
     assert!(text.contains("dt = 0.08 τ is too large"), "{text}");

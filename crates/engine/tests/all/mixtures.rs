@@ -201,7 +201,9 @@ fn walls_that_are_hit_or_are_springs_take_particles_of_all_species() {
     .unwrap_or_else(|e| panic!("{e}"));
     let mut means = [0.0; 2];
     for sample in 1..=40 {
-        simulation.follow(&mut StopAt::new(20_000 + 500 * sample)).unwrap_or_else(|e| panic!("{e}"));
+        simulation
+            .follow(&mut StopAt::new(20_000 + 500 * sample))
+            .unwrap_or_else(|e| panic!("{e}"));
         let t = temperatures(&simulation.system, &simulation.state.velocities);
         means[0] += t[0] / 40.0;
         means[1] += t[1] / 40.0;
