@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+from . import _lennard
 from ._tables import Table, with_error
 
 if TYPE_CHECKING:
@@ -87,8 +88,8 @@ class Averages(Mapping[str, Mean]):
         try:
             return self._means[name]
         except KeyError:
-            names = ", ".join(self._means)
-            raise KeyError(f"nothing called `{name}` was measured; there are {names}") from None
+            known = _lennard.instead_of(name) or ", ".join(self._means)
+            raise KeyError(f"nothing called `{name}` was measured; there are {known}") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._means)

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _lennard
+
 if TYPE_CHECKING:
     import pandas
 
@@ -48,8 +50,8 @@ class Table(Mapping[str, "Floats"]):
         for column in self.columns:
             if column.name == name:
                 return column
-        names = ", ".join(column.name for column in self.columns)
-        raise KeyError(f"the table `{self.name}` has no column `{name}`; it has {names}")
+        known = _lennard.instead_of(name) or ", ".join(column.name for column in self.columns)
+        raise KeyError(f"the table `{self.name}` has no column `{name}`; it has {known}")
 
     def __getitem__(self, name: str) -> Floats:
         values = self.column(name).values

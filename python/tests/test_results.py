@@ -28,6 +28,8 @@ def test_means_have_errors_and_units(run):
     assert "pressure" in repr(run) and "ε/σ³" in run._repr_html_()
     with pytest.raises(KeyError, match="nothing called `presure` was measured; there are"):
         run.averages["presure"]
+    with pytest.raises(KeyError, match="there are `shear_viscosity`, the Green–Kubo integral"):
+        run.averages["shear_viscosity_einstein_helfand"]
     frame = run.averages.to_pandas()
     assert frame.loc["pressure", "value"] == pressure.value
 

@@ -10,22 +10,21 @@ use lennard_integrators::BondHolder;
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
 use lennard_observables::{ChangingBox, Confined, ObservableOptions, Thermodynamics};
-use lennard_scene::{ObservableTable, Scene, Stage, Start};
+use lennard_scene::{Arrangement, ObservableTable, Scene, Stage};
 
 use crate::baths::{ensemble, held_temperature, measured_baths, measured_pressure};
-use crate::beginning::{Beginning, begin_in_memory, begin_with_remarks};
 use crate::confinement::Confinement;
 use crate::curvature::{curvature, pair_ends};
 use crate::error::misfit;
 use crate::force_check::ForceCheck;
-use crate::initial;
 use crate::own::OwnParts;
 use crate::planar_tail::PlanarTail;
 use crate::reach::remark_on_reach;
 use crate::recording::Recording;
+use crate::remarks_on_bonds::{remark_on_damping, remark_on_springs};
 use crate::schedule::Observer;
 use crate::simulation::Simulation;
-use crate::starting_molecules::{remark_on_damping, remark_on_springs};
+use crate::start::{Start, make_suit, start_with, thermal_velocities};
 use crate::timers::Timers;
 use crate::{EngineError, compare, exchange, pressure, room};
 
@@ -94,76 +93,64 @@ pub fn prepare_with(
     start: Option<StartConfiguration>,
     own: OwnParts,
 ) -> Result<Simulation, EngineError> {
-    let (beginning, remarks) = match start {
-        Some(start) => begin_in_memory(&scene, start)?,
-        None => begin_with_remarks(&scene)?,
-    };
-    let mut simulation = prepare_own_from(scene, beginning, own)?;
-    simulation.remarks.splice(0..0, remarks);
-    Ok(simulation)
+    let start = start_with(&scene, start)?;
+    prepare_own_from(scene, start, own)
 }
 
 /// Builds the simulation around particles that have their places, whatever start the scene names.
 ///
 /// # Errors
 /// As [`prepare`].
-pub fn prepare_from(scene: Scene, beginning: Beginning) -> Result<Simulation, EngineError> {
-    prepare_own_from(scene, beginning, OwnParts::none())
+pub fn prepare_from(scene: Scene, start: Start) -> Result<Simulation, EngineError> {
+    prepare_own_from(scene, start, OwnParts::none())
 }
 
 /// As [`prepare_from`], with parts of a program.
 pub(crate) fn prepare_own_from(
     scene: Scene,
-    mut beginning: Beginning,
+    start: Start,
     own: OwnParts,
 ) -> Result<Simulation, EngineError> {
     let scene = own.enter(scene)?;
-    let n = beginning.positions.len();
-    let cell = beginning.cell;
-    let (options, provider) = forces(&scene, cell, &beginning.species)?;
-    let mut remarks = pressure::foresee(&scene, &cell, n, provider.plan().skin)?;
+    let Start { cell, mut positions, velocities, species, relax: moves_apart, mut remarks } = start;
+    let (options, provider) = forces(&scene, cell, &species)?;
+    remarks.extend(pressure::foresee(&scene, &cell, positions.len(), provider.plan().skin)?);
     remarks.extend(provider.plan().remark.clone());
     remarks.extend(remark_on_springs(&scene));
     remarks.extend(remark_on_damping(&scene));
     remarks.extend(scene.potential.remark_at(hottest(&scene)));
-    remarks.extend(remark_on_reach(
-        &scene,
-        hottest(&scene),
-        &cell,
-        &beginning.species,
-        &beginning.positions,
-    ));
+    remarks.extend(remark_on_reach(&scene, hottest(&scene), &cell, &species, &positions));
     if !scene.program.is_empty() {
         let parts = scene.program.in_words();
         remarks.push(format!(
             "the program of this run brought {parts}; its scene file alone is another run"
         ));
     }
-    if beginning.relax {
-        relax(&scene, cell, &beginning.species, &mut beginning.positions)?;
+    if moves_apart {
+        relax(&scene, cell, &species, &mut positions)?;
     }
-    let mixture = scene.mixture_of(&beginning.species);
-    let (system, confinement) = Confinement::with_system(&scene, &cell, beginning.species);
+    let mixture = scene.mixture_of(&species);
+    let (system, confinement) = Confinement::with_system(&scene, &cell, species);
     let system = confinement.pushes(system, own.pushed());
     let streams = Streams::new(scene.system.seed);
-    let velocities = match beginning.velocities {
+    let velocities = match velocities {
         Some(mut given) => {
-            initial::make_suit(&system, &beginning.positions, &mut given);
+            make_suit(&system, &positions, &mut given);
             given
         }
         None => {
             let temperature = scene.system.temperature;
-            if let Start::File { path, .. } = &scene.system.start {
+            if let Arrangement::File { path, .. } = &scene.system.start {
                 remarks.push(format!(
                     "{} has no velocities: they are drawn at T = {temperature} with seed {}",
                     path.display(),
                     scene.system.seed
                 ));
             }
-            initial::thermal_velocities(&system, &beginning.positions, temperature, streams)
+            thermal_velocities(&system, &positions, temperature, streams)
         }
     };
-    own.check_forces(&scene, &cell, &beginning.positions, &velocities)?;
+    own.check_forces(&scene, &cell, &positions, &velocities)?;
     let observers = observers(&scene, cell, system.species(), &own)?;
     let isa = provider.plan().isa.to_string();
     let list = planned_list(&scene, provider.plan());
@@ -171,7 +158,7 @@ pub(crate) fn prepare_own_from(
         AllPairs::new(&options, mixture.as_ref()).map_err(|e| misfit(&scene.source, &e))?;
     let forces = with_others(&scene, confinement.beside(provider), &own);
     let simulation = Simulation {
-        state: State::new(cell, beginning.positions, velocities),
+        state: State::new(cell, positions, velocities),
         scene,
         system,
         start_cell: cell,

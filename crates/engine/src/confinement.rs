@@ -1,13 +1,10 @@
-//! Walls and fields of a scene: force terms beside the pairs, and what must hold of the start.
+//! Walls and fields of a scene: force terms beside the pairs.
 
-use lennard_core::{
-    DVec3, ForceProperties, ForceSum, ForceTerm, PeriodicBox, SpeciesTable, System,
-};
+use lennard_core::{ForceProperties, ForceSum, ForceTerm, PeriodicBox, SpeciesTable, System};
 use lennard_forcefield::{ConstantField, PairForces, Walls};
 use lennard_integrators::{BondHolder, BondOptions, Contacts, Obstacles};
 use lennard_scene::Scene;
 
-use crate::EngineError;
 use crate::planar_tail::PlanarTail;
 
 /// The forces beside pair forces: walls and field on single particles, contacts of bodies, and the tail across flat surfaces.
@@ -96,42 +93,4 @@ fn with_bonds(contacts: Contacts, scene: &Scene, system: &System) -> Contacts {
         Some(BondHolder::Spook(bonds, _)) => contacts.with_bonds(bonds, system.clone()),
         _ => contacts,
     }
-}
-
-/// Puts positions of a file into the box along walled axes, and refuses those outside the walls.
-///
-/// # Errors
-/// [`EngineError::Scene`] with the number of particles outside and the first of them.
-pub(crate) fn place_between_walls(
-    scene: &Scene,
-    cell: &PeriodicBox,
-    positions: &mut [DVec3],
-) -> Result<(), EngineError> {
-    for (i, slit) in scene.slits(cell).into_iter().enumerate() {
-        for r in &mut *positions {
-            r[slit.axis] = cell.wrap(*r)[slit.axis];
-        }
-        let is_outside = |r: &DVec3| !(slit.lower..=slit.upper).contains(&r[slit.axis]);
-        let outside = positions.iter().filter(|r| is_outside(r)).count();
-        let Some(first) = positions.iter().position(is_outside) else {
-            continue;
-        };
-        let axis = scene.walls[i].axis.name();
-        return Err(scene
-            .source
-            .invalid(
-                &format!("wall.{i}.thickness"),
-                format!(
-                    "{outside} particles outside the walls across {axis}, the first is particle {} at {:.4} σ (counted from 1)",
-                    first + 1,
-                    positions[first][slit.axis]
-                ),
-                format!(
-                    "positions from {:.4} to {:.4} σ: half the thickness from the ends of the box",
-                    slit.lower, slit.upper
-                ),
-            )
-            .into());
-    }
-    Ok(())
 }

@@ -9,7 +9,8 @@ use serde::Serialize;
 use crate::confinement::Confinement;
 use crate::own::OwnParts;
 use crate::planar_tail::PlanarTail;
-use crate::{EngineError, build, initial};
+use crate::start::{self, Start};
+use crate::{EngineError, build};
 
 /// Where the kinetic part of the pressure comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -72,20 +73,19 @@ pub struct Evaluated {
 /// [`EngineError`] for everything that is wrong with the scene.
 pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     let scene = &OwnParts::none().enter(scene.clone())?;
-    let (beginning, mut remarks) = crate::beginning::begin_with_remarks(scene)?;
-    let n = beginning.positions.len();
-    let cell = beginning.cell;
-    let (options, provider) = build::forces(scene, cell, &beginning.species)?;
+    let Start { cell, positions, velocities, species, mut remarks, .. } = start::start(scene)?;
+    let n = positions.len();
+    let (options, provider) = build::forces(scene, cell, &species)?;
     remarks.extend(provider.plan().remark.clone());
-    let has_velocities = beginning.velocities.is_some();
-    let mixture = scene.mixture_of(&beginning.species);
-    let (system, confinement) = Confinement::with_system(scene, &cell, beginning.species);
+    let has_velocities = velocities.is_some();
+    let mixture = scene.mixture_of(&species);
+    let (system, confinement) = Confinement::with_system(scene, &cell, species);
     let planar_tail = PlanarTail::of(scene, &cell);
     let mut forces = build::with_springs(scene, confinement.beside(provider));
-    let mut velocities = beginning.velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
+    let mut velocities = velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
     // The velocities that a run starts with.
-    initial::make_suit(&system, &beginning.positions, &mut velocities);
-    let mut state = State::new(cell, beginning.positions, velocities);
+    start::make_suit(&system, &positions, &mut velocities);
+    let mut state = State::new(cell, positions, velocities);
     let at = Configuration::at_rest(&cell, &state.positions);
     let energetics =
         forces.evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut state.forces).map_err(

@@ -2,7 +2,6 @@
 
 mod bare;
 mod baths;
-mod beginning;
 mod build;
 mod checkpointing;
 mod close_pairs;
@@ -20,17 +19,14 @@ mod findings;
 mod follower;
 mod force_check;
 mod foresight;
-mod from_memory;
 mod front;
 mod frozen;
 mod growth;
 mod in_memory;
-pub mod initial;
 mod instant;
 mod main_loop;
 mod moment;
 mod names;
-mod overlaps;
 mod own;
 mod own_in_stages;
 mod plan;
@@ -41,6 +37,7 @@ mod ranks_error;
 mod reach;
 mod record;
 mod recording;
+mod remarks_on_bonds;
 mod resume;
 mod room;
 mod run;
@@ -49,11 +46,8 @@ mod schedule;
 mod separated;
 mod session;
 mod simulation;
-mod species;
 mod stage;
-mod starting_crystal;
-mod starting_molecules;
-mod starting_slab;
+mod start;
 mod structure_tail;
 mod threads;
 mod timers;
@@ -63,7 +57,6 @@ pub mod watchdog;
 
 pub use bare::{ENDLESS, bare, measured_stage, take};
 pub use baths::held_temperature;
-pub use beginning::{Beginning, begin, size_and_density};
 pub use build::{conditions, forces, prepare, prepare_from, prepare_with, recommended_threads};
 pub use checkpointing::{Past, capture, snapshot};
 pub use companion::run_beside;
@@ -75,10 +68,8 @@ pub use failure::{PhysicsFailure, Symptom};
 pub use files::{Marks, RunFiles};
 pub use follower::{Control, Ending, Follower, Progress, StopAt, Unfollowed};
 pub use force_check::{ForceCheck, Seen};
-pub use from_memory::{start_from_arrays, write_start};
 pub use growth::{Addition, text_to_run};
 pub use moment::Moment;
-pub use overlaps::SMALLEST_START_DISTANCE;
 pub use own::OwnParts;
 pub use plan::{
     Network, Nodes, NodesError, OnNodes, PATIENCE, Plan, PlanItem, plan, watching_seconds,
@@ -90,5 +81,8 @@ pub use room::NoRoom;
 pub use run::{Outcome, go_on, run};
 pub use schedule::{Action, Observer, Operation, SET_ASIDE_EVERY, Schedule, Trigger};
 pub use simulation::{Simulation, StageRun};
+pub use start::{
+    SMALLEST_START_DISTANCE, Start, size_and_density, start, start_from_arrays, write_start,
+};
 pub use threads::Threads;
 pub use timers::Timers;

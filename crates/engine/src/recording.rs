@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use lennard_core::{DVec3, Table};
 use lennard_io::{AverageRecord, RunRecord};
+use lennard_scene::{RemovedKind, removed};
 
 use crate::error::EngineError;
 
@@ -74,10 +75,9 @@ fn missing<'a>(
     known: impl Iterator<Item = &'a str>,
 ) -> EngineError {
     let known: Vec<&str> = known.collect();
-    EngineError::NoSuchResult {
-        kind,
-        name: name.to_owned(),
-        nearest: lennard_scene::nearest(name, known.iter().copied()),
-        known: known.join(", "),
-    }
+    let (nearest, known) = match removed(RemovedKind::Column, name) {
+        Some(instead) => (None, instead.to_owned()),
+        None => (lennard_scene::nearest(name, known.iter().copied()), known.join(", ")),
+    };
+    EngineError::NoSuchResult { kind, name: name.to_owned(), known, nearest }
 }

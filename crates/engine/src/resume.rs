@@ -9,13 +9,13 @@ use lennard_io::{
 };
 use lennard_scene::Scene;
 
-use crate::beginning::Beginning;
 use crate::build;
 use crate::checkpointing::{self, Past};
 use crate::error::{ResumeError, again};
 use crate::files::Marks;
 use crate::names::{SCENE, THERMO};
 use crate::own::OwnParts;
+use crate::start::Start;
 use crate::{EngineError, Simulation};
 
 /// What may be different from the run as it was.
@@ -330,14 +330,9 @@ impl Saved<'_> {
         }
         let species = checkpointing::saved_species(&checkpoint.archive, &scene, n)
             .map_err(|e| misfit(e.to_string()))?;
-        let beginning = Beginning {
-            cell,
-            positions: vec![DVec3::ZERO; n],
-            velocities: Some(vec![DVec3::ZERO; n]),
-            species,
-            relax: false,
-        };
-        build::prepare_own_from(scene, beginning, own.clone())
+        let nowhere = vec![DVec3::ZERO; n];
+        let start = Start::at(cell, nowhere.clone(), nowhere, species);
+        build::prepare_own_from(scene, start, own.clone())
     }
 }
 

@@ -9,7 +9,7 @@ use lennard_scene::Scene;
 
 use crate::checkpointing::snapshot;
 use crate::follower::{Control, Ending, Progress};
-use crate::from_memory::start_from_arrays;
+use crate::start::start_from_arrays;
 use crate::growth::Addition;
 use crate::own::OwnParts;
 use crate::resume::restored_with;

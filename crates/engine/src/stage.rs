@@ -4,7 +4,7 @@ use lennard_core::{Integrator, Momentum, PressureBath, Want};
 use lennard_integrators::BondHolder;
 
 use crate::simulation::StageRun;
-use crate::{EngineError, Simulation, baths, initial, pressure};
+use crate::{EngineError, Simulation, baths, pressure, start};
 
 impl Simulation {
     /// Moves on to the next stage where the current one is done; `false` at the end of the scene.
@@ -26,7 +26,7 @@ impl Simulation {
         self.stage = Some(stage);
         if keeps_momentum && was_noisy {
             // A Langevin stage leaves the fluid drifting; n_dof = 3N − 3 assumes that it does not.
-            initial::remove_drift(&self.system, &mut self.state.velocities);
+            start::remove_drift(&self.system, &mut self.state.velocities);
         }
         self.restart_method(Want::ENERGY)?;
         let energy = self.conserved_energy_per_particle();

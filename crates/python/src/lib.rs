@@ -32,13 +32,19 @@ mod _lennard {
     #[pymodule_export]
     use crate::view::View;
     #[pymodule_export]
-    use crate::{command, version};
+    use crate::{command, instead_of, version};
 }
 
 /// Runs the command line with these arguments, the name of the program first, and returns the exit code.
 #[pyfunction]
 fn command(py: Python<'_>, arguments: Vec<std::ffi::OsString>) -> u8 {
     py.detach(|| lennard::program::main(arguments))
+}
+
+/// The new way of a mean or a column that was removed; `None` for any other name.
+#[pyfunction]
+fn instead_of(column: &str) -> Option<&'static str> {
+    lennard_scene::removed(lennard_scene::RemovedKind::Column, column)
 }
 
 /// The version of the program.

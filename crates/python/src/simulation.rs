@@ -7,7 +7,7 @@ use lennard_engine::{
     Addition, OwnParts, Results, Simulation, Threads, prepare_with, restored, text_to_run,
 };
 use lennard_io::{Existing, WriteError};
-use lennard_scene::{Scene, Start, shipped};
+use lennard_scene::{Arrangement, Scene, shipped};
 use numpy::PyArray2;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -144,7 +144,7 @@ impl Core {
             return Ok(());
         };
         let written = inner.on_threads(py, move |simulation| {
-            let Start::File { path, .. } = &simulation.scene.system.start else {
+            let Arrangement::File { path, .. } = &simulation.scene.system.start else {
                 return Ok(Ok(()));
             };
             Ok(lennard_engine::write_start(&folder.join(path), simulation, &start))

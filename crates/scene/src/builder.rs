@@ -161,7 +161,7 @@ mod tests {
             .set("truncation.r_cut", 2.5);
         let scene = opened.build().unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(scene.name, "liquid");
-        assert!(matches!(scene.system.start, crate::Start::Lattice { n_atoms: 256, .. }));
+        assert!(matches!(scene.system.start, crate::Arrangement::Lattice { n_atoms: 256, .. }));
     }
 
     #[test]

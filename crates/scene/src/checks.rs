@@ -9,7 +9,7 @@ use lennard_integrators::Response;
 use lennard_integrators::{spook, thermostats};
 use lennard_io::Limits;
 
-use crate::{MoleculeKind, PressureControl, Scene, SceneError, Stage, Start};
+use crate::{Arrangement, MoleculeKind, PressureControl, Scene, SceneError, Stage};
 
 mod features;
 mod rules;
@@ -151,7 +151,7 @@ fn bodies(scene: &Scene) -> Result<(), SceneError> {
         scene.held_are_among(n)?;
     }
     let sites = scene.molecules().sites();
-    if let Start::Listed { positions, .. } = &scene.system.start
+    if let Arrangement::Listed { positions, .. } = &scene.system.start
         && !positions.len().is_multiple_of(sites)
     {
         return Err(scene
@@ -180,15 +180,13 @@ fn molecules(scene: &Scene) -> Result<(), SceneError> {
             .allowed(format!("below truncation.r_cut = {r_cut}")));
     }
     let by_shape = molecule.options.kind == MoleculeKind::Sites;
-    let on_lattice = matches!(scene.system.start, Start::Lattice { .. });
+    let on_lattice = matches!(scene.system.start, Arrangement::Lattice { .. });
     if by_shape && on_lattice && molecule.options.shape.is_none() {
         return Err(scene
             .source
             .refuse("molecule.shape", "is missing")
             .found("nothing, and a start on a lattice")
-            .allowed(
-                "the places of the sites of one molecule, or `start.file` with a file",
-            ));
+            .allowed("the places of the sites of one molecule, or `start.file` with a file"));
     }
     molecule.bonds.check_for(&molecule.topology).map_err(|e| {
         let refused = scene.source.refuse(&format!("bonds.{}", e.key), "is not allowed");

@@ -42,5 +42,5 @@ pub use tables::molecule::{Molecule, MoleculeKind, MoleculeOptions};
 pub use tables::output::{Checkpoint, Output, ProgramParts};
 pub use tables::species::{Amount, MixtureTables, PairEntry, SpeciesEntry};
 pub use tables::stages::{DEFAULT_SPLIT, IntegratorTable, ObservableTable, PressureControl, Stage};
-pub use tables::start::{Geometry, HalfCrystal, Lattice, Placement, Slab, Start, System};
+pub use tables::start::{Arrangement, Geometry, HalfCrystal, Lattice, Placement, Slab, System};
 pub use tables::walls::{ContactTable, WallTable};

@@ -19,7 +19,8 @@ use crate::tables::start::{
 };
 use crate::tables::walls::{ContactKeys, FieldKeys, WallKeys};
 use crate::{
-    Accuracy, Geometry, MixtureTables, MoleculeOptions, Output, ProgramParts, Scene, Start, System,
+    Accuracy, Arrangement, Geometry, MixtureTables, MoleculeOptions, Output, ProgramParts, Scene,
+    System,
 };
 
 /// A table as it is written: the method, then the keys that all methods share.
@@ -210,11 +211,11 @@ impl From<&Scene> for SystemKeys {
             ..Self::default()
         };
         let (n, geometry) = match start {
-            Start::Lattice { n_atoms, geometry, .. } => (Some(*n_atoms), Some(*geometry)),
-            Start::Slab(slab) => (Some(slab.n_atoms), None),
-            Start::HalfCrystal(start) => (Some(start.n_atoms), None),
-            Start::Listed { sides, .. } => (None, Some(Geometry::Box(*sides))),
-            Start::File { geometry, .. } => (None, *geometry),
+            Arrangement::Lattice { n_atoms, geometry, .. } => (Some(*n_atoms), Some(*geometry)),
+            Arrangement::Slab(slab) => (Some(slab.n_atoms), None),
+            Arrangement::HalfCrystal(start) => (Some(start.n_atoms), None),
+            Arrangement::Listed { sides, .. } => (None, Some(Geometry::Box(*sides))),
+            Arrangement::File { geometry, .. } => (None, *geometry),
         };
         match &scene.molecule {
             None => keys.n_atoms = n,
@@ -229,25 +230,25 @@ impl From<&Scene> for SystemKeys {
     }
 }
 
-impl From<&Start> for StartKeys {
-    fn from(start: &Start) -> Self {
+impl From<&Arrangement> for StartKeys {
+    fn from(start: &Arrangement) -> Self {
         match start {
-            Start::Lattice { lattice: Some(lattice), vacuum, .. } => {
+            Arrangement::Lattice { lattice: Some(lattice), vacuum, .. } => {
                 Self::Lattice(LatticeKeys { lattice: *lattice, vacuum: *vacuum })
             }
-            Start::Lattice { lattice: None, vacuum, .. } => {
+            Arrangement::Lattice { lattice: None, vacuum, .. } => {
                 Self::Random(RandomKeys { vacuum: *vacuum })
             }
-            Start::Slab(slab) => Self::Slab(slab.into()),
-            Start::HalfCrystal(start) => Self::HalfCrystal(start.into()),
-            Start::Listed { positions, velocities, .. } => {
+            Arrangement::Slab(slab) => Self::Slab(slab.into()),
+            Arrangement::HalfCrystal(start) => Self::HalfCrystal(start.into()),
+            Arrangement::Listed { positions, velocities, .. } => {
                 let in_rows = |all: &Vec<DVec3>| all.iter().map(DVec3::to_array).collect();
                 Self::Positions(PositionKeys {
                     positions: Some(in_rows(positions)),
                     velocities: velocities.as_ref().map(in_rows),
                 })
             }
-            Start::File { path, units, .. } => Self::File(FileKeys {
+            Arrangement::File { path, units, .. } => Self::File(FileKeys {
                 file: Some(path.to_string_lossy().into_owned()),
                 length_scale: units.length,
                 time_scale: units.time,

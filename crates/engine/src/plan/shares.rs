@@ -14,7 +14,6 @@ use lennard_io::{Frame, Sink, TrajectoryWriter};
 use lennard_scene::Stage;
 
 use crate::bare::bare;
-use crate::beginning::Beginning;
 use crate::build::prepare_from;
 use crate::failure::LARGEST_MOVE;
 use crate::files::{header, style};
@@ -23,6 +22,7 @@ use crate::planar_tail::PlanarTail;
 use crate::run::{aside, set_aside};
 use crate::schedule::{Action, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
+use crate::start::Start;
 use crate::{EngineError, SET_ASIDE_EVERY, watchdog};
 
 use self::first_steps::FirstSteps;
@@ -240,14 +240,10 @@ pub fn watching_seconds(simulation: &Simulation) -> f64 {
 
 /// The same particles with everything off.
 fn with_everything_off(simulation: &Simulation) -> Result<Simulation, EngineError> {
-    let beginning = Beginning {
-        cell: simulation.state.cell,
-        positions: simulation.state.positions.clone(),
-        velocities: Some(simulation.state.velocities.clone()),
-        species: simulation.system.species().clone(),
-        relax: false,
-    };
-    prepare_from(bare(&simulation.scene), beginning)
+    let lennard_core::State { cell, positions, velocities, .. } = &simulation.state;
+    let species = simulation.system.species().clone();
+    let start = Start::at(*cell, positions.clone(), velocities.clone(), species);
+    prepare_from(bare(&simulation.scene), start)
 }
 
 /// Takes some steps as the scene does, several in one go where nothing observes them: their memory is then there.

@@ -127,7 +127,7 @@ fn a_start_from_memory_needs_a_scene_that_names_a_configuration() {
     let error =
         prepare_with(lattice, Some(start.clone()), OwnParts::none()).err().map(|e| e.to_string());
     let message = error.unwrap_or_default();
-    assert!(message.contains("positions beside a start that the scene makes"), "{message}");
+    assert!(message.contains("positions beside a start that the scene has"), "{message}");
     assert!(message.contains("allowed: \"file\""), "{message}");
     let text = format!(
         "[start]\nkind = \"file\"\nfile = \"start.xyz\"\n[system]\ntemperature = 1.0\n[truncation]\nr_cut = 2.5\n{MEASURE}"

@@ -3,7 +3,7 @@
 use lennard_core::{DVec3, Want};
 use lennard_engine::{
     Action, EngineError, Follower, Operation, Schedule, Simulation, StopAt, Trigger, Unfollowed,
-    begin, prepare_from,
+    prepare_from, start,
 };
 use std::ops::ControlFlow;
 
@@ -303,7 +303,7 @@ fn particles_nearly_on_top_of_each_other_are_relaxed_in_any_precision() {
         for apart in [3e-3, 1e-5] {
             let scene =
                 common::scene(LIQUID, &[("start.kind", "random"), ("kernel.precision", precision)]);
-            let mut beginning = begin(&scene).unwrap_or_else(|e| panic!("{e}"));
+            let mut beginning = start(&scene).unwrap_or_else(|e| panic!("{e}"));
             beginning.positions[1] = beginning.positions[0] + DVec3::new(0.0, apart, 0.0);
             let simulation = prepare_from(scene, beginning)
                 .unwrap_or_else(|e| panic!("{precision}, {apart} σ: {e}"));

@@ -2,7 +2,7 @@
 
 use lennard_core::{Configuration, DVec3, ForceTerm, Part, System, Want};
 use lennard_engine::{
-    EngineError, Simulation, StopAt, Unfollowed, begin, evaluate_energy, prepare,
+    EngineError, Simulation, StopAt, Unfollowed, evaluate_energy, prepare, start,
 };
 use lennard_io::{Frame, FrameStyle};
 use lennard_scene::Scene;
@@ -74,7 +74,7 @@ fn species_alike_in_all_but_name_have_the_bits_of_one() {
 fn species_are_mixed_at_random_by_the_seed() {
     let species = |seed: &str| {
         let scene = scene(&[("system.n_atoms", "864"), ("system.seed", seed)]);
-        begin(&scene).unwrap_or_else(|e| panic!("{e}")).species
+        start(&scene).unwrap_or_else(|e| panic!("{e}")).species
     };
     let (one, other) = (species("1"), species("2"));
     assert_eq!(one.counts(), [605, 259]);
@@ -90,11 +90,10 @@ fn species_are_mixed_at_random_by_the_seed() {
 #[test]
 fn a_lattice_too_dense_for_the_larger_species_is_relaxed() {
     let dense = [("species.B.sigma", "1.6"), ("system.density", "0.7"), ("system.n_atoms", "256")];
-    let start = begin(&scene(&dense)).unwrap_or_else(|e| panic!("{e}"));
-    assert!(start.relax);
+    assert!(start(&scene(&dense)).unwrap_or_else(|e| panic!("{e}")).relax);
     let simulation = ran(scene(&[&dense[..], &[("stage.0.steps", "50")]].concat()));
     assert!(simulation.state.positions.iter().all(|r| r.is_finite()));
-    assert!(!begin(&scene(&[])).unwrap_or_else(|e| panic!("{e}")).relax);
+    assert!(!start(&scene(&[])).unwrap_or_else(|e| panic!("{e}")).relax);
 }
 
 /// 2K_a/(3N_a) of each species.

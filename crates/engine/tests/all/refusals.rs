@@ -6,7 +6,7 @@ use lennard_forcefield::{
     Conditions, ForceFieldError as Refused, ForceFieldOptions, Isa, PotentialOptions, SoftSphere,
     SplitOptions, TruncationKind, TruncationOptions, Wca, build, check,
 };
-use lennard_scene::{Scene, Start};
+use lennard_scene::{Arrangement, Scene};
 
 use crate::common;
 
@@ -118,7 +118,7 @@ fn a_start_whose_forces_are_not_finite_has_no_energy() {
     let more = "[start]\nkind = \"positions\"\npositions = [[1.4, 2, 3], [5, 5, 5]]\n\
                 [neighbor]\nmode = \"verlet\"";
     let mut scene = scene("box = 9", more);
-    if let Start::Listed { positions, .. } = &mut scene.system.start {
+    if let Arrangement::Listed { positions, .. } = &mut scene.system.start {
         positions[0].x = 1.4e10;
     }
     assert!(evaluate_energy(&scene).is_err());

@@ -1,7 +1,7 @@
 //! Starts as a slab of liquid beside its vapor, and runs of them.
 
 use lennard_core::Remark;
-use lennard_engine::{Simulation, Unfollowed, begin};
+use lennard_engine::{Simulation, Unfollowed, start};
 
 use crate::common::{self, prepared};
 
@@ -37,7 +37,7 @@ fn a_slab_has_its_particles_its_two_densities_and_no_overlap() {
     for n in ["300", "701", "1500"] {
         let scene = common::scene(SLAB, &[("system.n_atoms", n)]);
         let slab = *scene.slab().unwrap();
-        let beginning = begin(&scene).unwrap();
+        let beginning = start(&scene).unwrap();
         let n: usize = n.parse().unwrap();
         assert_eq!(beginning.positions.len(), n);
         let sides = beginning.cell.lengths();

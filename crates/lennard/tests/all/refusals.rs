@@ -110,6 +110,10 @@ fn a_name_that_no_result_has_is_told_with_the_nearest() {
         &results.average("presure").unwrap_err().to_string(),
         &["the run has no average `presure`", "nearest: pressure"],
     );
+    says(
+        &results.average("shear_viscosity_einstein_helfand").unwrap_err().to_string(),
+        &["allowed: `shear_viscosity`, the Green–Kubo integral"],
+    );
     says(&format!("{:?}", results.table("rdf").unwrap_err()), &["the run has no table `rdf`"]);
 }
 

@@ -9,7 +9,7 @@ use lennard_integrators::{
 };
 use lennard_observables::{ObservableOptions, Surroundings, observables as all_observables};
 
-use crate::{Molecule, Scene, Stage, Start, WallTable};
+use crate::{Arrangement, Molecule, Scene, Stage, WallTable};
 
 /// The integrators that fit, as a scene names them: `integrator.kind = "leapfrog", "velocity-verlet"`.
 pub(crate) fn kinds_that(fit: impl Fn(&IntegratorEntry) -> bool) -> String {
@@ -153,18 +153,21 @@ pub(super) fn half_crystal(scene: &Scene) -> Vec<Part> {
 }
 
 pub(super) fn full_box(scene: &Scene) -> Vec<Part> {
-    let is_full = matches!(scene.system.start, Start::Lattice { .. }) && scene.surfaces().is_none();
+    let is_full =
+        matches!(scene.system.start, Arrangement::Lattice { .. }) && scene.surfaces().is_none();
     one(is_full, "system", "a start that fills its box")
 }
 
 pub(super) fn random_start(scene: &Scene) -> Vec<Part> {
-    let is_random = matches!(scene.system.start, Start::Lattice { lattice: None, .. });
+    let is_random = matches!(scene.system.start, Arrangement::Lattice { lattice: None, .. });
     one(is_random, "start.kind", "\"random\"")
 }
 
 pub(super) fn vacuum(scene: &Scene) -> Vec<Part> {
     match scene.system.start {
-        Start::Lattice { vacuum, .. } => one(vacuum > 0.0, "start.vacuum", &vacuum.to_string()),
+        Arrangement::Lattice { vacuum, .. } => {
+            one(vacuum > 0.0, "start.vacuum", &vacuum.to_string())
+        }
         _ => Vec::new(),
     }
 }

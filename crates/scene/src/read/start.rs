@@ -14,7 +14,7 @@ use crate::read::{Reader, Resolve};
 use crate::tables::start::{
     CrystalKeys, Numbers, PositionKeys, Sides, SlabKeys, StartKeys, SystemKeys, per_cell,
 };
-use crate::{Geometry, HalfCrystal, SceneError, Slab, Start, System};
+use crate::{Arrangement, Geometry, HalfCrystal, SceneError, Slab, System};
 
 /// A row of numbers as a vector.
 fn vectors(rows: &[[f64; 3]]) -> Vec<DVec3> {
@@ -26,7 +26,11 @@ const BY_PHASES: &str = "nothing: the box follows from `n_atoms` and the keys of
 
 impl Reader<'_> {
     /// The start of particles that are listed, in a box.
-    fn listed(&self, keys: &PositionKeys, geometry: Option<Geometry>) -> Result<Start, SceneError> {
+    fn listed(
+        &self,
+        keys: &PositionKeys,
+        geometry: Option<Geometry>,
+    ) -> Result<Arrangement, SceneError> {
         let refuse = |key: &str, message: &str, found: String, allowed: &str| {
             Err(self.source.refuse(key, message).found(found).allowed(allowed))
         };
@@ -57,7 +61,7 @@ impl Reader<'_> {
             let allowed = "one velocity for each of `positions`";
             return refuse("start.velocities", "has another length", found, allowed);
         }
-        Ok(Start::Listed {
+        Ok(Arrangement::Listed {
             sides,
             positions: vectors(positions),
             velocities: velocities.map(vectors),
@@ -323,14 +327,16 @@ impl Reader<'_> {
         let filled = |lattice, vacuum| {
             let n_atoms = count()?;
             let geometry = geometry.ok_or_else(|| self.needed("density"))?;
-            Ok(Start::Lattice { lattice, n_atoms, geometry, vacuum })
+            Ok(Arrangement::Lattice { lattice, n_atoms, geometry, vacuum })
         };
         let start = match &keys {
             StartKeys::Lattice(keys) => filled(Some(keys.lattice), keys.vacuum)?,
             StartKeys::Random(keys) => filled(None, keys.vacuum)?,
-            StartKeys::Slab(keys) => Start::Slab(self.slab(keys, count()?, temperature, model)?),
+            StartKeys::Slab(keys) => {
+                Arrangement::Slab(self.slab(keys, count()?, temperature, model)?)
+            }
             StartKeys::HalfCrystal(keys) => {
-                Start::HalfCrystal(self.half_crystal(keys, count()?, temperature, model)?)
+                Arrangement::HalfCrystal(self.half_crystal(keys, count()?, temperature, model)?)
             }
             StartKeys::Positions(keys) => self.listed(keys, geometry)?,
             StartKeys::File(keys) => {
@@ -344,7 +350,7 @@ impl Reader<'_> {
                 }
                 let path = self.of_start("file", keys.file.as_ref())?;
                 let path = resolve(self.source, "start.file", Path::new(path))?;
-                Start::File { path, geometry, units }
+                Arrangement::File { path, geometry, units }
             }
         };
         let held = table.held.map_or(Ok(Vec::new()), |Numbers(numbers)| self.held(&numbers))?;

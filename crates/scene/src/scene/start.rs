@@ -5,7 +5,7 @@ use lennard_core::{DVec3, PeriodicBox};
 
 use crate::lattice::{NoLattice, cells};
 use crate::limits::LONGEST_SIDE;
-use crate::{Geometry, HalfCrystal, Placement, Scene, SceneError, Slab, Start};
+use crate::{Arrangement, Geometry, HalfCrystal, Placement, Scene, SceneError, Slab};
 
 impl Scene {
     /// Number of particles; `None` where a file has it.
@@ -13,7 +13,7 @@ impl Scene {
     pub fn n_particles(&self) -> Option<usize> {
         match &self.system.start {
             // Every site is listed; elsewhere the scene counts molecules.
-            Start::Listed { positions, .. } => Some(positions.len()),
+            Arrangement::Listed { positions, .. } => Some(positions.len()),
             start => Some(start.count()? * self.molecules().sites()),
         }
     }
@@ -52,7 +52,7 @@ impl Scene {
     #[must_use]
     pub fn half_crystal(&self) -> Option<&HalfCrystal> {
         match &self.system.start {
-            Start::HalfCrystal(start) => Some(start),
+            Arrangement::HalfCrystal(start) => Some(start),
             _ => None,
         }
     }
@@ -94,7 +94,7 @@ impl Scene {
     #[must_use]
     pub fn slab(&self) -> Option<&Slab> {
         match &self.system.start {
-            Start::Slab(slab) => Some(slab),
+            Arrangement::Slab(slab) => Some(slab),
             _ => None,
         }
     }
@@ -103,10 +103,10 @@ impl Scene {
     #[must_use]
     pub fn surfaces(&self) -> Option<String> {
         match &self.system.start {
-            Start::Lattice { vacuum, .. } if *vacuum > 0.0 => {
+            Arrangement::Lattice { vacuum, .. } if *vacuum > 0.0 => {
                 Some(format!("start.vacuum = {vacuum}"))
             }
-            Start::Slab(_) => Some("a slab".to_owned()),
+            Arrangement::Slab(_) => Some("a slab".to_owned()),
             _ => None,
         }
     }
@@ -129,15 +129,15 @@ impl Scene {
     /// scene that was read from a file has been checked, and never fails.
     pub fn placement(&self) -> Result<Option<Placement>, SceneError> {
         let (lattice, n_atoms, geometry, vacuum) = match &self.system.start {
-            Start::Lattice { lattice, n_atoms, geometry, vacuum } => {
+            Arrangement::Lattice { lattice, n_atoms, geometry, vacuum } => {
                 (lattice.as_ref(), n_atoms, geometry, vacuum)
             }
-            Start::Slab(slab) => return self.slab_placement(slab).map(Some),
-            Start::HalfCrystal(start) => return self.crystal_placement(start).map(Some),
-            Start::Listed { sides, positions, .. } => {
+            Arrangement::Slab(slab) => return self.slab_placement(slab).map(Some),
+            Arrangement::HalfCrystal(start) => return self.crystal_placement(start).map(Some),
+            Arrangement::Listed { sides, positions, .. } => {
                 (None, &positions.len(), &Geometry::Box(*sides), &0.0)
             }
-            Start::File { .. } => return Ok(None),
+            Arrangement::File { .. } => return Ok(None),
         };
         let (filled, key) = match geometry {
             Geometry::Density(density) => {
@@ -148,7 +148,8 @@ impl Scene {
         };
         let mut lengths = filled;
         lengths.z += vacuum;
-        let (room, clear) = self.room_of_walls(!matches!(self.system.start, Start::Listed { .. }));
+        let (room, clear) =
+            self.room_of_walls(!matches!(self.system.start, Arrangement::Listed { .. }));
         lengths += room;
         let refuse = |found: f64| {
             let key = if filled.max_element() > LONGEST_SIDE || *vacuum == 0.0 {

@@ -17,7 +17,7 @@ use crate::tables::as_toml;
 #[derive(Debug, Clone, PartialEq)]
 pub struct System {
     /// Where the particles are at step 0.
-    pub start: Start,
+    pub start: Arrangement,
     /// Temperature of the first velocities in ε/k_B (where the start has none) and of every thermostat
     /// that names no other; ≥ 0.
     pub temperature: f64,
@@ -64,7 +64,7 @@ pub struct Placement {
 
 /// How the particles are placed.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Start {
+pub enum Arrangement {
     /// On a lattice, or at random without overlaps.
     Lattice {
         /// Which one; `None` for places at random, relaxed until nothing overlaps.
@@ -101,7 +101,7 @@ pub enum Start {
     },
 }
 
-impl Start {
+impl Arrangement {
     /// Number of listed particles, or of molecules on a lattice or in a slab; `None` where a file has it.
     #[must_use]
     pub fn count(&self) -> Option<usize> {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lennard_scene::{Geometry, Scene, SceneError, Start, reference};
+use lennard_scene::{Arrangement, Geometry, Scene, SceneError, reference};
 
 const SMALL: &str = r#"[system]
 n_atoms = 500
@@ -163,12 +163,12 @@ fn an_override_of_density_takes_the_place_of_a_box() {
     let boxed = SMALL.replace("density = 0.8", "box = 8.6");
     let density = [("system.density".to_owned(), "0.5".to_owned())];
     let scene = Scene::parse(&boxed, "scene.toml", &density).unwrap();
-    let Start::Lattice { geometry, .. } = scene.system.start else {
+    let Arrangement::Lattice { geometry, .. } = scene.system.start else {
         panic!("a lattice");
     };
     assert_eq!(geometry, Geometry::Density(0.5));
     let scene = with(&[("system.box", "[8.0, 8.0, 8.0]")]).unwrap();
-    let Start::Lattice { geometry, .. } = scene.system.start else {
+    let Arrangement::Lattice { geometry, .. } = scene.system.start else {
         panic!("a lattice");
     };
     assert_eq!(geometry, Geometry::Box([8.0; 3]));
@@ -213,7 +213,7 @@ fn the_lattice_of_a_density_has_that_density() {
         let placement = scene.placement().unwrap().unwrap();
         let density = n as f64 / placement.cell.volume();
         assert!((density - 0.8).abs() < 1e-14, "{name}: {density}");
-        let Start::Lattice { lattice, .. } = scene.system.start else {
+        let Arrangement::Lattice { lattice, .. } = scene.system.start else {
             panic!("a lattice");
         };
         let sites = placement.cells.zip(lattice);

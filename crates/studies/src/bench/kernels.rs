@@ -51,7 +51,7 @@ pub(super) fn variants(
             let overrides: Vec<_> = overrides.iter().cloned().chain(settings).collect();
             let scene = bare(&subject.load(&overrides)?);
             // Says here what does not fit, with the key; and what really runs.
-            let beginning = lennard_engine::begin(&scene)?;
+            let beginning = lennard_engine::start(&scene)?;
             let (_, forces) = lennard_engine::forces(&scene, beginning.cell, &beginning.species)?;
             let plan = forces.plan();
             for &threads in &threads {

@@ -33,7 +33,7 @@ mod tests {
              {more}[integrator]\ndt = 0.001\n[[stage]]\nname = \"production\"\nsteps = 10\n"
         );
         let scene = Scene::parse(&text, "test.toml", &[]).unwrap();
-        let beginning = lennard_engine::begin(&scene).unwrap();
+        let beginning = lennard_engine::start(&scene).unwrap();
         rough_stable_dt(&scene, &beginning.species, 1.0, 2.0)
     }
 

@@ -8,9 +8,7 @@ use lennard_core::{
     Configuration, Energetics, ForceError, ForceTerm, Momentum, Part, PeriodicBox, SpeciesTable,
     State, System, Want,
 };
-use lennard_engine::{
-    Beginning, EngineError, Simulation, Unfollowed, measured_stage, prepare_from, take,
-};
+use lennard_engine::{EngineError, Simulation, Unfollowed, measured_stage, prepare_from, take};
 use lennard_forcefield::PairForces;
 use lennard_integrators::{ThermostatOptions, bussi};
 use lennard_scene::{Scene, Stage};
@@ -170,14 +168,8 @@ impl Start {
     /// # Errors
     /// [`EngineError`] where the scene cannot be built.
     pub fn simulation(&self, scene: Scene) -> Result<Simulation, EngineError> {
-        let beginning = Beginning {
-            cell: self.cell,
-            positions: self.positions.clone(),
-            velocities: Some(self.velocities.clone()),
-            species: self.species.clone(),
-            relax: false,
-        };
-        prepare_from(scene, beginning)
+        let Self { cell, positions, velocities, species } = self.clone();
+        prepare_from(scene, lennard_engine::Start::at(cell, positions, velocities, species))
     }
 
     /// The forces of a scene in this box.

@@ -4,7 +4,7 @@
 use lennard_engine::watchdog::{FastestPair, fastest_pair};
 use lennard_forcefield::{Kernel, NeighborOptions, Precision, TruncationKind, TruncationOptions};
 use lennard_integrators::velocity_verlet;
-use lennard_scene::{Geometry, Lattice, MoleculeKind, Scene, Stage, Start as SceneStart};
+use lennard_scene::{Arrangement, Geometry, Lattice, MoleculeKind, Scene, Stage};
 
 use super::TuneError;
 use super::pairs::Fluid;
@@ -65,7 +65,7 @@ pub(super) struct Sample {
 impl Sample {
     /// Equilibrates the fluid that `scene` measures.
     pub fn prepare(scene: &Scene) -> Result<Self, TuneError> {
-        let beginning = lennard_engine::begin(scene)?;
+        let beginning = lennard_engine::start(scene)?;
         let scene_atoms = beginning.positions.len();
         let sites = scene.molecules().sites();
         let density = (scene_atoms / sites) as f64 / beginning.cell.volume();
@@ -174,9 +174,9 @@ fn comfortable_cutoff(half: f64) -> f64 {
 }
 
 /// An fcc lattice of so many particles, or centres of molecules, that stands for the start of a scene.
-pub(super) fn lattice_of(n_atoms: usize, density: f64) -> SceneStart {
+pub(super) fn lattice_of(n_atoms: usize, density: f64) -> Arrangement {
     let geometry = Geometry::Density(density);
-    SceneStart::Lattice { lattice: Some(Lattice::Fcc), n_atoms, geometry, vacuum: 0.0 }
+    Arrangement::Lattice { lattice: Some(Lattice::Fcc), n_atoms, geometry, vacuum: 0.0 }
 }
 
 /// The stability limit that springs of bonds set velocity Verlet, τ; `None` where bonds do not limit the step.

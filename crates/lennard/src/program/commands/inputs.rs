@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use lennard_scene::{Scene, Start};
+use lennard_scene::{Arrangement, Scene};
 
 use crate::program::failure::{Failure, INPUT};
 
@@ -19,7 +19,7 @@ impl Inputs {
     pub fn of_scene(file: &Path, lock: Option<&Path>, scene: &Scene) -> Self {
         let mut files = vec![file.to_path_buf()];
         files.extend(lock.map(Path::to_path_buf));
-        if let Start::File { path, .. } = &scene.system.start {
+        if let Arrangement::File { path, .. } = &scene.system.start {
             files.push(path.clone());
         }
         files.extend(scene.potential.file().map(|file| file.path().to_path_buf()));

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use lennard_scene::Start;
+use lennard_scene::Arrangement;
 use lennard_studies::sweep::{self, Ending, Sweep, SweepOptions, SweepRecord, SweptPoint};
 
 use crate::program::args::SweepArgs;
@@ -123,10 +123,11 @@ pub(super) fn command(folder: &Path) -> String {
 /// Refuses an output folder where a file that the sweep reads would be replaced or removed.
 pub(super) fn keep_inputs(file: &Path, sweep: &Sweep, folder: &Path) -> Result<(), Failure> {
     let configurations = sweep.points.iter().filter_map(|point| match &point.scene.system.start {
-        Start::File { path, .. } => Some(path.clone()),
-        Start::Lattice { .. } | Start::Slab(_) | Start::HalfCrystal(_) | Start::Listed { .. } => {
-            None
-        }
+        Arrangement::File { path, .. } => Some(path.clone()),
+        Arrangement::Lattice { .. }
+        | Arrangement::Slab(_)
+        | Arrangement::HalfCrystal(_)
+        | Arrangement::Listed { .. } => None,
     });
     let mut inputs: Vec<PathBuf> = configurations.collect();
     inputs.dedup();

@@ -2,47 +2,30 @@
 
 use std::path::Path;
 
-use lennard_core::random::Streams;
-use lennard_core::{DVec3, Exclusions, PeriodicBox, SpeciesTable};
+use lennard_core::SpeciesTable;
 use lennard_io::FoundSpecies;
 use lennard_scene::{MixtureTables, Scene};
 use rand::seq::SliceRandom;
 
+use super::streams;
 use crate::EngineError;
-use crate::close_pairs::{Sizes, closest_pair};
-
-/// Pairs of a lattice nearer than this, in units of σ_ab, have the start relaxed: U(0.9 σ) is 6.6 ε.
-const SMALLEST_ON_A_LATTICE: f64 = 0.9;
 
 /// Masses of a file may differ from the scene's by this share, beside a common factor.
 const SAME_MASS: f64 = 1e-3;
 
 /// The species of `n` particles of a start without a file, mixed at random by the seed of the scene.
-pub(crate) fn mixed(scene: &Scene, n: usize) -> Result<SpeciesTable, EngineError> {
+pub(super) fn mixed(scene: &Scene, n: usize) -> Result<SpeciesTable, EngineError> {
     let ordered = scene.species_in_order(&scene.counts(n)?);
     let Some(of_particles) = ordered.of_particles() else {
         return Ok(ordered);
     };
     let mut mixed = of_particles.to_vec();
-    mixed.shuffle(&mut Streams::new(scene.system.seed).sequential("species"));
+    mixed.shuffle(&mut streams(scene).sequential("species"));
     Ok(scene.species_table(n, &mixed))
 }
 
-/// Whether particles of a lattice of several sizes are so close that they must be moved apart first.
-pub(crate) fn overlap(
-    scene: &Scene,
-    cell: &PeriodicBox,
-    positions: &[DVec3],
-    species: &SpeciesTable,
-) -> bool {
-    let sizes = Sizes::of(scene, species);
-    let within = SMALLEST_ON_A_LATTICE;
-    scene.mixture.is_some()
-        && closest_pair(cell, positions, &Exclusions::NONE, &sizes, within).is_some()
-}
-
 /// The species of the `n` particles of a file, whose names are names or elements of the scene's species.
-pub(crate) fn of_file(
+pub(super) fn of_file(
     scene: &Scene,
     path: &Path,
     found: &FoundSpecies,

@@ -1,0 +1,86 @@
+//! A start from a file, or from a configuration in memory in its place.
+
+use lennard_core::{DVec3, PeriodicBox};
+use lennard_io::{Beside, StartConfiguration};
+use lennard_scene::{Arrangement, Geometry, Scene};
+
+use super::velocities::Drift;
+use super::{Origin, Start, check, molecules, species};
+use crate::EngineError;
+use crate::confinement::Confinement;
+
+/// The start that the scene's file has, or that is `given` in its place.
+///
+/// # Panics
+/// Where the scene names no file.
+pub(super) fn start(
+    scene: &Scene,
+    given: Option<StartConfiguration>,
+) -> Result<Start, EngineError> {
+    let Arrangement::File { path, geometry, units } = &scene.system.start else {
+        unreachable!("other starts have a placement");
+    };
+    let refuse = |key: &str, found: String, allowed: String| -> EngineError {
+        scene.source.invalid(key, found, allowed).into()
+    };
+    let mut read = match given {
+        Some(given) => given,
+        None => {
+            let own = match geometry {
+                Some(Geometry::Box(sides)) => {
+                    PeriodicBox::new(DVec3::from_array(*sides)).map(Some).map_err(|e| {
+                        scene.source.invalid("system.box", e, "finite positive lengths")
+                    })?
+                }
+                Some(Geometry::Density(_)) | None => None,
+            };
+            // Read without the scene's box first: where both name one and they differ, the scene is to blame.
+            let in_box =
+                |cell| lennard_io::read_configuration_in(path, Beside { cell, units: *units });
+            let read = match in_box(None) {
+                Err(_) if own.is_some() => in_box(own)?,
+                read => read?,
+            };
+            if let Some(own) = own.filter(|own| !lennard_io::is_same_box(own, &read.cell)) {
+                let [own, other] = [&own, &read.cell].map(|cell| cell.lengths().to_array());
+                let found = format!("{own:?}, where {} has {other:?}", path.display());
+                let allowed = "the box of the file, or no `box` at all".to_owned();
+                return Err(refuse("system.box", found, allowed));
+            }
+            read
+        }
+    };
+    let (frames, n) = (read.frames, read.positions.len());
+    let file = path.display();
+    let origin = Origin::given("start.file", &file);
+    scene.held_are_among(n)?;
+    scene.contact_fits(&read.cell)?;
+    if let Some(topology) = scene.molecules().topology() {
+        let sites = topology.sites();
+        if !n.is_multiple_of(sites) {
+            let found = format!("{n} particles in {file}");
+            return Err(refuse(
+                origin.key,
+                found,
+                format!("a multiple of molecule.sites = {sites}"),
+            ));
+        }
+        molecules::unfold(&read.cell, topology, &mut read.positions);
+    }
+    let species = species::of_file(scene, path, &read.species, n)?;
+    let mass = |i: usize| species.species(species.of(i)).mass;
+    read.take_momenta(mass)
+        .map_err(|(found, allowed)| refuse(origin.key, format!("{found} of {file}"), allowed))?;
+    let StartConfiguration { cell, positions, velocities, .. } = read;
+    let start = Start { cell, positions, velocities, species, relax: false, remarks: Vec::new() };
+    let mut start = check::checked(scene, &origin, start)?;
+    if frames > 1 {
+        start.remarks.push(format!("the start is frame {frames} of {frames} of {file}"));
+    }
+    let drift = start.velocities.as_deref().and_then(|velocities| {
+        let (system, _) = Confinement::with_system(scene, &cell, start.species.clone());
+        Drift::of(&system, velocities)
+    });
+    start.remarks.extend(drift.map(|drift| drift.in_words(&origin.name)));
+    Ok(start)
+}

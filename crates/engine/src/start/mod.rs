@@ -1,0 +1,164 @@
+//! Where the particles are before the first step: one value, made by each kind of start and checked once.
+
+mod check;
+mod file;
+mod memory;
+mod molecules;
+mod places;
+mod species;
+mod velocities;
+
+use lennard_core::random::Streams;
+use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
+use lennard_io::StartConfiguration;
+use lennard_scene::{Arrangement, Placement, Scene};
+
+pub use check::SMALLEST_START_DISTANCE;
+pub use memory::{start_from_arrays, write_start};
+pub(crate) use velocities::{make_suit, remove_drift, thermal_velocities};
+
+use crate::close_pairs::{ClosePair, Sizes, closest_pair};
+use crate::{EngineError, room};
+
+/// Where the particles are, and how fast, before the first step.
+#[derive(Debug, Clone)]
+pub struct Start {
+    /// The box.
+    pub cell: PeriodicBox,
+    /// Positions, σ.
+    pub positions: Vec<DVec3>,
+    /// Velocities, if the start has any.
+    pub velocities: Option<Vec<DVec3>>,
+    /// The species of the particles.
+    pub species: SpeciesTable,
+    /// Whether the positions must be relaxed first.
+    pub relax: bool,
+    /// What is to be known of it: which frame of a file it is, and what its velocities lose.
+    pub remarks: Vec<String>,
+}
+
+impl Start {
+    /// Particles in motion, whose places need no check.
+    #[must_use]
+    pub fn at(
+        cell: PeriodicBox,
+        positions: Vec<DVec3>,
+        velocities: Vec<DVec3>,
+        species: SpeciesTable,
+    ) -> Self {
+        let velocities = Some(velocities);
+        Self { cell, positions, velocities, species, relax: false, remarks: Vec::new() }
+    }
+
+    /// The closest pair nearer than `within`, in units of σ_ab of each pair.
+    fn closest(&self, scene: &Scene, within: f64) -> Option<ClosePair> {
+        let exclusions = scene.molecules().exclusions();
+        let sizes = Sizes::of(scene, &self.species);
+        closest_pair(&self.cell, &self.positions, &exclusions, &sizes, within)
+    }
+}
+
+/// Who says where the particles are.
+#[derive(Debug, Clone)]
+struct Origin {
+    /// The key of the scene.
+    key: &'static str,
+    /// The file, or what stands for it.
+    name: String,
+    /// Whether somebody wrote the positions; the program makes those of other starts.
+    is_given: bool,
+}
+
+impl Origin {
+    fn given(key: &'static str, name: &impl ToString) -> Self {
+        Self { key, name: name.to_string(), is_given: true }
+    }
+}
+
+/// Places the particles as the scene says.
+///
+/// # Errors
+/// [`EngineError`] where a configuration cannot be read, does not fit the box, or overlaps.
+pub fn start(scene: &Scene) -> Result<Start, EngineError> {
+    start_with(scene, None)
+}
+
+/// The same, with a configuration in memory in the place of the file that the scene names.
+pub(crate) fn start_with(
+    scene: &Scene,
+    given: Option<StartConfiguration>,
+) -> Result<Start, EngineError> {
+    if let Some((n, cell)) = size(scene)? {
+        room::is_there(scene, &cell, n)?;
+    }
+    let start = match (scene.placement()?, given) {
+        (None, given) => file::start(scene, given)?,
+        (Some(placement), None) => placed(scene, &placement)?,
+        (Some(_), Some(_)) => {
+            let found = "positions beside a start that the scene has";
+            return Err(scene.source.invalid("start.kind", found, "\"file\"").into());
+        }
+    };
+    Ok(start)
+}
+
+/// The start of particles whose places the scene lists, or that the program places.
+fn placed(scene: &Scene, placement: &Placement) -> Result<Start, EngineError> {
+    let cell = placement.cell;
+    let mut origin = Origin { key: "system", name: "the lattice".to_owned(), is_given: false };
+    let (mut relax, mut velocities) = (false, None);
+    let positions = match &scene.system.start {
+        Arrangement::Lattice { lattice: Some(lattice), .. } => {
+            molecules::about(scene, places::on_lattice(placement, lattice.basis()))
+        }
+        Arrangement::Lattice { lattice: None, n_atoms, .. } => {
+            relax = true;
+            let Placement { corner, filled, .. } = *placement;
+            places::at_random(scene, &cell, (corner, filled), *n_atoms, "system.density")?
+        }
+        Arrangement::Slab(slab) => places::slab(scene, slab, placement)?,
+        Arrangement::HalfCrystal(start) => {
+            // The liquid is at random.
+            relax = true;
+            places::half_crystal(scene, start, placement)?
+        }
+        Arrangement::Listed { positions, velocities: listed, .. } => {
+            origin = Origin::given("start.positions", &"the scene");
+            velocities = listed.clone();
+            positions.iter().map(|r| *r + placement.corner).collect()
+        }
+        Arrangement::File { .. } => unreachable!("a file has no placement"),
+    };
+    let species = match origin.is_given {
+        true => scene.species_in_order(&scene.counts(positions.len())?),
+        false => species::mixed(scene, positions.len())?,
+    };
+    let start = Start { cell, positions, velocities, species, relax, remarks: Vec::new() };
+    check::checked(scene, &origin, start)
+}
+
+/// Number of particles and their density in σ⁻³, as the scene's start has them; reads the file of a start from one.
+///
+/// # Errors
+/// [`EngineError`] where the start cannot be made.
+pub fn size_and_density(scene: &Scene) -> Result<(usize, f64), EngineError> {
+    let (n, cell) = match size(scene)? {
+        Some(size) => size,
+        None => {
+            let start = start(scene)?;
+            (start.positions.len(), start.cell)
+        }
+    };
+    Ok((n, n as f64 / cell.volume()))
+}
+
+/// Number of particles and their box, where the scene alone says them.
+fn size(scene: &Scene) -> Result<Option<(usize, PeriodicBox)>, EngineError> {
+    let cell = scene.placement()?.map(|placement| placement.cell);
+    Ok(scene.n_particles().zip(cell))
+}
+
+/// The random streams of a start.
+fn streams(scene: &Scene) -> Streams {
+    Streams::new(scene.system.seed)
+}

@@ -1,0 +1,118 @@
+//! Velocities before the first step: drawn for a temperature, and without what a motion does not have.
+
+use lennard_core::random::Streams;
+use lennard_core::{DVec3, Momentum, System, rigid};
+use rand_distr::{Distribution, StandardNormal};
+
+/// Velocities from the Maxwell–Boltzmann distribution at some positions, without a part along rigid bonds.
+///
+/// They have zero total momentum (more than one particle) and are scaled to 2K/n_dof = `temperature` exactly.
+#[must_use]
+pub fn thermal_velocities(
+    system: &System,
+    positions: &[DVec3],
+    temperature: f64,
+    streams: Streams,
+) -> Vec<DVec3> {
+    let mut rng = streams.sequential("velocities");
+    let mut velocities: Vec<DVec3> = (0..positions.len())
+        .map(|i| {
+            let width = (temperature / system.masses.of(i)).sqrt();
+            width
+                * DVec3::new(
+                    StandardNormal.sample(&mut rng),
+                    StandardNormal.sample(&mut rng),
+                    StandardNormal.sample(&mut rng),
+                )
+        })
+        .collect();
+    make_suit(system, positions, &mut velocities);
+    scale_to_temperature(system, &mut velocities, temperature);
+    velocities
+}
+
+/// Takes off velocities what the motion does not have: their part along rigid bonds, and the drift of all particles.
+pub fn make_suit(system: &System, positions: &[DVec3], velocities: &mut [DVec3]) {
+    rigid::project_velocities(system, positions, velocities);
+    remove_drift(system, velocities);
+}
+
+/// Takes the velocity of the centre of mass off every particle, along axes where the forces keep the momentum.
+/// A single particle keeps its velocity.
+pub fn remove_drift(system: &System, velocities: &mut [DVec3]) {
+    if velocities.len() > 1 {
+        let mass: f64 = (0..velocities.len()).map(|i| system.masses.of(i)).sum();
+        let drift = system.kept_part(system.momentum(velocities) / mass);
+        for v in velocities {
+            *v -= drift;
+        }
+    }
+}
+
+/// A drift of all particles together, which a run takes off the velocities that it starts with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drift {
+    /// Momentum that the forces keep, over the number of particles, m σ/τ.
+    pub momentum_per_particle: DVec3,
+    /// Temperature with the drift, ε/k_B.
+    pub temperature_with: f64,
+    /// Temperature without it, ε/k_B.
+    pub temperature_without: f64,
+}
+
+impl Drift {
+    /// The drift of velocities; `None` where there is none but rounding.
+    #[must_use]
+    pub fn of(system: &System, velocities: &[DVec3]) -> Option<Self> {
+        /// Of the mean square velocity: files hold nine digits and more.
+        const ROUNDING: f64 = 1e-12;
+        let n = velocities.len() as f64;
+        let momentum = system.kept_part(system.momentum(velocities)) / n;
+        let square = velocities.iter().map(|v| v.length_squared()).sum::<f64>() / n;
+        if velocities.len() < 2 || momentum.length_squared() <= ROUNDING * square {
+            return None;
+        }
+        let mut without = velocities.to_vec();
+        remove_drift(system, &mut without);
+        Some(Self {
+            momentum_per_particle: momentum,
+            temperature_with: system.temperature(velocities, Momentum::Conserved),
+            temperature_without: system.temperature(&without, Momentum::Conserved),
+        })
+    }
+
+    /// What happens to the velocities of a file, as a remark.
+    #[must_use]
+    pub fn in_words(&self, file: &str) -> String {
+        let [x, y, z] = self.momentum_per_particle.to_array();
+        format!(
+            "the velocities of {file} had a total momentum of ({x:.6}, {y:.6}, {z:.6}) per particle: removed, T changed \
+             from {:.6} to {:.6}",
+            self.temperature_with, self.temperature_without
+        )
+    }
+}
+
+/// Scales velocities so that 2K/n_dof = `temperature`; velocities that are all zero stay so.
+pub fn scale_to_temperature(system: &System, velocities: &mut [DVec3], temperature: f64) {
+    let now = system.temperature(velocities, Momentum::Conserved);
+    if now > 0.0 {
+        let factor = (temperature / now).sqrt();
+        for v in velocities {
+            *v *= factor;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn velocities_have_the_temperature_and_no_momentum() {
+        let system = System::atoms(500);
+        let v = thermal_velocities(&system, &[DVec3::ZERO; 500], 0.722, Streams::new(1));
+        assert!((system.temperature(&v, Momentum::Conserved) - 0.722).abs() < 1e-14);
+        assert!(system.momentum(&v).length() < 1e-12);
+    }
+}
