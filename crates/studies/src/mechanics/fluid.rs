@@ -4,7 +4,7 @@ use lennard_core::{Backend, DVec3, Integrator, State, System, Want};
 use lennard_engine::{Simulation, Unfollowed, prepare};
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build, spook};
 use lennard_literature::{EquationOfState, two_center};
-use lennard_observables::statistics;
+use lennard_observables::statistics::Line;
 use lennard_scene::Scene;
 use serde::Serialize;
 
@@ -25,7 +25,7 @@ pub struct FluidDrift {
     pub dt: f64,
     /// Slope of the energy per molecule, ε/τ; not a number where the run failed.
     pub drift: f64,
-    /// Standard error of the slope, from the slopes of blocks.
+    /// Standard error of the slope, from the slopes of ten parts.
     pub error: f64,
     /// RMS about the straight line, ε per molecule.
     pub rms: f64,
@@ -92,6 +92,21 @@ fn tension_times_turning(state: &State) -> f64 {
     each.sum::<f64>() / d.len() as f64
 }
 
+/// The slope of values at equal distances, its error, and the RMS about the line.
+fn slope(values: &[f64], spacing: f64) -> (f64, f64, f64) {
+    let line = |values: &[f64]| {
+        let points: Vec<_> = values.iter().enumerate().map(|(i, y)| (i as f64, *y)).collect();
+        Line::through(&points)
+    };
+    let whole = line(values);
+    // Ten means of parts on a line: what their residuals say of its slope.
+    let part = values.len() / 10;
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+    let means: Vec<f64> = values.chunks_exact(part).map(mean).collect();
+    let error = line(&means).error_of_slope() / part as f64;
+    (whole.slope() / spacing, error / spacing, whole.rms())
+}
+
 /// A run at constant energy from an equilibrated fluid.
 fn drift(
     start: &mut Simulation,
@@ -103,7 +118,7 @@ fn drift(
     let mut state = start.state.clone();
     let forces: &mut dyn Backend = start.forces.as_mut();
     let mut integrator = holding(bonds, system);
-    let found = FluidDrift {
+    let mut found = FluidDrift {
         way,
         density,
         dt,
@@ -116,7 +131,7 @@ fn drift(
         return found;
     }
     let n = system.n_molecules() as f64;
-    let (mut times, mut energies, mut law) = (Vec::new(), Vec::new(), 0.0);
+    let (mut energies, mut law) = (Vec::new(), 0.0);
     for step in 1..=(time / dt).round() as u32 {
         let want = match step % EVERY {
             0 => Want::ENERGY,
@@ -126,14 +141,13 @@ fn drift(
             return found;
         }
         if let Some(potential) = state.energetics.potential_energy.filter(|_| step % EVERY == 0) {
-            times.push(state.time);
             energies.push((system.kinetic_energy(&state.velocities) + potential) / n);
             law -= dt * tension_times_turning(&state);
         }
     }
-    let line = statistics::drift(&times, &energies);
-    let law = law / energies.len() as f64;
-    FluidDrift { drift: line.slope, error: line.standard_error, rms: line.rms, law, ..found }
+    (found.drift, found.error, found.rms) = slope(&energies, dt * f64::from(EVERY));
+    found.law = law / energies.len() as f64;
+    found
 }
 
 /// Drifts of all ways that are charted.

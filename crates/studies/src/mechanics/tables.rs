@@ -259,7 +259,7 @@ fn cradles(found: &MechanicsMeasurements) -> Table {
 fn drifts(found: &MechanicsMeasurements) -> Table {
     Table::rows_of("drifts-in-a-line", &found.drifts)
         .caption(
-            "Fluids of 108 dumbbells at constant energy. The error is from the slopes of blocks.",
+            "Fluids of 108 dumbbells at constant energy. The error is of the slope of ten means.",
         )
         .column("Way", |d| d.way)
         .column("ρ [σ⁻³]", |d| Cell::rounded(d.density, 3))

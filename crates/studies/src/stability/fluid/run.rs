@@ -3,7 +3,7 @@
 use lennard_core::{Momentum, StepError, Want};
 use lennard_forcefield::Precision;
 use lennard_integrators::IntegratorEntry;
-use lennard_observables::statistics;
+use lennard_observables::statistics::Line;
 use serde::Serialize;
 
 use super::start::{ATOMS, FluidStart, STATES, TRUNCATIONS};
@@ -12,7 +12,7 @@ use crate::lab::Rig;
 
 /// Time between two looks at the energy, τ.
 const SAMPLE_INTERVAL: f64 = 0.02;
-/// Blocks for the error of the temperature.
+/// Blocks for the errors of means and of the drift.
 const BLOCKS: usize = 10;
 /// A run has run away when its energy has changed by this many times the kinetic energy 3/2·T.
 const RUN_AWAY: f64 = 10.0;
@@ -61,7 +61,7 @@ pub struct FluidRun {
     pub outcome: Outcome,
     /// Slope of the energy, ε/τ per atom.
     pub drift: Option<f64>,
-    /// Its standard error, from the slopes of blocks.
+    /// Its standard error, from the slopes between blocks.
     pub drift_error: Option<f64>,
     /// RMS of the energy around that slope, ε per atom.
     pub fluctuation: Option<f64>,
@@ -179,19 +179,27 @@ pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
 }
 
 fn summarise(result: &mut FluidRun, samples: &[Sample], plan: &Plan<'_>) {
-    let (times, energies): (Vec<f64>, Vec<f64>) =
-        samples.iter().map(|s| (s.time, s.energy)).unzip();
-    let line = statistics::drift(&times, &energies);
-    result.fluctuation = Some(line.rms);
-    result.drift = Some(line.slope);
-    result.drift_error = Some(line.standard_error).filter(|error| error.is_finite());
-    result.change = Some(energies[energies.len() - 1] - energies[0]);
+    let energies: Vec<(f64, f64)> = samples.iter().map(|s| (s.time, s.energy)).collect();
+    let line = Line::through(&energies);
+    let (offset, slope) = (line.intercept(), line.slope());
+    let squares: f64 = energies.iter().map(|(t, e)| (e - offset - slope * t).powi(2)).sum();
+    result.fluctuation = Some((squares / energies.len() as f64).sqrt());
+    result.drift = Some(slope);
+    result.change = Some(samples[samples.len() - 1].energy - samples[0].energy);
     let size = samples.len() / BLOCKS;
     if size < 2 {
         return;
     }
-    let blocks = samples.chunks_exact(size).take(BLOCKS);
-    let differences: Vec<f64> = blocks
+    let blocks = || samples.chunks_exact(size).take(BLOCKS);
+    // The line through block means: what the blocks scatter around it says how well its slope is known.
+    let means: Vec<(f64, f64)> = blocks()
+        .map(|b| {
+            let n = b.len() as f64;
+            (b.iter().map(|s| s.time).sum::<f64>() / n, b.iter().map(|s| s.energy).sum::<f64>() / n)
+        })
+        .collect();
+    result.drift_error = Some(Line::through(&means).error_of_slope());
+    let differences: Vec<f64> = blocks()
         .map(|b| {
             let sum = |f: fn(&Sample) -> f64| b.iter().map(f).sum::<f64>();
             let kinetic = sum(|s| s.temperature) / b.len() as f64;
