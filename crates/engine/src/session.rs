@@ -9,12 +9,12 @@ use lennard_scene::Scene;
 
 use crate::checkpointing::snapshot;
 use crate::follower::{Control, Ending, Progress};
-use crate::start::start_from_arrays;
 use crate::growth::Addition;
 use crate::own::OwnParts;
 use crate::resume::restored_with;
 use crate::run::Outcome;
 use crate::simulation::Simulation;
+use crate::start::start_from_arrays;
 use crate::threads::Threads;
 use crate::{EngineError, build};
 

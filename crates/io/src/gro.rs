@@ -109,7 +109,8 @@ pub(crate) fn parse_frame<R: BufRead>(
             ),
             false => ("a GRO file, in nm and ps", ""),
         };
-        let allowed = "`start.length_scale` and `start.time_scale` in the scene: one σ in nm and one τ in ps";
+        let allowed =
+            "`start.length_scale` and `start.time_scale` in the scene: one σ in nm and one τ in ps";
         return Err(lines.refuse(found, format!("{first}{allowed}")));
     }
     let scales = units.scales(said.as_deref()).at(lines)?;

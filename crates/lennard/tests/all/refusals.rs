@@ -124,7 +124,10 @@ fn a_folder_takes_whole_runs_alone_and_none_that_is_there() {
     begun.step(5).unwrap();
     let folder = temporary.path().join("run");
     let error = begun.run_in_folder(&folder).unwrap_err().to_string();
-    says(&error, &["a folder holds a run from its first step, and this simulation has done 5 steps"]);
+    says(
+        &error,
+        &["a folder holds a run from its first step, and this simulation has done 5 steps"],
+    );
     assert!(!folder.exists());
     let error = Simulation::load(&folder).err().expect("refused").to_string();
     says(&error, &["run"]);
