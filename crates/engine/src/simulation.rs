@@ -58,7 +58,7 @@ pub struct Simulation {
     pub shares_forces: bool,
     /// What runs in memory have kept.
     pub recording: Recording,
-    /// The threads at work; `None` where those of the caller are.
+    /// The threads at work; `None` where the caller has threads.
     pub threads: Option<Threads>,
 }
 

@@ -155,7 +155,7 @@ impl PairForces {
         Ok(Totals::NOTHING.deliver(want, 0.0, each))
     }
 
-    /// Writes the whole forces (and `each`), or those of the near part, and returns the totals that `detail` asks for.
+    /// Writes the forces of the whole or of the near part (and `each`), and returns the totals that `detail` asks for.
     fn run(
         &mut self,
         of_near: bool,

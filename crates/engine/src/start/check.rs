@@ -4,7 +4,8 @@ use lennard_core::{DVec3, PeriodicBox};
 use lennard_integrators::Response;
 use lennard_scene::Scene;
 
-use super::{Origin, Start, molecules};
+use super::molecules;
+use super::value::{Origin, Start};
 use crate::EngineError;
 
 /// Start positions nearer than this (σ) are refused: U(0.5 σ) = 16,128 ε would blow any step up.

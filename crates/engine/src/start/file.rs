@@ -4,8 +4,9 @@ use lennard_core::{DVec3, PeriodicBox};
 use lennard_io::{Beside, StartConfiguration};
 use lennard_scene::{Arrangement, Geometry, Scene};
 
+use super::value::{Origin, Start};
 use super::velocities::Drift;
-use super::{Origin, Start, check, molecules, species};
+use super::{check, molecules, species};
 use crate::EngineError;
 use crate::confinement::Confinement;
 

@@ -6,74 +6,21 @@ mod memory;
 mod molecules;
 mod places;
 mod species;
+mod value;
 mod velocities;
 
-use lennard_core::random::Streams;
-use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
+use lennard_core::PeriodicBox;
 use lennard_io::StartConfiguration;
 use lennard_scene::{Arrangement, Placement, Scene};
 
 pub use check::SMALLEST_START_DISTANCE;
 pub use memory::{start_from_arrays, write_start};
+pub use value::Start;
 pub(crate) use velocities::{make_suit, remove_drift, thermal_velocities};
 
-use crate::close_pairs::{ClosePair, Sizes, closest_pair};
+use value::Origin;
+
 use crate::{EngineError, room};
-
-/// Where the particles are, and how fast, before the first step.
-#[derive(Debug, Clone)]
-pub struct Start {
-    /// The box.
-    pub cell: PeriodicBox,
-    /// Positions, σ.
-    pub positions: Vec<DVec3>,
-    /// Velocities, if the start has any.
-    pub velocities: Option<Vec<DVec3>>,
-    /// The species of the particles.
-    pub species: SpeciesTable,
-    /// Whether the positions must be relaxed first.
-    pub relax: bool,
-    /// What is to be known of it: which frame of a file it is, and what its velocities lose.
-    pub remarks: Vec<String>,
-}
-
-impl Start {
-    /// Particles in motion, whose places need no check.
-    #[must_use]
-    pub fn at(
-        cell: PeriodicBox,
-        positions: Vec<DVec3>,
-        velocities: Vec<DVec3>,
-        species: SpeciesTable,
-    ) -> Self {
-        let velocities = Some(velocities);
-        Self { cell, positions, velocities, species, relax: false, remarks: Vec::new() }
-    }
-
-    /// The closest pair nearer than `within`, in units of σ_ab of each pair.
-    fn closest(&self, scene: &Scene, within: f64) -> Option<ClosePair> {
-        let exclusions = scene.molecules().exclusions();
-        let sizes = Sizes::of(scene, &self.species);
-        closest_pair(&self.cell, &self.positions, &exclusions, &sizes, within)
-    }
-}
-
-/// Who says where the particles are.
-#[derive(Debug, Clone)]
-struct Origin {
-    /// The key of the scene.
-    key: &'static str,
-    /// The file, or what stands for it.
-    name: String,
-    /// Whether somebody wrote the positions; the program makes those of other starts.
-    is_given: bool,
-}
-
-impl Origin {
-    fn given(key: &'static str, name: &impl ToString) -> Self {
-        Self { key, name: name.to_string(), is_given: true }
-    }
-}
 
 /// Places the particles as the scene says.
 ///
@@ -156,9 +103,4 @@ pub fn size_and_density(scene: &Scene) -> Result<(usize, f64), EngineError> {
 fn size(scene: &Scene) -> Result<Option<(usize, PeriodicBox)>, EngineError> {
     let cell = scene.placement()?.map(|placement| placement.cell);
     Ok(scene.n_particles().zip(cell))
-}
-
-/// The random streams of a start.
-fn streams(scene: &Scene) -> Streams {
-    Streams::new(scene.system.seed)
 }

@@ -4,7 +4,7 @@ use lennard_core::options::upper_bound;
 use lennard_core::{Bond, DVec3, PeriodicBox, Topology};
 use lennard_scene::{MoleculeKind, Scene};
 
-use super::{Origin, Start};
+use super::value::{Origin, Start};
 use crate::EngineError;
 
 /// The sites of molecules whose centres stand on a lattice; the centres themselves where the scene has atoms.

@@ -6,7 +6,7 @@ use lennard_scene::{HalfCrystal, Lattice, Placement, Scene, Slab};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
-use super::streams;
+use super::value::streams;
 use crate::EngineError;
 use crate::close_pairs::Bins;
 

@@ -7,7 +7,7 @@ use lennard_io::FoundSpecies;
 use lennard_scene::{MixtureTables, Scene};
 use rand::seq::SliceRandom;
 
-use super::streams;
+use super::value::streams;
 use crate::EngineError;
 
 /// Masses of a file may differ from the scene's by this share, beside a common factor.

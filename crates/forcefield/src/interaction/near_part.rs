@@ -16,8 +16,8 @@ const GAUSS: [(f64, f64); 5] = [
 
 /// The near part: the force times w(r²), which falls from 1 to 0.
 ///
-/// The force is split, not the potential. The energy of the near part alone is a matter of the loop, and its sum with the far part is
-/// the energy of the whole.
+/// The force is split, not the potential. The near part alone has an energy for loops only; near and far part together have the energy
+/// of the whole.
 #[derive(Clone, Copy, Debug)]
 pub struct NearPart {
     step: Smoothstep,

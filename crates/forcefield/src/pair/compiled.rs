@@ -1,5 +1,6 @@
-//! The forms that loops compile in: 12-6 with its frequent truncations, some others of one species that rows would slow down by
-//! more than a fifth (benches/NOTES.md), and rows for all others.
+//! The forms that loops compile in: 12-6 with its frequent truncations, and rows for nearly all others.
+//!
+//! Some forms of one species have a loop too, since rows would slow them down by more than a fifth (benches/NOTES.md).
 
 use super::potentials::inverse_power;
 use super::smoothstep::switched;
@@ -92,7 +93,7 @@ impl PairForm for TwelveSix {
     }
 }
 
-/// 12-6 with a linear force shift; the constants are those of [`super::Truncation::ForceShift`].
+/// 12-6 with a linear force shift; [`super::Truncation::ForceShift`] gives the constants.
 #[derive(Clone, Copy, Debug)]
 pub struct ForceShifted;
 
@@ -111,7 +112,7 @@ impl PairForm for ForceShifted {
     }
 }
 
-/// 12-6 with the quintic switch; the constants are those of the step.
+/// 12-6 with the quintic switch; the step gives the constants.
 #[derive(Clone, Copy, Debug)]
 pub struct Switched;
 
@@ -209,7 +210,7 @@ impl PairForm for TwoPowers {
     }
 }
 
-/// Any form by its rows; the constants are those of [`PairRows::constants`].
+/// Any form by its rows; [`PairRows::constants`] gives the constants.
 #[derive(Clone, Copy, Debug)]
 pub struct ByRows<'a>(pub &'a PairRows);
 

@@ -8,7 +8,7 @@ use lennard_core::{
     PressureBath, State, Step, StepError, System, Want, persist, rigid, rigid_bonds_alone, sweeps,
 };
 
-use super::list::BarostatParts;
+use super::parts::BarostatParts;
 use super::stochastic_cell_rescaling::dof_of_centers;
 use crate::chain::Chain;
 use crate::{ThermostatOptions, nose_hoover};

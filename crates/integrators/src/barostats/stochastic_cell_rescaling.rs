@@ -9,7 +9,7 @@ use lennard_core::{
 };
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
-use super::list::{BarostatParts, Coupling};
+use super::parts::{BarostatParts, Coupling};
 use crate::ThermostatOptions;
 
 lennard_core::options! {

@@ -15,7 +15,7 @@ use crate::spook::contact_step;
 
 /// All that particles meet in flight: walls, and other bodies.
 ///
-/// The forces of contacts come before those of walls. A flight has one order of time for all events.
+/// The forces of contacts come before the forces of walls. A flight has one order of time for all events.
 pub struct Obstacles {
     walls: Option<Walls>,
     contacts: Option<Contacts>,

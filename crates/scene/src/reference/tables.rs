@@ -190,8 +190,8 @@ pub(super) static TABLES: &[TableDoc] = tables! {
     /// How many particles there are and in which box: `n_atoms` with `density` or `box`.
     "system" Form::Once, keys SystemKeys;
     /// Where the particles stand at the start. `slab` is liquid across z with vapor on both sides, and `half-crystal` a crystal across z
-    /// beside its liquid: every key has a default, and the box follows from `n_atoms`. The others stand in the box of `[system]`; `positions`
-    /// and `file` have a number of particles of their own.
+    /// beside its liquid. Their keys have defaults, and their box follows from `n_atoms`. The others stand in the box of `[system]`;
+    /// `positions` and `file` have a number of particles of their own.
     "start" Form::Once,
         methods StartKeys, "kind" = Usual::Name("lattice"), "How they stand.";
     /// A species of a mixture, at most eight. Without such a table all particles have σ = ε = m = 1. On a lattice the species are mixed

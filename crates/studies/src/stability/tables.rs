@@ -20,8 +20,7 @@ const CLOSE_STEPS: usize = 24;
 /// Points of a line less one.
 const DENSE: u32 = 499;
 
-/// What the text of the page names on the oscillator: words, lists, the tables of the files with columns that figures need, and
-/// the tables of the page.
+/// What the text of the page names on the oscillator: words, lists, and tables. Tables of the files have columns that figures need.
 pub(super) fn given(study: &OscillatorStudy) -> Given {
     let shared = study.groups.iter().filter(|g| g.members.len() > 1);
     let groups = shared.map(|group| {

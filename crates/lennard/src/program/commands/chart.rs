@@ -63,7 +63,7 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
     Ok(done)
 }
 
-/// The scene with its lock file, and the points around it: of the study file that is named, or of a shipped one over the scene.
+/// The scene with its lock file, and the points around it. They are of the study file that is named, or of a shipped one.
 fn read(args: &ChartArgs) -> Result<(Scene, Option<UsedLock>, Sweep), Failure> {
     if sweep::is_study(&args.scene) {
         let (scene, study) = sweep::chart(&args.scene, &args.set)?;

@@ -300,7 +300,7 @@ fn the_tolerance_holds_a_finite_size_term_near_the_critical_point_of_the_equatio
     let place = Place::with(&[("scene.toml", &scene)]);
     let bath = "stage.production.thermostat={ kind = \"bussi\", tau = 0.2 }";
     let run = ["run", "scene.toml", "--out", "out", "--quiet", "--no-report"];
-    let longer = ["--set", bath, "--set", "stage.production.steps=20000"];
+    let longer = ["--set", bath, "--set", "stage.production.steps=30000"];
     assert!(lennard_in(place.root(), &[&run[..], &longer].concat()).status.success());
     let compared = lennard_in(place.root(), &["compare", "out", "--json"]).stdout;
     let compared: Value = serde_json::from_slice(&compared).unwrap();
