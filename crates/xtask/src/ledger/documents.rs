@@ -19,6 +19,8 @@ const STEPS: i64 = 200;
 /// Fields of records that name the machine, its speed or its clock.
 const OF_THE_MACHINE: [&str; 6] =
     ["wall_s", "performance", "host", "threads", "ns_per_atom_step", "cost"];
+/// Files that hold costs by the clock.
+const FILES_OF_CLOCKS: [&str; 2] = ["ensemble.csv", "pace.svg"];
 
 /// Fields of run.json that repeat the scene.
 const OF_THE_SCENE: [&str; 5] = ["scene", "atoms", "n_dof", "seed", "steps"];
@@ -54,6 +56,9 @@ pub fn checksums(folder: &Path) -> Fallible<String> {
             continue;
         }
         let name = entry.file_name().to_string_lossy().into_owned();
+        if FILES_OF_CLOCKS.contains(&name.as_str()) {
+            continue;
+        }
         let bytes = fs::read(entry.path())?;
         if name.ends_with(".json") {
             let record: Value = serde_json::from_slice(&bytes)?;
