@@ -31,6 +31,7 @@ impl WallReading {
     }
 
     /// The outward direction along the axis: −1 at the lower end, +1 at the upper.
+    #[inline]
     #[must_use]
     pub fn outward(&self) -> f64 {
         if self.is_upper { 1.0 } else { -1.0 }
@@ -45,6 +46,7 @@ impl WallReading {
     }
 
     /// The distance of a position from the plane, σ: positive between the planes.
+    #[inline]
     #[must_use]
     pub fn distance(&self, x: DVec3) -> f64 {
         self.outward() * (self.position - x[self.axis])

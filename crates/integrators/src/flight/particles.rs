@@ -36,12 +36,15 @@ impl Planes {
 pub(super) fn fly(walls: &mut Walls, flight: Flight<'_>) -> Result<Drifted, StepError> {
     let planes = Planes::of(walls);
     let Flight { cell, positions, velocities, forces, masses, h, step, is_later } = flight;
+    let (is_damped, acts_at_end) = (!planes.dashpots.is_empty(), !planes.at_end.is_empty());
     let mut heat = 0.0;
     for i in (0..positions.len()).filter(|i| !masses.is_held(*i)) {
         let (mass, force) = (masses.of(i), forces[i]);
         let (x, v) = (&mut positions[i], &mut velocities[i]);
         let start = *x;
-        heat += damp(walls, &planes, start, v, mass, 0.5 * h);
+        if is_damped {
+            heat += damp(walls, &planes, start, v, mass, 0.5 * h);
+        }
         let end = start + h * *v;
         if planes.along_parabolas {
             let random = walls.noise_of(i, step, is_later);
@@ -62,12 +65,14 @@ pub(super) fn fly(walls: &mut Walls, flight: Flight<'_>) -> Result<Drifted, Step
         } else {
             *x = end;
         }
-        if !planes.at_end.is_empty() {
+        if acts_at_end {
             let kick = h / mass * force;
             let now = (start, &mut positions[i]);
             heat += end_one(walls, &planes, now, &mut velocities[i], kick, h, mass);
         }
-        heat += damp(walls, &planes, positions[i], &mut velocities[i], mass, 0.5 * h);
+        if is_damped {
+            heat += damp(walls, &planes, positions[i], &mut velocities[i], mass, 0.5 * h);
+        }
     }
     Ok(Drifted::with_heat(heat))
 }
