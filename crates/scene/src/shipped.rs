@@ -53,7 +53,7 @@ impl Shipped {
     /// Whether the file is a study, which names its scene as `base`.
     #[must_use]
     pub fn is_study(&self) -> bool {
-        self.text.lines().any(|line| line.starts_with("base = "))
+        crate::study::is_study(self.text)
     }
 
     /// The command that runs the file: `run`, or for a study `sweep` or `chart`.

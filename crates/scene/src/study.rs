@@ -73,6 +73,12 @@ const TIMES: &str = ".times";
 /// Keys without a short name stand before this one.
 const AFTER_OTHERS: &str = "r_cut";
 
+/// Whether a text is of a study, which names its scene as `base`.
+#[must_use]
+pub fn is_study(text: &str) -> bool {
+    text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("base"))
+}
+
 /// The keys of a study file.
 pub(crate) const KEYS: [&str; 7] = ["name", "base", "reading", "set", "point", "zip", "grid"];
 

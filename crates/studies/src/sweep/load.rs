@@ -29,11 +29,11 @@ pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepEr
     Ok(plan)
 }
 
-/// Whether a file is a study, which names its scene as `base`.
+/// Whether a file is a study.
 #[must_use]
 pub fn is_study(path: &Path) -> bool {
     let text = lennard_scene::shipped::read(path).unwrap_or_default();
-    text.split(|byte| *byte == b'\n').any(|line| line.starts_with(b"base ="))
+    lennard_scene::study::is_study(&String::from_utf8_lossy(&text))
 }
 
 /// Reads the study file of a chart, with the scene that it names.
