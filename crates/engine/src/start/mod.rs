@@ -38,15 +38,14 @@ pub(crate) fn start_with(
     if let Some((n, cell)) = size(scene)? {
         room::is_there(scene, &cell, n)?;
     }
-    let start = match (scene.placement()?, given) {
-        (None, given) => file::start(scene, given)?,
-        (Some(placement), None) => placed(scene, &placement)?,
+    match (scene.placement()?, given) {
+        (None, given) => file::start(scene, given),
+        (Some(placement), None) => placed(scene, &placement),
         (Some(_), Some(_)) => {
             let found = "positions beside a start that the scene has";
-            return Err(scene.source.invalid("start.kind", found, "\"file\"").into());
+            Err(scene.source.invalid("start.kind", found, "\"file\"").into())
         }
-    };
-    Ok(start)
+    }
 }
 
 /// The start of particles whose places the scene lists, or that the program places.

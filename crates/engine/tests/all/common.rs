@@ -122,3 +122,29 @@ pub(crate) fn same_files(expected: &Files, found: &Files, what: &str) {
         assert!(*bytes == found[name], "{what}: {name} differs");
     }
 }
+
+/// A rigid triangle, as overrides.
+pub(crate) const TRIANGLE: [(&str, &str); 6] = [
+    ("molecule.kind", "sites"),
+    ("molecule.sites", "3"),
+    ("molecule.bonds", "[[1, 2], [2, 3], [3, 1]]"),
+    ("molecule.shape", "[[0, 0, 0], [0.7, 0, 0], [0.35, 0.6062177826, 0]]"),
+    ("molecule.bond_length", "0.7"),
+    ("system.density", "0.1"),
+];
+
+/// The deterministic barostat.
+pub(crate) const MTK: &str = "{ kind = \"mtk\", pressure = 1.0, tau = 0.5 }";
+
+/// The method of atoms.
+pub(crate) const PLAIN: (&str, &str) = ("integrator.kind", "velocity-verlet");
+
+/// The overrides of a shape with two more.
+pub(crate) const fn with_shape(
+    shape: [(&'static str, &'static str); 6],
+    more: (&'static str, &'static str),
+    and: (&'static str, &'static str),
+) -> [(&'static str, &'static str); 8] {
+    let [a, b, c, d, e, f] = shape;
+    [a, b, c, d, e, f, more, and]
+}

@@ -5,31 +5,7 @@ use lennard_core::{Configuration, DVec3, Part, PeriodicBox, Want, rigid};
 use lennard_engine::{EngineError, Simulation, StopAt, Unfollowed, prepare};
 use lennard_scene::Scene;
 
-use crate::common::{self, DUMBBELLS, prepared};
-
-/// A rigid triangle, as overrides.
-const TRIANGLE: [(&str, &str); 6] = [
-    ("molecule.kind", "sites"),
-    ("molecule.sites", "3"),
-    ("molecule.bonds", "[[1, 2], [2, 3], [3, 1]]"),
-    ("molecule.shape", "[[0, 0, 0], [0.7, 0, 0], [0.35, 0.6062177826, 0]]"),
-    ("molecule.bond_length", "0.7"),
-    ("system.density", "0.1"),
-];
-
-/// The deterministic barostat.
-const MTK: &str = "{ kind = \"mtk\", pressure = 1.0, tau = 0.5 }";
-
-const PLAIN: (&str, &str) = ("integrator.kind", "velocity-verlet");
-
-const fn with_shape(
-    shape: [(&'static str, &'static str); 6],
-    more: (&'static str, &'static str),
-    and: (&'static str, &'static str),
-) -> [(&'static str, &'static str); 8] {
-    let [a, b, c, d, e, f] = shape;
-    [a, b, c, d, e, f, more, and]
-}
+use crate::common::{self, DUMBBELLS, MTK, PLAIN, TRIANGLE, prepared, with_shape};
 
 fn scene(overrides: &[(&str, &str)]) -> Scene {
     common::scene(DUMBBELLS, overrides)
