@@ -74,6 +74,7 @@ impl Pairwise {
     /// The values of particles `i` and `j` at r² = `r2` σ², ε; none beyond the cutoff of their pair.
     ///
     /// A loop itself compares r² with the largest cutoff.
+    #[inline(always)]
     pub fn between(&self, i: usize, j: usize, r2: f64) -> Option<Pair<f64>> {
         let pair = match &self.laws {
             None => self.model.eval(r2),

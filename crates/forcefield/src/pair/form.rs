@@ -44,6 +44,10 @@ pub struct Form {
     pub(crate) formula: Formula,
     /// What a truncation makes of it.
     pub(crate) truncation: Truncation,
+    /// Joints of both, σ²: sums over all pairs ask for them at each pair.
+    joints2: [Option<f64>; 2],
+    /// The unit of energy of the potential, ε.
+    unit: f64,
 }
 
 impl Form {
@@ -54,19 +58,22 @@ impl Form {
             Some(_) => Truncation::Plain { shift: 0.0 },
             None => truncation.kind.of(&formula, truncation),
         };
-        Self { formula, truncation }
+        let joints2 = [formula.joint2(), truncation.joint2()];
+        Self { formula, truncation, joints2, unit: formula.unit() }
     }
 
     /// r² where one formula gives way to another below the cutoff, σ².
     pub fn joint2(&self) -> Option<f64> {
-        self.truncation.joint2().or(self.formula.joint2())
+        let [of_formula, of_truncation] = self.joints2;
+        of_truncation.or(of_formula)
     }
 
     /// U, −U′/r and U″ at r² = `r2` σ² ≤ r_cut², ε.
+    #[inline(always)]
     pub fn eval(&self, r2: f64) -> Pair<f64> {
-        let pair = self.formula.on(Side::of(r2, self.formula.joint2()), r2);
-        let pair = self.truncation.of(pair, Side::of(r2, self.truncation.joint2()), r2);
-        pair.in_epsilon(self.formula.unit())
+        let [of_formula, of_truncation] = self.joints2.map(|joint2| Side::of(r2, joint2));
+        let pair = self.formula.on(of_formula, r2);
+        self.truncation.of(pair, of_truncation, r2).in_epsilon(self.unit)
     }
 
     /// What loops compile in, with the constants of the form; none where they take rows.
@@ -96,6 +103,6 @@ impl Form {
     /// The same by the formula of one side of the joint, which goes on beyond the joint and the cutoff.
     pub(crate) fn on(&self, side: Side, r2: f64) -> Pair<f64> {
         let pair = self.formula.on(side, r2);
-        self.truncation.of(pair, side, r2).in_epsilon(self.formula.unit())
+        self.truncation.of(pair, side, r2).in_epsilon(self.unit)
     }
 }

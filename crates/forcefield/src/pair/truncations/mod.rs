@@ -66,6 +66,7 @@ impl Truncation {
     }
 
     /// The values of a pair at r² = `r2` σ² on a side of the joint.
+    #[inline(always)]
     pub fn of(&self, pair: Pair<f64>, side: Side, r2: f64) -> Pair<f64> {
         match self {
             Self::Plain { shift } => Pair { energy: pair.energy - shift, ..pair },
