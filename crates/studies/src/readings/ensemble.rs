@@ -30,11 +30,13 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
     }
     let table = table(&runs);
     let figures = figures().into_iter().filter_map(|row| row.draw(|_| Some(table.clone())));
-    let section = Section::new(POINTS).figures(figures.collect()).table(table.clone());
+    // The choice names its barostat.
+    let shown = table.clone().without(&["Barostat"]);
+    let section = Section::new(POINTS).figures(figures.collect()).table(shown.clone());
     Blocks {
         lead: "A right choice has the pressure, the density and the compressibility of all others. They differ in cost and pace.".into(),
         sections: vec![section],
-        terminal: vec![table.clone().without(&["Barostat", "ρ − equation"])],
+        terminal: vec![shown.without(&["Accepted", "ρ − equation"])],
         tables: vec![table],
         sentences: vec!["V is independent so many times in a τ; var V = T·V·κ_T".into()],
         ..Blocks::default()
