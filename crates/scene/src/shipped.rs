@@ -53,7 +53,7 @@ impl Shipped {
     /// Whether the file is a study, which names its scene as `base`.
     #[must_use]
     pub fn is_study(&self) -> bool {
-        crate::study::is_study(self.text)
+        is_text_of_study(self.text)
     }
 
     /// The command that runs the file: `run`, or for a study `sweep` or `chart`.
@@ -135,6 +135,16 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
         Some(scene) => Ok(scene.text.as_bytes().to_vec()),
         None => std::fs::read(path),
     }
+}
+
+/// Whether a file is a study, which names its scene as `base`; a file that cannot be read is none.
+#[must_use]
+pub fn is_study(path: &Path) -> bool {
+    read(path).is_ok_and(|text| is_text_of_study(&String::from_utf8_lossy(&text)))
+}
+
+fn is_text_of_study(text: &str) -> bool {
+    text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("base"))
 }
 
 /// The file beside `file` that is written in it, or the shipped scene of this name where there is no such file.

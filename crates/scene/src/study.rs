@@ -73,12 +73,6 @@ const TIMES: &str = ".times";
 /// Keys without a short name stand before this one.
 const AFTER_OTHERS: &str = "r_cut";
 
-/// Whether a text is of a study, which names its scene as `base`.
-#[must_use]
-pub fn is_study(text: &str) -> bool {
-    text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("base"))
-}
-
 /// The keys of a study file.
 pub(crate) const KEYS: [&str; 7] = ["name", "base", "reading", "set", "point", "zip", "grid"];
 
@@ -357,6 +351,13 @@ impl Reader {
             let by_name = |s: &&ShortKey| s.name == written_key || s.key == Some(&*written_key);
             let key = match SHORT_KEYS.iter().find(by_name) {
                 Some(short) => short.name.to_owned(),
+                None if is_in_number(&written_key) => {
+                    let found = written_key.rsplit('.').next().unwrap_or_default();
+                    let refused = self.source.refuse(&path, "is not a known key");
+                    return Err(refused
+                        .found(format!("`{found}`"))
+                        .allowed("`times`, or a list of values"));
+                }
                 None if written_key.contains('.') || reference::table(&written_key).is_some() => {
                     written_key
                 }
@@ -413,6 +414,12 @@ impl Reader {
         let refused = || self.source.refuse(key, "is not allowed").found(in_short(value));
         name.ok_or_else(|| refused().allowed(Name::ALLOWED))
     }
+}
+
+/// Whether a key stands inside a key that holds a number.
+fn is_in_number(key: &str) -> bool {
+    let holds = |of: &str| SHORT_KEYS.iter().any(|s| s.name == of || s.key == Some(of));
+    key.rsplit_once('.').is_some_and(|(of, _)| holds(of))
 }
 
 impl AxisValue {

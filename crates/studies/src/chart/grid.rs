@@ -1,18 +1,12 @@
 //! The settings of a chart: the points of its study file that can run from the equilibrated start.
 
-use lennard_integrators::ThermostatOptions;
-use lennard_scene::SceneError;
-
 use crate::lab::Workbench;
 use crate::settings::{Settings, truncation_is_free};
 use crate::sweep::{LeftOut, Sweep};
+use lennard_integrators::ThermostatOptions;
 
 /// Times of this many steps of the scene are whole numbers of steps of most settings: there trajectories are compared.
 pub(super) const COMMON_STEPS: f64 = 48.0;
-/// Keys that a chart varies, and tables whose keys it varies.
-const VARIED: [&str; 7] =
-    ["dt", "r_cut", "integrator.", "split.", "truncation.", "neighbor.", "kernel.precision"];
-
 /// Settings to be tried, and those that were left out.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Grid {
@@ -23,20 +17,10 @@ pub struct Grid {
 }
 
 /// The settings of the points of a study around the settings of the workbench's scene.
-///
-/// # Errors
-/// [`SceneError`] where the study changes what is no setting.
-pub fn grid(bench: &Workbench, study: &Sweep) -> Result<Grid, SceneError> {
+pub fn grid(bench: &Workbench, study: &Sweep) -> Grid {
     let own = Settings::of(bench.scene());
     let mut grid = Grid { settings: vec![own.clone()], left_out: study.left_out.clone() };
     for point in &study.points {
-        let is_other = |key: &str| !VARIED.iter().any(|varied| key.starts_with(varied));
-        let named = point.settings.iter().filter(|setting| setting.key != "name");
-        if let Some(other) = named.map(|s| &*s.key).find(|key| is_other(key)) {
-            let refused = study.source.refuse("reading", "compares settings of one fluid");
-            let allowed = "keys of `integrator`, `split`, `truncation` and `neighbor`, and `kernel.precision`";
-            return Err(refused.found(format!("points that differ in `{other}`")).allowed(allowed));
-        }
         let settings = Settings::of(&point.scene);
         if grid.settings.contains(&settings) {
             continue;
@@ -51,7 +35,7 @@ pub fn grid(bench: &Workbench, study: &Sweep) -> Result<Grid, SceneError> {
         }
     }
     grid.left_out = together(grid.left_out);
-    Ok(grid)
+    grid
 }
 
 /// Why settings would run as the scene's own do.

@@ -44,7 +44,7 @@ pub(super) fn all(
     let store = Store::open(options.folder, scene, options.anew)?;
     progress.update("equilibrating", 0.0);
     let bench = Workbench::new(scene)?;
-    let mut grid = grid(&bench, study)?;
+    let mut grid = grid(&bench, study);
     let tightest = with_tightest(&mut grid, &bench)?;
     let plan = lengths(&bench, &grid, tightest, options);
     store.begin(scene, &plan)?;

@@ -12,6 +12,9 @@ use crate::report::counted;
 
 /// The reading of a chart.
 const CHART: &str = "chart";
+/// Keys that a chart varies, and tables whose keys it varies.
+const VARIED: [&str; 7] =
+    ["dt", "r_cut", "integrator.", "split.", "truncation.", "neighbor.", "kernel.precision"];
 
 /// Reads a study file with overrides for every point. Of the scenes it reads as many as it needs to know each key.
 ///
@@ -29,28 +32,34 @@ pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepEr
     Ok(plan)
 }
 
-/// Whether a file is a study.
-#[must_use]
-pub fn is_study(path: &Path) -> bool {
-    let text = lennard_scene::shipped::read(path).unwrap_or_default();
-    lennard_scene::study::is_study(&String::from_utf8_lossy(&text))
-}
-
 /// Reads the study file of a chart, with the scene that it names.
 ///
 /// # Errors
-/// [`SweepError`] where the file is wrong, or is read otherwise.
+/// [`SweepError`] where the file is wrong, is read otherwise, or changes more than settings.
 pub fn chart(path: &Path, overrides: &[(String, String)]) -> Result<(Scene, Sweep), SweepError> {
     let plan = Plan::new(path, StudyFile::load(path)?, overrides)?;
     if plan.study.readings != [CHART] {
         let refused = plan.study.source.refuse("reading", "is no chart");
-        let found = format!("{:?}", plan.study.readings.join(", "));
+        let found = match plan.study.readings.join(", ") {
+            none if none.is_empty() => "no reading".to_owned(),
+            readings => format!("{readings:?}"),
+        };
         let allowed = format!("`reading = {CHART:?}`, or `lennard sweep` for this file");
         return Err(refused.found(found).allowed(allowed).into());
     }
     plan.check_keys()?;
     plan.fits_one_process()?;
-    Ok((plan.base_scene()?, plan.fitting()?))
+    let study = plan.fitting()?;
+    let keys = study.points.iter().flat_map(|point| &point.settings).map(|s| s.key.as_str());
+    let is_setting = |key: &str| key == "name" || VARIED.iter().any(|v| key.starts_with(v));
+    if let Some(other) = keys.into_iter().find(|key| !is_setting(key)) {
+        let refused = study.source.refuse("reading", "compares settings of one fluid");
+        let found = format!("points that differ in `{other}`");
+        let allowed =
+            "keys of `integrator`, `split`, `truncation` and `neighbor`, and `kernel.precision`";
+        return Err(refused.found(found).allowed(allowed).into());
+    }
+    Ok((plan.base_scene()?, study))
 }
 
 /// Reads a study file with another scene in the place of its own. Points that do not fit this scene are left out, with the reason.

@@ -94,6 +94,8 @@ fn truncations_and_steps_make_a_chart_of_a_users_own() {
     for (command, from, to, words) in [
         ("sweep", "dt", "dt", "`reading` is not read from a sweep"),
         ("chart", "\"chart\"", "\"table\"", "`reading` is no chart"),
+        ("chart", "reading = \"chart\"\n", "", "found:   no reading"),
+        ("chart", "times", "tims", "found:   `tims`\n  allowed: `times`, or a list of values"),
         ("chart", "dt = ", "density = ", "points that differ in `density`"),
         ("chart", "[1, 2]", "[1, -2]", "found:   -2\n  allowed: numbers above 0"),
         ("chart", "dt = ", "\"truncation.kinds\" = ", "multiplies what is no number"),
@@ -103,6 +105,6 @@ fn truncations_and_steps_make_a_chart_of_a_users_own() {
         let said = stderr(&refused);
         assert_eq!(refused.status.code(), Some(2), "{said}");
         assert!(said.contains(words), "{words}: {said}");
-        assert!(!place.path("other/points").exists());
+        assert!(!place.path("other").exists(), "{words}");
     }
 }

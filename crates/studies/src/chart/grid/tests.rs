@@ -16,7 +16,7 @@ fn grid_of(study: &str, text: &str, extra: &[(&str, &str)]) -> (Workbench, Grid)
     let all: Vec<(String, String)> = all.iter().map(|(k, v)| ((*k).into(), (*v).into())).collect();
     let bench = Workbench::new(&lennard_scene::Scene::load(&file, &all).unwrap()).unwrap();
     let study = over(format!("shipped:/studies/{study}.toml").as_ref(), &file, &all).unwrap();
-    let grid = grid(&bench, &study).unwrap();
+    let grid = grid(&bench, &study);
     (bench, grid)
 }
 
