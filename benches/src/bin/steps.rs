@@ -4,7 +4,7 @@
 //!
 //! With `beside`, blocks on two numbers of threads take turns. The median of their ratios tells more than two runs on a
 //! machine whose clock drifts. `skin` replaces the skin that the case would choose. U and W are measured after every
-//! `energies` steps, or never. `lennard bench` times kernels and lists by themselves.
+//! `energies` steps, or never. `lennard study bench` times kernels and lists by themselves.
 
 use std::io::{Write, stdout};
 use std::process::ExitCode;

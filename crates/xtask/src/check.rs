@@ -98,7 +98,7 @@ const LEFT_OUT: &[&str] = &[
     "coverage: printed errors against 2,700 runs of many seeds (lennard sweep studies/coverage)",
     "ledger: bits of every shipped scene (cargo xtask ledger)",
     "fuzz: mutated files through every reader (cargo xtask fuzz)",
-    "bench: speed (lennard bench)",
+    "bench: speed (lennard study bench)",
 ];
 
 /// Runs all tiers of a command, whatever fails, and sums up; `None` where there is no such command.

@@ -103,10 +103,10 @@ fn the_planar_tail_is_conserved_with_the_rest_and_keeps_the_middle_of_the_box() 
 #[test]
 fn a_study_of_homogeneous_fluids_refuses_a_planar_tail() {
     let scene = common::scene(SLAB, TAILS[1]);
-    let error = scene.homogeneous_for("lennard bench").unwrap_err();
+    let error = scene.homogeneous_for("lennard study bench").unwrap_err();
     let text = error.to_string();
     for words in [
-        "`truncation.tail_correction` does not go with `lennard bench`",
+        "`truncation.tail_correction` does not go with `lennard study bench`",
         "found:   \"planar\"",
         "allowed: a homogeneous fluid, with true or false",
     ] {

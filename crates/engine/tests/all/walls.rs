@@ -294,9 +294,9 @@ fn a_particle_through_a_soft_wall_fails_with_the_wall_and_the_cause() {
 #[test]
 fn a_study_of_a_homogeneous_fluid_refuses_walls_and_fields() {
     let scene = build(&[("wall", "[{kind=\"hard\"}]")]).scene;
-    let error = scene.homogeneous_for("lennard bench").unwrap_err().to_string();
-    assert!(error.contains("`wall` does not go with `lennard bench`"), "{error}");
+    let error = scene.homogeneous_for("lennard study bench").unwrap_err().to_string();
+    assert!(error.contains("`wall` does not go with `lennard study bench`"), "{error}");
     assert!(error.contains("a scene of atoms, without walls and field"), "{error}");
     assert!(error.contains("a fluid with walls"), "{error}");
-    assert!(build(&[]).scene.homogeneous_for("lennard bench").is_ok());
+    assert!(build(&[]).scene.homogeneous_for("lennard study bench").is_ok());
 }

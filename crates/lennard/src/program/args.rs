@@ -30,10 +30,9 @@ macro_rules! with_exit_codes {
 #[command(
     name = "lennard",
     version,
-    about,
     after_help = with_exit_codes!(
         "Examples:\n  \
-        lennard run verlet-1967/liquid                  a scene that comes with the program\n  \
+        lennard run template                            a liquid, within seconds\n  \
         lennard new my-fluid                            a scene of your own, with comments\n  \
         lennard run my-fluid.toml --set system.density=0.7\n  \
         lennard sweep sweep/isotherm                    pressure along an isotherm\n  \
@@ -53,7 +52,6 @@ pub struct Cli {
 #[command(
     name = "lennard-mpi",
     version,
-    about,
     after_help = with_exit_codes!(
         "Examples:\n  \
         mpirun -n 4 lennard-mpi run big-fluid.toml --threads 16 --out runs/big\n  \
@@ -78,12 +76,12 @@ pub enum RanksCommand {
     Resume(ResumeArgs),
 }
 
-/// The commands.
+/// The commands: first what a user of fluids needs, then the two doors to the others.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run a scene: melt, equilibrate, measure, compare with the literature.
     #[command(after_help = "Examples:\n  \
-        lennard run verlet-1967/triple-point\n  \
+        lennard run template\n  \
         lennard run verlet-1967/triple-point --set stage.production.steps=200000 --seed 7\n  \
         lennard run fluid/gas --json --quiet > result.json")]
     Run(RunArgs),
@@ -94,45 +92,19 @@ pub enum Command {
         lennard new my-isotherm --like sweep/isotherm\n\n\
         The shipped scenes: lennard list scenes")]
     New(NewArgs),
+    /// Say what a scene computes, what it leaves out and why, its memory, and about how long it takes.
+    #[command(after_help = "Examples:\n  \
+        lennard plan template\n  \
+        lennard plan verlet-1967/triple-point --verbose\n  \
+        lennard plan bench/fluid-864 --nodes 4 --latency 2us --bandwidth 25GB/s")]
+    Plan(PlanArgs),
     /// Go on with a run that was stopped or killed, to the bit, or make a finished one longer.
     #[command(after_help = "Examples:\n  \
-        lennard resume runs/triple-point-1\n  \
-        lennard resume runs/triple-point-1 --steps 100000 --max-walltime 2h")]
+        lennard run template --out liquid                a run to go on with\n  \
+        lennard resume liquid --steps 1000\n  \
+        lennard resume liquid --steps 2000 --max-walltime 2h\n  \
+        lennard resume liquid --older                    from the checkpoint before the newest")]
     Resume(ResumeArgs),
-    /// Say what a scene computes, what it leaves out and why, its memory, and about how long it takes.
-    #[command(after_help = "Examples:\n  lennard plan verlet-1967/triple-point\n  \
-        lennard plan big-fluid.toml --nodes 64 --latency 2us --bandwidth 25GB/s")]
-    Plan(PlanArgs),
-    /// Evaluate energy, virial and pressure of a scene's start configuration once.
-    #[command(after_help = "Examples:\n  \
-        lennard energy verlet-1967/triple-point\n  \
-        lennard energy verlet-1967/triple-point --forces forces.xyz --json")]
-    Energy(EnergyArgs),
-    /// Write a scene, or the last state of a run, as the input of another program: LAMMPS.
-    #[command(after_help = "Examples:\n  \
-        lennard export verlet-1967/liquid lammps-liquid\n  \
-        lennard export runs/liquid-1 lammps-later        the last state of a run\n\n\
-        It writes start.data and in.lammps: the same state, potential, truncation, stages and baths.\n\
-        Where energies depend on something that LAMMPS does not have, it is refused; anything else is named in the script.")]
-    Export(ExportArgs),
-    /// Measure where each integrator fails, on the oscillator and on the fluid, beside theory.
-    #[command(
-        after_help = "Examples:\n  lennard stability --out runs/stability\n  lennard stability --quick"
-    )]
-    Stability(StabilityArgs),
-    /// Measure constraints, springs, SPOOK and collisions on few bodies and on dumbbells, beside theory.
-    #[command(
-        after_help = "Examples:\n  lennard mechanics --out runs/mechanics\n  lennard mechanics --quick"
-    )]
-    Mechanics(StabilityArgs),
-    /// Chart speed against accuracy: one scene with many settings, and which of them are worth their cost.
-    #[command(after_help = "Examples:\n  \
-        lennard chart verlet-1967/triple-point --quick\n  \
-        lennard chart verlet-1967/triple-point --out runs/chart\n  \
-        lennard chart fluid/accuracy        with the settings that `lennard tune` found for it\n  \
-        lennard chart npt/baths --ensemble              interval and τ_p of the barostat, `mtk`, and τ of the thermostat\n\n\
-        Finished points are kept in the output folder: the same command goes on where it was stopped.")]
-    Chart(ChartArgs),
     /// Run many state points side by side; finished ones are not run again.
     #[command(after_help = "Examples:\n  \
         lennard sweep sweep/isotherm\n  \
@@ -144,34 +116,41 @@ pub enum Command {
         lennard sweep sweep/isotherm --out runs/iso --collect\n  \
         lennard sweep sweep/isotherm --out runs/iso --emit slurm > iso.sbatch")]
     Sweep(SweepArgs),
+    /// Put finished runs beside the literature: every quantity with its difference in standard errors.
+    #[command(after_help = "Examples:\n  \
+        lennard run template --out liquid                a run to compare\n  \
+        lennard compare liquid\n  \
+        lennard compare liquid --verbose\n  \
+        lennard compare liquid --json")]
+    Compare(CompareArgs),
+    /// Chart speed against accuracy: one scene with many settings, and which of them are worth their cost.
+    #[command(after_help = "Examples:\n  \
+        lennard chart verlet-1967/triple-point --quick\n  \
+        lennard chart verlet-1967/triple-point --out runs/chart\n  \
+        lennard chart npt/baths --ensemble               settings of the barostat and the thermostat\n\n\
+        A scene with `[accuracy]` takes the settings that `lennard tune` found for it.\n\
+        Finished points are kept in the output folder: the same command goes on where it was stopped.")]
+    Chart(ChartArgs),
     /// Find the cheapest settings for the accuracy that a scene asks for, and keep them in a lock file.
     #[command(after_help = "The scene says how wrong the results may be:\n  \
         accuracy = { potential_energy = 1e-3, pressure = 5e-3, drift = 1e-5 }\n\
         A scene with settings of its own is asked for just that, and told the cheapest; no lock is written.\n\n\
         Examples:\n  \
-        lennard tune fluid/accuracy\n  \
-        lennard run fluid/accuracy\n  \
+        lennard tune fluid/accuracy                      then: lennard run fluid/accuracy\n  \
         lennard tune verlet-1967/triple-point\n  \
         lennard tune fluid/accuracy --set accuracy.pressure=0.02 --lock coarse.lock.toml --json")]
     Tune(TuneArgs),
-    /// Put finished runs beside the literature: every quantity with its difference in standard errors.
+    /// Evaluate energy, virial and pressure of a scene's start configuration once.
     #[command(after_help = "Examples:\n  \
-        lennard compare runs/triple-point-1\n  \
-        lennard compare runs/triple-point-1 --verbose\n  \
-        lennard compare runs/transport/*/ --json")]
-    Compare(CompareArgs),
-    /// Measure how fast the force loop, the list build and whole steps are, for each kernel, precision and number of threads.
-    #[command(after_help = "Examples:\n  \
-        lennard bench --quick\n  \
-        lennard bench verlet-1967/triple-point --threads 1,2 --repeats 15\n  \
-        lennard bench --isa avx2,portable --precision mixed --json\n\n\
-        Without a scene: bench/melt-32k, and with --quick bench/fluid-864.")]
-    Bench(BenchArgs),
+        lennard energy template\n  \
+        lennard energy verlet-1967/triple-point --set truncation.r_cut=4\n  \
+        lennard energy verlet-1967/triple-point --forces forces.xyz --json")]
+    Energy(EnergyArgs),
     /// Print what an equation of state gives at any state, without a run: properties, curves, coexistence.
     #[command(after_help = "Examples:\n  \
         lennard eos --density 0.8442 --temperature 0.722        every property by every equation\n  \
         lennard eos thol-2016 --density 0.1:0.8:0.1 --temperature 1.5\n  \
-        lennard eos thol-2016 pohl-2023 --pressure 1 --temperature 0.8:1.2:0.1 --properties pressure,speed_of_sound\n  \
+        lennard eos thol-2016 --pressure 1 --temperature 0.8:1.2:0.1 --properties speed_of_sound\n  \
         lennard eos thol-2015 --saturation\n  \
         lennard eos pohl-2023 --exponents 11.5,6 --density 0.7 --temperature 1\n  \
         lennard eos virial -d 0.01 -T 1 --json\n\n\
@@ -180,40 +159,105 @@ pub enum Command {
     /// List the methods that a scene can name.
     #[command(
         after_help = "Examples:\n  lennard list                             what can be listed\n  \
-        lennard list scenes\n  lennard list integrators\n  \
+        lennard list scenes\n  lennard list integrators                 the one to use comes first\n  \
         lennard list integrators leapfrog        one method with its equations and its source\n  \
         lennard list potentials --json"
     )]
     List(ListArgs),
-    /// Print a completion script for a shell.
+    /// Measure the program itself: its speed, where integrators fail, how bonds and contacts hold.
     #[command(
-        after_help = "Example:\n  lennard completions bash > ~/.local/share/bash-completion/completions/lennard"
+        subcommand,
+        disable_help_subcommand = true,
+        after_help = "Examples:\n  \
+        lennard study bench --quick\n  \
+        lennard study stability --quick\n  \
+        lennard study mechanics --quick"
     )]
+    Study(StudyCommand),
+    /// Generate what other programs read: input for LAMMPS, completions, man pages, the schema of a scene.
+    #[command(
+        subcommand,
+        disable_help_subcommand = true,
+        after_help = "Examples:\n  \
+        lennard generate lammps verlet-1967/liquid lammps-liquid\n  \
+        lennard generate schema > scene.schema.json\n  \
+        lennard generate man man/man1"
+    )]
+    Generate(GenerateCommand),
+    /// Print version, instruction sets and threads.
+    #[command(after_help = "Examples:\n  \
+        lennard version\n  \
+        lennard version --json\n  \
+        lennard version --json > machine.json")]
+    Version {
+        /// One JSON document on standard output.
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+/// The studies of `lennard study`.
+#[derive(Debug, Subcommand)]
+pub enum StudyCommand {
+    /// Measure how fast the force loop, the list build and whole steps are, for each kernel, precision and number of threads.
+    #[command(after_help = "Examples:\n  \
+        lennard study bench --quick\n  \
+        lennard study bench verlet-1967/triple-point --threads 1,2 --repeats 15\n  \
+        lennard study bench --isa portable --precision double --json\n\n\
+        Without a scene: bench/melt-32k, and with --quick bench/fluid-864.")]
+    Bench(BenchArgs),
+    /// Measure where each integrator fails, on the oscillator and on the fluid, beside theory.
+    #[command(after_help = "Examples:\n  \
+        lennard study stability --quick\n  \
+        lennard study stability --out runs/stability\n  \
+        lennard study stability --quick --json > stability.json")]
+    Stability(StabilityArgs),
+    /// Measure constraints, springs, SPOOK and collisions on few bodies and on dumbbells, beside theory.
+    #[command(after_help = "Examples:\n  \
+        lennard study mechanics --quick\n  \
+        lennard study mechanics --out runs/mechanics\n  \
+        lennard study mechanics --quick --json > mechanics.json")]
+    Mechanics(StabilityArgs),
+}
+
+/// What `lennard generate` makes for other programs.
+#[derive(Debug, Subcommand)]
+pub enum GenerateCommand {
+    /// Write a scene, or the last state of a run, as the input of LAMMPS.
+    #[command(after_help = "Examples:\n  \
+        lennard generate lammps verlet-1967/liquid lammps-liquid\n  \
+        lennard run template --out liquid\n  \
+        lennard generate lammps liquid lammps-later              the last state of a run\n\n\
+        It writes start.data and in.lammps: the same state, potential, truncation, stages and baths.\n\
+        Where energies depend on something that LAMMPS does not have, it is refused; anything else is named in the script.")]
+    Lammps(LammpsArgs),
+    /// Print a completion script for a shell.
+    #[command(after_help = "Examples:\n  \
+        lennard generate completions bash > lennard.bash         then: source lennard.bash\n  \
+        lennard generate completions zsh > _lennard\n  \
+        lennard generate completions fish > lennard.fish")]
     Completions {
         /// The shell.
         shell: Shell,
     },
     /// Write the man pages of all commands to a folder.
-    #[command(
-        after_help = "Example:\n  lennard man ~/.local/share/man/man1        then: man lennard-run"
-    )]
+    #[command(after_help = "Examples:\n  \
+        lennard generate man man/man1                            then: man -M man lennard-run\n  \
+        lennard generate man ~/.local/share/man/man1             then: man lennard-run\n  \
+        lennard generate man .                                   then: man ./lennard-run.1")]
     Man {
         /// The folder; it is made where it is missing.
         #[arg(value_name = "DIR")]
         folder: PathBuf,
     },
     /// Print the JSON Schema of a scene, with which editors complete keys and check values.
-    #[command(after_help = "Example:\n  \
-        lennard schema > scene.schema.json\n\n\
+    #[command(after_help = "Examples:\n  \
+        lennard generate schema > scene.schema.json\n  \
+        lennard generate schema | head -n 20\n  \
+        lennard new my-fluid --schema                            both files at once\n\n\
         Taplo and the TOML extensions of editors take it from the first line of a scene:\n  \
         #:schema ./scene.schema.json")]
     Schema,
-    /// Print version, instruction sets and threads.
-    Version {
-        /// One JSON document on standard output.
-        #[arg(long)]
-        json: bool,
-    },
 }
 
 /// The scene and what is changed in it.

@@ -19,13 +19,13 @@ mod typed;
 
 use std::ffi::OsString;
 
-use clap::Parser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{CommandFactory, Parser};
 
 use lennard_core::Team;
 use lennard_scene::{RemovedKind, removed};
 
-use crate::program::args::{Cli, Command, RanksCli, RanksCommand};
+use crate::program::args::{Cli, Command, GenerateCommand, RanksCli, RanksCommand, StudyCommand};
 use crate::program::failure::Failure;
 
 /// Runs the command line with these arguments, the name of the program first, and returns the exit code.
@@ -45,19 +45,21 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Resume(args) => commands::resume::resume(args),
         Command::Plan(args) => commands::plan::plan(args),
         Command::Energy(args) => commands::energy::energy(args),
-        Command::Export(args) => commands::export::export(args),
-        Command::Stability(args) => commands::stability::stability(args),
-        Command::Mechanics(args) => commands::stability::mechanics(args),
         Command::Chart(args) => commands::chart::chart(args),
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Tune(args) => commands::tune::tune(args),
         Command::Compare(args) => commands::compare::compare(args),
-        Command::Bench(args) => commands::bench::bench(args),
         Command::Eos(args) => commands::eos::eos(args),
         Command::List(args) => commands::list::list(args),
-        Command::Completions { shell } => commands::documents::completions(*shell),
-        Command::Man { folder } => commands::documents::man(folder),
-        Command::Schema => commands::documents::schema(),
+        Command::Study(StudyCommand::Bench(args)) => commands::bench::bench(args),
+        Command::Study(StudyCommand::Stability(args)) => commands::stability::stability(args),
+        Command::Study(StudyCommand::Mechanics(args)) => commands::stability::mechanics(args),
+        Command::Generate(document) => match document {
+            GenerateCommand::Lammps(args) => commands::export::to_lammps(args),
+            GenerateCommand::Completions { shell } => commands::documents::completions(*shell),
+            GenerateCommand::Man { folder } => commands::documents::man(folder),
+            GenerateCommand::Schema => commands::documents::schema(),
+        },
         Command::Version { json } => commands::version(*json),
     };
     exit_code(done)
@@ -103,8 +105,8 @@ fn new_way(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
     };
     let (kind, name) = match error.kind() {
         ErrorKind::UnknownArgument => {
-            let command = arguments.get(1)?.to_str()?;
-            (RemovedKind::Option, format!("{command} {}", found(ContextKind::InvalidArg)?))
+            let option = found(ContextKind::InvalidArg)?;
+            (RemovedKind::Option, format!("{}{option}", command_in(arguments)))
         }
         ErrorKind::InvalidSubcommand => {
             (RemovedKind::Command, found(ContextKind::InvalidSubcommand)?.to_owned())
@@ -113,6 +115,17 @@ fn new_way(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
     };
     let instead = removed(kind, &name)?;
     Some(format!("`{name}` was removed\n  allowed: {instead}"))
+}
+
+/// The words of the command among the arguments, each with a space behind it: `study bench `.
+fn command_in(arguments: &[OsString]) -> String {
+    let (mut level, mut words) = (Cli::command(), String::new());
+    for word in arguments.iter().skip(1).filter_map(|argument| argument.to_str()) {
+        let Some(below) = level.find_subcommand(word) else { break };
+        words += &format!("{word} ");
+        level = below.clone();
+    }
+    words
 }
 
 fn code_of(error: &clap::Error) -> u8 {

@@ -65,8 +65,8 @@ mod tests {
         );
         assert_eq!(of(&sweep, None, &without), "lennard sweep a.toml --set 'x=[1,2]'");
         assert_eq!(
-            of(&typed("bench --json --force"), folder, &[]),
-            "lennard bench --out 'my runs'"
+            of(&typed("study bench --json --force"), folder, &[]),
+            "lennard study bench --out 'my runs'"
         );
     }
 }

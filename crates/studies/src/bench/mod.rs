@@ -1,4 +1,4 @@
-//! `lennard bench`: force loop alone, list build alone and whole steps, for each kernel, precision and number of threads.
+//! `lennard study bench`: force loop alone, list build alone and whole steps, for each kernel, precision and number of threads.
 //!
 //! Every block of steps starts from the same state, so that all variants do the same work. Each repeat shuffles the order
 //! of the blocks, so that a machine that slows down slows all variants down. Nothing here decides anything about a run.

@@ -12,7 +12,7 @@ fn options(set: &[(&str, &str)]) -> BenchOptions {
         threads: vec![1],
         repeats: 2,
         quick: true,
-        command: "lennard bench".into(),
+        command: "lennard study bench".into(),
         machine: vec![],
     }
 }

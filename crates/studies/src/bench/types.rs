@@ -40,7 +40,7 @@ impl Subject {
             }
             Self::File(path) => {
                 let scene = Scene::load(path, overrides)?;
-                scene.homogeneous_for("lennard bench")?;
+                scene.homogeneous_for("lennard study bench")?;
                 Ok(scene)
             }
         }

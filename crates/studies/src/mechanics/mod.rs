@@ -1,4 +1,4 @@
-//! `lennard mechanics`: constraints, springs, collisions and SPOOK, theory beside measurement, with a verdict for each
+//! `lennard study mechanics`: constraints, springs, collisions and SPOOK, theory beside measurement, with a verdict for each
 //! claim, whoever makes it.
 //!
 //! The comparison goes over the list of ways to hold bonds. A way that is added there is measured and drawn here without a

@@ -257,7 +257,7 @@ mod tests {
                     ),
                 Section::new("Two").figures(vec![figure(None)]),
             ],
-            command: Some("lennard stability --out \"<dir>\"".into()),
+            command: Some("lennard study stability --out \"<dir>\"".into()),
             provenance: vec![("version<".into(), "`0.1`".into())],
         }
     }
@@ -273,7 +273,7 @@ mod tests {
             "A &lt;b&gt;title&lt;/b&gt; &amp; more",
             "<strong>strongly</strong>",
             "<td class=\"bad\">&lt;img src=x onerror=y&gt;</td>",
-            "made by <code>lennard stability --out &quot;&lt;dir&gt;&quot;</code>",
+            "made by <code>lennard study stability --out &quot;&lt;dir&gt;&quot;</code>",
             "numbers: <a href=\"numbers.csv\"><code>numbers.csv</code></a>",
         ] {
             assert!(html.contains(text), "{text}");

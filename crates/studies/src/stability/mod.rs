@@ -1,4 +1,4 @@
-//! `lennard stability`: where each integrator fails, on the oscillator and on the fluid. Theory and
+//! `lennard study stability`: where each integrator fails, on the oscillator and on the fluid. Theory and
 //! measurement stand in one picture, with a verdict for each claim.
 //!
 //! The oscillator part goes over the list of integrators. A new integrator of that list is measured and drawn

@@ -12,7 +12,7 @@ use lennard_studies::{Silent, Study, StudyOptions};
 fn study() -> MechanicsStudy {
     let options = StudyOptions {
         quick: true,
-        command: "lennard mechanics --quick --out \"<dir>\"".into(),
+        command: "lennard study mechanics --quick --out \"<dir>\"".into(),
         ..StudyOptions::default()
     };
     mechanics::run(&options, &mut Silent).expect("the quick study runs")

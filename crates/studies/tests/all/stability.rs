@@ -20,7 +20,7 @@ impl Progress for Told {
 fn study() -> (StabilityStudy, Told) {
     let options = StudyOptions {
         quick: true,
-        command: "lennard stability --quick --out \"<dir>\"".into(),
+        command: "lennard study stability --quick --out \"<dir>\"".into(),
         ..StudyOptions::default()
     };
     let mut told = Told::default();

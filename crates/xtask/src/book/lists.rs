@@ -33,7 +33,8 @@ pub fn commands(workspace: &Workspace) -> Result<String, Box<dyn Error>> {
         String::from("# Commands\n\nThis page is what `lennard COMMAND --help` prints.\n");
     let commands = commands_of(workspace).map_err(|error| error as Box<dyn Error>)?;
     for name in commands.keys().filter(|name| *name != "help") {
-        let help = said(workspace, &[name, "--help"])?;
+        let words: Vec<&str> = name.split(' ').chain(["--help"]).collect();
+        let help = said(workspace, &words)?;
         let _ = write!(page, "\n## lennard {name}\n\n```text\n{}\n```\n", help.trim_end());
     }
     Ok(page)

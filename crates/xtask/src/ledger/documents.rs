@@ -195,9 +195,11 @@ pub fn commands(workspace: &Workspace) -> Fallible<BTreeMap<String, Vec<String>>
         Ok(String::from_utf8(output.stdout)?)
     };
     let mut commands = BTreeMap::new();
-    for name in names_in(&help(&[])?) {
-        let options = options_in(&help(&[&name])?);
-        commands.insert(name, options);
+    let mut unread = names_in(&help(&[])?);
+    while let Some(name) = unread.pop() {
+        let text = help(&name.split(' ').collect::<Vec<_>>())?;
+        unread.extend(names_in(&text).into_iter().map(|below| format!("{name} {below}")));
+        commands.insert(name, options_in(&text));
     }
     if commands.is_empty() {
         return Err("`lennard --help` lists no commands".into());

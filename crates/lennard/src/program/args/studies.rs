@@ -7,6 +7,9 @@ use clap::{Args, ValueEnum};
 
 use super::{SceneArgs, key_value, scene_file, threads};
 
+/// The heading in help above what only users of clusters need.
+const CLUSTER: &str = "On a cluster";
+
 /// Arguments of `plan`.
 #[derive(Debug, Args)]
 pub struct PlanArgs {
@@ -17,13 +20,13 @@ pub struct PlanArgs {
     #[arg(long)]
     pub verbose: bool,
     /// Predict the step of one big system on this many machines, each like this one.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, help_heading = CLUSTER, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub nodes: Option<u32>,
     /// Time of an empty message between two machines, such as 2us.
-    #[arg(long, value_name = "TIME", default_value = "2us", requires = "nodes", value_parser = latency)]
+    #[arg(long, help_heading = CLUSTER, value_name = "TIME", default_value = "2us", requires = "nodes", value_parser = latency)]
     pub latency: Duration,
     /// Bytes per second that a machine sends and receives, such as 25GB/s or 800MB/s.
-    #[arg(long, value_name = "RATE", default_value = "25GB/s", requires = "nodes", value_parser = bandwidth)]
+    #[arg(long, help_heading = CLUSTER, value_name = "RATE", default_value = "25GB/s", requires = "nodes", value_parser = bandwidth)]
     pub bandwidth: f64,
 }
 
@@ -70,34 +73,24 @@ pub struct EnergyArgs {
     pub forces: Option<PathBuf>,
 }
 
-/// Arguments of `export`.
+/// Arguments of `generate lammps`.
 #[derive(Debug, Args)]
-pub struct ExportArgs {
+pub struct LammpsArgs {
     /// Scene, or the output folder of a run; overrides, threads.
     #[command(flatten)]
     pub scene: SceneArgs,
     /// The folder to write to: one that is not there yet or is empty.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// The program to write for.
-    #[arg(long, value_enum, default_value_t = ExportFormat::Lammps)]
-    pub format: ExportFormat,
     /// Write into a folder that holds something, over files of the same names.
     #[arg(long)]
     pub force: bool,
 }
 
-/// Programs that `export` writes for.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum ExportFormat {
-    /// A data file and an input script for LAMMPS.
-    Lammps,
-}
-
-/// Arguments of `stability` and `mechanics`.
+/// Arguments of `study stability` and `study mechanics`.
 #[derive(Debug, Args)]
 pub struct StabilityArgs {
-    /// Output folder; by default `runs/<command>-<n>` with the first free n.
+    /// Output folder; by default `runs/<study>-<n>` with the first free n.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace an existing output folder.
@@ -188,19 +181,19 @@ pub struct SweepArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// List the points with their numbers, names and values, and run nothing.
-    #[arg(long, group = "part")]
+    #[arg(long, help_heading = CLUSTER, group = "part")]
     pub points: bool,
     /// Run one point, by number from 0 or by name, beside other processes that run other points. Needs --out.
-    #[arg(long, value_name = "K", group = "part", requires = "out")]
+    #[arg(long, help_heading = CLUSTER, value_name = "K", group = "part", requires = "out")]
     pub point: Option<String>,
     /// With --point K: run the points K·N to K·N + N − 1. With --emit: N points in each task.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), default_value_t = 1)]
+    #[arg(long, help_heading = CLUSTER, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), default_value_t = 1)]
     pub chunk: u32,
     /// Write table and page of the points that are finished, and run nothing. Needs --out.
-    #[arg(long, group = "part", requires = "out")]
+    #[arg(long, help_heading = CLUSTER, group = "part", requires = "out")]
     pub collect: bool,
     /// Print a script that gives the points to a scheduler, and run nothing. Needs --out.
-    #[arg(long, value_name = "SCHEDULER", group = "part", requires = "out")]
+    #[arg(long, help_heading = CLUSTER, value_name = "SCHEDULER", group = "part", requires = "out")]
     pub emit: Option<SchedulerName>,
     /// Stop after this time with checkpoints and exit code 4: 90s, 10m, 2h. With --emit: the time of one task.
     #[arg(long, value_name = "TIME", value_parser = super::wall_time, allow_hyphen_values = true)]
@@ -238,7 +231,7 @@ pub struct CompareArgs {
     pub json: bool,
 }
 
-/// Arguments of `bench`.
+/// Arguments of `study bench`.
 #[derive(Debug, Args)]
 pub struct BenchArgs {
     /// The scene: a file, or the name of a shipped scene; by default `bench/melt-32k`.

@@ -64,6 +64,27 @@ fn commands_of_documents_are_known() {
     assert!(count > 50, "{count}");
 }
 
+/// Whether a command and the commands below it show examples that are parsed, on lines that no terminal of 100 columns breaks.
+fn examples_are_typed_well(command: &clap::Command) {
+    let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    for line in help.lines().filter(|line| line.starts_with("  lennard ")) {
+        assert!(line.chars().count() < 100, "{line}");
+        let typed = line.split("   ").find(|part| !part.is_empty()).unwrap();
+        let words = &commands(&format!("`{}`", typed.trim()));
+        let error = words.first().and_then(|words| {
+            Cli::try_parse_from(["lennard"].into_iter().chain(words.iter().map(String::as_str)))
+                .err()
+        });
+        assert!(error.is_none(), "{line}: {error:?}");
+    }
+    command.get_subcommands().for_each(examples_are_typed_well);
+}
+
+#[test]
+fn examples_of_every_command_are_parsed() {
+    examples_are_typed_well(&Cli::command());
+}
+
 #[test]
 fn an_unknown_command_and_an_unknown_option_are_found() {
     let of = |text| commands(text).iter().all(|words| is_known(words));

@@ -1,4 +1,4 @@
-//! `lennard bench`: how fast the parts of a step are.
+//! `lennard study bench`: how fast the parts of a step are.
 
 use lennard_studies::Study;
 use lennard_studies::bench::{self, BenchError, BenchOptions, Subject};

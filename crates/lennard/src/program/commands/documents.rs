@@ -18,7 +18,7 @@ const LONGEST: usize = 80;
 /// The section whose lines keep their breaks and blanks.
 const EXAMPLES: &str = ".SH EXTRA";
 
-/// `lennard completions`.
+/// `lennard generate completions`.
 pub fn completions(shell: Shell) -> Result<u8, Failure> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Cli::command(), "lennard", &mut script);
@@ -26,7 +26,7 @@ pub fn completions(shell: Shell) -> Result<u8, Failure> {
     Ok(DONE)
 }
 
-/// `lennard man`: a page for the program and one for each command.
+/// `lennard generate man`: a page for the program and one for each command and group of commands.
 pub fn man(folder: &Path) -> Result<u8, Failure> {
     write(folder).map_err(|error| {
         let place = folder.display();
@@ -36,7 +36,7 @@ pub fn man(folder: &Path) -> Result<u8, Failure> {
     Ok(DONE)
 }
 
-/// `lennard schema`.
+/// `lennard generate schema`.
 pub fn schema() -> Result<u8, Failure> {
     print_json(&lennard_scene::schema())?;
     Ok(DONE)
@@ -47,13 +47,14 @@ fn write(folder: &Path) -> io::Result<()> {
     std::fs::create_dir_all(folder)?;
     let mut program = Cli::command().disable_help_subcommand(true);
     program.build();
-    for command in program.get_subcommands().filter(|c| !c.is_hide_set()) {
-        page(command.clone(), folder)?;
-    }
-    page(program, folder)
+    pages(program, folder)
 }
 
-fn page(command: Command, folder: &Path) -> io::Result<()> {
+/// The page of a command, and the pages of the commands below it.
+fn pages(command: Command, folder: &Path) -> io::Result<()> {
+    for below in command.get_subcommands() {
+        pages(below.clone(), folder)?;
+    }
     let name = command.get_display_name().unwrap_or(command.get_name());
     let title = name.to_uppercase();
     let source = format!("lennard {}", command.get_version().unwrap_or_default());

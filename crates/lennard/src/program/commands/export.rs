@@ -1,4 +1,4 @@
-//! `lennard export`: a scene or a run as the input of another program.
+//! `lennard generate lammps`: a scene or a run as the input of LAMMPS.
 
 use std::path::Path;
 
@@ -6,13 +6,13 @@ use lennard_engine::{ResumeOptions, Simulation};
 use lennard_io::{Existing, FolderError, create_named_folder, path_in_shell};
 use serde_json::json;
 
-use crate::program::args::{ExportArgs, ExportFormat};
+use crate::program::args::LammpsArgs;
 use crate::program::commands::{answer, load_locked, on_threads};
 use crate::program::failure::{Failure, INPUT};
 use crate::program::lammps::{LammpsExport, export_to_lammps};
 
-/// Writes the files of another program.
-pub fn export(args: &ExportArgs) -> Result<u8, Failure> {
+/// Writes the files of LAMMPS.
+pub fn to_lammps(args: &LammpsArgs) -> Result<u8, Failure> {
     let from = &args.scene.scene;
     let is_run = from.is_dir();
     if is_run && !args.scene.overrides().is_empty() {
@@ -41,7 +41,7 @@ pub fn export(args: &ExportArgs) -> Result<u8, Failure> {
     };
     let done = write(args, &args.folder, &simulation)?;
     let files: Vec<String> = done.files.iter().map(|f| f.display().to_string()).collect();
-    let schema = lennard_io::schema!("export", 1);
+    let schema = lennard_io::schema!("lammps", 1);
     let document = json!({ "schema": schema, "files": files, "remarks": done.remarks });
     answer(args.scene.json, false, &document, || {
         println!(
@@ -58,7 +58,7 @@ pub fn export(args: &ExportArgs) -> Result<u8, Failure> {
 }
 
 fn write(
-    args: &ExportArgs,
+    args: &LammpsArgs,
     folder: &Path,
     simulation: &Simulation,
 ) -> Result<LammpsExport, Failure> {
@@ -68,6 +68,5 @@ fn write(
     };
     let making = |e: FolderError| Failure::new("making the output folder", e, INPUT);
     let held = create_named_folder(folder, existing).map_err(making)?;
-    let ExportFormat::Lammps = args.format;
     Ok(export_to_lammps(held.path(), simulation)?)
 }

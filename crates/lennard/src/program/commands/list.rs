@@ -134,8 +134,10 @@ fn without_equation([name, summary, source]: [&str; 3]) -> Entry {
     }
 }
 
+/// The integrators, with the default first: what a scene should take unless it has a reason.
 fn integrators() -> Vec<Entry> {
-    each(lennard_integrators::integrators(), |entry| {
+    let default = lennard_integrators::IntegratorOptions::default();
+    let mut entries = each(lennard_integrators::integrators(), |entry| {
         let s = entry.spec;
         Entry {
             properties: properties! {
@@ -150,7 +152,9 @@ fn integrators() -> Vec<Entry> {
             },
             ..described([s.name, s.summary, s.equations, s.source])
         }
-    })
+    });
+    entries.sort_by_key(|entry| entry.name != default.name());
+    entries
 }
 
 fn formats() -> Vec<Entry> {

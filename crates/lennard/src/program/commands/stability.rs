@@ -1,4 +1,4 @@
-//! `lennard stability` and `lennard mechanics`: studies of few bodies, theory and measurement in one picture.
+//! `lennard study stability` and `lennard study mechanics`: studies of few bodies, theory and measurement in one picture.
 
 use lennard_studies::{Progress, Study, StudyError, StudyOptions, mechanics, stability};
 

@@ -1,9 +1,10 @@
-//! `lennard bench` as a user types it.
+//! `lennard study bench` as a user types it.
 
 use crate::program::common::{lennard, stderr, stdout};
 
 /// As little as can be measured.
 const LITTLE: &[&str] = &[
+    "study",
     "bench",
     "--quick",
     "--isa",
@@ -89,7 +90,7 @@ fn bad_input_is_refused_before_anything_is_made() {
         }
     }
     for (arguments, wanted) in table {
-        let output = lennard(&["bench", "--quick", "--out", out.to_str().unwrap()])
+        let output = lennard(&["study", "bench", "--quick", "--out", out.to_str().unwrap()])
             .args(&arguments)
             .output()
             .unwrap();

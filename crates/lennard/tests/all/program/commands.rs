@@ -218,6 +218,23 @@ fn every_list_names_its_methods() {
                 .all(|e| e["name"].is_string() && e["source"].is_string())
         );
     }
+    // What a scene should take unless it has a reason.
+    let integrators = json(&succeed(&["list", "integrators", "--json"]));
+    assert_eq!(integrators["entries"][0]["name"], "velocity-verlet");
+}
+
+#[test]
+fn options_that_only_clusters_need_stand_apart_in_the_help() {
+    for (command, first, last) in
+        [("sweep", "--points", "--emit <SCHEDULER>"), ("plan", "--nodes", "--bandwidth")]
+    {
+        let help = succeed(&[command, "--help"]);
+        let (everyday, of_clusters) = help.split_once("\nOn a cluster:\n").unwrap();
+        for option in [first, last] {
+            assert!(of_clusters.contains(&format!("  {option}")), "{option}: {help}");
+        }
+        assert!(!everyday.contains(&format!("  {first}")), "{help}");
+    }
 }
 
 #[test]
@@ -269,7 +286,7 @@ fn a_plan_is_ten_lines_and_verbose_tells_every_part() {
 
 #[test]
 fn completions_and_version_are_printed() {
-    assert!(succeed(&["completions", "bash"]).contains("lennard"));
+    assert!(succeed(&["generate", "completions", "bash"]).contains("lennard"));
     assert!(succeed(&["version"]).contains(env!("CARGO_PKG_VERSION")));
     assert!(json(&succeed(&["version", "--json"]))["isa"].is_array());
 }

@@ -1,4 +1,4 @@
-//! `lennard export`: the files for another program, and what is refused. LAMMPS itself judges them in `validation/test_lammps.py`.
+//! `lennard generate lammps`: the files for another program, and what is refused. LAMMPS itself judges them in `validation/test_lammps.py`.
 
 use std::fs;
 use std::path::Path;
@@ -51,7 +51,7 @@ fn bench(changes: &[(&str, &str)]) -> tempfile::TempDir {
 }
 
 fn export(root: &Path, arguments: &[&str]) -> std::process::Output {
-    lennard(&[&["export"], arguments].concat()).current_dir(root).output().unwrap()
+    lennard(&[&["generate", "lammps"], arguments].concat()).current_dir(root).output().unwrap()
 }
 
 fn script(root: &Path, folder: &str) -> String {

@@ -1,5 +1,7 @@
 //! The first hour: shipped scenes by name, a scene of one's own, man pages and the schema.
 
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+
 use crate::program::common::{Place, SMALL, stderr, stdout, success};
 
 #[test]
@@ -51,8 +53,10 @@ fn a_new_scene_has_the_comments_of_its_model_and_its_own_command() {
     let schema: serde_json::Value = serde_json::from_str(&place.read("scene.schema.json")).unwrap();
     assert_eq!(
         schema,
-        serde_json::from_str::<serde_json::Value>(&success(&mut place.command(&["schema"])))
-            .unwrap()
+        serde_json::from_str::<serde_json::Value>(&success(
+            &mut place.command(&["generate", "schema"])
+        ))
+        .unwrap()
     );
     // What was written stays, unless it is to be replaced.
     let again = place.output(&["new", "my-fluid.toml"]);
@@ -126,24 +130,67 @@ fn a_name_with_a_space_stands_in_quotes_where_it_can_be_typed() {
     assert!(text.contains("#     lennard run 'my fluid.toml'\n"), "{text}");
 }
 
+/// The words of every command with its help, groups of commands and the program itself included.
+fn helps(place: &Place, words: &[&str]) -> Vec<(String, String)> {
+    let help = success(&mut place.command(&[words, &["--help"]].concat()));
+    let below = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let below = below.take_while(|line| !line.is_empty()).filter(|line| !line.starts_with("   "));
+    let names = below.filter_map(|line| line.split_whitespace().next()).filter(|n| *n != "help");
+    let mut found = vec![(words.join(" "), help.clone())];
+    found.extend(names.flat_map(|name| helps(place, &[words, &[name]].concat())));
+    found
+}
+
+/// An example as the test runs it, and whether it is refused there. Runs have stages of 100 steps. Studies and sweeps read their
+/// scenes, and a setting that is none ends them. Studies without a scene are left out.
+fn cheap(place: &Place, example: &str) -> Option<(String, bool)> {
+    let words: Vec<&str> = example.split_whitespace().collect();
+    match words[1..] {
+        ["run", scene, ..] => {
+            let own = place.path(scene);
+            let file =
+                if own.exists() { own } else { lennard_scene::shipped::locate(scene.as_ref()) };
+            let stages = lennard_scene::Scene::load(&file, &[]).unwrap().stages;
+            let shorter = stages.iter().map(|s| format!(" --set stage.{}.steps=100", s.name));
+            Some((example.to_owned() + &shorter.collect::<String>(), false))
+        }
+        ["study", "stability" | "mechanics", ..] => None,
+        ["chart" | "tune" | "sweep" | "study", ..] => {
+            Some((format!("{example} --set kernel.isa=x"), true))
+        }
+        _ => Some((example.to_owned(), false)),
+    }
+}
+
 /// Who has the program alone has no folder `inputs`.
 #[test]
-fn examples_of_the_commands_name_scenes_that_come_with_the_program() {
-    let place = Place::with(&[]);
-    let list = success(&mut place.command(&["list", "scenes", "--json"]));
-    let shipped = |word: &str| list.contains(&format!("\"name\": \"{word}\""));
-    let mut named = 0;
-    for command in ["run", "plan", "energy", "chart", "sweep", "tune", "bench", "export"] {
-        let help = success(&mut place.command(&[command, "--help"]));
-        for line in help.lines().filter_map(|line| line.trim().strip_prefix("lennard ")) {
-            let scene = line.split_whitespace().nth(1).unwrap_or_default();
-            if scene.contains('/') && !scene.starts_with("runs/") {
-                assert!(shipped(scene), "{command}: {line}");
-                named += 1;
-            }
+fn every_command_shows_three_examples_that_work_in_any_folder() {
+    let commands = helps(&Place::with(&[]), &[]);
+    assert!(commands.len() > 18, "{}", commands.len());
+    let programs = std::path::Path::new(env!("CARGO_BIN_EXE_lennard")).parent().unwrap();
+    let path = format!("{}:{}", programs.display(), std::env::var("PATH").unwrap_or_default());
+    commands.par_iter().for_each(|(command, help)| {
+        let place = Place::with(&[]);
+        let examples: Vec<&str> =
+            help.lines().filter(|line| line.starts_with("  lennard ")).collect();
+        let own = format!("  lennard {command}");
+        let is_own = examples.iter().any(|line| line.starts_with(own.trim_end()));
+        assert!(is_own && examples.len() >= 3, "{command}: {help}");
+        for example in examples {
+            let typed = example.trim().split("   ").next().unwrap();
+            let Some((line, is_refused)) = cheap(&place, typed) else { continue };
+            let mut bash = std::process::Command::new("bash");
+            bash.args(["-c", &line]).current_dir(place.root()).env("PATH", &path);
+            let output = bash.env("HOME", place.root()).output().unwrap();
+            let (code, said) = (output.status.code(), stderr(&output));
+            let is_as_wanted = if is_refused {
+                code == Some(2) && said.contains("kernel.isa")
+            } else {
+                code == Some(0)
+            };
+            assert!(is_as_wanted, "{line}: {code:?}: {said}");
         }
-    }
-    assert!(named > 10, "{named}");
+    });
 }
 
 #[test]
@@ -172,12 +219,13 @@ fn a_copy_of_every_shipped_scene_is_a_scene() {
 #[test]
 fn every_command_has_a_man_page() {
     let place = Place::with(&[]);
-    success(&mut place.command(&["man", "pages/man1"]));
+    success(&mut place.command(&["generate", "man", "pages/man1"]));
     let page = place.read("pages/man1/lennard-run.1");
     assert!(page.contains("max\\-walltime"), "{page}");
     assert!(place.read("pages/man1/lennard.1").contains("lennard\\-sweep"));
+    assert!(place.read("pages/man1/lennard-study-bench.1").contains("\\-\\-repeats"));
     place.write("file", "");
-    let refused = place.output(&["man", "file"]);
+    let refused = place.output(&["generate", "man", "file"]);
     assert_eq!(refused.status.code(), Some(1), "{}", stdout(&refused));
     assert!(stderr(&refused).contains("writing man pages: file"), "{}", stderr(&refused));
 }

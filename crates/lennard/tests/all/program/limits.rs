@@ -88,8 +88,8 @@ fn a_system_without_memory_for_it_is_refused_with_what_would_fit() {
         scene.replace("500_000_000", "1_000").replace("600, 800, 1041.7", "10, 10, 10"),
     )
     .unwrap();
-    for command in ["run", "energy", "plan", "export"] {
-        let more = if command == "export" { "lammps" } else { "" };
+    for command in ["run", "energy", "plan", "generate lammps"] {
+        let more = if command == "generate lammps" { "lammps" } else { "" };
         let limited = format!("ulimit -v 6000000; exec lennard {command} big.toml {more}");
         let output = in_shell(folder, &limited);
         let said = stderr(&output);
@@ -112,9 +112,11 @@ fn a_file_beyond_the_limit_of_the_shell_is_reported_by_every_command_that_writes
     let temporary = tempfile::tempdir().unwrap();
     let folder = temporary.path();
     fs::copy(root().join("inputs/fluid/gas.toml"), folder.join("gas.toml")).unwrap();
-    for command in
-        ["energy gas.toml --forces forces.xyz", "export gas.toml lammps", "run gas.toml --out run"]
-    {
+    for command in [
+        "energy gas.toml --forces forces.xyz",
+        "generate lammps gas.toml lammps",
+        "run gas.toml --out run",
+    ] {
         let output = in_shell(folder, &format!("ulimit -f 1; exec lennard {command}"));
         let said = stderr(&output);
         assert_eq!(output.status.code(), Some(1), "{command}: {said}");

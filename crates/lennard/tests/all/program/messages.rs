@@ -36,12 +36,13 @@ fn arguments_that_cannot_be_read_come_with_an_example() {
         (["run", scene, "--max-walltime", "10x"], "; wanted a time such as 90s, 10m, 2h or 1h30m"),
         (["plan", scene, "--threads", "0"], "allowed: 1 to "),
         (["run", scene, "--threads", "2048"], "allowed: 1 to "),
-        (["bench", scene, "--threads", "1,10000"], "allowed: 1 to "),
         (["sweep", sweep, "--threads", "65535"], "allowed: 1 to "),
         (["list", "potentials", "--isa", "avx2"], "unexpected argument"),
     ] {
         refused(&lennard(&arguments).output().unwrap(), 2, &[wanted]);
     }
+    let bench = ["study", "bench", scene, "--threads", "1,10000"];
+    refused(&lennard(&bench).output().unwrap(), 2, &["allowed: 1 to "]);
 }
 
 #[cfg(target_os = "linux")]
@@ -51,7 +52,7 @@ fn threads_that_the_system_does_not_give_are_no_panic() {
     // requests of a started thread, at which Rust's runtime would abort.
     for (command, wanted) in [
         ("plan inputs/fluid/gas.toml --threads 16", "starting threads: "),
-        ("bench --quick --threads 16 --out", "starting threads: "),
+        ("study bench --quick --threads 16 --out", "starting threads: "),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let out = match command.ends_with("--out") {

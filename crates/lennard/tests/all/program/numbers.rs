@@ -185,13 +185,13 @@ fn every_document_names_its_schema_by_one_rule() {
         &["plan", "scene.toml", "--json"],
         &["energy", "scene.toml", "--json"],
         &["compare", "out", "--json"],
-        &["export", "scene.toml", "lammps", "--json"],
+        &["generate", "lammps", "scene.toml", "out-lammps", "--json"],
         &["eos", "--temperature", "2", "--density", "0.5", "--json"],
         &["eos", "thol-2016", "--saturation", "--json"],
         &["eos", "thol-2016", "--freezing", "--json"],
         &["list", "--json"],
         &["list", "scenes", "--json"],
-        &["mechanics", "--quick", "--quiet", "--out", "mechanics", "--json"],
+        &["study", "mechanics", "--quick", "--quiet", "--out", "mechanics", "--json"],
     ] {
         let output = lennard_in(place.root(), arguments);
         assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
@@ -199,7 +199,7 @@ fn every_document_names_its_schema_by_one_rule() {
         let schema = document["schema"].as_str().unwrap_or_default();
         let rest = schema.strip_prefix("lennard-").and_then(|s| s.split_once('/'));
         let (name, version) = rest.unwrap_or_else(|| panic!("{arguments:?}: {schema:?}"));
-        assert_eq!(name, arguments[0], "{schema}");
+        assert!(arguments[..2].contains(&name), "{schema}");
         assert!(version.parse::<u32>().is_ok(), "{schema}");
     }
     let study: Value = serde_json::from_str(&place.read("mechanics/study.json")).unwrap();

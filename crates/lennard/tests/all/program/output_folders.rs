@@ -174,10 +174,13 @@ fn an_input_in_the_output_folder_is_never_replaced() {
         ("scene-link.toml", "study", "scene-link.toml"),
         ("from-file.toml", "study", "study/start.xyz"),
     ] {
-        for command in ["run", "chart", "bench"] {
-            let output = bench.output(&[command, scene, "--out", folder, "--force", "--quiet"]);
-            refused(&output, &[input, "lies in the output folder", "allowed: another"]);
-            assert!(before == contents(&bench.path("study")), "{command} {scene}");
+        for command in [&["run"][..], &["chart"], &["study", "bench"]] {
+            let arguments = [command, &[scene, "--out", folder, "--force", "--quiet"]].concat();
+            refused(
+                &bench.output(&arguments),
+                &[input, "lies in the output folder", "allowed: another"],
+            );
+            assert!(before == contents(&bench.path("study")), "{command:?} {scene}");
         }
     }
     // Standing in the folder itself.

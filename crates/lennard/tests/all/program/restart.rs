@@ -503,7 +503,7 @@ fn a_reader_who_has_gone_is_no_failure_and_a_full_disk_is() {
     let bench = Bench::new();
     for arguments in [
         &["list", "integrators"][..],
-        &["completions", "bash"],
+        &["generate", "completions", "bash"],
         &["plan", "liquid.toml"],
         &["run", "liquid.toml", "--out", "out"],
     ] {

@@ -187,12 +187,12 @@ fn studies_that_keep_nothing_say_so_and_leave_no_folder() {
     );
     for (arguments, sentence) in [
         (&["tune", "accuracy.toml"][..], "no lock file was written"),
-        (&["bench", "slow.toml", "--out", "out"], "no result was written"),
-        (&["stability", "--out", "out"], "no result was written"),
+        (&["study", "bench", "slow.toml", "--out", "out"], "no result was written"),
+        (&["study", "stability", "--out", "out"], "no result was written"),
         (&["chart", "slow.toml", "--out", "out"], "no point was measured"),
     ] {
         let mut child = start(&bench, &[arguments, &["--quiet"]].concat());
-        if arguments.contains(&"out") && arguments[0] != "bench" {
+        if arguments.contains(&"out") && arguments[1] != "bench" {
             wait_for(&mut child, "the folder", |_| bench.path("out").exists());
         } else {
             wait_until_it_listens(&mut child, 15);
