@@ -32,7 +32,12 @@ SYMBOLS = {
 
 def rows(path):
     with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
+
+
+def column(equation):
+    """The column of an equation."""
+    return equation.replace("-", "_")
 
 
 def number(text):
@@ -69,7 +74,7 @@ def equations_table(judged):
                 cells.append("–")
                 continue
             row = found[0]
-            cells.append(f"{row['χ² per point']} ({row['points']} points, {row['largest, in errors']})")
+            cells.append(f"{row['chi_squared_per_point']} ({row['points']} points, {row['largest_in_errors']})")
         yield line(cells)
 
 
@@ -79,7 +84,7 @@ def state_tables(beside, names):
         of_property = [row for row in beside if row["property"] == key]
         if not of_property:
             continue
-        equations = [e for e in names if any(row[e] not in ("", "nan") for row in of_property)]
+        equations = [e for e in names if any(row[column(e)] not in ("", "nan") for row in of_property)]
         own_error = [row["error_of_difference"] != row["standard_error"] for row in of_property]
         at_given = ["error at given T"] if any(own_error) else []
         yield f"### {SYMBOLS[key]} ({key.replace('_', ' ')})"
@@ -94,7 +99,7 @@ def state_tables(beside, names):
                 of_difference = number(row["error_of_difference"])
                 cells.append("–" if math.isnan(of_difference) else f"{of_difference:.2g}")
             for name in equations:
-                value = number(row[name])
+                value = number(row[column(name)])
                 cells.append("–" if math.isnan(value) else f"{value:.5g}")
             yield line(cells)
         yield ""

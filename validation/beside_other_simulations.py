@@ -67,13 +67,14 @@ def main(path: Path) -> None:
     print("| point | T, half steps | U - Thol | theirs | P - Thol | theirs |")
     print("|---|---|---|---|---|---|")
     for row in rows(path):
-        if not row["phase"].startswith("stable") or not row["u_difference"]:
+        if not row["phase"].startswith("stable") or not row["potential_energy_difference"]:
             continue
         rho, t = float(row["density"]), float(row["temperature"])
         other = theirs(table, rho, t)
         cells = [row["name"], f"{t:.4f}"]
-        for k, (name, short) in enumerate((("U", "u"), ("P", "p"))):
-            difference, error = float(row[f"{short}_difference"]), float(row[f"{short}_difference_se"])
+        for k, (name, key) in enumerate((("U", "potential_energy"), ("P", "pressure"))):
+            column = f"{key}_difference"
+            difference, error = float(row[column]), float(row[f"{column}_standard_error"])
             alone[name].append(difference / error)
             cells.append(f"{difference:+.4f} ± {error:.4f}")
             if other is None:

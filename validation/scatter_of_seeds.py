@@ -21,8 +21,6 @@ PROPERTIES = {
     "thermal_pressure_coefficient": "γ_V",
     "density_scaling_exponent": "γ",
 }
-#: The table has short names for some.
-SHORT = {"heat_capacity": "cv"}
 FEWEST = 4
 
 
@@ -30,7 +28,7 @@ def states(folder):
     """The rows of the table by state: what the name says without the seed."""
     found = {}
     with open(Path(folder) / "table.csv", newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
+        for row in csv.DictReader(line for line in file if not line.startswith("#")):
             found.setdefault(re.sub(r"-seed\d+", "", row["name"]), []).append(row)
     return found
 
@@ -46,8 +44,8 @@ def about_line(x, y):
 
 def line(rows, key):
     """One property of one state; `None` with fewer than four seeds that print an error."""
-    column = SHORT.get(key, key)
-    numbers = [[float(row[name] or "nan") for name in ("conserved_energy", column, f"{column}_se")] for row in rows]
+    columns = ("conserved_energy", key, f"{key}_standard_error")
+    numbers = [[float(row[name] or "nan") for name in columns] for row in rows]
     whole = [n for n in numbers if all(map(math.isfinite, n))]
     if len(whole) < FEWEST:
         return None

@@ -15,7 +15,9 @@ def folder(tmp_path):
     """Six seeds of one state on a line in the energy, 0.1 to either side of it, and three of another."""
     with open(tmp_path / "table.csv", "w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
-        table.writerow(["name", "conserved_energy", "speed_of_sound", "speed_of_sound_se", "cv", "cv_se"])
+        columns = [f"{key}{end}" for key in ("speed_of_sound", "heat_capacity") for end in ("", "_standard_error")]
+        table.writerow(["name", "conserved_energy", *columns])
+        file.write("# conserved_energy [ε]: conserved energy (E − heat)/N\n")
         for k, off in enumerate([0.1, -0.1, -0.1, 0.1, 0.1, -0.1]):
             table.writerow([f"rho0.8-T1-seed{k}", k, 5 + 2 * k + off, 0.11, 2.5, ""])
         for k in range(3):

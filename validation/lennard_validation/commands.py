@@ -45,13 +45,10 @@ class Run:
         return self.record["averages"]
 
     def table(self, name: str) -> dict[str, list]:
-        """A table of the run, column by column; numbers as floats, all else as text.
-
-        A heading is the name before its unit in brackets or parentheses, if it has one.
-        """
+        """A table of the run, column by column; numbers as floats, all else as text."""
         with open(self.folder / f"{name}.csv", encoding="utf-8", newline="") as file:
             rows = csv.reader(line for line in file if not line.startswith("#"))
-            heading = [column.split(" ")[0].split("[")[0].split("(")[0] for column in next(rows)]
+            heading = next(rows)
             columns: dict[str, list] = {name: [] for name in heading}
             for row in rows:
                 for name, text in zip(heading, row, strict=True):

@@ -1,11 +1,22 @@
-//! Tables as CSV: one heading line, `name [unit]` or just `name` where there is no unit; then one row per
-//! line. A number is the shortest text that reads back to the same bits, `nan` or `inf` where it is not finite.
+//! Tables as CSV: one heading line of plain names, comment lines, then one row per line.
+//!
+//! ```text
+//! time,potential_energy
+//! # time [τ]
+//! # potential_energy [ε per particle]: potential energy U/N
+//! 0.5,-6.1
+//! ```
+//!
+//! A heading is a name in every language: Latin letters, digits and `_`. Lines with `#` have unit, words and symbol of a column, and the
+//! caption. They stand below the heading: `numpy.genfromtxt(names=True)` takes the first line for the heading, even one that begins with `#`.
+//! A number is the shortest text that reads back to the same bits, `nan` or `inf` where it is not finite.
 //! A missing value is an empty field.
 
 use std::fs;
 use std::path::Path;
 
 use lennard_core::{Cell, Column, Table, Value};
+use lennard_observables::quantities::{quantity_of, quantity_unit};
 
 use crate::atomic::write_bytes_atomically;
 use crate::error::excerpt;
@@ -14,23 +25,86 @@ use crate::lines::open_regular;
 use crate::sink::WholeFile;
 use crate::{FileMark, FormatError, Sink, WriteError};
 
+/// What begins a line of comments.
+const COMMENT: u8 = b'#';
+
+/// Names of letters that stand in words of columns.
+const LETTERS: [(char, &str); 6] = [
+    ('ρ', "density"),
+    ('χ', "chi"),
+    ('τ', "tau"),
+    ('²', "squared"),
+    ('−', "minus"),
+    ('/', "per"),
+];
+
 /// One record as CSV text, quoted where it must be.
 fn push_record<F: AsRef<[u8]>>(
     to: &mut Vec<u8>,
     path: &Path,
     fields: impl IntoIterator<Item = F>,
 ) -> Result<(), WriteError> {
-    let mut writer = csv::Writer::from_writer(to);
+    let mut writer = csv::WriterBuilder::new().comment(Some(COMMENT)).from_writer(to);
     writer
         .write_record(fields)
         .and_then(|()| writer.flush().map_err(csv::Error::from))
         .map_err(|e| WriteError::io(path, "write", std::io::Error::other(e)))
 }
 
-/// The headings of a column: its own, and one for the standard errors where it has any.
-fn headings(column: &Column) -> impl Iterator<Item = String> {
-    let error = column.has_errors.then(|| format!("{} standard error", column.name));
-    std::iter::once(column.heading()).chain(error)
+/// The heading of a column: its name where code can use it, else a plain name made of its words.
+fn plain(words: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    if words.starts_with(|c: char| c.is_ascii_lowercase()) && words.chars().all(is_plain) {
+        return words.to_owned();
+    }
+    let mut text = String::new();
+    for letter in words.chars() {
+        match LETTERS.iter().find(|(known, _)| *known == letter) {
+            Some((_, name)) => text += &format!("_{name}_"),
+            None if is_plain(letter) => text.push(letter.to_ascii_lowercase()),
+            None => text.push('_'),
+        }
+    }
+    let parts: Vec<&str> = text.split('_').filter(|part| !part.is_empty()).collect();
+    match parts.first() {
+        Some(first) if first.starts_with(|c: char| c.is_ascii_lowercase()) => parts.join("_"),
+        _ => format!("column_{}", parts.join("_")),
+    }
+}
+
+/// The heading line, and lines of comments: unit, words and symbol of each column, and the caption.
+fn heading(path: &Path, columns: &[Column], caption: &str) -> Result<Vec<u8>, WriteError> {
+    let mut names: Vec<String> = Vec::new();
+    let mut comments = String::new();
+    for column in columns {
+        let mut name = plain(&column.name);
+        while names.contains(&name) {
+            name += "_";
+        }
+        let words = match quantity_of(&column.name) {
+            Some(quantity) if quantity.words.contains(quantity.symbol) => quantity.words.to_owned(),
+            Some(quantity) => quantity.name(),
+            None if name == column.name => String::new(),
+            None => column.name.clone(),
+        };
+        let unit = Some(&*column.unit).filter(|unit| !unit.is_empty());
+        let about = Column::new(&name, unit.unwrap_or(quantity_unit(&column.name))).heading();
+        if !words.is_empty() {
+            comments += &format!("# {about}: {words}\n");
+        } else if about != name {
+            comments += &format!("# {about}\n");
+        }
+        let error = column.has_errors.then(|| format!("{name}_standard_error"));
+        names.push(name);
+        names.extend(error);
+    }
+    if !caption.is_empty() {
+        comments += &format!("# {}\n", caption.split_whitespace().collect::<Vec<_>>().join(" "));
+    }
+    let mut text = Vec::new();
+    push_record(&mut text, path, &names)?;
+    text.extend_from_slice(comments.as_bytes());
+    Ok(text)
 }
 
 /// The fields of a cell: its value, and its standard error where the column has any.
@@ -80,8 +154,7 @@ pub fn write_table_csv(path: &Path, table: &Table) -> Result<(), WriteError> {
             allowed: "at least one column, all of the same length".into(),
         });
     }
-    let mut text = Vec::new();
-    push_record(&mut text, path, table.columns.iter().flat_map(headings))?;
+    let mut text = heading(path, &table.columns, &table.caption)?;
     for row in 0..table.rows() {
         push_record(&mut text, path, table.columns.iter().flat_map(|c| fields(c, row)))?;
     }
@@ -99,6 +172,16 @@ pub fn read_table_csv(path: &Path) -> Result<Table, FormatError> {
     table_from_bytes(&bytes, &name, path)
 }
 
+/// Reads a table of a user's own, whose cells stay text, with the line of each row.
+///
+/// # Errors
+/// Where the file cannot be read, or a row has another length than the heading line.
+pub fn read_words_csv(path: &Path) -> Result<(Table, Vec<u64>), FormatError> {
+    open_regular(path)?;
+    let bytes = fs::read(path).map_err(|e| FormatError::io(path, e))?;
+    rows(&bytes, path, |field| Ok(Cell::words(String::from_utf8_lossy(field).trim())))
+}
+
 /// Like [`read_table_csv`], from memory.
 ///
 /// # Errors
@@ -108,6 +191,20 @@ pub fn read_table_csv_bytes(bytes: &[u8]) -> Result<Table, FormatError> {
 }
 
 fn table_from_bytes(bytes: &[u8], name: &str, path: &Path) -> Result<Table, FormatError> {
+    let number = |field: &[u8]| {
+        let number: Option<f64> =
+            std::str::from_utf8(field).ok().and_then(|text| text.parse().ok());
+        number.map(Cell::from).ok_or("a number")
+    };
+    Ok(Table { name: name.into(), ..rows(bytes, path, number)?.0 })
+}
+
+/// The rows of a table, with the line of each; `cell` reads a field, or says what may stand there.
+fn rows(
+    bytes: &[u8],
+    path: &Path,
+    cell: impl Fn(&[u8]) -> Result<Cell, &'static str>,
+) -> Result<(Table, Vec<u64>), FormatError> {
     let content = |line, found, allowed: &str| FormatError::Content {
         file: path.to_path_buf(),
         line,
@@ -118,25 +215,36 @@ fn table_from_bytes(bytes: &[u8], name: &str, path: &Path) -> Result<Table, Form
         let line = e.position().map_or(1, csv::Position::line);
         content(line, e.to_string(), "rows as long as the heading line")
     };
-    let mut reader = csv::Reader::from_reader(bytes);
+    // `# NAME [UNIT]: words`, where NAME is a heading.
+    let text = String::from_utf8_lossy(bytes);
+    let comments = text.lines().filter_map(|line| line.strip_prefix("# "));
+    let about: Vec<Column> = comments
+        .map(|line| Column::headed(line.split_once(": ").map_or(line, |(about, _)| about)))
+        .collect();
+    let mut reader = csv::ReaderBuilder::new().comment(Some(COMMENT)).from_reader(bytes);
     let headings = reader.byte_headers().map_err(malformed)?.clone();
-    let mut columns: Vec<Column> =
-        headings.iter().map(|text| Column::headed(&String::from_utf8_lossy(text))).collect();
+    let mut columns: Vec<Column> = headings
+        .iter()
+        .map(|name| {
+            let name = String::from_utf8_lossy(name);
+            let unit = about.iter().find(|column| column.name == name).map(|c| c.unit.clone());
+            Column::new(name, unit.unwrap_or_default())
+        })
+        .collect();
     if columns.is_empty() {
         return Err(content(1, "no heading".into(), "one heading line"));
     }
+    let mut lines = Vec::new();
     for record in reader.byte_records() {
         let record = record.map_err(malformed)?;
         let line = record.position().map_or(1, csv::Position::line);
         for (column, field) in columns.iter_mut().zip(&record) {
-            let value: f64 = std::str::from_utf8(field)
-                .ok()
-                .and_then(|text| text.parse().ok())
-                .ok_or_else(|| content(line, excerpt(field), "a number"))?;
-            column.cells.push(value.into());
+            let cell = cell(field).map_err(|allowed| content(line, excerpt(field), allowed))?;
+            column.cells.push(cell);
         }
+        lines.push(line);
     }
-    Ok(Table { name: name.into(), caption: String::new(), columns })
+    Ok((Table { columns, ..Table::new("", "") }, lines))
 }
 
 /// Writes a growing table, whole rows only.
@@ -177,9 +285,7 @@ impl TableWriter {
                 allowed: "at least one".into(),
             });
         }
-        let mut text = Vec::new();
-        let headings = columns.iter().map(|(name, unit)| Column::new(*name, *unit).heading());
-        push_record(&mut text, file.path(), headings)?;
+        let text = heading(file.path(), &of(columns), "")?;
         file.append(&text)?;
         file.records_start_here();
         Ok(Self { file, columns: columns.len(), text })
@@ -194,12 +300,7 @@ impl TableWriter {
         columns: &[(&str, &str)],
         mark: FileMark,
     ) -> Result<Self, WriteError> {
-        let mut wanted = Vec::new();
-        push_record(
-            &mut wanted,
-            path,
-            columns.iter().map(|(name, unit)| Column::new(*name, *unit).heading()),
-        )?;
+        let wanted = heading(path, &of(columns), "")?;
         let found = read_start(path, wanted.len())
             .map_err(|e| WriteError::io(path, "open the file to go on", e))?;
         if found != wanted || mark.bytes < wanted.len() as u64 {
@@ -268,6 +369,11 @@ impl TableWriter {
         self.sync()?;
         Ok(self.mark())
     }
+}
+
+/// Empty columns of names with units.
+fn of(columns: &[(&str, &str)]) -> Vec<Column> {
+    columns.iter().map(|(name, unit)| Column::new(*name, *unit)).collect()
 }
 
 fn read_start(path: &Path, length: usize) -> std::io::Result<Vec<u8>> {

@@ -91,7 +91,7 @@ impl Observable for DensityProfile {
         )
         .with(name, "σ", (0..bins).map(|k| (k as f64 + 0.5) * width).collect())
         .with("density", "σ⁻³", densities)
-        .with("standard error", "σ⁻³", errors);
+        .with("standard_error", "σ⁻³", errors);
         let mut findings = Findings { tables: vec![table], ..Findings::default() };
         tell_discarded(&mut findings, self.counts.samples() - counts.samples());
         findings

@@ -196,7 +196,7 @@ impl Observable for ExchangeProfile {
             .with(self.axis.name(), "σ", of_slabs(&|k| (k as f64 + 0.5) * width))
             .with("density", "σ⁻³", of_slabs(&|k| sums.total(k).1 as f64 / slab_volume))
             .with(column, value_unit, values)
-            .with("standard error", value_unit, errors),
+            .with("standard_error", value_unit, errors),
         );
         tell_discarded(&mut findings, self.sums.samples() - sums.samples());
         findings

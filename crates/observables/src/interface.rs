@@ -181,7 +181,7 @@ impl Interface {
         )
         .with(name, "σ", column(&|k| place(k) - 0.5 * length))
         .with("density", "σ⁻³", densities)
-        .with("standard error", "σ⁻³", errors);
+        .with("standard_error", "σ⁻³", errors);
         match slab {
             Some(slab) => table.with("fit", "σ⁻³", column(&|k| slab.at(place(k)))),
             None => table,

@@ -100,8 +100,6 @@ pub struct Quantity {
     pub symbol: &'static str,
     /// Unit; empty for a plain number. Energies are per particle, or per molecule where there are some.
     pub unit: &'static str,
-    /// Short name of its columns in the table of a sweep; empty where its key stands there.
-    pub short: &'static str,
     /// What it is held against.
     pub beside: Beside,
     /// The quantity that it repeats up to a constant or a factor: checks of errors count only that one.
@@ -152,8 +150,8 @@ const fn quantity(
     symbol: &'static str,
     unit: &'static str,
 ) -> Quantity {
-    let (short, beside, repeats, part_of) = ("", Nothing, None, None);
-    Quantity { key, words, symbol, unit, short, beside, repeats, part_of, primary: &[], marks: &[] }
+    let (beside, repeats, part_of) = (Nothing, None, None);
+    Quantity { key, words, symbol, unit, beside, repeats, part_of, primary: &[], marks: &[] }
 }
 
 const fn response(
@@ -203,7 +201,6 @@ pub const QUANTITIES: &[Quantity] = &[
     Quantity { primary: &[Fronts], ..quantity("front_velocity", "front velocity", "v", "σ/τ") },
     Quantity { primary: &[Fronts], ..quantity("solid_share", "solid share", "", "") },
     Quantity {
-        short: "u",
         beside: PotentialEnergy,
         primary: &[Fluid, Slab, Walls, Fronts],
         marks: &[Summed, AtVolume],
@@ -215,7 +212,6 @@ pub const QUANTITIES: &[Quantity] = &[
         ..quantity("potential_energy_without_tail", "potential energy without tail", "U/N", "ε")
     },
     Quantity {
-        short: "p",
         beside: Pressure,
         primary: &[Fluid, Fronts],
         marks: &[Summed, AtVolume, AcrossSurfaces],
@@ -245,7 +241,6 @@ pub const QUANTITIES: &[Quantity] = &[
     Quantity { marks: &[WholeSystem], ..quantity("total_energy", "total energy", "E/N", "ε") },
     quantity("conserved_energy", "conserved energy", "(E − heat)/N", "ε"),
     Quantity {
-        short: "cv",
         beside: HeatCapacity,
         primary: &[Fluid],
         marks: &[Summed, OnePhase],

@@ -77,7 +77,7 @@ fn mutated_nist_columns_are_read_or_refused() {
 #[test]
 fn mutated_tables_and_records_are_read_or_refused() {
     let table =
-        b"step,time [\xcf\x84],pressure [\xce\xb5/\xcf\x83\xc2\xb3]\n1,0.5,nan\n2,1.0,-3.5e-3\n";
+        b"step,time,pressure\n# time [\xcf\x84]\n# pressure [\xce\xb5/\xcf\x83\xc2\xb3]: P\n1,0.5,nan\n2,1.0,-3.5e-3\n";
     let record = include_bytes!("../data/run.json");
     read_table_csv_bytes(table).unwrap();
     read_run_record_bytes(record).unwrap();

@@ -156,7 +156,7 @@ fn files_that_were_changed_are_not_resumed() {
     let other = [("step", ""), ("energy", "ε")];
     let error = TableWriter::resume_at(&path, &other, mark).err().unwrap();
     assert!(matches!(error, WriteError::NotResumable { .. }), "{error}");
-    fs::write(&path, "step,time [τ]\n").unwrap();
+    fs::write(&path, "step,time\n# time [τ]\n").unwrap();
     let error = TableWriter::resume_at(&path, &columns, mark).err().unwrap();
     assert!(matches!(error, WriteError::NotResumable { .. }), "{error}");
 

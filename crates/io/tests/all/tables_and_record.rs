@@ -15,18 +15,19 @@ fn table() -> Table {
 }
 
 #[test]
-fn a_table_has_its_units_in_the_heading_and_reads_back_to_the_bit() {
+fn a_table_has_its_units_below_the_heading_and_reads_back_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("rdf.csv");
     write_table_csv(&path, &table()).unwrap();
     assert_eq!(
         std::fs::read_to_string(&path).unwrap(),
-        "r [σ],g,\"a, \"\"quoted\"\" name [ε/σ³]\"\n0.1,0.0,1.0\n1.0,nan,2.0\n1e-300,-inf,3.0\n"
+        "r,g,a_quoted_name\n# r [σ]\n# a_quoted_name [ε/σ³]: a, \"quoted\" name\n# radial distribution function\n\
+         0.1,0.0,1.0\n1.0,nan,2.0\n1e-300,-inf,3.0\n"
     );
     let back = read_table_csv(&path).unwrap();
     assert_eq!(back.name, "rdf");
     for (written, read) in table().columns.iter().zip(&back.columns) {
-        assert_eq!((&written.name, &written.unit), (&read.name, &read.unit));
+        assert_eq!(written.unit, read.unit);
         let bits = |column: &Column| -> Vec<u64> {
             column.numbers().iter().map(|x| x.to_bits()).collect()
         };
@@ -49,7 +50,7 @@ fn words_errors_and_missing_values_have_fields_of_their_own() {
     write_table_csv(&path, &table).unwrap();
     assert_eq!(
         std::fs::read_to_string(&path).unwrap(),
-        "name,x [σ],u [ε],u standard error,n,range\n\"a, b\",0.5,1.0,0.25,7,7 – 8\nc,,,,8,8 – 9\n"
+        "name,x,u,u_standard_error,n,range\n# x [σ]\n# u [ε]\n\"a, b\",0.5,1.0,0.25,7,7 – 8\nc,,,,8,8 – 9\n"
     );
     let path = folder.path().join("t.json");
     write_json_atomically(&path, &table).unwrap();
@@ -73,6 +74,22 @@ fn a_growing_table_quotes_words_and_leaves_missing_values_empty() {
     writer.write(&[2_u64.into(), Cell::default()]).unwrap();
     assert_eq!(writer.finish().unwrap().records, 2);
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "step,word\n1,\"a, b\"\n2,\n");
+}
+
+#[test]
+fn headings_are_names_in_every_language_and_each_is_there_once() {
+    let names = ["P − P₀", "ρ", "χ² per point", "T", "t", "dt / limit", "|x|", "± ", "g_A_B"];
+    let table = names.iter().fold(Table::new("t", ""), |t, name| t.with(*name, "", vec![1.0]));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.csv");
+    write_table_csv(&path, &table.with("potential_energy", "", vec![1.0])).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(
+        text.starts_with(
+            "p_minus_p,density,chi_squared_per_point,t,t_,dt_per_limit,x,column_,g_A_B,potential_energy\n"
+        ) && text.contains("\n# potential_energy [ε]: potential energy U/N\n"),
+        "{text}"
+    );
 }
 
 #[test]

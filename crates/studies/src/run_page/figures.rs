@@ -185,7 +185,7 @@ pub(super) fn interface(run: &RunFolder) -> Vec<Picture> {
         y: Axis::linear("ρ / σ⁻³"),
         table: "interface_profile",
         columns: vec![
-            density.error("standard error"),
+            density.error("standard_error"),
             Columns::new("fit", [&place, "fit"], Look::line).at(1),
         ],
         caption: said_of(run, "liquid_density", "ρ of the liquid {} σ⁻³, ")

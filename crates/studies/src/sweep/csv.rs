@@ -1,11 +1,10 @@
 //! The table of a sweep for programs, `table.csv`.
 
 use lennard_core::{Cell, Table};
-use lennard_observables::quantities::{QUANTITIES, Quantity, quantity_of};
 use lennard_scene::study::SHORT_KEYS;
 
 use super::{SettingValue, SweptPoint};
-use crate::compare::{ComparedRun, Row};
+use crate::compare::ComparedRun;
 
 /// Every point with all that it has measured, beside its references.
 pub(super) fn table(points: &[SweptPoint]) -> Table {
@@ -32,27 +31,16 @@ pub(super) fn table(points: &[SweptPoint]) -> Table {
             })
         });
     }
-    for Quantity { key: quantity, short, .. } in QUANTITIES.iter().filter(|q| !q.short.is_empty()) {
-        let of = |p: &SweptPoint, number: fn(&Row) -> Option<f64>| p.row(quantity).and_then(number);
-        table = table
-            .column(short, |p| mean(p, quantity))
-            .column(&format!("{short}_se"), |p| of(p, |r| Some(r.standard_error)))
-            .column(&format!("{short}_reference"), |p| of(p, |r| r.reference))
-            .column(&format!("{short}_difference"), |p| of(p, |r| r.difference))
-            .column(&format!("{short}_difference_se"), |p| of(p, |r| r.combined_error))
-            .column(&format!("{short}_verdict"), |p| p.row(quantity).map(|r| r.verdict.words()));
-    }
-    for quantity in others(points) {
-        table = table
-            .column(&quantity, |p| mean(p, &quantity))
-            .column(&format!("{quantity}_se"), |p| p.row(&quantity).map(|r| r.standard_error));
-        let reference = |p: &SweptPoint| p.row(&quantity).and_then(|r| r.reference);
-        if points.iter().any(|p| reference(p).is_some()) {
+    for name in measured(points) {
+        table = table.measured(&name, |p| p.row(&name).map(|r| (r.measured, r.standard_error)));
+        if points.iter().filter_map(|p| p.row(&name)).any(|r| r.reference.is_some()) {
             table = table
-                .column(&format!("{quantity}_reference"), reference)
-                .column(&format!("{quantity}_verdict"), |p| {
-                    p.row(&quantity).map(|r| r.verdict.words())
-                });
+                .column(&format!("{name}_reference"), |p| p.row(&name)?.reference)
+                .measured(&format!("{name}_difference"), |p| {
+                    let row = p.row(&name)?;
+                    row.difference.zip(row.combined_error)
+                })
+                .column(&format!("{name}_verdict"), |p| p.row(&name).map(|r| r.verdict.words()));
         }
     }
     table.table()
@@ -74,14 +62,12 @@ fn keys(points: &[SweptPoint]) -> Vec<String> {
     keys
 }
 
-/// Every other quantity that any point has measured.
-fn others(points: &[SweptPoint]) -> Vec<String> {
+/// Every quantity that any point has measured, besides its density and temperatures.
+fn measured(points: &[SweptPoint]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     let rows = points.iter().filter_map(|p| p.compared.as_ref());
     for row in rows.flat_map(|c| &c.rows) {
-        let has_columns = quantity_of(&row.quantity).is_some_and(|q| !q.short.is_empty())
-            || row.quantity == "density"
-            || row.quantity.starts_with("temperature");
+        let has_columns = row.quantity == "density" || row.quantity.starts_with("temperature");
         if !has_columns && !names.contains(&row.quantity) {
             names.push(row.quantity.clone());
         }

@@ -20,7 +20,7 @@ const TABLE: &[(&str, May)] = &[
     ("integrators", May::Use(&["core", "neighbor", "forcefield"])),
     ("observables", May::Use(&["core", "neighbor"])),
     ("literature", May::Use(&["core"])),
-    ("io", May::Use(&["core"])),
+    ("io", May::Use(&["core", "observables"])),
     ("scene", May::Use(&["core", "forcefield", "integrators", "observables", "literature", "io"])),
     ("engine", May::UseAllAbove),
     ("studies", May::UseAllAbove),

@@ -316,7 +316,7 @@ fn settings_of_an_ensemble_are_a_sweep_over_the_scene_with_a_reading() {
     let resolved = resolved.unwrap();
     assert_eq!(resolved.matches("pressure = 0.7").count(), 2, "{resolved}");
     let table = std::fs::read_to_string(out.join("ensemble.csv")).unwrap();
-    for words in ["Accepted", "V per τ", "Drift", "too coarse to tell: P"] {
+    for words in ["accepted", "v_per_tau", "drift_standard_error", "too coarse to tell: P"] {
         assert!(table.contains(words), "{words}: {table}");
     }
     assert!(out.join("pace.svg").exists() && out.join("report.html").exists());

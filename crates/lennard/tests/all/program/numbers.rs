@@ -135,10 +135,9 @@ fn the_figure_of_the_displacement_has_its_fit_and_says_which_d_is_corrected() {
     let msd = caption("<title>Mean-square displacement</title>");
     // The line in the figure is the line whose slope is told.
     let table = place.read("out/msd.csv");
-    let mut rows = table.lines();
+    let mut rows = table.lines().filter(|line| !line.starts_with('#'));
     let names: Vec<&str> = rows.next().unwrap().split(',').collect();
-    let column =
-        |of: &str| names.iter().position(|name| name.split(' ').next() == Some(of)).unwrap();
+    let column = |of: &str| names.iter().position(|name| *name == of).unwrap();
     let (time, fit) = (column("time"), column("fit"));
     let line: Vec<(f64, f64)> = rows
         .map(|row| row.split(',').map(|x| x.parse::<f64>().unwrap()).collect::<Vec<_>>())

@@ -43,7 +43,7 @@ fn truncations_and_steps_make_a_study_with_a_table_and_figures() {
     assert_eq!(points[3]["settings"][1]["value"], 0.002);
     let table = place.read("out/table.csv");
     let heading = table.lines().next().unwrap();
-    assert!(heading.contains(",truncation.kind,dt,"), "{heading}");
+    assert!(heading.contains(",truncation_kind,dt,"), "{heading}");
     let page = place.read("out/report.html");
     for words in [
         "time step dt / τ",
