@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
@@ -13,6 +14,7 @@ import pytest
 from conftest import ROOT
 
 EXAMPLES = sorted((ROOT / "python" / "examples").glob("*.py"))
+NOTEBOOKS = sorted((ROOT / "python" / "examples").glob("*.ipynb"))
 DOCUMENT = ROOT / "docs" / "python.md"
 
 
@@ -25,6 +27,19 @@ def test_examples_run(example, tmp_path):
 
 def test_there_are_examples():
     assert len(EXAMPLES) >= 10
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_the_cells_of_a_notebook_run_in_order(notebook, tmp_path):
+    cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+    code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+    environment = {**os.environ, "MPLBACKEND": "svg"}
+    command = [sys.executable, "-c", "\n".join(code)]
+    made = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
+    assert made.returncode == 0, made.stderr
+    assert all(path.stat().st_size > 1000 for path in tmp_path.glob("*.svg"))
+    assert any(tmp_path.glob("*.svg"))
+    assert not any(cell.get("outputs") for cell in cells), "the cells are kept without outputs"
 
 
 def test_the_code_of_the_documentation_runs(tmp_path):
