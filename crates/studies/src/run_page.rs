@@ -7,6 +7,8 @@ mod tables;
 
 use std::path::Path;
 
+use lennard_core::PeriodicBox;
+
 use crate::report::{Page, ParticleFigure, Picture, ReportError, Section};
 
 use crate::compare::{ReadError, RunFolder, compare};
@@ -37,6 +39,26 @@ pub fn write(folder: &Path) -> Result<(), PageError> {
         lennard_io::write_text_atomically(&folder.join("particles.svg"), &figure.to_svg()?)?;
     }
     lennard_io::write_text_atomically(&folder.join("report.html"), &html)?;
+    Ok(())
+}
+
+/// Makes `report.html` of a run that is under way, or that was stopped, from its rows so far. No mean stands on it: none is a result
+/// before the end. `cell` is a box of the run, since its last one is in no file yet.
+///
+/// # Errors
+/// [`PageError`] where a file cannot be read or written.
+pub fn write_under_way(folder: &Path, cell: PeriodicBox) -> Result<(), PageError> {
+    let mut run = RunFolder::under_way(folder, cell)?;
+    run.record.averages.clear();
+    let steps = run.table("thermo").and_then(|rows| rows.numbers("step")?.last().copied());
+    let total = run.scene.total_steps();
+    let mut page = page(&run);
+    page.title += ", unfinished";
+    page.lead = format!(
+        "This run has not finished: its rows reach step {} of {total}. Means, their errors and all other figures come with its end.",
+        steps.unwrap_or(0.0)
+    );
+    lennard_io::write_text_atomically(&folder.join("report.html"), &page.to_html()?)?;
     Ok(())
 }
 

@@ -82,6 +82,7 @@ pub enum Command {
     /// Run a scene: melt, equilibrate, measure, compare with the literature.
     #[command(after_help = "Examples:\n  \
         lennard run template\n  \
+        lennard run template --watch                     T, U and P as they go\n  \
         lennard run verlet-1967/triple-point --set stage.production.steps=200000 --seed 7\n  \
         lennard run fluid/gas --json --quiet > result.json")]
     Run(RunArgs),
@@ -345,6 +346,9 @@ pub struct ControlArgs {
     /// Write no report.html.
     #[arg(long)]
     pub no_report: bool,
+    /// Show the course of T, U and P beside the progress, and write report.html while the run goes on: at once, later every minute.
+    #[arg(long, conflicts_with = "no_report")]
+    pub watch: bool,
     /// No progress and no table; errors only.
     #[arg(long)]
     pub quiet: bool,

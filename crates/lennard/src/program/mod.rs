@@ -16,6 +16,7 @@ mod ranks;
 mod show;
 mod signals;
 mod typed;
+mod watch;
 
 use std::ffi::OsString;
 

@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lennard_engine::{Moment, Progress};
 
+use crate::program::watch::History;
+
 /// Time between two updates of the bar.
 const BAR_INTERVAL: Duration = Duration::from_millis(100);
 /// Time between two plain lines.
@@ -20,6 +22,8 @@ pub struct Display {
     what: What,
     /// T, U and P in words, taken since the last line.
     fluid: Option<String>,
+    /// T, U and P since the start, where somebody watches.
+    history: Option<History>,
 }
 
 /// What is counted.
@@ -67,7 +71,14 @@ impl Display {
             silent: quiet,
             what,
             fluid: None,
+            history: None,
         }
+    }
+
+    /// The same with the course of T, U and P, where it is to be watched.
+    pub fn watching(mut self, watch: bool) -> Self {
+        self.history = watch.then(History::default);
+        self
     }
 }
 
@@ -148,8 +159,18 @@ impl Progress for Display {
     }
 
     fn at_row(&mut self, fluid: &dyn Fn() -> Moment) {
-        if !self.silent && self.last.elapsed() >= self.interval() {
-            self.fluid = Some(in_words(fluid()));
+        let is_due = self.last.elapsed() >= self.interval();
+        if self.silent || !(is_due || self.history.is_some()) {
+            return;
+        }
+        let fluid = fluid();
+        if let Some(history) = &mut self.history {
+            history.add(fluid);
+        }
+        if is_due {
+            let course = self.history.iter().flat_map(History::lines);
+            let lines = std::iter::once(in_words(fluid)).chain(course);
+            self.fluid = Some(lines.collect::<Vec<_>>().join("\n"));
         }
     }
 }
@@ -198,6 +219,13 @@ mod tests {
         display.last -= LINE_INTERVAL;
         display.at_row(&fluid);
         assert_eq!(asked.get(), 1);
+        assert_eq!(display.fluid.as_deref(), Some("T 1.000  U −1.000  P 0.1000"));
+        let mut watched = display.watching(true);
+        watched.at_row(&fluid);
+        assert!(watched.fluid.take().unwrap().contains("\nT ▁ 1.000 to 1.000\nU ▁"));
+        watched.last = Instant::now();
+        watched.at_row(&fluid);
+        assert_eq!((asked.get(), &watched.fluid), (3, &None), "every row is kept, few are told");
     }
 
     #[test]

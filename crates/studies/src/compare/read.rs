@@ -66,6 +66,15 @@ pub(super) fn is_of_few_bodies(molecules: u64) -> bool {
     molecules < FEW
 }
 
+/// The record and the scene in the folder of a run.
+fn described(folder: &Path) -> Result<(RunRecord, Scene), ReadError> {
+    let path = folder.join("run.json");
+    if !path.exists() {
+        return Err(ReadError::NoRun(folder.to_owned()));
+    }
+    Ok((lennard_io::read_run_record(&path)?, Scene::load(&folder.join("scene.toml"), &[])?))
+}
+
 impl RunFolder {
     /// Reads the folder of a finished run.
     ///
@@ -90,12 +99,7 @@ impl RunFolder {
     /// # Errors
     /// As [`RunFolder::open`], but for runs that did not finish.
     pub fn open_any(folder: &Path) -> Result<Self, ReadError> {
-        let path = folder.join("run.json");
-        if !path.exists() {
-            return Err(ReadError::NoRun(folder.to_owned()));
-        }
-        let record = lennard_io::read_run_record(&path)?;
-        let scene = Scene::load(&folder.join("scene.toml"), &[])?;
+        let (record, scene) = described(folder)?;
         let box_changes = scene.stages.iter().any(|s| s.barostat.is_some());
         let cell = match scene.placement()? {
             Some(placement) if !box_changes => placement.cell,
@@ -109,6 +113,16 @@ impl RunFolder {
                     .cell
             }
         };
+        Ok(Self::with(folder, record, scene, cell))
+    }
+
+    /// Reads the folder of a run under way, whose last state is in no file; `cell` is its box.
+    pub(crate) fn under_way(folder: &Path, cell: PeriodicBox) -> Result<Self, ReadError> {
+        let (record, scene) = described(folder)?;
+        Ok(Self::with(folder, record, scene, cell))
+    }
+
+    fn with(folder: &Path, record: RunRecord, scene: Scene, cell: PeriodicBox) -> Self {
         let mut run = Self {
             folder: folder.to_owned(),
             density: f64::NAN,
@@ -119,7 +133,7 @@ impl RunFolder {
         };
         let at_rest = run.molecules() as f64 / cell.volume();
         run.density = run.average("density").map_or(at_rest, |d| d.estimate.mean);
-        Ok(run)
+        run
     }
 
     /// Whether vapor and liquid stand side by side: the start has surfaces, or two phases were found by the run.

@@ -107,10 +107,11 @@ pub(super) fn time_series(run: &RunFolder, is_fluid: bool) -> Vec<Picture> {
     .collect()
 }
 
-/// Temperature, energy and pressure against time through all stages; nothing where there is one stage.
+/// Temperature, energy and pressure against time through all stages; nothing of a finished run that has one stage.
 pub(super) fn all_stages(run: &RunFolder) -> Vec<Picture> {
     let stages = &run.scene.stages;
-    let Some(table) = run.table("thermo").filter(|_| stages.len() > 1) else {
+    let Some(table) = run.table("thermo").filter(|_| stages.len() > 1 || !run.record.finished)
+    else {
         return Vec::new();
     };
     let times = table.numbers("time").unwrap_or_default();

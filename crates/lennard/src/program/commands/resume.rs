@@ -66,8 +66,14 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
     }
     // The checkpoint is loaded: whatever happens now, the run can go on.
     signals.under_way();
-    let run = Running { team, folder: &folder, threads, stop: signals.stop(), deadline, total };
-    let display = Display::new(args.control.quiet);
+    // A page of a shorter run, or of one under way, says nothing of this one.
+    if step < total {
+        let _ = std::fs::remove_file(folder.path().join("report.html"));
+    }
+    let cell = simulation.state.cell;
+    let run =
+        Running { team, folder: &folder, threads, stop: signals.stop(), deadline, total, cell };
+    let display = Display::new(args.control.quiet).watching(args.control.watch);
     let work = |control: Control<'_>| lennard_engine::go_on(&mut resumed, &folder, control);
     run.to_its_end(display, work, args.json, &args.control)
 }

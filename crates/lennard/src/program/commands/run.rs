@@ -4,9 +4,10 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use lennard_core::Team;
+use lennard_core::{PeriodicBox, Team};
 use lennard_engine::{Control, Ending, EngineError, Outcome, Progress};
 use lennard_io::{OutputFolder, path_in_shell};
+use lennard_studies::run_page;
 
 use crate::program::args::{ControlArgs, RunArgs};
 use crate::program::commands::{
@@ -17,6 +18,7 @@ use crate::program::progress::Display;
 use crate::program::ranks;
 use crate::program::show::{self, Style};
 use crate::program::signals::{FirstStep, Leave, Signals, StartUp};
+use crate::program::watch::{LivePage, Watched};
 
 /// Runs a scene and prints the table of its results.
 pub fn run(args: &RunArgs) -> Result<u8, Failure> {
@@ -59,7 +61,8 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
         let remarks = simulation.remarks.iter().cloned().chain(simulation.foreseen());
         show::print(&header.texts(remarks), Style::Ruled);
     }
-    let display = FirstStep::new(&signals, Display::new(args.control.quiet));
+    let display = Display::new(args.control.quiet).watching(args.control.watch);
+    let display = FirstStep::new(&signals, display);
     let run = Running {
         team,
         folder: &folder,
@@ -67,6 +70,7 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
         stop: signals.stop(),
         deadline,
         total: simulation.scene.total_steps(),
+        cell: simulation.state.cell,
     };
     let work = |control: Control<'_>| lennard_engine::run(&mut simulation, &folder, control);
     run.to_its_end(display, work, args.scene.json, &args.control)
@@ -81,26 +85,33 @@ pub struct Running<'a> {
     pub deadline: Option<Instant>,
     /// Steps of the whole scene.
     pub total: u64,
+    /// The box in which it begins.
+    pub cell: PeriodicBox,
 }
 
 impl Running<'_> {
     /// Does the steps that are left, writes the page, and prints what was found.
     pub fn to_its_end(
         &self,
-        mut progress: impl Progress,
+        progress: impl Progress,
         steps: impl FnOnce(Control<'_>) -> Result<Outcome, EngineError> + Send,
         json: bool,
         args: &ControlArgs,
     ) -> Result<u8, Failure> {
         let Self { team, threads, stop, deadline, total, .. } = *self;
         let folder = self.folder.path();
+        let page = args.watch.then(|| LivePage::new(folder, self.cell));
+        let mut progress = Watched { progress, page };
         let outcome = on_threads(threads, || {
             let control = Control { stop, deadline, progress: &mut progress };
             steps(control).map_err(|e| ranks::failed(team, e, folder))
         })?;
         drop(progress);
-        if outcome.ending == Ending::Finished && !args.no_report {
-            lennard_studies::run_page::write(folder)?;
+        match outcome.ending {
+            Ending::Finished if args.no_report => {}
+            Ending::Finished => run_page::write(folder)?,
+            _ if args.watch => run_page::write_under_way(folder, self.cell)?,
+            _ => {}
         }
         tell(&outcome, folder, total, json, args)
     }

@@ -119,6 +119,45 @@ fn same_results(a: &Path, b: &Path) {
 
 #[cfg(unix)]
 #[test]
+fn a_watched_run_has_a_page_while_it_goes_on_and_otherwise_the_same_files() {
+    let bench = Bench::new();
+    let page = |folder: &str| fs::read_to_string(bench.path(folder).join("report.html"));
+    ok(&bench.run("plain", &["--no-report"]));
+    ok(&bench.run("watched", &["--watch"]));
+    assert!(!page("watched").unwrap().contains("has not finished"));
+    for entry in fs::read_dir(bench.path("plain")).unwrap() {
+        let file = entry.unwrap().file_name().into_string().unwrap();
+        let of = |folder: &str| fs::read(bench.path(folder).join(&file)).unwrap();
+        // Checkpoints and the record hold the time that the run took.
+        let is_timed = file == "run.json" || file.starts_with("checkpoint");
+        assert!(is_timed || of("plain") == of("watched"), "{file} differs");
+    }
+    let arguments = ["run", "liquid.toml", "--watch", "--out", "out", "--set", ENDLESS];
+    let child = bench.command(&arguments).stderr(Stdio::piped()).spawn().unwrap();
+    let start = Instant::now();
+    while page("out").is_err() || checkpoints(&bench.path("out")).is_empty() {
+        assert!(start.elapsed() < Duration::from_secs(60), "no page after a minute");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let reaches = |step: u64| format!("has not finished: its rows reach step {step} of 1000000000");
+    let early = page("out").unwrap();
+    assert!(early.contains("has not finished: its rows reach step"), "{early:.2000}");
+    ok(&Command::new("kill").args(["-TERM", &child.id().to_string()]).output().unwrap());
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(4));
+    let steps = record(&bench.path("out"))["steps"].as_u64().unwrap();
+    let late = page("out").unwrap();
+    assert!(late.contains(&reaches(steps / 10 * 10)), "{steps}: {late:.2000}");
+    for word in ["T, whole steps, all stages", "Pressure, all stages"] {
+        assert!(late.contains(word), "{word}");
+    }
+    // The page of a run that goes on is of no more use.
+    let output = bench.resume("out", &["--no-report", "--max-walltime", "100ms"]);
+    assert_eq!(output.status.code(), Some(4));
+    assert!(page("out").is_err());
+}
+
+#[cfg(unix)]
+#[test]
 fn each_signal_stops_with_a_checkpoint_and_exit_code_4_and_the_run_goes_on() {
     for signal in ["TERM", "INT", "USR1"] {
         let bench = Bench::new();
