@@ -5,13 +5,13 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_core::exact::{PartSum, SumOfParts};
 use lennard_core::{ForceError, FusedBath, FusedSteps, Masses};
-use lennard_neighbor::Positions;
+use lennard_neighbor::{PairList, Positions};
 
 use crate::clock::Clock;
 use crate::interaction::Pairwise;
 use crate::share::Share;
 use crate::simd::{
-    Detail, Disjoint, KickDrift, Level, ListStatus, Mover, PackedCopies, PairList, Prepared,
+    Detail, Disjoint, KickDrift, Level, ListStatus, Mover, PackedCopies, PackedList, Prepared,
     Request, SlotNoise, SlotState, SumOverChunks, are_few, by_slot, fused_step, to_particles,
 };
 use crate::validity::ListValidity;
@@ -77,7 +77,7 @@ impl FusedBuffers {
     /// Takes steps, and builds the list wherever it expires. Returns the number of steps taken.
     ///
     /// Where a number is not finite, it takes none.
-    pub fn advance<P: PairList>(
+    pub fn advance<P: PackedList>(
         &mut self,
         validity: &mut ListValidity,
         (list, copies): (&mut P, &mut PackedCopies<P::Row>),
@@ -245,7 +245,7 @@ impl BySlot<'_> {
 }
 
 /// The request of the next step of `n` particles, of which `left` steps are left.
-fn request<P: PairList>(prepared: Prepared, n: usize, left: u64) -> Request {
+fn request<P: PackedList>(prepared: Prepared, n: usize, left: u64) -> Request {
     Request {
         detail: Detail::Forces,
         prepared,

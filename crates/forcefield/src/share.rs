@@ -19,9 +19,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
 use lennard_core::{Parcel, Team, TooManyRanks};
-use lennard_neighbor::{ATOMS_PER_CHUNK, Around, NowAndThen, Partners, Ranks, slots_of};
+use lennard_neighbor::{ATOMS_PER_CHUNK, Around, NowAndThen, PairList, Partners, Ranks, slots_of};
 
-use crate::simd::{MotionSummary, PairList, SomeRows};
+use crate::simd::{MotionSummary, SomeRows};
 
 /// What one rank computes of a list.
 pub struct Share {

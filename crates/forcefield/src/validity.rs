@@ -8,14 +8,14 @@ use std::sync::Arc;
 use glam::DVec3;
 use lennard_core::{ForceError, HaloSize, PeriodicBox, Team, TooManyRanks};
 use lennard_neighbor::{
-    Around, Criterion, Displacements, GridError, NowAndThen, PackedDisplacement, Positions, Reach,
-    Validity, unlisted_pairs,
+    Around, Criterion, Displacements, GridError, NowAndThen, PackedDisplacement, PairList,
+    Positions, Reach, Validity, unlisted_pairs,
 };
 
 use self::build::Build;
 use crate::share::Share;
 use crate::share::foreseen::halo_on;
-use crate::simd::{Level, ListInUse, ListStatus, MotionSummary, Ordered, PairList, by_slot};
+use crate::simd::{Level, ListInUse, ListStatus, MotionSummary, Ordered, PackedList, by_slot};
 
 /// When a list may be used, and the record of its last build.
 pub struct ListValidity {
@@ -129,7 +129,7 @@ impl ListValidity {
     /// Builds a list in a box, which may use the room of its `rows`: rows have no meaning afterwards.
     ///
     /// Where half the shortest side leaves no room for the skin of the plan, the build has a thinner skin.
-    pub fn build<P: PairList>(
+    pub fn build<P: PackedList>(
         &mut self,
         (list, rows): (&mut P, &mut Vec<P::Row>),
         cell: &PeriodicBox,
@@ -141,7 +141,7 @@ impl ListValidity {
         built
     }
 
-    fn build_there<P: PairList>(
+    fn build_there<P: PackedList>(
         &mut self,
         list: &mut P,
         cell: &PeriodicBox,
@@ -182,7 +182,7 @@ impl ListValidity {
                 list.place(cell, &[all], &self.built);
             }
         }
-        list.fill(self.level, cell, reach);
+        list.fill(P::scanner(&self.level), cell, reach);
         debug_assert!(list.is_valid(), "the loops rely on valid lists");
         if let Some(of_particle) = &self.of_particle {
             let of_slots = list.particles().iter().map(|p| of_particle[*p as usize]);
@@ -357,13 +357,13 @@ impl ListValidity {
 }
 
 /// What lies around some slots in a list that is being built.
-fn around<P: PairList>(
+fn around<P: PackedList>(
     level: Level,
     list: &P,
     (cell, reach): (&PeriodicBox, Reach),
     own: &Range<usize>,
 ) -> Around {
     let mut around = Around::new(list.cells(), cell.lengths(), reach.r_list, own);
-    list.mark_near(level, cell, reach, &mut around);
+    list.mark_near(P::scanner(&level), cell, reach, &mut around);
     around
 }

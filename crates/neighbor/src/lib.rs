@@ -14,6 +14,7 @@
 mod brute;
 mod clusters;
 mod kept;
+mod pair_list;
 mod room;
 mod rows;
 pub mod skin;
@@ -28,6 +29,7 @@ pub use clusters::{
     SECOND_HALF, ScalarClusterScanner, Span, THEMSELVES, cluster_center,
 };
 pub use kept::slots_of;
+pub use pair_list::PairList;
 pub use rows::{
     ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, NeighborList, Numbering,
     RowScanner, ScalarScanner,

@@ -10,7 +10,7 @@ use crate::pair::{
     ByRows, Compiled, Constants, ForceShifted, Form, LawOfRows, Laws, Model, Pair, PairForm,
     PairRows, Spline, Switched, TwelveSix,
 };
-use crate::simd::{ChunkLoop, PairList};
+use crate::simd::{ChunkLoop, PackedList};
 
 /// The whole force between pairs, or its near part.
 #[derive(Clone, Debug)]
@@ -98,7 +98,7 @@ impl Pairwise {
     ///
     /// # Panics
     /// Where there are no loops in lanes: that is a bug of the caller.
-    pub fn over<'a, P: PairList>(
+    pub fn over<'a, P: PackedList>(
         &'a self,
         list: &'a P,
         r_cut: f64,
@@ -118,7 +118,7 @@ impl Pairwise {
     }
 
     /// The loop of a form over a list.
-    fn loop_of<'a, P: PairList, F: PairForm + 'a>(
+    fn loop_of<'a, P: PackedList, F: PairForm + 'a>(
         &'a self,
         loops: &'a Loops,
         form: F,
@@ -200,7 +200,7 @@ impl Pairwise {
 
 impl Loops {
     /// The loop of a form of one species over a list.
-    fn of_one<'a, P: PairList, F: PairForm + 'a>(
+    fn of_one<'a, P: PackedList, F: PairForm + 'a>(
         &self,
         form: F,
         list: &'a P,

@@ -1,7 +1,7 @@
 //! The copies of the canonical loop: folded positions, and sorted neighbors of each particle.
 
 use glam::DVec3;
-use lennard_neighbor::NeighborList;
+use lennard_neighbor::{NeighborList, PairList};
 
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
 use crate::interaction::Pairwise;

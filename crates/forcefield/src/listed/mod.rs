@@ -10,7 +10,7 @@ use glam::DVec3;
 use lennard_core::{
     Configuration, Exclusions, ForceError, FusedSteps, HaloSize, PeriodicBox, Team, TooManyRanks,
 };
-use lennard_neighbor::{ClusterList, FIXED_UNITS, Images, NeighborList, Positions};
+use lennard_neighbor::{ClusterList, FIXED_UNITS, Images, NeighborList, PairList, Positions};
 
 use self::evaluated::Evaluated;
 use self::folded::Folded;
@@ -144,8 +144,8 @@ impl Listed {
     /// Number of lanes computed in one evaluation, which contains every pair twice.
     pub fn lanes(&self) -> u64 {
         match &self.pairs {
-            Pairs::Canonical(list, _) | Pairs::Rows(list, _) => list.lanes_listed(),
-            Pairs::Clusters(list, _) => list.lanes(),
+            Pairs::Canonical(list, _) | Pairs::Rows(list, _) => list.lanes_computed(),
+            Pairs::Clusters(list, _) => list.lanes_computed(),
         }
     }
 

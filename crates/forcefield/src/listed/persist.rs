@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use lennard_core::{PeriodicBox, RestoreError, StateReader, StateWriter};
+use lennard_neighbor::PairList;
 
 use super::{Listed, Pairs, with_any_list};
-use crate::simd::PairList;
 
 impl Listed {
     /// Writes what a restart needs.

@@ -5,10 +5,9 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_core::HaloSize;
 use lennard_core::parallel::equal_parts;
-use lennard_neighbor::slots_of;
+use lennard_neighbor::{PairList, slots_of};
 
 use super::rank_of;
-use crate::simd::PairList;
 
 /// Bytes of each particle in the buffers of a rank: its number, and its force by slot.
 const BUFFER_BYTES: f64 = (size_of::<u32>() + size_of::<DVec3>()) as f64;
@@ -26,7 +25,7 @@ pub fn halo_on<P: PairList>(
     n: usize,
     ranks: usize,
 ) -> Option<HaloSize> {
-    let chunks = list.chunks();
+    let chunks = list.chunk_count();
     if ranks == 0 || ranks > chunks {
         return None;
     }

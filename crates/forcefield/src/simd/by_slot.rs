@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use glam::DVec3;
 use lennard_core::parallel::{for_each_piece, for_each_range};
+use lennard_neighbor::PairList;
 
 use super::disjoint::Disjoint;
-use super::pair_list::PairList;
 
 /// Gathers elements at some slots from an array by index, where `order` has the index of each slot.
 pub fn by_slot(order: &[u32], slots: Range<usize>, from: &[DVec3], to: &mut [DVec3]) {

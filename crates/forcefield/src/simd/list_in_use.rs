@@ -14,7 +14,7 @@ use super::output::Output;
 use super::packed::{
     Evaluation, Fetch, ListStatus, Outcome, PackedCopies, Request, RunChunk, Which,
 };
-use super::pair_list::PairList;
+use super::packed_list::PackedList;
 use super::row::DoubleRow;
 use super::totals::{ChunkTotals, PerParticle};
 use crate::interaction::Pairwise;
@@ -80,7 +80,7 @@ pub struct ListInUse<'a, P> {
 /// Runs a chunk over rows and writes its output.
 type RunInto<'a, Row> = dyn Fn(&Output<'_>, &[Row], usize) -> ChunkTotals + Sync + 'a;
 
-impl<P: PairList> ListInUse<'_, P> {
+impl<P: PackedList> ListInUse<'_, P> {
     /// The motion from the build to some positions.
     pub fn motion<'a>(&'a self, at: Ordered<'a>) -> Motion<'a> {
         Motion {
@@ -179,7 +179,7 @@ impl<P: PairList> ListInUse<'_, P> {
         copies.run(&Evaluation {
             n: self.list.particles().len(),
             rows: self.list.rows(),
-            chunks: self.list.chunks(),
+            chunks: self.list.chunk_count(),
             request,
             inserts: P::INSERTS,
             pack: &|by, rows_of, rows, packed| {

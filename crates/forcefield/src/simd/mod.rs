@@ -12,7 +12,7 @@
 //!   arithmetic                    speed limit of the loops    /
 //!   motion, packing, pack         from positions to rows
 //!   scan, scanners                searches that build lists
-//!   pair_list, packed             lists with their rows; all chunks
+//!   packed_list, packed           lists with their rows; all chunks
 //!   list_in_use, fused            evaluations, and steps that follow each other
 //! ```
 #![allow(unsafe_code)]
@@ -45,10 +45,10 @@ mod mover;
 mod output;
 mod pack;
 mod packed;
+mod packed_list;
 mod packing;
 #[cfg(target_arch = "x86_64")]
 mod packing256;
-mod pair_list;
 mod portable;
 mod prefetch;
 #[cfg(target_arch = "x86_64")]
@@ -75,6 +75,6 @@ pub use list_in_use::{ListInUse, Ordered};
 pub use motion::{MotionSummary, SomeRows};
 pub use mover::{Mover, SlotNoise, SumOverChunks};
 pub use packed::{ListStatus, Outcome, PackedCopies, Prepared, Request, are_few};
-pub use pair_list::{ChunkLoop, PairList};
+pub use packed_list::{ChunkLoop, PackedList};
 pub use row::{DoubleRow, FixedRow};
 pub use totals::{ChunkTotals, Detail, PerParticle};

@@ -6,7 +6,7 @@ use super::level::Level;
 
 impl Level {
     /// The search that builds row lists at this level.
-    pub fn row_scanner(&self) -> &dyn RowScanner {
+    pub fn row_scanner(&self) -> &(dyn RowScanner + 'static) {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx512(isa) => isa,
@@ -17,7 +17,7 @@ impl Level {
     }
 
     /// The search that builds cluster lists at this level.
-    pub fn cluster_scanner(&self) -> &dyn ClusterScanner {
+    pub fn cluster_scanner(&self) -> &(dyn ClusterScanner + 'static) {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx512(isa) => isa,

@@ -1,7 +1,7 @@
 //! The pairs of bodies that may touch: all of few bodies, and a list of many.
 
 use lennard_core::{DVec3, PeriodicBox};
-use lennard_neighbor::{Images, NeighborList, Positions, ScalarScanner};
+use lennard_neighbor::{Images, NeighborList, PairList, Positions, ScalarScanner};
 
 use super::bodies::Bodies;
 

@@ -24,6 +24,7 @@ use super::format::{CLUSTER, Reach};
 use super::scan::ClusterScanner;
 use super::search::{Scratch, Search};
 use crate::kept::{Kept, slots_of};
+use crate::pair_list::PairList;
 use crate::rows::ATOMS_PER_CHUNK;
 use crate::sort::{Around, ColumnTable, FixedRow, GridError, Positions};
 
@@ -49,23 +50,10 @@ impl ClusterList {
         Self { exclusions, ..self }
     }
 
-    /// Keeps the lists of these chunks alone, in this build and in all later ones.
-    pub fn keep(&mut self, own: Range<usize>) {
-        self.kept = Kept::alone(own, &mut self.chunks);
-    }
-
     /// The chunks whose lists are kept.
     #[must_use]
     pub fn own(&self) -> Range<usize> {
         self.kept.of(self.chunks.len())
-    }
-
-    /// Calls `name` with each slot that the lists of a chunk name, as often as they do: for checks.
-    pub fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
-        let chunk = &self.chunks[chunk];
-        let end = chunk.spans.last().map_or(0, |span| span.end as usize);
-        let named = chunk.blocks[..end].iter().flat_map(Block::slots);
-        named.for_each(name);
     }
 
     /// Lends the room of rows to a build, or takes it back; see [`ColumnTable::swap_room`].
@@ -91,42 +79,6 @@ impl ClusterList {
         self.slots_ahead
     }
 
-    /// Number of lanes that a loop over all lists computes.
-    #[must_use]
-    pub fn lanes(&self) -> u64 {
-        let lists = self.chunks.iter().flat_map(ClusterChunk::lists);
-        lists.map(|(_, list)| list.lanes() as u64).sum()
-    }
-
-    /// Number of pairs in the list, each counted once; of the lists of one rank, half the number of their pairs.
-    #[must_use]
-    pub fn pairs(&self) -> u64 {
-        let n = self.table.particle.len();
-        let own = slots_of(&self.own(), n);
-        let lists = self.chunks.iter().flat_map(ClusterChunk::lists);
-        let of_cluster = |(first, list): (usize, ClusterBlocks<'_>)| -> u64 {
-            (0..(n - first).min(CLUSTER))
-                .flat_map(|member| list.for_member(member))
-                .map(|block| u64::from(block.valid.count_ones()))
-                .sum()
-        };
-        // Members are entries of their own lists, and so are the particles that they do not interact with.
-        let members = &self.table.particle[own];
-        let excluded = members.iter().map(|i| self.exclusions.of(*i).count());
-        let not_pairs = members.len() + excluded.sum::<usize>();
-        (lists.map(of_cluster).sum::<u64>() - not_pairs as u64) / 2
-    }
-
-    /// Number of bytes held.
-    #[must_use]
-    pub fn bytes(&self) -> usize {
-        let chunks: usize = self.chunks.iter().map(ClusterChunk::bytes).sum();
-        self.table.bytes()
-            + 4 * self.slot_of.capacity()
-            + chunks
-            + self.chunks.capacity() * size_of::<ClusterChunk>()
-    }
-
     /// Builds the lists for positions in a box: a pure function of the arguments.
     ///
     /// The list radius is at most half the shortest side of the box.
@@ -138,41 +90,61 @@ impl ClusterList {
         cell: &PeriodicBox,
         reach: Reach,
         positions: Positions<'_>,
-        scanner: &dyn ClusterScanner,
+        scanner: &(dyn ClusterScanner + 'static),
     ) -> Result<(), GridError> {
-        self.order(cell, positions)?;
+        self.order(cell, reach, positions)?;
         self.table.place_all(cell, positions);
-        self.fill(cell, reach, scanner);
+        self.fill(scanner, cell, reach);
         Ok(())
     }
+}
 
-    /// Gives the particles their slots: the first part of a build.
-    ///
-    /// # Errors
-    /// As [`ClusterList::build`].
-    pub fn order(&mut self, cell: &PeriodicBox, positions: Positions<'_>) -> Result<(), GridError> {
+impl PairList for ClusterList {
+    type Cells = ColumnTable;
+    type Scanner = dyn ClusterScanner;
+    const INSERTS: bool = true;
+
+    /// Distances in fixed point are off by about one unit of the longest side, and singles by their last place.
+    fn rounding(cell: &PeriodicBox, r_cut: f64) -> f64 {
+        4.0 * cell.lengths().max_element() * f64::from(f32::EPSILON) / 256.0
+            + 4.0 * r_cut * f64::from(f32::EPSILON)
+    }
+
+    fn cells(&self) -> &ColumnTable {
+        &self.table
+    }
+
+    fn particles(&self) -> &[u32] {
+        &self.table.particle
+    }
+
+    fn source(&self) -> &[u32] {
+        self.table.source()
+    }
+
+    fn slots_of_ghosts(&self) -> impl ExactSizeIterator<Item = u32> {
+        std::iter::empty()
+    }
+
+    fn order(
+        &mut self,
+        cell: &PeriodicBox,
+        _reach: Reach,
+        positions: Positions<'_>,
+    ) -> Result<(), GridError> {
         self.table.order(cell, positions)
     }
 
-    /// Places the particles at some runs of slots, where `at` gives the position at a slot, σ: the second part of a build.
-    pub fn place(
-        &mut self,
-        cell: &PeriodicBox,
-        runs: &[Range<usize>],
-        at: impl Fn(usize) -> DVec3 + Sync,
-    ) {
-        self.table.place(cell, runs, at);
+    fn place(&mut self, cell: &PeriodicBox, runs: &[Range<usize>], at: &[DVec3]) {
+        self.table.place(cell, runs, |slot| at[slot]);
     }
 
-    /// Marks the columns that the search of the lists that are kept looks into, but for the columns around their slots.
-    ///
-    /// A group in several columns has a bounding box, whose corners may lie in columns of no member. The particles of these
-    /// lists are placed.
-    pub fn mark_near(
+    /// A group in several columns has a bounding box, whose corners may lie in columns of no member.
+    fn mark_near(
         &self,
+        scanner: &dyn ClusterScanner,
         cell: &PeriodicBox,
         reach: Reach,
-        scanner: &dyn ClusterScanner,
         around: &mut Around,
     ) {
         let exclusions = (&self.exclusions, &self.slot_of[..]);
@@ -182,8 +154,7 @@ impl ClusterList {
         search.mark_near(slots_of(&own, n), around);
     }
 
-    /// Fills the lists: the last part of a build. All particles that they may name are placed.
-    pub fn fill(&mut self, cell: &PeriodicBox, reach: Reach, scanner: &dyn ClusterScanner) {
+    fn fill(&mut self, scanner: &dyn ClusterScanner, cell: &PeriodicBox, reach: Reach) {
         let n = self.table.particle.len();
         self.slots_ahead = self.table.grid.slots_ahead(cell.lengths(), reach.r_list, n);
         self.chunks.resize_with(n.div_ceil(ATOMS_PER_CHUNK), ClusterChunk::default);
@@ -207,9 +178,27 @@ impl ClusterList {
         });
     }
 
-    /// Whether a pair of slots is listed at both ends; an end whose list is not kept here counts as listed.
-    #[must_use]
-    pub fn contains(&self, [a, b]: [u32; 2]) -> bool {
+    fn is_valid(&self) -> bool {
+        let n = self.table.particle.len();
+        let own = self.own();
+        let fits = |(c, chunk): (usize, &ClusterChunk)| {
+            if !own.contains(&c) {
+                return true;
+            }
+            let slots = part(c, ATOMS_PER_CHUNK, n);
+            chunk.first_slot as usize == slots.start
+                && chunk.spans.len() == slots.len().div_ceil(CLUSTER)
+                && chunk.is_valid(n)
+        };
+        self.chunks.len() == n.div_ceil(ATOMS_PER_CHUNK) && self.chunks.iter().enumerate().all(fits)
+    }
+
+    fn keep(&mut self, own: Range<usize>) {
+        self.kept = Kept::alone(own, &mut self.chunks);
+    }
+
+    /// An end whose list is not kept here counts as listed.
+    fn contains(&self, [a, b]: [u32; 2]) -> bool {
         let kept = self.own();
         [(a, b), (b, a)].into_iter().all(|(own, other)| {
             let (chunk, k, member) = address(own);
@@ -217,10 +206,7 @@ impl ClusterList {
         })
     }
 
-    /// Inserts a pair of slots at each end that does not list it yet.
-    ///
-    /// The forces equal the forces of a list that had the pair from its build on, except for the order of the sums.
-    pub fn insert(&mut self, [a, b]: [u32; 2]) {
+    fn insert(&mut self, [a, b]: [u32; 2]) {
         let kept = self.own();
         for (own, other) in [(a, b), (b, a)] {
             let (chunk, k, member) = address(own);
@@ -234,11 +220,42 @@ impl ClusterList {
         }
     }
 
-    /// The particles listed for each particle, `[N]`, ascending: for tests and observers, too slow for force loops.
-    ///
+    fn pairs(&self) -> u64 {
+        let n = self.table.particle.len();
+        let own = slots_of(&self.own(), n);
+        let lists = self.chunks.iter().flat_map(ClusterChunk::lists);
+        let of_cluster = |(first, list): (usize, ClusterBlocks<'_>)| -> u64 {
+            (0..(n - first).min(CLUSTER))
+                .flat_map(|member| list.for_member(member))
+                .map(|block| u64::from(block.valid.count_ones()))
+                .sum()
+        };
+        // Members are entries of their own lists, and so are the particles that they do not interact with.
+        let members = &self.table.particle[own];
+        let excluded = members.iter().map(|i| self.exclusions.of(*i).count());
+        let not_pairs = members.len() + excluded.sum::<usize>();
+        (lists.map(of_cluster).sum::<u64>() - not_pairs as u64) / 2
+    }
+
+    fn lanes_computed(&self) -> u64 {
+        let lists = self.chunks.iter().flat_map(ClusterChunk::lists);
+        lists.map(|(_, list)| list.lanes() as u64).sum()
+    }
+
+    fn bytes(&self) -> usize {
+        let chunks: usize = self.chunks.iter().map(ClusterChunk::bytes).sum();
+        self.table.bytes()
+            + 4 * self.slot_of.capacity()
+            + chunks
+            + self.chunks.capacity() * size_of::<ClusterChunk>()
+    }
+
+    fn list_bytes(&self) -> usize {
+        self.bytes() - self.table.bytes()
+    }
+
     /// A neighbor of one member is listed for other members too, near or not.
-    #[must_use]
-    pub fn neighbors(&self) -> Vec<Vec<u32>> {
+    fn neighbors(&self) -> Vec<Vec<u32>> {
         let particle = &self.table.particle;
         let mut all = vec![Vec::new(); particle.len()];
         for chunk in &self.chunks {
@@ -259,23 +276,11 @@ impl ClusterList {
         all
     }
 
-    /// Whether every entry numbers a slot that exists, and the clusters cover all slots of the lists that are kept.
-    ///
-    /// The force loops rely on it: they read rows through entries without a test of their own.
-    #[must_use]
-    pub fn is_valid(&self) -> bool {
-        let n = self.table.particle.len();
-        let own = self.own();
-        let fits = |(c, chunk): (usize, &ClusterChunk)| {
-            if !own.contains(&c) {
-                return true;
-            }
-            let slots = part(c, ATOMS_PER_CHUNK, n);
-            chunk.first_slot as usize == slots.start
-                && chunk.spans.len() == slots.len().div_ceil(CLUSTER)
-                && chunk.is_valid(n)
-        };
-        self.chunks.len() == n.div_ceil(ATOMS_PER_CHUNK) && self.chunks.iter().enumerate().all(fits)
+    fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
+        let chunk = &self.chunks[chunk];
+        let end = chunk.spans.last().map_or(0, |span| span.end as usize);
+        let named = chunk.blocks[..end].iter().flat_map(Block::slots);
+        named.for_each(name);
     }
 }
 

@@ -10,7 +10,9 @@ use lennard_core::{Exclusions, PeriodicBox};
 use super::chunk::{ATOMS_PER_CHUNK, Images, ListChunk};
 use super::fill::{Filler, Scratch};
 use super::scan::RowScanner;
+use crate::clusters::Reach;
 use crate::kept::{Kept, slots_of};
+use crate::pair_list::PairList;
 use crate::sort::{GridError, Positions, RowTable};
 
 /// A full Verlet list: for each particle, all particles within the list radius.
@@ -47,30 +49,10 @@ impl NeighborList {
         Self { exclusions, ..self }
     }
 
-    /// Keeps the lists of these chunks alone, in this build and in all later ones.
-    pub fn keep(&mut self, own: Range<usize>) {
-        self.kept = Kept::alone(own, &mut self.chunks);
-    }
-
     /// The chunks whose lists are kept.
     #[must_use]
     pub fn own(&self) -> Range<usize> {
         self.kept.of(self.chunks.len())
-    }
-
-    /// Calls `name` with each slot that the lists of a chunk name, as often as they do, by ghosts too: for checks.
-    ///
-    /// # Panics
-    /// Where entries number slots: such lists are not shared.
-    pub fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
-        assert_eq!(self.images, Images::Ghosts, "entries number rows");
-        let chunk = &self.chunks[chunk];
-        // Padding names the slot itself.
-        let padded = |count: &u32| (*count as usize).next_multiple_of(self.lanes);
-        let used: usize = chunk.counts.iter().map(padded).sum();
-        for entry in chunk.entries.offsets(0..used) {
-            name(self.table.slots()[(chunk.base + entry) as usize]);
-        }
     }
 
     /// The sorted rows.
@@ -120,42 +102,54 @@ impl NeighborList {
         cell: &PeriodicBox,
         radius: f64,
         positions: Positions<'_>,
-        scanner: &dyn RowScanner,
+        scanner: &(dyn RowScanner + 'static),
     ) -> Result<(), GridError> {
-        self.order(cell, radius, positions)?;
+        let reach = Reach { r_cut: radius, r_list: radius };
+        self.order(cell, reach, positions)?;
         self.table.place_all(cell, positions);
-        self.fill(cell, radius, scanner);
+        self.fill(scanner, cell, reach);
         Ok(())
     }
+}
 
-    /// Gives the particles their slots: the first part of a build.
-    ///
-    /// # Errors
-    /// As [`NeighborList::build`].
-    pub fn order(
+impl PairList for NeighborList {
+    type Cells = RowTable;
+    type Scanner = dyn RowScanner;
+
+    fn cells(&self) -> &RowTable {
+        &self.table
+    }
+
+    fn particles(&self) -> &[u32] {
+        &self.table.particle
+    }
+
+    fn source(&self) -> &[u32] {
+        self.table.source()
+    }
+
+    fn slots_of_ghosts(&self) -> impl ExactSizeIterator<Item = u32> {
+        let slots = self.table.slots();
+        self.table.ghosts.iter().map(|ghost| slots[ghost.row as usize])
+    }
+
+    fn order(
         &mut self,
         cell: &PeriodicBox,
-        radius: f64,
+        reach: Reach,
         positions: Positions<'_>,
     ) -> Result<(), GridError> {
-        self.table.order(cell, positions, radius)
+        self.table.order(cell, positions, reach.r_list)
     }
 
-    /// Places the particles at some runs of slots, where `at` gives the position at a slot, σ: the second part of a build.
-    pub fn place(
-        &mut self,
-        cell: &PeriodicBox,
-        runs: &[Range<usize>],
-        at: impl Fn(usize) -> DVec3 + Sync,
-    ) {
-        self.table.place(cell, runs, at);
+    fn place(&mut self, cell: &PeriodicBox, runs: &[Range<usize>], at: &[DVec3]) {
+        self.table.place(cell, runs, |slot| at[slot]);
     }
 
-    /// Fills the lists: the last part of a build. All particles that they may name are placed.
-    pub fn fill(&mut self, cell: &PeriodicBox, radius: f64, scanner: &dyn RowScanner) {
+    fn fill(&mut self, scanner: &dyn RowScanner, cell: &PeriodicBox, reach: Reach) {
         self.table.show(cell);
         let margin = self.table.search_margin();
-        let radius2 = (radius + margin).powi(2) as f32 * (1.0 + 4.0 * f32::EPSILON);
+        let radius2 = (reach.r_list + margin).powi(2) as f32 * (1.0 + 4.0 * f32::EPSILON);
         let n = self.table.particle.len();
         self.chunks.resize_with(n.div_ceil(ATOMS_PER_CHUNK), ListChunk::default);
         let filler = Filler {
@@ -174,23 +168,39 @@ impl NeighborList {
         });
     }
 
-    /// Number of pairs in the list, each counted once; of the lists of one rank, half the number of their pairs.
-    #[must_use]
-    pub fn pairs(&self) -> u64 {
+    fn is_valid(&self) -> bool {
+        let targets = self.targets() as u64;
+        let own = self.own();
+        let of_own = slots_of(&own, self.table.particle.len());
+        let mut slots = of_own.start;
+        for chunk in &self.chunks[own] {
+            let padded = |count: &u32| (*count as usize).next_multiple_of(self.lanes);
+            let used: usize = chunk.counts.iter().map(padded).sum();
+            let fits = chunk.first_slot as usize == slots && used <= chunk.entries.len();
+            let reaches = |entry: u32| u64::from(chunk.base) + u64::from(entry) < targets;
+            if !fits || !chunk.entries.offsets(0..used).into_iter().all(reaches) {
+                return false;
+            }
+            slots += chunk.counts.len();
+        }
+        slots == of_own.end
+    }
+
+    fn keep(&mut self, own: Range<usize>) {
+        self.kept = Kept::alone(own, &mut self.chunks);
+    }
+
+    fn pairs(&self) -> u64 {
         let entries: u64 = self.chunks.iter().flat_map(|c| &c.counts).map(|n| u64::from(*n)).sum();
         entries / 2
     }
 
-    /// Number of entries that a force loop computes, padding included.
-    #[must_use]
-    pub fn lanes_listed(&self) -> u64 {
+    fn lanes_computed(&self) -> u64 {
         let padded = |count: &u32| u64::from(count.next_multiple_of(self.lanes as u32));
         self.chunks.iter().flat_map(|c| &c.counts).map(padded).sum()
     }
 
-    /// Number of bytes held.
-    #[must_use]
-    pub fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         let chunks: usize = self
             .chunks
             .iter()
@@ -199,9 +209,11 @@ impl NeighborList {
         chunks + self.table.bytes()
     }
 
-    /// The particles listed for each particle, `[N]`, ascending: for tests and observers, too slow for force loops.
-    #[must_use]
-    pub fn neighbors(&self) -> Vec<Vec<u32>> {
+    fn list_bytes(&self) -> usize {
+        self.bytes() - self.table.bytes()
+    }
+
+    fn neighbors(&self) -> Vec<Vec<u32>> {
         let mut all = vec![Vec::new(); self.table.particle.len()];
         for chunk in &self.chunks {
             let mut start = 0;
@@ -224,26 +236,17 @@ impl NeighborList {
         all
     }
 
-    /// Whether every entry numbers a row or a slot that exists, and the chunks cover all slots of the lists that are kept.
-    ///
-    /// The force loops rely on it: they read rows through entries without a test of their own.
-    #[must_use]
-    pub fn is_valid(&self) -> bool {
-        let targets = self.targets() as u64;
-        let own = self.own();
-        let of_own = slots_of(&own, self.table.particle.len());
-        let mut slots = of_own.start;
-        for chunk in &self.chunks[own] {
-            let padded = |count: &u32| (*count as usize).next_multiple_of(self.lanes);
-            let used: usize = chunk.counts.iter().map(padded).sum();
-            let fits = chunk.first_slot as usize == slots && used <= chunk.entries.len();
-            let reaches = |entry: u32| u64::from(chunk.base) + u64::from(entry) < targets;
-            if !fits || !chunk.entries.offsets(0..used).into_iter().all(reaches) {
-                return false;
-            }
-            slots += chunk.counts.len();
+    /// # Panics
+    /// Where entries number slots: such lists are not shared.
+    fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
+        assert_eq!(self.images, Images::Ghosts, "entries number rows");
+        let chunk = &self.chunks[chunk];
+        // Padding names the slot itself.
+        let padded = |count: &u32| (*count as usize).next_multiple_of(self.lanes);
+        let used: usize = chunk.counts.iter().map(padded).sum();
+        for entry in chunk.entries.offsets(0..used) {
+            name(self.table.slots()[(chunk.base + entry) as usize]);
         }
-        slots == of_own.end
     }
 }
 

@@ -50,18 +50,10 @@ impl Ranges {
     }
 }
 
-/// Whether the cells of the positions have a meaning after a sort.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Afterwards {
-    Kept,
-    /// The sort takes their room, and needs none beside it.
-    Lost,
-}
-
 /// The result of a counting sort: which of the given positions belongs to each slot.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CellSort {
-    /// The cell of each position, in the order of the positions, `[N]`.
+    /// The cell of each position, in the order of the positions, `[N]`. A sort takes their room.
     pub home: Vec<u32>,
     /// The first slot of each cell, and the end, `[cells + 1]`.
     pub first: Vec<u32>,
@@ -73,12 +65,7 @@ impl CellSort {
     /// Sorts positions whose cells are in `home` into `cells` cells. Inside a cell, particles are in ascending order.
     ///
     /// `particle` holds the particle at each slot: of the last sort on entry, of this sort on return.
-    pub fn sort(
-        &mut self,
-        (cells, afterwards): (usize, Afterwards),
-        particle: &mut Vec<u32>,
-        positions: Positions<'_>,
-    ) {
+    pub fn sort(&mut self, cells: usize, particle: &mut Vec<u32>, positions: Positions<'_>) {
         let ranges = Ranges::of(cells, self.home.len());
         let slots = if ranges.count > 1 { self.distribute(ranges) } else { vec![self.home.len()] };
         let Self { home, first, source } = self;
@@ -113,20 +100,14 @@ impl CellSort {
             particle.clone_from(source);
             return;
         }
-        // Cells that have served give their room.
-        let mut before = match afterwards {
-            Afterwards::Kept => vec![0; source.len()],
-            Afterwards::Lost => std::mem::take(home),
-        };
-        std::mem::swap(&mut before, particle);
+        // The cells of the positions have served, and give their room.
+        std::mem::swap(home, particle);
+        let before = &*home;
         for_each_piece(particle, |first, particles| {
             for (particle, position) in particles.iter_mut().zip(&source[first..]) {
                 *particle = before[*position as usize];
             }
         });
-        if afterwards == Afterwards::Lost {
-            *home = before;
-        }
     }
 
     /// Writes to `source` the positions of each range of cells, in their own order, and returns the number of each range.
@@ -226,19 +207,17 @@ mod tests {
             Some(_) => Positions::BySlot(&places),
         };
         for threads in [1, 2, 3, 8] {
-            for afterwards in [Afterwards::Kept, Afterwards::Lost] {
-                let mut sort = CellSort { home: home.clone(), ..CellSort::default() };
-                let mut particle = numbers.clone().unwrap_or_default();
-                let pool = pool(threads).unwrap();
-                pool.install(|| sort.sort((cells, afterwards), &mut particle, positions));
-                assert_eq!(sort.source, wanted, "{threads} threads");
-                let particles: Vec<u32> = wanted.iter().map(|k| number(*k)).collect();
-                assert_eq!(particle, particles, "{threads} threads");
-                let before = |cell: u32| home.iter().filter(|home| **home < cell).count();
-                let ends = [0, cells / 3, cells - 1, cells];
-                assert!(ends.iter().all(|c| sort.first[*c] as usize == before(*c as u32)));
-                assert_eq!(sort.first.len(), cells + 1);
-            }
+            let mut sort = CellSort { home: home.clone(), ..CellSort::default() };
+            let mut particle = numbers.clone().unwrap_or_default();
+            let pool = pool(threads).unwrap();
+            pool.install(|| sort.sort(cells, &mut particle, positions));
+            assert_eq!(sort.source, wanted, "{threads} threads");
+            let particles: Vec<u32> = wanted.iter().map(|k| number(*k)).collect();
+            assert_eq!(particle, particles, "{threads} threads");
+            let before = |cell: u32| home.iter().filter(|home| **home < cell).count();
+            let ends = [0, cells / 3, cells - 1, cells];
+            assert!(ends.iter().all(|c| sort.first[*c] as usize == before(*c as u32)));
+            assert_eq!(sort.first.len(), cells + 1);
         }
     }
 

@@ -17,7 +17,7 @@ use glam::{DVec3, IVec3};
 use lennard_core::PeriodicBox;
 use lennard_core::parallel::{for_each_piece, for_each_piece_of_three};
 
-use super::cell_sort::{Afterwards, CellSort};
+use super::cell_sort::CellSort;
 use super::cells::Cells;
 use super::column_grid::ColumnGrid;
 use super::coordinates::PADDING;
@@ -139,8 +139,7 @@ impl ColumnTable {
             return Err(GridError::BadPosition { particle });
         }
         positions.make_numbers_known(&mut self.sort.home);
-        let cells = (grid.cells(), Afterwards::Lost);
-        self.sort.sort(cells, &mut self.particle, positions);
+        self.sort.sort(grid.cells(), &mut self.particle, positions);
         self.image.clear();
         if some_are_far {
             let mut images = vec![DVec3::ZERO; n];

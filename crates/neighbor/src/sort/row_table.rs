@@ -23,7 +23,7 @@ use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::tasks::{for_each_item, map_items};
 
 use super::cell_grid::CellGrid;
-use super::cell_sort::{Afterwards, CellSort};
+use super::cell_sort::CellSort;
 use super::cells::Cells;
 use super::coordinates::{PADDING, RowCoordinates};
 use super::fold::{FARTHEST_IMAGE, fold};
@@ -166,8 +166,7 @@ impl RowTable {
             return Err(GridError::BadPosition { particle });
         }
         positions.make_numbers_known(&mut self.sort.home);
-        let cells = (nx * ny * nz, Afterwards::Kept);
-        self.sort.sort(cells, &mut self.particle, positions);
+        self.sort.sort(nx * ny * nz, &mut self.particle, positions);
         self.number_rows();
         self.fill_slots();
         self.fill_rows();

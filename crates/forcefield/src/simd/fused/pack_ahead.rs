@@ -14,7 +14,7 @@ use crate::simd::disjoint::Disjoint;
 use crate::simd::level::Level;
 use crate::simd::motion::{Motion, MotionSummary};
 use crate::simd::pack::pack_displacements;
-use crate::simd::pair_list::PairList;
+use crate::simd::packed_list::PackedList;
 use crate::simd::prefetch::{NextChunk, Region};
 
 const _: () = assert!(ATOMS_PER_CHUNK <= u64::BITS as usize, "one bit per particle");
@@ -87,7 +87,7 @@ pub struct NextRows<'a, Row> {
 }
 
 /// The hook of a fused step: what a chunk does for the next chunk and for the next step.
-pub struct Ahead<'a, P: PairList> {
+pub struct Ahead<'a, P: PackedList> {
     /// The list.
     pub list: &'a P,
     /// The instruction set of the loops.
@@ -100,7 +100,7 @@ pub struct Ahead<'a, P: PairList> {
     pub far2: f64,
 }
 
-impl<P: PairList> Ahead<'_, P> {
+impl<P: PackedList> Ahead<'_, P> {
     /// The arrays that a loop over one chunk prefetches for the next chunk.
     ///
     /// # Safety

@@ -12,7 +12,7 @@ use crate::simd::motion::numbers;
 use crate::simd::mover::{Mover, Moving};
 use crate::simd::output::Output;
 use crate::simd::packed::{ListStatus, PackedCopies, Request, are_few};
-use crate::simd::pair_list::{ChunkLoop, PairList};
+use crate::simd::packed_list::{ChunkLoop, PackedList};
 use crate::simd::prefetch::Region;
 
 /// Particles by slot.
@@ -30,7 +30,7 @@ pub struct SlotState<'a> {
 /// With [`Mover::Kick`] the step ends with its forces: positions and velocities stay, and chunks pack nothing.
 ///
 /// Where a number is not finite, the written arrays have no meaning.
-pub fn fused_step<P: PairList>(
+pub fn fused_step<P: PackedList>(
     used: &ListInUse<'_, P>,
     copies: &mut PackedCopies<P::Row>,
     over_list: &dyn ChunkLoop<P::Row>,
