@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         PhysicsError,
         SceneError,
     )
+    from ._forces import Evaluation, Forces
     from ._frames import Frames
     from ._kinds import barostat, integrator, observable, potential, reference, thermostat, truncation, wall
     from ._results import Averages, Mean, Run
@@ -42,7 +43,9 @@ else:
         "CheckpointError": "_errors",
         "Column": "_tables",
         "ConfigurationError": "_errors",
+        "Evaluation": "_forces",
         "FolderError": "_errors",
+        "Forces": "_forces",
         "Frames": "_frames",
         "LennardError": "_errors",
         "Mean": "_results",
@@ -86,7 +89,9 @@ __all__ = [
     "CheckpointError",
     "Column",
     "ConfigurationError",
+    "Evaluation",
     "FolderError",
+    "Forces",
     "Frames",
     "LennardError",
     "Mean",

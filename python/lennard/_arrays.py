@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 if TYPE_CHECKING:
     from ._tables import Floats
+
+
+#: Three sides of a box along x, y and z, σ.
+Sides: TypeAlias = tuple[float, float, float]
 
 
 def numbers(name: str, given: Any, allowed: str = "real numbers, none of them masked") -> Floats:
@@ -26,7 +30,7 @@ def numbers(name: str, given: Any, allowed: str = "real numbers, none of them ma
         raise refused("lists of unequal lengths, or something else in a list") from None
     if array.dtype.kind not in "iuf":
         raise refused(f"entries of the type {array.dtype}")
-    floats: Floats = array.astype(np.float64)
+    floats: Floats = array.astype(np.float64, copy=False)
     return floats
 
 
@@ -38,12 +42,20 @@ def number(name: str, given: Any) -> float:
     return float(array)
 
 
-def vectors(name: str, given: Any) -> Floats:
-    """Vectors of particles, ``[N, 3]``."""
+def sides(name: str, given: Any) -> Sides:
+    """The sides of a box: one for a cube, or three."""
+    array = numbers(name, given)
+    if array.shape not in [(), (1,), (3,)]:
+        raise ValueError(f"{name} has the shape {array.shape}\n  allowed: one side, or three sides along x, y and z")
+    x, y, z = np.broadcast_to(array, (3,)).tolist()
+    return (x, y, z)
+
+
+def vectors(name: str, given: Any, *, check: bool = True) -> Floats:
+    """Vectors of particles, ``[N, 3]``; ``check`` refuses numbers that are not finite, where nothing later does."""
     array = numbers(name, given, "an array (N, 3) of real numbers, none of them masked")
     if array.ndim != 2 or array.shape[1] != 3 or not len(array):
         raise ValueError(f"{name} has the shape {array.shape}\n  allowed: (N, 3), N of at least 1")
-    wrong = np.flatnonzero(~np.isfinite(array).all(axis=1))
-    if len(wrong):
+    if check and len(wrong := np.flatnonzero(~np.isfinite(array).all(axis=1))):
         raise ValueError(f"{name} hold what is not a finite number\n  found:   particle {wrong[0]}, counted from 0")
     return array

@@ -142,11 +142,7 @@ class Simulation:
         scene: dict[str, Any] = {name: table for name, table in tables.items()}
         scene["system"] = {"temperature": temperature, **scene.pop("system", {})}
         scene["start"] = {"kind": "file", "file": "start.xyz", **scene.pop("start", {})}
-        given = _arrays.numbers("box", box)
-        if given.shape not in [(), (1,), (3,)]:
-            raise ValueError(f"box has the shape {given.shape}\n  allowed: one side, or three sides along x, y and z")
-        sides = np.broadcast_to(given, (3,))
-        lengths = (float(sides[0]), float(sides[1]), float(sides[2]))
+        lengths = _arrays.sides("box", box)
         places = _arrays.vectors("positions", positions)
         speeds = None if velocities is None else _arrays.vectors("velocities", velocities)
         if speeds is not None and speeds.shape != places.shape:

@@ -17,7 +17,8 @@ import numpy as np
 from ase import Atoms, units
 from ase.calculators.calculator import Calculator, all_changes
 
-from . import _lennard, _toml
+from . import _lennard
+from ._forces import Forces
 from ._simulation import Simulation
 
 if TYPE_CHECKING:
@@ -127,8 +128,7 @@ class Lennard(Calculator):
     nolabel = True
 
     def __init__(self, **parameters: Any) -> None:
-        self._evaluator: _lennard.Evaluator | None = None
-        self._made_for: tuple[int, tuple[float, float, float]] | None = None
+        self._forces: Forces | None = None
         #: Builds of the neighbor list so far.
         self.list_builds = 0
         super().__init__(**parameters)  # type: ignore[no-untyped-call]
@@ -149,12 +149,8 @@ class Lennard(Calculator):
         changed: dict[str, Any] = super().set(**parameters)  # type: ignore[no-untyped-call]
         if changed:
             self.reset()  # type: ignore[no-untyped-call]
-            self._evaluator = None
+            self._forces = None
         return changed
-
-    def __getstate__(self) -> dict[str, Any]:
-        # The list is made anew where the copy is used.
-        return {**self.__dict__, "_evaluator": None, "_made_for": None}
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Lennard:
         return type(self)(**self.parameters)
@@ -170,60 +166,38 @@ class Lennard(Calculator):
         if self.atoms is None:
             raise ValueError("there are no atoms to calculate for")
         sides, positions = _in_box(self.atoms)
-        n = len(self.atoms)
         if "numbers" in system_changes:
             _one_species(self.atoms)
         sigma, epsilon = self.parameters["sigma"], self.parameters["epsilon"]
-        lengths = _three(sides / sigma)
         given = self.parameters
         _check_reach(given["rc"], given["truncation"], given["potential"], sigma, sides)
-        evaluator = self._evaluator_for(n, lengths)
-        energy, forces, virial, energies, self.list_builds = evaluator.evaluate(
-            np.ascontiguousarray(positions) / sigma, lengths, "energies" in properties
+        if self._forces is None:
+            self._forces = Forces(
+                sides / sigma,
+                given["potential"],
+                truncation=_truncation(given["truncation"], given["tail"], _reduced(given["rc"], sigma)),
+                neighbor=None if given["skin"] is None else {"skin": _reduced(given["skin"], sigma)},
+                kernel={"precision": given["precision"]},
+                threads=given["threads"],
+            )
+        found = self._forces.evaluate(
+            positions / sigma, sides / sigma, virial=True, energies="energies" in properties
         )
+        forces, energy, virial, energies = found
+        self.list_builds = self._forces.builds
         self.results = {
             "energy": energy * epsilon,
             "free_energy": energy * epsilon,
             "forces": forces * (epsilon / sigma),
-            "stress": -virial[_VOIGT] * (epsilon / float(np.prod(sides))),
         }
+        if virial is not None:
+            self.results["stress"] = -virial[_VOIGT] * (epsilon / float(np.prod(sides)))
         if energies is not None:
             self.results["energies"] = energies * epsilon
-
-    def _evaluator_for(self, n: int, lengths: tuple[float, float, float]) -> _lennard.Evaluator:
-        """The forces made before, where they serve so many atoms in such a box: a box may change by a tenth."""
-        if self._evaluator is not None and self._made_for is not None:
-            made_n, made_for = self._made_for
-            ratios = np.asarray(lengths) / np.asarray(made_for)
-            if made_n == n and np.all(np.abs(ratios - 1.0) < 0.1):
-                return self._evaluator
-        self._evaluator = _lennard.Evaluator(self._scene(n, lengths), n, lengths, self.parameters["threads"])
-        self._made_for = (n, lengths)
-        return self._evaluator
-
-    def _scene(self, n: int, lengths: tuple[float, float, float]) -> str:
-        """The force field as a scene; where its particles start does not matter."""
-        given = self.parameters
-        scene: dict[str, Any] = {
-            "system": {"n_atoms": n, "box": lengths, "temperature": 1.0},
-            "start": {"kind": "random"},
-            "truncation": _truncation(given["truncation"], given["tail"], _reduced(given["rc"], given["sigma"])),
-            "kernel": {"precision": given["precision"]},
-        }
-        if given["potential"] is not None:
-            potential = given["potential"]
-            scene["potential"] = {"kind": potential} if isinstance(potential, str) else dict(potential)
-        if given["skin"] is not None:
-            scene["neighbor"] = {"skin": _reduced(given["skin"], given["sigma"])}
-        return _toml.document(scene)
 
 
 def _reduced(length: float | None, sigma: float) -> float | None:
     return None if length is None else float(length) / sigma
-
-
-def _three(sides: Floats) -> tuple[float, float, float]:
-    return (float(sides[0]), float(sides[1]), float(sides[2]))
 
 
 def _truncation(kind: str | Mapping[str, Any], tail: bool, rc: float | None) -> dict[str, Any]:

@@ -135,7 +135,7 @@ def test_the_compiled_part_counts_its_atoms():
     atoms.get_forces()
     sides = tuple(atoms.cell.lengths())
     with pytest.raises(ValueError, match="255 positions, made for 256"):
-        calc._evaluator.evaluate(atoms.positions[:-1], sides, False)
+        calc._forces._evaluator.evaluate(atoms.positions[:-1], sides, True, True, False)
 
 
 def test_a_changed_box_or_number_of_atoms_is_seen():

@@ -178,6 +178,29 @@ impl Integrator {
         Ok((state.step - first, report))
     }
 
+    /// Takes `steps` steps of `dt`, as many at once as the method and the forces take; returns the heat that baths put in, ε.
+    /// The forces after the last step are asked for `want`.
+    ///
+    /// # Errors
+    /// As [`Integrator::step`], at the step where that would fail.
+    pub fn advance(
+        &mut self,
+        system: &System,
+        state: &mut State,
+        forces: &mut dyn Backend,
+        dt: f64,
+        steps: u64,
+        want: Want,
+    ) -> Result<f64, StepError> {
+        let (mut left, mut heat) = (steps, 0.0);
+        while left > 0 {
+            let (taken, report) = self.stride(system, state, forces, dt, left, want)?;
+            report.add_heat_to(&mut heat);
+            left -= taken;
+        }
+        Ok(heat)
+    }
+
     /// Steps from `step` to the next after which the barostat acts, at most `most`.
     fn steps_to_barostat(&self, step: u64, most: u64) -> u64 {
         let Some(barostat) = &self.barostat else {

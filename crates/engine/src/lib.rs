@@ -82,7 +82,8 @@ pub use run::{Outcome, go_on, run};
 pub use schedule::{Action, Observer, Operation, SET_ASIDE_EVERY, Schedule, Trigger};
 pub use simulation::{Simulation, StageRun};
 pub use start::{
-    SMALLEST_START_DISTANCE, Start, size_and_density, start, start_from_arrays, write_start,
+    SMALLEST_START_DISTANCE, Start, size_and_density, start, start_from_arrays, thermal_velocities,
+    write_start,
 };
 pub use threads::Threads;
 pub use timers::Timers;

@@ -50,6 +50,24 @@ pub mod prelude {
     pub use toml::toml;
 }
 
+/// Forces and steps without a scene: a box, positions, a potential and a method, in a loop of your own.
+///
+/// [`build`](dynamics::build) makes [`PairForces`](dynamics::PairForces), which keep their neighbor list from call to call.
+/// [`integrator`](dynamics::integrator) makes a method, and [`Integrator::advance`](dynamics::Integrator::advance) takes steps.
+pub mod dynamics {
+    pub use lennard_core::random::Streams;
+    pub use lennard_core::{
+        Backend, BoxError, Configuration, DVec3, Energetics, ForceError, ForceSum, ForceTerm,
+        Integrator, Momentum, Part, PeriodicBox, State, StepError, System, Want,
+    };
+    pub use lennard_engine::thermal_velocities;
+    pub use lennard_forcefield::{
+        Conditions, ForceFieldError, ForceFieldOptions, PairForces, PotentialOptions,
+        TruncationKind, TruncationOptions, build,
+    };
+    pub use lennard_integrators::{IntegratorOptions, ThermostatOptions, build as integrator};
+}
+
 /// The contracts of forces, integrators and observables, and what their implementations need.
 pub mod parts {
     pub use lennard_core::exact::exact_sum;

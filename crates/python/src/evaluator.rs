@@ -24,13 +24,12 @@ pub struct Evaluator {
     inner: Mutex<Inner>,
 }
 
-/// Energy, forces `[N, 3]`, virial Σ r ⊗ F `[3, 3]`, energies of particles (where asked for), list builds so far.
+/// Energy (no number unless asked for), forces `[N, 3]`, and where asked for virial Σ r ⊗ F `[3, 3]` and energies of particles.
 type Evaluation<'py> = (
     f64,
     Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
+    Option<Bound<'py, PyArray2<f64>>>,
     Option<Bound<'py, PyArray1<f64>>>,
-    u64,
 );
 
 fn cell(lengths: [f64; 3]) -> PyResult<PeriodicBox> {
@@ -59,7 +58,7 @@ impl Evaluator {
         let scene = scenes::from_text(scene, "calculator", &overrides)?;
         if scene.mixture.is_some() {
             return Err(PyValueError::new_err(
-                "the calculator takes one species of particles; run a mixture as a Simulation",
+                "forces without a scene take one species of particles; run a mixture as a Simulation",
             ));
         }
         let species = scene.species_table(n, &[]);
@@ -82,6 +81,8 @@ impl Evaluator {
         py: Python<'py>,
         positions: PyReadonlyArray2<'py, f64>,
         lengths: [f64; 3],
+        energy: bool,
+        virial: bool,
         each: bool,
     ) -> PyResult<Evaluation<'py>> {
         let positions = numbers::vectors(&positions, "positions")?;
@@ -95,23 +96,24 @@ impl Evaluator {
             }
             let mut out = vec![DVec3::ZERO; *n];
             let want =
-                Want { per_particle: each, ..(Want::ENERGY_AND_VIRIAL | Want::VIRIAL_TENSOR) };
+                Want { energy, virial, virial_tensor: virial, per_particle: each, ..Want::NOTHING };
             let at = Configuration::at_rest(&cell, &positions);
             let evaluate = || forces.evaluate(at, Part::All, want, &mut out);
             let pool = threads.pool().map_err(|e| errors::of_engine(e.into(), false))?;
             let found = pool.install(evaluate);
             let energetics = found.map_err(|e| wrong(e.to_string()))?;
             let tail = lennard_forcefield::tail_correction(options, *n, cell.volume());
-            Ok((out, energetics, tail, forces.statistics().builds))
+            Ok((out, energetics, tail))
         });
-        let (forces, energetics, tail, builds) = evaluated?;
+        let (forces, energetics, tail) = evaluated?;
         let Energetics { potential_energy, virial, per_particle, .. } = energetics;
         let (tail_energy, tail_virial) = tail.map_or((0.0, 0.0), |t| (t.energy, t.virial));
-        let mut virial = virial.unwrap_or_default();
-        for axis in 0..3 {
-            virial.col_mut(axis)[axis] += tail_virial / 3.0;
-        }
-        let rows = [virial.row(0), virial.row(1), virial.row(2)];
+        let virial = virial.map(|mut virial| {
+            for axis in 0..3 {
+                virial.col_mut(axis)[axis] += tail_virial / 3.0;
+            }
+            numbers::array(py, &[virial.row(0), virial.row(1), virial.row(2)])
+        });
         let n = forces.len() as f64;
         let energies = per_particle.map(|all| {
             let each = all.iter().map(|p| p.0 + tail_energy / n).collect();
@@ -120,9 +122,15 @@ impl Evaluator {
         Ok((
             potential_energy.unwrap_or(f64::NAN) + tail_energy,
             numbers::array(py, &forces)?,
-            numbers::array(py, &rows)?,
+            virial.transpose()?,
             energies,
-            builds,
         ))
+    }
+
+    /// List builds so far.
+    #[getter]
+    fn builds(&self) -> u64 {
+        let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        inner.forces.statistics().builds
     }
 }

@@ -9,7 +9,10 @@ use pyo3::types::{PyDict, PyList};
 
 /// A copy as an array `[N, 3]`.
 pub fn array<'py>(py: Python<'py>, vectors: &[DVec3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let flat: Vec<f64> = vectors.iter().flat_map(|v| v.to_array()).collect();
+    let mut flat = vec![0.0; 3 * vectors.len()];
+    for (to, v) in flat.as_chunks_mut().0.iter_mut().zip(vectors) {
+        *to = v.to_array();
+    }
     PyArray1::from_vec(py, flat).reshape([vectors.len(), 3])
 }
 
@@ -37,6 +40,10 @@ pub fn vectors(array: &PyReadonlyArray2<'_, f64>, name: &str) -> PyResult<Vec<DV
             view.nrows(),
             view.ncols()
         )));
+    }
+    // Rows one by one take longer than the forces on them.
+    if let Some(flat) = view.as_slice() {
+        return Ok(flat.as_chunks().0.iter().map(|v| DVec3::from_array(*v)).collect());
     }
     Ok(view.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect())
 }

@@ -16,7 +16,8 @@ use lennard_scene::{Arrangement, Placement, Scene};
 pub use check::SMALLEST_START_DISTANCE;
 pub use memory::{start_from_arrays, write_start};
 pub use value::Start;
-pub(crate) use velocities::{make_suit, remove_drift, thermal_velocities};
+pub use velocities::thermal_velocities;
+pub(crate) use velocities::{make_suit, remove_drift};
 
 use value::Origin;
 

@@ -60,13 +60,9 @@ impl Rig {
     /// # Errors
     /// [`StudyError::Step`] where a step fails.
     pub fn steps(&mut self, steps: u64) -> Result<(), StudyError> {
-        let mut left = steps;
-        while left > 0 {
-            let Self { system, state, forces, integrator, dt, want } = self;
-            let made = integrator.stride(system, state, forces.as_mut(), *dt, left, *want);
-            left -= made.map_err(|source| self.failure(source))?.0;
-        }
-        Ok(())
+        let Self { system, state, forces, integrator, dt, want } = self;
+        let advanced = integrator.advance(system, state, forces.as_mut(), *dt, steps, *want);
+        advanced.map(drop).map_err(|source| self.failure(source))
     }
 
     /// Position and velocity of the first body along x after a step that must not fail, σ and σ/τ.
