@@ -21,7 +21,7 @@ fn commands(text: &str) -> Vec<Vec<String>> {
         for code in code {
             let code = code.trim().trim_start_matches("$ ");
             let words = match code.split_once(" -- ") {
-                Some(("cargo run --release", words)) => words,
+                Some(("cargo run --release" | "cargo run --profile first", words)) => words,
                 _ => code.strip_prefix("lennard ").unwrap_or_default(),
             };
             let is_end = |word: &&str| !word.starts_with(['|', '>', '#', '&', ';', '\\']);

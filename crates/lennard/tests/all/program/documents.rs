@@ -1,7 +1,7 @@
 //! README and the pages of docs/ do what they say: their commands run, their tables come out, their paths and links lead somewhere.
 //!
-//! Every block ```` ```sh ```` is run, one document in one new folder, with `lennard` on the path. A line `<!-- not run: … -->` before
-//! a block leaves it out. A block ```` ```toml title="NAME" ```` is written to the file NAME. A block ```` ```rust title="FILE" ````
+//! Every block ```` ```sh ```` is run, one document in one new folder, with `lennard` on the path, and also where cargo is to build
+//! it first. A line `<!-- not run: … -->` before a block leaves it out. A block ```` ```toml title="NAME" ```` is written to the file NAME. A block ```` ```rust title="FILE" ````
 //! is a part of that example of the library.
 //!
 //! A ```` ```text ```` block behind commands shows what they print. Each row of its table with a ± must be in the output. Quantity
@@ -16,6 +16,16 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use serde_json::Value;
 
 use super::common::root;
+
+/// What builds the program of a new clone, and runs it.
+const BUILT_FIRST: &str = "cargo run --profile first -- ";
+
+#[test]
+fn the_profile_of_the_first_command_is_there() {
+    let read = |name: &str| fs::read_to_string(root().join(name)).unwrap();
+    assert!(read("README.md").contains(BUILT_FIRST));
+    assert!(read("Cargo.toml").contains("[profile.first]\ninherits = \"dist\""));
+}
 
 /// README, CONTRIBUTING and every page of docs/.
 fn documents() -> Vec<PathBuf> {
@@ -62,7 +72,9 @@ fn follow(folder: &Path, steps: &[Step]) -> Result<(), String> {
             Step::File(name, text) => fs::write(folder.join(name), text).unwrap(),
             Step::Run(line, commands) => {
                 let mut bash = Command::new("bash");
-                bash.args(["-e", "-c", commands]).current_dir(folder).env("PATH", &path);
+                bash.args(["-e", "-c", &commands.replace(BUILT_FIRST, "lennard ")])
+                    .current_dir(folder)
+                    .env("PATH", &path);
                 let output = bash.output().unwrap();
                 printed = String::from_utf8_lossy(&output.stdout).into_owned();
                 if !output.status.success() {
