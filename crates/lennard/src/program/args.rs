@@ -316,6 +316,9 @@ pub struct RunArgs {
     /// Replace an existing output folder.
     #[arg(long)]
     pub force: bool,
+    /// Show the course of T, U and P beside the progress, and write report.html while the run goes on: at once, later every minute.
+    #[arg(long, conflicts_with = "no_report")]
+    pub watch: bool,
     /// How long, and how loud.
     #[command(flatten)]
     pub control: ControlArgs,
@@ -346,9 +349,6 @@ pub struct ControlArgs {
     /// Write no report.html.
     #[arg(long)]
     pub no_report: bool,
-    /// Show the course of T, U and P beside the progress, and write report.html while the run goes on: at once, later every minute.
-    #[arg(long, conflicts_with = "no_report")]
-    pub watch: bool,
     /// No progress and no table; errors only.
     #[arg(long)]
     pub quiet: bool,
@@ -376,6 +376,9 @@ pub struct ResumeArgs {
     /// Go on from the checkpoint before the newest.
     #[arg(long)]
     pub older: bool,
+    /// Show the course of T, U and P beside the progress, and write report.html while the run goes on: at once, later every minute.
+    #[arg(long, conflicts_with = "no_report")]
+    pub watch: bool,
     /// Threads, at most four for each processor (or 16); by default as many as make this run faster. The bits do not depend
     /// on it.
     #[arg(long, value_name = "N", value_parser = threads)]

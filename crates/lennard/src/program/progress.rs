@@ -22,7 +22,7 @@ pub struct Display {
     what: What,
     /// T, U and P in words, taken since the last line.
     fluid: Option<String>,
-    /// T, U and P since the start, where somebody watches.
+    /// T, U and P since the start, with `--watch`.
     history: Option<History>,
 }
 

@@ -218,7 +218,9 @@ fn names_in(help: &str) -> Vec<String> {
         .collect()
 }
 
+/// The options of a help; its examples have options of other commands too.
 fn options_in(help: &str) -> Vec<String> {
+    let help = help.split("Examples:").next().unwrap_or_default();
     help.split(|c: char| c.is_whitespace() || ",=[]<>`".contains(c))
         .filter(|word| word.starts_with("--"))
         .map(str::to_owned)

@@ -70,10 +70,10 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
     if step < total {
         let _ = std::fs::remove_file(folder.path().join("report.html"));
     }
-    let cell = simulation.state.cell;
+    let watch = args.watch.then_some(simulation.state.cell);
     let run =
-        Running { team, folder: &folder, threads, stop: signals.stop(), deadline, total, cell };
-    let display = Display::new(args.control.quiet).watching(args.control.watch);
+        Running { team, folder: &folder, threads, stop: signals.stop(), deadline, total, watch };
+    let display = Display::new(args.control.quiet).watching(args.watch);
     let work = |control: Control<'_>| lennard_engine::go_on(&mut resumed, &folder, control);
     run.to_its_end(display, work, args.json, &args.control)
 }

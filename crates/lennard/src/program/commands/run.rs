@@ -61,7 +61,7 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
         let remarks = simulation.remarks.iter().cloned().chain(simulation.foreseen());
         show::print(&header.texts(remarks), Style::Ruled);
     }
-    let display = Display::new(args.control.quiet).watching(args.control.watch);
+    let display = Display::new(args.control.quiet).watching(args.watch);
     let display = FirstStep::new(&signals, display);
     let run = Running {
         team,
@@ -70,7 +70,7 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
         stop: signals.stop(),
         deadline,
         total: simulation.scene.total_steps(),
-        cell: simulation.state.cell,
+        watch: args.watch.then_some(simulation.state.cell),
     };
     let work = |control: Control<'_>| lennard_engine::run(&mut simulation, &folder, control);
     run.to_its_end(display, work, args.scene.json, &args.control)
@@ -85,8 +85,8 @@ pub struct Running<'a> {
     pub deadline: Option<Instant>,
     /// Steps of the whole scene.
     pub total: u64,
-    /// The box in which it begins.
-    pub cell: PeriodicBox,
+    /// The box in which it begins, where a page shows the run as it goes.
+    pub watch: Option<PeriodicBox>,
 }
 
 impl Running<'_> {
@@ -98,20 +98,20 @@ impl Running<'_> {
         json: bool,
         args: &ControlArgs,
     ) -> Result<u8, Failure> {
-        let Self { team, threads, stop, deadline, total, .. } = *self;
+        let Self { team, threads, stop, deadline, total, watch, .. } = *self;
         let folder = self.folder.path();
-        let page = args.watch.then(|| LivePage::new(folder, self.cell));
+        let page = watch.map(|cell| LivePage::new(folder, cell));
         let mut progress = Watched { progress, page };
         let outcome = on_threads(threads, || {
             let control = Control { stop, deadline, progress: &mut progress };
             steps(control).map_err(|e| ranks::failed(team, e, folder))
         })?;
         drop(progress);
-        match outcome.ending {
-            Ending::Finished if args.no_report => {}
-            Ending::Finished => run_page::write(folder)?,
-            _ if args.watch => run_page::write_under_way(folder, self.cell)?,
-            _ => {}
+        match (outcome.ending, watch) {
+            (Ending::Finished, _) if args.no_report => {}
+            (Ending::Finished, _) => run_page::write(folder)?,
+            (_, Some(cell)) => run_page::write_under_way(folder, cell)?,
+            (_, None) => {}
         }
         tell(&outcome, folder, total, json, args)
     }
