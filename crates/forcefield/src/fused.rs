@@ -102,10 +102,14 @@ impl FusedBuffers {
         let (mut taken, mut is_new, mut prepared) = (0, false, Prepared::Nothing);
         loop {
             let most = steps.steps - taken;
-            let (done, status) = validity.with_list(list, cell, |used| {
+            let (done, status) = {
+                let used = &validity.in_use(list, cell);
                 let over_list = pairwise.over(list, used.r_cut, cell);
                 let mut done = 0;
-                while done < most {
+                let status = loop {
+                    if done == most {
+                        break ListStatus::Complete;
+                    }
                     let acts = steps.bath.as_ref().is_some_and(FusedBath::acts);
                     let mut request = request::<P>(prepared, n, most - done);
                     request.packs_next &= !acts;
@@ -114,12 +118,12 @@ impl FusedBuffers {
                     let how = (kick_drift, &mover);
                     let status = fused_step(used, copies, &*over_list, state, how, request);
                     if status != ListStatus::Complete {
-                        return (done, status);
+                        break status;
                     }
                     prepared = if acts {
                         // The bath must not see numbers that are none.
                         if used.share.is_some_and(Share::is_broken) {
-                            return (done, ListStatus::NonFinite);
+                            break ListStatus::NonFinite;
                         }
                         particles.go_on_from_bath(steps, (kick_drift, used.level), used.share);
                         Prepared::Nothing
@@ -127,9 +131,9 @@ impl FusedBuffers {
                         particles.finish_step(steps, request, used.share)
                     };
                     done += 1;
-                }
-                (done, ListStatus::Complete)
-            });
+                };
+                (done, status)
+            };
             taken += done;
             prepared = Prepared::Nothing;
             match status {

@@ -7,12 +7,13 @@ use lennard_core::{
     Backend, Configuration, Energetics, Exclusions, ForceError, ForceProperties, ForceStatistics,
     ForceTerm, FusedSteps, HaloSize, Masses, Part, PeriodicBox, Team, TooManyRanks, Want,
 };
+use lennard_neighbor::PairList;
 
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
 use crate::clock::Clock;
 use crate::error::ForceFieldError;
 use crate::interaction::Pairwise;
-use crate::listed::{Listed, Loop};
+use crate::listed::{AnyListed, Loop, with_listed};
 use crate::non_finite;
 use crate::options::ForceFieldOptions;
 use crate::plan::{Conditions, ForcePlan, Search, TIE_MARGIN, decide};
@@ -25,14 +26,14 @@ enum Strategy {
     Nothing,
     Reference,
     Direct { wrapped: Vec<DVec3> },
-    Verlet(Box<Listed>),
+    Verlet(AnyListed),
 }
 
 /// The near part.
 struct Near {
     pairwise: Pairwise,
     /// A short list. Without it, the near part uses the pairs of the whole force.
-    list: Option<Box<Listed>>,
+    list: Option<AnyListed>,
 }
 
 /// Forces between pairs of particles.
@@ -61,14 +62,9 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<PairForces, Fo
     let decision = decide(o, c)?;
     let plan = decision.plan;
     let listed = |r_cut| {
-        let level = decision.level;
-        Box::new(Listed::new(
-            (r_cut, plan.skin),
-            level,
-            decision.listed,
-            o.exclusions,
-            decision.whole.of_particle(),
-        ))
+        let species = decision.whole.of_particle();
+        let (radii, level) = ((r_cut, plan.skin), decision.level);
+        AnyListed::new(radii, level, decision.listed, o.exclusions, species)
     };
     let strategy = match plan.search {
         Search::Nothing => Strategy::Nothing,
@@ -111,7 +107,10 @@ impl PairForces {
     /// Builds the list at a configuration, whether it expired or not; returns whether there is a list.
     pub(crate) fn rebuild(&mut self, at: Configuration<'_>) -> Result<bool, ForceError> {
         match &mut self.strategy {
-            Strategy::Verlet(listed) => listed.build(at.cell, at.positions).map(|()| true),
+            Strategy::Verlet(listed) => {
+                with_listed!(listed, l => l.build(at.cell, at.positions))?;
+                Ok(true)
+            }
             Strategy::Nothing | Strategy::Reference | Strategy::Direct { .. } => Ok(false),
         }
     }
@@ -119,7 +118,7 @@ impl PairForces {
     /// Number of lanes computed in one evaluation.
     pub(crate) fn lanes(&self) -> u64 {
         match &self.strategy {
-            Strategy::Verlet(listed) => listed.lanes(),
+            Strategy::Verlet(listed) => with_listed!(listed, l => l.list().lanes_computed()),
             Strategy::Direct { .. } => 2 * all_pairs(self.n_atoms),
             Strategy::Reference => all_pairs(self.n_atoms),
             Strategy::Nothing => 0,
@@ -170,11 +169,11 @@ impl PairForces {
             _ => (&self.whole, None),
         };
         if let Some(list) = own_list {
-            return list.evaluate(pairwise, at, detail, forces, each, clock);
+            return with_listed!(list, l => l.evaluate(pairwise, at, detail, forces, each, clock));
         }
         let exclusions = &self.exclusions;
         if let Strategy::Verlet(listed) = &mut self.strategy {
-            return listed.evaluate(pairwise, at, detail, forces, each, clock);
+            return with_listed!(listed, l => l.evaluate(pairwise, at, detail, forces, each, clock));
         }
         if !at.positions.iter().all(|r| r.is_finite()) {
             return Err(non_finite::position(at.positions));
@@ -290,11 +289,14 @@ impl ForceTerm for PairForces {
         };
         let near = self.near.as_ref().and_then(|near| near.list.as_ref());
         for listed in whole.into_iter().chain(near) {
-            statistics.builds += listed.builds();
-            statistics.bytes += listed.bytes();
+            let (builds, bytes) = with_listed!(listed, l => (l.builds(), l.bytes()));
+            statistics.builds += builds;
+            statistics.bytes += bytes;
         }
         match &self.strategy {
-            Strategy::Verlet(listed) => statistics.listed_pairs = listed.listed_pairs(),
+            Strategy::Verlet(listed) => {
+                statistics.listed_pairs = with_listed!(listed, l => l.list().pairs());
+            }
             Strategy::Direct { wrapped } => {
                 statistics.bytes = 24 * wrapped.capacity() as u64;
                 statistics.listed_pairs = all_pairs(self.n_atoms);
@@ -324,7 +326,7 @@ impl Backend for PairForces {
             return 0;
         };
         let clock = &mut self.clock;
-        let taken = listed.advance(&self.whole, steps, kick_drift, clock);
+        let taken = with_listed!(listed, l => l.advance(&self.whole, steps, kick_drift, clock));
         self.evaluations += taken;
         taken
     }
@@ -334,14 +336,14 @@ impl Backend for PairForces {
             return Ok(false);
         };
         if let Some(near) = self.near.as_mut().and_then(|near| near.list.as_mut()) {
-            near.share(team, self.n_atoms)?;
+            with_listed!(near, l => l.share(team, self.n_atoms))?;
         }
-        listed.share(team, self.n_atoms)
+        with_listed!(listed, l => l.share(team, self.n_atoms))
     }
 
     fn halo_on(&self, ranks: usize) -> Option<HaloSize> {
         match &self.strategy {
-            Strategy::Verlet(listed) => listed.halo_on(self.n_atoms, ranks),
+            Strategy::Verlet(listed) => with_listed!(listed, l => l.halo_on(self.n_atoms, ranks)),
             _ => None,
         }
     }

@@ -1,21 +1,18 @@
 //! The validity of a list: the box and the positions of its build, and when it may be used.
 
-mod build;
+pub mod build;
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec3;
 use lennard_core::{ForceError, HaloSize, PeriodicBox, Team, TooManyRanks};
-use lennard_neighbor::{
-    Around, Criterion, Displacements, GridError, NowAndThen, PackedDisplacement, PairList,
-    Positions, Reach, Validity, unlisted_pairs,
-};
+use lennard_neighbor::{Around, Criterion, GridError, PairList, Positions, Reach};
 
 use self::build::Build;
 use crate::share::Share;
 use crate::share::foreseen::halo_on;
-use crate::simd::{Level, ListInUse, ListStatus, MotionSummary, Ordered, PackedList, by_slot};
+use crate::simd::{Level, ListInUse, PackedList, by_slot};
 
 /// When a list may be used, and the record of its last build.
 pub struct ListValidity {
@@ -240,119 +237,28 @@ impl ListValidity {
         Criterion::in_changed_box(shortest * build.r_list - inner)
     }
 
-    /// Calls `work` with a list in use in a box.
+    /// A list in use in a box.
     ///
     /// # Panics
     /// Where the list was never built: that is a bug of the caller.
-    pub fn with_list<P: PairList, R>(
-        &self,
-        list: &P,
-        cell: &PeriodicBox,
-        work: impl FnOnce(&ListInUse<'_, P>) -> R,
-    ) -> R {
+    pub fn in_use<'a, P: PairList>(
+        &'a self,
+        list: &'a P,
+        cell: &'a PeriodicBox,
+    ) -> ListInUse<'a, P> {
         let build = self.build.as_ref().expect("a list is built before its use");
-        let criterion = self.criterion::<P>(build, cell);
-        work(&ListInUse {
+        ListInUse {
             list,
             level: self.level,
             cell,
             r_cut: self.r_cut,
+            build,
             built: &self.built,
             species: self.of_particle.is_some().then_some(&self.species[..]),
             stretch: cell.lengths() / build.cell.lengths(),
-            far2: criterion.far2(),
+            criterion: self.criterion::<P>(build, cell),
             share: self.share.as_ref(),
-            judge: &|summary, packed, at| {
-                if let Some(share) = &self.share {
-                    return self.judge_together(share, list, (build, criterion), summary, at);
-                }
-                let far = summary.far.len();
-                if !summary.finite {
-                    return ListStatus::NonFinite;
-                }
-                match criterion.check(summary.largest2, far, self.built.len()) {
-                    Validity::Valid => ListStatus::Complete,
-                    Validity::Expired => ListStatus::Expired,
-                    Validity::Uncertain => self.unlisted(list, build, summary, packed, at),
-                }
-            },
-        })
-    }
-
-    /// Judges a list together with the other ranks: all come to the judgment of one rank that sees all particles.
-    fn judge_together<P: PairList>(
-        &self,
-        share: &Share,
-        list: &P,
-        (build, criterion): (&Build, Criterion),
-        summary: &MotionSummary,
-        at: Ordered<'_>,
-    ) -> ListStatus {
-        let n = self.built.len();
-        let Some(largest2) = share.largest2(summary) else {
-            return ListStatus::NonFinite;
-        };
-        match criterion.check(largest2, 0, n) {
-            Validity::Valid => return ListStatus::Complete,
-            Validity::Expired => return ListStatus::Expired,
-            Validity::Uncertain => {}
         }
-        let own_at = |slot: u32| self.now_and_then(at, slot);
-        let movers = share.far_movers(&summary.far, own_at);
-        if criterion.check(largest2, movers.len(), n) == Validity::Expired {
-            return ListStatus::Expired;
-        }
-        let far: Vec<u32> = movers.iter().map(|(slot, _)| *slot).collect();
-        let own = share.own();
-        let displacements = Displacements {
-            cells: list.cells(),
-            // Positions of other ranks are known of far movers alone, and the search asks for no others.
-            at: |slot: u32| {
-                if own.contains(&(slot as usize)) {
-                    return own_at(slot);
-                }
-                let mover = movers.binary_search_by_key(&slot, |(slot, _)| *slot);
-                mover.map_or([DVec3::NAN; 2], |mover| movers[mover].1)
-            },
-            packed: None,
-            largest2,
-            partners: Some(share.partners()),
-        };
-        let inner = build.inner();
-        let found = unlisted_pairs(&build.cell, build.r_list, inner, displacements, &far);
-        let missing = share.missing(&found, |pair| list.contains(pair));
-        if missing.is_empty() { ListStatus::Complete } else { ListStatus::Incomplete(missing) }
-    }
-
-    /// The position of the particle at a slot, and its position at the build.
-    #[inline(always)]
-    fn now_and_then(&self, at: Ordered<'_>, slot: u32) -> NowAndThen {
-        let slot = slot as usize;
-        [at.positions[at.index(slot)], self.built[slot]]
-    }
-
-    /// Whether the list contains every pair inside the cutoff, by a search ahead of the far movers.
-    ///
-    /// The box equals the box of the build: in any other box the criterion never asks for this search.
-    fn unlisted<P: PairList>(
-        &self,
-        list: &P,
-        build: &Build,
-        summary: &MotionSummary,
-        packed: Option<&[PackedDisplacement]>,
-        at: Ordered<'_>,
-    ) -> ListStatus {
-        let displacements = Displacements {
-            cells: list.cells(),
-            at: |slot: u32| self.now_and_then(at, slot),
-            packed,
-            largest2: summary.largest2,
-            partners: None,
-        };
-        let mut unlisted =
-            unlisted_pairs(&build.cell, build.r_list, build.inner(), displacements, &summary.far);
-        unlisted.retain(|pair| !list.contains(*pair));
-        if unlisted.is_empty() { ListStatus::Complete } else { ListStatus::Incomplete(unlisted) }
     }
 }
 

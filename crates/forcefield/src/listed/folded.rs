@@ -1,7 +1,7 @@
 //! The copies of the canonical loop: folded positions, and sorted neighbors of each particle.
 
 use glam::DVec3;
-use lennard_neighbor::{NeighborList, PairList};
+use lennard_neighbor::PairList;
 
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
 use crate::interaction::Pairwise;
@@ -25,7 +25,7 @@ impl Folded {
     }
 
     /// Takes the neighbors of a list that was just built.
-    pub fn take_list(&mut self, list: &NeighborList) {
+    pub fn take_list(&mut self, list: &impl PairList) {
         self.lists = list.neighbors();
         for list in &mut self.lists {
             list.dedup();
@@ -35,7 +35,7 @@ impl Folded {
     /// Folds positions, judges the list, and writes forces (and `each`) where the list is complete.
     pub(super) fn evaluate(
         &mut self,
-        used: &ListInUse<'_, NeighborList>,
+        used: &ListInUse<'_, impl PairList>,
         pairwise: &Pairwise,
         positions: &[DVec3],
         detail: Detail,
@@ -43,14 +43,14 @@ impl Folded {
         each: Option<&mut [PerParticle]>,
     ) -> Evaluated {
         wrap(used.cell, positions, &mut self.wrapped);
-        let order = &used.list.table().particle;
+        let order = used.list.particles();
         let at = Ordered::of(positions, order);
         let motion = used.motion(at);
         let squares: Vec<f64> =
             (0..order.len()).map(|slot| motion.displacement(slot).length_squared()).collect();
         let mut summary = MotionSummary::NOTHING;
         summary.include(0, &squares, motion.far2);
-        let status = (used.judge)(&summary, None, at);
+        let status = used.judge(&summary, None, at);
         if status != ListStatus::Complete {
             return Evaluated { status, totals: Totals::NOTHING, broken: false };
         }

@@ -10,7 +10,7 @@ use glam::DVec3;
 use lennard_core::{
     Configuration, Exclusions, ForceError, FusedSteps, HaloSize, PeriodicBox, Team, TooManyRanks,
 };
-use lennard_neighbor::{ClusterList, FIXED_UNITS, Images, NeighborList, PairList, Positions};
+use lennard_neighbor::{ClusterList, FIXED_UNITS, Images, NeighborList, Positions};
 
 use self::evaluated::Evaluated;
 use self::folded::Folded;
@@ -20,43 +20,42 @@ use crate::interaction::Pairwise;
 use crate::non_finite;
 use crate::share::Share;
 use crate::simd::{
-    Detail, DoubleRow, FixedRow, KickDrift, Level, ListStatus, PackedCopies, PerParticle, Prepared,
-    Request,
+    Detail, KickDrift, Level, ListStatus, PackedCopies, PackedList, PerParticle, Prepared, Request,
 };
 use crate::sums::Totals;
 use crate::validity::ListValidity;
 
-/// A list with the private copies of the positions that its loop reads.
-enum Pairs {
-    /// One list per particle, for forces that are a pure function of the positions.
-    Canonical(Box<NeighborList>, Folded),
-    /// One list per particle.
-    Rows(Box<NeighborList>, Copies<DoubleRow>),
-    /// One list per cluster of four particles.
-    Clusters(Box<ClusterList>, Copies<FixedRow>),
-}
-
-/// Copies of the particles for single evaluations and for fused steps.
-#[derive(Default)]
-struct Copies<Row> {
-    packed: PackedCopies<Row>,
-    fused: FusedBuffers,
-}
-
-impl<Row: Copy + Default + Send + Sync> Copies<Row> {
-    fn bytes(&self) -> usize {
-        self.packed.bytes() + self.fused.bytes()
-    }
-}
-
 /// The smallest number of fused steps that is worth gathering the particles by slot.
 const FEWEST_STEPS: u64 = 3;
 
-/// A list with everything that belongs to it.
-pub struct Listed {
+/// A list of one kind with everything that belongs to it.
+pub struct Listed<P: PackedList> {
+    list: P,
     validity: ListValidity,
-    pairs: Pairs,
+    packed: PackedCopies<P::Row>,
+    fused: FusedBuffers,
+    /// The copies of the canonical loop, which takes the place of the loop over rows.
+    folded: Option<Folded>,
 }
+
+/// A list of any kind.
+pub enum AnyListed {
+    /// One list per particle.
+    Rows(Box<Listed<NeighborList>>),
+    /// One list per cluster of four particles.
+    Clusters(Box<Listed<ClusterList>>),
+}
+
+/// Evaluates `$body` with `$listed` bound to a list of any kind.
+macro_rules! with_listed {
+    ($any:expr, $listed:ident => $body:expr) => {
+        match $any {
+            AnyListed::Rows($listed) => $body,
+            AnyListed::Clusters($listed) => $body,
+        }
+    };
+}
+pub(crate) use with_listed;
 
 /// The loop that a list serves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,19 +83,8 @@ impl Loop {
     }
 }
 
-/// Evaluates `$body` with `$list` bound to the list of any kind.
-macro_rules! with_any_list {
-    ($pairs:expr, $list:ident => $body:expr) => {
-        match $pairs {
-            Pairs::Canonical($list, _) | Pairs::Rows($list, _) => $body,
-            Pairs::Clusters($list, _) => $body,
-        }
-    };
-}
-use with_any_list;
-
-impl Listed {
-    /// A list for `r_cut` and `skin` in σ, without the excluded pairs.
+impl AnyListed {
+    /// A list that serves a loop, for `r_cut` and `skin` in σ, without the excluded pairs.
     ///
     /// `of_particle` has the species of each particle, where there are several.
     pub fn new(
@@ -106,52 +94,53 @@ impl Listed {
         exclusions: Exclusions,
         of_particle: Option<Arc<[u8]>>,
     ) -> Self {
-        let list =
-            |images| Box::new(NeighborList::new(images, level.lanes()).excluding(exclusions));
-        let pairs = match kind {
-            Loop::Canonical => Pairs::Canonical(list(Images::Folded), Folded::default()),
-            Loop::Rows => Pairs::Rows(list(Images::Ghosts), Copies::default()),
-            Loop::Cluster => Pairs::Clusters(
-                Box::new(ClusterList::default().excluding(exclusions)),
-                Copies::default(),
-            ),
-        };
-        Self { validity: ListValidity::new(r_cut, skin, level, of_particle), pairs }
+        let validity = ListValidity::new(r_cut, skin, level, of_particle);
+        let rows = |images| NeighborList::new(images, level.lanes()).excluding(exclusions);
+        match kind {
+            Loop::Canonical => {
+                let folded = Some(Folded::default());
+                Self::Rows(Box::new(Listed {
+                    folded,
+                    ..Listed::of(rows(Images::Folded), validity)
+                }))
+            }
+            Loop::Rows => Self::Rows(Box::new(Listed::of(rows(Images::Ghosts), validity))),
+            Loop::Cluster => {
+                let list = ClusterList::default().excluding(exclusions);
+                Self::Clusters(Box::new(Listed::of(list, validity)))
+            }
+        }
+    }
+}
+
+impl<P: PackedList> Listed<P> {
+    fn of(list: P, validity: ListValidity) -> Self {
+        let (packed, fused) = (PackedCopies::default(), FusedBuffers::default());
+        Self { list, validity, packed, fused, folded: None }
     }
 
     /// Shares the list of `n` particles with the other ranks of a team; returns whether it can.
     ///
     /// Canonical forces have a loop in the order of the particles, which is not shared.
     pub fn share(&mut self, team: &Team, n: usize) -> Result<bool, TooManyRanks> {
-        let validity = &mut self.validity;
-        match &mut self.pairs {
-            Pairs::Canonical(..) => return Ok(false),
-            Pairs::Rows(list, _) => validity.share(&mut **list, team, n)?,
-            Pairs::Clusters(list, _) => validity.share(&mut **list, team, n)?,
+        if self.folded.is_some() {
+            return Ok(false);
         }
+        self.validity.share(&mut self.list, team, n)?;
         Ok(true)
     }
 
     /// What a rank would need of others, if so many ranks shared the list as it is.
     pub fn halo_on(&self, n: usize, ranks: usize) -> Option<HaloSize> {
-        match &self.pairs {
-            Pairs::Canonical(..) => None,
-            Pairs::Rows(list, _) => self.validity.halo_on(&**list, n, ranks),
-            Pairs::Clusters(list, _) => self.validity.halo_on(&**list, n, ranks),
+        if self.folded.is_some() {
+            return None;
         }
+        self.validity.halo_on(&self.list, n, ranks)
     }
 
-    /// Number of lanes computed in one evaluation, which contains every pair twice.
-    pub fn lanes(&self) -> u64 {
-        match &self.pairs {
-            Pairs::Canonical(list, _) | Pairs::Rows(list, _) => list.lanes_computed(),
-            Pairs::Clusters(list, _) => list.lanes_computed(),
-        }
-    }
-
-    /// Number of listed pairs, each counted once.
-    pub fn listed_pairs(&self) -> u64 {
-        with_any_list!(&self.pairs, list => list.pairs())
+    /// The list itself.
+    pub fn list(&self) -> &P {
+        &self.list
     }
 
     /// Number of builds so far.
@@ -161,46 +150,19 @@ impl Listed {
 
     /// Number of bytes held.
     pub fn bytes(&self) -> u64 {
-        let pairs = match &self.pairs {
-            Pairs::Canonical(list, folded) => list.bytes() + folded.bytes(),
-            Pairs::Rows(list, copies) => list.bytes() + copies.bytes(),
-            Pairs::Clusters(list, copies) => list.bytes() + copies.bytes(),
-        };
-        (pairs + self.validity.bytes()) as u64
+        let copies = self.packed.bytes() + self.fused.bytes();
+        let folded = self.folded.as_ref().map_or(0, Folded::bytes);
+        (self.list.bytes() + copies + folded + self.validity.bytes()) as u64
     }
 
     /// Builds the list for positions in a box.
     pub fn build(&mut self, cell: &PeriodicBox, positions: &[DVec3]) -> Result<(), ForceError> {
-        let positions = Positions::ById(positions);
-        let validity = &mut self.validity;
-        match &mut self.pairs {
-            Pairs::Canonical(list, folded) => {
-                validity.build((&mut **list, &mut Vec::new()), cell, positions)?;
-                folded.take_list(list);
-                Ok(())
-            }
-            Pairs::Rows(list, copies) => {
-                validity.build((&mut **list, copies.packed.rows()), cell, positions)
-            }
-            Pairs::Clusters(list, copies) => {
-                validity.build((&mut **list, copies.packed.rows()), cell, positions)
-            }
+        let list = (&mut self.list, self.packed.rows());
+        self.validity.build(list, cell, Positions::ById(positions))?;
+        if let Some(folded) = &mut self.folded {
+            folded.take_list(&self.list);
         }
-    }
-
-    /// Inserts pairs that the list lacks; returns whether it can take them.
-    fn insert(&mut self, pairs: &[[u32; 2]]) -> bool {
-        let validity = &mut self.validity;
-        with_any_list!(&mut self.pairs, list => validity.insert(&mut **list, pairs))
-    }
-
-    fn may_be_valid(&self, cell: &PeriodicBox, n: usize) -> bool {
-        match &self.pairs {
-            Pairs::Canonical(..) | Pairs::Rows(..) => {
-                self.validity.may_be_valid::<NeighborList>(cell, n)
-            }
-            Pairs::Clusters(..) => self.validity.may_be_valid::<ClusterList>(cell, n),
-        }
+        Ok(())
     }
 
     /// Writes forces (and `each`) at a configuration, and returns the totals that `detail` asks for.
@@ -215,12 +177,14 @@ impl Listed {
     ) -> Result<Totals, ForceError> {
         let outcome = clock.computing(|clock| {
             let mut request = Request::of(detail);
-            while self.may_be_valid(at.cell, at.positions.len()) {
+            while self.validity.may_be_valid::<P>(at.cell, at.positions.len()) {
                 let each = each.as_deref_mut();
                 let outcome = self.attempt(pairwise, at, request, forces, each);
                 match &outcome.status {
                     ListStatus::Complete | ListStatus::NonFinite => return Ok(outcome),
-                    ListStatus::Incomplete(pairs) if self.insert(pairs) => {
+                    ListStatus::Incomplete(pairs)
+                        if self.validity.insert(&mut self.list, pairs) =>
+                    {
                         request.prepared = Prepared::Judged;
                     }
                     ListStatus::Expired | ListStatus::Incomplete(_) => break,
@@ -248,22 +212,13 @@ impl Listed {
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
     ) -> Evaluated {
-        let (validity, positions) = (&self.validity, at.positions);
-        match &mut self.pairs {
-            Pairs::Canonical(list, folded) => validity.with_list(&**list, at.cell, |used| {
-                folded.evaluate(used, pairwise, positions, request.detail, forces, each)
-            }),
-            Pairs::Rows(list, copies) => validity.with_list(&**list, at.cell, |used| {
-                let packed = &mut copies.packed;
-                let found = used.evaluate(packed, pairwise, positions, request, forces, each);
-                Evaluated::of(found, request.detail, used.share.map(Share::team))
-            }),
-            Pairs::Clusters(list, copies) => validity.with_list(&**list, at.cell, |used| {
-                let packed = &mut copies.packed;
-                let found = used.evaluate(packed, pairwise, positions, request, forces, each);
-                Evaluated::of(found, request.detail, used.share.map(Share::team))
-            }),
+        let used = self.validity.in_use(&self.list, at.cell);
+        if let Some(folded) = &mut self.folded {
+            return folded.evaluate(&used, pairwise, at.positions, request.detail, forces, each);
         }
+        let packed = &mut self.packed;
+        let found = used.evaluate(packed, pairwise, at.positions, request, forces, each);
+        Evaluated::of(found, request.detail, used.share.map(Share::team))
     }
 
     /// Takes fused steps: see [`lennard_core::Backend::advance`].
@@ -274,20 +229,14 @@ impl Listed {
         kick_drift: KickDrift,
         clock: &mut Clock,
     ) -> u64 {
-        if steps.steps < FEWEST_STEPS {
+        // Canonical forces have one loop only, which does not fuse steps.
+        if steps.steps < FEWEST_STEPS || self.folded.is_some() {
             return 0;
         }
-        let validity = &mut self.validity;
-        let taken = clock.computing(|clock| match &mut self.pairs {
-            // Canonical forces have one loop only, which does not fuse steps.
-            Pairs::Canonical(..) => 0,
-            Pairs::Rows(list, Copies { packed, fused }) => {
-                fused.advance(validity, (&mut **list, packed), pairwise, steps, kick_drift, clock)
-            }
-            Pairs::Clusters(list, Copies { packed, fused }) => {
-                fused.advance(validity, (&mut **list, packed), pairwise, steps, kick_drift, clock)
-            }
-        });
+        let Self { list, validity, packed, fused, .. } = self;
+        let list = (list, packed);
+        let taken = clock
+            .computing(|clock| fused.advance(validity, list, pairwise, steps, kick_drift, clock));
         // Checkpoints read them, and single evaluations.
         self.validity.know_all_built();
         taken

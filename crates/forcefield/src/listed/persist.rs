@@ -2,19 +2,18 @@
 
 use glam::DVec3;
 use lennard_core::{PeriodicBox, RestoreError, StateReader, StateWriter};
-use lennard_neighbor::PairList;
 
-use super::{Listed, Pairs, with_any_list};
+use super::Listed;
+use crate::simd::PackedList;
 
-impl Listed {
+impl<P: PackedList> Listed<P> {
     /// Writes what a restart needs.
     pub fn save(&self, to: &mut StateWriter<'_>) {
         let mut built_at = Vec::new();
         if let Some(cell) = self.validity.build_cell() {
             let built = self.validity.built();
-            let particles = with_any_list!(&self.pairs, list => list.particles());
             built_at.resize(built.len(), DVec3::ZERO);
-            for (particle, r) in particles.iter().zip(built) {
+            for (particle, r) in self.list.particles().iter().zip(built) {
                 built_at[*particle as usize] = *r;
             }
             to.put_f64("built_box", &cell.lengths().to_array());
@@ -67,7 +66,10 @@ impl Listed {
             .filter(|pair| is_pair(pair))
             .map(|pair| pair.map(|slot| slot as u32))
             .collect();
-        if 2 * pairs.len() == inserted.len() && rest.is_empty() && self.insert(&pairs) {
+        if 2 * pairs.len() == inserted.len()
+            && rest.is_empty()
+            && self.validity.insert(&mut self.list, &pairs)
+        {
             return Ok(());
         }
         Err(from.misfit("named", format!("no pairs of {n} slots that this list can take")))

@@ -1,24 +1,23 @@
 //! A list in use: the loop over all chunks of a list at some positions.
 
-use std::slice;
-
 use glam::{DMat3, DVec3};
 use lennard_core::PeriodicBox;
-use lennard_neighbor::PackedDisplacement;
+use lennard_neighbor::{
+    Criterion, Displacements, NowAndThen, PackedDisplacement, PairList, Validity, unlisted_pairs,
+};
 
 use super::by_slot::to_particles;
 use super::fused::NextRows;
 use super::level::Level;
-use super::motion::{Motion, MotionSummary, SlotSpecies, SomeRows};
+use super::motion::{Motion, MotionSummary, SlotSpecies};
 use super::output::Output;
-use super::packed::{
-    Evaluation, Fetch, ListStatus, Outcome, PackedCopies, Request, RunChunk, Which,
-};
+use super::packed::{Outcome, PackedCopies, Pass, Request};
 use super::packed_list::PackedList;
 use super::row::DoubleRow;
-use super::totals::{ChunkTotals, PerParticle};
+use super::totals::PerParticle;
 use crate::interaction::Pairwise;
 use crate::share::Share;
+use crate::validity::build::Build;
 
 /// Positions and the index in them of each slot.
 #[derive(Clone, Copy)]
@@ -49,9 +48,18 @@ impl<'a> Ordered<'a> {
     }
 }
 
-/// Judges the list at some positions, by the motion and maybe by packed displacements.
-pub type JudgeAt<'a> =
-    dyn Fn(&MotionSummary, Option<&[PackedDisplacement]>, Ordered<'_>) -> ListStatus + Sync + 'a;
+/// Whether a list may be used at some positions.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ListStatus {
+    /// The list contains every pair inside the cutoff.
+    Complete,
+    /// The list lacks these pairs of slots.
+    Incomplete(Vec<[u32; 2]>),
+    /// The list may lack pairs, and it must be built again.
+    Expired,
+    /// A position is not a finite number.
+    NonFinite,
+}
 
 /// A list with all that its use in a box depends on.
 pub struct ListInUse<'a, P> {
@@ -63,24 +71,21 @@ pub struct ListInUse<'a, P> {
     pub cell: &'a PeriodicBox,
     /// The cutoff, σ.
     pub r_cut: f64,
+    /// The build.
+    pub build: &'a Build,
     /// Positions of the build by slot, σ.
     pub built: &'a [DVec3],
     /// The species at each slot, where there are several.
     pub species: Option<&'a [u8]>,
     /// The sides of the box over its sides at the build.
     pub stretch: DVec3,
-    /// The |d|² beyond which a particle moved far, σ².
-    pub far2: f64,
-    /// Judges the list.
-    pub judge: &'a JudgeAt<'a>,
+    /// The criterion in the box.
+    pub criterion: Criterion,
     /// The share of this rank, where there are several.
     pub share: Option<&'a Share>,
 }
 
-/// Runs a chunk over rows and writes its output.
-type RunInto<'a, Row> = dyn Fn(&Output<'_>, &[Row], usize) -> ChunkTotals + Sync + 'a;
-
-impl<P: PackedList> ListInUse<'_, P> {
+impl<P: PairList> ListInUse<'_, P> {
     /// The motion from the build to some positions.
     pub fn motion<'a>(&'a self, at: Ordered<'a>) -> Motion<'a> {
         Motion {
@@ -88,7 +93,7 @@ impl<P: PackedList> ListInUse<'_, P> {
             order: at.order,
             built: self.built,
             stretch: self.stretch,
-            far2: self.far2,
+            far2: self.criterion.far2(),
             lengths: self.cell.lengths(),
             species: self
                 .species
@@ -96,7 +101,111 @@ impl<P: PackedList> ListInUse<'_, P> {
         }
     }
 
-    /// Packs rows, judges the list, and writes forces (and `each`) where it is complete.
+    /// Judges the list at some positions, by the motion since its build.
+    ///
+    /// Packed displacements change the time that it takes, and never the result.
+    pub fn judge(
+        &self,
+        summary: &MotionSummary,
+        packed: Option<&[PackedDisplacement]>,
+        at: Ordered<'_>,
+    ) -> ListStatus {
+        if let Some(share) = self.share {
+            return self.judge_together(share, summary, at);
+        }
+        if !summary.finite {
+            return ListStatus::NonFinite;
+        }
+        match self.criterion.check(summary.largest2, summary.far.len(), self.built.len()) {
+            Validity::Valid => ListStatus::Complete,
+            Validity::Expired => ListStatus::Expired,
+            Validity::Uncertain => self.unlisted(summary, packed, at),
+        }
+    }
+
+    /// Judges a list together with the other ranks: all come to the judgment of one rank that sees all particles.
+    fn judge_together(
+        &self,
+        share: &Share,
+        summary: &MotionSummary,
+        at: Ordered<'_>,
+    ) -> ListStatus {
+        let n = self.built.len();
+        let Some(largest2) = share.largest2(summary) else {
+            return ListStatus::NonFinite;
+        };
+        match self.criterion.check(largest2, 0, n) {
+            Validity::Valid => return ListStatus::Complete,
+            Validity::Expired => return ListStatus::Expired,
+            Validity::Uncertain => {}
+        }
+        let own_at = |slot: u32| self.now_and_then(at, slot);
+        let movers = share.far_movers(&summary.far, own_at);
+        if self.criterion.check(largest2, movers.len(), n) == Validity::Expired {
+            return ListStatus::Expired;
+        }
+        let far: Vec<u32> = movers.iter().map(|(slot, _)| *slot).collect();
+        let own = share.own();
+        let displacements = Displacements {
+            cells: self.list.cells(),
+            // Positions of other ranks are known of far movers alone, and the search asks for no others.
+            at: |slot: u32| {
+                if own.contains(&(slot as usize)) {
+                    return own_at(slot);
+                }
+                let mover = movers.binary_search_by_key(&slot, |(slot, _)| *slot);
+                mover.map_or([DVec3::NAN; 2], |mover| movers[mover].1)
+            },
+            packed: None,
+            largest2,
+            partners: Some(share.partners()),
+        };
+        let found = self.unlisted_pairs(displacements, &far);
+        let missing = share.missing(&found, |pair| self.list.contains(pair));
+        if missing.is_empty() { ListStatus::Complete } else { ListStatus::Incomplete(missing) }
+    }
+
+    /// The position of the particle at a slot, and its position at the build.
+    #[inline(always)]
+    fn now_and_then(&self, at: Ordered<'_>, slot: u32) -> NowAndThen {
+        let slot = slot as usize;
+        [at.positions[at.index(slot)], self.built[slot]]
+    }
+
+    /// Whether the list contains every pair inside the cutoff, by a search ahead of the far movers.
+    ///
+    /// The box equals the box of the build: in any other box the criterion never asks for this search.
+    fn unlisted(
+        &self,
+        summary: &MotionSummary,
+        packed: Option<&[PackedDisplacement]>,
+        at: Ordered<'_>,
+    ) -> ListStatus {
+        let displacements = Displacements {
+            cells: self.list.cells(),
+            at: |slot: u32| self.now_and_then(at, slot),
+            packed,
+            largest2: summary.largest2,
+            partners: None,
+        };
+        let mut unlisted = self.unlisted_pairs(displacements, &summary.far);
+        unlisted.retain(|pair| !self.list.contains(*pair));
+        if unlisted.is_empty() { ListStatus::Complete } else { ListStatus::Incomplete(unlisted) }
+    }
+
+    /// The pairs inside the cutoff that were beyond the list radius at the build, ahead of the far movers.
+    fn unlisted_pairs<A: Fn(u32) -> NowAndThen + Sync>(
+        &self,
+        displacements: Displacements<'_, P::Cells, A>,
+        far: &[u32],
+    ) -> Vec<[u32; 2]> {
+        let Build { cell, r_list, .. } = self.build;
+        unlisted_pairs(cell, *r_list, self.build.inner(), displacements, far)
+    }
+}
+
+impl<P: PackedList> ListInUse<'_, P> {
+    /// Packs rows, judges the list, and writes forces (and `each`) where it is complete. Each rank gets the forces of all.
     pub fn evaluate(
         &self,
         copies: &mut PackedCopies<P::Row>,
@@ -108,41 +217,23 @@ impl<P: PackedList> ListInUse<'_, P> {
     ) -> Outcome {
         let order = self.list.particles();
         let over_list = pairwise.over(self.list, self.r_cut, self.cell);
-        let run = |output: &Output<'_>, rows: &[P::Row], chunk: usize| {
-            // SAFETY: `PackedCopies::run` runs each chunk once.
-            unsafe { over_list.run(self.level, rows, chunk, request.detail, output) }
-        };
         let at = || Ordered::of(positions, order);
-        if let Some(share) = self.share {
-            return self.evaluate_together(share, copies, &at, request, (forces, each), &run);
-        }
-        let output = Output::new(forces, each, order, 0);
-        let run = |rows: &[P::Row], _: Option<&NextRows<'_, P::Row>>, chunk: usize| {
-            run(&output, rows, chunk)
+        let mut pass = |output: Output<'_>| {
+            // SAFETY: a pass runs each chunk once.
+            let run = |rows: &[P::Row], _: Option<&NextRows<'_, P::Row>>, chunk: usize| unsafe {
+                over_list.run(self.level, rows, chunk, request.detail, &output)
+            };
+            copies.run(&Pass { used: self, request, at: &at, run: &run, fetch: None })
         };
-        self.run_chunks(copies, &at, request, None, &run)
-    }
-
-    /// As [`ListInUse::evaluate`], with the chunks of this rank alone. Each rank then gets the forces of all.
-    fn evaluate_together<'p>(
-        &self,
-        share: &Share,
-        copies: &mut PackedCopies<P::Row>,
-        at: &(dyn Fn() -> Ordered<'p> + Sync),
-        request: Request,
-        (forces, each): (&mut [DVec3], Option<&mut [PerParticle]>),
-        run: &RunInto<'_, P::Row>,
-    ) -> Outcome {
+        let Some(share) = self.share else {
+            return pass(Output::new(forces, each, order, 0));
+        };
         let n = forces.len();
         let mut by_slot = std::mem::take(&mut share.buffers().forces);
         by_slot.resize(n, DVec3::ZERO);
         let mut each_by_slot = vec![(0.0, DMat3::ZERO); each.as_ref().map_or(0, |each| each.len())];
         let entries = each.is_some().then_some(&mut each_by_slot[..]);
-        let output = Output::new(&mut by_slot, entries, share.numbers(), 0);
-        let run = |rows: &[P::Row], _: Option<&NextRows<'_, P::Row>>, chunk: usize| {
-            run(&output, rows, chunk)
-        };
-        let mut outcome = self.run_chunks(copies, at, request, None, &run);
+        let mut outcome = pass(Output::new(&mut by_slot, entries, share.numbers(), 0));
         if outcome.status == ListStatus::Complete {
             let team = share.team();
             team.gather(&mut by_slot, share.slots());
@@ -155,42 +246,6 @@ impl<P: PackedList> ListInUse<'_, P> {
         }
         share.buffers().forces = by_slot;
         outcome
-    }
-
-    /// Packs rows, judges the list, and runs each chunk once where it is complete.
-    ///
-    /// `at` gives the positions. It is called while rows are packed and while the list is judged. With several ranks,
-    /// `fetch` fetches the positions of the halo, unless they are known.
-    pub fn run_chunks<'p>(
-        &self,
-        copies: &mut PackedCopies<P::Row>,
-        at: &(dyn Fn() -> Ordered<'p> + Sync),
-        request: Request,
-        fetch: Option<&Fetch<'_>>,
-        run: &RunChunk<'_, P::Row>,
-    ) -> Outcome {
-        let all = 0..self.list.particles().len();
-        let all_ghosts = 0..self.list.slots_of_ghosts().len();
-        let which = |which: Which| match (which, self.share) {
-            (Which::Own, Some(share)) => share.rows(0),
-            (Which::Halo, Some(share)) => share.rows(1),
-            _ => SomeRows { slots: slice::from_ref(&all), ghosts: slice::from_ref(&all_ghosts) },
-        };
-        copies.run(&Evaluation {
-            n: self.list.particles().len(),
-            rows: self.list.rows(),
-            chunks: self.list.chunk_count(),
-            request,
-            inserts: P::INSERTS,
-            pack: &|by, rows_of, rows, packed| {
-                let (motion, which) = (self.motion(at()), which(rows_of));
-                self.list.pack(self.level, by, motion, which, rows, packed)
-            },
-            judge: &|summary, packed| (self.judge)(summary, packed, at()),
-            run,
-            share: self.share,
-            fetch,
-        })
     }
 }
 

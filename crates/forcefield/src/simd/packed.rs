@@ -5,6 +5,7 @@
 //!   few particles:   each thread: pack its own copy -> judge -> run chunks
 //! ```
 
+use std::slice;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -13,23 +14,12 @@ use lennard_neighbor::{LARGE_SYSTEM, PackedDisplacement};
 
 use super::disjoint::Disjoint;
 use super::fused::{ChunkDisplacement, NextRows};
-use super::motion::MotionSummary;
+use super::list_in_use::{ListInUse, ListStatus, Ordered};
+use super::motion::{MotionSummary, SomeRows};
 use super::pack::By;
+use super::packed_list::PackedList;
 use super::totals::{ChunkTotals, Detail};
 use crate::share::Share;
-
-/// Whether a list may be used at some positions.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum ListStatus {
-    /// The list contains every pair inside the cutoff.
-    Complete,
-    /// The list lacks these pairs of slots.
-    Incomplete(Vec<[u32; 2]>),
-    /// The list may lack pairs, and it must be built again.
-    Expired,
-    /// A position is not a finite number.
-    NonFinite,
-}
 
 /// The state of the rows before an evaluation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,54 +67,55 @@ impl Outcome {
     }
 }
 
-/// Rows that are packed together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Which {
-    /// All rows.
-    All,
-    /// The rows of this rank.
-    Own,
-    /// The rows of the halo of this rank.
-    Halo,
-}
-
-/// Packs rows and packed displacements, by one thread or by all.
-pub type PackRows<'a, Row> =
-    dyn Fn(By, Which, &mut [Row], Option<&mut [PackedDisplacement]>) -> MotionSummary + Sync + 'a;
-
 /// Fetches the positions of the halo while some work is done.
 pub type Fetch<'a> = dyn Fn(&mut dyn FnMut()) + Sync + 'a;
-
-/// Judges the list by the motion. Packed displacements change the time that it takes, and never the result.
-pub type JudgeList<'a> =
-    dyn Fn(&MotionSummary, Option<&[PackedDisplacement]>) -> ListStatus + Sync + 'a;
 
 /// Runs one chunk over rows, and packs its rows of the next step where asked.
 pub type RunChunk<'a, Row> =
     dyn Fn(&[Row], Option<&NextRows<'_, Row>>, usize) -> ChunkTotals + Sync + 'a;
 
-/// One loop over a list.
-pub struct Evaluation<'a, Row> {
-    /// Number of particles.
-    pub n: usize,
-    /// Number of rows, ghosts included.
-    pub rows: usize,
-    /// Number of chunks of the list.
-    pub chunks: usize,
-    /// What the evaluation is asked for.
+/// One pass over the chunks of a list.
+pub struct Pass<'a, 'p, P: PackedList> {
+    /// The list.
+    pub used: &'a ListInUse<'a, P>,
+    /// What the pass is asked for.
     pub request: Request,
-    /// Whether the list lasts until many particles have moved far, since pairs can be inserted.
-    pub inserts: bool,
-    /// Packs rows.
-    pub pack: &'a PackRows<'a, Row>,
-    /// Judges the list.
-    pub judge: &'a JudgeList<'a>,
+    /// Gives the positions. It is called while rows are packed and while the list is judged.
+    pub at: &'a (dyn Fn() -> Ordered<'p> + Sync),
     /// Runs a chunk.
-    pub run: &'a RunChunk<'a, Row>,
-    /// The share of this rank, where there are several.
-    pub share: Option<&'a Share>,
-    /// Fetches the positions of the halo, where they are not known.
+    pub run: &'a RunChunk<'a, P::Row>,
+    /// Fetches the positions of the halo, where ranks do not know them.
     pub fetch: Option<&'a Fetch<'a>>,
+}
+
+impl<P: PackedList> Pass<'_, '_, P> {
+    /// Number of particles.
+    fn n(&self) -> usize {
+        self.used.list.particles().len()
+    }
+
+    /// Packs some rows, and packed displacements where given.
+    fn pack(
+        &self,
+        by: By,
+        which: SomeRows<'_>,
+        rows: &mut [P::Row],
+        packed: Option<&mut [PackedDisplacement]>,
+    ) -> MotionSummary {
+        let motion = self.used.motion((self.at)());
+        self.used.list.pack(self.used.level, by, motion, which, rows, packed)
+    }
+
+    /// Runs so many chunks once each, where `chunk` gives the number of each. They read `rows`, and write the next ones.
+    fn run_chunks(
+        &self,
+        rows: &[P::Row],
+        next: Option<&NextRows<'_, P::Row>>,
+        chunks: usize,
+        chunk: impl Fn(usize) -> usize + Sync,
+    ) -> Outcome {
+        run_chunks(self.request.detail, chunks, &|(), k| (self.run)(rows, next, chunk(k)))
+    }
 }
 
 /// Whether particles are so few that each thread packs all of them for itself.
@@ -193,44 +184,44 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
     }
 
     /// Packs, judges, and runs each chunk exactly once where the list is complete.
-    pub fn run(&mut self, evaluation: &Evaluation<'_, Row>) -> Outcome {
-        let few = are_few(evaluation.n) && evaluation.share.is_none();
+    pub fn run<P: PackedList<Row = Row>>(&mut self, pass: &Pass<'_, '_, P>) -> Outcome {
+        let few = are_few(pass.n()) && pass.used.share.is_none();
         let copies = if few { rayon::current_num_threads() } else { 1 };
         self.0.resize_with(copies, Mutex::default);
         if few {
-            return self.run_few(evaluation);
+            return self.run_few(pass);
         }
-        let (mut copy, status) = match evaluation.request.prepared {
-            Prepared::Nothing => self.pack(0, By::All, evaluation),
-            Prepared::Packed => self.take_next(evaluation),
+        let (mut copy, status) = match pass.request.prepared {
+            Prepared::Nothing => self.pack(0, By::All, pass),
+            Prepared::Packed => self.take_next(pass),
             Prepared::Judged => (lock(&self.0[0]), ListStatus::Complete),
         };
         if status != ListStatus::Complete {
             return Outcome::without_sums(status);
         }
-        match evaluation.share {
-            None => copy.run(evaluation, evaluation.chunks, |c| c),
-            Some(share) => copy.run_share(evaluation, share),
+        match pass.used.share {
+            None => copy.run(pass, pass.used.list.chunk_count(), |c| c),
+            Some(share) => copy.run_share(pass, share),
         }
     }
 
     /// Each thread packs a copy of its own before its first chunk, and all threads come to the same judgment.
-    fn run_few<'a>(&'a self, evaluation: &Evaluation<'_, Row>) -> Outcome {
+    fn run_few<'a, P: PackedList<Row = Row>>(&'a self, pass: &Pass<'_, '_, P>) -> Outcome {
         let status = OnceLock::new();
         let run = |mine: &mut Option<MutexGuard<'a, PackedCopy<Row>>>, c: usize| {
             let copy = mine.get_or_insert_with(|| {
                 let me = rayon::current_thread_index().unwrap_or(0);
                 // Each thread judges for itself: waiting for another thread may put it to sleep.
-                let (copy, judged) = self.pack(me % self.0.len(), By::OneThread, evaluation);
+                let (copy, judged) = self.pack(me % self.0.len(), By::OneThread, pass);
                 let _ = status.set(judged);
                 copy
             });
             match status.get() {
-                Some(ListStatus::Complete) => (evaluation.run)(&copy.rows, None, c),
+                Some(ListStatus::Complete) => (pass.run)(&copy.rows, None, c),
                 _ => ChunkTotals::NOTHING,
             }
         };
-        let mut outcome = run_chunks(evaluation, evaluation.chunks, &run);
+        let mut outcome = run_chunks(pass.request.detail, pass.used.list.chunk_count(), &run);
         // Without particles no thread judges, and no pair is missing.
         if let Some(judged) = status.into_inner() {
             outcome.status = judged;
@@ -239,47 +230,47 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
     }
 
     /// Packs a copy and judges the list.
-    fn pack(
+    fn pack<P: PackedList<Row = Row>>(
         &self,
         copy: usize,
         by: By,
-        evaluation: &Evaluation<'_, Row>,
+        pass: &Pass<'_, '_, P>,
     ) -> (MutexGuard<'_, PackedCopy<Row>>, ListStatus) {
         let mut copy = lock(&self.0[copy]);
-        copy.rows.resize(evaluation.rows, Row::default());
+        let list = pass.used.list;
+        copy.rows.resize(list.rows(), Row::default());
         copy.displacements.clear();
-        copy.begin_packed(evaluation);
+        copy.begin_packed(pass);
         let has_packed = copy.has_packed;
         let PackedCopy { rows, packed, .. } = &mut *copy;
-        let which = match evaluation.share {
-            None => Which::All,
-            Some(_) => Which::Own,
-        };
-        let summary = (evaluation.pack)(by, which, rows, has_packed.then_some(packed));
-        let status = copy.judge(&summary, evaluation);
+        let all = [0..pass.n(), 0..list.slots_of_ghosts().len()];
+        let [slots, ghosts] = all.each_ref().map(slice::from_ref);
+        let own = pass.used.share.map_or(SomeRows { slots, ghosts }, |share| share.rows(0));
+        let summary = pass.pack(by, own, rows, has_packed.then_some(packed));
+        let status = copy.judge(&summary, pass);
         (copy, status)
     }
 
     /// Takes the rows that chunks packed ahead, and judges the list.
-    fn take_next(
+    fn take_next<P: PackedList<Row = Row>>(
         &self,
-        evaluation: &Evaluation<'_, Row>,
+        pass: &Pass<'_, '_, P>,
     ) -> (MutexGuard<'_, PackedCopy<Row>>, ListStatus) {
         let mut copy = lock(&self.0[0]);
         let PackedCopy { rows, next, .. } = &mut *copy;
         std::mem::swap(rows, next);
         let summary = ChunkDisplacement::summary(&copy.displacements);
-        let status = copy.judge(&summary, evaluation);
+        let status = copy.judge(&summary, pass);
         (copy, status)
     }
 }
 
 impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
     /// Decides whether displacements are packed, and makes room for them.
-    fn begin_packed(&mut self, evaluation: &Evaluation<'_, Row>) {
-        let n = evaluation.n;
-        self.has_packed = evaluation.inserts
-            && evaluation.share.is_none()
+    fn begin_packed<P: PackedList<Row = Row>>(&mut self, pass: &Pass<'_, '_, P>) {
+        let n = pass.n();
+        self.has_packed = P::INSERTS
+            && pass.used.share.is_none()
             && n >= LARGE_SYSTEM
             && self.far * PACKED_AMONG > n;
         if self.has_packed {
@@ -287,55 +278,55 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
         }
     }
 
-    fn judge(&mut self, summary: &MotionSummary, evaluation: &Evaluation<'_, Row>) -> ListStatus {
+    fn judge<P: PackedList<Row = Row>>(
+        &mut self,
+        summary: &MotionSummary,
+        pass: &Pass<'_, '_, P>,
+    ) -> ListStatus {
         self.far = summary.far.len();
-        (evaluation.judge)(summary, self.has_packed.then_some(&self.packed))
+        pass.used.judge(summary, self.has_packed.then_some(&self.packed), (pass.at)())
     }
 
     /// Runs so many chunks over the rows, where `chunk` gives the number of each.
-    fn run(
+    fn run<P: PackedList<Row = Row>>(
         &mut self,
-        evaluation: &Evaluation<'_, Row>,
+        pass: &Pass<'_, '_, P>,
         chunks: usize,
         chunk: impl Fn(usize) -> usize + Sync,
     ) -> Outcome {
-        let (rows, next) = self.for_chunks(evaluation);
-        run_chunks(evaluation, chunks, &|(), k| (evaluation.run)(rows, next.as_ref(), chunk(k)))
-    }
-
-    /// Runs the chunks of this rank: the inner ones while the halo comes, and then the outer ones.
-    fn run_share(&mut self, evaluation: &Evaluation<'_, Row>, share: &Share) -> Outcome {
-        let [inner, outer] = share.inner_and_outer();
-        let mut first = Outcome::without_sums(ListStatus::Complete);
-        let mut run_inner = || first = self.run(evaluation, inner.len(), |k| inner[k] as usize);
-        match evaluation.fetch {
-            Some(fetch) => fetch(&mut run_inner),
-            None => run_inner(),
-        }
-        (evaluation.pack)(By::All, Which::Halo, &mut self.rows, None);
-        let mut both = self.run(evaluation, outer.len(), |k| outer[k] as usize);
-        both.totals.append(&mut first.totals);
-        both.broken |= first.broken;
-        both
-    }
-
-    /// The rows that chunks read, and the arrays that they write for the next step.
-    fn for_chunks(
-        &mut self,
-        evaluation: &Evaluation<'_, Row>,
-    ) -> (&[Row], Option<NextRows<'_, Row>>) {
-        let packs_next = evaluation.request.packs_next;
+        let packs_next = pass.request.packs_next;
         if packs_next {
-            self.next.resize(evaluation.rows, Row::default());
-            self.displacements.resize(evaluation.chunks, ChunkDisplacement::UNKNOWN);
-            self.begin_packed(evaluation);
+            self.next.resize(pass.used.list.rows(), Row::default());
+            let all = pass.used.list.chunk_count();
+            self.displacements.resize(all, ChunkDisplacement::UNKNOWN);
+            self.begin_packed(pass);
         }
         let next = packs_next.then(|| NextRows {
             rows: Disjoint::new(&mut self.next),
             displacements: Disjoint::new(&mut self.displacements),
             packed: self.has_packed.then(|| Disjoint::new(&mut self.packed)),
         });
-        (&self.rows, next)
+        pass.run_chunks(&self.rows, next.as_ref(), chunks, chunk)
+    }
+
+    /// Runs the chunks of this rank: the inner ones while the halo comes, and then the outer ones.
+    fn run_share<P: PackedList<Row = Row>>(
+        &mut self,
+        pass: &Pass<'_, '_, P>,
+        share: &Share,
+    ) -> Outcome {
+        let [inner, outer] = share.inner_and_outer();
+        let mut first = Outcome::without_sums(ListStatus::Complete);
+        let mut run_inner = || first = self.run(pass, inner.len(), |k| inner[k] as usize);
+        match pass.fetch {
+            Some(fetch) => fetch(&mut run_inner),
+            None => run_inner(),
+        }
+        pass.pack(By::All, share.rows(1), &mut self.rows, None);
+        let mut both = self.run(pass, outer.len(), |k| outer[k] as usize);
+        both.totals.append(&mut first.totals);
+        both.broken |= first.broken;
+        both
     }
 }
 
@@ -345,12 +336,12 @@ fn lock<Row>(copy: &Mutex<PackedCopy<Row>>) -> MutexGuard<'_, PackedCopy<Row>> {
 }
 
 /// Runs so many chunks once each. One instance serves all potentials, since the loop over chunks is short.
-fn run_chunks<Row, S: Default>(
-    evaluation: &Evaluation<'_, Row>,
+fn run_chunks<S: Default>(
+    detail: Detail,
     chunks: usize,
     run: &(dyn Fn(&mut S, usize) -> ChunkTotals + Sync),
 ) -> Outcome {
-    if evaluation.request.detail == Detail::Forces {
+    if detail == Detail::Forces {
         let broken = AtomicBool::new(false);
         for_each_task(chunks, |scratch, c| {
             if run(scratch, c).broken {

@@ -5,24 +5,24 @@ use lennard_neighbor::Reach;
 
 /// The last build of a list.
 #[derive(Debug, Clone)]
-pub(super) struct Build {
+pub struct Build {
     /// The box of the build. The box of an evaluation may differ from it.
-    pub(super) cell: PeriodicBox,
+    pub cell: PeriodicBox,
     /// The skin of the build, σ.
-    pub(super) skin: f64,
+    pub skin: f64,
     /// The list radius, σ: the cutoff, the skin, and the rounding of distances.
-    pub(super) r_list: f64,
+    pub r_list: f64,
 }
 
 impl Build {
     /// The distance, σ, within which no pair may be missing. The factor is a margin for rounding: no pair inside the cutoff
     /// may seem to lie outside.
-    pub(super) fn inner(&self) -> f64 {
+    pub fn inner(&self) -> f64 {
         (self.r_list - self.skin) * (1.0 + 1e-12)
     }
 
     /// The box and the distances of a build with a cutoff, σ.
-    pub(super) fn extent(&self, r_cut: f64) -> (&PeriodicBox, Reach) {
+    pub fn extent(&self, r_cut: f64) -> (&PeriodicBox, Reach) {
         let r_list = self.r_list;
         (&self.cell, Reach { r_cut, r_list })
     }

@@ -7,11 +7,11 @@ use lennard_neighbor::ATOMS_PER_CHUNK;
 use super::pack_ahead::{Ahead, NextRows};
 use crate::simd::disjoint::Disjoint;
 use crate::simd::kick_drift::KickDrift;
-use crate::simd::list_in_use::{ListInUse, Ordered};
+use crate::simd::list_in_use::{ListInUse, ListStatus, Ordered};
 use crate::simd::motion::numbers;
 use crate::simd::mover::{Mover, Moving};
 use crate::simd::output::Output;
-use crate::simd::packed::{ListStatus, PackedCopies, Request, are_few};
+use crate::simd::packed::{PackedCopies, Pass, Request, are_few};
 use crate::simd::packed_list::{ChunkLoop, PackedList};
 use crate::simd::prefetch::Region;
 
@@ -59,7 +59,7 @@ pub fn fused_step<P: PackedList>(
         // Few particles lie in a cache, and their next chunk may belong to another thread.
         state: next.is_none().then(|| [positions.region(), velocities.region()]),
         built: Region::of(used.built),
-        far2: used.far2,
+        far2: used.criterion.far2(),
     };
     let run = |rows: &[P::Row], next_rows: Option<&NextRows<'_, P::Row>>, chunk| {
         let slots = part(chunk, ATOMS_PER_CHUNK, n);
@@ -114,7 +114,7 @@ pub fn fused_step<P: PackedList>(
         totals
     };
     let Some(share) = used.share else {
-        let outcome = used.run_chunks(copies, &at, request, None, &run);
+        let outcome = copies.run(&Pass { used, request, at: &at, run: &run, fetch: None });
         return if outcome.broken { ListStatus::NonFinite } else { outcome.status };
     };
     let fetch = |meanwhile: &mut dyn FnMut()| {
@@ -123,7 +123,7 @@ pub fn fused_step<P: PackedList>(
         let put = |slot: u32, r| unsafe { positions.write(slot as usize, r) };
         share.fetch(own, meanwhile, put);
     };
-    let outcome = used.run_chunks(copies, &at, request, Some(&fetch), &run);
+    let outcome = copies.run(&Pass { used, request, at: &at, run: &run, fetch: Some(&fetch) });
     // All ranks learn it when they judge the list next.
     share.note_broken(outcome.broken);
     outcome.status
