@@ -124,7 +124,7 @@ impl AllPairs {
             None => (self.model.eval(r2), self.model.r_cut, 1.0),
             Some(laws) => {
                 let law = laws.between(i, j);
-                (law.eval(r2), law.r_cut2.sqrt(), law.epsilon / law.sigma2.sqrt())
+                (law.eval(r2), law.r_cut, law.epsilon / law.sigma2.sqrt())
             }
         }
     }

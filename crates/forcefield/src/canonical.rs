@@ -30,8 +30,8 @@ pub enum NeighborSource<'a> {
 
 /// One evaluation.
 pub struct CanonicalJob<'a> {
-    /// The cutoff, σ.
-    pub r_cut: f64,
+    /// The force.
+    pub pairwise: &'a Pairwise,
     /// The box.
     pub cell: &'a PeriodicBox,
     /// Positions folded into the home box, `[N]`, σ.
@@ -116,24 +116,26 @@ impl CanonicalJob<'_> {
     /// Writes forces (and `each`); returns the totals that `detail` asks for.
     pub fn run(
         &self,
-        pairwise: &Pairwise,
         detail: Detail,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
     ) -> Totals {
         run_chunks(forces, each, detail, &|chunk, forces, each, sums| {
-            self.chunk(pairwise, chunk, forces, each, sums);
+            self.chunk(chunk, forces, each, sums);
         })
     }
 
     fn chunk(
         &self,
-        pairwise: &Pairwise,
         chunk: usize,
         forces: &mut [DVec3],
         mut each: Option<&mut [PerParticle]>,
         mut sums: Option<&mut ParticleSums>,
     ) {
+        let r_cut = match self.neighbors {
+            NeighborSource::AllBut(_) => self.pairwise.model().r_cut,
+            NeighborSource::Listed(_) => self.pairwise.r_cut(),
+        };
         for (k, force) in forces.iter_mut().enumerate() {
             let i = chunk * PARTICLES_PER_CHUNK + k;
             let mut mine = ChunkTotals::NOTHING;
@@ -141,14 +143,14 @@ impl CanonicalJob<'_> {
                 NeighborSource::AllBut(exclusions) => {
                     let others = (0..i).chain(i + 1..self.wrapped.len());
                     if exclusions.are_none() {
-                        self.particle(pairwise, i, others, &mut mine)
+                        self.particle(r_cut, i, others, &mut mine)
                     } else {
                         let others = others.filter(|j| !exclusions.exclude(i, *j));
-                        self.particle(pairwise, i, others, &mut mine)
+                        self.particle(r_cut, i, others, &mut mine)
                     }
                 }
                 NeighborSource::Listed(lists) => {
-                    self.particle(pairwise, i, lists[i].iter().map(|j| *j as usize), &mut mine)
+                    self.particle(r_cut, i, lists[i].iter().map(|j| *j as usize), &mut mine)
                 }
             };
             if let Some(sums) = &mut sums {
@@ -160,17 +162,17 @@ impl CanonicalJob<'_> {
         }
     }
 
-    /// The force on particle `i` by its neighbors, ε/σ, whose other sums are added to `totals`.
+    /// The force on particle `i` by its neighbors within a distance, ε/σ, whose other sums are added to `totals`.
     #[inline(always)]
     fn particle(
         &self,
-        pairwise: &Pairwise,
+        r_cut: f64,
         i: usize,
         neighbors: impl Iterator<Item = usize>,
         totals: &mut ChunkTotals,
     ) -> DVec3 {
         let lengths = self.cell.lengths();
-        let r_cut2 = self.r_cut * self.r_cut;
+        let (pairwise, r_cut2) = (self.pairwise, r_cut * r_cut);
         let own = self.wrapped[i];
         let mut force = DVec3::ZERO;
         for j in neighbors {

@@ -8,7 +8,6 @@ use lennard_core::{ForceError, FusedBath, FusedSteps, Masses};
 use lennard_neighbor::{PairList, Positions};
 
 use crate::clock::Clock;
-use crate::interaction::Pairwise;
 use crate::share::Share;
 use crate::simd::{
     Detail, Disjoint, KickDrift, Level, ListStatus, Mover, PackedCopies, PackedList, Prepared,
@@ -81,7 +80,6 @@ impl FusedBuffers {
         &mut self,
         validity: &mut ListValidity,
         (list, copies): (&mut P, &mut PackedCopies<P::Row>),
-        pairwise: &Pairwise,
         steps: &mut FusedSteps<'_>,
         kick_drift: KickDrift,
         clock: &mut Clock,
@@ -104,7 +102,7 @@ impl FusedBuffers {
             let most = steps.steps - taken;
             let (done, status) = {
                 let used = &validity.in_use(list, cell);
-                let over_list = pairwise.over(list, used.r_cut, cell);
+                let over_list = used.pairwise.over(list, cell);
                 let mut done = 0;
                 let status = loop {
                     if done == most {

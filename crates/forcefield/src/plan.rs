@@ -146,7 +146,7 @@ pub(crate) fn decide(
     ))?;
     // Beyond the smallest cutoff, the near part of a pair would end with a jump.
     if r_cut > 0.0 {
-        check_split(o, laws.as_ref().map_or(r_cut, |laws| laws.smallest_r_cut))?;
+        check_split(o, laws.as_ref().map_or(r_cut, |laws| laws.cutoffs().fold(r_cut, f64::min)))?;
     }
     let tie = largest - r_cut < TIE_MARGIN * largest;
     let widest = c.cell.lengths().max_element();
@@ -229,7 +229,7 @@ pub(crate) fn interaction(
     }
     let laws = Laws::new(&o.potential, &o.truncation, mixture)?;
     let form = laws.of_pairs[0][0].form;
-    let model = Model { form, r_cut: laws.r_cut, energy_at_cutoff: 0.0 };
+    let model = Model { form, r_cut: laws.cutoffs().fold(0.0, f64::max), energy_at_cutoff: 0.0 };
     Ok((model, Some(laws)))
 }
 

@@ -2,6 +2,8 @@
 
 mod persist;
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec3};
 use lennard_core::{
     Backend, Configuration, Energetics, Exclusions, ForceError, ForceProperties, ForceStatistics,
@@ -31,7 +33,7 @@ enum Strategy {
 
 /// The near part.
 struct Near {
-    pairwise: Pairwise,
+    pairwise: Arc<Pairwise>,
     /// A short list. Without it, the near part uses the pairs of the whole force.
     list: Option<AnyListed>,
 }
@@ -43,7 +45,7 @@ pub struct PairForces {
     /// The longest side of the box that the loop takes, σ.
     widest: f64,
     n_atoms: usize,
-    whole: Pairwise,
+    whole: Arc<Pairwise>,
     exclusions: Exclusions,
     strategy: Strategy,
     near: Option<Near>,
@@ -61,22 +63,20 @@ pub struct PairForces {
 pub fn build(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<PairForces, ForceFieldError> {
     let decision = decide(o, c)?;
     let plan = decision.plan;
-    let listed = |r_cut| {
-        let species = decision.whole.of_particle();
-        let (radii, level) = ((r_cut, plan.skin), decision.level);
-        AnyListed::new(radii, level, decision.listed, o.exclusions, species)
+    let whole = Arc::new(decision.whole);
+    let listed = |pairwise: &Arc<Pairwise>| {
+        let pairwise = Arc::clone(pairwise);
+        AnyListed::new(pairwise, plan.skin, decision.level, decision.listed, o.exclusions)
     };
     let strategy = match plan.search {
         Search::Nothing => Strategy::Nothing,
         Search::Reference => Strategy::Reference,
         Search::Direct => Strategy::Direct { wrapped: Vec::new() },
-        Search::Verlet => Strategy::Verlet(listed(decision.whole.model().r_cut)),
+        Search::Verlet => Strategy::Verlet(listed(&whole)),
     };
     let is_listed = matches!(strategy, Strategy::Verlet(_));
-    let near = o
-        .split
-        .zip(decision.near)
-        .map(|(split, pairwise)| Near { list: is_listed.then(|| listed(split.r_split)), pairwise });
+    let near = decision.near.map(Arc::new);
+    let near = near.map(|pairwise| Near { list: is_listed.then(|| listed(&pairwise)), pairwise });
     let needs_one_image = is_listed && decision.listed != Loop::Canonical;
     Ok(PairForces {
         widest: match strategy {
@@ -86,7 +86,7 @@ pub fn build(o: &ForceFieldOptions, c: &Conditions<'_>) -> Result<PairForces, Fo
         },
         largest_share: if needs_one_image { 1.0 - TIE_MARGIN } else { 1.0 },
         n_atoms: c.n_atoms,
-        whole: decision.whole,
+        whole,
         exclusions: o.exclusions,
         strategy,
         near,
@@ -169,11 +169,11 @@ impl PairForces {
             _ => (&self.whole, None),
         };
         if let Some(list) = own_list {
-            return with_listed!(list, l => l.evaluate(pairwise, at, detail, forces, each, clock));
+            return with_listed!(list, l => l.evaluate(at, detail, forces, each, clock));
         }
         let exclusions = &self.exclusions;
         if let Strategy::Verlet(listed) = &mut self.strategy {
-            return with_listed!(listed, l => l.evaluate(pairwise, at, detail, forces, each, clock));
+            return with_listed!(listed, l => l.evaluate(at, detail, forces, each, clock));
         }
         if !at.positions.iter().all(|r| r.is_finite()) {
             return Err(non_finite::position(at.positions));
@@ -182,12 +182,12 @@ impl PairForces {
             Strategy::Direct { wrapped } => {
                 wrap(at.cell, at.positions, wrapped);
                 let job = CanonicalJob {
-                    r_cut: pairwise.model().r_cut,
+                    pairwise,
                     cell: at.cell,
                     wrapped,
                     neighbors: NeighborSource::AllBut(exclusions),
                 };
-                job.run(pairwise, detail, forces, each)
+                job.run(detail, forces, each)
             }
             _ => reference::evaluate(pairwise, exclusions, at, forces, each),
         });
@@ -326,7 +326,7 @@ impl Backend for PairForces {
             return 0;
         };
         let clock = &mut self.clock;
-        let taken = with_listed!(listed, l => l.advance(&self.whole, steps, kick_drift, clock));
+        let taken = with_listed!(listed, l => l.advance(steps, kick_drift, clock));
         self.evaluations += taken;
         taken
     }

@@ -10,13 +10,15 @@ use lennard_core::{ForceError, HaloSize, PeriodicBox, Team, TooManyRanks};
 use lennard_neighbor::{Around, Criterion, GridError, PairList, Positions, Reach};
 
 use self::build::Build;
+use crate::interaction::Pairwise;
 use crate::share::Share;
 use crate::share::foreseen::halo_on;
 use crate::simd::{Level, ListInUse, PackedList, by_slot};
 
 /// When a list may be used, and the record of its last build.
 pub struct ListValidity {
-    r_cut: f64,
+    /// The force that the list serves, which has the cutoff.
+    pairwise: Arc<Pairwise>,
     /// The skin of the plan, σ. A build in a smaller box may have a thinner one.
     skin: f64,
     level: Level,
@@ -26,8 +28,6 @@ pub struct ListValidity {
     built: Vec<DVec3>,
     /// Whether all of them are known to this rank, not only the ones around its particles.
     knows_all_built: bool,
-    /// The species of each particle, where there are several.
-    of_particle: Option<Arc<[u8]>>,
     /// The species at each slot of the last build, where there are several.
     species: Vec<u8>,
     /// The pairs of slots that were inserted since the build, in their order.
@@ -38,16 +38,15 @@ pub struct ListValidity {
 }
 
 impl ListValidity {
-    /// The validity of a list that is not built yet, with a cutoff and a skin, σ, and the species of each particle.
-    pub fn new(r_cut: f64, skin: f64, level: Level, of_particle: Option<Arc<[u8]>>) -> Self {
+    /// The validity of a list that is not built yet, which serves a force, with a skin, σ.
+    pub fn new(pairwise: Arc<Pairwise>, skin: f64, level: Level) -> Self {
         Self {
-            r_cut,
+            pairwise,
             skin,
             level,
             build: None,
             built: Vec::new(),
             knows_all_built: true,
-            of_particle,
             species: Vec::new(),
             inserted: Vec::new(),
             builds: 0,
@@ -147,13 +146,9 @@ impl ListValidity {
         // A list that failed to build must not look valid.
         self.build = None;
         let largest = cell.largest_cutoff();
-        let skin = if self.r_cut + self.skin > largest {
-            (largest - self.r_cut).max(0.0)
-        } else {
-            self.skin
-        };
-        let reach =
-            Reach { r_cut: self.r_cut, r_list: self.r_cut + skin + P::rounding(cell, self.r_cut) };
+        let r_cut = self.pairwise.r_cut();
+        let skin = if r_cut + self.skin > largest { (largest - r_cut).max(0.0) } else { self.skin };
+        let reach = Reach { r_cut, r_list: r_cut + skin + P::rounding(cell, r_cut) };
         list.order(cell, reach, positions).map_err(|GridError::BadPosition { particle }| {
             ForceError::NonFinitePosition { particle }
         })?;
@@ -181,7 +176,7 @@ impl ListValidity {
         }
         list.fill(P::scanner(&self.level), cell, reach);
         debug_assert!(list.is_valid(), "the loops rely on valid lists");
-        if let Some(of_particle) = &self.of_particle {
+        if let Some(of_particle) = self.pairwise.of_particle() {
             let of_slots = list.particles().iter().map(|p| of_particle[*p as usize]);
             self.species.clear();
             self.species.extend(of_slots);
@@ -199,10 +194,10 @@ impl ListValidity {
 
     /// What a rank would need of others, if so many ranks shared the list as it is.
     pub fn halo_on<P: PairList>(&self, list: &P, n: usize, ranks: usize) -> Option<HaloSize> {
-        let (cell, reach) = self.build.as_ref()?.extent(self.r_cut);
+        let Build { cell, r_list, .. } = self.build.as_ref()?;
         let lengths = cell.lengths();
         let halo = |own: &_| {
-            let around = Around::new(list.cells(), lengths, reach.r_list, own);
+            let around = Around::new(list.cells(), lengths, *r_list, own);
             around.halo(list.cells(), |slot| self.built[slot])
         };
         halo_on(list, halo, n, ranks)
@@ -233,7 +228,8 @@ impl ListValidity {
             return Criterion::new(build.skin);
         }
         let shortest = (cell.lengths() / build.cell.lengths()).min_element();
-        let inner = self.r_cut + P::rounding(cell, self.r_cut);
+        let r_cut = self.pairwise.r_cut();
+        let inner = r_cut + P::rounding(cell, r_cut);
         Criterion::in_changed_box(shortest * build.r_list - inner)
     }
 
@@ -251,10 +247,10 @@ impl ListValidity {
             list,
             level: self.level,
             cell,
-            r_cut: self.r_cut,
+            pairwise: &self.pairwise,
             build,
             built: &self.built,
-            species: self.of_particle.is_some().then_some(&self.species[..]),
+            species: self.pairwise.of_particle().is_some().then_some(&self.species[..]),
             stretch: cell.lengths() / build.cell.lengths(),
             criterion: self.criterion::<P>(build, cell),
             share: self.share.as_ref(),

@@ -10,6 +10,24 @@
 //! find the nearest image.
 //!
 //! A list owns no box. The caller gives the box of each build.
+//!
+//! # The forms of a position
+//!
+//! A position has one value, and a form for each reader of it. All but the first follow from it, and no restart needs them.
+//!
+//! | Form | Numbers, order | Maker | Reason |
+//! |---|---|---|---|
+//! | `State::positions` | f64, unwrapped, by particle | methods | The one value that observables and files read. |
+//! | [`Positions`] | the same, by particle, by slot, or in parts of ranks | caller of a build | Particles keep nearly the same slot: by slot a sort is faster. |
+//! | positions and next positions of fused steps | f64, unwrapped, by slot | `FusedBuffers` (forcefield) | Many steps move particles in the order of the list. Few particles write the next step elsewhere, since other threads still read this one. |
+//! | positions of the build | f64, unwrapped, by slot | `ListValidity` (forcefield) | Displacements since the build say whether the list is valid. |
+//! | folded positions with images | f64 in the box, i32, by slot | [`RowTable`] | A row is the position without its image, so that rows move continuously. |
+//! | [`RowCoordinates`] | f32, by row, ghosts included | [`RowTable`] | The search by rows compares sixteen at once. The radius covers the rounding. |
+//! | coordinates of a [`ColumnTable`] | i32 by axis, by slot | [`ColumnTable`] | The search by clusters. Differences find the nearest image. They lie in the room of rows. |
+//! | rows | four f64 by row, or [`FixedRow`] by slot | `PackedCopies` (forcefield) | One load per neighbor. Few particles have a copy per thread. |
+//! | rows of the next step | [`FixedRow`] | chunks of a fused step | A chunk packs while its particles are in the cache. |
+//! | [`PackedDisplacement`] | four bytes, by slot | `PackedCopies` (forcefield) | The search for unlisted pairs reads far less memory. |
+//! | registers | lanes of f64 or f32 | pair loops | The arithmetic of pairs. |
 
 mod brute;
 mod clusters;

@@ -77,7 +77,7 @@ impl<T: Number> Row<T> {
             BySpecies(of_pairs.map(T::of))
         };
         Self {
-            r_cut2: each(&|law| law.r_cut2.min(r_cut * r_cut) / unit2),
+            r_cut2: each(&|law| (law.r_cut * law.r_cut).min(r_cut * r_cut) / unit2),
             sigma2: each(&|law| law.sigma2 / unit2),
             inv_sigma2: each(&|law| law.inv_sigma2 * unit2),
             epsilon: each(&|law| law.epsilon),

@@ -34,6 +34,11 @@ impl NearPart {
         }
     }
 
+    /// The distance at which the near part ends, σ.
+    pub fn end(&self) -> f64 {
+        self.end
+    }
+
     /// The values of a pair at r² = `r2` σ² times w.
     pub fn of(&self, pair: Pair<f64>, r2: f64) -> Pair<f64> {
         if r2 >= self.end * self.end {

@@ -66,6 +66,11 @@ impl Pairwise {
         &self.model
     }
 
+    /// The cutoff that a list serves, σ: of the whole force, or the end of the near part.
+    pub fn r_cut(&self) -> f64 {
+        self.near.map_or(self.model.r_cut, |near| near.end())
+    }
+
     /// The species of each particle, where pairs differ.
     pub fn of_particle(&self) -> Option<Arc<[u8]>> {
         self.laws.as_ref().map(|laws| laws.mixture.of_particle().clone())
@@ -80,7 +85,7 @@ impl Pairwise {
             None => self.model.eval(r2),
             Some(laws) => {
                 let law = laws.between(i, j);
-                if r2 > law.r_cut2 {
+                if r2 > law.r_cut * law.r_cut {
                     return None;
                 }
                 law.eval(r2)
@@ -94,16 +99,16 @@ impl Pairwise {
         self.laws.as_ref().map_or(0.0, |laws| laws.between(i, j).energy_at_cutoff)
     }
 
-    /// The loop over a list with a cutoff, σ, in a box.
+    /// The loop over a list in a box.
     ///
     /// # Panics
     /// Where there are no loops in lanes: that is a bug of the caller.
     pub fn over<'a, P: PackedList>(
         &'a self,
         list: &'a P,
-        r_cut: f64,
         cell: &PeriodicBox,
     ) -> Box<dyn ChunkLoop<P::Row> + 'a> {
+        let r_cut = self.r_cut();
         let loops = self.loops.as_ref().expect("a list in lanes has loops");
         match &loops.law {
             Law::Rows(rows) => self.loop_of(loops, ByRows(rows), list, r_cut, cell),
@@ -172,7 +177,7 @@ impl Pairwise {
                 for (a, b) in pairs_of(laws) {
                     let of_pair = &laws.of_pairs[a][b];
                     let sigma = of_pair.sigma2.sqrt();
-                    let law = self.law(&of_pair.form, of_pair.r_cut2.sqrt() / sigma, sigma);
+                    let law = self.law(&of_pair.form, of_pair.r_cut / sigma, sigma);
                     let known = rows_of.iter().position(|known| known.is(&law));
                     number[a][b] = known.unwrap_or(rows_of.len());
                     if known.is_none() {

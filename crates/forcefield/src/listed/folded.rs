@@ -4,7 +4,6 @@ use glam::DVec3;
 use lennard_neighbor::PairList;
 
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
-use crate::interaction::Pairwise;
 use crate::simd::{Detail, ListInUse, ListStatus, MotionSummary, Ordered, PerParticle};
 use crate::sums::Totals;
 
@@ -36,7 +35,6 @@ impl Folded {
     pub(super) fn evaluate(
         &mut self,
         used: &ListInUse<'_, impl PairList>,
-        pairwise: &Pairwise,
         positions: &[DVec3],
         detail: Detail,
         forces: &mut [DVec3],
@@ -55,12 +53,12 @@ impl Folded {
             return Evaluated { status, totals: Totals::NOTHING, broken: false };
         }
         let job = CanonicalJob {
-            r_cut: used.r_cut,
+            pairwise: used.pairwise,
             cell: used.cell,
             wrapped: &self.wrapped,
             neighbors: NeighborSource::Listed(&self.lists),
         };
-        let totals = job.run(pairwise, detail, forces, each);
+        let totals = job.run(detail, forces, each);
         Evaluated { status, totals, broken: !forces.iter().all(|f| f.is_finite()) }
     }
 }

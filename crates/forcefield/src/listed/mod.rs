@@ -84,17 +84,15 @@ impl Loop {
 }
 
 impl AnyListed {
-    /// A list that serves a loop, for `r_cut` and `skin` in σ, without the excluded pairs.
-    ///
-    /// `of_particle` has the species of each particle, where there are several.
+    /// A list that serves a force by a loop, with a skin, σ, without the excluded pairs.
     pub fn new(
-        (r_cut, skin): (f64, f64),
+        pairwise: Arc<Pairwise>,
+        skin: f64,
         level: Level,
         kind: Loop,
         exclusions: Exclusions,
-        of_particle: Option<Arc<[u8]>>,
     ) -> Self {
-        let validity = ListValidity::new(r_cut, skin, level, of_particle);
+        let validity = ListValidity::new(pairwise, skin, level);
         let rows = |images| NeighborList::new(images, level.lanes()).excluding(exclusions);
         match kind {
             Loop::Canonical => {
@@ -168,7 +166,6 @@ impl<P: PackedList> Listed<P> {
     /// Writes forces (and `each`) at a configuration, and returns the totals that `detail` asks for.
     pub fn evaluate(
         &mut self,
-        pairwise: &Pairwise,
         at: Configuration<'_>,
         detail: Detail,
         forces: &mut [DVec3],
@@ -179,7 +176,7 @@ impl<P: PackedList> Listed<P> {
             let mut request = Request::of(detail);
             while self.validity.may_be_valid::<P>(at.cell, at.positions.len()) {
                 let each = each.as_deref_mut();
-                let outcome = self.attempt(pairwise, at, request, forces, each);
+                let outcome = self.attempt(at, request, forces, each);
                 match &outcome.status {
                     ListStatus::Complete | ListStatus::NonFinite => return Ok(outcome),
                     ListStatus::Incomplete(pairs)
@@ -191,7 +188,7 @@ impl<P: PackedList> Listed<P> {
                 }
             }
             clock.building(|| self.build(at.cell, at.positions))?;
-            Ok(self.attempt(pairwise, at, Request::of(detail), forces, each))
+            Ok(self.attempt(at, Request::of(detail), forces, each))
         })?;
         if outcome.status == ListStatus::NonFinite {
             return Err(non_finite::position(at.positions));
@@ -206,7 +203,6 @@ impl<P: PackedList> Listed<P> {
     /// Judges the list where the request demands it, and evaluates where the list is complete.
     fn attempt(
         &mut self,
-        pairwise: &Pairwise,
         at: Configuration<'_>,
         request: Request,
         forces: &mut [DVec3],
@@ -214,17 +210,16 @@ impl<P: PackedList> Listed<P> {
     ) -> Evaluated {
         let used = self.validity.in_use(&self.list, at.cell);
         if let Some(folded) = &mut self.folded {
-            return folded.evaluate(&used, pairwise, at.positions, request.detail, forces, each);
+            return folded.evaluate(&used, at.positions, request.detail, forces, each);
         }
         let packed = &mut self.packed;
-        let found = used.evaluate(packed, pairwise, at.positions, request, forces, each);
+        let found = used.evaluate(packed, at.positions, request, forces, each);
         Evaluated::of(found, request.detail, used.share.map(Share::team))
     }
 
     /// Takes fused steps: see [`lennard_core::Backend::advance`].
     pub fn advance(
         &mut self,
-        pairwise: &Pairwise,
         steps: &mut FusedSteps<'_>,
         kick_drift: KickDrift,
         clock: &mut Clock,
@@ -235,8 +230,8 @@ impl<P: PackedList> Listed<P> {
         }
         let Self { list, validity, packed, fused, .. } = self;
         let list = (list, packed);
-        let taken = clock
-            .computing(|clock| fused.advance(validity, list, pairwise, steps, kick_drift, clock));
+        let taken =
+            clock.computing(|clock| fused.advance(validity, list, steps, kick_drift, clock));
         // Checkpoints read them, and single evaluations.
         self.validity.know_all_built();
         taken

@@ -9,8 +9,8 @@ use crate::options::TruncationOptions;
 /// The numbers of one pair of species, for u_ab(r) = ε·f(r/σ) with the f of a form in units of σ = σ_ab and ε = ε_ab.
 #[derive(Clone, Copy, Debug)]
 pub struct PairLaw {
-    /// r_cut², σ².
-    pub r_cut2: f64,
+    /// The cutoff r_cut, σ.
+    pub r_cut: f64,
     /// σ_ab², σ².
     pub sigma2: f64,
     /// 1/σ_ab², σ⁻².
@@ -29,7 +29,7 @@ impl PairLaw {
     /// No interaction.
     fn nothing(form: Form) -> Self {
         Self {
-            r_cut2: 0.0,
+            r_cut: 0.0,
             sigma2: 1.0,
             inv_sigma2: 1.0,
             epsilon: 0.0,
@@ -53,10 +53,6 @@ impl PairLaw {
 /// The truncated potentials of all pairs of species.
 #[derive(Clone, Debug)]
 pub struct Laws {
-    /// The largest cutoff, σ.
-    pub r_cut: f64,
-    /// The smallest cutoff, σ.
-    pub smallest_r_cut: f64,
     /// The species of the particles.
     pub mixture: Mixture,
     /// The numbers of each pair of species.
@@ -75,8 +71,6 @@ impl Laws {
     ) -> Result<Self, ForceFieldError> {
         let first = in_own_units(potential, truncation, mixture.pair(0, 0), [0; 2])?;
         let mut laws = Self {
-            r_cut: 0.0,
-            smallest_r_cut: f64::INFINITY,
             mixture: mixture.clone(),
             of_pairs: [[PairLaw::nothing(first.form); MOST_SPECIES]; MOST_SPECIES],
         };
@@ -87,11 +81,9 @@ impl Laws {
                 let r_cut = model.r_cut * pair.sigma;
                 // A product with the inverse of σ rounds. The cutoff of the scene stays what it is.
                 let r_cut = if potential.own_end().is_some() { r_cut } else { pair.r_cut };
-                laws.r_cut = laws.r_cut.max(r_cut);
-                laws.smallest_r_cut = laws.smallest_r_cut.min(r_cut);
                 let sigma2 = pair.sigma * pair.sigma;
                 laws.of_pairs[a][b] = PairLaw {
-                    r_cut2: r_cut * r_cut,
+                    r_cut,
                     sigma2,
                     inv_sigma2: 1.0 / sigma2,
                     epsilon: pair.epsilon,
@@ -102,6 +94,12 @@ impl Laws {
             }
         }
         Ok(laws)
+    }
+
+    /// The cutoffs of all pairs of species, σ.
+    pub fn cutoffs(&self) -> impl Iterator<Item = f64> {
+        let species = self.mixture.species();
+        self.of_pairs[..species].iter().flat_map(move |row| &row[..species]).map(|law| law.r_cut)
     }
 
     /// The law of two particles.

@@ -69,8 +69,8 @@ pub struct ListInUse<'a, P> {
     pub level: Level,
     /// The box.
     pub cell: &'a PeriodicBox,
-    /// The cutoff, σ.
-    pub r_cut: f64,
+    /// The force that the list serves.
+    pub pairwise: &'a Pairwise,
     /// The build.
     pub build: &'a Build,
     /// Positions of the build by slot, σ.
@@ -209,14 +209,13 @@ impl<P: PackedList> ListInUse<'_, P> {
     pub fn evaluate(
         &self,
         copies: &mut PackedCopies<P::Row>,
-        pairwise: &Pairwise,
         positions: &[DVec3],
         request: Request,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
     ) -> Outcome {
         let order = self.list.particles();
-        let over_list = pairwise.over(self.list, self.r_cut, self.cell);
+        let over_list = self.pairwise.over(self.list, self.cell);
         let at = || Ordered::of(positions, order);
         let mut pass = |output: Output<'_>| {
             // SAFETY: a pass runs each chunk once.

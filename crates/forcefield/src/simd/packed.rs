@@ -105,17 +105,6 @@ impl<P: PackedList> Pass<'_, '_, P> {
         let motion = self.used.motion((self.at)());
         self.used.list.pack(self.used.level, by, motion, which, rows, packed)
     }
-
-    /// Runs so many chunks once each, where `chunk` gives the number of each. They read `rows`, and write the next ones.
-    fn run_chunks(
-        &self,
-        rows: &[P::Row],
-        next: Option<&NextRows<'_, P::Row>>,
-        chunks: usize,
-        chunk: impl Fn(usize) -> usize + Sync,
-    ) -> Outcome {
-        run_chunks(self.request.detail, chunks, &|(), k| (self.run)(rows, next, chunk(k)))
-    }
 }
 
 /// Whether particles are so few that each thread packs all of them for itself.
@@ -306,7 +295,8 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
             displacements: Disjoint::new(&mut self.displacements),
             packed: self.has_packed.then(|| Disjoint::new(&mut self.packed)),
         });
-        pass.run_chunks(&self.rows, next.as_ref(), chunks, chunk)
+        let rows = &self.rows;
+        run_chunks(pass.request.detail, chunks, &|(), k| (pass.run)(rows, next.as_ref(), chunk(k)))
     }
 
     /// Runs the chunks of this rank: the inner ones while the halo comes, and then the outer ones.

@@ -1,7 +1,6 @@
 //! The last build of a list.
 
 use lennard_core::PeriodicBox;
-use lennard_neighbor::Reach;
 
 /// The last build of a list.
 #[derive(Debug, Clone)]
@@ -19,11 +18,5 @@ impl Build {
     /// may seem to lie outside.
     pub fn inner(&self) -> f64 {
         (self.r_list - self.skin) * (1.0 + 1e-12)
-    }
-
-    /// The box and the distances of a build with a cutoff, σ.
-    pub fn extent(&self, r_cut: f64) -> (&PeriodicBox, Reach) {
-        let r_list = self.r_list;
-        (&self.cell, Reach { r_cut, r_list })
     }
 }
