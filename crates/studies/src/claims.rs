@@ -321,6 +321,12 @@ pub(crate) fn page(
     given.words.extend([("verdicts", tally(claims)), ("differing", differing.to_string())]);
     let mut page = written(text, &given)?;
     let settings = if options.quick { "quick: shorter runs" } else { "full" };
+    let is_open = |claim: &&Claim| claim.verdict == Verdict::Differs || !claim.theory_agrees;
+    let open: Vec<Claim> = claims.iter().filter(is_open).cloned().collect();
+    if !open.is_empty() {
+        let section = Section::new("Claims that do not hold, and theory that differs");
+        page.sections.insert(1, section.table(table(&open)));
+    }
     page.sections.push(section(claims));
     page.command = Some(options.command.clone());
     page.provenance = vec![
@@ -333,7 +339,10 @@ pub(crate) fn page(
 
 /// The claims with their verdicts, for a page and a terminal.
 fn section(claims: &[Claim]) -> Section {
-    Section::new("Claims and verdicts").table(table(claims)).brief(&["Judged by", "Wanted"])
+    Section::new("Claims and verdicts")
+        .table(table(claims))
+        .brief(&["Judged by", "Wanted"])
+        .folded()
 }
 
 /// The claims for a program.

@@ -3,15 +3,17 @@
 mod figures;
 mod particles;
 mod phase_diagram;
+mod results;
 mod tables;
+
+pub use results::quantities;
 
 use std::path::Path;
 
 use lennard_core::PeriodicBox;
 
-use crate::report::{Page, ParticleFigure, Picture, ReportError, Section};
-
 use crate::compare::{ReadError, RunFolder, compare};
+use crate::report::{Block, Page, ReportError, Section};
 
 /// Why a page cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -32,11 +34,10 @@ pub enum PageError {
 /// # Errors
 /// [`PageError`] where the run did not finish, or a file cannot be read or written.
 pub fn write(folder: &Path) -> Result<(), PageError> {
-    let run = RunFolder::open(folder)?;
-    let particles = particles::particles(&run);
-    let html = page_with(&run, particles.as_ref()).to_html()?;
-    if let Some(figure) = particles {
-        lennard_io::write_text_atomically(&folder.join("particles.svg"), &figure.to_svg()?)?;
+    let page = page(&RunFolder::open(folder)?);
+    let html = page.to_html()?;
+    for picture in page.pictures().filter(|picture| picture.name() == particles::NAME) {
+        lennard_io::write_text_atomically(&folder.join("particles.svg"), &picture.to_svg()?)?;
     }
     lennard_io::write_text_atomically(&folder.join("report.html"), &html)?;
     Ok(())
@@ -62,95 +63,64 @@ pub fn write_under_way(folder: &Path, cell: PeriodicBox) -> Result<(), PageError
     Ok(())
 }
 
-/// The page of a finished run.
+/// The page of a run: what was found, then the pictures that show it, then all else by subject, folded. What the run has not got
+/// has no place and no word on it.
 #[must_use]
 pub fn page(run: &RunFolder) -> Page {
-    page_with(run, particles::particles(run).as_ref())
-}
-
-fn page_with(run: &RunFolder, last: Option<&ParticleFigure>) -> Page {
     let compared = compare(run);
-    let record = &run.record;
-    let particles = crate::report::particles(compared.atoms as usize, compared.molecules as usize);
     let is_fluid = !compared.is_of_few_bodies();
-    let state = match is_fluid {
-        true => format!(": {} at {}", compared.state.words, compared.state.in_numbers()),
-        false => String::new(),
-    };
-    let lead = format!(
-        "{particles}, {}{state}. {} Reduced units throughout (ε = σ = m = k_B = 1).",
-        compared.model, compared.headline,
-    );
-    let drawn = |(title, text, figures): (&str, &str, Vec<Picture>)| {
-        let section = Section::new(title).text(text);
-        (!figures.is_empty()).then(|| section.figures(figures))
-    };
-    let at_a_glance = [
-        ("Particles", particles::PARTICLES, particles::pictures(last)),
-        (
-            "Phase diagram",
-            phase_diagram::PHASE_DIAGRAM,
-            phase_diagram::phase_diagram(run, &compared),
-        ),
+    let has_means = is_fluid && !compared.rows.is_empty();
+    let (record, fluid) = (&run.record, has_means.then_some(&compared));
+    let particles = crate::report::particles(compared.atoms as usize, compared.molecules as usize);
+    let mut diagrams = phase_diagram::phase_diagram(run, &compared).into_iter();
+    let state = [
+        figures::interface(run),
+        figures::pair_distribution(run),
+        particles::picture(run),
+        diagrams.next(),
     ];
-    let figures = [
-        ("All stages", figures::ALL_STAGES, figures::all_stages(run)),
-        (
-            "Time series",
-            match is_fluid {
-                true => figures::TIME_SERIES,
-                false => figures::MOTION_OF_BODIES,
-            },
-            figures::time_series(run, is_fluid),
-        ),
-        (
-            "Error bars",
-            figures::ERROR_BARS,
-            if is_fluid { figures::blocking(run) } else { Vec::new() },
-        ),
-        ("Interface", figures::INTERFACE, figures::interface(run)),
-        ("Structure", figures::STRUCTURE, figures::structure(run)),
-        ("Motion and transport", figures::MOTION, figures::motion(run)),
+    let open = [
+        results::beside_the_table(fluid),
+        Section::new("Time series").figures(figures::time_series(run, is_fluid)),
+        Section::new("Structure and state").figures(state.into_iter().flatten().collect()),
     ];
-    let mut sections: Vec<Section> = at_a_glance.into_iter().filter_map(drawn).collect();
-    // Means over few bodies are no properties of a fluid, and nothing is said of their errors.
-    if is_fluid {
-        sections.push(
-            Section::new("Beside the literature")
-                .table(tables::comparison(&compared))
-                .list(tables::notes(&compared)),
-        );
-        sections.push(tables::state_card(&compared));
-    }
-    sections.extend(figures.into_iter().filter_map(drawn));
-    sections.push(
-        Section::new("What was run, and what was left out")
-            .table(tables::stages(run))
-            .list(tables::left_out(run)),
-    );
-    if is_fluid {
-        sections.push(Section::new("Averages").table(tables::averages(&compared, record)));
-    }
-    sections.push(Section::new("Performance").table(tables::performance(record, is_fluid)));
-    if !record.remarks.is_empty() {
-        sections.push(Section::new("Remarks").list(record.remarks.clone()));
-    }
+    let folded = [
+        Section::new("Every quantity beside the literature")
+            .with_all(fluid.map(tables::comparison))
+            .list(fluid.map(tables::notes).unwrap_or_default()),
+        Section::new("Every equation beside the run").with_all(fluid.map(tables::state_card)),
+        Section::new("Averages and error bars")
+            .with_all(fluid.map(|compared| vec![Block::Table(tables::averages(compared, record))]))
+            .figures(if is_fluid { figures::blocking(run) } else { Vec::new() }),
+        Section::new("More against time").figures(figures::more_in_time(run, is_fluid)),
+        Section::new("Motion and transport").figures(figures::motion(run)),
+        Section::new("Static structure factor")
+            .figures(figures::structure_factor(run).into_iter().collect()),
+        Section::new("Phase diagram in pressure").figures(diagrams.collect()),
+        Section::new("What was run, and where the time went").table(tables::stages(run)).with_all(
+            record.finished.then(|| vec![Block::Table(tables::performance(record, is_fluid))]),
+        ),
+        Section::new("Remarks").list(record.remarks.clone()),
+    ];
+    let sections = open.into_iter().chain(folded.map(Section::folded));
+    let finished = record.finished.then(|| ("finished".to_owned(), finished_on(run)));
+    let provenance = [
+        ("scene", "`scene.toml` beside this page, every default written out".to_owned()),
+        ("the same bits again", "`lennard run scene.toml`".to_owned()),
+        ("seed", record.seed.to_string()),
+        ("version", record.version.clone()),
+        ("processor", record.host.cpu.clone()),
+        ("instruction set of the pair kernel", record.host.isa.clone()),
+        ("threads", record.host.threads.to_string()),
+        ("numbers", "`run.json` and the CSV files beside this page".to_owned()),
+    ];
+    let provenance = provenance.map(|(name, value)| (name.to_owned(), value));
     Page {
         title: format!("{}: {particles}", run.scene.name),
-        lead,
+        lead: compared.headline.clone(),
         command: None,
-        sections,
-        provenance: vec![
-            ("finished".into(), finished_on(run)),
-            ("scene".into(), "`scene.toml` beside this page, every default written out".into()),
-            ("the same bits again".into(), "`lennard run scene.toml`".into()),
-            ("seed".into(), record.seed.to_string()),
-            ("version".into(), record.version.clone()),
-            ("processor".into(), record.host.cpu.clone()),
-            ("instruction set of the pair kernel".into(), record.host.isa.clone()),
-            ("threads".into(), record.host.threads.to_string()),
-            ("numbers".into(), "`run.json` and the CSV files beside this page".into()),
-        ],
+        sections: sections.filter(|section| !section.blocks.is_empty()).collect(),
+        provenance: finished.into_iter().chain(provenance).collect(),
     }
 }
 

@@ -29,11 +29,12 @@ pub(super) fn page(chart: &Chart) -> Page {
         let panels = chart.panels.iter().filter(|p| names.contains(&p.name));
         let blocks: Vec<Block> = panels.flat_map(|panel| of_panel(chart, panel)).collect();
         if !blocks.is_empty() {
-            sections.push(Section { blocks, ..Section::new(title) });
+            sections.push(Section { blocks, ..Section::new(title).folded() });
         }
     }
     sections.push(all_points(chart));
     sections.push(left_out(chart));
+    sections.retain(|section| !section.blocks.is_empty());
     Page {
         title: format!("Speed against accuracy: {}", chart.scene),
         lead: lead(chart),
@@ -71,7 +72,7 @@ fn lead(chart: &Chart) -> String {
 /// What a reader sees first: the main errors against cost, the scene's own settings, and what would do as well for less.
 #[must_use]
 pub fn summary(chart: &Chart) -> Section {
-    let mut section = Section::new("Errors against cost");
+    let mut section = Section::new("");
     if !chart.finished {
         section = section.with(Block::Remark(format!(
             "stopped before the end: {}. What is advised may change; the same command goes on.",
@@ -79,9 +80,7 @@ pub fn summary(chart: &Chart) -> Section {
         )));
     }
     section = section.figures(figures::overview(chart).into_iter().collect());
-    for sentence in introduction(chart) {
-        section = section.text(sentence);
-    }
+    section = section.list(introduction(chart));
     let advised: Vec<&Panel> = chart.panels.iter().filter(|p| p.advice.is_some()).collect();
     match unresolved(chart) {
         Some(sentence) => section.text(sentence),
@@ -213,13 +212,13 @@ fn front(chart: &Chart, panel: &Panel) -> Table {
 
 /// Every point with its cost, its means, and its error in each diagram.
 fn all_points(chart: &Chart) -> Section {
-    let caption = "U and P belong to the model in the same row, with its tail where it has one. Columns with the name of a diagram hold its error. \
+    let caption = "U and P belong to the model in the same row, with its tail where it has one. \
                    Digits in brackets are one standard error in the last digits; `points.csv` has everything with n_eff.";
     let value = |p: &ChartedPoint, pick: fn(&Measured) -> Estimate| {
         let value = p.measured().map(pick).filter(|v| v.mean.is_finite());
         value.map(|v| (v.mean, v.standard_error))
     };
-    let mut table = Table::rows_of("all-points", &chart.points)
+    let table = Table::rows_of("all-points", &chart.points)
         .caption(caption)
         .column("", |p| p.number)
         .column("Settings", |p| chart.label(p.number))
@@ -227,10 +226,13 @@ fn all_points(chart: &Chart) -> Section {
         .measured("T", |p| value(p, |m| m.temperature))
         .measured("U [ε]", |p| value(p, |m| m.potential_energy))
         .measured("P [(ε/σ³)]", |p| value(p, |m| m.pressure));
+    let mut errors = Table::rows_of("errors", &chart.points)
+        .caption("The error of each point in each diagram.")
+        .column("", |p| p.number);
     for panel in &chart.panels {
-        table = table.column(panel.title, |p| panel.mark(p.number).map(error_cell));
+        errors = errors.column(panel.title, |p| panel.mark(p.number).map(error_cell));
     }
-    let section = Section::new("All points").table(table.table());
+    let section = Section::new("All points").folded().table(table.table()).table(errors.table());
     let failures: Vec<String> = chart
         .points
         .iter()
@@ -246,8 +248,5 @@ fn left_out(chart: &Chart) -> Section {
     let mut items: Vec<String> =
         chart.left_out.iter().map(|l| format!("{}: {}", l.what, l.why)).collect();
     items.extend(chart.remarks.iter().cloned());
-    if items.is_empty() {
-        items.push("nothing".into());
-    }
-    Section::new("Left out").with(Block::List(items))
+    Section::new("Left out").folded().list(items)
 }

@@ -3,7 +3,7 @@
 use lennard_observables::quantities::{Mark, QUANTITIES, Quantity, quantity_of};
 use serde::Serialize;
 
-use super::blocks::{Blocks, EQUATIONS, POINTS, StudyPoints, TOGETHER};
+use super::blocks::{Blocks, EQUATIONS, PICTURES, StudyPoints, TOGETHER};
 use super::equations;
 use super::points::Kind;
 use super::probability::{probability_words, tail_probability};
@@ -24,12 +24,12 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
         .filter_map(|quantity| agreement(points, quantity.key))
         .collect();
     let drawn = DRAWN.into_iter().filter_map(quantity_of).filter_map(|q| differences(points, q));
-    let figures = Section::new(POINTS).figures(drawn.collect());
+    let figures = Section::new(PICTURES).figures(drawn.collect());
     let mut blocks = Blocks { sections: vec![figures], ..Blocks::default() };
     if Kind::of(points) == Kind::Fluids {
         let section = Section::new(TOGETHER);
         blocks.sections.push(match together.is_empty() {
-            true => section.text("No point is judged: see the table."),
+            true => section.text("No point is judged: the verdicts of the points say why."),
             false => section.table(agreement_table(&together)),
         });
     }
@@ -42,6 +42,7 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
     }
     if !together.is_empty() {
         blocks.terminal.push(agreement_table(&together).without(&CHI_SQUARED));
+        blocks.sentences.push(PROBABILITY.into());
     }
     blocks.with_entry("agreement", &together)
 }
@@ -168,8 +169,9 @@ fn differences(points: &[SweptPoint], quantity: &Quantity) -> Option<Picture> {
 
 /// The differences of all points together, quantity by quantity.
 fn agreement_table(together: &[Agreement]) -> Table {
-    let caption = "Differences of all points that are single stable phases. p is the probability of a χ² at least so large: first were the \
-                   equation exact, then were it off at random by its own uncertainty.";
+    let caption = format!(
+        "Differences of all points that are single stable phases. {CHI_SQUARED_IN_WORDS} {PROBABILITY}"
+    );
     Table::rows_of("agreement", together)
         .caption(caption)
         .column("Quantity", |a| quantity_words(&a.quantity))
@@ -191,5 +193,9 @@ fn agreement_table(together: &[Agreement]) -> Table {
         .table()
 }
 
+/// What χ² is.
+pub(super) const CHI_SQUARED_IN_WORDS: &str = "χ² is the sum of (difference/standard error)²: near the number of points where an equation is exact.";
+/// What p is.
+const PROBABILITY: &str = "p is the probability of a χ² at least so large: first were the equation exact, then were it off at random by its own uncertainty.";
 /// The columns of [`agreement_table`] that p already says.
 const CHI_SQUARED: [&str; 2] = ["χ²", "χ² with the equation's own uncertainty"];

@@ -6,16 +6,20 @@ use crate::report::{Picture, Section};
 use crate::sweep::{Sweep, SweptPoint};
 use lennard_core::Table;
 
-/// All points together.
+/// What answers the question of the study: its first figures.
+pub(super) const PICTURES: &str = "Result";
+/// All points together, judged.
 pub(super) const TOGETHER: &str = "All points together";
 /// The points one by one.
 pub(super) const POINTS: &str = "Points";
-/// Every equation beside the points.
+/// Differences from the equation of state, and every equation beside the points.
 pub(super) const EQUATIONS: &str = "Equations beside the points";
 /// A figure for each property.
 pub(super) const PROPERTIES: &str = "Each property";
-/// The titles of sections that readings share, in the order of a page.
-pub(crate) const SHARED_SECTIONS: [&str; 4] = [TOGETHER, POINTS, EQUATIONS, PROPERTIES];
+/// The titles of sections that readings share, in the order of a page: the first two are open.
+pub(crate) const SHARED_SECTIONS: [&str; 5] = [PICTURES, TOGETHER, POINTS, EQUATIONS, PROPERTIES];
+/// How many of them a page shows open.
+pub(crate) const OPEN: usize = 2;
 
 /// The points of a study, planned and run.
 #[derive(Clone, Copy)]
@@ -48,10 +52,10 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Figures of the section of all points.
+    /// Figures that answer the question of the study.
     pub(super) fn of_figures(figures: impl IntoIterator<Item = Picture>) -> Self {
         let figures: Vec<Picture> = figures.into_iter().collect();
-        let section = (!figures.is_empty()).then(|| Section::new(POINTS).figures(figures));
+        let section = (!figures.is_empty()).then(|| Section::new(PICTURES).figures(figures));
         Self { sections: section.into_iter().collect(), ..Self::default() }
     }
 

@@ -4,7 +4,7 @@ use lennard_core::{Cell, Table};
 use lennard_engine::measured_stage;
 use lennard_io::RunRecord;
 
-use super::blocks::{Blocks, POINTS, StudyPoints};
+use super::blocks::{Blocks, PICTURES, StudyPoints};
 use super::points::verdicts;
 use crate::report::{Axis, Columns, FigureRow, Guide, Look, Section};
 use crate::sweep::{Point, SweptPoint};
@@ -32,7 +32,7 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
     let figures = figures().into_iter().filter_map(|row| row.draw(|_| Some(table.clone())));
     // The choice names its barostat.
     let shown = table.clone().without(&["Barostat"]);
-    let section = Section::new(POINTS).figures(figures.collect()).table(shown.clone());
+    let section = Section::new(PICTURES).figures(figures.collect()).table(shown.clone());
     Blocks {
         lead: "A right choice has the pressure, the density and the compressibility of all others. They differ in cost and pace.".into(),
         sections: vec![section],

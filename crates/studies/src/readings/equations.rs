@@ -3,6 +3,7 @@
 use crate::report::significant;
 use lennard_core::{Cell, Table, Tone};
 
+use super::agreement::CHI_SQUARED_IN_WORDS;
 use super::probability::{probability_words, tail_probability};
 use crate::compare::{CardRow, ComparedRun, StateCard, is_a_part};
 use crate::sweep::SweptPoint;
@@ -128,9 +129,11 @@ fn judged<'a>(items: impl Iterator<Item = Item<'a>>) -> Vec<Deviation> {
 
 /// χ² of each equation for each property, which `named` writes for a file or for a reader.
 pub(super) fn table(deviations: &[Deviation], named: impl Fn(&str) -> String) -> Table {
-    let caption = "Each equation beside all points that it covers, with the errors of the runs alone. χ² per point is 1 where an equation is exact to these errors. U and P are \
-                   compared for as many particles and less the known bias of the cutoff, with errors at the given temperature. A point under a barostat has neither. Other \
-                   properties are compared for an infinite system.";
+    let caption = format!(
+        "Each equation beside all points that it covers, with the errors of the runs alone. {CHI_SQUARED_IN_WORDS} U and P are \
+                   compared for as many particles and less the known bias of the cutoff, with errors at the given temperature. Other \
+                   properties are compared for an infinite system."
+    );
     Table::rows_of("equations", deviations)
         .caption(caption)
         .column("property", |j| named(&j.property))

@@ -15,8 +15,8 @@ mod points;
 mod probability;
 mod properties;
 
-pub(crate) use blocks::SHARED_SECTIONS;
 pub use blocks::{Blocks, StudyPoints};
+pub(crate) use blocks::{OPEN, SHARED_SECTIONS};
 
 /// A way to read the points of a study.
 #[derive(Debug)]

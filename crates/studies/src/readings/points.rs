@@ -170,7 +170,7 @@ pub(super) fn of_points(points: &[SweptPoint]) -> Table {
     let caption = match kind {
         Kind::Crystals => "Digits in brackets are one standard error in the last digits.",
         Kind::Fluids | Kind::Slabs => {
-            "Digits in brackets are one standard error in the last digits. Differences in green agree, in red they do not; in brown they are as large as the predicted bias of a short \
+            "Digits in brackets are one standard error in the last digits. Differences in green agree, in red they do not; in brown they are as large as the predicted bias of the \
              cutoff, or the tolerance is too large to tell."
         }
     };

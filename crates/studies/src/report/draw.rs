@@ -1,10 +1,10 @@
 //! Draws a [`Figure`].
 
 use crate::report::axis::Span;
-use crate::report::legend::{Entry, Legend};
+use crate::report::legend::Legend;
 use crate::report::sheet::{
     AFTER, Anchor, BEFORE, BELOW, BELOW_AFTER, BELOW_BEFORE, FAINT_GRID, GREY, GRID, INK, LINE,
-    MARK, Place, Sheet, TEXT, TINT, WIDTH, color, fitting,
+    MARK, Place, Rgb, Sheet, TEXT, TINT, WIDTH, color, fitting, text_width,
 };
 use crate::report::{COLORS, Dash, Figure, Guide, Look, Point, ReportError, Series, Symbol};
 
@@ -56,25 +56,33 @@ impl Figure {
     /// # Errors
     /// [`ReportError`] where there is nothing to draw or a fixed range is impossible.
     pub fn to_svg(&self) -> Result<String, ReportError> {
-        self.to_svg_beside(&[])
+        self.drawn(Some(Legend::of(self)))
     }
 
-    /// The figure without the entries of a legend that stands beside it.
-    pub(crate) fn to_svg_beside(&self, entries: &[Entry]) -> Result<String, ReportError> {
+    /// The figure for a page, which has the legend beside it.
+    pub(crate) fn to_svg_without_legend(&self) -> Result<String, ReportError> {
+        self.drawn(None)
+    }
+
+    fn drawn(&self, legend: Option<Legend>) -> Result<String, ReportError> {
         let (x, y) = self.spans()?;
-        let legend = Legend::of(self, entries);
         let bottom = TOP + PLOT_HEIGHT + 2.0 * TEXT + 22.0;
         let left = 12.0 + 1.5 * TEXT + (y.widest_label() as f64 + 1.0) * TEXT * 0.54;
         let frame =
             Frame { left, top: TOP, width: WIDTH - left - RIGHT, height: PLOT_HEIGHT, x, y };
-        let mut sheet = Sheet::titled(&self.title, bottom + legend.height() + 6.0);
+        let height = legend.as_ref().map_or(0.0, |legend| legend.height() + 6.0);
+        let mut sheet = Sheet::titled(&self.title, bottom + height);
         self.guides.iter().for_each(|guide| tint(&mut sheet, &frame, guide));
         axes(&mut sheet, self, &frame);
-        self.guides.iter().for_each(|guide| draw_guide(&mut sheet, &frame, guide));
+        let mut words = Words::default();
+        self.guides.iter().for_each(|guide| draw_guide(&mut sheet, &frame, guide, &mut words));
         self.series.iter().for_each(|series| draw_series(&mut sheet, &frame, series));
         // Words come last: no mark hides them.
-        self.series.iter().for_each(|series| draw_labels(&mut sheet, &frame, series));
-        legend.draw(&mut sheet, bottom);
+        words.labels(&frame, self.series.iter().flat_map(|series| &series.points));
+        words.draw(&mut sheet);
+        if let Some(legend) = legend {
+            legend.draw(&mut sheet, bottom);
+        }
         Ok(sheet.finish())
     }
 
@@ -90,7 +98,7 @@ impl Figure {
         x.extend(self.series.iter().flat_map(|s| &s.failures).map(|f| f.x));
         for guide in &self.guides {
             match guide {
-                Guide::Vertical(at, _) => x.push(*at),
+                Guide::Vertical(at, _) | Guide::Before(at, _) => x.push(*at),
                 Guide::Horizontal(at, _) | Guide::UpTo(at, _) => y.push(*at),
             }
         }
@@ -127,31 +135,81 @@ fn axes(sheet: &mut Sheet, figure: &Figure, frame: &Frame) {
     sheet.upright(&figure.y.label, (8.0, frame.at(0.0, 0.5).1), height);
 }
 
-/// The strip below a [`Guide::UpTo`].
+/// The strip of a guide that has one.
 fn tint(sheet: &mut Sheet, frame: &Frame, guide: &Guide) {
-    if let Guide::UpTo(y, _) = guide
-        && let Some(f) = frame.y.fraction(*y).filter(|f| *f > 0.0)
-    {
-        sheet.filled_rectangle(frame.at(0.0, f.min(1.0)), frame.at(1.0, 0.0), TINT);
+    let corner = match guide {
+        Guide::UpTo(y, _) => frame.y.fraction(*y).map(|f| (1.0, f)),
+        Guide::Before(x, _) => frame.x.fraction(*x).map(|f| (f, 1.0)),
+        Guide::Vertical(..) | Guide::Horizontal(..) => None,
+    };
+    if let Some((fx, fy)) = corner.filter(|(fx, fy)| *fx > 0.0 && *fy > 0.0) {
+        let ((left, bottom), (right, top)) =
+            (frame.at(0.0, 0.0), frame.at(fx.min(1.0), fy.min(1.0)));
+        sheet.filled_rectangle((left, top), (right, bottom), TINT);
     }
 }
 
-/// The words beside points, each to the right of its mark, or to the left where the frame ends.
-fn draw_labels(sheet: &mut Sheet, frame: &Frame, series: &Series) {
-    for point in &series.points {
-        let (Some(label), Some((x, y))) = (&point.label, frame.clamped(point.x, point.y)) else {
-            continue;
-        };
-        let is_at_end = frame.x.fraction(point.x).is_some_and(|f| f > 0.92);
-        let (shift, anchor) = if is_at_end { (-1.6, BEFORE) } else { (1.6, AFTER) };
-        let at = (x + shift * MARK, y - 2.2 * MARK);
-        sheet.text(label, at, (0.82 * TEXT, INK), anchor);
+/// The words inside a frame. A word that finds no place beside the others is left out; pointing at its mark shows it.
+#[derive(Default)]
+struct Words {
+    placed: Vec<(String, Place, (f64, Rgb), Anchor)>,
+}
+
+impl Words {
+    /// Left, right, top and bottom of a word.
+    fn bounds(text: &str, (x, y): Place, height: f64, (side, below): Anchor) -> [f64; 4] {
+        // The reader's font is not known: half a character stays free.
+        let width = text_width(text, height) + 0.3 * height;
+        let left = if side == "end" { x - width } else { x };
+        let top = if below == AFTER.1 { y - 0.5 * height } else { y };
+        [left, left + width, top, top + height]
+    }
+
+    fn is_free(&self, text: &str, at: Place, height: f64, anchor: Anchor) -> bool {
+        let [left, right, top, bottom] = Self::bounds(text, at, height, anchor);
+        !self.placed.iter().any(|(text, at, (height, _), anchor)| {
+            let [l, r, t, b] = Self::bounds(text, *at, *height, *anchor);
+            left < r && l < right && top < b && t < bottom
+        })
+    }
+
+    /// The words beside points: right or left of their marks, above or below.
+    fn labels<'a>(&mut self, frame: &Frame, points: impl Iterator<Item = &'a Point>) {
+        let height = 0.82 * TEXT;
+        let sides = [(1.6, AFTER), (-1.6, BEFORE)];
+        for point in points {
+            let (Some(label), Some((x, y))) = (&point.label, frame.clamped(point.x, point.y))
+            else {
+                continue;
+            };
+            let places = [-2.2, 2.2, -5.0, 5.0].into_iter().flat_map(|rise| {
+                sides.map(|(shift, anchor)| ((x + shift * MARK, y + rise * MARK), anchor))
+            });
+            let is_inside = |(at, anchor): &(Place, Anchor)| {
+                let [left, right, top, bottom] = Self::bounds(label, *at, height, *anchor);
+                let (x, y) =
+                    (frame.left..=frame.left + frame.width, frame.top..=frame.top + frame.height);
+                x.contains(&left) && x.contains(&right) && y.contains(&top) && y.contains(&bottom)
+            };
+            let mut free = places
+                .filter(is_inside)
+                .filter(|(at, anchor)| self.is_free(label, *at, height, *anchor));
+            if let Some((at, anchor)) = free.next() {
+                self.placed.push((label.clone(), at, (height, INK), anchor));
+            }
+        }
+    }
+
+    fn draw(&self, sheet: &mut Sheet) {
+        self.placed
+            .iter()
+            .for_each(|(text, at, look, anchor)| sheet.text(text, *at, *look, *anchor));
     }
 }
 
-fn draw_guide(sheet: &mut Sheet, frame: &Frame, guide: &Guide) {
+fn draw_guide(sheet: &mut Sheet, frame: &Frame, guide: &Guide, words: &mut Words) {
     let (label, ends, at, anchor): (&str, [Place; 2], Place, Anchor) = match guide {
-        Guide::Vertical(x, label) => {
+        Guide::Vertical(x, label) | Guide::Before(x, label) => {
             let Some(f) = frame.x.fraction(*x).filter(is_inside) else {
                 return;
             };
@@ -170,8 +228,9 @@ fn draw_guide(sheet: &mut Sheet, frame: &Frame, guide: &Guide) {
         }
     };
     sheet.line(&ends, Dash::Dotted, GREY, 1.3);
-    if !label.is_empty() {
-        sheet.text(label, at, (0.88 * TEXT, GREY), anchor);
+    let height = 0.88 * TEXT;
+    if !label.is_empty() && words.is_free(label, at, height, anchor) {
+        words.placed.push((label.to_owned(), at, (height, GREY), anchor));
     }
 }
 

@@ -142,6 +142,8 @@ pub enum Guide {
     Horizontal(f64, String),
     /// From the lower edge up to this ordinate, tinted: below it values say nothing.
     UpTo(f64, String),
+    /// From the left edge up to this abscissa, tinted: what lies there is left out of means.
+    Before(f64, String),
 }
 
 /// A figure with two axes.

@@ -2,74 +2,94 @@
 
 use crate::report::escape::escape;
 use crate::report::sheet::{
-    AFTER, INK, LEGEND_ROW, LINE, Place, Sheet, TEXT, WIDTH, color, fitting, text_width,
+    AFTER, INK, LEGEND_ROW, LINE, MARK, Place, Sheet, TEXT, WIDTH, color, fitting, text_width,
 };
 use crate::report::{Figure, Look, Series};
 
 /// Width of the sample in the legend, design units.
 const SAMPLE: f64 = 34.0;
-/// The fewest entries that figures of a row share in one legend.
-const FEWEST_SHARED: usize = 4;
-
 /// An entry of a legend.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Entry {
     name: String,
-    look: Look,
+    /// `None` for the cross of failed runs, whatever their color.
+    look: Option<Look>,
     color: usize,
 }
 
 impl Entry {
     fn of(series: &Series) -> Self {
-        Self { name: series.name.clone(), look: series.look, color: series.color }
+        Self { name: series.name.clone(), look: Some(series.look), color: series.color }
+    }
+
+    fn of_failures() -> Self {
+        Self { name: "failed: no value".to_owned(), look: None, color: 0 }
     }
 
     /// Whether two entries say the same, be the marks joined by a line or not.
     fn is_like(&self, other: &Self) -> bool {
-        let mark = |look: Look| match look {
-            Look::Line(_) => None,
-            Look::Points(symbol) | Look::LineAndPoints(_, symbol) => Some(symbol),
+        let mark = |look: Option<Look>| match look {
+            None | Some(Look::Line(_)) => None,
+            Some(Look::Points(symbol) | Look::LineAndPoints(_, symbol)) => Some(symbol),
         };
         let [own, others] = [self, other].map(|e| (&e.name, e.color, mark(e.look)));
         own == others
     }
 
     fn sample(&self, sheet: &mut Sheet, (x, y): Place) {
-        let paint = color(self.color);
-        if let Look::Line(dash) | Look::LineAndPoints(dash, _) = self.look {
+        let (paint, middle) = (color(self.color), (x + 0.5 * SAMPLE - 3.0, y));
+        let Some(look) = self.look else {
+            return sheet.failure(middle, MARK, INK);
+        };
+        if let Look::Line(dash) | Look::LineAndPoints(dash, _) = look {
             sheet.line(&[(x, y), (x + SAMPLE - 6.0, y)], dash, paint, LINE);
         }
-        if let Look::Points(symbol) | Look::LineAndPoints(_, symbol) = self.look {
-            sheet.symbol(symbol, (x + 0.5 * SAMPLE - 3.0, y), paint);
+        if let Look::Points(symbol) | Look::LineAndPoints(_, symbol) = look {
+            sheet.symbol(symbol, middle, paint);
         }
     }
 }
 
-/// The entries of a figure.
-fn entries(figure: &Figure) -> impl Iterator<Item = Entry> {
-    figure.series.iter().filter(|series| !series.name.is_empty()).map(Entry::of)
-}
-
-/// The entries that figures of a row share; none where they are few, or of one figure alone.
-pub(crate) fn shared<'a>(figures: impl Iterator<Item = &'a Figure>) -> Vec<Entry> {
-    let all: Vec<Vec<Entry>> = figures.map(|figure| entries(figure).collect()).collect();
-    let Some(first) = all.first() else {
-        return Vec::new();
-    };
-    let is_in = |entry: &Entry, entries: &[Entry]| entries.iter().any(|e| e.is_like(entry));
-    let mut others = all[1..].iter();
-    let mut shared = first.clone();
-    shared.retain(|entry| others.clone().any(|entries| is_in(entry, entries)));
-    // A legend in two places is harder to read than two.
-    let are_most = shared.len() >= FEWEST_SHARED && 4 * shared.len() >= 3 * first.len();
-    match are_most && others.all(|entries| entries.iter().any(|e| is_in(e, &shared))) {
-        true => shared,
-        false => Vec::new(),
+/// The entries of a figure, each once.
+fn entries(figure: &Figure) -> Vec<Entry> {
+    let mut found: Vec<Entry> = Vec::new();
+    let failures = figure.series.iter().any(|series| !series.failures.is_empty());
+    let named = figure.series.iter().filter(|series| !series.name.is_empty()).map(Entry::of);
+    for entry in named.chain(failures.then(Entry::of_failures)) {
+        if !is_in(&entry, &found) {
+            found.push(entry);
+        }
     }
+    found
 }
 
-/// A legend of a page, beside the figures that share it.
+fn is_in(entry: &Entry, entries: &[Entry]) -> bool {
+    entries.iter().any(|known| known.is_like(entry))
+}
+
+/// The entries that several figures of a row have: they stand once, above the row.
+pub(crate) fn shared<'a>(figures: impl Iterator<Item = &'a Figure>) -> Vec<Entry> {
+    let (mut seen, mut shared) = (Vec::new(), Vec::new());
+    for entry in figures.flat_map(entries) {
+        if !is_in(&entry, &seen) {
+            seen.push(entry);
+        } else if !is_in(&entry, &shared) {
+            shared.push(entry);
+        }
+    }
+    shared
+}
+
+/// The entries of a figure that do not stand above its row.
+pub(crate) fn own(figure: &Figure, shared: &[Entry]) -> Vec<Entry> {
+    entries(figure).into_iter().filter(|entry| !is_in(entry, shared)).collect()
+}
+
+/// A legend of a page; nothing without entries.
 pub(crate) fn to_html(entries: &[Entry]) -> String {
+    if entries.is_empty() {
+        return String::new();
+    }
     let items: String = entries
         .iter()
         .map(|entry| {
@@ -81,25 +101,18 @@ pub(crate) fn to_html(entries: &[Entry]) -> String {
     format!("<ul class=\"legend\">\n{items}</ul>\n")
 }
 
-/// The legend below the plot, in as many columns as the names allow.
+/// The legend below the plot of a figure that is a file, in as many columns as the names allow.
 pub(crate) struct Legend {
     entries: Vec<Entry>,
     columns: usize,
-    failures: bool,
 }
 
 impl Legend {
-    /// The legend of a figure without the entries of one that stands beside it.
-    pub(crate) fn of(figure: &Figure, beside: &[Entry]) -> Self {
-        let is_beside = |entry: &Entry| beside.iter().any(|e| e.is_like(entry));
-        let entries: Vec<Entry> = entries(figure).filter(|entry| !is_beside(entry)).collect();
+    pub(crate) fn of(figure: &Figure) -> Self {
+        let entries = entries(figure);
         let widest = entries.iter().map(|e| text_width(&e.name, TEXT)).fold(0.0, f64::max);
         let columns = ((WIDTH - 16.0) / (widest + SAMPLE + 8.0)).floor() as usize;
-        Self {
-            columns: columns.clamp(1, entries.len().max(1)),
-            entries,
-            failures: figure.series.iter().any(|s| !s.failures.is_empty()),
-        }
+        Self { columns: columns.clamp(1, entries.len().max(1)), entries }
     }
 
     fn rows(&self) -> usize {
@@ -107,7 +120,7 @@ impl Legend {
     }
 
     pub(crate) fn height(&self) -> f64 {
-        (self.rows() + usize::from(self.failures)) as f64 * LEGEND_ROW
+        self.rows() as f64 * LEGEND_ROW
     }
 
     pub(crate) fn draw(&self, sheet: &mut Sheet, top: f64) {
@@ -119,11 +132,6 @@ impl Legend {
             entry.sample(sheet, (x, y));
             let height = fitting(&entry.name, TEXT, column_width - SAMPLE - 4.0);
             sheet.text(&entry.name, (x + SAMPLE, y), (height, INK), AFTER);
-        }
-        if self.failures {
-            let y = top + (self.rows() as f64 + 0.5) * LEGEND_ROW;
-            sheet.failure((8.0 + 0.5 * SAMPLE - 3.0, y), 4.2, INK);
-            sheet.text("failed: no value", (8.0 + SAMPLE, y), (TEXT, INK), AFTER);
         }
     }
 }

@@ -38,13 +38,21 @@ pub struct Section {
     pub blocks: Vec<Block>,
     /// Whether a terminal shows it too, and without which columns of its tables: it has less room.
     pub brief: Option<&'static [&'static str]>,
+    /// Whether a page shows its heading alone until a reader opens it.
+    pub folded: bool,
 }
 
 impl Section {
     /// An empty section.
     #[must_use]
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), blocks: Vec::new(), brief: None }
+        Self { title: title.into(), blocks: Vec::new(), brief: None, folded: false }
+    }
+
+    /// Shows the heading alone until a reader opens the section.
+    #[must_use]
+    pub fn folded(self) -> Self {
+        Self { folded: true, ..self }
     }
 
     /// Lets a terminal show the section too, without these columns of its tables.
@@ -68,6 +76,13 @@ impl Section {
     #[must_use]
     pub fn with(mut self, block: Block) -> Self {
         self.blocks.push(block);
+        self
+    }
+
+    /// Adds blocks, where there are some.
+    #[must_use]
+    pub fn with_all(mut self, blocks: Option<Vec<Block>>) -> Self {
+        self.blocks.extend(blocks.into_iter().flatten());
         self
     }
 
@@ -113,6 +128,20 @@ impl Section {
     pub fn text(self, text: impl Into<String>) -> Self {
         self.with(Block::Text(text.into()))
     }
+
+    /// Without a title its blocks stand side by side where there is room.
+    fn to_html(&self, command: Option<&str>) -> Result<String, ReportError> {
+        let title = escape(&self.title);
+        let (begin, end) = match (self.folded, title.as_str()) {
+            (true, _) => {
+                (format!("<details>\n<summary><h2>{title}</h2></summary>\n"), "</details>\n")
+            }
+            (false, "") => ("<section class=\"beside\">\n".to_owned(), "</section>\n"),
+            (false, _) => (format!("<section>\n<h2>{title}</h2>\n"), "</section>\n"),
+        };
+        let blocks = self.blocks.iter().map(|block| block.to_html(command));
+        Ok(begin + &blocks.collect::<Result<String, _>>()? + end)
+    }
 }
 
 /// A page.
@@ -150,34 +179,17 @@ impl Page {
              <p class=\"lead\">{}</p>\n",
             inline_markup(&self.lead)
         );
-        if self.sections.len() > 1 {
-            html.push_str("<nav><ul>\n");
-            for (i, section) in self.sections.iter().enumerate() {
-                html.push_str(&format!(
-                    "<li><a href=\"#section-{}\">{}</a></li>\n",
-                    i + 1,
-                    escape(&section.title)
-                ));
-            }
-            html.push_str("</ul></nav>\n");
-        }
         html.push_str("</header>\n<main>\n");
-        for (i, section) in self.sections.iter().enumerate() {
-            html.push_str(&format!(
-                "<section id=\"section-{}\">\n<h2>{}</h2>\n",
-                i + 1,
-                escape(&section.title)
-            ));
-            for block in &section.blocks {
-                html.push_str(&block.to_html(command)?);
-            }
-            html.push_str("</section>\n");
+        for section in &self.sections {
+            html.push_str(&section.to_html(command)?);
         }
-        html.push_str("</main>\n<footer>\n<h2>Provenance</h2>\n<dl>\n");
+        html.push_str(
+            "</main>\n<footer>\n<details>\n<summary><h2>Provenance</h2></summary>\n<dl>\n",
+        );
         for (name, value) in &self.provenance {
             html.push_str(&format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), inline_markup(value)));
         }
-        html.push_str("</dl>\n</footer>\n");
+        html.push_str("</dl>\n</details>\n</footer>\n");
         if html.contains("class=\"hint\"") {
             html.push_str(&format!("<script>\n{SCRIPT}</script>\n"));
         }
@@ -203,15 +215,15 @@ impl Block {
             }
             Self::Figures(pictures) => {
                 let shared = legend::shared(pictures.iter().filter_map(Picture::plot));
-                let mut html = String::new();
-                if !shared.is_empty() {
-                    html.push_str(&legend::to_html(&shared));
-                }
-                html.push_str("<div class=\"figures\">\n");
+                let n = pictures.len();
+                let mut html =
+                    format!("<div class=\"figures of-{n}\">\n{}", legend::to_html(&shared));
                 for picture in pictures {
+                    let own = picture.plot().map(|figure| legend::own(figure, &shared));
                     html.push_str(&format!(
-                        "<figure>\n{}<figcaption>{}{}</figcaption>\n</figure>\n",
-                        picture.to_svg_beside(&shared)?,
+                        "<figure>\n{}<figcaption>{}{}{}</figcaption>\n</figure>\n",
+                        picture.to_svg_without_legend()?,
+                        legend::to_html(&own.unwrap_or_default()),
                         inline_markup(&picture.caption),
                         made_by(command, Some(&picture.data))
                     ));
@@ -292,13 +304,60 @@ mod tests {
         pointed.sections.push(Section::new("S").figures(vec![figure(Some("x"))]));
         assert_eq!(pointed.to_html().unwrap().matches("<script>").count(), 1);
         // Every tag that opens is closed.
-        for tag in ["section", "figure", "table", "div", "main", "ul", "tr", "td", "figcaption"] {
+        for tag in [
+            "section",
+            "details",
+            "summary",
+            "figure",
+            "table",
+            "div",
+            "main",
+            "ul",
+            "tr",
+            "td",
+            "figcaption",
+        ] {
             assert_eq!(
                 html.matches(&format!("<{tag}>")).count()
                     + html.matches(&format!("<{tag} ")).count(),
                 html.matches(&format!("</{tag}>")).count(),
                 "{tag}"
             );
+        }
+    }
+
+    #[test]
+    fn a_legend_stands_once_for_a_row_of_figures_and_a_folded_section_shows_its_heading_alone() {
+        let line = |name: &str, color| {
+            Series::new(name, Look::Line(Dash::Solid), color, [(1.0, 2.0), (2.0, 3.0)])
+        };
+        let of = |own: &str| {
+            let figure = Figure::new("f", "F", Axis::linear("x"), Axis::linear("y"));
+            let failing = line("both", 0).with_failures(vec![1.5]);
+            Picture::new(figure.with(failing).with(line(own, 1)), "Caption.", "f.csv")
+        };
+        let section = Section::new("Row").figures(vec![of("left"), of("right")]);
+        let html = Page { sections: vec![section.folded()], ..page() }.to_html().unwrap();
+        for name in ["both", "left", "right", "failed: no value"] {
+            assert_eq!(html.matches(&format!("</svg>{name}</li>")).count(), 1, "{name}");
+        }
+        let row = html.split("<div class=\"figures of-2\">").nth(1).unwrap();
+        let (above, below) = row.split_once("<figure>").unwrap();
+        assert!(above.contains("both") && above.contains("failed") && !above.contains("left"));
+        assert!(below.contains("</svg>left") && !below.contains("</svg>both"));
+        // A figure that is a file has its whole legend inside.
+        assert!(of("left").to_svg().unwrap().contains(">both</text>"));
+        assert!(html.contains("<details>\n<summary><h2>Row</h2></summary>\n<div class=\"figures"));
+    }
+
+    #[test]
+    fn the_dark_page_has_each_shade_of_a_figure() {
+        use crate::report::sheet::{FAINT_GRID, GREY, GRID, INK, TINT, hex};
+        let (_, dark) = STYLE.split_once("prefers-color-scheme: dark").unwrap();
+        for shade in
+            [INK, GREY, GRID, FAINT_GRID, TINT, crate::report::COLORS[0], crate::report::COLORS[6]]
+        {
+            assert!(dark.contains(&hex(shade)), "{}", hex(shade));
         }
     }
 }

@@ -1,6 +1,5 @@
 //! A drawing with the words below it.
 
-use crate::report::legend::Entry;
 use crate::report::{Figure, ParticleFigure, Point, ReportError};
 
 /// What the caption of a figure says where some of its points are no results.
@@ -70,7 +69,10 @@ impl Picture {
     /// # Errors
     /// [`ReportError`] where it cannot be drawn.
     pub fn to_svg(&self) -> Result<String, ReportError> {
-        self.to_svg_beside(&[])
+        match &self.drawing {
+            Drawing::Plot(figure) => figure.to_svg(),
+            Drawing::Particles(figure) => figure.to_svg(),
+        }
     }
 
     /// Its plot, where it is one.
@@ -81,12 +83,9 @@ impl Picture {
         }
     }
 
-    /// The drawing without the entries of a legend that stands beside it.
-    pub(crate) fn to_svg_beside(&self, entries: &[Entry]) -> Result<String, ReportError> {
-        match &self.drawing {
-            Drawing::Plot(figure) => figure.to_svg_beside(entries),
-            Drawing::Particles(figure) => figure.to_svg(),
-        }
+    /// The drawing for a page, which has the legend beside it.
+    pub(crate) fn to_svg_without_legend(&self) -> Result<String, ReportError> {
+        self.plot().map_or_else(|| self.to_svg(), Figure::to_svg_without_legend)
     }
 }
 

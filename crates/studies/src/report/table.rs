@@ -3,8 +3,10 @@
 use lennard_core::number::{plain_or_scientific, plus_minus, significant, with_error};
 use lennard_core::{Cell, Column, Table, Tone, Value};
 
-use crate::report::escape::{inline_markup, made_by};
+use crate::report::escape::{escape, inline_markup, made_by};
 
+/// Columns that stand side by side on any screen.
+const MOST_SIDE_BY_SIDE: usize = 2;
 /// Characters from which a text counts as long.
 const LONG_TEXT: usize = 32;
 
@@ -72,9 +74,11 @@ pub fn is_numeric(column: &Column) -> bool {
 
 /// The table as a figure of a page, with the command that made it.
 pub(crate) fn to_html(table: &Table, command: Option<&str>) -> String {
-    let judged = if ends_with_verdicts(table) { " class=\"judged\"" } else { "" };
+    // On a narrow screen a row of many cells becomes a line of names and values.
+    let stacks = table.columns.len() > MOST_SIDE_BY_SIDE;
+    let class_of_table = if stacks { " class=\"stacks\"" } else { "" };
     let mut html = format!(
-        "<figure class=\"table\">\n<div class=\"scroll\" tabindex=\"0\"><table{judged}>\n<thead><tr>"
+        "<figure class=\"table\">\n<div class=\"scroll\" tabindex=\"0\"><table{class_of_table}>\n<thead><tr>"
     );
     for column in &table.columns {
         let class = if is_numeric(column) { " class=\"number\"" } else { "" };
@@ -88,25 +92,24 @@ pub(crate) fn to_html(table: &Table, command: Option<&str>) -> String {
         html.push_str("<tr>");
         for (cell, column) in table.row(row).zip(&table.columns) {
             let text = cell_text(&cell, ErrorStyle::Brackets);
+            let name = match stacks {
+                true => format!(" data-name=\"{}\"", escape(&heading(column))),
+                false => String::new(),
+            };
             html.push_str(&format!(
-                "<td{}>{}</td>",
+                "<td{}{name}>{}</td>",
                 class(&cell, &text, is_numeric(column)),
                 inline_markup(&text)
             ));
         }
         html.push_str("</tr>\n");
     }
-    html.push_str("</tbody>\n</table></div>\n<figcaption>");
-    html.push_str(&inline_markup(&table.caption));
-    html.push_str(&made_by(command, None));
-    html.push_str("</figcaption>\n</figure>\n");
-    html
-}
-
-/// Whether the last column has tones: it then stays in sight on a narrow screen.
-fn ends_with_verdicts(table: &Table) -> bool {
-    let is_judged = |cell: &Cell| !matches!(cell.tone, Tone::Plain | Tone::Faint);
-    (table.columns.last()).is_some_and(|last| last.cells.iter().any(is_judged))
+    html.push_str("</tbody>\n</table></div>\n");
+    let caption = inline_markup(&table.caption) + &made_by(command, None);
+    if !caption.is_empty() {
+        html.push_str(&format!("<figcaption>{caption}</figcaption>\n"));
+    }
+    html + "</figure>\n"
 }
 
 /// The class of a cell: its tone, and where it stands.
@@ -125,7 +128,8 @@ fn class(cell: &Cell, text: &str, numeric_column: bool) -> String {
         // A long text keeps a readable width: the table scrolls in its own box instead.
         (tone.is_none() && text.chars().count() > LONG_TEXT).then_some("long")
     };
-    let classes: Vec<&str> = place.into_iter().chain(tone).collect();
+    let missing = (cell.value == Value::Missing).then_some("missing");
+    let classes: Vec<&str> = place.into_iter().chain(tone).chain(missing).collect();
     if classes.is_empty() { String::new() } else { format!(" class=\"{}\"", classes.join(" ")) }
 }
 
@@ -157,7 +161,7 @@ mod tests {
         for text in [
             "<th scope=\"col\" class=\"number\">x / σ</th><th scope=\"col\">fate</th>",
             "<td class=\"number good\">1.5</td><td>bounded</td>",
-            "<td class=\"number\">–</td><td>diverges</td>",
+            "<td class=\"number missing\">–</td><td>diverges</td>",
         ] {
             assert!(html.contains(text), "{text} in\n{html}");
         }

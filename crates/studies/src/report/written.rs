@@ -118,15 +118,16 @@ pub(crate) fn written(text: &str, given: &Given) -> Result<Page, ReportError> {
         let drawn = figure.drawn(given)?;
         pictures.push((figure.name.as_str(), drawn));
     }
-    let section = |section: SectionText| {
+    let section = |(i, section): (usize, SectionText)| {
         let blocks = section.blocks.into_iter().map(|block| block.of(given, &pictures));
         let blocks = blocks.collect::<Result<_, _>>()?;
-        Ok(Section { blocks, ..Section::new(section.title) })
+        // What comes first answers the question of the study.
+        Ok(Section { blocks, folded: i > 0, ..Section::new(section.title) })
     };
     Ok(Page {
-        title: text.title,
+        title: words_of(&text.title, given)?,
         lead: words_of(&text.lead, given)?,
-        sections: text.section.into_iter().map(section).collect::<Result<_, _>>()?,
+        sections: text.section.into_iter().enumerate().map(section).collect::<Result<_, _>>()?,
         ..Page::default()
     })
 }
@@ -251,7 +252,7 @@ mod tests {
     use crate::report::Drawing;
 
     const PAGE: &str = r#"
-        title = "T"
+        title = "T of {n}"
         lead = "{n} runs."
         [[figure]]
         name = "energy-{case}"
@@ -268,6 +269,9 @@ mod tests {
         [[section]]
         title = "S"
         blocks = [{ text = "Of {n}." }, { figures = ["energy-b", "energy-{case}"] }, { list = "all" }, { table = "runs" }]
+        [[section]]
+        title = "More"
+        blocks = [{ text = "All else." }]
     "#;
 
     fn given() -> Given {
@@ -294,6 +298,9 @@ mod tests {
     fn a_page_has_its_words_and_a_figure_for_each_value_with_the_rows_that_are_chosen() {
         let page = written(PAGE, &given()).unwrap();
         assert_eq!((page.lead.as_str(), page.sections[0].blocks.len()), ("3 runs.", 4));
+        assert_eq!(page.title, "T of 3");
+        // The answer is open, all else is folded.
+        assert_eq!(page.sections.iter().map(|s| s.folded).collect::<Vec<_>>(), [false, true]);
         let pictures: Vec<&Picture> = page.pictures().collect();
         let names: Vec<&str> = pictures.iter().map(|p| p.name()).collect();
         assert_eq!(names, ["energy-b", "energy-a", "energy-b"]);

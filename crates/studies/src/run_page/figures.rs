@@ -13,18 +13,6 @@ use crate::compare::{HANSEN_VERLET, RunFolder, capital};
 const VISCOSITY: &str = "shear_viscosity";
 const CONDUCTIVITY: &str = "thermal_conductivity";
 
-pub(super) const TIME_SERIES: &str = "Measured stages only. What lies left of the dashed line is the start that all averages leave out.";
-/// The same of few bodies, which have no averages.
-pub(super) const MOTION_OF_BODIES: &str = "Measured stages only.";
-pub(super) const ALL_STAGES: &str =
-    "The whole run from its start. Dashed lines are the beginnings of stages.";
-pub(super) const ERROR_BARS: &str = "Apparent standard error of the mean when successive samples are averaged in blocks: it rises until the blocks are longer than \
-     the correlation, and the plateau is the error.";
-pub(super) const STRUCTURE: &str = "Pair distribution and static structure factor. A liquid freezes where the first peak of S(k) reaches 2.85 (Hansen and Verlet 1969).";
-pub(super) const INTERFACE: &str = "Density across the slab about its own middle, with the fit of two hyperbolic tangents that both densities and the thickness come from.";
-pub(super) const MOTION: &str = "Mean-square displacement, velocity autocorrelation, and the correlations of stress and heat flux whose integrals are the viscosity and the \
-     conductivity.";
-
 /// Shells that are marked in g(r).
 const SHELLS: usize = 3;
 
@@ -69,77 +57,74 @@ fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String {
     })
 }
 
-/// Temperature, energy, pressure and conserved energy against time; density and volume where the box changes. Of a fluid, the
-/// means and where they begin.
+/// Energy, pressure and temperature against time through all stages, what means leave out in grey. Of a fluid the measured stages
+/// set the height: a start from far away comes in at the edge.
 pub(super) fn time_series(run: &RunFolder, is_fluid: bool) -> Vec<Picture> {
-    let cut = run.average("potential_energy").map_or(0, |a| a.estimate.equilibration_cut);
-    let time = run.table("measured").and_then(|table| table.numbers("time")).unwrap_or_default();
-    // The cut counts samples, and a row may be the mean of several.
-    let interval = run.scene.output.thermo_every as f64 * run.scene.integrator.dt;
-    let start = time.first().filter(|_| is_fluid && cut > 0);
-    let begin =
-        start.map(|start| Guide::Vertical(start + cut as f64 * interval, "averages begin".into()));
-    let draw = |(table, name)| {
-        let quantity = quantity_of(name)?;
-        let row = FigureRow {
-            name,
-            title: &capital(quantity.words),
-            x: Axis::linear("time / τ"),
-            y: Axis::linear(quantity.axis()),
-            table,
-            columns: vec![Columns::new("", ["time", name], Look::line)],
-            guides: begin.iter().cloned().collect(),
-            caption: if is_fluid { said_of(run, name, "Mean {}.") } else { String::new() },
-            ..FigureRow::default()
-        };
-        row.draw(|name| run.table(name))
+    let mut guides = begins(run);
+    guides.extend(left_out(run).filter(|_| is_fluid));
+    let measured = run.table("measured").filter(|_| is_fluid);
+    let shown = ["potential_energy", "pressure", "temperature"].into_iter();
+    let draw = |name| {
+        let values = measured.as_ref().and_then(|table| table.numbers(name)).unwrap_or_default();
+        let (low, high) = (values.iter())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+        let beyond = 0.5 * (high - low);
+        let range = (beyond.is_finite() && beyond > 0.0).then_some((low - beyond, high + beyond));
+        in_time(run, "thermo", name, range, &guides, is_fluid)
     };
-    [
-        ("measured", "temperature"),
-        ("measured", "potential_energy"),
-        ("measured", "pressure"),
-        ("box", "density"),
-        ("box", "volume"),
-        ("measured", "conserved_energy"),
-    ]
-    .into_iter()
-    .filter_map(draw)
-    .collect()
+    shown.filter_map(draw).collect()
 }
 
-/// Temperature, energy and pressure against time through all stages; nothing of a finished run that has one stage.
-pub(super) fn all_stages(run: &RunFolder) -> Vec<Picture> {
-    let stages = &run.scene.stages;
-    let Some(table) = run.table("thermo").filter(|_| stages.len() > 1 || !run.record.finished)
-    else {
-        return Vec::new();
+/// Density and volume where the box changes, and the conserved energy, in the measured stages.
+pub(super) fn more_in_time(run: &RunFolder, is_fluid: bool) -> Vec<Picture> {
+    let shown = [("box", "density"), ("box", "volume"), ("measured", "conserved_energy")];
+    shown
+        .into_iter()
+        .filter_map(|(table, name)| in_time(run, table, name, None, &[], is_fluid))
+        .collect()
+}
+
+fn in_time(
+    run: &RunFolder,
+    table: &str,
+    name: &str,
+    range: Option<(f64, f64)>,
+    guides: &[Guide],
+    is_fluid: bool,
+) -> Option<Picture> {
+    let quantity = quantity_of(name)?;
+    let row = FigureRow {
+        name,
+        title: &capital(quantity.words),
+        x: Axis::linear("time / τ"),
+        y: Axis { range, ..Axis::linear(quantity.axis()) },
+        table,
+        columns: vec![Columns::new("", ["time", name], Look::line)],
+        guides: guides.to_vec(),
+        caption: if is_fluid { said_of(run, name, "Mean {}.") } else { String::new() },
+        ..FigureRow::default()
     };
-    let times = table.numbers("time").unwrap_or_default();
-    let numbers = table.numbers("stage").unwrap_or_default();
-    let begins = |stage: usize| {
-        let mut rows = times.iter().zip(&numbers);
-        let first = rows.find(|(_, number)| **number == stage as f64)?;
-        // Names of short stages would lie on each other.
-        let name =
-            if stages[stage].measure { stages[stage].name.to_string() } else { String::new() };
-        Some(Guide::Vertical(*first.0, name))
-    };
-    let guides: Vec<Guide> = (1..stages.len()).filter_map(begins).collect();
-    let draw = |column| {
-        let quantity = quantity_of(column)?;
-        let row = FigureRow {
-            name: &format!("all_stages_{column}"),
-            title: &format!("{}, all stages", capital(quantity.words)),
-            x: Axis::linear("time / τ"),
-            y: Axis::linear(quantity.axis()),
-            table: "thermo",
-            columns: vec![Columns::new("", ["time", column], Look::line)],
-            guides: guides.clone(),
-            ..FigureRow::default()
-        };
-        row.draw(|name| run.table(name))
-    };
-    ["temperature", "potential_energy", "pressure"].into_iter().filter_map(draw).collect()
+    row.draw(|name| run.table(name))
+}
+
+/// Where stages begin, but the first.
+fn begins(run: &RunFolder) -> Vec<Guide> {
+    let column = |name| run.table("thermo").and_then(|table| table.numbers(name));
+    let (times, stages) = (column("time").unwrap_or_default(), column("stage").unwrap_or_default());
+    let changes =
+        stages.windows(2).zip(times.iter().skip(1)).filter(|(pair, _)| pair[0] != pair[1]);
+    changes.map(|(_, time)| Guide::Vertical(*time, String::new())).collect()
+}
+
+/// The time before the first sample that means count; none where they count all.
+fn left_out(run: &RunFolder) -> impl Iterator<Item = Guide> {
+    let first = |table| run.table(table).and_then(|t| t.numbers("time")?.first().copied());
+    let cut = run.average("potential_energy").map_or(0, |a| a.estimate.equilibration_cut);
+    // The cut counts samples, and a row may be the mean of several.
+    let interval = run.scene.output.thermo_every as f64 * run.scene.integrator.dt;
+    let begin = first("measured").map(|start| start + cut as f64 * interval);
+    let begin = begin.filter(|begin| first("thermo").is_some_and(|start| start < *begin));
+    begin.map(|begin| Guide::Before(begin, "averages begin".into())).into_iter()
 }
 
 /// Blocking curves.
@@ -166,7 +151,10 @@ pub(super) fn blocking(run: &RunFolder) -> Vec<Picture> {
             table: file,
             columns: vec![curve.error("uncertainty")],
             guides: printed.map(|error| level(error, "printed error")).into_iter().collect(),
-            caption: format!("Marks with their own uncertainty; {line}."),
+            caption: format!(
+                "Standard error of the mean over blocks: it rises until blocks are longer than the correlation. Marks have their own \
+                 uncertainty; {line}."
+            ),
             ..FigureRow::default()
         };
         row.draw(|name| run.table(name))
@@ -175,7 +163,7 @@ pub(super) fn blocking(run: &RunFolder) -> Vec<Picture> {
 }
 
 /// The density across a slab with its fit.
-pub(super) fn interface(run: &RunFolder) -> Vec<Picture> {
+pub(super) fn interface(run: &RunFolder) -> Option<Picture> {
     let place = run.table("interface_profile").and_then(|t| Some(t.columns.first()?.name.clone()));
     let place = place.unwrap_or_default();
     let density = Columns::new("measured", [&place, "density"], Look::marks);
@@ -191,19 +179,20 @@ pub(super) fn interface(run: &RunFolder) -> Vec<Picture> {
         ],
         caption: said_of(run, "liquid_density", "ρ of the liquid {} σ⁻³, ")
             + &said_of(run, "vapor_density", "of the vapor {} σ⁻³; ")
-            + &said_of(run, "interface_thickness", "thickness from 10 % to 90 % {} σ."),
+            + &said_of(run, "interface_thickness", "thickness from 10 % to 90 % {} σ. ")
+            + "The fit is two hyperbolic tangents about the middle of the slab.",
         ..FigureRow::default()
     };
-    drawn(run, [row])
+    row.draw(|name| run.table(name))
 }
 
-/// g(r) with its shells and S(k).
-pub(super) fn structure(run: &RunFolder) -> Vec<Picture> {
+/// g(r) with its shells.
+pub(super) fn pair_distribution(run: &RunFolder) -> Option<Picture> {
     let shells: Vec<f64> = minima(run).into_iter().take(SHELLS).collect();
     let ends: Vec<String> = shells.iter().map(|r| format!("{r:.3}")).collect();
     let ends = ends.join(", ");
     let of_shells = match shells.is_empty() {
-        true => "No shell ends within the range.".to_owned(),
+        true => String::new(),
         false => {
             format!("Shells 1, 2, … end at the dashed minima, {ends} σ.")
                 + &said_of(run, "coordination_number", " {} neighbors up to the first of them.")
@@ -211,35 +200,18 @@ pub(super) fn structure(run: &RunFolder) -> Vec<Picture> {
     };
     let at_shells =
         shells.iter().enumerate().map(|(i, r)| Guide::Vertical(*r, (i + 1).to_string()));
-    let factor = Columns::new("", ["k", "structure_factor"], Look::joined);
-    let rows = [
-        FigureRow {
-            name: "rdf",
-            title: "Radial distribution function",
-            x: Axis::linear("r / σ"),
-            y: Axis::linear("g(r)"),
-            table: "rdf",
-            columns: vec![Columns::new("", ["r", "g"], Look::line)],
-            guides: [level(1.0, "")].into_iter().chain(at_shells).collect(),
-            caption: of_shells,
-            ..FigureRow::default()
-        },
-        FigureRow {
-            name: "structure_factor",
-            title: "Static structure factor",
-            x: Axis::linear("k / σ⁻¹"),
-            y: Axis::linear("S(k)"),
-            table: "structure_factor",
-            columns: vec![factor.error("standard_error")],
-            guides: vec![
-                level(HANSEN_VERLET, format!("freezing, {HANSEN_VERLET}")),
-                level(1.0, ""),
-            ],
-            caption: said_of(run, "structure_factor_first_peak", "First peak {}."),
-            ..FigureRow::default()
-        },
-    ];
-    drawn(run, rows)
+    let row = FigureRow {
+        name: "rdf",
+        title: "Radial distribution function",
+        x: Axis::linear("r / σ"),
+        y: Axis::linear("g(r)"),
+        table: "rdf",
+        columns: vec![Columns::new("", ["r", "g"], Look::line)],
+        guides: [level(1.0, "")].into_iter().chain(at_shells).collect(),
+        caption: of_shells,
+        ..FigureRow::default()
+    };
+    row.draw(|name| run.table(name))
 }
 
 /// The distances of the minima of g(r), σ.
@@ -306,6 +278,26 @@ pub(super) fn motion(run: &RunFolder) -> Vec<Picture> {
         green_kubo(CONDUCTIVITY, &of_conductivity),
     ];
     drawn(run, rows)
+}
+
+/// S(k) with the height at which a liquid freezes.
+pub(super) fn structure_factor(run: &RunFolder) -> Option<Picture> {
+    let freezing = format!(
+        "First peak {{}}; a liquid freezes where it reaches {HANSEN_VERLET} (Hansen and Verlet 1969)."
+    );
+    let factor = Columns::new("", ["k", "structure_factor"], Look::joined);
+    let row = FigureRow {
+        name: "structure_factor",
+        title: "Static structure factor",
+        x: Axis::linear("k / σ⁻¹"),
+        y: Axis::linear("S(k)"),
+        table: "structure_factor",
+        columns: vec![factor.error("standard_error")],
+        guides: vec![level(HANSEN_VERLET, format!("freezing, {HANSEN_VERLET}")), level(1.0, "")],
+        caption: said_of(run, "structure_factor_first_peak", &freezing),
+        ..FigureRow::default()
+    };
+    row.draw(|name| run.table(name))
 }
 
 fn displacement(run: &RunFolder) -> FigureRow<'static> {

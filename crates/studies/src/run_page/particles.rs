@@ -4,11 +4,11 @@ use crate::report::{ParticleFigure, Picture, Sphere};
 
 use crate::compare::RunFolder;
 
-pub(super) const PARTICLES: &str =
-    "The particles at the end, folded into the box. What is farther away is paler.";
+/// File stem of the picture.
+pub(super) const NAME: &str = "particles";
 
 /// The picture, from the last state that the run has written; none where that cannot be read.
-pub(super) fn particles(run: &RunFolder) -> Option<ParticleFigure> {
+pub(super) fn picture(run: &RunFolder) -> Option<Picture> {
     let last = lennard_io::read_configuration(&run.folder.join("final.xyz")).ok()?;
     let found = &last.species;
     let one = [run.scene.output.element.clone()];
@@ -17,14 +17,17 @@ pub(super) fn particles(run: &RunFolder) -> Option<ParticleFigure> {
         false => &found.names[..],
     };
     let species = names.iter().map(|element| sphere(run, element)).collect();
-    Some(ParticleFigure {
-        name: "particles".to_owned(),
+    let figure = ParticleFigure {
+        name: NAME.to_owned(),
         title: format!("The particles at step {}", run.record.steps),
         sides: last.cell.lengths(),
         species,
         of_particle: (0..last.positions.len()).map(|i| found.of(i)).collect(),
         places: last.positions,
-    })
+    };
+    let caption =
+        "Folded into the box. Spheres have the diameter σ; what is farther away is paler.";
+    Some(Picture::new(figure, caption, "final.xyz"))
 }
 
 /// How a species is drawn that files name by an element: with the name and the σ that the scene gives it.
@@ -35,11 +38,4 @@ fn sphere(run: &RunFolder, element: &str) -> Sphere {
         name: named.map_or(element, |s| &s.name).to_owned(),
         diameter: named.map_or(1.0, |s| s.sigma),
     }
-}
-
-/// The picture with its caption.
-pub(super) fn pictures(figure: Option<&ParticleFigure>) -> Vec<Picture> {
-    let caption = "Spheres have the diameter σ.";
-    let picture = figure.map(|figure| Picture::new(figure.clone(), caption, "final.xyz"));
-    picture.into_iter().collect()
 }

@@ -10,8 +10,6 @@ use lennard_literature::{
 use crate::compare::{ComparedRun, RunFolder};
 use crate::eos::{Freezing, freezing_at};
 
-pub(super) const PHASE_DIAGRAM: &str = "Lines are of the equation of state that judges the model; freezing and melting are of Mastny and de Pablo 2007, and P against T has an older fit beside it. Dots, rings and frames are results of others.";
-
 /// Temperatures of a line.
 const POINTS: usize = 48;
 /// How far beyond the run and the critical point the lines of freezing are drawn, in temperatures.
@@ -177,8 +175,12 @@ impl Lines {
                 s.temperature, s.liquid_density
             )
         });
+        let freezing = match self.freezing.is_empty() {
+            true => String::new(),
+            false => format!("; freezing and melting by {}", freezing_line().name),
+        };
         let caption = format!(
-            "{}. Critical point: T = {:.4}, ρ = {:.4}.{triple} This run: {}.",
+            "{}{freezing}. Critical point: T = {:.4}, ρ = {:.4}.{triple} This run: {}.",
             self.name(),
             critical.temperature,
             critical.density,

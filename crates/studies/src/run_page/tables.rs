@@ -1,35 +1,38 @@
 //! The tables of a run's page.
 
-use crate::report::{Section, percent, significant};
-use lennard_core::{Cell, Remark, Table};
+use crate::report::{Block, percent, significant};
+use lennard_core::{Cell, Remark, Table, Value};
 use lennard_io::RunRecord;
 
-use crate::compare::{ComparedRun, Row, RunFolder, card_table, quantity_words, table};
+use crate::compare::{
+    ComparedRun, Row, RunFolder, StateCard, Verdict, card_table, quantity_words, table,
+};
 
 /// The columns of a reference.
 const BESIDE: [&str; 4] = ["Reference", "Difference", "Difference / s.e.", "Tolerance"];
 
 /// What was measured, beside the literature where there is some.
-pub(super) fn comparison(compared: &ComparedRun) -> Table {
+pub(super) fn comparison(compared: &ComparedRun) -> Vec<Block> {
     let shown = compared.rows.iter().filter(|r| r.primary || r.verdict.is_judged());
     let rows: Vec<&Row> = shown.collect();
-    let made = table(&rows, |row| match row.has_long_reason() {
+    let mut made = table(&rows, |row| match row.has_long_reason() {
         true => row.verdict.words().to_owned(),
         false => row.verdict_words(),
     });
-    match rows.iter().any(|row| row.reference.is_some()) {
+    // How far each quantity may be off stands in its note.
+    made.caption =
+        "Digits in brackets are one standard error (s.e.) in the last digits.".to_owned();
+    vec![Block::Table(match rows.iter().any(|row| row.reference.is_some()) {
         true => made,
         false => made.without(&BESIDE),
-    }
+    })]
 }
 
-/// Every measured property beside every equation.
-pub(super) fn state_card(compared: &ComparedRun) -> Section {
-    let section = Section::new("State card");
-    match &compared.card {
-        Some(card) => section.text(card.sentence.as_str()).table(card_table(card)),
-        None => section.text(format!("No equation of state is shown: {}.", compared.state.words)),
-    }
+/// Every measured property beside every equation; nothing where none applies.
+pub(super) fn state_card(compared: &ComparedRun) -> Vec<Block> {
+    let said =
+        |card: &StateCard| [Block::Text(card.sentence.clone()), Block::Table(card_table(card))];
+    compared.card.iter().flat_map(said).collect()
 }
 
 /// Reasons that are too long for the table, then sources and remarks: quantities with the same ones share a line.
@@ -39,7 +42,11 @@ pub(super) fn notes(compared: &ComparedRun) -> Vec<String> {
         .filter(|row| row.primary && row.has_long_reason() && !in_lead(row))
         .map(|row| (row.reason.clone(), row));
     let sources = compared.rows.iter().map(|row| {
-        let notes = [row.source.as_str(), row.remark.as_str()];
+        let within = match row.tolerance_words.as_str() {
+            "" => String::new(),
+            words => format!("agrees within {words}"),
+        };
+        let notes = [&row.source, &within, &row.remark].map(String::as_str);
         let notes: Vec<&str> = notes.into_iter().filter(|t| !t.is_empty()).collect();
         (notes.join("; "), row)
     });
@@ -59,49 +66,40 @@ pub(super) fn notes(compared: &ComparedRun) -> Vec<String> {
         .collect()
 }
 
+/// The stages, with the baths that any of them has.
 pub(super) fn stages(run: &RunFolder) -> Table {
     let scene = &run.scene;
-    let caption = format!("Integrator: {}. Model: {}.", scene.method_name(), run.record.model);
-    Table::rows_of("stages", &scene.stages)
+    let frames = run
+        .record
+        .trajectory_frames
+        .map(|frames| format!(" {frames} frames are in `{}`.", scene.output.format.spec().file));
+    let caption = format!(
+        "Integrator: {}. Model: {}.{}",
+        scene.method_name(),
+        run.record.model,
+        frames.unwrap_or_default()
+    );
+    let table = Table::rows_of("stages", &scene.stages)
         .caption(caption)
         .column("Stage", |s| s.name.as_str())
         .column("Steps", |s| s.steps)
         .column("dt [τ]", |s| Cell::rounded(scene.stage_dt(s), 4))
         .column("Thermostat", |s| {
-            s.thermostat.as_ref().map_or("none: constant energy".into(), |t| {
-                format!("{} at {}", t.name(), s.temperature_in_words())
-            })
+            let bath = s.thermostat.as_ref();
+            bath.map(|t| format!("{} at {}", t.name(), s.temperature_in_words()))
         })
         .column("Barostat", |s| {
-            s.barostat.as_ref().map_or("none: constant volume".into(), |b| {
-                format!("{} at {}", b.options.name(), b.pressure_in_words())
-            })
+            let bath = s.barostat.as_ref();
+            bath.map(|b| format!("{} at {}", b.options.name(), b.pressure_in_words()))
         })
         .column("Measured", |s| if s.measure { "yes" } else { "no" })
-        .table()
+        .table();
+    without_empty_columns(table)
 }
 
-/// What this run did not measure.
-pub(super) fn left_out(run: &RunFolder) -> Vec<String> {
-    let asked: Vec<&str> = run.scene.observables.iter().map(|o| o.options.name()).collect();
-    let missing: Vec<&str> = lennard_observables::observables()
-        .iter()
-        .map(|spec| spec.name)
-        .filter(|name| *name != "thermodynamics" && !asked.contains(name))
-        .collect();
-    let mut points = vec![if missing.is_empty() {
-        "Every observable was measured.".to_owned()
-    } else {
-        format!("Not asked for, and not computed: {}.", missing.join(", "))
-    }];
-    match run.record.trajectory_frames {
-        Some(frames) => {
-            let file = run.scene.output.format.spec().file;
-            points.push(format!("{frames} frames are in `{file}`."));
-        }
-        None => points.push("No trajectory was written.".into()),
-    }
-    points
+fn without_empty_columns(mut table: Table) -> Table {
+    table.columns.retain(|column| column.cells.iter().any(|cell| cell.value != Value::Missing));
+    table
 }
 
 pub(super) fn averages(compared: &ComparedRun, record: &RunRecord) -> Table {
@@ -110,22 +108,20 @@ pub(super) fn averages(compared: &ComparedRun, record: &RunRecord) -> Table {
         .iter()
         .filter_map(|row| Some((row, record.averages.get(&row.quantity)?)))
         .collect();
-    let caption = "Means with their standard errors, their number of independent samples as estimated, the samples discarded at the start, \
-                   and why a mean has no error. A run is too short by the least that its samples may be worth, which is less than the estimate.";
-    Table::rows_of("averages", &rows)
+    let mut caption = "Means with their standard errors, their number of independent samples as estimated, and the samples discarded at the start.".to_owned();
+    if rows.iter().any(|(row, _)| row.verdict == Verdict::TooShort) {
+        caption += " A run is too short by the least that its samples may be worth, which is less than the estimate.";
+    }
+    let table = Table::rows_of("averages", &rows)
         .caption(caption)
         .column("Quantity", |(row, _)| quantity_words(&row.quantity))
         .measured("Mean", |(_, a)| Some((a.estimate.mean, a.estimate.standard_error)))
         .column("Unit", |(_, a)| &a.unit)
         .column("Independent samples", |(_, a)| Cell::rounded(a.estimate.n_effective, 3))
         .column("Discarded", |(_, a)| a.estimate.equilibration_cut)
-        .column(
-            "Why no result",
-            |(row, a)| {
-                if a.is_sound() { String::new() } else { row.verdict_words() }
-            },
-        )
-        .table()
+        .column("Why no result", |(row, a)| (!a.is_sound()).then(|| row.verdict_words()))
+        .table();
+    without_empty_columns(table)
 }
 
 /// Where the time went. A few bodies spend it on files, and it says nothing of a step.

@@ -5,7 +5,7 @@ use lennard_core::Remark;
 use crate::report::{Block, Page, Section};
 
 use super::{SweepRecord, SweptPoint};
-use crate::readings::SHARED_SECTIONS;
+use crate::readings::{OPEN, SHARED_SECTIONS};
 
 /// The page of a sweep.
 pub(super) fn page(
@@ -16,13 +16,17 @@ pub(super) fn page(
 ) -> Page {
     let finished = record.points.iter().filter(|p| p.compared.is_some()).count();
     let mut sections = together(sections);
-    let remarks = remarks(&record.points);
-    if !remarks.is_empty() {
-        sections.push(Section::new("Remarks").list(remarks));
-    }
-    if !record.left_out.is_empty() {
-        let items = record.left_out.iter().map(|l| format!("{}: {}", l.what, l.why));
-        sections.push(Section::new("Left out").list(items.collect::<Vec<_>>()));
+    let left_out = record.left_out.iter().map(|l| format!("{}: {}", l.what, l.why));
+    sections.push(Section::new("Remarks").list(remarks(&record.points)).folded());
+    sections.push(Section::new("Left out").list(left_out.collect()).folded());
+    sections.retain(|section| !section.blocks.is_empty());
+    // A study without a picture of its own shows its properties.
+    let has_picture = |section: &Section| !section.folded && section.pictures().next().is_some();
+    if !sections.iter().any(has_picture)
+        && let Some(at) = sections.iter().position(|s| s.pictures().next().is_some())
+    {
+        let first = Section { folded: false, ..sections.remove(at) };
+        sections.insert(0, first);
     }
     Page {
         title: format!("Sweep {}", record.name),
@@ -41,6 +45,7 @@ pub(super) fn page(
 /// The blocks of sections with one title in one section, those that readings share first. Figures stand side by side.
 fn together(sections: Vec<Section>) -> Vec<Section> {
     let mut all: Vec<Section> = SHARED_SECTIONS.map(Section::new).into();
+    all.iter_mut().skip(OPEN).for_each(|section| section.folded = true);
     for section in sections {
         let at = all.iter().position(|s| s.title == section.title).unwrap_or_else(|| {
             all.push(Section::new(section.title.clone()));
@@ -55,7 +60,6 @@ fn together(sections: Vec<Section>) -> Vec<Section> {
             }
         }
     }
-    all.retain(|section| !section.blocks.is_empty());
     all
 }
 

@@ -60,7 +60,12 @@ fn first_picture(out: &Path, errors: &[&str]) {
     }
     let html = std::fs::read_to_string(out.join("report.html")).unwrap();
     let first = html.split("<figcaption>").nth(1).unwrap();
-    assert!(first.starts_with("Left is cheap and low is right"), "{first:.200}");
+    assert!(first.contains("Left is cheap and low is right"), "{first:.200}");
+    let at = |part: &str| html.find(part).unwrap_or_else(|| panic!("{part}"));
+    assert!(
+        at("<svg") < at("<table") && at("<table") < at("<details>"),
+        "errors against cost come first"
+    );
     // Of all rows none answers, or one sentence stands in their place.
     let unresolved = html.matches("not resolved by this chart").count();
     let resolved = html.matches("itself</td>").count() + html.matches(" ×</td>").count();

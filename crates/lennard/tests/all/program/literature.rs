@@ -58,9 +58,16 @@ fn a_sweep_runs_its_points_once_and_every_run_has_a_page() {
     let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(page.contains("State of all points: "));
     assert!(page.contains("T, half steps") && !page.contains("T, whole steps"));
-    // The last column stays in sight on a narrow screen.
+    // The picture comes first, then the verdicts; the points are folded. On a narrow screen their rows have names.
+    let at = |part: &str| page.find(part).unwrap_or_else(|| panic!("{part}"));
+    assert!(at("<svg") < at("<table"), "a picture answers first");
+    assert!(
+        at("<h2>All points together</h2>") < at("<details>")
+            && at("<details>") < at("<h2>Points</h2>")
+    );
     let points = page.split("<th scope=\"col\">Point</th>").next().unwrap();
-    assert!(points.trim_end().ends_with("<table class=\"judged\">\n<thead><tr>"));
+    assert!(points.trim_end().ends_with("<table class=\"stacks\">\n<thead><tr>"));
+    assert!(page.contains("data-name=\"Verdicts of U/N, P, c_v\""));
     let heads = page.split("<th scope=\"col\">Point</th>").nth(1).unwrap();
     let last = heads.split("</th></tr>").next().unwrap();
     assert!(last.ends_with(">Verdicts of U/N, P, c_v"), "{last}");

@@ -18,6 +18,7 @@ mod mixtures;
 mod numbers;
 mod output_folders;
 mod own_study;
+mod pages;
 mod ranks;
 mod restart;
 mod shared_sweeps;

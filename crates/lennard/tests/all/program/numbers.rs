@@ -51,7 +51,7 @@ fn bad_numbers(text: &str) -> Vec<&str> {
 }
 
 /// The words of a page, without markup, style and script.
-fn words_of(page: &str) -> String {
+pub fn words_of(page: &str) -> String {
     let mut words = String::new();
     let mut rest = page;
     while let Some((before, tag)) = rest.split_once('<') {

@@ -100,3 +100,29 @@ fn a_figure_without_values_is_an_error() {
     let empty = Figure::new("empty", "Empty", Axis::linear("x"), Axis::linear("y"));
     assert!(matches!(empty.to_svg(), Err(ReportError::NothingToDraw { .. })));
 }
+
+#[test]
+fn a_left_part_is_tinted_and_no_word_lies_over_another() {
+    let count = |f: &Figure, what: &str| f.to_svg().unwrap().matches(what).count();
+    let cut = example().guided(Guide::Before(4.0, "averages begin".into()));
+    assert_eq!(count(&cut, "<rect"), count(&example(), "<rect") + 1);
+    // Marks at one place: their words stand around it, and those that find no place are left out.
+    let span = || Axis::linear("x").from_to(0.0, 1.0).span("f", [].into_iter()).unwrap();
+    let frame = Frame { left: 0.0, top: 0.0, width: 400.0, height: 300.0, x: span(), y: span() };
+    let point = |i: usize| Point { label: Some(format!("word {i}")), ..Point::from((0.5, 0.5)) };
+    let points: Vec<Point> = (0..40).map(point).collect();
+    let mut words = Words::default();
+    words.labels(&frame, points.iter());
+    assert!((2..40).contains(&words.placed.len()), "{}", words.placed.len());
+    let bounds = |(text, at, (height, _), anchor): &(String, Place, (f64, Rgb), Anchor)| {
+        Words::bounds(text, *at, *height, *anchor)
+    };
+    for (i, word) in words.placed.iter().enumerate() {
+        let [left, right, top, bottom] = bounds(word);
+        assert!(left >= 0.0 && right <= 400.0 && top >= 0.0 && bottom <= 300.0, "{word:?}");
+        for other in &words.placed[..i] {
+            let [l, r, t, b] = bounds(other);
+            assert!(right <= l || r <= left || bottom <= t || b <= top, "{word:?} over {other:?}");
+        }
+    }
+}
