@@ -23,7 +23,7 @@ use lennard_core::{Standing, Tone};
 use serde::Serialize;
 
 /// What can be said of a measured number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Within the tolerance, which is small enough to see a difference.
@@ -45,6 +45,7 @@ pub enum Verdict {
     /// A thermostat changes what is measured.
     Thermostat,
     /// There is nothing to compare the number with, in this state or at all.
+    #[default]
     NoReference,
 }
 
@@ -77,6 +78,30 @@ impl Verdict {
             Self::Incomplete => "incomplete",
             Self::Thermostat => "changed by a bath or an exchange",
             Self::NoReference => "no reference",
+        }
+    }
+
+    /// What the words say, in a sentence.
+    #[must_use]
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Agrees => "the difference is within what is allowed",
+            Self::Sharper => {
+                "the band reaches from the lowest to the highest equation, and the error of the run is below half of it: the run tells the \
+                 equations apart"
+            }
+            Self::Differs => {
+                "the difference is beyond what is allowed"
+            }
+            Self::TooCoarse => {
+                "the difference is within what is allowed, which is above 5 % of the size of the quantity: a longer run tells"
+            }
+            Self::PredictedBias => "the difference is as large as a known bias of the run makes it",
+            Self::NotInEquilibrium => "the mean still changes, and is no result",
+            Self::TooShort => "the run has too few independent samples for an error",
+            Self::Incomplete => "the number lacks a part that is not known",
+            Self::Thermostat => "a bath or an exchange of velocities changes what is measured",
+            Self::NoReference => "there is nothing to compare with",
         }
     }
 

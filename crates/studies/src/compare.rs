@@ -1,7 +1,10 @@
 //! Finished runs beside the literature: every quantity with its difference in standard errors and a verdict.
 
+mod beside;
+mod beside_page;
 mod card;
 mod missing;
+pub mod own_literature;
 mod phase;
 mod primary;
 mod read;
@@ -13,6 +16,8 @@ mod transport;
 mod two_phases;
 mod verdict;
 
+pub use beside::{Beside, beside};
+pub use beside_page::meanings;
 pub(crate) use card::is_a_part;
 pub use card::{CardEquation, CardRow, StateCard, card_table};
 pub use lennard_observables::Verdict;

@@ -117,7 +117,7 @@ pub enum Command {
         lennard sweep sweep/isotherm --out runs/iso --collect\n  \
         lennard sweep sweep/isotherm --out runs/iso --emit slurm > iso.sbatch")]
     Sweep(SweepArgs),
-    /// Put finished runs beside the literature: every quantity with its difference in standard errors.
+    /// Put finished runs beside the literature, beside each other, or beside values of your own, with errors and verdicts.
     #[command(after_help = "Examples:\n  \
         lennard run template --out liquid                a run to compare\n  \
         lennard compare liquid\n  \

@@ -94,6 +94,21 @@ impl RunFolder {
         })
     }
 
+    /// Reads the folder of a finished run, or of each finished point of a sweep.
+    ///
+    /// # Errors
+    /// As [`RunFolder::open`].
+    pub fn open_each(folder: &Path) -> Result<Vec<Self>, ReadError> {
+        let Ok(record) = std::fs::read(folder.join("sweep.json")) else {
+            return Ok(vec![Self::open(folder)?]);
+        };
+        let record: serde_json::Value = serde_json::from_slice(&record).unwrap_or_default();
+        let points = record["points"].as_array().into_iter().flatten();
+        // A point that failed has no means.
+        let names = points.filter(|p| !p["compared"].is_null()).filter_map(|p| p["name"].as_str());
+        names.map(|name| Self::open(&folder.join(name))).collect()
+    }
+
     /// Reads the folder of a run, finished or not.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use lennard_observables::{Allowed, Reference, Verdict, judge};
 use serde::Serialize;
 
 /// A quantity of a run beside its reference. Numbers that are not finite are `null` in JSON.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Row {
     /// What it is, as in the run record.
     pub quantity: String,
@@ -119,25 +119,12 @@ impl Row {
         Self {
             quantity: quantity.into(),
             unit: average.unit.clone(),
-            primary: false,
             measured: average.estimate.mean,
             standard_error: average.estimate.standard_error,
             error_known_to,
-            reference: None,
-            reference_error: None,
-            finite_size_uncertainty: None,
-            difference: None,
-            measured_range: None,
-            combined_error: None,
-            in_standard_errors: None,
-            tolerance: None,
-            scale: None,
-            tolerance_words: String::new(),
-            predicted_bias: None,
             verdict: average.standing.into(),
             reason: average.reason.clone(),
-            source: String::new(),
-            remark: String::new(),
+            ..Self::default()
         }
     }
 

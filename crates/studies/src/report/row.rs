@@ -151,6 +151,12 @@ impl<'a> Columns<'a> {
         Self { first: index, ..self }
     }
 
+    /// The same from another table than the one of the figure.
+    #[must_use]
+    pub fn of(self, table: &'a str) -> Self {
+        Self { table: Some(table.into()), ..self }
+    }
+
     /// One series for each value of this column.
     #[must_use]
     pub fn by(self, column: &'a str) -> Self {

@@ -220,9 +220,18 @@ pub struct SweepArgs {
 /// Arguments of `compare`.
 #[derive(Debug, Args)]
 pub struct CompareArgs {
-    /// Output folders of finished runs.
+    /// Output folders of finished runs, or of sweeps, which stand for their points.
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
+    /// Your own literature: CSV with quantity, value, error, temperature, density, source (names: `lennard list quantities`).
+    #[arg(long, value_name = "CSV")]
+    pub reference: Option<PathBuf>,
+    /// Folder for page, figures and tables of several runs; by default the first free runs/compare-<n>, and none with --json.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Write no page, only print.
+    #[arg(long, conflicts_with = "out")]
+    pub no_report: bool,
     /// Every quantity, tolerance, source and note, not only what is looked for first.
     #[arg(long, alias = "all")]
     pub verbose: bool,
@@ -305,6 +314,8 @@ pub enum Listed {
     CombiningRules,
     /// What can be measured.
     Observables,
+    /// Means of a run, by the names that `compare --reference` reads.
+    Quantities,
     /// Ways to hold the bonds of molecules.
     Bonds,
     /// Walls at both ends of an axis.

@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 use lennard_io::TrajectoryFormat;
 use lennard_literature::EquationOfState;
+use lennard_observables::quantities::QUANTITIES;
 use serde_json::json;
 
 use crate::program::args::{ListArgs, Listed};
@@ -56,6 +57,10 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
         }),
         Listed::Observables => each(lennard_observables::observables(), |s| {
             described([s.name, s.summary, s.equation, s.source])
+        }),
+        Listed::Quantities => each(QUANTITIES, |q| Entry {
+            properties: properties! { "unit": q.unit },
+            ..without_equation([q.key, &q.name(), ""])
         }),
         Listed::Formats => formats(),
         Listed::EquationsOfState => equations_of_state(),

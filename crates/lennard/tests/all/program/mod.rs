@@ -3,6 +3,7 @@
 mod bad_input;
 mod bad_scenes;
 mod bench;
+mod beside;
 mod chart;
 mod commands;
 mod common;

@@ -1,0 +1,242 @@
+//! Finished runs beside each other: the difference of each from the first, with its error and a verdict.
+//!
+//! A mean of the first run is the reference of the others, so that [`Row`] and its judge serve here too.
+
+use std::collections::BTreeSet;
+
+use lennard_observables::Verdict;
+use serde::Serialize;
+
+use super::own_literature::{OwnValue, same_state};
+use super::verdict::Tolerance;
+use super::{ComparedRun, Row, RunFolder};
+use crate::report::significant;
+
+/// Two runs agree where their difference is within so many of its standard errors, as energies beside an equation do.
+pub(super) const ERRORS: f64 = 4.0;
+const ALLOWED: Tolerance = Tolerance::new(ERRORS, 0.0, 0.0);
+/// Up to so many runs have a column each, and letters for names.
+pub(super) const MOST_COLUMNS: usize = 3;
+/// A temperature or density that is off by less, in %, is not mentioned.
+const SEEN: f64 = 0.01;
+
+/// Runs beside each other, and beside a user's own literature.
+#[derive(Debug, Clone, Serialize)]
+pub struct Beside {
+    /// Name and version of the schema.
+    pub schema: &'static str,
+    /// A short name of each run: a letter, or the folder.
+    pub names: Vec<String>,
+    /// Each run beside the literature.
+    pub runs: Vec<ComparedRun>,
+    /// Every quantity that any run measured; empty for one run.
+    pub quantities: Vec<Measured>,
+    /// Values of a user's own literature, each with a run at its state.
+    pub own: Vec<OwnRow>,
+    /// Values at whose state no run is.
+    pub without_a_run: Vec<OwnValue>,
+    /// What the differences say together.
+    pub headline: String,
+    /// What else is different, and what the errors of differences assume.
+    pub remarks: Vec<String>,
+    /// The folders of the runs, whose curves are drawn together.
+    #[serde(skip)]
+    pub(super) folders: Vec<RunFolder>,
+}
+
+/// A quantity of each run.
+#[derive(Debug, Clone, Serialize)]
+pub struct Measured {
+    /// Its key.
+    pub quantity: String,
+    /// Its unit.
+    pub unit: String,
+    /// Whether people look for it first.
+    pub primary: bool,
+    /// The first run, and every other one beside the first; absent where a run has not measured it.
+    pub rows: Vec<Option<Row>>,
+}
+
+/// A run beside a value of a user's own literature.
+#[derive(Debug, Clone, Serialize)]
+pub struct OwnRow {
+    /// The place of the run among all.
+    pub run: usize,
+    /// The value.
+    pub given: OwnValue,
+    /// The run beside the value.
+    #[serde(flatten)]
+    pub row: Row,
+}
+
+/// Sets finished runs beside each other, and beside values of a user's own.
+#[must_use]
+pub fn beside(runs: &[RunFolder], own: Vec<OwnValue>) -> Beside {
+    let compared: Vec<ComparedRun> = runs.iter().map(super::compare).collect();
+    let names: Vec<String> = match runs.len() <= MOST_COLUMNS {
+        true => ["A", "B", "C"].into_iter().take(runs.len()).map(str::to_owned).collect(),
+        false => compared.iter().map(|run| run.run.clone()).collect(),
+    };
+    let mut quantities: Vec<Measured> = Vec::new();
+    for row in compared.iter().filter(|_| runs.len() > 1).flat_map(|run| &run.rows) {
+        match quantities.iter_mut().find(|known| known.quantity == row.quantity) {
+            Some(known) => known.primary |= row.primary,
+            None => quantities.push(Measured {
+                quantity: row.quantity.clone(),
+                unit: row.unit.clone(),
+                primary: row.primary,
+                rows: beside_first(&row.quantity, runs, &compared, &names[0]),
+            }),
+        }
+    }
+    quantities.sort_by_key(|quantity| !quantity.primary);
+    let (mut rows, mut without_a_run) = (Vec::new(), Vec::new());
+    for value in own {
+        let before = rows.len();
+        let at_state = |run: &usize| {
+            let of = &compared[*run].state;
+            let is_measured = value.is_at([of.density, of.temperature]);
+            is_measured || value.is_at(state(&runs[*run], &compared[*run]))
+        };
+        let beside = |run| beside_own(&value, run, &runs[run], &compared[run]);
+        rows.extend((0..runs.len()).filter(at_state).filter_map(beside));
+        if rows.len() == before {
+            without_a_run.push(value);
+        }
+    }
+    let mut remarks = what_differs(runs, &compared, &names);
+    remarks.extend(runs.split_first().into_iter().flat_map(|(first, others)| {
+        others.iter().zip(&names[1..]).filter_map(|(run, name)| dependence(first, run, name))
+    }));
+    Beside {
+        schema: lennard_io::schema!("compare", 1),
+        own: rows,
+        without_a_run,
+        headline: headline(&quantities),
+        folders: runs.to_vec(),
+        names,
+        runs: compared,
+        quantities,
+        remarks,
+    }
+}
+
+/// Density and temperature of a run: the temperature of its bath where it has one, which a short run does not measure well.
+fn state(run: &RunFolder, compared: &ComparedRun) -> [f64; 2] {
+    [compared.state.density, run.bath_temperature().unwrap_or(compared.state.temperature)]
+}
+
+/// A mean of a run without a reference.
+fn measured(quantity: &str, run: &RunFolder, compared: &ComparedRun) -> Option<Row> {
+    let row = compared.rows.iter().find(|row| row.quantity == quantity)?;
+    Some(Row { scale: row.scale, ..Row::measured(quantity, run.average(quantity)?) })
+}
+
+/// One quantity of all runs, each beside the first run.
+fn beside_first(
+    quantity: &str,
+    runs: &[RunFolder],
+    compared: &[ComparedRun],
+    name: &str,
+) -> Vec<Option<Row>> {
+    let rows = runs.iter().zip(compared).map(|(run, compared)| measured(quantity, run, compared));
+    let mut rows: Vec<Option<Row>> = rows.collect();
+    if let Some(first) = rows[0].clone() {
+        for row in rows[1..].iter_mut().flatten().filter(|row| row.is_sound()) {
+            if first.is_sound() {
+                let (mean, error) = (first.measured, Some(first.standard_error));
+                *row = row.clone().against(mean, error, ALLOWED, name);
+            } else {
+                (row.verdict, row.reason) = (first.verdict, format!("{name}: {}", first.reason));
+            }
+        }
+    }
+    rows
+}
+
+/// A run beside a value of a user's own; the remark says how far its state is off.
+fn beside_own(
+    own: &OwnValue,
+    run: usize,
+    folder: &RunFolder,
+    compared: &ComparedRun,
+) -> Option<OwnRow> {
+    let state = &compared.state;
+    let density = own.density.map(|density| ("ρ", state.density, density));
+    let off = [Some(("T", state.temperature, own.temperature)), density].into_iter().flatten();
+    let off = off.map(|(name, mean, theirs)| (name, 100.0 * (mean / theirs - 1.0)));
+    let off = off.filter(|(_, percent)| percent.abs() >= SEEN);
+    let off: Vec<String> =
+        off.map(|(name, by)| format!("{name} of the run is {by:+.2} % off")).collect();
+    let row = measured(&own.quantity, folder, compared)?;
+    let row = row.against(own.value, own.error, ALLOWED, &own.source).noted(off.join(", "));
+    Some(OwnRow { run, given: own.clone(), row })
+}
+
+/// What the differences from the first run say together.
+fn headline(quantities: &[Measured]) -> String {
+    let primary = quantities.iter().filter(|quantity| quantity.primary);
+    let rows = primary.flat_map(|quantity| quantity.rows.iter().flatten());
+    let judged: Vec<Verdict> = rows.map(|row| row.verdict).filter(|v| v.is_judged()).collect();
+    if judged.is_empty() {
+        return String::new();
+    }
+    let agree = judged.iter().filter(|verdict| **verdict == Verdict::Agrees).count();
+    format!("{agree} of {} differences from the first run agree with zero.", judged.len())
+}
+
+/// States, models and tables of the scenes that are not the same.
+fn what_differs(runs: &[RunFolder], compared: &[ComparedRun], names: &[String]) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let first = &compared[0];
+    let states = runs.iter().zip(compared).map(|(run, compared)| state(run, compared));
+    let states: Vec<[f64; 2]> = states.collect();
+    let elsewhere = states.iter().zip(names).filter(|(state, _)| !same_state(states[0], **state));
+    let elsewhere: Vec<&str> = elsewhere.map(|(_, name)| name.as_str()).collect();
+    if !elsewhere.is_empty() {
+        let (names, first) = (elsewhere.join(", "), &names[0]);
+        remarks.push(format!(
+            "Not at the state of {first}: {names}. These differences are not of method alone."
+        ));
+    }
+    if compared.iter().any(|run| run.model != first.model) {
+        remarks.push("The models differ, and with them U and P.".into());
+    }
+    let scene = |run: &RunFolder, key: &str| run.record.scene[key].clone();
+    let keys = runs.iter().filter_map(|run| run.record.scene.as_object());
+    let keys: BTreeSet<&String> = keys.flat_map(|all| all.keys()).collect();
+    let differ = |key: &&&String| runs.iter().any(|run| scene(run, key) != scene(&runs[0], key));
+    let keys: Vec<String> = keys.iter().filter(differ).map(|key| format!("[{key}]")).collect();
+    if !keys.is_empty() {
+        remarks.push(format!("The scenes differ in {}.", keys.join(", ")));
+    }
+    remarks
+}
+
+/// Whether a run depends on the first: runs of one seed may go the same way for a while, and then their energies correlate.
+fn dependence(first: &RunFolder, run: &RunFolder, name: &str) -> Option<String> {
+    let seed = (run.record.seed == first.record.seed).then_some(first.record.seed)?;
+    let energies = |run: &RunFolder| run.table("measured")?.numbers("potential_energy");
+    let r = correlation(&energies(first)?, &energies(run)?)?;
+    let so = match r > 1.0 - 1e-9 {
+        true => "they are one trajectory, and equal numbers confirm nothing",
+        false => {
+            "errors of differences take them for independent, and are too large where r is above zero"
+        }
+    };
+    let r = significant(r, 2);
+    Some(format!(
+        "{name} begins with the seed of the first run, {seed}. Their U(t) correlate by r = {r}: {so}."
+    ))
+}
+
+/// The correlation of two series over their common samples; `None` where one of them does not change.
+fn correlation(a: &[f64], b: &[f64]) -> Option<f64> {
+    let n = a.len().min(b.len());
+    let mean = |x: &[f64]| x[..n].iter().sum::<f64>() / n as f64;
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let sums = a.iter().zip(b).map(|(a, b)| (a - mean_a, b - mean_b));
+    let [ab, aa, bb] =
+        sums.fold([0.0; 3], |[ab, aa, bb], (a, b)| [ab + a * b, aa + a * a, bb + b * b]);
+    Some(ab / (aa * bb).sqrt()).filter(|r| r.is_finite())
+}
