@@ -54,6 +54,11 @@ pub fn write_under_way(folder: &Path, cell: PeriodicBox) -> Result<(), PageError
     let steps = run.table("thermo").and_then(|rows| rows.numbers("step")?.last().copied());
     let total = run.scene.total_steps();
     let mut page = page(&run);
+    page.sections = vec![
+        Section::new("So far").figures(figures::all_stages(&run)),
+        Section::new("What is run").table(tables::stages(&run)),
+    ];
+    page.provenance.retain(|(name, _)| name != "finished");
     page.title += ", unfinished";
     page.lead = format!(
         "This run has not finished: its rows reach step {} of {total}. Means, their errors and all other figures come with its end.",
