@@ -55,7 +55,7 @@ pub fn write_under_way(folder: &Path, cell: PeriodicBox) -> Result<(), PageError
     let total = run.scene.total_steps();
     let mut page = page(&run);
     page.sections = vec![
-        Section::new("So far").figures(figures::all_stages(&run)),
+        Section::new("So far").figures(figures::time_series(&run, false)),
         Section::new("What is run").table(tables::stages(&run)),
     ];
     page.provenance.retain(|(name, _)| name != "finished");
