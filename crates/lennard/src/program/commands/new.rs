@@ -103,7 +103,7 @@ fn copy_of(scene: &Shipped, file: &Path) -> String {
     let last = scene.name.rsplit('/').next().unwrap_or(scene.name);
     let own = file.file_stem().map(Path::new).unwrap_or(file);
     let lock = file.with_extension("lock.toml");
-    let mut text = scene.text.replace("cargo run --release -- ", "lennard ");
+    let mut text = scene.text.to_owned();
     for (shipped, copy) in [
         (format!("inputs/{}.toml", scene.name), path_in_shell(file)),
         (format!("inputs/{}.lock.toml", scene.name), path_in_shell(&lock)),
