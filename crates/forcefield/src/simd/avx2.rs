@@ -1,11 +1,15 @@
 //! Lanes of AVX2 with FMA: four doubles or eight singles.
 
+mod fixed;
+
 use std::arch::x86_64::*;
+
+use glam::DVec3;
 
 use super::arithmetic::arithmetic;
 use super::by_level::run_loops;
 use super::cluster_loop::{self, ClusterJob};
-use super::lanes::{BlockEntry, BySpecies, Entry, FixedLanes, Lanes, RowLanes};
+use super::lanes::{BySpecies, Entry, Lanes, RowLanes};
 use super::level::Avx2;
 use super::output::Output;
 use super::registers::register;
@@ -185,6 +189,34 @@ impl RowLanes for F64x4 {
             _mm256_and_pd(mask, valid)
         }
     }
+
+    #[inline(always)]
+    fn sum3(x: Self, y: Self, z: Self, unit: f64) -> DVec3 {
+        // SAFETY: as above.
+        unsafe {
+            // The order of each sum is the order of `sum`: the halves first, then the rest.
+            let low = _mm256_permute2f128_pd::<0x20>(x.0, y.0);
+            let high = _mm256_permute2f128_pd::<0x31>(x.0, y.0);
+            let xy = _mm256_add_pd(low, high);
+            let xy = _mm256_add_pd(xy, _mm256_permute_pd::<0b0101>(xy));
+            let xy = _mm256_mul_pd(xy, _mm256_set1_pd(unit));
+            let y = _mm_cvtsd_f64(_mm256_extractf128_pd::<1>(xy));
+            DVec3::new(_mm256_cvtsd_f64(xy), y, unit * z.sum())
+        }
+    }
+}
+
+impl F32x8 {
+    /// The sums of lanes k and k + 4, in double precision.
+    #[inline(always)]
+    fn halves(self) -> F64x4 {
+        // SAFETY: a value of this type proves AVX2.
+        unsafe {
+            let low = _mm256_cvtps_pd(_mm256_castps256_ps128(self.0));
+            let high = _mm256_cvtps_pd(_mm256_extractf128_ps::<1>(self.0));
+            F64x4(_mm256_add_pd(low, high))
+        }
+    }
 }
 
 impl Lanes for F32x8 {
@@ -266,63 +298,7 @@ impl Lanes for F32x8 {
     }
     #[inline(always)]
     fn sum(self) -> f64 {
-        // SAFETY: as above.
-        unsafe {
-            let low = _mm256_cvtps_pd(_mm256_castps256_ps128(self.0));
-            let high = _mm256_cvtps_pd(_mm256_extractf128_ps::<1>(self.0));
-            F64x4(_mm256_add_pd(low, high)).sum()
-        }
-    }
-}
-
-impl FixedLanes for F32x8 {
-    #[inline(always)]
-    unsafe fn gather(_isa: Avx2, rows: *const FixedRow, entries: *const BlockEntry) -> Fixed8 {
-        // SAFETY: eight entries are readable, each numbers a readable row; a value or the token proves AVX2.
-        unsafe {
-            let row = |k: usize| _mm_loadu_si128((*entries.add(k)).row(rows).cast());
-            let two =
-                |k: usize| _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(row(k)), row(k + 4));
-            let (a, b, c, d) = (two(0), two(1), two(2), two(3));
-            let xy_ab = _mm256_unpacklo_epi32(a, b);
-            let z_ab = _mm256_unpackhi_epi32(a, b);
-            let xy_cd = _mm256_unpacklo_epi32(c, d);
-            let z_cd = _mm256_unpackhi_epi32(c, d);
-            Fixed8([
-                _mm256_unpacklo_epi64(xy_ab, xy_cd),
-                _mm256_unpackhi_epi64(xy_ab, xy_cd),
-                _mm256_unpacklo_epi64(z_ab, z_cd),
-                _mm256_unpackhi_epi64(z_ab, z_cd),
-            ])
-        }
-    }
-
-    #[inline(always)]
-    fn species(rows: Fixed8) -> __m256i {
-        rows.0[3]
-    }
-
-    #[inline(always)]
-    fn apart(Fixed8(a): Fixed8, Fixed8(b): Fixed8) -> [Self; 3] {
-        // SAFETY: a value of this type proves AVX2.
-        unsafe {
-            [
-                Self(_mm256_cvtepi32_ps(_mm256_sub_epi32(a[0], b[0]))),
-                Self(_mm256_cvtepi32_ps(_mm256_sub_epi32(a[1], b[1]))),
-                Self(_mm256_cvtepi32_ps(_mm256_sub_epi32(a[2], b[2]))),
-            ]
-        }
-    }
-
-    #[inline(always)]
-    fn at_most_among(self, limit: Self, bits: u32) -> Self::Mask {
-        // SAFETY: a value of this type proves AVX2.
-        unsafe {
-            let bits = _mm256_set1_epi32(bits as i32);
-            let lane = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-            let set = _mm256_cmpeq_epi32(_mm256_and_si256(bits, lane), lane);
-            _mm256_and_ps(self.at_most(limit), _mm256_castsi256_ps(set))
-        }
+        self.halves().sum()
     }
 }
 

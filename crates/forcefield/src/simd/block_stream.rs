@@ -79,4 +79,37 @@ impl<L: FixedLanes> BlockStream<L> {
         }
         present
     }
+
+    /// One register of the `ahead`th block behind the present one, which is not read ahead.
+    ///
+    /// # Safety
+    /// The contract of [`BlockStream::new`] still holds, and there is such a block.
+    #[inline(always)]
+    pub unsafe fn rows(&self, ahead: usize, part: usize) -> L::Rows {
+        // SAFETY: the contract is passed on.
+        unsafe { Self::gather(self.isa, self.rows, self.block.add(ahead), part) }
+    }
+
+    /// The entries of the `ahead`th block behind the present one that count.
+    ///
+    /// # Safety
+    /// As [`BlockStream::rows`].
+    #[inline(always)]
+    pub unsafe fn valid_of(&self, ahead: usize) -> u16 {
+        // SAFETY: the contract is passed on.
+        unsafe { (*self.block.add(ahead)).valid }
+    }
+
+    /// Goes on by some blocks.
+    ///
+    /// # Safety
+    /// As [`BlockStream::rows`], for the block that becomes the present one.
+    #[inline(always)]
+    pub unsafe fn skip(&mut self, blocks: usize) {
+        // SAFETY: the contract is passed on.
+        unsafe {
+            self.block = self.block.add(blocks);
+            self.ahead = Self::gather(self.isa, self.rows, self.block, 0);
+        }
+    }
 }

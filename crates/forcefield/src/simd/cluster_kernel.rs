@@ -11,6 +11,8 @@
 //!
 //! Nothing is written to the neighbors: each pair is computed from both of its ends.
 
+mod by_member;
+
 use lennard_neighbor::{BLOCK, CLUSTER, ExcludedEntries, Span, THEMSELVES};
 
 use super::accumulate::{Accumulate, Common, Units};
@@ -55,6 +57,42 @@ impl BlockCounts {
             masked: span.masked - span.second_half,
             plain: span.end - span.masked,
         }
+    }
+
+    /// Number of blocks of all kinds.
+    #[inline(always)]
+    pub fn all(self) -> usize {
+        (self.first_half + self.second_half + self.masked + self.plain) as usize
+    }
+
+    /// Takes the first blocks, at most `most`.
+    #[inline(always)]
+    pub fn take(&mut self, most: usize) -> Self {
+        let mut left = most as u32;
+        let mut of = |count: &mut u32| {
+            let taken = left.min(*count);
+            left -= taken;
+            *count -= taken;
+            taken
+        };
+        Self {
+            first_half: of(&mut self.first_half),
+            second_half: of(&mut self.second_half),
+            masked: of(&mut self.masked),
+            plain: of(&mut self.plain),
+        }
+    }
+}
+
+/// The entries of the `k`th masked block that members do not look at.
+///
+/// The members are the first entries of the first masked block. No member interacts with itself.
+#[inline(always)]
+pub fn not_looked_at(excluded: &[ExcludedEntries], k: usize) -> ExcludedEntries {
+    match excluded.get(k) {
+        Some(entries) => *entries,
+        None if k == 0 => THEMSELVES,
+        None => [0; CLUSTER],
     }
 }
 
@@ -131,13 +169,15 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
 
     /// The sums `A` of each member over the next list of the stream, and their units; `C` sums over all members.
     ///
-    /// `excluded` has the entries of each masked block that members do not look at; none where these are the members alone.
+    /// `given` is what the kernel was made of. `excluded` has the entries of each masked block that members do not look at; none
+    /// where these are the members alone.
     ///
     /// # Safety
     /// The stream stands at the first block of this cluster, and `counts` are the block counts of the cluster.
     #[inline(always)]
     pub unsafe fn run<A: Accumulate<L>, C: Common<L>>(
         &self,
+        given: (&FrameUnits<I>, [&FixedRow; CLUSTER]),
         counts: BlockCounts,
         excluded: &[ExcludedEntries],
         stream: &mut BlockStream<L>,
@@ -146,20 +186,17 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
         let all = [u16::MAX; CLUSTER];
         // SAFETY: the contract is passed on.
         unsafe {
+            if L::FEW_REGISTERS && V::CONVERTS && !A::ANYTHING && !C::ANYTHING {
+                return (self.by_member(given, counts, excluded, stream, common), self.units);
+            }
             let members = self.members();
             let [a, b] = self.half(members[0], members[1], counts.first_half, stream, common);
             let [c, d] = self.half(members[2], members[3], counts.second_half, stream, common);
             let mut sums = [a, b, c, d];
-            // The members are the first entries of the first masked block. No member interacts with itself.
-            let mut but = THEMSELVES;
-            let mut excluded = excluded.iter();
-            for _ in 0..counts.masked {
-                if let Some(excluded) = excluded.next() {
-                    but = *excluded;
-                }
+            for k in 0..counts.masked {
+                let but = not_looked_at(excluded, k as usize);
                 let valid = stream.valid();
                 let valid = [valid & !but[0], valid & !but[1], valid & !but[2], valid & !but[3]];
-                but = [0; CLUSTER];
                 sums = self.block::<A, C, true>(members, stream, valid, sums, common);
             }
             for _ in 0..counts.plain {
@@ -167,6 +204,12 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
             }
             (sums, self.units)
         }
+    }
+
+    /// The sums over no pair.
+    #[inline(always)]
+    fn nothing<A: Accumulate<L>>(&self) -> MemberSums<L, A> {
+        MemberSums { force: [L::constant(self.isa, 0.0); 3], others: A::nothing(self.isa) }
     }
 
     /// The sums of two members over `blocks` blocks of their half.
@@ -182,9 +225,7 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
         stream: &mut BlockStream<L>,
         common: &mut C,
     ) -> [MemberSums<L, A>; 2] {
-        let nothing =
-            MemberSums { force: [L::constant(self.isa, 0.0); 3], others: A::nothing(self.isa) };
-        let (mut of_first, mut of_second) = (nothing, nothing);
+        let (mut of_first, mut of_second) = (self.nothing(), self.nothing());
         for _ in 0..blocks {
             // SAFETY: the contract is passed on.
             let valid = u32::from(unsafe { stream.valid() });

@@ -63,16 +63,16 @@ impl<'a, I: Interaction> ClusterJob<'a, I> {
             if let (true, Some(in_units)) = (span.compact, &self.in_units) {
                 let frame = ClusterFrame::<L, true>::new(isa, rows, self.scale);
                 let kernel = ClusterKernel::new(isa, interaction, in_units, rows, frame);
-                return kernel.run(counts, excluded, stream, common);
+                return kernel.run((in_units, rows), counts, excluded, stream, common);
             }
             if span.compact {
                 let frame = ClusterFrame::<L, false>::new(isa, rows, self.scale);
                 let kernel = ClusterKernel::new(isa, interaction, &self.in_sigma, rows, frame);
-                return kernel.run(counts, excluded, stream, common);
+                return kernel.run((&self.in_sigma, rows), counts, excluded, stream, common);
             }
             let frame = AbsoluteFrame::new(isa, rows, self.scale);
             let kernel = ClusterKernel::new(isa, interaction, &self.in_sigma, rows, frame);
-            kernel.run(counts, excluded, stream, common)
+            kernel.run((&self.in_sigma, rows), counts, excluded, stream, common)
         }
     }
 }
@@ -149,6 +149,7 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Common<L>>(
         let mut first = chunk.first_slot as usize;
         let mut begin = 0;
         let mut excluded = &chunk.excluded[..];
+        let mut before: Option<Computed<L, A, C>> = None;
         for (cluster, span) in chunk.spans.iter().enumerate() {
             later.prefetch(cluster);
             if let Some(ahead) = job.slots_ahead {
@@ -171,20 +172,58 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Common<L>>(
             excluded = rest;
             let cluster = (span, counts, of_cluster);
             let (sums, units) = job.cluster::<L, A, C>(isa, own, cluster, &mut stream, &mut common);
-            let forces = [sums[0].force, sums[1].force, sums[2].force, sums[3].force];
             let end = (first + CLUSTER).min(n);
-            let forces = L::sum_four(forces, units.force());
-            for ((slot, sums), force) in (first..end).zip(&sums).zip(forces) {
-                sum += force;
-                output.write(slot, force, (&sums.others, in_common), units, &mut totals);
-            }
-            if in_common {
-                totals.add(&common.totals(&job.interaction, units));
+            let computed = Computed { slots: [first, end], sums, units, common };
+            // The reduction of sums waits for the last pairs. A processor that waits with it computes the next cluster meanwhile.
+            let computed = if L::FEW_REGISTERS { before.replace(computed) } else { Some(computed) };
+            if let Some(computed) = computed {
+                computed.finish(job, in_common, output, &mut sum, &mut totals);
             }
             (first, begin) = (end, span.end);
+        }
+        if let Some(last) = before {
+            last.finish(job, in_common, output, &mut sum, &mut totals);
         }
     }
     // A sum with a non-finite force in it never becomes finite again.
     totals.broken = !sum.is_finite();
     totals
+}
+
+/// A cluster whose sums are still by lanes.
+#[derive(Clone, Copy)]
+struct Computed<L, A, C> {
+    /// The first slot, and the end of the slots.
+    slots: [usize; 2],
+    sums: [MemberSums<L, A>; CLUSTER],
+    units: Units,
+    common: C,
+}
+
+impl<L: FixedLanes, A: Accumulate<L>, C: Common<L>> Computed<L, A, C> {
+    /// Writes the forces and adds to their sum and to the totals.
+    ///
+    /// # Safety
+    /// As [`run`].
+    #[inline(always)]
+    unsafe fn finish<I: Interaction>(
+        self,
+        job: &ClusterJob<'_, I>,
+        in_common: bool,
+        output: &Output<'_>,
+        sum: &mut DVec3,
+        totals: &mut ChunkTotals,
+    ) {
+        let Self { slots: [first, end], sums, units, common } = self;
+        let forces = [sums[0].force, sums[1].force, sums[2].force, sums[3].force];
+        let forces = L::sum_four(forces, units.force());
+        for ((slot, sums), force) in (first..end).zip(&sums).zip(forces) {
+            *sum += force;
+            // SAFETY: the contract is passed on.
+            unsafe { output.write(slot, force, (&sums.others, in_common), units, totals) };
+        }
+        if in_common {
+            totals.add(&common.totals(&job.interaction, units));
+        }
+    }
 }

@@ -15,6 +15,8 @@ use super::row::FixedRow;
 pub trait Frame<L: FixedLanes> {
     /// Whether distances are in σ; otherwise they are in units of the rows, which are then equal along all axes.
     const IN_SIGMA: bool;
+    /// Whether neighbors are converted once for all members.
+    const CONVERTS: bool;
     /// One member, in every lane.
     type Member: Copy;
     /// One register of neighbors.
@@ -59,6 +61,7 @@ impl<L: FixedLanes> AbsoluteFrame<L> {
 
 impl<L: FixedLanes> Frame<L> for AbsoluteFrame<L> {
     const IN_SIGMA: bool = true;
+    const CONVERTS: bool = false;
     type Member = L::Rows;
     type Neighbors = L::Rows;
 
@@ -100,6 +103,7 @@ impl<L: FixedLanes, const CUBIC: bool> ClusterFrame<L, CUBIC> {
 
 impl<L: FixedLanes, const CUBIC: bool> Frame<L> for ClusterFrame<L, CUBIC> {
     const IN_SIGMA: bool = !CUBIC;
+    const CONVERTS: bool = true;
     type Member = [L; 3];
     type Neighbors = [L; 3];
 

@@ -131,6 +131,9 @@ pub trait RowLanes: Lanes<Row = DoubleRow, Number = f64> {
 
 /// Registers of singles that read rows in fixed point.
 pub trait FixedLanes: Lanes<Row = FixedRow, Number = f32> {
+    /// Whether the sums of four members leave too few registers for a pair: loops then take one member after another.
+    const FEW_REGISTERS: bool = false;
+
     /// The rows of `WIDTH` entries: their coordinates along x, y and z, and their species.
     ///
     /// # Safety

@@ -37,6 +37,20 @@ fn forces_have_the_same_bits_with_and_without_energetics_and_totals_with_and_wit
 }
 
 #[test]
+fn long_lists_have_the_same_bits_too() {
+    // A cluster has some 44 blocks. A loop that takes one member after another converts 32 of them at a time.
+    let (cell, positions) = liquid([13, 13, 13], 0.8442, 0.15);
+    let truncation = TruncationOptions::new(TruncationKind::Cut, 5.0);
+    for kernel in kernels() {
+        let options = ForceFieldOptions { kernel, truncation, ..ForceFieldOptions::default() };
+        let mut forces = built(&options, None, cell, positions.len());
+        let (plain, _) = all(&mut forces, cell, &positions, Want::NOTHING);
+        let (with_totals, _) = all(&mut forces, cell, &positions, Want::TOTALS);
+        assert_eq!(plain, with_totals, "{kernel:?}");
+    }
+}
+
+#[test]
 fn the_same_bits_come_from_any_number_of_threads() {
     // Few particles, with one copy per thread, and many. Lists are built again on the way.
     let cases = [
