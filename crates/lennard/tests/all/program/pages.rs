@@ -79,7 +79,7 @@ fn a_page_says_nothing_of_what_the_run_has_not_got() {
     let words = words_of(&page).to_lowercase();
     for absent in [
         "displacement",
-        "g(r)",
+        "radial",
         "shell",
         "structure factor",
         "stress",

@@ -131,7 +131,7 @@ fn long_reasons_stand_below_the_table_of_the_page() {
     assert!(lennard_in(place.root(), &[&run[..], &short].concat()).status.success());
     let page = std::fs::read_to_string(place.root().join("out/report.html")).unwrap();
     let (table, below) = page
-        .split_once("Beside the literature</h2>")
+        .split_once("Every quantity beside the literature</h2>")
         .and_then(|(_, rest)| rest.split_once("</table>"))
         .unwrap();
     assert!(table.contains(">too short</td>"), "{table}");
@@ -250,9 +250,9 @@ fn a_run_of_few_bodies_ends_with_its_last_state() {
     assert!(!said.contains("atom-step"), "{said}");
     // The page has the picture of the bodies, and no table of their means.
     let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
-    assert!(page.contains("So few bodies") && page.contains("Particles"));
+    assert!(page.contains("So few bodies") && page.contains("The particles at step"));
     assert!(page.contains("Time series") && !page.contains("Mean ") && !page.contains("averages"));
-    for absent in ["Beside the literature", "State card", "too short", "<h2>Averages"] {
+    for absent in ["beside the literature", "Every equation", "too short", "<h2>Averages"] {
         assert!(!page.contains(absent), "{absent}");
     }
     let stack = ["run", "mechanics/stack", "--out", "stack", "--quiet"];
