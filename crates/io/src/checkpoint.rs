@@ -72,7 +72,7 @@ fn from_file(path: &Path, contents: Contents) -> Result<Checkpoint, CheckpointEr
     let (reader, size): (BufReader<File>, u64) = open_regular(path).map_err(|e| {
         let cause = match e {
             FormatError::Io { source, .. } => source,
-            other @ FormatError::Content { .. } => io::Error::other(other),
+            other => io::Error::other(other),
         };
         CheckpointError::new(path, cause.into())
     })?;

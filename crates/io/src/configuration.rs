@@ -8,7 +8,7 @@ use lennard_core::PeriodicBox;
 use crate::error::excerpt;
 use crate::geometry::is_same_box;
 use crate::lines::{Lines, one_token, open_regular};
-use crate::particles::{StartConfiguration, TrajectoryFrame};
+use crate::particles::StartConfiguration;
 use crate::rewind::{GZIP, Gunzip, MOST_INFLATED, Rewind};
 use crate::trajectory_reader::{Grammar, last_frame};
 use crate::units::FileUnits;
@@ -54,7 +54,7 @@ pub fn read_configuration_bytes(bytes: &[u8]) -> Result<StartConfiguration, Form
 }
 
 /// The formats of text.
-enum Kind {
+pub(crate) enum Kind {
     Frames(Grammar),
     LammpsData,
     Nist,
@@ -123,24 +123,30 @@ fn kind<R: BufRead>(lines: &mut Lines<R>) -> Result<Kind, FormatError> {
     ))
 }
 
+/// Tells the format of a text and goes back to its beginning.
+pub(crate) fn kind_of<R: Rewind>(
+    reader: &mut R,
+    size: u64,
+    path: &Path,
+) -> Result<Kind, FormatError> {
+    let head = reader.fill_buf().map_err(|e| FormatError::io(path, e))?;
+    if let Some((name, way)) = foreign::binary(head) {
+        return Err(FormatError::content(path, 1, name, way));
+    }
+    let kind = kind(&mut Lines::new(&mut *reader, size, path))?;
+    reader.go_to(0).map_err(|e| FormatError::io(path, e))?;
+    Ok(kind)
+}
+
 fn parse_text<R: Rewind>(
     mut reader: R,
     size: u64,
     path: &Path,
     beside: Beside,
 ) -> Result<StartConfiguration, FormatError> {
-    let content = |line, found: &str, allowed: &str| FormatError::Content {
-        file: path.to_path_buf(),
-        line,
-        found: found.into(),
-        allowed: allowed.into(),
-    };
-    let head = reader.fill_buf().map_err(|e| FormatError::io(path, e))?;
-    if let Some((name, way)) = foreign::binary(head) {
-        return Err(content(1, name, way));
-    }
-    let kind = kind(&mut Lines::new(&mut reader, size, path))?;
-    reader.go_to(0).map_err(|e| FormatError::io(path, e))?;
+    let content =
+        |line, found: &str, allowed: &str| FormatError::content(path, line, found, allowed);
+    let kind = kind_of(&mut reader, size, path)?;
     let units = beside.units;
     let (frame, first_line, frames) = match kind {
         Kind::Nist => (nist::parse(Lines::new(reader, size, path), units)?, 0, 1),
@@ -160,10 +166,9 @@ fn parse_text<R: Rewind>(
         let allowed = format!("the same box as the scene's, {ours}, or none in one of them");
         return Err(content(first_line + 1, &format!("the box {theirs}"), &allowed));
     }
-    let TrajectoryFrame { positions, velocities, momenta, step, time, species, .. } = frame;
-    if momenta.is_some() && units.length.is_some() {
+    if frame.momenta.is_some() && units.length.is_some() {
         let found = "momenta without masses, in units that are not reduced";
         return Err(content(first_line + 1, found, "a column with the masses beside them"));
     }
-    Ok(StartConfiguration { cell, positions, velocities, momenta, step, time, species, frames })
+    Ok(frame.into_start(cell, frames))
 }

@@ -32,6 +32,18 @@ pub enum FormatError {
         /// What may stand there.
         allowed: String,
     },
+    /// A frame of a trajectory is not what the frames before it, or its format, ask for.
+    #[error("{}: frame {frame}: found {found}; allowed: {allowed}", file.display())]
+    Frame {
+        /// The file.
+        file: PathBuf,
+        /// Frame, counted from 1.
+        frame: u64,
+        /// What it holds.
+        found: String,
+        /// What it may hold.
+        allowed: String,
+    },
 }
 
 impl FormatError {
@@ -39,11 +51,16 @@ impl FormatError {
         Self::Io { file: file.to_path_buf(), source }
     }
 
+    pub(crate) fn content(file: &Path, line: u64, found: &str, allowed: &str) -> Self {
+        let (file, found, allowed) = (file.to_owned(), found.to_owned(), allowed.to_owned());
+        Self::Content { file, line, found, allowed }
+    }
+
     /// The file that cannot be read.
     #[must_use]
     pub fn file(&self) -> &Path {
         match self {
-            Self::Io { file, .. } | Self::Content { file, .. } => file,
+            Self::Io { file, .. } | Self::Content { file, .. } | Self::Frame { file, .. } => file,
         }
     }
 
@@ -51,7 +68,7 @@ impl FormatError {
     #[must_use]
     pub fn line(&self) -> Option<u64> {
         match self {
-            Self::Io { .. } => None,
+            Self::Io { .. } | Self::Frame { .. } => None,
             Self::Content { line, .. } => Some(*line),
         }
     }

@@ -4,6 +4,7 @@ use std::io::BufRead;
 
 use glam::DVec3;
 
+use crate::columns::Vector;
 use crate::lines::{At, Lines};
 use crate::particles::{ParticleReader, Place, skip_rows};
 use crate::units::FileUnits;
@@ -52,8 +53,9 @@ pub(crate) fn parse_frame<R: BufRead>(
     let particles = ParticleReader::read(lines, n, columns, &place, "as the header says")?;
     Ok(TrajectoryFrame {
         step: header.step,
-        time: header.time,
+        time: header.time.and_then(|time| header.scales.time(time)),
         info: header.info,
+        unwrapped: header.columns.has(Vector::Image),
         ..TrajectoryFrame::of(particles, place.cell)
     })
 }

@@ -136,7 +136,15 @@ pub(crate) fn parse_frame<R: BufRead>(
         taken.map_err(|(f, a)| lines.refuse_at(*number, f, a))?;
     }
     let particles = particles.finish().at(lines)?;
-    Ok(TrajectoryFrame::of(particles, place.cell))
+    let time = time_of(&title).and_then(|time| scales.time(time));
+    Ok(TrajectoryFrame { time, ..TrajectoryFrame::of(particles, place.cell) })
+}
+
+/// The time in a title, as GROMACS writes it: `t= 1.00000`.
+fn time_of(title: &[u8]) -> Option<f64> {
+    let title = String::from_utf8_lossy(title);
+    let after = title.rsplit_once(" t=").or(title.rsplit_once("\tt="))?.1;
+    finite(after.split_whitespace().next()?.as_bytes())
 }
 
 /// The sides of the box; none where they are zeros.

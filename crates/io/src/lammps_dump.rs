@@ -6,7 +6,7 @@ use std::io::BufRead;
 
 use glam::DVec3;
 
-use crate::columns::{Column, Columns, MOST_COLUMNS, Scalar, Vector, motion};
+use crate::columns::{Column, Columns, MOST_COLUMNS, Scalar, Vector, motion, number};
 use crate::error::{Refusal, excerpt};
 use crate::lammps::{Bounds, bound};
 use crate::lines::{At, Lines, tokens};
@@ -32,13 +32,15 @@ const COMPUTED: [&str; 6] = ["c_", "f_", "v_", "d_", "d2_", "i_"];
 /// What a frame says before its particles.
 struct Header {
     step: u64,
+    time: Option<f64>,
     n: usize,
+    unwrapped: bool,
     place: Place,
     columns: Columns,
 }
 
-/// Where in a line everything stands, and whether positions are shares of the box.
-fn columns(line: &[u8]) -> Result<(Columns, bool), Refusal> {
+/// Where in a line everything stands, and which of [`COORDINATES`] the positions are.
+fn columns(line: &[u8]) -> Result<(Columns, usize), Refusal> {
     let names: Vec<&str> =
         tokens(line).skip(2).map(|n| std::str::from_utf8(n).unwrap_or_default()).collect();
     if names.len() > MOST_COLUMNS {
@@ -101,13 +103,13 @@ fn columns(line: &[u8]) -> Result<(Columns, bool), Refusal> {
             format!("a part of {vector} in {}", excerpt(line)),
             "all three components, or none".into(),
         )),
-        None => Ok((all, COORDINATES[style][0].starts_with("xs"))),
+        None => Ok((all, style)),
     }
 }
 
 /// Reads the lines before the particles; the current line is the first.
 fn header<R: BufRead>(lines: &mut Lines<R>, units: FileUnits) -> Result<Header, FormatError> {
-    let (mut step, mut n, mut bounds, mut said) = (None, None, None, None);
+    let (mut step, mut n, mut bounds, mut said, mut time) = (None, None, None, None, None);
     loop {
         let item = lines.line().strip_prefix(FIRST_WORD).map(<[u8]>::to_vec);
         let item = item.ok_or_else(|| lines.refuse(excerpt(lines.line()), "a line `ITEM: …`"))?;
@@ -129,11 +131,14 @@ fn header<R: BufRead>(lines: &mut Lines<R>, units: FileUnits) -> Result<Header, 
                 units.scales(Some(&unit)).at(lines)?;
                 said = Some(unit);
             }
-            [b"TIME"] => lines.next_or("the time")?,
+            [b"TIME"] => {
+                lines.next_or("the time")?;
+                time = Some(number(lines.line().trim_ascii()).at(lines)?);
+            }
             [b"BOX", b"BOUNDS", edges @ ..] => bounds = Some(read_bounds(lines, edges)?),
             [b"ATOMS", ..] => {
                 let refuse = |(found, allowed): Refusal| lines.refuse(found, allowed);
-                let (columns, scaled) = columns(lines.line()).map_err(refuse)?;
+                let (columns, style) = columns(lines.line()).map_err(refuse)?;
                 let missing = |item: &str| {
                     let found = format!("particles before `ITEM: {item}`");
                     lines.refuse(found, format!("`ITEM: {item}` before them"))
@@ -142,9 +147,12 @@ fn header<R: BufRead>(lines: &mut Lines<R>, units: FileUnits) -> Result<Header, 
                 let n = n.ok_or_else(|| missing("NUMBER OF ATOMS"))?;
                 let Bounds { low, cell } = bounds.ok_or_else(|| missing("BOX BOUNDS"))?;
                 let scales = units.scales(said.as_deref()).map_err(refuse)?;
+                let scaled = COORDINATES[style][0].starts_with("xs");
                 let place =
                     Place { scaled, ..Place::new(low, Some(cell), scales).map_err(refuse)? };
-                return Ok(Header { step, n, place, columns });
+                let unwrapped = style < FOLDED || columns.has(Vector::Image);
+                let time = time.and_then(|time| scales.time(time));
+                return Ok(Header { step, time, n, unwrapped, place, columns });
             }
             _ => {
                 let allowed = "TIMESTEP, UNITS, TIME, NUMBER OF ATOMS, BOX BOUNDS or ATOMS";
@@ -192,7 +200,7 @@ pub(crate) fn parse_frame<R: BufRead>(
     lines: &mut Lines<R>,
     units: FileUnits,
 ) -> Result<TrajectoryFrame, FormatError> {
-    let Header { step, n, place, columns } = header(lines, units)?;
+    let Header { step, time, n, unwrapped, place, columns } = header(lines, units)?;
     let least = 2 * columns.width() as u64;
     if !lines.check_room(n as u64, 0, least) {
         let allowed = format!(
@@ -202,5 +210,6 @@ pub(crate) fn parse_frame<R: BufRead>(
         return Err(lines.refuse(format!("{n} particles"), allowed));
     }
     let particles = ParticleReader::read(lines, n, &columns, &place, "as `ITEM: ATOMS` says")?;
-    Ok(TrajectoryFrame { step: Some(step), ..TrajectoryFrame::of(particles, place.cell) })
+    let frame = TrajectoryFrame::of(particles, place.cell);
+    Ok(TrajectoryFrame { step: Some(step), time, unwrapped, ..frame })
 }

@@ -20,6 +20,7 @@ mod folder;
 mod foreign;
 mod formats;
 mod frame;
+mod frames;
 mod geometry;
 mod gro;
 mod lammps;
@@ -58,6 +59,7 @@ pub use folder::{
 };
 pub use formats::{FormatSpec, Limits, TrajectoryFormat};
 pub use frame::{DEFAULT_PRECISION, Frame, FrameStyle, is_element_symbol};
+pub use frames::Frames;
 pub use geometry::{EdgeError, box_of_edges, is_same_box};
 pub use lammps_data_writer::write_lammps_data;
 pub use particles::{LARGEST, StartConfiguration, TrajectoryFrame};

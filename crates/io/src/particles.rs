@@ -119,12 +119,47 @@ pub(crate) struct Particles {
     pub(crate) momenta: Option<Vec<DVec3>>,
     pub(crate) forces: Option<Vec<DVec3>>,
     pub(crate) species: FoundSpecies,
+    pub(crate) written: Written,
+}
+
+/// So many coordinates of a frame tell the number of its digits.
+const ROWS_LOOKED_AT: usize = 64;
+
+/// How coordinates are written, as some rows tell.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Written {
+    /// The most significant digits of a coordinate.
+    digits: i32,
+    /// The largest coordinate, in units of the file.
+    largest: f64,
+    /// σ per unit of the file.
+    unit: f64,
+}
+
+impl Written {
+    fn look_at(&mut self, position: DVec3, unit: f64) {
+        for x in position.abs().to_array() {
+            let shortest = format!("{x:e}");
+            let digits = shortest.split('e').next().unwrap_or_default().replace('.', "").len();
+            self.digits = self.digits.max(digits as i32);
+            self.largest = self.largest.max(x);
+        }
+        self.unit = unit;
+    }
+
+    /// The step of the last digit of the largest coordinate, σ.
+    fn rounding(self) -> f64 {
+        let first = self.largest.max(f64::MIN_POSITIVE).log10().floor() as i32;
+        self.unit * 10_f64.powi(first + 1 - self.digits)
+    }
 }
 
 /// Gathers the particles of a frame.
 pub(crate) struct ParticleReader {
     found: Particles,
     species: SpeciesReader,
+    /// Particles between two that are looked at.
+    apart: usize,
 }
 
 impl ParticleReader {
@@ -142,6 +177,7 @@ impl ParticleReader {
                 ..Particles::default()
             },
             species: SpeciesReader::new(n),
+            apart: n.div_ceil(ROWS_LOOKED_AT),
         }
     }
 
@@ -150,6 +186,11 @@ impl ParticleReader {
         let found = &mut self.found;
         let scales = &place.scales;
         found.ids.extend(row.id);
+        if found.positions.len().is_multiple_of(self.apart) {
+            let sides = place.cell.filter(|_| place.scaled).map(|cell| cell.lengths());
+            let unit = sides.map_or(1.0 / scales.length, DVec3::max_element);
+            found.written.look_at(row.position, unit);
+        }
         found.positions.push(place.position(&row)?);
         let mass = row.mass.map(mass).transpose()?;
         let own = row.velocity.map(|v| velocity(scales.velocity(v)?)).transpose()?;
@@ -242,9 +283,31 @@ fn sort<T: Copy>(order: &[usize], all: &mut Vec<T>) {
 impl TrajectoryFrame {
     /// Particles in a box, with nothing else to say.
     pub(crate) fn of(particles: Particles, cell: Option<PeriodicBox>) -> Self {
+        let rounding = particles.written.rounding();
         let Particles { positions, velocities, momenta, forces, species, .. } = particles;
-        let (step, time, info) = (None, None, BTreeMap::new());
-        Self { cell, positions, velocities, momenta, forces, species, step, time, info }
+        let (step, time, info, unwrapped) = (None, None, BTreeMap::new(), false);
+        Self {
+            cell,
+            positions,
+            velocities,
+            momenta,
+            forces,
+            species,
+            step,
+            time,
+            info,
+            unwrapped,
+            rounding,
+        }
+    }
+}
+
+impl TrajectoryFrame {
+    /// The frame as a start in a box, the last of so many frames.
+    #[must_use]
+    pub fn into_start(self, cell: PeriodicBox, frames: u64) -> StartConfiguration {
+        let Self { positions, velocities, momenta, step, time, species, .. } = self;
+        StartConfiguration { cell, positions, velocities, momenta, step, time, species, frames }
     }
 }
 
@@ -288,6 +351,10 @@ pub struct TrajectoryFrame {
     pub time: Option<f64>,
     /// The other entries of the header, as text.
     pub info: BTreeMap<String, String>,
+    /// Whether the file says in which image of the box each particle is.
+    pub unwrapped: bool,
+    /// The step between two positions that the file can tell apart, σ: its last digit, or its precision.
+    pub rounding: f64,
 }
 
 /// Where a run starts, as read from a file; reduced units.

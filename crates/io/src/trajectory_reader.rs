@@ -99,7 +99,13 @@ impl<'a> TrajectoryReader<Cursor<&'a [u8]>> {
 }
 
 impl<R: BufRead> TrajectoryReader<R> {
-    fn new(reader: R, size: u64, path: &Path, grammar: Grammar, units: FileUnits) -> Self {
+    pub(crate) fn new(
+        reader: R,
+        size: u64,
+        path: &Path,
+        grammar: Grammar,
+        units: FileUnits,
+    ) -> Self {
         Self { lines: Lines::new(reader, size, path), grammar, units, ended: false }
     }
 

@@ -21,6 +21,11 @@ pub(crate) struct Scales {
 }
 
 impl Scales {
+    /// A time in τ; `None` where the file's unit of time is not known.
+    pub(crate) fn time(&self, found: f64) -> Option<f64> {
+        self.time.map(|unit| found / unit)
+    }
+
     /// A velocity (or a momentum, in units of mass) with the units of the file taken out.
     pub(crate) fn velocity(&self, found: DVec3) -> Result<DVec3, Refusal> {
         let Some(time) = self.time else {

@@ -96,6 +96,8 @@ list_of_formats! {
     Xtc = "xtc": xtc,
 }
 
+pub(crate) use xtc::XtcReader;
+
 /// Appends a frame; the path is for messages. Returns the precision of the positions, per σ, where the format rounds them.
 pub(crate) fn push_frame(
     to: &mut Vec<u8>,

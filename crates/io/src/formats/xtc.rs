@@ -3,6 +3,7 @@
 //! Source: GROMACS reference manual, "xtc file format". One unit of length is 1 nm for readers; here it is σ·`length_scale`.
 
 mod compression;
+mod reader;
 
 use std::path::Path;
 
@@ -11,6 +12,8 @@ use glam::{DVec3, Mat3};
 use super::{FormatSpec, Limits};
 use crate::frame::{NotFinite, unwritable};
 use crate::{Frame, FrameStyle, WriteError};
+
+pub(crate) use reader::XtcReader;
 
 pub(super) const SPEC: FormatSpec = FormatSpec {
     file: "trajectory.xtc",

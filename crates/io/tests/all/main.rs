@@ -5,6 +5,7 @@ mod columns;
 mod common;
 mod foreign;
 mod formats;
+mod frames;
 mod hostile;
 mod lammps;
 mod reading;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use lennard_core::State;
-use lennard_io::{Frame, FrameStyle, TrajectoryFormat, TrajectoryWriter};
+use lennard_io::{FileUnits, Frame, FrameStyle, Frames, TrajectoryFormat, TrajectoryWriter};
 use molly::{Magic, XTCReader, XTCWriter};
 use proptest::prelude::*;
 
@@ -12,6 +12,7 @@ use crate::common::cell;
 
 /// A power of two: readers multiply by its inverse in single precision, which is exact then.
 const PRECISION: f64 = 8192.0;
+const BOX: [f32; 9] = [9.0, 0.0, 0.0, 0.0, 9.0, 0.0, 0.0, 0.0, 9.0];
 
 fn style() -> FrameStyle {
     FrameStyle { precision: PRECISION, wrapped: false, velocities: false, ..FrameStyle::default() }
@@ -39,7 +40,20 @@ fn round_trip(positions: &[[i32; 3]]) -> u64 {
     let read: Vec<[i32; 3]> =
         frames[0].coords().map(|p| glam::Vec3::from(p).to_array().map(whole)).collect();
     assert_eq!(read, positions);
+    assert_eq!(read_back(&path), positions);
     bytes
+}
+
+/// The multiples that our reader finds in the first frame of a file.
+fn read_back(path: &Path) -> Vec<[i32; 3]> {
+    let mut frames = Frames::open(path, FileUnits::default()).unwrap();
+    let frame = frames.next_frame().unwrap().unwrap();
+    assert_eq!(
+        frame.rounding,
+        if frame.positions.len() > 9 { 1.0 / PRECISION } else { frame.rounding }
+    );
+    assert!(frames.next_frame().unwrap().is_none());
+    frame.positions.iter().map(|r| (*r * PRECISION).to_array().map(|x| x.round() as i32)).collect()
 }
 
 /// Steps of a walk, as large as 2^`octave` at most on each axis, from a corner.
@@ -98,8 +112,53 @@ fn a_fluid_takes_no_more_bytes_than_with_the_usual_choice_of_reach() {
         let places: Vec<[f32; 3]> = places.collect();
         let mut theirs = Vec::new();
         XTCWriter::new_with_magic(&mut theirs, Magic::Xtc1995)
-            .write_frame_parts(1, 0.0, [1.0; 9], places.iter(), PRECISION as f32)
+            .write_frame_parts(1, 0.0, BOX, places.iter(), PRECISION as f32)
             .unwrap();
+        // Their writer changes the reach within a frame, and ours does not.
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("theirs.xtc");
+        std::fs::write(&path, &theirs).unwrap();
+        assert_eq!(read_back(&path), positions);
         assert!(ours <= theirs.len() as u64, "{ours} {}", theirs.len());
     }
+}
+
+#[test]
+fn a_damaged_file_is_refused_by_its_frame_and_never_stops_the_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.xtc");
+    write(&path, &walk(40, 6, 0, generator(3)));
+    let whole = std::fs::read(&path).unwrap();
+    let two = [whole.clone(), whole.clone()].concat();
+    let damaged = folder.path().join("damaged.xtc");
+    let read = |bytes: &[u8]| {
+        std::fs::write(&damaged, bytes).unwrap();
+        let mut frames = Frames::open(&damaged, FileUnits::default())?;
+        let mut found = 0;
+        while frames.next_frame()?.is_some() {
+            found += 1;
+        }
+        Ok::<_, lennard_io::FormatError>(found)
+    };
+    assert_eq!(read(&two).unwrap(), 2);
+    for cut in whole.len() + 1..two.len() {
+        let message = read(&two[..cut]).unwrap_err().to_string();
+        assert!(message.contains("frame 2: found the end of the file"), "{message}");
+        assert!(message.contains("the frame is truncated"), "{message}");
+    }
+    let mut random = generator(4);
+    for _ in 0..4000 {
+        let mut bytes = two.clone();
+        for _ in 0..1 + random() % 3 {
+            let at = 4 + random() as usize % (bytes.len() - 4);
+            bytes[at] ^= 1 << (random() % 8);
+        }
+        if let Err(error) = read(&bytes) {
+            assert!(error.to_string().contains("allowed: "), "{error}");
+        }
+    }
+    let mut other = whole.clone();
+    other[4..8].copy_from_slice(&41_u32.to_be_bytes());
+    let message = read(&other).unwrap_err().to_string();
+    assert!(message.contains("frame 1: found bytes that begin no frame"), "{message}");
 }

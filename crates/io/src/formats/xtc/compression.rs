@@ -174,6 +174,25 @@ impl Range {
     }
 
     #[inline]
+    fn read(&self, from: &mut BitsRead<'_>) -> Multiples {
+        let numbers = match self.together {
+            None => self.axis_bits().map(|bits| from.take(bits)),
+            Some(bits) => {
+                let number = from.take_by_bytes(bits);
+                let [_, y, z] = self.sizes;
+                match u64::try_from(number) {
+                    Ok(number) => [number / z / y, number / z % y, number % z],
+                    Err(_) => {
+                        let (y, z) = (u128::from(y), u128::from(z));
+                        [number / z / y, number / z % y, number % z].map(|x| x as u64)
+                    }
+                }
+            }
+        };
+        [0, 1, 2].map(|k| self.low[k].wrapping_add(numbers[k] as i32))
+    }
+
+    #[inline]
     fn push(&self, to: &mut Bits<'_>, position: Multiples) {
         let [x, y, z] = [0, 1, 2].map(|k| (position[k] - self.low[k]) as u64);
         let Some(together) = self.together else {
@@ -239,5 +258,97 @@ impl<'a> Bits<'a> {
     fn finish(self) {
         let bytes = self.filled.div_ceil(8) as usize;
         self.to.extend_from_slice(&self.word.to_be_bytes()[..bytes]);
+    }
+}
+
+/// Reads the `n` positions that `bytes` hold, and calls `put` with each; `near` is the reach at the beginning.
+///
+/// # Errors
+/// What is wrong with the bits.
+pub fn read(
+    bytes: &[u8],
+    n: usize,
+    [low, high]: [Multiples; 2],
+    mut near: usize,
+    mut put: impl FnMut(Multiples),
+) -> Result<(), &'static str> {
+    if (0..3).any(|axis| low[axis] > high[axis]) {
+        return Err("bounds in the wrong order");
+    }
+    let range = Range::new(low, high);
+    let mut bits = BitsRead { bytes, at: 0 };
+    let (mut done, mut number) = (0, 0);
+    while done < n {
+        if !(FEWEST..SIZES.len()).contains(&near) {
+            return Err("a reach that the format does not have");
+        }
+        let (size, reach) = (u64::from(SIZES[near]), (SIZES[near] / 2) as i32);
+        let first = range.read(&mut bits);
+        let mut change = 1;
+        if bits.take(1) == 1 {
+            let written = bits.take(5) as usize;
+            (number, change) = (written / 3, written % 3);
+        }
+        if number >= n - done {
+            return Err("more positions than particles");
+        }
+        let mut before = first;
+        for member in 0..number {
+            let packed = bits.take_by_bytes(near as u32) as u64;
+            let by = [packed / (size * size), packed / size % size, packed % size];
+            before = [0, 1, 2].map(|k| before[k].wrapping_add(by[k] as i32).wrapping_sub(reach));
+            put(before);
+            // The second particle of the file stands first, and the first is relative to it.
+            if member == 0 {
+                put(first);
+            }
+        }
+        if number == 0 {
+            put(first);
+        }
+        if bits.at > 8 * bytes.len() {
+            return Err("fewer positions than particles");
+        }
+        done += number + 1;
+        // 0 makes the reach smaller, and 2 larger.
+        near = near + change - 1;
+    }
+    Ok(())
+}
+
+/// Bits as [`Bits`] writes them; behind the end there are zeros.
+struct BitsRead<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl BitsRead<'_> {
+    /// The next `bits`, from 1 to 56.
+    #[inline]
+    fn take(&mut self, bits: u32) -> u64 {
+        let rest = self.bytes.get(self.at / 8..).unwrap_or_default();
+        let word = match rest.first_chunk() {
+            Some(word) => u64::from_be_bytes(*word),
+            None => rest.iter().rev().fold(0, |word, byte| word >> 8 | u64::from(*byte) << 56),
+        };
+        let found = word << (self.at % 8) >> (64 - bits);
+        self.at += bits as usize;
+        found
+    }
+
+    /// The next number of so many bits, whose lowest byte stands first.
+    #[inline]
+    fn take_by_bytes(&mut self, bits: u32) -> u128 {
+        let (mut number, mut shift) = (0, 0);
+        while shift < bits {
+            let now = (bits - shift).min(48);
+            let rest = now % 8;
+            let found = self.take(now);
+            let whole = (found >> rest << (64 - (now - rest)) % 64).swap_bytes();
+            let top = (found & ((1 << rest) - 1)) << (now - rest);
+            number |= u128::from(whole | top) << shift;
+            shift += now;
+        }
+        number
     }
 }

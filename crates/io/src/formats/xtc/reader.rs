@@ -1,0 +1,151 @@
+//! XTC read back. Libraries that read it stop the program at a damaged file; this reader refuses it by its frame.
+
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use super::{LONG_MAGIC, MAGIC, MOST_UNCOMPRESSED, compression};
+use crate::geometry::{EdgeError, UPRIGHT, box_of_edges};
+use crate::particles::Particles;
+use crate::units::{FileUnits, Scales};
+use crate::{FormatError, TrajectoryFrame};
+
+/// Bytes of a frame before its positions: magic number, particles, step, time, box, particles.
+const HEADER: u64 = 56;
+
+/// Reads the frames of an XTC file one after another.
+pub(crate) struct XtcReader {
+    reader: BufReader<File>,
+    left: u64,
+    file: PathBuf,
+    /// Number of the frame under way, from 1.
+    number: u64,
+    scales: Scales,
+}
+
+/// Numbers of the file, the first byte the highest.
+struct Fields<'a>(&'a [u8]);
+
+impl Fields<'_> {
+    fn word(&mut self) -> u32 {
+        let (word, rest) = self.0.split_first_chunk().unwrap_or((&[0; 4], &[]));
+        self.0 = rest;
+        u32::from_be_bytes(*word)
+    }
+
+    fn number(&mut self) -> f64 {
+        f64::from(f32::from_bits(self.word()))
+    }
+
+    fn vector(&mut self) -> DVec3 {
+        DVec3::from_array([(); 3].map(|()| self.number()))
+    }
+}
+
+impl XtcReader {
+    /// Whether a file that begins so is XTC.
+    pub(crate) fn is_xtc(head: &[u8]) -> bool {
+        [MAGIC, LONG_MAGIC].iter().any(|magic| head.starts_with(&magic.to_be_bytes()))
+    }
+
+    /// Reads `reader`, which holds `size` bytes; the file states no units, and these are taken out.
+    pub(crate) fn new(
+        reader: BufReader<File>,
+        size: u64,
+        file: &Path,
+        units: FileUnits,
+    ) -> Result<Self, FormatError> {
+        let scales = units.scales(None);
+        let scales = scales.map_err(|(f, a)| FormatError::content(file, 1, &f, &a))?;
+        Ok(Self { reader, left: size, file: file.to_owned(), number: 0, scales })
+    }
+
+    fn refuse(&self, found: impl Into<String>, allowed: impl Into<String>) -> FormatError {
+        let (file, frame) = (self.file.clone(), self.number);
+        FormatError::Frame { file, frame, found: found.into(), allowed: allowed.into() }
+    }
+
+    /// The next bytes of the file.
+    fn take(&mut self, bytes: u64) -> Result<Vec<u8>, FormatError> {
+        if bytes > self.left {
+            let found = format!("the end of the file after {} bytes more", self.left);
+            return Err(self.refuse(found, format!("{bytes} bytes: the frame is truncated")));
+        }
+        self.left -= bytes;
+        let mut all = vec![0; bytes as usize];
+        self.reader.read_exact(&mut all).map_err(|e| FormatError::io(&self.file, e))?;
+        Ok(all)
+    }
+
+    /// The next frame; `None` at the end of the file.
+    pub(crate) fn next_frame(&mut self) -> Result<Option<TrajectoryFrame>, FormatError> {
+        if self.left == 0 {
+            return Ok(None);
+        }
+        self.number += 1;
+        let header = self.take(HEADER)?;
+        let mut header = Fields(&header);
+        let (magic, n, step) = (header.word(), header.word() as usize, header.word());
+        let time = header.number();
+        let edges = [(); 3].map(|()| header.vector() / self.scales.length);
+        if ![MAGIC, LONG_MAGIC].contains(&magic) || header.word() as usize != n || n == 0 {
+            let allowed = "the magic number and twice the number of particles";
+            return Err(self.refuse("bytes that begin no frame", allowed));
+        }
+        let cell = match box_of_edges(edges) {
+            _ if edges == [DVec3::ZERO; 3] => None,
+            Ok(cell) => Some(cell),
+            Err(EdgeError::Tilt) => return Err(self.refuse("a triclinic box", UPRIGHT)),
+            Err(EdgeError::Side) => {
+                return Err(self.refuse(format!("box edges {edges:?}"), "sides above 0"));
+            }
+        };
+        let (positions, rounding) = match n <= MOST_UNCOMPRESSED {
+            true => self.plain(n)?,
+            false => self.compressed(n, magic == LONG_MAGIC)?,
+        };
+        if !positions.iter().all(|r| r.is_finite()) {
+            return Err(self.refuse("a position that is not finite", "finite numbers"));
+        }
+        let particles = Particles { positions, ..Particles::default() };
+        Ok(Some(TrajectoryFrame {
+            step: Some(step.into()),
+            time: self.scales.time(time),
+            rounding,
+            ..TrajectoryFrame::of(particles, cell)
+        }))
+    }
+
+    /// Positions in single precision, and how they are rounded, σ.
+    fn plain(&mut self, n: usize) -> Result<(Vec<DVec3>, f64), FormatError> {
+        let bytes = self.take(12 * n as u64)?;
+        let mut fields = Fields(&bytes);
+        let all: Vec<DVec3> = (0..n).map(|_| fields.vector() / self.scales.length).collect();
+        let largest = all.iter().fold(0.0_f64, |most, r| most.max(r.abs().max_element()));
+        Ok((all, largest * f64::from(f32::EPSILON)))
+    }
+
+    /// Positions as multiples of the precision, and how they are rounded, σ.
+    fn compressed(&mut self, n: usize, long: bool) -> Result<(Vec<DVec3>, f64), FormatError> {
+        let head = self.take(if long { 40 } else { 36 })?;
+        let mut head = Fields(&head);
+        let precision = head.number();
+        if !(precision.is_finite() && precision > 0.0) {
+            return Err(self.refuse(format!("the precision {precision}"), "a number above 0"));
+        }
+        let bounds = [(); 2].map(|()| [(); 3].map(|()| head.word().cast_signed()));
+        let near = head.word() as usize;
+        let high = if long { u64::from(head.word()) << 32 } else { 0 };
+        let length = high | u64::from(head.word());
+        let bits = self.take(length.div_ceil(4).saturating_mul(4))?;
+        let unit = 1.0 / (precision * self.scales.length);
+        let mut all = Vec::with_capacity(n.min(8 * bits.len()));
+        let put = |p: compression::Multiples| all.push(DVec3::from_array(p.map(f64::from)) * unit);
+        match compression::read(&bits, n, bounds, near, put) {
+            Ok(()) => Ok((all, unit)),
+            Err(found) => Err(self.refuse(found, format!("the positions of {n} particles"))),
+        }
+    }
+}
