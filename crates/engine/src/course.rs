@@ -41,7 +41,7 @@ pub(crate) struct Course<'a, W> {
     pub(crate) writer: W,
     pub(crate) ending: Ending,
     control: Control<'a>,
-    end: u64,
+    pub(crate) end: u64,
     /// Whether no other rank takes part.
     is_alone: bool,
 }
@@ -67,6 +67,12 @@ impl<'a, W: Writer> Course<'a, W> {
         self.writer.write(simulation, row, frame)?;
         Ok(row)
     }
+
+    /// Shows how far the simulation is.
+    pub(crate) fn tell(&mut self, simulation: &Simulation) {
+        let name = &simulation.current_stage().name;
+        self.control.progress.update(name, simulation.state.step, self.end);
+    }
 }
 
 impl<W: Writer> Follower for Course<'_, W> {
@@ -89,7 +95,7 @@ impl<W: Writer> Follower for Course<'_, W> {
             self.writer.set_aside(&simulation.state);
         }
         simulation.timers.write += clock.elapsed();
-        self.control.progress.update(&simulation.current_stage().name, step, self.end);
+        self.tell(simulation);
         let own =
             Decision { stop: self.control.told_to_stop(), checkpoint: self.writer.time_is_up() };
         let all = agree(simulation, own)?;

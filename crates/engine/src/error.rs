@@ -26,6 +26,9 @@ pub enum EngineError {
     /// A start configuration cannot be read: exit code 2.
     #[error("cannot read the start configuration: {0}")]
     Configuration(#[from] FormatError),
+    /// A trajectory cannot be measured: exit code 2.
+    #[error("cannot read the trajectory: {0}")]
+    Trajectory(FormatError),
     /// The output folder cannot be made or is not free: exit code 2.
     #[error(transparent)]
     Folder(lennard_io::FolderError),
@@ -100,6 +103,7 @@ impl EngineError {
             Self::Folder(_) if self.is_of_lost_folder() => 1,
             Self::Scene(_)
             | Self::Configuration(_)
+            | Self::Trajectory(_)
             | Self::Folder(_)
             | Self::Resume(_)
             | Self::Nodes(_)

@@ -71,7 +71,12 @@ pub(crate) fn thermo_columns(simulation: &Simulation) -> Vec<(&'static str, &'st
 
 /// The row of `thermo.csv` for the state as it is.
 pub(crate) fn thermo_row(simulation: &Simulation) -> Vec<Cell> {
-    columns_of(simulation).map(|(_, _, value)| value(simulation)).collect()
+    let hidden = |name| simulation.frames.as_ref().is_some_and(|frames| frames.hides(name));
+    let value = |(name, _, value): &ThermoColumn| match hidden(name) {
+        true => f64::NAN.into(),
+        false => value(simulation),
+    };
+    columns_of(simulation).map(value).collect()
 }
 
 /// The growing and the final files of a run.
@@ -195,6 +200,24 @@ impl RunFiles {
         self.thermo.write(&thermo_row(simulation))
     }
 
+    /// Writes the rows that were kept in memory to `thermo.csv`.
+    ///
+    /// # Errors
+    /// [`WriteError`] where a row cannot be written.
+    pub(crate) fn write_kept_rows(&mut self, simulation: &Simulation) -> Result<(), WriteError> {
+        let columns = &simulation.recording.thermo;
+        for row in 0..columns.first().map_or(0, Vec::len) {
+            let is_whole = |name| matches!(name, "step" | "stage");
+            let cell = |(column, (name, _, _)): (&Vec<f64>, &ThermoColumn)| match is_whole(*name) {
+                true => (column[row] as u64).into(),
+                false => column[row].into(),
+            };
+            let cells: Vec<Cell> = columns.iter().zip(columns_of(simulation)).map(cell).collect();
+            self.thermo.write(&cells)?;
+        }
+        self.thermo.sync()
+    }
+
     /// Writes a frame to the trajectory. Returns a remark where it has less precision than asked for.
     ///
     /// # Errors
@@ -213,7 +236,8 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where it cannot be written.
     pub fn write_state(&self, name: &str, simulation: &Simulation) -> Result<(), WriteError> {
-        let style = FrameStyle { forces: self.style.forces, ..self.start_style() };
+        let velocities = simulation.frames.as_ref().is_none_or(|frames| frames.has_velocities);
+        let style = FrameStyle { forces: self.style.forces, velocities, ..self.start_style() };
         let frame = Frame { state: &simulation.state, extra: &header(simulation) };
         lennard_io::write_frame(&self.folder.join(name), &style, &frame)
     }
@@ -302,6 +326,9 @@ pub(crate) fn header(simulation: &Simulation) -> Vec<(&'static str, f64)> {
     }
     if let Some(pressure) = simulation.pressure() {
         extra.push(("pressure", pressure));
+    }
+    if simulation.frames.as_ref().is_some_and(|frames| !frames.has_velocities) {
+        extra.retain(|(name, _)| *name == "total_potential_energy");
     }
     extra
 }

@@ -37,6 +37,7 @@ impl Simulation {
         self.leave_out_meaningless(&mut findings);
         self.tell_tail_of_structure(&mut findings);
         self.add_front(&mut findings);
+        self.leave_out_of_frames(&mut findings);
         findings
     }
 }

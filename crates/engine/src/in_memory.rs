@@ -30,8 +30,7 @@ impl Simulation {
         if self.state.step >= end {
             return Ok(Ending::Finished);
         }
-        let columns = thermo_columns(self).len();
-        self.recording.thermo.resize(columns, Vec::new());
+        self.begin_recording();
         let mut course = Course::new(self, control, end, Memory);
         let mut call = |trigger, want| {
             course.schedule.add(Operation::new(Action::Call, trigger).wanting(want));
@@ -46,6 +45,12 @@ impl Simulation {
         let done = self.on_its_threads(|simulation| simulation.follow(&mut course))?;
         self.recording.wall += started.elapsed();
         done.map(|_| course.ending)
+    }
+
+    /// Makes room for the rows of `thermo.csv`.
+    pub(crate) fn begin_recording(&mut self) {
+        let columns = thermo_columns(self).len();
+        self.recording.thermo.resize(columns, Vec::new());
     }
 
     /// The rows that a run with files writes to `thermo.csv`.
@@ -74,7 +79,7 @@ impl Simulation {
 }
 
 /// Keeps rows and frames in the simulation itself.
-struct Memory;
+pub(crate) struct Memory;
 
 impl Writer for Memory {
     fn write(

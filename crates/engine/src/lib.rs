@@ -25,6 +25,7 @@ mod growth;
 mod in_memory;
 mod instant;
 mod main_loop;
+mod measure;
 mod moment;
 mod names;
 mod own;
@@ -69,6 +70,7 @@ pub use files::{Marks, RunFiles};
 pub use follower::{Control, Ending, Follower, Progress, StopAt, Unfollowed};
 pub use force_check::{ForceCheck, Seen};
 pub use growth::{Addition, text_to_run};
+pub use measure::{Measurement, Trajectory};
 pub use moment::Moment;
 pub use own::OwnParts;
 pub use plan::{

@@ -68,7 +68,7 @@ impl Simulation {
     }
 
     /// What all that is due at a step wants of the forces.
-    fn wanted_at(&self, step: u64, follower: &dyn Follower) -> Want {
+    pub(crate) fn wanted_at(&self, step: u64, follower: &dyn Follower) -> Want {
         let measured = self.current_stage().measure;
         let samples = self.observers.iter().map(Observer::operation);
         samples
@@ -77,7 +77,7 @@ impl Simulation {
     }
 
     /// Advances to a step, by as many steps at once as the integrator takes.
-    fn advance_to(&mut self, next: u64, want: Want) -> Result<(), EngineError> {
+    pub(crate) fn advance_to(&mut self, next: u64, want: Want) -> Result<(), EngineError> {
         let clock = Instant::now();
         let measured = self.current_stage().measure;
         let stage = self.stage.as_mut().expect("a stage has been entered");
@@ -112,7 +112,7 @@ impl Simulation {
     }
 
     /// Lets the observables sample that are due.
-    fn sample(&mut self) {
+    pub(crate) fn sample(&mut self) {
         let (step, measured) = (self.state.step, self.current_stage().measure);
         let clock = Instant::now();
         let (tail, stage) = (self.tail(), self.stage.as_ref());

@@ -47,6 +47,7 @@ pub fn finished(
         }
     };
     let conservation = simulation.thermodynamics().conservation();
+    let unknown = bare(simulation).conservation;
     let wall_s = wall.as_secs_f64();
     let atom_steps = simulation.state.len() as f64 * simulation.state.step as f64;
     let remarks: Vec<Remark> = findings
@@ -74,11 +75,15 @@ pub fn finished(
             stages: stages(simulation),
         },
         averages,
-        conservation: Conservation {
-            energy_drift_per_atom_per_tau: conservation.energy_drift_per_atom_per_tau,
-            energy_drift_standard_error: conservation.energy_drift_standard_error,
-            energy_rms_per_atom: conservation.energy_rms_per_atom,
-            momentum_per_atom: conservation.momentum_per_atom,
+        conservation: if simulation.frames.is_some() {
+            unknown
+        } else {
+            Conservation {
+                energy_drift_per_atom_per_tau: conservation.energy_drift_per_atom_per_tau,
+                energy_drift_standard_error: conservation.energy_drift_standard_error,
+                energy_rms_per_atom: conservation.energy_rms_per_atom,
+                momentum_per_atom: conservation.momentum_per_atom,
+            }
         },
         comparison: compared.entries,
         remarks: remarks.iter().map(Remark::to_string).collect(),
@@ -142,6 +147,7 @@ fn bare(simulation: &Simulation) -> RunRecord {
         remarks: Vec::new(),
         typed_remarks: Vec::new(),
         trajectory_frames: None,
+        trajectory: simulation.frames.as_ref().map(|frames| frames.file.clone()),
     }
 }
 

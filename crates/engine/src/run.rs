@@ -65,6 +65,18 @@ pub fn go_on(
     drive(simulation, Recorder::new(simulation, folder, files, past.clone(), started), control)
 }
 
+/// Writes the folder of a simulation that has its rows in memory and is at its end.
+pub(crate) fn write_whole(
+    simulation: &mut Simulation,
+    folder: &OutputFolder,
+    started: Instant,
+) -> Result<Outcome, EngineError> {
+    let mut files = RunFiles::create(folder.path(), simulation)?;
+    files.write_kept_rows(simulation)?;
+    let past = Past { remarks: simulation.remarks.clone(), ..Past::default() };
+    Recorder::new(simulation, folder, files, past, started).conclude(simulation, Ending::Finished)
+}
+
 fn drive(
     simulation: &mut Simulation,
     recorder: Recorder<'_>,

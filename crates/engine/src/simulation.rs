@@ -10,6 +10,7 @@ use lennard_observables::Thermodynamics;
 use lennard_scene::{Scene, Stage};
 
 use crate::force_check::ForceCheck;
+use crate::measure::FromFrames;
 use crate::own::OwnParts;
 use crate::recording::Recording;
 use crate::schedule::Observer;
@@ -58,6 +59,8 @@ pub struct Simulation {
     pub shares_forces: bool,
     /// What runs in memory have kept.
     pub recording: Recording,
+    /// The frames that states come from; `None` where the simulation moves by itself.
+    pub(crate) frames: Option<FromFrames>,
     /// The threads at work; `None` where the caller has threads.
     pub threads: Option<Threads>,
 }
@@ -108,6 +111,12 @@ impl Simulation {
             self.state.len(),
             volume,
         )
+    }
+
+    /// The trajectory that states come from; `None` where the simulation moves by itself.
+    #[must_use]
+    pub fn trajectory(&self) -> Option<&str> {
+        self.frames.as_ref().map(|frames| frames.file.as_str())
     }
 
     /// Whether any stage has a barostat.

@@ -68,7 +68,7 @@ fn is_response(name: &str) -> bool {
 }
 
 /// Takes out the remarks that tell how response functions were found.
-fn forget_responses(findings: &mut [Findings]) {
+pub(crate) fn forget_responses(findings: &mut [Findings]) {
     for remarks in findings.iter_mut().map(|f| &mut f.remarks) {
         remarks.retain(|r| {
             !matches!(r, Remark::HeatCapacity { .. } | Remark::ResponseFunctions { .. })
@@ -77,7 +77,10 @@ fn forget_responses(findings: &mut [Findings]) {
 }
 
 /// Takes means out, and gives their names.
-fn without(findings: &mut [Findings], is_left_out: impl Fn(&str) -> bool) -> Vec<String> {
+pub(crate) fn without(
+    findings: &mut [Findings],
+    is_left_out: impl Fn(&str) -> bool,
+) -> Vec<String> {
     let mut names = Vec::new();
     for averages in findings.iter_mut().map(|f| &mut f.averages) {
         averages.retain(|Average { name, .. }| {
@@ -105,7 +108,7 @@ fn doubt_of_pressure(findings: &mut [Findings]) {
     }
 }
 
-fn tell(findings: &mut [Findings], left_out: Vec<String>, why: &str) {
+pub(crate) fn tell(findings: &mut [Findings], left_out: Vec<String>, why: &str) {
     if let Some(first) = findings.first_mut().filter(|_| !left_out.is_empty()) {
         first.remark(Remark::LeftOut { quantities: left_out, why: why.to_owned() });
     }

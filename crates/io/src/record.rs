@@ -74,6 +74,9 @@ pub struct RunRecord {
     /// Whole frames in the trajectory; `null` where there is none. Some readers drop a truncated last frame
     /// silently: this number tells.
     pub trajectory_frames: Option<u64>,
+    /// The trajectory of another program that was measured: each step is one of its frames. `None` for a run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trajectory: Option<String>,
 }
 
 /// The tables that a record lists; none where it cannot be read.

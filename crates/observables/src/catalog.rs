@@ -71,6 +71,14 @@ macro_rules! catalog {
                 }
             }
 
+            /// What the frames of a trajectory must have for the observable.
+            #[must_use]
+            pub fn frames(&self) -> Frames {
+                match self {
+                    $(Self::$variant(o) => o.frames(),)*
+                }
+            }
+
             /// The scene keys of every observable, by its name.
             #[must_use]
             pub fn keys() -> Vec<(&'static str, Keys)> {

@@ -15,7 +15,7 @@ use crate::pressure_tensor::PressureTensor;
 use crate::seen_box::SeenBox;
 use crate::series::{Series, columns};
 use crate::statistics;
-use crate::{BuildContext, ObservableError, Recipe, Surroundings};
+use crate::{BuildContext, Frames, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "interface",
@@ -59,6 +59,10 @@ impl Recipe for InterfaceOptions {
 
     fn default_every(&self) -> u64 {
         10
+    }
+
+    fn frames(&self) -> Frames {
+        Frames::Velocities
     }
 
     fn surroundings(&self) -> Surroundings {

@@ -54,7 +54,7 @@ pub use msd::{CORRECTED, MeanSquareDisplacement, UNCORRECTED, YEH_HUMMER_XI};
 pub use pairs::{count_distances, count_distances_by_species};
 pub use pressure_tensor::PressureTensor;
 pub use rdf::RadialDistribution;
-pub use recipe::{BuildContext, Recipe, Surroundings};
+pub use recipe::{BuildContext, Frames, Recipe, Surroundings};
 pub use response::{Curvature, response_functions};
 pub use separation::largest_density_wave;
 pub use series::{Columns, Series};

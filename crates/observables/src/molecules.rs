@@ -8,7 +8,7 @@ use lennard_core::{
 };
 
 use crate::series::{Series, columns};
-use crate::{BuildContext, ObservableError, Recipe, Surroundings};
+use crate::{BuildContext, Frames, ObservableError, Recipe, Surroundings};
 use vibration::vibration;
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -33,6 +33,10 @@ impl Recipe for MolecularMotionOptions {
 
     fn default_every(&self) -> u64 {
         10
+    }
+
+    fn frames(&self) -> Frames {
+        Frames::Velocities
     }
 
     fn surroundings(&self) -> Surroundings {

@@ -3,7 +3,7 @@
 use lennard_core::{Average, Findings, Observable, ObservableSpec, Table, View, persist};
 
 use crate::series::{Series, columns};
-use crate::{BuildContext, ObservableError, Recipe, statistics};
+use crate::{BuildContext, Frames, ObservableError, Recipe, statistics};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "momentum",
@@ -27,6 +27,10 @@ impl Recipe for MomentumOptions {
 
     fn default_every(&self) -> u64 {
         100
+    }
+
+    fn frames(&self) -> Frames {
+        Frames::Velocities
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {

@@ -14,7 +14,7 @@ use crate::over_lags::OverLags;
 use crate::seen_box::SeenBox;
 use crate::time_origins::Origins;
 use crate::tracked::{DEFAULT_TRACKED, Members, Tracked};
-use crate::{BuildContext, ObservableError, Recipe};
+use crate::{BuildContext, Frames, ObservableError, Recipe};
 
 use levels::Levels;
 use paths::Paths;
@@ -55,6 +55,10 @@ impl Recipe for MsdOptions {
 
     fn default_every(&self) -> u64 {
         10
+    }
+
+    fn frames(&self) -> Frames {
+        Frames::Paths
     }
 
     fn follows_changing_box(&self) -> bool {

@@ -7,7 +7,7 @@ use lennard_core::{
 
 use crate::seen_box::SeenBox;
 use crate::series::{Series, columns};
-use crate::{BuildContext, ObservableError, Recipe, Surroundings};
+use crate::{BuildContext, Frames, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "pressure-tensor",
@@ -33,6 +33,10 @@ impl Recipe for PressureTensorOptions {
 
     fn default_every(&self) -> u64 {
         10
+    }
+
+    fn frames(&self) -> Frames {
+        Frames::Velocities
     }
 
     fn surroundings(&self) -> Surroundings {

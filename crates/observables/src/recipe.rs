@@ -83,6 +83,19 @@ pub enum Surroundings {
     Walls,
 }
 
+/// What the frames of a trajectory must have for an observable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Frames {
+    /// Positions.
+    Positions,
+    /// Positions that tell how far each particle has moved since the frame before.
+    Paths,
+    /// Velocities.
+    Velocities,
+    /// Velocities, and frames as dense as the samples of a run: an integral over time is taken.
+    Flows,
+}
+
 /// What the options type of an observable provides: the list is made of these.
 pub trait Recipe: Options {
     /// What the observable declares about itself.
@@ -114,6 +127,11 @@ pub trait Recipe: Options {
     /// The shortest measured part of a run that gives it an error, τ.
     fn least_length(&self) -> f64 {
         0.0
+    }
+
+    /// What the frames of a trajectory must have for it.
+    fn frames(&self) -> Frames {
+        Frames::Positions
     }
 
     /// Builds the observable.

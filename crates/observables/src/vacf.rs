@@ -8,7 +8,7 @@ use crate::error::within;
 use crate::over_lags::OverLags;
 use crate::time_origins::{Origins, TimeOrigins};
 use crate::tracked::{DEFAULT_TRACKED, Tracked};
-use crate::{BuildContext, ObservableError, Recipe};
+use crate::{BuildContext, Frames, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "vacf",
@@ -41,6 +41,10 @@ impl Recipe for VacfOptions {
 
     fn default_every(&self) -> u64 {
         5
+    }
+
+    fn frames(&self) -> Frames {
+        Frames::Flows
     }
 
     fn follows_changing_box(&self) -> bool {

@@ -207,6 +207,7 @@ fn record() -> RunRecord {
             Remark::Fronts(Fronts::Neither { solid_shares: [0.5, 0.25] }),
         ],
         trajectory_frames: Some(201),
+        trajectory: None,
     }
 }
 

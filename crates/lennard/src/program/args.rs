@@ -124,6 +124,20 @@ pub enum Command {
         lennard compare liquid --verbose\n  \
         lennard compare liquid --json")]
     Compare(CompareArgs),
+    /// Measure a trajectory of any program: the observables of a scene over its frames, with the errors, verdicts, files and page of a run.
+    #[command(
+        mut_arg("scene", |arg| arg.long("scene").value_name("SCENE").required(true)),
+        mut_arg("max_walltime", |arg| {
+            arg.help("Stop after this time with nothing written and exit code 1: 90s, 10m, 2h, 1h30m")
+        }),
+        after_help = "Examples:\n  \
+            lennard run formats/lammps-dump --out mine       a trajectory to measure\n  \
+            lennard measure mine/trajectory.lammpstrj --scene mine/scene.toml\n  \
+            lennard measure mine/trajectory.lammpstrj --scene formats/xtc --interval 0.2\n  \
+            lennard measure mine/trajectory.lammpstrj --scene mine/scene.toml --json --quiet > measured.json\n\n\
+            The scene says the potential and what is measured. Number of particles, box and times are of the frames."
+    )]
+    Measure(MeasureArgs),
     /// Chart speed against accuracy: one scene with many settings, and which of them are worth their cost.
     #[command(after_help = "Examples:\n  \
         lennard chart verlet-1967/triple-point --quick\n  \
@@ -141,7 +155,7 @@ pub enum Command {
         lennard tune verlet-1967/triple-point\n  \
         lennard tune fluid/accuracy --set accuracy.pressure=0.02 --lock coarse.lock.toml --json")]
     Tune(TuneArgs),
-    /// Evaluate energy, virial and pressure of a scene's start configuration once.
+/// Evaluate energy, virial and pressure of a scene's start configuration once.
     #[command(after_help = "Examples:\n  \
         lennard energy template\n  \
         lennard energy verlet-1967/triple-point --set truncation.r_cut=4\n  \
@@ -324,6 +338,34 @@ pub struct RunArgs {
     pub control: ControlArgs,
 }
 
+/// Arguments of `measure`.
+#[derive(Debug, Args)]
+pub struct MeasureArgs {
+    /// The trajectory: XTC, LAMMPS dump, extended XYZ or GRO; text may be compressed by gzip.
+    pub trajectory: PathBuf,
+    /// Scene, overrides, threads.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Time between two frames in τ, where the file does not say it; by default its steps times the scene's integrator.dt.
+    #[arg(long, value_name = "TIME", value_parser = above_zero)]
+    pub interval: Option<f64>,
+    /// One σ in the file's unit of length; by default the scene's start.length_scale, or 1.
+    #[arg(long, value_name = "LENGTH", value_parser = above_zero)]
+    pub length_scale: Option<f64>,
+    /// One τ in the file's unit of time; by default the scene's start.time_scale, or 1.
+    #[arg(long, value_name = "TIME", value_parser = above_zero)]
+    pub time_scale: Option<f64>,
+    /// Output folder; by default `runs/<scene>-<n>` with the first free n.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace an existing output folder.
+    #[arg(long)]
+    pub force: bool,
+    /// How loud.
+    #[command(flatten)]
+    pub control: ControlArgs,
+}
+
 /// Arguments of `new`.
 #[derive(Debug, Args)]
 pub struct NewArgs {
@@ -418,6 +460,12 @@ fn threads(text: &str) -> Result<u16, String> {
     number
         .filter(|number| (1..=most).contains(&usize::from(*number)))
         .ok_or_else(|| format!("allowed: 1 to {most} on {} processors", processors()))
+}
+
+/// A number above zero.
+fn above_zero(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "wanted a number above zero, such as 0.25".into())
 }
 
 /// A time above zero.

@@ -67,6 +67,7 @@ impl From<EngineError> for Failure {
         match error {
             EngineError::Scene(e) => Self::new("reading the scene", e, code),
             EngineError::Configuration(e) => Self::new("reading the start configuration", e, code),
+            EngineError::Trajectory(e) => Self::new("reading the trajectory", e, code),
             EngineError::Folder(e @ FolderError::Busy { .. }) => {
                 Self::new("claiming the output folder", e, code)
             }

@@ -49,6 +49,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Chart(args) => commands::chart::chart(args),
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Tune(args) => commands::tune::tune(args),
+        Command::Measure(args) => commands::measure::measure(args),
         Command::Compare(args) => commands::compare::compare(args),
         Command::Eos(args) => commands::eos::eos(args),
         Command::List(args) => commands::list::list(args),

@@ -6,7 +6,7 @@ use lennard_core::{DVec3, Observable, ObservableSpec, View, Want};
 use super::DEFAULT_WINDOW;
 use super::green_kubo::{LONG_ENOUGH, Words};
 use super::of_flux::{Flux, OfFlux};
-use crate::{BuildContext, ObservableError, Recipe, Surroundings};
+use crate::{BuildContext, Frames, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "thermal-conductivity",
@@ -38,6 +38,10 @@ impl Recipe for ThermalConductivityOptions {
 
     fn default_every(&self) -> u64 {
         4
+    }
+
+    fn frames(&self) -> Frames {
+        Frames::Flows
     }
 
     fn surroundings(&self) -> Surroundings {

@@ -5,7 +5,7 @@ use lennard_core::{DVec3, Findings, Observable, ObservableSpec, SpeciesTable, Vi
 
 use super::green_kubo::{GreenKubo, LONG_ENOUGH, Words};
 use super::{DEFAULT_WINDOW, checked_interval};
-use crate::{BuildContext, ObservableError, Recipe};
+use crate::{BuildContext, Frames, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "mutual-diffusion",
@@ -36,6 +36,10 @@ impl Recipe for MutualDiffusionOptions {
 
     fn default_every(&self) -> u64 {
         4
+    }
+
+    fn frames(&self) -> Frames {
+        Frames::Flows
     }
 
     /// Velocities alone are followed, and a barostat leaves those as they are.

@@ -5,7 +5,7 @@ use lennard_core::{DMat3, Observable, ObservableSpec, View, Want};
 use super::DEFAULT_WINDOW;
 use super::green_kubo::{LONG_ENOUGH, Words};
 use super::of_flux::{Flux, OfFlux};
-use crate::{BuildContext, ObservableError, PressureTensor, Recipe, Surroundings};
+use crate::{BuildContext, Frames, ObservableError, PressureTensor, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "shear-viscosity",
@@ -37,6 +37,10 @@ impl Recipe for ShearViscosityOptions {
 
     fn default_every(&self) -> u64 {
         4
+    }
+
+    fn frames(&self) -> Frames {
+        Frames::Flows
     }
 
     fn surroundings(&self) -> Surroundings {

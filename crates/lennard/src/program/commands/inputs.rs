@@ -26,6 +26,12 @@ impl Inputs {
         Self(files)
     }
 
+    /// The same files, and one more.
+    pub fn with(mut self, file: &Path) -> Self {
+        self.0.push(file.to_owned());
+        self
+    }
+
     /// Refuses a folder that files are written to or removed from, where an input lies in it.
     pub fn not_in(&self, folder: &Path) -> Result<(), Failure> {
         self.refuse(folder, |place, folder| place.parent() == Some(folder))

@@ -9,6 +9,7 @@ pub mod eos;
 pub mod export;
 mod inputs;
 pub mod list;
+pub mod measure;
 pub mod new;
 pub mod plan;
 pub mod resume;

@@ -118,7 +118,7 @@ impl Running<'_> {
 }
 
 /// Prints what a run found, or where it stopped.
-fn tell(
+pub fn tell(
     outcome: &Outcome,
     folder: &Path,
     total: u64,

@@ -32,13 +32,15 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) -> Section
     Section::new(scene.name.to_string())
         .text(format!("{of_particles}, density {density:.4}, box {x:.4} × {y:.4} × {z:.4} σ"))
         .text(scene.model_name())
-        .text(format!(
-            "{}, dt = {} τ, {} steps in {}",
-            scene.method_name(),
-            short(scene.integrator.dt),
-            scene.total_steps(),
-            counted(scene.stages.len(), "stage")
-        ))
+        .texts(simulation.trajectory().is_none().then(|| {
+            format!(
+                "{}, dt = {} τ, {} steps in {}",
+                scene.method_name(),
+                short(scene.integrator.dt),
+                scene.total_steps(),
+                counted(scene.stages.len(), "stage")
+            )
+        }))
         .text(format!("{workers}, output in {}", folder.display()))
         .texts(shares_nothing.then_some(
             "each rank computes all pair forces: this search for pairs has no shared form",
@@ -61,19 +63,24 @@ pub fn results(
     };
     let section =
         if verbose { literature::state_card(section, compared, verbose) } else { section };
-    let of_barostat = |remark: &&Remark| matches!(remark, Remark::SlowBox { .. });
+    let is_measured = record.trajectory.is_some();
+    let of_barostat = |remark: &&Remark| match remark {
+        Remark::SlowBox { .. } => true,
+        Remark::LeftOut { .. } => is_measured,
+        _ => false,
+    };
     let remarks = match verbose {
         true => record.remarks.clone(),
         false => record.typed_remarks.iter().filter(of_barostat).map(Remark::to_string).collect(),
     };
-    let momentum = verbose.then(|| {
+    let momentum = (verbose && !is_measured).then(|| {
         let momentum = record.conservation.momentum_per_atom;
         format!("largest momentum: {momentum:.1e} σ/τ per particle")
     });
     let page = folder.join(PAGE);
     section
         .text("")
-        .text(conserved_energy(&record.conservation, energy_unit(record)))
+        .texts((!is_measured).then(|| conserved_energy(&record.conservation, energy_unit(record))))
         .texts(record.barostat.as_ref().and_then(|b| b.acceptance_in_words()))
         .texts(momentum)
         .texts(remarks.iter().map(|remark| format!("note: {remark}")))
@@ -89,8 +96,9 @@ pub fn results(
 /// How long the run took. The time of a few bodies goes to files and rows, and says nothing of a step.
 fn speed(record: &RunRecord, is_of_few_bodies: bool) -> String {
     let p = &record.performance;
-    let took = format!("{} steps in {}", record.steps, duration(record.wall_s));
-    match is_of_few_bodies {
+    let what = if record.trajectory.is_some() { "frames" } else { "steps" };
+    let took = format!("{} {what} in {}", record.steps, duration(record.wall_s));
+    match is_of_few_bodies || record.trajectory.is_some() {
         true => took,
         false => format!(
             "{took}: {:.2} million atom-steps/s, {:.1} ns per atom-step",

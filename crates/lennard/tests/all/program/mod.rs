@@ -14,6 +14,7 @@ mod faults;
 mod first_steps;
 mod limits;
 mod literature;
+mod measure;
 mod messages;
 mod mixtures;
 mod numbers;
