@@ -20,13 +20,16 @@ fn lattice(cell: &PeriodicBox, cells: usize) -> Vec<DVec3> {
     corners.flat_map(|corner| basis.map(|b| edge * (corner + DVec3::from(b)))).collect()
 }
 
-/// Takes blocks of ten steps from positions in a box; returns U and K in ε after each block.
+/// The last state, and U and K in ε after each block of steps.
+type Run = (State, Vec<[f64; 2]>);
+
+/// Takes blocks of ten steps from positions in a box.
 pub(crate) fn argon(
     cell: PeriodicBox,
     positions: Vec<DVec3>,
     temperature: f64,
     blocks: usize,
-) -> Result<(State, Vec<[f64; 2]>), Box<dyn Error>> {
+) -> Result<Run, Box<dyn Error>> {
     let n_atoms = positions.len();
     let potential = ForceFieldOptions {
         truncation: TruncationOptions::new(TruncationKind::Shift, 2.5),

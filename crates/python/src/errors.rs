@@ -54,7 +54,9 @@ pub fn of_engine(error: EngineError, from_file: bool) -> PyErr {
         EngineError::Write(e) => {
             PyOSError::new_err(format!("writing results: {e}\n  {}", e.advice()))
         }
-        EngineError::Configuration(_) => with_message("ConfigurationError", &error),
+        EngineError::Configuration(_) | EngineError::Trajectory(_) => {
+            with_message("ConfigurationError", &error)
+        }
         EngineError::Folder(_) => with_message("FolderError", &error),
         EngineError::Resume(_) => with_message("CheckpointError", &error),
         EngineError::Memory(_) => PyMemoryError::new_err(error.to_string()),

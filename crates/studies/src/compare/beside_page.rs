@@ -15,6 +15,9 @@ const QUANTITIES_OF_A_TABLE: usize = 4;
 /// A table of a run, the columns that are drawn, and words for what they show.
 type Curve = (&'static str, [&'static str; 2], &'static str);
 
+/// The first run that has a column, its heading, and the cell of a row.
+type Part = (usize, &'static str, fn(&Row) -> Cell);
+
 const CURVES: [Curve; 5] = [
     ("rdf", ["r", "g"], "radial distribution function g(r)"),
     ("msd", ["time", "msd"], "mean-square displacement"),
@@ -121,7 +124,7 @@ impl Beside {
     fn a_column_for_each(&self, shown: &[&Measured]) -> Table {
         let mut table = Table::rows_of("compare", shown).column("Quantity", |q| words(q)).table();
         let first: &str = if self.names.len() <= MOST_COLUMNS { &self.names[0] } else { "first" };
-        let parts: [(usize, &str, fn(&Row) -> Cell); 3] =
+        let parts: [Part; 3] =
             [(0, "{}", mean), (1, "{} − {first}", difference), (1, "Verdict on {}", verdict)];
         for (from, heading, cell) in parts {
             for (k, name) in self.names.iter().enumerate().skip(from) {

@@ -344,7 +344,7 @@ impl BitsRead<'_> {
             let now = (bits - shift).min(48);
             let rest = now % 8;
             let found = self.take(now);
-            let whole = (found >> rest << (64 - (now - rest)) % 64).swap_bytes();
+            let whole = (found >> rest << ((64 - (now - rest)) % 64)).swap_bytes();
             let top = (found & ((1 << rest) - 1)) << (now - rest);
             number |= u128::from(whole | top) << shift;
             shift += now;
