@@ -14,6 +14,7 @@ mod interaction;
 mod listed;
 pub mod measure;
 mod non_finite;
+mod number;
 mod options;
 mod pair;
 mod plan;
@@ -34,19 +35,20 @@ pub use contact_law::{
 pub use error::{ForceFieldError, LARGEST_N};
 pub use field::ConstantField;
 pub use options::{
-    CutoffUnit, ForceFieldOptions, Isa, Kernel, KernelOptions, LONGEST_CUTOFF, ListMode,
-    NeighborOptions, Precision, SHORTEST_CUTOFF, SplitOptions, TruncationOptions,
+    ForceFieldOptions, Kernel, KernelOptions, ListMode, NeighborOptions, Precision, SplitOptions,
 };
 pub use pair::potentials::*;
 pub use pair::{
-    CombiningOptions, CombiningSpec, Deviation, Mixture, Model, Pair, Size, SpeciesPair, TablePath,
-    Tail, Tolerance, TruncationKind, TruncationSpec, combining_rules, model_name, tail_correction,
-    tail_in, tail_of_mixture, truncations,
+    CombiningOptions, CombiningSpec, CutoffUnit, Deviation, LONGEST_CUTOFF, Mixture, Model, Pair,
+    SHORTEST_CUTOFF, Size, SpeciesPair, TablePath, Tail, Tolerance, TruncationKind,
+    TruncationOptions, TruncationSpec, combining_rules, model_name, tail_correction, tail_in,
+    tail_of_mixture, truncations,
 };
 pub use plan::{Conditions, ForcePlan, Search, recommended_threads};
 pub use provider::{PairForces, build};
 pub use real::Real;
 pub use share::most_ranks;
+pub use simd::Isa;
 pub use walls::{
     Hard, Hit, HitRule, KICKS_OF_REST, Rebound, Response, SHALLOWEST_ROOM, SlitPlanes, Soft,
     Surface, WallContext, WallForce, WallOptions, WallPair, WallPoint, WallSpec, Walls, walls,

@@ -8,10 +8,10 @@ use glam::DVec3;
 use lennard_core::stopwatch::timed;
 use lennard_core::{Configuration, ForceError, ForceTerm, Part, Want};
 
-use crate::options::{Isa, Precision, TruncationOptions};
-use crate::pair::Model;
+use crate::options::Precision;
+use crate::pair::{Model, TruncationOptions};
 use crate::provider::PairForces;
-use crate::simd::{Level, limit};
+use crate::simd::{Isa, Level, limit};
 
 /// Best times of the parts of a step, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,8 +2,6 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::pair::{NarrowRow, PairRows, RowsOf, WideRow};
-
 /// A real number, or several side by side.
 ///
 /// A formula gives the same value per lane with any type, up to the rounding of the type and of fused multiply-adds.
@@ -37,94 +35,6 @@ pub trait Real:
     fn max(self, other: Self) -> Self;
 }
 
-/// A number type of registers.
-pub trait Number: Copy + std::fmt::Debug + Send + Sync + 'static {
-    /// A row of a pair law.
-    type Row: Copy + std::fmt::Debug + Send + Sync;
-    /// Bits of the mantissa.
-    const MANTISSA: u32;
-    /// The number whose last bit counts 1, and whose other bits do not change by counting.
-    const COUNTS_FROM: f64;
-    /// The number nearest to a double.
-    fn of(value: f64) -> Self;
-    /// The bits of a value without the last ones.
-    fn number(value: f64, shift: u32) -> u64;
-    /// Number of bits.
-    const BITS: u32;
-    /// The last bits of a number that hold the leading bits of another one in a row.
-    const FOLDED: u32;
-    /// The number with these bits.
-    fn from_bits(bits: u64) -> Self;
-    /// The bits of the number.
-    fn bits(self) -> u64;
-    /// The number as a double.
-    fn value(self) -> f64;
-    /// A row of four numbers.
-    fn row(numbers: [Self; 4]) -> Self::Row;
-    /// The rows for registers of this type.
-    fn rows(rows: &PairRows) -> &RowsOf<Self>;
-}
-
-impl Number for f64 {
-    type Row = WideRow;
-    const BITS: u32 = 64;
-    const FOLDED: u32 = 32;
-    const MANTISSA: u32 = 52;
-    const COUNTS_FROM: f64 = 4_503_599_627_370_496.0;
-
-    fn of(value: f64) -> Self {
-        value
-    }
-    fn number(value: f64, shift: u32) -> u64 {
-        value.to_bits() >> shift
-    }
-    fn from_bits(bits: u64) -> Self {
-        Self::from_bits(bits)
-    }
-    fn bits(self) -> u64 {
-        self.to_bits()
-    }
-    fn value(self) -> f64 {
-        self
-    }
-    fn row(numbers: [Self; 4]) -> WideRow {
-        WideRow(numbers)
-    }
-    fn rows(rows: &PairRows) -> &RowsOf<Self> {
-        &rows.wide
-    }
-}
-
-impl Number for f32 {
-    type Row = NarrowRow;
-    const BITS: u32 = 32;
-    const FOLDED: u32 = 12;
-    const MANTISSA: u32 = 23;
-    const COUNTS_FROM: f64 = 8_388_608.0;
-
-    fn of(value: f64) -> Self {
-        value as Self
-    }
-    fn number(value: f64, shift: u32) -> u64 {
-        u64::from((value as Self).to_bits() >> shift)
-    }
-    fn from_bits(bits: u64) -> Self {
-        Self::from_bits(bits as u32)
-    }
-    fn bits(self) -> u64 {
-        u64::from(self.to_bits())
-    }
-    fn value(self) -> f64 {
-        f64::from(self)
-    }
-    fn row(numbers: [Self; 4]) -> NarrowRow {
-        NarrowRow(numbers)
-    }
-    fn rows(rows: &PairRows) -> &RowsOf<Self> {
-        &rows.narrow
-    }
-}
-
 impl Real for f64 {
     #[inline(always)]
     fn splat(self, value: f64) -> Self {
@@ -147,4 +57,20 @@ impl Real for f64 {
     fn max(self, other: Self) -> Self {
         f64::max(self, other)
     }
+}
+
+/// r⁻ⁿ where 1/r² is `inv_r2`, by squaring: the exponent is the same for all lanes.
+#[inline(always)]
+pub fn inverse_power<R: Real>(inv_r2: R, exponent: u32) -> R {
+    let mut product = if exponent % 2 == 1 { inv_r2.sqrt() } else { inv_r2.splat(1.0) };
+    let mut bits = exponent / 2;
+    let mut power = inv_r2;
+    while bits > 0 {
+        if bits % 2 == 1 {
+            product = product * power;
+        }
+        power = power * power;
+        bits /= 2;
+    }
+    product
 }

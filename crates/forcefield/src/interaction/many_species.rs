@@ -8,8 +8,8 @@
 use lennard_core::MOST_SPECIES;
 
 use super::Interaction;
+use crate::number::Number;
 use crate::pair::{Constants, Laws, Pair, PairForm, PairLaw};
-use crate::real::Number;
 use crate::simd::{BySpecies, Lanes};
 
 /// One truncated potential for each pair of species.

@@ -19,8 +19,8 @@ pub use near_part::NearPart;
 pub use one_species::OneSpecies;
 pub use pairwise::{NoRows, Pairwise};
 
+use crate::number::Number;
 use crate::pair::Pair;
-use crate::real::Number;
 use crate::simd::Lanes;
 
 /// The interaction of particles. A loop compiles it in.

@@ -1,8 +1,8 @@
 //! One truncated potential for all pairs.
 
 use super::Interaction;
+use crate::number::Number;
 use crate::pair::{Constants, Pair, PairForm};
-use crate::real::Number;
 use crate::simd::Lanes;
 
 /// One truncated potential for all pairs.

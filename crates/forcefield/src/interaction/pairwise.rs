@@ -6,9 +6,10 @@ use lennard_core::{MOST_SPECIES, PeriodicBox};
 
 use super::many_species::ConstantsOfPairs;
 use super::{ManySpecies, NearPart, OneSpecies};
+use crate::number::PairRows;
 use crate::pair::{
     ByRows, Compiled, Constants, ForceShifted, Form, LawOfRows, Laws, Model, Pair, PairForm,
-    PairRows, Spline, Switched, TwelveSix,
+    Spline, Switched, TwelveSix,
 };
 use crate::simd::{ChunkLoop, PackedList};
 

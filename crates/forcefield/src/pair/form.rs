@@ -1,26 +1,8 @@
 //! A truncated potential for one pair, in double precision: what the reference loop sums, and what rows are made of.
 
-use super::compiled::{Constants, Shape, TwoPowers};
 use super::potentials::Formula;
-use super::{Pair, Truncation};
-use crate::options::TruncationOptions;
-use crate::pair::PotentialOptions;
-
-/// The side of a joint of two formulas.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// r² up to the joint.
-    Inside,
-    /// r² beyond the joint.
-    Outside,
-}
-
-impl Side {
-    /// The side of r² = `r2` where the joint is at `joint2`; inside where there is none.
-    pub fn of(r2: f64, joint2: Option<f64>) -> Self {
-        if joint2.is_some_and(|joint2| r2 > joint2) { Self::Outside } else { Self::Inside }
-    }
-}
+use super::shape::{Constants, Shape, TwoPowers};
+use super::{Pair, PotentialOptions, Side, Truncation, TruncationOptions};
 
 /// A form that loops compile in.
 #[derive(Clone, Copy, Debug)]

@@ -2,9 +2,8 @@
 
 use lennard_core::MOST_SPECIES;
 
-use super::{Form, Mixture, Model, Pair, PotentialOptions, SpeciesPair};
+use super::{Form, Mixture, Model, Pair, PotentialOptions, SpeciesPair, TruncationOptions};
 use crate::error::ForceFieldError;
-use crate::options::TruncationOptions;
 
 /// The numbers of one pair of species, for u_ab(r) = ε·f(r/σ) with the f of a form in units of σ = σ_ab and ε = ε_ab.
 #[derive(Clone, Copy, Debug)]

@@ -17,81 +17,33 @@ mod mixture;
 mod model;
 pub mod potentials;
 mod rows;
+mod shape;
 mod smoothstep;
 pub(crate) mod tabulated;
 mod tail;
 mod truncations;
+mod values;
 
 pub use combining::{CombiningOptions, CombiningSpec, Deviation, Size, combining_rules};
-pub(crate) use compiled::{
-    ByRows, Constants, ForceShifted, PairForm, Shape, Spline, Switched, TwelveSix, TwoPowers,
-};
+pub(crate) use compiled::{ByRows, ForceShifted, PairForm, Spline, Switched, TwelveSix};
+pub(crate) use form::Compiled;
 pub use form::Form;
-pub(crate) use form::{Compiled, Side};
 pub(crate) use laws::{Laws, PairLaw, as_one_fluid};
 pub use mixture::{Mixture, SpeciesPair};
 pub use model::{Model, model_name};
 pub use potentials::*;
-pub use rows::Tolerance;
-pub(crate) use rows::{LawOfRows, NarrowRow, PairRows, RowsOf, WideRow};
+pub(crate) use rows::LawOfRows;
+pub(crate) use shape::{Constants, Shape, TwoPowers};
 pub(crate) use smoothstep::Smoothstep;
 pub use tabulated::TablePath;
 pub use tail::{Tail, tail_correction, tail_in, tail_of_mixture};
 pub(crate) use truncations::Truncation;
-pub use truncations::{TruncationKind, TruncationSpec, truncations};
-
-use crate::options::TruncationOptions;
-use crate::real::Real;
-use crate::simd::Lanes;
-
-/// The values of a pair formula at a distance r, in ε or in a unit of energy that the formula names.
-#[derive(Clone, Copy, Debug)]
-pub struct Pair<R> {
-    /// U(r), ε.
-    pub energy: R,
-    /// −U′(r)/r, ε/σ²: the force on i is this times r_ij = r_i − r_j.
-    pub force: R,
-    /// U″(r), ε/σ².
-    pub curvature: R,
-}
-
-impl Pair<f64> {
-    /// The values in ε, of a formula that counts in `unit` ε.
-    pub(crate) fn in_epsilon(self, unit: f64) -> Self {
-        Self {
-            energy: self.energy * unit,
-            force: self.force * unit,
-            curvature: self.curvature * unit,
-        }
-    }
-}
-
-impl<R: Real> Pair<R> {
-    /// The values where the mask holds, zero elsewhere.
-    #[inline(always)]
-    pub(crate) fn keep(self, inside: R::Mask) -> Self
-    where
-        R: Lanes,
-    {
-        Self {
-            energy: self.energy.keep(inside),
-            force: self.force.keep(inside),
-            curvature: self.curvature.keep(inside),
-        }
-    }
-
-    /// −U′/r, and the sums Σ U, Σ −r·U′ and Σ (U″ + 2U′/r) with this pair, whose r² is `r2`.
-    #[inline(always)]
-    pub(crate) fn add_up(self, r2: R, [energy, virial, laplacian]: [R; 3]) -> (R, [R; 3]) {
-        let f = self.force;
-        let sums = [
-            energy + self.energy,
-            f.mul_add(r2, virial),
-            laplacian + f.mul_add(f.splat(-2.0), self.curvature),
-        ];
-        (f, sums)
-    }
-}
+pub use truncations::{
+    CutoffUnit, LONGEST_CUTOFF, SHORTEST_CUTOFF, TruncationKind, TruncationOptions, TruncationSpec,
+    truncations,
+};
+pub(crate) use values::Side;
+pub use values::{Pair, Tolerance};
 
 /// U(r) without any cutoff, in double precision: what the reference loop and the rows of loops are made of.
 pub trait PairPotential: std::fmt::Debug + Send + Sync {

@@ -1,9 +1,8 @@
 //! From options to the one truncated potential that the loops sum.
 
-use super::{Form, Pair};
+use super::{Form, Pair, PotentialOptions, TruncationOptions};
 use crate::error::ForceFieldError;
-use crate::options::{ForceFieldOptions, TruncationOptions};
-use crate::pair::PotentialOptions;
+use crate::options::ForceFieldOptions;
 
 /// A truncated potential with its cutoff.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +55,7 @@ fn check(
     }
     kind.check(truncation)?;
     potential.check().map_err(ForceFieldError::BadPotential)?;
-    let fits = potential.check_with(truncation);
+    let fits = potential.check_with(r_cut, truncation.tail_correction);
     fits.map_err(ForceFieldError::BadPotential)?;
     let Some(end) = potential.own_end() else {
         return Ok(r_cut);

@@ -11,8 +11,8 @@
 //! formula gives way to another, s is scaled so that a row begins there.
 
 use super::tabulated::Cubic;
-use super::{Form, Pair, Side};
-use crate::real::Number;
+use super::{Form, Pair, Side, Tolerance};
+use crate::number::{Number, PairRows, RowsOf};
 
 /// The smallest s that has a row, 2⁻²⁷ σ²: a pair nearer than 1e-4 σ has no finite force, and stops the run.
 const SMALLEST: f64 = 7.450_580_596_923_828e-9;
@@ -20,30 +20,6 @@ const SMALLEST: f64 = 7.450_580_596_923_828e-9;
 const BITS: std::ops::RangeInclusive<u32> = 5..=11;
 /// Where the error of a cubic is judged, as shares of its row.
 const JUDGED_AT: [f64; 3] = [0.211_324_865, 0.5, 0.788_675_135];
-
-/// How far rows may be from a formula: |ΔU| as a share of max(|U|, ε), and |ΔF| as a share of max(|F|, ε/σ).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tolerance {
-    /// Of U.
-    pub energy: f64,
-    /// Of F.
-    pub force: f64,
-}
-
-impl Tolerance {
-    /// For a formula in double precision.
-    pub const FORMULA: Self = Self { energy: 1e-10, force: 1e-9 };
-    /// For registers in single precision: less than a formula loses in them.
-    const SINGLE: Self = Self { energy: 2.5e-7, force: 2.5e-7 };
-
-    /// Whether U and F, of which the exact ones come first, agree.
-    fn holds(self, energy: [f64; 2], force: [f64; 2]) -> bool {
-        let within = |[exact, found]: [f64; 2], share: f64| {
-            (found - exact).abs() <= share * exact.abs().max(1.0)
-        };
-        within(energy, self.energy) && within(force, self.force)
-    }
-}
 
 /// A pair law that rows are made of, in units of its own σ and ε.
 pub struct LawOfRows<'a> {
@@ -81,80 +57,6 @@ impl<'a> LawOfRows<'a> {
     }
 }
 
-/// A row in double precision.
-#[derive(Debug, Clone, Copy)]
-#[repr(C, align(32))]
-pub struct WideRow(pub [f64; 4]);
-
-/// The same in single precision.
-#[derive(Debug, Clone, Copy)]
-#[repr(C, align(16))]
-pub struct NarrowRow(pub [f32; 4]);
-
-/// The rows of several laws one after another, for registers of `T`. All laws have as many.
-#[derive(Debug)]
-pub struct RowsOf<T: Number> {
-    rows: Vec<T::Row>,
-    /// The smallest scaled s that has a row.
-    pub lowest: f64,
-    /// The largest scaled s that has a row.
-    pub highest: f64,
-    /// Bits of s to shift away for the number of a row.
-    pub shift: u32,
-    /// The number of the first row.
-    pub first: u64,
-    /// Number of rows of one law.
-    per_law: usize,
-}
-
-impl<T: Number> RowsOf<T> {
-    /// The rows.
-    #[inline(always)]
-    pub fn rows(&self) -> &[T::Row] {
-        &self.rows
-    }
-
-    /// The number of rows before the first one of a law, as a register takes it: in the last bits of a number.
-    pub fn first_of(&self, law: f64) -> f64 {
-        T::COUNTS_FROM + law * self.per_law as f64
-    }
-
-    /// Rows of these laws with so many bits.
-    fn of(laws: &[Scaled<'_>], bits: u32) -> Self {
-        let grid = Grid { bits };
-        let lowest = grid.before(SMALLEST);
-        let end = laws.iter().map(|law| law.scale * law.law.end2).fold(0.0, f64::max);
-        let highest = grid.next(grid.begin(end));
-        let mut rows = Vec::new();
-        for law in laws {
-            let mut at = lowest;
-            while at <= highest {
-                rows.push(T::row(folded(law.row(grid, at), grid.next(at) - at)));
-                at = grid.next(at);
-            }
-        }
-        Self {
-            per_law: rows.len() / laws.len(),
-            rows,
-            lowest,
-            highest,
-            shift: T::MANTISSA - bits,
-            first: T::number(lowest, T::MANTISSA - bits),
-        }
-    }
-}
-
-/// The rows of the laws of all pairs of species, in both precisions.
-#[derive(Debug)]
-pub struct PairRows {
-    /// In double precision.
-    pub wide: RowsOf<f64>,
-    /// In single precision.
-    pub narrow: RowsOf<f32>,
-    /// The scale of each law.
-    scales: Vec<f64>,
-}
-
 impl PairRows {
     /// Rows of these laws.
     ///
@@ -169,16 +71,34 @@ impl PairRows {
             narrow = narrow.max(law.bits::<f32>(law.tolerance_of_singles()).map_err(fail)?);
         }
         Ok(Self {
-            wide: RowsOf::of(&laws, wide),
-            narrow: RowsOf::of(&laws, narrow),
+            wide: rows_of(&laws, wide),
+            narrow: rows_of(&laws, narrow),
             scales: laws.iter().map(|law| law.scale).collect(),
         })
     }
+}
 
-    /// The constants of a law: scale of s, number of the law, and half the inverse of the scale.
-    pub fn constants(&self, law: usize) -> [f64; 3] {
-        let scale = self.scales[law];
-        [scale, law as f64, 0.5 / scale]
+/// Rows of these laws with so many bits.
+fn rows_of<T: Number>(laws: &[Scaled<'_>], bits: u32) -> RowsOf<T> {
+    let grid = Grid { bits };
+    let lowest = grid.before(SMALLEST);
+    let end = laws.iter().map(|law| law.scale * law.law.end2).fold(0.0, f64::max);
+    let highest = grid.next(grid.begin(end));
+    let mut rows = Vec::new();
+    for law in laws {
+        let mut at = lowest;
+        while at <= highest {
+            rows.push(T::row(folded(law.row(grid, at), grid.next(at) - at)));
+            at = grid.next(at);
+        }
+    }
+    RowsOf {
+        per_law: rows.len() / laws.len(),
+        rows,
+        lowest,
+        highest,
+        shift: T::MANTISSA - bits,
+        first: T::number(lowest, T::MANTISSA - bits),
     }
 }
 

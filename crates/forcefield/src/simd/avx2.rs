@@ -17,8 +17,8 @@ use super::row::{DoubleRow, FixedRow, species_of_fixed};
 use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
+use crate::number::RowsOf;
 use crate::options::Precision;
-use crate::pair::RowsOf;
 
 /// Four doubles. A value proves that this processor has AVX2 and FMA.
 #[derive(Clone, Copy)]

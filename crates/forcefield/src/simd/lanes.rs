@@ -4,8 +4,8 @@ use glam::DVec3;
 use lennard_neighbor::{CLUSTER, ENTRY_SCALE, cluster_center};
 
 use super::row::{DoubleRow, FixedRow};
-use crate::pair::RowsOf;
-use crate::real::{Number, Real};
+use crate::number::{Number, RowsOf};
+use crate::real::Real;
 use lennard_core::MOST_SPECIES;
 
 /// A list entry, which numbers a row.

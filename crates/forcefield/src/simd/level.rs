@@ -1,6 +1,19 @@
 //! Instruction sets, and tokens that prove that this processor has one.
 
-use crate::options::Isa;
+lennard_core::choices! {
+    /// Which instruction set the pair loop uses.
+    pub enum Isa {
+        /// The widest that this processor has.
+        #[default]
+        Auto = "auto",
+        /// AVX-512 (F, BW, DQ and VL).
+        Avx512 = "avx512",
+        /// AVX2 with FMA.
+        Avx2 = "avx2",
+        /// No particular instruction set.
+        Portable = "portable",
+    }
+}
 
 /// Proof that this processor has AVX-512 F, BW, DQ, VL, and everything of [`Avx2`].
 ///

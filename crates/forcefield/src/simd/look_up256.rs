@@ -3,8 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::avx2::{F32x8, F64x4};
-use crate::pair::RowsOf;
-use crate::real::Number;
+use crate::number::{Number, RowsOf};
 
 impl F64x4 {
     /// [`Lanes::look_up`](super::Lanes::look_up).

@@ -3,8 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::avx512::{F32x16, F64x8};
-use crate::pair::RowsOf;
-use crate::real::Number;
+use crate::number::{Number, RowsOf};
 
 impl F64x8 {
     /// [`Lanes::look_up`](super::Lanes::look_up).

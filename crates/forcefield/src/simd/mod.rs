@@ -69,7 +69,7 @@ pub use disjoint::Disjoint;
 pub use fused::{SlotState, fused_step};
 pub use kick_drift::KickDrift;
 pub use lanes::{BySpecies, Lanes};
-pub use level::Level;
+pub use level::{Isa, Level};
 pub use limit::limit;
 pub use list_in_use::{ListInUse, ListStatus, Ordered};
 pub use motion::{MotionSummary, SomeRows};

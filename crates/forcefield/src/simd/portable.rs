@@ -10,9 +10,9 @@ use super::row::DoubleRow;
 use super::row_loop::{self, RowJob};
 use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
+use crate::number::{Number, RowsOf};
 use crate::options::Precision;
-use crate::pair::RowsOf;
-use crate::real::{Number, Real};
+use crate::real::Real;
 
 /// `N` numbers side by side. There are no singles: without instructions for them, pairs in mixed precision take longer than in double.
 #[derive(Clone, Copy)]

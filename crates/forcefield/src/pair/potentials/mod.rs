@@ -3,8 +3,7 @@
 use lennard_core::options::{Keys, OptionError, Options};
 use serde::{Deserialize, Serialize};
 
-use super::{PairPotential, TablePath, TruncationOptions};
-use crate::real::Real;
+use super::{PairPotential, TablePath};
 
 /// The smallest exponent of an inverse power: below it the tail integrals diverge.
 const SMALLEST_EXPONENT: i64 = 4;
@@ -26,22 +25,6 @@ pub struct PotentialSpec {
     pub source: &'static str,
     /// Whether the potential is Lennard-Jones 12-6, which the literature's equations of state describe.
     pub is_lennard_jones: bool,
-}
-
-/// r⁻ⁿ where 1/r² is `inv_r2`, by squaring: the exponent is the same for all lanes.
-#[inline(always)]
-pub(super) fn inverse_power<R: Real>(inv_r2: R, exponent: u32) -> R {
-    let mut product = if exponent % 2 == 1 { inv_r2.sqrt() } else { inv_r2.splat(1.0) };
-    let mut bits = exponent / 2;
-    let mut power = inv_r2;
-    while bits > 0 {
-        if bits % 2 == 1 {
-            product = product * power;
-        }
-        power = power * power;
-        bits /= 2;
-    }
-    product
 }
 
 /// The file of a potential provides this for its options type; `PairPotential` holds the formula.
@@ -71,11 +54,11 @@ pub trait Potential: Options + Copy + 'static {
         Ok(())
     }
 
-    /// Whether the options go with a truncation.
+    /// Whether the options go with a cutoff, σ, and with a tail correction where means have one.
     ///
     /// # Errors
     /// [`OptionError`] with the key that does not fit the truncation.
-    fn check_with(&self, _truncation: &TruncationOptions) -> Result<(), OptionError> {
+    fn check_with(&self, _r_cut: f64, _has_tail: bool) -> Result<(), OptionError> {
         Ok(())
     }
 
@@ -173,13 +156,13 @@ macro_rules! list_of_potentials {
                 }
             }
 
-            /// Whether the options go with a truncation.
+            /// Whether the options go with a cutoff, σ, and with a tail correction where means have one.
             ///
             /// # Errors
             /// [`OptionError`] with the key that does not fit.
-            pub(crate) fn check_with(&self, truncation: &TruncationOptions) -> Result<(), OptionError> {
+            pub(crate) fn check_with(&self, r_cut: f64, has_tail: bool) -> Result<(), OptionError> {
                 match self {
-                    $(Self::$variant(potential) => potential.check_with(truncation),)*
+                    $(Self::$variant(potential) => potential.check_with(r_cut, has_tail),)*
                 }
             }
 

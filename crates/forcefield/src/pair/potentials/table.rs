@@ -1,7 +1,6 @@
 //! A potential that a file lists.
 
 use super::{LARGEST_EXPONENT, Potential, PotentialSpec, SMALLEST_EXPONENT};
-use crate::options::TruncationOptions;
 use crate::pair::tabulated::{Checksum, ROWS_ADD, TablePath, Tabulated, stored};
 use crate::pair::{Pair, PairPotential, Side, Tolerance};
 use lennard_core::options::OptionError;
@@ -120,9 +119,9 @@ impl Potential for Table {
         self.open().map(drop)
     }
 
-    fn check_with(&self, truncation: &TruncationOptions) -> Result<(), OptionError> {
+    fn check_with(&self, r_cut: f64, has_tail: bool) -> Result<(), OptionError> {
         let (table, _) = self.open()?;
-        let (r_cut, end) = (truncation.r_cut, table.range.1);
+        let end = table.range.1;
         if end < r_cut {
             return Err(OptionError {
                 key: "file",
@@ -130,7 +129,7 @@ impl Potential for Table {
                 allowed: format!("rows up to r_cut = {r_cut} at least"),
             });
         }
-        if truncation.tail_correction {
+        if has_tail {
             self.tail(table)?;
         }
         Ok(())

@@ -1,8 +1,7 @@
 //! The linear force shift.
 
-use super::{Truncation, TruncationSpec, without_switch};
+use super::{Truncation, TruncationOptions, TruncationSpec, without_switch};
 use crate::error::ForceFieldError;
-use crate::options::TruncationOptions;
 use crate::pair::potentials::Formula;
 
 pub(super) const SPEC: TruncationSpec = TruncationSpec {

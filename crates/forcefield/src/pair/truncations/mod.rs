@@ -2,6 +2,7 @@
 
 mod cut;
 mod force_shift;
+mod options;
 mod shift;
 mod switch;
 mod xplor;
@@ -13,7 +14,7 @@ use super::potentials::Formula;
 use super::smoothstep::{Smoothstep, weighted};
 use super::{Pair, Side};
 use crate::error::ForceFieldError;
-use crate::options::TruncationOptions;
+pub use options::{CutoffUnit, LONGEST_CUTOFF, SHORTEST_CUTOFF, TruncationOptions};
 
 /// What a truncation declares about itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -1,8 +1,7 @@
 //! The quintic switch.
 
-use super::{Truncation, TruncationSpec};
+use super::{Truncation, TruncationOptions, TruncationSpec};
 use crate::error::ForceFieldError;
-use crate::options::TruncationOptions;
 use crate::pair::Smoothstep;
 use crate::pair::potentials::Formula;
 use lennard_core::number::short;

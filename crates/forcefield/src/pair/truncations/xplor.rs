@@ -1,8 +1,7 @@
 //! The cubic switch of X-PLOR.
 
-use super::{Truncation, TruncationSpec, switch};
+use super::{Truncation, TruncationOptions, TruncationSpec, switch};
 use crate::error::ForceFieldError;
-use crate::options::TruncationOptions;
 use crate::pair::Smoothstep;
 use crate::pair::potentials::Formula;
 use lennard_core::number::short;
