@@ -16,55 +16,6 @@ pub struct Scratch {
     candidates: Candidates,
 }
 
-/// An entry of either width.
-trait Offset: Copy + Default {
-    fn of(number: u32) -> Self;
-    fn number(self) -> u32;
-    fn near(
-        scanner: &dyn RowScanner,
-        candidates: &Candidates,
-        center: Center,
-        radius2: f32,
-        found: &mut [Self],
-    ) -> usize;
-}
-
-impl Offset for u16 {
-    fn of(number: u32) -> Self {
-        number as u16
-    }
-    fn number(self) -> u32 {
-        u32::from(self)
-    }
-    fn near(
-        scanner: &dyn RowScanner,
-        candidates: &Candidates,
-        center: Center,
-        radius2: f32,
-        found: &mut [u16],
-    ) -> usize {
-        scanner.near_narrow(candidates, center, radius2, found)
-    }
-}
-
-impl Offset for u32 {
-    fn of(number: u32) -> Self {
-        number
-    }
-    fn number(self) -> u32 {
-        self
-    }
-    fn near(
-        scanner: &dyn RowScanner,
-        candidates: &Candidates,
-        center: Center,
-        radius2: f32,
-        found: &mut [u32],
-    ) -> usize {
-        scanner.near_wide(candidates, center, radius2, found)
-    }
-}
-
 /// Fills chunks; all chunks of a build share it.
 pub struct Filler<'a> {
     pub table: &'a RowTable,
@@ -91,30 +42,34 @@ impl Filler<'_> {
         let narrow = targets.end - targets.start <= u32::from(u16::MAX) + 1;
         let counts = &mut chunk.counts;
         let old = std::mem::replace(&mut chunk.entries, Entries::Wide(Vec::new()));
-        chunk.entries = match (old, narrow) {
-            (Entries::Narrow(entries), true) => {
-                Entries::Narrow(self.write(slots, chunk.base, scratch, counts, entries))
-            }
-            (Entries::Wide(entries), false) => {
-                Entries::Wide(self.write(slots, chunk.base, scratch, counts, entries))
-            }
-            (_, true) => {
-                Entries::Narrow(self.write(slots, chunk.base, scratch, counts, Vec::new()))
-            }
-            (_, false) => Entries::Wide(self.write(slots, chunk.base, scratch, counts, Vec::new())),
+        let (scanner, radius2) = (self.scanner, self.radius2);
+        chunk.entries = if narrow {
+            let entries = if let Entries::Narrow(entries) = old { entries } else { Vec::new() };
+            let near = |candidates: &Candidates, center, found: &mut [u16]| {
+                scanner.near_narrow(candidates, center, radius2, found)
+            };
+            let how = (|number| number as u16, near);
+            Entries::Narrow(self.write(slots, chunk.base, scratch, counts, entries, how))
+        } else {
+            let entries = if let Entries::Wide(entries) = old { entries } else { Vec::new() };
+            let near = |candidates: &Candidates, center, found: &mut [u32]| {
+                scanner.near_wide(candidates, center, radius2, found)
+            };
+            let how = (|number| number, near);
+            Entries::Wide(self.write(slots, chunk.base, scratch, counts, entries, how))
         };
     }
 
     /// Closes up entries over the particles that the particle at `slot` does not interact with; returns the count left.
-    fn leave_out<E: Offset>(&self, slot: usize, base: u32, found: &mut [E]) -> usize {
+    fn leave_out<E: Copy + Into<u32>>(&self, slot: usize, base: u32, found: &mut [E]) -> usize {
         let particle = &self.table.particle;
         let own = particle[slot] as usize;
         let mut kept = 0;
         for at in 0..found.len() {
             let entry = found[at];
             let other = match self.images {
-                Images::Ghosts => self.table.slots()[(base + entry.number()) as usize],
-                Images::Folded => entry.number(),
+                Images::Ghosts => self.table.slots()[(base + entry.into()) as usize],
+                Images::Folded => entry.into(),
             };
             if !self.exclusions.exclude(own, particle[other as usize] as usize) {
                 found[kept] = entry;
@@ -124,16 +79,17 @@ impl Filler<'_> {
         kept
     }
 
-    /// Writes the entries of `slots` over the entries of an earlier build.
+    /// Writes the entries of `slots` over the entries of an earlier build; `of` gives the entry of a number.
     ///
     /// Old entries stay behind the new ones, since clearing them would cost as much as a search.
-    fn write<E: Offset>(
+    fn write<E: Copy + Default + Into<u32>>(
         &self,
         slots: Range<usize>,
         base: u32,
         scratch: &mut Scratch,
         counts: &mut Vec<u32>,
         mut entries: Vec<E>,
+        (of, near): (impl Fn(u32) -> E, impl Fn(&Candidates, Center, &mut [E]) -> usize),
     ) -> Vec<E> {
         let table = self.table;
         let numbering = match self.images {
@@ -156,12 +112,12 @@ impl Filler<'_> {
                     entries.resize(room, E::default());
                 }
                 let found = &mut entries[written..];
-                let mut count = E::near(self.scanner, candidates, center, self.radius2, found);
+                let mut count = near(candidates, center, found);
                 if !self.exclusions.are_none() {
                     count = self.leave_out(slot, base, &mut found[..count]);
                 }
                 let padded = count.next_multiple_of(self.lanes);
-                found[count..padded].fill(E::of(center.number));
+                found[count..padded].fill(of(center.number));
                 counts.push(count as u32);
                 written += padded;
             }
