@@ -202,7 +202,7 @@ impl Share {
         let own = self.own();
         let mut has_all = true;
         for (chunk, is_outer) in self.chunks.clone().zip(&self.is_outer) {
-            list.for_each_named(chunk, &mut |slot| {
+            list.for_each_slot(chunk, &mut |slot| {
                 let slot = slot as usize;
                 has_all &= own.contains(&slot) || (*is_outer && is_in_halo[slot]);
             });

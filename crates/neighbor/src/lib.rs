@@ -31,7 +31,7 @@
 
 mod brute;
 mod clusters;
-mod kept;
+mod own_chunks;
 mod pair_list;
 mod room;
 mod rows;
@@ -46,7 +46,7 @@ pub use clusters::{
     ClusterScanner, ENTRY_SCALE, ExcludedEntries, FIRST_HALF, GroupBounds, GroupCandidates, Reach,
     SECOND_HALF, ScalarClusterScanner, Span, THEMSELVES, cluster_center,
 };
-pub use kept::slots_of;
+pub use own_chunks::slots_of;
 pub use pair_list::PairList;
 pub use rows::{
     ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, NeighborList, Numbering,

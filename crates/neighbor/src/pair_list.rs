@@ -87,5 +87,5 @@ pub trait PairList: Sync {
     /// The particles listed for each particle, `[N]`, ascending: for tests and canonical forces, too slow for force loops.
     fn neighbors(&self) -> Vec<Vec<u32>>;
     /// Calls `name` with each slot that the lists of a chunk contain, as often as they do, by ghosts too: for checks.
-    fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32));
+    fn for_each_slot(&self, chunk: usize, name: &mut dyn FnMut(u32));
 }

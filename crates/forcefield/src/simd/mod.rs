@@ -13,7 +13,8 @@
 //!   motion, packing, pack         from positions to rows
 //!   scan, scanners                searches that build lists
 //!   packed_list, packed           lists with their rows; all chunks
-//!   list_in_use, fused            evaluations, and steps that follow each other
+//!   list_in_use                   whether a list may be used
+//!   evaluation, fused             evaluations, and steps that follow each other
 //! ```
 #![allow(unsafe_code)]
 
@@ -29,6 +30,7 @@ mod by_slot;
 mod cluster_kernel;
 mod cluster_loop;
 mod disjoint;
+mod evaluation;
 mod frames;
 mod fused;
 mod kick_drift;

@@ -16,9 +16,9 @@ use super::row::{DoubleRow, FixedRow};
 
 /// The threads that pack.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum By {
+pub enum Threads {
     /// The calling thread.
-    OneThread,
+    One,
     /// All threads of the pool.
     All,
 }
@@ -30,7 +30,7 @@ const SHORT_RUN: usize = 1024;
 /// motion of the slots.
 pub fn pack_double(
     level: Level,
-    by: By,
+    by: Threads,
     table: &RowTable,
     (motion, which): (Motion<'_>, SomeRows<'_>),
     rows: &mut [DoubleRow],
@@ -79,7 +79,7 @@ unsafe fn pack_ghosts(
 /// Writes the rows of some slots in fixed point; as [`pack_double`].
 pub fn pack_fixed(
     level: Level,
-    by: By,
+    by: Threads,
     table: &ColumnTable,
     (motion, which): (Motion<'_>, SomeRows<'_>),
     rows: &mut [FixedRow],
@@ -133,7 +133,7 @@ pub fn pack_displacements(
 /// Packs runs of slots in batches by `pack(motion, first, squares)`, which writes |d|² of each slot from `first` on.
 fn pack_slots(
     level: Level,
-    by: By,
+    by: Threads,
     (motion, runs): (Motion<'_>, &[Range<usize>]),
     packed: Option<&mut [PackedDisplacement]>,
     pack: impl Fn(Motion<'_>, usize, &mut [f64]) + Sync,
@@ -159,14 +159,14 @@ fn pack_slots(
 
 /// Does tasks over runs of numbers, and takes their summaries together in the order of the runs.
 fn in_tasks(
-    by: By,
+    by: Threads,
     runs: &[Range<usize>],
     task: impl Fn(Range<usize>) -> MotionSummary + Sync,
 ) -> MotionSummary {
     let mut all = MotionSummary::NOTHING;
     for run in runs {
         // Short runs are not worth waking another thread.
-        if by == By::OneThread || run.len() < SHORT_RUN && runs.len() > 1 {
+        if by == Threads::One || run.len() < SHORT_RUN && runs.len() > 1 {
             all = all.and(task(run.clone()));
             continue;
         }

@@ -16,7 +16,7 @@ use super::disjoint::Disjoint;
 use super::fused::{ChunkDisplacement, NextRows};
 use super::list_in_use::{ListInUse, ListStatus, Ordered};
 use super::motion::{MotionSummary, SomeRows};
-use super::pack::By;
+use super::pack::Threads;
 use super::packed_list::PackedList;
 use super::totals::{ChunkTotals, Detail};
 use crate::share::Share;
@@ -97,7 +97,7 @@ impl<P: PackedList> Pass<'_, '_, P> {
     /// Packs some rows, and packed displacements where given.
     fn pack(
         &self,
-        by: By,
+        by: Threads,
         which: SomeRows<'_>,
         rows: &mut [P::Row],
         packed: Option<&mut [PackedDisplacement]>,
@@ -181,7 +181,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
             return self.run_few(pass);
         }
         let (mut copy, status) = match pass.request.prepared {
-            Prepared::Nothing => self.pack(0, By::All, pass),
+            Prepared::Nothing => self.pack(0, Threads::All, pass),
             Prepared::Packed => self.take_next(pass),
             Prepared::Judged => (lock(&self.0[0]), ListStatus::Complete),
         };
@@ -201,7 +201,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
             let copy = mine.get_or_insert_with(|| {
                 let me = rayon::current_thread_index().unwrap_or(0);
                 // Each thread judges for itself: waiting for another thread may put it to sleep.
-                let (copy, judged) = self.pack(me % self.0.len(), By::OneThread, pass);
+                let (copy, judged) = self.pack(me % self.0.len(), Threads::One, pass);
                 let _ = status.set(judged);
                 copy
             });
@@ -222,7 +222,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
     fn pack<P: PackedList<Row = Row>>(
         &self,
         copy: usize,
-        by: By,
+        by: Threads,
         pass: &Pass<'_, '_, P>,
     ) -> (MutexGuard<'_, PackedCopy<Row>>, ListStatus) {
         let mut copy = lock(&self.0[copy]);
@@ -312,7 +312,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
             Some(fetch) => fetch(&mut run_inner),
             None => run_inner(),
         }
-        pass.pack(By::All, share.rows(1), &mut self.rows, None);
+        pass.pack(Threads::All, share.rows(1), &mut self.rows, None);
         let mut both = self.run(pass, outer.len(), |k| outer[k] as usize);
         both.totals.append(&mut first.totals);
         both.broken |= first.broken;

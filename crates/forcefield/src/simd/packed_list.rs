@@ -9,7 +9,7 @@ use super::disjoint::Disjoint;
 use super::level::Level;
 use super::motion::{Motion, MotionSummary, SomeRows};
 use super::output::Output;
-use super::pack::{By, pack_double, pack_fixed, pack_fixed_part};
+use super::pack::{Threads, pack_double, pack_fixed, pack_fixed_part};
 use super::row::{DoubleRow, FixedRow};
 use super::row_loop::RowJob;
 use super::totals::{ChunkTotals, Detail};
@@ -45,7 +45,7 @@ pub trait PackedList: PairList + Send {
     fn pack(
         &self,
         level: Level,
-        by: By,
+        by: Threads,
         motion: Motion<'_>,
         which: SomeRows<'_>,
         rows: &mut [Self::Row],
@@ -126,7 +126,7 @@ impl PackedList for NeighborList {
     fn pack(
         &self,
         level: Level,
-        by: By,
+        by: Threads,
         motion: Motion<'_>,
         which: SomeRows<'_>,
         rows: &mut [DoubleRow],
@@ -164,7 +164,7 @@ impl PackedList for ClusterList {
     fn pack(
         &self,
         level: Level,
-        by: By,
+        by: Threads,
         motion: Motion<'_>,
         which: SomeRows<'_>,
         rows: &mut [FixedRow],

@@ -23,7 +23,7 @@ use super::chunk::{ClusterBlocks, ClusterChunk};
 use super::format::{CLUSTER, Reach};
 use super::scan::ClusterScanner;
 use super::search::{Scratch, Search};
-use crate::kept::{Kept, slots_of};
+use crate::own_chunks::{OwnChunks, slots_of};
 use crate::pair_list::PairList;
 use crate::rows::ATOMS_PER_CHUNK;
 use crate::sort::{Around, ColumnTable, FixedRow, GridError, Positions};
@@ -40,7 +40,7 @@ pub struct ClusterList {
     exclusions: Exclusions,
     /// The slot of each particle, `[N]`, where pairs are excluded.
     slot_of: Vec<u32>,
-    kept: Kept,
+    own_chunks: OwnChunks,
 }
 
 impl ClusterList {
@@ -53,7 +53,7 @@ impl ClusterList {
     /// The chunks whose lists are kept.
     #[must_use]
     pub fn own(&self) -> Range<usize> {
-        self.kept.of(self.chunks.len())
+        self.own_chunks.of(self.chunks.len())
     }
 
     /// Lends the room of rows to a build, or takes it back; see [`ColumnTable::swap_room`].
@@ -150,7 +150,7 @@ impl PairList for ClusterList {
         let exclusions = (&self.exclusions, &self.slot_of[..]);
         let search = Search::new(&self.table, cell, reach, scanner, exclusions);
         let n = self.table.particle.len();
-        let own = self.kept.of(n.div_ceil(ATOMS_PER_CHUNK));
+        let own = self.own_chunks.of(n.div_ceil(ATOMS_PER_CHUNK));
         search.mark_near(slots_of(&own, n), around);
     }
 
@@ -194,7 +194,7 @@ impl PairList for ClusterList {
     }
 
     fn keep(&mut self, own: Range<usize>) {
-        self.kept = Kept::alone(own, &mut self.chunks);
+        self.own_chunks = OwnChunks::alone(own, &mut self.chunks);
     }
 
     /// An end whose list is not kept here counts as listed.
@@ -276,7 +276,7 @@ impl PairList for ClusterList {
         all
     }
 
-    fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
+    fn for_each_slot(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
         let chunk = &self.chunks[chunk];
         let end = chunk.spans.last().map_or(0, |span| span.end as usize);
         let named = chunk.blocks[..end].iter().flat_map(Block::slots);

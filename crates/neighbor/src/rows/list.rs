@@ -11,7 +11,7 @@ use super::chunk::{ATOMS_PER_CHUNK, Images, ListChunk};
 use super::fill::{Filler, Scratch};
 use super::scan::RowScanner;
 use crate::clusters::Reach;
-use crate::kept::{Kept, slots_of};
+use crate::own_chunks::{OwnChunks, slots_of};
 use crate::pair_list::PairList;
 use crate::sort::{GridError, Positions, RowTable};
 
@@ -26,7 +26,7 @@ pub struct NeighborList {
     exclusions: Exclusions,
     table: RowTable,
     chunks: Vec<ListChunk>,
-    kept: Kept,
+    own_chunks: OwnChunks,
 }
 
 impl NeighborList {
@@ -39,7 +39,7 @@ impl NeighborList {
             exclusions: Exclusions::NONE,
             table: RowTable::default(),
             chunks: Vec::new(),
-            kept: Kept::default(),
+            own_chunks: OwnChunks::default(),
         }
     }
 
@@ -52,7 +52,7 @@ impl NeighborList {
     /// The chunks whose lists are kept.
     #[must_use]
     pub fn own(&self) -> Range<usize> {
-        self.kept.of(self.chunks.len())
+        self.own_chunks.of(self.chunks.len())
     }
 
     /// The sorted rows.
@@ -187,7 +187,7 @@ impl PairList for NeighborList {
     }
 
     fn keep(&mut self, own: Range<usize>) {
-        self.kept = Kept::alone(own, &mut self.chunks);
+        self.own_chunks = OwnChunks::alone(own, &mut self.chunks);
     }
 
     fn pairs(&self) -> u64 {
@@ -238,7 +238,7 @@ impl PairList for NeighborList {
 
     /// # Panics
     /// Where entries number slots: such lists are not shared.
-    fn for_each_named(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
+    fn for_each_slot(&self, chunk: usize, name: &mut dyn FnMut(u32)) {
         assert_eq!(self.images, Images::Ghosts, "entries number rows");
         let chunk = &self.chunks[chunk];
         // Padding names the slot itself.

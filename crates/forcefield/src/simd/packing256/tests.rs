@@ -2,7 +2,7 @@
 
 use super::super::level::{Avx2, Level};
 use super::super::motion::{MotionSummary, SlotSpecies, SomeRows};
-use super::super::pack::{By, pack_double, pack_fixed};
+use super::super::pack::{Threads, pack_double, pack_fixed};
 use super::super::row::species_of_fixed;
 use super::*;
 use lennard_core::PeriodicBox;
@@ -36,7 +36,7 @@ static SPECIES: [u8; 2307] = {
 const LENGTHS: DVec3 = DVec3::new(9.0, 8.0, 10.0);
 
 /// Packs particles `shift` boxes away from home, in a box that is `stretch` times the box of the build.
-fn packed(level: Level, by: By, shift: f64, stretch: DVec3, broken: bool) -> Packed {
+fn packed(level: Level, by: Threads, shift: f64, stretch: DVec3, broken: bool) -> Packed {
     let cell = PeriodicBox::new(LENGTHS).unwrap();
     let n = SPECIES.len();
     let noise = |k: usize| ((k as f64 * 12.9898).sin() * 43_758.545_3).rem_euclid(1.0);
@@ -148,14 +148,14 @@ fn registers_pack_the_same_bits_as_plain_loops() {
         (3.0, stretched),
     ] {
         for broken in [false, true] {
-            let plain = packed(Level::Portable, By::All, shift, stretch, broken);
+            let plain = packed(Level::Portable, Threads::All, shift, stretch, broken);
             for moved in [&plain.1, &plain.3] {
                 assert_eq!(moved.finite, !broken);
                 assert!(!moved.far.is_empty() && moved.largest2 > 0.06);
                 assert!(moved.far.is_sorted());
             }
             let plain = bits(plain);
-            for by in [By::OneThread, By::All] {
+            for by in [Threads::One, Threads::All] {
                 let found = bits(packed(level, by, shift, stretch, broken));
                 assert!(found == plain, "{shift} boxes away, {by:?}, broken: {broken}");
             }

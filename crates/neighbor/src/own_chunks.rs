@@ -6,9 +6,9 @@ use crate::rows::ATOMS_PER_CHUNK;
 
 /// The chunks whose lists are kept: all, or the chunks of one rank. All others stay empty.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Kept(Option<Range<usize>>);
+pub(crate) struct OwnChunks(Option<Range<usize>>);
 
-impl Kept {
+impl OwnChunks {
     /// The chunks `own` alone; the others are emptied.
     pub(crate) fn alone<C: Default>(own: Range<usize>, chunks: &mut [C]) -> Self {
         let all = chunks.iter_mut().enumerate();
