@@ -281,13 +281,7 @@ impl ForceTerm for NoForces {
         forces: &mut [DVec3],
     ) -> Result<Energetics, ForceError> {
         forces.fill(DVec3::ZERO);
-        Ok(Energetics {
-            potential_energy: want.energy.then_some(0.0),
-            conserved_potential: want.energy.then_some(0.0),
-            virial: want.virial.then_some(glam::DMat3::ZERO),
-            laplacian: want.laplacian.then_some(0.0),
-            ..Energetics::default()
-        })
+        Ok(Energetics::of(want, 0.0, glam::DMat3::ZERO, 0.0))
     }
 
     fn properties(&self) -> ForceProperties {

@@ -174,6 +174,19 @@ pub struct Energetics {
 }
 
 impl Energetics {
+    /// What `want` asks for of a term whose energy U is the one that its forces conserve, with the virial tensor and ∇²U; energies of
+    /// particles are left out.
+    #[must_use]
+    pub fn of(want: Want, energy: f64, virial: DMat3, laplacian: f64) -> Self {
+        Self {
+            potential_energy: want.energy.then_some(energy),
+            conserved_potential: want.energy.then_some(energy),
+            virial: want.virial.then_some(virial),
+            laplacian: want.laplacian.then_some(laplacian),
+            ..Self::default()
+        }
+    }
+
     /// The scalar virial W = Σ r_ij·F_ij in ε: summed by itself, or else the trace of the tensor.
     #[must_use]
     pub fn scalar_virial(&self) -> Option<f64> {

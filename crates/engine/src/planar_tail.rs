@@ -193,9 +193,7 @@ impl PlanarTail {
             laplacian: want
                 .laplacian
                 .then(|| sum(&|mode, square| 2.0 * mode.phi * mode.k * mode.k * (n - square))),
-            virial_trace: None,
-            pairs: None,
-            per_particle: None,
+            ..Energetics::default()
         }
     }
 }

@@ -64,16 +64,11 @@ impl ForceTerm for ConstantField {
             false => 0.0,
         };
         let n = at.positions.len();
-        let energy = want.energy.then(|| -> f64 { exact_sum(n, energy_of) });
+        let energy = if want.energy { exact_sum(n, energy_of) } else { 0.0 };
         let each = || (0..n).map(|i| (energy_of(i), DMat3::ZERO)).collect();
         Ok(Energetics {
-            potential_energy: energy,
-            conserved_potential: energy,
-            virial: want.virial.then_some(DMat3::ZERO),
-            laplacian: want.laplacian.then_some(0.0),
-            virial_trace: None,
-            pairs: None,
             per_particle: want.per_particle.then(each),
+            ..Energetics::of(want, energy, DMat3::ZERO, 0.0)
         })
     }
 

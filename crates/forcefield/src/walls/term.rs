@@ -218,13 +218,8 @@ impl ForceTerm for Walls {
             Part::All | Part::Near => Vec::new(),
         };
         Ok(Energetics {
-            potential_energy: want.energy.then_some(felt.energy),
-            conserved_potential: want.energy.then_some(felt.energy),
-            virial: want.virial.then_some(DMat3::ZERO),
-            laplacian: want.laplacian.then_some(felt.laplacian),
-            virial_trace: None,
-            pairs: None,
             per_particle: want.per_particle.then_some(each),
+            ..Energetics::of(want, felt.energy, DMat3::ZERO, felt.laplacian)
         })
     }
 

@@ -186,13 +186,7 @@ impl ForceTerm for Springs {
             true => sums,
             false => Sums { energy: sums.energy, ..Sums::NOTHING },
         };
-        Ok(Energetics {
-            potential_energy: want.energy.then_some(sums.energy),
-            conserved_potential: want.energy.then_some(sums.energy),
-            virial: want.virial.then_some(sums.virial),
-            laplacian: want.laplacian.then_some(sums.laplacian),
-            ..Energetics::default()
-        })
+        Ok(Energetics::of(want, sums.energy, sums.virial, sums.laplacian))
     }
 
     fn force_on(&self, particle: usize, at: Configuration<'_>) -> DVec3 {

@@ -183,15 +183,7 @@ impl ForceTerm for Contacts {
                 }
             }
         }
-        Ok(Energetics {
-            potential_energy: want.energy.then_some(energy),
-            conserved_potential: want.energy.then_some(energy),
-            virial: want.virial.then_some(virial),
-            laplacian: want.laplacian.then_some(laplacian),
-            virial_trace: None,
-            pairs: None,
-            per_particle: each,
-        })
+        Ok(Energetics { per_particle: each, ..Energetics::of(want, energy, virial, laplacian) })
     }
 
     /// The sum over all other bodies: no list can hide one.
