@@ -25,7 +25,6 @@ mod window;
 use std::ops::Range;
 
 use crate::Team;
-use crate::lanes::{Simd, WithSimd, in_lanes};
 use crate::parallel::{CHUNK, part};
 use crate::tasks::map_tasks;
 
@@ -33,7 +32,7 @@ pub use parts::{PartSum, SumOfParts};
 pub use summand::Summand;
 
 use wide::WideSum;
-use window::{MOST_TERMS, Window, largest};
+use window::{MOST_TERMS, Window, larger};
 
 /// Terms that are added in one loop without a branch.
 const BLOCK: usize = 64;
@@ -53,10 +52,9 @@ struct ExactSum {
 
 impl ExactSum {
     /// Adds at most [`MOST_TERMS`] terms.
-    #[inline(always)]
-    fn add_block<S: Simd>(&mut self, simd: S, block: &[f64]) {
+    fn add_block(&mut self, block: &[f64]) {
         let terms = self.terms + block.len() as u32;
-        match self.window.sums(simd, block) {
+        match self.window.sums(block) {
             Some([high, low]) if terms <= MOST_TERMS => {
                 self.slices[0] += high;
                 self.slices[1] += low;
@@ -66,12 +64,28 @@ impl ExactSum {
         }
     }
 
+    /// Adds a term for each of some items.
+    fn add_terms<T>(&mut self, items: &[T], term: impl Fn(&T) -> f64) {
+        let mut block = [0.0; BLOCK];
+        for items in items.chunks(BLOCK) {
+            let block = &mut block[..items.len()];
+            for (to, item) in block.iter_mut().zip(items) {
+                *to = term(item);
+            }
+            self.add_block(block);
+        }
+    }
+
     /// Adds terms that the slices have no room for, or may not hold.
     #[cold]
     fn add_with_care(&mut self, block: &[f64]) {
         self.empty_slices();
         self.terms = block.len() as u32;
-        if let Some(sums) = in_lanes(InNewWindow(&mut self.window, block)) {
+        let largest = block.iter().fold(0.0, |largest, term| larger(term.abs(), largest));
+        if largest >= self.window.limit {
+            self.window = Window::above(largest).unwrap_or_default();
+        }
+        if let Some(sums) = self.window.sums(block) {
             self.slices = sums;
             return;
         }
@@ -160,42 +174,9 @@ impl<const N: usize> ExactSums<N> {
         self.len += 1;
     }
 
-    /// Adds the terms of some particles.
-    // Iterators over arrays are calls where little is inlined.
-    #[allow(clippy::needless_range_loop)]
-    #[inline(always)]
-    fn add_range<S: Simd>(
-        &mut self,
-        simd: S,
-        range: Range<usize>,
-        term: impl Fn(usize) -> [f64; N],
-    ) {
-        self.flush_by(simd);
-        for first in range.clone().step_by(BLOCK) {
-            self.len = BLOCK.min(range.end - first);
-            for k in 0..self.len {
-                let terms = term(first + k);
-                for quantity in 0..N {
-                    self.blocks[quantity][k] = terms[quantity];
-                }
-            }
-            self.flush_by(simd);
-        }
-    }
-
     fn flush(&mut self) {
-        if self.len > 0 {
-            in_lanes(Flush(self));
-        }
-    }
-
-    #[inline(always)]
-    fn flush_by<S: Simd>(&mut self, simd: S) {
-        if self.len == 0 {
-            return;
-        }
         for (sum, block) in self.sums.iter_mut().zip(&self.blocks) {
-            sum.add_block(simd, &block[..self.len]);
+            sum.add_block(&block[..self.len]);
         }
         self.len = 0;
     }
@@ -242,74 +223,6 @@ impl<const N: usize> ExactSums<N> {
     }
 }
 
-/// Moves a window to where it takes the terms of a block, if need be, and sums their slices there.
-struct InNewWindow<'a>(&'a mut Window, &'a [f64]);
-
-impl WithSimd for InNewWindow<'_> {
-    type Output = Option<[f64; 2]>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self(window, block) = self;
-        let largest = largest(simd, block);
-        if largest >= window.limit {
-            *window = Window::above(largest).unwrap_or_default();
-        }
-        window.sums(simd, block)
-    }
-}
-
-/// Takes in the blocks of some sums.
-struct Flush<'a, const N: usize>(&'a mut ExactSums<N>);
-
-impl<const N: usize> WithSimd for Flush<'_, N> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        self.0.flush_by(simd);
-    }
-}
-
-/// Adds the terms of some particles to some sums.
-struct AddRange<'a, F, const N: usize> {
-    sums: &'a mut ExactSums<N>,
-    range: Range<usize>,
-    term: F,
-}
-
-impl<F: Fn(usize) -> [f64; N], const N: usize> WithSimd for AddRange<'_, F, N> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        self.sums.add_range(simd, self.range, self.term);
-    }
-}
-
-/// Adds a term for each of some items to a sum.
-struct AddItems<'a, T, F> {
-    sum: &'a mut ExactSum,
-    items: &'a [T],
-    term: F,
-}
-
-impl<T, F: Fn(&T) -> f64> WithSimd for AddItems<'_, T, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let mut block = [0.0; BLOCK];
-        for items in self.items.chunks(BLOCK) {
-            let block = &mut block[..items.len()];
-            for (term, item) in block.iter_mut().zip(items) {
-                *term = (self.term)(item);
-            }
-            self.sum.add_block(simd, block);
-        }
-    }
-}
-
 /// The exact sum of `term(0)`, …, `term(n − 1)`, rounded once: the same bits for any order, any threads and any ranks.
 pub fn exact_sum<T: Summand<N>, const N: usize>(n: usize, term: impl Fn(usize) -> T + Sync) -> T {
     exact_sum_over(None, n, term)
@@ -322,8 +235,7 @@ pub fn exact_sum_over<T: Summand<N>, const N: usize>(
     term: impl Fn(usize) -> T + Sync,
 ) -> T {
     let (sums, _) = exact_sums(n, |range, sums: &mut ExactSums<N>| {
-        let term = |i| term(i).numbers();
-        in_lanes(AddRange { sums, range, term });
+        range.for_each(|i| sums.add(term(i).numbers()));
     });
     T::from_numbers(sums.over(team).values())
 }
@@ -337,7 +249,7 @@ pub fn exact_sum_of<T: Sync>(
     term: impl Fn(&T) -> f64 + Sync,
 ) -> f64 {
     let (sums, _) = exact_sums(items.len(), |range, sums: &mut ExactSums<1>| {
-        in_lanes(AddItems { sum: &mut sums.sums[0], items: &items[range], term: &term });
+        sums.sums[0].add_terms(&items[range], &term);
     });
     let [sum] = sums.over(team).values();
     sum

@@ -3,9 +3,8 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::window::{MOST_TERMS, Window};
-use super::{AddItems, BLOCK, ExactSum, ExactSums};
+use super::{BLOCK, ExactSum, ExactSums};
 use crate::Team;
-use crate::lanes::{Simd, WithSimd, in_lanes};
 
 /// Parts whose slices fill no more than one sum of slices.
 const PARTS: usize = MOST_TERMS as usize / BLOCK;
@@ -39,9 +38,8 @@ impl SumOfParts {
     #[must_use]
     pub fn part(&self, terms: &[f64]) -> PartSum {
         assert!(terms.len() <= BLOCK, "few terms in a part");
-        PartSum(in_lanes(Slices(self.window, terms)).unwrap_or_else(|| {
-            let sum = &mut *self.others.lock().unwrap_or_else(PoisonError::into_inner);
-            in_lanes(AddItems { sum, items: terms, term: |x: &f64| *x });
+        PartSum(self.window.sums(terms).unwrap_or_else(|| {
+            self.others.lock().unwrap_or_else(PoisonError::into_inner).add_block(terms);
             [0.0; 2]
         }))
     }
@@ -64,18 +62,6 @@ impl SumOfParts {
         let sums = ExactSums { sums: [sum], ..ExactSums::default() };
         let [value] = sums.over(team).values();
         value
-    }
-}
-
-/// The sums of the slices of a block in a window.
-struct Slices<'a>(Window, &'a [f64]);
-
-impl WithSimd for Slices<'_> {
-    type Output = Option<[f64; 2]>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        self.0.sums(simd, self.1)
     }
 }
 

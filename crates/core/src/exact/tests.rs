@@ -14,7 +14,7 @@ fn random() -> Xoshiro256PlusPlus {
 
 fn add_block(sum: &mut ExactSum, items: &[f64]) {
     let term = |x: &f64| *x;
-    in_lanes(AddItems { sum, items, term });
+    sum.add_terms(items, term);
 }
 
 fn sum_of(terms: &[f64]) -> ExactSum {

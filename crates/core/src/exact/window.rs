@@ -1,7 +1,10 @@
 //! Terms cut into slices whose sums are exact doubles.
 
 use super::wide::power_of_two;
-use crate::lanes::{MOST_LANES, Simd};
+use crate::lanes::{Simd, WithSimd, in_lanes};
+
+/// Terms that are cut and summed side by side.
+const LANES: usize = 8;
 
 /// Terms that share one sum of slices.
 pub const MOST_TERMS: u32 = 1024;
@@ -48,93 +51,46 @@ impl Window {
     }
 
     /// The sums of the slices of a block; `None` where a term is not below the limit or has a rest.
-    #[inline(always)]
-    pub fn sums<S: Simd>(&self, simd: S, block: &[f64]) -> Option<[f64; 2]> {
-        let mut lanes = Lanes::new(simd, self);
-        let (registers, last) = registers(simd, block);
-        for terms in registers {
-            lanes.add(*terms);
-        }
-        lanes.add(last);
-        lanes.sums(self.limit)
+    pub fn sums(&self, block: &[f64]) -> Option<[f64; 2]> {
+        in_lanes(Sums(*self, block))
     }
 }
 
-/// The largest |x| of a block; where a term is no number, it may be any of them.
-#[inline(always)]
-pub fn largest<S: Simd>(simd: S, block: &[f64]) -> f64 {
-    let (registers, last) = registers(simd, block);
-    let mut largest = simd.abs_f64s(last);
-    for terms in registers {
-        largest = simd.max_f64s(simd.abs_f64s(*terms), largest);
-    }
-    simd.reduce_max_f64s(largest)
-}
+/// The sums of the slices of a block in a window.
+struct Sums<'a>(Window, &'a [f64]);
 
-/// The whole registers of a block, and one more with the terms that are left and zeros.
-// Loops over them do not take closures, which are calls where little is inlined.
-#[inline(always)]
-fn registers<S: Simd>(simd: S, block: &[f64]) -> (&[S::f64s], S::f64s) {
-    let (registers, last) = S::as_simd_f64s(block);
-    if last.is_empty() {
-        return (registers, simd.splat_f64s(0.0));
-    }
-    let mut padded = [0.0; MOST_LANES];
-    padded[..last.len()].copy_from_slice(last);
-    (registers, S::as_simd_f64s(&padded).0[0])
-}
+impl WithSimd for Sums<'_> {
+    type Output = Option<[f64; 2]>;
 
-/// Sums of slices side by side.
-struct Lanes<S: Simd> {
-    simd: S,
-    rounders: [S::f64s; 2],
-    high: S::f64s,
-    low: S::f64s,
-    /// The sums of all |rest|: zero where there is no rest, and no number where a term is none.
-    rest: S::f64s,
-    /// The largest |x|.
-    largest: S::f64s,
-}
-
-impl<S: Simd> Lanes<S> {
     #[inline(always)]
-    fn new(simd: S, window: &Window) -> Self {
-        const { assert!(S::F64_LANES <= MOST_LANES) };
-        let [first, second] = window.rounders;
-        let zero = simd.splat_f64s(0.0);
-        Self {
-            simd,
-            rounders: [simd.splat_f64s(first), simd.splat_f64s(second)],
-            high: zero,
-            low: zero,
-            rest: zero,
-            largest: zero,
-        }
-    }
-
-    /// Adds one term to each lane.
-    #[inline(always)]
-    fn add(&mut self, terms: S::f64s) {
-        let (simd, [first, second]) = (self.simd, self.rounders);
-        let rounded = |x, rounder| simd.sub_f64s(simd.add_f64s(x, rounder), rounder);
-        let high = rounded(terms, first);
-        let below = simd.sub_f64s(terms, high);
-        let low = rounded(below, second);
-        let rest = simd.abs_f64s(simd.sub_f64s(below, low));
-        self.high = simd.add_f64s(self.high, high);
-        self.low = simd.add_f64s(self.low, low);
-        self.rest = simd.add_f64s(self.rest, rest);
-        self.largest = simd.max_f64s(self.largest, simd.abs_f64s(terms));
-    }
-
-    /// The sums of all lanes; `None` where a term is not below the limit or has a rest.
-    #[inline(always)]
-    fn sums(self, limit: f64) -> Option<[f64; 2]> {
-        let simd = self.simd;
-        // A term that is no number leaves a rest that is none either, which equals nothing.
-        let holds = simd.reduce_sum_f64s(self.rest) == 0.0;
-        let is_below = simd.reduce_max_f64s(self.largest) < limit;
-        let sums = [self.high, self.low].map(|slice| simd.reduce_sum_f64s(slice));
+    fn with_simd<S: Simd>(self, _simd: S) -> Self::Output {
+        let Self(window, block) = self;
+        let (mut high, mut low) = ([0.0; LANES], [0.0; LANES]);
+        let (mut rest, mut largest) = ([0.0; LANES], [0.0; LANES]);
+        let mut add = |terms: &[f64; LANES]| {
+            for k in 0..LANES {
+                let slices = window.cut(terms[k]);
+                high[k] += slices[0];
+                low[k] += slices[1];
+                rest[k] += slices[2].abs();
+                largest[k] = larger(terms[k].abs(), largest[k]);
+            }
+        };
+        let (whole, last) = block.as_chunks();
+        whole.iter().for_each(&mut add);
+        let mut padded = [0.0; LANES];
+        padded[..last.len()].copy_from_slice(last);
+        add(&padded);
+        // A term that is no number leaves a rest that is no number, which equals nothing.
+        let holds = rest.iter().sum::<f64>() == 0.0;
+        let is_below = largest.into_iter().fold(0.0, larger) < window.limit;
+        let sums = [high, low].map(|slices| slices.iter().sum());
         (holds && is_below).then_some(sums)
     }
+}
+
+/// The larger of two numbers; the second where one is no number.
+#[inline(always)]
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
