@@ -3,10 +3,9 @@
 pub mod arguments;
 
 use lennard_core::random::Streams;
-use lennard_core::sweeps::{kick, kick_and_drift};
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceTerm, FusedSteps, Masses, Momentum,
-    Part, PeriodicBox, System, Want,
+    Moving, Part, PeriodicBox, System, Want,
 };
 use lennard_forcefield::{
     Conditions, ForceFieldError, ForceFieldOptions, KernelOptions, NeighborOptions, PairForces,
@@ -165,14 +164,9 @@ impl Run {
         let mut energetics = Energetics::default();
         let mut left = steps;
         while left > 0 {
-            kick_and_drift(
-                &mut self.positions,
-                &mut self.velocities,
-                &self.forces,
-                &self.masses,
-                0.5 * dt,
-                dt,
-            );
+            let Self { positions, velocities, forces, .. } = self;
+            let moving = Moving { positions, velocities, forces };
+            moving.kick_and_drift(&self.masses, 0.5 * dt, dt);
             let mut stride = FusedSteps {
                 cell: &self.cell,
                 positions: &mut self.positions,
@@ -182,13 +176,13 @@ impl Run {
                 dt,
                 steps: left as u64 - 1,
                 bath: None,
-                noise: None,
             };
             let taken = 1 + self.provider.advance(&mut stride) as usize;
             self.time += dt * taken as f64;
             left -= taken;
             energetics = self.evaluate(if left == 0 { want } else { Want::NOTHING })?;
-            kick(&mut self.velocities, &self.forces, &self.masses, 0.5 * dt);
+            let Self { positions, velocities, forces, .. } = self;
+            Moving { positions, velocities, forces }.kick(&self.masses, 0.5 * dt);
         }
         Ok(energetics)
     }

@@ -10,8 +10,7 @@ use std::process::ExitCode;
 
 use lennard_benches::arguments::{Arguments, BadArgument, exit_code};
 use lennard_core::stopwatch::{Spread, Stopwatch, in_turn};
-use lennard_core::sweeps::{kick, kick_and_drift};
-use lennard_core::{BondSolver, BoundDrift, DVec3, StepError, System, Want, rigid};
+use lennard_core::{BondSolver, BoundDrift, DVec3, Moving, StepError, System, Want, rigid};
 use lennard_engine::{Simulation, bare, prepare, take};
 use lennard_integrators::bonds::BondHolder;
 use lennard_scene::Scene;
@@ -155,8 +154,10 @@ impl Frozen {
         let (x, v) = (self.x.clone(), self.v.clone());
         let (masses, h) = (self.system.masses.clone(), self.dt);
         for step in 0..steps {
-            kick_and_drift(&mut self.x, &mut self.v, &self.f, &masses, 0.5 * h, h);
-            kick(&mut self.v, &self.f, &masses, 0.5 * h);
+            let Self { x, v, f, .. } = self;
+            let moving = Moving { positions: &mut *x, velocities: &mut *v, forces: f };
+            moving.kick_and_drift(&masses, 0.5 * h, h);
+            Moving { positions: x, velocities: v, forces: f }.kick(&masses, 0.5 * h);
             self.turn(step);
         }
         (self.x, self.v) = (x, v);

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{Drifted, Masses, PeriodicBox, StepError};
+use crate::{Drifted, Masses, Moving, PeriodicBox, StepError};
 
 /// One plane of a pair of walls, with what particles have done to it.
 ///
@@ -72,6 +72,14 @@ pub struct Flight<'a> {
     pub step: u64,
     /// Whether particles have flown in this step before: a second flight draws other random numbers.
     pub is_later: bool,
+}
+
+impl Flight<'_> {
+    /// The flight of particles that meet nothing: x ← x + h·v.
+    pub fn free(self) {
+        let Self { positions, velocities, forces, h, .. } = self;
+        Moving { positions, velocities, forces }.drift(h);
+    }
 }
 
 /// What acts on particles in flight: walls and other particles that they hit, and dashpots.

@@ -1,7 +1,7 @@
 //! A bath at work after a step.
 
 use crate::thermostat::act;
-use crate::{BathStep, Parts, Step, Thermostat, sweeps};
+use crate::{BathStep, Moving, Parts, Step, Thermostat};
 
 /// Scales the velocities by the factor of a bath, where it acts after this step, and counts the heat. Returns whether it did.
 pub fn couple(bath: &mut dyn Thermostat, s: &mut Step<'_>) -> bool {
@@ -15,7 +15,7 @@ pub fn couple(bath: &mut dyn Thermostat, s: &mut Step<'_>) -> bool {
     let Some((factor, heat)) = act(bath, at) else {
         return false;
     };
-    sweeps::scale(&mut state.velocities, factor);
+    Moving::of(state).scale(factor);
     s.add_heat(heat);
     true
 }

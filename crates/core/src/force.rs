@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use crate::parallel::for_each_piece;
 use crate::{
-    Boundary, Configuration, Energetics, ForceError, FusedBath, FusedNoise, Masses, Part,
-    PeriodicBox, Persist, Team, TooManyRanks, WallReading, Want,
+    Boundary, Configuration, Energetics, ForceError, FusedBath, Masses, Part, PeriodicBox, Persist,
+    Team, TooManyRanks, WallReading, Want,
 };
 
 /// What kind of force it is.
@@ -213,16 +213,14 @@ pub struct FusedSteps<'a> {
     pub dt: f64,
     /// How many steps to take.
     pub steps: u64,
-    /// The bath, where there is one.
+    /// The bath, where there is one. With noise a drift is two half drifts.
     pub bath: Option<FusedBath<'a>>,
-    /// Friction and noise in the middle of each drift, where there are any. The drift is then two half drifts.
-    pub noise: Option<FusedNoise>,
 }
 
 /// The machine that evaluates the sum of all force terms, and may take several steps at once.
 pub trait Backend: ForceTerm {
     /// Takes steps in one go and returns how many: all of them, fewer, or none. Positions and velocities then have the bits
-    /// of that many steps by [`ForceTerm::evaluate`] and [`crate::sweeps`]; forces have no meaning. It never fails: the caller
+    /// of that many steps by [`ForceTerm::evaluate`] and [`Moving`](crate::Moving); forces have no meaning. It never fails: the caller
     /// takes the steps that are left one by one, and meets any error there. Where it takes none, the bath may have acted in
     /// vain, and the caller gives it its memory back.
     ///

@@ -23,6 +23,7 @@ pub mod lanes;
 mod masses;
 mod method;
 mod molecules;
+pub mod moves;
 mod normals;
 pub mod number;
 mod observable;
@@ -39,7 +40,6 @@ mod species;
 mod state;
 mod step;
 pub mod stopwatch;
-pub mod sweeps;
 mod system;
 mod table;
 pub mod tasks;
@@ -59,12 +59,13 @@ pub use force::{
 };
 pub use force_error::ForceError;
 pub use force_sum::ForceSum;
-pub use friction::{FrictionAndNoise, FusedNoise, NoiseOfMass, NoiseOfStep};
+pub use friction::{FrictionAndNoise, NoiseOfMass, NoiseOfStep};
 pub use glam::{DMat3, DVec3};
 pub use integrator::Integrator;
 pub use masses::Masses;
 pub use method::{Method, rigid_bonds_alone, without_constraints};
 pub use molecules::{Bonds, Exclusions, MOLECULES_PER_TASK, Molecules};
+pub use moves::Moving;
 pub use normals::LANES as NOISE_LANES;
 pub use observable::{
     Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Shared, Standing, Suits,

@@ -212,10 +212,12 @@ where
 ///
 /// # Panics
 /// As [`for_each_piece_pair`].
-pub fn for_each_piece_of_three<T, F>(a: &mut [T], b: &mut [T], c: &mut [T], work: F)
+pub fn for_each_piece_of_three<A, B, C, F>(a: &mut [A], b: &mut [B], c: &mut [C], work: F)
 where
-    T: Send,
-    F: Fn(usize, &mut [T], &mut [T], &mut [T]) + Sync,
+    A: Send,
+    B: Send,
+    C: Send,
+    F: Fn(usize, &mut [A], &mut [B], &mut [C]) + Sync,
 {
     assert!(a.len() == b.len() && b.len() == c.len(), "all arrays hold one item per particle");
     let size = piece(a.len());

@@ -7,8 +7,8 @@ use std::ops::Range;
 use crate::parallel::all_pieces;
 use crate::{
     Backend, BondSolver, BoundDrift, Configuration, DVec3, Drifted, Energetics, Flight, ForceError,
-    FrictionAndNoise, IntegratorSpec, Momentum, Part, State, StepError, StepReport, System,
-    Thermostat, Want, rigid, sweeps,
+    FrictionAndNoise, IntegratorSpec, Momentum, Moving, Part, State, StepError, StepReport, System,
+    Thermostat, Want, rigid,
 };
 
 /// A step of a method: what its kicks, drifts and force evaluations act on.
@@ -124,17 +124,10 @@ impl<'a> Step<'a> {
         if self.bonds.is_some() {
             return self.drift_with_bonds(h);
         }
-        let state = &mut *self.state;
+        let (moving, masses) = (Moving::of(self.state), &self.system.masses);
         match self.waiting_kick.take() {
-            Some(kick) => sweeps::kick_and_drift(
-                &mut state.positions,
-                &mut state.velocities,
-                &state.forces,
-                &self.system.masses,
-                kick * self.dt,
-                h,
-            ),
-            None => sweeps::drift(&mut state.positions, &state.velocities, h),
+            Some(kick) => moving.kick_and_drift(masses, kick * self.dt, h),
+            None => moving.drift(h),
         }
     }
 
@@ -296,12 +289,12 @@ impl<'a> Step<'a> {
             return;
         };
         let (state, system, h) = (&mut *self.state, self.system, kick * self.dt);
-        let State { positions, velocities, forces, .. } = state;
         match &self.bonds {
             Some(bonds) if bonds.has_velocity_stage() && system.molecules.are_rigid() => {
+                let State { positions, velocities, forces, .. } = state;
                 rigid::kick_and_project(system, positions, velocities, forces, h);
             }
-            _ => sweeps::kick(velocities, forces, &system.masses, h),
+            _ => Moving::of(state).kick(&system.masses, h),
         }
     }
 

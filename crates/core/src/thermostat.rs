@@ -1,6 +1,6 @@
 //! Heat baths that scale the velocities between steps.
 
-use crate::Persist;
+use crate::{FrictionAndNoise, NoiseOfStep, Persist};
 
 /// What a thermostat declares about itself.
 #[derive(Debug, Clone, Copy)]
@@ -62,43 +62,69 @@ pub(crate) fn act(bath: &mut dyn Thermostat, at: BathStep) -> Option<(f64, f64)>
     Some((factor, factor * factor * kinetic - kinetic))
 }
 
-/// A bath that acts in fused steps, between the two half kicks of a step.
+/// The heat bath of fused steps, and the heat of each step so far.
 pub struct FusedBath<'a> {
-    bath: &'a mut dyn Thermostat,
-    n_dof: f64,
+    kind: Kind<'a>,
     dt: f64,
-    /// The step that ends next.
+    /// The number of steps at the end of the step under way, which is where the next step begins.
     step: u64,
     heats: Vec<f64>,
 }
 
+enum Kind<'a> {
+    /// A bath that scales all velocities between the two half kicks of a step, with the degrees of freedom.
+    Scaling(&'a mut dyn Thermostat, f64),
+    /// Friction and noise between the two half drifts that follow.
+    Noise(FrictionAndNoise),
+}
+
 impl<'a> FusedBath<'a> {
-    /// A bath beside steps of `dt` τ, of which `step` ends first.
-    pub fn new(bath: &'a mut dyn Thermostat, n_dof: f64, dt: f64, step: u64) -> Self {
-        Self { bath, n_dof, dt, step, heats: Vec::new() }
+    /// A bath that scales velocities, beside steps of `dt` τ, of which `step` ends first.
+    pub fn scaling(bath: &'a mut dyn Thermostat, n_dof: f64, dt: f64, step: u64) -> Self {
+        Self { kind: Kind::Scaling(bath, n_dof), dt, step, heats: Vec::new() }
     }
 
-    /// Whether the bath acts after the step that ends next.
+    /// Friction and noise in steps of `dt` τ, of which the first begins at a number of steps.
     #[must_use]
-    pub fn acts(&self) -> bool {
-        self.bath.acts_after(self.step)
+    pub fn noise(noise: FrictionAndNoise, dt: f64, step: u64) -> Self {
+        Self { kind: Kind::Noise(noise), dt, step, heats: Vec::new() }
     }
 
-    /// Ends a step after which the bath does not act.
-    pub fn pass(&mut self) {
-        self.step += 1;
+    /// Whether the bath scales velocities at the end of the step under way.
+    #[must_use]
+    pub fn scales(&self) -> bool {
+        matches!(&self.kind, Kind::Scaling(bath, _) if bath.acts_after(self.step))
     }
 
-    /// Ends a step after which the bath acts; returns the factor of all velocities, whose kinetic energy is given, ε.
+    /// Friction and noise after the step under way, where there are any.
+    #[must_use]
+    pub fn next_noise(&self) -> Option<NoiseOfStep> {
+        match &self.kind {
+            Kind::Scaling(..) => None,
+            Kind::Noise(noise) => Some(noise.in_step(self.step, self.dt)),
+        }
+    }
+
+    /// Ends a step at whose end the bath scales; returns the factor of all velocities, whose kinetic energy is given, ε.
     pub fn factor(&mut self, kinetic: f64) -> f64 {
-        let step = self.step;
+        let (step, dt) = (self.step, self.dt);
         self.step += 1;
-        let at = BathStep { kinetic, n_dof: self.n_dof, dt: self.dt, step };
-        let Some((factor, heat)) = act(self.bath, at) else {
+        let Kind::Scaling(bath, n_dof) = &mut self.kind else {
+            return 1.0;
+        };
+        let Some((factor, heat)) = act(*bath, BathStep { kinetic, n_dof: *n_dof, dt, step }) else {
             return 1.0;
         };
         self.heats.push(heat);
         factor
+    }
+
+    /// Ends a step at whose end the bath does not scale; noise has put in the kinetic energy `gained`, ε: an exact total.
+    pub fn pass(&mut self, gained: impl FnOnce() -> f64) {
+        self.step += 1;
+        if matches!(self.kind, Kind::Noise(_)) {
+            self.heats.push(gained());
+        }
     }
 
     /// The heats of the steps so far, ε.

@@ -4,14 +4,14 @@ use std::ops::Range;
 
 use glam::DVec3;
 use lennard_core::exact::{PartSum, SumOfParts};
-use lennard_core::{ForceError, FusedBath, FusedSteps, Masses};
+use lennard_core::{ForceError, FusedBath, FusedSteps, Masses, Moving};
 use lennard_neighbor::{PairList, Positions};
 
 use crate::clock::Clock;
 use crate::share::Share;
 use crate::simd::{
-    Detail, Disjoint, KickDrift, Level, ListStatus, Mover, PackedCopies, PackedList, Prepared,
-    Request, SlotNoise, SlotState, SumOverChunks, are_few, by_slot, fused_step, to_particles,
+    Detail, Disjoint, KickDrift, ListStatus, Mover, PackedCopies, PackedList, Prepared, Request,
+    SlotNoise, SlotState, SumOverChunks, are_few, by_slot, fused_step, to_particles,
 };
 use crate::validity::ListValidity;
 
@@ -94,8 +94,9 @@ impl FusedBuffers {
             }
         }
         let forces = std::mem::take(&mut steps.forces);
+        let keeps_forces = steps.bath.as_ref().is_some_and(|bath| bath.next_noise().is_none());
         let reads_while_it_writes = are_few(n) && validity.shared().is_none();
-        let mut particles = self.by_slot(forces, steps.bath.is_some(), reads_while_it_writes);
+        let mut particles = self.by_slot(forces, keeps_forces, reads_while_it_writes);
         particles.gather(list, steps, validity.shared());
         let (mut taken, mut is_new, mut prepared) = (0, false, Prepared::Nothing);
         loop {
@@ -108,7 +109,7 @@ impl FusedBuffers {
                     if done == most {
                         break ListStatus::Complete;
                     }
-                    let acts = steps.bath.as_ref().is_some_and(FusedBath::acts);
+                    let acts = steps.bath.as_ref().is_some_and(FusedBath::scales);
                     let mut request = request::<P>(prepared, n, most - done);
                     request.packs_next &= !acts;
                     let (state, rest) = particles.parts();
@@ -123,7 +124,7 @@ impl FusedBuffers {
                         if used.share.is_some_and(Share::is_broken) {
                             break ListStatus::NonFinite;
                         }
-                        particles.go_on_from_bath(steps, (kick_drift, used.level), used.share);
+                        particles.go_on_from_bath(steps, kick_drift, used.share);
                         Prepared::Nothing
                     } else {
                         particles.finish_step(steps, request, used.share)
@@ -210,20 +211,22 @@ impl BySlot<'_> {
         (state, rest)
     }
 
-    /// Kicks by half, lets the bath scale the velocities, and goes on with the other half and the drift.
+    /// Lets the bath scale the velocities after half a kick, and goes on with the other half and the drift.
     fn go_on_from_bath(
         &mut self,
         steps: &mut FusedSteps<'_>,
-        (kick_drift, level): (KickDrift, Level),
+        kick_drift: KickDrift,
         share: Option<&Share>,
     ) {
         let own = self.own(share);
-        let positions = &mut self.positions[own.clone()];
-        let velocities = &mut self.velocities[own.clone()];
         let kinetic = self.sum.value(self.parts, share.map(Share::team));
         let factor = steps.bath.as_mut().map_or(1.0, |bath| bath.factor(kinetic));
-        let forces = &self.forces[own];
-        kick_drift.kick_scale_and_go_on(level, factor, positions, velocities, forces);
+        let moving = Moving {
+            positions: &mut self.positions[own.clone()],
+            velocities: &mut self.velocities[own.clone()],
+            forces: &self.forces[own],
+        };
+        moving.all(move |c| kick_drift.on_from_bath(factor, c));
     }
 
     /// Makes the positions of the next step the present ones; returns the state of their rows.
@@ -234,10 +237,7 @@ impl BySlot<'_> {
         share: Option<&Share>,
     ) -> Prepared {
         if let Some(bath) = &mut steps.bath {
-            bath.pass();
-        }
-        if let Some(noise) = &mut steps.noise {
-            noise.pass(self.sum.value(self.parts, share.map(Share::team)));
+            bath.pass(|| self.sum.value(self.parts, share.map(Share::team)));
         }
         if !self.next.is_empty() {
             std::mem::swap(&mut self.positions, &mut self.next);
@@ -272,16 +272,16 @@ impl<'a> Rest<'a> {
         let Self { forces, sum, parts } = self;
         let n = particles.len();
         if acts {
-            return Mover::Kick {
+            return Mover::Bath {
                 forces: Disjoint::new(forces),
                 mass,
                 sum: SumOverChunks::begin(sum, parts, n),
             };
         }
-        let Some(noise) = &steps.noise else {
+        let Some(of_step) = steps.bath.as_ref().and_then(FusedBath::next_noise) else {
             return Mover::Drift;
         };
-        let noise = SlotNoise { of_step: noise.next_step(), mass, particles };
+        let noise = SlotNoise { of_step, mass, particles };
         Mover::Noise(noise, SumOverChunks::begin(sum, parts, n))
     }
 }

@@ -1,8 +1,8 @@
 //! FIRE: relaxation of a configuration by damped dynamics, for starts that lie too close together.
 
 use lennard_core::exact::exact_sum;
-use lennard_core::parallel::for_each_piece_pair;
-use lennard_core::{Backend, Configuration, DVec3, ForceError, Part, PeriodicBox, Want};
+use lennard_core::parallel::for_each_piece;
+use lennard_core::{Backend, Configuration, DVec3, ForceError, Moving, Part, PeriodicBox, Want};
 use serde::{Deserialize, Serialize};
 
 use crate::krylov::dot;
@@ -124,12 +124,9 @@ pub fn relax(
             if steps > DELAY {
                 dt = (dt * SHRINKAGE).max(SMALLEST_DT);
             }
-            for_each_piece_pair(positions, &mut velocities, |_, xs, vs| {
-                for (x, v) in xs.iter_mut().zip(vs) {
-                    *x -= 0.5 * dt * *v;
-                    *v = DVec3::ZERO;
-                }
-            });
+            let moving = Moving { positions, velocities: &mut velocities, forces: &force };
+            moving.drift(-0.5 * dt);
+            velocities.fill(DVec3::ZERO);
         }
         step(positions, &mut velocities, &force, dt, mixing, options.max_displacement);
         potential_energy = evaluate(cell, positions, forces, &mut force)?;
@@ -166,7 +163,7 @@ fn step(
     max_displacement: f64,
 ) {
     let cap = max_displacement / dt;
-    for_each_piece_pair(positions, velocities, |first, _, vs| {
+    for_each_piece(velocities, |first, vs| {
         for (v, f) in vs.iter_mut().zip(&force[first..]) {
             *v = (*v + dt * *f).clamp_length_max(cap);
         }
@@ -174,12 +171,12 @@ fn step(
     let force_norm = norm(force);
     // Without any force there is no direction to mix in.
     let towards = if force_norm > 0.0 { mixing * norm(velocities) / force_norm } else { 0.0 };
-    for_each_piece_pair(positions, velocities, |first, xs, vs| {
-        for ((x, v), f) in xs.iter_mut().zip(vs).zip(&force[first..]) {
+    for_each_piece(velocities, |first, vs| {
+        for (v, f) in vs.iter_mut().zip(&force[first..]) {
             *v = ((1.0 - mixing) * *v + towards * *f).clamp_length_max(cap);
-            *x += dt * *v;
         }
     });
+    Moving { positions, velocities, forces: force }.drift(dt);
 }
 
 /// √Σ|aᵢ|² without overflow: first forces may be near 1e200.

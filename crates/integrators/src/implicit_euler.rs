@@ -4,8 +4,8 @@ use glam::DMat2;
 use lennard_core::exact::exact_sum;
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, Integrator, IntegratorSpec, Masses,
-    Method, Part, Parts, PeriodicBox, State, Step, StepError, Want, check_finite,
-    remembers_nothing, sweeps,
+    Method, Moving, Part, Parts, PeriodicBox, State, Step, StepError, Want, check_finite,
+    remembers_nothing,
 };
 
 use crate::common::MethodOptions;
@@ -290,7 +290,7 @@ impl Method for ImplicitEuler {
         let (masses, dt) = (&s.system().masses, s.dt());
         let Parts { state, backend, .. } = s.parts();
         let mut inertial = state.positions.clone();
-        sweeps::drift(&mut inertial, &state.velocities, dt);
+        Moving { positions: &mut inertial, ..Moving::of(state) }.drift(dt);
         let equations =
             Equations { masses, cell: state.cell, inertial, dt, end_time: state.time + dt };
         let (end, evaluations, products) = self.solve(&equations, state, backend)?;

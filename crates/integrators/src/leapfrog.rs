@@ -1,9 +1,8 @@
 //! Leapfrog: velocities live at half steps and positions leap over them.
 
-use lennard_core::parallel::for_each_piece;
 use lennard_core::{
-    DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Parts, Step, StepError, System,
-    persist, rigid_bonds_alone, sweeps,
+    DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Moving, Parts, Step, StepError,
+    System, persist, rigid_bonds_alone,
 };
 
 use crate::common::{MethodOptions, acts_on_bonds};
@@ -72,7 +71,8 @@ impl Method for Leapfrog {
         self.half_step_velocities.clone_from(&state.velocities);
         let half_back = -0.5 * self.last_dt;
         let velocities = &mut self.half_step_velocities;
-        sweeps::kick(velocities, &state.forces, &system.masses, half_back);
+        let moving = Moving { velocities, ..Moving::of(state) };
+        moving.kick(&system.masses, half_back);
         Ok(())
     }
 
@@ -83,23 +83,14 @@ impl Method for Leapfrog {
         }
         let masses = &s.system().masses;
         let state = s.parts().state;
-        sweeps::kick_and_drift(
-            &mut state.positions,
-            &mut self.half_step_velocities,
-            &state.forces,
-            masses,
-            0.5 * (self.last_dt + dt),
-            dt,
-        );
+        let velocities = &mut self.half_step_velocities;
+        let moving = Moving { velocities, ..Moving::of(state) };
+        moving.kick_and_drift(masses, 0.5 * (self.last_dt + dt), dt);
         self.last_dt = dt;
         s.forces()?;
         let state = s.parts().state;
-        let (half_step, forces) = (&self.half_step_velocities, &state.forces);
-        for_each_piece(&mut state.velocities, |first, published| {
-            for (i, v) in (first..).zip(published) {
-                *v = half_step[i] + (0.5 * dt / masses.of(i)) * forces[i];
-            }
-        });
+        state.velocities.clone_from(&self.half_step_velocities);
+        Moving::of(state).kick(masses, 0.5 * dt);
         Ok(())
     }
 }

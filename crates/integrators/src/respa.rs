@@ -3,8 +3,8 @@
 use glam::DMat2;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{
-    DVec3, Energetics, ForceProperties, Integrator, IntegratorSpec, Method, Part, Step, StepError,
-    System, Want, check_finite, persist, rigid_bonds_alone, sweeps,
+    DVec3, Energetics, ForceProperties, Integrator, IntegratorSpec, Method, Moving, Part, Step,
+    StepError, System, Want, check_finite, persist, rigid_bonds_alone,
 };
 
 use crate::common::MethodOptions;
@@ -141,7 +141,8 @@ impl Method for Respa {
         let inner_step = f64::from(self.inner_steps).recip();
         let mut near = Energetics::default();
         // The first inner drift holds bonds, whatever this kick puts along them.
-        sweeps::kick(&mut s.parts().state.velocities, &self.far, masses, 0.5 * dt);
+        let state = s.parts().state;
+        Moving { forces: &self.far, ..Moving::of(state) }.kick(masses, 0.5 * dt);
         self.exchange_near(s);
         for inner in 1..=self.inner_steps {
             s.kick(0.5 * inner_step);

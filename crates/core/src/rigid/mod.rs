@@ -78,7 +78,7 @@ pub fn kick_and_project(
     });
 }
 
-/// The kick v ← v + (h/m)·F of the sites of a molecule, with the bits of [`crate::sweeps::kick`].
+/// The kick v ← v + (h/m)·F of the sites of a molecule, with the bits of [`crate::Moving::kick`].
 #[inline]
 pub fn kick(masses: &Masses, first: usize, v: &mut [DVec3], forces: &[DVec3], h: f64) {
     match masses {

@@ -1,7 +1,7 @@
 //! Steps that are taken at once with the step under way, and the bath and the noise that belong to each of them.
 
 use super::{Step, tick};
-use crate::{FrictionAndNoise, FusedBath, FusedNoise, FusedSteps, Thermostat, Want, rigid};
+use crate::{FrictionAndNoise, FusedBath, FusedSteps, Moving, Thermostat, Want, rigid};
 
 impl<'a> Step<'a> {
     /// With so many further steps that may be taken with it, where the method is kick-drift-kick.
@@ -27,7 +27,7 @@ impl<'a> Step<'a> {
         self.noise = Some(*noise);
         let (state, system) = (&mut *self.state, self.system);
         let of_step = noise.in_step(state.step, self.dt);
-        let mut heat = of_step.act_on_all(&system.masses, &mut state.velocities);
+        let mut heat = Moving::of(state).noise(&of_step, &system.masses);
         if system.molecules.are_rigid() {
             let before = system.kinetic_energy(&state.velocities);
             rigid::project_velocities(system, &state.positions, &mut state.velocities);
@@ -40,7 +40,13 @@ impl<'a> Step<'a> {
         let (n_dof, dt) = (self.n_dof(), self.dt);
         let state = &mut *self.state;
         let before = self.bath.as_ref().map(|bath| bath.copy());
-        let bath = self.bath.as_deref_mut();
+        let is_noise = self.noise.is_some();
+        let bath = match (self.noise, self.bath.as_deref_mut()) {
+            (Some(noise), _) => Some(FusedBath::noise(noise, dt, state.step)),
+            (None, bath) => {
+                bath.map(|bath| FusedBath::scaling(bath.as_mut(), n_dof, dt, state.step))
+            }
+        };
         let mut steps = FusedSteps {
             cell: &state.cell,
             positions: &mut state.positions,
@@ -49,17 +55,15 @@ impl<'a> Step<'a> {
             masses: &self.system.masses,
             dt,
             steps: self.ahead,
-            bath: bath.map(|bath| FusedBath::new(bath.as_mut(), n_dof, dt, state.step)),
-            noise: (self.noise).map(|noise| FusedNoise::new(noise, dt, state.step)),
+            bath,
         };
         let taken = self.backend.advance(&mut steps);
-        let FusedSteps { bath, noise, .. } = steps;
+        let bath = steps.bath;
         if taken > 0 {
             let mut heats = bath.map(FusedBath::into_heats).unwrap_or_default();
-            if let Some(noise) = noise {
+            if is_noise {
                 // The noise of this step came first, and the last noise belongs to the step that ends next.
-                heats.push(self.report.heat);
-                heats.extend(noise.into_heats());
+                heats.insert(0, self.report.heat);
                 self.report.heat = heats.pop().unwrap_or_default();
             }
             self.report.earlier_heats = heats;

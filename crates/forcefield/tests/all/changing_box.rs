@@ -1,7 +1,6 @@
 //! Lists in a box that changes: every loop against the reference, and the limits of the box.
 
 use crate::common::*;
-use lennard_core::sweeps::{drift, kick};
 use lennard_core::{
     Backend, DVec3, Energetics, ForceError, ForceTerm, FusedSteps, Masses, Part, PeriodicBox,
     Persist, StateArchive, Want,
@@ -198,7 +197,6 @@ fn fused_steps_have_the_bits_of_single_steps_in_a_box_that_is_not_that_of_the_bu
                             dt,
                             steps: stride,
                             bath: None,
-                            noise: None,
                         });
                     }
                     for _ in 0..left {
@@ -281,7 +279,6 @@ fn a_shrinking_box_gets_a_thinner_skin_and_ends_with_an_error_at_twice_the_cutof
             dt: 0.001,
             steps: 5,
             bath: None,
-            noise: None,
         });
         assert_eq!(taken, 0);
         // The forces are usable again once the box is large enough.

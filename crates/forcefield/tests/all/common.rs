@@ -1,8 +1,8 @@
 //! Configurations and comparisons that the tests share.
 
 use lennard_core::{
-    BathStep, Configuration, DVec3, Energetics, ForceError, ForceTerm, Part, PeriodicBox, Persist,
-    RestoreError, StateReader, StateWriter, Thermostat, ThermostatSpec, Want,
+    BathStep, Configuration, DVec3, Energetics, ForceError, ForceTerm, Masses, Part, PeriodicBox,
+    Persist, RestoreError, StateReader, StateWriter, Thermostat, ThermostatSpec, Want,
 };
 use lennard_forcefield::{
     Conditions, ForceFieldOptions, Isa, Kernel, KernelOptions, ListMode, Mixture, Model,
@@ -277,5 +277,19 @@ impl Thermostat for Sensitive {
     }
     fn copy(&self) -> Box<dyn Thermostat> {
         Box::new(self.clone())
+    }
+}
+
+/// The kick v ← v + (h/m)·F by the textbook.
+pub fn kick(velocities: &mut [DVec3], forces: &[DVec3], masses: &Masses, h: f64) {
+    for (i, (v, f)) in velocities.iter_mut().zip(forces).enumerate() {
+        *v += (h / masses.of(i)) * *f;
+    }
+}
+
+/// The drift x ← x + h·v by the textbook.
+pub fn drift(positions: &mut [DVec3], velocities: &[DVec3], h: f64) {
+    for (x, v) in positions.iter_mut().zip(velocities) {
+        *x += h * *v;
     }
 }

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::common::*;
 use lennard_core::random::Streams;
 use lennard_core::{
-    Backend, Configuration, DVec3, ForceTerm, FrictionAndNoise, FusedBath, FusedNoise, FusedSteps,
-    Masses, Parcel, Part, PeriodicBox, Persist, StateArchive, Team, Want, Wire, team_of_threads,
+    Backend, Configuration, DVec3, ForceTerm, FrictionAndNoise, FusedBath, FusedSteps, Masses,
+    Parcel, Part, PeriodicBox, Persist, StateArchive, Team, Want, Wire, team_of_threads,
 };
 use lennard_forcefield::{
     ForceFieldOptions, KernelOptions, Mixture, PairForces, Precision, SplitOptions, TruncationKind,
@@ -93,14 +93,14 @@ fn history(start: &Fluid, forces: &mut PairForces, kind: Kind, rounds: usize) ->
             masses: &masses,
             dt: DT,
             steps: 17 + round as u64,
-            bath: bath.as_mut().map(|bath| FusedBath::new(bath, 12.0, DT, step)),
-            noise: matches!(kind, Kind::Noise).then(|| FusedNoise::new(noise, DT, step)),
+            bath: match kind {
+                Kind::Noise => Some(FusedBath::noise(noise, DT, step)),
+                _ => bath.as_mut().map(|bath| FusedBath::scaling(bath, 12.0, DT, step)),
+            },
         };
         let taken = forces.advance(&mut steps);
-        let FusedSteps { bath, noise, .. } = steps;
         // Where no step is taken, heats have no meaning.
-        let heats = (taken > 0)
-            .then_some((bath.map(FusedBath::into_heats), noise.map(FusedNoise::into_heats)));
+        let heats = (taken > 0).then_some(steps.bath.map(FusedBath::into_heats));
         told.push(format!("{taken} {heats:?}"));
         step += taken;
         let mut archive = StateArchive::default();
@@ -337,7 +337,6 @@ fn builds_between_steps_gather_no_vectors() {
                 dt: DT,
                 steps: 100,
                 bath: None,
-                noise: None,
             });
             assert_eq!(taken, 100);
             (gathered.load(Ordering::Relaxed), forces.statistics().builds)
@@ -440,7 +439,6 @@ fn a_halo_is_as_large_as_was_foreseen() {
                     dt: DT,
                     steps: 4,
                     bath: None,
-                    noise: None,
                 });
                 assert_eq!((taken, forces.statistics().builds), (4, 1));
             };

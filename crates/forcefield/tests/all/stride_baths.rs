@@ -2,10 +2,9 @@
 
 use crate::common::*;
 use lennard_core::random::Streams;
-use lennard_core::sweeps::{drift, kick, scale};
 use lennard_core::{
-    Backend, BathStep, DVec3, ForceTerm, FrictionAndNoise, FusedBath, FusedNoise, FusedSteps,
-    Masses, Part, PeriodicBox, Thermostat, Want,
+    Backend, BathStep, DVec3, ForceTerm, FrictionAndNoise, FusedBath, FusedSteps, Masses, Moving,
+    Part, PeriodicBox, Thermostat, Want,
 };
 use lennard_forcefield::{ForceFieldOptions, PairForces, TruncationKind, TruncationOptions};
 
@@ -33,15 +32,17 @@ impl Fluid {
         {
             let kinetic = masses.kinetic_energy(v);
             let factor = bath.factor(BathStep { kinetic, n_dof: 12.0, dt: DT, step: self.step });
-            scale(v, factor);
+            v.iter_mut().for_each(|v| *v *= factor);
             self.heats.push(factor * factor * kinetic - kinetic);
         }
         kick(v, &f, &masses, 0.5 * DT);
         if let Some(noise) = noise {
             drift(&mut self.positions, v, 0.5 * DT);
             let of_step = noise.in_step(self.step, DT);
-            self.heats.push(of_step.act_on_all(&masses, v));
-            drift(&mut self.positions, v, 0.5 * DT);
+            let (positions, velocities) = (&mut self.positions[..], &mut self.velocities[..]);
+            let moving = Moving { positions, velocities, forces: &f };
+            self.heats.push(moving.noise(&of_step, &masses));
+            drift(&mut self.positions, &self.velocities, 0.5 * DT);
         } else {
             drift(&mut self.positions, v, DT);
         }
@@ -55,7 +56,10 @@ impl Fluid {
         steps: u64,
     ) -> u64 {
         let n = self.positions.len();
-        let bath = self.bath.as_mut();
+        let bath = match noise {
+            Some(noise) => Some(FusedBath::noise(noise, DT, self.step)),
+            None => self.bath.as_mut().map(|bath| FusedBath::scaling(bath, 12.0, DT, self.step)),
+        };
         let mut steps = FusedSteps {
             cell: &self.cell,
             positions: &mut self.positions,
@@ -64,16 +68,11 @@ impl Fluid {
             masses: &Masses::Uniform(MASS),
             dt: DT,
             steps,
-            bath: bath.map(|bath| FusedBath::new(bath, 12.0, DT, self.step)),
-            noise: noise.map(|noise| FusedNoise::new(noise, DT, self.step)),
+            bath,
         };
         let taken = forces.advance(&mut steps);
-        let FusedSteps { bath, noise, .. } = steps;
-        if let Some(bath) = bath {
+        if let Some(bath) = steps.bath {
             self.heats.extend(bath.into_heats());
-        }
-        if let Some(noise) = noise {
-            self.heats.extend(noise.into_heats());
         }
         self.step += taken;
         taken

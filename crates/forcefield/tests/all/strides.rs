@@ -1,7 +1,6 @@
 //! Fused steps have the bits of single steps.
 
 use crate::common::*;
-use lennard_core::sweeps::{drift, kick};
 use lennard_core::{
     Backend, Configuration, DVec3, ForceError, ForceTerm, FusedSteps, Masses, Part, PeriodicBox,
     Want,
@@ -47,7 +46,6 @@ impl Fluid {
             dt: DT,
             steps,
             bath: None,
-            noise: None,
         })
     }
 }

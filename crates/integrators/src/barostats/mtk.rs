@@ -4,8 +4,8 @@ use lennard_core::exact::exact_sum;
 use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::random::NoiseStream;
 use lennard_core::{
-    BarostatSpec, DVec3, ForceError, ForceProperties, Integrator, IntegratorSpec, Method, Parts,
-    PressureBath, State, Step, StepError, System, Want, persist, rigid, rigid_bonds_alone, sweeps,
+    BarostatSpec, DVec3, ForceError, ForceProperties, Integrator, IntegratorSpec, Method, Moving,
+    Parts, PressureBath, State, Step, StepError, System, Want, persist, rigid, rigid_bonds_alone,
 };
 
 use super::parts::BarostatParts;
@@ -176,7 +176,7 @@ impl Mtk {
         }
         let chain = &mut self.of_particles;
         let factor = chain.advance(kinetic, held.n_dof, held.temperature, half);
-        sweeps::scale(&mut state.velocities, factor);
+        Moving::of(state).scale(factor);
     }
 
     /// Half a kick of the box.

@@ -2,7 +2,7 @@
 
 use lennard_core::{
     BondSolver, Boundary, Configuration, DVec3, Drifted, Energetics, Flight, ForceError,
-    ForceProperties, ForceTerm, Part, StepError, System, WallReading, Want, persist, sweeps,
+    ForceProperties, ForceTerm, Part, StepError, System, WallReading, Want, persist,
 };
 use lennard_forcefield::Walls;
 
@@ -140,7 +140,7 @@ fn between_walls(
         (Some(walls), Some(molecules)) => molecules.fly(walls, flight),
         (Some(walls), None) if walls.properties().bounds_flight => particles::fly(walls, flight),
         _ => {
-            sweeps::drift(flight.positions, flight.velocities, flight.h);
+            flight.free();
             Ok(Drifted::default())
         }
     }

@@ -9,7 +9,7 @@
 //! The bonds of molecules are rows of the same problems, without a sign: an impulse at one site passes through them. In the impact
 //! stage they are rigid, and lose the rate that they have.
 
-use lennard_core::{DVec3, Flight, ForceTerm, StepError, System, sweeps};
+use lennard_core::{DVec3, Flight, ForceTerm, StepError, System};
 use lennard_forcefield::{HitRule, Walls};
 
 use super::bonds::SpookBonds;
@@ -206,7 +206,7 @@ pub(crate) fn step(
         done.drifted = done.drifted.and(solved.report());
         resting.tell(walls, &solved.impulses, |_| false);
     }
-    sweeps::drift(flight.positions, flight.velocities, flight.h);
+    flight.free();
     Ok(done)
 }
 

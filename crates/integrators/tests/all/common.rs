@@ -2,8 +2,8 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, FusedSteps,
-    Part, Want, sweeps,
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, FusedBath,
+    FusedSteps, Masses, Moving, Part, Want,
 };
 use rand::RngExt;
 
@@ -65,26 +65,44 @@ impl Backend for Cluster {
             let at = Configuration::at_rest(stride.cell, stride.positions);
             self.evaluate(at, Part::All, Want::NOTHING, &mut forces).unwrap();
             let (velocities, h) = (&mut *stride.velocities, stride.dt);
-            sweeps::kick(velocities, &forces, stride.masses, 0.5 * h);
-            if let Some(bath) = &mut stride.bath {
-                if bath.acts() {
-                    let factor = bath.factor(stride.masses.kinetic_energy(velocities));
-                    sweeps::scale(velocities, factor);
-                } else {
-                    bath.pass();
-                }
-            }
-            sweeps::kick(velocities, &forces, stride.masses, 0.5 * h);
-            let Some(noise) = &mut stride.noise else {
-                sweeps::drift(stride.positions, velocities, h);
+            kick(velocities, &forces, stride.masses, 0.5 * h);
+            let scales = stride.bath.as_mut().filter(|bath| bath.scales());
+            if let Some(bath) = scales {
+                let factor = bath.factor(stride.masses.kinetic_energy(velocities));
+                velocities.iter_mut().for_each(|v| *v *= factor);
+                kick(velocities, &forces, stride.masses, 0.5 * h);
+                drift(stride.positions, velocities, h);
                 continue;
-            };
-            sweeps::drift(stride.positions, velocities, 0.5 * h);
-            let gained = noise.next_step().act_on_all(stride.masses, velocities);
-            noise.pass(gained);
-            sweeps::drift(stride.positions, velocities, 0.5 * h);
+            }
+            kick(velocities, &forces, stride.masses, 0.5 * h);
+            let noise = stride.bath.as_ref().and_then(FusedBath::next_noise);
+            drift(stride.positions, velocities, if noise.is_some() { 0.5 * h } else { h });
+            let mut gained = 0.0;
+            if let Some(noise) = &noise {
+                let positions = &mut *stride.positions;
+                let moving = Moving { positions, velocities, forces: &forces };
+                gained = moving.noise(noise, stride.masses);
+                drift(stride.positions, stride.velocities, 0.5 * h);
+            }
+            if let Some(bath) = &mut stride.bath {
+                bath.pass(|| gained);
+            }
         }
         steps
+    }
+}
+
+/// The kick v ← v + (h/m)·F by the textbook.
+pub fn kick(velocities: &mut [DVec3], forces: &[DVec3], masses: &Masses, h: f64) {
+    for (i, (v, f)) in velocities.iter_mut().zip(forces).enumerate() {
+        *v += (h / masses.of(i)) * *f;
+    }
+}
+
+/// The drift x ← x + h·v by the textbook.
+pub fn drift(positions: &mut [DVec3], velocities: &[DVec3], h: f64) {
+    for (x, v) in positions.iter_mut().zip(velocities) {
+        *x += h * *v;
     }
 }
 

@@ -89,7 +89,6 @@ fn one_term_takes_its_own_fused_steps_and_two_take_none() {
             dt: 0.002,
             steps: 9,
             bath: None,
-            noise: None,
         })
     };
     assert_eq!(taken(&mut ForceSum::new(Cluster)), 2);
@@ -167,9 +166,7 @@ impl Backend for Vain {
     fn advance(&mut self, steps: &mut FusedSteps<'_>) -> u64 {
         if let Some(bath) = &mut steps.bath {
             bath.factor(7.0);
-        }
-        if let Some(noise) = &mut steps.noise {
-            noise.pass(7.0);
+            bath.pass(|| 7.0);
         }
         0
     }

@@ -1,15 +1,15 @@
 //! One fused step: chunk by chunk, forces, two half kicks, a drift, and rows of the next step.
 
 use glam::DVec3;
+use lennard_core::Moving;
 use lennard_core::parallel::part;
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::pack_ahead::{Ahead, NextRows};
 use crate::simd::disjoint::Disjoint;
-use crate::simd::kick_drift::KickDrift;
 use crate::simd::list_in_use::{ListInUse, ListStatus, Ordered};
 use crate::simd::motion::numbers;
-use crate::simd::mover::{Mover, Moving};
+use crate::simd::mover::{KickDrift, Mover, move_chunk};
 use crate::simd::output::Output;
 use crate::simd::packed::{PackedCopies, Pass, Request, are_few};
 use crate::simd::packed_list::{ChunkLoop, PackedList};
@@ -27,7 +27,7 @@ pub struct SlotState<'a> {
 
 /// Judges the list where the request demands it, and takes one step where the list is complete.
 ///
-/// With [`Mover::Kick`] the step ends with its forces: positions and velocities stay, and chunks pack nothing.
+/// With [`Mover::Bath`] the step ends after half a kick: positions stay, and chunks pack nothing.
 ///
 /// Where a number is not finite, the written arrays have no meaning.
 pub fn fused_step<P: PackedList>(
@@ -63,10 +63,14 @@ pub fn fused_step<P: PackedList>(
     };
     let run = |rows: &[P::Row], next_rows: Option<&NextRows<'_, P::Row>>, chunk| {
         let slots = part(chunk, ATOMS_PER_CHUNK, n);
+        let mut at_rest: [DVec3; ATOMS_PER_CHUNK];
         // SAFETY: each chunk runs once, and its slots belong to no other chunk. This holds for all blocks below.
         let (positions, velocities) = unsafe {
             let positions = match (&next, mover) {
-                (_, Mover::Kick { .. }) => &mut [][..],
+                (_, Mover::Bath { .. }) => {
+                    at_rest = [DVec3::ZERO; ATOMS_PER_CHUNK];
+                    &mut at_rest[..slots.len()]
+                }
                 (Some(next), _) => {
                     let next = next.part(slots.clone());
                     next.copy_from_slice(&at().positions[slots.clone()]);
@@ -79,7 +83,7 @@ pub fn fused_step<P: PackedList>(
         let mut of_chunk = [DVec3::ZERO; ATOMS_PER_CHUNK];
         let forces = match mover {
             // SAFETY: as above.
-            Mover::Kick { forces, .. } => unsafe { forces.part(slots.clone()) },
+            Mover::Bath { forces, .. } => unsafe { forces.part(slots.clone()) },
             _ => &mut of_chunk[..slots.len()],
         };
         // SAFETY: as above.
@@ -87,25 +91,13 @@ pub fn fused_step<P: PackedList>(
         let output = Output::of_chunk(&mut *forces, numbers(slots.len()), slots.start, next_chunk);
         // SAFETY: as above.
         let totals = unsafe { over_list.run(used.level, rows, chunk, request.detail, &output) };
-        let step = match mover {
-            Mover::Drift => kick_drift.apply(used.level, positions, velocities, forces),
-            Mover::Noise(noise, sum) => {
-                let gained = &mut [0.0; ATOMS_PER_CHUNK][..slots.len()];
-                let moving = Moving { positions, velocities, forces, gained: &mut *gained };
-                let of_chunk = noise.part(slots.clone());
-                let step = kick_drift.apply_with_noise(used.level, of_chunk, moving);
-                // SAFETY: as above.
-                unsafe { sum.give(chunk, gained) };
-                step
-            }
-            Mover::Kick { mass, sum, .. } => {
-                let kinetic = &mut [0.0; ATOMS_PER_CHUNK][..slots.len()];
-                kick_drift.kinetic_after_kick(used.level, *mass, velocities, forces, kinetic);
-                // SAFETY: as above.
-                unsafe { sum.give(chunk, kinetic) };
-                return totals;
-            }
-        };
+        let moving = Moving { positions: &mut *positions, velocities, forces };
+        // SAFETY: as above.
+        let step =
+            unsafe { move_chunk(used.level, kick_drift, mover, (chunk, slots.clone()), moving) };
+        if matches!(mover, Mover::Bath { .. }) {
+            return totals;
+        }
         let mut motion = used.motion(Ordered::by_slot(positions));
         motion.built = &used.built[slots.clone()];
         motion.species = motion.species.map(|species| species.part(slots));
