@@ -1,11 +1,12 @@
 //! Finished runs beside each other: the difference of each from the first, with its error and a verdict.
 //!
-//! A mean of the first run is the reference of the others, so that [`Row`] and its judge serve here too.
+//! A mean of the first run is the reference of the other runs, so that [`Row`] and its judge serve here too.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use lennard_observables::Verdict;
 use serde::Serialize;
+use serde_json::Value;
 
 use super::own_literature::{OwnValue, same_state};
 use super::verdict::Tolerance;
@@ -17,8 +18,8 @@ pub(super) const ERRORS: f64 = 4.0;
 const ALLOWED: Tolerance = Tolerance::new(ERRORS, 0.0, 0.0);
 /// Up to so many runs have a column each, and letters for names.
 pub(super) const MOST_COLUMNS: usize = 3;
-/// A temperature or density that is off by less, in %, is not mentioned.
-const SEEN: f64 = 0.01;
+/// Values of a key are said where they take no more room than so many letters.
+const LONGEST: usize = 60;
 
 /// Runs beside each other, and beside a user's own literature.
 #[derive(Debug, Clone, Serialize)]
@@ -154,22 +155,17 @@ fn beside_first(
     rows
 }
 
-/// A run beside a value of a user's own; the remark says how far its state is off.
+/// A run beside a value of a user's own; the remark says at which states they are.
 fn beside_own(
     own: &OwnValue,
     run: usize,
     folder: &RunFolder,
     compared: &ComparedRun,
 ) -> Option<OwnRow> {
-    let state = &compared.state;
-    let density = own.density.map(|density| ("ρ", state.density, density));
-    let off = [Some(("T", state.temperature, own.temperature)), density].into_iter().flatten();
-    let off = off.map(|(name, mean, theirs)| (name, 100.0 * (mean / theirs - 1.0)));
-    let off = off.filter(|(_, percent)| percent.abs() >= SEEN);
-    let off: Vec<String> =
-        off.map(|(name, by)| format!("{name} of the run is {by:+.2} % off")).collect();
-    let row = measured(&own.quantity, folder, compared)?;
-    let row = row.against(own.value, own.error, ALLOWED, &own.source).noted(off.join(", "));
+    let state = compared.state.in_numbers();
+    let row = measured(&own.quantity, folder, compared)?
+        .against(own.value, own.error, ALLOWED, &own.source)
+        .noted(format!("at T = {}, the run at {state}, which is not corrected", own.temperature));
     Some(OwnRow { run, given: own.clone(), row })
 }
 
@@ -202,15 +198,34 @@ fn what_differs(runs: &[RunFolder], compared: &[ComparedRun], names: &[String]) 
     if compared.iter().any(|run| run.model != first.model) {
         remarks.push("The models differ, and with them U and P.".into());
     }
-    let scene = |run: &RunFolder, key: &str| run.record.scene[key].clone();
-    let keys = runs.iter().filter_map(|run| run.record.scene.as_object());
-    let keys: BTreeSet<&String> = keys.flat_map(|all| all.keys()).collect();
-    let differ = |key: &&&String| runs.iter().any(|run| scene(run, key) != scene(&runs[0], key));
-    let keys: Vec<String> = keys.iter().filter(differ).map(|key| format!("[{key}]")).collect();
+    let scenes: Vec<_> = runs.iter().map(|run| keys(&run.record.scene)).collect();
+    let all: BTreeSet<&String> = scenes.iter().flat_map(BTreeMap::keys).collect();
+    let values = |key: &str| -> Vec<Option<String>> {
+        scenes.iter().map(|scene| scene.get(key).map(ToString::to_string)).collect()
+    };
+    let said = |key: &String| {
+        let values = values(key);
+        let text: Vec<&str> = values.iter().map(|v| v.as_deref().unwrap_or("none")).collect();
+        let text = text.join(", ");
+        let is_short = text.len() <= LONGEST;
+        let words = if is_short { format!("`{key}` ({text})") } else { format!("`{key}`") };
+        values.iter().any(|value| *value != values[0]).then_some(words)
+    };
+    let keys: Vec<String> = all.into_iter().filter_map(said).collect();
     if !keys.is_empty() {
         remarks.push(format!("The scenes differ in {}.", keys.join(", ")));
     }
     remarks
+}
+
+/// The keys in the tables of a scene; lists such as its stages are one key.
+fn keys(scene: &Value) -> BTreeMap<String, &Value> {
+    let tables = scene.as_object().into_iter().flatten();
+    let keys = |(table, inner): (&String, _)| match Value::as_object(inner) {
+        Some(keys) => keys.iter().map(|(key, value)| (format!("{table}.{key}"), value)).collect(),
+        None => vec![(table.clone(), inner)],
+    };
+    tables.flat_map(keys).collect()
 }
 
 /// Whether a run depends on the first: runs of one seed may go the same way for a while, and then their energies correlate.

@@ -67,10 +67,8 @@ impl Beside {
     pub fn sections(&self, all: bool) -> Vec<Section> {
         let mut sections = Vec::new();
         if let Some(table) = self.own_table() {
-            let off = self.own.iter().filter(|own| !own.row.remark.is_empty());
-            let notes = off.map(|own| {
-                format!("line {}: {}; this is not corrected", own.given.line, own.row.remark)
-            });
+            let notes =
+                self.own.iter().map(|own| format!("line {}: {}", own.given.line, own.row.remark));
             let rows = self.own.iter().map(|own| &own.row);
             let section = Section::new("Beside your own literature").table(table);
             sections.push(section.texts(notes).texts(meanings(rows)));
@@ -120,7 +118,7 @@ impl Beside {
         sections
     }
 
-    /// The means of all runs, the differences of all others from the first, and the verdicts, each with its name.
+    /// The means of all runs, the differences of the other runs from the first, and the verdicts, each with its name.
     fn a_column_for_each(&self, shown: &[&Measured]) -> Table {
         let mut table = Table::rows_of("compare", shown).column("Quantity", |q| words(q)).table();
         let first: &str = if self.names.len() <= MOST_COLUMNS { &self.names[0] } else { "first" };

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::RunFolder;
 
-/// The columns that the file must have; it may have others.
+/// The columns that the file must have; more are allowed.
 const COLUMNS: [&str; 6] = ["quantity", "value", "error", "temperature", "density", "source"];
 /// Temperature and density of a run are at a state where they are off by no more than this part.
 const SAME_STATE: f64 = 0.005;

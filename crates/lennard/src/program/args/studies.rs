@@ -314,7 +314,7 @@ pub enum Listed {
     CombiningRules,
     /// What can be measured.
     Observables,
-    /// Means of a run, by the names that `compare --reference` reads.
+    /// Means of a run, by the names that records and literature of your own have.
     Quantities,
     /// Ways to hold the bonds of molecules.
     Bonds,

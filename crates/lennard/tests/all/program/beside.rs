@@ -65,7 +65,7 @@ fn two_precisions_of_one_run_have_differences_with_errors_and_a_page_with_both()
     assert_eq!(number(second, "combined_error"), error(first).hypot(error(second)));
     assert_eq!(number(second, "tolerance"), 4.0 * number(second, "combined_error"));
     let remarks = found["remarks"].to_string();
-    assert!(remarks.contains("The scenes differ in [kernel]."), "{remarks}");
+    assert!(remarks.contains("The scenes differ in `kernel.precision` ("), "{remarks}");
     assert!(remarks.contains("Their U(t) correlate by r = "), "{remarks}");
 
     let said = stdout(&lennard_in(place.root(), &["compare", "run0", "run1"]));
