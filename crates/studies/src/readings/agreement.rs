@@ -145,6 +145,7 @@ fn differences(points: &[SweptPoint], quantity: &Quantity) -> Option<Picture> {
             .collect()
     };
     let (judged, others) = (marks(true), marks(false));
+    let has_others = !others.is_empty();
     if judged.is_empty() && others.is_empty() {
         return None;
     }
@@ -162,8 +163,11 @@ fn differences(points: &[SweptPoint], quantity: &Quantity) -> Option<Picture> {
             figure = figure.with(Series::new(name, Look::Points(symbol), color, points));
         }
     }
-    let caption = "Bars are one standard error of the difference. Points that are no single stable phase are shown as open marks and \
-                   are not judged.";
+    let open = "Open marks are points that are no single stable phase, which are not judged.";
+    let caption = match has_others {
+        true => format!("Bars are one standard error of the difference. {open}"),
+        false => "Bars are one standard error of the difference.".to_owned(),
+    };
     Some(Picture::new(figure, caption, "table.csv"))
 }
 

@@ -130,7 +130,7 @@ pub(super) fn performance(record: &RunRecord, is_fluid: bool) -> Table {
     let parts = [
         ("forces", stages.force),
         ("neighbor lists", stages.neighbor),
-        ("integration and thermostat", stages.integrate),
+        ("integration", stages.integrate),
         ("observables", stages.observe),
         ("files", stages.write),
         ("whole run", record.wall_s),

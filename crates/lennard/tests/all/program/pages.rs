@@ -95,7 +95,7 @@ fn a_page_says_nothing_of_what_the_run_has_not_got() {
         "thermostat",
         "species",
         "bond",
-        "wall ",
+        "walls",
         "c_v agrees",
         "slow box",
     ] {
