@@ -229,7 +229,6 @@ mod tests {
                     let moving = Moving { positions, velocities, forces: &forces };
                     // SAFETY: one thread runs the only chunk.
                     let bound = unsafe { move_chunk(level, kick_drift, &mover, (0, 0..n), moving) };
-                    drop(mover);
                     (x, v, sum.value(&parts, None), bound)
                 };
                 let plain = moved(Level::Portable);
