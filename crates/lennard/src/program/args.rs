@@ -91,7 +91,8 @@ pub enum Command {
         lennard new my-fluid\n  \
         lennard new my-gas --like fluid/gas\n  \
         lennard new my-isotherm --like sweep/isotherm\n\n\
-        The shipped scenes: lennard list scenes")]
+        The shipped scenes: lennard list scenes\n\
+        From an input of LAMMPS for Lennard-Jones atoms: lennard new --from in.melt")]
     New(NewArgs),
     /// Say what a scene computes, what it leaves out and why, its memory, and about how long it takes.
     #[command(after_help = "Examples:\n  \
@@ -155,7 +156,7 @@ pub enum Command {
         lennard tune verlet-1967/triple-point\n  \
         lennard tune fluid/accuracy --set accuracy.pressure=0.02 --lock coarse.lock.toml --json")]
     Tune(TuneArgs),
-/// Evaluate energy, virial and pressure of a scene's start configuration once.
+    /// Evaluate energy, virial and pressure of a scene's start configuration once.
     #[command(after_help = "Examples:\n  \
         lennard energy template\n  \
         lennard energy verlet-1967/triple-point --set truncation.r_cut=4\n  \
@@ -369,11 +370,15 @@ pub struct MeasureArgs {
 /// Arguments of `new`.
 #[derive(Debug, Args)]
 pub struct NewArgs {
-    /// Name of the scene; the file is NAME.toml.
-    pub name: PathBuf,
+    /// Name of the scene; the file is NAME.toml. By default the name of an input without `in.`.
+    #[arg(required_unless_present = "from")]
+    pub name: Option<PathBuf>,
     /// The shipped scene to copy; by default `template`.
     #[arg(long, value_name = "SCENE")]
     pub like: Option<PathBuf>,
+    /// An input of LAMMPS for Lennard-Jones atoms, such as in.melt, to be made a scene.
+    #[arg(long, value_name = "INPUT", conflicts_with = "like")]
+    pub from: Option<PathBuf>,
     /// Write scene.schema.json beside it, and name it in the first line, for editors.
     #[arg(long)]
     pub schema: bool,

@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use lennard_io::path_in_shell;
+use lennard_scene::Scene;
 use lennard_scene::shipped::{self, Shipped};
 
 use crate::program::args::NewArgs;
 use crate::program::failure::{DONE, Failure, INPUT};
+use crate::program::lammps::scene_of_lammps;
 
 /// The shipped scene that is copied where none is named.
 const TEMPLATE: &str = "template";
@@ -17,18 +19,30 @@ const SCHEMA: &str = "scene.schema.json";
 pub fn new(args: &NewArgs) -> Result<u8, Failure> {
     let like = args.like.as_deref().unwrap_or(Path::new(TEMPLATE));
     let scene = shipped::find(like).ok_or_else(|| unknown(like))?;
-    let file = file_of(&args.name);
+    let name = match (&args.name, &args.from) {
+        (Some(name), _) => name.clone(),
+        (None, from) => name_of(from.as_deref().unwrap_or(Path::new("scene"))),
+    };
+    let file = file_of(&name);
     let schema = file.with_file_name(SCHEMA);
     refuse_existing(&file, args.force)?;
     refuse_missing_folder(&file)?;
-    let mut text = copy_of(scene, &file);
+    let mut text = match &args.from {
+        Some(input) => from_lammps(input, &file)?,
+        None => copy_of(scene, &file),
+    };
     if args.schema {
         text = format!("#:schema ./{SCHEMA}\n{text}");
         lennard_io::write_json_atomically(&schema, &lennard_scene::schema())?;
     }
     lennard_io::write_text_atomically(&file, &text)?;
     let shown = file.display();
-    println!("{shown}: a copy of the shipped scene {}", scene.name);
+    match &args.from {
+        Some(input) => {
+            println!("{shown}: a scene from {}; its head says what is not equal", input.display())
+        }
+        None => println!("{shown}: a copy of the shipped scene {}", scene.name),
+    }
     if args.schema {
         println!("{}: for editors", schema.display());
     }
@@ -40,6 +54,24 @@ pub fn new(args: &NewArgs) -> Result<u8, Failure> {
         println!("  lennard run {typed}");
     }
     Ok(DONE)
+}
+
+/// The name of an input of LAMMPS: `melt` for `in.melt` and `melt.in`.
+fn name_of(input: &Path) -> PathBuf {
+    let name = input.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.strip_prefix("in.").or(name.strip_suffix(".in")).unwrap_or(&name);
+    format!("{name}.toml").into()
+}
+
+/// The scene of an input of LAMMPS, read once as the scene of a file.
+fn from_lammps(input: &Path, file: &Path) -> Result<String, Failure> {
+    let doing = "reading an input of LAMMPS";
+    let shown = input.display().to_string();
+    let text = std::fs::read_to_string(input)
+        .map_err(|error| Failure::new(doing, format!("{shown}: {error}"), INPUT))?;
+    let text = scene_of_lammps(&text, &shown).map_err(|why| Failure::new(doing, why, INPUT))?;
+    Scene::parse(&text, &file.display().to_string(), &[])?;
+    Ok(text)
 }
 
 /// NAME.toml, for a name with or without the ending.

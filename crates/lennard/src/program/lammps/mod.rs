@@ -3,6 +3,7 @@
 //! What changes energies or forces and has no equal is refused. What changes the way of a run alone gets the nearest fix, and a
 //! remark names it. Source: LAMMPS documentation, one page for each command.
 
+mod input;
 mod pairs;
 mod script;
 mod stages;
@@ -12,6 +13,7 @@ use std::path::{Path, PathBuf};
 use lennard_core::Axis;
 use lennard_scene::Scene;
 
+pub use input::scene_of_lammps;
 use lennard_engine::{EngineError, Simulation};
 use script::Script;
 

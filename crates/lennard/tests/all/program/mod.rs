@@ -12,6 +12,7 @@ mod eos;
 mod export;
 mod faults;
 mod first_steps;
+mod from_lammps;
 mod limits;
 mod literature;
 mod measure;
