@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use lennard_core::{Findings, Remark};
+use lennard_core::{Estimate, Findings, Remark};
 use lennard_integrators::dof_of_centers;
 use lennard_io::{
     AverageRecord, BarostatRecord, Conservation, Host, NeighborRecord, PairRecord, Performance,
     RUN_SCHEMA, RunRecord, SpeciesRecord, StageSeconds, ThermostatRecord,
 };
+use lennard_literature::units::Units;
 use lennard_observables::ChangingBox;
 
 use crate::Simulation;
@@ -74,6 +75,7 @@ pub fn finished(
             ranks: simulation.ranks_record(wall_s),
             stages: stages(simulation),
         },
+        units: scene.units.map(|units| in_units(&units, &averages)),
         averages,
         conservation: if simulation.frames.is_some() {
             unknown
@@ -91,6 +93,23 @@ pub fn finished(
         trajectory_frames,
         ..bare(simulation)
     }
+}
+
+/// A substance, and the averages that have a unit in its units.
+fn in_units(units: &Units, averages: &BTreeMap<String, AverageRecord>) -> serde_json::Value {
+    let physical = |(name, average): (&String, &AverageRecord)| {
+        let (one, unit) = units.one(&average.unit)?;
+        let Estimate { mean, standard_error, .. } = average.estimate;
+        let value = serde_json::json!({
+            "mean": one * mean,
+            "standard_error": one * standard_error,
+            "unit": unit,
+        });
+        Some((name.clone(), value))
+    };
+    let mut record = serde_json::json!(units);
+    record["averages"] = averages.iter().filter_map(physical).collect();
+    record
 }
 
 /// What is known before and whatever happens.
@@ -130,6 +149,7 @@ fn bare(simulation: &Simulation) -> RunRecord {
             skin: (statistics.builds > 0).then_some(statistics.skin),
         },
         averages: BTreeMap::new(),
+        units: None,
         conservation: Conservation {
             energy_drift_per_atom_per_tau: f64::NAN,
             energy_drift_standard_error: f64::NAN,

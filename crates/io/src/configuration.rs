@@ -166,9 +166,5 @@ fn parse_text<R: Rewind>(
         let allowed = format!("the same box as the scene's, {ours}, or none in one of them");
         return Err(content(first_line + 1, &format!("the box {theirs}"), &allowed));
     }
-    if frame.momenta.is_some() && units.length.is_some() {
-        let found = "momenta without masses, in units that are not reduced";
-        return Err(content(first_line + 1, found, "a column with the masses beside them"));
-    }
     Ok(frame.into_start(cell, frames))
 }

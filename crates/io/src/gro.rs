@@ -12,7 +12,7 @@ use crate::error::{Refusal, excerpt};
 use crate::geometry::{EdgeError, UPRIGHT, box_of_edges};
 use crate::lines::{At, Lines, finite, tokens};
 use crate::particles::{ParticleReader, Place, next_row, skip_rows};
-use crate::units::{FileUnits, stated};
+use crate::units::{FileUnits, OF_GRO, stated};
 use crate::{FormatError, TrajectoryFrame};
 
 /// Residue number and name, atom name and number have five columns each.
@@ -97,20 +97,21 @@ const SIDES: &str = "the sides of the box after the particles";
 /// Reads the frame whose title is the current line.
 pub(crate) fn parse_frame<R: BufRead>(
     lines: &mut Lines<R>,
-    units: FileUnits,
+    mut units: FileUnits,
 ) -> Result<TrajectoryFrame, FormatError> {
     let title = lines.line().to_vec();
     let said = stated(&String::from_utf8_lossy(&title));
+    let is_own = title.starts_with(OWN_TITLE);
+    let said = said.or((units.substance.is_some() && !is_own).then(|| OF_GRO.to_owned()));
     if said.is_none() && units.length.is_none() {
-        let (found, first) = match title.starts_with(OWN_TITLE) {
+        let (found, first) = match is_own {
             true => (
                 "a topology of this program, whose positions are rounded",
                 "the `final.xyz` beside it, or ",
             ),
             false => ("a GRO file, in nm and ps", ""),
         };
-        let allowed =
-            "`start.length_scale` and `start.time_scale` in the scene: one σ in nm and one τ in ps";
+        let allowed = "`start.length_scale` and `start.time_scale` in the scene: one σ in nm and one τ in ps; or `units.substance`";
         return Err(lines.refuse(found, format!("{first}{allowed}")));
     }
     let scales = units.scales(said.as_deref()).at(lines)?;

@@ -80,7 +80,7 @@ pub(crate) fn parse<R: BufRead>(
 
 impl Sections {
     /// Goes to the next line that holds more than a comment; false at the end of the file.
-    fn next<R: BufRead>(&self, lines: &mut Lines<R>) -> Result<bool, FormatError> {
+    fn next<R: BufRead>(&mut self, lines: &mut Lines<R>) -> Result<bool, FormatError> {
         while lines.advance()? {
             if let Some(at) = lines.line().iter().position(|b| *b == b'#') {
                 self.check_units(lines, &lines.line()[at..])?;
@@ -94,12 +94,23 @@ impl Sections {
 
     /// The scales for the units that a title or comment states.
     fn check_units<R: BufRead>(
-        &self,
+        &mut self,
         lines: &Lines<R>,
         text: &[u8],
     ) -> Result<Scales, FormatError> {
         let said = stated(&String::from_utf8_lossy(text));
-        self.units.scales(said.as_deref()).at(lines)
+        let before = self.units;
+        let scales = self.units.scales(said.as_deref()).at(lines)?;
+        match self.atoms.is_some() && self.units != before {
+            false => Ok(scales),
+            true => Err(lines.refuse(
+                format!(
+                    "units {} behind the particles",
+                    excerpt(said.unwrap_or_default().as_bytes())
+                ),
+                "units in the title, or in a comment before the section Atoms",
+            )),
+        }
     }
 
     /// Reads the header; the line of the first section is the current line then, and is given back.
@@ -203,7 +214,7 @@ impl Sections {
     }
 
     /// The section `Atoms` before its first row.
-    fn atoms_of<R: BufRead>(&self, lines: &Lines<R>) -> Result<Atoms, FormatError> {
+    fn atoms_of<R: BufRead>(&mut self, lines: &Lines<R>) -> Result<Atoms, FormatError> {
         let n = self
             .n
             .ok_or_else(|| lines.refuse("the section Atoms", "the number of atoms before it"))?;
@@ -276,7 +287,7 @@ impl Sections {
         let [kind, found] = row else {
             return Err(wrong_row(row, "`type mass`"));
         };
-        let found = mass(number(found)?)?;
+        let found = mass(self.units.scales(None)?.mass(number(found)?))?;
         once(self.masses.insert(self.name_of(kind), found), kind, "mass")
     }
 

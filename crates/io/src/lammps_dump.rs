@@ -108,8 +108,8 @@ fn columns(line: &[u8]) -> Result<(Columns, usize), Refusal> {
 }
 
 /// Reads the lines before the particles; the current line is the first.
-fn header<R: BufRead>(lines: &mut Lines<R>, units: FileUnits) -> Result<Header, FormatError> {
-    let (mut step, mut n, mut bounds, mut said, mut time) = (None, None, None, None, None);
+fn header<R: BufRead>(lines: &mut Lines<R>, units: &mut FileUnits) -> Result<Header, FormatError> {
+    let (mut step, mut n, mut bounds, mut time) = (None, None, None, None);
     loop {
         let item = lines.line().strip_prefix(FIRST_WORD).map(<[u8]>::to_vec);
         let item = item.ok_or_else(|| lines.refuse(excerpt(lines.line()), "a line `ITEM: …`"))?;
@@ -129,7 +129,6 @@ fn header<R: BufRead>(lines: &mut Lines<R>, units: FileUnits) -> Result<Header, 
                 lines.next_or("the units")?;
                 let unit = String::from_utf8_lossy(lines.line()).trim().to_owned();
                 units.scales(Some(&unit)).at(lines)?;
-                said = Some(unit);
             }
             [b"TIME"] => {
                 lines.next_or("the time")?;
@@ -146,7 +145,7 @@ fn header<R: BufRead>(lines: &mut Lines<R>, units: FileUnits) -> Result<Header, 
                 let step = step.ok_or_else(|| missing("TIMESTEP"))?;
                 let n = n.ok_or_else(|| missing("NUMBER OF ATOMS"))?;
                 let Bounds { low, cell } = bounds.ok_or_else(|| missing("BOX BOUNDS"))?;
-                let scales = units.scales(said.as_deref()).map_err(refuse)?;
+                let scales = units.scales(None).map_err(refuse)?;
                 let scaled = COORDINATES[style][0].starts_with("xs");
                 let place =
                     Place { scaled, ..Place::new(low, Some(cell), scales).map_err(refuse)? };
@@ -189,7 +188,7 @@ fn read_bounds<R: BufRead>(lines: &mut Lines<R>, edges: &[&[u8]]) -> Result<Boun
 /// Passes over the frame whose first line is the current line.
 pub(crate) fn skip_frame<R: BufRead>(
     lines: &mut Lines<R>,
-    units: FileUnits,
+    units: &mut FileUnits,
 ) -> Result<(), FormatError> {
     let n = header(lines, units)?.n;
     skip_rows(lines, n)
@@ -198,7 +197,7 @@ pub(crate) fn skip_frame<R: BufRead>(
 /// Reads the frame whose first line is the current line.
 pub(crate) fn parse_frame<R: BufRead>(
     lines: &mut Lines<R>,
-    units: FileUnits,
+    units: &mut FileUnits,
 ) -> Result<TrajectoryFrame, FormatError> {
     let Header { step, time, n, unwrapped, place, columns } = header(lines, units)?;
     let least = 2 * columns.width() as u64;

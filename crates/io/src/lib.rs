@@ -70,7 +70,9 @@ pub use record::{
 };
 pub use sink::{FileMark, Sink};
 pub use species_reader::FoundSpecies;
-pub use tables::{TableWriter, read_table_csv, read_table_csv_bytes, read_words_csv, write_table_csv};
+pub use tables::{
+    TableWriter, read_table_csv, read_table_csv_bytes, read_words_csv, write_table_csv,
+};
 pub use topology::write_topology_gro;
 pub use trajectory::{TrajectoryWriter, write_frame};
 pub use trajectory_reader::{

@@ -37,7 +37,7 @@ pub(crate) fn is_number(token: &[u8]) -> bool {
 /// Reads the whole file; nothing of it has been read yet.
 pub(crate) fn parse<R: BufRead>(
     mut lines: Lines<R>,
-    units: FileUnits,
+    mut units: FileUnits,
 ) -> Result<TrajectoryFrame, FormatError> {
     lines.next_or("three box sides")?;
     let scales = units.scales(None).at(&lines)?;

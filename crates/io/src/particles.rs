@@ -192,9 +192,9 @@ impl ParticleReader {
             found.written.look_at(row.position, unit);
         }
         found.positions.push(place.position(&row)?);
-        let mass = row.mass.map(mass).transpose()?;
+        let mass = row.mass.map(|found| mass(scales.mass(found))).transpose()?;
         let own = row.velocity.map(|v| velocity(scales.velocity(v)?)).transpose()?;
-        let momentum = row.momentum.map(|p| scales.velocity(p)).transpose()?;
+        let momentum = row.momentum.map(|p| scales.momentum(p, mass)).transpose()?;
         let own = match (momentum, mass) {
             (Some(momentum), Some(mass)) => Some(velocity_of(momentum, mass, own)?),
             _ => own,

@@ -54,6 +54,9 @@ pub struct RunRecord {
     pub neighbor: NeighborRecord,
     /// Means with their errors, by name.
     pub averages: BTreeMap<String, AverageRecord>,
+    /// The substance that the scene names, with its σ, ε and m, and the averages in its units; absent where it names none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub units: Option<serde_json::Value>,
     /// How well the conserved quantities were conserved in the measured stages.
     pub conservation: Conservation,
     /// What thermostats did in the measured stages; `null` where none was on.

@@ -45,7 +45,11 @@ impl Grammar {
         Ok(false)
     }
 
-    fn skip<R: BufRead>(self, lines: &mut Lines<R>, units: FileUnits) -> Result<(), FormatError> {
+    fn skip<R: BufRead>(
+        self,
+        lines: &mut Lines<R>,
+        units: &mut FileUnits,
+    ) -> Result<(), FormatError> {
         match self {
             Self::ExtendedXyz => extended_xyz::skip_frame(lines),
             Self::LammpsDump => lammps_dump::skip_frame(lines, units),
@@ -56,12 +60,12 @@ impl Grammar {
     fn parse<R: BufRead>(
         self,
         lines: &mut Lines<R>,
-        units: FileUnits,
+        units: &mut FileUnits,
     ) -> Result<TrajectoryFrame, FormatError> {
         match self {
-            Self::ExtendedXyz => extended_xyz::parse_frame(lines, units),
+            Self::ExtendedXyz => extended_xyz::parse_frame(lines, *units),
             Self::LammpsDump => lammps_dump::parse_frame(lines, units),
-            Self::Gro => gro::parse_frame(lines, units),
+            Self::Gro => gro::parse_frame(lines, *units),
         }
     }
 }
@@ -111,13 +115,13 @@ impl<R: BufRead> TrajectoryReader<R> {
 
     fn at_frame<T>(
         &mut self,
-        work: impl FnOnce(&mut Lines<R>) -> Result<T, FormatError>,
+        work: impl FnOnce(&mut Lines<R>, &mut FileUnits) -> Result<T, FormatError>,
     ) -> Result<Option<T>, FormatError> {
         if self.ended {
             return Ok(None);
         }
         let result = match self.grammar.find(&mut self.lines) {
-            Ok(true) => work(&mut self.lines).map(Some),
+            Ok(true) => work(&mut self.lines, &mut self.units).map(Some),
             Ok(false) => Ok(None),
             Err(error) => Err(error),
         };
@@ -130,8 +134,8 @@ impl<R: BufRead> TrajectoryReader<R> {
     /// # Errors
     /// Where the frame is truncated or holds what its header does not allow.
     pub fn next_frame(&mut self) -> Result<Option<TrajectoryFrame>, FormatError> {
-        let (grammar, units) = (self.grammar, self.units);
-        self.at_frame(|lines| grammar.parse(lines, units))
+        let grammar = self.grammar;
+        self.at_frame(|lines, units| grammar.parse(lines, units))
     }
 
     /// Passes over the next frame, looking at its count and its lines but not into them; false at the end.
@@ -139,8 +143,8 @@ impl<R: BufRead> TrajectoryReader<R> {
     /// # Errors
     /// Where the frame is truncated or its count is impossible.
     pub fn skip_frame(&mut self) -> Result<bool, FormatError> {
-        let (grammar, units) = (self.grammar, self.units);
-        Ok(self.at_frame(|lines| grammar.skip(lines, units))?.is_some())
+        let grammar = self.grammar;
+        Ok(self.at_frame(|lines, units| grammar.skip(lines, units))?.is_some())
     }
 }
 
@@ -172,7 +176,8 @@ pub(crate) fn last_frame<R: Rewind>(
         start = Some(before);
         frames += 1;
     }
-    let length = scan.lines.offset();
+    // A dump states its units before the first frame alone.
+    let (length, units) = (scan.lines.offset(), scan.units);
     let Some((offset, line)) = start else {
         return Ok(None);
     };

@@ -99,7 +99,7 @@ fn plain() -> Columns {
 }
 
 /// The scales for what the entries say of units. An entry `length_scale` multiplies lengths alone.
-fn scales(info: &mut BTreeMap<String, String>, units: FileUnits) -> Result<Scales, Refusal> {
+fn scales(info: &mut BTreeMap<String, String>, mut units: FileUnits) -> Result<Scales, Refusal> {
     let own = info.remove("length_scale").map(|text| {
         let scale = finite(text.as_bytes()).filter(|scale| *scale > 0.0);
         let found = || format!("length_scale={}", excerpt(text.as_bytes()));

@@ -40,6 +40,7 @@ mod thol;
 mod transport;
 mod two_center;
 mod two_phases;
+pub mod units;
 mod virial;
 
 pub use coexistence_data::coexistence_by_simulation;

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
 use toml::{Spanned, Table, Value};
 
-use crate::error::{Place, SceneError, Source};
+use crate::error::{Place, Quantities, SceneError, Source};
 use crate::names::nearest;
 
 /// What stands for the measured stage in a key: `stage.measured.steps`.
@@ -21,6 +21,8 @@ pub(crate) struct Document {
     /// The tables and keys outside all tables.
     pub root: Table,
     places: BTreeMap<String, Place>,
+    /// Quantities that were written with a unit, by the full names of their keys.
+    pub quantities: Quantities,
 }
 
 /// The full name of a key in a table; the root has no name.
@@ -57,12 +59,12 @@ impl Document {
                 .found(found)
                 .allowed(allowed)
         })?;
-        Ok(Self { file: file.to_owned(), root, places })
+        Ok(Self { file: file.to_owned(), root, places, quantities: BTreeMap::new() })
     }
 
     /// Where each key was written.
     pub fn source(&self) -> Source {
-        Source::new(&self.file, self.places.clone())
+        Source::new(&self.file, self.places.clone()).with_quantities(self.quantities.clone())
     }
 
     /// Takes out a key of a table, such as `system.box`, where it is written.

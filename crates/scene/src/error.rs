@@ -191,11 +191,15 @@ fn as_typed(key: &str, text: &str) -> String {
     parts.collect::<Vec<_>>().join(".")
 }
 
+/// The texts of quantities with units, and their values in reduced units, by the full names of their keys.
+pub type Quantities = BTreeMap<String, (String, f64)>;
+
 /// Where each key of a scene was written, so that trouble found later can still be put on a line.
 #[derive(Debug, Clone, Default)]
 pub struct Source {
     file: String,
     places: BTreeMap<String, Place>,
+    quantities: Quantities,
 }
 
 /// Two scenes are equal when they say the same, wherever they were written.
@@ -207,7 +211,18 @@ impl PartialEq for Source {
 
 impl Source {
     pub(crate) fn new(file: impl Into<String>, places: BTreeMap<String, Place>) -> Self {
-        Self { file: file.into(), places }
+        Self { file: file.into(), places, quantities: BTreeMap::new() }
+    }
+
+    /// With the quantities that were written with a unit.
+    pub(crate) fn with_quantities(self, quantities: Quantities) -> Self {
+        Self { quantities, ..self }
+    }
+
+    /// The keys that were written with a unit.
+    #[must_use]
+    pub fn quantities(&self) -> &Quantities {
+        &self.quantities
     }
 
     /// Where the keys of one table were written, by their names in it.

@@ -27,6 +27,7 @@ mod section;
 pub mod shipped;
 pub mod study;
 mod tables;
+mod units;
 
 pub use builder::SceneBuilder;
 pub use error::{Place, SceneError, Source};
@@ -44,3 +45,4 @@ pub use tables::species::{Amount, MixtureTables, PairEntry, SpeciesEntry};
 pub use tables::stages::{DEFAULT_SPLIT, IntegratorTable, ObservableTable, PressureControl, Stage};
 pub use tables::start::{Arrangement, Geometry, HalfCrystal, Lattice, Placement, Slab, System};
 pub use tables::walls::{ContactTable, WallTable};
+pub use units::{unit_in_words, why_no_substance};

@@ -3,6 +3,7 @@
 use crate::checks;
 use crate::scene::model;
 use crate::shipped;
+use crate::units;
 use std::path::Path;
 
 use lennard_forcefield::Kernel;
@@ -109,8 +110,9 @@ fn read(
     resolve: Resolve<'_>,
 ) -> Result<Scene, SceneError> {
     document.overlay(overrides)?;
+    let units = units::reduce(&mut document)?;
     let source = document.source();
-    let reader = Reader::new(&document.root, &source);
+    let reader = Reader::new(&document.root, &source, units);
     reader.known_tables()?;
     let mixture = reader.mixture()?;
     let potential = reader.potential(resolve)?;
@@ -128,6 +130,7 @@ fn read(
     reader.one_thermo_interval(&mut observables, &mut output)?;
     let mut scene = Scene {
         name,
+        units,
         accuracy: reader.accuracy()?,
         free: Vec::new(),
         potential,

@@ -104,7 +104,7 @@ impl Chosen {
 
     /// Reads the settings of a lock file.
     fn read(settings: &Table, source: &Source) -> Result<Self, SceneError> {
-        let reader = Reader::new(settings, source);
+        let reader = Reader::new(settings, source, None);
         for key in ["truncation", "integrator", "kernel", "neighbor"] {
             if let Some(value) = settings.get(key).filter(|value| !value.is_table()) {
                 return Err(source

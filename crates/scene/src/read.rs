@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lennard_forcefield::{PotentialOptions, TablePath, TruncationOptions};
+use lennard_literature::units::Units;
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -33,12 +34,13 @@ const WRITTEN_BY_RUNS: &str = "program";
 pub(crate) struct Reader<'a> {
     root: &'a Table,
     pub source: &'a Source,
+    pub units: Option<Units>,
     empty: Table,
 }
 
 impl<'a> Reader<'a> {
-    pub fn new(root: &'a Table, source: &'a Source) -> Self {
-        Self { root, source, empty: Table::new() }
+    pub fn new(root: &'a Table, source: &'a Source, units: Option<Units>) -> Self {
+        Self { root, source, units, empty: Table::new() }
     }
 
     /// Refuses keys outside every table, and unknown tables.

@@ -18,6 +18,7 @@ use crate::tables::start::{
     FileKeys, LatticeKeys, Numbers, PositionKeys, RandomKeys, Sides, StartKeys, SystemKeys,
 };
 use crate::tables::walls::{ContactKeys, FieldKeys, WallKeys};
+use crate::units::UnitKeys;
 use crate::{
     Accuracy, Arrangement, Geometry, MixtureTables, MoleculeOptions, Output, ProgramParts, Scene,
     System,
@@ -90,6 +91,8 @@ impl<'a> ResolvedTruncation<'a> {
 #[derive(Serialize)]
 struct Resolved<'a> {
     name: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    units: Option<UnitKeys>,
     system: SystemKeys,
     start: StartKeys,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -164,6 +167,9 @@ impl Scene {
         let species = mixture.map_or(&[][..], |mixture| &mixture.species);
         Resolved {
             name: &self.name,
+            units: self
+                .units
+                .map(|units| UnitKeys { substance: Some(units.substance.name.to_owned()) }),
             system: self.into(),
             start: (&self.system.start).into(),
             species: species.iter().map(SpeciesKeys::from).collect(),

@@ -7,6 +7,7 @@ use lennard_forcefield::{
 };
 use lennard_integrators::IntegratorOptions;
 use lennard_io::in_shell;
+use lennard_literature::units::Units;
 
 use crate::{
     Accuracy, Checkpoint, ContactTable, IntegratorTable, MixtureTables, Molecule, Name,
@@ -24,6 +25,8 @@ mod start;
 pub struct Scene {
     /// Its name; the file's stem unless the file gives another.
     pub name: Name,
+    /// The units that its quantities are written and shown in besides reduced ones; `None` for reduced units alone.
+    pub units: Option<Units>,
     /// Where the particles start.
     pub system: System,
     /// The species of the particles and their pairs; `None` where the scene names none: σ = ε = m = 1 for all.

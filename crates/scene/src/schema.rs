@@ -1,6 +1,7 @@
 //! The scene reference as a JSON Schema, with which editors complete keys and check values.
 
 use lennard_core::options::Allowed;
+use lennard_literature::units::dimension_of;
 use serde_json::{Map, Value, json};
 
 use crate::reference::{self, Form, KeyDoc, TableDoc};
@@ -81,6 +82,10 @@ fn property(table: &str, docs: &[&KeyDoc]) -> Value {
         }
         variants.push(object_of(inner.table));
     }
+    if docs.iter().any(|doc| dimension_of(doc.unit).is_some()) {
+        let numbers = variants.iter_mut().filter(|variant| variant["type"] == "number");
+        numbers.for_each(with_unit);
+    }
     let mut out = match variants.len() {
         0 => json!({}),
         1 => variants.remove(0),
@@ -103,6 +108,12 @@ fn short_forms(table: &str) -> Vec<&'static str> {
         _ => None,
     });
     std::iter::once("none").chain(kinds.unwrap_or_default()).collect()
+}
+
+/// A number may have a unit: it is a text then, and the range does not hold for it.
+fn with_unit(variant: &mut Value) {
+    variant["type"] = json!(["number", "string"]);
+    variant["pattern"] = json!("^[-+.0-9].*[^-+.0-9]");
 }
 
 /// Type and range of a value; `None` where words alone describe it.

@@ -178,7 +178,12 @@ impl<'a> Section<'a> {
     }
 
     fn refuse(&self, key: &str, value: &Value, message: impl Into<String>) -> SceneError {
-        self.source.refuse(&self.name(key), message).found(in_short(value))
+        let name = self.name(key);
+        let found = match self.source.quantities().get(&name) {
+            Some((text, _)) => format!("{text:?}, {} in reduced units", in_short(value)),
+            None => in_short(value),
+        };
+        self.source.refuse(&name, message).found(found)
     }
 
     /// The error for a value of another type than its key takes.

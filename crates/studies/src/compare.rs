@@ -24,10 +24,11 @@ pub use lennard_observables::Verdict;
 pub use lennard_observables::quantities::quantity_words;
 pub use phase::{StateOfMatter, state_of};
 pub use read::{ReadError, RunFolder};
-pub use table::table;
+pub use table::{physical, table};
 pub use verdict::Row;
 
 use lennard_core::Remark;
+use lennard_literature::units::Units;
 use lennard_literature::{equation_of_state_for, remark_for};
 use read::is_of_few_bodies;
 use rows::Compared;
@@ -56,6 +57,9 @@ pub struct ComparedRun {
     pub rows: Vec<Row>,
     /// Every measured property beside every equation that applies; absent where none covers the state.
     pub card: Option<StateCard>,
+    /// The means in units of a substance, where the scene names one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub units: Option<Units>,
     /// What the rows say together, in a sentence or two.
     pub headline: String,
     /// The reason that most of the primary rows share; the headline says it.
@@ -150,6 +154,7 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
     ComparedRun {
         card,
         run: run.folder.display().to_string(),
+        units: run.scene.units,
         model: run.record.model.clone(),
         atoms: run.record.atoms,
         molecules: run.molecules(),

@@ -28,7 +28,7 @@ fn read(text: &str, length: Option<f64>, time: Option<f64>) -> Result<StartConfi
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("start");
     std::fs::write(&path, text).unwrap();
-    let units = FileUnits { length, time };
+    let units = FileUnits::new(length, time, None);
     read_configuration_in(&path, Beside { cell: None, units }).map_err(|e| e.to_string())
 }
 
@@ -73,6 +73,48 @@ fn units_are_taken_out_where_the_scene_names_them_and_refused_elsewhere() {
     let message = read(&momenta, Some(2.0), Some(8.0)).unwrap_err();
     assert!(message.contains("momenta without masses"), "{message}");
     assert!(message.contains("a column with the masses beside them"), "{message}");
+}
+
+/// Proves that files in real units are read where a substance is named, in every format that states units, and that what is
+/// stated too late, or twice, is refused.
+#[test]
+fn a_substance_takes_out_units_that_a_file_states() {
+    // σ = 2 Å, τ = 8 fs, m = 4 u.
+    let substance = Some([2e-10, 8e-15, 4.0 * 1.660_539_069e-27]);
+    let read = |text: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("start");
+        std::fs::write(&path, text).unwrap();
+        let units = FileUnits::new(None, None, substance);
+        read_configuration_in(&path, Beside { cell: None, units }).map_err(|e| e.to_string())
+    };
+    let row = ["1 2 3", "2 3 4"];
+    let real = data("written by LAMMPS, units = real", row, "Velocities\n\n1 0.5 0 0\n2 0 0 0\n");
+    let frame = dump("vx vy vz", ["0.5 0 0", "0 0 0"]);
+    // LAMMPS states the units before the first frame alone.
+    let real_dump = format!("ITEM: UNITS\nreal\n{frame}{frame}");
+    let momenta = format!(
+        "2\n{LATTICE} units=real Properties=pos:R:3:momenta:R:3\n1 2 3 2 0 0\n2 3 4 0 0 0\n"
+    );
+    for text in [&real, &real_dump, &momenta] {
+        let start = read(text).unwrap();
+        assert!((start.cell.lengths() - DVec3::new(2.0, 2.5, 3.0)).length() < 1e-12);
+        assert!((start.positions[1] - DVec3::new(1.0, 1.5, 2.0)).length() < 1e-12);
+        let motion = start.velocities.or(start.momenta).unwrap()[0];
+        assert!((motion - DVec3::new(2.0, 0.0, 0.0)).length() < 1e-9, "{motion}");
+    }
+    let start = read(&gro("argon", true)).unwrap();
+    assert!((start.cell.lengths() - DVec3::new(25.0, 30.0, 35.0)).length() < 1e-12);
+    for (text, found) in [
+        (data("two", row, "# in metal units\n"), "units `metal` behind the particles"),
+        (data("real units", row, "# in metal units\n"), "units `metal` after units `real`"),
+        (data("units = furlong", row, ""), "units `furlong`"),
+    ] {
+        let message = read(&text).unwrap_err();
+        assert!(message.contains(found), "{message}");
+    }
+    // What states no units is reduced.
+    assert_eq!(read(&frame).unwrap().positions[1], DVec3::new(2.0, 3.0, 4.0));
 }
 
 #[test]

@@ -54,7 +54,7 @@ fn times_rounding_and_images_are_what_each_format_says() {
     assert!(plain(&dump("id x y z ix iy iz", "1 1 2 3 0 0 1")).unwrap()[0].unwrapped);
 
     let gro = "water t=   4.31200 step= 2\n    1\n    1AR      AR    1   1.000   2.000   0.500\n   3.0   3.0   3.0\n";
-    let units = FileUnits { length: Some(0.5), time: Some(2.156) };
+    let units = FileUnits::new(Some(0.5), Some(2.156), None);
     let frame = &read(gro, units).unwrap()[0];
     assert_eq!(frame.positions[0], DVec3::new(2.0, 4.0, 1.0));
     assert!((frame.time.unwrap() - 2.0).abs() < 1e-12);

@@ -172,6 +172,7 @@ fn record() -> RunRecord {
             largest_deviation: Some(0.03125),
             skin: Some(0.3),
         },
+        units: None,
         averages: [(average.name.clone(), AverageRecord::new(&average, 1000))].into(),
         conservation: Conservation {
             energy_drift_per_atom_per_tau: -1.5e-8,

@@ -12,7 +12,7 @@ mod studies;
 #[cfg(test)]
 mod tests;
 
-pub use eos::EosArgs;
+pub use eos::{EosArgs, Values};
 pub use studies::*;
 
 /// Help that ends with the exit codes of a program.
@@ -169,7 +169,8 @@ pub enum Command {
         lennard eos thol-2016 --pressure 1 --temperature 0.8:1.2:0.1 --properties speed_of_sound\n  \
         lennard eos thol-2015 --saturation\n  \
         lennard eos pohl-2023 --exponents 11.5,6 --density 0.7 --temperature 1\n  \
-        lennard eos virial -d 0.01 -T 1 --json\n\n\
+        lennard eos virial -d 0.01 -T 1 --json\n  \
+        lennard eos thol-2016 --substance argon -T 94.4K -d 1.374g/cm3\n\n\
         Equations and their ranges: lennard list equations-of-state")]
     Eos(EosArgs),
     /// List the methods that a scene can name.

@@ -86,6 +86,15 @@ pub(super) fn cutoffs_by_pair(scene: &Scene) -> Vec<Part> {
     unit.map(named).into_iter().collect()
 }
 
+/// Cutoffs that are written with a unit.
+pub(super) fn cutoffs_with_units(scene: &Scene) -> Vec<Part> {
+    let is_cutoff = |key: &str| {
+        key.starts_with("truncation.") || key.starts_with("pair.") && key.ends_with(".r_cut")
+    };
+    let written = scene.source.quantities().iter().filter(|(key, _)| is_cutoff(key));
+    written.map(|(key, (text, _))| part(key, in_quotes(text))).collect()
+}
+
 pub(super) fn own_element(scene: &Scene) -> Vec<Part> {
     one(scene.source.wrote("output.element"), "output.element", "`element` in `[output]`")
 }

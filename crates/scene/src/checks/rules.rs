@@ -31,6 +31,9 @@ const ROWS: &[Row] = rows! {
     cutoffs_by_pair / no_species:
         "has no pairs of species to measure by"; "{a} without `[[species]]`";
         "a table `[[species]]` for each species, or no such key"
+    cutoffs_with_units / cutoffs_by_pair:
+        "is a length, and each pair measures its cutoff by its own size"; "{a} with truncation.r_cut_in = {b}";
+        "a plain number, or truncation.r_cut_in = \"sigma\""
     molecules / species:
         "does not go with species"; "`[molecule]` and `[[species]]`";
         "atoms of several species, or molecules of one"

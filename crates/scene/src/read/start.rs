@@ -340,8 +340,9 @@ impl Reader<'_> {
             }
             StartKeys::Positions(keys) => self.listed(keys, geometry)?,
             StartKeys::File(keys) => {
-                let units = FileUnits { length: keys.length_scale, time: keys.time_scale };
-                if let (Some(found), None) = (units.time, units.length) {
+                let substance = self.units.map(|units| units.length_time_mass());
+                let units = FileUnits::new(keys.length_scale, keys.time_scale, substance);
+                if let (Some(found), None, None) = (units.time, units.length, substance) {
                     return Err(self
                         .source
                         .refuse("start.time_scale", "is of a file in other units")

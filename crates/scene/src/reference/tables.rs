@@ -19,6 +19,7 @@ use crate::tables::stages::{
 };
 use crate::tables::start::{StartKeys, SystemKeys};
 use crate::tables::walls::{ContactKeys, FieldKeys, WallKeys};
+use crate::units::UnitKeys;
 use crate::{Accuracy, MoleculeOptions, Name};
 
 /// One key of a scene file.
@@ -187,6 +188,9 @@ macro_rules! tables {
 pub(super) static TABLES: &[TableDoc] = tables! {
     /// At the top of the file.
     "" Form::Top, keys TopKeys;
+    /// The substance that quantities with units are of. Beside it, every key that has a unit takes a text such as `"94 K"`,
+    /// `"1.374 g/cm3"`, `"10 fs"` or `"40 bar"`; plain numbers stay reduced. Results have both units.
+    "units" Form::Once, keys UnitKeys;
     /// How many particles there are and in which box: `n_atoms` with `density` or `box`.
     "system" Form::Once, keys SystemKeys;
     /// Where the particles stand at the start. `slab` is liquid across z with vapor on both sides, and `half-crystal` a crystal across z

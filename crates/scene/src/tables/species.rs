@@ -41,8 +41,8 @@ lennard_core::options! {
         k: Option<f64> = None, else "`mixing.k`", Between(-1.0, 1.0);
         /// Deviation of σ of this pair, with rule "lorentz-berthelot" alone.
         l: Option<f64> = None, else "`mixing.l`", Between(-0.5, 0.5);
-        /// Cutoff of this pair.
-        r_cut: Option<f64> = None, else "`truncation.r_cut`", Between(SHORTEST_CUTOFF, LONGEST_CUTOFF), in "as `truncation.r_cut_in` says";
+        /// Cutoff of this pair, measured as `truncation.r_cut_in` says.
+        r_cut: Option<f64> = None, else "`truncation.r_cut`", Between(SHORTEST_CUTOFF, LONGEST_CUTOFF), in "σ";
     }
 }
 

@@ -89,6 +89,7 @@ fn a_few_scenes_hold_every_key_of_every_table() {
         "inputs/formats/ase.toml",
         // A file in other units excludes a lattice.
         "inputs/formats/from-gro.toml",
+        "inputs/fluid/argon.toml",
     ];
     let mut scenes = vec![scene];
     scenes.extend(others.map(|path| Scene::load(Path::new(path), &[]).unwrap()));

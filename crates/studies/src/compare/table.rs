@@ -1,9 +1,9 @@
 //! The quantities of a run beside their references, for a reader.
 
-use crate::report::significant;
+use crate::report::{in_units, significant};
 use lennard_core::{Cell, Table};
 
-use super::{Row, quantity_words};
+use super::{ComparedRun, Row, quantity_words};
 
 /// The rows of a run as a table; `verdict` gives the words of the last column.
 #[must_use]
@@ -35,6 +35,19 @@ pub fn table(rows: &[&Row], verdict: impl Fn(&Row) -> String) -> Table {
         })
         .column("Verdict", |r| Cell::words(verdict(r)).toned(r.verdict.tone()))
         .table()
+}
+
+/// The primary quantities of a run in units of its substance.
+#[must_use]
+pub fn physical(run: &ComparedRun) -> Option<Table> {
+    let units = run.units?;
+    let primary = run.rows.iter().filter(|row| row.primary && units.one(&row.unit).is_some());
+    let rows: Vec<&Row> = primary.collect();
+    let table = Table::rows_of("physical", &rows)
+        .column("Quantity", |r| quantity_words(&r.quantity))
+        .measured("Measured", |r| Some((r.measured, r.standard_error)))
+        .column("Unit", |r| r.unit.as_str());
+    Some(in_units(table.table(), &units))
 }
 
 fn with_or_without_error(value: Option<f64>, error: Option<f64>) -> Cell {

@@ -240,6 +240,7 @@ mod tests {
                 equation: None,
                 rows: vec![Row::measured("front_velocity", &average)],
                 card: None,
+                units: None,
                 headline: String::new(),
                 shared_reason: None,
                 remarks: Vec::new(),

@@ -3,7 +3,7 @@
 use lennard_core::{Cell, Table};
 
 use crate::compare::{self, ComparedRun, Row, quantity_words};
-use crate::report::{Block, Section, particles, signed, significant};
+use crate::report::{Block, Section, in_words, particles, signed, significant};
 
 /// Adds the primary quantities of a run with their verdicts, what they say together, and the lines below them. With `verbose`
 /// these are all quantities, and each has the parts of its verdict.
@@ -14,7 +14,12 @@ pub fn quantities(section: Section, run: &ComparedRun, verbose: bool) -> Section
         true => compare::table(&rows, Row::verdict_words),
         false => narrow(run),
     };
-    let section = section.table(table).heading(&run.headline);
+    let physical = compare::physical(run);
+    let section = section
+        .table(table)
+        .texts(run.units.as_ref().map(in_words))
+        .with_all(physical.map(|table| vec![Block::Table(table)]))
+        .heading(&run.headline);
     let words = |row: &Row, text: &str| format!("{}: {text}", quantity_words(&row.quantity));
     let primary = || rows.iter().filter(|r| r.primary && !verbose);
     let reasons = primary().filter(|row| has_note(run, row)).map(|row| words(row, &row.reason));

@@ -197,6 +197,7 @@ impl PlannedPoint {
 fn part_of_name(choice: &Choice) -> Option<String> {
     let words = &choice.value().words;
     if let Some(short) = choice.axis.short() {
+        let words: String = plain(&words.replace(' ', ""));
         return short.key.map(|_| format!("{}{words}", short.prefix));
     }
     let is_text = choice.value().text.starts_with(['"', '\'', '[', '{']);
@@ -206,8 +207,13 @@ fn part_of_name(choice: &Choice) -> Option<String> {
         true => format!("{last}-{words}"),
         false => format!("{last}{words}"),
     };
+    Some(plain(&part))
+}
+
+/// The text with dashes for what no name has.
+fn plain(text: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-    Some(part.chars().map(|c| if is_plain(c) { c } else { '-' }).collect())
+    text.chars().map(|c| if is_plain(c) { c } else { '-' }).collect()
 }
 
 /// A study file, read, with the names of its points.
@@ -382,7 +388,15 @@ impl Plan {
         let (atoms, density) = lennard_engine::size_and_density(&scene).map_err(|source| {
             SweepError::Start { point: planned.name.to_string(), source: Box::new(source) }
         })?;
-        let (name, settings) = (planned.name.clone(), planned.settings());
+        let (name, mut settings) = (planned.name.clone(), planned.settings());
+        // A quantity with a unit is a number for figures.
+        for Setting { key, value } in &mut settings {
+            let short = SHORT_KEYS.iter().find(|short| short.name == *key);
+            let key = short.and_then(|short| short.key).unwrap_or(key);
+            if let Some((_, reduced)) = scene.source.quantities().get(key) {
+                *value = SettingValue::Number(*reduced);
+            }
+        }
         Ok(Point { name, settings, scene, atoms, density })
     }
 }

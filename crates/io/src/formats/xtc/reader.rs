@@ -55,7 +55,7 @@ impl XtcReader {
         reader: BufReader<File>,
         size: u64,
         file: &Path,
-        units: FileUnits,
+        mut units: FileUnits,
     ) -> Result<Self, FormatError> {
         let scales = units.scales(None);
         let scales = scales.map_err(|(f, a)| FormatError::content(file, 1, &f, &a))?;

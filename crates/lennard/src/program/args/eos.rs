@@ -1,6 +1,7 @@
 //! What can be typed after `lennard eos`.
 
 use clap::Args;
+use lennard_literature::units::split;
 
 /// Arguments of `eos`.
 #[derive(Debug, Args)]
@@ -9,7 +10,7 @@ pub struct EosArgs {
     /// Equations by name (`lennard list equations-of-state`); by default all for the full Lennard-Jones potential.
     #[arg(value_name = "EQUATION")]
     pub equations: Vec<String>,
-    /// Temperatures, ε/k_B: a number, a list such as 0.8,1.0, or a range FROM:TO:STEP.
+    /// Temperatures, ε/k_B: a number, a list such as 0.8,1.0, or a range FROM:TO:STEP; with a substance also 94K, 85:95:5K.
     #[arg(long, short = 'T', value_name = "VALUES", value_parser = values, allow_hyphen_values = true)]
     pub temperature: Option<Values>,
     /// Densities, σ⁻³, in the same form.
@@ -25,6 +26,9 @@ pub struct EosArgs {
     /// critical one where none are named.
     #[arg(long, conflicts_with_all = ["density", "pressure", "properties", "saturation"])]
     pub freezing: bool,
+    /// The substance that numbers with units are of; results have both units then.
+    #[arg(long, value_name = "NAME")]
+    pub substance: Option<String>,
     /// Properties by name, such as pressure,speed_of_sound; by default all of a single state, and a few of a curve.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub properties: Vec<String>,
@@ -39,9 +43,12 @@ pub struct EosArgs {
     pub json: bool,
 }
 
-/// Numbers that were typed.
+/// Numbers that were typed, and the unit of all of them; empty for reduced units.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Values(pub Vec<f64>);
+pub struct Values {
+    pub numbers: Vec<f64>,
+    pub unit: String,
+}
 
 /// A range has no more values than this.
 const MOST_VALUES: f64 = 10_000.0;
@@ -49,13 +56,20 @@ const MOST_VALUES: f64 = 10_000.0;
 fn values(text: &str) -> Result<Values, String> {
     let wanted =
         "wanted a number, a list such as 0.8,1.0, or a range FROM:TO:STEP such as 0.7:1.3:0.05";
-    let number = |text: &str| match text.trim().parse::<f64>() {
-        Ok(x) if x.is_finite() => Ok(x),
+    // The unit stands behind the last number at least.
+    let last = text.rsplit([',', ':']).next().unwrap_or_default();
+    let unit = split(last).map_or("", |(_, unit)| unit);
+    let number = |text: &str| match split(text) {
+        Some((x, found)) if x.is_finite() && (found.is_empty() || found == unit) => Ok(x),
+        Some((_, found)) if found != unit => {
+            Err(format!("`{}` has the unit {found}, and the last number has not", text.trim()))
+        }
         _ => Err(format!("`{}` is no finite number; {wanted}", text.trim())),
     };
+    let with_unit = |numbers| Values { numbers, unit: unit.to_owned() };
     let parts: Vec<&str> = text.split(':').collect();
     match parts[..] {
-        [list] => list.split(',').map(number).collect::<Result<_, _>>().map(Values),
+        [list] => list.split(',').map(number).collect::<Result<_, _>>().map(with_unit),
         [from, to, step] => {
             let (from, to, step) = (number(from)?, number(to)?, number(step)?);
             // The last value counts where it is reached up to rounding.
@@ -70,7 +84,7 @@ fn values(text: &str) -> Result<Values, String> {
                     "the range has {steps} steps; at most {MOST_VALUES} are taken"
                 ));
             }
-            Ok(Values((0..=steps as u64).map(|i| from + i as f64 * step).collect()))
+            Ok(with_unit((0..=steps as u64).map(|i| from + i as f64 * step).collect()))
         }
         _ => Err(wanted.into()),
     }
@@ -82,17 +96,35 @@ mod tests {
 
     #[test]
     fn numbers_lists_and_ranges_are_read_and_others_are_not() {
-        for (text, expected) in [
-            ("0.7", vec![0.7]),
-            ("0.8, 1", vec![0.8, 1.0]),
-            ("1:2:0.5", vec![1.0, 1.5, 2.0]),
-            ("0.7:0.75:0.1", vec![0.7]),
+        for (text, expected, unit) in [
+            ("0.7", vec![0.7], ""),
+            ("0.8, 1", vec![0.8, 1.0], ""),
+            ("1:2:0.5", vec![1.0, 1.5, 2.0], ""),
+            ("0.7:0.75:0.1", vec![0.7], ""),
+            ("94K", vec![94.0], "K"),
+            ("90, 94 K", vec![90.0, 94.0], "K"),
+            ("85:95:5K", vec![85.0, 90.0, 95.0], "K"),
+            ("85K:95K:5K", vec![85.0, 90.0, 95.0], "K"),
+            ("1.374 g/cm3", vec![1.374], "g/cm3"),
         ] {
-            assert_eq!(values(text), Ok(Values(expected)), "{text}");
+            let unit = unit.to_owned();
+            assert_eq!(values(text), Ok(Values { numbers: expected, unit }), "{text}");
         }
         // Rounding leaves out no last value.
-        assert_eq!(values("0.1:0.7:0.1").unwrap().0.len(), 7);
-        for text in ["", "a", "1:2", "2:1:0.1", "1:2:0", "1:2:-1", "nan", "0:1:1e-9", "1:2:3:4"] {
+        assert_eq!(values("0.1:0.7:0.1").unwrap().numbers.len(), 7);
+        for text in [
+            "",
+            "a",
+            "1:2",
+            "2:1:0.1",
+            "1:2:0",
+            "1:2:-1",
+            "nan",
+            "0:1:1e-9",
+            "1:2:3:4",
+            "90K,94bar",
+            "90K,94",
+        ] {
             assert!(values(text).is_err(), "{text}");
         }
     }

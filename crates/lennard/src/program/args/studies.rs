@@ -328,6 +328,8 @@ pub enum Listed {
     EquationsOfState,
     /// Tables of reference values that come along.
     ReferenceTables,
+    /// Substances whose units a scene may have, with σ, ε and m.
+    Substances,
 }
 
 fn tuning_seconds(text: &str) -> Result<f64, String> {

@@ -1,14 +1,15 @@
 //! `lennard eos`: any property of any equation of state at any state, without a run.
 
+use lennard_literature::units::{SUBSTANCES, Units};
 use lennard_literature::{
     BOND_LENGTHS, EquationOfState, Mie, ModelKind, PROPERTIES, Property, equations_for,
     freezing_lines_of, list, pohl_2023, property, two_center, virial_series,
 };
 use lennard_studies::eos::{self, Coexistence, Evaluated, Freezing, Given};
-use lennard_studies::report::Section;
-use serde_json::json;
+use lennard_studies::report::{Section, in_units};
+use serde_json::{Value, json};
 
-use crate::program::args::EosArgs;
+use crate::program::args::{EosArgs, Values};
 use crate::program::commands::answer;
 use crate::program::failure::{Failure, INPUT};
 use crate::program::show::{self, Style};
@@ -29,20 +30,25 @@ const HIGHEST_OF_CRITICAL: f64 = 2.0;
 pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
     let equations = equations(args)?;
     let chosen = properties(&args.properties)?;
+    let units = args.substance.as_deref().map(units_of).transpose()?;
+    let units = units.as_ref();
+    let temperatures = reduced(args.temperature.as_ref(), units, "ε/k_B")?;
     if args.saturation {
-        return SATURATION.print(args, &equations);
+        return SATURATION.print(args.json, &equations, temperatures.as_ref(), units);
     }
     if args.freezing {
-        return FREEZING.print(args, &equations);
+        return FREEZING.print(args.json, &equations, temperatures.as_ref(), units);
     }
-    let Some(temperatures) = &args.temperature else {
+    let Some(temperatures) = temperatures else {
         return Err(refused(
             "a state needs a temperature: --temperature VALUES, or --saturation or --freezing for two phases",
         ));
     };
-    let given: Vec<Given> = match (&args.density, &args.pressure) {
-        (Some(densities), _) => densities.0.iter().map(|d| Given::Density(*d)).collect(),
-        (_, Some(pressures)) => pressures.0.iter().map(|p| Given::Pressure(*p)).collect(),
+    let densities = reduced(args.density.as_ref(), units, "σ⁻³")?;
+    let pressures = reduced(args.pressure.as_ref(), units, "ε/σ³")?;
+    let given: Vec<Given> = match (densities, pressures) {
+        (Some(densities), _) => densities.into_iter().map(Given::Density).collect(),
+        (_, Some(pressures)) => pressures.into_iter().map(Given::Pressure).collect(),
         (None, None) => {
             return Err(refused(
                 "a state needs a density or a pressure: --density VALUES or --pressure VALUES",
@@ -50,7 +56,7 @@ pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
         }
     };
     let states: Vec<(f64, Given)> =
-        temperatures.0.iter().flat_map(|t| given.iter().map(move |g| (*t, *g))).collect();
+        temperatures.iter().flat_map(|t| given.iter().map(move |g| (*t, *g))).collect();
     let evaluated = |equation: Equation| -> Vec<Evaluated> {
         let one = |(t, given): &(f64, Given)| eos::evaluate(equation, *t, *given);
         states.iter().map(one).collect()
@@ -66,14 +72,69 @@ pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
         None if curve => OF_A_CURVE.iter().filter_map(|key| property(key)).collect(),
         None => PROPERTIES.iter().collect(),
     };
-    answer(args.json, false, &eos::states_json(&all.concat(), &properties), || match curve {
-        true => all.iter().for_each(|one| printed(&show::curve(one, &properties))),
-        false => printed(&show::state(&all.concat(), &properties)),
+    let json = eos::states_json(&all.concat(), &properties);
+    let curves: Vec<Section> = all.iter().map(|one| show::curve(one, &properties)).collect();
+    match curve {
+        true => told(args.json, units, json, &curves, &curves),
+        false => {
+            let state = show::state(&all.concat(), &properties, units);
+            told(args.json, units, json, &curves, &[state])
+        }
+    }
+}
+
+/// Prints sections, or a document with the tables in units of a substance where there is one.
+fn told(
+    as_json: bool,
+    units: Option<&Units>,
+    mut json: Value,
+    tables: &[Section],
+    shown: &[Section],
+) -> Result<u8, Failure> {
+    if let Some(units) = units {
+        let tables = tables.iter().flat_map(Section::tables);
+        let physical: Vec<_> = tables.map(|table| in_units(table.clone(), units)).collect();
+        json["units"] = json!(units);
+        json["physical"] = json!(physical);
+    }
+    answer(as_json, false, &json, || {
+        for section in shown {
+            show::print(&section.clone().in_both(units), Style::Ruled);
+        }
     })
 }
 
-fn printed(section: &Section) {
-    show::print(section, Style::Ruled);
+/// The units of a substance by its name.
+fn units_of(name: &str) -> Result<Units, Failure> {
+    let known: Vec<String> = SUBSTANCES.iter().map(|s| s.name.to_owned()).collect();
+    Units::of(name).ok_or_else(|| match lennard_scene::why_no_substance(name) {
+        Some(why) => refused(format!(
+            "the substance cannot be `{name}`: {why}\n  allowed: {}",
+            known.join(", ")
+        )),
+        None => unknown("substance", name, &known),
+    })
+}
+
+/// Numbers as typed, in a reduced unit.
+fn reduced(
+    typed: Option<&Values>,
+    units: Option<&Units>,
+    reduced: &str,
+) -> Result<Option<Vec<f64>>, Failure> {
+    let Some(Values { numbers, unit }) = typed.filter(|typed| !typed.unit.is_empty()) else {
+        return Ok(typed.map(|typed| typed.numbers.clone()));
+    };
+    let each = numbers.iter().map(|number| Units::reduce(units, *number, unit, reduced));
+    let found = each.collect::<Result<_, _>>().map_err(|error| {
+        let (allowed, nearest) = lennard_scene::unit_in_words(unit, reduced, &error);
+        let nearest = nearest.map_or(String::new(), |nearest| format!("\n  nearest: {nearest}"));
+        refused(format!(
+            "the number {error}\n  found:   {} {unit}\n  allowed: {allowed}{nearest}",
+            numbers[0]
+        ))
+    });
+    found.map(Some)
 }
 
 /// A table of two phases side by side over temperatures.
@@ -86,16 +147,21 @@ struct TwoPhases<R> {
     nothing: &'static str,
     /// Why an equation has none.
     limit: fn(Equation) -> String,
-    json: fn(Equation, &[R]) -> serde_json::Value,
+    json: fn(Equation, &[R]) -> Value,
     show: fn(Equation, &[R]) -> Section,
 }
 
 impl<R> TwoPhases<R> {
-    fn print(&self, args: &EosArgs, equations: &[Equation]) -> Result<u8, Failure> {
+    fn print(
+        &self,
+        as_json: bool,
+        equations: &[Equation],
+        named: Option<&Vec<f64>>,
+        units: Option<&Units>,
+    ) -> Result<u8, Failure> {
         let rows_of = |equation: Equation| -> Vec<R> {
             let usual = (self.temperatures)(equation);
-            let named = args.temperature.as_ref().map(|values| values.0.clone());
-            let temperatures = usual.and_then(|usual| named.or(Some(usual)));
+            let temperatures = usual.map(|usual| named.cloned().unwrap_or(usual));
             let each = temperatures.into_iter().flatten();
             each.flat_map(|t| (self.rows)(equation, t)).collect()
         };
@@ -106,9 +172,9 @@ impl<R> TwoPhases<R> {
             return Err(refused(format!("{}: {}", self.nothing, limits.join("; "))));
         }
         let all: Vec<_> = found.iter().map(|(e, rows)| (self.json)(*e, rows)).collect();
-        answer(args.json, false, &json!({ "schema": eos::SCHEMA, "equations": all }), || {
-            found.iter().for_each(|(e, rows)| printed(&(self.show)(*e, rows)));
-        })
+        let shown: Vec<_> = found.iter().map(|(e, rows)| (self.show)(*e, rows)).collect();
+        let json = json!({ "schema": eos::SCHEMA, "equations": all });
+        told(as_json, units, json, &shown, &shown)
     }
 }
 

@@ -1,8 +1,10 @@
 //! `lennard list`: the methods that a scene can name.
 
 use clap::ValueEnum;
+use lennard_core::number::significant;
 use lennard_io::TrajectoryFormat;
 use lennard_literature::EquationOfState;
+use lennard_literature::units::{SUBSTANCES, Units};
 use lennard_observables::quantities::QUANTITIES;
 use serde_json::json;
 
@@ -65,6 +67,16 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
         Listed::Formats => formats(),
         Listed::EquationsOfState => equations_of_state(),
         Listed::ReferenceTables => reference_tables(),
+        Listed::Substances => each(&SUBSTANCES, |s| {
+            let one = |reduced: &str| {
+                let (one, unit) = Units::of(s.name)?.one(reduced)?;
+                Some((reduced.to_owned(), json!(format!("{} {unit}", significant(one, 6)))))
+            };
+            Entry {
+                properties: ONE_OF_EACH.into_iter().filter_map(one).collect(),
+                ..without_equation([s.name, &s.to_string(), s.source])
+            }
+        }),
     };
     if let Some(name) = &args.name {
         let known: Vec<String> = entries.iter().map(|e| e.name.clone()).collect();
@@ -118,6 +130,9 @@ fn scenes() -> Vec<Entry> {
         without_equation([scene.name, &scene.subject(), &source])
     })
 }
+
+/// The reduced units that `lennard list substances` tells the size of.
+const ONE_OF_EACH: [&str; 9] = ["σ", "τ", "ε", "ε/k_B", "σ⁻³", "ε/σ³", "σ²/τ", "ετ/σ³", "k_B/(στ)"];
 
 /// An entry for each item of a list.
 fn each<S>(all: &[S], entry: impl Fn(&S) -> Entry) -> Vec<Entry> {

@@ -33,10 +33,11 @@ pub fn measure(args: &MeasureArgs) -> Result<u8, Failure> {
     let trajectory = Trajectory {
         file: args.trajectory.clone(),
         interval: args.interval,
-        units: FileUnits {
-            length: args.length_scale.or(own.length),
-            time: args.time_scale.or(own.time),
-        },
+        units: FileUnits::new(
+            args.length_scale.or(own.length),
+            args.time_scale.or(own.time),
+            scene.units.map(|units| units.length_time_mass()),
+        ),
     };
     let mut measurement = Measurement::open(scene, &trajectory)?;
     let simulation = &measurement.simulation;

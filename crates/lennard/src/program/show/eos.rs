@@ -1,18 +1,24 @@
 //! Equations of state for people.
 
+use lennard_literature::units::Units;
 use lennard_literature::{EquationOfState, Property, freezing_lines_of};
 use lennard_studies::eos::{self, Coexistence, Evaluated, Freezing};
-use lennard_studies::report::Section;
+use lennard_studies::report::{Section, physical};
 
 /// One state by every equation that covers it.
-pub fn state(evaluated: &[Evaluated], properties: &[&Property]) -> Section {
+pub fn state(evaluated: &[Evaluated], properties: &[&Property], units: Option<&Units>) -> Section {
     let of_equation = |one: &Evaluated| {
         let spec = one.equation.spec();
         let said = match &one.found {
-            Ok(found) => format!(
-                "{}: ρ = {:.6}, T = {}: {}",
-                spec.name, found.state.rho, one.temperature, found.phase
-            ),
+            Ok(found) => {
+                let rho = found.state.rho;
+                let in_units = units.map_or_else(String::new, |units| {
+                    let temperature = physical(units, one.temperature, "ε/k_B");
+                    format!(" ({}, {temperature})", physical(units, rho, "σ⁻³"))
+                });
+                let (name, t, phase) = (&spec.name, one.temperature, found.phase);
+                format!("{name}: ρ = {rho:.6}, T = {t}{in_units}: {phase}")
+            }
             Err(outside) => format!("left out: {outside}"),
         };
         [Some(said), spec.superseded.as_ref().map(|why| format!("  {why}"))]

@@ -7,7 +7,7 @@ use lennard_core::{Cell, Remark, Table};
 use lennard_engine::{EnergyReport, KineticSource, Simulation};
 use lennard_io::{Conservation, RunRecord};
 use lennard_studies::compare::ComparedRun;
-use lennard_studies::report::{Section, counted, particles, signed, significant};
+use lennard_studies::report::{Section, counted, particles, physical, signed, significant};
 
 use super::literature;
 use super::text::duration;
@@ -40,6 +40,12 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) -> Section
                 scene.total_steps(),
                 counted(scene.stages.len(), "stage")
             )
+        }))
+        .texts(scene.units.map(|units| {
+            let said = |value, unit| physical(&units, value, unit);
+            let temperature = said(scene.system.temperature, "ε/k_B");
+            let (density, dt) = (said(density, "σ⁻³"), said(scene.integrator.dt, "τ"));
+            format!("{}: {temperature}, {density}, dt = {dt}", units.substance.name)
         }))
         .text(format!("{workers}, output in {}", folder.display()))
         .texts(shares_nothing.then_some(

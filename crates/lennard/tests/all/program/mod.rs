@@ -30,4 +30,5 @@ mod starts_and_ends;
 mod tables;
 mod texts_of_users;
 mod tune;
+mod units;
 mod verdicts;
