@@ -1,8 +1,8 @@
 //! README and the pages of docs/ do what they say: their commands run, their tables come out, their paths and links lead somewhere.
 //!
 //! Every block ```` ```sh ```` is run, one document in one new folder, with `lennard` on the path, and also where cargo is to build
-//! it first. A line `<!-- not run: … -->` before a block leaves it out. A block ```` ```toml title="NAME" ```` is written to the file NAME. A block ```` ```rust title="FILE" ````
-//! is a part of that example of the library.
+//! it first. A line `<!-- not run: … -->` before a block leaves it out. A block ```` ```toml title="NAME" ````, or one of `lammps`, is
+//! written to the file NAME. A block ```` ```rust title="FILE" ```` is a part of that example of the library.
 //!
 //! A ```` ```text ```` block behind commands shows what they print. Each row of its table with a ± must be in the output. Quantity
 //! and verdict are the same there, and the means agree within five of both standard errors. A verdict of *too coarse to tell* is
@@ -113,7 +113,7 @@ fn steps(text: &str) -> Vec<Step> {
                 let title = kind.strip_prefix(language)?.strip_prefix(" title=\"")?;
                 title.strip_suffix('"').map(str::to_owned)
             };
-            match (kind, titled("toml"), titled("rust")) {
+            match (kind, titled("toml").or(titled("lammps")), titled("rust")) {
                 ("sh", ..) if !before.starts_with("<!-- not run:") => {
                     steps.push(Step::Run(number, body))
                 }
