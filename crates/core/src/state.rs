@@ -174,7 +174,7 @@ pub struct Energetics {
 }
 
 impl Energetics {
-    /// What `want` asks for of a term whose energy U is the one that its forces conserve, with the virial tensor and ∇²U; energies of
+    /// The parts that `want` asks for of a term whose forces conserve the energy U, with the virial tensor and ∇²U. Energies of
     /// particles are left out.
     #[must_use]
     pub fn of(want: Want, energy: f64, virial: DMat3, laplacian: f64) -> Self {

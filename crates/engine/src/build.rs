@@ -26,7 +26,7 @@ use crate::schedule::Observer;
 use crate::simulation::Simulation;
 use crate::start::{Start, make_suit, start_with, thermal_velocities};
 use crate::timers::Timers;
-use crate::{EngineError, compare, exchange, measure, pressure, room};
+use crate::{EngineError, compare, exchange, from_frames, pressure, room};
 
 /// The temperature and step for which the list is laid out. They are the highest temperature and the
 /// largest step of all stages, since one list serves all.
@@ -120,7 +120,7 @@ pub(crate) fn prepare_own_from(
     remarks.extend(remark_on_damping(&scene));
     remarks.extend(scene.potential.remark_at(hottest(&scene)));
     remarks.extend(remark_on_reach(&scene, hottest(&scene), &cell, &species, &positions));
-    if !scene.program.is_empty() && own.method_name() != Some(measure::NAME) {
+    if !scene.program.is_empty() && own.method_name() != Some(from_frames::NAME) {
         let parts = scene.program.in_words();
         remarks.push(format!(
             "the program of this run brought {parts}; its scene file alone is another run"

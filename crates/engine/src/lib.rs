@@ -19,6 +19,7 @@ mod findings;
 mod follower;
 mod force_check;
 mod foresight;
+mod from_frames;
 mod front;
 mod frozen;
 mod growth;

@@ -15,15 +15,14 @@ use rand::RngExt;
 
 use crate::course::Course;
 use crate::follower::{Control, Ending, Follower};
+use crate::from_frames::{FromFrames, Rounding};
 use crate::in_memory::Memory;
 use crate::own::OwnParts;
 use crate::run::{Outcome, write_whole};
 use crate::start::thermal_velocities;
 use crate::{EngineError, Simulation, build};
 
-pub(crate) use frames::NAME;
 use frames::{Clock, FrameByFrame};
-pub(crate) use left_out::{FromFrames, Rounding};
 
 /// A displacement between two frames above this share of a side may be one of the next image: then no path is known.
 const LARGEST_SHARE: f64 = 0.25;

@@ -10,7 +10,7 @@ use lennard_observables::Thermodynamics;
 use lennard_scene::{Scene, Stage};
 
 use crate::force_check::ForceCheck;
-use crate::measure::FromFrames;
+use crate::from_frames::FromFrames;
 use crate::own::OwnParts;
 use crate::recording::Recording;
 use crate::schedule::Observer;

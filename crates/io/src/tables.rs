@@ -29,14 +29,8 @@ use crate::{FileMark, FormatError, Sink, WriteError};
 const COMMENT: u8 = b'#';
 
 /// Names of letters that stand in words of columns.
-const LETTERS: [(char, &str); 6] = [
-    ('ρ', "density"),
-    ('χ', "chi"),
-    ('τ', "tau"),
-    ('²', "squared"),
-    ('−', "minus"),
-    ('/', "per"),
-];
+const LETTERS: [(char, &str); 6] =
+    [('ρ', "density"), ('χ', "chi"), ('τ', "tau"), ('²', "squared"), ('−', "minus"), ('/', "per")];
 
 /// One record as CSV text, quoted where it must be.
 fn push_record<F: AsRef<[u8]>>(

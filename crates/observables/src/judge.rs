@@ -90,9 +90,7 @@ impl Verdict {
                 "the band reaches from the lowest to the highest equation, and the error of the run is below half of it: the run tells the \
                  equations apart"
             }
-            Self::Differs => {
-                "the difference is beyond what is allowed"
-            }
+            Self::Differs => "the difference is beyond what is allowed",
             Self::TooCoarse => {
                 "the difference is within what is allowed, which is above 5 % of the size of the quantity: a longer run tells"
             }

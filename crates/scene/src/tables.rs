@@ -8,6 +8,7 @@ pub(crate) mod output;
 pub(crate) mod species;
 pub(crate) mod stages;
 pub(crate) mod start;
+pub(crate) mod units;
 pub(crate) mod walls;
 
 /// What is written for a planar tail.

@@ -3,9 +3,7 @@
 //! The unit that a key declares is its dimension: every key that has one takes a text such as `"94 K"`. Nothing behind this pass
 //! knows of units.
 
-use lennard_literature::units::{
-    SUBSTANCES, UnitError, Units, dimension_of, offered, offered_for, split,
-};
+use lennard_literature::units::{UnitError, Units, dimension_of, offered, offered_for, split};
 use toml::{Table, Value};
 
 use crate::document::{Document, join};
@@ -13,19 +11,7 @@ use crate::error::{Quantities, SceneError, Source};
 use crate::names::{left_out, nearest};
 use crate::reference::{self, KeyDoc, quoted};
 use crate::section::Section;
-
-lennard_core::options! {
-    /// The keys of `[units]`.
-    pub(crate) struct UnitKeys {
-        /// The substance: `lennard list substances` has its σ, ε and m with their source.
-        substance: Option<String> = None, else "needed", Names(substances);
-    }
-}
-
-/// The names of all substances.
-fn substances() -> Vec<&'static str> {
-    SUBSTANCES.iter().map(|substance| substance.name).collect()
-}
+use crate::tables::units::{UnitKeys, substances};
 
 /// Puts plain numbers in the place of quantities with units, and says what units the scene has.
 pub(crate) fn reduce(document: &mut Document) -> Result<Option<Units>, SceneError> {

@@ -6,6 +6,8 @@ use lennard_core::{
 use lennard_io::TrajectoryFrame;
 use lennard_scene::Scene;
 
+use crate::from_frames::NAME;
+
 /// Times of frames may be apart by this share of the interval, and by the rounding of single precision.
 const SAME_TIME: f64 = 1e-3;
 
@@ -70,9 +72,6 @@ impl Clock {
         }
     }
 }
-
-/// The name of the method, as the resolved scene has it.
-pub(crate) const NAME: &str = "frames";
 
 static SPEC: IntegratorSpec = IntegratorSpec {
     name: NAME,

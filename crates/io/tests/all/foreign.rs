@@ -75,8 +75,8 @@ fn units_are_taken_out_where_the_scene_names_them_and_refused_elsewhere() {
     assert!(message.contains("a column with the masses beside them"), "{message}");
 }
 
-/// Proves that files in real units are read where a substance is named, in every format that states units, and that what is
-/// stated too late, or twice, is refused.
+/// Proves that files in real units are read where a substance is named, in every format that states units. Units that come too
+/// late, or twice, are refused.
 #[test]
 fn a_substance_takes_out_units_that_a_file_states() {
     // σ = 2 Å, τ = 8 fs, m = 4 u.

@@ -18,8 +18,8 @@ use crate::tables::stages::{
     BarostatKeys, IntegratorKeys, ObservableKeys, PressureRamp, StageKeys, TemperatureRamp,
 };
 use crate::tables::start::{StartKeys, SystemKeys};
+use crate::tables::units::UnitKeys;
 use crate::tables::walls::{ContactKeys, FieldKeys, WallKeys};
-use crate::units::UnitKeys;
 use crate::{Accuracy, MoleculeOptions, Name};
 
 /// One key of a scene file.

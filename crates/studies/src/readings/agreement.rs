@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::blocks::{Blocks, EQUATIONS, PICTURES, StudyPoints, TOGETHER};
 use super::equations;
 use super::points::Kind;
-use super::probability::{probability_words, tail_probability};
+use super::probability::{CHI_SQUARED_IN_WORDS, probability_words, tail_probability};
 use crate::compare::{Row, Verdict, capital, quantity_words};
 use crate::report::{Axis, Figure, Look, Picture, Point, Section, Series, Symbol};
 use crate::sweep::SweptPoint;
@@ -197,8 +197,6 @@ fn agreement_table(together: &[Agreement]) -> Table {
         .table()
 }
 
-/// What χ² is.
-pub(super) const CHI_SQUARED_IN_WORDS: &str = "χ² is the sum of (difference/standard error)²: near the number of points where an equation is exact.";
 /// What p is.
 const PROBABILITY: &str = "p is the probability of a χ² at least so large: first were the equation exact, then were it off at random by its own uncertainty.";
 /// The columns of [`agreement_table`] that p already says.

@@ -3,8 +3,7 @@
 use crate::report::significant;
 use lennard_core::{Cell, Table, Tone};
 
-use super::agreement::CHI_SQUARED_IN_WORDS;
-use super::probability::{probability_words, tail_probability};
+use super::probability::{CHI_SQUARED_IN_WORDS, probability_words, tail_probability};
 use crate::compare::{CardRow, ComparedRun, StateCard, is_a_part};
 use crate::sweep::SweptPoint;
 

@@ -2,6 +2,9 @@
 
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF};
 
+/// What χ² is.
+pub(super) const CHI_SQUARED_IN_WORDS: &str = "χ² is the sum of (difference/standard error)²: near the number of points where an equation is exact.";
+
 /// A probability for a table: what is too small for a number is said to be below the smallest.
 #[must_use]
 pub(super) fn probability_words(p: f64) -> String {

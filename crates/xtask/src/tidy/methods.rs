@@ -38,11 +38,8 @@ const EXPLAINED: &[(&str, &str)] = &[
     ("crates/scene/src/scene.rs", "the bit-reversible method needs canonical forces"),
     ("crates/scene/src/read/stages.rs", "thermodynamics has the interval of thermo.csv"),
     ("crates/studies/src/", "a study compares the methods that it is about"),
-    (
-        "crates/engine/src/lammps/",
-        "each potential, truncation and bath that LAMMPS has too, by its name there",
-    ),
-    ("crates/lennard/src/program/", "examples in the help"),
+    ("crates/lennard/examples/", "programs of a user's own name their methods"),
+    ("crates/lennard/src/program/", "examples in the help, and each method that LAMMPS has too"),
     ("benches/", "cases of the benchmarks"),
     ("fuzz/", "seeds of the fuzzers"),
     ("crates/xtask/", "checks of the repository"),

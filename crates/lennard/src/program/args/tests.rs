@@ -88,8 +88,11 @@ fn examples_of_every_command_are_parsed() {
 #[test]
 fn an_unknown_command_and_an_unknown_option_are_found() {
     let of = |text| commands(text).iter().all(|words| is_known(words));
-    assert!(of("`lennard run x --threads N`, `cargo run --profile first -- list bonds`, `lennard`"));
-    for text in ["    lennard fly", "`cargo run --profile first -- fly`", "`lennard run x --fast`"] {
+    assert!(of(
+        "`lennard run x --threads N`, `cargo run --profile first -- list bonds`, `lennard`"
+    ));
+    for text in ["    lennard fly", "`cargo run --profile first -- fly`", "`lennard run x --fast`"]
+    {
         assert!(!of(text), "{text}");
     }
 }

@@ -40,8 +40,8 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value}"))
 }
 
-/// Proves that units are a way of writing: a scene with units has the bits of the same scene in plain numbers, and its results
-/// stand in both units.
+/// Proves that units are a way of writing. A scene with units has the bits of the same scene in plain numbers, and shows its
+/// results in both units.
 #[test]
 fn a_scene_with_units_is_the_scene_of_its_plain_numbers_and_shows_both() {
     let place = Place::with(&[("argon.toml", ARGON)]);
