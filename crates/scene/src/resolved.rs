@@ -17,8 +17,8 @@ use crate::tables::stages::{ObservableKeys, StageKeys, StepKeys};
 use crate::tables::start::{
     FileKeys, LatticeKeys, Numbers, PositionKeys, RandomKeys, Sides, StartKeys, SystemKeys,
 };
+use crate::tables::units::UnitKeys;
 use crate::tables::walls::{ContactKeys, FieldKeys, WallKeys};
-use crate::units::UnitKeys;
 use crate::{
     Accuracy, Arrangement, Geometry, MixtureTables, MoleculeOptions, Output, ProgramParts, Scene,
     System,
