@@ -1,6 +1,6 @@
 //! Units of a substance: quantities with units of the laboratory, in reduced units and back.
 //!
-//! `data/units.csv` has the symbols. A unit is written as `K`, `g/cm3`, `W/(m K)` or `ε/σ³`. One reader takes both kinds of symbols, so that the unit which a key or
+//! `units.csv` has the symbols. A unit is written as `K`, `g/cm3`, `W/(m K)` or `ε/σ³`. One reader takes both kinds of symbols, so that the unit which a key or
 //! a quantity declares is its dimension too.
 
 use std::sync::LazyLock;
@@ -74,7 +74,7 @@ impl Unit {
     }
 }
 
-/// A symbol of `data/units.csv`, with the powers of its dimension.
+/// A symbol of `units.csv`, with the powers of its dimension.
 #[derive(Deserialize)]
 struct Symbol {
     symbol: String,
@@ -93,7 +93,7 @@ impl Symbol {
 }
 
 static SYMBOLS: LazyLock<Vec<Symbol>> = LazyLock::new(|| {
-    let data = include_bytes!("../data/units.csv").as_slice();
+    let data = include_bytes!("units.csv").as_slice();
     let rows = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(data).into_deserialize();
     rows.collect::<Result<_, _>>().expect("a table of units")
 });
