@@ -114,7 +114,8 @@ fn check_files(study: &StabilityStudy, dir: &Path) {
     for file in std::fs::read_dir(dir).expect("folder") {
         let path = file.expect("entry").path();
         if path.extension().is_some_and(|e| e == "csv") {
-            let mut reader = csv::Reader::from_path(&path).expect("opens");
+            let mut reader =
+                csv::ReaderBuilder::new().comment(Some(b'#')).from_path(&path).expect("opens");
             let mut rows = 0;
             for row in reader.records() {
                 row.expect("as many fields as headings");
