@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use lennard_engine::{Control, Ending, Measurement, Trajectory};
-use lennard_io::FileUnits;
+use lennard_io::{FileUnits, TrajectoryFormat};
 use lennard_scene::Arrangement;
 
 use crate::program::args::MeasureArgs;
@@ -30,11 +30,15 @@ pub fn measure(args: &MeasureArgs) -> Result<u8, Failure> {
         Arrangement::File { units, .. } => *units,
         _ => FileUnits::default(),
     };
+    // XTC names no unit of length: the scene that wrote it does.
+    let is_xtc = args.trajectory.extension().is_some_and(|extension| extension == "xtc");
+    let wrote_it = is_xtc && scene.output.format == TrajectoryFormat::Xtc;
+    let of_writer = wrote_it.then_some(scene.output.length_scale);
     let trajectory = Trajectory {
         file: args.trajectory.clone(),
         interval: args.interval,
         units: FileUnits::new(
-            args.length_scale.or(own.length),
+            args.length_scale.or(own.length).or(of_writer),
             args.time_scale.or(own.time),
             scene.units.map(|units| units.length_time_mass()),
         ),

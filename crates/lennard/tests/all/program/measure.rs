@@ -202,7 +202,8 @@ fn frames_of_a_run_have_the_tables_of_the_run() {
 fn without_velocities_temperatures_are_left_out_and_rounding_is_told_or_leaves_u_and_p_out() {
     let place = Place::with(&[("own.toml", &own_scene())]);
     success(&mut place.command(&["run", "own.toml", "--out", "run"]));
-    for (precision, is_kept) in [("100.0", true), ("30.0", false)] {
+    // The scene that wrote a trajectory in nm says so.
+    for (precision, scale, is_kept) in [("100.0", "1.0", true), ("30.0", "0.3405", false)] {
         let (run, out) = (format!("run-{precision}"), format!("out-{precision}"));
         success(&mut place.command(&[
             "run",
@@ -213,12 +214,14 @@ fn without_velocities_temperatures_are_left_out_and_rounding_is_told_or_leaves_u
             "output.format=xtc",
             "--set",
             &format!("output.precision={precision}"),
+            "--set",
+            &format!("output.length_scale={scale}"),
         ]));
         success(&mut place.command(&[
             "measure",
             &format!("{run}/trajectory.xtc"),
             "--scene",
-            "own.toml",
+            &format!("{run}/scene.toml"),
             "--out",
             &out,
         ]));
