@@ -4,7 +4,7 @@ use super::*;
 use lennard_core::{Bonds, Configuration, Exclusions, Molecules};
 
 /// Chains about the sites of a perturbed lattice, each along its own axis, with bonds of 0.45 σ.
-fn chains(cells: [usize; 3], density: f64, sites: usize) -> (PeriodicBox, Vec<DVec3>) {
+pub(super) fn chains(cells: [usize; 3], density: f64, sites: usize) -> (PeriodicBox, Vec<DVec3>) {
     let (cell, centers) = liquid(cells, density / sites as f64, 0.1);
     let axes = scatter(centers.len(), DVec3::splat(2.0), 0.3);
     let positions = centers.iter().zip(&axes).flat_map(|(center, axis)| {
@@ -14,7 +14,7 @@ fn chains(cells: [usize; 3], density: f64, sites: usize) -> (PeriodicBox, Vec<DV
     (cell, positions.collect())
 }
 
-fn exclusions(sites: usize) -> Exclusions {
+pub(super) fn exclusions(sites: usize) -> Exclusions {
     Molecules::chains(sites, 0.45, Bonds::Rigid).exclusions()
 }
 
