@@ -52,6 +52,12 @@ impl Line {
         (line.xx > 0.0).then_some(Self { has_errors: true, ..line })
     }
 
+    /// The correlation of x and y, from −1 to 1: r = Σw(x − x̄)(y − ȳ)/√(Σw(x − x̄)²·Σw(y − ȳ)²); NaN where one of them does not change.
+    #[must_use]
+    pub fn correlation(&self) -> f64 {
+        self.xy / (self.xx * self.yy).sqrt()
+    }
+
     /// The line through points (x, y, weight).
     #[must_use]
     pub fn weighted(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Self {

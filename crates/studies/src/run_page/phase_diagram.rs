@@ -6,6 +6,7 @@ use lennard_literature::{
     EquationOfState, FreezingLine, KnownPoint, Saturation, equation_of_state_for, freezing_line,
     freezing_lines, known_points,
 };
+use lennard_observables::statistics::Line;
 
 use crate::compare::{ComparedRun, RunFolder};
 use crate::eos::{Freezing, freezing_at};
@@ -275,13 +276,8 @@ fn correlation(run: &RunFolder) -> Option<f64> {
     let table = run.table("measured")?;
     let name = run.temperature_name();
     let (t, p) = (table.numbers(name)?, table.numbers("pressure")?);
-    let of = |x: &[f64], y: &[f64]| {
-        let n = x.len() as f64;
-        let (mean_x, mean_y) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
-        let both = x.iter().zip(y);
-        both.map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f64>()
-    };
-    let r = of(&t, &p) / (of(&t, &t) * of(&p, &p)).sqrt();
+    let points: Vec<(f64, f64)> = t.into_iter().zip(p).collect();
+    let r = Line::through(&points).correlation();
     r.is_finite().then_some(r)
 }
 
