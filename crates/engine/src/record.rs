@@ -48,7 +48,7 @@ pub fn finished(
         }
     };
     let conservation = simulation.thermodynamics().conservation();
-    let unknown = bare(simulation).conservation;
+    let bare = bare(simulation);
     let wall_s = wall.as_secs_f64();
     let atom_steps = simulation.state.len() as f64 * simulation.state.step as f64;
     let remarks: Vec<Remark> = findings
@@ -77,21 +77,20 @@ pub fn finished(
         },
         units: scene.units.map(|units| in_units(&units, &averages)),
         averages,
-        conservation: if simulation.frames.is_some() {
-            unknown
-        } else {
-            Conservation {
+        conservation: match simulation.frames {
+            Some(_) => bare.conservation,
+            None => Conservation {
                 energy_drift_per_atom_per_tau: conservation.energy_drift_per_atom_per_tau,
                 energy_drift_standard_error: conservation.energy_drift_standard_error,
                 energy_rms_per_atom: conservation.energy_rms_per_atom,
                 momentum_per_atom: conservation.momentum_per_atom,
-            }
+            },
         },
         comparison: compared.entries,
         remarks: remarks.iter().map(Remark::to_string).collect(),
         typed_remarks: remarks.into_iter().filter(|r| !matches!(r, Remark::Note { .. })).collect(),
         trajectory_frames,
-        ..bare(simulation)
+        ..bare
     }
 }
 

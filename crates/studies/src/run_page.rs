@@ -49,21 +49,19 @@ pub fn write(folder: &Path) -> Result<(), PageError> {
 /// # Errors
 /// [`PageError`] where a file cannot be read or written.
 pub fn write_under_way(folder: &Path, cell: PeriodicBox) -> Result<(), PageError> {
-    let mut run = RunFolder::under_way(folder, cell)?;
-    run.record.averages.clear();
+    let run = RunFolder::under_way(folder, cell)?;
     let steps = run.table("thermo").and_then(|rows| rows.numbers("step")?.last().copied());
-    let total = run.scene.total_steps();
-    let mut page = page(&run);
-    page.sections = vec![
+    let lead = format!(
+        "This run has not finished: its rows reach step {} of {}. Means, their errors and all other figures come with its end.",
+        steps.unwrap_or(0.0),
+        run.scene.total_steps()
+    );
+    let sections = vec![
         Section::new("So far").figures(figures::time_series(&run, false)),
         Section::new("What is run").table(tables::stages(&run)),
     ];
-    page.provenance.retain(|(name, _)| name != "finished");
+    let mut page = with_sections(&run, lead, sections);
     page.title += ", unfinished";
-    page.lead = format!(
-        "This run has not finished: its rows reach step {} of {total}. Means, their errors and all other figures come with its end.",
-        steps.unwrap_or(0.0)
-    );
     lennard_io::write_text_atomically(&folder.join("report.html"), &page.to_html()?)?;
     Ok(())
 }
@@ -76,7 +74,6 @@ pub fn page(run: &RunFolder) -> Page {
     let is_fluid = !compared.is_of_few_bodies();
     let has_means = is_fluid && !compared.rows.is_empty();
     let (record, fluid) = (&run.record, has_means.then_some(&compared));
-    let particles = crate::report::particles(compared.atoms as usize, compared.molecules as usize);
     let mut diagrams = phase_diagram::phase_diagram(run, &compared).into_iter();
     let state = [
         figures::interface(run),
@@ -102,13 +99,22 @@ pub fn page(run: &RunFolder) -> Page {
         Section::new("Static structure factor")
             .figures(figures::structure_factor(run).into_iter().collect()),
         Section::new("Phase diagram in pressure").figures(diagrams.collect()),
-        Section::new("What was run, and where the time went").table(tables::stages(run)).with_all(
-            record.finished.then(|| vec![Block::Table(tables::performance(record, is_fluid))]),
-        ),
+        Section::new("What was run, and where the time went")
+            .table(tables::stages(run))
+            .table(tables::performance(record, is_fluid)),
         Section::new("Remarks").list(record.remarks.clone()),
     ];
     let sections = open.into_iter().chain(folded.map(Section::folded));
-    let finished = record.finished.then(|| ("finished".to_owned(), finished_on(run)));
+    let sections = sections.filter(|section| !section.blocks.is_empty()).collect();
+    let mut page = with_sections(run, compared.headline.clone(), sections);
+    page.provenance.insert(0, ("finished".to_owned(), finished_on(run)));
+    page
+}
+
+/// A page about a run with these sections.
+fn with_sections(run: &RunFolder, lead: String, sections: Vec<Section>) -> Page {
+    let record = &run.record;
+    let particles = crate::report::particles(record.atoms as usize, run.molecules() as usize);
     let provenance = [
         ("scene", "`scene.toml` beside this page, every default written out".to_owned()),
         ("the same bits again", "`lennard run scene.toml`".to_owned()),
@@ -119,13 +125,12 @@ pub fn page(run: &RunFolder) -> Page {
         ("threads", record.host.threads.to_string()),
         ("numbers", "`run.json` and the CSV files beside this page".to_owned()),
     ];
-    let provenance = provenance.map(|(name, value)| (name.to_owned(), value));
     Page {
         title: format!("{}: {particles}", run.scene.name),
-        lead: compared.headline.clone(),
+        lead,
         command: None,
-        sections: sections.filter(|section| !section.blocks.is_empty()).collect(),
-        provenance: finished.into_iter().chain(provenance).collect(),
+        sections,
+        provenance: provenance.map(|(name, value)| (name.to_owned(), value)).into(),
     }
 }
 
