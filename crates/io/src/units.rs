@@ -13,6 +13,8 @@ pub struct FileUnits {
     pub time: Option<f64>,
     /// One σ in m, one τ in s and m in kg, where the scene names a substance: for files that state their units.
     pub substance: Option<[f64; 3]>,
+    /// One σ in the unit of XTC, which names no unit, where the scene says how it writes XTC.
+    pub xtc: Option<f64>,
     /// The units that the file stated.
     stated: Option<Style>,
 }
@@ -154,7 +156,7 @@ impl FileUnits {
     /// What the keys of a scene say: one σ and one τ in units of the file, or of its substance in SI units.
     #[must_use]
     pub fn new(length: Option<f64>, time: Option<f64>, substance: Option<[f64; 3]>) -> Self {
-        Self { length, time, substance, stated: None }
+        Self { length, time, substance, xtc: None, stated: None }
     }
 
     /// The scales of a file that states these units. They hold for the rest of the file.

@@ -349,14 +349,14 @@ pub struct MeasureArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
     /// Time between two frames in τ, where the file does not say it; by default its steps times the scene's integrator.dt.
-    #[arg(long, value_name = "TIME", value_parser = above_zero)]
+    #[arg(long, value_name = "TIME", value_parser = above_zero, allow_hyphen_values = true)]
     pub interval: Option<f64>,
     /// One σ in the file's unit of length; by default the scene's start.length_scale, or 1. XTC takes the output.length_scale
     /// of the scene that wrote it.
-    #[arg(long, value_name = "LENGTH", value_parser = above_zero)]
+    #[arg(long, value_name = "LENGTH", value_parser = above_zero, allow_hyphen_values = true)]
     pub length_scale: Option<f64>,
     /// One τ in the file's unit of time; by default the scene's start.time_scale, or 1.
-    #[arg(long, value_name = "TIME", value_parser = above_zero)]
+    #[arg(long, value_name = "TIME", value_parser = above_zero, allow_hyphen_values = true)]
     pub time_scale: Option<f64>,
     /// Output folder; by default `runs/<scene>-<n>` with the first free n.
     #[arg(long, value_name = "DIR")]

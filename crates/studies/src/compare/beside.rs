@@ -5,10 +5,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use lennard_observables::Verdict;
+use lennard_observables::statistics::Line;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::own_literature::{OwnValue, same_state};
+use super::own_literature::{OwnValue, same};
 use super::verdict::Tolerance;
 use super::{ComparedRun, Row, RunFolder};
 use crate::report::significant;
@@ -127,6 +128,19 @@ fn state(run: &RunFolder, compared: &ComparedRun) -> [f64; 2] {
     [compared.state.density, run.bath_temperature().unwrap_or(compared.state.temperature)]
 }
 
+/// Whether two runs are shown to be at different states: a measured temperature is so by its error, and without one by nothing.
+fn is_elsewhere(one: (&RunFolder, &ComparedRun), other: (&RunFolder, &ComparedRun)) -> bool {
+    let ([density, temperature], [of_other, hotter]) =
+        (state(one.0, one.1), state(other.0, other.1));
+    let error = |run: &RunFolder| match run.bath_temperature() {
+        Some(_) => 0.0,
+        None => run.temperature().map_or(f64::NAN, |average| average.estimate.standard_error),
+    };
+    let allowed = ERRORS * error(one.0).hypot(error(other.0));
+    let is_hotter_or_colder = (hotter - temperature).abs() > allowed;
+    !same(density, of_other) || is_hotter_or_colder && !same(temperature, hotter)
+}
+
 /// A mean of a run without a reference.
 fn measured(quantity: &str, run: &RunFolder, compared: &ComparedRun) -> Option<Row> {
     let row = compared.rows.iter().find(|row| row.quantity == quantity)?;
@@ -163,9 +177,11 @@ fn beside_own(
     compared: &ComparedRun,
 ) -> Option<OwnRow> {
     let state = compared.state.in_numbers();
+    let exact = own.error.map_or("its error is not known, and it counts as exact", |_| "");
     let row = measured(&own.quantity, folder, compared)?
         .against(own.value, own.error, ALLOWED, &own.source)
-        .noted(format!("at T = {}, the run at {state}, which is not corrected", own.temperature));
+        .noted(format!("at T = {}, the run at {state}, which is not corrected", own.temperature))
+        .noted(exact);
     Some(OwnRow { run, given: own.clone(), row })
 }
 
@@ -185,9 +201,8 @@ fn headline(quantities: &[Measured]) -> String {
 fn what_differs(runs: &[RunFolder], compared: &[ComparedRun], names: &[String]) -> Vec<String> {
     let mut remarks = Vec::new();
     let first = &compared[0];
-    let states = runs.iter().zip(compared).map(|(run, compared)| state(run, compared));
-    let states: Vec<[f64; 2]> = states.collect();
-    let elsewhere = states.iter().zip(names).filter(|(state, _)| !same_state(states[0], **state));
+    let elsewhere = runs.iter().zip(compared).zip(names);
+    let elsewhere = elsewhere.filter(|(run, _)| is_elsewhere((&runs[0], first), *run));
     let elsewhere: Vec<&str> = elsewhere.map(|(_, name)| name.as_str()).collect();
     if !elsewhere.is_empty() {
         let (names, first) = (elsewhere.join(", "), &names[0]);
@@ -232,7 +247,8 @@ fn keys(scene: &Value) -> BTreeMap<String, &Value> {
 fn dependence(first: &RunFolder, run: &RunFolder, name: &str) -> Option<String> {
     let seed = (run.record.seed == first.record.seed).then_some(first.record.seed)?;
     let energies = |run: &RunFolder| run.table("measured")?.numbers("potential_energy");
-    let r = correlation(&energies(first)?, &energies(run)?)?;
+    let common: Vec<(f64, f64)> = energies(first)?.into_iter().zip(energies(run)?).collect();
+    let r = Some(Line::through(&common).correlation()).filter(|r| r.is_finite())?;
     let so = match r > 1.0 - 1e-9 {
         true => "they are one trajectory, and equal numbers confirm nothing",
         false => {
@@ -243,15 +259,4 @@ fn dependence(first: &RunFolder, run: &RunFolder, name: &str) -> Option<String> 
     Some(format!(
         "{name} begins with the seed of the first run, {seed}. Their U(t) correlate by r = {r}: {so}."
     ))
-}
-
-/// The correlation of two series over their common samples; `None` where one of them does not change.
-fn correlation(a: &[f64], b: &[f64]) -> Option<f64> {
-    let n = a.len().min(b.len());
-    let mean = |x: &[f64]| x[..n].iter().sum::<f64>() / n as f64;
-    let (mean_a, mean_b) = (mean(a), mean(b));
-    let sums = a.iter().zip(b).map(|(a, b)| (a - mean_a, b - mean_b));
-    let [ab, aa, bb] =
-        sums.fold([0.0; 3], |[ab, aa, bb], (a, b)| [ab + a * b, aa + a * a, bb + b * b]);
-    Some(ab / (aa * bb).sqrt()).filter(|r| r.is_finite())
 }

@@ -89,7 +89,10 @@ impl Beside {
                 shown.chunks(QUANTITIES_OF_A_TABLE).map(|some| self.a_row_for_each(some)).collect()
             }
         };
-        let section = tables.into_iter().fold(Section::new("Side by side"), Section::table);
+        let mut section = tables.into_iter().fold(Section::new("Side by side"), Section::table);
+        if !self.headline.is_empty() {
+            section = section.heading(&self.headline);
+        }
         let runs = self.names.iter().zip(&self.runs).map(|(name, run)| {
             let of = particles(run.atoms as usize, run.molecules as usize);
             format!(
@@ -106,7 +109,6 @@ impl Beside {
         let hidden = self.quantities.len() - shown.len();
         sections.push(
             section
-                .heading(&self.headline)
                 .texts(&self.remarks)
                 .text(reading)
                 .texts(meanings(shown.iter().flat_map(|q| q.rows.iter().flatten())))
@@ -162,17 +164,18 @@ impl Beside {
 
     /// One curve of all runs that have it.
     fn picture(&self, (table, [x, y], words): Curve) -> Option<Picture> {
-        let axis = |name| match table {
+        let axis = |name: &str| match table {
             "msd" => Axis::logarithmic(name),
             _ => Axis::linear(name),
         };
+        let label = if table == "msd" { "⟨Δr²⟩ / σ²" } else { words };
         let files: Vec<String> = (0..self.names.len()).map(|k| numbered(table, k)).collect();
         let curve = |k: usize| Columns::new(&self.names[k], [x, y], Look::line).at(k).of(&files[k]);
         let row = FigureRow {
             name: y,
             title: &capital(words),
             x: axis(if x == "r" { "r / σ" } else { "time / τ" }),
-            y: axis(&quantity_of(y).map_or_else(|| words.to_owned(), Quantity::axis)),
+            y: axis(&quantity_of(y).map_or_else(|| label.to_owned(), Quantity::axis)),
             table: &files[0],
             columns: (0..self.names.len()).map(curve).collect(),
             ..FigureRow::default()

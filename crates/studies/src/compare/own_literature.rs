@@ -43,13 +43,13 @@ pub struct OwnValue {
 impl OwnValue {
     /// Whether the value is of this density and temperature.
     pub(super) fn is_at(&self, [density, temperature]: [f64; 2]) -> bool {
-        same_state([self.density.unwrap_or(density), self.temperature], [density, temperature])
+        same(self.density.unwrap_or(density), density) && same(self.temperature, temperature)
     }
 }
 
-/// Whether densities and temperatures are the same within half a percent.
-pub(super) fn same_state(one: [f64; 2], other: [f64; 2]) -> bool {
-    one.iter().zip(other).all(|(a, b)| (a - b).abs() <= SAME_STATE * a.abs())
+/// Whether two densities or temperatures are the same within half a percent.
+pub(super) fn same(one: f64, other: f64) -> bool {
+    (one - other).abs() <= SAME_STATE * one.abs()
 }
 
 /// Reads the file. Its quantities are known to the program, or measured by one of the runs.

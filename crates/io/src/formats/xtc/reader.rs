@@ -57,6 +57,7 @@ impl XtcReader {
         file: &Path,
         mut units: FileUnits,
     ) -> Result<Self, FormatError> {
+        units.length = units.length.or(units.xtc);
         let scales = units.scales(None);
         let scales = scales.map_err(|(f, a)| FormatError::content(file, 1, &f, &a))?;
         Ok(Self { reader, left: size, file: file.to_owned(), number: 0, scales })

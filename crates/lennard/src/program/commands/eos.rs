@@ -32,7 +32,7 @@ pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
     let chosen = properties(&args.properties)?;
     let units = args.substance.as_deref().map(units_of).transpose()?;
     let units = units.as_ref();
-    let temperatures = reduced(args.temperature.as_ref(), units, "ε/k_B")?;
+    let temperatures = reduced("temperature", args.temperature.as_ref(), units, "ε/k_B")?;
     if args.saturation {
         return SATURATION.print(args.json, &equations, temperatures.as_ref(), units);
     }
@@ -44,8 +44,8 @@ pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
             "a state needs a temperature: --temperature VALUES, or --saturation or --freezing for two phases",
         ));
     };
-    let densities = reduced(args.density.as_ref(), units, "σ⁻³")?;
-    let pressures = reduced(args.pressure.as_ref(), units, "ε/σ³")?;
+    let densities = reduced("density", args.density.as_ref(), units, "σ⁻³")?;
+    let pressures = reduced("pressure", args.pressure.as_ref(), units, "ε/σ³")?;
     let given: Vec<Given> = match (densities, pressures) {
         (Some(densities), _) => densities.into_iter().map(Given::Density).collect(),
         (_, Some(pressures)) => pressures.into_iter().map(Given::Pressure).collect(),
@@ -116,8 +116,9 @@ fn units_of(name: &str) -> Result<Units, Failure> {
     })
 }
 
-/// Numbers as typed, in a reduced unit.
+/// Numbers as typed for an option, in a reduced unit.
 fn reduced(
+    option: &str,
     typed: Option<&Values>,
     units: Option<&Units>,
     reduced: &str,
@@ -130,7 +131,7 @@ fn reduced(
         let (allowed, nearest) = lennard_scene::unit_in_words(unit, reduced, &error);
         let nearest = nearest.map_or(String::new(), |nearest| format!("\n  nearest: {nearest}"));
         refused(format!(
-            "the number {error}\n  found:   {} {unit}\n  allowed: {allowed}{nearest}",
+            "`--{option}` {error}\n  found:   {} {unit}\n  allowed: {allowed}{nearest}",
             numbers[0]
         ))
     });

@@ -30,19 +30,14 @@ pub fn measure(args: &MeasureArgs) -> Result<u8, Failure> {
         Arrangement::File { units, .. } => *units,
         _ => FileUnits::default(),
     };
-    // XTC names no unit of length: the scene that wrote it does.
-    let is_xtc = args.trajectory.extension().is_some_and(|extension| extension == "xtc");
-    let wrote_it = is_xtc && scene.output.format == TrajectoryFormat::Xtc;
-    let of_writer = wrote_it.then_some(scene.output.length_scale);
-    let trajectory = Trajectory {
-        file: args.trajectory.clone(),
-        interval: args.interval,
-        units: FileUnits::new(
-            args.length_scale.or(own.length).or(of_writer),
-            args.time_scale.or(own.time),
-            scene.units.map(|units| units.length_time_mass()),
-        ),
-    };
+    let mut units = FileUnits::new(
+        args.length_scale.or(own.length),
+        args.time_scale.or(own.time),
+        scene.units.map(|units| units.length_time_mass()),
+    );
+    let output = &scene.output;
+    units.xtc = (output.format == TrajectoryFormat::Xtc).then_some(output.length_scale);
+    let trajectory = Trajectory { file: args.trajectory.clone(), interval: args.interval, units };
     let mut measurement = Measurement::open(scene, &trajectory)?;
     let simulation = &measurement.simulation;
     let threads = threads_with(args.scene.threads, lock.as_ref(), simulation.state.len());

@@ -30,7 +30,11 @@ every = 20
 
 /// A folder with a run for each of these overrides, called `run0`, `run1` and so on.
 fn place_of(overrides: &[&str]) -> Place {
-    let place = Place::with(&[("scene.toml", SCENE)]);
+    runs_of(SCENE, overrides)
+}
+
+fn runs_of(scene: &str, overrides: &[&str]) -> Place {
+    let place = Place::with(&[("scene.toml", scene)]);
     for (k, set) in overrides.iter().enumerate() {
         let out = format!("run{k}");
         let run = ["run", "scene.toml", "--quiet", "--no-report", "--set", set, "--out", &out];
@@ -135,6 +139,24 @@ fn values_of_ones_own_stand_beside_the_runs_at_their_state() {
     // A sweep stands for its points.
     let points = json(&place, &["compare", "iso", "--reference", "my.csv"]);
     assert_eq!(points["runs"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn temperatures_without_errors_show_no_other_state_and_a_value_without_an_error_counts_as_exact() {
+    let bath = "steps = 15000\nthermostat = { kind = \"bussi\", tau = 0.1 }";
+    assert!(SCENE.contains(bath));
+    let place = runs_of(&SCENE.replace(bath, "steps = 60"), &["system.seed=1", "system.seed=2"]);
+    let found = json(&place, &["compare", "run0", "run1"]);
+    let [a, b] = [0, 1].map(|k| found["runs"][k]["state"]["temperature"].as_f64().unwrap());
+    assert!((a / b - 1.0).abs() > 0.01, "{a} {b}");
+    assert!(!found["remarks"].to_string().contains("Not at the state"), "{}", found["remarks"]);
+
+    let place = place_of(&["system.seed=1"]);
+    let csv = "quantity,value,error,temperature,density,source\npressure,1,,1.3,0.6,Me\n";
+    std::fs::write(place.path("my.csv"), csv).unwrap();
+    let found = json(&place, &["compare", "run0", "--reference", "my.csv"]);
+    let remark = found["own"][0]["remark"].as_str().unwrap();
+    assert!(remark.contains("its error is not known, and it counts as exact"), "{remark}");
 }
 
 #[test]
