@@ -50,26 +50,6 @@ impl Window {
         [high, low, below - low]
     }
 
-    /// Adds the slices of some terms, their rests, and the largest of them.
-    // A closure that is called twice is a function of its own, which has no registers of the instruction set.
-    #[inline(always)]
-    fn add(
-        &self,
-        terms: &[f64; LANES],
-        high: &mut [f64; LANES],
-        low: &mut [f64; LANES],
-        rest: &mut [f64; LANES],
-        largest: &mut [f64; LANES],
-    ) {
-        for k in 0..LANES {
-            let slices = self.cut(terms[k]);
-            high[k] += slices[0];
-            low[k] += slices[1];
-            rest[k] += slices[2].abs();
-            largest[k] = larger(terms[k].abs(), largest[k]);
-        }
-    }
-
     /// The sums of the slices of a block; `None` where a term is not below the limit or has a rest.
     pub fn sums(&self, block: &[f64]) -> Option<[f64; 2]> {
         in_lanes(Sums(*self, block))
@@ -85,15 +65,25 @@ impl WithSimd for Sums<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> Self::Output {
         let Self(window, block) = self;
-        let (mut high, mut low) = ([0.0; LANES], [0.0; LANES]);
-        let (mut rest, mut largest) = ([0.0; LANES], [0.0; LANES]);
         let (whole, last) = block.as_chunks();
-        for terms in whole {
-            window.add(terms, &mut high, &mut low, &mut rest, &mut largest);
-        }
         let mut padded = [0.0; LANES];
         padded[..last.len()].copy_from_slice(last);
-        window.add(&padded, &mut high, &mut low, &mut rest, &mut largest);
+        // Two loops, so that registers hold all that each loop sums.
+        let mut largest = [0.0; LANES];
+        for terms in whole.iter().chain([&padded]) {
+            for k in 0..LANES {
+                largest[k] = larger(terms[k].abs(), largest[k]);
+            }
+        }
+        let (mut high, mut low, mut rest) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for terms in whole.iter().chain([&padded]) {
+            for k in 0..LANES {
+                let slices = window.cut(terms[k]);
+                high[k] += slices[0];
+                low[k] += slices[1];
+                rest[k] += slices[2].abs();
+            }
+        }
         // A term that is no number leaves a rest that is no number, which equals nothing.
         let holds = rest.iter().sum::<f64>() == 0.0;
         let is_below = largest.into_iter().fold(0.0, larger) < window.limit;
