@@ -1,7 +1,7 @@
 //! Whether the last state of a run is a crystal, which no equation of a fluid describes.
 
 use lennard_core::Remark;
-use lennard_observables::{SOLID_SHARE_BYTES, solid_share};
+use lennard_observables::{solid_share, solid_share_bytes};
 
 use crate::Simulation;
 
@@ -17,7 +17,7 @@ fn looks(simulation: &Simulation) -> bool {
 
 /// Bytes that the look takes.
 pub(crate) fn bytes(simulation: &Simulation) -> usize {
-    if looks(simulation) { simulation.state.len() * SOLID_SHARE_BYTES } else { 0 }
+    if looks(simulation) { solid_share_bytes(simulation.state.len()) } else { 0 }
 }
 
 /// The remark that belongs beside the means of a run whose last state is a crystal, or has one in it.

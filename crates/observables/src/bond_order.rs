@@ -128,26 +128,51 @@ impl BondOrder {
             mean_q6,
             mean_w4,
             mean_w6,
-            bonds.solid(self.rule) as f64 / n,
+            bonds.solid(self.rule, |_| true) as f64 / n,
             neighbors,
         ]
     }
 }
 
-/// Bytes that [`solid_share`] takes for each particle: its moments, its neighbors, and its place in a cell.
-///
-/// Part of it is memory that lists and states gave back: whole runs hold 310 more with mixed precision, and 250 with double.
-pub const SOLID_SHARE_BYTES: usize = 310;
+/// Bytes that [`solid_share`] takes for a particle: its moments, its neighbors, and its place in a cell.
+const SHARE_BYTES: usize = 310;
+/// About how many particles have bonds at once: a larger box is looked at layer by layer.
+const AT_ONCE: usize = 200_000;
+
+/// Bytes that [`solid_share`] takes in a box of `n` particles.
+#[must_use]
+pub fn solid_share_bytes(n: usize) -> usize {
+    n.min(AT_ONCE) * SHARE_BYTES
+}
 
 /// The share of solid-like particles in a configuration, by the rule of ten Wolde, Ruiz-Montero and Frenkel (1996).
 ///
 /// Neighbors are particles up to 1.42·ρ^{−1/3}. A crystal at rest has 1, a dense liquid some hundredths.
 #[must_use]
 pub fn solid_share(cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
+    let solid = solid_by_layers(cell, positions, positions.len().div_ceil(AT_ONCE));
+    solid as f64 / positions.len().max(1) as f64
+}
+
+/// The number of solid-like particles, counted in layers across z. Neighbors of neighbors decide on a particle, so that each
+/// layer has two reaches more at both ends.
+fn solid_by_layers(cell: &PeriodicBox, positions: &[DVec3], layers: usize) -> usize {
     let six = Harmonics::new(6);
     let reach = usual_reach(cell, positions.len());
-    let bonds = Bonds::new([&six], cell, positions, reach);
-    bonds.solid(TEN_WOLDE) as f64 / positions.len().max(1) as f64
+    let side = cell.lengths().z;
+    let height = side / layers as f64;
+    let layer_of = |z: f64| ((z / height) as usize).min(layers - 1);
+    let solid = |layer: usize| {
+        let middle = (layer as f64 + 0.5) * height;
+        let is_near = |r: &&DVec3| {
+            let away = (cell.wrap(**r).z - middle).abs();
+            away.min(side - away) <= 0.5 * height + 2.0 * reach
+        };
+        let near: Vec<DVec3> = positions.iter().filter(is_near).copied().collect();
+        let bonds = Bonds::new([&six], cell, &near, reach);
+        bonds.solid(TEN_WOLDE, |i| layer_of(cell.wrap(near[i]).z) == layer)
+    };
+    (0..layers).map(solid).sum()
 }
 
 impl Observable for BondOrder {

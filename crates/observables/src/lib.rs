@@ -41,7 +41,7 @@ mod tracked;
 mod transport;
 mod wave_vectors;
 
-pub use bond_order::{SOLID_SHARE_BYTES, solid_share};
+pub use bond_order::{solid_share, solid_share_bytes};
 pub use changing_box::ChangingBox;
 pub use chemical_potential::{Insertion, TrialEnergies};
 pub use error::ObservableError;

@@ -117,10 +117,10 @@ impl<'a, const N: usize> Bonds<'a, N> {
         self.neighbors[i].iter().filter(in_order).count() >= rule.bonds
     }
 
-    /// How many particles are solid-like.
-    pub(super) fn solid(&self, rule: SolidRule) -> usize {
+    /// How many of the particles that count are solid-like.
+    pub(super) fn solid(&self, rule: SolidRule, counts: impl Fn(usize) -> bool + Sync) -> usize {
         let counts = parallel::map_ranges(self.neighbors.len(), |range| {
-            range.filter(|i| self.is_solid(*i, rule)).count()
+            range.filter(|i| counts(*i) && self.is_solid(*i, rule)).count()
         });
         counts.into_iter().sum()
     }

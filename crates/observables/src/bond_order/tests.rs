@@ -123,6 +123,17 @@ fn half_a_crystal_is_half_solid() {
 }
 
 #[test]
+fn layers_count_the_solid_particles_of_the_whole() {
+    let (cell, lattice) = fcc(8, 1.1);
+    // Displacements at which some particles are solid-like and others are not.
+    let shaken: Vec<DVec3> =
+        (0..lattice.len()).map(|i| lattice[i] + 0.16 * normal(7, 0, i)).collect();
+    let whole = solid_by_layers(&cell, &shaken, 1);
+    assert!((200..1800).contains(&whole), "{whole} of {}", shaken.len());
+    assert_eq!([2, 3, 6].map(|layers| solid_by_layers(&cell, &shaken, layers)), [whole; 3]);
+}
+
+#[test]
 fn a_reach_beyond_the_box_is_refused() {
     let context =
         BuildContext { cell: PeriodicBox::new(DVec3::splat(5.0)).unwrap(), ..context(5.0, 100) };
