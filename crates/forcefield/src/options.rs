@@ -94,7 +94,7 @@ pub struct ForceFieldOptions {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub split: Option<SplitOptions>,
     /// Whether forces must be a pure function of the positions, to the bit, whatever the list, its
-    /// history and the number of threads. The bit-reversible integrator needs this.
+    /// history and the number of threads. The judge of forces in studies needs this.
     pub canonical: bool,
     /// Pairs that do not interact: the ends of the bonds of molecules.
     #[serde(skip)]

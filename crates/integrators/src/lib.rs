@@ -24,7 +24,6 @@ mod list;
 pub mod oscillator;
 
 pub mod analytic;
-pub mod bit_reversible_verlet;
 pub mod blanes_moan;
 pub mod explicit_euler;
 pub mod forest_ruth;

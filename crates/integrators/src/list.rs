@@ -6,10 +6,9 @@ use lennard_core::{Integrator, IntegratorSpec, ThermostatSpec};
 
 use crate::common::{BathOptions, MethodOptions, OscillatorModel};
 use crate::{
-    analytic, bit_reversible_verlet, blanes_moan, bussi, explicit_euler, forest_ruth,
-    implicit_euler, langevin, leapfrog, nose_hoover, pefrl, rescale, respa, spook,
-    stormer_time_corrected, stormer_variable, stormer_verlet, symplectic_euler, velocity_verlet,
-    velocity_verlet_short,
+    analytic, blanes_moan, bussi, explicit_euler, forest_ruth, implicit_euler, langevin, leapfrog,
+    nose_hoover, pefrl, rescale, respa, spook, stormer_time_corrected, stormer_variable,
+    stormer_verlet, symplectic_euler, velocity_verlet, velocity_verlet_short,
 };
 
 list_of_methods! {
@@ -40,8 +39,6 @@ list_of_methods! {
         VelocityVerletShort: velocity_verlet_short,
         /// Leapfrog with velocities at half steps.
         Leapfrog: leapfrog,
-        /// Störmer–Verlet on integer positions.
-        BitReversibleVerlet: bit_reversible_verlet,
         /// Multiple time steps for a near and a far force.
         Respa: respa,
         /// Forest and Ruth's method of order 4.

@@ -1,6 +1,6 @@
-//! What earlier versions had: keys, options, commands, observables, columns and names, each with its new way.
+//! What earlier versions had: keys, options, commands, observables, methods, columns and names, each with its new way.
 //!
-//! The list is `removed.toml`. A refusal of an unknown key, observable, option or command looks here first.
+//! The list is `removed.toml`. A refusal of an unknown key, observable, method, option or command looks here first.
 
 use std::sync::LazyLock;
 
@@ -18,6 +18,8 @@ pub enum RemovedKind {
     Command,
     /// A kind of observable.
     Observable,
+    /// A method of a table: `integrator.bit-reversible-verlet`.
+    Method,
     /// A column of a table that a run writes. No refusal can meet it.
     Column,
     /// A public name of the libraries, which the compiler refuses.

@@ -5,7 +5,6 @@ use lennard_core::{DVec3, Integrator};
 use lennard_forcefield::{
     ForceFieldOptions, KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions,
 };
-use lennard_integrators::IntegratorOptions;
 use lennard_io::in_shell;
 use lennard_literature::units::Units;
 
@@ -71,13 +70,13 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The options of the force field together, with what the integrator needs. RESPA needs forces split by
-    /// distance. The bit-reversible method needs forces that are a pure function of the positions.
+    /// The options of the force field together, with what the integrator needs: RESPA needs forces split by
+    /// distance.
     #[must_use]
     pub fn force_field(&self) -> ForceFieldOptions {
         ForceFieldOptions {
             split: self.integrator.split,
-            canonical: matches!(self.integrator.method, IntegratorOptions::BitReversibleVerlet(_)),
+            canonical: false,
             potential: self.potential,
             truncation: self.truncation,
             neighbor: self.neighbor,

@@ -253,9 +253,11 @@ impl<'a> Section<'a> {
         let name = self.name(key);
         let refuse =
             |message: String| self.source.refuse(&name, message).found(format!("{found:?}"));
-        if self.table == "observable"
-            && let Some(instead) = removed(RemovedKind::Observable, found)
-        {
+        let gone = match self.table {
+            "observable" => removed(RemovedKind::Observable, found),
+            table => removed(RemovedKind::Method, &join(table, found)),
+        };
+        if let Some(instead) = gone {
             return refuse("was removed".to_owned()).allowed(instead);
         }
         // The reason names what to take: a similar name beside it would contradict.

@@ -141,7 +141,7 @@ pub enum NodesError {
     },
     /// The search for pairs has no shared form.
     #[error(
-        "these pair forces have no form that several machines share: each would compute all of them\n  found:   --nodes {nodes}\n  allowed: forces over a Verlet list, without `integrator.kind = \"bit-reversible-verlet\"`"
+        "these pair forces have no form that several machines share: each would compute all of them\n  found:   --nodes {nodes}\n  allowed: forces over a Verlet list"
     )]
     NotShared {
         /// The number asked for.

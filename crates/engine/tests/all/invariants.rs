@@ -1,13 +1,12 @@
 //! What must hold whatever the scene: observers, conservation, and failing well.
 
-use lennard_core::{DVec3, Want};
+use lennard_core::DVec3;
 use lennard_engine::{
     Action, EngineError, Follower, Operation, Schedule, Simulation, StopAt, Trigger, Unfollowed,
     prepare_from, start,
 };
-use std::ops::ControlFlow;
 
-use crate::common::{self, bits, on_threads, prepared};
+use crate::common::{self, bits, prepared};
 
 /// A liquid near its triple point, 256 particles, one measured stage.
 const LIQUID: &str = r#"
@@ -215,85 +214,6 @@ fn the_energy_of_the_triple_point_does_not_drift_in_a_hundred_thousand_steps() {
     let (drift, error) = (found.energy_drift_per_atom_per_tau, found.energy_drift_standard_error);
     // The 95 % interval lies inside ±5e-7 ε per particle per τ.
     assert!(drift.abs() + 1.96 * error < 5e-7, "{drift:e} ± {error:e}");
-}
-
-/// Reverses all velocities at step `turn`, and keeps the positions of step 1.
-struct TurnBack {
-    schedule: Schedule,
-    turn: u64,
-    first: Vec<lennard_core::DVec3>,
-}
-
-impl Follower for TurnBack {
-    fn schedule(&self) -> &Schedule {
-        &self.schedule
-    }
-
-    fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
-        if simulation.state.step == 1 {
-            self.first.clone_from(&simulation.state.positions);
-        }
-        if simulation.state.step == self.turn {
-            for v in &mut simulation.state.velocities {
-                *v = -*v;
-            }
-            let stage = simulation.stage.as_mut().expect("in a stage");
-            let forces = simulation.forces.as_mut();
-            let started = stage.integrator.start(
-                &simulation.system,
-                &mut simulation.state,
-                forces,
-                stage.dt,
-                Want::NOTHING,
-            );
-            started.unwrap_or_else(|e| panic!("{e}"));
-        }
-        Ok(ControlFlow::Continue(()))
-    }
-}
-
-/// The largest distance from the positions of step 1 after going `steps` forward and all but one of them back.
-fn return_distance(method: &str, n: &str, steps: u64, threads: usize) -> f64 {
-    let stages = format!("[{{name=\"there-and-back\", steps={}}}]", 2 * steps - 1);
-    on_threads(threads, || {
-        let mut s =
-            build(&[("integrator.kind", method), ("system.n_atoms", n), ("stage", &stages)]);
-        let mut turn = TurnBack {
-            schedule: [1, steps]
-                .map(|step| Operation::new(Action::Call, Trigger::At(step)))
-                .into_iter()
-                .collect(),
-            turn: steps,
-            first: Vec::new(),
-        };
-        assert!(s.follow(&mut turn).unwrap_or_else(|e| panic!("{e}")));
-        let moved = s.state.positions.iter().zip(&turn.first).map(|(a, b)| (*a - *b).length());
-        moved.fold(0.0, f64::max)
-    })
-}
-
-#[test]
-fn the_bit_reversible_method_returns_to_its_start_exactly_and_velocity_verlet_does_not() {
-    for threads in [1, 3] {
-        assert_eq!(
-            return_distance("bit-reversible-verlet", "256", 600, threads),
-            0.0,
-            "{threads} threads"
-        );
-    }
-    assert!(return_distance("velocity-verlet", "256", 1500, 1) > 1e-9, "the test can tell");
-}
-
-#[test]
-#[ignore = "minutes: run by `cargo xtask physics`"]
-fn a_hundred_thousand_bit_reversible_steps_of_864_particles_lead_back_to_the_last_bit() {
-    for threads in [1, 2] {
-        assert_eq!(
-            return_distance("bit-reversible-verlet", "864", 100_000, threads),
-            0.0,
-            "{threads} threads"
-        );
-    }
 }
 
 /// Their force is 10³⁰ ε/σ and more: single precision, which ends at 10³⁸ whatever it counts in, is not for random starts.

@@ -1,7 +1,7 @@
 //! What goes wrong below the engine, and starts that cannot be.
 
 use lennard_core::{Configuration, DVec3, ForceError, ForceTerm, Part, PeriodicBox, Want};
-use lennard_engine::{Unfollowed, evaluate_energy, prepare};
+use lennard_engine::{evaluate_energy, prepare};
 use lennard_forcefield::{
     Conditions, ForceFieldError as Refused, ForceFieldOptions, Isa, PotentialOptions, SoftSphere,
     SplitOptions, TruncationKind, TruncationOptions, Wca, build, check,
@@ -94,22 +94,6 @@ fn points_that_no_descent_can_take_apart_are_refused() {
     );
     let error = prepare(crowd).err().expect("refused").to_string();
     assert!(error.contains("could not be relaxed"), "{error}");
-}
-
-#[test]
-fn a_method_that_does_not_suit_the_positions_ends_the_run() {
-    // A particle outside the grid of positions, which the scene lets pass.
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("start.xyz");
-    let far = "1\nLattice=\"9 0 0 0 9 0 0 0 9\" Properties=species:S:1:pos:R:3\nAr 1e6 2 3\n";
-    std::fs::write(&file, far).unwrap();
-    let more = format!(
-        "[start]\nkind = \"file\"\nfile = {:?}\n[integrator]\nkind = \"bit-reversible-verlet\"",
-        file.display().to_string()
-    );
-    let mut simulation = prepare(scene("", &more)).unwrap_or_else(|e| panic!("{e}"));
-    let error = simulation.follow(&mut Unfollowed).unwrap_err();
-    assert!(error.to_string().contains("bit-reversible-verlet"), "{error}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::measure::KeplerForces;
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
-    Persist, State, StepError, System, Want,
+    State, StepError, System, Want,
 };
 use lennard_integrators::integrators;
 use lennard_integrators::oscillator::{HarmonicForces, OscillatorConstraint};
@@ -82,15 +82,4 @@ fn methods_refuse_constraints_and_forces_that_they_do_not_solve_for() {
     for (method, constraints) in [("velocity-verlet", 1), ("spook", 2), ("respa", 0)] {
         assert!(matches!(refusal(method, constraints), StepError::Unsuited { .. }), "{method}");
     }
-}
-
-#[test]
-fn integers_that_are_not_three_a_particle_are_refused() {
-    let entry = integrators().iter().find(|e| e.spec.name == "bit-reversible-verlet").unwrap();
-    let mut archive = lennard_core::StateArchive::default();
-    let mut writer = archive.writer();
-    writer.put_f64("started_dt", &[0.1]);
-    writer.put_i64("current", &[1, 2, 3, 4]);
-    writer.put_i64("previous", &[]);
-    assert!(entry.build().restore(&archive.reader()).is_err());
 }

@@ -1,7 +1,6 @@
 //! Tests of integrators and thermostats from outside, on an oscillator and on a small cluster.
 
 mod barostats;
-mod bit_reversible;
 mod bonds;
 mod common;
 mod conformance;

@@ -29,7 +29,6 @@ fn velocity_verlet_leapfrog_and_stormer_verlet_with_central_velocities_are_one_m
         "stormer-verlet",
         "stormer-verlet-time-corrected",
         "stormer-verlet-variable",
-        "bit-reversible-verlet",
     ] {
         let other = end_of_run(name, 100);
         // Equal except for rounding: positions near 2 give 4e-16 a step, over h = 0.004 in the velocity,

@@ -250,11 +250,9 @@ fn a_method_of_the_oscillator_is_refused_in_a_fluid() {
 #[test]
 fn the_force_field_knows_what_the_integrator_needs() {
     let plain = with(&[]).unwrap().force_field();
-    assert!(plain.split.is_none() && !plain.canonical);
+    assert!(plain.split.is_none());
     let respa = with(&[("integrator.kind", "respa"), ("integrator.r_split", "1.6")]).unwrap();
     assert_eq!(respa.force_field().split.map(|s| s.r_split), Some(1.6));
-    let exact = with(&[("integrator.kind", "bit-reversible-verlet")]).unwrap();
-    assert!(exact.force_field().canonical);
     let wide = with(&[("integrator.kind", "respa"), ("integrator.r_split", "2.5")]).unwrap_err();
     assert_eq!(wide.key_path(), Some("integrator.r_split"));
 }

@@ -35,7 +35,6 @@ fn the_verlet_family_and_symplectic_euler_are_stable_up_to_two() {
         "stormer-verlet",
         "stormer-verlet-time-corrected",
         "stormer-verlet-variable",
-        "bit-reversible-verlet",
         "symplectic-euler",
     ] {
         let measured = limit(method).expect("it has a limit");

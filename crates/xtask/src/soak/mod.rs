@@ -33,7 +33,6 @@ const VARIANTS: &[(&str, &[&str])] = &[
         &["kernel.precision=mixed", "stage.production.thermostat=bussi"],
     ),
     ("every pair, no list", &["neighbor.mode=direct"]),
-    ("bit-reversible Verlet", &["integrator.kind=bit-reversible-verlet"]),
     ("random start", &["start.kind=random"]),
     (
         "constant pressure, stochastic cell rescaling",

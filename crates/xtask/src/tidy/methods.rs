@@ -35,7 +35,6 @@ const EXPLAINED: &[(&str, &str)] = &[
         "crates/engine/src/curvature.rs",
         "r²u″ follows from u and −ru′ where the truncation leaves the potential as it is up to r_cut",
     ),
-    ("crates/scene/src/scene.rs", "the bit-reversible method needs canonical forces"),
     ("crates/scene/src/read/stages.rs", "thermodynamics has the interval of thermo.csv"),
     ("crates/studies/src/", "a study compares the methods that it is about"),
     ("crates/lennard/examples/", "programs of a user's own name their methods"),

@@ -56,9 +56,11 @@ fn every_refusal_of_what_was_removed_prints_the_new_way() {
     for one in all_removed() {
         let observable = format!("observable=[{{ kind = \"{}\" }}]", one.name);
         let key = format!("{}=1", one.name);
+        let method = one.name.replacen('.', ".kind=", 1);
         let arguments: Vec<&str> = match one.kind {
             RemovedKind::Key => vec!["run", "fluid/gas", "--set", &key],
             RemovedKind::Observable => vec!["run", "fluid/gas", "--set", &observable],
+            RemovedKind::Method => vec!["run", "fluid/gas", "--set", &method],
             RemovedKind::Option | RemovedKind::Command => one.name.split(' ').collect(),
             RemovedKind::Column | RemovedKind::Name => continue,
         };
