@@ -1,10 +1,10 @@
 //! Each barostat against the exact distribution of the volume of an ideal gas.
 
-use lennard_core::Persist;
+use crate::common::{KS_LIMIT, distance_from_gamma};
 use lennard_core::random::Streams;
 use lennard_core::{
     Bonds, DVec3, Integrator, Molecules, Momentum, NoForces, PeriodicBox, PressureBath, State,
-    StateArchive, System, Want,
+    System, Want,
 };
 use lennard_integrators::{
     BarostatOptions, BondHolder, BondOptions, IntegratorOptions, ThermostatOptions, barostats,
@@ -71,39 +71,15 @@ fn volumes(method: &mut Integrator, dt: f64, every: u64, samples: usize) -> Vec<
     (0..samples).map(|_| sample()).collect()
 }
 
-/// P(V ≤ v) of the Gamma distribution of whole shape: 1 − e^{−y}·Σ_{i<shape} yⁱ/i! with y = P₀v/T.
-fn gamma_cdf(volume: f64, shape: u32) -> f64 {
-    let y = PRESSURE * volume / TEMPERATURE;
-    let (mut term, mut sum) = (1.0, 0.0);
-    for i in 0..shape {
-        sum += term;
-        term *= y / f64::from(i + 1);
-    }
-    1.0 - (-y).exp() * sum
-}
-
-/// The Kolmogorov–Smirnov distance from the Gamma distribution, times √n.
-fn distance(volumes: &[f64], shape: u32) -> f64 {
-    let mut sorted = volumes.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let n = sorted.len() as f64;
-    let off = |(i, v): (usize, &f64)| {
-        let f = gamma_cdf(*v, shape);
-        (f - i as f64 / n).abs().max(((i + 1) as f64 / n - f).abs())
-    };
-    sorted.iter().enumerate().map(off).fold(0.0, f64::max) * n.sqrt()
-}
-
-/// √n·D exceeds this with probability 0.001 for independent samples; the seeds are fixed.
-const KS_LIMIT: f64 = 1.95;
-
 /// Whether the samples are of Gamma(N_f/3 + 1) and not of its neighbors.
 fn is_canonical(volumes: &[f64], n_dof: f64, what: &str) {
     let shape = (n_dof / 3.0).round() as u32 + 1;
-    let right = distance(volumes, shape);
+    let distance =
+        |shape| distance_from_gamma(volumes.iter().map(|v| PRESSURE * v / TEMPERATURE), shape);
+    let right = distance(shape);
     assert!(right < KS_LIMIT, "{what}: {right}");
     for wrong in [shape - 1, shape + 1] {
-        let found = distance(volumes, wrong);
+        let found = distance(wrong);
         assert!(found > KS_LIMIT, "{what}, shape {wrong}: {found}");
     }
 }
@@ -183,44 +159,6 @@ fn the_volume_of_an_ideal_gas_is_gamma_distributed_for_ten_seeds() {
 }
 
 #[test]
-fn every_barostat_has_a_name_that_its_options_go_by() {
-    for spec in barostats() {
-        let options: BarostatOptions = toml::from_str(&format!("kind = \"{}\"", spec.name))
-            .unwrap_or_else(|e| panic!("{}: {e}", spec.name));
-        assert_eq!((options.name(), options.check()), (spec.name, Ok(())));
-    }
-    assert!(toml::from_str::<BarostatOptions>("kind = \"berendsen\"").is_err());
-}
-
-#[test]
-fn a_run_in_parts_through_a_saved_state_has_the_bits_of_one_run() {
-    let system = System::atoms(N);
-    for spec in barostats() {
-        let thermostat = format!("kind = \"{}\"", spec.thermostat.unwrap_or("nose-hoover"));
-        let barostat = format!("kind = \"{}\"", spec.name);
-        let make = || integrator(&thermostat, &barostat, 9);
-        let advance = |method: &mut Integrator, state: &mut State, to: u64| {
-            while state.step < to {
-                let left = to - state.step;
-                method.stride(&system, state, &mut NoForces, 0.02, left, Want::NOTHING).unwrap();
-            }
-        };
-        let (mut whole, mut state) = (make(), gas());
-        whole.start(&system, &mut state, &mut NoForces, 0.02, Want::NOTHING).unwrap();
-        let start = state.cell;
-        advance(&mut whole, &mut state, 40);
-        let mut archive = StateArchive::default();
-        whole.save(&mut archive.writer());
-        let (mut parts, mut resumed) = (make(), state.clone());
-        parts.restore(&archive.reader()).unwrap();
-        advance(&mut whole, &mut state, 100);
-        advance(&mut parts, &mut resumed, 100);
-        assert_ne!(state.cell, start);
-        assert_eq!((state, whole.box_moves()), (resumed, parts.box_moves()));
-    }
-}
-
-#[test]
 fn methods_that_remember_the_box_as_it_was_are_refused() {
     let reason = "it keeps forces of the box as it was; take \"velocity-verlet\" with a barostat";
     let barostat = BarostatOptions::all().swap_remove(0);
@@ -228,8 +166,7 @@ fn methods_that_remember_the_box_as_it_was_are_refused() {
     let noise = Streams::new(1).noise("barostat");
     let respa = build(&IntegratorOptions::Respa(Default::default()));
     let mut method = barostat.couple(respa, &thermostat, bath(), noise);
-    let started =
-        method.start(&System::atoms(N), &mut gas(), &mut NoForces, 0.01, Want::NOTHING);
+    let started = method.start(&System::atoms(N), &mut gas(), &mut NoForces, 0.01, Want::NOTHING);
     let error = started.unwrap_err().to_string();
     assert!(error.contains(reason), "{error}");
 }

@@ -2,10 +2,178 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, FusedBath,
-    FusedSteps, Masses, Moving, Part, Want,
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceSum, ForceTerm,
+    FusedBath, FusedSteps, Integrator, Masses, Molecules, Moving, Part, PeriodicBox, State,
+    StepError, StepReport, System, Want, rigid,
 };
+use lennard_integrators::bonds::{direct, relaxation};
+use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build, spook};
 use rand::RngExt;
+
+/// Particles in motion: their forces, the method that moves them, and what its steps told.
+pub struct Rig<F> {
+    pub system: System,
+    pub state: State,
+    pub forces: ForceSum<F>,
+    method: Integrator,
+    pub dt: f64,
+    /// Σ heat so far, ε.
+    pub heat: f64,
+    /// The largest iterations and residual of all steps so far.
+    pub worst: StepReport,
+}
+
+impl<F: Backend> Rig<F> {
+    pub fn new(
+        method: Integrator,
+        system: System,
+        state: State,
+        forces: ForceSum<F>,
+        dt: f64,
+    ) -> Self {
+        let worst = StepReport::default();
+        let mut rig = Self { system, state, forces, method, dt, heat: 0.0, worst };
+        rig.start();
+        rig
+    }
+
+    /// Molecules whose bonds are held by a way of the list, under the forces of its term too.
+    pub fn held(
+        bonds: &BondOptions,
+        (system, state): (System, State),
+        mut forces: ForceSum<F>,
+        dt: f64,
+    ) -> Self {
+        let method = build(&IntegratorOptions::default());
+        let (method, term) = match bonds.build(&system.molecules) {
+            BondHolder::Drift(solver) => (method.with_bonds(solver), None),
+            BondHolder::InDrift(solver, term) => (method.with_bonds(solver), Some(term)),
+            BondHolder::Spring(term) => (method, Some(term)),
+            BondHolder::Spook(bonds, term) => (spook::with_bonds(bonds), term),
+        };
+        term.into_iter().for_each(|term| forces.push(term));
+        Self::new(method, system, state, forces, dt)
+    }
+
+    /// Starts with the state as it is now.
+    pub fn start(&mut self) {
+        let Self { system, state, forces, method, dt, .. } = self;
+        method.start(system, state, forces, *dt, Want::TOTALS).unwrap();
+    }
+
+    pub fn tried(&mut self) -> Result<(), StepError> {
+        let Self { system, state, forces, method, dt, heat, worst } = self;
+        let report = method.step(system, state, forces, *dt, Want::TOTALS)?;
+        *heat += report.heat;
+        worst.iterations = worst.iterations.max(report.iterations);
+        worst.residual = worst.residual.max(report.residual);
+        Ok(())
+    }
+
+    pub fn step(&mut self) {
+        self.tried().unwrap_or_else(|e| panic!("{e}"));
+    }
+
+    /// Takes some steps, and gives the rig back.
+    pub fn steps(mut self, n: u32) -> Self {
+        (0..n).for_each(|_| self.step());
+        self
+    }
+
+    pub fn kinetic_energy(&self) -> f64 {
+        self.system.kinetic_energy(&self.state.velocities)
+    }
+
+    /// K + U without the heat that baths, bonds, walls and contacts put in.
+    pub fn conserved(&self) -> f64 {
+        self.kinetic_energy() + self.state.energetics.potential_energy.unwrap() - self.heat
+    }
+
+    pub fn momentum(&self) -> DVec3 {
+        self.system.momentum(&self.state.velocities)
+    }
+
+    /// Σ m·(x − lag·v) × v.
+    pub fn angular_momentum(&self, lag: f64) -> DVec3 {
+        let State { positions, velocities, .. } = &self.state;
+        let of = |i: usize| (positions[i] - lag * velocities[i]).cross(velocities[i]);
+        (0..positions.len()).map(|i| self.system.masses.moving(i) * of(i)).sum()
+    }
+}
+
+/// The direct solution of bonds, to a tolerance.
+pub fn direct(tolerance: f64) -> BondOptions {
+    BondOptions::Direct(direct::Options { tolerance, ..Default::default() })
+}
+
+/// Relaxation along the old bonds, to a tolerance.
+pub fn shake(tolerance: f64) -> BondOptions {
+    let tolerance = Some(tolerance);
+    BondOptions::Relaxation(relaxation::Options { tolerance, ..Default::default() })
+}
+
+/// Molecules in a box so wide that nothing folds, with velocities that have no part along rigid bonds.
+pub fn at(molecules: &Molecules, x: Vec<DVec3>, v: Vec<DVec3>) -> (System, State) {
+    let system = System::of_molecules(x.len(), molecules.clone());
+    let mut state = State::new(PeriodicBox::new(DVec3::splat(1e3)).unwrap(), x, v);
+    rigid::project_velocities(&system, &state.positions, &mut state.velocities);
+    (system, state)
+}
+
+/// The largest distance between two places of a particle.
+pub fn farthest(a: &[DVec3], b: &[DVec3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max)
+}
+
+/// 1 − e^{−y}·Σ_{i<shape} yⁱ/i!: the chance that a number of a Gamma distribution of whole shape is at most y.
+pub fn gamma_cdf(y: f64, shape: u32) -> f64 {
+    let (mut term, mut sum) = (1.0, 0.0);
+    for i in 0..shape {
+        sum += term;
+        term *= y / f64::from(i + 1);
+    }
+    1.0 - (-y).exp() * sum
+}
+
+/// The Kolmogorov–Smirnov distance of samples from the Gamma distribution of a shape, times √n.
+pub fn distance_from_gamma(samples: impl IntoIterator<Item = f64>, shape: u32) -> f64 {
+    let mut sorted: Vec<f64> = samples.into_iter().collect();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len() as f64;
+    let off = |(i, y): (usize, &f64)| {
+        let f = gamma_cdf(*y, shape);
+        (f - i as f64 / n).abs().max(((i + 1) as f64 / n - f).abs())
+    };
+    sorted.iter().enumerate().map(off).fold(0.0, f64::max) * n.sqrt()
+}
+
+/// √n·D exceeds this with probability 2·e^{−2·x²} = 0.001 for samples of the right distribution;
+/// the seeds are fixed, so the verdict is always the same.
+pub const KS_LIMIT: f64 = 1.95;
+
+/// Adds forces of Lennard-Jones pairs without any cutoff or box, with shares of r⁻¹² and of r⁻⁶, and returns their energy.
+/// Sites of one molecule of `sites` do not see each other.
+pub fn add_pairs(
+    x: &[DVec3],
+    (repulsive, attractive): (f64, f64),
+    sites: usize,
+    forces: &mut [DVec3],
+) -> f64 {
+    let mut energy = 0.0;
+    for i in 0..x.len() {
+        for j in (0..i).filter(|j| sites == 1 || i / sites != j / sites) {
+            let r_ij = x[i] - x[j];
+            let inv_r2 = r_ij.length_squared().recip();
+            let inv_r6 = inv_r2 * inv_r2 * inv_r2;
+            let (r12, r6) = (repulsive * inv_r6 * inv_r6, attractive * inv_r6);
+            energy += 4.0 * (r12 - r6);
+            let f = (24.0 * (2.0 * r12 - r6) * inv_r2) * r_ij;
+            forces[i] += f;
+            forces[j] -= f;
+        }
+    }
+    energy
+}
 
 /// Lennard-Jones particles without any cutoff or box, a double loop, U = Σ 4·(r⁻¹² − r⁻⁶).
 ///
@@ -22,25 +190,13 @@ impl ForceTerm for Cluster {
         want: Want,
         forces: &mut [DVec3],
     ) -> Result<Energetics, ForceError> {
-        let (repulsive, attractive) = match part {
+        let shares = match part {
             Part::All => (1.0, 1.0),
             Part::Near => (1.0, 0.0),
             Part::Far => (0.0, 1.0),
         };
         forces.fill(DVec3::ZERO);
-        let mut energy = 0.0;
-        for i in 0..forces.len() {
-            for j in 0..i {
-                let r_ij = at.positions[i] - at.positions[j];
-                let inv_r2 = r_ij.length_squared().recip();
-                let inv_r6 = inv_r2 * inv_r2 * inv_r2;
-                let (r12, r6) = (repulsive * inv_r6 * inv_r6, attractive * inv_r6);
-                energy += 4.0 * (r12 - r6);
-                let f = (24.0 * (2.0 * r12 - r6) * inv_r2) * r_ij;
-                forces[i] += f;
-                forces[j] -= f;
-            }
-        }
+        let energy = add_pairs(at.positions, shares, 1, forces);
         if let Some(particle) = forces.iter().position(|f| !f.is_finite()) {
             return Err(ForceError::NonFiniteForce { particle });
         }

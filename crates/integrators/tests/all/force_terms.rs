@@ -1,7 +1,7 @@
 //! Forces are terms that add, and baths leave steps together.
 
 use crate::common::{Cluster, cluster};
-use crate::measure::{CountingForces, run};
+use crate::measure::run;
 use lennard_core::random::Streams;
 use lennard_core::{
     Backend, Configuration, DVec3, ForceSum, ForceTerm, FusedSteps, Masses, Part, PeriodicBox,
@@ -216,19 +216,4 @@ fn steps_under_any_bath_are_taken_at_once_with_the_same_bits_and_the_same_heat()
         assert_eq!((heat, 3), (at_once, most), "two at once, and the one that ends");
         assert!(heat != 0.0, "{}", options.name());
     }
-}
-
-#[test]
-fn an_implicit_method_counts_the_evaluations_and_products_of_its_forces() {
-    let mut forces = CountingForces::new(HarmonicForces::new(1.0));
-    let mut state = start();
-    let mut method = build(&IntegratorOptions::ImplicitEuler(Default::default()));
-    let system = System::atoms(27);
-    let (mut evaluations, mut products) = (1, 0);
-    run(&mut method, &system, &mut forces, &mut state, 0.1, 5, |_, r| {
-        evaluations += u64::from(r.force_evaluations);
-        products += u64::from(r.iterations);
-    })
-    .unwrap();
-    assert_eq!((forces.evaluations, forces.products), (evaluations, products));
 }

@@ -4,7 +4,6 @@ mod barostats;
 mod bonds;
 mod common;
 mod conformance;
-mod constraints;
 mod contacts;
 mod fire;
 mod force_terms;

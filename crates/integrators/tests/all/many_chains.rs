@@ -3,7 +3,7 @@
 use lennard_core::{
     Bonds, BoundDrift, DVec3, Drifted, Masses, Molecules, StepError, System, rigid,
 };
-use lennard_integrators::bonds::{direct, relaxation};
+use lennard_integrators::bonds::direct;
 use lennard_integrators::{BondHolder, BondOptions};
 
 const DT: f64 = 0.01;
@@ -99,11 +99,6 @@ impl Chains {
         }
         largest
     }
-
-    fn momentum(&self) -> DVec3 {
-        let sites = self.v.iter().enumerate();
-        sites.map(|(i, v)| self.system.masses.of(i) * *v).sum()
-    }
 }
 
 fn exact(tolerance: f64) -> BondOptions {
@@ -184,30 +179,6 @@ fn a_chain_within_its_tolerance_stays_whatever_its_neighbors_need() {
         }
     }
     assert!(met > 0, "no neighbor needs more iterations");
-}
-
-#[test]
-fn chains_side_by_side_move_as_relaxation_moves_them() {
-    let relaxed = BondOptions::Relaxation(relaxation::Options {
-        tolerance: Some(1e-14),
-        ..Default::default()
-    });
-    for sites in [2, 3, 10] {
-        for own_masses in [false, true] {
-            let begun = Chains::new(13, sites, own_masses);
-            let (mut one, mut other) = (begun.clone(), begun.clone());
-            one.steps(&exact(1e-14), 20).unwrap();
-            other.steps(&relaxed, 20).unwrap();
-            let off = one.x.iter().zip(&other.x).map(|(a, b)| (*a - *b).length());
-            let off = off.fold(0.0, f64::max);
-            assert!(off < 1e-11, "{sites} sites: {off:e}");
-            let [length, speed] = one.off();
-            assert!(length < 2e-14 && speed < 1e-13, "{length:e}, {speed:e}");
-            let forces: DVec3 = begun.f.iter().sum();
-            let before = begun.momentum() + 20.0 * DT * forces;
-            assert!((one.momentum() - before).length() < 1e-11);
-        }
-    }
 }
 
 /// A loose tolerance is a limit of | |d|/r − 1 | itself, and what a drift reports is what is left.

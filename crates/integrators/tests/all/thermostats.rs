@@ -1,5 +1,6 @@
 //! Each heat bath against its conserved quantity and its canonical distribution.
 
+use crate::common::{KS_LIMIT, distance_from_gamma};
 use lennard_core::random::Streams;
 use lennard_core::{
     Backend, Constraint, DVec3, Integrator, Momentum, NoForces, State, Step, System, Thermostat,
@@ -10,9 +11,7 @@ use lennard_integrators::langevin::{self, Langevin};
 use lennard_integrators::nose_hoover::{self, NoseHoover};
 use lennard_integrators::oscillator::{HarmonicForces, OscillatorConstraint};
 use lennard_integrators::rescale::{self, Rescale};
-use lennard_integrators::{
-    IntegratorOptions, ThermostatOptions, build, thermostats, velocity_verlet,
-};
+use lennard_integrators::{IntegratorOptions, ThermostatOptions, build, velocity_verlet};
 use std::sync::Arc;
 
 use rand_distr::{Distribution, StandardNormal};
@@ -75,36 +74,10 @@ fn potential(state: &State, stiffness: f64) -> f64 {
     0.5 * stiffness * state.positions.iter().map(|x| x.length_squared()).sum::<f64>()
 }
 
-/// P(K ≤ x) of the canonical kinetic energy where n_dof = 2·shape: the Erlang distribution
-/// 1 − e^{−y}·Σ_{i<shape} yⁱ/i! with y = K/T.
-fn canonical_cdf(kinetic: f64, shape: u32) -> f64 {
-    let y = kinetic / TEMPERATURE;
-    let (mut term, mut sum) = (1.0, 0.0);
-    for i in 0..shape {
-        sum += term;
-        term *= y / f64::from(i + 1);
-    }
-    1.0 - (-y).exp() * sum
+/// How far kinetic energies are from the canonical distribution of n_dof = 2·shape.
+fn distance_from_canonical(kinetic: Vec<f64>, shape: u32) -> f64 {
+    distance_from_gamma(kinetic.into_iter().map(|k| k / TEMPERATURE), shape)
 }
-
-/// The Kolmogorov–Smirnov distance of the samples from the canonical distribution, times √n.
-fn distance_from_canonical(mut kinetic: Vec<f64>, shape: u32) -> f64 {
-    kinetic.sort_by(f64::total_cmp);
-    let n = kinetic.len() as f64;
-    let largest = kinetic
-        .iter()
-        .enumerate()
-        .map(|(i, k)| {
-            let f = canonical_cdf(*k, shape);
-            (f - i as f64 / n).abs().max(((i + 1) as f64 / n - f).abs())
-        })
-        .fold(0.0, f64::max);
-    largest * n.sqrt()
-}
-
-/// √n·D exceeds this with probability 2·e^{−2·x²} = 0.001 for samples of the right distribution;
-/// the seeds are fixed, so the verdict is always the same.
-const KS_LIMIT: f64 = 1.95;
 
 #[test]
 fn the_distance_from_the_canonical_distribution_sees_a_wrong_one() {
@@ -340,35 +313,6 @@ fn langevin_gives_oscillators_their_exact_spread_at_any_step() {
 }
 
 #[test]
-fn langevin_has_its_temperature_on_half_steps_and_less_on_whole_ones() {
-    // BAOAB gives the positions of an oscillator their exact spread; on whole steps ⟨v²⟩ = T·(1 − h²ω²/4).
-    let (n, dt) = (2000, 0.6);
-    let system = System::atoms(n);
-    let mut forces = HarmonicForces::new(1.0);
-    let mut state = canonical_start(n, 5, TEMPERATURE);
-    let mut bath = baoab(1.0, TEMPERATURE, 6);
-    bath.start(&system, &mut state, &mut forces, dt, Want::NOTHING).unwrap();
-    let (mut whole, mut half) = (0.0, 0.0);
-    let (settle, steps) = (50, 1000);
-    for s in 0..settle + steps {
-        bath.step(&system, &mut state, &mut forces, dt, Want::NOTHING).unwrap();
-        if s >= settle {
-            let view = lennard_core::View {
-                half_kick_step: Some(dt),
-                momentum: Momentum::Free,
-                ..lennard_core::View::of(&state, &system)
-            };
-            whole += system.temperature(&state.velocities, Momentum::Free) / f64::from(steps);
-            half += view.temperature_of_positions() / f64::from(steps);
-        }
-    }
-    // 6000 degrees of freedom for some 300 correlation times: √(2/1.8e6) = 0.1 %, three of them.
-    assert!((half / TEMPERATURE - 1.0).abs() < 0.003, "{half}");
-    let exact = 1.0 - 0.25 * dt * dt;
-    assert!((whole / TEMPERATURE - exact).abs() < 0.003, "{whole}");
-}
-
-#[test]
 fn energy_minus_heat_is_conserved_under_langevin_up_to_the_square_of_the_step() {
     let n = 2000;
     let spread = |dt: f64| {
@@ -412,35 +356,4 @@ fn langevin_without_friction_is_velocity_verlet() {
         assert!((*x - *y).length() < 1e-13);
     }
     assert!(heat.abs() < 1e-13);
-}
-
-#[test]
-fn langevin_heat_bath_does_not_depend_on_the_number_of_threads() {
-    let run = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
-            let mut state = canonical_start(10_000, 10, 1.0);
-            let mut forces = HarmonicForces::new(1.0);
-            let heat = run_langevin(&mut baoab(1.0, 1.0, 5), &mut state, &mut forces, 0.1, 5);
-            (state, heat)
-        })
-    };
-    assert_eq!(run(1), run(3));
-}
-
-#[test]
-fn every_thermostat_has_a_name_that_its_options_go_by() {
-    for spec in thermostats() {
-        let options: ThermostatOptions = toml::from_str(&format!("kind = \"{}\"", spec.name))
-            .unwrap_or_else(|e| panic!("{}: {e}", spec.name));
-        assert_eq!(options.name(), spec.name);
-        assert_eq!(options.check(), Ok(()));
-    }
-    let refused = |text: &str| toml::from_str::<ThermostatOptions>(text).is_err();
-    assert!(refused("kind = \"berendsen\""));
-    assert!(refused("kind = \"bussi\"\ntua = 1.0"));
-    let impossible = |text: &str| toml::from_str::<ThermostatOptions>(text).unwrap().check();
-    assert_eq!(impossible("kind = \"bussi\"\ntau = 0.0").unwrap_err().key, "tau");
-    assert_eq!(impossible("kind = \"rescale\"\nevery = 0").unwrap_err().key, "every");
-    assert_eq!(impossible("kind = \"langevin\"\nfriction = -1.0").unwrap_err().key, "friction");
 }

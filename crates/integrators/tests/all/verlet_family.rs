@@ -3,9 +3,9 @@
 
 use crate::common::{Cluster, cluster};
 use crate::measure::run;
-use lennard_core::{DVec3, ForceTerm, Integrator, Part, State, System, Want};
+use lennard_core::{DVec3, State, System};
+use lennard_integrators::integrators;
 use lennard_integrators::oscillator::HarmonicForces;
-use lennard_integrators::{integrators, velocity_verlet};
 
 fn end_of_run(name: &str, steps: u64) -> State {
     let entry = integrators().iter().find(|e| e.spec.name == name).unwrap();
@@ -40,58 +40,6 @@ fn velocity_verlet_leapfrog_and_stormer_verlet_with_central_velocities_are_one_m
     // Another method differs by far more: the comparison can tell.
     let euler = end_of_run("symplectic-euler", 100);
     assert!(distance(&euler.positions, &reference.positions) > 1e-4);
-}
-
-#[test]
-fn velocity_verlet_is_newmark_with_beta_0_and_gamma_one_half() {
-    // Newmark: x′ = x + h·v + h²·((½ − β)·a + β·a′), v′ = v + h·((1 − γ)·a + γ·a′).
-    let (beta, gamma, h) = (0.0, 0.5, 0.004);
-    let (mut x, mut v) = cluster(3, 0.5, 3);
-    let force = |x: &[DVec3]| {
-        let mut f = vec![DVec3::ZERO; x.len()];
-        let cell = lennard_core::PeriodicBox::boundless();
-        let at = lennard_core::Configuration::at_rest(&cell, x);
-        Cluster.evaluate(at, Part::All, Want::NOTHING, &mut f).unwrap();
-        f
-    };
-    let mut a = force(&x);
-    for _ in 0..100 {
-        for i in 0..x.len() {
-            x[i] += h * v[i] + h * h * (0.5 - beta) * a[i];
-        }
-        let new = force(&x);
-        for i in 0..x.len() {
-            v[i] += h * ((1.0 - gamma) * a[i] + gamma * new[i]);
-        }
-        a = new;
-    }
-    let verlet = end_of_run("velocity-verlet", 100);
-    assert!(distance(&verlet.positions, &x) < 1e-12);
-    assert!(distance(&verlet.velocities, &v) < 1e-11);
-}
-
-#[test]
-fn the_shadow_energy_of_velocity_verlet_is_exact_on_the_oscillator() {
-    // ½v² + ½ω²x²·(1 − (ωh)²/4) is conserved to rounding: what oscillates is only the difference.
-    let (omega, dt) = (1.0, 0.9);
-    let mut state =
-        State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![0.3 * DVec3::X]);
-    let shadow = |s: &State| {
-        let q = omega * omega * dt * dt;
-        0.5 * s.velocities[0].length_squared()
-            + 0.5 * omega * omega * s.positions[0].length_squared() * (1.0 - 0.25 * q)
-    };
-    let start = shadow(&state);
-    run(
-        &mut Integrator::new(velocity_verlet::VelocityVerlet),
-        &System::atoms(1),
-        &mut HarmonicForces::new(omega * omega),
-        &mut state,
-        dt,
-        10_000,
-        |s, _| assert!((shadow(s) / start - 1.0).abs() < 1e-12),
-    )
-    .unwrap();
 }
 
 /// Means of the kinetic energy on whole steps and on half steps and of the potential energy, of oscillators with ω = 1.

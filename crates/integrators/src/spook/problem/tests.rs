@@ -8,26 +8,6 @@ fn problem<'a>(contacts: &'a [Contact], b: &'a [f64]) -> Problem<'a> {
 }
 
 #[test]
-fn sweeps_over_a_stack_converge_by_the_cosine_law() {
-    for n in [2_usize, 3, 10] {
-        let contacts = column(n);
-        // The kick of gravity: only the floor sees it, and the solution is (n, …, 1).
-        let mut b = vec![0.0; n];
-        b[0] = -1.0;
-        let error = |sweeps| {
-            let found = problem(&contacts, &b).solve(Solver::Sweeps(sweeps));
-            let wrong = |(i, x): (usize, &f64)| (x - (n - i) as f64).abs();
-            found.impulses.iter().enumerate().map(wrong).sum::<f64>()
-        };
-        let rate = (std::f64::consts::PI / (2.0 * n as f64)).cos().powi(2);
-        // Late enough for the slowest mode alone, early enough for rounding not to be seen.
-        let late = (1e-6_f64.ln() / rate.ln()) as u32;
-        let found = error(late + 1) / error(late);
-        assert!((found / rate - 1.0).abs() < 0.01, "{n}: {found} {rate}");
-    }
-}
-
-#[test]
 fn direct_and_sweeps_agree_where_some_contacts_push_and_others_part() {
     // A pyramid of balls in a plane on a floor, some of them thrown: every third contact is pulled apart.
     let at = |x: f64, z: f64| DVec3::new(x, 0.0, z);

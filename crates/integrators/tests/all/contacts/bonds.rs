@@ -1,27 +1,16 @@
 //! Contacts of SPOOK beside the bonds of molecules, which they are solved for with.
 
-use lennard_core::{
-    Bonds, DVec3, ForceSum, ForceTerm, Integrator, Molecules, NoForces, State, System, Want,
-};
+use lennard_core::{Bonds, DVec3, ForceSum, ForceTerm, Molecules, NoForces, State, System};
 use lennard_forcefield::ConstantField;
 use lennard_integrators::bonds::spook;
 use lennard_integrators::spook::Damping;
 use lennard_integrators::spook::Solver;
 use lennard_integrators::{Bodies, Contacts, Obstacles, Response, UnilateralLaw};
-use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, SpookBonds, build};
+use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, SpookBonds};
 
-use super::common::cube;
+use super::common::{Rig, cube, rig};
 use super::unilateral::planes;
-
-/// Chains under SPOOK, held by themselves or with the contacts.
-struct Chains {
-    system: System,
-    state: State,
-    forces: ForceSum<NoForces>,
-    method: Integrator,
-    h: f64,
-    heat: f64,
-}
+use crate::common::farthest;
 
 fn bonds_of(molecules: &Molecules, compliance: f64) -> SpookBonds {
     let options = BondOptions::Spook(spook::Options { compliance, ..Default::default() });
@@ -31,62 +20,34 @@ fn bonds_of(molecules: &Molecules, compliance: f64) -> SpookBonds {
     }
 }
 
-impl Chains {
-    /// Chains with bonds of 1 σ between planes at z = 1 and 19, and bodies of a diameter.
-    fn new(
-        (x, v): (Vec<DVec3>, Vec<DVec3>),
-        sites: usize,
-        (restitution, of_contacts, of_bonds): (f64, f64, f64),
-        (diameter, solver): (f64, Solver),
-    ) -> Self {
-        let kind = match of_bonds > 0.0 {
-            true => Bonds::Impulses,
-            false => Bonds::Rigid,
-        };
-        let molecules = Molecules::chains(sites, 1.0, kind);
-        let system = System::of_molecules(x.len(), molecules.clone()).pushed_along([true; 3]);
-        let law = UnilateralLaw {
-            restitution,
-            compliance: of_contacts,
-            damping: Damping::Steps(2.0),
-            solver,
-        };
-        let bodies = Bodies::alike(diameter, molecules.exclusions());
-        let contacts = Contacts::new(Response::Unilateral(law), bodies)
-            .with_bonds(bonds_of(&molecules, of_bonds), system.clone());
-        let mut chains = Self {
-            state: State::new(cube(20.0), x, v),
-            forces: ForceSum::new(NoForces).with(Obstacles::new(planes(restitution), contacts)),
-            method: build(&IntegratorOptions::Spook(Default::default())),
-            h: 0.005,
-            heat: 0.0,
-            system,
-        };
-        chains.start();
-        chains
-    }
+/// Chains with bonds of 1 σ between planes at z = 1 and 19, with bodies of a diameter and gravity g.
+fn chains(
+    (x, v): (Vec<DVec3>, Vec<DVec3>),
+    sites: usize,
+    (restitution, compliance, of_bonds): (f64, f64, f64),
+    (diameter, solver): (f64, Solver),
+    g: f64,
+) -> Rig {
+    let kind = match of_bonds > 0.0 {
+        true => Bonds::Impulses,
+        false => Bonds::Rigid,
+    };
+    let molecules = Molecules::chains(sites, 1.0, kind);
+    let system = System::of_molecules(x.len(), molecules.clone()).pushed_along([true; 3]);
+    let damping = Damping::Steps(2.0);
+    let law = UnilateralLaw { restitution, compliance, damping, solver };
+    let bodies = Bodies::alike(diameter, molecules.exclusions());
+    let contacts = Contacts::new(Response::Unilateral(law), bodies)
+        .with_bonds(bonds_of(&molecules, of_bonds), system.clone());
+    let forces = ForceSum::new(NoForces)
+        .with(Obstacles::new(planes(restitution), contacts))
+        .with(ConstantField::new(-g * DVec3::Z, system.masses.clone()));
+    let spook = IntegratorOptions::Spook(Default::default());
+    rig(&spook, system, (cube(20.0), x, v), forces, 0.005)
+}
 
-    fn start(&mut self) {
-        let (state, forces) = (&mut self.state, &mut self.forces);
-        self.method.start(&self.system, state, forces, self.h, Want::ENERGY).unwrap();
-    }
-
-    fn in_gravity(mut self) -> Self {
-        let field = ConstantField::new(DVec3::NEG_Z, self.system.masses.clone());
-        self.forces = self.forces.with(field);
-        self.start();
-        self
-    }
-
-    fn step(&mut self) {
-        let (state, forces) = (&mut self.state, &mut self.forces);
-        let report = self.method.step(&self.system, state, forces, self.h, Want::ENERGY);
-        self.heat += report.unwrap().heat;
-    }
-
-    fn impulse(&self) -> f64 {
-        self.forces.walls()[0].impulse
-    }
+fn impulse(rig: &Rig) -> f64 {
+    rig.forces.walls()[0].impulse
 }
 
 #[test]
@@ -99,19 +60,12 @@ fn without_contacts_bonds_move_as_by_the_method_alone() {
         let v: Vec<DVec3> =
             (0..4).map(|k| DVec3::new(0.0, f64::from(k).cos(), f64::from(k).sin())).collect();
         let all = (0.5, 0.0, compliance);
-        let mut with = Chains::new((x.clone(), v.clone()), 4, all, (0.1, Solver::Exact));
-        let mut alone = Chains::new((x, v), 4, all, (0.1, Solver::Exact));
-        alone.forces = ForceSum::new(NoForces);
-        let bonds = bonds_of(&alone.system.molecules, compliance);
-        alone.method = lennard_integrators::spook::with_bonds(bonds);
-        alone.start();
-        for _ in 0..200 {
-            with.step();
-            alone.step();
-        }
-        for (a, b) in with.state.positions.iter().zip(&alone.state.positions) {
-            assert!((*a - *b).length() < 1e-12, "{compliance}: {a} {b}");
-        }
+        let with = chains((x.clone(), v.clone()), 4, all, (0.1, Solver::Exact), 0.0);
+        let (system, state) = (with.system.clone(), State::new(cube(20.0), x, v));
+        let options = BondOptions::Spook(spook::Options { compliance, ..Default::default() });
+        let alone = Rig::held(&options, (system, state), ForceSum::new(NoForces), 0.005);
+        let [with, alone] = [with, alone].map(|rig| rig.steps(200).state.positions);
+        assert!(farthest(&with, &alone) < 1e-12, "{compliance}");
     }
 }
 
@@ -126,13 +80,10 @@ fn a_chain_that_fell_on_its_end_stands_with_its_weight_in_floor_and_bonds() {
         let at = |k: usize| DVec3::new(5.0, 5.0, 1.2 + k as f64);
         let start = ((0..n).map(at).collect(), vec![DVec3::ZERO; n]);
         let all = (0.2, of_contacts, of_bonds);
-        let mut chain = Chains::new(start, n, all, (0.5, solver)).in_gravity();
-        let mut impulses = [0.0; 2];
-        for impulse in &mut impulses {
-            (0..6000).for_each(|_| chain.step());
-            *impulse = chain.impulse();
-        }
-        let weight = (impulses[1] - impulses[0]) / (6000.0 * chain.h);
+        let chain = chains(start, n, all, (0.5, solver), 1.0).steps(6000);
+        let before = impulse(&chain);
+        let chain = chain.steps(6000);
+        let weight = (impulse(&chain) - before) / (6000.0 * chain.dt);
         assert!((weight / n as f64 - 1.0).abs() < 1e-9, "{weight}");
         let x = &chain.state.positions;
         let sunk = 1.0 - x[0].z;
@@ -155,13 +106,13 @@ fn an_impact_at_one_end_passes_through_the_bond() {
             let lower = DVec3::new(8.0, 8.0, 1.02);
             let x = vec![lower, lower + DVec3::new(cos, 0.0, sin)];
             let v = vec![DVec3::NEG_Z; 2];
-            let mut fall = Chains::new((x, v), 2, (e, 0.0, 0.0), (0.2, Solver::Exact));
-            while fall.impulse() == 0.0 {
+            let mut fall = chains((x, v), 2, (e, 0.0, 0.0), (0.2, Solver::Exact), 0.0);
+            while impulse(&fall) == 0.0 {
                 fall.step();
             }
             let kappa = 1.0 - 0.5 * sin * sin;
             let wanted = (1.0 + e) / kappa;
-            assert!((fall.impulse() - wanted).abs() < 1e-12, "{degrees} {e}");
+            assert!((impulse(&fall) - wanted).abs() < 1e-12, "{degrees} {e}");
             let v = &fall.state.velocities;
             assert!((v[0].z - e).abs() < 0.02, "{degrees} {e}: {}", v[0].z);
             let momentum = v[0] + v[1];
@@ -178,8 +129,8 @@ fn chains_that_meet_keep_their_momentum_and_their_bonds() {
     let y = [0.0, 1.0, 2.0].map(|k| DVec3::new(6.3, 4.4 + k, 8.0));
     let v = [DVec3::Z, DVec3::Z, DVec3::Z, -DVec3::Z, -DVec3::Z, -DVec3::Z];
     let start = ([x, y].concat(), v.to_vec());
-    let mut two = Chains::new(start, 3, (1.0, 0.0, 0.0), (1.0, Solver::Exact));
-    let before = two.system.kinetic_energy(&two.state.velocities);
+    let mut two = chains(start, 3, (1.0, 0.0, 0.0), (1.0, Solver::Exact), 0.0);
+    let before = two.kinetic_energy();
     let mut strain = 0.0_f64;
     for _ in 0..800 {
         two.step();
@@ -193,6 +144,6 @@ fn chains_that_meet_keep_their_momentum_and_their_bonds() {
     assert!(momentum.length() < 1e-12, "{momentum}");
     assert!(two.state.velocities[0].z < 0.0 || two.state.velocities[2].z < 0.0);
     assert!(strain < 0.01, "{strain}");
-    let after = two.system.kinetic_energy(&two.state.velocities);
+    let after = two.kinetic_energy();
     assert!((after / before - 1.0).abs() < 0.1, "{before} {after}");
 }

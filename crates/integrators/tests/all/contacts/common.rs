@@ -1,69 +1,32 @@
 //! Few bodies and many, under contacts alone.
 
 use lennard_core::random::Streams;
-use lennard_core::{
-    DVec3, Exclusions, ForceSum, Integrator, NoForces, PeriodicBox, State, System, Want,
-};
+use lennard_core::{DVec3, Exclusions, ForceSum, NoForces, PeriodicBox, State, System};
 use lennard_integrators::{Bodies, ContactOptions, Contacts, Obstacles, Response};
 use lennard_integrators::{IntegratorOptions, build};
 use rand::RngExt;
 
-/// A ring of time: bodies, their forces and the method that moves them.
-pub(crate) struct Rig {
-    pub system: System,
-    pub state: State,
-    pub forces: ForceSum<NoForces>,
-    method: Integrator,
+pub(crate) type Rig = crate::common::Rig<NoForces>;
+
+/// Bodies under a method of the list.
+pub(crate) fn rig(
+    method: &IntegratorOptions,
+    system: System,
+    (cell, x, v): (PeriodicBox, Vec<DVec3>, Vec<DVec3>),
+    forces: ForceSum<NoForces>,
     dt: f64,
-    /// Σ heat so far, ε.
-    pub heat: f64,
+) -> Rig {
+    Rig::new(build(method), system, State::new(cell, x, v), forces, dt)
 }
 
-impl Rig {
-    pub(crate) fn new(
-        system: System,
-        (cell, x, v): (PeriodicBox, Vec<DVec3>, Vec<DVec3>),
-        forces: ForceSum<NoForces>,
-        dt: f64,
-    ) -> Self {
-        Self::by(&IntegratorOptions::default(), system, (cell, x, v), forces, dt)
-    }
-
-    /// Bodies under a method of the list.
-    pub(crate) fn by(
-        method: &IntegratorOptions,
-        system: System,
-        (cell, x, v): (PeriodicBox, Vec<DVec3>, Vec<DVec3>),
-        forces: ForceSum<NoForces>,
-        dt: f64,
-    ) -> Self {
-        let mut rig = Self {
-            system,
-            state: State::new(cell, x, v),
-            forces,
-            method: build(method),
-            dt,
-            heat: 0.0,
-        };
-        let Self { system, state, forces, method, .. } = &mut rig;
-        method.start(system, state, forces, dt, Want::ENERGY).unwrap();
-        rig
-    }
-
-    pub(crate) fn step(&mut self) {
-        let Self { system, state, forces, method, dt, heat } = self;
-        let report = method.step(system, state, forces, *dt, Want::ENERGY);
-        *heat += report.unwrap().heat;
-    }
-
-    pub(crate) fn kinetic_energy(&self) -> f64 {
-        self.system.kinetic_energy(&self.state.velocities)
-    }
-
-    /// K + U without the heat that contacts put in.
-    pub(crate) fn conserved(&self) -> f64 {
-        self.kinetic_energy() + self.state.energetics.potential_energy.unwrap() - self.heat
-    }
+/// Bodies under velocity Verlet.
+pub(crate) fn verlet(
+    system: System,
+    start: (PeriodicBox, Vec<DVec3>, Vec<DVec3>),
+    forces: ForceSum<NoForces>,
+    dt: f64,
+) -> Rig {
+    rig(&IntegratorOptions::default(), system, start, forces, dt)
 }
 
 pub(crate) fn cube(side: f64) -> PeriodicBox {

@@ -8,7 +8,7 @@ use lennard_core::{
 use lennard_forcefield::{ConstantField, SlitPlanes, WallContext, WallOptions, WallPair, Walls};
 use lennard_integrators::{Bodies, Contacts, Obstacles, Response};
 
-use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
+use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres, verlet};
 
 fn hard(restitution: f64) -> Response {
     Response::Impact { restitution }
@@ -68,7 +68,7 @@ fn a_fluid_of_hard_spheres_keeps_energy_and_momentum_and_collides_as_enskog_says
     let kinetic = system.kinetic_energy(&v);
     let temperature = 2.0 * kinetic / (3.0 * 216.0);
     let dt = 0.01;
-    let mut rig = Rig::new(system, (cube(side), x, v), ForceSum::new(NoForces), dt);
+    let mut rig = verlet(system, (cube(side), x, v), ForceSum::new(NoForces), dt);
     let mut contacts = spheres(hard(1.0));
     let steps = 1500;
     let (mut impacts_at_start, mut closest) = (0, f64::INFINITY);
@@ -123,7 +123,7 @@ fn over_a_floor(z: &[f64], e_floor: f64, e_balls: f64) -> Rig {
     let x = z.iter().map(|z| DVec3::new(4.0, 4.0, 1.0 + z)).collect();
     let v = vec![DVec3::ZERO; z.len()];
     let system = System::atoms(z.len()).pushed_along(forces.properties().breaks_momentum);
-    Rig::new(system, (cell, x, v), forces, 0.005)
+    verlet(system, (cell, x, v), forces, 0.005)
 }
 
 fn toml(text: &str) -> WallOptions {

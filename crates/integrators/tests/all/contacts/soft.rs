@@ -7,7 +7,7 @@ use lennard_core::{
 use lennard_forcefield::{ContactLaw, SpringLaw};
 use lennard_integrators::{Bodies, Contacts, Obstacles, Response};
 
-use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
+use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres, verlet};
 
 fn spring(law: SpringLaw, restitution: f64) -> Response {
     Response::Spring(ContactLaw::new(law, 400.0, restitution))
@@ -100,7 +100,7 @@ fn rebound(response: Response, masses: &Masses, phase: f64, dt: f64) -> (f64, Ri
     let x = vec![DVec3::splat(3.0), DVec3::new(4.0 + gap, 3.0, 3.0)];
     let v = vec![DVec3::new(0.6, 0.2, 0.0), DVec3::new(-0.4, 0.2, 0.0)];
     let system = System::atoms(2).with_masses(masses.clone());
-    let mut rig = Rig::new(system, (cube(8.0), x, v), alone(spheres(response)), dt);
+    let mut rig = verlet(system, (cube(8.0), x, v), alone(spheres(response)), dt);
     for _ in 0..4000 {
         rig.step();
         let (x, v) = (&rig.state.positions, &rig.state.velocities);
@@ -144,7 +144,7 @@ fn a_body_bounces_off_a_held_one_as_off_a_wall() {
     let v = vec![DVec3::ZERO, DVec3::new(-1.0, 0.0, 0.0)];
     let system = System::atoms(2).holding(&[0]);
     let forces = alone(spheres(spring(SpringLaw::Linear, 0.5)));
-    let mut rig = Rig::new(system, (cube(8.0), x, v), forces, dt);
+    let mut rig = verlet(system, (cube(8.0), x, v), forces, dt);
     (0..200).for_each(|_| rig.step());
     assert_eq!(rig.state.positions[0], DVec3::splat(3.0));
     assert_eq!(rig.state.velocities[0], DVec3::ZERO);

@@ -2,10 +2,10 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{Configuration, Part, StepError, Want};
-use lennard_core::{DVec3, Exclusions, ForceError, ForceSum, ForceTerm, Masses, NoForces, System};
-use lennard_forcefield::{
-    ConstantField, Hard, SlitPlanes, WallContext, WallOptions, WallPair, Walls,
+use lennard_core::{
+    DVec3, Exclusions, ForceError, ForceSum, ForceTerm, NoForces, PeriodicBox, System,
 };
+use lennard_forcefield::{Hard, SlitPlanes, WallContext, WallOptions, WallPair, Walls};
 use lennard_integrators::IntegratorOptions;
 use lennard_integrators::spook::Damping;
 use lennard_integrators::spook::Solver;
@@ -13,12 +13,13 @@ use lennard_integrators::{Bodies, Contacts, Obstacles, Response, UnilateralLaw};
 
 use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
 
-fn law(restitution: f64, compliance: f64) -> UnilateralLaw {
-    UnilateralLaw { restitution, compliance, damping: Damping::Steps(2.0), solver: Solver::Exact }
+fn law(restitution: f64) -> UnilateralLaw {
+    let (compliance, damping, solver) = (0.0, Damping::Steps(2.0), Solver::Exact);
+    UnilateralLaw { restitution, compliance, damping, solver }
 }
 
 fn spook(restitution: f64) -> Response {
-    Response::Unilateral(law(restitution, 0.0))
+    Response::Unilateral(law(restitution))
 }
 
 /// Planes across z of a cube of side 20, at 1 and 19, that contacts solve for.
@@ -39,9 +40,16 @@ fn on_planes(law: UnilateralLaw) -> Obstacles {
 }
 
 fn rig(x: &[DVec3], v: &[DVec3], forces: ForceSum<NoForces>, dt: f64) -> Rig {
-    let system = System::atoms(x.len());
-    let start = (cube(20.0), x.to_vec(), v.to_vec());
-    Rig::by(&IntegratorOptions::Spook(Default::default()), system, start, forces, dt)
+    by_spook((cube(20.0), x.to_vec(), v.to_vec()), forces, dt)
+}
+
+fn by_spook(
+    start: (PeriodicBox, Vec<DVec3>, Vec<DVec3>),
+    forces: ForceSum<NoForces>,
+    dt: f64,
+) -> Rig {
+    let system = System::atoms(start.1.len());
+    super::common::rig(&IntegratorOptions::Spook(Default::default()), system, start, forces, dt)
 }
 
 #[test]
@@ -52,8 +60,7 @@ fn an_impact_keeps_its_share_at_any_phase_of_the_step() {
             let phase = f64::from(k) / 20.0;
             // One step before the impact: the depth after it is phase·v·h.
             let above = DVec3::new(5.0, 5.0, 1.0 + (1.0 - phase) * h);
-            let mut ball = rig(&[above], &[DVec3::NEG_Z], alone(on_planes(law(e, 0.0))), h);
-            (0..30).for_each(|_| ball.step());
+            let ball = rig(&[above], &[DVec3::NEG_Z], alone(on_planes(law(e))), h).steps(30);
             let v = ball.state.velocities[0].z;
             assert!((v - e).abs() < 1e-13, "{e} at {phase}: {v}");
             assert!((ball.heat + 0.5 * (1.0 - e * e)).abs() < 1e-13);
@@ -65,74 +72,10 @@ fn an_impact_keeps_its_share_at_any_phase_of_the_step() {
             // Two balls: the relative speed keeps the same share, and the momentum is kept.
             let x = [DVec3::splat(5.0), DVec3::new(6.0 + (1.0 - phase) * h, 5.0, 5.0)];
             let v = [0.75 * DVec3::X, -0.25 * DVec3::X];
-            let mut two = rig(&x, &v, alone(spheres(spook(e))), h);
-            (0..30).for_each(|_| two.step());
+            let two = rig(&x, &v, alone(spheres(spook(e))), h).steps(30);
             let v = &two.state.velocities;
             assert!((v[1].x - v[0].x - e).abs() < 1e-13, "{e} at {phase}");
             assert!((v[1].x + v[0].x - 0.5).abs() < 1e-13);
-        }
-    }
-}
-
-fn gravity() -> ConstantField {
-    ConstantField::new(DVec3::new(0.0, 0.0, -1.0), Masses::Uniform(1.0))
-}
-
-#[test]
-fn a_ball_in_gravity_bounces_400_times_without_loss_and_to_the_squares_of_its_share() {
-    for (e, bounces) in [(1.0_f64, 400_u64), (0.7, 6)] {
-        let h = 0.01;
-        let forces = alone(on_planes(law(e, 0.0))).with(gravity());
-        let mut ball = rig(&[DVec3::new(5.0, 5.0, 2.0)], &[DVec3::ZERO], forces, h);
-        // The velocity of the method stands half a step behind; this energy is exact on a parabola.
-        let energy = |ball: &Rig| {
-            let v = ball.state.velocities[0].z - 0.5 * h;
-            0.5 * v * v + ball.state.positions[0].z - 1.0
-        };
-        let start = energy(&ball);
-        let (mut hits, mut impulse, mut wanted) = (0, 0.0, start);
-        while hits < bounces {
-            let depth = (1.0 - ball.state.positions[0].z).max(0.0);
-            ball.step();
-            let now = ball.forces.walls()[0].impulse;
-            if now > impulse {
-                (hits, impulse) = (hits + 1, now);
-                // Half the square of the speed at the depth of the hit keeps e².
-                wanted = e * e * (wanted + depth) - depth;
-            }
-            assert!((energy(&ball) - wanted).abs() < 1e-11, "{e} after {hits}");
-        }
-        let left = start * e.powi(2 * bounces as i32);
-        assert!((energy(&ball) - left).abs() < 0.03, "{e}");
-    }
-}
-
-#[test]
-fn a_stack_that_fell_carries_its_weight_and_sinks_by_compliance_times_force() {
-    for (n, compliance, solver) in
-        [(5, 1e-3, Solver::Exact), (3, 1e-5, Solver::Exact), (5, 1e-3, Solver::Sweeps(400))]
-    {
-        let h = 0.005;
-        let law = UnilateralLaw { solver, ..law(0.2, compliance) };
-        let forces = alone(on_planes(law)).with(gravity());
-        let x: Vec<DVec3> = (0..n).map(|i| DVec3::new(5.0, 5.0, 1.1 + 1.1 * i as f64)).collect();
-        let mut stack = rig(&x, &vec![DVec3::ZERO; n], forces, h);
-        let mut impulses = [0.0; 2];
-        for impulse in &mut impulses {
-            (0..8000).for_each(|_| stack.step());
-            *impulse = stack.forces.walls()[0].impulse;
-        }
-        let weight = (impulses[1] - impulses[0]) / (8000.0 * h);
-        assert!((weight / n as f64 - 1.0).abs() < 1e-9, "{n}: {weight}");
-        for i in 0..n {
-            let x = &stack.state.positions;
-            let gap = match i {
-                0 => x[0].z - 1.0,
-                _ => x[i].z - x[i - 1].z - 1.0,
-            };
-            let wanted = -compliance * (n - i) as f64;
-            assert!((gap / wanted - 1.0).abs() < 1e-8, "{n}, {i}: {gap} {wanted}");
-            assert!(stack.state.velocities[i].length() < 1e-10);
         }
     }
 }
@@ -148,8 +91,7 @@ fn a_row_that_is_hit_follows_newtons_rule_for_all_contacts_at_once() {
         let bodies = Bodies::alike(0.25, Exclusions::NONE);
         let contacts = Obstacles::new(None, Contacts::new(spook(1.0), bodies));
         // All but the first touch to the bit.
-        let mut row = rig(&x, &v, alone(contacts), 0.01);
-        (0..20).for_each(|_| row.step());
+        let row = rig(&x, &v, alone(contacts), 0.01).steps(20);
         let share = 2.0 / n as f64;
         for (i, v) in row.state.velocities.iter().enumerate() {
             let wanted = if i == 0 { share - 1.0 } else { share };
@@ -167,12 +109,10 @@ fn a_gas_of_bodies_keeps_momentum_and_for_full_restitution_energy() {
     let mean = v.iter().sum::<DVec3>() / 125.0;
     v.iter_mut().for_each(|v| *v -= mean);
     for e in [1.0, 0.5] {
-        let system = System::atoms(125);
         let start = (cube(side), x.clone(), v.clone());
-        let spook = IntegratorOptions::Spook(Default::default());
-        let mut gas = Rig::by(&spook, system, start, alone(spheres(self::spook(e))), 0.01);
+        let gas = by_spook(start, alone(spheres(spook(e))), 0.01);
         let before = gas.kinetic_energy();
-        (0..500).for_each(|_| gas.step());
+        let gas = gas.steps(500);
         let momentum: DVec3 = gas.state.velocities.iter().sum();
         assert!(momentum.length() < 1e-12, "{momentum}");
         let left = gas.kinetic_energy() / before;
