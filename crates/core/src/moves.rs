@@ -254,7 +254,7 @@ impl<'a> Moving<'a> {
         let (mut longest, mut longest_of_rest) = ([0.0; N], [0.0; 3]);
         let (x, x_rest) = components_mut(self.positions).as_chunks_mut::<N>();
         let (v, v_rest) = components_mut(self.velocities).as_chunks_mut::<N>();
-        let (f, f_rest) = bytemuck::cast_slice(self.forces).as_chunks::<N>();
+        let (f, f_rest) = components(self.forces).as_chunks::<N>();
         let groups = x.iter_mut().zip(v).zip(f);
         let whole = groups.len();
         let beside = normals.as_chunks::<N>().0.iter().zip(squares.as_chunks_mut::<N>().0);
@@ -320,6 +320,39 @@ fn longest_along_axes<const N: usize>(mut longest: [f64; N]) -> DVec3 {
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
+}
+
+/// The kick v ← v + (h/m)·F of the sites of a molecule whose first is particle `first`, by this thread.
+#[inline]
+pub fn kick(masses: &Masses, first: usize, v: &mut [DVec3], forces: &[DVec3], h: f64) {
+    let kick = |v: &mut [DVec3], forces: &[DVec3], factor| {
+        for (v, force) in components_mut(v).iter_mut().zip(components(forces)) {
+            *v =
+                Component { x: 0.0, v: *v, force: *force, normal: 0.0, square: 0.0 }.kick(factor).v;
+        }
+    };
+    match masses {
+        Masses::Uniform(m) => kick(v, forces, h / m),
+        Masses::Each(m) => {
+            for ((v, f), m) in v.iter_mut().zip(forces).zip(&m[first..]) {
+                kick(std::slice::from_mut(v), std::slice::from_ref(f), h / m);
+            }
+        }
+    }
+}
+
+/// The drift x ← x + h·v of the sites of a molecule, by this thread.
+#[inline]
+pub fn drift(x: &mut [DVec3], v: &[DVec3], h: f64) {
+    for (x, v) in components_mut(x).iter_mut().zip(components(v)) {
+        *x = Component { x: *x, v: *v, force: 0.0, normal: 0.0, square: 0.0 }.drift(h).x;
+    }
+}
+
+/// The components of vectors, one after another.
+#[inline(always)]
+fn components(vectors: &[DVec3]) -> &[f64] {
+    bytemuck::cast_slice(vectors)
 }
 
 /// The components of vectors, one after another.

@@ -1,6 +1,5 @@
 //! The six-stage fourth-order method of Blanes and Moan for accelerations that depend on positions alone.
 
-use glam::DMat2;
 use lennard_core::{Integrator, IntegratorSpec};
 
 use crate::common::MethodOptions;
@@ -22,7 +21,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     half_kicks: false,
     force_evaluations: 6,
     stability_limit: Some(3.163_465),
-    oscillator_map: Some(oscillator_map),
+    oscillator_map: Some(|omega, dt| COMPOSITION.oscillator_map(omega, dt)),
     source: "Blanes and Moan, \"Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nyström methods\", J. Comput. Appl. Math. 142, 313 (2002), table 3, SRKN6b of order 4",
     ..VERLET
 };
@@ -41,12 +40,6 @@ static COMPOSITION: Composition = Composition {
     stages: &[(B1, A1), (B2, A2), (B3, A3), (B4, A3), (B3, A2), (B2, A1)],
     last_kick: B1,
 };
-
-/// One step on ẍ = −ω²x as a matrix on (x, v): the product of the kicks and drifts.
-#[must_use]
-pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
-    COMPOSITION.oscillator_map(omega, dt)
-}
 
 impl MethodOptions for Options {
     fn build(&self) -> Integrator {

@@ -1,6 +1,5 @@
 //! The fourth-order symplectic method of Forest and Ruth: three velocity Verlet steps, the middle one backwards.
 
-use glam::DMat2;
 use lennard_core::{Integrator, IntegratorSpec};
 
 use crate::common::MethodOptions;
@@ -22,7 +21,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     half_kicks: false,
     force_evaluations: 3,
     stability_limit: Some(1.573_402),
-    oscillator_map: Some(oscillator_map),
+    oscillator_map: Some(|omega, dt| COMPOSITION.oscillator_map(omega, dt)),
     source: "Forest and Ruth, \"Fourth-order symplectic integration\", Physica D 43, 105 (1990)",
     ..VERLET
 };
@@ -40,12 +39,6 @@ static COMPOSITION: Composition = Composition {
     ],
     last_kick: 0.5 * THETA,
 };
-
-/// One step on ẍ = −ω²x as a matrix on (x, v): the product of the kicks and drifts.
-#[must_use]
-pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
-    COMPOSITION.oscillator_map(omega, dt)
-}
 
 impl MethodOptions for Options {
     fn build(&self) -> Integrator {

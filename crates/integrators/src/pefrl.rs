@@ -1,6 +1,5 @@
 //! PEFRL: the position-extended, optimised relative of Forest–Ruth, with a far smaller error.
 
-use glam::DMat2;
 use lennard_core::{Integrator, IntegratorSpec};
 
 use crate::common::MethodOptions;
@@ -22,7 +21,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     half_kicks: false,
     force_evaluations: 5,
     stability_limit: Some(2.989_450),
-    oscillator_map: Some(oscillator_map),
+    oscillator_map: Some(|omega, dt| COMPOSITION.oscillator_map(omega, dt)),
     source: "Omelyan, Mryglod and Folk, \"Optimized Forest-Ruth- and Suzuki-like algorithms for integration of motion in many-body systems\", Comput. Phys. Commun. 146, 188 (2002), PEFRL",
     ..VERLET
 };
@@ -44,12 +43,6 @@ static COMPOSITION: Composition = Composition {
     ],
     last_kick: 0.0,
 };
-
-/// One step on ẍ = −ω²x as a matrix on (x, v): the product of the kicks and drifts.
-#[must_use]
-pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
-    COMPOSITION.oscillator_map(omega, dt)
-}
 
 impl MethodOptions for Options {
     fn build(&self) -> Integrator {

@@ -129,23 +129,35 @@ impl<B: Fn(usize, &mut [DVec3])> WithSimd for Project<'_, B> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rigid::testing::{Kicked, in_registers_and_one_by_one};
+    use crate::lanes::{Scalar, in_lanes};
+    use crate::moves::kick;
 
     /// The velocity stage has the bits of numbers one by one, as where there is no AVX2. The last register is not full.
     #[test]
     fn chains_have_the_same_bits_in_registers_and_one_by_one() {
         for (sites, n) in [(2, 13), (3, 1), (3, 7), (10, 13)] {
-            for all in Kicked::with_either_masses(sites * n) {
-                in_registers_and_one_by_one(&all.v, |v, way| {
-                    way.run(Project {
-                        before: &all.kick(),
-                        sites,
-                        masses: &all.masses,
-                        first: 0,
-                        x: &all.x,
-                        v,
-                    });
+            let of = |shift: f64| -> Vec<DVec3> {
+                let at = |i: usize| shift + 1.7 * i as f64;
+                let site = |i| DVec3::new(at(i).sin(), (0.7 * at(i)).cos(), (1.9 * at(i)).sin());
+                (0..sites * n).map(site).collect()
+            };
+            let (x, f) = (of(0.0), of(0.8));
+            let each = (0..sites * n).map(|i| 1.0 + 0.1 * i as f64).collect();
+            for masses in [Masses::Uniform(1.3), Masses::Each(each)] {
+                let kicked =
+                    |first: usize, v: &mut [DVec3]| kick(&masses, first, v, &f[first..], 0.1);
+                let [registers, one_by_one] = [true, false].map(|in_registers| {
+                    let mut v = of(0.4);
+                    let (x, v_here) = (&x, &mut v);
+                    let stage =
+                        Project { before: &kicked, sites, masses: &masses, first: 0, x, v: v_here };
+                    match in_registers {
+                        true => in_lanes(stage),
+                        false => stage.with_simd(Scalar),
+                    }
+                    v
                 });
+                assert_eq!(registers, one_by_one, "{n} of {sites} sites");
             }
         }
     }

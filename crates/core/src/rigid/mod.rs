@@ -19,6 +19,7 @@ pub use tridiagonal::Tridiagonal;
 use crate::exact::{exact_sum, exact_sums};
 use crate::lanes::in_lanes;
 use crate::molecules::MOLECULES_PER_TASK;
+use crate::moves::kick;
 use crate::tasks::for_each_item;
 use crate::topology::Topology;
 use crate::{DMat3, DVec3, Masses, State, System};
@@ -76,24 +77,6 @@ pub fn kick_and_project(
     on_rigid_molecules(system, positions, velocities, |first, v| {
         kick(&system.masses, first, v, &forces[first..], h);
     });
-}
-
-/// The kick v ← v + (h/m)·F of the sites of a molecule, with the bits of [`crate::Moving::kick`].
-#[inline]
-pub fn kick(masses: &Masses, first: usize, v: &mut [DVec3], forces: &[DVec3], h: f64) {
-    match masses {
-        Masses::Uniform(m) => {
-            let factor = h / m;
-            for (v, f) in v.iter_mut().zip(forces) {
-                *v += factor * *f;
-            }
-        }
-        Masses::Each(m) => {
-            for ((v, f), m) in v.iter_mut().zip(forces).zip(&m[first..]) {
-                *v += (h / m) * *f;
-            }
-        }
-    }
 }
 
 /// Changes the velocities of each rigid molecule by `before(first site, velocities)`, and then takes the part along the bonds off.
@@ -265,6 +248,3 @@ pub fn intramolecular_virial(system: &System, positions: &[DVec3], forces: &[DVe
         both.map(|(r, f)| (*r - center).dot(*f)).sum::<f64>()
     })
 }
-
-#[cfg(test)]
-mod testing;

@@ -1,5 +1,6 @@
 //! Barostats, one file each: operators that change the box so that the pressure is held.
 
+mod box_move;
 mod list;
 mod parts;
 

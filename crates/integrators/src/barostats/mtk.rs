@@ -4,13 +4,15 @@ use lennard_core::exact::exact_sum;
 use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::random::NoiseStream;
 use lennard_core::{
-    BarostatSpec, DVec3, ForceError, ForceProperties, Integrator, IntegratorSpec, Method, Moving,
-    Parts, PressureBath, State, Step, StepError, System, Want, persist, rigid, rigid_bonds_alone,
+    BarostatSpec, DVec3, ForceProperties, Integrator, IntegratorSpec, Method, Moving, Parts,
+    PressureBath, State, Step, StepError, System, Want, persist, rigid, rigid_bonds_alone,
 };
 
+use super::box_move::{move_centers, scale_box};
 use super::parts::BarostatParts;
 use super::stochastic_cell_rescaling::dof_of_centers;
 use crate::chain::Chain;
+use crate::velocity_verlet::VERLET;
 use crate::{ThermostatOptions, nose_hoover};
 
 lennard_core::options! {
@@ -75,20 +77,11 @@ static STEP: IntegratorSpec = IntegratorSpec {
     name: NAME,
     summary: SUMMARY,
     equations: EQUATION,
-    position_order: 2,
-    velocity_order: 2,
     symplectic: false,
-    reversible: true,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
-    half_kicks: true,
-    is_kick_drift_kick: false,
     holds_rigid_bonds: true,
-    force_evaluations: 1,
-    stability_limit: Some(2.0),
     oscillator_map: None,
     source: SOURCE,
+    ..VERLET
 };
 
 /// The box as a particle: with v_ε = V̇/(3V) and α = 1 + 3/n_dof,
@@ -215,10 +208,7 @@ impl Mtk {
             drift_molecules(s, stretch, way);
         }
         let state = s.parts().state;
-        let scaled = state.cell.scaled(DVec3::splat(stretch));
-        // A box without volume, or beyond all numbers: positions there are none.
-        let outside = |_| ForceError::NonFinitePosition { particle: 0 };
-        state.cell = scaled.map_err(outside)?;
+        scale_box(state, DVec3::splat(stretch))?;
         if !are_atoms {
             return Ok(());
         }
@@ -264,16 +254,13 @@ fn kick_molecules(s: &mut Step<'_>, (damping, push): (f64, f64), half: f64) {
     s.kick(half / s.dt());
     let Parts { system, state, .. } = s.parts();
     let State { velocities, forces, .. } = state;
-    let (molecules, masses) = (&system.molecules, &system.masses);
-    molecules.for_each(molecules.sites(), velocities, |m, own| {
-        let sites = molecules.sites_of(m);
-        let mass: f64 = sites.clone().map(|i| masses.of(i)).sum();
-        let acceleration = forces[sites.clone()].iter().sum::<DVec3>() / mass;
+    move_centers(system, velocities, |m, kicked| {
+        let sites = system.molecules.sites_of(m);
+        let mass: f64 = sites.clone().map(|i| system.masses.of(i)).sum();
+        let acceleration = forces[sites].iter().sum::<DVec3>() / mass;
         // Impulses of bonds leave the centre alone.
-        let kicked = molecules.center(masses, sites.start, own);
         let before = kicked - half * acceleration;
-        let change = damping * before + push * acceleration - kicked;
-        own.iter_mut().for_each(|v| *v += change);
+        damping * before + push * acceleration - kicked
     });
 }
 
@@ -283,13 +270,12 @@ fn drift_molecules(s: &mut Step<'_>, stretch: f64, way: f64) {
     s.drift(1.0);
     let Parts { system, state, .. } = s.parts();
     let State { positions, velocities, .. } = state;
-    let (molecules, masses) = (&system.molecules, &system.masses);
-    molecules.for_each(molecules.sites(), positions, |m, own| {
-        let sites = molecules.sites_of(m);
-        let velocity = molecules.center(masses, sites.start, &velocities[sites.clone()]);
-        let before = molecules.center(masses, sites.start, own) - h * velocity;
-        let change = (stretch - 1.0) * before + (way - h) * velocity;
-        own.iter_mut().for_each(|x| *x += change);
+    move_centers(system, positions, |m, drifted| {
+        let sites = system.molecules.sites_of(m);
+        let velocity =
+            system.molecules.center(&system.masses, sites.start, &velocities[sites.clone()]);
+        let before = drifted - h * velocity;
+        (stretch - 1.0) * before + (way - h) * velocity
     });
 }
 

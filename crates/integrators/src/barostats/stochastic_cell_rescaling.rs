@@ -9,6 +9,7 @@ use lennard_core::{
 };
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
+use super::box_move::{move_centers, scale_box};
 use super::parts::{BarostatParts, Coupling};
 use crate::ThermostatOptions;
 
@@ -189,13 +190,9 @@ impl StochasticCellRescaling {
     /// Scales positions and box; the positions before are kept.
     fn scale(&mut self, s: &mut Step<'_>, factors: DVec3) -> Result<(), StepError> {
         let Parts { system, state, .. } = s.parts();
-        let scaled = state.cell.scaled(factors);
-        // A box without volume, or beyond all numbers: positions there are none.
-        let outside = |_| ForceError::NonFinitePosition { particle: 0 };
-        state.cell = scaled.map_err(outside)?;
+        scale_box(state, factors)?;
         self.before.clone_from(&state.positions);
-        let molecules = &system.molecules;
-        if molecules.are_atoms() {
+        if system.molecules.are_atoms() {
             for_each_piece(&mut state.positions, |_, chunk| {
                 for x in chunk {
                     *x *= factors;
@@ -203,12 +200,7 @@ impl StochasticCellRescaling {
             });
             return Ok(());
         }
-        let sites = molecules.sites();
-        molecules.for_each(sites, &mut state.positions, |m, own| {
-            let center = molecules.center(&system.masses, m * sites, own);
-            let shift = (factors - DVec3::ONE) * center;
-            own.iter_mut().for_each(|x| *x += shift);
-        });
+        move_centers(system, &mut state.positions, |_, center| (factors - DVec3::ONE) * center);
         Ok(())
     }
 }

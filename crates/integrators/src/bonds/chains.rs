@@ -13,7 +13,8 @@
 //! Methods for Linear and Nonlinear Equations*, SIAM 1995, chapter 5). The second iteration costs no division.
 
 use lennard_core::lanes::{Block, Register, RegisterVector, Simd, WithSimd, in_lanes};
-use lennard_core::rigid::{self, InverseMasses};
+use lennard_core::moves;
+use lennard_core::rigid::InverseMasses;
 use lennard_core::{BondSolver, BoundDrift, DVec3, Drifted, Masses, StepError, System, Topology};
 
 use super::molecule::{NoSolution, Outcome, TaskOf, over_tasks};
@@ -72,7 +73,7 @@ impl WithSimd for DriftChains<'_, '_> {
             let molecules = x.len() / sites;
             let first = molecule * sites;
             if let Some(kick) = task.kick {
-                rigid::kick(self.masses, first, v, f, kick);
+                moves::kick(self.masses, first, v, f, kick);
             }
             chains.drift(&inverse_masses, &block, first, x, v, task.h);
             match chains.solve() {

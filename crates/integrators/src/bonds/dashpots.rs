@@ -1,6 +1,6 @@
 //! Dashpots beside springs that are forces: what they take of velocities before and after a drift.
 
-use lennard_core::rigid;
+use lennard_core::moves;
 use lennard_core::{Bond, BondSolver, BoundDrift, DVec3, Drifted, Masses, StepError, System};
 
 use super::molecule::over_tasks;
@@ -57,15 +57,13 @@ impl BondSolver for Dashpots {
             for (m, (x, v, f)) in task.molecules(sites) {
                 let first = m * sites;
                 if let Some(kick) = kick {
-                    rigid::kick(masses, first, v, f, kick);
+                    moves::kick(masses, first, v, f, kick);
                 }
                 let mut heat = 0.0;
                 for bond in topology.bonds() {
                     heat += self.act(bond, masses, first, x, v, 0.5 * h);
                 }
-                for (x, v) in x.iter_mut().zip(v.iter()) {
-                    *x += h * *v;
-                }
+                moves::drift(x, v, h);
                 for bond in topology.bonds().iter().rev() {
                     heat += self.act(bond, masses, first, x, v, 0.5 * h);
                 }

@@ -74,23 +74,6 @@ fn part(bonds: &[Bond]) -> Topology {
     Topology::new(bonds.len() + 1, bonds).expect("a part of a chain is a chain")
 }
 
-/// The direct solution of molecules that are no chains, with corrections along the bonds before the drift, which makes the method
-/// time-reversible.
-#[derive(Debug, Clone)]
-struct Direct {
-    tolerance: f64,
-}
-
-impl MoleculeRule for Direct {
-    fn solve(
-        &self,
-        molecule: &mut MovedMolecule<'_>,
-        space: &mut Space,
-    ) -> Result<Drifted, NoSolution> {
-        frozen_newton(molecule, space, self.tolerance)
-    }
-}
-
 /// One step of Newton's method on ½(|d|² − r²) = 0 for a part of a chain; rows of G at the iterate, columns before the drift.
 fn newton_step(chain: &mut MovedMolecule<'_>, space: &mut Space) -> Result<(), NoSolution> {
     let topology = chain.topology;
@@ -124,39 +107,44 @@ fn displace_along(molecule: &mut MovedMolecule<'_>, by: &mut Vec<DVec3>, multipl
     }
 }
 
-/// Newton's method with the matrix A = G·M⁻¹·Gᵀ of the bonds before the drift, which is symmetric and factored once.
+/// Newton's method for molecules that are no chains, with the matrix A = G·M⁻¹·Gᵀ of the bonds before the drift: it is symmetric and
+/// factored once. The error falls by a factor of the order of h at each iteration.
 ///
-/// The error falls by a factor of the order of h at each iteration.
-fn frozen_newton(
-    molecule: &mut MovedMolecule<'_>,
-    space: &mut Space,
+/// Corrections along the bonds before the drift make the method time-reversible.
+#[derive(Debug)]
+struct Direct {
     tolerance: f64,
-) -> Result<Drifted, NoSolution> {
-    let (topology, masses, first) = (molecule.topology, molecule.masses, molecule.first);
-    let equations = equations_of(&mut space.equations, topology);
-    if let Err(c) = equations.factor(topology, masses, first, molecule.before, 0.0) {
-        let s = topology.bonds()[c].vector(molecule.sites);
-        return Err(molecule.turned(c, s));
-    }
-    for iterations in 0..=MOST_ITERATIONS {
-        let residual = molecule.residual();
-        if residual <= tolerance {
-            return Ok(Drifted { iterations, residual, ..Drifted::default() });
-        }
-        bond_vectors(topology, molecule.sites, &mut space.bonds);
-        off_by(topology, &space.bonds, &mut space.right);
+}
+
+impl MoleculeRule for Direct {
+    fn solve(
+        &self,
+        molecule: &mut MovedMolecule<'_>,
+        space: &mut Space,
+    ) -> Result<Drifted, NoSolution> {
+        let (topology, masses, first) = (molecule.topology, molecule.masses, molecule.first);
         let equations = equations_of(&mut space.equations, topology);
-        equations.solve(topology, &mut space.right);
-        displace_along(molecule, &mut space.by, &space.right);
-    }
-    // Either a bond turned so far that its equation has no root, or the iterations went astray.
-    let turned = topology.bonds().iter().enumerate();
-    let turned = turned
-        .map(|(c, bond)| (c, bond.vector(molecule.sites)))
-        .find(|(c, s)| s.dot(molecule.before[*c]) <= 0.0);
-    match turned {
-        Some((c, s)) => Err(molecule.turned(c, s)),
-        None => Err(NoSolution::NotConverged(MOST_ITERATIONS, molecule.residual(), tolerance)),
+        if let Err(c) = equations.factor(topology, masses, first, molecule.before, 0.0) {
+            let s = topology.bonds()[c].vector(molecule.sites);
+            return Err(molecule.turned(c, s));
+        }
+        let solved = molecule.until(self.tolerance, MOST_ITERATIONS, |molecule| {
+            bond_vectors(topology, molecule.sites, &mut space.bonds);
+            off_by(topology, &space.bonds, &mut space.right);
+            let equations = equations_of(&mut space.equations, topology);
+            equations.solve(topology, &mut space.right);
+            displace_along(molecule, &mut space.by, &space.right);
+            Ok(())
+        });
+        // Either a bond turned so far that its equation has no root, or the iterations went astray.
+        solved.map_err(|error| {
+            let bonds = topology.bonds().iter().map(|bond| bond.vector(molecule.sites));
+            let mut turned = bonds.zip(molecule.before).enumerate();
+            match turned.find(|(_, (s, before))| s.dot(**before) <= 0.0) {
+                Some((c, (s, _))) => molecule.turned(c, s),
+                None => error,
+            }
+        })
     }
 }
 
@@ -175,11 +163,7 @@ impl MoleculeRule for Cut {
         molecule: &mut MovedMolecule<'_>,
         space: &mut Space,
     ) -> Result<Drifted, NoSolution> {
-        for iterations in 0..=MOST_SWEEPS {
-            let residual = molecule.residual();
-            if residual <= self.tolerance {
-                return Ok(Drifted { iterations, residual, ..Drifted::default() });
-            }
+        molecule.until(self.tolerance, MOST_SWEEPS, |molecule| {
             let mut at = 0;
             for part in &self.parts {
                 let bonds = part.bonds().len();
@@ -198,7 +182,7 @@ impl MoleculeRule for Cut {
                 })?;
                 at += bonds;
             }
-        }
-        Err(NoSolution::NotConverged(MOST_SWEEPS, molecule.residual(), self.tolerance))
+            Ok(())
+        })
     }
 }

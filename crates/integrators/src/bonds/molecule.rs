@@ -1,5 +1,6 @@
 //! What all ways share that act on one molecule after another: the kick and the drift, and the loop over molecules.
 
+use lennard_core::moves;
 use lennard_core::rigid::{self, BondEquations};
 use lennard_core::tasks::map_items;
 use lennard_core::{
@@ -48,6 +49,26 @@ impl MovedMolecule<'_> {
         bonds
             .map(|bond| (bond.vector(self.sites).length() / bond.length - 1.0).abs())
             .fold(0.0, |a, b| if b.is_nan() || b > a { b } else { a })
+    }
+
+    /// Repeats a step until all bonds have their length within a tolerance, `most` times at most.
+    ///
+    /// # Errors
+    /// [`NoSolution`] where a step has none, or the steps end early.
+    pub fn until(
+        &mut self,
+        tolerance: f64,
+        most: u32,
+        mut step: impl FnMut(&mut Self) -> Result<(), NoSolution>,
+    ) -> Result<Drifted, NoSolution> {
+        for iterations in 0..=most {
+            let residual = self.residual();
+            if residual <= tolerance {
+                return Ok(Drifted { iterations, residual, ..Drifted::default() });
+            }
+            step(self)?;
+        }
+        Err(NoSolution::NotConverged(most, self.residual(), tolerance))
     }
 
     /// Moves a site.
@@ -253,14 +274,12 @@ impl<R: MoleculeRule> BondSolver for EachMolecule<R> {
                 moved.clear();
                 moved.resize(sites, DVec3::ZERO);
                 if let Some(kick) = kick {
-                    rigid::kick(masses, first, v, f, kick);
+                    moves::kick(masses, first, v, f, kick);
                 }
                 let energy_before = rule
                     .damped_energy(topology, &before)
                     .map(|energy| energy + kinetic_energy(masses, first, v));
-                for (x, v) in x.iter_mut().zip(v.iter()) {
-                    *x += h * *v;
-                }
+                moves::drift(x, v, h);
                 let mut molecule = MovedMolecule {
                     topology,
                     masses,

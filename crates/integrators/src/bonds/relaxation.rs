@@ -82,36 +82,20 @@ impl MoleculeRule for Relaxation {
         molecule: &mut MovedMolecule<'_>,
         _space: &mut Space,
     ) -> Result<Drifted, NoSolution> {
-        relax(molecule, &self.options)
+        let options = &self.options;
+        if options.sweeps == 0 {
+            let tolerance = options.tolerance.unwrap_or(DEFAULT_TOLERANCE);
+            return molecule.until(tolerance, MOST_SWEEPS, |molecule| sweep(molecule, options));
+        }
+        (0..options.sweeps).try_for_each(|_| sweep(molecule, options))?;
+        let residual = molecule.residual();
+        Ok(Drifted { iterations: options.sweeps, residual, ..Drifted::default() })
     }
 
     /// The rule along the new bond stands alone, on positions: velocities are displacements over the step.
     fn has_velocity_stage(&self) -> bool {
         self.options.direction == Direction::Old
     }
-}
-
-fn relax(molecule: &mut MovedMolecule<'_>, options: &Options) -> Result<Drifted, NoSolution> {
-    if options.sweeps > 0 {
-        for _ in 0..options.sweeps {
-            sweep(molecule, options)?;
-        }
-        return Ok(Drifted {
-            iterations: options.sweeps,
-            residual: molecule.residual(),
-            ..Drifted::default()
-        });
-    }
-    let tolerance = options.tolerance.unwrap_or(DEFAULT_TOLERANCE);
-    for sweeps in 0..=MOST_SWEEPS {
-        let residual = molecule.residual();
-        if residual <= tolerance {
-            return Ok(Drifted { iterations: sweeps, residual, ..Drifted::default() });
-        }
-        sweep(molecule, options)?;
-    }
-    let residual = molecule.residual();
-    Err(NoSolution::NotConverged(MOST_SWEEPS, residual, tolerance))
 }
 
 /// One sweep over the bonds.

@@ -1,5 +1,6 @@
 //! Straight flights: a particle between planes, and hard bodies that meet each other besides.
 
+use lennard_core::moves::drift;
 use lennard_core::random::CounterRng;
 use lennard_core::{Axis, DVec3, Drifted, Flight, ForceTerm, StepError};
 use lennard_forcefield::{KICKS_OF_REST, Walls};
@@ -139,8 +140,9 @@ impl Mover for Lines<'_> {
     }
 
     fn advance(&mut self, unit: usize, by: f64) -> Result<(), StepError> {
-        // A particle that flies undisturbed moves by h·v in one go, as in a drift.
-        self.flight.positions[unit] += by * self.flight.velocities[unit];
+        // A particle that flies undisturbed moves by h·v in one go.
+        let Flight { positions, velocities, .. } = &mut self.flight;
+        drift(&mut positions[unit..=unit], &velocities[unit..=unit], by);
         Ok(())
     }
 

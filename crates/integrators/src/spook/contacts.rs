@@ -50,17 +50,24 @@ pub(crate) struct HeldBonds {
     pub system: System,
 }
 
+/// How a contact is solved for.
+#[derive(Clone, Copy)]
+struct Rule {
+    /// The plane that a body touches; `None` where two bodies touch.
+    plane: Option<usize>,
+    restitution: f64,
+    /// Up to which rate bodies rest on each other, σ/τ.
+    rest: f64,
+}
+
 /// Contacts of a step, after the bonds of molecules.
 #[derive(Default)]
 struct Touching {
     contacts: Vec<Contact>,
     /// How many of the first are bonds.
     bonds: usize,
-    /// The plane of each contact; `None` where it is one of two bodies.
-    planes: Vec<Option<usize>>,
-    restitutions: Vec<f64>,
-    /// Up to which rate bodies rest on each other, σ/τ.
-    rest: Vec<f64>,
+    /// How each contact is solved for.
+    rules: Vec<Rule>,
 }
 
 /// The rate up to which bodies at a depth δ ≥ 0 rest on each other, where a step of h has the kicks `kick`, σ/τ.
@@ -96,7 +103,8 @@ impl Touching {
                 continue;
             }
             let contact = Contact { first: Some(i), second: j, normal: apart.normalize(), gap };
-            found.push(contact, None, law.restitution, rest(kick(i) + kick(j), gap));
+            let rest = rest(kick(i) + kick(j), gap);
+            found.push(contact, Rule { plane: None, restitution: law.restitution, rest });
         }
         let Some(walls) = walls else {
             return found;
@@ -113,7 +121,8 @@ impl Touching {
                     continue;
                 }
                 let contact = Contact { first: None, second: body, normal: -reading.normal(), gap };
-                found.push(contact, Some(plane), restitution, rest(kick(body), gap));
+                let rest = rest(kick(body), gap);
+                found.push(contact, Rule { plane: Some(plane), restitution, rest });
             }
         }
         found
@@ -123,16 +132,13 @@ impl Touching {
     fn take_bonds(&mut self, held: &HeldBonds, positions: &[DVec3]) {
         SpookBonds::rows(&held.system, positions, &mut self.contacts);
         self.bonds = self.contacts.len();
-        self.planes = vec![None; self.bonds];
-        self.restitutions = vec![0.0; self.bonds];
-        self.rest = vec![f64::INFINITY; self.bonds];
+        let rule = Rule { plane: None, restitution: 0.0, rest: f64::INFINITY };
+        self.rules = vec![rule; self.bonds];
     }
 
-    fn push(&mut self, contact: Contact, plane: Option<usize>, restitution: f64, rest: f64) {
+    fn push(&mut self, contact: Contact, rule: Rule) {
         self.contacts.push(contact);
-        self.planes.push(plane);
-        self.restitutions.push(restitution);
-        self.rest.push(rest);
+        self.rules.push(rule);
     }
 
     fn is_empty(&self) -> bool {
@@ -146,10 +152,10 @@ impl Touching {
     /// Hands impulses of contacts to the planes among them, and counts the contacts that are hit.
     fn tell(&self, walls: Option<&mut Walls>, impulses: &[f64], is_hit: impl Fn(usize) -> bool) {
         let Some(walls) = walls else { return };
-        for (c, plane) in self.planes.iter().enumerate() {
-            match plane {
-                Some(plane) if is_hit(c) => walls.count_hit(*plane, impulses[c]),
-                Some(plane) => walls.take_momentum(*plane, impulses[c]),
+        for (c, rule) in self.rules.iter().enumerate() {
+            match rule.plane {
+                Some(plane) if is_hit(c) => walls.count_hit(plane, impulses[c]),
+                Some(plane) => walls.take_momentum(plane, impulses[c]),
                 None => {}
             }
         }
@@ -159,8 +165,7 @@ impl Touching {
     fn only(&self, kept: impl Fn(usize) -> bool) -> Self {
         let mut some = Self::default();
         for c in (0..self.contacts.len()).filter(|c| kept(*c)) {
-            let (restitution, rest) = (self.restitutions[c], self.rest[c]);
-            some.push(self.contacts[c], self.planes[c], restitution, rest);
+            some.push(self.contacts[c], self.rules[c]);
             some.bonds += usize::from(c < self.bonds);
         }
         some
@@ -192,7 +197,7 @@ pub(crate) fn step(
         let velocities = &mut *flight.velocities;
         let rates = touching.rates(&half_back(velocities, &kick));
         // Bodies that part faster than a kick explains are on their way: nothing is to push them.
-        let resting = touching.only(|c| rates[c] <= touching.rest[c]);
+        let resting = touching.only(|c| rates[c] <= touching.rules[c].rest);
         for (v, kick) in velocities.iter_mut().zip(&kick) {
             *v -= *kick;
         }
@@ -241,11 +246,11 @@ fn impact(
     let before = half_back(flight.velocities, kick);
     // Bodies that part already carry no impact: it would put energy in.
     let rates = touching.rates(&before);
-    let together = touching.only(|c| rates[c] <= touching.rest[c]);
+    let together = touching.only(|c| rates[c] <= touching.rules[c].rest);
     let rates = together.rates(&before);
     let mut in_motion = vec![false; rates.len()];
     for group in groups(&together.contacts, masses) {
-        let is_hit = |c: &usize| rates[*c] < -together.rest[*c];
+        let is_hit = |c: &usize| rates[*c] < -together.rules[*c].rest;
         if group.iter().any(is_hit) {
             group.iter().for_each(|c| in_motion[*c] = true);
         }
@@ -255,10 +260,10 @@ fn impact(
         return Ok(Flown::default());
     }
     let rates = struck.rates(&before);
-    let is_hit = |c: usize| rates[c] < -struck.rest[c];
+    let is_hit = |c: usize| rates[c] < -struck.rules[c].rest;
     let b: Vec<f64> = (0..rates.len())
         .map(|c| match is_hit(c) {
-            true => (1.0 + struck.restitutions[c]) * rates[c],
+            true => (1.0 + struck.rules[c].restitution) * rates[c],
             false if c < struck.bonds => rates[c],
             false => rates[c].max(0.0),
         })
@@ -271,7 +276,8 @@ fn impact(
     struck.tell(walls, impulses, is_hit);
     let mut drifted = solution.report();
     drifted.heat = work_of(impulses, &rates, &struck.rates(&after));
-    let stays = |c: usize| is_hit(c) && -struck.restitutions[c] * rates[c] <= struck.rest[c];
+    let stays =
+        |c: usize| is_hit(c) && -struck.rules[c].restitution * rates[c] <= struck.rules[c].rest;
     let gaps: Vec<f64> = (0..rates.len())
         .map(|c| match stays(c) {
             true => struck.contacts[c].gap,
