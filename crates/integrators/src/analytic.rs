@@ -7,7 +7,7 @@ use lennard_core::{
 };
 
 use crate::OscillatorModel;
-use crate::common::MethodOptions;
+use crate::methods::MethodOptions;
 use crate::oscillator::ExactOscillator;
 use crate::velocity_verlet::VERLET;
 

@@ -4,7 +4,7 @@ use lennard_core::random::NoiseStream;
 use lennard_core::{BathStep, Integrator, Ramp, Thermostat, ThermostatSpec, remembers_nothing};
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
-use crate::common::BathOptions;
+use crate::methods::BathOptions;
 
 lennard_core::options! {
     /// Options of stochastic velocity rescaling.

@@ -5,7 +5,7 @@ use lennard_core::parallel::for_each_piece;
 use lennard_core::{Backend, Configuration, DVec3, ForceError, Moving, Part, PeriodicBox, Want};
 use serde::{Deserialize, Serialize};
 
-use crate::krylov::dot;
+use crate::implicit_euler::dot;
 
 /// When to stop, and how far a step may go.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -6,7 +6,7 @@ use lennard_core::{
     System, ThermostatSpec, remembers_nothing, rigid_bonds_alone,
 };
 
-use crate::common::BathOptions;
+use crate::methods::BathOptions;
 use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {

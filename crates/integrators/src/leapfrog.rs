@@ -5,7 +5,7 @@ use lennard_core::{
     System, persist, rigid_bonds_alone,
 };
 
-use crate::common::{MethodOptions, acts_on_bonds};
+use crate::methods::{MethodOptions, acts_on_bonds};
 use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {

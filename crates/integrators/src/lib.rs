@@ -12,14 +12,11 @@
 mod methods;
 
 pub mod bonds;
-mod chain;
-mod common;
 mod composition;
 pub mod contacts;
 mod exchange;
 pub mod fire;
 mod flight;
-mod krylov;
 mod list;
 pub mod oscillator;
 
@@ -48,11 +45,11 @@ pub mod rescale;
 
 pub use barostats::{BarostatOptions, Coupling, barostats, dof_of_centers};
 pub use bonds::{BondHolder, BondOptions, BondSpec, bond_methods};
-pub use common::OscillatorModel;
 pub use contacts::{Bodies, ContactOptions, Contacts, Response, contacts};
 pub use exchange::{ExchangeOptions, ExchangeSpec, Exchanged, exchanges};
 pub use flight::Obstacles;
 pub use list::{
     IntegratorEntry, IntegratorOptions, ThermostatOptions, build, integrators, thermostats,
 };
+pub use methods::OscillatorModel;
 pub use spook::{SpookBonds, UnilateralLaw};

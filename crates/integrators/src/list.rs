@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use lennard_core::{Integrator, IntegratorSpec, ThermostatSpec};
 
-use crate::common::{BathOptions, MethodOptions, OscillatorModel};
+use crate::methods::{BathOptions, MethodOptions, OscillatorModel};
 use crate::{
     analytic, blanes_moan, bussi, explicit_euler, forest_ruth, implicit_euler, langevin, leapfrog,
     nose_hoover, pefrl, rescale, respa, spook, stormer_time_corrected, stormer_variable,

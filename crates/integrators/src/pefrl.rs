@@ -2,8 +2,8 @@
 
 use lennard_core::{Integrator, IntegratorSpec};
 
-use crate::common::MethodOptions;
 use crate::composition::Composition;
+use crate::methods::MethodOptions;
 use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {

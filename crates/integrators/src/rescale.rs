@@ -3,7 +3,7 @@
 use lennard_core::random::NoiseStream;
 use lennard_core::{BathStep, Integrator, Ramp, Thermostat, ThermostatSpec, remembers_nothing};
 
-use crate::common::BathOptions;
+use crate::methods::BathOptions;
 
 lennard_core::options! {
     /// Options of velocity rescaling. Kinetic and potential energy exchange something within the default of ten steps.

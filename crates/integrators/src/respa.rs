@@ -7,7 +7,7 @@ use lennard_core::{
     StepError, System, Want, check_finite, persist, rigid_bonds_alone,
 };
 
-use crate::common::MethodOptions;
+use crate::methods::MethodOptions;
 use crate::oscillator::HarmonicForces;
 use crate::velocity_verlet::VERLET;
 

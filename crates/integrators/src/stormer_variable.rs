@@ -2,7 +2,7 @@
 
 use lennard_core::{Integrator, IntegratorSpec};
 
-use crate::common::MethodOptions;
+use crate::methods::MethodOptions;
 use crate::stormer_verlet::{Recurrence, StepRule};
 use crate::velocity_verlet::VERLET;
 

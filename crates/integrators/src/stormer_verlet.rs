@@ -6,7 +6,7 @@ use lennard_core::{
     persist, rigid_bonds_alone, without_constraints,
 };
 
-use crate::common::{MethodOptions, acts_on_bonds};
+use crate::methods::{MethodOptions, acts_on_bonds};
 use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {

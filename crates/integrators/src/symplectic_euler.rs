@@ -3,7 +3,7 @@
 use glam::DMat2;
 use lennard_core::{Integrator, IntegratorSpec, Method, Step, StepError, remembers_nothing};
 
-use crate::common::MethodOptions;
+use crate::methods::MethodOptions;
 use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {

@@ -6,7 +6,7 @@ use lennard_core::{
     remembers_nothing, rigid_bonds_alone,
 };
 
-use crate::common::MethodOptions;
+use crate::methods::MethodOptions;
 
 lennard_core::options! {
     /// Options of velocity Verlet: there are none.

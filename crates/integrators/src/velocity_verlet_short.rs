@@ -3,7 +3,7 @@
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{DVec3, Integrator, IntegratorSpec, Method, Step, StepError, remembers_nothing};
 
-use crate::common::MethodOptions;
+use crate::methods::MethodOptions;
 use crate::velocity_verlet::VERLET;
 
 lennard_core::options! {

@@ -8,10 +8,9 @@ use lennard_core::{
     PressureBath, State, Step, StepError, System, Want, persist, rigid, rigid_bonds_alone,
 };
 
-use super::box_move::{move_centers, scale_box};
-use super::parts::BarostatParts;
 use super::stochastic_cell_rescaling::dof_of_centers;
-use crate::chain::Chain;
+use super::{BarostatParts, move_centers, scale_box};
+use crate::nose_hoover::Chain;
 use crate::velocity_verlet::VERLET;
 use crate::{ThermostatOptions, nose_hoover};
 

@@ -9,8 +9,7 @@ use lennard_core::{
 };
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
-use super::box_move::{move_centers, scale_box};
-use super::parts::{BarostatParts, Coupling};
+use super::{BarostatParts, Coupling, move_centers, scale_box};
 use crate::ThermostatOptions;
 
 lennard_core::options! {

@@ -4,9 +4,7 @@
 //! ([`lennard_core::rigid::project_velocities`]). A *spring* is a force term, and takes no degree of freedom away.
 
 mod chains;
-mod dashpots;
 pub mod direct;
-mod implicit_springs;
 mod molecule;
 pub mod relaxation;
 pub mod spook;

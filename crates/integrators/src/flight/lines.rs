@@ -6,8 +6,7 @@ use lennard_core::{Axis, DVec3, Drifted, Flight, ForceTerm, StepError};
 use lennard_forcefield::{KICKS_OF_REST, Walls};
 
 use super::events::{Arrival, Flown, Mover, fly};
-use crate::contacts::bodies::{Bodies, reduced_mass};
-use crate::contacts::near::NearPairs;
+use crate::contacts::bodies::{Bodies, NearPairs, reduced_mass};
 use crate::spook::{Contact, impacts_at_once, rates, work_of};
 
 /// Bodies nearer than this share of their contact distance touch.

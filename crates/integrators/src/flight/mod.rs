@@ -7,7 +7,6 @@ pub(crate) mod events;
 mod lines;
 mod molecules;
 mod obstacles;
-mod parabola;
 mod particles;
 
 pub use obstacles::Obstacles;

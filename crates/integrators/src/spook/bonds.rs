@@ -4,8 +4,7 @@ use lennard_core::rigid::{BondEquations, add_along_bonds, bond_vectors, equation
 use lennard_core::tasks::map_items;
 use lennard_core::{DVec3, MOLECULES_PER_TASK, Masses, System, Topology};
 
-use super::regularisation::{Damping, Regularisation};
-use super::rows::Contact;
+use super::{Contact, Damping, Regularisation};
 
 /// The bonds of molecules, for the method that solves for them in its step.
 #[derive(Debug, Clone)]

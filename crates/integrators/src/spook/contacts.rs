@@ -13,13 +13,9 @@ use lennard_core::{DVec3, Flight, ForceTerm, StepError, System};
 use lennard_forcefield::{HitRule, Walls};
 
 use super::bonds::SpookBonds;
-use super::groups::groups;
 use super::impulses::{Regular, spook_contacts};
-use super::problem::{Problem, Solver, TwoSided};
-use super::regularisation::Damping;
-use super::rows::{Contact, push_all, rates, work_of};
-use crate::contacts::bodies::{Bodies, reduced_mass};
-use crate::contacts::near::NearPairs;
+use super::{Contact, Damping, Problem, Solver, TwoSided, groups, push_all, rates, work_of};
+use crate::contacts::bodies::{Bodies, NearPairs, reduced_mass};
 use crate::flight::events::Flown;
 
 /// Bodies that approach or part by no more than so many kicks of a step rest on each other, at the depth 0.

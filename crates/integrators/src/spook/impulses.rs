@@ -4,9 +4,7 @@
 
 use lennard_core::{DVec3, Masses};
 
-use super::problem::{Problem, Solution, Solver, TwoSided};
-use super::regularisation::Regularisation;
-use super::rows::{Contact, push_all, rates};
+use super::{Contact, Problem, Regularisation, Solution, Solver, TwoSided, push_all, rates};
 
 /// Impacts in turn after which bodies are taken to rest on each other.
 const MOST_IMPACTS: usize = 100_000;

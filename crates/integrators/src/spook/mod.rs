@@ -2,11 +2,8 @@
 
 mod bonds;
 mod contacts;
-mod groups;
 mod impulses;
 mod problem;
-mod regularisation;
-mod rows;
 
 use glam::DMat2;
 use lennard_core::{
@@ -15,18 +12,18 @@ use lennard_core::{
 };
 
 use crate::OscillatorModel;
-use crate::common::MethodOptions;
+use crate::methods::MethodOptions;
 use crate::velocity_verlet::VERLET;
 
 pub use bonds::SpookBonds;
 pub use contacts::UnilateralLaw;
 pub(crate) use contacts::{HeldBonds, step as contact_step};
-pub use groups::groups;
 pub use impulses::{Regular, impacts_at_once, impacts_in_turn, resting_forces, spook_contacts};
-pub use problem::{Problem, Solution, Solver, TwoSided};
-pub use regularisation::{Damping, Regularisation};
-pub(crate) use rows::work_of;
-pub use rows::{Contact, column, push_all, rates};
+pub(crate) use problem::work_of;
+pub use problem::{
+    Contact, Damping, Problem, Regularisation, Solution, Solver, TwoSided, column, groups,
+    push_all, rates,
+};
 
 lennard_core::options! {
     /// Options of SPOOK: there are none; compliance and damping belong to the constraint.

@@ -3,11 +3,199 @@
 //! Contacts that share a body that moves form a group, and no group knows of another. A small group is solved directly, by
 //! exchanging contacts that push for contacts that do not, until none has the wrong sign. A large one is solved by projected
 //! Gauss–Seidel, and so is one whose matrix is singular, where contacts follow from others.
+//!
+//! Contact c has the unit normal n from its first body to its second, the gap g, and the rate G·v = n·(v_second − v_first).
 
+use lennard_core::options::OptionError;
 use lennard_core::{DVec3, Drifted, Masses, StepError};
 
-use super::groups::{bodies_of, groups};
-use super::rows::Contact;
+/// What compliance and damping become for a step h: Σ = (4/h²)·ε/(1 + 4τ/h) and γ = 1/(1 + 4τ/h).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Regularisation {
+    /// Σ, in units of an inverse mass.
+    pub sigma: f64,
+    /// γ, between 0 and 1.
+    pub gamma: f64,
+}
+
+/// The damping of constraints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Damping {
+    /// A time τ.
+    Time(f64),
+    /// A number of time steps.
+    Steps(f64),
+}
+
+impl Damping {
+    /// A damping time where one is given, else a number of steps.
+    #[must_use]
+    pub fn new(steps: f64, time: Option<f64>) -> Self {
+        match time {
+            Some(time) => Self::Time(time),
+            None => Self::Steps(steps),
+        }
+    }
+
+    /// The regularisation of a compliance ε with this damping for a step h.
+    #[must_use]
+    pub fn regularised(self, compliance: f64, dt: f64) -> Regularisation {
+        let time = match self {
+            Self::Time(time) => time,
+            Self::Steps(steps) => steps * dt,
+        };
+        Regularisation::new(compliance, time, dt)
+    }
+
+    /// Whether nothing is damped.
+    #[must_use]
+    pub fn is_none(self) -> bool {
+        let (Self::Time(damping) | Self::Steps(damping)) = self;
+        damping == 0.0
+    }
+
+    /// Refuses no compliance without damping: the one-step map of a rigid constraint is then a Jordan block, and |x_n| grows as 2n + 1.
+    ///
+    /// # Errors
+    /// [`OptionError`] that names the compliance.
+    pub fn suits(self, compliance: f64) -> Result<(), OptionError> {
+        if compliance == 0.0 && self.is_none() {
+            return Err(OptionError {
+                key: "compliance",
+                found: "0 without damping, which is unstable: errors grow with each step"
+                    .to_owned(),
+                allowed: "damping_steps of at least 0.5, or a compliance above 0".to_owned(),
+            });
+        }
+        Ok(())
+    }
+}
+
+impl Regularisation {
+    /// For compliance ε, damping time τ and step h.
+    #[must_use]
+    pub fn new(compliance: f64, damping_time: f64, dt: f64) -> Self {
+        let gamma = 1.0 / (1.0 + 4.0 * damping_time / dt);
+        Self { sigma: 4.0 / (dt * dt) * compliance * gamma, gamma }
+    }
+}
+
+/// Two bodies that touch, or a body that touches something fixed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// The first body; `None` where it is fixed.
+    pub first: Option<usize>,
+    /// The second body.
+    pub second: usize,
+    /// Unit vector from the first to the second.
+    pub normal: DVec3,
+    /// Distance between the surfaces, σ; negative where they overlap.
+    pub gap: f64,
+}
+
+impl Contact {
+    /// The rate of the gap, G·v, σ/τ: negative where the bodies approach.
+    #[must_use]
+    pub fn rate(&self, v: &[DVec3]) -> f64 {
+        let first = self.first.map_or(DVec3::ZERO, |i| v[i]);
+        self.normal.dot(v[self.second] - first)
+    }
+
+    /// Adds an impulse λ along the normal: apart for λ > 0.
+    pub fn push(&self, impulse: f64, masses: &Masses, v: &mut [DVec3]) {
+        v[self.second] += impulse / masses.of(self.second) * self.normal;
+        if let Some(i) = self.first {
+            v[i] -= impulse / masses.of(i) * self.normal;
+        }
+    }
+
+    /// The element of G·M⁻¹·Gᵀ for two contacts.
+    pub(super) fn coupling(&self, other: &Self, masses: &Masses) -> f64 {
+        let ends = |c: &Self| [(Some(c.second), 1.0), (c.first, -1.0)];
+        let mut sum = 0.0;
+        for (body, sign) in ends(self) {
+            for (same, other_sign) in ends(other) {
+                if let Some(i) = body.filter(|_| body == same) {
+                    sum += sign * other_sign / masses.of(i);
+                }
+            }
+        }
+        sum * self.normal.dot(other.normal)
+    }
+}
+
+/// The rates of contacts, σ/τ.
+#[must_use]
+pub fn rates(contacts: &[Contact], v: &[DVec3]) -> Vec<f64> {
+    contacts.iter().map(|c| c.rate(v)).collect()
+}
+
+/// The contacts of n balls that stand on each other and on a floor: from below, along z.
+#[must_use]
+pub fn column(n: usize) -> Vec<Contact> {
+    (0..n)
+        .map(|second| Contact { first: second.checked_sub(1), second, normal: DVec3::Z, gap: 0.0 })
+        .collect()
+}
+
+/// Adds an impulse of each contact to velocities.
+pub fn push_all(contacts: &[Contact], impulses: &[f64], masses: &Masses, v: &mut [DVec3]) {
+    for (contact, impulse) in contacts.iter().zip(impulses) {
+        contact.push(*impulse, masses, v);
+    }
+}
+
+/// The kinetic energy that impulses λ of contacts put in, ε: ½·Σ λ·(G·v + G·v′).
+pub(crate) fn work_of(impulses: &[f64], before: &[f64], after: &[f64]) -> f64 {
+    let rates = before.iter().zip(after).map(|(before, after)| before + after);
+    0.5 * impulses.iter().zip(rates).map(|(i, r)| i * r).sum::<f64>()
+}
+
+/// The bodies of some contacts, ascending.
+fn bodies_of(contacts: &[Contact], group: &[usize]) -> Vec<usize> {
+    let of = |c: &usize| [contacts[*c].first, Some(contacts[*c].second)];
+    let mut bodies: Vec<usize> = group.iter().flat_map(of).flatten().collect();
+    bodies.sort_unstable();
+    bodies.dedup();
+    bodies
+}
+
+/// The groups of contacts that share bodies that move, each in the order of its contacts, in the order of their first contacts.
+#[must_use]
+pub fn groups(contacts: &[Contact], masses: &Masses) -> Vec<Vec<usize>> {
+    let all: Vec<usize> = (0..contacts.len()).collect();
+    let bodies = bodies_of(contacts, &all);
+    let place = |body: usize| bodies.binary_search(&body).unwrap_or_default();
+    let mut parents: Vec<usize> = (0..bodies.len()).collect();
+    let root = |parents: &mut [usize], mut of: usize| {
+        while parents[of] != of {
+            parents[of] = parents[parents[of]];
+            of = parents[of];
+        }
+        of
+    };
+    let moving = |body: Option<usize>| body.filter(|body| !masses.is_held(*body));
+    for contact in contacts {
+        if let (Some(i), Some(j)) = (moving(contact.first), moving(Some(contact.second))) {
+            let (a, b) = (root(&mut parents, place(i)), root(&mut parents, place(j)));
+            parents[a.max(b)] = a.min(b);
+        }
+    }
+    let mut of_root: Vec<Option<usize>> = vec![None; bodies.len()];
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (c, contact) in contacts.iter().enumerate() {
+        let body = moving(Some(contact.second)).or(moving(contact.first));
+        // Two held bodies have nothing to solve for.
+        let Some(body) = body else { continue };
+        let root = root(&mut parents, place(body));
+        let group = *of_root[root].get_or_insert_with(|| {
+            groups.push(Vec::new());
+            groups.len() - 1
+        });
+        groups[group].push(c);
+    }
+    groups
+}
 
 /// Contacts of a group up to which a direct solve costs less than sweeps.
 const MOST_DIRECT: usize = 32;

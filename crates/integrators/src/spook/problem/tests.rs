@@ -1,6 +1,7 @@
 //! Complementarity problems of stacks, pyramids and rows.
 
-use super::super::rows::column;
+use lennard_core::System;
+
 use super::*;
 
 fn problem<'a>(contacts: &'a [Contact], b: &'a [f64]) -> Problem<'a> {
@@ -135,4 +136,14 @@ fn bonds_pull_and_push_and_direct_and_sweeps_agree_beside_contacts() {
         }
         assert!(signs[0] > 3 && signs[1] > 3, "{signs:?}");
     }
+}
+
+#[test]
+fn a_held_body_joins_no_groups() {
+    let row = |first, second| Contact { first: Some(first), second, normal: DVec3::X, gap: 0.0 };
+    let contacts = [row(0, 1), row(1, 2), row(3, 4), row(4, 2)];
+    let free = Masses::Uniform(1.0);
+    assert_eq!(groups(&contacts, &free), [vec![0, 1, 2, 3]]);
+    let held = System::atoms(5).holding(&[2]).masses;
+    assert_eq!(groups(&contacts, &held), [vec![0, 1], vec![2, 3]]);
 }
