@@ -8,9 +8,6 @@
 //!
 //! Everything is in reduced units: times in τ = σ√(m/ε), lengths in σ, energies in ε.
 
-#[macro_use]
-mod methods;
-
 pub mod bonds;
 mod composition;
 pub mod contacts;
@@ -18,6 +15,7 @@ mod exchange;
 pub mod fire;
 mod flight;
 mod list;
+mod methods;
 pub mod oscillator;
 
 pub mod analytic;

@@ -11,42 +11,42 @@ use crate::{
     stormer_verlet, symplectic_euler, velocity_verlet, velocity_verlet_short,
 };
 
-list_of_methods! {
+lennard_core::list_of_methods! {
     /// An integrator by name, with its own options: the scene's `[integrator]` table without `dt`.
     ///
     /// `kind` is the name of the method; each variant holds the options type of the method's file.
     #[serde(tag = "kind", rename_all = "kebab-case")]
     pub enum IntegratorOptions: MethodOptions, declared by SPEC: IntegratorSpec {
         /// The exact solution, where one is known.
-        Analytic: analytic,
+        Analytic: analytic::Options,
         /// Explicit Euler.
-        ExplicitEuler: explicit_euler,
+        ExplicitEuler: explicit_euler::Options,
         /// Implicit Euler, solved by Newton's method.
-        ImplicitEuler: implicit_euler,
+        ImplicitEuler: implicit_euler::Options,
         /// Symplectic (semi-implicit) Euler.
-        SymplecticEuler: symplectic_euler,
+        SymplecticEuler: symplectic_euler::Options,
         /// SPOOK for at most one constraint.
-        Spook: spook,
+        Spook: spook::Options,
         /// Störmer–Verlet on positions, with the Taylor start.
-        StormerVerlet: stormer_verlet,
+        StormerVerlet: stormer_verlet::Options,
         /// Störmer–Verlet corrected for a changing step.
-        StormerVerletTimeCorrected: stormer_time_corrected,
+        StormerVerletTimeCorrected: stormer_time_corrected::Options,
         /// Störmer–Verlet for a changing step, of second order throughout.
-        StormerVerletVariable: stormer_variable,
+        StormerVerletVariable: stormer_variable::Options,
         /// Velocity Verlet in its four-step form.
-        VelocityVerlet: velocity_verlet,
+        VelocityVerlet: velocity_verlet::Options,
         /// Velocity Verlet in its short form.
-        VelocityVerletShort: velocity_verlet_short,
+        VelocityVerletShort: velocity_verlet_short::Options,
         /// Leapfrog with velocities at half steps.
-        Leapfrog: leapfrog,
+        Leapfrog: leapfrog::Options,
         /// Multiple time steps for a near and a far force.
-        Respa: respa,
+        Respa: respa::Options,
         /// Forest and Ruth's method of order 4.
-        ForestRuth: forest_ruth,
+        ForestRuth: forest_ruth::Options,
         /// PEFRL, of order 4.
-        Pefrl: pefrl,
+        Pefrl: pefrl::Options,
         /// Blanes and Moan's method of order 4.
-        BlanesMoan: blanes_moan,
+        BlanesMoan: blanes_moan::Options,
     }
 }
 
@@ -95,18 +95,18 @@ pub fn integrators() -> &'static [IntegratorEntry] {
     &ENTRIES
 }
 
-list_of_methods! {
+lennard_core::list_of_methods! {
     /// A thermostat by name, with its options: the `thermostat` of a stage.
     #[serde(tag = "kind", rename_all = "kebab-case")]
     pub enum ThermostatOptions: BathOptions, declared by BATH: ThermostatSpec {
         /// Velocity rescaling to exactly T, every so many steps, as Verlet did.
-        Rescale: rescale,
+        Rescale: rescale::Options,
         /// Stochastic velocity rescaling of Bussi, Donadio and Parrinello.
-        Bussi: bussi,
+        Bussi: bussi::Options,
         /// Nosé–Hoover chains.
-        NoseHoover: nose_hoover,
+        NoseHoover: nose_hoover::Options,
         /// Langevin dynamics by the BAOAB splitting, in place of the scene's integrator.
-        Langevin: langevin,
+        Langevin: langevin::Options,
     }
 }
 

@@ -55,14 +55,15 @@ impl Hard {
     }
 }
 
-impl Wall for Hard {
-    const SPEC: WallSpec = WallSpec {
-        name: "hard",
-        summary: "Hard planes from which the centres of particles bounce inside the drift.",
-        equation: "v_z -> -e v_z at z = 0",
-        source: "derived here: the motion between kicks is exact, and the momentum of hits obeys the virial theorem step by step (docs/walls.md)",
-    };
+/// What it declares about itself.
+pub const SPEC: WallSpec = WallSpec {
+    name: "hard",
+    summary: "Hard planes from which the centres of particles bounce inside the drift.",
+    equation: "v_z -> -e v_z at z = 0",
+    source: "derived here: the motion between kicks is exact, and the momentum of hits obeys the virial theorem step by step (docs/walls.md)",
+};
 
+impl Wall for Hard {
     fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
         Surface::Hit(Arc::new(*self))
     }

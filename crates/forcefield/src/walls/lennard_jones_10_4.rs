@@ -31,14 +31,15 @@ impl LennardJones104 {
     }
 }
 
-impl Wall for LennardJones104 {
-    const SPEC: WallSpec = WallSpec {
-        name: "lennard-jones-10-4",
-        summary: "A layer of Lennard-Jones sites, cut and shifted.",
-        equation: "U = 2 pi n_w [(2/5) z^-10 - z^-4] - U(cutoff)",
-        source: "derived here: the integral of 4 (r^-12 - r^-6) over a plane",
-    };
+/// What it declares about itself.
+pub const SPEC: WallSpec = WallSpec {
+    name: "lennard-jones-10-4",
+    summary: "A layer of Lennard-Jones sites, cut and shifted.",
+    equation: "U = 2 pi n_w [(2/5) z^-10 - z^-4] - U(cutoff)",
+    source: "derived here: the integral of 4 (r^-12 - r^-6) over a plane",
+};
 
+impl Wall for LennardJones104 {
     fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
         Surface::Exerts(Arc::new(*self))
     }

@@ -32,14 +32,15 @@ impl LennardJones93 {
     }
 }
 
-impl Wall for LennardJones93 {
-    const SPEC: WallSpec = WallSpec {
-        name: "lennard-jones-9-3",
-        summary: "A half space of Lennard-Jones sites, cut and shifted.",
-        equation: "U = e_w [(2/15) z^-9 - z^-3] - U(cutoff)",
-        source: "derived here: the integral of 4 (r^-12 - r^-6) over a half space",
-    };
+/// What it declares about itself.
+pub const SPEC: WallSpec = WallSpec {
+    name: "lennard-jones-9-3",
+    summary: "A half space of Lennard-Jones sites, cut and shifted.",
+    equation: "U = e_w [(2/15) z^-9 - z^-3] - U(cutoff)",
+    source: "derived here: the integral of 4 (r^-12 - r^-6) over a half space",
+};
 
+impl Wall for LennardJones93 {
     fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
         Surface::Exerts(Arc::new(*self))
     }

@@ -29,14 +29,15 @@ impl Soft {
     }
 }
 
-impl Wall for Soft {
-    const SPEC: WallSpec = WallSpec {
-        name: "soft",
-        summary: "A spring that pushes back what has passed the plane, linear or Hertzian, with a dashpot for a restitution below 1.",
-        equation: "F = k d + c d' or k d^(3/2) + c d' >= 0 at depth d behind the plane; c from e",
-        source: "L. D. Landau and E. M. Lifshitz, Theory of Elasticity, 3rd ed. (1986), section 9: F ~ d^(3/2) for elastic spheres; the dashpot is derived here",
-    };
+/// What it declares about itself.
+pub const SPEC: WallSpec = WallSpec {
+    name: "soft",
+    summary: "A spring that pushes back what has passed the plane, linear or Hertzian, with a dashpot for a restitution below 1.",
+    equation: "F = k d + c d' or k d^(3/2) + c d' >= 0 at depth d behind the plane; c from e",
+    source: "L. D. Landau and E. M. Lifshitz, Theory of Elasticity, 3rd ed. (1986), section 9: F ~ d^(3/2) for elastic spheres; the dashpot is derived here",
+};
 
+impl Wall for Soft {
     fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
         Surface::Exerts(Arc::new(Spring(self.contact())))
     }

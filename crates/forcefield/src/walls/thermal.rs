@@ -22,14 +22,15 @@ lennard_core::options! {
     }
 }
 
-impl Wall for Thermal {
-    const SPEC: WallSpec = WallSpec {
-        name: "thermal",
-        summary: "Hard planes that give each particle that hits them a new velocity from their temperature.",
-        equation: "v_n = sqrt(-2 T ln(u)/m), v_t Gaussian of variance T/m",
-        source: "derived here: particles of a gas at T cross a plane with the density v exp(-m v^2/2T) of their normal speed",
-    };
+/// What it declares about itself.
+pub const SPEC: WallSpec = WallSpec {
+    name: "thermal",
+    summary: "Hard planes that give each particle that hits them a new velocity from their temperature.",
+    equation: "v_n = sqrt(-2 T ln(u)/m), v_t Gaussian of variance T/m",
+    source: "derived here: particles of a gas at T cross a plane with the density v exp(-m v^2/2T) of their normal speed",
+};
 
+impl Wall for Thermal {
     fn surface(&self, context: &WallContext, is_upper: bool) -> Surface {
         let upper = self.upper_temperature.filter(|_| is_upper);
         let temperature = upper.or(self.temperature);

@@ -16,14 +16,15 @@ lennard_core::options! {
 /// 2^{1/6}, where the wall ends, σ.
 const END: f64 = 1.122_462_048_309_373;
 
-impl Wall for WcaWall {
-    const SPEC: WallSpec = WallSpec {
-        name: "wca",
-        summary: "The repulsive part of 12-6 in the distance from the plane, ending smoothly.",
-        equation: "U = e_w [4 (z^-12 - z^-6) + 1] for z <= 2^(1/6), else 0",
-        source: "J. D. Weeks, D. Chandler and H. C. Andersen, Role of repulsive forces in determining the equilibrium structure of simple liquids, J. Chem. Phys. 54 (1971) 5237, eq. 4, with z in place of r",
-    };
+/// What it declares about itself.
+pub const SPEC: WallSpec = WallSpec {
+    name: "wca",
+    summary: "The repulsive part of 12-6 in the distance from the plane, ending smoothly.",
+    equation: "U = e_w [4 (z^-12 - z^-6) + 1] for z <= 2^(1/6), else 0",
+    source: "J. D. Weeks, D. Chandler and H. C. Andersen, Role of repulsive forces in determining the equilibrium structure of simple liquids, J. Chem. Phys. 54 (1971) 5237, eq. 4, with z in place of r",
+};
 
+impl Wall for WcaWall {
     fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
         Surface::Exerts(Arc::new(*self))
     }

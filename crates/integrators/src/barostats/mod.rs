@@ -63,14 +63,14 @@ pub trait BarostatParts {
     }
 }
 
-list_of_methods! {
+lennard_core::list_of_methods! {
     /// A barostat by name, with its options: the `barostat` of a stage without its `pressure`.
     #[serde(tag = "kind", rename_all = "kebab-case")]
     pub enum BarostatOptions: BarostatParts, declared by SPEC: BarostatSpec {
         /// Stochastic cell rescaling of Bernetti and Bussi, accepted by Metropolis.
-        StochasticCellRescaling: stochastic_cell_rescaling,
+        StochasticCellRescaling: stochastic_cell_rescaling::Options,
         /// The barostat of Martyna, Tobias and Klein, in place of the scene's integrator.
-        Mtk: mtk,
+        Mtk: mtk::Options,
     }
 }
 

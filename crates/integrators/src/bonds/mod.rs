@@ -88,18 +88,18 @@ pub trait BondMethod {
     }
 }
 
-list_of_methods! {
+lennard_core::list_of_methods! {
     /// A way to hold bonds, with its options: the scene's table `[bonds]`.
     #[serde(tag = "method", rename_all = "kebab-case")]
     pub enum BondOptions: BondMethod, declared by SPEC: BondSpec {
         /// The exact solution for each molecule.
-        Direct: direct,
+        Direct: direct::Options,
         /// One bond after another, again and again.
-        Relaxation: relaxation,
+        Relaxation: relaxation::Options,
         /// The constraints of SPOOK.
-        Spook: spook,
+        Spook: spook::Options,
         /// Stiff springs.
-        Spring: spring,
+        Spring: spring::Options,
     }
 }
 

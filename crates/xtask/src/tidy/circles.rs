@@ -16,6 +16,12 @@ use crate::workspace::Workspace;
 const EXPLAINED: &[(&str, &[&str], &str)] = &[
     (
         "integrators",
+        &["barostats", "barostats/*"],
+        "a file of a barostat implements the trait of its list",
+    ),
+    ("integrators", &["bonds", "bonds/*"], "a way to hold bonds implements the trait of its list"),
+    (
+        "integrators",
         &["contacts/kinds", "contacts/kinds/*"],
         "a kind implements the trait of its list",
     ),

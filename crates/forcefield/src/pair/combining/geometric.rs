@@ -1,6 +1,6 @@
 //! Geometric means, the rule of Good and Hope.
 
-use super::{CombiningRule, CombiningSpec, Size};
+use super::{CombiningRule, CombiningSpec, Deviation, Size};
 
 lennard_core::options! {
     /// σ_ab = √(σ_a·σ_b), ε_ab = √(ε_a·ε_b).
@@ -8,16 +8,17 @@ lennard_core::options! {
     pub struct Geometric {}
 }
 
-impl CombiningRule for Geometric {
-    const SPEC: CombiningSpec = CombiningSpec {
-        name: "geometric",
-        title: "geometric",
-        summary: "Geometric means of lengths and depths.",
-        equation: "sigma_ab = sqrt(sigma_a sigma_b), epsilon_ab = sqrt(epsilon_a epsilon_b)",
-        source: "R. J. Good and C. J. Hope, J. Chem. Phys. 53 (1970) 540",
-    };
+/// What it declares about itself.
+pub const SPEC: CombiningSpec = CombiningSpec {
+    name: "geometric",
+    title: "geometric",
+    summary: "Geometric means of lengths and depths.",
+    equation: "sigma_ab = sqrt(sigma_a sigma_b), epsilon_ab = sqrt(epsilon_a epsilon_b)",
+    source: "R. J. Good and C. J. Hope, J. Chem. Phys. 53 (1970) 540",
+};
 
-    fn combine(&self, one: Size, other: Size) -> Option<Size> {
+impl CombiningRule for Geometric {
+    fn combine(&self, one: Size, other: Size, _: Deviation) -> Option<Size> {
         Some(Size {
             sigma: (one.sigma * other.sigma).sqrt(),
             epsilon: (one.epsilon * other.epsilon).sqrt(),

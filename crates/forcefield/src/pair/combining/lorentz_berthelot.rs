@@ -13,24 +13,25 @@ lennard_core::options! {
     }
 }
 
-impl CombiningRule for LorentzBerthelot {
-    const SPEC: CombiningSpec = CombiningSpec {
-        name: "lorentz-berthelot",
-        title: "Lorentz–Berthelot",
-        summary: "Mean of the lengths, geometric mean of the depths.",
-        equation: "sigma_ab = (sigma_a + sigma_b)/2 (1 - l), epsilon_ab = sqrt(epsilon_a epsilon_b) (1 - k)",
-        source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, section 1.3",
-    };
-    const DEVIATES: bool = true;
+/// What it declares about itself.
+pub const SPEC: CombiningSpec = CombiningSpec {
+    name: "lorentz-berthelot",
+    title: "Lorentz–Berthelot",
+    summary: "Mean of the lengths, geometric mean of the depths.",
+    equation: "sigma_ab = (sigma_a + sigma_b)/2 (1 - l), epsilon_ab = sqrt(epsilon_a epsilon_b) (1 - k)",
+    source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, section 1.3",
+};
 
-    fn combine(&self, one: Size, other: Size) -> Option<Size> {
-        Some(Size {
-            sigma: 0.5 * (one.sigma + other.sigma) * (1.0 - self.l),
-            epsilon: (one.epsilon * other.epsilon).sqrt() * (1.0 - self.k),
-        })
+impl CombiningRule for LorentzBerthelot {
+    fn deviates(&self) -> bool {
+        true
     }
 
-    fn deviating(&self, deviation: Deviation) -> Self {
-        Self { k: deviation.k.unwrap_or(self.k), l: deviation.l.unwrap_or(self.l) }
+    fn combine(&self, one: Size, other: Size, deviation: Deviation) -> Option<Size> {
+        let (k, l) = (deviation.k.unwrap_or(self.k), deviation.l.unwrap_or(self.l));
+        Some(Size {
+            sigma: 0.5 * (one.sigma + other.sigma) * (1.0 - l),
+            epsilon: (one.epsilon * other.epsilon).sqrt() * (1.0 - k),
+        })
     }
 }

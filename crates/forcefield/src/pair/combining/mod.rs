@@ -1,7 +1,13 @@
 //! The list of combining rules, which say σ and ε of two unlike species: one file and one line each.
 
-use lennard_core::options::{Keys, OptionError, Options};
-use serde::{Deserialize, Serialize};
+mod explicit;
+mod fender_halsey;
+mod geometric;
+mod lorentz_berthelot;
+mod waldman_hagler;
+
+use lennard_core::options::OptionError;
+use serde::Serialize;
 
 /// What a combining rule declares about itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -37,103 +43,44 @@ pub struct Deviation {
 }
 
 /// The file of a combining rule provides this for its options type.
-pub trait CombiningRule: Options + Clone + 'static {
-    /// What the rule declares about itself.
-    const SPEC: CombiningSpec;
+pub trait CombiningRule {
     /// Whether a pair may deviate from the rule by its own k and l.
-    const DEVIATES: bool = false;
+    fn deviates(&self) -> bool {
+        false
+    }
 
-    /// σ and ε of a pair of unlike species; `None` where the scene must write them.
-    fn combine(&self, one: Size, other: Size) -> Option<Size>;
+    /// σ and ε of a pair of unlike species, with its deviation from a rule that allows one; `None` where the scene must write them.
+    fn combine(&self, one: Size, other: Size, deviation: Deviation) -> Option<Size>;
 
-    /// The rule for a pair that deviates from it.
-    #[must_use]
-    fn deviating(&self, deviation: Deviation) -> Self {
-        let _ = deviation;
-        self.clone()
+    /// Whether the options go together; each alone lies in its range.
+    ///
+    /// # Errors
+    /// [`OptionError`] with the key that does not fit the others.
+    fn check_together(&self) -> Result<(), OptionError> {
+        Ok(())
     }
 }
 
-/// Makes options, dispatch and lists from lines `file::Variant = "name",`.
-macro_rules! list_of_combining_rules {
-    ($($(#[$doc:meta])* $file:ident::$variant:ident = $name:literal,)*) => {
-        $(mod $file; pub use $file::$variant;)*
-
-        /// The rule for σ and ε of unlike species: the scene's table `[mixing]`.
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(tag = "rule")]
-        #[non_exhaustive]
-        pub enum CombiningOptions {
-            $($(#[$doc])* #[serde(rename = $name)] $variant($variant),)*
-        }
-
-        impl CombiningOptions {
-            /// What the rule declares about itself.
-            #[must_use]
-            pub fn spec(&self) -> &'static CombiningSpec {
-                match self {
-                    $(Self::$variant(_) => &<$variant as CombiningRule>::SPEC,)*
-                }
-            }
-
-            /// Whether a pair may deviate from the rule by its own k and l.
-            #[must_use]
-            pub fn deviates(&self) -> bool {
-                match self {
-                    $(Self::$variant(_) => <$variant as CombiningRule>::DEVIATES,)*
-                }
-            }
-
-            /// σ and ε of a pair of unlike species; `None` where the scene must write them.
-            #[must_use]
-            pub fn combine(&self, one: Size, other: Size, deviation: Deviation) -> Option<Size> {
-                match self {
-                    $(Self::$variant(rule) => rule.deviating(deviation).combine(one, other),)*
-                }
-            }
-
-            /// Whether the options lie in their ranges.
-            ///
-            /// # Errors
-            /// [`OptionError`] with the key that is to blame.
-            pub fn check(&self) -> Result<(), OptionError> {
-                match self {
-                    $(Self::$variant(rule) => rule.check(),)*
-                }
-            }
-
-            /// The scene keys of every rule, by its name.
-            #[must_use]
-            pub fn keys() -> Vec<(&'static str, Keys)> {
-                vec![$((<$variant as CombiningRule>::SPEC.name, <$variant as Options>::KEYS),)*]
-            }
-
-            /// Every rule with its default options, in the order of the list.
-            #[must_use]
-            pub fn all() -> Vec<Self> {
-                vec![$(Self::$variant(<$variant>::default()),)*]
-            }
-        }
-
-        static RULES: &[CombiningSpec] = &[$(<$variant as CombiningRule>::SPEC,)*];
-    };
-}
-
-list_of_combining_rules! {
-    /// Mean length and geometric mean of depths, with deviations k and l.
-    lorentz_berthelot::LorentzBerthelot = "lorentz-berthelot",
-    /// Geometric means of both.
-    geometric::Geometric = "geometric",
-    /// Means of sixth powers.
-    waldman_hagler::WaldmanHagler = "waldman-hagler",
-    /// Mean length and harmonic mean of depths.
-    fender_halsey::FenderHalsey = "fender-halsey",
-    /// No rule: the scene writes each pair.
-    explicit::Explicit = "explicit",
+lennard_core::list_of_methods! {
+    /// The rule for σ and ε of unlike species: the scene's table `[mixing]`.
+    #[serde(tag = "rule", rename_all = "kebab-case")]
+    #[non_exhaustive]
+    pub enum CombiningOptions: CombiningRule, declared by SPEC: CombiningSpec {
+        /// Mean length and geometric mean of depths, with deviations k and l.
+        LorentzBerthelot: lorentz_berthelot::LorentzBerthelot,
+        /// Geometric means of both.
+        Geometric: geometric::Geometric,
+        /// Means of sixth powers.
+        WaldmanHagler: waldman_hagler::WaldmanHagler,
+        /// Mean length and harmonic mean of depths.
+        FenderHalsey: fender_halsey::FenderHalsey,
+        /// No rule: the scene writes each pair.
+        Explicit: explicit::Explicit,
+    }
 }
 
 /// Every combining rule that a scene may name.
 #[must_use]
 pub fn combining_rules() -> &'static [CombiningSpec] {
-    RULES
+    CombiningOptions::SPECS
 }

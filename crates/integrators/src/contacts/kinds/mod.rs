@@ -65,17 +65,17 @@ pub trait ContactKind {
     }
 }
 
-list_of_methods! {
+lennard_core::list_of_methods! {
     /// What a scene's table `[contact]` says beside `diameter`.
     #[serde(tag = "kind", rename_all = "kebab-case")]
     #[non_exhaustive]
     pub enum ContactOptions: ContactKind, declared by SPEC: ContactSpec {
         /// Springs that push bodies apart, with a dashpot.
-        Soft: soft,
+        Soft: soft::Options,
         /// Impacts in flight.
-        Hard: hard,
+        Hard: hard::Options,
         /// Unilateral constraints.
-        Spook: spook,
+        Spook: spook::Options,
     }
 }
 
