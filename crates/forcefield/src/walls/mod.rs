@@ -1,10 +1,8 @@
 //! The list of walls: one file and one line each.
 
 mod hard;
-mod hits;
 mod lennard_jones_10_4;
 mod lennard_jones_9_3;
-mod planes;
 mod soft;
 mod surface;
 mod term;
@@ -15,11 +13,9 @@ use lennard_core::options::OptionError;
 use serde::Serialize;
 
 pub use hard::{Hard, Response};
-pub use hits::KICKS_OF_REST;
-pub use planes::{SHALLOWEST_ROOM, SlitPlanes};
 pub use soft::Soft;
 pub use surface::{Hit, HitRule, Rebound, Surface, WallForce, WallPoint};
-pub use term::{WallPair, Walls};
+pub use term::{KICKS_OF_REST, SHALLOWEST_ROOM, SlitPlanes, WallPair, Walls};
 
 /// What a wall declares about itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
