@@ -1,9 +1,13 @@
-//! The heat baths of the measured stages, and what they make of the run.
+//! What acts on the motion of measured stages: heat baths, barostats and the exchange of velocities.
 
-use lennard_core::{Integrator, Ramp, ThermostatSpec};
-use lennard_observables::{Ensemble, HeldTemperature};
+use std::any::Any;
+
+use lennard_core::{Doubt, Integrator, Observable, Ramp, ThermostatSpec};
+use lennard_integrators::{ExchangeOptions, Exchanged};
+use lennard_observables::{BuildContext, Driven, Ensemble, ExchangeProfile, HeldTemperature};
 use lennard_scene::{Scene, Stage};
 
+use crate::Simulation;
 use crate::own::OwnParts;
 
 /// The thermostats of the measured stages.
@@ -57,4 +61,87 @@ pub(crate) fn measured_pressure(scene: &Scene) -> Option<Ramp> {
     let index = scene.stages.iter().position(|s| s.measure)?;
     let first = scene.steps_before(index);
     scene.stages[index].pressure_ramp(first)
+}
+
+/// The exchange of the measured stages, which all have the same.
+fn measured_exchange(scene: &Scene) -> Option<&ExchangeOptions> {
+    scene.stages.iter().find(|stage| stage.measure)?.exchange.as_ref()
+}
+
+/// The observable that measured stages with an exchange have besides the ones of the scene.
+pub(crate) fn profile_of_exchange(
+    scene: &Scene,
+    context: &BuildContext,
+) -> Option<ExchangeProfile> {
+    let options = measured_exchange(scene)?;
+    let driven = match options.kind {
+        Exchanged::Heat => Driven::Heat,
+        Exchanged::Momentum => Driven::Momentum(options.along()),
+    };
+    Some(ExchangeProfile::new(driven, options.axis, options.slabs, context))
+}
+
+/// What an exchange makes of the means of other observables.
+pub(crate) fn doubt_of_exchange(scene: &Scene) -> Option<Doubt> {
+    let options = measured_exchange(scene)?;
+    Some(Doubt::Thermostat {
+        why: format!(
+            "an exchange drives {} through the fluid: a mean over the profile",
+            options.kind.name()
+        ),
+        sets_it: false,
+    })
+}
+
+/// Whether an observable is the profile of the exchange itself.
+pub(crate) fn is_profile(observable: &dyn Observable) -> bool {
+    let any: &dyn Any = observable;
+    any.is::<ExchangeProfile>()
+}
+
+impl Simulation {
+    /// Exchanges velocities where that is due. Energy and momentum stay, so that nothing else has to know.
+    pub(crate) fn exchange(&mut self) {
+        let step = self.state.step;
+        let stage = self.current_stage();
+        let (measure, options) = (stage.measure, stage.exchange.clone());
+        let Some(options) = options.filter(|o| step.is_multiple_of(o.every)) else {
+            return;
+        };
+        let mass = self.system.masses.of(0);
+        let state = &mut self.state;
+        let carried = options.apply(&state.cell, &state.positions, mass, &mut state.velocities);
+        if !measure {
+            return;
+        }
+        for observer in &mut self.observers {
+            let any: &mut dyn Any = observer.observable.as_mut();
+            if let Some(profile) = any.downcast_mut::<ExchangeProfile>() {
+                profile.add_carried(carried);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_of_a_driven_fluid_say_so_and_keep_their_errors() {
+        let text = "[system]\nn_atoms = 256\ndensity = 0.3\ntemperature = 1.5\n[[stage]]\nname = \"a\"\nsteps = 10\n";
+        let with = |exchange: &str| {
+            let overrides = [("stage.a.exchange".to_owned(), exchange.to_owned())];
+            doubt_of_exchange(
+                &Scene::parse(text, "scene.toml", &overrides).unwrap_or_else(|e| panic!("{e}")),
+            )
+        };
+        assert_eq!(with("none"), None);
+        let doubt = with("momentum").expect("a doubt");
+        assert!(!doubt.takes_the_error());
+        assert_eq!(
+            doubt.reason(1),
+            "an exchange drives momentum through the fluid: a mean over the profile"
+        );
+    }
 }

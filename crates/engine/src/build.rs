@@ -19,14 +19,10 @@ use crate::error::misfit;
 use crate::force_check::ForceCheck;
 use crate::own::OwnParts;
 use crate::planar_tail::PlanarTail;
-use crate::reach::remark_on_reach;
-use crate::recording::Recording;
-use crate::remarks_on_bonds::{remark_on_damping, remark_on_springs};
 use crate::schedule::Observer;
-use crate::simulation::Simulation;
+use crate::simulation::{Recording, Simulation, Timers};
 use crate::start::{Start, make_suit, start_with, thermal_velocities};
-use crate::timers::Timers;
-use crate::{EngineError, compare, exchange, from_frames, pressure, room};
+use crate::{EngineError, baths, compare, foresight, from_frames, pressure, room};
 
 /// The temperature and step for which the list is laid out. They are the highest temperature and the
 /// largest step of all stages, since one list serves all.
@@ -67,12 +63,6 @@ pub fn forces(
     PlanarTail::check(scene, &cell)?;
     options.kernel.precision = built.plan().precision;
     Ok((options, built))
-}
-
-/// The highest temperature of the start and of the stages, ε/k_B.
-fn hottest(scene: &Scene) -> f64 {
-    let of_stages = scene.stages.iter().map(|stage| stage.temperature);
-    of_stages.fold(scene.system.temperature, f64::max)
 }
 
 /// Builds the simulation: particles placed, relaxed where the start is random, velocities drawn
@@ -116,10 +106,7 @@ pub(crate) fn prepare_own_from(
     let (options, provider) = forces(&scene, cell, &species)?;
     remarks.extend(pressure::foresee(&scene, &cell, positions.len(), provider.plan().skin)?);
     remarks.extend(provider.plan().remark.clone());
-    remarks.extend(remark_on_springs(&scene));
-    remarks.extend(remark_on_damping(&scene));
-    remarks.extend(scene.potential.remark_at(hottest(&scene)));
-    remarks.extend(remark_on_reach(&scene, hottest(&scene), &cell, &species, &positions));
+    remarks.extend(foresight::of_scene(&scene, &cell, &species, &positions));
     if !scene.program.is_empty() && own.method_name() != Some(from_frames::NAME) {
         let parts = scene.program.in_words();
         remarks.push(format!(
@@ -181,8 +168,7 @@ pub(crate) fn prepare_own_from(
         frames: None,
         threads: None,
     };
-    simulation.keeps_own_method()?;
-    simulation.tells_observables_apart()?;
+    check_own(&simulation)?;
     Ok(simulation)
 }
 
@@ -198,18 +184,9 @@ fn planned_list(scene: &Scene, plan: &ForcePlan) -> NeighborOptions {
 /// Adds the springs that hold bonds, where the scene has some, and the forces of the program.
 pub(crate) fn with_others<B: Backend>(
     scene: &Scene,
-    forces: ForceSum<B>,
+    mut forces: ForceSum<B>,
     own: &OwnParts,
 ) -> ForceSum<B> {
-    let mut forces = with_springs(scene, forces);
-    for term in own.make_forces() {
-        forces.push(term);
-    }
-    forces
-}
-
-/// Adds the springs that hold bonds, where the scene has some.
-pub(crate) fn with_springs<B: Backend>(scene: &Scene, mut forces: ForceSum<B>) -> ForceSum<B> {
     let molecule = scene.molecule.as_ref();
     match molecule.map(|molecule| molecule.bonds.build(&molecule.molecules())) {
         Some(
@@ -219,6 +196,7 @@ pub(crate) fn with_springs<B: Backend>(scene: &Scene, mut forces: ForceSum<B>) -
         ) => forces.push(term),
         Some(BondHolder::Drift(_) | BondHolder::Spook(_, None)) | None => {}
     }
+    own.make_forces().for_each(|term| forces.push(term));
     forces
 }
 
@@ -334,7 +312,7 @@ pub(crate) fn observers(
             observable: Box::new(ChangingBox::new(pressure, scene.molecules().energy_unit())),
         });
     }
-    if let Some(profile) = exchange::profile(scene, &context(every)) {
+    if let Some(profile) = baths::profile_of_exchange(scene, &context(every)) {
         observers.push(Observer { every, observable: Box::new(profile) });
     }
     observers.extend(own.make_observers());
@@ -346,4 +324,25 @@ pub(crate) fn observers(
 pub fn recommended_threads(n_atoms: usize) -> usize {
     let available = lennard_core::parallel::processors();
     lennard_forcefield::recommended_threads(n_atoms, available)
+}
+
+/// Refuses baths and barostats that take the place of a method of the program, and an observable with the name of another.
+fn check_own(simulation: &Simulation) -> Result<(), EngineError> {
+    let Simulation { scene, own, observers, .. } = simulation;
+    for (index, stage) in scene.stages.iter().enumerate().filter(|_| own.method_name().is_some()) {
+        let there = simulation.stage_run_for(index).integrator.spec().name;
+        if let Some(own) = own.method_name().filter(|own| *own != there) {
+            let table = if stage.barostat.is_some() { "barostat" } else { "thermostat" };
+            let found = format!("`{there}`, which steps in the place of `{own}`");
+            let allowed = "none, or a bath that acts between steps, such as `bussi`";
+            let key = format!("stage.{index}.{table}");
+            return Err(scene.source.invalid(&key, found, allowed).into());
+        }
+    }
+    let names: Vec<&str> = observers.iter().map(|o| o.observable.spec().name).collect();
+    let is_double = |name: &&str| names.iter().filter(|n| *n == name).count() > 1;
+    own.observable_names().find(is_double).map_or(Ok(()), |name| {
+        let allowed = "a name that no other observable of the run has";
+        Err(scene.source.invalid("program.observables", format!("`{name}`"), allowed).into())
+    })
 }

@@ -6,14 +6,16 @@
 use std::time::{Duration, Instant};
 
 use lennard_core::{
-    Array, DMat3, DVec3, Energetics, Persist, SpeciesTable, StateArchive, StateReader,
+    Array, DMat3, DVec3, Energetics, PeriodicBox, Persist, RestoreError, SpeciesTable,
+    StateArchive, StateReader, StateWriter,
 };
 use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, FileMark, WriteError};
 use lennard_scene::Scene;
 
 use crate::files::Marks;
 use crate::names::THERMO;
-use crate::timers::Timers;
+use crate::schedule::Observer;
+use crate::simulation::Timers;
 use crate::{EngineError, Simulation};
 
 /// What a run that went on from a checkpoint brings along.
@@ -36,13 +38,12 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
     Persist::save(simulation, &mut writer);
     let mut run = writer.section("run");
     run.put_vec3("cell", &[simulation.start_cell.lengths()]);
-    save_species(simulation.system.species(), &mut run);
-    save_energetics(&simulation.state.energetics, &mut run);
+    if let Some(of_particles) = simulation.system.species().of_particles() {
+        run.put_u64("species", &packed(of_particles));
+    }
+    run.put_f64("energetics", &numbers(&simulation.state.energetics));
     let Timers { step, observe, write } = simulation.timers;
     run.put_f64("seconds", &[past.wall, step, observe, write].map(|d| d.as_secs_f64()));
-    run.put_u64("owes_output", &[u64::from(past.owes_output)]);
-    let remarks = past.remarks.join("\n");
-    run.put_u64("remarks", &packed(remarks.as_bytes(), LETTERS_PER_NUMBER));
     let name = simulation.scene.output.format.spec().file;
     let trajectory = marks.trajectory.map(|mark| (name.to_owned(), mark));
     Checkpoint {
@@ -53,6 +54,8 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
             precision: simulation.scene.kernel.precision.name().to_owned(),
             step: simulation.state.step,
             files: [(THERMO.to_owned(), marks.thermo)].into_iter().chain(trajectory).collect(),
+            remarks: past.remarks.clone(),
+            owes_output: past.owes_output,
         },
         scene: simulation.scene.resolved_toml(),
         archive,
@@ -70,18 +73,18 @@ pub fn snapshot(simulation: &Simulation) -> Checkpoint {
 /// The other half of [`capture`]: the simulation was built from the scene of the checkpoint.
 pub(crate) fn reinstate(
     simulation: &mut Simulation,
-    archive: &StateArchive,
-) -> Result<Past, lennard_core::RestoreError> {
-    let reader = archive.reader();
+    checkpoint: &Checkpoint,
+) -> Result<Past, RestoreError> {
+    let reader = checkpoint.archive.reader();
     simulation.restore(&reader)?;
     let run = reader.section("run");
-    simulation.state.energetics = restored_energetics(&run)?;
+    simulation.state.energetics = energetics(run.f64s("energetics")?);
     let seconds = run.f64s::<4>("seconds")?;
     let [wall, step, observe, write] =
         seconds.map(|s| Duration::try_from_secs_f64(s).unwrap_or_default());
     simulation.timers = Timers { step, observe, write };
-    let [owed] = run.u64s("owes_output")?;
-    Ok(Past { wall, remarks: restored_remarks(&run)?, owes_output: owed != 0 })
+    let CheckpointMetadata { remarks, owes_output, .. } = checkpoint.metadata.clone();
+    Ok(Past { wall, remarks, owes_output })
 }
 
 /// No run counts so far, and what is counted on from here stays within 64 bits.
@@ -89,10 +92,7 @@ const LARGEST_COUNT: u64 = 1 << 60;
 
 /// Refuses arrays that do not fit `n` particles under way. A right checksum proves little: whoever can write a
 /// file can write its checksum. What a method remembers must have a place for each particle.
-pub(crate) fn check_particles(
-    archive: &StateArchive,
-    n: usize,
-) -> Result<(), lennard_core::RestoreError> {
+pub(crate) fn check_particles(archive: &StateArchive, n: usize) -> Result<(), RestoreError> {
     let reader = archive.reader();
     for (name, array) in &archive.arrays {
         if let Array::U64(counts) = array
@@ -132,9 +132,7 @@ pub(crate) fn check_particles(
 }
 
 /// The box of the start of a saved run, for which its lists were laid out.
-pub(crate) fn saved_start_cell(
-    archive: &StateArchive,
-) -> Result<DVec3, lennard_core::RestoreError> {
+pub(crate) fn saved_start_cell(archive: &StateArchive) -> Result<DVec3, RestoreError> {
     let reader = archive.reader().section("run");
     match reader.vec3("cell")? {
         [sides] => Ok(*sides),
@@ -144,36 +142,15 @@ pub(crate) fn saved_start_cell(
 
 /// Species in one number of a checkpoint.
 const SPECIES_PER_NUMBER: usize = size_of::<u64>();
-/// Bytes of a text in one number: eight could look like a count above [`LARGEST_COUNT`].
-const LETTERS_PER_NUMBER: usize = 7;
 
-/// Bytes as numbers, so many in each; zeros fill the last one.
-fn packed(bytes: &[u8], per_number: usize) -> Vec<u64> {
+/// One byte for the species of each particle, eight in a number.
+fn packed(of_particles: &[u8]) -> Vec<u64> {
     let number = |chunk: &[u8]| {
-        let mut bytes = [0; size_of::<u64>()];
+        let mut bytes = [0; SPECIES_PER_NUMBER];
         bytes[..chunk.len()].copy_from_slice(chunk);
         u64::from_le_bytes(bytes)
     };
-    bytes.chunks(per_number).map(number).collect()
-}
-
-/// The bytes of numbers, with the zeros that fill them.
-fn unpacked(numbers: &[u64]) -> impl Iterator<Item = u8> {
-    numbers.iter().flat_map(|number| number.to_le_bytes())
-}
-
-fn restored_remarks(from: &StateReader<'_>) -> Result<Vec<String>, lennard_core::RestoreError> {
-    let bytes = unpacked(from.u64("remarks")?).filter(|byte| *byte != 0);
-    let text = String::from_utf8_lossy(&bytes.collect::<Vec<_>>()).into_owned();
-    Ok(text.lines().map(str::to_owned).collect())
-}
-
-/// The species of each particle, one byte each; nothing where there is one species.
-fn save_species(species: &SpeciesTable, to: &mut lennard_core::StateWriter<'_>) {
-    let Some(of_particles) = species.of_particles() else {
-        return;
-    };
-    to.put_u64("species", &packed(of_particles, SPECIES_PER_NUMBER));
+    of_particles.chunks(SPECIES_PER_NUMBER).map(number).collect()
 }
 
 /// The species of the `n` particles of a saved run.
@@ -181,14 +158,15 @@ pub(crate) fn saved_species(
     archive: &StateArchive,
     scene: &Scene,
     n: usize,
-) -> Result<SpeciesTable, lennard_core::RestoreError> {
+) -> Result<SpeciesTable, RestoreError> {
     let count = scene.mixture.as_ref().map_or(1, |m| m.species.len());
     if count == 1 {
         return Ok(scene.species_table(n, &[]));
     }
     let reader = archive.reader().section("run");
     let numbers = reader.u64("species")?;
-    let of_particle: Vec<u8> = unpacked(numbers).take(n).collect();
+    let bytes = numbers.iter().flat_map(|number| number.to_le_bytes());
+    let of_particle: Vec<u8> = bytes.take(n).collect();
     if numbers.len() != n.div_ceil(SPECIES_PER_NUMBER) {
         return Err(reader.misfit("species", format!("{} numbers", numbers.len())));
     }
@@ -198,37 +176,28 @@ pub(crate) fn saved_species(
     }
 }
 
-/// The totals of the checkpoint's step: the last frame and the rows owed show them.
-fn save_energetics(energetics: &Energetics, to: &mut lennard_core::StateWriter<'_>) {
-    // Laplacian, pairs and the energies of single particles are used up by observables within the step.
-    let Energetics {
-        potential_energy,
-        conserved_potential,
-        virial,
-        virial_trace,
-        laplacian: _,
-        pairs: _,
-        per_particle: _,
-    } = energetics;
-    let one = |value: &Option<f64>| Array::F64(value.iter().copied().collect());
-    to.put("potential_energy", one(potential_energy));
-    to.put("conserved_potential", one(conserved_potential));
-    let columns = virial.iter().flat_map(|w| [w.x_axis, w.y_axis, w.z_axis]);
-    to.put("virial", Array::Vec3(columns.collect()));
-    to.put("virial_trace", one(virial_trace));
+/// The totals of the checkpoint's step, which the last frame and the rows owed show; not a number where one is not known.
+///
+/// Laplacian, pairs and the energies of single particles are used up by observables within the step.
+fn numbers(energetics: &Energetics) -> [f64; 12] {
+    let Energetics { potential_energy, conserved_potential, virial_trace, virial, .. } = energetics;
+    let mut numbers = [f64::NAN; 12];
+    let totals = [potential_energy, conserved_potential, virial_trace];
+    numbers[..3].copy_from_slice(&totals.map(|total| total.unwrap_or(f64::NAN)));
+    numbers[3..].copy_from_slice(&virial.unwrap_or(DMat3::NAN).to_cols_array());
+    numbers
 }
 
-fn restored_energetics(from: &StateReader<'_>) -> Result<Energetics, lennard_core::RestoreError> {
-    Ok(Energetics {
-        potential_energy: from.f64("potential_energy")?.first().copied(),
-        conserved_potential: from.f64("conserved_potential")?.first().copied(),
-        virial: match from.vec3("virial")? {
-            [x, y, z] => Some(DMat3::from_cols(*x, *y, *z)),
-            _ => None,
-        },
-        virial_trace: from.f64("virial_trace")?.first().copied(),
+/// The totals of [`numbers`].
+fn energetics([potential, conserved, trace, virial @ ..]: [f64; 12]) -> Energetics {
+    let known = |total: f64| (!total.is_nan()).then_some(total);
+    Energetics {
+        potential_energy: known(potential),
+        conserved_potential: known(conserved),
+        virial_trace: known(trace),
+        virial: known(virial[0]).map(|_| DMat3::from_cols_array(&virial)),
         ..Energetics::default()
-    })
+    }
 }
 
 /// Writes checkpoints when they are due.
@@ -283,21 +252,100 @@ impl Checkpointer {
     }
 }
 
+impl Persist for Simulation {
+    fn save(&self, to: &mut StateWriter<'_>) {
+        self.state.save(&mut to.section("state"));
+        if self.state.cell != self.start_cell {
+            to.put_vec3("box", &[self.state.cell.lengths()]);
+        }
+        self.forces.save(&mut to.section("forces"));
+        let mut observables = to.section("observables");
+        for Observer { observable, .. } in &self.observers {
+            observable.save(&mut observables.section(observable.spec().name));
+        }
+        self.force_check.save(&mut to.section("force_check"));
+        to.put_u64("measured_steps", &[self.measured_steps]);
+        if let Some(stage) = &self.stage {
+            to.put_u64("stage", &[stage.index as u64, stage.steps_done]);
+            to.put_f64("stage_energy", &[stage.heat, stage.start_energy]);
+            stage.integrator.save(&mut to.section("method"));
+        }
+    }
+
+    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
+        self.state.restore(&from.section("state"))?;
+        self.state.cell = saved_box(from)?.unwrap_or(self.start_cell);
+        self.forces.restore(&from.section("forces"))?;
+        let observables = from.section("observables");
+        for Observer { observable, .. } in &mut self.observers {
+            let name = observable.spec().name;
+            observable.restore(&observables.section(name))?;
+        }
+        self.force_check.restore(&from.section("force_check"))?;
+        [self.measured_steps] = from.u64s("measured_steps")?;
+        let [index, steps_done] = match from.u64s("stage") {
+            // It was saved before its first step.
+            Err(RestoreError::Missing(_)) if self.state.step == 0 => return Ok(()),
+            stage => stage?,
+        };
+        if index as usize >= self.scene.stages.len() {
+            return Err(
+                from.misfit("stage", format!("stage {index} of {}", self.scene.stages.len()))
+            );
+        }
+        let before: u64 = self.scene.stages[..index as usize].iter().map(|s| s.steps).sum();
+        let of_stage = self.scene.stages[index as usize].steps;
+        if steps_done > of_stage || before + steps_done != self.state.step {
+            return Err(from.misfit(
+                "stage",
+                format!(
+                    "{steps_done} of {of_stage} steps after {before}, at step {}",
+                    self.state.step
+                ),
+            ));
+        }
+        if self.measured_steps > self.state.step {
+            return Err(from.misfit(
+                "measured_steps",
+                format!("{} of {}", self.measured_steps, self.state.step),
+            ));
+        }
+        let mut stage = self.stage_run_for(index as usize);
+        stage.steps_done = steps_done;
+        [stage.heat, stage.start_energy] = from.f64s("stage_energy")?;
+        stage.integrator.restore(&from.section("method"))?;
+        self.stage = Some(stage);
+        Ok(())
+    }
+}
+
+/// The box of a saved run; `None` where the box is still the box of the start.
+fn saved_box(from: &StateReader<'_>) -> Result<Option<PeriodicBox>, RestoreError> {
+    let sides = match from.vec3("box") {
+        Err(RestoreError::Missing(_)) => return Ok(None),
+        Ok([sides]) => *sides,
+        Ok(others) => {
+            return Err(from.misfit("box", format!("{} boxes, wanted 1", others.len())));
+        }
+        Err(error) => return Err(error),
+    };
+    let cell = PeriodicBox::new(sides).map_err(|e| from.misfit("box", e.to_string()))?;
+    Ok(Some(cell))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn remarks_come_back_and_take_a_byte_a_letter() {
-        let remarks = ["ÿÿÿÿÿÿÿÿ σ²/τ".to_owned(), "instruction set ".repeat(20)];
-        let text = remarks.join("\n");
-        let mut archive = StateArchive::default();
-        let numbers = packed(text.as_bytes(), LETTERS_PER_NUMBER);
-        archive.writer().put_u64("remarks", &numbers);
-        assert!(archive.arrays["remarks"].bytes() <= text.len() * 8 / 7 + 8);
-        check_particles(&archive, 1).expect("no count is too large");
-        assert_eq!(restored_remarks(&archive.reader()).unwrap(), remarks);
-        // Checkpoints that have one byte in each number are read too.
-        assert_eq!(unpacked(&packed(b"one", 1)).filter(|b| *b != 0).collect::<Vec<_>>(), b"one");
+    fn totals_and_species_come_back_as_far_as_they_were_known() {
+        let known = Energetics {
+            potential_energy: Some(-1.5),
+            virial: Some(DMat3::IDENTITY),
+            ..Energetics::default()
+        };
+        assert_eq!(energetics(numbers(&known)), known);
+        assert_eq!(energetics(numbers(&Energetics::default())), Energetics::default());
+        assert_eq!(packed(&[1; 9]), [0x0101_0101_0101_0101, 1]);
     }
 }

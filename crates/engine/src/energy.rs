@@ -1,8 +1,6 @@
 //! One evaluation of energy, virial and pressure, for checks against reference configurations.
 
-use lennard_core::{
-    Configuration, DVec3, ForceTerm, Momentum, Part, SpeciesTable, State, Want, rigid,
-};
+use lennard_core::{Configuration, DVec3, Momentum, SpeciesTable, State, rigid};
 use lennard_scene::Scene;
 use serde::Serialize;
 
@@ -10,7 +8,7 @@ use crate::confinement::Confinement;
 use crate::own::OwnParts;
 use crate::planar_tail::PlanarTail;
 use crate::start::{self, Start};
-use crate::{EngineError, build};
+use crate::{EngineError, build, instant};
 
 /// Where the kinetic part of the pressure comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -81,16 +79,13 @@ pub fn evaluate_energy(scene: &Scene) -> Result<Evaluated, EngineError> {
     let mixture = scene.mixture_of(&species);
     let (system, confinement) = Confinement::with_system(scene, &cell, species);
     let planar_tail = PlanarTail::of(scene, &cell);
-    let mut forces = build::with_springs(scene, confinement.beside(provider));
+    let mut forces = build::with_others(scene, confinement.beside(provider), &OwnParts::none());
     let mut velocities = velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]);
     // The velocities that a run starts with.
     start::make_suit(&system, &positions, &mut velocities);
     let mut state = State::new(cell, positions, velocities);
     let at = Configuration::at_rest(&cell, &state.positions);
-    let energetics =
-        forces.evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, &mut state.forces).map_err(
-            |e| scene.source.invalid("system", e, "a start configuration with finite forces"),
-        )?;
+    let energetics = instant::evaluate(scene, &mut forces, at, &mut state.forces)?;
     let (temperature, temperature_from) = if has_velocities {
         (system.temperature(&state.velocities, Momentum::Conserved), KineticSource::Velocities)
     } else {

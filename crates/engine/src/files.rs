@@ -21,8 +21,8 @@ use lennard_io::{
     FileMark, Frame, FrameStyle, RunRecord, TableWriter, TrajectoryWriter, WriteError,
 };
 
+use crate::foresight::less_precision;
 use crate::names::{RECORD, SCENE, THERMO, TOPOLOGY};
-use crate::reach::less_precision;
 use crate::{EngineError, Simulation};
 
 /// Energies over the number of particles, or of molecules.

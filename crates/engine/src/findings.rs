@@ -1,13 +1,16 @@
 //! What the observables of a run found, and what speaks against it.
 
-use lennard_core::{Average, Doubt, Findings, ThermostatSpec};
-use lennard_observables::Equilibrium;
-use lennard_observables::quantities::{Mark, has_mark};
+use lennard_core::number::particles;
+use lennard_core::{Average, Doubt, Estimate, Findings, Fronts, Remark, ThermostatSpec};
+use lennard_observables::quantities::{Mark, has_mark, is_of_one_phase};
+use lennard_observables::statistics::drift;
+use lennard_observables::{
+    LIQUID_DENSITY, largest_density_wave, response_functions, solid_share, solid_share_bytes,
+};
 use lennard_scene::Scene;
 
 use crate::Simulation;
-use crate::baths::measured_baths;
-use crate::exchange;
+use crate::baths::{doubt_of_exchange, is_profile, measured_baths};
 
 impl Simulation {
     /// Averages, tables and remarks of all observables over one part of the run, thermodynamics first. Each average has what
@@ -17,48 +20,109 @@ impl Simulation {
     pub fn findings(&self) -> Vec<Findings> {
         let equilibrium = self.thermodynamics().equilibrium();
         let baths = measured_baths(&self.scene);
-        let by_exchange = exchange::doubt(&self.scene);
+        let by_exchange = doubt_of_exchange(&self.scene);
         let by_bonds = by_bonds(&self.scene);
-        let mut findings: Vec<Findings> = self
-            .observers
-            .iter()
-            .map(|observer| {
-                let observable = &observer.observable;
-                let is_profile = exchange::is_profile(observable.as_ref());
-                judged(
-                    observable.finish(equilibrium.discarded),
-                    &equilibrium,
-                    observable.spec().dynamic,
-                    &baths,
-                    by_exchange.clone().filter(|_| !is_profile).or(by_bonds.clone()),
-                )
-            })
-            .collect();
+        let judged = self.observers.iter().map(|observer| {
+            let observable = observer.observable.as_ref();
+            let by_exchange = by_exchange.clone().filter(|_| !is_profile(observable));
+            let by_scene = by_exchange.or(by_bonds.clone());
+            let mut found = observable.finish(equilibrium.discarded);
+            for average in &mut found.averages {
+                let by_bath = by_thermostat(&average.name, observable.spec().dynamic, &baths);
+                // What speaks against the run speaks first: one reason for all.
+                let others = [average.doubt.take(), by_bath, by_scene.clone()];
+                average.doubt = others.into_iter().fold(equilibrium.doubt.clone(), Doubt::graver);
+                if average.doubt.as_ref().is_some_and(Doubt::takes_the_error) {
+                    average.estimate.standard_error = f64::NAN;
+                }
+            }
+            found
+        });
+        let mut findings: Vec<Findings> = judged.collect();
         self.leave_out_meaningless(&mut findings);
         self.tell_tail_of_structure(&mut findings);
         self.add_front(&mut findings);
         self.leave_out_of_frames(&mut findings);
         findings
     }
-}
 
-/// Averages with what speaks against each of them; an average that is no result loses its standard error.
-pub(crate) fn judged(
-    mut findings: Findings,
-    equilibrium: &Equilibrium,
-    dynamic: bool,
-    baths: &[&'static ThermostatSpec],
-    by_the_scene: Option<Doubt>,
-) -> Findings {
-    let judge = |average: Average| {
-        let by_bath = by_thermostat(&average.name, dynamic, baths);
-        // What speaks against the run speaks first: one reason for all.
-        let own = average.doubt.clone();
-        let average = Average { doubt: equilibrium.doubt.clone(), ..average };
-        with_error_if_earned(average.doubted(own).doubted(by_bath).doubted(by_the_scene.clone()))
-    };
-    findings.averages = findings.averages.into_iter().map(judge).collect();
-    findings
+    /// Leaves out of the findings what two phases side by side, or a tail among the forces, make meaningless, and says so.
+    fn leave_out_meaningless(&self, findings: &mut [Findings]) {
+        let known = two_phases(&self.scene, findings);
+        let found = if known.is_none() { separated(self) } else { None };
+        if let Some(why) = &found {
+            doubt_of_pressure(findings);
+            if let Some(first) = findings.first_mut() {
+                first.remark(Remark::Separated { why: why.clone() });
+            }
+        }
+        if let Some(why) = known.or(found.map(|_| "the fluid has separated".to_owned())) {
+            let why = format!("{why}, and a mean over both phases belongs to neither");
+            leave_out(findings, &why, is_of_one_phase);
+        }
+        if self.scene.planar_tail {
+            let why = "the planar tail is among the forces, and response functions do not count it";
+            leave_out(findings, why, is_response);
+            let is_plain = |name: &str| has_mark(name, Mark::Plain);
+            for table in findings.iter_mut().flat_map(|f| &mut f.tables) {
+                table.columns.retain(|c| !is_plain(&c.name));
+            }
+            let why = "the planar tail is among the forces, and moves the particles";
+            leave_out(findings, why, is_plain);
+        }
+    }
+
+    /// Adds the velocity of the fronts to the findings of a start with a crystal beside its liquid, and says which phase grows. What
+    /// moves is in no equilibrium: no test of one speaks against it.
+    fn add_front(&self, findings: &mut [Findings]) {
+        let Some(start) = self.scene.half_crystal() else {
+            return;
+        };
+        let per_share =
+            start.n_atoms as f64 / (start.crystal_density * start.side().powi(2)) / FRONTS;
+        let mut tables = findings.iter().enumerate();
+        let found = tables.find_map(|(at, f)| {
+            let table = f.tables.iter().find(|t| t.name == "bond_order")?;
+            let (time, share) = (table.numbers("time")?, table.numbers("solid_share")?);
+            Some((at, front(&time, &share, per_share)?))
+        });
+        if let Some((at, (velocity, fronts))) = found {
+            findings[at].averages.push(velocity);
+            findings[at].remark(Remark::Fronts(fronts));
+        } else if let Some(first) = findings.first_mut() {
+            first.remark(Remark::Fronts(Fronts::NotMeasured));
+        }
+    }
+
+    /// Says what compressibilities from the structure are with the tail.
+    ///
+    /// A tail correction moves no particle, so that the structure is of the fluid without it. Pressure and response functions have the tail:
+    /// with P_tail = c·ρ², 1/κ_T = ρ·∂P/∂ρ has 2·P_tail more.
+    fn tell_tail_of_structure(&self, findings: &mut [Findings]) {
+        let Some(tail) = self.tail_in(self.state.cell.volume()) else {
+            return;
+        };
+        for of_one in findings {
+            let from_structure = of_one.averages.iter().filter(|average| {
+                average.name.starts_with(FROM_STRUCTURE) && average.estimate.mean > 0.0
+            });
+            let words: Vec<String> = from_structure
+                .map(|average| {
+                    let kappa = average.estimate.mean;
+                    let with_tail = kappa / (1.0 + 2.0 * tail.pressure * kappa);
+                    format!("{} {with_tail:.4} σ³/ε", average.name)
+                })
+                .collect();
+            if words.is_empty() || tail.pressure == 0.0 {
+                continue;
+            }
+            of_one.remark(format!(
+                "the structure is of the fluid without its tail, which adds 2·P_tail = {:.4} ε/σ³ to 1/κ_T; with the tail: {}",
+                2.0 * tail.pressure,
+                words.join(", ")
+            ));
+        }
+    }
 }
 
 /// What bonds of no known ensemble make of means.
@@ -92,17 +156,171 @@ fn by_thermostat(
     Some(Doubt::Thermostat { why, sets_it })
 }
 
-fn with_error_if_earned(mut average: Average) -> Average {
-    if average.doubt.as_ref().is_some_and(Doubt::takes_the_error) {
-        average.estimate.standard_error = f64::NAN;
+/// Why a mean over the whole box belongs to no phase; `None` where the box holds one phase, as far as the run knows.
+fn two_phases(scene: &Scene, findings: &[Findings]) -> Option<String> {
+    if let Some(surfaces) = scene.surfaces() {
+        return Some(format!("the start has surfaces ({surfaces})"));
     }
-    average
+    if scene.half_crystal().is_some() {
+        return Some("a crystal stands beside its liquid".to_owned());
+    }
+    let mut averages = findings.iter().flat_map(|f| &f.averages);
+    let found = averages.any(|average| average.name == LIQUID_DENSITY);
+    found.then(|| "the density has two levels".to_owned())
 }
+
+/// Whether a quantity is a response function.
+pub(crate) fn is_response(name: &str) -> bool {
+    response_functions().any(|function| function == name)
+}
+
+/// Takes means out, and says so by name.
+pub(crate) fn leave_out(findings: &mut [Findings], why: &str, is_left_out: impl Fn(&str) -> bool) {
+    let names = without(findings, is_left_out);
+    tell(findings, names, why);
+}
+
+/// Takes means out, with the remarks that tell how they were found, and gives their names.
+pub(crate) fn without(
+    findings: &mut [Findings],
+    is_left_out: impl Fn(&str) -> bool,
+) -> Vec<String> {
+    let no_response = response_functions().all(&is_left_out);
+    let mut names = Vec::new();
+    for Findings { averages, remarks, .. } in findings {
+        names.extend(averages.extract_if(.., |a| is_left_out(&a.name)).map(|a| a.name));
+        remarks.retain(|r| !(no_response && is_of_responses(r)));
+    }
+    names
+}
+
+/// Whether a remark tells how response functions were found.
+fn is_of_responses(remark: &Remark) -> bool {
+    matches!(remark, Remark::HeatCapacity { .. } | Remark::ResponseFunctions { .. })
+}
+
+/// Says of the pressure that it belongs to no phase.
+fn doubt_of_pressure(findings: &mut [Findings]) {
+    for average in findings.iter_mut().flat_map(|f| &mut f.averages) {
+        if has_mark(&average.name, Mark::AcrossSurfaces) {
+            average.doubt.get_or_insert_with(|| {
+                Doubt::Incomplete(
+                    "the fluid has separated: the mean counts both phases and the tension of the surfaces between them".into(),
+                )
+            });
+            average.estimate.standard_error = f64::NAN;
+        }
+    }
+}
+
+pub(crate) fn tell(findings: &mut [Findings], left_out: Vec<String>, why: &str) {
+    if let Some(first) = findings.first_mut().filter(|_| !left_out.is_empty()) {
+        first.remark(Remark::LeftOut { quantities: left_out, why: why.to_owned() });
+    }
+}
+
+/// The share of solid-like particles is followed while both phases are there: between these bounds.
+const BOTH_PHASES: [f64; 2] = [0.15, 0.85];
+/// Standard errors by which a velocity must differ from zero.
+const ERRORS: f64 = 2.0;
+/// Fewest samples of the share that tell a velocity.
+const FEWEST: usize = 30;
+/// Two fronts, since the box is periodic.
+const FRONTS: f64 = 2.0;
+
+/// The velocity of each front into the liquid, and which phase grows, from the share of solid-like particles against time.
+///
+/// A front moves by `per_share` while the share grows from 0 to 1. `None` without samples.
+fn front(time: &[f64], share: &[f64], per_share: f64) -> Option<(Average, Fronts)> {
+    let is_mixed = |share: &&f64| (BOTH_PHASES[0]..=BOTH_PHASES[1]).contains(*share);
+    let samples = share.iter().take_while(is_mixed).count();
+    let line = drift(&time[..samples], &share[..samples]);
+    let velocity = line.slope * per_share;
+    let standard_error = if samples >= FEWEST { line.standard_error * per_share } else { f64::NAN };
+    let solid_shares = [*share.first()?, *share.last()?];
+    let too_few = standard_error.is_nan().then(|| {
+        format!("{samples} samples with both phases where {FEWEST} are needed: look more often")
+    });
+    let fronts = match &too_few {
+        Some(why) => Fronts::TooFew { why: why.clone(), solid_shares },
+        None if velocity.abs() > ERRORS * standard_error => {
+            Fronts::Moving { velocity, standard_error, solid_shares }
+        }
+        None => Fronts::Neither { solid_shares },
+    };
+    let estimate = Estimate {
+        freedom: line.blocks.saturating_sub(1) as f64,
+        ..Estimate::new(velocity, standard_error, line.blocks as f64)
+    };
+    // A longer run has no more samples: one phase is gone.
+    let doubt = too_few.map(Doubt::Incomplete);
+    Some((Average::new("front_velocity", "σ/τ", estimate).doubted(doubt), fronts))
+}
+
+/// Above this share of solid-like particles a state is no liquid: dense liquids have some hundredths.
+const FROZEN: f64 = 0.3;
+/// Fewer particles say nothing.
+const FEWEST_PARTICLES: usize = 100;
+
+/// Bytes that the look at the last state takes; 0 where nothing is looked for.
+pub(crate) fn bytes_to_look(simulation: &Simulation) -> usize {
+    let state = &simulation.state;
+    let looks = simulation.system.molecules.are_atoms() && state.len() >= FEWEST_PARTICLES;
+    if looks { solid_share_bytes(state.len()) } else { 0 }
+}
+
+/// The remark that belongs beside the means of a run whose last state is a crystal, or has one in it.
+pub(crate) fn frozen(simulation: &Simulation) -> Option<Remark> {
+    if bytes_to_look(simulation) == 0 {
+        return None;
+    }
+    let state = &simulation.state;
+    let share = solid_share(&state.cell, &state.positions);
+    (share > FROZEN).then_some(Remark::Frozen { solid_share: share })
+}
+
+/// A wave of the density with a larger amplitude is none of a homogeneous fluid.
+const SEPARATED: f64 = 0.3;
+/// A homogeneous fluid has waves of S(k) above this in one state of a thousand at most. Near a critical point S(k) is 3 on average.
+const LARGEST_STRUCTURE_FACTOR: f64 = 20.0;
+/// Fewer molecules say nothing.
+const FEWEST_MOLECULES: usize = 100;
+
+/// The amplitude up to which a fluid of so many molecules may be homogeneous.
+fn homogeneous_up_to(molecules: usize) -> f64 {
+    SEPARATED.max((4.0 * LARGEST_STRUCTURE_FACTOR / molecules as f64).sqrt())
+}
+
+/// That the last state has separated, in words; `None` where it may be homogeneous, or where the scene itself makes it
+/// something else.
+fn separated(simulation: &Simulation) -> Option<String> {
+    let molecules = simulation.system.n_molecules();
+    let scene = &simulation.scene;
+    if molecules < FEWEST_MOLECULES || scene.not_homogeneous().is_some() {
+        return None;
+    }
+    let state = &simulation.state;
+    let wave = largest_density_wave(&state.cell, &state.positions);
+    let allowed = homogeneous_up_to(molecules);
+    (wave > allowed).then(|| {
+        format!(
+            "the density of the last state has a wave across the box of {:.0} % of its mean, where a homogeneous fluid of \
+             {} has less than {:.0} %",
+            100.0 * wave,
+            particles(state.len(), molecules),
+            100.0 * allowed
+        )
+    })
+}
+
+/// Compressibilities from g(r) and from S(k) have names that begin so.
+const FROM_STRUCTURE: &str = "compressibility_kirkwood_buff";
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use lennard_integrators::thermostats;
+
+    use super::*;
 
     fn spec(name: &str) -> Vec<&'static ThermostatSpec> {
         let found = thermostats().iter().find(|s| s.name == name);
@@ -121,5 +339,111 @@ mod tests {
         let why = temperature.reason(1);
         assert!(why.starts_with("set by `rescale`"), "{why}");
         assert!(temperature.takes_the_error());
+    }
+
+    const ESTIMATE: Estimate = Estimate {
+        mean: 1.0,
+        standard_error: 0.1,
+        n_effective: 100.0,
+        least_effective: 100.0,
+        freedom: 100.0,
+        equilibration_cut: 0,
+    };
+
+    #[test]
+    fn a_planar_tail_alone_is_no_sign_of_two_phases_and_a_liquid_density_is() {
+        let text = r#"
+            [system]
+            temperature = 0.8
+
+            [start]
+            kind = "file"
+            file = "slab.xyz"
+            [truncation]
+            kind = "cut"
+            r_cut = 2.5
+            tail_correction = "planar"
+            [integrator]
+            dt = 0.004
+            [[stage]]
+            name = "production"
+            steps = 100
+        "#;
+        let scene = Scene::parse(text, "test.toml", &[]).unwrap();
+        assert!(scene.planar_tail);
+        assert_eq!(two_phases(&scene, &[]), None);
+        let findings = Findings {
+            averages: vec![Average::new(LIQUID_DENSITY, "σ⁻³", ESTIMATE)],
+            ..Findings::default()
+        };
+        let why = two_phases(&scene, &[findings]).unwrap();
+        assert_eq!(why, "the density has two levels");
+    }
+
+    #[test]
+    fn what_is_left_out_is_told_by_name() {
+        let mut findings = [Findings {
+            averages: ["pressure", "speed_of_sound"]
+                .map(|name| Average::new(name, "", ESTIMATE))
+                .into(),
+            ..Findings::default()
+        }];
+        let left_out = without(&mut findings, is_of_one_phase);
+        assert_eq!(left_out, ["speed_of_sound"]);
+        tell(&mut findings, left_out, "there are two phases");
+        assert_eq!(findings[0].averages.len(), 1);
+        let words = "left out: speed_of_sound. Here there are two phases";
+        assert_eq!(findings[0].remarks_in_words(), words);
+    }
+
+    /// A share that changes by `rate` per sample, with noise, up to its bounds.
+    fn motion(rate: f64, samples: usize) -> (Average, Fronts) {
+        let time: Vec<f64> = (0..samples).map(|i| 0.5 * i as f64).collect();
+        let mut noise = 1_u64;
+        let share: Vec<f64> = (0..samples)
+            .map(|i| {
+                noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                let noise = (noise >> 33) as f64 / 2.0_f64.powi(31) - 0.5;
+                (0.5 + rate * i as f64 + 0.01 * noise).clamp(0.03, 0.98)
+            })
+            .collect();
+        front(&time, &share, 12.0).unwrap()
+    }
+
+    #[test]
+    fn a_front_has_its_velocity_while_both_phases_are_there() {
+        for rate in [2e-3, -1e-3] {
+            // The share ends at a bound, where nothing moves any more.
+            let (average, fronts) = motion(rate, 1000);
+            let exact = rate / 0.5 * 12.0;
+            let Estimate { mean, standard_error, .. } = average.estimate;
+            assert!((mean - exact).abs() < 0.02 * exact.abs(), "{average:?}");
+            assert!(standard_error < 0.5 * exact.abs(), "{average:?}");
+            let words = fronts.to_string();
+            assert_eq!(words.starts_with("the crystal grows"), rate > 0.0, "{words}");
+            assert_eq!(average.doubt, None);
+            // The error is of ten slopes, and is itself known to 1/√18.
+            assert_eq!((average.estimate.freedom, average.estimate.n_effective), (9.0, 10.0));
+        }
+        let (_, still) = motion(0.0, 1000);
+        assert!(matches!(still, Fronts::Neither { .. }), "{still:?}");
+    }
+
+    #[test]
+    fn too_few_samples_give_no_error() {
+        let (average, fronts) = motion(2e-2, 1000);
+        assert!(average.estimate.standard_error.is_nan(), "{average:?}");
+        let Some(Doubt::Incomplete(why)) = average.doubt else { panic!("no doubt") };
+        assert!(why.contains("look more often"), "{why}");
+        let words = fronts.to_string();
+        assert!(words.contains("98 % at the end"), "{words}");
+        // The share rises from 50 to 98 %: it is not said that nothing grows.
+        assert!(words.contains("no velocity is told") && !words.contains("neither"), "{words}");
+    }
+
+    #[test]
+    fn few_molecules_may_have_larger_waves() {
+        assert_eq!(homogeneous_up_to(10_000), SEPARATED);
+        assert!((homogeneous_up_to(320) - 0.5).abs() < 1e-12);
     }
 }

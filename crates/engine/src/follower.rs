@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use crate::moment::Moment;
+use crate::instant::Moment;
 use crate::schedule::{Action, Operation, Schedule, Trigger};
 use crate::{EngineError, Simulation};
 

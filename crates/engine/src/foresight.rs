@@ -1,7 +1,11 @@
 //! Remarks on a run before its first step: a step that is too long, an unstable state, or means without an error.
 
+use std::f64::consts::PI;
+
+use lennard_core::number::short;
+use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
 use lennard_literature::freezing_lines_of;
-use lennard_scene::Stage;
+use lennard_scene::{Output, Scene, Stage};
 
 use crate::Simulation;
 use crate::compare::{equation_for, unstable};
@@ -117,5 +121,125 @@ impl Simulation {
                 )
             })
             .collect()
+    }
+}
+
+/// What is to be known of frames whose coordinates are too large for the precision asked for.
+pub(crate) fn less_precision(output: &Output, kept: f64) -> Option<String> {
+    let limits = output.format.spec().limits?;
+    (kept < output.precision).then(|| {
+        format!(
+            "frames of {} with coordinates above {:.1} σ have the precision {kept} in place of {}",
+            output.format.spec().file,
+            limits.multiples / output.precision,
+            output.precision
+        )
+    })
+}
+
+/// What is to be known of a scene and its start, a sentence each.
+pub(crate) fn of_scene(
+    scene: &Scene,
+    cell: &PeriodicBox,
+    species: &SpeciesTable,
+    positions: &[DVec3],
+) -> impl Iterator<Item = String> {
+    let temperatures = scene.stages.iter().map(|stage| stage.temperature);
+    let hottest = temperatures.fold(scene.system.temperature, f64::max);
+    let of_bonds = [remark_on_springs(scene), remark_on_damping(scene)];
+    let beyond = scene.potential.remark_at(hottest);
+    let of_frames = remark_on_reach(scene, hottest, cell, species, positions);
+    of_bonds.into_iter().chain([beyond, of_frames]).flatten()
+}
+
+/// Standard deviations of a displacement that the farthest of all particles does not pass, nearly always.
+const DEVIATIONS: f64 = 5.0;
+
+/// How far the lightest particles may move along an axis in a run at temperature T, σ.
+///
+/// The estimate is five standard deviations: √(T/m)·t in free flight, and √(2Dt) with D = 3/(8ρσ²)·√(T/(πm)) of hard spheres
+/// of diameter σ, whichever is less. A denser fluid diffuses more slowly.
+/// Source: Chapman and Cowling, The mathematical theory of non-uniform gases, first approximation.
+fn displacement(time: f64, temperature: f64, mass: f64, density: f64) -> f64 {
+    let diffusion = 3.0 / (8.0 * density) * (temperature / (PI * mass)).sqrt();
+    let flight = (temperature / mass).sqrt() * time;
+    DEVIATIONS * flight.min((2.0 * diffusion * time).sqrt())
+}
+
+/// A remark where unwrapped positions may grow too large for the precision of the trajectory.
+fn remark_on_reach(
+    scene: &Scene,
+    temperature: f64,
+    cell: &PeriodicBox,
+    species: &SpeciesTable,
+    positions: &[DVec3],
+) -> Option<String> {
+    let output = &scene.output;
+    let limits = output.format.spec().limits?;
+    if output.trajectory_every.is_none() || !output.unwrapped {
+        return None;
+    }
+    let start = positions.iter().map(|r| r.abs().max_element());
+    let masses = species.all().iter().map(|one| one.mass);
+    let time: f64 =
+        (scene.stages.iter()).map(|stage| stage.steps as f64 * scene.stage_dt(stage)).sum();
+    let moved = displacement(
+        time,
+        temperature,
+        masses.fold(f64::INFINITY, f64::min),
+        positions.len() as f64 / cell.volume(),
+    );
+    let reach = start.fold(0.0, f64::max) + moved;
+    let kept = limits.precision_for(output.precision, reach);
+    let remark = less_precision(output, kept)?;
+    Some(format!("unwrapped positions may reach {reach:.0} σ: {remark}"))
+}
+
+/// ω·dt of a spring above which a step is said to be long for it.
+const LONG_STEP: f64 = 0.5;
+
+/// A remark where a step is long for the springs of bonds, though stable: the vibration is then off by (ω·dt)²/24 or more.
+fn remark_on_springs(scene: &Scene) -> Option<String> {
+    let omega = scene.molecule.as_ref()?.fastest_vibration();
+    let steps = scene.stages.iter().map(|stage| scene.stage_dt(stage));
+    let dt = steps.fold(0.0, f64::max);
+    (omega * dt > LONG_STEP).then(|| {
+        format!(
+            "dt = {} τ is long for the springs of the bonds: ω·dt = {:.2}, and their vibration is off by {:.0} %; \
+             at {:.2e} τ it is off by 1 %",
+            short(dt),
+            omega * dt,
+            100.0 * (omega * dt).powi(2) / 24.0,
+            LONG_STEP / omega
+        )
+    })
+}
+
+/// A remark where bonds lose energy: who reads a conserved energy that stays must know that the energy does not.
+fn remark_on_damping(scene: &Scene) -> Option<String> {
+    let bonds = &scene.molecule.as_ref()?.bonds;
+    let counted = match bonds.spec().integrator.is_some() && scene.solves_contacts() {
+        false => "the conserved energy counts it as heat",
+        true => "beside contacts no heat is counted, and the conserved energy falls by it",
+    };
+    bonds.damps_vibrations().then(|| {
+        format!(
+            "[bonds] method = {:?} takes energy from vibrations: {counted}, and no bath keeps vibrations at its temperature",
+            bonds.name()
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gas_flies_and_a_liquid_diffuses() {
+        let flight = displacement(0.1, 2.0, 4.0, 0.001);
+        assert!((flight - 0.5 * 0.5_f64.sqrt()).abs() < 1e-12);
+        // D of argon near its triple point is 0.03 σ²/τ, a fifth of the estimate.
+        let liquid = displacement(1e4, 0.7, 1.0, 0.85);
+        assert!(liquid > 5.0 * (2.0 * 0.03 * 1e4_f64).sqrt() && liquid < 500.0);
     }
 }

@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use lennard_core::Want;
 
-use crate::exchange;
 use crate::follower::Follower;
 use crate::instant::view;
 use crate::schedule::Observer;
@@ -52,10 +51,9 @@ impl Simulation {
     fn next_due(&self, follower: &dyn Follower) -> u64 {
         let measured = self.current_stage().measure;
         let exchange = self.current_stage().exchange.as_ref();
-        let exchange = exchange.map(exchange::trigger);
         let is_due = |step: &u64| {
             WATCH.trigger.is_due(*step, measured)
-                || exchange.is_some_and(|trigger| trigger.is_due(*step, measured))
+                || exchange.is_some_and(|exchange| step.is_multiple_of(exchange.every))
                 || self.observers.iter().any(|o| o.trigger().is_due(*step, measured))
                 || follower.schedule().is_due(*step, measured)
         };

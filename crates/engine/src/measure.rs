@@ -7,22 +7,20 @@ mod scene;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use frames::{Clock, FrameByFrame};
 use lennard_core::{Configuration, DVec3, Part, Want};
 use lennard_io::{FileUnits, OutputFolder, TrajectoryFrame, is_same_box};
 use lennard_observables::Frames as Needs;
 use lennard_scene::Scene;
 use rand::RngExt;
 
-use crate::course::Course;
+use crate::course::{Course, Memory};
 use crate::follower::{Control, Ending, Follower};
 use crate::from_frames::{FromFrames, Rounding};
-use crate::in_memory::Memory;
 use crate::own::OwnParts;
 use crate::run::{Outcome, write_whole};
 use crate::start::thermal_velocities;
 use crate::{EngineError, Simulation, build};
-
-use frames::{Clock, FrameByFrame};
 
 /// A displacement between two frames above this share of a side may be one of the next image: then no path is known.
 const LARGEST_SHARE: f64 = 0.25;

@@ -3,24 +3,21 @@
 mod nodes;
 mod shares;
 
+pub use nodes::{Network, Nodes, NodesError, OnNodes};
+pub use shares::{PATIENCE, watching_seconds};
+
 use lennard_core::number::short;
 use lennard_core::{DVec3, Observable};
 use lennard_forcefield::{ForcePlan, Search};
 use lennard_scene::{Scene, Stage};
+use nodes::OneNode;
 use serde::Serialize;
+use shares::{Costs, Part, THERMODYNAMICS, barostat_name, bath_name};
 
-use crate::frozen;
 use crate::planar_tail::PlanarTail;
 use crate::run::SET_ASIDE_BYTES;
 use crate::simulation::Simulation;
-use crate::watchdog;
-use crate::{EngineError, build};
-use shares::{Costs, Part, THERMODYNAMICS, barostat_name, bath_name};
-
-pub use nodes::{Network, Nodes, NodesError, OnNodes};
-
-use nodes::OneNode;
-pub use shares::{PATIENCE, watching_seconds};
+use crate::{EngineError, build, findings, watchdog};
 
 /// One part of the work.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -110,7 +107,7 @@ pub fn plan(
     let state = n * STATE_BYTES;
     let set_aside = n * SET_ASIDE_BYTES;
     // A checkpoint and the last look at the final state come one after the other.
-    let at_times = costs.checkpoint_bytes.max(frozen::bytes(simulation));
+    let at_times = costs.checkpoint_bytes.max(findings::bytes_to_look(simulation));
     let bytes_to_write = (set_aside + at_times) as u64;
     let bytes = state as u64 + bytes_to_write + costs.force_bytes;
     let one_node = OneNode {

@@ -1,19 +1,17 @@
 //! The tail beyond the cutoff of a fluid with flat surfaces across z, as a potential between its particles.
 
 mod cells;
-mod passes;
 mod transform;
 
 use std::f64::consts::TAU;
 
+use cells::Cells;
 use lennard_core::{
     Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
     PeriodicBox, Want, remembers_nothing,
 };
 use lennard_forcefield::{ForceFieldOptions, Model, TruncationOptions, tail_correction};
 use lennard_scene::Scene;
-
-use cells::Cells;
 
 use crate::EngineError;
 

@@ -8,8 +8,8 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use lennard_core::{DVec3, State, Team};
 use lennard_io::RanksRecord;
 
+use crate::error::RanksError;
 use crate::follower::Ending;
-use crate::ranks_error::RanksError;
 use crate::watchdog::LISTS_EVERY;
 use crate::{EngineError, Simulation};
 

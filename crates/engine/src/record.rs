@@ -14,7 +14,7 @@ use lennard_observables::ChangingBox;
 
 use crate::Simulation;
 use crate::compare::{Compared, at_constant_pressure, beside_equation_of_state};
-use crate::frozen::frozen;
+use crate::findings::frozen;
 use crate::threads::Threads;
 
 /// The record of a run that has not ended, or not well; `remarks` say how it failed.

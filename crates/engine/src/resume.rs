@@ -149,7 +149,7 @@ pub fn restored_with(
 fn reinstated(simulation: &mut Simulation, checkpoint: &Checkpoint) -> Result<Past, String> {
     let archive = &checkpoint.archive;
     checkpointing::check_particles(archive, simulation.state.len()).map_err(|e| e.to_string())?;
-    let past = checkpointing::reinstate(simulation, archive).map_err(|e| e.to_string())?;
+    let past = checkpointing::reinstate(simulation, checkpoint).map_err(|e| e.to_string())?;
     if simulation.state.step != checkpoint.metadata.step {
         return Err("its state belongs to another step".into());
     }

@@ -54,6 +54,12 @@ pub struct CheckpointMetadata {
     pub step: u64,
     /// How far each growing output file was written, by file name.
     pub files: BTreeMap<String, FileMark>,
+    /// Remarks for the run record that belong to the whole run.
+    #[serde(default)]
+    pub remarks: Vec<String>,
+    /// Whether the rows and frames of this step are still to be written: so after a write that failed.
+    #[serde(default)]
+    pub owes_output: bool,
 }
 
 /// What is wrong with a checkpoint.

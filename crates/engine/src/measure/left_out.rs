@@ -6,8 +6,8 @@ use lennard_core::{Findings, Remark, Want};
 use lennard_observables::response_functions;
 
 use crate::Simulation;
+use crate::findings::{is_response, leave_out, tell, without};
 use crate::from_frames::{CONSERVED, OF_VELOCITIES, Rounding};
-use crate::two_phases::{forget_responses, tell, without};
 
 impl Simulation {
     /// Takes out what frames cannot give, and says each by its name.
@@ -15,8 +15,6 @@ impl Simulation {
         let Some(frames) = &self.frames else {
             return;
         };
-        let is_response = |name: &str| response_functions().any(|function| function == name);
-        forget_responses(findings);
         for found in findings.iter_mut() {
             found.remarks.retain(|r| !matches!(r, Remark::NoResponseFunctions { .. }));
             for table in &mut found.tables {
@@ -27,8 +25,8 @@ impl Simulation {
         let unknown =
             iter::once(CONSERVED).chain(response_functions()).map(str::to_owned).collect();
         tell(findings, unknown, "frames say neither their ensemble nor the heat of a thermostat");
-        let hidden = without(findings, |name| frames.hides(name));
-        tell(findings, hidden, "the frames have no velocities; P has the temperature of the scene");
+        let why = "the frames have no velocities; P has the temperature of the scene";
+        leave_out(findings, why, |name| frames.hides(name));
         if let Some(rounding) = frames.rounding {
             self.judge_rounding(rounding, findings);
         }

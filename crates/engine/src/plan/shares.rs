@@ -1,34 +1,29 @@
 //! What each part of a run costs: a short measurement, which decides nothing.
 
-mod first_steps;
-mod memory;
-mod names;
-
 use std::io::{self, Write};
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use lennard_core::stopwatch::{Spread, Stopwatch, repeated, timed};
-use lennard_core::{Configuration, HaloSize, Integrator, NoForces, Part as Whole, Want};
+use lennard_core::{
+    Configuration, ForceStatistics, HaloSize, Integrator, NoForces, Part as Whole, Persist,
+    StateArchive, Want,
+};
 use lennard_io::{Frame, Sink, TrajectoryWriter};
-use lennard_scene::Stage;
+use lennard_scene::{Scene, Stage};
 
 use crate::bare::bare;
 use crate::build::prepare_from;
 use crate::failure::LARGEST_MOVE;
 use crate::files::{header, style};
-use crate::follower::StopAt;
+use crate::follower::{Follower, StopAt};
 use crate::planar_tail::PlanarTail;
 use crate::run::{aside, set_aside};
 use crate::schedule::{Action, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
 use crate::start::Start;
 use crate::{EngineError, SET_ASIDE_EVERY, watchdog};
-
-use self::first_steps::FirstSteps;
-use self::memory::{bytes_under_a_bath, checkpoint_bytes};
-pub use first_steps::PATIENCE;
-pub(super) use names::{barostat_name, bath_name};
 
 /// How long one part is measured alone.
 const PART_FOR: Duration = Duration::from_millis(30);
@@ -313,6 +308,102 @@ impl Sink for Nowhere {
     }
     fn is_still_at(&self, _path: &Path) -> bool {
         true
+    }
+}
+
+/// The name of a stage's heat bath in the plan.
+pub fn bath_name(stage: &Stage, thermostat: &str) -> String {
+    format!("thermostat {thermostat} of {}", stage.name)
+}
+
+/// The name of a stage's barostat in the plan.
+pub fn barostat_name(stage: &Stage, barostat: &str) -> String {
+    format!("barostat {barostat} of {}", stage.name)
+}
+
+/// Bytes per particle that fused steps keep under a bath beside what they keep without one: positions, while forces wait.
+const UNDER_A_BATH: u64 = 24;
+/// A stage of so few steps takes none of them at once.
+const FEW_STEPS: u64 = 3;
+
+/// Bytes per particle that the fused steps of a scene keep under its baths beside what they keep without one.
+pub(super) fn bytes_under_a_bath(scene: &Scene) -> u64 {
+    let fuses = |stage: &Stage| stage.thermostat.is_some() && stage.steps > FEW_STEPS;
+    if scene.stages.iter().any(fuses) { UNDER_A_BATH } else { 0 }
+}
+
+/// Bytes of what a checkpoint is put together in.
+pub(super) fn checkpoint_bytes(bare: &Simulation) -> usize {
+    let mut archive = StateArchive::default();
+    Persist::save(bare, &mut archive.writer());
+    archive.bytes()
+}
+
+/// How long the steps are measured.
+const STEPS_FOR: Duration = Duration::from_millis(400);
+/// The fewest steps after the first that tell what a step takes: the first one builds the list and touches new memory.
+const FEWEST_STEPS: usize = 3;
+/// Steps that are as good as a whole life of a list, where none is built again.
+const MANY_STEPS: usize = 50;
+/// How long `FEWEST_STEPS` are waited for, and a second build of the list.
+pub const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Times steps, and stops once they are enough.
+pub(super) struct FirstSteps {
+    schedule: Schedule,
+    start: Instant,
+    /// What the forces did up to the end of the first step.
+    pub(super) first: Option<ForceStatistics>,
+    /// The end of the last step.
+    last: Instant,
+    /// Seconds of each step after the first.
+    pub(super) seconds: Vec<f64>,
+}
+
+impl FirstSteps {
+    /// Measures from a start on.
+    pub(super) fn from(start: Instant) -> Self {
+        let each_step = Operation::new(Action::Call, Trigger::Always);
+        Self {
+            schedule: Schedule::empty().with(each_step),
+            start,
+            first: None,
+            last: start,
+            seconds: Vec::new(),
+        }
+    }
+
+    /// The mean time of a step, seconds; `None` where the steps are too few to tell.
+    pub(super) fn mean(&self) -> Option<f64> {
+        let steps = self.seconds.len();
+        (steps >= FEWEST_STEPS).then(|| self.seconds.iter().sum::<f64>() / steps as f64)
+    }
+
+    /// Whether the steps tell what a step takes, its share of the next build of the list included.
+    fn is_enough(&self, simulation: &Simulation) -> bool {
+        let built = self.first.map_or(0, |first| first.builds);
+        self.last - self.start >= STEPS_FOR
+            && self.seconds.len() >= FEWEST_STEPS
+            && (self.seconds.len() >= MANY_STEPS
+                || built == 0
+                || simulation.forces.statistics().builds > built)
+    }
+}
+
+impl Follower for FirstSteps {
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
+    }
+
+    fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
+        if self.first.is_some() {
+            self.seconds.push(self.last.elapsed().as_secs_f64());
+        } else {
+            self.first = Some(simulation.forces.statistics());
+        }
+        self.last = Instant::now();
+        let is_over = self.last - self.start >= PATIENCE || self.is_enough(simulation);
+        Ok(if is_over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     }
 }
 

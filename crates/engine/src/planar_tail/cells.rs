@@ -15,6 +15,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use lennard_core::DVec3;
+use lennard_core::lanes::{Simd, WithSimd, in_lanes};
+use lennard_core::parallel::{CHUNK, for_each_piece, part};
+use lennard_core::tasks::map_tasks;
+
 /// Terms of a polynomial.
 pub(super) const TERMS: usize = 8;
 /// Cells for each wave. A force is then exact to some 10⁻¹⁰ of the largest force.
@@ -86,3 +91,279 @@ fn polynomial(q: f64) -> Row {
     }
     powers
 }
+
+/// Particles whose cells are found side by side.
+const BLOCK: usize = 8;
+/// The axis across the surfaces.
+const Z: usize = 2;
+const ZEROS: Row = [0.0; TERMS];
+/// Added and taken away, it rounds numbers below 2¹¹ to multiples of 2⁻⁴⁰. Sums of 2¹³ of them are exact.
+const ROUNDER: f64 = 1.5 * (1_u64 << 12) as f64;
+/// 2⁴⁰.
+const UNITS: f64 = (1_u64 << 40) as f64;
+/// Added and taken away, it rounds numbers below 2⁵¹ to whole ones. The lowest bits of the sum are that whole number.
+const TO_WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
+
+impl Cells {
+    /// Σ cos and Σ sin of each wave.
+    ///
+    /// Moments are exact totals: each power is rounded to a multiple of 2⁻⁴⁰ first. They depend on no order of the particles.
+    pub fn sums(&self, positions: &[DVec3]) -> Vec<[f64; 2]> {
+        const { assert!(CHUNK <= 1 << 13, "the moments of a range are exact") };
+        let n = positions.len();
+        let of_range = |(): &mut (), k: usize| -> Vec<Row> {
+            let positions = &positions[part(k, CHUNK, n)];
+            in_lanes(Moments { cells: self, positions })
+        };
+        let mut of_ranges = map_tasks(n.div_ceil(CHUNK), of_range);
+        let rows = if of_ranges.len() == 1 {
+            of_ranges.swap_remove(0)
+        } else {
+            exact_totals(self.stored(), &of_ranges)
+        };
+        in_lanes(WavesFromRows { cells: self, rows: &rows })
+    }
+
+    /// Adds Σ_n (a_n·sin k_n·z + b_n·cos k_n·z) to F_z of particles, from a_n and b_n.
+    pub fn push(&self, waves: &[[f64; 2]], positions: &[DVec3], forces: &mut [DVec3]) {
+        let rows = &in_lanes(RowsFromWaves { cells: self, waves });
+        for_each_piece(forces, |first, forces| {
+            in_lanes(ForcesFromRows {
+                cells: self,
+                rows,
+                positions: &positions[first..first + forces.len()],
+                forces,
+            });
+        });
+    }
+}
+
+/// Sums of the moments of all ranges, in whole units of 2⁻⁴⁰: 2²³ particles fit into a cell.
+fn exact_totals(stored: usize, of_ranges: &[Vec<Row>]) -> Vec<Row> {
+    let mut totals = vec![[0_i64; TERMS]; stored];
+    for rows in of_ranges {
+        for (total, row) in totals.iter_mut().zip(rows) {
+            for (total, moment) in total.iter_mut().zip(row) {
+                *total += (moment * UNITS) as i64;
+            }
+        }
+    }
+    let in_units = |row: [i64; TERMS]| row.map(|total| total as f64 / UNITS);
+    totals.into_iter().map(in_units).collect()
+}
+
+/// The cell of a particle among the stored cells, and its distance y from the center in half widths.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    cell: usize,
+    y: f64,
+}
+
+impl Place {
+    /// The place at a height z. A height that is no number has some cell, and y is no number either.
+    #[inline(always)]
+    fn at(cells: &Cells, z: f64) -> Self {
+        let turns = z * cells.turns_per_length;
+        let in_box = turns - ((turns + TO_WHOLE) - TO_WHOLE);
+        let width = (2 * cells.half) as f64;
+        let shifted = in_box * width + TO_WHOLE;
+        let from_middle = shifted.to_bits().wrapping_sub(TO_WHOLE.to_bits());
+        let cell = from_middle.wrapping_add(cells.half as u64) as usize;
+        Self { cell: cell.min(2 * cells.half), y: 2.0 * (in_box * width - (shifted - TO_WHOLE)) }
+    }
+
+    #[inline(always)]
+    fn of_block(cells: &Cells, block: &[DVec3]) -> [Self; BLOCK] {
+        let mut places = [Self::default(); BLOCK];
+        for (place, r) in places.iter_mut().zip(block) {
+            *place = Self::at(cells, r[Z]);
+        }
+        places
+    }
+
+    /// 1, y, y², …
+    #[inline(always)]
+    fn powers(self) -> Row {
+        let y = self.y;
+        let square = y * y;
+        let low = [1.0, y, square, square * y];
+        let high = low.map(|power| power * (square * square));
+        std::array::from_fn(|p| if p < 4 { low[p] } else { high[p - 4] })
+    }
+}
+
+/// Moments of all cells.
+struct Moments<'a> {
+    pub cells: &'a Cells,
+    pub positions: &'a [DVec3],
+}
+
+impl WithSimd for Moments<'_> {
+    type Output = Vec<Row>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<Row> {
+        // Two rows for each cell: neighbors in the list are often in one cell, and would wait for each other.
+        let mut pairs = vec![[ZEROS; 2]; self.cells.stored()];
+        for block in self.positions.chunks(BLOCK) {
+            let places = Place::of_block(self.cells, block);
+            for (k, place) in places[..block.len()].iter().enumerate() {
+                let powers = place.powers();
+                let row = &mut pairs[place.cell][k % 2];
+                for p in 0..TERMS {
+                    row[p] += (powers[p] + ROUNDER) - ROUNDER;
+                }
+            }
+        }
+        let sum = |[a, b]: [Row; 2]| std::array::from_fn(|p| a[p] + b[p]);
+        pairs.into_iter().map(sum).collect()
+    }
+}
+
+/// Σ cos and Σ sin of each wave, from the moments of cells.
+struct WavesFromRows<'a> {
+    pub cells: &'a Cells,
+    pub rows: &'a [Row],
+}
+
+impl WavesFromRows<'_> {
+    /// Sum and difference of the rows of cells i and −i, where these are two cells.
+    #[inline(always)]
+    fn both(&self, i: usize) -> [Row; 2] {
+        let half = self.cells.half;
+        let (one, other) = (&self.rows[half + i], &self.rows[half - i]);
+        if i == 0 {
+            return [*one, ZEROS];
+        }
+        let sum = std::array::from_fn(|p| one[p] + other[p]);
+        if i == half {
+            return [sum, ZEROS];
+        }
+        [sum, std::array::from_fn(|p| one[p] - other[p])]
+    }
+}
+
+impl WithSimd for WavesFromRows<'_> {
+    type Output = Vec<[f64; 2]>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<[f64; 2]> {
+        let Cells { half, .. } = *self.cells;
+        let quarter = half / 2;
+        // Of even waves, and of odd ones: what cosines and sines multiply.
+        let mut even = vec![[ZEROS; 2]; quarter + 1];
+        let mut odd = even.clone();
+        for i in 0..quarter {
+            let ([sum, difference], [far_sum, far_difference]) =
+                (self.both(i), self.both(half - i));
+            for p in 0..TERMS {
+                even[i][0][p] = sum[p] + far_sum[p];
+                even[i][1][p] = difference[p] - far_difference[p];
+                odd[i][0][p] = sum[p] - far_sum[p];
+                odd[i][1][p] = difference[p] + far_difference[p];
+            }
+        }
+        let [sum, difference] = self.both(quarter);
+        (even[quarter][0], odd[quarter][1]) = (sum, difference);
+        let of_wave = |(index, (turns, a)): (usize, (&Vec<[f64; 2]>, &Row))| {
+            let n = index + 1;
+            let folded = if n % 2 == 0 { &even } else { &odd };
+            let (mut c, mut s) = (ZEROS, ZEROS);
+            for ([cos, sin], [with_cos, with_sin]) in turns.iter().zip(folded) {
+                for p in 0..TERMS {
+                    c[p] += cos * with_cos[p];
+                    s[p] += sin * with_sin[p];
+                }
+            }
+            let (mut re, mut im) = (0.0, 0.0);
+            for p in (0..TERMS).step_by(2) {
+                re += a[p] * c[p] - a[p + 1] * s[p + 1];
+                im += a[p] * s[p] + a[p + 1] * c[p + 1];
+            }
+            [re, im]
+        };
+        let both = self.cells.turns.iter().zip(&self.cells.polynomials);
+        both.enumerate().map(of_wave).collect()
+    }
+}
+
+/// Coefficients of the force in each cell, from coefficients of sines and cosines of the waves.
+struct RowsFromWaves<'a> {
+    pub cells: &'a Cells,
+    pub waves: &'a [[f64; 2]],
+}
+
+impl WithSimd for RowsFromWaves<'_> {
+    type Output = Vec<Row>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<Row> {
+        let half = self.cells.half;
+        // a·sin(k·center + q·y) + b·cos(k·center + q·y): what cos(k·center) and sin(k·center) multiply.
+        let of_wave = |(polynomial, [a, b]): (&Row, &[f64; 2])| -> [Row; 2] {
+            let (mut with_cos, mut with_sin) = (ZEROS, ZEROS);
+            for p in (0..TERMS).step_by(2) {
+                with_cos[p] = polynomial[p] * b;
+                with_cos[p + 1] = polynomial[p + 1] * a;
+                with_sin[p] = polynomial[p] * a;
+                with_sin[p + 1] = -polynomial[p + 1] * b;
+            }
+            [with_cos, with_sin]
+        };
+        let both = self.cells.polynomials.iter().zip(self.waves);
+        let waves: Vec<[Row; 2]> = both.map(of_wave).collect();
+        let mut rows = vec![ZEROS; self.cells.stored()];
+        for i in 0..=half / 2 {
+            // Sums over odd waves, and over even ones.
+            let (mut c, mut s) = ([ZEROS; 2], [ZEROS; 2]);
+            let all = self.cells.turns.iter().zip(&waves).enumerate();
+            for (index, (turns, [with_cos, with_sin])) in all {
+                let [cos, sin] = turns[i];
+                let kind = index % 2;
+                for p in 0..TERMS {
+                    c[kind][p] += cos * with_cos[p];
+                    s[kind][p] += sin * with_sin[p];
+                }
+            }
+            for p in 0..TERMS {
+                let (near, far) = (c[1][p] + c[0][p], c[1][p] - c[0][p]);
+                let (near_sine, far_sine) = (s[1][p] + s[0][p], s[0][p] - s[1][p]);
+                rows[half + i][p] = near + near_sine;
+                rows[half - i][p] = near - near_sine;
+                rows[2 * half - i][p] = far + far_sine;
+                rows[i][p] = far - far_sine;
+            }
+        }
+        rows
+    }
+}
+
+/// Adds F_z to the forces, from the coefficients of cells.
+struct ForcesFromRows<'a> {
+    pub cells: &'a Cells,
+    pub rows: &'a [Row],
+    pub positions: &'a [DVec3],
+    pub forces: &'a mut [DVec3],
+}
+
+impl WithSimd for ForcesFromRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let blocks = self.positions.chunks(BLOCK);
+        for (block, forces) in blocks.zip(self.forces.chunks_mut(BLOCK)) {
+            let places = Place::of_block(self.cells, block);
+            for (place, force) in places.iter().zip(forces) {
+                let powers = place.powers();
+                let row = &self.rows[place.cell];
+                let pair = |p: usize| powers[p] * row[p] + powers[p + 4] * row[p + 4];
+                let sums: [f64; 4] = std::array::from_fn(pair);
+                force[Z] += (sums[0] + sums[2]) + (sums[1] + sums[3]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,14 +1,20 @@
 //! A start from a file, or from a configuration in memory in its place.
 
-use lennard_core::{DVec3, PeriodicBox};
-use lennard_io::{Beside, StartConfiguration};
+use std::path::Path;
+
+use lennard_core::{DVec3, PeriodicBox, State};
+use lennard_io::{
+    Beside, FoundSpecies, Frame, FrameStyle, LARGEST, StartConfiguration, WriteError,
+};
 use lennard_scene::{Arrangement, Geometry, Scene};
 
-use super::value::{Origin, Start};
-use super::velocities::Drift;
-use super::{check, molecules, species};
-use crate::EngineError;
 use crate::confinement::Confinement;
+use crate::error::StartError;
+use crate::files::style;
+use crate::start::value::{Origin, Start};
+use crate::start::velocities::Drift;
+use crate::start::{check, molecules, species};
+use crate::{EngineError, Simulation};
 
 /// The start that the scene's file has, or that is `given` in its place.
 ///
@@ -84,4 +90,61 @@ pub(super) fn start(
     });
     start.remarks.extend(drift.map(|drift| drift.in_words(&origin.name)));
     Ok(start)
+}
+
+/// A start from arrays: box sides and unwrapped positions in σ, velocities in σ/τ. Without velocities they are drawn for the
+/// temperature of the scene.
+///
+/// # Errors
+/// [`StartError`] where lengths differ, a number is out of bounds, or the sides make no box.
+pub fn start_from_arrays(
+    sides: DVec3,
+    positions: Vec<DVec3>,
+    velocities: Option<Vec<DVec3>>,
+) -> Result<StartConfiguration, StartError> {
+    let given = velocities.as_ref().map_or(positions.len(), Vec::len);
+    if given != positions.len() {
+        return Err(StartError::OneVelocityEach);
+    }
+    let mut all = positions.iter().chain(velocities.iter().flatten());
+    if !all.all(|v| v.abs().cmple(DVec3::splat(LARGEST)).all()) {
+        return Err(StartError::OutOfBounds);
+    }
+    Ok(StartConfiguration {
+        cell: PeriodicBox::new(sides)?,
+        positions,
+        velocities,
+        momenta: None,
+        species: FoundSpecies::default(),
+        step: None,
+        time: None,
+        frames: 1,
+    })
+}
+
+/// Writes a start that came from memory as a file that a scene can name, to the bit.
+///
+/// # Errors
+/// [`WriteError`] where it cannot be written.
+pub fn write_start(
+    path: &Path,
+    simulation: &Simulation,
+    start: &StartConfiguration,
+) -> Result<(), WriteError> {
+    let n = start.positions.len();
+    let velocities = start.velocities.clone();
+    let style = FrameStyle {
+        velocities: velocities.is_some(),
+        forces: false,
+        wrapped: false,
+        length_scale: 1.0,
+        ..style(simulation)
+    };
+    let state = State::new(
+        start.cell,
+        start.positions.clone(),
+        velocities.unwrap_or_else(|| vec![DVec3::ZERO; n]),
+    );
+    let frame = Frame { state: &state, extra: &[] };
+    lennard_io::write_frame(path, &style, &frame)
 }

@@ -2,23 +2,21 @@
 
 mod check;
 mod file;
-mod memory;
 mod molecules;
 mod places;
 mod species;
 mod value;
 mod velocities;
 
-use lennard_core::PeriodicBox;
-use lennard_io::StartConfiguration;
-use lennard_scene::{Arrangement, Placement, Scene};
-
 pub use check::SMALLEST_START_DISTANCE;
-pub use memory::{start_from_arrays, write_start};
+pub use file::{start_from_arrays, write_start};
 pub use value::Start;
 pub use velocities::thermal_velocities;
 pub(crate) use velocities::{make_suit, remove_drift};
 
+use lennard_core::PeriodicBox;
+use lennard_io::StartConfiguration;
+use lennard_scene::{Arrangement, Placement, Scene};
 use value::Origin;
 
 use crate::{EngineError, room};

@@ -27,6 +27,7 @@ fn checkpoint(step: u64) -> Checkpoint {
             precision: "double".into(),
             step,
             files: [("thermo.csv".to_string(), FileMark { bytes: 77, records: 3 })].into(),
+            ..CheckpointMetadata::default()
         },
         scene: "[system]\nτ = \"ε\"\n".into(),
         archive,
