@@ -17,22 +17,19 @@
 //!
 //! A term that is no finite number makes a total that is none either, which the watchdog sees.
 
-mod parts;
-mod summand;
 mod wide;
-mod window;
 
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+use glam::{DMat3, DVec3};
+use wide::WideSum;
 
 use crate::Team;
+use crate::exact::wide::power_of_two;
+use crate::lanes::{Simd, WithSimd, in_lanes};
 use crate::parallel::{CHUNK, part};
 use crate::tasks::map_tasks;
-
-pub use parts::{PartSum, SumOfParts};
-pub use summand::Summand;
-
-use wide::WideSum;
-use window::{MOST_TERMS, Window, larger};
 
 /// Terms that are added in one loop without a branch.
 const BLOCK: usize = 64;
@@ -287,6 +284,218 @@ pub fn exact_sums<const N: usize, R: Send>(
     });
     let found = found.collect();
     (all, found)
+}
+
+// An exact sum whose parts are computed where their terms are: by any thread, while they are in registers or in a cache.
+
+/// Parts whose slices fill no more than one sum of slices.
+const PARTS: usize = MOST_TERMS as usize / BLOCK;
+
+/// The slices of the terms of one part, or zeros where they went elsewhere.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PartSum([f64; 2]);
+
+/// An exact sum of parts. Its value has the bits of [`super::exact_sum`] over all terms.
+///
+/// All parts share one window, which the sum before has left. Terms that it does not hold go to a sum that parts take in turns.
+#[derive(Debug, Default)]
+pub struct SumOfParts {
+    window: Window,
+    others: Mutex<ExactSum>,
+}
+
+impl SumOfParts {
+    /// The most terms of a part.
+    pub const MOST_TERMS: usize = BLOCK;
+
+    /// Forgets parts that no value was asked for.
+    pub fn begin(&mut self) {
+        *self.others.get_mut().unwrap_or_else(PoisonError::into_inner) = ExactSum::default();
+    }
+
+    /// Sums the terms of a part.
+    ///
+    /// # Panics
+    /// Where there are more than [`SumOfParts::MOST_TERMS`]: that is a bug of the caller.
+    #[must_use]
+    pub fn part(&self, terms: &[f64]) -> PartSum {
+        assert!(terms.len() <= BLOCK, "few terms in a part");
+        PartSum(self.window.sums(terms).unwrap_or_else(|| {
+            self.others.lock().unwrap_or_else(PoisonError::into_inner).add_block(terms);
+            [0.0; 2]
+        }))
+    }
+
+    /// The sum of all parts since the last value, rounded once; with a team over the parts of all ranks.
+    #[must_use]
+    pub fn value(&mut self, parts: &[PartSum], team: Option<&Team>) -> f64 {
+        let others = self.others.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let mut sum = std::mem::take(others);
+        if sum.window.limit > self.window.limit {
+            self.window = sum.window;
+        }
+        for parts in parts.chunks(PARTS) {
+            sum.empty_slices();
+            for PartSum([high, low]) in parts {
+                sum.slices[0] += high;
+                sum.slices[1] += low;
+            }
+        }
+        let sums = ExactSums { sums: [sum], ..ExactSums::default() };
+        let [value] = sums.over(team).values();
+        value
+    }
+}
+
+// Terms cut into slices whose sums are exact doubles.
+
+/// Terms that are cut and summed side by side.
+const LANES: usize = 8;
+
+/// Terms that share one sum of slices.
+pub const MOST_TERMS: u32 = 1024;
+/// Bits of a slice: so many that the sum of the slices of [`MOST_TERMS`] terms is an exact double.
+const SLICE_BITS: i32 = 53 - MOST_TERMS.ilog2() as i32;
+/// Room above the largest term, in bits: larger terms seldom come later.
+const SPARE_BITS: i32 = 3;
+
+/// The place of the slices.
+#[derive(Debug, Clone, Copy)]
+pub struct Window {
+    /// Slices hold terms below this power of two.
+    pub limit: f64,
+    /// Numbers that round to multiples of the last bit of each slice, added and taken away.
+    rounders: [f64; 2],
+}
+
+impl Default for Window {
+    /// A window that holds zeros alone.
+    fn default() -> Self {
+        Self { limit: f64::from_bits(1), rounders: [0.0; 2] }
+    }
+}
+
+impl Window {
+    /// The window for terms up to a largest one; `None` where it would lie too near to an end of the exponents.
+    pub fn above(largest: f64) -> Option<Self> {
+        // largest < 2^exponent
+        let exponent = (largest.to_bits() >> 52) as i32 - 1022 + SPARE_BITS;
+        (-900..=900).contains(&exponent).then(|| Self {
+            limit: power_of_two(exponent),
+            // 1.5·2^(52+k) rounds to multiples of 2^k.
+            rounders: [1, 2].map(|slice| 1.5 * power_of_two(52 + exponent - slice * SLICE_BITS)),
+        })
+    }
+
+    /// The slices of a term below the limit, and the rest.
+    #[inline(always)]
+    pub fn cut(&self, term: f64) -> [f64; 3] {
+        let high = (term + self.rounders[0]) - self.rounders[0];
+        let below = term - high;
+        let low = (below + self.rounders[1]) - self.rounders[1];
+        [high, low, below - low]
+    }
+
+    /// The sums of the slices of a block; `None` where a term is not below the limit or has a rest.
+    pub fn sums(&self, block: &[f64]) -> Option<[f64; 2]> {
+        in_lanes(Sums(*self, block))
+    }
+}
+
+/// The sums of the slices of a block in a window.
+struct Sums<'a>(Window, &'a [f64]);
+
+impl WithSimd for Sums<'_> {
+    type Output = Option<[f64; 2]>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> Self::Output {
+        let Self(window, block) = self;
+        let (whole, last) = block.as_chunks();
+        let mut padded = [0.0; LANES];
+        padded[..last.len()].copy_from_slice(last);
+        // Two loops, so that registers hold all that each loop sums.
+        let mut largest = [0.0; LANES];
+        for terms in whole.iter().chain([&padded]) {
+            for k in 0..LANES {
+                largest[k] = larger(terms[k].abs(), largest[k]);
+            }
+        }
+        let (mut high, mut low, mut rest) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for terms in whole.iter().chain([&padded]) {
+            for k in 0..LANES {
+                let slices = window.cut(terms[k]);
+                high[k] += slices[0];
+                low[k] += slices[1];
+                rest[k] += slices[2].abs();
+            }
+        }
+        // A term that is no number leaves a rest that is no number, which equals nothing.
+        let holds = rest.iter().sum::<f64>() == 0.0;
+        let is_below = largest.into_iter().fold(0.0, larger) < window.limit;
+        let sums = [high, low].map(|slices| slices.iter().sum());
+        (holds && is_below).then_some(sums)
+    }
+}
+
+/// The larger of two numbers; the second where one is no number.
+#[inline(always)]
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+// What can be summed: quantities made of numbers.
+
+/// A quantity of N numbers that is summed exactly.
+pub trait Summand<const N: usize> {
+    /// Its numbers.
+    fn numbers(self) -> [f64; N];
+    /// The quantity of some numbers.
+    fn from_numbers(numbers: [f64; N]) -> Self;
+}
+
+impl Summand<1> for f64 {
+    #[inline(always)]
+    fn numbers(self) -> [f64; 1] {
+        [self]
+    }
+    #[inline(always)]
+    fn from_numbers([sum]: [f64; 1]) -> Self {
+        sum
+    }
+}
+
+impl Summand<3> for DVec3 {
+    #[inline(always)]
+    fn numbers(self) -> [f64; 3] {
+        self.to_array()
+    }
+    #[inline(always)]
+    fn from_numbers(numbers: [f64; 3]) -> Self {
+        Self::from_array(numbers)
+    }
+}
+
+impl Summand<9> for DMat3 {
+    #[inline(always)]
+    fn numbers(self) -> [f64; 9] {
+        self.to_cols_array()
+    }
+    #[inline(always)]
+    fn from_numbers(numbers: [f64; 9]) -> Self {
+        Self::from_cols_array(&numbers)
+    }
+}
+
+impl<const N: usize> Summand<N> for [f64; N] {
+    #[inline(always)]
+    fn numbers(self) -> [f64; N] {
+        self
+    }
+    #[inline(always)]
+    fn from_numbers(numbers: [f64; N]) -> Self {
+        numbers
+    }
 }
 
 #[cfg(test)]

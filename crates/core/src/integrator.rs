@@ -1,8 +1,9 @@
 //! An integrator at work: a method, the bath and the barostat that act after its steps, and the checks before them.
 
+use crate::thermostat::act;
 use crate::{
-    Backend, Barostat, BondSolver, BoxMoves, IntegratorSpec, Method, Momentum, State, Step,
-    StepError, StepReport, System, Thermostat, Want, couple, persist,
+    Backend, BathStep, BondSolver, ForceProperties, IntegratorSpec, Momentum, Moving, Parts,
+    Persist, Ramp, State, Step, StepError, StepReport, System, Thermostat, Want, persist,
 };
 
 /// Advances a state in time by the steps of a method, with or without a heat bath and a barostat after its steps.
@@ -241,4 +242,200 @@ fn check_suited(
         return Err(StepError::VelocityDependentForce { method: spec.name });
     }
     Ok(())
+}
+
+// What every integrator's file provides: its declaration and one step, written as kicks, drifts and force evaluations.
+
+/// One method of integration: its step as a sequence of operators.
+///
+/// Contract: after `start` and after each `step`, positions, velocities, forces and energetics of the state all belong to
+/// its time.
+pub trait Method: Persist + Send {
+    /// What the method declares about itself.
+    fn spec(&self) -> &'static IntegratorSpec;
+
+    /// Whether the method can run this system with such forces; else the reason.
+    ///
+    /// The default refuses constraints, which most methods do not solve for.
+    ///
+    /// # Errors
+    /// The reason in words.
+    fn suits(&self, system: &System, forces: ForceProperties) -> Result<(), String> {
+        let _ = forces;
+        without_constraints(system)
+    }
+
+    /// Whether particles move by forward [`Step::drift`] alone: hard walls act there and nowhere else.
+    ///
+    /// The default is that they do not.
+    fn takes_hard_walls(&self) -> bool {
+        false
+    }
+
+    /// Whether the flight of a step comes right after its whole kick, where unilateral contacts are solved for.
+    ///
+    /// The default is that it does not.
+    fn solves_contacts(&self) -> bool {
+        false
+    }
+
+    /// Whether steps that nothing looks at may be taken at once.
+    ///
+    /// Each is a kick, a drift and a kick, with friction and noise in the middle of the drift or without
+    /// ([`Step::friction_and_noise`]). The default is what the declaration says.
+    fn fuses_steps(&self) -> bool {
+        self.spec().is_kick_drift_kick
+    }
+
+    /// Evaluates the forces at the start and remembers what the steps need.
+    ///
+    /// # Errors
+    /// [`StepError`] where the forces fail.
+    fn start(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        s.forces_at_start()?;
+        self.remember(s)
+    }
+
+    /// Takes positions or velocities of other times from the present state, whose forces are known. This happens at the
+    /// start, and after a bath has changed the velocities. The default remembers nothing.
+    ///
+    /// # Errors
+    /// [`StepError`] where the state does not suit the method.
+    fn remember(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
+        let _ = s;
+        Ok(())
+    }
+
+    /// What the method itself wants of the forces at the end of each step. The default wants forces alone.
+    fn wants(&self) -> Want {
+        Want::NOTHING
+    }
+
+    /// Whether the box may change between steps; else the reason. The default lets it change.
+    ///
+    /// # Errors
+    /// The reason in words, for a method that keeps forces or positions of other times.
+    fn lets_box_change(&self) -> Result<(), &'static str> {
+        Ok(())
+    }
+
+    /// One step.
+    ///
+    /// # Errors
+    /// [`StepError`] where the forces fail or a solver does not converge.
+    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError>;
+}
+
+/// Refuses a system with constraints or rigid bonds.
+///
+/// # Errors
+/// The reason in words.
+pub fn without_constraints(system: &System) -> Result<(), String> {
+    rigid_bonds_alone(system)?;
+    if system.molecules.are_rigid() {
+        return Err("it has rigid bonds, and the method has no form that holds them".to_owned());
+    }
+    Ok(())
+}
+
+/// Refuses a system with constraints other than rigid bonds: what a method says whose kicks and drifts hold them.
+///
+/// # Errors
+/// The reason in words.
+pub fn rigid_bonds_alone(system: &System) -> Result<(), String> {
+    if system.constraints.is_empty() {
+        Ok(())
+    } else {
+        Err("it has constraints, and the method solves for none".to_owned())
+    }
+}
+
+// A bath at work after a step.
+
+/// Scales the velocities by the factor of a bath, where it acts after this step, and counts the heat. Returns whether it did.
+pub fn couple(bath: &mut dyn Thermostat, s: &mut Step<'_>) -> bool {
+    let (n_dof, dt) = (s.n_dof(), s.dt());
+    let Parts { system, state, .. } = s.parts();
+    if !bath.acts_after(state.step) {
+        return false;
+    }
+    let at =
+        BathStep { kinetic: system.kinetic_energy(&state.velocities), n_dof, dt, step: state.step };
+    let Some((factor, heat)) = act(bath, at) else {
+        return false;
+    };
+    Moving::of(state).scale(factor);
+    s.add_heat(heat);
+    true
+}
+
+// Barostats: operators between steps that change the box.
+
+/// What a barostat declares about itself.
+#[derive(Debug, Clone, Copy)]
+pub struct BarostatSpec {
+    /// Name in scene files.
+    pub name: &'static str,
+    /// One sentence.
+    pub summary: &'static str,
+    /// The equation of motion of the box, in plain text.
+    pub equation: &'static str,
+    /// Name of the only thermostat that it goes with; `None` where each canonical one suits.
+    pub thermostat: Option<&'static str>,
+    /// Author, title, equation.
+    pub source: &'static str,
+}
+
+/// What a barostat holds, and what it has to know of the fluid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PressureBath {
+    /// Pressure P₀, ε/σ³.
+    pub pressure: Ramp,
+    /// Temperature T₀ of the bath beside it, ε/k_B.
+    pub temperature: Ramp,
+    /// c_P = V²·P_tail of the homogeneous tail beyond the cutoff, ε·σ³; 0 without tail.
+    pub tail: f64,
+    /// Estimate of the isothermal compressibility κ, σ³/ε: it sets the pace alone.
+    pub compressibility: f64,
+}
+
+/// Proposed and accepted changes of the box.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct BoxMoves {
+    /// Changes proposed.
+    pub tried: u64,
+    /// Changes accepted.
+    pub accepted: u64,
+}
+
+crate::persist!(BoxMoves { [tried, accepted] as "moves" });
+
+impl BoxMoves {
+    /// The accepted part of the proposed changes; not a number where none was proposed.
+    #[must_use]
+    pub fn acceptance(&self) -> f64 {
+        self.accepted as f64 / self.tried as f64
+    }
+}
+
+/// Couples the box to a pressure after a step.
+pub trait Barostat: Persist + Send {
+    /// Whether the barostat acts after this step. It then finds what it [`wants`](Barostat::wants) in the state.
+    fn acts_after(&self, step: u64) -> bool;
+
+    /// What the barostat wants of the forces at the end of a step after which it acts.
+    fn wants(&self) -> Want {
+        Want::ENERGY_AND_VIRIAL
+    }
+
+    /// Changes box and positions, with the forces of the new state, and counts the work ([`Step::add_heat`]).
+    ///
+    /// The work is the change of U_s + V·P_tail, so that E + V·P_tail − Σ heat is conserved. Returns whether the box changed.
+    ///
+    /// # Errors
+    /// [`StepError`] where the forces of the new state fail.
+    fn apply(&mut self, step: &mut Step<'_>) -> Result<bool, StepError>;
+
+    /// The changes so far.
+    fn moves(&self) -> BoxMoves;
 }

@@ -3,9 +3,9 @@
 //! The library pulp chooses the registers of the machine, four numbers of 64 bits with AVX2. Sums and products are rounded
 //! one by one, so that the number of lanes changes no bit. No molecule feels what its neighbors in a register do.
 
-use std::ops::{Add, Div, Mul, Sub};
-
 pub use pulp::{Scalar, Simd, WithSimd};
+
+use std::ops::{Add, Div, Mul, Sub};
 
 use crate::DVec3;
 
@@ -222,6 +222,13 @@ impl Block {
         }
     }
 }
+
+// Numbers at lines of the cache.
+
+/// Numbers that begin where a line of the cache does: registers of them are written and read without a split.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub struct Aligned<T>(pub T);
 
 #[cfg(test)]
 mod tests {

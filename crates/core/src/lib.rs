@@ -6,25 +6,16 @@
 //! lengths in σ, times in τ = σ√(m/ε), energies in ε, forces in ε/σ, pressures in ε/σ³.
 //! Pair vectors are `r_ij = r_i − r_j`; the pair virial is `W = Σ r_ij·F_ij` without a factor 1/3.
 
-mod aligned;
-mod axis;
-mod barostat;
-mod bonds;
 mod boundary;
 mod cell;
-mod coupling;
 pub mod exact;
 mod force;
 mod force_error;
-mod force_sum;
 mod friction;
 mod integrator;
 pub mod lanes;
-mod masses;
-mod method;
 mod molecules;
 pub mod moves;
-mod normals;
 pub mod number;
 mod observable;
 pub mod options;
@@ -47,26 +38,21 @@ mod team;
 mod thermostat;
 mod topology;
 
-pub use aligned::Aligned;
-pub use axis::Axis;
-pub use barostat::{Barostat, BarostatSpec, BoxMoves, PressureBath};
-pub use bonds::{BondSolver, BoundDrift, Drifted};
-pub use boundary::{Boundary, Flight, WallReading};
-pub use cell::{BoxError, PeriodicBox};
-pub use coupling::couple;
+pub use boundary::{BondSolver, BoundDrift, Boundary, Drifted, Flight, WallReading};
+pub use cell::{Axis, BoxError, PeriodicBox};
 pub use force::{
-    Backend, ForceProperties, ForceStatistics, ForceTerm, FusedSteps, HaloSize, NoForces,
+    Backend, ForceProperties, ForceStatistics, ForceSum, ForceTerm, FusedSteps, HaloSize, NoForces,
 };
 pub use force_error::ForceError;
-pub use force_sum::ForceSum;
-pub use friction::{FrictionAndNoise, NoiseOfMass, NoiseOfStep};
+pub use friction::{FrictionAndNoise, LANES as NOISE_LANES, NoiseOfMass, NoiseOfStep};
 pub use glam::{DMat3, DVec3};
-pub use integrator::Integrator;
-pub use masses::Masses;
-pub use method::{Method, rigid_bonds_alone, without_constraints};
+pub use integrator::{
+    Barostat, BarostatSpec, BoxMoves, Integrator, Method, PressureBath, couple, rigid_bonds_alone,
+    without_constraints,
+};
+pub use lanes::Aligned;
 pub use molecules::{Bonds, Exclusions, MOLECULES_PER_TASK, Molecules};
 pub use moves::Moving;
-pub use normals::LANES as NOISE_LANES;
 pub use observable::{
     Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Shared, Standing, Suits,
     TailCorrection, View,
@@ -75,7 +61,7 @@ pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, State
 pub use ramp::Ramp;
 pub use remark::{Fronts, Remark};
 pub use spec::{IntegratorSpec, StepError, StepReport};
-pub use species::{MOST_SPECIES, Species, SpeciesTable};
+pub use species::{MOST_SPECIES, Masses, Species, SpeciesTable};
 pub use state::{Configuration, Energetics, Part, State, Want};
 pub use step::{Parts, Step, check_finite};
 pub use system::{Constraint, ExactSolution, Momentum, System};

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::masses::Masses;
+use crate::species::Masses;
 use crate::tasks::for_each_item;
 use crate::topology::{Bond, MOST_SITES, Topology};
 

@@ -11,10 +11,8 @@
 
 use glam::DVec3;
 
-use crate::aligned::Aligned;
-use crate::friction::{NoiseOfMass, NoiseOfStep};
-use crate::lanes::{Simd, WithSimd, in_lanes};
-use crate::normals::LANES;
+use crate::friction::{LANES, NoiseOfMass, NoiseOfStep};
+use crate::lanes::{Aligned, Simd, WithSimd, in_lanes};
 use crate::parallel::{for_each_piece_of_three, for_each_piece_pair};
 use crate::{Masses, State, exact};
 

@@ -426,34 +426,3 @@ impl<'a> StateReader<'a> {
         RestoreError::Misfit { name: below(&self.prefix, name), reason: reason.into() }
     }
 }
-
-impl Persist for crate::State {
-    fn save(&self, to: &mut StateWriter<'_>) {
-        // The box is the simulation's to save, and energetics belong to one step.
-        let Self { step, time, cell: _, positions, velocities, forces, energetics: _ } = self;
-        step.save(&mut to.section("step"));
-        time.save(&mut to.section("time"));
-        positions.save(&mut to.section("positions"));
-        velocities.save(&mut to.section("velocities"));
-        forces.save(&mut to.section("forces"));
-    }
-
-    fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        let n = self.len();
-        for (name, target) in [
-            ("positions", &mut self.positions),
-            ("velocities", &mut self.velocities),
-            ("forces", &mut self.forces),
-        ] {
-            let saved = from.vec3(name)?;
-            if saved.len() != n {
-                return Err(from.misfit(name, format!("{} particles, wanted {n}", saved.len())));
-            }
-            target.copy_from_slice(saved);
-        }
-        self.step.restore(&from.section("step"))?;
-        self.time.restore(&from.section("time"))?;
-        self.energetics = crate::Energetics::default();
-        Ok(())
-    }
-}

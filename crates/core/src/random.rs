@@ -9,7 +9,7 @@ use std::convert::Infallible;
 use rand::{SeedableRng, TryRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use crate::aligned::Aligned;
+use crate::lanes::Aligned;
 
 /// One round of Philox: two 32×32-bit products, crossed.
 #[inline(always)]

@@ -26,6 +26,9 @@ pub struct State {
     pub energetics: Energetics,
 }
 
+// The box is the simulation's to save, and energetics belong to one step.
+crate::persist!(State { step, time, positions, velocities, forces, fixed cell, energetics });
+
 impl State {
     /// A state at step 0 and time 0 with zero forces, which an integrator's `start` then fills.
     ///

@@ -6,9 +6,8 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::exact::exact_sum;
-use crate::masses::Masses;
 use crate::molecules::Molecules;
-use crate::species::{Species, SpeciesTable};
+use crate::species::{Masses, Species, SpeciesTable};
 
 /// A known solution of the equations of motion, against which methods are measured.
 pub trait ExactSolution: Send + Sync + std::fmt::Debug {

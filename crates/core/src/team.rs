@@ -10,7 +10,7 @@
 //!   Team    the same, timed; shares of work; flags; halos
 //! ```
 
-mod threads;
+mod testing;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use glam::DVec3;
 
 use crate::parallel::equal_parts;
 
-pub use threads::team_of_threads;
+pub use testing::team_of_threads;
 
 /// Vectors for a rank, or from one.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::sparse::Pattern;
 use glam::DVec3;
+
+use crate::sparse::Pattern;
 
 /// The most sites of a molecule.
 pub const MOST_SITES: usize = 64;

@@ -16,12 +16,12 @@ use crate::baths::{ensemble, held_temperature, measured_baths, measured_pressure
 use crate::confinement::Confinement;
 use crate::curvature::{curvature, pair_ends};
 use crate::error::misfit;
-use crate::force_check::ForceCheck;
 use crate::own::OwnParts;
 use crate::planar_tail::PlanarTail;
 use crate::schedule::Observer;
 use crate::simulation::{Recording, Simulation, Timers};
 use crate::start::{Start, make_suit, start_with, thermal_velocities};
+use crate::watchdog::ForceCheck;
 use crate::{EngineError, baths, compare, foresight, from_frames, pressure, room};
 
 /// The temperature and step for which the list is laid out. They are the highest temperature and the

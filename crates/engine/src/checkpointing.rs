@@ -6,8 +6,8 @@
 use std::time::{Duration, Instant};
 
 use lennard_core::{
-    Array, DMat3, DVec3, Energetics, PeriodicBox, Persist, RestoreError, SpeciesTable,
-    StateArchive, StateReader, StateWriter,
+    Array, DMat3, Energetics, PeriodicBox, Persist, RestoreError, SpeciesTable, StateArchive,
+    StateReader, StateWriter,
 };
 use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, FileMark, WriteError};
 use lennard_scene::Scene;
@@ -107,7 +107,8 @@ pub(crate) fn check_particles(archive: &StateArchive, n: usize) -> Result<(), Re
         match array {
             Array::Vec3(all) => {
                 // A list that was never built has no positions.
-                if all.len() != n && (of_method || !all.is_empty()) {
+                let is_unbuilt = name.starts_with("forces/") && all.is_empty();
+                if all.len() != n && !is_unbuilt {
                     return Err(reader.misfit(name, format!("{} particles, wanted {n}", all.len())));
                 }
                 if let Some(particle) = all.iter().position(|r| !r.is_finite()) {
@@ -132,12 +133,8 @@ pub(crate) fn check_particles(archive: &StateArchive, n: usize) -> Result<(), Re
 }
 
 /// The box of the start of a saved run, for which its lists were laid out.
-pub(crate) fn saved_start_cell(archive: &StateArchive) -> Result<DVec3, RestoreError> {
-    let reader = archive.reader().section("run");
-    match reader.vec3("cell")? {
-        [sides] => Ok(*sides),
-        others => Err(reader.misfit("cell", format!("{} boxes, wanted 1", others.len()))),
-    }
+pub(crate) fn saved_start_cell(archive: &StateArchive) -> Result<PeriodicBox, RestoreError> {
+    saved_box(&archive.reader().section("run"), "cell")
 }
 
 /// Species in one number of a checkpoint.
@@ -252,6 +249,8 @@ impl Checkpointer {
     }
 }
 
+// A simulation as a checkpoint keeps it.
+
 impl Persist for Simulation {
     fn save(&self, to: &mut StateWriter<'_>) {
         self.state.save(&mut to.section("state"));
@@ -274,7 +273,11 @@ impl Persist for Simulation {
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.state.restore(&from.section("state"))?;
-        self.state.cell = saved_box(from)?.unwrap_or(self.start_cell);
+        self.state.cell = match saved_box(from, "box") {
+            // It is still the box of the start.
+            Err(RestoreError::Missing(_)) => self.start_cell,
+            cell => cell?,
+        };
         self.forces.restore(&from.section("forces"))?;
         let observables = from.section("observables");
         for Observer { observable, .. } in &mut self.observers {
@@ -288,29 +291,21 @@ impl Persist for Simulation {
             Err(RestoreError::Missing(_)) if self.state.step == 0 => return Ok(()),
             stage => stage?,
         };
-        if index as usize >= self.scene.stages.len() {
-            return Err(
-                from.misfit("stage", format!("stage {index} of {}", self.scene.stages.len()))
-            );
+        let index = index as usize;
+        let Some(of_stage) = self.scene.stages.get(index).map(|stage| stage.steps) else {
+            let found = format!("stage {index} of {}", self.scene.stages.len());
+            return Err(from.misfit("stage", found));
+        };
+        let (before, step) = (self.scene.steps_before(index), self.state.step);
+        if steps_done > of_stage || before + steps_done != step {
+            let found = format!("{steps_done} of {of_stage} steps after {before}, at step {step}");
+            return Err(from.misfit("stage", found));
         }
-        let before: u64 = self.scene.stages[..index as usize].iter().map(|s| s.steps).sum();
-        let of_stage = self.scene.stages[index as usize].steps;
-        if steps_done > of_stage || before + steps_done != self.state.step {
-            return Err(from.misfit(
-                "stage",
-                format!(
-                    "{steps_done} of {of_stage} steps after {before}, at step {}",
-                    self.state.step
-                ),
-            ));
+        if self.measured_steps > step {
+            let found = format!("{} of {step}", self.measured_steps);
+            return Err(from.misfit("measured_steps", found));
         }
-        if self.measured_steps > self.state.step {
-            return Err(from.misfit(
-                "measured_steps",
-                format!("{} of {}", self.measured_steps, self.state.step),
-            ));
-        }
-        let mut stage = self.stage_run_for(index as usize);
+        let mut stage = self.stage_run_for(index);
         stage.steps_done = steps_done;
         [stage.heat, stage.start_energy] = from.f64s("stage_energy")?;
         stage.integrator.restore(&from.section("method"))?;
@@ -319,18 +314,12 @@ impl Persist for Simulation {
     }
 }
 
-/// The box of a saved run; `None` where the box is still the box of the start.
-fn saved_box(from: &StateReader<'_>) -> Result<Option<PeriodicBox>, RestoreError> {
-    let sides = match from.vec3("box") {
-        Err(RestoreError::Missing(_)) => return Ok(None),
-        Ok([sides]) => *sides,
-        Ok(others) => {
-            return Err(from.misfit("box", format!("{} boxes, wanted 1", others.len())));
-        }
-        Err(error) => return Err(error),
-    };
-    let cell = PeriodicBox::new(sides).map_err(|e| from.misfit("box", e.to_string()))?;
-    Ok(Some(cell))
+/// A box of a saved run.
+fn saved_box(from: &StateReader<'_>, name: &str) -> Result<PeriodicBox, RestoreError> {
+    match from.vec3(name)? {
+        [sides] => PeriodicBox::new(*sides).map_err(|e| from.misfit(name, e.to_string())),
+        others => Err(from.misfit(name, format!("{} boxes, wanted 1", others.len()))),
+    }
 }
 
 #[cfg(test)]

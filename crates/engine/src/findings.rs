@@ -156,6 +156,8 @@ fn by_thermostat(
     Some(Doubt::Thermostat { why, sets_it })
 }
 
+// What means nothing where two phases stand side by side, and is left out of a run.
+
 /// Why a mean over the whole box belongs to no phase; `None` where the box holds one phase, as far as the run knows.
 fn two_phases(scene: &Scene, findings: &[Findings]) -> Option<String> {
     if let Some(surfaces) = scene.surfaces() {

@@ -15,7 +15,6 @@ mod failure;
 mod files;
 mod findings;
 mod follower;
-mod force_check;
 mod foresight;
 mod from_frames;
 mod instant;
@@ -34,7 +33,6 @@ mod run;
 mod schedule;
 mod session;
 mod simulation;
-mod stage;
 mod start;
 mod threads;
 mod watch;
@@ -52,7 +50,6 @@ pub use error::{EngineError, RanksError, ResumeError, StartError, again};
 pub use failure::{PhysicsFailure, Symptom};
 pub use files::{Marks, RunFiles};
 pub use follower::{Control, Ending, Follower, Progress, StopAt, Unfollowed};
-pub use force_check::{ForceCheck, Seen};
 pub use instant::Moment;
 pub use measure::{Measurement, Trajectory};
 pub use own::OwnParts;
@@ -70,3 +67,4 @@ pub use start::{
     write_start,
 };
 pub use threads::Threads;
+pub use watchdog::{ForceCheck, Seen};

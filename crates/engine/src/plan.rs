@@ -146,38 +146,14 @@ pub fn plan(
     })
 }
 
-/// How a part of the work is done, or why it is not.
-enum How<'a> {
-    On(String),
-    Off(&'a str),
+fn item(part: &str, on: bool, why: impl Into<String>) -> PlanItem {
+    PlanItem { part: part.to_owned(), on, why: why.into(), share: None }
 }
 
-impl<'a> How<'a> {
-    /// On where there are words how, else off.
-    fn of(how: Option<String>, why_not: &'a str) -> Self {
-        how.map_or(Self::Off(why_not), Self::On)
-    }
-
-    /// On or off, in the same words.
-    fn either(on: bool, words: &'a str) -> Self {
-        Self::of(on.then(|| words.to_owned()), words)
-    }
-}
-
-fn item(part: &str, how: How<'_>) -> PlanItem {
-    let on = matches!(how, How::On(_));
-    let why = match how {
-        How::On(words) => words,
-        How::Off(words) => words.to_owned(),
-    };
-    PlanItem { part: part.to_owned(), on, why, share: None }
-}
-
-fn neighbor_in_words(forces: &ForcePlan) -> How<'_> {
-    let list = (forces.search == Search::Verlet).then(|| {
-        format!("list radius {:.3} σ (skin {:.3} σ): {}", forces.r_list, forces.skin, forces.reason)
-    });
-    How::of(list, &forces.reason)
+/// A part that is on where there are words how, else off.
+fn item_where(part: &str, how: Option<String>, why_not: &str) -> PlanItem {
+    let on = how.is_some();
+    item(part, on, how.unwrap_or_else(|| why_not.to_owned()))
 }
 
 fn items(
@@ -190,7 +166,7 @@ fn items(
     if let Some(molecule) = &scene.molecule {
         let bonds = molecule.molecules().bonds().len() * simulation.system.n_molecules();
         let words = format!("{bonds} bonds, {}", molecule.bonds.spec().name);
-        items.push(item("bonds", How::On(words)));
+        items.push(item("bonds", true, words));
     }
     items.extend(of_species(simulation));
     for stage in &scene.stages {
@@ -198,16 +174,17 @@ fn items(
     }
     items.extend(of_observables(scene));
     items.extend(of_output(scene));
-    items.push(item("watchdog", How::On(watchdog::what_is_done())));
+    items.push(item("watchdog", true, watchdog::what_is_done()));
     let more_threads = format!(
         "{threads} at work; {} pay for {} particles",
         forces.recommended_threads,
         simulation.state.len()
     );
-    items.push(item("more than one thread", How::either(threads > 1, &more_threads)));
+    items.push(item("more than one thread", threads > 1, more_threads));
     items.push(item(
         "image flags",
-        How::Off("positions are kept unwrapped; flags are made only where a frame is written"),
+        false,
+        "positions are kept unwrapped; flags are made only where a frame is written",
     ));
     items
 }
@@ -222,61 +199,56 @@ fn of_species(simulation: &Simulation) -> Option<PlanItem> {
             format!("{count} of {} with mass {mass}", species.name(a))
         })
         .collect();
-    Some(item("species", How::On(each.join(", "))))
+    Some(item("species", true, each.join(", ")))
 }
 
 fn of_steps(scene: &Scene, simulation: &Simulation, forces: &ForcePlan) -> [PlanItem; 6] {
     let rows = scene.output.thermo_every;
-    let laplacian = format!("Laplacian on every {rows}th step of measured stages");
-    let tail = match simulation.tail() {
-        Some(tail) => How::On(format!(
-            "computed {}: {:.4} {}, {:.4} ε/σ³",
-            if simulation.box_changes() {
-                "from the volume of each sample; at the start"
-            } else {
-                "once"
-            },
-            tail.energy_per_particle,
-            simulation.system.molecules.energy_unit(),
-            tail.pressure
-        )),
+    let (on, tail) = match simulation.tail() {
+        Some(tail) => {
+            let volume = "from the volume of each sample; at the start";
+            let when = if simulation.box_changes() { volume } else { "once" };
+            let unit = simulation.system.molecules.energy_unit();
+            let (energy, pressure) = (tail.energy_per_particle, tail.pressure);
+            (true, format!("computed {when}: {energy:.4} {unit}, {pressure:.4} ε/σ³"))
+        }
         None if scene.planar_tail => {
             let tail = PlanarTail::of(scene, &simulation.state.cell);
-            How::On(format!(
-                "a force across the surfaces, of {} waves along z, on every step; steps are not fused",
-                tail.map_or(0, |tail| tail.n_modes())
-            ))
+            let waves = tail.map_or(0, |tail| tail.n_modes());
+            (
+                true,
+                format!(
+                    "a force across the surfaces, of {waves} waves along z, on every step; steps are not fused"
+                ),
+            )
         }
-        None if scene.truncation.tail_correction => How::Off("the potential has none"),
-        None => How::Off("not asked for, or not a plain cutoff"),
+        None if scene.truncation.tail_correction => (false, "the potential has none".to_owned()),
+        None => (false, "not asked for, or not a plain cutoff".to_owned()),
     };
-    let (kernel, isa, precision) = (forces.kernel, forces.isa, forces.precision.name());
-    let method = scene.method_name();
-    let [pairs, integrator, energies] = [
-        format!("every step, `{kernel}` loop, {isa} in {precision} precision"),
-        format!("{method}, dt = {} τ", short(scene.integrator.dt)),
-        format!("on every {rows}th step, for thermo.csv and the averages; not between"),
-    ];
+    let ForcePlan { kernel, isa, precision, reason, r_list, skin, .. } = forces;
+    let list = format!("list radius {r_list:.3} σ (skin {skin:.3} σ): {reason}");
     let wants_laplacian = simulation.thermodynamics().want().laplacian;
+    let laplacian = format!("Laplacian on every {rows}th step of measured stages");
+    let molecules = &simulation.system.molecules;
+    let no_laplacian = if molecules.are_rigid() || molecules.hide_forces() {
+        "not of rigid bonds and implicit springs: what holds them is not among the forces"
+    } else {
+        "switched off in the scene"
+    };
+    let pairs = format!("every step, `{kernel}` loop, {isa} in {} precision", precision.name());
+    let integrator = format!("{}, dt = {} τ", scene.method_name(), short(scene.integrator.dt));
+    let energies = format!("on every {rows}th step, for thermo.csv and the averages; not between");
     [
-        item("pair forces", How::On(pairs)),
-        item("neighbor list", neighbor_in_words(forces)),
-        item("integrator", How::On(integrator)),
-        item("energy and virial", How::On(energies)),
-        item(
+        item("pair forces", true, pairs),
+        item_where("neighbor list", (forces.search == Search::Verlet).then_some(list), reason),
+        item("integrator", true, integrator),
+        item("energy and virial", true, energies),
+        item_where(
             "configurational temperature",
-            How::of(
-                wants_laplacian.then_some(laplacian),
-                if simulation.system.molecules.are_rigid()
-                    || simulation.system.molecules.hide_forces()
-                {
-                    "not of rigid bonds and implicit springs: what holds them is not among the forces"
-                } else {
-                    "switched off in the scene"
-                },
-            ),
+            wants_laplacian.then_some(laplacian),
+            no_laplacian,
         ),
-        item("tail correction", tail),
+        item("tail correction", on, tail),
     ]
 }
 
@@ -288,11 +260,12 @@ fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
     let measured = if stage.measure { ", measured" } else { ", not measured: no observable runs" };
     let itself = item(
         &format!("stage {}", stage.name),
-        How::On(format!("{} steps, {bath}{measured}", stage.steps)),
+        true,
+        format!("{} steps, {bath}{measured}", stage.steps),
     );
     let bath = stage.thermostat.as_ref().map(|thermostat| {
         let how = "once a step, or as often as its table says; one that is an integrator costs what the integrator does";
-        item(&bath_name(stage, thermostat.name()), How::On(how.into()))
+        item(&bath_name(stage, thermostat.name()), true, how)
     });
     let barostat = stage.barostat.as_ref().map(|control| {
         let how = match control.options.evaluations() {
@@ -303,7 +276,7 @@ fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
             ),
         };
         let how = format!("{}, {how}", control.pressure_in_words());
-        item(&barostat_name(stage, control.options.name()), How::On(how))
+        item(&barostat_name(stage, control.options.name()), true, how)
     });
     let exchange = stage.exchange.as_ref().map(|exchange| {
         let how = format!(
@@ -313,7 +286,7 @@ fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
             exchange.every,
             exchange.slabs
         );
-        item(&format!("exchange of {}", stage.name), How::On(how))
+        item(&format!("exchange of {}", stage.name), true, how)
     });
     [itself].into_iter().chain(bath).chain(barostat).chain(exchange)
 }
@@ -321,17 +294,16 @@ fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
 fn of_observables(scene: &Scene) -> Vec<PlanItem> {
     let rows = scene.output.thermo_every;
     let averages = format!("averages on every {rows}th step of measured stages");
-    let mut items =
-        vec![item(THERMODYNAMICS, How::either(scene.stages.iter().any(|s| s.measure), &averages))];
+    let mut items = vec![item(THERMODYNAMICS, scene.stages.iter().any(|s| s.measure), averages)];
     let tables = scene.observables.iter();
     let named = tables.map(|table| (table.options.name(), table.every));
     let named: Vec<_> = named.filter(|(name, _)| *name != THERMODYNAMICS).collect();
     for (name, every) in &named {
-        items.push(item(name, How::On(format!("every {every} steps"))));
+        items.push(item(name, true, format!("every {every} steps")));
     }
     for spec in lennard_observables::observables() {
         if spec.name != THERMODYNAMICS && named.iter().all(|(name, _)| *name != spec.name) {
-            items.push(item(spec.name, How::Off("not in the scene")));
+            items.push(item(spec.name, false, "not in the scene"));
         }
     }
     items
@@ -348,14 +320,9 @@ fn of_output(scene: &Scene) -> [PlanItem; 2] {
         .collect();
     let checkpoints =
         format!("{}, and at the end; what they cost depends on the disk", when.join(" and "));
+    let alone = "at the end alone, or when the run is stopped";
     [
-        item("trajectory", How::of(trajectory, "no `trajectory_every` in [output]")),
-        item(
-            "checkpoints",
-            How::of(
-                (!when.is_empty()).then_some(checkpoints),
-                "at the end alone, or when the run is stopped",
-            ),
-        ),
+        item_where("trajectory", trajectory, "no `trajectory_every` in [output]"),
+        item_where("checkpoints", (!when.is_empty()).then_some(checkpoints), alone),
     ]
 }

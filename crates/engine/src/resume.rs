@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use lennard_core::{DVec3, PeriodicBox};
+use lennard_core::DVec3;
 use lennard_io::{
     Checkpoint, CheckpointFolder, CheckpointProblem, TrajectoryFormat, path_in_shell,
 };
@@ -267,41 +267,33 @@ impl Saved<'_> {
         wanted: Option<&str>,
     ) -> Result<(Simulation, Option<String>), EngineError> {
         let recorded = &self.checkpoint.metadata.isa;
-        let step = self.checkpoint.metadata.step;
         let as_it_was = self.build(&overrides);
-        match (&as_it_was, wanted) {
-            (Ok(s), None) if s.isa == *recorded => return as_it_was.map(|s| (s, None)),
-            (Ok(s), Some(wanted)) if s.isa == *recorded && wanted == recorded => {
-                return as_it_was.map(|s| (s, None));
-            }
-            (Err(e), None) if !is_about_isa(e) => return as_it_was.map(|s| (s, None)),
-            (was, None) => {
-                let available = lennard_forcefield::available_isas();
-                let here = match was {
-                    Ok(s) => format!("this machine would go on with {}", s.isa),
-                    Err(_) => "this processor does not have it".to_owned(),
-                };
-                let advice = if available.contains(&recorded.as_str()) {
-                    format!("to go on to the bit: --isa {recorded}")
-                } else {
-                    format!(
-                        "to go on with bits that may differ: --isa {}",
-                        available.first().copied().unwrap_or("portable")
-                    )
-                };
-                return Err(ResumeError::OtherIsa {
-                    checkpoint: self.path.to_owned(),
-                    recorded: recorded.clone(),
-                    here,
-                    advice,
-                }
-                .into());
-            }
-            (_, Some(_)) => {}
+        let is_settled = match &as_it_was {
+            Ok(simulation) => simulation.isa == *recorded,
+            Err(error) => wanted.is_none() && !is_about_isa(error),
+        };
+        if is_settled && wanted.is_none_or(|wanted| wanted == recorded) {
+            return as_it_was.map(|simulation| (simulation, None));
         }
-        let isa = [("kernel.isa".to_owned(), wanted.unwrap_or_default().to_owned())];
+        let Some(wanted) = wanted else {
+            let available = lennard_forcefield::available_isas();
+            let here = match as_it_was {
+                Ok(s) => format!("this machine would go on with {}", s.isa),
+                Err(_) => "this processor does not have it".to_owned(),
+            };
+            let advice = if available.contains(&recorded.as_str()) {
+                format!("to go on to the bit: --isa {recorded}")
+            } else {
+                let other = available.first().copied().unwrap_or("portable");
+                format!("to go on with bits that may differ: --isa {other}")
+            };
+            let (checkpoint, recorded) = (self.path.to_owned(), recorded.clone());
+            return Err(ResumeError::OtherIsa { checkpoint, recorded, here, advice }.into());
+        };
+        let isa = [("kernel.isa".to_owned(), wanted.to_owned())];
         let overrides: Vec<_> = overrides.into_iter().chain(isa).collect();
         let simulation = self.build(&overrides)?;
+        let step = self.checkpoint.metadata.step;
         let remark = (simulation.isa != *recorded).then(|| {
             format!(
                 "from step {step} on with the instruction set {} in place of {recorded}: bits may differ from a run on one",
@@ -320,9 +312,8 @@ impl Saved<'_> {
             |reason: String| ResumeError::DoesNotFit { checkpoint: path.to_owned(), reason };
         let name = path.display().to_string();
         let scene = Scene::parse_to_grow(&checkpoint.scene, &name, overrides)?;
-        let sides = checkpointing::saved_start_cell(&checkpoint.archive)
+        let cell = checkpointing::saved_start_cell(&checkpoint.archive)
             .map_err(|e| misfit(e.to_string()))?;
-        let cell = PeriodicBox::new(sides).map_err(|e| misfit(e.to_string()))?;
         let state = checkpoint.archive.reader().section("state");
         let n = state.vec3("positions").map_err(|e| misfit(e.to_string()))?.len();
         if n == 0 {

@@ -197,6 +197,11 @@ impl Simulation {
     }
 }
 
+// A scene that grows while it is run: a stage is added, the last one is made longer, or the scene ends where it is.
+//
+// Such a scene may have no stage yet, or none that is measured. The run has the bits of one whose scene had the stages from
+// the start, where the list was laid out alike.
+
 /// A stage that is added to a scene, each part as TOML.
 pub struct Addition<'a> {
     /// The keys of the stage.

@@ -14,11 +14,11 @@ use lennard_observables::Thermodynamics;
 use lennard_scene::{RemovedKind, Scene, Stage, removed};
 
 use crate::error::EngineError;
-use crate::force_check::ForceCheck;
 use crate::from_frames::FromFrames;
 use crate::own::OwnParts;
 use crate::schedule::Observer;
 use crate::threads::Threads;
+use crate::watchdog::ForceCheck;
 
 /// Everything that a run is made of.
 pub struct Simulation {

@@ -4,8 +4,8 @@ use lennard_core::{Configuration, IntegratorSpec, StepError};
 
 use crate::close_pairs::Sizes;
 use crate::failure::{LARGEST_MOVE, PhysicsFailure, Symptom};
-use crate::force_check::Seen;
 use crate::schedule::{Action, Operation, Trigger};
+use crate::watchdog::Seen;
 use crate::watchdog::{self, Circumstances};
 use crate::{EngineError, Simulation};
 

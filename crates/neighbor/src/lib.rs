@@ -1,4 +1,4 @@
-//! Neighbor lists: particles sorted in space, full Verlet lists, the criterion of their validity, and a brute-force search.
+//! Neighbor lists: particles sorted in space, full Verlet lists, and the criterion of their validity.
 //!
 //! Lists are *full*: they contain all neighbors of a particle. A force loop writes the force of its own particle only,
 //! and the result has the same bits for any number of threads.
@@ -29,9 +29,7 @@
 //! | [`PackedDisplacement`] | four bytes, by slot | `PackedCopies` (forcefield) | The search for unlisted pairs reads far less memory. |
 //! | registers | lanes of f64 or f32 | pair loops | The arithmetic of pairs. |
 
-mod brute;
 mod clusters;
-mod own_chunks;
 mod pair_list;
 mod room;
 mod rows;
@@ -40,14 +38,12 @@ mod sort;
 mod unlisted;
 mod validity;
 
-pub use brute::{brute_force_pairs, for_each_pair};
 pub use clusters::{
     ALL_MEMBERS, BLOCK, Block, CLUSTER, ClusterBlocks, ClusterChunk, ClusterList, ClusterNeighbors,
     ClusterScanner, ENTRY_SCALE, ExcludedEntries, FIRST_HALF, GroupBounds, GroupCandidates, Reach,
     SECOND_HALF, ScalarClusterScanner, Span, THEMSELVES, cluster_center,
 };
-pub use own_chunks::slots_of;
-pub use pair_list::PairList;
+pub use pair_list::{PairList, slots_of};
 pub use rows::{
     ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, NeighborList, Numbering,
     RowScanner, ScalarScanner,

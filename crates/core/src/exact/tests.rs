@@ -170,3 +170,29 @@ fn threads_change_no_bit() {
         assert_eq!(pool.install(sums), one);
     }
 }
+
+#[test]
+fn parts_have_the_sum_of_all_terms_wherever_the_window_lies() {
+    let mut sum = SumOfParts::default();
+    let mut spilled = Vec::new();
+    for (round, scale) in [1.0, 1.0, 1e3, 1e-3, 1e-30, f64::MAX / 1e6].into_iter().enumerate() {
+        // More terms of one sign than one sum of slices holds.
+        let n = 60_000 - 17 * round;
+        let term = |k: usize| scale * (1.5 + ((k + 31 * round) as f64 * 12.9898).sin());
+        let mut terms: Vec<f64> = (0..n).map(term).collect();
+        // A term far below the others has a rest below the slices.
+        terms[round] *= scale * 1e-12;
+        let parts: Vec<PartSum> = terms.chunks(BLOCK).map(|part| sum.part(part)).collect();
+        spilled.push(parts.iter().filter(|part| part.0 == [0.0; 2]).count());
+        let value = sum.value(&parts, None);
+        assert_eq!(value.to_bits(), total(&terms).to_bits(), "{round}");
+    }
+    // All parts of the first round find no window, and one part of the second does not fit.
+    assert_eq!(spilled[..2], [938, 1], "{spilled:?}");
+    let parts = [sum.part(&[1.0, f64::NAN]), sum.part(&[1.0])];
+    assert!(sum.value(&parts, None).is_nan());
+    let _ = sum.part(&[f64::INFINITY]);
+    sum.begin();
+    let parts = [sum.part(&[1.0, 2.0])];
+    assert_eq!(sum.value(&parts, None), 3.0);
+}

@@ -7,14 +7,13 @@
 
 mod chains;
 mod equations;
-mod tridiagonal;
+
+pub use chains::InverseMasses;
+pub use equations::{BondEquations, Tridiagonal};
 
 use std::ops::Range;
 
-pub use chains::InverseMasses;
 use chains::Project;
-pub use equations::BondEquations;
-pub use tridiagonal::Tridiagonal;
 
 use crate::exact::{exact_sum, exact_sums};
 use crate::lanes::in_lanes;

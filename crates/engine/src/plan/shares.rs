@@ -339,6 +339,8 @@ pub(super) fn checkpoint_bytes(bare: &Simulation) -> usize {
     archive.bytes()
 }
 
+// The first steps of a scene, taken until they tell how long a step takes.
+
 /// How long the steps are measured.
 const STEPS_FOR: Duration = Duration::from_millis(400);
 /// The fewest steps after the first that tell what a step takes: the first one builds the list and touches new memory.

@@ -92,6 +92,11 @@ fn polynomial(q: f64) -> Row {
     powers
 }
 
+// The four passes between particles, rows of cells, and waves, with the widest registers of the machine.
+//
+// Terms of a row lie side by side in registers. Products and sums are rounded one by one, so that registers change no bit.
+// Cells i and −i, and i and M/2 − i, have the same cosines and sines but for signs: a quarter of the cells is summed.
+
 /// Particles whose cells are found side by side.
 const BLOCK: usize = 8;
 /// The axis across the surfaces.

@@ -14,11 +14,11 @@
 //!   Where particles are bonded, the other ends of the members' bonds come next, and each masked block has a mask per member.
 //! ```
 
-use super::block::Block;
-use super::excluded::{Excluded, ExcludedEntries};
+use super::block::{Block, pack, pack_far, worthwhile};
 use super::format::{BLOCK, CLUSTER};
-use super::found::{ALL_MEMBERS, ClusterNeighbors, FIRST_HALF, SECOND_HALF};
-use super::pack::{pack, pack_far, worthwhile};
+use super::found::{
+    ALL_MEMBERS, ClusterNeighbors, Excluded, ExcludedEntries, FIRST_HALF, SECOND_HALF,
+};
 use crate::room::{give_back, make_room, refill};
 
 /// The ends of the blocks of one cluster, by kind, among the blocks of its chunk.

@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
-use super::excluded::Excluded;
-use super::format::{BLOCK, BLOCK_REACH, CLUSTER};
-use super::group::GroupCandidates;
-use crate::sort::PADDING;
+use lennard_core::Exclusions;
+
+use crate::clusters::block::Block;
+use crate::clusters::format::{BLOCK, BLOCK_REACH, CLUSTER};
+use crate::sort::{ColumnTable, PADDING};
 
 /// The most excluded slots of a cluster: two for each member.
 pub(super) const MOST_EXCLUDED: usize = 2 * CLUSTER;
@@ -156,5 +157,138 @@ impl ClusterNeighbors {
             for_all[to..to + PADDING].copy_from_slice(some);
         }
         self.len[ALL_MEMBERS] += rest;
+    }
+}
+
+// The pairs of a cluster that do not interact, besides each member with itself.
+
+/// The entries of a block that each member of a cluster does not look at, one bit each.
+pub type ExcludedEntries = [u16; CLUSTER];
+
+/// The entries that members do not look at in the first masked block where no pair is excluded: themselves.
+pub const THEMSELVES: ExcludedEntries = [0b0001, 0b0010, 0b0100, 0b1000];
+
+/// The slots that the members of one cluster do not interact with.
+#[derive(Debug, Default, Clone)]
+pub struct Excluded {
+    /// Member and slot of each excluded pair, itself among them.
+    pairs: Vec<(usize, u32)>,
+    /// The slots that are no members, each once.
+    slots: Vec<u32>,
+}
+
+impl Excluded {
+    /// Finds the excluded pairs of the cluster at `members`.
+    pub fn find(
+        &mut self,
+        exclusions: &Exclusions,
+        members: Range<u32>,
+        particle: &[u32],
+        slot_of: &[u32],
+    ) {
+        self.pairs.clear();
+        self.slots.clear();
+        for (member, own) in members.clone().enumerate() {
+            self.pairs.push((member, own));
+            for other in exclusions.of(particle[own as usize]) {
+                let slot = slot_of[other as usize];
+                self.pairs.push((member, slot));
+                if !members.contains(&slot) && !self.slots.contains(&slot) {
+                    self.slots.push(slot);
+                }
+            }
+        }
+    }
+
+    /// The slots that are no members, each once.
+    pub fn slots(&self) -> &[u32] {
+        &self.slots
+    }
+
+    /// The entries of a block that each member does not look at.
+    pub fn entries(&self, block: &Block) -> ExcludedEntries {
+        let mut excluded = [0; CLUSTER];
+        for k in 0..BLOCK {
+            let Some(slot) = block.slot(k) else { continue };
+            for (member, other) in &self.pairs {
+                if *other == slot {
+                    excluded[*member] |= 1 << k;
+                }
+            }
+        }
+        excluded
+    }
+}
+
+// The bounds of a group of particles, and the candidates around it.
+
+/// The bounding box of a group of particles, and the search radius around it.
+#[derive(Debug, Clone, Copy)]
+pub struct GroupBounds {
+    /// The middle of the bounding box, in fixed point.
+    pub middle: [i32; 3],
+    /// Distance from the middle to the faces along each axis, σ, rounded up.
+    pub half: [f32; 3],
+    /// Length of a fixed-point unit along each axis, σ.
+    pub scale: [f32; 3],
+    /// Sides of the periodic box, σ, where distances from the middle must be folded; otherwise none.
+    pub folds: Option<[f32; 3]>,
+    /// The square of the search radius, σ², with a margin for all rounding.
+    pub radius2: f32,
+}
+
+impl GroupBounds {
+    /// A point in fixed point relative to the middle, σ.
+    #[inline(always)]
+    #[must_use]
+    pub fn relative(&self, at: [i32; 3]) -> [f32; 3] {
+        let axis = |axis: usize| at[axis].wrapping_sub(self.middle[axis]) as f32 * self.scale[axis];
+        [axis(0), axis(1), axis(2)]
+    }
+
+    /// The search sphere around a point o relative to the middle, as t = 2·o and the limit R² − |o|².
+    ///
+    /// A candidate c lies in it where |c|² − t·c is at most the limit. This holds where nothing is folded.
+    #[inline(always)]
+    #[must_use]
+    pub fn sphere(&self, [x, y, z]: [f32; 3]) -> ([f32; 3], f32) {
+        let limit = self.radius2 - (x * x + y * y + z * z);
+        ([2.0 * x, 2.0 * y, 2.0 * z], limit)
+    }
+}
+
+/// The candidates around a group, side by side in memory.
+#[derive(Debug, Default, Clone)]
+pub struct GroupCandidates {
+    /// Coordinates along each axis relative to the middle of the group, σ.
+    pub at: [Vec<f32>; 3],
+    /// Square of the distance from the middle of the group, σ².
+    pub square: Vec<f32>,
+    /// Slot of each candidate.
+    pub slot: Vec<u32>,
+    /// Count of candidates; elements behind them have no meaning.
+    pub len: usize,
+}
+
+impl GroupCandidates {
+    /// Makes room for the slots of `runs` and two registers more, and checks that the runs contain slots only. Coordinates
+    /// of the table have a register of padding.
+    ///
+    /// # Panics
+    /// Where a run contains something else than slots: that is a bug of the caller.
+    pub fn make_room(&mut self, table: &ColumnTable, runs: &[Range<u32>]) {
+        let slots = table.particle.len();
+        let mut total = 2 * PADDING;
+        for run in runs {
+            assert!(run.start <= run.end && run.end as usize <= slots);
+            total += (run.end - run.start) as usize;
+        }
+        if self.slot.len() < total {
+            for axis in &mut self.at {
+                axis.resize(total, 0.0);
+            }
+            self.square.resize(total, 0.0);
+            self.slot.resize(total, 0);
+        }
     }
 }

@@ -23,8 +23,7 @@ use super::chunk::{ClusterBlocks, ClusterChunk};
 use super::format::{CLUSTER, Reach};
 use super::scan::ClusterScanner;
 use super::search::{Scratch, Search};
-use crate::own_chunks::{OwnChunks, slots_of};
-use crate::pair_list::PairList;
+use crate::pair_list::{OwnChunks, PairList, slots_of};
 use crate::rows::ATOMS_PER_CHUNK;
 use crate::sort::{Around, ColumnTable, FixedRow, GridError, Positions};
 

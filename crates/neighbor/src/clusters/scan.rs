@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use super::format::CLUSTER;
-use super::found::ClusterNeighbors;
-use super::group::{GroupBounds, GroupCandidates};
+use super::found::{ClusterNeighbors, GroupBounds, GroupCandidates};
 use crate::sort::ColumnTable;
 
 /// 1.5·2²³: added to a number below 2²² and subtracted again, it leaves the nearest integer.

@@ -6,10 +6,8 @@ use lennard_core::{Exclusions, PeriodicBox};
 
 use super::block::Block;
 use super::chunk::ClusterChunk;
-use super::excluded::Excluded;
 use super::format::{BLOCK_REACH, CLUSTER, Reach, cluster_center};
-use super::found::ClusterNeighbors;
-use super::group::{GroupBounds, GroupCandidates};
+use super::found::{ClusterNeighbors, Excluded, GroupBounds, GroupCandidates};
 use super::scan::ClusterScanner;
 use crate::rows::ATOMS_PER_CHUNK;
 use crate::sort::{Around, CellRange, ColumnGrid, ColumnTable, FIXED_UNITS, wrap_cell};

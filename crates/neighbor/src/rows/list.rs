@@ -11,8 +11,7 @@ use super::chunk::{ATOMS_PER_CHUNK, Images, ListChunk};
 use super::fill::{Filler, Scratch};
 use super::scan::RowScanner;
 use crate::clusters::Reach;
-use crate::own_chunks::{OwnChunks, slots_of};
-use crate::pair_list::PairList;
+use crate::pair_list::{OwnChunks, PairList, slots_of};
 use crate::sort::{GridError, Positions, RowTable};
 
 /// A full Verlet list: for each particle, all particles within the list radius.

@@ -16,8 +16,7 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_core::parallel::map_ranges;
 
-use super::axis::wrap_cell;
-use super::cells::Cells;
+use super::cells::{Cells, wrap_cell};
 
 /// Another column as seen from a column.
 #[derive(Debug, Clone, Copy)]

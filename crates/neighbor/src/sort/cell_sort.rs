@@ -8,11 +8,13 @@
 //!
 //! All three steps use all threads. One thread alone, or few positions, have one range and the third step. The order is the same.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::DVec3;
 use lennard_core::parallel::{CHUNK, equal_parts, for_each_piece};
 use lennard_core::tasks::{for_each_item, map_tasks};
 
-use super::layers::cut;
-use super::positions::Positions;
+use super::positions::{GridError, Positions};
 
 /// Positions per task, where there are not too many tasks for it.
 const POSITIONS_PER_TASK: usize = 4 * CHUNK;
@@ -62,10 +64,49 @@ pub(crate) struct CellSort {
 }
 
 impl CellSort {
+    /// Sorts positions by the cells that `cell_of` gives, and tells whether one is not near: beyond `near` along an axis.
+    ///
+    /// # Errors
+    /// [`GridError`] where a position is not finite, or beyond `far`.
+    pub fn order(
+        &mut self,
+        cells: usize,
+        particle: &mut Vec<u32>,
+        positions: Positions<'_>,
+        [near, far]: [DVec3; 2],
+        cell_of: impl Fn(DVec3) -> usize + Sync,
+    ) -> Result<bool, GridError> {
+        let (values, known) = (positions.values(), positions.known());
+        let (all_near, all_usable) = (AtomicBool::new(true), AtomicBool::new(true));
+        self.home.resize(values.len(), 0);
+        let own = &values[known.clone()];
+        for_each_piece(&mut self.home[known.clone()], |first, chunk| {
+            for (home, r) in chunk.iter_mut().zip(&own[first..]) {
+                // The comparisons are false for NaN.
+                if !r.abs().cmple(near).all() {
+                    all_near.store(false, Ordering::Relaxed);
+                    if !r.abs().cmple(far).all() {
+                        all_usable.store(false, Ordering::Relaxed);
+                    }
+                }
+                *home = cell_of(*r) as u32;
+            }
+        });
+        let is_bad = |k: &usize| !values[*k].abs().cmple(far).all();
+        let bad = (!all_usable.into_inner()).then(|| known.clone().find(is_bad));
+        let (bad, some_are_far) = positions.agree(bad.flatten(), !all_near.into_inner());
+        if let Some(bad) = bad {
+            return Err(GridError::BadPosition { particle: positions.particle(bad, particle) });
+        }
+        positions.make_numbers_known(&mut self.home);
+        self.sort(cells, particle, positions);
+        Ok(some_are_far)
+    }
+
     /// Sorts positions whose cells are in `home` into `cells` cells. Inside a cell, particles are in ascending order.
     ///
     /// `particle` holds the particle at each slot: of the last sort on entry, of this sort on return.
-    pub fn sort(&mut self, cells: usize, particle: &mut Vec<u32>, positions: Positions<'_>) {
+    fn sort(&mut self, cells: usize, particle: &mut Vec<u32>, positions: Positions<'_>) {
         let ranges = Ranges::of(cells, self.home.len());
         let slots = if ranges.count > 1 { self.distribute(ranges) } else { vec![self.home.len()] };
         let Self { home, first, source } = self;
@@ -188,9 +229,14 @@ fn order_cells(first: &[u32], source: &mut [u32], number: &[u32]) {
     }
 }
 
+/// The first parts of an array, of these lengths.
+pub(super) fn cut<T>(mut items: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
+    let part = |length| items.split_off_mut(..length).unwrap_or_default();
+    lengths.map(part).collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
     use lennard_core::parallel::pool;
 
     use super::*;

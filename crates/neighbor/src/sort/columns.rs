@@ -11,19 +11,16 @@
 
 use std::ops::Range;
 use std::slice;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, IVec3};
 use lennard_core::PeriodicBox;
-use lennard_core::parallel::{for_each_piece, for_each_piece_of_three};
+use lennard_core::parallel::for_each_piece_of_three;
 
-use super::cell_sort::CellSort;
-use super::cells::Cells;
-use super::column_grid::ColumnGrid;
-use super::coordinates::PADDING;
-use super::fixed::{FIXED_UNITS, FixedRow, to_fixed};
-use super::fold::{FARTHEST_IMAGE, fold};
-use super::positions::{GridError, Positions};
+use crate::clusters::format::BLOCK_REACH;
+use crate::sort::cell_sort::CellSort;
+use crate::sort::cells::Cells;
+use crate::sort::coordinates::{FARTHEST_IMAGE, FIXED_UNITS, FixedRow, PADDING, fold, to_fixed};
+use crate::sort::positions::{GridError, Positions};
 
 /// The largest image number below which coordinates need no folding first.
 ///
@@ -112,41 +109,18 @@ impl ColumnTable {
         let (near, far) = (lengths * NEAR_IMAGE, lengths * FARTHEST_IMAGE);
         self.grid = ColumnGrid::choose(lengths, n);
         let grid = self.grid;
-        let (all_near, all_usable) = (AtomicBool::new(true), AtomicBool::new(true));
-        self.sort.home.resize(n, 0);
-        let own = &values[known.clone()];
-        for_each_piece(&mut self.sort.home[known.clone()], |first, chunk| {
-            for (home, r) in chunk.iter_mut().zip(&own[first..]) {
-                // The comparisons are false for NaN.
-                let is_near = r.abs().cmple(near).all();
-                let image = if is_near {
-                    IVec3::ZERO
-                } else {
-                    all_near.store(false, Ordering::Relaxed);
-                    if !r.abs().cmple(far).all() {
-                        all_usable.store(false, Ordering::Relaxed);
-                    }
-                    fold(*r, lengths).1
-                };
-                *home = grid.cell_of(to_fixed(*r, image, lengths, units)) as u32;
-            }
-        });
-        let bad = (!all_usable.into_inner())
-            .then(|| known.clone().find(|k| !values[*k].abs().cmple(far).all()));
-        let (bad, some_are_far) = positions.agree(bad.flatten(), !all_near.into_inner());
-        if let Some(bad) = bad {
-            let particle = positions.particle(bad, &self.particle);
-            return Err(GridError::BadPosition { particle });
-        }
-        positions.make_numbers_known(&mut self.sort.home);
-        self.sort.sort(grid.cells(), &mut self.particle, positions);
+        let image_of = |r: DVec3| match r.abs().cmple(near).all() {
+            true => IVec3::ZERO,
+            false => fold(r, lengths).1,
+        };
+        let cell_of = |r: DVec3| grid.cell_of(to_fixed(r, image_of(r), lengths, units));
+        let some_are_far =
+            self.sort.order(grid.cells(), &mut self.particle, positions, [near, far], cell_of)?;
         self.image.clear();
         if some_are_far {
             let mut images = vec![DVec3::ZERO; n];
-            for (image, r) in images[known].iter_mut().zip(own) {
-                if !r.abs().cmple(near).all() {
-                    *image = fold(*r, lengths).1.as_dvec3();
-                }
+            for (image, r) in images[known.clone()].iter_mut().zip(&values[known]) {
+                *image = image_of(*r).as_dvec3();
             }
             positions.make_vectors_known(&mut images);
             let of_slots = self.sort.source.iter().map(|k| images[*k as usize]);
@@ -218,6 +192,150 @@ impl Cells for ColumnTable {
     }
 }
 
+// The grid of columns along z that fixed-point coordinates are sorted by.
+//
+// ```text
+//   numbers of 4 x 4 columns in two strips, along the order of the slots:
+//
+//   y
+//   3 | 14  13  10   9    strip 1, from right to left
+//   2 | 15  12  11   8
+//   1 |  1   2   5   6    strip 0, from left to right
+//   0 |  0   3   4   7
+//     +----------------
+//        0   1   2   3  x
+//
+//   Each column is cut into slices along z. Every second column is walked from its far end:
+//
+//   column 0   column 1   column 2
+//      ^          v          ^       consecutive slots stay close in space
+//      ^          v          ^
+// ```
+
+/// The side of a column over the particle spacing (V/N)^{1/3}; the second value is used where it spares a strip.
+///
+/// Consecutive particles are closest to each other at 1.3. At 1.7 they are hardly farther apart, and the search visits
+/// fewer columns.
+const COLUMN_OVER_SPACING: [f64; 2] = [1.7, 1.65];
+
+/// Particles per cell of the sort: few, so that a column is nearly sorted along z.
+const PARTICLES_PER_SLICE: f64 = 0.5;
+
+/// Largest number of cells per particle, above [`SMALLEST_GRID`].
+const CELLS_PER_PARTICLE: f64 = 4.0;
+
+/// Number of cells that every grid may have.
+const SMALLEST_GRID: f64 = 64.0;
+
+/// Largest distance along x, in columns, between two neighbors in a list; a few lists reach farther.
+const APART_ALONG_X: f64 = 4.0;
+/// Largest distance along y, in columns, between two neighbors in a list at that distance along x.
+const APART_ALONG_Y: f64 = 3.0;
+
+/// Smallest width of a strip, in columns: below it, most lists would cross from one strip to the next.
+const NARROWEST_STRIP: f64 = 8.0;
+
+/// The cells of the sort: columns along z, `across` of them along x and y, each cut into slices.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct ColumnGrid {
+    /// Number of columns along x and y.
+    pub across: [u32; 2],
+    /// Number of slices per column.
+    pub slices: u32,
+    /// Number of columns along y in a strip.
+    ///
+    /// Strips are numbered one after another. Column numbers of neighbors along x stay close in a box of any width.
+    strip: u32,
+    /// 2³² over `strip`, rounded up: a division would take as long as the rest of the numbering of a column.
+    strip_inverse: u64,
+}
+
+impl ColumnGrid {
+    /// Chooses the grid for a box and a number of particles.
+    pub fn choose(lengths: DVec3, n: usize) -> Self {
+        let [usual, narrower] = COLUMN_OVER_SPACING.map(|side| Self::with(side, lengths, n));
+        if narrower.strips() < usual.strips() { narrower } else { usual }
+    }
+
+    /// The grid whose columns have this side over the particle spacing.
+    fn with(side: f64, lengths: DVec3, n: usize) -> Self {
+        let n = n.max(1) as f64;
+        let most = (CELLS_PER_PARTICLE * n).max(SMALLEST_GRID);
+        let side = side * (lengths.element_product() / n).cbrt();
+        let count = |length: f64| (length / side).round().clamp(1.0, most.sqrt());
+        let across = [count(lengths.x), count(lengths.y)];
+        let columns = across[0] * across[1];
+        let slices = (n / PARTICLES_PER_SLICE / columns).ceil();
+        let in_reach = (f64::from(BLOCK_REACH) * columns / n - APART_ALONG_Y) / APART_ALONG_X;
+        let widest = in_reach.max(NARROWEST_STRIP).floor();
+        // Strips get nearly equal widths.
+        let strips = (across[1] / widest).ceil();
+        let strip = (across[1] / strips).ceil() as u32;
+        Self {
+            strip,
+            strip_inverse: (1_u64 << 32).div_ceil(u64::from(strip)),
+            across: across.map(|c| c as u32),
+            slices: slices.clamp(1.0, (most / columns).max(1.0)) as u32,
+        }
+    }
+
+    fn strips(&self) -> u32 {
+        self.across[1].div_ceil(self.strip)
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.across[0] as usize * self.across[1] as usize * self.slices as usize
+    }
+
+    /// The part of an axis, one of `count` equal parts, that contains a fixed-point coordinate.
+    #[inline(always)]
+    pub fn part(coordinate: i32, count: u32) -> u32 {
+        ((u64::from(coordinate as u32) * u64::from(count)) >> 32) as u32
+    }
+
+    /// The number of the column at (x, y), in the order of slots.
+    #[inline(always)]
+    pub fn column(&self, x: u32, y: u32) -> u32 {
+        let [nx, ny] = self.across;
+        // The product is exact, since y times the width of a strip is less than 2³².
+        let number = ((u64::from(y) * self.strip_inverse) >> 32) as u32;
+        let begin = number * self.strip;
+        let width = (ny - begin).min(self.strip);
+        let x = if number % 2 == 1 { nx - 1 - x } else { x };
+        let y = y - begin;
+        let y = if x % 2 == 1 { width - 1 - y } else { y };
+        begin * nx + x * width + y
+    }
+
+    /// The cell of a column at a slice, in the order of slots.
+    #[inline(always)]
+    pub fn cell(&self, column: u32, slice: u32) -> usize {
+        let slice = if column % 2 == 1 { self.slices - 1 - slice } else { slice };
+        column as usize * self.slices as usize + slice as usize
+    }
+
+    /// The cell that contains a point in fixed point.
+    #[inline(always)]
+    pub fn cell_of(&self, [x, y, z]: [i32; 3]) -> usize {
+        let [nx, ny] = self.across;
+        let column = self.column(Self::part(x, nx), Self::part(y, ny));
+        self.cell(column, Self::part(z, self.slices))
+    }
+
+    /// The distance in slots, in a uniform fluid of `n` particles, to the last slot within `radius` σ.
+    pub fn slots_ahead(&self, lengths: DVec3, radius: f64, n: usize) -> usize {
+        let [x, y] = [0, 1].map(|axis| {
+            let side = lengths[axis] / f64::from(self.across[axis]);
+            (radius / side).ceil() as usize
+        });
+        let [nx, ny] = self.across.map(|count| count as usize);
+        // One more column, since every second column is walked from its far end.
+        let columns = x * ny.min(self.strip as usize) + y + 1;
+        columns * n / (nx * ny)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -245,6 +363,51 @@ mod tests {
             let slice = ColumnGrid::part(z, grid.slices);
             let slots = table.slots_of(column, [slice, slice]);
             assert!(slots.contains(&(slot as u32)));
+        }
+    }
+
+    #[test]
+    fn each_column_of_any_strip_has_a_number_and_neighbors_in_it_follow_each_other() {
+        for (x, y, n) in [(3.0, 700.0, 40_000), (90.0, 95.0, 700_000), (9.0, 9.0, 600)] {
+            let grid = ColumnGrid::choose(DVec3::new(x, y, 100.0), n);
+            let [nx, ny] = grid.across;
+            let mut seen = vec![false; (nx * ny) as usize];
+            for y in 0..ny {
+                let strip = y / grid.strip;
+                for x in 0..nx {
+                    let column = grid.column(x, y);
+                    assert!(!std::mem::replace(&mut seen[column as usize], true));
+                    assert!(
+                        (strip * grid.strip * nx..(strip + 1) * grid.strip * nx).contains(&column)
+                    );
+                    if y > 0 && (y - 1) / grid.strip == strip {
+                        assert_eq!(column.abs_diff(grid.column(x, y - 1)), 1);
+                    }
+                }
+            }
+        }
+        // The largest number of columns across, in the narrowest and in the widest strips.
+        for (x, z, strip) in [(1.0, 1.0, 8..9), (1e9, 1e-9, 16_384..16_385)] {
+            let grid = ColumnGrid::choose(DVec3::new(x, 1e9, z), 1 << 28);
+            let [nx, ny] = grid.across;
+            assert!(ny == 1 << 15 && strip.contains(&grid.strip));
+            for y in (0..ny).filter(|y| y % grid.strip < 2 || y % grid.strip > grid.strip - 2) {
+                assert_eq!(grid.column(0, y) / (nx * grid.strip), y / grid.strip);
+            }
+        }
+    }
+
+    #[test]
+    fn a_million_particles_need_two_strips_and_lists_seldom_leave_the_reach_of_a_block() {
+        let n = 953_312;
+        let grid = ColumnGrid::choose(DVec3::splat(104.137), n);
+        assert_eq!((grid.across, grid.strips()), ([60, 60], 2));
+        let wider = ColumnGrid::with(COLUMN_OVER_SPACING[0], DVec3::splat(104.137), n);
+        assert_eq!((wider.across, wider.strips()), ([58, 58], 3));
+        assert_eq!(wider.strip, 20, "strips have equal widths");
+        for (x, y) in (0..56).flat_map(|x| (0..27).map(move |y| (x, y))) {
+            let apart = grid.column(x, y).abs_diff(grid.column(x + 4, y + 3));
+            assert!(apart * n as u32 / 3600 <= BLOCK_REACH, "{apart} columns");
         }
     }
 }

@@ -10,14 +10,14 @@
 
 mod packed;
 
+pub use packed::{DisplacementScale, PackedDisplacement};
+
 use std::hint::black_box;
 use std::ops::Range;
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_core::parallel::map_ranges;
-
-pub use packed::{DisplacementScale, PackedDisplacement};
 
 use crate::sort::{CellRange, Cells, FIXED_ROUNDING};
 

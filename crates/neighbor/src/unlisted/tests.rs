@@ -1,10 +1,10 @@
 //! The search for unlisted pairs against all pairs.
 
-use super::*;
-use crate::for_each_pair;
-use crate::sort::{ColumnTable, Positions, RowTable};
 use lennard_core::random::Streams;
 use rand::RngExt;
+
+use super::*;
+use crate::sort::{ColumnTable, Positions, RowTable};
 
 /// The particles of all pairs that are near now and that a list built at `built` lacks.
 fn by_all_pairs(
@@ -15,12 +15,15 @@ fn by_all_pairs(
     now: &[DVec3],
 ) -> Vec<[u32; 2]> {
     let mut unlisted = Vec::new();
-    for_each_pair(cell, now, inner, |i, j, r_ij| {
-        let then = r_ij - ((now[i] - built[i]) - (now[j] - built[j]));
-        if then.length() > radius {
-            unlisted.push([i.min(j) as u32, i.max(j) as u32]);
+    for j in 0..now.len() {
+        for i in 0..j {
+            let r_ij = cell.minimum_image(now[i] - now[j]);
+            let then = r_ij - ((now[i] - built[i]) - (now[j] - built[j]));
+            if r_ij.length() <= inner && then.length() > radius {
+                unlisted.push([i as u32, j as u32]);
+            }
         }
-    });
+    }
     unlisted.sort_unstable();
     unlisted
 }

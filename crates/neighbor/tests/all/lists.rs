@@ -6,9 +6,22 @@ use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_neighbor::{
     ClusterList, GridError, Images, NeighborList, PairList, Positions, Reach, ScalarClusterScanner,
-    ScalarScanner, brute_force_pairs,
+    ScalarScanner,
 };
 use proptest::prelude::*;
+
+/// The pairs within a radius, σ, found without a grid and without a list.
+fn brute_force_pairs(cell: &PeriodicBox, positions: &[DVec3], radius: f64) -> Vec<(u32, u32)> {
+    let mut pairs = Vec::new();
+    for (j, rj) in positions.iter().enumerate() {
+        for (i, ri) in positions[..j].iter().enumerate() {
+            if cell.minimum_image(*ri - *rj).length_squared() <= radius * radius {
+                pairs.push((i as u32, j as u32));
+            }
+        }
+    }
+    pairs
+}
 
 /// Reproducible numbers in [0, 1): Weyl's sequence, with one irrational number per axis.
 fn scatter(n: usize, lengths: DVec3, seed: f64) -> Vec<DVec3> {
