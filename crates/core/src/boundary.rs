@@ -1,4 +1,4 @@
-//! Walls: what bounds the flight of particles, and what walls have felt.
+//! What acts in a drift: walls that bound the flight, what they have felt, and solvers that hold bonds.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! The orthorhombic periodic box.
+//! The orthorhombic periodic box and its axes.
 
 use glam::{DVec3, IVec3};
 use serde::{Deserialize, Serialize};

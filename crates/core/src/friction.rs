@@ -1,4 +1,4 @@
-//! Friction and noise on every particle: the Ornstein–Uhlenbeck part of Langevin dynamics.
+//! Friction and noise on every particle, the Ornstein–Uhlenbeck part of Langevin dynamics, and its normal numbers.
 
 use std::f32::consts::LN_2;
 

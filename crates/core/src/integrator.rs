@@ -1,4 +1,4 @@
-//! An integrator at work: a method, the bath and the barostat that act after its steps, and the checks before them.
+//! An integrator at work: its method, the bath and the barostat that act after its steps, and the checks before them.
 
 use crate::thermostat::act;
 use crate::{
@@ -162,14 +162,13 @@ impl Integrator {
         {
             want |= barostat.wants();
         }
-        let bonds = self.bonds.as_deref_mut();
-        let mut step = Step::new(system, state, forces, spec, dt, want)
-            .with_steps_ahead(at_once - 1)
-            .with_bath(self.bath.as_mut())
-            .holding_bonds(bonds);
+        let mut step = Step::new(system, state, forces, spec, dt, want);
+        step.ahead = at_once - 1;
+        step.bath = self.bath.as_mut();
+        step.bonds = self.bonds.as_deref_mut();
         self.method.step(&mut step)?;
         step.drifts_hold()?;
-        if let Some(bath) = step.take_bath()
+        if let Some(bath) = step.bath.take()
             && couple(bath.as_mut(), &mut step)
         {
             self.method.remember(&mut step)?;

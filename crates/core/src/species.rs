@@ -1,4 +1,4 @@
-//! Species: what the particles of a mixture share, and the species of each particle.
+//! Species: what the particles of a mixture share, the species of each particle, and masses.
 
 use std::sync::Arc;
 

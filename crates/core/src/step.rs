@@ -20,9 +20,9 @@ pub struct Step<'a> {
     dt: f64,
     want: Want,
     /// Steps that may be taken besides this one without a look in between.
-    ahead: u64,
+    pub(crate) ahead: u64,
     /// The bath after the steps.
-    bath: Option<&'a mut Box<dyn Thermostat>>,
+    pub(crate) bath: Option<&'a mut Box<dyn Thermostat>>,
     /// Friction and noise in the middle of the step, and of the further steps.
     noise: Option<FrictionAndNoise>,
     /// The kick that was not given yet, as a fraction of the step.
@@ -32,7 +32,7 @@ pub struct Step<'a> {
     started: f64,
     report: StepReport,
     /// What holds rigid bonds, where the system has some.
-    bonds: Option<&'a mut (dyn BondSolver + 'static)>,
+    pub(crate) bonds: Option<&'a mut (dyn BondSolver + 'static)>,
     /// Why a drift could not hold bonds, or solve for contacts.
     failed_drift: Option<StepError>,
 }
@@ -75,11 +75,6 @@ impl<'a> Step<'a> {
             bonds: None,
             failed_drift: None,
         }
-    }
-
-    /// The same step, whose drifts and kicks hold rigid bonds by a solver.
-    pub(crate) fn holding_bonds(self, bonds: Option<&'a mut (dyn BondSolver + 'static)>) -> Self {
-        Self { bonds, ..self }
     }
 
     /// The step h in τ.
@@ -351,22 +346,7 @@ pub fn check_finite(forces: &[DVec3]) -> Result<(), ForceError> {
 
 // Steps that are taken at once with the step under way, and the bath and the noise that belong to each of them.
 
-impl<'a> Step<'a> {
-    /// With so many further steps that may be taken with it, where the method is kick-drift-kick.
-    pub(crate) fn with_steps_ahead(self, ahead: u64) -> Self {
-        Self { ahead, ..self }
-    }
-
-    /// With a bath after the step, and after the further steps.
-    pub(crate) fn with_bath(self, bath: Option<&'a mut Box<dyn Thermostat>>) -> Self {
-        Self { bath, ..self }
-    }
-
-    /// The bath, which acts once at the end of the step.
-    pub(crate) fn take_bath(&mut self) -> Option<&'a mut Box<dyn Thermostat>> {
-        self.bath.take()
-    }
-
+impl Step<'_> {
     /// Friction and noise O of the whole step: counts the kinetic energy gained as heat. They stand between two half drifts,
     /// once in a step.
     pub fn friction_and_noise(&mut self, noise: &FrictionAndNoise) {

@@ -163,36 +163,39 @@ impl PhysicsFailure {
     /// Which of the known causes fits, and what to change.
     #[must_use]
     pub fn likely_cause(&self) -> String {
-        if let Symptom::WrongForce { .. } = self.symptom {
-            return "a pair inside the cutoff was missed by the list, which is an error of this program: \
-                    `neighbor.mode = \"direct\"` does without lists"
-                .into();
-        }
-        if let Symptom::Method(StepError::ContactsNotConverged { .. }) = self.symptom {
-            return "sweeps settle slowly where so many bodies touch each other: at rest take `contact.compliance` above 0; \
-                    in impacts, which are rigid, say with `contact.sweeps` how many are enough"
-                .into();
-        }
-        if let Symptom::NonFinite(ForceError::BeyondWall { .. }) = self.symptom {
-            return format!(
-                "the wall is too weak for a particle so fast, or dt = {} τ is too large: take a stiffer wall or a smaller dt",
-                short(self.dt)
-            );
-        }
-        if let Symptom::NonFinite(ForceError::ContactTooDeep { .. }) = self.symptom {
-            return format!(
-                "the spring of the contact is too weak for bodies so fast or so heavy, or dt = {} τ is too large: take a larger `contact.stiffness`, a smaller `contact.compliance` or a smaller dt",
-                short(self.dt)
-            );
-        }
-        if let Symptom::NonFinite(ForceError::CutoffOverHalfBox { r_cut, .. }) = self.symptom {
-            return format!(
-                "the barostat compresses the fluid: at this pressure so few particles do not fill a box of {} σ",
-                short(2.0 * r_cut)
-            );
-        }
-        if let Symptom::NonFinite(ForceError::BoxTooWide { .. }) = self.symptom {
-            return "the barostat expands the fluid: at this pressure it becomes a thin gas".into();
+        let dt = short(self.dt);
+        match &self.symptom {
+            Symptom::WrongForce { .. } => {
+                return "a pair inside the cutoff was missed by the list, which is an error of this program: \
+                        `neighbor.mode = \"direct\"` does without lists"
+                    .into();
+            }
+            Symptom::Method(StepError::ContactsNotConverged { .. }) => {
+                return "sweeps settle slowly where so many bodies touch each other: at rest take `contact.compliance` above 0; \
+                        in impacts, which are rigid, say with `contact.sweeps` how many are enough"
+                    .into();
+            }
+            Symptom::NonFinite(ForceError::BeyondWall { .. }) => {
+                return format!(
+                    "the wall is too weak for a particle so fast, or dt = {dt} τ is too large: take a stiffer wall or a smaller dt"
+                );
+            }
+            Symptom::NonFinite(ForceError::ContactTooDeep { .. }) => {
+                return format!(
+                    "the spring of the contact is too weak for bodies so fast or so heavy, or dt = {dt} τ is too large: take a larger `contact.stiffness`, a smaller `contact.compliance` or a smaller dt"
+                );
+            }
+            Symptom::NonFinite(ForceError::CutoffOverHalfBox { r_cut, .. }) => {
+                return format!(
+                    "the barostat compresses the fluid: at this pressure so few particles do not fill a box of {} σ",
+                    short(2.0 * r_cut)
+                );
+            }
+            Symptom::NonFinite(ForceError::BoxTooWide { .. }) => {
+                return "the barostat expands the fluid: at this pressure it becomes a thin gas"
+                    .into();
+            }
+            _ => {}
         }
         if self.density > HIGHEST_USUAL_DENSITY {
             return format!(
@@ -218,8 +221,7 @@ impl PhysicsFailure {
         }
         if let Some(limit) = limit {
             return format!(
-                "dt = {} τ is too large: {} is stable below about {limit:.3} τ here; use at most a quarter of it",
-                short(self.dt),
+                "dt = {dt} τ is too large: {} is stable below about {limit:.3} τ here; use at most a quarter of it",
                 self.method
             );
         }
@@ -227,8 +229,7 @@ impl PhysicsFailure {
             return "particles overlapped at the start: relax the start configuration, or check density and box".into();
         }
         format!(
-            "dt = {} τ too large for this temperature, or a mistyped temperature or density; try half the dt first",
-            short(self.dt)
+            "dt = {dt} τ too large for this temperature, or a mistyped temperature or density; try half the dt first"
         )
     }
 }

@@ -1,4 +1,4 @@
-//! Remarks on a run before its first step: a step that is too long, an unstable state, or means without an error.
+//! Remarks on a run before its first step: a long step, an unstable state, means without an error, frames without precision.
 
 use std::f64::consts::PI;
 

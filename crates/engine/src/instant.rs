@@ -150,6 +150,16 @@ impl Simulation {
         }
     }
 
+    /// What a force term gets of the state.
+    pub(crate) fn configuration(&self) -> Configuration<'_> {
+        let state = &self.state;
+        Configuration {
+            velocities: Some(&state.velocities),
+            time: state.time,
+            ..Configuration::at_rest(&state.cell, &state.positions)
+        }
+    }
+
     fn evaluated(&self) -> Result<(Vec<DVec3>, Energetics), EngineError> {
         let state = &self.state;
         let (scene, n) = (&self.scene, state.len());
@@ -161,12 +171,7 @@ impl Simulation {
         let (_, confinement) = Confinement::with_system(scene, &self.start_cell, species);
         let mut terms = build::with_others(scene, confinement.beside(provider), &self.own);
         let mut forces = vec![DVec3::ZERO; n];
-        let at = Configuration {
-            velocities: Some(&state.velocities),
-            time: state.time,
-            ..Configuration::at_rest(&state.cell, &state.positions)
-        };
-        let energetics = evaluate(scene, &mut terms, at, &mut forces)?;
+        let energetics = evaluate(scene, &mut terms, self.configuration(), &mut forces)?;
         Ok((forces, energetics))
     }
 }

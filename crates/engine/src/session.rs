@@ -1,4 +1,4 @@
-//! What a user of the library does with a simulation: make it, run it, ask it, save it.
+//! What a user of the library does with a simulation: make it, run it, let it grow, ask it, save it.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;

@@ -1,6 +1,6 @@
 //! Where the watchdog looks during a run, and what its findings become.
 
-use lennard_core::{Configuration, IntegratorSpec, StepError};
+use lennard_core::{IntegratorSpec, StepError};
 
 use crate::close_pairs::Sizes;
 use crate::failure::{LARGEST_MOVE, PhysicsFailure, Symptom};
@@ -44,14 +44,9 @@ impl Simulation {
         let dt = self.stage_run().dt;
         watchdog::check_speeds(&self.state, dt, self.largest_move())
             .map_err(|s| self.diagnosed(s))?;
-        let state = &self.state;
-        let at = Configuration {
-            velocities: Some(&state.velocities),
-            time: state.time,
-            ..Configuration::at_rest(&state.cell, &state.positions)
-        };
+        let at = self.configuration();
         let other = |particle| self.forces.force_on(particle, at);
-        let seen = self.force_check.look(state, other);
+        let seen = self.force_check.look(&self.state, other);
         seen.map_err(|s| self.diagnosed(s))
     }
 

@@ -1,4 +1,4 @@
-//! Stops a run that has gone wrong, and says what went wrong.
+//! Stops a run that has gone wrong, and says what went wrong; checks a few forces against sums over all pairs.
 //!
 //! Watching has two parts. The forces refuse numbers that are not finite at every evaluation. The watchdog checks the speeds at
 //! every [`EVERY`]th step and wherever something is sampled. On sampled steps it checks the conserved energy. At every

@@ -1,4 +1,4 @@
-//! What every neighbor list does, whether it has one list per particle or one per cluster.
+//! What every neighbor list does, whether it has one list per particle or one per cluster, and the chunks that a rank keeps.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! The neighbors of one cluster, as the search finds them.
+//! The neighbors of one cluster, as the search finds them, around a group of particles and without excluded pairs.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! The cells of a sort, as the search for unlisted pairs reads them.
+//! The cells of a sort, as the search for unlisted pairs reads them, and ranges of cells along an axis.
 
 use std::ops::Range;
 

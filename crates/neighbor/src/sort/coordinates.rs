@@ -1,4 +1,4 @@
-//! Coordinates of rows in single precision, which the search for neighbors reads.
+//! Coordinates that searches read: rows in single precision, integers in fixed point, and positions folded into the box.
 
 use glam::{DVec3, IVec3};
 
