@@ -3,13 +3,11 @@
 use lennard_core::exact::exact_sum;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{Backend, Configuration, DVec3, ForceError, Moving, Part, PeriodicBox, Want};
-use serde::{Deserialize, Serialize};
 
 use crate::implicit_euler::dot;
 
 /// When to stop, and how far a step may go.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FireOptions {
     /// Stops when no particle feels a force above this, in ε/σ.
     pub largest_force: f64,
@@ -25,21 +23,6 @@ impl Default for FireOptions {
     fn default() -> Self {
         Self { largest_force: 10.0, max_steps: 20_000, max_displacement: 0.05 }
     }
-}
-
-/// What a relaxation did.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct FireReport {
-    /// Steps made.
-    pub steps: u64,
-    /// Force evaluations made.
-    pub force_evaluations: u64,
-    /// The largest force on a particle at the start, ε/σ.
-    pub largest_force_before: f64,
-    /// The largest force on a particle at the end, ε/σ.
-    pub largest_force: f64,
-    /// Potential energy at the end, ε, where the forces give one.
-    pub potential_energy: Option<f64>,
 }
 
 /// Why a relaxation failed.
@@ -75,7 +58,7 @@ const SHRINKAGE: f64 = 0.5;
 const FIRST_MIXING: f64 = 0.25;
 const MIXING_DECAY: f64 = 0.99;
 
-/// Moves `positions` (`[N]`, σ) downhill until no force exceeds `options.largest_force`.
+/// Moves `positions` (`[N]`, σ) downhill until no force exceeds `options.largest_force`; returns the number of steps.
 ///
 /// Damped dynamics with unit masses: `v ← v + dt·F; v ← (1 − α)·v + α·|v|·F/|F|; x ← x + dt·v`. dt
 /// grows while the power F·v is positive. When it is not, everything starts again half a step back.
@@ -93,15 +76,14 @@ pub fn relax(
     positions: &mut [DVec3],
     forces: &mut dyn Backend,
     options: &FireOptions,
-) -> Result<FireReport, FireError> {
+) -> Result<u64, FireError> {
     if forces.properties().velocity_dependent {
         return Err(FireError::VelocityDependentForce);
     }
     let n = positions.len();
     let mut velocities = vec![DVec3::ZERO; n];
     let mut force = vec![DVec3::ZERO; n];
-    let mut potential_energy = evaluate(cell, positions, forces, &mut force)?;
-    let largest_force_before = largest(&force);
+    evaluate(cell, positions, forces, &mut force)?;
 
     let (mut dt, mut mixing, mut uphill_free, mut steps) = (FIRST_DT, FIRST_MIXING, 0_u64, 0_u64);
     while largest(&force) > options.largest_force {
@@ -129,16 +111,10 @@ pub fn relax(
             velocities.fill(DVec3::ZERO);
         }
         step(positions, &mut velocities, &force, dt, mixing, options.max_displacement);
-        potential_energy = evaluate(cell, positions, forces, &mut force)?;
+        evaluate(cell, positions, forces, &mut force)?;
         steps += 1;
     }
-    Ok(FireReport {
-        steps,
-        force_evaluations: steps + 1,
-        largest_force_before,
-        largest_force: largest(&force),
-        potential_energy,
-    })
+    Ok(steps)
 }
 
 fn evaluate(
@@ -146,11 +122,10 @@ fn evaluate(
     positions: &[DVec3],
     forces: &mut dyn Backend,
     force: &mut [DVec3],
-) -> Result<Option<f64>, FireError> {
+) -> Result<(), ForceError> {
     let at = Configuration::at_rest(cell, positions);
-    let found = forces.evaluate(at, Part::All, Want::ENERGY, force)?;
-    lennard_core::check_finite(force)?;
-    Ok(found.potential_energy)
+    forces.evaluate(at, Part::All, Want::NOTHING, force)?;
+    lennard_core::check_finite(force)
 }
 
 /// Kick, mixing and drift with the cap on each particle's displacement.

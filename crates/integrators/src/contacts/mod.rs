@@ -9,7 +9,7 @@ mod kinds;
 
 use lennard_core::{
     Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part, System,
-    Want, persist,
+    Want, remembers_nothing,
 };
 use lennard_forcefield::ContactLaw;
 
@@ -22,13 +22,6 @@ use crate::spook::{HeldBonds, SpookBonds};
 /// The deepest overlap of bodies that give way, as a share of the contact distance: beyond, bodies would come out on the other side.
 const DEEPEST: f64 = 0.5;
 
-/// What contacts have done since the start of a run.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct ContactReading {
-    /// Impacts of hard and of unilateral contacts.
-    pub impacts: u64,
-}
-
 /// The contacts of all bodies.
 ///
 /// Springs add F = F(δ)·n to each of two bodies that overlap by δ, and their energy and virial to the sums over pairs. A dashpot
@@ -38,7 +31,6 @@ pub struct Contacts {
     pub(crate) response: Response,
     pub(crate) bodies: Bodies,
     pub(crate) near: NearPairs,
-    pub(crate) reading: ContactReading,
     pub(crate) held: Option<HeldBonds>,
 }
 
@@ -86,25 +78,13 @@ impl Contacts {
     /// Contacts of bodies.
     #[must_use]
     pub fn new(response: Response, bodies: Bodies) -> Self {
-        Self {
-            near: NearPairs::of(&bodies),
-            response,
-            bodies,
-            reading: ContactReading::default(),
-            held: None,
-        }
+        Self { near: NearPairs::of(&bodies), response, bodies, held: None }
     }
 
     /// The same contacts, solved for together with the bonds of the molecules of a system. The method is then told of no bonds.
     #[must_use]
     pub fn with_bonds(self, bonds: SpookBonds, system: System) -> Self {
         Self { held: Some(HeldBonds { bonds, system }), ..self }
-    }
-
-    /// What the contacts have done so far.
-    #[must_use]
-    pub fn reading(&self) -> ContactReading {
-        self.reading
     }
 
     fn touches(&mut self, at: &Configuration<'_>) -> Vec<Touch> {
@@ -225,5 +205,4 @@ impl ForceTerm for Contacts {
     }
 }
 
-persist!(Contacts { ..reading, fixed response, bodies, near, held });
-persist!(ContactReading { impacts });
+remembers_nothing!(Contacts { response, bodies, near, held });

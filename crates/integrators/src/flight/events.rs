@@ -1,20 +1,11 @@
 //! The event loop of all flights: units fly, hit planes and meet each other in the order of time.
 
-use lennard_core::{Drifted, StepError};
+use lennard_core::StepError;
 
 /// Events of one unit in one flight, after which it comes to rest at what it hits.
 const MOST_HITS: u32 = 16;
 /// Events of a flight for each unit, after which the flight goes on without events.
 const MOST_EVENTS: usize = 1000;
-
-/// What became of a flight.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Flown {
-    /// What solvers took, and the kinetic energy that events put in; negative where they take it out.
-    pub drifted: Drifted,
-    /// Impacts between bodies; for unilateral contacts those with planes too.
-    pub impacts: u64,
-}
 
 /// The arrival of a unit at a plane.
 #[derive(Debug, Clone, Copy)]

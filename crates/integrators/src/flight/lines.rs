@@ -5,7 +5,7 @@ use lennard_core::random::CounterRng;
 use lennard_core::{Axis, DVec3, Drifted, Flight, ForceTerm, StepError};
 use lennard_forcefield::{KICKS_OF_REST, Walls};
 
-use super::events::{Arrival, Flown, Mover, fly};
+use super::events::{Arrival, Mover, fly};
 use crate::contacts::bodies::{Bodies, NearPairs, reduced_mass};
 use crate::spook::{Contact, impacts_at_once, rates, work_of};
 
@@ -37,7 +37,7 @@ pub(super) struct Lines<'a> {
     limit: f64,
     /// The fastest that any body was in this flight, σ/τ: what speeds are rounded against.
     scale: f64,
-    flown: Flown,
+    drifted: Drifted,
 }
 
 impl<'a> Lines<'a> {
@@ -46,7 +46,7 @@ impl<'a> Lines<'a> {
         impacts: Impacts<'a>,
         walls: Option<&'a mut Walls>,
         flight: Flight<'a>,
-    ) -> Result<Flown, StepError> {
+    ) -> Result<Drifted, StepError> {
         Self::fly(Some(impacts), walls, flight, 0)
     }
 
@@ -56,8 +56,7 @@ impl<'a> Lines<'a> {
         flight: Flight<'a>,
         particle: usize,
     ) -> Result<f64, StepError> {
-        let flown = Self::fly(None, Some(walls), flight, particle)?;
-        Ok(flown.drifted.heat)
+        Ok(Self::fly(None, Some(walls), flight, particle)?.heat)
     }
 
     fn fly(
@@ -65,18 +64,18 @@ impl<'a> Lines<'a> {
         walls: Option<&'a mut Walls>,
         flight: Flight<'a>,
         first: usize,
-    ) -> Result<Flown, StepError> {
+    ) -> Result<Drifted, StepError> {
         let (n, h) = (flight.positions.len(), flight.h);
         let random = vec![None; n];
-        let (limit, scale, flown) = (0.0, 0.0, Flown::default());
-        let mut lines = Self { walls, impacts, flight, first, random, limit, scale, flown };
+        let (limit, scale, drifted) = (0.0, 0.0, Drifted::default());
+        let mut lines = Self { walls, impacts, flight, first, random, limit, scale, drifted };
         fly(&mut lines, n, h)?;
         if let Some(walls) = &lines.walls {
             for x in lines.flight.positions.iter_mut() {
                 walls.clamp_between_planes(x);
             }
         }
-        Ok(lines.flown)
+        Ok(lines.drifted)
     }
 
     fn fastest(&self) -> f64 {
@@ -154,7 +153,7 @@ impl Mover for Lines<'_> {
         let reading = walls.walls()[plane];
         self.flight.positions[unit][reading.axis] = reading.position;
         let v = &mut self.flight.velocities[unit];
-        let heat = &mut self.flown.drifted.heat;
+        let heat = &mut self.drifted.heat;
         if is_tired && is_alone {
             *heat -= 0.5 * mass * v[reading.axis].powi(2);
             walls.stop(plane, v, mass);
@@ -228,8 +227,7 @@ impl Mover for Lines<'_> {
         if rests {
             return;
         }
-        self.flown.drifted.heat += 0.5 * mass * rate * rate * (e * e - 1.0);
-        self.flown.impacts += 1;
+        self.drifted.heat += 0.5 * mass * rate * rate * (e * e - 1.0);
     }
 
     fn outruns_pairs(&self, unit: usize) -> bool {
@@ -262,10 +260,9 @@ impl Mover for Lines<'_> {
         // Where the solve ends early, bodies still approach, and the flight goes on with impacts.
         let solution = impacts_at_once(&contacts, masses, velocities, 0.0);
         let impulses = &solution.impulses;
-        let drifted: &mut Drifted = &mut self.flown.drifted;
-        *drifted = drifted.and(solution.report());
+        self.drifted = self.drifted.and(solution.report());
         if fastest > KICKS_OF_REST * kick {
-            drifted.heat += work_of(impulses, &before, &rates(&contacts, velocities));
+            self.drifted.heat += work_of(impulses, &before, &rates(&contacts, velocities));
         }
         if let Some(walls) = self.walls.as_deref_mut() {
             for (plane, impulse) in planes.iter().zip(&impulses[of_bodies..]) {

@@ -11,7 +11,7 @@ use super::lines::{Impacts, Lines};
 use super::molecules::HeldMolecules;
 use super::particles;
 use crate::contacts::bodies::{Bodies, reduced_mass};
-use crate::contacts::{ContactReading, Contacts, Response};
+use crate::contacts::{Contacts, Response};
 use crate::spook::contact_step;
 
 /// All that particles meet in flight: walls, and other bodies.
@@ -37,12 +37,6 @@ impl Obstacles {
         let walls = self.walls.as_ref().filter(|walls| walls.properties().bounds_flight);
         self.molecules = walls.map(|walls| HeldMolecules::new(walls, system, solver));
         self
-    }
-
-    /// What the contacts have done so far.
-    #[must_use]
-    pub fn reading(&self) -> ContactReading {
-        self.contacts.as_ref().map(Contacts::reading).unwrap_or_default()
     }
 
     fn terms(&self) -> impl Iterator<Item = &dyn ForceTerm> {
@@ -94,21 +88,19 @@ impl ForceTerm for Obstacles {
 impl Boundary for Obstacles {
     fn fly(&mut self, flight: Flight<'_>) -> Result<Drifted, StepError> {
         let Self { walls, contacts, molecules } = self;
-        let Some(Contacts { response, bodies, near, reading, held }) = contacts else {
+        let Some(Contacts { response, bodies, near, held }) = contacts else {
             return between_walls(walls, molecules, flight);
         };
-        let flown = match *response {
+        match *response {
             Response::Impact { restitution } => {
                 let impacts = Impacts { bodies, near, restitution };
-                Lines::fly_bodies(impacts, walls.as_mut(), flight)?
+                Lines::fly_bodies(impacts, walls.as_mut(), flight)
             }
             Response::Unilateral(law) => {
                 let of = (&*bodies, held.as_ref());
-                contact_step(&law, of, near, walls.as_mut(), flight)?
+                contact_step(&law, of, near, walls.as_mut(), flight)
             }
-            Response::Spring(law) if !law.is_damped() => {
-                return between_walls(walls, molecules, flight);
-            }
+            Response::Spring(law) if !law.is_damped() => between_walls(walls, molecules, flight),
             Response::Spring(law) => {
                 // Half a step of the dashpots before the flight, and half after it.
                 let Flight { cell, positions, velocities, masses, h, .. } = flight;
@@ -123,11 +115,9 @@ impl Boundary for Obstacles {
                     Flight { positions: positions_then, velocities: velocities_then, ..flight };
                 let on_the_way = between_walls(walls, molecules, inner)?;
                 let after = dashpots(positions, velocities, true);
-                return Ok(Drifted { heat: before + on_the_way.heat + after, ..on_the_way });
+                Ok(Drifted { heat: before + on_the_way.heat + after, ..on_the_way })
             }
-        };
-        reading.impacts += flown.impacts;
-        Ok(flown.drifted)
+        }
     }
 }
 

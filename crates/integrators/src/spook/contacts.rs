@@ -9,14 +9,13 @@
 //! The bonds of molecules are rows of the same problems, without a sign: an impulse at one site passes through them. In the impact
 //! stage they are rigid, and lose the rate that they have.
 
-use lennard_core::{DVec3, Flight, ForceTerm, StepError, System};
+use lennard_core::{DVec3, Drifted, Flight, ForceTerm, StepError, System};
 use lennard_forcefield::{HitRule, Walls};
 
 use super::bonds::SpookBonds;
 use super::impulses::{Regular, spook_contacts};
 use super::{Contact, Damping, Problem, Solver, TwoSided, groups, push_all, rates, work_of};
 use crate::contacts::bodies::{Bodies, NearPairs, reduced_mass};
-use crate::flight::events::Flown;
 
 /// Bodies that approach or part by no more than so many kicks of a step rest on each other, at the depth 0.
 const KICKS_OF_CONTACT: f64 = 2.0;
@@ -183,9 +182,9 @@ pub(crate) fn step(
     near: &mut NearPairs,
     mut walls: Option<&mut Walls>,
     mut flight: Flight<'_>,
-) -> Result<Flown, StepError> {
+) -> Result<Drifted, StepError> {
     let mut touching = Touching::of(law, (bodies, held), near, walls.as_deref(), &flight);
-    let mut done = Flown::default();
+    let mut done = Drifted::default();
     if !touching.is_empty() {
         let (forces, masses, h) = (flight.forces, flight.masses, flight.h);
         let kick: Vec<DVec3> = (0..forces.len()).map(|i| h / masses.of(i) * forces[i]).collect();
@@ -204,7 +203,7 @@ pub(crate) fn step(
         let contacts = &resting.contacts;
         let solved = spook_contacts(contacts, masses, velocities, &kick, regular, h, law.solver);
         let solved = solved.settled(law.solver)?;
-        done.drifted = done.drifted.and(solved.report());
+        done = done.and(solved.report());
         resting.tell(walls, &solved.impulses, |_| false);
     }
     flight.free();
@@ -227,7 +226,7 @@ fn impact(
     flight: &mut Flight<'_>,
     kick: &[DVec3],
     walls: Option<&mut Walls>,
-) -> Result<Flown, StepError> {
+) -> Result<Drifted, StepError> {
     let masses = flight.masses;
     let solved = |struck: &Touching, b: &[f64]| {
         let problem = Problem {
@@ -253,7 +252,7 @@ fn impact(
     }
     let struck = together.only(|c| in_motion[c]);
     if struck.is_empty() {
-        return Ok(Flown::default());
+        return Ok(Drifted::default());
     }
     let rates = struck.rates(&before);
     let is_hit = |c: usize| rates[c] < -struck.rules[c].rest;
@@ -292,5 +291,5 @@ fn impact(
             contact.gap += contact.rate(&moved);
         }
     }
-    Ok(Flown { drifted, impacts: (0..rates.len()).filter(|c| is_hit(*c)).count() as u64 })
+    Ok(drifted)
 }

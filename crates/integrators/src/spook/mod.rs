@@ -8,7 +8,7 @@ mod problem;
 use glam::DMat2;
 use lennard_core::{
     Constraint, DVec3, ForceProperties, Integrator, IntegratorSpec, Masses, Method, State, Step,
-    StepError, System, persist,
+    StepError, System, remembers_nothing,
 };
 
 use crate::OscillatorModel;
@@ -74,8 +74,6 @@ pub fn oscillator_map(omega: f64, dt: f64) -> DMat2 {
 /// (G·M⁻¹·Gᵀ + Σ)·λ = −(4/h)·γ·g + γ·G·v − G·(v + h·M⁻¹·f), and v′ = v + h·M⁻¹·f + M⁻¹·Gᵀ·λ.
 #[derive(Debug, Clone, Default)]
 pub struct Spook {
-    /// The multiplier λ of the last step, the constraint's impulse in units of momentum; 0 without a constraint.
-    multiplier: f64,
     /// Working space for the entries of G inside a step.
     gradient: Vec<(usize, DVec3)>,
     /// The bonds of molecules.
@@ -87,7 +85,7 @@ impl Spook {
     ///
     /// `old_rate` is G·v before the kick. Returns the residual of the constraint's equation.
     fn constrain(
-        &mut self,
+        &self,
         constraint: &dyn Constraint,
         masses: &Masses,
         state: &mut State,
@@ -100,18 +98,18 @@ impl Spook {
         let entries = self.gradient.iter();
         let inverse_mass: f64 = entries.map(|(i, g)| g.length_squared() / masses.of(*i)).sum();
         let free_rate = rate(&self.gradient, &state.velocities);
-        self.multiplier = (wanted_rate - free_rate) / (inverse_mass + sigma);
-        if !self.multiplier.is_finite() {
+        // The impulse of the constraint, in units of momentum.
+        let multiplier = (wanted_rate - free_rate) / (inverse_mass + sigma);
+        if !multiplier.is_finite() {
             return Err(StepError::Unsuited {
                 method: SPEC.name,
                 reason: "the constraint's gradient vanishes or its value is not finite".to_owned(),
             });
         }
         for (i, g) in &self.gradient {
-            state.velocities[*i] += (self.multiplier / masses.of(*i)) * *g;
+            state.velocities[*i] += (multiplier / masses.of(*i)) * *g;
         }
-        let residual =
-            rate(&self.gradient, &state.velocities) + sigma * self.multiplier - wanted_rate;
+        let residual = rate(&self.gradient, &state.velocities) + sigma * multiplier - wanted_rate;
         Ok(residual.abs())
     }
 }
@@ -137,7 +135,7 @@ impl MethodOptions for Options {
     }
 }
 
-persist!(Spook { multiplier, fixed gradient, bonds });
+remembers_nothing!(Spook { gradient, bonds });
 
 impl Method for Spook {
     fn spec(&self) -> &'static IntegratorSpec {
@@ -157,11 +155,6 @@ impl Method for Spook {
     /// Contacts act on the sites of bonds behind the back of their constraints.
     fn solves_contacts(&self) -> bool {
         self.bonds.is_none()
-    }
-
-    fn start(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
-        self.multiplier = 0.0;
-        s.forces_at_start()
     }
 
     fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
