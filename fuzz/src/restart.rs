@@ -84,8 +84,7 @@ pub fn reshape(bytes: &mut Vec<u8>, below: &mut dyn FnMut(usize) -> usize) {
             }
         }
         2 => {
-            let empty =
-                [Array::F64(vec![]), Array::I64(vec![]), Array::U64(vec![]), Array::Vec3(vec![])];
+            let empty = [Array::F64(vec![]), Array::U64(vec![]), Array::Vec3(vec![])];
             arrays.insert(name, empty[below(empty.len())].clone());
         }
         3 => drop(arrays.insert(format!("{name}/{}", below(9)), Array::F64(vec![0.0]))),
@@ -117,7 +116,6 @@ fn distort(array: &mut Array, below: &mut dyn FnMut(usize) -> usize) {
     let count = ABSURD_COUNTS[below(ABSURD_COUNTS.len())];
     match array {
         Array::F64(values) => of(values, below, number),
-        Array::I64(values) => of(values, below, count.cast_signed()),
         Array::U64(values) => of(values, below, count),
         Array::Vec3(values) => of(values, below, DVec3::splat(number)),
     }

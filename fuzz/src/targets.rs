@@ -187,7 +187,6 @@ pub fn checkpoint(bytes: &[u8]) -> bool {
 fn words(array: &Array) -> usize {
     match array {
         Array::F64(v) => v.len(),
-        Array::I64(v) => v.len(),
         Array::U64(v) => v.len(),
         Array::Vec3(v) => 3 * v.len(),
     }

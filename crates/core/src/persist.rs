@@ -9,8 +9,6 @@ use glam::DVec3;
 pub enum Array {
     /// Floating-point numbers, kept to the bit.
     F64(Vec<f64>),
-    /// Signed integers.
-    I64(Vec<i64>),
     /// Unsigned integers.
     U64(Vec<u64>),
     /// Vectors, kept to the bit.
@@ -23,7 +21,6 @@ impl Array {
     pub fn bytes(&self) -> usize {
         match self {
             Self::F64(values) => size_of_val(&values[..]),
-            Self::I64(values) => size_of_val(&values[..]),
             Self::U64(values) => size_of_val(&values[..]),
             Self::Vec3(values) => size_of_val(&values[..]),
         }
@@ -215,7 +212,7 @@ macro_rules! values {
         }
     )+};
 }
-values!(f64 => F64, i64 => I64, u64 => U64, DVec3 => Vec3);
+values!(f64 => F64, u64 => U64, DVec3 => Vec3);
 
 /// Types that are saved as one array, each with how it becomes that array and how it comes back from a reader.
 macro_rules! persist_as_array {
@@ -324,11 +321,6 @@ impl StateWriter<'_> {
         self.put(name, Array::U64(values.to_vec()));
     }
 
-    /// Saves signed integers.
-    pub fn put_i64(&mut self, name: &str, values: &[i64]) {
-        self.put(name, Array::I64(values.to_vec()));
-    }
-
     /// Saves vectors.
     pub fn put_vec3(&mut self, name: &str, values: &[DVec3]) {
         self.put(name, Array::Vec3(values.to_vec()));
@@ -385,14 +377,6 @@ impl<'a> StateReader<'a> {
     /// # Errors
     /// [`RestoreError`] where the entry is missing or of another type.
     pub fn u64(&self, name: &str) -> Result<&'a [u64], RestoreError> {
-        self.section(name).values()
-    }
-
-    /// Signed integers.
-    ///
-    /// # Errors
-    /// [`RestoreError`] where the entry is missing or of another type.
-    pub fn i64(&self, name: &str) -> Result<&'a [i64], RestoreError> {
         self.section(name).values()
     }
 

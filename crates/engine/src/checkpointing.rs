@@ -121,11 +121,6 @@ pub(crate) fn check_particles(archive: &StateArchive, n: usize) -> Result<(), Re
             Array::F64(all) if of_method && !all.iter().all(|x| x.is_finite()) => {
                 return Err(reader.misfit(name, "a number that is not finite"));
             }
-            Array::I64(all) if of_method && all.len() != 3 * n => {
-                return Err(
-                    reader.misfit(name, format!("{} integers, wanted {}", all.len(), 3 * n))
-                );
-            }
             _ => {}
         }
     }

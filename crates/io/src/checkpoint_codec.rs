@@ -9,7 +9,7 @@
 //! | 4 | zero |
 //! | 8 | length of the whole file |
 //! | … | metadata as JSON text; scene text; number of arrays (u64) |
-//! | … | for each array, names ascending: name text, type (u64: 1 f64, 2 i64, 3 u64, 4 vector), count (u64), values of 8 or 24 bytes |
+//! | … | for each array, names ascending: name text, type (u64: 1 f64, 3 u64, 4 vector), count (u64), values of 8 or 24 bytes |
 //! | 4 | CRC-32 (IEEE 802.3) of everything before |
 
 use std::collections::BTreeMap;
@@ -124,7 +124,6 @@ pub(crate) enum Contents {
 fn kind_and_words(array: &Array) -> (u64, u64, u64) {
     match array {
         Array::F64(v) => (1, v.len() as u64, 1),
-        Array::I64(v) => (2, v.len() as u64, 1),
         Array::U64(v) => (3, v.len() as u64, 1),
         Array::Vec3(v) => (4, v.len() as u64, 3),
     }
@@ -192,7 +191,6 @@ pub(crate) fn encode<W: Write>(checkpoint: &Checkpoint, to: &mut W) -> io::Resul
         out.bytes(&count.to_le_bytes())?;
         match array {
             Array::F64(v) => out.words(v.iter().map(|x| x.to_bits()))?,
-            Array::I64(v) => out.words(v.iter().map(|x| x.cast_unsigned()))?,
             Array::U64(v) => out.words(v.iter().copied())?,
             Array::Vec3(v) => {
                 out.words(v.iter().flat_map(|r| r.to_array().map(f64::to_bits)))?;
@@ -340,7 +338,6 @@ impl<R: Read> Body<R> {
                 let count = self.word()?;
                 let array = match kind {
                     1 => Array::F64(self.values(count, &name, |[w]| f64::from_bits(w))?),
-                    2 => Array::I64(self.values(count, &name, |[w]| w.cast_signed())?),
                     3 => Array::U64(self.values(count, &name, |[w]| w)?),
                     4 => Array::Vec3(self.values(count, &name, |words: [u64; 3]| {
                         DVec3::from_array(words.map(f64::from_bits))

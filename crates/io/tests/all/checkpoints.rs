@@ -14,7 +14,7 @@ fn checkpoint(step: u64) -> Checkpoint {
     let mut archive = StateArchive::default();
     let mut writer = archive.writer();
     writer.put_f64("time", &[0.1, f64::NAN, -0.0, f64::MIN_POSITIVE / 2.0]);
-    writer.put_i64("images", &[i64::MIN, -1, 0, i64::MAX]);
+    writer.put_u64("images", &[0, 1, 2, 3]);
     writer.put_u64("step", &[step, u64::MAX]);
     let many: Vec<DVec3> = (0..9000).map(|i| DVec3::splat(f64::from(i)).sqrt()).collect();
     writer.section("integrator").put_vec3("previous", &many);
@@ -45,7 +45,6 @@ fn bytes_of(checkpoint: &Checkpoint) -> Vec<u8> {
 fn bits(array: &Array) -> (u8, Vec<u64>) {
     match array {
         Array::F64(v) => (0, v.iter().map(|x| x.to_bits()).collect()),
-        Array::I64(v) => (1, v.iter().map(|x| x.cast_unsigned()).collect()),
         Array::U64(v) => (2, v.clone()),
         Array::Vec3(v) => (3, v.iter().flat_map(|r| r.to_array().map(f64::to_bits)).collect()),
     }
@@ -81,10 +80,9 @@ proptest! {
         written.archive = StateArchive::default();
         for (i, name) in names.into_iter().enumerate() {
             let floats = || numbers.iter().map(|&w| f64::from_bits(w));
-            let array = match i % 4 {
+            let array = match i % 3 {
                 0 => Array::F64(floats().collect()),
-                1 => Array::I64(numbers.iter().map(|w| w.cast_signed()).collect()),
-                2 => Array::U64(numbers.clone()),
+                1 => Array::U64(numbers.clone()),
                 _ => Array::Vec3(floats().map(|x| DVec3::new(x, -x, 1.0)).collect()),
             };
             written.archive.arrays.insert(name, array);
