@@ -72,7 +72,7 @@ const SKIN: f64 = 0.3;
 /// What is computed must not depend on pairs that do not touch: the time of a build is no part of the state.
 #[derive(Debug, Clone)]
 pub struct NearPairs {
-    pairs: Vec<[u32; 2]>,
+    pairs: Vec<[usize; 2]>,
     list: NeighborList,
     /// Box and positions of the last build; `None` before it.
     built: Option<(PeriodicBox, Vec<DVec3>)>,
@@ -99,7 +99,7 @@ impl NearPairs {
         cell: &PeriodicBox,
         positions: &[DVec3],
         travel: f64,
-    ) -> &[[u32; 2]] {
+    ) -> &[[usize; 2]] {
         if !self.still_holds(cell, positions, travel) {
             self.build(bodies, cell, positions, travel);
         }
@@ -121,22 +121,21 @@ impl NearPairs {
 
     fn build(&mut self, bodies: &Bodies, cell: &PeriodicBox, positions: &[DVec3], travel: f64) {
         self.pairs.clear();
-        let n = positions.len() as u32;
+        let n = positions.len();
         self.skin = SKIN.max(3.0 * travel / bodies.largest()) * bodies.largest();
         let radius = bodies.largest() + self.skin;
-        let all = |pairs: &mut Vec<[u32; 2]>| {
-            let excluded = |i: u32, j: u32| bodies.exclusions().exclude(i as usize, j as usize);
+        let all = |pairs: &mut Vec<[usize; 2]>| {
             let ordered = (0..n).flat_map(|i| (i + 1..n).map(move |j| [i, j]));
-            pairs.extend(ordered.filter(|[i, j]| !excluded(*i, *j)));
+            pairs.extend(ordered.filter(|[i, j]| !bodies.exclusions().exclude(*i, *j)));
         };
-        if n as usize <= FEW || radius > cell.largest_cutoff() {
+        if n <= FEW || radius > cell.largest_cutoff() {
             all(&mut self.pairs);
         } else {
             let ordered = Positions::ById(positions);
             match self.list.build(cell, radius, ordered, &ScalarScanner) {
                 Ok(()) => {
                     for (i, neighbors) in (0..).zip(self.list.neighbors()) {
-                        let later = neighbors.into_iter().filter(|j| *j > i);
+                        let later = neighbors.into_iter().map(|j| j as usize).filter(|j| *j > i);
                         self.pairs.extend(later.map(|j| [i, j]));
                     }
                 }

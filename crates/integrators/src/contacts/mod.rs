@@ -92,40 +92,33 @@ impl Contacts {
             return Vec::new();
         };
         let pairs = self.near.at(&self.bodies, at.cell, at.positions, 0.0);
-        let all = pairs.iter().map(|pair| pair.map(|body| body as usize));
-        all.filter_map(|pair| Touch::of(law, &self.bodies, pair, at)).collect()
+        pairs.iter().filter_map(|pair| Touch::of(law, &self.bodies, *pair, at)).collect()
     }
 
     /// Refuses bodies of unilateral contacts that overlap too deeply: the first pair of them.
     fn none_too_deep(&mut self, at: &Configuration<'_>) -> Result<(), ForceError> {
         let pairs = self.near.at(&self.bodies, at.cell, at.positions, 0.0);
-        let apart = |[i, j]: [usize; 2]| {
-            let apart = at.positions[i] - at.positions[j];
-            at.cell.minimum_image(apart)
-        };
-        let mut pairs = pairs.iter().map(|pair| pair.map(|body| body as usize));
-        let first = pairs.find(|pair| {
-            let deepest = (1.0 - DEEPEST) * self.bodies.distance(pair[0], pair[1]);
-            apart(*pair).length_squared() < deepest * deepest
-        });
-        first.map_or(Ok(()), |pair| self.too_deep(pair, apart(pair), at))
+        pairs.iter().try_for_each(|[i, j]| {
+            let apart = at.cell.minimum_image(at.positions[*i] - at.positions[*j]);
+            too_deep(&self.bodies, [*i, *j], apart, at)
+        })
     }
+}
 
-    /// Refuses an overlap beyond half the contact distance, for the vector from the second body to the first.
-    fn too_deep(
-        &self,
-        [first, second]: [usize; 2],
-        apart: DVec3,
-        at: &Configuration<'_>,
-    ) -> Result<(), ForceError> {
-        let distance = self.bodies.distance(first, second);
-        let (depth, deepest) = (distance - apart.length(), DEEPEST * distance);
-        if depth <= deepest {
-            return Ok(());
-        }
-        let middle = at.positions[first] - 0.5 * apart;
-        Err(ForceError::ContactTooDeep { first, second, depth, deepest, at: at.cell.wrap(middle) })
+/// Refuses an overlap beyond half the contact distance, for the vector from the second body to the first.
+fn too_deep(
+    bodies: &Bodies,
+    [first, second]: [usize; 2],
+    apart: DVec3,
+    at: &Configuration<'_>,
+) -> Result<(), ForceError> {
+    let distance = bodies.distance(first, second);
+    let (depth, deepest) = (distance - apart.length(), DEEPEST * distance);
+    if depth <= deepest || depth.is_nan() {
+        return Ok(());
     }
+    let middle = at.positions[first] - 0.5 * apart;
+    Err(ForceError::ContactTooDeep { first, second, depth, deepest, at: at.cell.wrap(middle) })
 }
 
 fn virial_of(touch: &Touch) -> DMat3 {
@@ -155,7 +148,7 @@ impl ForceTerm for Contacts {
         let mut each = want.per_particle.then(|| vec![(0.0, DMat3::ZERO); forces.len()]);
         let (mut energy, mut virial, mut laplacian) = (0.0, DMat3::ZERO, 0.0);
         for touch in &touches {
-            self.too_deep(touch.pair, touch.apart, &at)?;
+            too_deep(&self.bodies, touch.pair, touch.apart, &at)?;
             let ([i, j], force) = (touch.pair, touch.force * touch.apart);
             forces[i] += force;
             forces[j] -= force;

@@ -176,8 +176,7 @@ impl Mover for Lines<'_> {
         let Some(Impacts { bodies, near, .. }) = &mut self.impacts else {
             return Vec::new();
         };
-        let pairs = near.at(bodies, cell, x, left * self.limit).iter();
-        pairs.map(|pair| pair.map(|body| body as usize)).collect()
+        near.at(bodies, cell, x, left * self.limit).to_vec()
     }
 
     /// The first root of |r + w·s| = d with s ≥ 0.

@@ -152,7 +152,7 @@ struct Moving<'a> {
 fn damp(
     law: &ContactLaw,
     bodies: &Bodies,
-    pairs: &[[u32; 2]],
+    pairs: &[[usize; 2]],
     moving: &mut Moving<'_>,
     h: f64,
     is_after: bool,
@@ -160,7 +160,6 @@ fn damp(
     let mut heat = 0.0;
     for k in 0..pairs.len() {
         let [i, j] = pairs[if is_after { pairs.len() - 1 - k } else { k }];
-        let (i, j) = (i as usize, j as usize);
         let apart = moving.cell.minimum_image(moving.positions[j] - moving.positions[i]);
         let distance = bodies.distance(i, j);
         let r2 = apart.length_squared();

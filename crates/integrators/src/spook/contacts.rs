@@ -87,8 +87,7 @@ impl Touching {
         if let Some(held) = held {
             found.take_bonds(held, positions);
         }
-        let pairs = near.at(bodies, flight.cell, positions, 0.0);
-        for [i, j] in pairs.iter().map(|pair| pair.map(|body| body as usize)) {
+        for [i, j] in near.at(bodies, flight.cell, positions, 0.0).iter().copied() {
             if reduced_mass(masses, i, j).is_none() {
                 continue;
             }
