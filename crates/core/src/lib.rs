@@ -55,7 +55,7 @@ pub use molecules::{Bonds, Exclusions, MOLECULES_PER_TASK, Molecules};
 pub use moves::Moving;
 pub use observable::{
     Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Shared, Standing, Suits,
-    TailCorrection, View,
+    TailCorrection, View, finite,
 };
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
 pub use ramp::Ramp;

@@ -284,53 +284,26 @@ impl From<Value> for Cell {
     }
 }
 
-impl From<f64> for Cell {
-    fn from(value: f64) -> Self {
-        let digits = None;
-        Value::Number { value, digits }.into()
-    }
+/// What a cell of a value of each type holds.
+macro_rules! cells {
+    ($($type:ty: |$value:ident| $cell:expr;)*) => {$(
+        impl From<$type> for Cell {
+            fn from($value: $type) -> Self {
+                $cell.into()
+            }
+        }
+    )*};
 }
 
-impl From<u64> for Cell {
-    fn from(value: u64) -> Self {
-        Value::Whole(value).into()
-    }
-}
-
-impl From<u32> for Cell {
-    fn from(value: u32) -> Self {
-        u64::from(value).into()
-    }
-}
-
-impl From<usize> for Cell {
-    fn from(value: usize) -> Self {
-        (value as u64).into()
-    }
-}
-
-impl From<bool> for Cell {
-    fn from(value: bool) -> Self {
-        Self::words(value.to_string())
-    }
-}
-
-impl From<&str> for Cell {
-    fn from(words: &str) -> Self {
-        Self::words(words)
-    }
-}
-
-impl From<String> for Cell {
-    fn from(words: String) -> Self {
-        Self::words(words)
-    }
-}
-
-impl From<&String> for Cell {
-    fn from(words: &String) -> Self {
-        Self::words(words)
-    }
+cells! {
+    f64: |value| Value::Number { value, digits: None };
+    u64: |value| Value::Whole(value);
+    u32: |value| u64::from(value);
+    usize: |value| value as u64;
+    bool: |value| value.to_string();
+    String: |words| Value::Words(words);
+    &str: |words| words.to_owned();
+    &String: |words| words.clone();
 }
 
 impl<T: Into<Self>> From<Option<T>> for Cell {

@@ -47,7 +47,6 @@ pub fn finished(
             beside_equation_of_state(scene, density, molecules, thermodynamics, what)
         }
     };
-    let conservation = simulation.thermodynamics().conservation();
     let bare = bare(simulation);
     let wall_s = wall.as_secs_f64();
     let atom_steps = simulation.state.len() as f64 * simulation.state.step as f64;
@@ -79,12 +78,7 @@ pub fn finished(
         averages,
         conservation: match simulation.frames {
             Some(_) => bare.conservation,
-            None => Conservation {
-                energy_drift_per_atom_per_tau: conservation.energy_drift_per_atom_per_tau,
-                energy_drift_standard_error: conservation.energy_drift_standard_error,
-                energy_rms_per_atom: conservation.energy_rms_per_atom,
-                momentum_per_atom: conservation.momentum_per_atom,
-            },
+            None => thermodynamics.conservation(),
         },
         comparison: compared.entries,
         remarks: remarks.iter().map(Remark::to_string).collect(),

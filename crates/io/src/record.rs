@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use lennard_core::{Average, Doubt, Estimate, Remark, Standing};
+use lennard_core::{Average, Doubt, Estimate, Remark, Standing, finite as number};
+pub use lennard_observables::Conservation;
 use serde::{Deserialize, Serialize};
 
 use crate::FormatError;
@@ -225,23 +226,6 @@ impl AverageRecord {
     }
 }
 
-/// How well conserved quantities were conserved.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Conservation {
-    /// Slope of the conserved energy in ε per atom per τ.
-    #[serde(with = "number")]
-    pub energy_drift_per_atom_per_tau: f64,
-    /// Its standard error, from block slopes.
-    #[serde(with = "number")]
-    pub energy_drift_standard_error: f64,
-    /// Root mean square of the conserved energy about its mean, in ε per atom.
-    #[serde(with = "number")]
-    pub energy_rms_per_atom: f64,
-    /// Length of the total momentum per atom.
-    #[serde(with = "number")]
-    pub momentum_per_atom: f64,
-}
-
 /// What the thermostats did.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ThermostatRecord {
@@ -330,19 +314,6 @@ pub struct StatePoint {
     /// Number density in σ⁻³.
     #[serde(with = "number")]
     pub density: f64,
-}
-
-/// JSON has no NaN and no infinity: they are written as `null` and read as NaN.
-mod number {
-    use serde::{Deserialize, Deserializer, Serializer};
-
-    pub(super) fn serialize<S: Serializer>(value: &f64, to: S) -> Result<S::Ok, S::Error> {
-        if value.is_finite() { to.serialize_f64(*value) } else { to.serialize_none() }
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-        Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
-    }
 }
 
 /// Reads a run record.

@@ -1,21 +1,25 @@
 //! How well a run kept what it ought to keep, and its means beside a line of an equation of state.
 
-use lennard_core::Estimate;
-use serde::Serialize;
+use lennard_core::{Estimate, finite};
+use serde::{Deserialize, Serialize};
 
 use super::Thermodynamics;
 use crate::statistics;
 
 /// How well energy and momentum were kept.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Conservation {
     /// Slope of the conserved energy per particle, ε/τ, by least squares over all samples.
+    #[serde(with = "finite")]
     pub energy_drift_per_atom_per_tau: f64,
     /// Its standard error, from the slopes of ten blocks.
+    #[serde(with = "finite")]
     pub energy_drift_standard_error: f64,
     /// Root mean square of the conserved energy per particle about that line, over single samples.
+    #[serde(with = "finite")]
     pub energy_rms_per_atom: f64,
     /// The largest |Σ m v|/N seen, in σ/τ, of the components that the forces keep.
+    #[serde(with = "finite")]
     pub momentum_per_atom: f64,
 }
 
