@@ -237,25 +237,19 @@ pub fn exact_sum_over<T: Summand<N>, const N: usize>(
     T::from_numbers(sums.over(team).values())
 }
 
-/// The exact sum of one term for each item, over all ranks of a team where there is one.
-///
-/// It is [`exact_sum_over`] in less time, where terms are simple.
-pub fn exact_sum_of<T: Sync>(
-    team: Option<&Team>,
-    items: &[T],
-    term: impl Fn(&T) -> f64 + Sync,
-) -> f64 {
+/// The exact sum of one term for each item: [`exact_sum`] in less time, where terms are simple.
+pub fn exact_sum_of<T: Sync>(items: &[T], term: impl Fn(&T) -> f64 + Sync) -> f64 {
     let (sums, _) = exact_sums(items.len(), |range, sums: &mut ExactSums<1>| {
         sums.sums[0].add_terms(&items[range], &term);
     });
-    let [sum] = sums.over(team).values();
+    let [sum] = sums.values();
     sum
 }
 
 /// The exact sum of numbers, rounded once.
 #[must_use]
 pub fn total(numbers: &[f64]) -> f64 {
-    exact_sum_of(None, numbers, |x| *x)
+    exact_sum_of(numbers, |x| *x)
 }
 
 /// The exact sums over `0..n` of what `add` gives for each of some ranges, and what it returns for each, in their order.

@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::Team;
-use crate::exact::{exact_sum_of, exact_sum_over};
+use crate::exact::{exact_sum, exact_sum_of};
 
 /// The most species of a system: as many as one register of AVX-512 holds doubles.
 pub const MOST_SPECIES: usize = 8;
@@ -205,27 +204,14 @@ impl Masses {
         }
     }
 
-    /// The kinetic energy ½ m v² of particle `i`, ε.
-    #[inline]
-    #[must_use]
-    pub fn kinetic_energy_of(&self, i: usize, velocity: DVec3) -> f64 {
-        0.5 * self.moving(i) * velocity.length_squared()
-    }
-
     /// The kinetic energy K = Σ ½ m v² in ε, an exact total.
     #[must_use]
     pub fn kinetic_energy(&self, velocities: &[DVec3]) -> f64 {
-        self.kinetic_energy_over(None, velocities)
-    }
-
-    /// As [`Masses::kinetic_energy`], where all masses are equal and each rank of a team has some of the velocities.
-    #[must_use]
-    pub fn kinetic_energy_over(&self, team: Option<&Team>, velocities: &[DVec3]) -> f64 {
         match self {
-            Self::Uniform(m) => exact_sum_of(team, velocities, |v| 0.5 * m * v.length_squared()),
-            Self::Each(_) => {
-                exact_sum_over(team, velocities.len(), |i| self.kinetic_energy_of(i, velocities[i]))
-            }
+            Self::Uniform(m) => exact_sum_of(velocities, |v| 0.5 * m * v.length_squared()),
+            Self::Each(_) => exact_sum(velocities.len(), |i| {
+                0.5 * self.moving(i) * velocities[i].length_squared()
+            }),
         }
     }
 

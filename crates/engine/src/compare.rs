@@ -19,7 +19,7 @@ pub struct Comparison {
 
 impl Comparison {
     /// Nothing compared, and why; `None` where the averages say why.
-    fn without(why: Option<String>) -> Self {
+    pub(crate) fn without(why: Option<String>) -> Self {
         Self { entries: Vec::new(), remarks: why.into_iter().collect() }
     }
 }
@@ -109,10 +109,15 @@ pub fn beside_equation_of_state(
     thermodynamics: &Thermodynamics,
     what: Compared,
 ) -> Comparison {
-    at_volume(scene, density, atoms, thermodynamics, what).unwrap_or_else(Comparison::without)
+    at_constant_volume(scene, density, atoms, thermodynamics, what)
+        .unwrap_or_else(Comparison::without)
 }
 
-fn at_volume(
+/// As [`beside_equation_of_state`].
+///
+/// # Errors
+/// Why nothing was compared; `None` where the averages say why.
+pub(crate) fn at_constant_volume(
     scene: &Scene,
     density: f64,
     atoms: usize,
@@ -193,18 +198,10 @@ fn at_volume(
 /// `n_dof` counts the degrees of freedom of centres of mass, of `atoms` particles or molecules.
 /// Velocities without total momentum sample V^{N−1}: the mean of ρT + W/(3V) + P_tail is then P₀ + T/V, and the equation is
 /// taken at that pressure. The temperature is the measured one that belongs to the positions.
-#[must_use]
+///
+/// # Errors
+/// Why nothing was compared; `None` where the averages say why.
 pub(crate) fn at_constant_pressure(
-    scene: &Scene,
-    atoms: usize,
-    n_dof: f64,
-    thermodynamics: &Thermodynamics,
-    changing: &ChangingBox,
-) -> Comparison {
-    at_pressure(scene, atoms, n_dof, thermodynamics, changing).unwrap_or_else(Comparison::without)
-}
-
-fn at_pressure(
     scene: &Scene,
     atoms: usize,
     n_dof: f64,

@@ -56,7 +56,7 @@ pub use own::OwnParts;
 pub use plan::{
     Network, Nodes, NodesError, OnNodes, PATIENCE, Plan, PlanItem, plan, watching_seconds,
 };
-pub use resume::{ResumeOptions, Resumed, restored, restored_with, resume, resume_with, way_on};
+pub use resume::{ResumeOptions, Resumed, restored, restored_with, resume, way_on};
 pub use room::NoRoom;
 pub use run::{Outcome, go_on, run};
 pub use schedule::{Action, Observer, Operation, SET_ASIDE_EVERY, Schedule, Trigger};

@@ -13,7 +13,7 @@ use lennard_literature::units::Units;
 use lennard_observables::ChangingBox;
 
 use crate::Simulation;
-use crate::compare::{Compared, at_constant_pressure, beside_equation_of_state};
+use crate::compare::{Compared, Comparison, at_constant_pressure, at_constant_volume};
 use crate::findings::frozen;
 use crate::threads::Threads;
 
@@ -43,10 +43,10 @@ pub fn finished(
         }
         None => {
             let density = molecules as f64 / simulation.state.cell.volume();
-            let what = Compared::Results;
-            beside_equation_of_state(scene, density, molecules, thermodynamics, what)
+            at_constant_volume(scene, density, molecules, thermodynamics, Compared::Results)
         }
     };
+    let compared = compared.unwrap_or_else(Comparison::without);
     let bare = bare(simulation);
     let wall_s = wall.as_secs_f64();
     let atom_steps = simulation.state.len() as f64 * simulation.state.step as f64;

@@ -62,18 +62,6 @@ pub fn way_on(folder: &Path) -> String {
 /// [`EngineError::Resume`] where there is no checkpoint or it is refused, [`EngineError::Scene`] where
 /// `options` do not fit its scene.
 pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineError> {
-    resume_with(folder, options, &OwnParts::none())
-}
-
-/// As [`resume`], in a program that brings the parts that the run had.
-///
-/// # Errors
-/// As [`resume`], and where the run had other parts.
-pub fn resume_with(
-    folder: &Path,
-    options: &ResumeOptions,
-    own: &OwnParts,
-) -> Result<Resumed, EngineError> {
     let (path, mut checkpoint) = load(folder, options.older)?;
     same_program(&checkpoint, &path)?;
     let misfit = |reason: String| ResumeError::DoesNotFit { checkpoint: path.clone(), reason };
@@ -112,7 +100,7 @@ pub fn resume_with(
         let steps = scene.stages[last].steps.saturating_add(options.more_steps);
         overrides.push((format!("stage.{last}.steps"), steps.to_string()));
     }
-    let saved = Saved { checkpoint: &checkpoint, path: &path, own };
+    let saved = Saved { checkpoint: &checkpoint, path: &path, own: &OwnParts::none() };
     let (mut simulation, remark) = saved.with_isa(overrides, options.isa.as_deref())?;
     let mut past = reinstated(&mut simulation, &checkpoint).map_err(misfit)?;
     past.remarks.extend(remark);
