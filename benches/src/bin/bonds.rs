@@ -9,8 +9,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use lennard_benches::arguments::{Arguments, BadArgument, exit_code};
-use lennard_core::stopwatch::{Spread, Stopwatch, in_turn};
 use lennard_core::{BondSolver, BoundDrift, DVec3, Moving, StepError, System, Want, rigid};
+use lennard_engine::stopwatch::{Spread, Stopwatch, in_turn};
 use lennard_engine::{Simulation, bare, prepare, take};
 use lennard_integrators::bonds::BondHolder;
 use lennard_scene::Scene;

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use lennard_benches::arguments::{Arguments, exit_code};
 use lennard_core::Want;
-use lennard_core::stopwatch::{Spread, Stopwatch, in_turn, timed};
+use lennard_engine::stopwatch::{Spread, Stopwatch, in_turn, timed};
 use lennard_engine::{
     Action, ENDLESS, EngineError, Follower, Operation, Past, RunFiles, Schedule, Simulation,
     Trigger, bare, capture, take, watchdog, watching_seconds,

@@ -12,8 +12,8 @@ use std::process::ExitCode;
 use lennard_benches::Run;
 use lennard_benches::arguments::{Arguments, exit_code};
 use lennard_core::parallel::awake;
-use lennard_core::stopwatch::{in_turn, timed};
 use lennard_core::{Energetics, ForceError, ForceTerm, Want};
+use lennard_engine::stopwatch::{in_turn, timed};
 use lennard_forcefield::{Isa, KernelOptions, Precision, TruncationKind};
 
 const KEYS: [&str; 8] =

@@ -30,7 +30,6 @@ mod spec;
 mod species;
 mod state;
 mod step;
-pub mod stopwatch;
 mod system;
 mod table;
 pub mod tasks;

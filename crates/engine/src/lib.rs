@@ -34,6 +34,7 @@ mod schedule;
 mod session;
 mod simulation;
 mod start;
+pub mod stopwatch;
 mod threads;
 mod watch;
 pub mod watchdog;

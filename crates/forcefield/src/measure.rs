@@ -3,9 +3,9 @@
 //! Nothing here decides anything about a run.
 
 use std::hint::black_box;
+use std::time::Instant;
 
 use glam::DVec3;
-use lennard_core::stopwatch::timed;
 use lennard_core::{Configuration, ForceError, ForceTerm, Part, Want};
 
 use crate::options::Precision;
@@ -47,14 +47,16 @@ pub fn part_times(
     let mut best = PartTimes { forces: f64::INFINITY, totals: f64::INFINITY, build: f64::INFINITY };
     for _ in 0..rounds.max(1) {
         let mut evaluation = |want| -> Result<f64, ForceError> {
-            let (seconds, found) = timed(|| forces.evaluate(at, Part::All, want, &mut out));
-            black_box(found?);
-            Ok(seconds)
+            let clock = Instant::now();
+            black_box(forces.evaluate(at, Part::All, want, &mut out)?);
+            Ok(clock.elapsed().as_secs_f64())
         };
         best.forces = best.forces.min(evaluation(Want::NOTHING)?);
         best.totals = best.totals.min(evaluation(Want::TOTALS)?);
-        let (seconds, built) = timed(|| forces.rebuild(at));
-        best.build = best.build.min(if built? { seconds } else { 0.0 });
+        let clock = Instant::now();
+        let is_built = forces.rebuild(at)?;
+        let seconds = clock.elapsed().as_secs_f64();
+        best.build = best.build.min(if is_built { seconds } else { 0.0 });
     }
     Ok(best)
 }
@@ -83,7 +85,9 @@ pub fn arithmetic_limit(isa: Isa, precision: Precision) -> Option<f64> {
     let r_cut = TruncationOptions::default().r_cut;
     let best = (0..RUNS)
         .map(|_| {
-            let (seconds, (pairs, sum)) = timed(|| limit(level, precision, r_cut, ROUNDS));
+            let clock = Instant::now();
+            let (pairs, sum) = limit(level, precision, r_cut, ROUNDS);
+            let seconds = clock.elapsed().as_secs_f64();
             black_box(sum);
             pairs as f64 / seconds
         })

@@ -5,7 +5,6 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use lennard_core::stopwatch::{Spread, Stopwatch, repeated, timed};
 use lennard_core::{
     Configuration, ForceStatistics, HaloSize, Integrator, NoForces, Part as Whole, Persist,
     StateArchive, Want,
@@ -23,6 +22,7 @@ use crate::run::{aside, set_aside};
 use crate::schedule::{Action, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
 use crate::start::Start;
+use crate::stopwatch::{Spread, Stopwatch, repeated, timed};
 use crate::{EngineError, SET_ASIDE_EVERY, watchdog};
 
 /// How long one part is measured alone.

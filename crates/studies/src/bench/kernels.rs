@@ -1,7 +1,7 @@
 //! Kernels, precisions and numbers of threads beside one another, and skins around the one that the scene gets.
 
-use lennard_core::stopwatch::Stopwatch;
 use lennard_engine::bare;
+use lennard_engine::stopwatch::Stopwatch;
 use lennard_forcefield::{ForcePlan, Isa, measure};
 
 use super::types::{BenchError, KernelResult, SkinPoint, SkinStudy, Subject, doubts};

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use lennard_core::stopwatch::{BUSY, Spread};
 use lennard_engine::EngineError;
+use lennard_engine::stopwatch::{BUSY, Spread};
 use lennard_scene::{Scene, SceneError};
 use serde::Serialize;
 

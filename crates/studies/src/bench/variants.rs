@@ -1,7 +1,7 @@
 //! The rows of a benchmark, each a scene with settings of its own on some threads, and how they are timed.
 
 use lennard_core::Want;
-use lennard_core::stopwatch::{Spread, Stopwatch, in_turn};
+use lennard_engine::stopwatch::{Spread, Stopwatch, in_turn};
 use lennard_engine::take;
 use lennard_forcefield::ForcePlan;
 use lennard_scene::Scene;

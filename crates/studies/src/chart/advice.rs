@@ -1,6 +1,6 @@
 //! Where the scene's own settings stand among the others, and what a chart may advise.
 
-use lennard_core::stopwatch::BUSY;
+use lennard_engine::stopwatch::BUSY;
 
 use super::types::{Advice, Axis, Chart, ChartedPoint, Mark};
 use crate::report::significant;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use lennard_core::stopwatch::BUSY;
+use lennard_engine::stopwatch::BUSY;
 use lennard_forcefield::{Precision, TruncationKind};
 
 use super::panels::front;

@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use lennard_core::stopwatch::{in_turn, shuffled};
+use lennard_engine::stopwatch::{in_turn, shuffled};
 use lennard_forcefield::{ListMode, Precision, TruncationKind};
 use lennard_scene::Scene;
 

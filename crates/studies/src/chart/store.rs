@@ -130,7 +130,7 @@ fn differences(there: &Lengths, wanted: &Lengths) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use lennard_core::stopwatch::Spread;
+    use lennard_engine::stopwatch::Spread;
 
     use super::super::types::Size;
     use super::*;

@@ -1,7 +1,7 @@
 //! The numbers of a chart as tables.
 
-use lennard_core::stopwatch::Spread;
 use lennard_core::{Estimate, Table};
+use lennard_engine::stopwatch::Spread;
 use serde::Serialize;
 
 use super::types::{Chart, ChartedPoint, Panel};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use lennard_core::stopwatch::BUSY;
+use lennard_engine::stopwatch::BUSY;
 use lennard_scene::SceneError;
 use serde::{Deserialize, Serialize};
 

@@ -3,11 +3,11 @@
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use lennard_core::stopwatch::timed;
 use lennard_core::{
     Configuration, Energetics, ForceError, ForceTerm, Momentum, Part, PeriodicBox, SpeciesTable,
     State, System, Want,
 };
+use lennard_engine::stopwatch::timed;
 use lennard_engine::{EngineError, Simulation, Unfollowed, measured_stage, prepare_from, take};
 use lennard_forcefield::PairForces;
 use lennard_integrators::{ThermostatOptions, bussi};

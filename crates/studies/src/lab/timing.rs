@@ -1,7 +1,7 @@
 //! What settings cost: wall time of the main loop, and force evaluations.
 
-use lennard_core::stopwatch::{Spread, in_turn, timed};
 use lennard_core::{Part, Want};
+use lennard_engine::stopwatch::{Spread, in_turn, timed};
 use lennard_engine::{measured_stage, take};
 use lennard_forcefield::ListMode;
 use lennard_integrators::IntegratorOptions;

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use lennard_core::stopwatch::repeated;
 use lennard_core::{DVec3, Want};
+use lennard_engine::stopwatch::repeated;
 use lennard_integrators::BondOptions;
 use serde::Serialize;
 

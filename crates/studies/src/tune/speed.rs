@@ -1,7 +1,7 @@
 //! Whether the chosen settings are faster than the usual ones, as far as timings on this machine tell.
 
 use crate::report::significant;
-use lennard_core::stopwatch::{BUSY, Spread};
+use lennard_engine::stopwatch::{BUSY, Spread};
 use serde::Serialize;
 
 use crate::lab::Cost;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use rand::seq::SliceRandom;
 use serde::Serialize;
 
-use crate::random::Streams;
+use lennard_core::random::Streams;
 
 /// Repeats whose range is above this share of their median were disturbed: the machine was busy.
 pub const BUSY: f64 = 0.2;
