@@ -1,11 +1,9 @@
 //! What the observables of a run found, and what speaks against it.
 
-use lennard_core::number::particles;
-use lennard_core::{Average, Doubt, Estimate, Findings, Fronts, Remark, ThermostatSpec};
+use lennard_core::{Average, Doubt, Findings, Remark, State, ThermostatSpec};
 use lennard_observables::quantities::{Mark, has_mark, is_of_one_phase};
-use lennard_observables::statistics::drift;
 use lennard_observables::{
-    LIQUID_DENSITY, largest_density_wave, response_functions, solid_share, solid_share_bytes,
+    LIQUID_DENSITY, front, frozen, frozen_bytes, response_functions, separated,
 };
 use lennard_scene::Scene;
 
@@ -49,7 +47,7 @@ impl Simulation {
     /// Leaves out of the findings what two phases side by side, or a tail among the forces, make meaningless, and says so.
     fn leave_out_meaningless(&self, findings: &mut [Findings]) {
         let known = two_phases(&self.scene, findings);
-        let found = if known.is_none() { separated(self) } else { None };
+        let found = if known.is_none() { self.separated() } else { None };
         if let Some(why) = &found {
             doubt_of_pressure(findings);
             if let Some(first) = findings.first_mut() {
@@ -72,14 +70,34 @@ impl Simulation {
         }
     }
 
+    /// That the last state has separated, in words; `None` where it may be homogeneous, or where the scene itself makes it
+    /// something else.
+    fn separated(&self) -> Option<String> {
+        let State { cell, positions, .. } = &self.state;
+        let is_homogeneous = self.scene.not_homogeneous().is_none();
+        is_homogeneous.then(|| separated(cell, positions, self.system.n_molecules()))?
+    }
+
+    /// Bytes that a look at the last state for crystals takes.
+    pub(crate) fn bytes_to_look(&self) -> usize {
+        let atoms = self.system.molecules.are_atoms().then_some(self.state.len());
+        atoms.map_or(0, frozen_bytes)
+    }
+
+    /// The remark that belongs beside the means of a run whose last state is a crystal, or has one in it.
+    pub(crate) fn frozen(&self) -> Option<Remark> {
+        let State { cell, positions, .. } = &self.state;
+        self.system.molecules.are_atoms().then(|| frozen(cell, positions))?
+    }
+
     /// Adds the velocity of the fronts to the findings of a start with a crystal beside its liquid, and says which phase grows. What
     /// moves is in no equilibrium: no test of one speaks against it.
     fn add_front(&self, findings: &mut [Findings]) {
         let Some(start) = self.scene.half_crystal() else {
             return;
         };
-        let per_share =
-            start.n_atoms as f64 / (start.crystal_density * start.side().powi(2)) / FRONTS;
+        // Two fronts, since the box is periodic.
+        let per_share = start.n_atoms as f64 / (start.crystal_density * start.side().powi(2)) / 2.0;
         let mut tables = findings.iter().enumerate();
         let found = tables.find_map(|(at, f)| {
             let table = f.tables.iter().find(|t| t.name == "bond_order")?;
@@ -221,105 +239,12 @@ pub(crate) fn tell(findings: &mut [Findings], left_out: Vec<String>, why: &str) 
     }
 }
 
-/// The share of solid-like particles is followed while both phases are there: between these bounds.
-const BOTH_PHASES: [f64; 2] = [0.15, 0.85];
-/// Standard errors by which a velocity must differ from zero.
-const ERRORS: f64 = 2.0;
-/// Fewest samples of the share that tell a velocity.
-const FEWEST: usize = 30;
-/// Two fronts, since the box is periodic.
-const FRONTS: f64 = 2.0;
-
-/// The velocity of each front into the liquid, and which phase grows, from the share of solid-like particles against time.
-///
-/// A front moves by `per_share` while the share grows from 0 to 1. `None` without samples.
-fn front(time: &[f64], share: &[f64], per_share: f64) -> Option<(Average, Fronts)> {
-    let is_mixed = |share: &&f64| (BOTH_PHASES[0]..=BOTH_PHASES[1]).contains(*share);
-    let samples = share.iter().take_while(is_mixed).count();
-    let line = drift(&time[..samples], &share[..samples]);
-    let velocity = line.slope * per_share;
-    let standard_error = if samples >= FEWEST { line.standard_error * per_share } else { f64::NAN };
-    let solid_shares = [*share.first()?, *share.last()?];
-    let too_few = standard_error.is_nan().then(|| {
-        format!("{samples} samples with both phases where {FEWEST} are needed: look more often")
-    });
-    let fronts = match &too_few {
-        Some(why) => Fronts::TooFew { why: why.clone(), solid_shares },
-        None if velocity.abs() > ERRORS * standard_error => {
-            Fronts::Moving { velocity, standard_error, solid_shares }
-        }
-        None => Fronts::Neither { solid_shares },
-    };
-    let estimate = Estimate {
-        freedom: line.blocks.saturating_sub(1) as f64,
-        ..Estimate::new(velocity, standard_error, line.blocks as f64)
-    };
-    // A longer run has no more samples: one phase is gone.
-    let doubt = too_few.map(Doubt::Incomplete);
-    Some((Average::new("front_velocity", "σ/τ", estimate).doubted(doubt), fronts))
-}
-
-/// Above this share of solid-like particles a state is no liquid: dense liquids have some hundredths.
-const FROZEN: f64 = 0.3;
-/// Fewer particles say nothing.
-const FEWEST_PARTICLES: usize = 100;
-
-/// Bytes that the look at the last state takes; 0 where nothing is looked for.
-pub(crate) fn bytes_to_look(simulation: &Simulation) -> usize {
-    let state = &simulation.state;
-    let looks = simulation.system.molecules.are_atoms() && state.len() >= FEWEST_PARTICLES;
-    if looks { solid_share_bytes(state.len()) } else { 0 }
-}
-
-/// The remark that belongs beside the means of a run whose last state is a crystal, or has one in it.
-pub(crate) fn frozen(simulation: &Simulation) -> Option<Remark> {
-    if bytes_to_look(simulation) == 0 {
-        return None;
-    }
-    let state = &simulation.state;
-    let share = solid_share(&state.cell, &state.positions);
-    (share > FROZEN).then_some(Remark::Frozen { solid_share: share })
-}
-
-/// A wave of the density with a larger amplitude is none of a homogeneous fluid.
-const SEPARATED: f64 = 0.3;
-/// A homogeneous fluid has waves of S(k) above this in one state of a thousand at most. Near a critical point S(k) is 3 on average.
-const LARGEST_STRUCTURE_FACTOR: f64 = 20.0;
-/// Fewer molecules say nothing.
-const FEWEST_MOLECULES: usize = 100;
-
-/// The amplitude up to which a fluid of so many molecules may be homogeneous.
-fn homogeneous_up_to(molecules: usize) -> f64 {
-    SEPARATED.max((4.0 * LARGEST_STRUCTURE_FACTOR / molecules as f64).sqrt())
-}
-
-/// That the last state has separated, in words; `None` where it may be homogeneous, or where the scene itself makes it
-/// something else.
-fn separated(simulation: &Simulation) -> Option<String> {
-    let molecules = simulation.system.n_molecules();
-    let scene = &simulation.scene;
-    if molecules < FEWEST_MOLECULES || scene.not_homogeneous().is_some() {
-        return None;
-    }
-    let state = &simulation.state;
-    let wave = largest_density_wave(&state.cell, &state.positions);
-    let allowed = homogeneous_up_to(molecules);
-    (wave > allowed).then(|| {
-        format!(
-            "the density of the last state has a wave across the box of {:.0} % of its mean, where a homogeneous fluid of \
-             {} has less than {:.0} %",
-            100.0 * wave,
-            particles(state.len(), molecules),
-            100.0 * allowed
-        )
-    })
-}
-
 /// Compressibilities from g(r) and from S(k) have names that begin so.
 const FROM_STRUCTURE: &str = "compressibility_kirkwood_buff";
 
 #[cfg(test)]
 mod tests {
+    use lennard_core::Estimate;
     use lennard_integrators::thermostats;
 
     use super::*;
@@ -396,56 +321,5 @@ mod tests {
         assert_eq!(findings[0].averages.len(), 1);
         let words = "left out: speed_of_sound. Here there are two phases";
         assert_eq!(findings[0].remarks_in_words(), words);
-    }
-
-    /// A share that changes by `rate` per sample, with noise, up to its bounds.
-    fn motion(rate: f64, samples: usize) -> (Average, Fronts) {
-        let time: Vec<f64> = (0..samples).map(|i| 0.5 * i as f64).collect();
-        let mut noise = 1_u64;
-        let share: Vec<f64> = (0..samples)
-            .map(|i| {
-                noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-                let noise = (noise >> 33) as f64 / 2.0_f64.powi(31) - 0.5;
-                (0.5 + rate * i as f64 + 0.01 * noise).clamp(0.03, 0.98)
-            })
-            .collect();
-        front(&time, &share, 12.0).unwrap()
-    }
-
-    #[test]
-    fn a_front_has_its_velocity_while_both_phases_are_there() {
-        for rate in [2e-3, -1e-3] {
-            // The share ends at a bound, where nothing moves any more.
-            let (average, fronts) = motion(rate, 1000);
-            let exact = rate / 0.5 * 12.0;
-            let Estimate { mean, standard_error, .. } = average.estimate;
-            assert!((mean - exact).abs() < 0.02 * exact.abs(), "{average:?}");
-            assert!(standard_error < 0.5 * exact.abs(), "{average:?}");
-            let words = fronts.to_string();
-            assert_eq!(words.starts_with("the crystal grows"), rate > 0.0, "{words}");
-            assert_eq!(average.doubt, None);
-            // The error is of ten slopes, and is itself known to 1/√18.
-            assert_eq!((average.estimate.freedom, average.estimate.n_effective), (9.0, 10.0));
-        }
-        let (_, still) = motion(0.0, 1000);
-        assert!(matches!(still, Fronts::Neither { .. }), "{still:?}");
-    }
-
-    #[test]
-    fn too_few_samples_give_no_error() {
-        let (average, fronts) = motion(2e-2, 1000);
-        assert!(average.estimate.standard_error.is_nan(), "{average:?}");
-        let Some(Doubt::Incomplete(why)) = average.doubt else { panic!("no doubt") };
-        assert!(why.contains("look more often"), "{why}");
-        let words = fronts.to_string();
-        assert!(words.contains("98 % at the end"), "{words}");
-        // The share rises from 50 to 98 %: it is not said that nothing grows.
-        assert!(words.contains("no velocity is told") && !words.contains("neither"), "{words}");
-    }
-
-    #[test]
-    fn few_molecules_may_have_larger_waves() {
-        assert_eq!(homogeneous_up_to(10_000), SEPARATED);
-        assert!((homogeneous_up_to(320) - 0.5).abs() < 1e-12);
     }
 }

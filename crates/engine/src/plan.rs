@@ -17,7 +17,7 @@ use shares::{Costs, Part, THERMODYNAMICS, barostat_name, bath_name};
 use crate::planar_tail::PlanarTail;
 use crate::run::SET_ASIDE_BYTES;
 use crate::simulation::Simulation;
-use crate::{EngineError, build, findings, watchdog};
+use crate::{EngineError, build, watchdog};
 
 /// One part of the work.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -107,7 +107,7 @@ pub fn plan(
     let state = n * STATE_BYTES;
     let set_aside = n * SET_ASIDE_BYTES;
     // A checkpoint and the last look at the final state come one after the other.
-    let at_times = costs.checkpoint_bytes.max(findings::bytes_to_look(simulation));
+    let at_times = costs.checkpoint_bytes.max(simulation.bytes_to_look());
     let bytes_to_write = (set_aside + at_times) as u64;
     let bytes = state as u64 + bytes_to_write + costs.force_bytes;
     let one_node = OneNode {

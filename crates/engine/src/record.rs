@@ -14,7 +14,6 @@ use lennard_observables::ChangingBox;
 
 use crate::Simulation;
 use crate::compare::{Compared, Comparison, at_constant_pressure, at_constant_volume};
-use crate::findings::frozen;
 use crate::threads::Threads;
 
 /// The record of a run that has not ended, or not well; `remarks` say how it failed.
@@ -55,7 +54,7 @@ pub fn finished(
         .flat_map(|f| f.remarks.iter().cloned())
         .chain(compared.remarks.into_iter().map(Remark::from))
         .chain(few_accepted(simulation))
-        .chain(frozen(simulation))
+        .chain(simulation.frozen())
         .collect();
     let averages: BTreeMap<String, AverageRecord> = findings
         .iter()
