@@ -17,13 +17,11 @@ pub mod lanes;
 mod molecules;
 pub mod moves;
 pub mod number;
-mod observable;
 pub mod options;
 pub mod parallel;
 mod persist;
 mod ramp;
 pub mod random;
-mod remark;
 pub mod rigid;
 mod sparse;
 mod spec;
@@ -31,11 +29,11 @@ mod species;
 mod state;
 mod step;
 mod system;
-mod table;
 pub mod tasks;
 mod team;
 mod thermostat;
 mod topology;
+mod view;
 
 pub use boundary::{BondSolver, BoundDrift, Boundary, Drifted, Flight, WallReading};
 pub use cell::{Axis, BoxError, PeriodicBox};
@@ -52,19 +50,14 @@ pub use integrator::{
 pub use lanes::Aligned;
 pub use molecules::{Bonds, Exclusions, MOLECULES_PER_TASK, Molecules};
 pub use moves::Moving;
-pub use observable::{
-    Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Shared, Standing, Suits,
-    TailCorrection, View, finite,
-};
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
 pub use ramp::Ramp;
-pub use remark::{Fronts, Remark};
 pub use spec::{IntegratorSpec, StepError, StepReport};
 pub use species::{MOST_SPECIES, Masses, Species, SpeciesTable};
 pub use state::{Configuration, Energetics, Part, State, Want};
 pub use step::{Parts, Step, check_finite};
 pub use system::{Constraint, ExactSolution, Momentum, System};
-pub use table::{Cell, Column, RowsOf, Table, Tone, Value};
 pub use team::{Parcel, Team, TeamStatistics, TooManyRanks, Wire, team_of_threads};
 pub use thermostat::{BathStep, FusedBath, Thermostat, ThermostatSpec};
 pub use topology::{Bond, Coupling, MOST_SITES, Topology, TopologyError};
+pub use view::{Shared, TailCorrection, View};

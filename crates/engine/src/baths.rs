@@ -2,9 +2,11 @@
 
 use std::any::Any;
 
-use lennard_core::{Doubt, Integrator, Observable, Ramp, ThermostatSpec};
+use lennard_core::{Integrator, Ramp, ThermostatSpec};
 use lennard_integrators::{ExchangeOptions, Exchanged};
-use lennard_observables::{BuildContext, Driven, Ensemble, ExchangeProfile, HeldTemperature};
+use lennard_observables::{
+    BuildContext, Doubt, Driven, Ensemble, ExchangeProfile, HeldTemperature, Observable,
+};
 use lennard_scene::{Scene, Stage};
 
 use crate::Simulation;

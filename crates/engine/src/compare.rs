@@ -1,9 +1,8 @@
 //! A run beside the literature: U and P at constant volume, density and U at constant pressure.
 
-use lennard_core::{Average, Observable};
 use lennard_io::StatePoint;
 use lennard_literature::{EquationOfState, FiniteSize, FiniteSizeDoubt, Kept, ModelKind};
-use lennard_observables::{ChangingBox, Thermodynamics};
+use lennard_observables::{Average, ChangingBox, Observable, Thermodynamics};
 use lennard_scene::{Scene, model_kind};
 
 use crate::baths::measured_baths;

@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use lennard_core::{DVec3, State, Table};
+use lennard_core::{DVec3, State};
+use lennard_observables::Table;
 
 use crate::files::{thermo_columns, thermo_row};
 use crate::follower::{Control, Ending, Follower};

@@ -16,10 +16,11 @@
 
 use std::path::{Path, PathBuf};
 
-use lennard_core::{Cell, Energetics, State, Table};
+use lennard_core::{Energetics, State};
 use lennard_io::{
     FileMark, Frame, FrameStyle, RunRecord, TableWriter, TrajectoryWriter, WriteError,
 };
+use lennard_observables::{Cell, Table};
 
 use crate::foresight::less_precision;
 use crate::names::{RECORD, SCENE, THERMO, TOPOLOGY};

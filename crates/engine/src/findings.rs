@@ -1,9 +1,10 @@
 //! What the observables of a run found, and what speaks against it.
 
-use lennard_core::{Average, Doubt, Findings, Remark, State, ThermostatSpec};
+use lennard_core::{State, ThermostatSpec};
 use lennard_observables::quantities::{Mark, has_mark, is_of_one_phase};
 use lennard_observables::{
-    LIQUID_DENSITY, front, frozen, frozen_bytes, response_functions, separated,
+    Average, Doubt, Findings, LIQUID_DENSITY, Remark, front, frozen, frozen_bytes,
+    response_functions, separated,
 };
 use lennard_scene::Scene;
 
@@ -244,8 +245,8 @@ const FROM_STRUCTURE: &str = "compressibility_kirkwood_buff";
 
 #[cfg(test)]
 mod tests {
-    use lennard_core::Estimate;
     use lennard_integrators::thermostats;
+    use lennard_observables::Estimate;
 
     use super::*;
 

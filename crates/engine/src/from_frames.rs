@@ -1,6 +1,6 @@
 //! A simulation that has its states from the frames of a trajectory.
 
-use lennard_core::Remark;
+use lennard_observables::Remark;
 
 /// The name of the method whose steps are frames.
 pub(crate) const NAME: &str = "frames";

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use lennard_core::{
-    Configuration, DVec3, ForceProperties, ForceTerm, Integrator, Method, Observable, Part,
-    PeriodicBox, Want,
+    Configuration, DVec3, ForceProperties, ForceTerm, Integrator, Method, Part, PeriodicBox, Want,
 };
+use lennard_observables::Observable;
 use lennard_scene::{ProgramParts, Scene, SceneError};
 
 use crate::schedule::Observer;

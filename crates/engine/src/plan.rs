@@ -6,9 +6,10 @@ mod shares;
 pub use nodes::{Network, Nodes, NodesError, OnNodes};
 pub use shares::{PATIENCE, watching_seconds};
 
+use lennard_core::DVec3;
 use lennard_core::number::short;
-use lennard_core::{DVec3, Observable};
 use lennard_forcefield::{ForcePlan, Search};
+use lennard_observables::Observable;
 use lennard_scene::{Scene, Stage};
 use nodes::OneNode;
 use serde::Serialize;

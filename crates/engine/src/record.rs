@@ -3,14 +3,13 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use lennard_core::{Estimate, Findings, Remark};
 use lennard_integrators::dof_of_centers;
 use lennard_io::{
     AverageRecord, BarostatRecord, Conservation, Host, NeighborRecord, PairRecord, Performance,
     RUN_SCHEMA, RunRecord, SpeciesRecord, StageSeconds, ThermostatRecord,
 };
 use lennard_literature::units::Units;
-use lennard_observables::ChangingBox;
+use lennard_observables::{ChangingBox, Estimate, Findings, Remark};
 
 use crate::Simulation;
 use crate::compare::{Compared, Comparison, at_constant_pressure, at_constant_volume};

@@ -2,8 +2,9 @@
 
 use std::time::Instant;
 
-use lennard_core::{DVec3, Findings, State, Table};
+use lennard_core::{DVec3, State};
 use lennard_io::{OutputFolder, RunRecord, WriteError};
+use lennard_observables::{Findings, Table};
 
 use crate::checkpointing::{Checkpointer, Past};
 use crate::course::{Course, Writer};

@@ -1,6 +1,7 @@
 //! What is due beside the motion, and at which steps: the one place that knows.
 
-use lennard_core::{Observable, Want};
+use lennard_core::Want;
+use lennard_observables::Observable;
 use lennard_scene::Scene;
 
 /// Steps between two states set aside for the case that physics fails. Copying so few bytes per particle takes

@@ -5,12 +5,10 @@ use std::any::Any;
 use std::time::Duration;
 
 use lennard_core::random::Streams;
-use lennard_core::{
-    Backend, DVec3, Integrator, Observable, PeriodicBox, State, System, Table, Team,
-};
+use lennard_core::{Backend, DVec3, Integrator, PeriodicBox, State, System, Team};
 use lennard_forcefield::{ForceFieldOptions, Mixture, NeighborOptions, Tail};
 use lennard_io::{AverageRecord, RunRecord};
-use lennard_observables::Thermodynamics;
+use lennard_observables::{Observable, Table, Thermodynamics};
 use lennard_scene::{RemovedKind, Scene, Stage, removed};
 
 use crate::error::EngineError;

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use lennard_core::{Average, Doubt, Estimate, Remark, Standing, finite as number};
 pub use lennard_observables::Conservation;
+use lennard_observables::{Average, Doubt, Estimate, Remark, Standing, finite as number};
 use serde::{Deserialize, Serialize};
 
 use crate::FormatError;

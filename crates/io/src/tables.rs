@@ -15,8 +15,8 @@
 use std::fs;
 use std::path::Path;
 
-use lennard_core::{Cell, Column, Table, Value};
 use lennard_observables::quantities::{quantity_of, quantity_unit};
+use lennard_observables::{Cell, Column, Table, Value};
 
 use crate::atomic::write_bytes_atomically;
 use crate::error::excerpt;

@@ -30,14 +30,14 @@
 #[cfg(feature = "program")]
 pub mod program;
 
-pub use lennard_core::{DMat3, DVec3, PeriodicBox, State, Table};
+pub use lennard_core::{DMat3, DVec3, PeriodicBox, State};
 pub use lennard_engine::{
     Control, Ending, EngineError as Error, KeptFrame, Moment, OwnParts, Progress, Recording,
     Results, Simulation, StartError,
 };
 pub use lennard_io::{AverageRecord, RunRecord};
 pub use lennard_literature as literature;
-pub use lennard_observables::statistics;
+pub use lennard_observables::{Table, statistics};
 pub use lennard_scene::{Scene, SceneBuilder, SceneError, shipped};
 pub use toml;
 
@@ -73,9 +73,11 @@ pub mod parts {
     pub use lennard_core::exact::exact_sum;
     pub use lennard_core::parallel::for_each_piece;
     pub use lennard_core::{
-        Array, Average, Configuration, DMat3, DVec3, Energetics, Estimate, Findings, ForceError,
-        ForceProperties, ForceTerm, IntegratorSpec, Method, Observable, ObservableSpec, Part,
-        PeriodicBox, Persist, Remark, RestoreError, StateReader, StateWriter, Step, StepError,
-        Suits, System, Table, View, Want, persist, remembers_nothing,
+        Array, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm,
+        IntegratorSpec, Method, Part, PeriodicBox, Persist, RestoreError, StateReader, StateWriter,
+        Step, StepError, System, View, Want, persist, remembers_nothing,
+    };
+    pub use lennard_observables::{
+        Average, Estimate, Findings, Observable, ObservableSpec, Remark, Suits, Table,
     };
 }

@@ -1,7 +1,7 @@
 //! From estimates to averages: what has an error, and what is said in its place.
 
+use crate::{Average, Doubt, Estimate, Findings};
 use lennard_core::number::significant;
-use lennard_core::{Average, Doubt, Estimate, Findings};
 
 use crate::statistics::{self, TRANSIENT_OF_MANY_ERRORS, Trend};
 

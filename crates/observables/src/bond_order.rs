@@ -3,14 +3,12 @@
 mod harmonics;
 mod particles;
 
+use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe, Table};
 use lennard_core::exact::exact_sum;
-use lennard_core::{
-    DVec3, Findings, Observable, ObservableSpec, PeriodicBox, Table, View, persist,
-};
+use lennard_core::{DVec3, PeriodicBox, View, persist};
 
 use crate::error::within_box;
 use crate::series::{Series, columns};
-use crate::{BuildContext, ObservableError, Recipe};
 
 use harmonics::Harmonics;
 use particles::{Bonds, SolidRule, TEN_WOLDE, usual_reach};
@@ -21,7 +19,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "Q_l = sqrt(4 pi/(2 l + 1) sum_m |q_lm|^2), q_lm = <Y_lm> over bonds; solid-like: q6(i).q6*(j)/|q6(i)||q6(j)| > 0.5 for 7 neighbors",
     source: "P. J. Steinhardt, D. R. Nelson and M. Ronchetti, Phys. Rev. B 28, 784 (1983); P. R. ten Wolde, M. J. Ruiz-Montero and D. Frenkel, J. Chem. Phys. 104, 9932 (1996); W. Lechner and C. Dellago, J. Chem. Phys. 129, 114707 (2008)",
     dynamic: false,
-    suits: lennard_core::Suits::Atoms,
+    suits: crate::Suits::Atoms,
 };
 
 /// Rows kept before neighbors are averaged in pairs.

@@ -1,6 +1,7 @@
 //! Volume, density and enthalpy of a box that a barostat changes.
 
-use lennard_core::{Findings, Observable, ObservableSpec, Ramp, Table, View, Want, persist};
+use crate::{Findings, Observable, ObservableSpec, Table};
+use lennard_core::{Ramp, View, Want, persist};
 
 use crate::series::{Series, columns};
 
@@ -10,7 +11,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "V = Lx·Ly·Lz; ρ = N/V; h = (K + U + P₀V)/N",
     source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), section 2.2",
     dynamic: false,
-    suits: lennard_core::Suits::All,
+    suits: crate::Suits::All,
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -39,7 +40,7 @@ impl ChangingBox {
 
     /// The mean density in σ⁻³ after a part of the run, with its standard error.
     #[must_use]
-    pub fn density(&self, discarded: f64) -> lennard_core::Average {
+    pub fn density(&self, discarded: f64) -> crate::Average {
         let rows = self.series.rows();
         self.series.average("density", "σ⁻³", &rows.density, self.cut(discarded))
     }

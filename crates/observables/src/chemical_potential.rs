@@ -3,17 +3,18 @@
 mod trial;
 mod weights;
 
+use crate::{
+    Average, BuildContext, Doubt, Findings, Observable, ObservableError, ObservableSpec, Recipe,
+    Surroundings, statistics,
+};
 use lennard_core::{
-    Average, Doubt, Findings, Observable, ObservableSpec, Persist, RestoreError, SpeciesTable,
-    StateReader, StateWriter, View, persist, tasks,
+    Persist, RestoreError, SpeciesTable, StateReader, StateWriter, View, persist, tasks,
 };
 
 use crate::averages::{FEWEST_INDEPENDENT, estimate_of_fluctuations, of_fluctuations};
 use crate::cells::Cells;
 use crate::error::within;
 use crate::series::{Series, columns};
-use crate::statistics;
-use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 use trial::Trials;
 pub use trial::{Insertion, TrialEnergies};
@@ -25,7 +26,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "mu_res = -T ln(<V e^(-dU/T)>/<V>); ln z = mu_res/T + ln rho",
     source: "B. Widom, J. Chem. Phys. 39, 2808 (1963); D. Frenkel and B. Smit, Understanding Molecular Simulation, 2nd ed. (2002), section 7.2",
     dynamic: false,
-    suits: lennard_core::Suits::Atoms,
+    suits: crate::Suits::Atoms,
 };
 
 /// Rows kept before neighbors are averaged in pairs.

@@ -1,11 +1,11 @@
 //! The density along one axis.
 
-use lennard_core::{Axis, Findings, Observable, ObservableSpec, Table, View, persist};
+use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe, Table};
+use lennard_core::{Axis, View, persist};
 
 use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
 use crate::seen_box::SeenBox;
-use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "density-profile",
@@ -13,7 +13,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "rho(z) = <N(z, z + dz)>/(A dz)",
     source: "the definition of a density: particles of a layer over its volume",
     dynamic: false,
-    suits: lennard_core::Suits::All,
+    suits: crate::Suits::All,
 };
 
 lennard_core::options! {

@@ -1,8 +1,8 @@
 //! The transport coefficient of a fluid through which an exchange of velocities drives heat or momentum.
 
-use lennard_core::{Axis, Findings, Observable, ObservableSpec, Table, View, persist};
+use crate::{BuildContext, Findings, Observable, ObservableSpec, Table};
+use lennard_core::{Axis, View, persist};
 
-use crate::BuildContext;
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
 use crate::statistics::Line;
@@ -13,7 +13,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "lambda or eta = carried/(2 A t |slope|)",
     source: "F. Müller-Plathe, J. Chem. Phys. 106, 6082 (1997), and Phys. Rev. E 59, 4894 (1999)",
     dynamic: false,
-    suits: lennard_core::Suits::OneSpecies,
+    suits: crate::Suits::OneSpecies,
 };
 
 /// Slabs on each side of an exchanging one whose values are left out of the fit: velocities have not mixed there.

@@ -1,10 +1,10 @@
 //! The heat capacity from fluctuations, in the ensemble that the run samples.
 
-use lennard_core::{Average, Estimate, Momentum, Remark, System};
+use crate::{Average, BuildContext, Estimate, Remark, ThermoSeries};
+use lennard_core::{Momentum, System};
 
 use crate::averages::{FEWEST_FLUCTUATIONS, estimate_of_fluctuations, of_fluctuations};
 use crate::statistics::{estimate_after, less_control, mean};
-use crate::{BuildContext, ThermoSeries};
 
 /// The ensemble that a run samples.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,18 +4,17 @@ mod fit;
 
 use std::f64::consts::TAU;
 
-use lennard_core::{
-    Average, Axis, DVec3, Doubt, Findings, Observable, ObservableSpec, Remark, Table, View, Want,
-    persist,
+use crate::{
+    Average, BuildContext, Doubt, Findings, Frames, Observable, ObservableError, ObservableSpec,
+    Recipe, Remark, Surroundings, Table, statistics,
 };
+use lennard_core::{Axis, DVec3, View, Want, persist};
 
 use crate::averages::{changes, of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
 use crate::pressure_tensor::PressureTensor;
 use crate::seen_box::SeenBox;
 use crate::series::{Series, columns};
-use crate::statistics;
-use crate::{BuildContext, Frames, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "interface",
@@ -24,7 +23,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "J. P. R. B. Walton, D. J. Tildesley, J. S. Rowlinson and J. R. Henderson, Mol. Phys. 48, 1357 (1983); \
              least thickness: S. Werth, S. V. Lishchuk, M. Horsch and H. Hasse, Physica A 392, 2359 (2013)",
     dynamic: false,
-    suits: lennard_core::Suits::Atoms,
+    suits: crate::Suits::Atoms,
 };
 
 /// Rows kept before neighbors are averaged in pairs.

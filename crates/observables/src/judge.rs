@@ -19,7 +19,7 @@
 //! assert_eq!(judge(4.1, Reference::band(4.0, 4.2), allowed), Verdict::Sharper);
 //! ```
 
-use lennard_core::{Standing, Tone};
+use crate::{Standing, Tone};
 use serde::Serialize;
 
 /// What can be said of a measured number.

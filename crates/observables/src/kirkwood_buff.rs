@@ -4,7 +4,8 @@ mod integral;
 mod routes;
 mod tables;
 
-use lennard_core::{Findings, Observable, ObservableSpec, SpeciesTable, View, persist};
+use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe};
+use lennard_core::{SpeciesTable, View, persist};
 
 use crate::averages::{of_blocks, tell_discarded, with_choice};
 use crate::blocks::BlockedSums;
@@ -13,7 +14,6 @@ use crate::pairs::{count_distances, count_distances_by_species};
 use crate::seen_box::SeenBox;
 use crate::species_pairs::SpeciesPair;
 use crate::wave_vectors::WaveVectors;
-use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "kirkwood-buff",
@@ -23,7 +23,7 @@ const SPEC: ObservableSpec = ObservableSpec {
              T. J. H. Vlugt, Phys. Rev. E 97, 051301 (2018); fixed numbers: P. Ganguly and N. F. A. van der Vegt, \
              J. Chem. Theory Comput. 9, 1347 (2013)",
     dynamic: false,
-    suits: lennard_core::Suits::Atoms,
+    suits: crate::Suits::Atoms,
 };
 
 /// The integral from a range shorter by this part must agree with the integral over the whole range.

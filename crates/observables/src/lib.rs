@@ -1,6 +1,6 @@
 //! Observables and the statistics of their averages.
 //!
-//! An observable looks at the run and never changes it ([`lennard_core::Observable`]). Each has a
+//! An observable looks at the run and never changes it ([`Observable`]). Each has a
 //! file of its own with its options, its definition and its source. The list below names
 //! them all. Scene files, `list observables` and the tests go over that list.
 //!
@@ -23,16 +23,19 @@ mod extrema;
 mod heat_capacity;
 mod judge;
 mod linear_regime;
+mod observable;
 mod over_lags;
 mod pairs;
 mod phases;
 pub mod quantities;
 mod recipe;
+mod remark;
 mod response;
 mod seen_box;
 mod series;
 mod species_pairs;
 pub mod statistics;
+mod table;
 #[cfg(test)]
 mod testing;
 mod thermo_series;
@@ -51,13 +54,18 @@ pub use interface::{Interface, LIQUID_DENSITY};
 pub use judge::{Allowed, Reference, Verdict, judge};
 pub use momentum::Momentum;
 pub use msd::{CORRECTED, MeanSquareDisplacement, UNCORRECTED, YEH_HUMMER_XI};
+pub use observable::{
+    Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Standing, Suits, finite,
+};
 pub use pairs::{count_distances, count_distances_by_species};
 pub use phases::{front, frozen, frozen_bytes, separated};
 pub use pressure_tensor::PressureTensor;
 pub use rdf::RadialDistribution;
 pub use recipe::{BuildContext, Frames, Recipe, Surroundings};
+pub use remark::{Fronts, Remark};
 pub use response::{Curvature, response_functions};
 pub use series::{Columns, Series};
+pub use table::{Cell, Column, RowsOf, Table, Tone, Value};
 pub use thermo_series::ThermoSeries;
 pub use thermodynamics::{
     Confined, Conservation, Equilibrium, HeldTemperature, PairEnd, Thermodynamics,
@@ -72,7 +80,6 @@ pub use wall_pressure::WallPressure;
 use std::ops::RangeInclusive;
 
 use lennard_core::options::{Keys, Options};
-use lennard_core::{Observable, ObservableSpec};
 use serde::{Deserialize, Serialize};
 
 catalog! {

@@ -2,13 +2,14 @@
 
 mod vibration;
 
-use lennard_core::exact::exact_sum;
-use lennard_core::{
-    DVec3, Findings, Observable, ObservableSpec, Remark, Table, View, Want, persist,
+use crate::{
+    BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe, Remark,
+    Surroundings, Table,
 };
+use lennard_core::exact::exact_sum;
+use lennard_core::{DVec3, View, Want, persist};
 
 use crate::series::{Series, columns};
-use crate::{BuildContext, Frames, ObservableError, Recipe, Surroundings};
 use vibration::vibration;
 
 const SPEC: ObservableSpec = ObservableSpec {
@@ -17,7 +18,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "T_centres = Σ M V²/(3M − 3); T_inside = 2(K − K_centres)/(n_dof − 3M + 3); T_vibration = Σ uᵀA⁻¹u/rank(A), A = G·M⁻¹·Gᵀ, u = G·v; P_sites = (2K + W_pairs + Σ λ|d|²)/(3V) + T/V",
     source: "Allen and Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), sections 2.7.2 and 3.4",
     dynamic: false,
-    suits: lennard_core::Suits::Molecules,
+    suits: crate::Suits::Molecules,
 };
 
 /// Rows kept before neighbors are averaged in pairs.

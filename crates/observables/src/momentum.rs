@@ -1,9 +1,12 @@
 //! Total momentum.
 
-use lennard_core::{Average, Findings, Observable, ObservableSpec, Table, View, persist};
+use crate::{
+    Average, BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe,
+    Table, statistics,
+};
+use lennard_core::{View, persist};
 
 use crate::series::{Series, columns};
-use crate::{BuildContext, Frames, ObservableError, Recipe, statistics};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "momentum",
@@ -11,7 +14,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "p = Σ m v / N",
     source: "H. Goldstein, Classical Mechanics, 2nd ed. (1980), equation 1-20: conserved where internal forces obey Newton's third law",
     dynamic: false,
-    suits: lennard_core::Suits::All,
+    suits: crate::Suits::All,
 };
 
 /// Rows kept before neighbors are averaged in pairs.

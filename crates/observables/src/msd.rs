@@ -4,7 +4,11 @@ mod diffusion;
 mod levels;
 mod paths;
 
-use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Remark, Table, View, persist};
+use crate::{
+    BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe, Remark,
+    Table,
+};
+use lennard_core::{DVec3, View, persist};
 
 use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
@@ -14,7 +18,6 @@ use crate::over_lags::OverLags;
 use crate::seen_box::SeenBox;
 use crate::time_origins::Origins;
 use crate::tracked::{DEFAULT_TRACKED, Members, Tracked};
-use crate::{BuildContext, Frames, ObservableError, Recipe};
 
 use levels::Levels;
 use paths::Paths;
@@ -28,7 +31,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "D. Frenkel and B. Smit, Understanding Molecular Simulation, 2nd ed. (2002), section 4.4; \
              I.-C. Yeh and G. Hummer, J. Phys. Chem. B 108, 15873 (2004), equation 12",
     dynamic: true,
-    suits: lennard_core::Suits::All,
+    suits: crate::Suits::All,
 };
 
 /// ξ of the periodic cube's Ewald sum, in the correction of Yeh and Hummer.

@@ -1,11 +1,11 @@
 //! How long molecules remember their direction.
 
-use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Table, View, persist};
+use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe, Table};
+use lennard_core::{DVec3, View, persist};
 
 use crate::averages::tell_discarded;
 use crate::over_lags::OverLags;
 use crate::time_origins::{Origins, TimeOrigins};
-use crate::{BuildContext, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "orientation",
@@ -14,7 +14,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "Allen and Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), section 2.7.1; \
              J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), section 11.5",
     dynamic: true,
-    suits: lennard_core::Suits::Molecules,
+    suits: crate::Suits::Molecules,
 };
 
 lennard_core::options! {
@@ -136,7 +136,8 @@ persist!(Orientation { ..products });
 
 #[cfg(test)]
 mod tests {
-    use lennard_core::{Bonds, Doubt, Molecules, State, System};
+    use crate::Doubt;
+    use lennard_core::{Bonds, Molecules, State, System};
 
     use super::*;
     use crate::testing::{context, normal};

@@ -1,6 +1,7 @@
 //! Functions of the lag between two samples: means over particles and over many time origins.
 
-use lennard_core::{Average, DVec3, Persist, RestoreError, StateReader, StateWriter};
+use crate::Average;
+use lennard_core::{DVec3, Persist, RestoreError, StateReader, StateWriter};
 
 use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;

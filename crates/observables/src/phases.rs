@@ -1,7 +1,8 @@
 //! What a state tells of phases: a fluid that has separated, a crystal in it, and fronts between crystal and liquid.
 
+use crate::{Average, Doubt, Estimate, Fronts, Remark};
 use lennard_core::number::particles;
-use lennard_core::{Average, DVec3, Doubt, Estimate, Fronts, PeriodicBox, Remark};
+use lennard_core::{DVec3, PeriodicBox};
 
 use crate::bond_order::{solid_share, solid_share_bytes};
 use crate::statistics::drift;

@@ -1,13 +1,14 @@
 //! The pressure tensor.
 
-use lennard_core::exact::exact_sum;
-use lennard_core::{
-    Average, DMat3, DVec3, Findings, Observable, ObservableSpec, Table, View, Want, persist,
+use crate::{
+    Average, BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe,
+    Surroundings, Table,
 };
+use lennard_core::exact::exact_sum;
+use lennard_core::{DMat3, DVec3, View, Want, persist};
 
 use crate::seen_box::SeenBox;
 use crate::series::{Series, columns};
-use crate::{BuildContext, Frames, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "pressure-tensor",
@@ -17,7 +18,7 @@ const SPEC: ObservableSpec = ObservableSpec {
              J. Chem. Phys. 18, 817 (1950); surface tension: J. P. R. B. Walton, D. J. Tildesley, J. S. Rowlinson \
              and J. R. Henderson, Mol. Phys. 48, 1357 (1983), equation 2",
     dynamic: false,
-    suits: lennard_core::Suits::Atoms,
+    suits: crate::Suits::Atoms,
 };
 
 /// Rows kept before neighbors are averaged in pairs.

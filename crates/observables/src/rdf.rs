@@ -4,7 +4,11 @@ mod entropy;
 mod partial;
 mod reading;
 
-use lennard_core::{Findings, Observable, ObservableSpec, SpeciesTable, Table, View, persist};
+use crate::{
+    BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe, Surroundings,
+    Table,
+};
+use lennard_core::{SpeciesTable, View, persist};
 
 use crate::averages::tell_discarded;
 use crate::binned::Binned;
@@ -12,7 +16,6 @@ use crate::error::{within, within_box};
 use crate::pairs::{count_distances, count_distances_by_species, count_distances_inside};
 use crate::seen_box::SeenBox;
 use crate::species_pairs::SpeciesPair;
-use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 use reading::Reading;
 
@@ -22,7 +25,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "g(r) = V/(N(N−1)) · ⟨Σ_{i≠j} δ(r − r_ij)⟩/(4πr²); n(r) = (N−1)/V ∫₀^r g 4πs² ds",
     source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equations 2.5.8 and 2.5.13",
     dynamic: false,
-    suits: lennard_core::Suits::All,
+    suits: crate::Suits::All,
 };
 
 /// Largest distance where the scene gives none, in σ: liquid structure is gone there.

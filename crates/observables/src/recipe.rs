@@ -2,12 +2,9 @@
 
 use std::ops::RangeInclusive;
 
+use crate::{Insertion, Observable, ObservableError, ObservableSpec};
 use lennard_core::options::Options;
-use lennard_core::{
-    MOST_SPECIES, Molecules, Observable, ObservableSpec, PeriodicBox, SpeciesTable,
-};
-
-use crate::{Insertion, ObservableError};
+use lennard_core::{MOST_SPECIES, Molecules, PeriodicBox, SpeciesTable};
 
 /// What an observable may know when it is built.
 #[derive(Debug, Clone, PartialEq)]

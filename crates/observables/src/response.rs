@@ -4,10 +4,9 @@ mod base;
 mod ensembles;
 mod influence;
 
-use lennard_core::{Average, Doubt, Estimate, Remark};
+use crate::{Average, BuildContext, Doubt, Ensemble, Estimate, Remark, ThermoSeries};
 
 use crate::averages::{FEWEST_FLUCTUATIONS, of_fluctuations};
-use crate::{BuildContext, Ensemble, ThermoSeries};
 
 use base::COUNT;
 pub use base::Curvature;

@@ -1,6 +1,7 @@
 //! A time series of bounded length: when it is full, neighboring rows are averaged in pairs.
 
-use lennard_core::{Average, Persist, RestoreError, StateReader, StateWriter};
+use crate::Average;
+use lennard_core::{Persist, RestoreError, StateReader, StateWriter};
 
 use crate::averages::of_series;
 

@@ -4,7 +4,11 @@ mod partial;
 
 use std::f64::consts::PI;
 
-use lennard_core::{Findings, Observable, ObservableSpec, SpeciesTable, Table, View, persist};
+use crate::{
+    BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe, Surroundings,
+    Table,
+};
+use lennard_core::{SpeciesTable, View, persist};
 
 use crate::averages::{of_blocks, tell_discarded};
 use crate::binned::Binned;
@@ -12,7 +16,6 @@ use crate::error::{positive, within};
 use crate::extrema::{extrema, fitted_extremum};
 use crate::seen_box::SeenBox;
 use crate::wave_vectors::WaveVectors;
-use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 use partial::Kind;
 
@@ -23,7 +26,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equation 4.1.2; \
              freezing where the peak reaches 2.85: J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969)",
     dynamic: false,
-    suits: lennard_core::Suits::All,
+    suits: crate::Suits::All,
 };
 
 /// A peak counts where the curve has come down from it by this much, and by four standard errors.

@@ -1,6 +1,6 @@
 //! The time series of the thermodynamic quantities.
 
-use lennard_core::Table;
+use crate::Table;
 
 use crate::series::columns;
 use crate::statistics::mean;

@@ -8,15 +8,18 @@ mod remarks;
 mod responses;
 mod species;
 
+use crate::{
+    BuildContext, Curvature, Ensemble, Estimate, Findings, Observable, ObservableError,
+    ObservableSpec, Recipe, heat_capacity,
+};
 use lennard_core::exact::exact_sum;
-use lennard_core::{Estimate, Findings, Observable, ObservableSpec, View, Want, persist};
+use lennard_core::{View, Want, persist};
 
 use crate::averages::{FEWEST_INDEPENDENT, of_fluctuations, of_series};
 use crate::seen_box::SeenBox;
 use crate::series::Series;
 use crate::statistics::{self, Line};
 use crate::thermo_series::ThermoSeries;
-use crate::{BuildContext, Curvature, Ensemble, ObservableError, Recipe, heat_capacity};
 
 pub use conservation::Conservation;
 pub(crate) use cutoffs::EndSums;
@@ -33,7 +36,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), equations 2.61 and 2.68; \
              B. D. Butler, G. Ayton, O. G. Jepps and D. J. Evans, Configurational temperature, J. Chem. Phys. 109, 6519 (1998), equation 6",
     dynamic: false,
-    suits: lennard_core::Suits::All,
+    suits: crate::Suits::All,
 };
 
 /// Rows kept before neighbors are averaged in pairs.

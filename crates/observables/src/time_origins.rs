@@ -2,10 +2,10 @@
 
 use std::collections::VecDeque;
 
+use crate::{Doubt, ObservableError};
 use lennard_core::number::short;
-use lennard_core::{DVec3, Doubt, Persist, RestoreError, StateReader, StateWriter};
+use lennard_core::{DVec3, Persist, RestoreError, StateReader, StateWriter};
 
-use crate::ObservableError;
 use crate::error::{positive, within};
 
 /// Most lags of a function.

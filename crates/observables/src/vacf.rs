@@ -1,6 +1,10 @@
 //! The velocity autocorrelation function.
 
-use lennard_core::{DVec3, Findings, Observable, ObservableSpec, Remark, Table, View, persist};
+use crate::{
+    BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe, Remark,
+    Table,
+};
+use lennard_core::{DVec3, View, persist};
 
 use crate::averages::tell_discarded;
 use crate::blocks::BlockedSums;
@@ -8,7 +12,6 @@ use crate::error::within;
 use crate::over_lags::OverLags;
 use crate::time_origins::{Origins, TimeOrigins};
 use crate::tracked::{DEFAULT_TRACKED, Tracked};
-use crate::{BuildContext, Frames, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "vacf",
@@ -17,7 +20,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "A. Rahman, Correlations in the motion of atoms in liquid argon, Phys. Rev. 136, A405 (1964); \
              J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equation 7.2.10",
     dynamic: true,
-    suits: lennard_core::Suits::All,
+    suits: crate::Suits::All,
 };
 
 /// Below this value at the first lag the sampling is too coarse for the trapezoidal rule. For a function

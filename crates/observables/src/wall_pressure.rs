@@ -1,9 +1,12 @@
 //! The pressure on each wall.
 
-use lennard_core::{Axis, Findings, Observable, ObservableSpec, Table, View, WallReading, persist};
+use crate::{
+    BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe, Surroundings,
+    Table,
+};
+use lennard_core::{Axis, View, WallReading, persist};
 
 use crate::series::{Series, columns};
-use crate::{BuildContext, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "wall-pressure",
@@ -11,7 +14,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "P = sum F_z/A, or P = sum 2 m |v_z|/(A t) over the hits of a time t",
     source: "Newton's second law for the wall, averaged over the time between samples (docs/walls.md)",
     dynamic: false,
-    suits: lennard_core::Suits::All,
+    suits: crate::Suits::All,
 };
 
 /// Rows kept before neighbors are averaged in pairs.

@@ -1,7 +1,8 @@
 //! Vectors and tables of the engine as numpy arrays, and back.
 
-use lennard_core::{DVec3, Table, Value};
+use lennard_core::DVec3;
 use lennard_engine::{KeptFrame, Simulation};
+use lennard_observables::{Table, Value};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

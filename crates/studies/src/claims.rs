@@ -5,8 +5,7 @@
 
 use crate::report::{Given, Page, Section, filled, significant, written};
 use crate::{StudyError, StudyOptions};
-use lennard_core::{Cell, Table, Tone};
-use lennard_observables::{Allowed, Reference, Verdict, judge};
+use lennard_observables::{Allowed, Cell, Reference, Table, Tone, Verdict, judge};
 use serde::{Deserialize, Serialize, Serializer};
 
 /// Who makes a claim.

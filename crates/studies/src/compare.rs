@@ -27,9 +27,9 @@ pub use read::{ReadError, RunFolder};
 pub use table::{physical, table};
 pub use verdict::Row;
 
-use lennard_core::Remark;
 use lennard_literature::units::Units;
 use lennard_literature::{equation_of_state_for, remark_for};
+use lennard_observables::Remark;
 use read::is_of_few_bodies;
 use rows::Compared;
 pub(crate) use rows::HANSEN_VERLET;
@@ -279,8 +279,8 @@ pub(crate) fn capital(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use lennard_core::{Estimate, Standing};
     use lennard_io::AverageRecord;
+    use lennard_observables::{Estimate, Standing};
 
     use super::*;
 

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use lennard_core::Table;
 use lennard_io::{write_json_atomically, write_table_csv, write_text_atomically};
+use lennard_observables::Table;
 use serde::Serialize;
 
 use crate::StudyError;

@@ -2,8 +2,8 @@
 
 use std::iter;
 
-use lennard_core::{Findings, Remark, Want};
-use lennard_observables::response_functions;
+use lennard_core::Want;
+use lennard_observables::{Findings, Remark, response_functions};
 
 use crate::Simulation;
 use crate::findings::{is_response, leave_out, tell, without};

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use lennard_core::ForceError;
 use lennard_core::number::short;
-use lennard_core::{ForceError, Remark};
 use lennard_io::{FileUnits, TrajectoryFrame};
-use lennard_observables::Frames as Needs;
+use lennard_observables::{Frames as Needs, Remark};
 use lennard_scene::{Arrangement, Scene, Stage};
 
 use crate::EngineError;

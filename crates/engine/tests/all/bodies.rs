@@ -1,7 +1,8 @@
 //! The scenes of `inputs/mechanics` against closed forms and solutions of high precision.
 
-use lennard_core::{DVec3, Observable};
+use lennard_core::DVec3;
 use lennard_engine::{Simulation, StopAt, Unfollowed};
+use lennard_observables::Observable;
 use lennard_scene::Scene;
 
 use crate::common::{self, ran};

@@ -1,8 +1,7 @@
 //! Starts with a crystal beside its liquid, and runs of them.
 
-use lennard_core::Remark;
 use lennard_engine::{Simulation, Unfollowed};
-use lennard_observables::solid_share;
+use lennard_observables::{Remark, solid_share};
 
 use crate::common::{self, prepared};
 

@@ -1,7 +1,7 @@
 //! Springs with dashpots in a fluid: what they take is heat, and vibrations stay colder than the rest.
 
-use lennard_core::{Average, Doubt};
 use lennard_engine::{Simulation, Unfollowed};
+use lennard_observables::{Average, Doubt};
 
 use crate::common::{self, DUMBBELLS, prepared};
 

@@ -305,7 +305,7 @@ fn volume_of_a_gas(thermostat: &str, barostat: &str, potential: (&str, &str)) ->
     ]);
     s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     let changing: &lennard_observables::ChangingBox = s.observable().unwrap();
-    let found = lennard_core::Observable::finish(changing, 0.05);
+    let found = lennard_observables::Observable::finish(changing, 0.05);
     let volume = found.averages.iter().find(|a| a.name == "volume").unwrap();
     (volume.estimate.mean, volume.estimate.standard_error)
 }

@@ -1,6 +1,6 @@
 //! Response functions of whole runs, where they are known exactly, and where there are none.
 
-use lennard_core::{Average, Findings, Observable};
+use lennard_observables::{Average, Findings, Observable};
 
 use crate::common;
 

@@ -1,7 +1,7 @@
 //! Starts as a slab of liquid beside its vapor, and runs of them.
 
-use lennard_core::Remark;
 use lennard_engine::{Simulation, Unfollowed, start};
+use lennard_observables::Remark;
 
 use crate::common::{self, prepared};
 
@@ -123,7 +123,7 @@ fn means_of_one_phase_are_left_out_of_a_slab_and_told_by_name() {
         s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         s.findings()
     };
-    let has = |findings: &[lennard_core::Findings], name: &str| {
+    let has = |findings: &[lennard_observables::Findings], name: &str| {
         let mut all = findings.iter().flat_map(|f| &f.averages);
         all.any(|a| a.name == name)
     };
@@ -172,14 +172,14 @@ const QUENCHED: &str = r#"
 "#;
 
 fn mean_of<'a>(
-    found: &'a [lennard_core::Findings],
+    found: &'a [lennard_observables::Findings],
     name: &str,
-) -> Option<&'a lennard_core::Average> {
+) -> Option<&'a lennard_observables::Average> {
     found[0].averages.iter().find(|a| a.name == name)
 }
 
 /// Findings of a homogeneous start at a temperature.
-fn quenched(temperature: &str) -> Vec<lennard_core::Findings> {
+fn quenched(temperature: &str) -> Vec<lennard_observables::Findings> {
     let overrides = [("system.temperature", temperature)];
     let mut s = prepared(common::scene(QUENCHED, &overrides));
     s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
@@ -188,7 +188,7 @@ fn quenched(temperature: &str) -> Vec<lennard_core::Findings> {
 
 #[test]
 fn a_fluid_that_separates_by_itself_has_no_means_of_one_phase() {
-    let is_told = |found: &[lennard_core::Findings]| {
+    let is_told = |found: &[lennard_observables::Findings]| {
         let mut remarks = found.iter().flat_map(|f| &f.remarks);
         remarks.any(|r| matches!(r, Remark::Separated { .. }))
     };

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use lennard_core::Remark;
+use lennard_observables::Remark;
 
 use crate::common;
 

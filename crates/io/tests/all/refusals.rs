@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use lennard_core::{State, Table};
+use lennard_core::State;
 use lennard_io::{
     Checkpoint, CheckpointProblem, Existing, FolderError, FormatError, Frame, FrameStyle,
     TableWriter, TrajectoryFormat, TrajectoryWriter, WriteError, create_named_folder,
     read_checkpoint, read_checkpoint_bytes, read_configuration_bytes, read_table_csv_bytes,
     write_checkpoint, write_frame, write_table_csv, write_text_atomically,
 };
+use lennard_observables::Table;
 
 /// `bad_files.toml`, whose head explains it.
 #[derive(serde::Deserialize)]

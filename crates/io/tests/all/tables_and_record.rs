@@ -1,11 +1,11 @@
 //! Tables and the run record.
 
-use lennard_core::{Average, Cell, Column, Estimate, Fronts, Remark, Table};
 use lennard_io::{
     AverageRecord, Comparison, Conservation, Host, NeighborRecord, PairRecord, Performance,
     RUN_SCHEMA, RunRecord, SpeciesRecord, StageSeconds, StatePoint, TableWriter, ThermostatRecord,
     read_run_record, read_run_record_bytes, read_table_csv, write_json_atomically, write_table_csv,
 };
+use lennard_observables::{Average, Cell, Column, Estimate, Fronts, Remark, Table};
 
 fn table() -> Table {
     Table::new("rdf", "radial distribution function")

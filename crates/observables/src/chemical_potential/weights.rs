@@ -1,6 +1,7 @@
 //! How unevenly the weights of trial particles are spread.
 
-use lennard_core::{Table, persist};
+use crate::Table;
+use lennard_core::persist;
 
 /// Logarithms of the smallest and of the largest weight that are told apart.
 const LOWEST: f64 = -40.0;

@@ -1,12 +1,11 @@
 //! The two routes to the integrals, and what follows from each.
 
-use lennard_core::Doubt;
+use crate::{Doubt, statistics};
 
 use super::KirkwoodBuff;
 use super::integral::{Surroundings, at_zero, integral};
 use crate::blocks::BlockedSums;
 use crate::species_pairs::SpeciesPair;
-use crate::statistics;
 
 /// Standard errors of a difference beyond which the integral has not converged, and beyond which the routes disagree.
 const STILL_CHANGES: f64 = 4.0;

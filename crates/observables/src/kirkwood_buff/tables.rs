@@ -1,10 +1,9 @@
 //! The tables of Kirkwood–Buff integrals.
 
-use lennard_core::Table;
+use crate::{Table, statistics};
 
 use super::KirkwoodBuff;
 use crate::blocks::BlockedSums;
-use crate::statistics;
 
 /// Rows of the table of the running integral.
 const ROWS: usize = 50;

@@ -1,6 +1,7 @@
 use super::*;
+use crate::Standing;
 use crate::testing::{context, mixture, random_positions, view_of};
-use lennard_core::{DVec3, Standing};
+use lennard_core::DVec3;
 
 /// What is found in ideal gases, where no particle knows of another.
 fn ideal(kinds: usize, samples: u64) -> Findings {

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
+use crate::{Doubt, Findings};
 use lennard_core::number::short;
-use lennard_core::{Doubt, Findings};
 
 use super::{MeanSquareDisplacement, YEH_HUMMER_XI};
 use crate::averages::{of_blocks, with_choice};

@@ -15,7 +15,7 @@ fn follow(
     msd
 }
 
-fn average(findings: &Findings, name: &str) -> lennard_core::Estimate {
+fn average(findings: &Findings, name: &str) -> crate::Estimate {
     findings
         .averages
         .iter()

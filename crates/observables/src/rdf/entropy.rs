@@ -1,6 +1,6 @@
 //! The two-body entropy, from g(r).
 
-use lennard_core::Average;
+use crate::Average;
 
 use super::RadialDistribution;
 use crate::averages::of_blocks;

@@ -1,6 +1,6 @@
 //! The partial radial distribution functions of a mixture.
 
-use lennard_core::Findings;
+use crate::Findings;
 
 use super::RadialDistribution;
 use crate::blocks::BlockedSums;

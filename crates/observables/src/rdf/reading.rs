@@ -1,11 +1,10 @@
 //! What is read off counts of pairs by distance: g(r), its peaks, and neighbors.
 
-use lennard_core::{Findings, Table};
+use crate::{Findings, Table, statistics};
 
 use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
 use crate::extrema::{Extremum, extrema, fitted_extremum, smoothed};
-use crate::statistics;
 
 /// A peak of g(r) counts where the curve has come down from it by this much, and by four standard errors.
 const SMALLEST_PROMINENCE: f64 = 0.02;

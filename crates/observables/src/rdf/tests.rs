@@ -226,7 +226,7 @@ fn partial_distributions_of_three_particles_are_those_by_hand() {
     let table = &findings.tables[0];
     let column = |name: &str| {
         let found = table.columns.iter().find(|c| c.name == name);
-        found.map(lennard_core::Column::numbers)
+        found.map(crate::Column::numbers)
     };
     let shell = |k: f64| 4.0 / 3.0 * std::f64::consts::PI * 1e-3 * ((k + 1.0).powi(3) - k.powi(3));
     let g = column("g_A_B").unwrap();

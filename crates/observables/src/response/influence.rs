@@ -1,6 +1,6 @@
 //! A function of several means, with the error that their common fluctuations give it.
 
-use lennard_core::Estimate;
+use crate::Estimate;
 
 use crate::averages::estimate_of_fluctuations;
 use crate::statistics::{less_control, mean};

@@ -47,7 +47,7 @@ fn rows(samples: &[[f64; 4]]) -> ThermoSeries {
     rows
 }
 
-fn named(averages: &[Average], name: &str) -> lennard_core::Estimate {
+fn named(averages: &[Average], name: &str) -> crate::Estimate {
     averages.iter().find(|a| a.name == name).unwrap().estimate
 }
 
@@ -268,11 +268,11 @@ fn a_known_correlation_takes_noise_out_of_the_heat_capacity_and_the_error_covers
         rows.sampled_energy_kinetic.fill(0.0);
         plain.push(estimate(&rows));
     }
-    let pulls = |found: &[lennard_core::Estimate]| {
-        let pull = |e: &lennard_core::Estimate| ((e.mean - exact) / e.standard_error).powi(2);
+    let pulls = |found: &[crate::Estimate]| {
+        let pull = |e: &crate::Estimate| ((e.mean - exact) / e.standard_error).powi(2);
         (mean(&found.iter().map(pull).collect::<Vec<f64>>())).sqrt()
     };
-    let spread = |found: &[lennard_core::Estimate]| {
+    let spread = |found: &[crate::Estimate]| {
         let squares: Vec<f64> = found.iter().map(|e| (e.mean - exact).powi(2)).collect();
         mean(&squares).sqrt()
     };
@@ -310,7 +310,7 @@ fn a_bulk_modulus_that_may_be_zero_gives_no_compressibility() {
             "{}: {why}",
             average.name
         );
-        if let Some(lennard_core::Doubt::TooShort { longer, .. }) = &average.doubt {
+        if let Some(crate::Doubt::TooShort { longer, .. }) = &average.doubt {
             assert!(*longer > 1.0, "{why}");
         }
     }
@@ -333,7 +333,7 @@ fn inverses_from_five_errors_on_have_errors_that_nearly_cover() {
     // A stricter bar takes numbers away for little.
     assert!(covered(0.8 * FEWEST_ERRORS_FROM_ZERO) < 0.935);
     let doubted = |errors: f64| {
-        let estimate = lennard_core::Estimate {
+        let estimate = crate::Estimate {
             mean: 0.1,
             standard_error: 0.1 / errors,
             n_effective: 1e3,

@@ -1,6 +1,6 @@
 //! Errors by blocking.
 
-use lennard_core::Table;
+use crate::Table;
 
 use super::{FEWEST_BLOCKS, variance};
 

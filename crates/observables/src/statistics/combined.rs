@@ -1,6 +1,6 @@
 //! Quantities made from two correlated series.
 
-use lennard_core::Estimate;
+use crate::Estimate;
 
 use super::{equilibration, estimate_after, mean};
 

@@ -34,7 +34,7 @@ pub use equilibration::{
 pub use error_of_mean::{ErrorOfMean, FEWEST_BLOCKS, error_of_mean, error_with_overlap};
 pub use line::Line;
 
-use lennard_core::Estimate;
+use crate::Estimate;
 
 /// Arithmetic mean; NaN for an empty series.
 #[must_use]

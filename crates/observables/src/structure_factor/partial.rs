@@ -1,7 +1,8 @@
 //! The partial structure factors of a mixture.
 
+use crate::Findings;
 use glam::DVec2;
-use lennard_core::{DVec3, Findings, PeriodicBox, SpeciesTable};
+use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
 
 use super::StructureFactor;
 use crate::averages::of_blocks;

@@ -1,10 +1,9 @@
 //! How well a run kept what it ought to keep, and its means beside a line of an equation of state.
 
-use lennard_core::{Estimate, finite};
+use crate::{Estimate, finite, statistics};
 use serde::{Deserialize, Serialize};
 
 use super::Thermodynamics;
-use crate::statistics;
 
 /// How well energy and momentum were kept.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

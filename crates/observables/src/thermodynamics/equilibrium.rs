@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use lennard_core::Doubt;
+use crate::Doubt;
 use lennard_core::number::{plus_minus, short, significant};
 
 use super::Thermodynamics;

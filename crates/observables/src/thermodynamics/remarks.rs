@@ -1,6 +1,6 @@
 //! What belongs beside the thermodynamic averages, and what speaks against them.
 
-use lennard_core::{Average, Doubt};
+use crate::{Average, Doubt};
 
 use super::Thermodynamics;
 

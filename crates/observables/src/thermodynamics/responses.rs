@@ -1,11 +1,10 @@
 //! Response functions of a run, where its ensemble gives them.
 
-use lennard_core::{Average, Remark};
+use crate::{Average, Curvature, Ensemble, Remark};
 
 use super::Thermodynamics;
 use crate::response::{self, Setting};
 use crate::statistics::mean;
-use crate::{Curvature, Ensemble};
 
 impl Thermodynamics {
     /// Tells how Σ r²u″ follows from energy and virial; `None`, the default, where it does not.

@@ -1,7 +1,8 @@
 //! The kinetic temperature of each species of a mixture.
 
+use crate::Findings;
 use lennard_core::exact::exact_sum;
-use lennard_core::{Findings, Persist, RestoreError, SpeciesTable, StateReader, StateWriter, View};
+use lennard_core::{Persist, RestoreError, SpeciesTable, StateReader, StateWriter, View};
 
 use super::MOST_ROWS;
 use crate::series::{Series, columns};

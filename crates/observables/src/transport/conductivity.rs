@@ -1,12 +1,14 @@
 //! The thermal conductivity.
 
+use crate::{
+    BuildContext, Frames, Observable, ObservableError, ObservableSpec, Recipe, Surroundings,
+};
 use lennard_core::exact::exact_sum;
-use lennard_core::{DVec3, Observable, ObservableSpec, View, Want};
+use lennard_core::{DVec3, View, Want};
 
 use super::DEFAULT_WINDOW;
 use super::green_kubo::{LONG_ENOUGH, Words};
 use super::of_flux::{Flux, OfFlux};
-use crate::{BuildContext, Frames, ObservableError, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "thermal-conductivity",
@@ -15,7 +17,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "J. H. Irving and J. G. Kirkwood, The statistical mechanical theory of transport processes IV, J. Chem. Phys. 18, 817 (1950), \
              equation 6.16; M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), equations 2.122 and 2.123",
     dynamic: true,
-    suits: lennard_core::Suits::OneSpecies,
+    suits: crate::Suits::OneSpecies,
 };
 
 const WORDS: Words = Words {

@@ -1,12 +1,12 @@
 //! What all Green–Kubo coefficients share: correlation, plateau, cross-check.
 
-use lennard_core::{Doubt, Findings, Table, persist};
+use crate::{Doubt, Findings, Table, statistics};
+use lennard_core::persist;
 
 use super::helfand::Helfand;
 use crate::averages::{of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
 use crate::correlator::{Correlation, Correlator};
-use crate::statistics;
 
 /// Successive lags at which the correlation must be lost in its error before it counts as decayed: one or two
 /// can be so by chance.
@@ -207,8 +207,8 @@ persist!(GreenKubo { correlator, helfand, temperature, fixed window });
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Estimate;
     use crate::statistics::{mean, synthetic::Ar1, variance};
-    use lennard_core::Estimate;
 
     const WORDS: Words = Words { name: "x", plain: "x", unit: "", correlation_unit: "" };
 

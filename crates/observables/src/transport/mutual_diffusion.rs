@@ -1,11 +1,11 @@
 //! The mutual diffusion of two species.
 
+use crate::{BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe};
 use lennard_core::exact::exact_sum;
-use lennard_core::{DVec3, Findings, Observable, ObservableSpec, SpeciesTable, View, persist};
+use lennard_core::{DVec3, SpeciesTable, View, persist};
 
 use super::green_kubo::{GreenKubo, LONG_ENOUGH, Words};
 use super::{DEFAULT_WINDOW, checked_interval};
-use crate::{BuildContext, Frames, ObservableError, Recipe};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "mutual-diffusion",
@@ -13,7 +13,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "Đ = (N x_a x_b/3) ∫₀^∞ ⟨u(0)·u(t)⟩ dt, u = Σ_{i∈a} v_i/N_a − Σ_{i∈b} v_i/N_b",
     source: "M. Schoen and C. Hoheisel, Mol. Phys. 52, 33 (1984); R. Krishna and J. M. van Baten, Ind. Eng. Chem. Res. 44, 6939 (2005)",
     dynamic: true,
-    suits: lennard_core::Suits::Atoms,
+    suits: crate::Suits::Atoms,
 };
 
 const WORDS: Words = Words {

@@ -2,12 +2,12 @@
 
 use std::marker::PhantomData;
 
-use lennard_core::{Findings, Observable, ObservableSpec, View, Want, persist};
+use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec};
+use lennard_core::{View, Want, persist};
 
 use super::checked_interval;
 use super::green_kubo::{GreenKubo, Words};
 use crate::seen_box::SeenBox;
-use crate::{BuildContext, ObservableError};
 
 /// A flux j with the coefficient κ = A ∫₀^∞ ⟨j(0)·j(t)⟩ dt, averaged over its equivalent components.
 pub trait Flux: Send + 'static {

@@ -1,11 +1,14 @@
 //! The shear viscosity.
 
-use lennard_core::{DMat3, Observable, ObservableSpec, View, Want};
+use crate::{
+    BuildContext, Frames, Observable, ObservableError, ObservableSpec, PressureTensor, Recipe,
+    Surroundings,
+};
+use lennard_core::{DMat3, View, Want};
 
 use super::DEFAULT_WINDOW;
 use super::green_kubo::{LONG_ENOUGH, Words};
 use super::of_flux::{Flux, OfFlux};
-use crate::{BuildContext, Frames, ObservableError, PressureTensor, Recipe, Surroundings};
 
 const SPEC: ObservableSpec = ObservableSpec {
     name: "shear-viscosity",
@@ -14,7 +17,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "P. J. Daivis and D. J. Evans, Comparison of constant pressure and constant volume nonequilibrium simulations of \
              sheared model decane, J. Chem. Phys. 100, 541 (1994), equation 11",
     dynamic: true,
-    suits: lennard_core::Suits::Atoms,
+    suits: crate::Suits::Atoms,
 };
 
 const WORDS: Words = Words {

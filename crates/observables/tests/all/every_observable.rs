@@ -3,11 +3,12 @@
 use glam::Vec3Swizzles;
 use lennard_core::random::Streams;
 use lennard_core::{
-    Bonds, DMat3, DVec3, Energetics, Molecules, Observable, ObservableSpec, PeriodicBox, Species,
-    SpeciesTable, State, StateArchive, Suits, System, View,
+    Bonds, DMat3, DVec3, Energetics, Molecules, PeriodicBox, Species, SpeciesTable, State,
+    StateArchive, System, View,
 };
 use lennard_observables::{
-    BuildContext, Insertion, MsdOptions, ObservableOptions, TrialEnergies, build, observables,
+    BuildContext, Insertion, MsdOptions, Observable, ObservableOptions, ObservableSpec, Suits,
+    TrialEnergies, build, observables,
 };
 use rand_distr::{Distribution, StandardNormal};
 

@@ -2,12 +2,11 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, DVec3, Energetics, Estimate, Momentum, Observable, PeriodicBox, Species, SpeciesTable,
-    State, System, View,
+    DMat3, DVec3, Energetics, Momentum, PeriodicBox, Species, SpeciesTable, State, System, View,
 };
 use lennard_observables::{
-    BuildContext, MeanSquareDisplacement, MsdOptions, PairEnd, RadialDistribution, RdfOptions,
-    Thermodynamics, VacfOptions, VelocityAutocorrelation,
+    BuildContext, Estimate, MeanSquareDisplacement, MsdOptions, Observable, PairEnd,
+    RadialDistribution, RdfOptions, Thermodynamics, VacfOptions, VelocityAutocorrelation,
 };
 use rand_distr::{Distribution, StandardNormal};
 

@@ -2,11 +2,12 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, DVec3, Energetics, Estimate, Findings, Observable, PeriodicBox, Species, SpeciesTable,
-    State, System, TailCorrection, View,
+    DMat3, DVec3, Energetics, PeriodicBox, Species, SpeciesTable, State, System, TailCorrection,
+    View,
 };
 use lennard_observables::{
-    BuildContext, PairEnd, PressureTensor, Thermodynamics, ThermodynamicsOptions, statistics,
+    BuildContext, Estimate, Findings, Observable, PairEnd, PressureTensor, Thermodynamics,
+    ThermodynamicsOptions, statistics,
 };
 use rand_distr::{Distribution, StandardNormal};
 

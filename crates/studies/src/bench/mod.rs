@@ -16,8 +16,8 @@ pub use types::{
 
 use std::time::Duration;
 
-use lennard_core::Table;
 use lennard_forcefield::measure;
+use lennard_observables::Table;
 
 use crate::jobs::pool;
 use crate::lab::{Start, to_temperature};

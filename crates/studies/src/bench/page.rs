@@ -2,8 +2,8 @@
 
 use crate::StudyError;
 use crate::report::{Drawn, Given, Page, percent, significant, written};
-use lennard_core::{Cell, RowsOf, Table};
 use lennard_engine::stopwatch::Spread;
+use lennard_observables::{Cell, RowsOf, Table};
 
 use super::types::{BenchStudy, KernelResult, with_range};
 

@@ -1,7 +1,7 @@
 //! The kinds of error, one a diagram: what each is about, and how it is read from a point.
 
 use crate::report::significant;
-use lennard_core::Estimate;
+use lennard_observables::Estimate;
 
 use super::types::{Chart, ChartedPoint, Errors, Outcome, Panel, Tightest, median};
 use crate::StudyError;

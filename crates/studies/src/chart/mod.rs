@@ -24,7 +24,7 @@ pub use types::{
 
 use lennard_scene::Scene;
 
-use lennard_core::Table;
+use lennard_observables::Table;
 
 use crate::report::Page;
 use crate::sweep::Sweep;

@@ -1,6 +1,6 @@
 //! The page of a chart.
 
-use lennard_core::{Cell, Estimate, Table, Tone};
+use lennard_observables::{Cell, Estimate, Table, Tone};
 
 use super::advice::{basis, unresolved};
 use super::figures;

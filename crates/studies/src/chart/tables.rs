@@ -1,7 +1,7 @@
 //! The numbers of a chart as tables.
 
-use lennard_core::{Estimate, Table};
 use lennard_engine::stopwatch::Spread;
+use lennard_observables::{Estimate, Table};
 use serde::Serialize;
 
 use super::types::{Chart, ChartedPoint, Panel};

@@ -1,8 +1,7 @@
 //! Runs beside each other for a reader: tables of at most 100 columns, and curves drawn together.
 
-use lennard_core::{Cell, Column, Table};
-use lennard_observables::Verdict;
 use lennard_observables::quantities::{Quantity, quantity_of};
+use lennard_observables::{Cell, Column, Table, Verdict};
 
 use super::beside::{Beside, ERRORS, MOST_COLUMNS, Measured};
 use super::{Row, capital, quantity_words};

@@ -1,12 +1,11 @@
 //! The state card of a run: every measured property beside every equation that applies.
 
 use crate::report::significant;
-use lennard_core::{Cell, Column, Table, Tone};
 use lennard_literature::{EquationOfState, ModelKind, PROPERTIES, Property, equations_for};
 use lennard_observables::quantities::{
     Mark, QUANTITIES, has_mark, quantity_name, quantity_of, quantity_unit,
 };
-use lennard_observables::{Allowed, Reference, Verdict, judge};
+use lennard_observables::{Allowed, Cell, Column, Reference, Table, Tone, Verdict, judge};
 use serde::Serialize;
 
 use super::{Row, RunFolder, StateOfMatter};
@@ -253,7 +252,7 @@ pub fn card_table(card: &StateCard) -> Table {
 
 #[cfg(test)]
 mod tests {
-    use lennard_core::{Estimate, Standing};
+    use lennard_observables::{Estimate, Standing};
 
     use super::*;
 

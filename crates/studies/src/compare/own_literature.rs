@@ -9,9 +9,9 @@
 
 use std::path::Path;
 
-use lennard_core::{Table, Value};
 use lennard_io::FormatError;
 use lennard_observables::quantities::QUANTITIES;
+use lennard_observables::{Table, Value};
 use serde::Serialize;
 
 use super::RunFolder;

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use lennard_core::{PeriodicBox, Remark, Table};
+use lennard_core::PeriodicBox;
 use lennard_io::{AverageRecord, FormatError, RunRecord};
+use lennard_observables::{Remark, Table};
 use lennard_scene::{Scene, SceneError};
 
 /// The average of the temperature on half steps.

@@ -1,11 +1,10 @@
 //! Quantity by quantity: what it is compared with, and how far off it may be.
 
-use lennard_core::Remark;
 use lennard_literature::{
     EquationOfState, ModelKind, TransportProperty, equation_of_state_for, property,
 };
 use lennard_observables::quantities::{Beside, quantity_of};
-use lennard_observables::{HeldTemperature, UNCORRECTED};
+use lennard_observables::{HeldTemperature, Remark, UNCORRECTED};
 use lennard_scene::PressureControl;
 
 use super::card::spread;

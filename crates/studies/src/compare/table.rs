@@ -1,7 +1,7 @@
 //! The quantities of a run beside their references, for a reader.
 
 use crate::report::{in_units, significant};
-use lennard_core::{Cell, Table};
+use lennard_observables::{Cell, Table};
 
 use super::{ComparedRun, Row, quantity_words};
 

@@ -1,8 +1,8 @@
 //! What equations of state give, for a reader.
 
-use lennard_core::{Cell, Table, Tone};
 use lennard_literature::{EquationOfState, Property, freezing_lines_of};
 use lennard_observables::quantities::{quantity_name, quantity_unit};
+use lennard_observables::{Cell, Table, Tone};
 
 use super::{Coexistence, Evaluated, Freezing};
 

@@ -1,8 +1,7 @@
 //! What a run under some settings measures: energy conservation, temperatures, U and P.
 
-use lennard_core::Estimate;
 use lennard_engine::{Compared, Comparison, Unfollowed, beside_equation_of_state};
-use lennard_observables::{ThermoSeries, Thermodynamics, statistics};
+use lennard_observables::{Estimate, ThermoSeries, Thermodynamics, statistics};
 use lennard_scene::model_kind;
 use serde::{Deserialize, Serialize};
 

@@ -20,7 +20,7 @@ mod tables;
 pub mod unilateral;
 mod ways;
 
-use lennard_core::Table;
+use lennard_observables::Table;
 
 pub use study::{MechanicsMeasurements, MechanicsStudy};
 

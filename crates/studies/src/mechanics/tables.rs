@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use lennard_core::{Cell, Table};
+use lennard_observables::{Cell, Table};
 
 use super::collisions::Bouncing;
 use super::comparison::{Convergence, LARGEST_STEP, WayResults};

@@ -10,7 +10,7 @@ use super::probability::{CHI_SQUARED_IN_WORDS, probability_words, tail_probabili
 use crate::compare::{Row, Verdict, capital, quantity_words};
 use crate::report::{Axis, Figure, Look, Picture, Point, Section, Series, Symbol};
 use crate::sweep::SweptPoint;
-use lennard_core::{Cell, Table, Tone};
+use lennard_observables::{Cell, Table, Tone};
 
 /// The quantities whose differences are drawn.
 const DRAWN: [&str; 2] = ["potential_energy", "pressure"];

@@ -1,6 +1,6 @@
 //! Points of a study that differ in their seeds alone, taken together.
 
-use lennard_core::Estimate;
+use lennard_observables::Estimate;
 
 use crate::compare::Row;
 use crate::lab::mean_of;

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::report::{Picture, Section};
 use crate::sweep::{Sweep, SweptPoint};
-use lennard_core::Table;
+use lennard_observables::Table;
 
 /// What answers the question of the study: its first figures.
 pub(super) const PICTURES: &str = "Result";

@@ -1,8 +1,8 @@
 //! What barostats and thermostats sample of a fluid at one pressure, at which pace and cost.
 
-use lennard_core::{Cell, Table};
 use lennard_engine::measured_stage;
 use lennard_io::RunRecord;
+use lennard_observables::{Cell, Table};
 
 use super::blocks::{Blocks, PICTURES, StudyPoints};
 use super::points::verdicts;

@@ -1,7 +1,7 @@
 //! Every property of every point beside every equation of state, and χ² of each equation.
 
 use crate::report::significant;
-use lennard_core::{Cell, Table, Tone};
+use lennard_observables::{Cell, Table, Tone};
 
 use super::probability::{CHI_SQUARED_IN_WORDS, probability_words, tail_probability};
 use crate::compare::{CardRow, ComparedRun, StateCard, is_a_part};

@@ -201,14 +201,13 @@ fn picture(points: &[SweptPoint], estimates: &[MeltingEstimate]) -> Option<Pictu
 mod tests {
     use std::path::Path;
 
-    use lennard_core::{Estimate, Standing};
     use lennard_io::AverageRecord;
+    use lennard_observables::{Cell, Estimate, Standing};
 
     use super::*;
     use crate::compare::{ComparedRun, Row, StateOfMatter};
     use crate::readings::points::of_points;
     use crate::sweep::{Point as SweepPoint, Setting};
-    use lennard_core::Cell;
 
     /// A finished point with fronts of v = 2·(at − T).
     fn point(n: f64, temperature: f64, at: f64) -> SweptPoint {

@@ -1,7 +1,7 @@
 //! Every point with its results: a table by what the points are, and each property against what the study changes.
 
-use lennard_core::{Cell, Table, Tone, Value};
 use lennard_observables::quantities::{Quantity, quantity_of};
+use lennard_observables::{Cell, Table, Tone, Value};
 
 use super::blocks::{Blocks, POINTS, PROPERTIES, StudyPoints};
 use super::properties;

@@ -1,7 +1,7 @@
 //! Tables in units of a substance.
 
-use lennard_core::{Column, Table, Value};
 use lennard_literature::units::Units;
+use lennard_observables::{Column, Table, Value};
 
 use super::{Block, Section, significant};
 

@@ -1,6 +1,6 @@
 //! A self-contained page: one HTML text with its style and its figures inside.
 
-use lennard_core::Table;
+use lennard_observables::Table;
 
 use crate::report::escape::{escape, inline_markup, made_by};
 use crate::report::{Picture, ReportError, legend, table};
@@ -239,7 +239,7 @@ impl Block {
 mod tests {
     use super::*;
     use crate::report::{Axis, Dash, Figure, Look, Point, Series};
-    use lennard_core::{Cell, Tone};
+    use lennard_observables::{Cell, Tone};
 
     fn figure(note: Option<&str>) -> Picture {
         let point = Point { x: 1.0, y: 2.0, note: note.map(str::to_owned), ..Point::default() };

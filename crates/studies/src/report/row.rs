@@ -21,7 +21,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use lennard_core::{Cell, Table, Value};
+use lennard_observables::{Cell, Table, Value};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 

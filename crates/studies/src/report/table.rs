@@ -1,7 +1,7 @@
 //! Tables for readers: on a page, or as texts for a terminal.
 
 use lennard_core::number::{plain_or_scientific, plus_minus, significant, with_error};
-use lennard_core::{Cell, Column, Table, Tone, Value};
+use lennard_observables::{Cell, Column, Table, Tone, Value};
 
 use crate::report::escape::{escape, inline_markup, made_by};
 

@@ -22,7 +22,7 @@
 //! ]
 //! ```
 
-use lennard_core::{Cell, Column, Table};
+use lennard_observables::{Cell, Column, Table};
 use serde::Deserialize;
 
 use super::row::{Only, takes, value_of};

@@ -1,6 +1,6 @@
 //! What a run found: its table and the lines below it. A terminal prints them, and the page begins with them.
 
-use lennard_core::{Cell, Table};
+use lennard_observables::{Cell, Table};
 
 use crate::compare::{self, ComparedRun, Row, quantity_words};
 use crate::report::{Block, Section, in_words, particles, signed, significant};

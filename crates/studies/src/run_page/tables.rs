@@ -1,8 +1,8 @@
 //! The tables of a run's page.
 
 use crate::report::{Block, percent, significant};
-use lennard_core::{Cell, Remark, Table, Value};
 use lennard_io::RunRecord;
+use lennard_observables::{Cell, Remark, Table, Value};
 
 use crate::compare::{
     ComparedRun, Row, RunFolder, StateCard, Verdict, card_table, quantity_words, table,

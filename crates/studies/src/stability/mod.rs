@@ -19,7 +19,7 @@ mod study;
 mod tables;
 pub mod variable_step;
 
-use lennard_core::Table;
+use lennard_observables::Table;
 
 pub use study::{OscillatorStudy, StabilityStudy};
 

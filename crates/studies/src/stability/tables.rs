@@ -1,6 +1,6 @@
 //! The tables of the oscillator part, as CSV and on the page.
 
-use lennard_core::{Cell, RowsOf, Table, Tone};
+use lennard_observables::{Cell, RowsOf, Table, Tone};
 
 use super::amplification::{MethodMap, theory};
 use super::displacement::{Case, Run, STEP};

@@ -1,6 +1,6 @@
 //! The table of a sweep for programs, `table.csv`.
 
-use lennard_core::{Cell, Table};
+use lennard_observables::{Cell, Table};
 use lennard_scene::study::SHORT_KEYS;
 
 use super::{SettingValue, SweptPoint};

@@ -1,6 +1,6 @@
 //! The page of a sweep, from the blocks of its readings.
 
-use lennard_core::Remark;
+use lennard_observables::Remark;
 
 use crate::report::{Block, Page, Section};
 

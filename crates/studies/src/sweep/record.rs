@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lennard_core::Table;
+use lennard_observables::Table;
 use lennard_scene::SceneError;
 
 use super::{Ending, Sweep, SweepError, SweepRecord, SweptPoint, csv, page};

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use lennard_core::Table;
 use lennard_engine::EngineError;
 use lennard_io::RunRecord;
+use lennard_observables::Table;
 use serde::Serialize;
 
 use super::{LeftOut, Setting};

@@ -10,7 +10,7 @@ use super::sample::{Sample, stable_dt_of_springs};
 use super::verify::Runs;
 use super::{Row, TuneError};
 use crate::settings::Settings;
-use lennard_core::Estimate;
+use lennard_observables::Estimate;
 
 /// What a search was made with.
 pub(super) struct Search<'a> {

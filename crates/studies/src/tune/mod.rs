@@ -24,8 +24,8 @@ pub use search::tune;
 pub use speed::Speed;
 pub use verify::Runs;
 
-use lennard_core::Estimate;
 use lennard_forcefield::NeighborOptions;
+use lennard_observables::Estimate;
 use lennard_scene::{Chosen, Judged};
 use serde::Serialize;
 

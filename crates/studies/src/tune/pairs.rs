@@ -3,11 +3,10 @@
 
 use lennard_core::{Momentum, State, System};
 use lennard_forcefield::{Mixture, Model, SpeciesPair, TruncationOptions};
-use lennard_observables::{count_distances, count_distances_by_species};
+use lennard_observables::{Estimate, count_distances, count_distances_by_species};
 use lennard_scene::Scene;
 
 use super::TuneError;
-use lennard_core::Estimate;
 
 /// Width of the bins of distance, σ.
 pub(super) const BIN_WIDTH: f64 = 0.02;

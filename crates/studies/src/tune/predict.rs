@@ -4,8 +4,9 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use lennard_core::{Estimate, Part, Want};
+use lennard_core::{Part, Want};
 use lennard_forcefield::{Model, Precision, SpeciesPair, TruncationKind, TruncationOptions};
+use lennard_observables::Estimate;
 use lennard_scene::Scene;
 use serde::Serialize;
 

@@ -1,6 +1,6 @@
 //! From a scene to settings: survey, models, search, verification.
 
-use lennard_core::Estimate;
+use lennard_observables::Estimate;
 use std::time::{Duration, Instant};
 
 use lennard_forcefield::{Precision, TruncationKind};

@@ -4,10 +4,10 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use lennard_core::{Estimate, Want};
+use lennard_core::Want;
 use lennard_engine::{Action, EngineError, Follower, Operation, Schedule, Simulation, Trigger};
 use lennard_forcefield::TruncationOptions;
-use lennard_observables::statistics;
+use lennard_observables::{Estimate, statistics};
 use lennard_scene::Scene;
 
 use super::TuneError;

@@ -1,6 +1,6 @@
 //! Chosen settings against the safest, by independent runs.
 
-use lennard_core::Estimate;
+use lennard_observables::Estimate;
 use serde::Serialize;
 
 use super::TuneError;

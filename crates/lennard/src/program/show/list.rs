@@ -1,6 +1,6 @@
 //! Lists of methods and scenes.
 
-use lennard_core::Table;
+use lennard_observables::Table;
 use lennard_studies::report::Section;
 
 use crate::program::list_entry::Entry;

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use lennard_core::Remark;
+use lennard_observables::Remark;
 use lennard_scene::Scene;
 use lennard_studies::compare::{self, ComparedRun, StateOfMatter};
 use lennard_studies::report::{Section, counted, particles};

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use lennard_core::{Cell, Table};
 use lennard_engine::{Nodes, PATIENCE, Plan, PlanItem};
+use lennard_observables::{Cell, Table};
 use lennard_studies::report::Section;
 
 use super::text::{bytes, duration, wrapped};

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use lennard_core::number::short;
-use lennard_core::{Cell, Remark, Table};
 use lennard_engine::{EnergyReport, KineticSource, Simulation};
 use lennard_io::{Conservation, RunRecord};
+use lennard_observables::{Cell, Remark, Table};
 use lennard_studies::compare::ComparedRun;
 use lennard_studies::report::{Section, counted, particles, physical, signed, significant};
 

@@ -2,7 +2,7 @@
 
 use comfy_table::presets::{NOTHING, UTF8_BORDERS_ONLY, UTF8_FULL_CONDENSED};
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Width};
-use lennard_core::Table;
+use lennard_observables::Table;
 use lennard_studies::report::{ErrorStyle, cell_text, heading, is_numeric};
 
 use super::text::WIDTH;

@@ -1,7 +1,7 @@
 //! Settings for an accuracy, as a person reads them.
 
 use lennard_core::number::UNKNOWN;
-use lennard_core::{Cell, Table};
+use lennard_observables::{Cell, Table};
 use lennard_studies::lab::Cost;
 use lennard_studies::report::{Section, counted};
 use lennard_studies::tune::{Row, Tuning};

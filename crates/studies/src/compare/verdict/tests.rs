@@ -1,6 +1,6 @@
 //! Verdicts follow the numbers.
 
-use lennard_core::{Estimate, Standing};
+use lennard_observables::{Estimate, Standing};
 
 use super::*;
 

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use lennard_core::Standing;
 use lennard_io::AverageRecord;
+use lennard_observables::Standing;
 use lennard_observables::statistics::{Line, mean, variance};
 use serde::Serialize;
 

@@ -2,10 +2,8 @@
 
 use std::fmt::Write as _;
 
-use lennard_core::{Cell, Table};
+use lennard_observables::{Cell, Table, Verdict};
 use serde_json::{Value, json};
-
-use lennard_observables::Verdict;
 
 use super::groups::{Row, Sums, by_quantity, by_state, repeats};
 use super::judge::Judged;

@@ -1,6 +1,6 @@
 //! The tables of the fluid part, as CSV and on the page.
 
-use lennard_core::{Cell, RowsOf, Table, Tone};
+use lennard_observables::{Cell, RowsOf, Table, Tone};
 
 use super::limit::{self, FluidLimit};
 use super::run::{FluidRun, Outcome};

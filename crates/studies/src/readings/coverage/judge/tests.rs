@@ -1,10 +1,8 @@
 //! Made-up runs with known errors.
 
-use lennard_core::Estimate;
 use lennard_core::random::Streams;
+use lennard_observables::{Estimate, Verdict};
 use rand::Rng;
-
-use lennard_observables::Verdict;
 
 use super::super::groups::by_quantity;
 use super::*;

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::number::plus_minus;
+use lennard_core::number::plus_minus;
 
 /// A remark on the numbers of a run. A program reads its kind and its fields, and a person its words (`Display`).
 ///
