@@ -174,7 +174,7 @@ impl ListValidity {
                 list.place(cell, &[all], &self.built);
             }
         }
-        list.fill(P::scanner(&self.level), cell, reach);
+        list.fill(self.level.scanner(), cell, reach);
         debug_assert!(list.is_valid(), "the loops rely on valid lists");
         if let Some(of_particle) = self.pairwise.of_particle() {
             let of_slots = list.particles().iter().map(|p| of_particle[*p as usize]);
@@ -266,6 +266,6 @@ fn around<P: PackedList>(
     own: &Range<usize>,
 ) -> Around {
     let mut around = Around::new(list.cells(), cell.lengths(), reach.r_list, own);
-    list.mark_near(P::scanner(&level), cell, reach, &mut around);
+    list.mark_near(level.scanner(), cell, reach, &mut around);
     around
 }

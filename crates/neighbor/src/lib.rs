@@ -33,6 +33,7 @@ mod clusters;
 mod pair_list;
 mod room;
 mod rows;
+mod scanner;
 pub mod skin;
 mod sort;
 mod unlisted;
@@ -40,14 +41,14 @@ mod validity;
 
 pub use clusters::{
     ALL_MEMBERS, BLOCK, Block, CLUSTER, ClusterBlocks, ClusterChunk, ClusterList, ClusterNeighbors,
-    ClusterScanner, ENTRY_SCALE, ExcludedEntries, FIRST_HALF, GroupBounds, GroupCandidates, Reach,
-    SECOND_HALF, ScalarClusterScanner, Span, THEMSELVES, cluster_center,
+    ENTRY_SCALE, ExcludedEntries, FIRST_HALF, GroupBounds, GroupCandidates, Reach, SECOND_HALF,
+    Span, THEMSELVES, cluster_center,
 };
 pub use pair_list::{PairList, slots_of};
 pub use rows::{
     ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, NeighborList, Numbering,
-    RowScanner, ScalarScanner,
 };
+pub use scanner::{ScalarScanner, Scanner};
 pub use sort::{
     Around, Cells, ColumnTable, FIXED_ROUNDING, FIXED_UNITS, FixedRow, Ghost, GridError, PADDING,
     Positions, Ranks, RowCoordinates, RowTable, to_fixed,

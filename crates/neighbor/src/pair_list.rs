@@ -7,6 +7,7 @@ use lennard_core::PeriodicBox;
 
 use crate::clusters::Reach;
 use crate::rows::ATOMS_PER_CHUNK;
+use crate::scanner::Scanner;
 use crate::sort::{Around, Cells, GridError, Positions};
 
 /// A full neighbor list over sorted particles.
@@ -16,8 +17,6 @@ use crate::sort::{Around, Cells, GridError, Positions};
 pub trait PairList: Sync {
     /// The cells of the sort.
     type Cells: Cells;
-    /// The innermost loops of the search, for one instruction set.
-    type Scanner: ?Sized + 'static;
     /// Whether pairs can be inserted after the build.
     const INSERTS: bool = false;
 
@@ -57,9 +56,9 @@ pub trait PairList: Sync {
     /// Marks the columns that the search of the lists that are kept looks into, but for the columns around their slots.
     ///
     /// The particles of these lists are placed.
-    fn mark_near(&self, _: &Self::Scanner, _cell: &PeriodicBox, _reach: Reach, _: &mut Around) {}
+    fn mark_near(&self, _: &dyn Scanner, _cell: &PeriodicBox, _reach: Reach, _: &mut Around) {}
     /// Ends a build: fills the lists. All particles that they may name are placed.
-    fn fill(&mut self, scanner: &Self::Scanner, cell: &PeriodicBox, reach: Reach);
+    fn fill(&mut self, scanner: &dyn Scanner, cell: &PeriodicBox, reach: Reach);
     /// Whether every entry numbers a row or a slot that exists, and the chunks cover all slots of the lists that are kept.
     ///
     /// The force loops rely on it: they read rows through entries without a test of their own.

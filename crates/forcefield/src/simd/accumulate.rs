@@ -136,7 +136,7 @@ pub struct CommonSums<L: Lanes> {
     sums: [L; 3],
     /// Stays zero where pairs are counted instead.
     at_cutoff: L,
-    pairs: L::Count,
+    pairs: u32,
 }
 
 impl<L: Lanes> Common<L> for CommonSums<L> {
@@ -145,7 +145,7 @@ impl<L: Lanes> Common<L> for CommonSums<L> {
     #[inline(always)]
     fn nothing(isa: L::Isa) -> Self {
         let zero = L::constant(isa, 0.0);
-        Self { sums: [zero; 3], at_cutoff: zero, pairs: L::none(isa) }
+        Self { sums: [zero; 3], at_cutoff: zero, pairs: 0 }
     }
 
     #[inline(always)]
@@ -157,7 +157,7 @@ impl<L: Lanes> Common<L> for CommonSums<L> {
         r2: L,
         inside: L::Mask,
     ) -> L {
-        self.pairs = L::count(self.pairs, inside);
+        self.pairs += L::bits(inside).count_ones();
         if let Some(at_cutoff) = I::at_cutoff::<L>(own, neighbors) {
             self.at_cutoff = self.at_cutoff + at_cutoff.keep(inside);
         }
@@ -170,7 +170,7 @@ impl<L: Lanes> Common<L> for CommonSums<L> {
     #[inline(always)]
     fn totals<I: Interaction>(&self, interaction: &I, units: Units) -> ChunkTotals {
         let [a, b, c] = self.sums;
-        let pairs = u64::from(L::counted(self.pairs));
+        let pairs = u64::from(self.pairs);
         let sums = [a.sum(), b.sum(), c.sum()];
         let [energy, virial_trace, laplacian] = interaction.totals(sums, pairs, units.length);
         ChunkTotals {
@@ -194,7 +194,7 @@ pub struct PairSums<L: Lanes> {
     at_cutoff: L,
     /// xx, yy, zz, xy, xz, yz.
     virial: [L; 6],
-    pairs: L::Count,
+    pairs: u32,
 }
 
 impl<L: Lanes> Accumulate<L> for PairSums<L> {
@@ -203,19 +203,13 @@ impl<L: Lanes> Accumulate<L> for PairSums<L> {
     #[inline(always)]
     fn nothing(isa: L::Isa) -> Self {
         let zero = L::constant(isa, 0.0);
-        Self {
-            energy: zero,
-            laplacian: zero,
-            at_cutoff: zero,
-            virial: [zero; 6],
-            pairs: L::none(isa),
-        }
+        Self { energy: zero, laplacian: zero, at_cutoff: zero, virial: [zero; 6], pairs: 0 }
     }
 
     #[inline(always)]
     fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, at_cutoff: Option<L>, inside: L::Mask) {
         let [dx, dy, dz] = r_ij;
-        self.pairs = L::count(self.pairs, inside);
+        self.pairs += L::bits(inside).count_ones();
         self.energy = self.energy + pair.energy.keep(inside);
         if let Some(at_cutoff) = at_cutoff {
             self.at_cutoff = self.at_cutoff + at_cutoff.keep(inside);
@@ -244,7 +238,7 @@ impl<L: Lanes> Accumulate<L> for PairSums<L> {
             virial: units.virial() * DMat3::from_cols_array(&virial),
             laplacian: units.energy * self.laplacian.sum(),
             at_cutoff: units.energy * self.at_cutoff.sum(),
-            pairs: u64::from(L::counted(self.pairs)),
+            pairs: u64::from(self.pairs),
             broken: false,
         }
     }

@@ -7,10 +7,15 @@
 //!                         ^ gathered ahead
 //! ```
 
-use lennard_neighbor::{BLOCK, Block, ClusterChunk};
+use lennard_neighbor::{BLOCK, Block, ClusterChunk, ENTRY_SCALE};
 
-use super::lanes::{BlockEntry, FixedLanes};
+use super::lanes::FixedLanes;
 use super::row::FixedRow;
+
+const _: () = assert!(
+    size_of::<FixedRow>() == 8 * ENTRY_SCALE as usize,
+    "registers add entries to addresses of u64"
+);
 
 /// The neighbors of a chunk, block after block, gathered one register ahead of the computation.
 ///
@@ -45,7 +50,7 @@ impl<L: FixedLanes> BlockStream<L> {
     ) -> L::Rows {
         // SAFETY: the contract is passed on; base plus entry numbers a row.
         unsafe {
-            let entries = (*block).entries.as_ptr().cast::<BlockEntry>();
+            let entries = (*block).entries.as_ptr();
             let rows = rows.add((*block).base as usize);
             L::gather(isa, rows, entries.add(part * L::WIDTH))
         }

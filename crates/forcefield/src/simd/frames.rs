@@ -6,10 +6,11 @@
 //!                   member (f32) - neighbor (f32)          then differences of small singles
 //! ```
 
-use lennard_neighbor::CLUSTER;
+use std::hint::black_box;
+
+use lennard_neighbor::{CLUSTER, FixedRow, cluster_center};
 
 use super::lanes::FixedLanes;
-use super::row::FixedRow;
 
 /// A way to take differences between members and neighbors.
 pub trait Frame<L: FixedLanes> {
@@ -81,6 +82,10 @@ impl<L: FixedLanes> Frame<L> for AbsoluteFrame<L> {
     }
 }
 
+/// The members of a cluster relative to its center, and the center.
+#[repr(C, align(64))]
+struct Relative([[f32; 4]; CLUSTER], FixedRow);
+
 /// Coordinates relative to the center of a compact cluster.
 ///
 /// Neighbors are rounded once for all four members, and differences are taken between small singles.
@@ -96,8 +101,20 @@ impl<L: FixedLanes, const CUBIC: bool> ClusterFrame<L, CUBIC> {
     #[inline(always)]
     pub fn new(isa: L::Isa, rows: [&FixedRow; CLUSTER], scale: [f64; 3]) -> Self {
         let scale = if CUBIC { [1.0; 3] } else { scale };
-        let (center, members) = L::cluster_frame(isa, rows, scale);
-        Self { center, members, scale: constants(isa, scale) }
+        let single = [scale[0] as f32, scale[1] as f32, scale[2] as f32, 0.0];
+        let center = cluster_center(*rows[1], *rows[2]);
+        let mut relative = Relative([[0.0; 4]; CLUSTER], center);
+        for (own, row) in relative.0.iter_mut().zip(rows) {
+            for axis in 0..4 {
+                own[axis] = row[axis].wrapping_sub(center[axis]) as f32 * single[axis];
+            }
+        }
+        // Each value is broadcast as it is loaded, which leaves the arithmetic ports free.
+        // Without the black box, the compiler would use shuffles.
+        let Relative([a, b, c, d], center) = black_box(&relative);
+        let spread = |[x, y, z, _]: &[f32; 4]| constants(isa, [*x, *y, *z].map(f64::from));
+        let members = [spread(a), spread(b), spread(c), spread(d)];
+        Self { center: L::spread(isa, center), members, scale: constants(isa, scale) }
     }
 }
 

@@ -1,51 +1,11 @@
 //! The operations of a register of lanes that the pair loops need.
 
 use glam::DVec3;
-use lennard_neighbor::{CLUSTER, ENTRY_SCALE, cluster_center};
+use lennard_neighbor::{CLUSTER, FixedRow};
 
-use super::row::{DoubleRow, FixedRow};
 use crate::number::{Number, RowsOf};
 use crate::real::Real;
 use lennard_core::MOST_SPECIES;
-
-/// A list entry, which numbers a row.
-pub trait Entry: Copy + Send + Sync {
-    /// The address of the row that the entry numbers.
-    ///
-    /// # Safety
-    /// There is such a row.
-    unsafe fn row<Row>(self, rows: *const Row) -> *const Row;
-}
-
-impl Entry for u16 {
-    #[inline(always)]
-    unsafe fn row<Row>(self, rows: *const Row) -> *const Row {
-        // SAFETY: the contract is passed on.
-        unsafe { rows.add(usize::from(self)) }
-    }
-}
-
-impl Entry for u32 {
-    #[inline(always)]
-    unsafe fn row<Row>(self, rows: *const Row) -> *const Row {
-        // SAFETY: the contract is passed on.
-        unsafe { rows.add(self as usize) }
-    }
-}
-
-/// An entry of a [`lennard_neighbor::Block`].
-#[derive(Clone, Copy)]
-#[repr(transparent)]
-pub struct BlockEntry(pub u16);
-
-impl Entry for BlockEntry {
-    #[inline(always)]
-    unsafe fn row<Row>(self, rows: *const Row) -> *const Row {
-        const { assert!(size_of::<Row>() == 8 * ENTRY_SCALE as usize) };
-        // SAFETY: the contract is passed on.
-        unsafe { rows.cast::<u64>().add(usize::from(self.0)).cast() }
-    }
-}
 
 /// A number for each species, as registers load them.
 #[derive(Debug, Clone, Copy)]
@@ -62,7 +22,7 @@ pub trait Lanes: Real {
     type Isa: Copy + Send + Sync;
     /// One row of packed coordinates.
     type Row: Copy;
-    /// Coordinates of rows, one row per lane.
+    /// Coordinates and species of rows, one row per lane.
     type Rows: Copy;
     /// The lanes that count.
     type Mask: Copy;
@@ -72,8 +32,6 @@ pub trait Lanes: Real {
     type Species: Copy;
     /// A number for each species.
     type Table: Copy;
-    /// How many lanes counted so far.
-    type Count: Copy;
 
     /// The constant `value` in every lane.
     fn constant(isa: Self::Isa, value: f64) -> Self;
@@ -81,8 +39,22 @@ pub trait Lanes: Real {
     /// One row in every lane.
     fn spread(isa: Self::Isa, row: &Self::Row) -> Self::Rows;
 
+    /// The rows of `WIDTH` entries.
+    ///
+    /// # Safety
+    /// The `WIDTH` entries at `entries` are readable, and each numbers a readable row.
+    unsafe fn gather<E: Copy + Into<u32>>(
+        isa: Self::Isa,
+        rows: *const Self::Row,
+        entries: *const E,
+    ) -> Self::Rows;
+    /// a − b along each axis: in σ of rows of doubles, in units of the rows in fixed point.
+    fn apart(a: Self::Rows, b: Self::Rows) -> [Self; 3];
+
     /// The species of a row.
     fn species_of(row: &Self::Row) -> usize;
+    /// The species of some rows.
+    fn species(rows: Self::Rows) -> Self::Species;
     /// A number for each species.
     fn table(isa: Self::Isa, numbers: &BySpecies<Self::Number>) -> Self::Table;
     /// The number of the species of each lane.
@@ -95,33 +67,14 @@ pub trait Lanes: Real {
 
     /// The lanes whose value is at most `limit`.
     fn at_most(self, limit: Self) -> Self::Mask;
-    /// No lane counted so far.
-    fn none(isa: Self::Isa) -> Self::Count;
-    /// The count with the lanes of a mask.
-    fn count(count: Self::Count, mask: Self::Mask) -> Self::Count;
-    /// The number of lanes in a count.
-    fn counted(count: Self::Count) -> u32;
+    /// The lanes set in the lowest bits of `bits` whose value is at most `limit`.
+    fn at_most_among(self, limit: Self, bits: u32) -> Self::Mask;
+    /// The lanes of a mask as bits, the first one lowest.
+    fn bits(mask: Self::Mask) -> u32;
     /// The value where the mask holds, zero elsewhere.
     fn keep(self, mask: Self::Mask) -> Self;
     /// The sum over all lanes, in double precision and a fixed order.
     fn sum(self) -> f64;
-}
-
-/// Registers that read rows in σ.
-pub trait RowLanes: Lanes<Row = DoubleRow, Number = f64> {
-    /// r_own − r_row in σ along x, y and z, for the rows of `WIDTH` entries, and the species of the rows.
-    ///
-    /// # Safety
-    /// The `WIDTH` entries at `entries` are readable, and each numbers a readable row.
-    unsafe fn differences<E: Entry>(
-        own: Self::Rows,
-        rows: *const Self::Row,
-        entries: *const E,
-    ) -> ([Self; 3], Self::Species);
-
-    /// The lanes of `mask` among the first `count`.
-    fn first(mask: Self::Mask, count: usize) -> Self::Mask;
-
     /// The sums over all lanes of three values, times `unit`; one common reduction may cost less than three.
     #[inline(always)]
     fn sum3(x: Self, y: Self, z: Self, unit: f64) -> DVec3 {
@@ -134,52 +87,41 @@ pub trait FixedLanes: Lanes<Row = FixedRow, Number = f32> {
     /// Whether the sums of four members leave too few registers for a pair: loops then take one member after another.
     const FEW_REGISTERS: bool = false;
 
-    /// The rows of `WIDTH` entries: their coordinates along x, y and z, and their species.
+    /// The sums over all lanes of the vectors of four members, times `unit`.
+    fn sum_four(of_members: [[Self; 3]; CLUSTER], unit: f64) -> [DVec3; CLUSTER];
+
+    /// Lanes from memory. The search keeps whole numbers of 32 bits in lanes, too.
     ///
     /// # Safety
-    /// The `WIDTH` entries at `entries` are readable, and each numbers a readable row.
-    unsafe fn gather(
-        isa: Self::Isa,
-        rows: *const FixedRow,
-        entries: *const BlockEntry,
-    ) -> Self::Rows;
-
-    /// The species of gathered rows.
-    fn species(rows: Self::Rows) -> Self::Species;
-
-    /// a − b along each axis, in units of the rows.
-    fn apart(a: Self::Rows, b: Self::Rows) -> [Self; 3];
-
-    /// The lanes set in the lowest bits of `bits` whose value is at most `limit`.
-    fn at_most_among(self, limit: Self, bits: u32) -> Self::Mask;
-
-    /// The [`cluster_center`], and the members relative to it in σ, where units are `scale` σ long along each axis.
-    #[inline(always)]
-    fn cluster_frame(
-        isa: Self::Isa,
-        rows: [&FixedRow; CLUSTER],
-        scale: [f64; 3],
-    ) -> (Self::Rows, [[Self; 3]; CLUSTER]) {
-        let center = cluster_center(*rows[1], *rows[2]);
-        let relative = |row: &FixedRow, axis: usize| {
-            let apart = row[axis].wrapping_sub(center[axis]) as f32;
-            Self::constant(isa, f64::from(apart * scale[axis] as f32))
-        };
-        let each = |row: &FixedRow| [relative(row, 0), relative(row, 1), relative(row, 2)];
-        let own = [each(rows[0]), each(rows[1]), each(rows[2]), each(rows[3])];
-        (Self::spread(isa, &center), own)
-    }
-
-    /// The sums over all lanes of four vectors, times `unit`; one common reduction may cost less than twelve.
-    #[inline(always)]
-    fn sum_four([a, b, c, d]: [[Self; 3]; CLUSTER], unit: f64) -> [DVec3; CLUSTER] {
-        [
-            unit * DVec3::new(a[0].sum(), a[1].sum(), a[2].sum()),
-            unit * DVec3::new(b[0].sum(), b[1].sum(), b[2].sum()),
-            unit * DVec3::new(c[0].sum(), c[1].sum(), c[2].sum()),
-            unit * DVec3::new(d[0].sum(), d[1].sum(), d[2].sum()),
-        ]
-    }
+    /// `WIDTH` numbers are readable.
+    unsafe fn load(isa: Self::Isa, from: *const f32) -> Self;
+    /// Lanes to memory.
+    ///
+    /// # Safety
+    /// `WIDTH` numbers are writable.
+    unsafe fn store(self, to: *mut f32);
+    /// The lanes set in `bits`, packed together to memory.
+    ///
+    /// # Safety
+    /// As [`FixedLanes::store`].
+    unsafe fn pack(self, bits: u32, to: *mut f32);
+    /// The same for whole numbers, which fit into 16 bits.
+    ///
+    /// # Safety
+    /// `WIDTH` numbers are writable.
+    unsafe fn pack_narrow(self, bits: u32, to: *mut u16);
+    /// A whole number in every lane.
+    fn whole(isa: Self::Isa, number: u32) -> Self;
+    /// The whole numbers from `first` on.
+    fn numbers_from(isa: Self::Isa, first: u32) -> Self;
+    /// self − other of whole numbers, which wraps around, as a single.
+    fn less(self, other: Self) -> Self;
+    /// |self|.
+    fn abs(self) -> Self;
+    /// The lanes whose value is at most `limit`, and whose whole number is another one than `own`.
+    fn near_others(self, limit: Self, number: Self, own: Self) -> u32;
+    /// The lanes whose whole number is one of [`CLUSTER`] from `first` on.
+    fn members(self, first: Self) -> u32;
 }
 
 const _: () = assert!(CLUSTER == 4, "the loop has one variable for each member");

@@ -42,6 +42,22 @@ impl Avx512 {
         None
     }
 
+    /// Runs a task, of which everything that is inlined is compiled for the instruction set.
+    #[inline(always)]
+    pub fn run<R>(self, task: impl FnOnce() -> R) -> R {
+        #[cfg_attr(
+            target_arch = "x86_64",
+            target_feature(
+                enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt"
+            )
+        )]
+        fn compiled<R>(task: impl FnOnce() -> R) -> R {
+            task()
+        }
+        // SAFETY: the token proves the instruction set.
+        unsafe { compiled(task) }
+    }
+
     /// The token of the instruction set that this one includes.
     #[inline(always)]
     pub fn avx2(self) -> Avx2 {
@@ -50,6 +66,17 @@ impl Avx512 {
 }
 
 impl Avx2 {
+    /// As [`Avx512::run`].
+    #[inline(always)]
+    pub fn run<R>(self, task: impl FnOnce() -> R) -> R {
+        #[cfg_attr(target_arch = "x86_64", target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt"))]
+        fn compiled<R>(task: impl FnOnce() -> R) -> R {
+            task()
+        }
+        // SAFETY: the token proves the instruction set.
+        unsafe { compiled(task) }
+    }
+
     /// The token, where this processor has the instruction set.
     pub fn detect() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]

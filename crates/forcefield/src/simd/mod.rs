@@ -6,12 +6,11 @@
 //! ```text
 //!   level, row, totals            instruction sets, rows, sums
 //!   lanes, registers              operations of a register; avx512, avx2 and portable implement them
-//!   look_up256, look_up512        rows of pair laws
 //!   frames, cluster_kernel        pairs of one cluster        \
 //!   cluster_loop, row_loop        loops over one chunk         > written once for all lanes
 //!   arithmetic                    speed limit of the loops    /
 //!   motion, packing, pack         from positions to rows
-//!   scan, scanners                searches that build lists
+//!   scan, scanners                the search that builds lists
 //!   packed_list, packed           lists with their rows; all chunks
 //!   list_in_use                   whether a list may be used
 //!   evaluation, fused             evaluations, and steps that follow each other
@@ -37,10 +36,6 @@ mod lanes;
 mod level;
 mod limit;
 mod list_in_use;
-#[cfg(target_arch = "x86_64")]
-mod look_up256;
-#[cfg(target_arch = "x86_64")]
-mod look_up512;
 mod motion;
 mod mover;
 mod output;
@@ -58,10 +53,6 @@ mod row;
 mod row_loop;
 #[cfg(target_arch = "x86_64")]
 mod scan;
-#[cfg(target_arch = "x86_64")]
-mod scan256;
-#[cfg(target_arch = "x86_64")]
-mod scan512;
 mod scanners;
 mod totals;
 

@@ -35,8 +35,6 @@ pub trait PackedList: PairList + Send {
     /// It is none where packing ahead does not pay. It needs a second array of rows.
     const PACK_AHEAD: Option<PackPart<Self>> = None;
 
-    /// The search that builds the list at a level.
-    fn scanner(level: &Level) -> &Self::Scanner;
     /// Lends the room of rows to a build, or takes it back, where a build can use it.
     fn swap_room(&mut self, _rows: &mut Vec<Self::Row>) {}
     /// Writes rows of some slots and ghosts, and packed displacements where given; summarizes the motion of the slots.
@@ -119,10 +117,6 @@ impl<I: Interaction> ChunkLoop<FixedRow> for ClusterJob<'_, I> {
 impl PackedList for NeighborList {
     type Row = DoubleRow;
 
-    fn scanner(level: &Level) -> &Self::Scanner {
-        level.row_scanner()
-    }
-
     fn pack(
         &self,
         level: Level,
@@ -152,10 +146,6 @@ impl PackedList for ClusterList {
         // SAFETY: the contract is passed on.
         unsafe { pack_fixed_part(level, list.table(), motion, first, squares, rows) }
     });
-
-    fn scanner(level: &Level) -> &Self::Scanner {
-        level.cluster_scanner()
-    }
 
     fn swap_room(&mut self, rows: &mut Vec<FixedRow>) {
         self.swap_room(rows);

@@ -4,7 +4,7 @@ use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::arithmetic::arithmetic;
-use super::lanes::{BySpecies, Entry, Lanes, RowLanes};
+use super::lanes::{BySpecies, Lanes};
 use super::output::Output;
 use super::row::DoubleRow;
 use super::row_loop::{self, RowJob};
@@ -84,12 +84,11 @@ impl<const N: usize> Lanes for Group<N> {
     const WIDTH: usize = N;
     type Isa = ();
     type Row = DoubleRow;
-    type Rows = [f64; 3];
+    type Rows = [DoubleRow; N];
     type Mask = [bool; N];
     type Number = f64;
     type Species = [usize; N];
     type Table = BySpecies<f64>;
-    type Count = u32;
 
     #[inline(always)]
     fn constant(_isa: (), value: f64) -> Self {
@@ -98,8 +97,20 @@ impl<const N: usize> Lanes for Group<N> {
 
     #[inline(always)]
     fn spread(_isa: (), row: &DoubleRow) -> Self::Rows {
-        let [x, y, z, _] = row.0;
-        [x, y, z]
+        [*row; N]
+    }
+    #[inline(always)]
+    unsafe fn gather<E: Copy + Into<u32>>(
+        _isa: (),
+        rows: *const DoubleRow,
+        entries: *const E,
+    ) -> Self::Rows {
+        // SAFETY: `N` entries are readable and each numbers a readable row.
+        from_fn(|k| unsafe { *rows.add((*entries.add(k)).into() as usize) })
+    }
+    #[inline(always)]
+    fn apart(a: Self::Rows, b: Self::Rows) -> [Self; 3] {
+        [0, 1, 2].map(|axis| Self(from_fn(|k| a[k].0[axis] - b[k].0[axis])))
     }
 
     #[inline(always)]
@@ -107,6 +118,10 @@ impl<const N: usize> Lanes for Group<N> {
         row.species_by_lowest_bits()
     }
 
+    #[inline(always)]
+    fn species(rows: Self::Rows) -> [usize; N] {
+        rows.map(|row| row.species_by_lowest_bits())
+    }
     #[inline(always)]
     fn table(_isa: (), numbers: &BySpecies<f64>) -> BySpecies<f64> {
         *numbers
@@ -132,16 +147,12 @@ impl<const N: usize> Lanes for Group<N> {
         from_fn(|k| self.0[k] <= limit.0[k])
     }
     #[inline(always)]
-    fn none(_isa: ()) -> u32 {
-        0
+    fn at_most_among(self, limit: Self, bits: u32) -> Self::Mask {
+        from_fn(|k| self.0[k] <= limit.0[k] && bits >> k & 1 == 1)
     }
     #[inline(always)]
-    fn count(count: u32, mask: Self::Mask) -> u32 {
-        count + mask.iter().map(|m| u32::from(*m)).sum::<u32>()
-    }
-    #[inline(always)]
-    fn counted(count: u32) -> u32 {
-        count
+    fn bits(mask: Self::Mask) -> u32 {
+        (0..N).map(|k| u32::from(mask[k]) << k).sum()
     }
     #[inline(always)]
     fn keep(self, mask: Self::Mask) -> Self {
@@ -150,25 +161,6 @@ impl<const N: usize> Lanes for Group<N> {
     #[inline(always)]
     fn sum(self) -> f64 {
         self.0.iter().sum()
-    }
-}
-
-impl<const N: usize> RowLanes for Group<N> {
-    #[inline(always)]
-    unsafe fn differences<E: Entry>(
-        own: Self::Rows,
-        rows: *const DoubleRow,
-        entries: *const E,
-    ) -> ([Self; 3], [usize; N]) {
-        // SAFETY: `N` entries are readable and each numbers a readable row.
-        let at: [&DoubleRow; N] = from_fn(|k| unsafe { &*(*entries.add(k)).row(rows) });
-        let apart = [0, 1, 2].map(|axis| Self(from_fn(|k| own[axis] - at[k].0[axis])));
-        (apart, from_fn(|k| at[k].species_by_lowest_bits()))
-    }
-
-    #[inline(always)]
-    fn first(mask: Self::Mask, count: usize) -> Self::Mask {
-        from_fn(|k| mask[k] && k < count)
     }
 }
 

@@ -11,6 +11,13 @@ pub use lennard_neighbor::FixedRow;
 #[repr(C, align(32))]
 pub struct DoubleRow(pub [f64; 4]);
 
+impl From<DoubleRow> for [f64; 4] {
+    #[inline(always)]
+    fn from(row: DoubleRow) -> Self {
+        row.0
+    }
+}
+
 /// The bits of 2⁵².
 ///
 /// The padding of a row begins with them: a number that is neither tiny nor NaN stays as it is where zero is added.

@@ -4,9 +4,10 @@ use glam::DVec3;
 use lennard_neighbor::{Entries, ListChunk, NeighborList};
 
 use super::accumulate::{Accumulate, Common, CommonSums, ForcesAlone, PairSums, Units};
-use super::lanes::{Entry, RowLanes};
+use super::lanes::Lanes;
 use super::output::Output;
 use super::prefetch::prefetch;
+use super::row::DoubleRow;
 use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
 
@@ -32,7 +33,7 @@ impl<'a, I: Interaction> RowJob<'a, I> {
 /// # Safety
 /// No other thread runs the same chunk at the same time.
 #[inline(always)]
-pub unsafe fn run<L: RowLanes, I: Interaction>(
+pub unsafe fn run<L: Lanes<Row = DoubleRow, Number = f64>, I: Interaction>(
     isa: L::Isa,
     job: &RowJob<'_, I>,
     rows: &[L::Row],
@@ -81,7 +82,13 @@ pub unsafe fn run<L: RowLanes, I: Interaction>(
 ///
 /// # Safety As [`run`]; `entries` belong to `chunk`, and the list of `job` built them.
 #[inline(always)]
-unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>, C: Common<L>>(
+unsafe fn sweep<
+    L: Lanes<Row = DoubleRow, Number = f64>,
+    I: Interaction,
+    E: Copy + Into<u32>,
+    A: Accumulate<L>,
+    C: Common<L>,
+>(
     isa: L::Isa,
     job: &RowJob<'_, I>,
     rows: &[L::Row],
@@ -118,7 +125,7 @@ unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>, C: Comm
             unsafe {
                 let at = mine.as_ptr().add(register * L::WIDTH);
                 let (all, sums) = (L::WIDTH, (&mut sums, &mut common));
-                add(job, own, from_base, at, all, &mut force, sums);
+                add((isa, job), own, from_base, at, all, &mut force, sums);
             }
         }
         let rest = count % L::WIDTH;
@@ -127,7 +134,7 @@ unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>, C: Comm
             unsafe {
                 let at = mine.as_ptr().add(full * L::WIDTH);
                 let sums = (&mut sums, &mut common);
-                add(job, own, from_base, at, rest, &mut force, sums);
+                add((isa, job), own, from_base, at, rest, &mut force, sums);
             }
         }
 
@@ -146,26 +153,32 @@ unsafe fn sweep<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>, C: Comm
 }
 
 /// A particle in registers.
-struct Particle<L: RowLanes, I: Interaction> {
+struct Particle<L: Lanes<Row = DoubleRow, Number = f64>, I: Interaction> {
     at: L::Rows,
     numbers: I::Own<L>,
 }
 
-impl<L: RowLanes, I: Interaction> Clone for Particle<L, I> {
+impl<L: Lanes<Row = DoubleRow, Number = f64>, I: Interaction> Clone for Particle<L, I> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<L: RowLanes, I: Interaction> Copy for Particle<L, I> {}
+impl<L: Lanes<Row = DoubleRow, Number = f64>, I: Interaction> Copy for Particle<L, I> {}
 
 /// Adds the pairs of one register; the first `valid` lanes are pairs, the rest is padding.
 ///
 /// # Safety
-/// As [`RowLanes::differences`].
+/// As [`Lanes::gather`].
 #[inline(always)]
-unsafe fn add<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>, C: Common<L>>(
-    job: &RowJob<'_, I>,
+unsafe fn add<
+    L: Lanes<Row = DoubleRow, Number = f64>,
+    I: Interaction,
+    E: Copy + Into<u32>,
+    A: Accumulate<L>,
+    C: Common<L>,
+>(
+    (isa, job): (L::Isa, &RowJob<'_, I>),
     own: Particle<L, I>,
     rows: *const L::Row,
     entries: *const E,
@@ -174,12 +187,15 @@ unsafe fn add<L: RowLanes, I: Interaction, E: Entry, A: Accumulate<L>, C: Common
     (sums, common): (&mut A, &mut C),
 ) {
     // SAFETY: the contract is passed on.
-    let ([dx, dy, dz], species) = unsafe { L::differences(own.at, rows, entries) };
+    let neighbors = unsafe { L::gather(isa, rows, entries) };
+    let ([dx, dy, dz], species) = (L::apart(own.at, neighbors), L::species(neighbors));
     let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
-    let mut inside = r2.at_most(I::r_cut2::<L>(&own.numbers, species));
-    if valid < L::WIDTH {
-        inside = L::first(inside, valid);
-    }
+    let r_cut2 = I::r_cut2::<L>(&own.numbers, species);
+    let inside = if valid < L::WIDTH {
+        r2.at_most_among(r_cut2, (1 << valid) - 1)
+    } else {
+        r2.at_most(r_cut2)
+    };
     let (interaction, numbers) = (&job.interaction, &own.numbers);
     let f = common.force::<I, true>(interaction, numbers, species, r2, inside);
     force[0] = dx.mul_add(f, force[0]);

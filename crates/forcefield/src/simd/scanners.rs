@@ -1,29 +1,18 @@
-//! The searches for neighbors of each instruction set, as the neighbor lists call them.
+//! The search for neighbors of each instruction set, as the neighbor lists call it.
 
-use lennard_neighbor::{ClusterScanner, RowScanner, ScalarClusterScanner, ScalarScanner};
+use lennard_neighbor::{ScalarScanner, Scanner};
 
 use super::level::Level;
 
 impl Level {
-    /// The search that builds row lists at this level.
-    pub fn row_scanner(&self) -> &(dyn RowScanner + 'static) {
+    /// The search that builds lists at this level.
+    pub fn scanner(&self) -> &dyn Scanner {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx512(isa) => isa,
             #[cfg(target_arch = "x86_64")]
             Self::Avx2(isa) => isa,
             _ => &ScalarScanner,
-        }
-    }
-
-    /// The search that builds cluster lists at this level.
-    pub fn cluster_scanner(&self) -> &(dyn ClusterScanner + 'static) {
-        match self {
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512(isa) => isa,
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2(isa) => isa,
-            _ => &ScalarClusterScanner,
         }
     }
 }
@@ -33,26 +22,35 @@ mod x86 {
     use std::ops::Range;
 
     use lennard_neighbor::{
-        CLUSTER, Candidates, Center, ClusterNeighbors, ClusterScanner, ColumnTable, GroupBounds,
-        GroupCandidates, Numbering, RowCoordinates, RowScanner,
+        CLUSTER, Candidates, Center, ClusterNeighbors, ColumnTable, GroupBounds, GroupCandidates,
+        Numbering, RowCoordinates, Scanner,
     };
 
+    use crate::simd::avx2::F32x8;
+    use crate::simd::avx512::F32x16;
     use crate::simd::level::{Avx2, Avx512};
-    use crate::simd::{scan256, scan512};
+    use crate::simd::scan;
 
-    /// Implements the searches for the token of an instruction set, by the functions of a module.
+    /// Implements the search for the token of an instruction set, on its registers of singles.
     macro_rules! scanner {
-        ($token:ident, $module:ident) => {
-            impl RowScanner for $token {
-                fn gather(
+        ($token:ident, $singles:ident) => {
+            impl Scanner for $token {
+                fn gather_rows(
                     &self,
                     coordinates: &RowCoordinates,
                     numbering: Numbering<'_>,
                     runs: &[Range<u32>],
                     candidates: &mut Candidates,
                 ) {
-                    // SAFETY: the token proves the instruction set, here and below.
-                    unsafe { $module::gather(coordinates, numbering, runs, candidates) }
+                    self.run(|| {
+                        scan::gather_rows::<$singles>(
+                            *self,
+                            coordinates,
+                            numbering,
+                            runs,
+                            candidates,
+                        );
+                    });
                 }
 
                 fn near_narrow(
@@ -62,8 +60,9 @@ mod x86 {
                     radius2: f32,
                     found: &mut [u16],
                 ) -> usize {
-                    // SAFETY: as above.
-                    unsafe { $module::near_narrow(candidates, center, radius2, found) }
+                    self.run(|| {
+                        scan::near::<$singles, u16>(*self, candidates, center, radius2, found)
+                    })
                 }
 
                 fn near_wide(
@@ -73,24 +72,24 @@ mod x86 {
                     radius2: f32,
                     found: &mut [u32],
                 ) -> usize {
-                    // SAFETY: as above.
-                    unsafe { $module::near_wide(candidates, center, radius2, found) }
+                    self.run(|| {
+                        scan::near::<$singles, u32>(*self, candidates, center, radius2, found)
+                    })
                 }
-            }
 
-            impl ClusterScanner for $token {
-                fn gather(
+                fn gather_slots(
                     &self,
                     table: &ColumnTable,
                     bounds: &GroupBounds,
                     runs: &[Range<u32>],
                     candidates: &mut GroupCandidates,
                 ) {
-                    // SAFETY: as above.
-                    unsafe { $module::gather_cluster(table, bounds, runs, candidates) }
+                    self.run(|| {
+                        scan::gather_slots::<$singles>(*self, table, bounds, runs, candidates);
+                    });
                 }
 
-                fn near(
+                fn near_cluster(
                     &self,
                     candidates: &GroupCandidates,
                     bounds: &GroupBounds,
@@ -99,22 +98,35 @@ mod x86 {
                     found: &mut ClusterNeighbors,
                 ) {
                     // Each of the two loops has enough registers for its constants.
-                    // SAFETY: as above.
-                    unsafe {
-                        match bounds.folds {
-                            None => $module::near_cluster::<false>(
-                                candidates, bounds, own, [0.0; 3], first, found,
-                            ),
-                            Some(sides) => $module::near_cluster::<true>(
-                                candidates, bounds, own, sides, first, found,
-                            ),
-                        }
+                    match bounds.folds {
+                        None => self.run(|| {
+                            let box_and_first = ([0.0; 3], first);
+                            scan::near_cluster::<$singles, false>(
+                                *self,
+                                candidates,
+                                bounds,
+                                own,
+                                box_and_first,
+                                found,
+                            );
+                        }),
+                        Some(sides) => self.run(|| {
+                            let box_and_first = (sides, first);
+                            scan::near_cluster::<$singles, true>(
+                                *self,
+                                candidates,
+                                bounds,
+                                own,
+                                box_and_first,
+                                found,
+                            );
+                        }),
                     }
                 }
             }
         };
     }
 
-    scanner!(Avx512, scan512);
-    scanner!(Avx2, scan256);
+    scanner!(Avx512, F32x16);
+    scanner!(Avx2, F32x8);
 }

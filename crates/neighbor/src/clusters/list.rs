@@ -21,10 +21,10 @@ use lennard_core::{Exclusions, PeriodicBox};
 use super::block::Block;
 use super::chunk::{ClusterBlocks, ClusterChunk};
 use super::format::{CLUSTER, Reach};
-use super::scan::ClusterScanner;
 use super::search::{Scratch, Search};
 use crate::pair_list::{OwnChunks, PairList, slots_of};
 use crate::rows::ATOMS_PER_CHUNK;
+use crate::scanner::Scanner;
 use crate::sort::{Around, ColumnTable, FixedRow, GridError, Positions};
 
 /// Full lists in fixed point, one per cluster.
@@ -89,7 +89,7 @@ impl ClusterList {
         cell: &PeriodicBox,
         reach: Reach,
         positions: Positions<'_>,
-        scanner: &(dyn ClusterScanner + 'static),
+        scanner: &dyn Scanner,
     ) -> Result<(), GridError> {
         self.order(cell, reach, positions)?;
         self.table.place_all(cell, positions);
@@ -100,7 +100,6 @@ impl ClusterList {
 
 impl PairList for ClusterList {
     type Cells = ColumnTable;
-    type Scanner = dyn ClusterScanner;
     const INSERTS: bool = true;
 
     /// Distances in fixed point are off by about one unit of the longest side, and singles by their last place.
@@ -141,7 +140,7 @@ impl PairList for ClusterList {
     /// A group in several columns has a bounding box, whose corners may lie in columns of no member.
     fn mark_near(
         &self,
-        scanner: &dyn ClusterScanner,
+        scanner: &dyn Scanner,
         cell: &PeriodicBox,
         reach: Reach,
         around: &mut Around,
@@ -153,7 +152,7 @@ impl PairList for ClusterList {
         search.mark_near(slots_of(&own, n), around);
     }
 
-    fn fill(&mut self, scanner: &dyn ClusterScanner, cell: &PeriodicBox, reach: Reach) {
+    fn fill(&mut self, scanner: &dyn Scanner, cell: &PeriodicBox, reach: Reach) {
         let n = self.table.particle.len();
         self.slots_ahead = self.table.grid.slots_ahead(cell.lengths(), reach.r_list, n);
         self.chunks.resize_with(n.div_ceil(ATOMS_PER_CHUNK), ClusterChunk::default);

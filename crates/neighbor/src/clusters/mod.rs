@@ -5,7 +5,6 @@ mod chunk;
 pub(crate) mod format;
 mod found;
 mod list;
-mod scan;
 mod search;
 
 pub use block::Block;
@@ -16,4 +15,3 @@ pub use found::{
     SECOND_HALF, THEMSELVES,
 };
 pub use list::ClusterList;
-pub use scan::{ClusterScanner, ScalarClusterScanner};

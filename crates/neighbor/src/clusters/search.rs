@@ -8,8 +8,8 @@ use super::block::Block;
 use super::chunk::ClusterChunk;
 use super::format::{BLOCK_REACH, CLUSTER, Reach, cluster_center};
 use super::found::{ClusterNeighbors, Excluded, GroupBounds, GroupCandidates};
-use super::scan::ClusterScanner;
 use crate::rows::ATOMS_PER_CHUNK;
+use crate::scanner::Scanner;
 use crate::sort::{Around, CellRange, ColumnGrid, ColumnTable, FIXED_UNITS, wrap_cell};
 use crate::validity::{LARGE_SYSTEM, Limits};
 
@@ -50,7 +50,7 @@ pub(super) struct Search<'a> {
     table: &'a ColumnTable,
     /// Coordinates of each slot along each axis in fixed point.
     at: [&'a [i32]; 3],
-    scanner: &'a dyn ClusterScanner,
+    scanner: &'a dyn Scanner,
     /// Sides of the box, σ.
     lengths: [f64; 3],
     /// Length of a fixed-point unit along each axis, σ.
@@ -73,7 +73,7 @@ impl<'a> Search<'a> {
         table: &'a ColumnTable,
         cell: &PeriodicBox,
         reach: Reach,
-        scanner: &'a dyn ClusterScanner,
+        scanner: &'a dyn Scanner,
         exclusions: (&'a Exclusions, &'a [u32]),
     ) -> Self {
         let lengths = cell.lengths();
@@ -104,7 +104,7 @@ impl<'a> Search<'a> {
             self.find_runs(&bounds, scratch);
             let base = self.base(&mut scratch.runs);
             let Scratch { runs, candidates, found, excluded, .. } = scratch;
-            self.scanner.gather(self.table, &bounds, runs, candidates);
+            self.scanner.gather_slots(self.table, &bounds, runs, candidates);
             for first in group.clone().step_by(CLUSTER) {
                 let end = (first + CLUSTER).min(group.end);
                 // A cluster of fewer particles repeats its last one.
@@ -112,7 +112,7 @@ impl<'a> Search<'a> {
                     std::array::from_fn(|k| self.at((first + k).min(end - 1)));
                 found.begin(first as u32..end as u32, candidates);
                 let own = members.map(|at| bounds.relative(at));
-                self.scanner.near(candidates, &bounds, own, first as u32, found);
+                self.scanner.near_cluster(candidates, &bounds, own, first as u32, found);
                 let members_range = first as u32..end as u32;
                 let excluded = self.exclude(members_range, found, excluded);
                 chunk.push(found, self.is_compact(&members), base, excluded);

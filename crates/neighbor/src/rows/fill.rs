@@ -5,8 +5,9 @@ use std::ops::Range;
 use lennard_core::Exclusions;
 
 use super::chunk::{Entries, Images, ListChunk};
-use super::scan::{Candidates, Center, Numbering, RowScanner};
+use super::scan::{Candidates, Center, Numbering};
 use crate::room::give_back;
+use crate::scanner::Scanner;
 use crate::sort::{PADDING, RowTable};
 
 /// Buffers that one thread reuses while it fills chunks.
@@ -24,7 +25,7 @@ pub struct Filler<'a> {
     pub images: Images,
     /// Entries of a slot are padded to a multiple of this number.
     pub lanes: usize,
-    pub scanner: &'a dyn RowScanner,
+    pub scanner: &'a dyn Scanner,
     /// Pairs that are left out.
     pub exclusions: Exclusions,
 }
@@ -102,7 +103,7 @@ impl Filler<'_> {
         while first < slots.end {
             let end = table.group_end(first, slots.end);
             table.runs_near(first, end - 1, runs);
-            self.scanner.gather(&table.coordinates, numbering, runs, candidates);
+            self.scanner.gather_rows(&table.coordinates, numbering, runs, candidates);
             for slot in first..end {
                 let row = table.row[slot];
                 let center =

@@ -9,9 +9,9 @@ use lennard_core::{Exclusions, PeriodicBox};
 
 use super::chunk::{ATOMS_PER_CHUNK, Images, ListChunk};
 use super::fill::{Filler, Scratch};
-use super::scan::RowScanner;
 use crate::clusters::Reach;
 use crate::pair_list::{OwnChunks, PairList, slots_of};
+use crate::scanner::Scanner;
 use crate::sort::{GridError, Positions, RowTable};
 
 /// A full Verlet list: for each particle, all particles within the list radius.
@@ -101,7 +101,7 @@ impl NeighborList {
         cell: &PeriodicBox,
         radius: f64,
         positions: Positions<'_>,
-        scanner: &(dyn RowScanner + 'static),
+        scanner: &dyn Scanner,
     ) -> Result<(), GridError> {
         let reach = Reach { r_cut: radius, r_list: radius };
         self.order(cell, reach, positions)?;
@@ -113,7 +113,6 @@ impl NeighborList {
 
 impl PairList for NeighborList {
     type Cells = RowTable;
-    type Scanner = dyn RowScanner;
 
     fn cells(&self) -> &RowTable {
         &self.table
@@ -145,7 +144,7 @@ impl PairList for NeighborList {
         self.table.place(cell, runs, |slot| at[slot]);
     }
 
-    fn fill(&mut self, scanner: &dyn RowScanner, cell: &PeriodicBox, reach: Reach) {
+    fn fill(&mut self, scanner: &dyn Scanner, cell: &PeriodicBox, reach: Reach) {
         self.table.show(cell);
         let margin = self.table.search_margin();
         let radius2 = (reach.r_list + margin).powi(2) as f32 * (1.0 + 4.0 * f32::EPSILON);
@@ -252,7 +251,7 @@ impl PairList for NeighborList {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rows::{Entries, ScalarScanner};
+    use crate::{ScalarScanner, rows::Entries};
     use glam::DVec3;
 
     #[test]

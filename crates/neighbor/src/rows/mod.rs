@@ -7,4 +7,4 @@ mod scan;
 
 pub use chunk::{ATOMS_PER_CHUNK, Entries, Images, ListChunk};
 pub use list::NeighborList;
-pub use scan::{Candidates, Center, Numbering, RowScanner, ScalarScanner};
+pub use scan::{Candidates, Center, Numbering};

@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_neighbor::{
-    ClusterList, GridError, Images, NeighborList, PairList, Positions, Reach, ScalarClusterScanner,
-    ScalarScanner,
+    ClusterList, GridError, Images, NeighborList, PairList, Positions, Reach, ScalarScanner,
 };
 use proptest::prelude::*;
 
@@ -47,7 +46,7 @@ fn build_clusters(
     positions: Positions<'_>,
 ) -> Result<(), GridError> {
     let reach = Reach { r_cut, r_list };
-    let built = list.build(cell, reach, positions, &ScalarClusterScanner);
+    let built = list.build(cell, reach, positions, &ScalarScanner);
     assert!(built.is_err() || list.is_valid());
     built
 }

@@ -1,7 +1,7 @@
 use glam::DVec3;
 
 use super::*;
-use crate::clusters::ScalarClusterScanner;
+use crate::ScalarScanner;
 use crate::sort::Positions;
 
 #[test]
@@ -23,7 +23,7 @@ fn lists_that_are_built_aside_are_the_same_and_fill_their_room() {
     for r_list in [2.7, 2.71, 3.1, 3.0, 2.4] {
         let reach = Reach { r_cut: 2.3, r_list };
         let exclusions = (&Exclusions::NONE, &[][..]);
-        let mut search = Search::new(&table, &cell, reach, &ScalarClusterScanner, exclusions);
+        let mut search = Search::new(&table, &cell, reach, &ScalarScanner, exclusions);
         for (aside, chunks) in [false, true].into_iter().zip(&mut chunks) {
             search.aside = aside;
             let mut scratch = Scratch::default();
@@ -53,7 +53,7 @@ fn a_rank_knows_of_all_columns_that_its_groups_look_into() {
     table.sort(&cell, Positions::ById(&positions)).unwrap();
     let reach = Reach { r_cut: 2.3, r_list: 2.7 };
     let exclusions = (&Exclusions::NONE, &[][..]);
-    let search = Search::new(&table, &cell, reach, &ScalarClusterScanner, exclusions);
+    let search = Search::new(&table, &cell, reach, &ScalarScanner, exclusions);
     let mut lacking = 0;
     for own in [0..240, 240..432, 432..600, 96..144] {
         let mut around = Around::new(&table, lengths, reach.r_list, &own);

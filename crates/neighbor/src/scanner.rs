@@ -1,18 +1,50 @@
-//! The innermost loops of the search for cluster lists.
+//! The innermost loops of the searches: gather the candidates of a group, then find the near ones of each particle or cluster.
 
 use std::ops::Range;
 
-use super::format::CLUSTER;
-use super::found::{ClusterNeighbors, GroupBounds, GroupCandidates};
-use crate::sort::ColumnTable;
+use crate::clusters::{CLUSTER, ClusterNeighbors, GroupBounds, GroupCandidates};
+use crate::rows::{Candidates, Center, Numbering};
+use crate::sort::{ColumnTable, RowCoordinates};
 
 /// 1.5·2²³: added to a number below 2²² and subtracted again, it leaves the nearest integer.
 const ROUNDING: f32 = 12_582_912.0;
 
-/// The innermost loops of the search, for one instruction set.
-pub trait ClusterScanner: Sync {
+/// Gathers candidates and finds the near ones, for one instruction set.
+///
+/// Calls are few and large: an implementation costs one dynamic call per particle or cluster, and none per cell.
+pub trait Scanner: Sync {
+    /// Copies the rows of `runs`, one run after another, to `candidates`.
+    fn gather_rows(
+        &self,
+        coordinates: &RowCoordinates,
+        numbering: Numbering<'_>,
+        runs: &[Range<u32>],
+        candidates: &mut Candidates,
+    );
+
+    /// Writes the numbers of the near candidates to `found`, without `center` itself, and returns their count.
+    ///
+    /// A candidate is near where its squared distance to `center` is at most `radius2` σ². Numbers fit into 16 bits.
+    /// `found` is at least as long as the candidates and [`PADDING`] more.
+    fn near_narrow(
+        &self,
+        candidates: &Candidates,
+        center: Center,
+        radius2: f32,
+        found: &mut [u16],
+    ) -> usize;
+
+    /// As [`Scanner::near_narrow`], with numbers of 32 bits.
+    fn near_wide(
+        &self,
+        candidates: &Candidates,
+        center: Center,
+        radius2: f32,
+        found: &mut [u32],
+    ) -> usize;
+
     /// Gathers the slots of `runs` that lie within the search radius of the bounds.
-    fn gather(
+    fn gather_slots(
         &self,
         table: &ColumnTable,
         bounds: &GroupBounds,
@@ -24,7 +56,7 @@ pub trait ClusterScanner: Sync {
     ///
     /// The members have the slots from `first` on, and `own` has their coordinates relative to the middle.
     /// `found` has room for all candidates and [`PADDING`](crate::PADDING) more.
-    fn near(
+    fn near_cluster(
         &self,
         candidates: &GroupCandidates,
         bounds: &GroupBounds,
@@ -36,10 +68,77 @@ pub trait ClusterScanner: Sync {
 
 /// The scanner that needs no particular instruction set.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct ScalarClusterScanner;
+pub struct ScalarScanner;
 
-impl ClusterScanner for ScalarClusterScanner {
-    fn gather(
+impl ScalarScanner {
+    fn near<T: Copy>(
+        candidates: &Candidates,
+        center: Center,
+        radius2: f32,
+        found: &mut [T],
+        entry: impl Fn(u32) -> T,
+    ) -> usize {
+        let [x, y, z] = center.at;
+        let mut count = 0;
+        let candidates = candidates.x[..candidates.len]
+            .iter()
+            .zip(&candidates.y)
+            .zip(&candidates.z)
+            .zip(&candidates.number);
+        for (((xj, yj), zj), number) in candidates {
+            let (dx, dy, dz) = (x - xj, y - yj, z - zj);
+            // Each number is written, and only near ones are counted: there is no branch to mispredict.
+            found[count] = entry(*number);
+            let is_near = dx * dx + dy * dy + dz * dz <= radius2;
+            count += usize::from(is_near & (*number != center.number));
+        }
+        count
+    }
+}
+
+impl Scanner for ScalarScanner {
+    fn gather_rows(
+        &self,
+        coordinates: &RowCoordinates,
+        numbering: Numbering<'_>,
+        runs: &[Range<u32>],
+        candidates: &mut Candidates,
+    ) {
+        candidates.make_room(coordinates, &numbering, runs);
+        let mut len = 0;
+        for run in runs {
+            for row in run.clone() {
+                candidates.x[len] = coordinates.x[row as usize];
+                candidates.y[len] = coordinates.y[row as usize];
+                candidates.z[len] = coordinates.z[row as usize];
+                candidates.number[len] = numbering.of(row);
+                len += 1;
+            }
+        }
+        candidates.finish(len);
+    }
+
+    fn near_narrow(
+        &self,
+        candidates: &Candidates,
+        center: Center,
+        radius2: f32,
+        found: &mut [u16],
+    ) -> usize {
+        Self::near(candidates, center, radius2, found, |number| number as u16)
+    }
+
+    fn near_wide(
+        &self,
+        candidates: &Candidates,
+        center: Center,
+        radius2: f32,
+        found: &mut [u32],
+    ) -> usize {
+        Self::near(candidates, center, radius2, found, |number| number)
+    }
+
+    fn gather_slots(
         &self,
         table: &ColumnTable,
         bounds: &GroupBounds,
@@ -68,7 +167,7 @@ impl ClusterScanner for ScalarClusterScanner {
         candidates.len = len;
     }
 
-    fn near(
+    fn near_cluster(
         &self,
         candidates: &GroupCandidates,
         bounds: &GroupBounds,
