@@ -1,9 +1,11 @@
 //! Sums over pairs in addition to the forces, the same for every loop.
 //!
 //! ```text
-//!   Accumulate   sums of one particle: energy, Laplacian, six components of the virial, pairs    many registers
-//!   Common       sums of several particles: three sums that give energy, virial and Laplacian, pairs    few registers
+//!   PairSums     sums of one particle: energy, Laplacian, six components of the virial, pairs    many registers
+//!   CommonSums   sums of several particles: three sums that give energy, virial and Laplacian, pairs    few registers
 //! ```
+//!
+//! A loop has an array of one or of none of each. The length is known to the compiler, so that no sums take no time.
 
 use glam::DMat3;
 
@@ -35,101 +37,6 @@ impl Units {
     }
 }
 
-/// Running sums of one particle in addition to its force.
-pub trait Accumulate<L: Lanes>: Copy {
-    /// Whether there is anything to sum.
-    const ANYTHING: bool;
-
-    /// The sums over no pair.
-    fn nothing(isa: L::Isa) -> Self;
-
-    /// Adds the pairs `inside`, with distance vectors `r_ij` and −U′/r = `f`, which is zero in all other lanes.
-    ///
-    /// `at_cutoff` has U(r_cut) of each pair, where pairs of species differ.
-    fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, at_cutoff: Option<L>, inside: L::Mask);
-
-    /// The sums over all lanes.
-    fn totals(&self, units: Units) -> ChunkTotals;
-}
-
-/// Running sums that several particles have in common.
-pub trait Common<L: Lanes>: Copy {
-    /// Whether there is anything to sum.
-    const ANYTHING: bool;
-
-    /// The sums over no pair.
-    fn nothing(isa: L::Isa) -> Self;
-
-    /// −U′/r of the pairs `inside` at `r2`, zero in all other lanes, with the same bits for any sums. Adds these pairs.
-    fn force<I: Interaction, const IN_SIGMA: bool>(
-        &mut self,
-        interaction: &I,
-        own: &I::Own<L>,
-        neighbors: L::Species,
-        r2: L,
-        inside: L::Mask,
-    ) -> L;
-
-    /// The sums over all lanes.
-    fn totals<I: Interaction>(&self, interaction: &I, units: Units) -> ChunkTotals;
-}
-
-/// No sums: a type without a size, which costs no time to clear for each particle.
-#[derive(Clone, Copy)]
-pub struct ForcesAlone;
-
-impl<L: Lanes> Accumulate<L> for ForcesAlone {
-    const ANYTHING: bool = false;
-
-    #[inline(always)]
-    fn nothing(_isa: L::Isa) -> Self {
-        Self
-    }
-
-    #[inline(always)]
-    fn add(
-        &mut self,
-        _r_ij: [L; 3],
-        _f: L,
-        _pair: &Pair<L>,
-        _at_cutoff: Option<L>,
-        _inside: L::Mask,
-    ) {
-    }
-
-    #[inline(always)]
-    fn totals(&self, _units: Units) -> ChunkTotals {
-        ChunkTotals::NOTHING
-    }
-}
-
-impl<L: Lanes> Common<L> for ForcesAlone {
-    const ANYTHING: bool = false;
-
-    #[inline(always)]
-    fn nothing(_isa: L::Isa) -> Self {
-        Self
-    }
-
-    #[inline(always)]
-    fn force<I: Interaction, const IN_SIGMA: bool>(
-        &mut self,
-        interaction: &I,
-        own: &I::Own<L>,
-        neighbors: L::Species,
-        r2: L,
-        inside: L::Mask,
-    ) -> L {
-        let pair = interaction.eval::<L, IN_SIGMA>(own, neighbors, r2);
-        pair.force.keep(inside)
-    }
-
-    #[inline(always)]
-    fn totals<I: Interaction>(&self, _interaction: &I, _units: Units) -> ChunkTotals {
-        ChunkTotals::NOTHING
-    }
-}
-
 /// Energy, virial and Laplacian as three sums that the interaction understands; energy at the cutoff, and number of pairs.
 #[derive(Clone, Copy)]
 pub struct CommonSums<L: Lanes> {
@@ -139,11 +46,25 @@ pub struct CommonSums<L: Lanes> {
     pairs: u32,
 }
 
-impl<L: Lanes> Common<L> for CommonSums<L> {
-    const ANYTHING: bool = true;
+/// −U′/r of the pairs `inside` at `r2`, zero in all other lanes, with the same bits for any sums. Adds these pairs to the sums.
+#[inline(always)]
+pub fn force<L: Lanes, I: Interaction, const IN_SIGMA: bool, const COMMON: usize>(
+    interaction: &I,
+    own: &I::Own<L>,
+    neighbors: L::Species,
+    (r2, inside): (L, L::Mask),
+    sums: &mut [CommonSums<L>; COMMON],
+) -> L {
+    match sums.first_mut() {
+        None => interaction.eval::<L, IN_SIGMA>(own, neighbors, r2).force.keep(inside),
+        Some(sums) => sums.force::<I, IN_SIGMA>(interaction, own, neighbors, r2, inside),
+    }
+}
 
+impl<L: Lanes> CommonSums<L> {
+    /// The sums over no pair.
     #[inline(always)]
-    fn nothing(isa: L::Isa) -> Self {
+    pub fn nothing(isa: L::Isa) -> Self {
         let zero = L::constant(isa, 0.0);
         Self { sums: [zero; 3], at_cutoff: zero, pairs: 0 }
     }
@@ -167,8 +88,9 @@ impl<L: Lanes> Common<L> for CommonSums<L> {
         force
     }
 
+    /// The sums over all lanes.
     #[inline(always)]
-    fn totals<I: Interaction>(&self, interaction: &I, units: Units) -> ChunkTotals {
+    pub fn totals<I: Interaction>(&self, interaction: &I, units: Units) -> ChunkTotals {
         let [a, b, c] = self.sums;
         let pairs = u64::from(self.pairs);
         let sums = [a.sum(), b.sum(), c.sum()];
@@ -197,17 +119,26 @@ pub struct PairSums<L: Lanes> {
     pairs: u32,
 }
 
-impl<L: Lanes> Accumulate<L> for PairSums<L> {
-    const ANYTHING: bool = true;
-
+impl<L: Lanes> PairSums<L> {
+    /// The sums over no pair.
     #[inline(always)]
-    fn nothing(isa: L::Isa) -> Self {
+    pub fn nothing(isa: L::Isa) -> Self {
         let zero = L::constant(isa, 0.0);
         Self { energy: zero, laplacian: zero, at_cutoff: zero, virial: [zero; 6], pairs: 0 }
     }
 
+    /// Adds the pairs `inside`, with distance vectors `r_ij` and −U′/r = `f`, which is zero in all other lanes.
+    ///
+    /// `at_cutoff` has U(r_cut) of each pair, where pairs of species differ.
     #[inline(always)]
-    fn add(&mut self, r_ij: [L; 3], f: L, pair: &Pair<L>, at_cutoff: Option<L>, inside: L::Mask) {
+    pub fn add(
+        &mut self,
+        r_ij: [L; 3],
+        f: L,
+        pair: &Pair<L>,
+        at_cutoff: Option<L>,
+        inside: L::Mask,
+    ) {
         let [dx, dy, dz] = r_ij;
         self.pairs += L::bits(inside).count_ones();
         self.energy = self.energy + pair.energy.keep(inside);
@@ -226,8 +157,9 @@ impl<L: Lanes> Accumulate<L> for PairSums<L> {
         *yz = dy.mul_add(fz, *yz);
     }
 
+    /// The sums over all lanes.
     #[inline(always)]
-    fn totals(&self, units: Units) -> ChunkTotals {
+    pub fn totals(&self, units: Units) -> ChunkTotals {
         let [xx, yy, zz, xy, xz, yz] = self.virial;
         let (xx, yy, zz) = (xx.sum(), yy.sum(), zz.sum());
         let (xy, xz, yz) = (xy.sum(), xz.sum(), yz.sum());

@@ -15,10 +15,10 @@ mod by_member;
 
 use lennard_neighbor::{BLOCK, CLUSTER, ExcludedEntries, Span, THEMSELVES};
 
-use super::accumulate::{Accumulate, Common, Units};
+use super::accumulate::{self, CommonSums, PairSums, Units};
 use super::block_stream::BlockStream;
 use super::frames::Frame;
-use super::lanes::FixedLanes;
+use super::lanes::{FixedLanes, Lanes};
 use super::row::FixedRow;
 use crate::interaction::Interaction;
 
@@ -98,11 +98,11 @@ pub fn not_looked_at(excluded: &[ExcludedEntries], k: usize) -> ExcludedEntries 
 
 /// Sums of one member.
 #[derive(Clone, Copy)]
-pub struct MemberSums<L, A> {
+pub struct MemberSums<L: Lanes, const EACH: usize> {
     /// In units of the interaction and of the frame.
     pub force: [L; 3],
     /// The sums in addition to the force.
-    pub others: A,
+    pub others: [PairSums<L>; EACH],
 }
 
 /// A cluster in a frame, ready to interact with its neighbors.
@@ -167,7 +167,7 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
         ]
     }
 
-    /// The sums `A` of each member over the next list of the stream, and their units; `C` sums over all members.
+    /// The sums of each member over the next list of the stream, and their units; sums in `COMMON` are over all members.
     ///
     /// `given` is what the kernel was made of. `excluded` has the entries of each masked block that members do not look at; none
     /// where these are the members alone.
@@ -175,18 +175,18 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
     /// # Safety
     /// The stream stands at the first block of this cluster, and `counts` are the block counts of the cluster.
     #[inline(always)]
-    pub unsafe fn run<A: Accumulate<L>, C: Common<L>>(
+    pub unsafe fn run<const EACH: usize, const COMMON: usize>(
         &self,
         given: (&FrameUnits<I>, [&FixedRow; CLUSTER]),
         counts: BlockCounts,
         excluded: &[ExcludedEntries],
         stream: &mut BlockStream<L>,
-        common: &mut C,
-    ) -> ([MemberSums<L, A>; CLUSTER], Units) {
+        common: &mut [CommonSums<L>; COMMON],
+    ) -> ([MemberSums<L, EACH>; CLUSTER], Units) {
         let all = [u16::MAX; CLUSTER];
         // SAFETY: the contract is passed on.
         unsafe {
-            if L::FEW_REGISTERS && V::CONVERTS && !A::ANYTHING && !C::ANYTHING {
+            if L::FEW_REGISTERS && V::CONVERTS && EACH + COMMON == 0 {
                 return (self.by_member(given, counts, excluded, stream, common), self.units);
             }
             let members = self.members();
@@ -197,10 +197,10 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
                 let but = not_looked_at(excluded, k as usize);
                 let valid = stream.valid();
                 let valid = [valid & !but[0], valid & !but[1], valid & !but[2], valid & !but[3]];
-                sums = self.block::<A, C, true>(members, stream, valid, sums, common);
+                sums = self.block::<EACH, COMMON, true>(members, stream, valid, sums, common);
             }
             for _ in 0..counts.plain {
-                sums = self.block::<A, C, false>(members, stream, all, sums, common);
+                sums = self.block::<EACH, COMMON, false>(members, stream, all, sums, common);
             }
             (sums, self.units)
         }
@@ -208,8 +208,11 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
 
     /// The sums over no pair.
     #[inline(always)]
-    fn nothing<A: Accumulate<L>>(&self) -> MemberSums<L, A> {
-        MemberSums { force: [L::constant(self.isa, 0.0); 3], others: A::nothing(self.isa) }
+    fn nothing<const EACH: usize>(&self) -> MemberSums<L, EACH> {
+        MemberSums {
+            force: [L::constant(self.isa, 0.0); 3],
+            others: [PairSums::nothing(self.isa); EACH],
+        }
     }
 
     /// The sums of two members over `blocks` blocks of their half.
@@ -217,14 +220,14 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
     /// # Safety
     /// As [`ClusterKernel::run`].
     #[inline(always)]
-    unsafe fn half<A: Accumulate<L>, C: Common<L>>(
+    unsafe fn half<const EACH: usize, const COMMON: usize>(
         &self,
         first: Member<'_, L, I, V>,
         second: Member<'_, L, I, V>,
         blocks: u32,
         stream: &mut BlockStream<L>,
-        common: &mut C,
-    ) -> [MemberSums<L, A>; 2] {
+        common: &mut [CommonSums<L>; COMMON],
+    ) -> [MemberSums<L, EACH>; 2] {
         let (mut of_first, mut of_second) = (self.nothing(), self.nothing());
         for _ in 0..blocks {
             // SAFETY: the contract is passed on.
@@ -233,8 +236,10 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
                 // SAFETY: as above.
                 let neighbors = self.neighbors(unsafe { stream.next(part) });
                 let bits = valid >> (part * L::WIDTH);
-                of_first = self.interact::<A, C, true>(first, neighbors, bits, of_first, common);
-                of_second = self.interact::<A, C, true>(second, neighbors, bits, of_second, common);
+                of_first =
+                    self.interact::<EACH, COMMON, true>(first, neighbors, bits, of_first, common);
+                of_second =
+                    self.interact::<EACH, COMMON, true>(second, neighbors, bits, of_second, common);
             }
         }
         [of_first, of_second]
@@ -245,24 +250,48 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
     /// # Safety
     /// As [`ClusterKernel::run`].
     #[inline(always)]
-    unsafe fn block<A: Accumulate<L>, C: Common<L>, const MASKED: bool>(
+    unsafe fn block<const EACH: usize, const COMMON: usize, const MASKED: bool>(
         &self,
         members: [Member<'_, L, I, V>; CLUSTER],
         stream: &mut BlockStream<L>,
         valid: [u16; CLUSTER],
-        sums: [MemberSums<L, A>; CLUSTER],
-        common: &mut C,
-    ) -> [MemberSums<L, A>; CLUSTER] {
+        sums: [MemberSums<L, EACH>; CLUSTER],
+        common: &mut [CommonSums<L>; COMMON],
+    ) -> [MemberSums<L, EACH>; CLUSTER] {
         // Sums go by value and by constant index: sums behind a reference would not stay in registers.
         let [mut a, mut b, mut c, mut d] = sums;
         for part in 0..BLOCK / L::WIDTH {
             // SAFETY: the contract is passed on.
             let neighbors = self.neighbors(unsafe { stream.next(part) });
             let bits = |valid: u16| u32::from(valid) >> (part * L::WIDTH);
-            a = self.interact::<A, C, MASKED>(members[0], neighbors, bits(valid[0]), a, common);
-            b = self.interact::<A, C, MASKED>(members[1], neighbors, bits(valid[1]), b, common);
-            c = self.interact::<A, C, MASKED>(members[2], neighbors, bits(valid[2]), c, common);
-            d = self.interact::<A, C, MASKED>(members[3], neighbors, bits(valid[3]), d, common);
+            a = self.interact::<EACH, COMMON, MASKED>(
+                members[0],
+                neighbors,
+                bits(valid[0]),
+                a,
+                common,
+            );
+            b = self.interact::<EACH, COMMON, MASKED>(
+                members[1],
+                neighbors,
+                bits(valid[1]),
+                b,
+                common,
+            );
+            c = self.interact::<EACH, COMMON, MASKED>(
+                members[2],
+                neighbors,
+                bits(valid[2]),
+                c,
+                common,
+            );
+            d = self.interact::<EACH, COMMON, MASKED>(
+                members[3],
+                neighbors,
+                bits(valid[3]),
+                d,
+                common,
+            );
         }
         [a, b, c, d]
     }
@@ -275,34 +304,35 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
 
     /// Adds the pairs of one member with one register of neighbors; where they are `MASKED`, only the lanes set in `bits`.
     #[inline(always)]
-    fn interact<A: Accumulate<L>, C: Common<L>, const MASKED: bool>(
+    fn interact<const EACH: usize, const COMMON: usize, const MASKED: bool>(
         &self,
         member: Member<'_, L, I, V>,
         (neighbors, species): (V::Neighbors, L::Species),
         bits: u32,
-        mut sums: MemberSums<L, A>,
-        common: &mut C,
-    ) -> MemberSums<L, A> {
+        mut sums: MemberSums<L, EACH>,
+        common: &mut [CommonSums<L>; COMMON],
+    ) -> MemberSums<L, EACH> {
         let [dx, dy, dz] = self.frame.apart(member.at, neighbors);
         let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
         let r_cut2 = I::r_cut2::<L>(member.numbers, species);
         let inside = if MASKED { r2.at_most_among(r_cut2, bits) } else { r2.at_most(r_cut2) };
         let (interaction, own) = (&self.interaction, member.numbers);
+        let at = (r2, inside);
         let f = if V::IN_SIGMA {
-            common.force::<I, true>(interaction, own, species, r2, inside)
+            accumulate::force::<L, I, true, COMMON>(interaction, own, species, at, common)
         } else {
-            common.force::<I, false>(interaction, own, species, r2, inside)
+            accumulate::force::<L, I, false, COMMON>(interaction, own, species, at, common)
         };
         let [x, y, z] = sums.force;
         sums.force = [dx.mul_add(f, x), dy.mul_add(f, y), dz.mul_add(f, z)];
-        if A::ANYTHING {
+        for others in &mut sums.others {
             let pair = if V::IN_SIGMA {
                 interaction.eval::<L, true>(own, species, r2)
             } else {
                 interaction.eval::<L, false>(own, species, r2)
             };
             let at_cutoff = I::at_cutoff::<L>(own, species);
-            sums.others.add([dx, dy, dz], f, &pair, at_cutoff, inside);
+            others.add([dx, dy, dz], f, &pair, at_cutoff, inside);
         }
         sums
     }

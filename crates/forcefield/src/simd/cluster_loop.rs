@@ -5,7 +5,7 @@ use lennard_neighbor::{
     ATOMS_PER_CHUNK, Block, CLUSTER, ClusterChunk, ClusterList, ExcludedEntries, LARGE_SYSTEM, Span,
 };
 
-use super::accumulate::{Accumulate, Common, CommonSums, ForcesAlone, PairSums, Units};
+use super::accumulate::{CommonSums, Units};
 use super::block_stream::BlockStream;
 use super::cluster_kernel::{BlockCounts, ClusterKernel, FrameUnits, MemberSums};
 use super::frames::{AbsoluteFrame, ClusterFrame};
@@ -49,14 +49,14 @@ impl<'a, I: Interaction> ClusterJob<'a, I> {
     /// # Safety
     /// As [`ClusterKernel::run`]; `rows` are the rows of the members.
     #[inline(always)]
-    unsafe fn cluster<L: FixedLanes, A: Accumulate<L>, C: Common<L>>(
+    unsafe fn cluster<L: FixedLanes, const EACH: usize, const COMMON: usize>(
         &self,
         isa: L::Isa,
         rows: [&FixedRow; CLUSTER],
         (span, counts, excluded): (&Span, BlockCounts, &[ExcludedEntries]),
         stream: &mut BlockStream<L>,
-        common: &mut C,
-    ) -> ([MemberSums<L, A>; CLUSTER], Units) {
+        common: &mut [CommonSums<L>; COMMON],
+    ) -> ([MemberSums<L, EACH>; CLUSTER], Units) {
         let interaction = self.interaction;
         // SAFETY: the contract is passed on, here and below.
         unsafe {
@@ -106,12 +106,12 @@ pub unsafe fn run<L: FixedLanes, I: Interaction>(
     // SAFETY: the contract is passed on.
     unsafe {
         if detail == Detail::Forces {
-            return sweep::<L, I, ForcesAlone, ForcesAlone>(isa, job, rows, chunk, later, output);
+            return sweep::<L, I, 0, 0>(isa, job, rows, chunk, later, output);
         }
         if detail == Detail::Totals && is_full(chunk, rows) {
-            sweep::<L, I, ForcesAlone, CommonSums<L>>(isa, job, rows, chunk, later, output)
+            sweep::<L, I, 0, 1>(isa, job, rows, chunk, later, output)
         } else {
-            sweep::<L, I, PairSums<L>, CommonSums<L>>(isa, job, rows, chunk, later, output)
+            sweep::<L, I, 1, 1>(isa, job, rows, chunk, later, output)
         }
     }
 }
@@ -121,7 +121,7 @@ fn is_full(chunk: &ClusterChunk, rows: &[FixedRow]) -> bool {
     chunk.first_slot as usize + CLUSTER * chunk.spans.len() <= rows.len()
 }
 
-/// Computes the clusters of a chunk one after another, with the sums `A` per member and `C` per cluster.
+/// Computes the clusters of a chunk one after another, with sums for `EACH` member and sums in `COMMON` for a cluster.
 ///
 /// Forces have the same bits with any other sums, and so have totals: they come from sums per cluster wherever a chunk is full.
 /// The blocks of a `later` chunk are prefetched, some with each cluster.
@@ -129,7 +129,7 @@ fn is_full(chunk: &ClusterChunk, rows: &[FixedRow]) -> bool {
 /// # Safety
 /// As [`run`].
 #[inline(always)]
-unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Common<L>>(
+unsafe fn sweep<L: FixedLanes, I: Interaction, const EACH: usize, const COMMON: usize>(
     isa: L::Isa,
     job: &ClusterJob<'_, I>,
     rows: &[FixedRow],
@@ -139,7 +139,7 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Common<L>>(
 ) -> ChunkTotals {
     let n = rows.len();
     let later = Parts::of(later, chunk.spans.len());
-    let in_common = C::ANYTHING && is_full(chunk, rows);
+    let in_common = COMMON > 0 && is_full(chunk, rows);
     let mut totals = ChunkTotals::NOTHING;
     let mut sum = DVec3::ZERO;
     // SAFETY: entries of the list number slots, and `run` checked that each slot has a row. Each particle has one slot,
@@ -149,7 +149,7 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Common<L>>(
         let mut first = chunk.first_slot as usize;
         let mut begin = 0;
         let mut excluded = &chunk.excluded[..];
-        let mut before: Option<Computed<L, A, C>> = None;
+        let mut before: Option<Computed<L, EACH, COMMON>> = None;
         for (cluster, span) in chunk.spans.iter().enumerate() {
             later.prefetch(cluster);
             if let Some(ahead) = job.slots_ahead {
@@ -166,12 +166,13 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Common<L>>(
                 let row = |member: usize| &rows[(first + member).min(n - 1)];
                 [row(0), row(1), row(2), row(3)]
             };
-            let mut common = C::nothing(isa);
+            let mut common = [CommonSums::nothing(isa); COMMON];
             let masked = span.masked_blocks().min(excluded.len());
             let (of_cluster, rest) = excluded.split_at(masked);
             excluded = rest;
             let cluster = (span, counts, of_cluster);
-            let (sums, units) = job.cluster::<L, A, C>(isa, own, cluster, &mut stream, &mut common);
+            let (sums, units) =
+                job.cluster::<L, EACH, COMMON>(isa, own, cluster, &mut stream, &mut common);
             let end = (first + CLUSTER).min(n);
             let computed = Computed { slots: [first, end], sums, units, common };
             // The reduction of sums waits for the last pairs. A processor that waits with it computes the next cluster meanwhile.
@@ -192,15 +193,15 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, A: Accumulate<L>, C: Common<L>>(
 
 /// A cluster whose sums are still by lanes.
 #[derive(Clone, Copy)]
-struct Computed<L, A, C> {
+struct Computed<L: FixedLanes, const EACH: usize, const COMMON: usize> {
     /// The first slot, and the end of the slots.
     slots: [usize; 2],
-    sums: [MemberSums<L, A>; CLUSTER],
+    sums: [MemberSums<L, EACH>; CLUSTER],
     units: Units,
-    common: C,
+    common: [CommonSums<L>; COMMON],
 }
 
-impl<L: FixedLanes, A: Accumulate<L>, C: Common<L>> Computed<L, A, C> {
+impl<L: FixedLanes, const EACH: usize, const COMMON: usize> Computed<L, EACH, COMMON> {
     /// Writes the forces and adds to their sum and to the totals.
     ///
     /// # Safety
@@ -220,9 +221,9 @@ impl<L: FixedLanes, A: Accumulate<L>, C: Common<L>> Computed<L, A, C> {
         for ((slot, sums), force) in (first..end).zip(&sums).zip(forces) {
             *sum += force;
             // SAFETY: the contract is passed on.
-            unsafe { output.write(slot, force, (&sums.others, in_common), units, totals) };
+            unsafe { output.write(slot, force, (sums.others.first(), in_common), units, totals) };
         }
-        if in_common {
+        for common in common.iter().filter(|_| in_common) {
             totals.add(&common.totals(&job.interaction, units));
         }
     }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
-use super::accumulate::{Accumulate, Units};
+use super::accumulate::{PairSums, Units};
 use super::disjoint::Disjoint;
 use super::lanes::Lanes;
 use super::prefetch::NextChunk;
@@ -86,18 +86,18 @@ impl<'a> Output<'a> {
     /// # Safety
     /// No other thread writes the elements of this slot.
     #[inline(always)]
-    pub unsafe fn write<L: Lanes, A: Accumulate<L>>(
+    pub unsafe fn write<L: Lanes>(
         &self,
         slot: usize,
         force: DVec3,
-        (sums, alone): (&A, bool),
+        (sums, alone): (Option<&PairSums<L>>, bool),
         units: Units,
         totals: &mut ChunkTotals,
     ) {
         let at = self.order[slot - self.first] as usize;
         // SAFETY: the contract is passed on.
         unsafe { self.forces.write(at, force) };
-        if A::ANYTHING {
+        if let Some(sums) = sums {
             let found = sums.totals(units);
             if alone {
                 totals.virial += found.virial;

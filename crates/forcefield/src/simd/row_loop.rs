@@ -3,7 +3,7 @@
 use glam::DVec3;
 use lennard_neighbor::{Entries, ListChunk, NeighborList};
 
-use super::accumulate::{Accumulate, Common, CommonSums, ForcesAlone, PairSums, Units};
+use super::accumulate::{self, CommonSums, PairSums, Units};
 use super::lanes::Lanes;
 use super::output::Output;
 use super::prefetch::prefetch;
@@ -57,26 +57,19 @@ pub unsafe fn run<L: Lanes<Row = DoubleRow, Number = f64>, I: Interaction>(
         let e = match &chunk.entries {
             // Entries are wide above a million particles in a cube. One instance then serves every detail.
             Entries::Wide(e) => {
-                let run = sweep::<L, I, u32, PairSums<L>, ForcesAlone>;
-                return run(isa, job, rows, chunk, e, output);
+                return sweep::<L, I, u32, 1, 0>(isa, job, rows, chunk, e, output);
             }
             Entries::Narrow(e) => e,
         };
         match detail {
-            Detail::Forces => {
-                sweep::<L, I, u16, ForcesAlone, ForcesAlone>(isa, job, rows, chunk, e, output)
-            }
-            Detail::Totals => {
-                sweep::<L, I, u16, ForcesAlone, CommonSums<L>>(isa, job, rows, chunk, e, output)
-            }
-            Detail::Everything => {
-                sweep::<L, I, u16, PairSums<L>, CommonSums<L>>(isa, job, rows, chunk, e, output)
-            }
+            Detail::Forces => sweep::<L, I, u16, 0, 0>(isa, job, rows, chunk, e, output),
+            Detail::Totals => sweep::<L, I, u16, 0, 1>(isa, job, rows, chunk, e, output),
+            Detail::Everything => sweep::<L, I, u16, 1, 1>(isa, job, rows, chunk, e, output),
         }
     }
 }
 
-/// Computes the particles of a chunk one after another, with the sums `A` for each and `C` for all.
+/// Computes the particles of a chunk one after another, with sums for `EACH` and sums in `COMMON`.
 ///
 /// Totals come from the sums for all wherever there are some, so that they have the same bits with and without the others.
 ///
@@ -86,8 +79,8 @@ unsafe fn sweep<
     L: Lanes<Row = DoubleRow, Number = f64>,
     I: Interaction,
     E: Copy + Into<u32>,
-    A: Accumulate<L>,
-    C: Common<L>,
+    const EACH: usize,
+    const COMMON: usize,
 >(
     isa: L::Isa,
     job: &RowJob<'_, I>,
@@ -99,7 +92,7 @@ unsafe fn sweep<
     let units = Units { energy: I::UNIT, length: 1.0 };
     // There is no `array::map` over lanes here: it is a call, and a call leaves the instruction set.
     let zero = L::constant(isa, 0.0);
-    let mut common = C::nothing(isa);
+    let mut common = [CommonSums::<L>::nothing(isa); COMMON];
     let mut totals = ChunkTotals::NOTHING;
     let mut sum = DVec3::ZERO;
     let mut start = 0;
@@ -118,7 +111,7 @@ unsafe fn sweep<
         start = end;
 
         let mut force = [zero; 3];
-        let mut sums = A::nothing(isa);
+        let mut sums = [PairSums::<L>::nothing(isa); EACH];
         let full = count / L::WIDTH;
         for register in 0..full {
             // SAFETY: `WIDTH` entries lie at this offset of `mine`, and each numbers a row (see above).
@@ -142,9 +135,9 @@ unsafe fn sweep<
         let force = L::sum3(fx, fy, fz, units.force());
         sum += force;
         // SAFETY: each slot belongs to one chunk, and no other thread runs this one.
-        unsafe { output.write(slot, force, (&sums, C::ANYTHING), units, &mut totals) };
+        unsafe { output.write(slot, force, (sums.first(), COMMON > 0), units, &mut totals) };
     }
-    if C::ANYTHING {
+    for common in &common {
         totals.add(&common.totals(&job.interaction, units));
     }
     // A sum with a non-finite force in it never becomes finite again.
@@ -175,8 +168,8 @@ unsafe fn add<
     L: Lanes<Row = DoubleRow, Number = f64>,
     I: Interaction,
     E: Copy + Into<u32>,
-    A: Accumulate<L>,
-    C: Common<L>,
+    const EACH: usize,
+    const COMMON: usize,
 >(
     (isa, job): (L::Isa, &RowJob<'_, I>),
     own: Particle<L, I>,
@@ -184,7 +177,7 @@ unsafe fn add<
     entries: *const E,
     valid: usize,
     force: &mut [L; 3],
-    (sums, common): (&mut A, &mut C),
+    (sums, common): (&mut [PairSums<L>; EACH], &mut [CommonSums<L>; COMMON]),
 ) {
     // SAFETY: the contract is passed on.
     let neighbors = unsafe { L::gather(isa, rows, entries) };
@@ -197,11 +190,12 @@ unsafe fn add<
         r2.at_most(r_cut2)
     };
     let (interaction, numbers) = (&job.interaction, &own.numbers);
-    let f = common.force::<I, true>(interaction, numbers, species, r2, inside);
+    let at = (r2, inside);
+    let f = accumulate::force::<L, I, true, COMMON>(interaction, numbers, species, at, common);
     force[0] = dx.mul_add(f, force[0]);
     force[1] = dy.mul_add(f, force[1]);
     force[2] = dz.mul_add(f, force[2]);
-    if A::ANYTHING {
+    for sums in sums {
         let pair = interaction.eval::<L, true>(numbers, species, r2);
         let at_cutoff = I::at_cutoff::<L>(numbers, species);
         sums.add([dx, dy, dz], f, &pair, at_cutoff, inside);

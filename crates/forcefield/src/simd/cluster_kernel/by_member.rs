@@ -22,7 +22,7 @@ use lennard_neighbor::{BLOCK, CLUSTER, ExcludedEntries};
 
 use super::{BlockCounts, ClusterKernel, FrameUnits, Member, MemberSums, not_looked_at};
 use crate::interaction::Interaction;
-use crate::simd::accumulate::{Accumulate, Common};
+use crate::simd::accumulate::CommonSums;
 use crate::simd::block_stream::BlockStream;
 use crate::simd::frames::Frame;
 use crate::simd::lanes::FixedLanes;
@@ -71,21 +71,21 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
     /// # Safety
     /// As [`ClusterKernel::run`].
     #[inline(always)]
-    pub(super) unsafe fn by_member<A: Accumulate<L>, C: Common<L>>(
+    pub(super) unsafe fn by_member<const EACH: usize, const COMMON: usize>(
         &self,
         (of_frame, rows): (&FrameUnits<I>, [&FixedRow; CLUSTER]),
         mut counts: BlockCounts,
         excluded: &[ExcludedEntries],
         stream: &mut BlockStream<L>,
-        common: &mut C,
-    ) -> [MemberSums<L, A>; CLUSTER] {
+        common: &mut [CommonSums<L>; COMMON],
+    ) -> [MemberSums<L, EACH>; CLUSTER] {
         const { assert!(ROOM * BLOCK / L::WIDTH <= REGISTERS) };
         let mut at = [const { MaybeUninit::<V::Neighbors>::uninit() }; REGISTERS];
         let mut species = [const { MaybeUninit::<L::Species>::uninit() }; REGISTERS];
         let near = Near { at: at.as_mut_ptr().cast(), species: species.as_mut_ptr().cast() };
         let at_members = self.frame.members();
         // A loop over members keeps the sums of the others in memory. Unrolled, it would keep the sums of the first ones in registers.
-        let mut sums = [self.nothing::<A>(); CLUSTER];
+        let mut sums = [self.nothing::<EACH>(); CLUSTER];
         let registers = BLOCK / L::WIDTH;
         let mut masked_before = 0;
         loop {
@@ -105,7 +105,8 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
                 for member in 0..CLUSTER {
                     let numbers = I::own::<L>(self.isa, &of_frame.numbers, rows[member]);
                     let own = Member { at: at_members[member], numbers: &numbers };
-                    sums[member] = self.pass::<A, C>((own, member), &blocks, sums[member], common);
+                    sums[member] =
+                        self.pass::<EACH, COMMON>((own, member), &blocks, sums[member], common);
                 }
                 stream.skip(part.all());
             }
@@ -121,13 +122,13 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
     /// # Safety
     /// The registers of the blocks are written.
     #[inline(always)]
-    unsafe fn pass<A: Accumulate<L>, C: Common<L>>(
+    unsafe fn pass<const EACH: usize, const COMMON: usize>(
         &self,
         (own, member): (Member<'_, L, I, V>, usize),
         blocks: &Blocks<'_, L, V>,
-        mut sum: MemberSums<L, A>,
-        common: &mut C,
-    ) -> MemberSums<L, A> {
+        mut sum: MemberSums<L, EACH>,
+        common: &mut [CommonSums<L>; COMMON],
+    ) -> MemberSums<L, EACH> {
         let Blocks { counts, excluded, masked_before, near, stream } = *blocks;
         let first_half = counts.first_half as usize;
         let masked = first_half + counts.second_half as usize;
@@ -138,15 +139,15 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
         unsafe {
             for block in half {
                 let valid = stream.valid_of(block);
-                sum = self.masked::<A, C>(own, near, (block, valid), sum, common);
+                sum = self.masked::<EACH, COMMON>(own, near, (block, valid), sum, common);
             }
             for block in masked..plain {
                 let not = not_looked_at(excluded, masked_before + block - masked)[member];
                 let valid = stream.valid_of(block) & !not;
-                sum = self.masked::<A, C>(own, near, (block, valid), sum, common);
+                sum = self.masked::<EACH, COMMON>(own, near, (block, valid), sum, common);
             }
             for register in plain * registers..counts.all() * registers {
-                sum = self.interact::<A, C, false>(own, near.get(register), 0, sum, common);
+                sum = self.interact::<EACH, COMMON, false>(own, near.get(register), 0, sum, common);
             }
         }
         sum
@@ -157,19 +158,19 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
     /// # Safety
     /// The registers of the block are written.
     #[inline(always)]
-    unsafe fn masked<A: Accumulate<L>, C: Common<L>>(
+    unsafe fn masked<const EACH: usize, const COMMON: usize>(
         &self,
         own: Member<'_, L, I, V>,
         near: &Near<V::Neighbors, L::Species>,
         (block, valid): (usize, u16),
-        mut sum: MemberSums<L, A>,
-        common: &mut C,
-    ) -> MemberSums<L, A> {
+        mut sum: MemberSums<L, EACH>,
+        common: &mut [CommonSums<L>; COMMON],
+    ) -> MemberSums<L, EACH> {
         for k in 0..BLOCK / L::WIDTH {
             // SAFETY: the contract is passed on.
             let near = unsafe { near.get(block * (BLOCK / L::WIDTH) + k) };
             let bits = u32::from(valid) >> (k * L::WIDTH);
-            sum = self.interact::<A, C, true>(own, near, bits, sum, common);
+            sum = self.interact::<EACH, COMMON, true>(own, near, bits, sum, common);
         }
         sum
     }
