@@ -155,35 +155,7 @@ fn run(
     report: &mut impl Report,
     list: impl Fn(Component) -> Component + Copy,
 ) -> f64 {
-    match level {
-        // SAFETY: the level holds a token, which proves the instruction set.
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx512(_) => unsafe { run_avx512(moving, report, list) },
-        // SAFETY: as above.
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx2(_) => unsafe { run_avx2(moving, report, list) },
-        _ => moving.block::<GROUP, _>(report, move |c, _| list(c)),
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2")]
-fn run_avx512(
-    moving: Moving<'_>,
-    report: &mut impl Report,
-    list: impl Fn(Component) -> Component + Copy,
-) -> f64 {
-    moving.block::<GROUP, _>(report, move |c, _| list(c))
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn run_avx2(
-    moving: Moving<'_>,
-    report: &mut impl Report,
-    list: impl Fn(Component) -> Component + Copy,
-) -> f64 {
-    moving.block::<GROUP, _>(report, move |c, _| list(c))
+    level.run(|| moving.block::<GROUP, _>(report, move |c, _| list(c)))
 }
 
 #[cfg(test)]
