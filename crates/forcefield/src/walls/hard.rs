@@ -1,11 +1,8 @@
 //! Hard walls from which particles bounce.
 
-use std::sync::Arc;
-
-use lennard_core::DVec3;
 use lennard_core::options::OptionError;
 
-use super::{Hit, HitRule, Rebound, Surface, Wall, WallContext, WallSpec};
+use super::{HitRule, Rebound, Surface, Wall, WallContext, WallSpec};
 
 lennard_core::choices! {
     /// How a particle flies from hit to hit, and what a hit does.
@@ -65,7 +62,15 @@ pub const SPEC: WallSpec = WallSpec {
 
 impl Wall for Hard {
     fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
-        Surface::Hit(Arc::new(*self))
+        let restitution = self.kept_share();
+        let rule = match self.response {
+            Response::Billiard => HitRule::OnLines,
+            Response::Event => HitRule::OnParabolas,
+            Response::Mirror => HitRule::Mirrored { restitution },
+            Response::Project => HitRule::Projected,
+            Response::Contact => HitRule::ByContacts,
+        };
+        Surface::Hit(Rebound::Keeps { restitution, rule })
     }
 
     fn check_together(&self) -> Result<(), OptionError> {
@@ -79,31 +84,5 @@ impl Wall for Hard {
             }),
             _ => Ok(()),
         }
-    }
-}
-
-impl Rebound for Hard {
-    fn leave(&self, hit: Hit<'_>) -> DVec3 {
-        let mut v = hit.velocity;
-        v[hit.axis] *= -self.kept_share();
-        v
-    }
-
-    fn drags(&self) -> bool {
-        false
-    }
-
-    fn rule(&self) -> HitRule {
-        match self.response {
-            Response::Billiard => HitRule::OnLines,
-            Response::Event => HitRule::OnParabolas,
-            Response::Mirror => HitRule::Mirrored { restitution: self.kept_share() },
-            Response::Project => HitRule::Projected,
-            Response::Contact => HitRule::ByContacts,
-        }
-    }
-
-    fn restitution(&self) -> Option<f64> {
-        Some(self.kept_share())
     }
 }

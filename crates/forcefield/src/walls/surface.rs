@@ -6,6 +6,7 @@ use std::sync::Arc;
 use lennard_core::DVec3;
 use lennard_core::random::CounterRng;
 
+use super::thermal::draw;
 use crate::contact_law::ContactLaw;
 
 /// Energy, force and curvature of a wall at one distance.
@@ -95,21 +96,34 @@ impl HitRule {
 }
 
 /// A wall that is hit.
-pub trait Rebound: Debug + Send + Sync {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Rebound {
+    /// A particle keeps its velocity along the plane, and a share of its normal speed.
+    Keeps {
+        /// The share e.
+        restitution: f64,
+        /// Where in a step hits happen.
+        rule: HitRule,
+    },
+    /// A particle gets a new velocity from the temperature of the wall.
+    Draws {
+        /// The temperature, ε/k_B.
+        temperature: f64,
+    },
+}
+
+impl Rebound {
     /// The velocity with which a particle leaves, σ/τ; its outward component is 0 or less.
-    fn leave(&self, hit: Hit<'_>) -> DVec3;
-
-    /// Whether a hit changes velocities along the plane too.
-    fn drags(&self) -> bool;
-
-    /// Where in a step its hits happen.
-    fn rule(&self) -> HitRule {
-        HitRule::OnLines
-    }
-
-    /// The share of its normal speed that a particle keeps; `None` where the wall gives it a speed of its own.
-    fn restitution(&self) -> Option<f64> {
-        None
+    #[must_use]
+    pub fn leave(self, hit: Hit<'_>) -> DVec3 {
+        match self {
+            Self::Keeps { restitution, .. } => {
+                let mut v = hit.velocity;
+                v[hit.axis] *= -restitution;
+                v
+            }
+            Self::Draws { temperature } => draw(temperature, hit),
+        }
     }
 }
 
@@ -119,7 +133,7 @@ pub enum Surface {
     /// It exerts a force.
     Exerts(Arc<dyn WallForce>),
     /// It is hit.
-    Hit(Arc<dyn Rebound>),
+    Hit(Rebound),
 }
 
 impl Surface {
@@ -127,7 +141,8 @@ impl Surface {
     #[must_use]
     pub fn rule(&self) -> Option<HitRule> {
         match self {
-            Self::Hit(wall) => Some(wall.rule()),
+            Self::Hit(Rebound::Keeps { rule, .. }) => Some(*rule),
+            Self::Hit(Rebound::Draws { .. }) => Some(HitRule::OnLines),
             Self::Exerts(_) => None,
         }
     }
@@ -142,8 +157,8 @@ impl Surface {
     #[must_use]
     pub fn restitution(&self) -> Option<f64> {
         match self {
-            Self::Hit(wall) => wall.restitution(),
-            Self::Exerts(_) => None,
+            Self::Hit(Rebound::Keeps { restitution, .. }) => Some(*restitution),
+            Self::Hit(Rebound::Draws { .. }) | Self::Exerts(_) => None,
         }
     }
 

@@ -8,7 +8,7 @@ use lennard_core::{
     PeriodicBox, Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
 };
 
-use super::{Hit, HitRule, Surface, WallContext, WallOptions};
+use super::{Hit, HitRule, Rebound, Surface, WallContext, WallOptions};
 
 /// Room in σ that the walls take beyond the cutoff: soft walls let particles pass the plane by up to half of it.
 pub const SHALLOWEST_ROOM: f64 = 0.1;
@@ -400,7 +400,7 @@ impl ForceTerm for Walls {
         let mut breaks_momentum = [false; 3];
         for pair in &self.pairs {
             breaks_momentum[pair.planes.axis] = true;
-            let drags = |s: &Surface| matches!(s, Surface::Hit(wall) if wall.drags());
+            let drags = |s: &Surface| matches!(s, Surface::Hit(Rebound::Draws { .. }));
             if pair.surfaces.iter().any(drags) {
                 breaks_momentum = [true; 3];
             }

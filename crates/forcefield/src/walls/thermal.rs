@@ -1,7 +1,5 @@
 //! Walls at a temperature.
 
-use std::sync::Arc;
-
 use lennard_core::DVec3;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
@@ -34,28 +32,18 @@ impl Wall for Thermal {
     fn surface(&self, context: &WallContext, is_upper: bool) -> Surface {
         let upper = self.upper_temperature.filter(|_| is_upper);
         let temperature = upper.or(self.temperature);
-        Surface::Hit(Arc::new(Heated { temperature: temperature.unwrap_or(context.temperature) }))
+        let temperature = temperature.unwrap_or(context.temperature);
+        Surface::Hit(Rebound::Draws { temperature })
     }
 }
 
-/// One plane at a temperature, ε/k_B.
-#[derive(Debug, Clone, Copy)]
-struct Heated {
-    temperature: f64,
-}
-
-impl Rebound for Heated {
-    fn leave(&self, hit: Hit<'_>) -> DVec3 {
-        let spread = (self.temperature / hit.mass).sqrt();
-        // 1 − u lies in (0, 1]: the logarithm is finite.
-        let u: f64 = 1.0 - hit.random.random::<f64>();
-        let mut normal = || -> f64 { StandardNormal.sample(&mut *hit.random) };
-        let mut v = DVec3::new(normal(), normal(), normal()) * spread;
-        v[hit.axis] = -hit.outward * spread * (-2.0 * u.ln()).sqrt();
-        v
-    }
-
-    fn drags(&self) -> bool {
-        true
-    }
+/// The velocity with which a particle leaves a plane at a temperature, ε/k_B.
+pub(super) fn draw(temperature: f64, hit: Hit<'_>) -> DVec3 {
+    let spread = (temperature / hit.mass).sqrt();
+    // 1 − u lies in (0, 1]: the logarithm is finite.
+    let u: f64 = 1.0 - hit.random.random::<f64>();
+    let mut normal = || -> f64 { StandardNormal.sample(&mut *hit.random) };
+    let mut v = DVec3::new(normal(), normal(), normal()) * spread;
+    v[hit.axis] = -hit.outward * spread * (-2.0 * u.ln()).sqrt();
+    v
 }

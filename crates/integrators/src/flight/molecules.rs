@@ -273,7 +273,7 @@ impl AtWalls<'_> {
             None => {
                 // All velocities are drawn anew. The normal speed of the site has the density of the flux of a mass 1/κ.
                 for (k, v) in sites.v.iter_mut().enumerate() {
-                    *v = drawn(wall.as_ref(), masses.of(k), random);
+                    *v = drawn(*wall, masses.of(k), random);
                 }
                 self.project(&sites.x, &mut sites.v);
                 let leaving = wall.leave(Hit {
@@ -448,7 +448,7 @@ fn of_molecule(mut error: StepError, number: usize) -> StepError {
 }
 
 /// A velocity of a mass, with three components as a wall draws them along its plane.
-fn drawn(wall: &dyn Rebound, mass: f64, random: &mut CounterRng) -> DVec3 {
+fn drawn(wall: Rebound, mass: f64, random: &mut CounterRng) -> DVec3 {
     let mut across =
         |axis: usize| wall.leave(Hit { axis, outward: 1.0, velocity: DVec3::ZERO, mass, random });
     let (z, x) = (across(2), across(0));
