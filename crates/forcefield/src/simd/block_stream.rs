@@ -9,13 +9,16 @@
 
 use lennard_neighbor::{BLOCK, Block, ClusterChunk, ENTRY_SCALE};
 
-use super::lanes::FixedLanes;
+use super::lanes::{FixedLanes, Lanes};
 use super::row::FixedRow;
 
 const _: () = assert!(
     size_of::<FixedRow>() == 8 * ENTRY_SCALE as usize,
     "registers add entries to addresses of u64"
 );
+
+/// Coordinates and species of a register of neighbors.
+pub type Neighbors<L> = ([L; 3], <L as Lanes>::Species);
 
 /// The neighbors of a chunk, block after block, gathered one register ahead of the computation.
 ///
@@ -24,7 +27,7 @@ pub struct BlockStream<L: FixedLanes> {
     isa: L::Isa,
     rows: *const FixedRow,
     block: *const Block,
-    ahead: L::Rows,
+    ahead: Neighbors<L>,
 }
 
 impl<L: FixedLanes> BlockStream<L> {
@@ -47,7 +50,7 @@ impl<L: FixedLanes> BlockStream<L> {
         rows: *const FixedRow,
         block: *const Block,
         part: usize,
-    ) -> L::Rows {
+    ) -> Neighbors<L> {
         // SAFETY: the contract is passed on; base plus entry numbers a row.
         unsafe {
             let entries = (*block).entries.as_ptr();
@@ -71,7 +74,7 @@ impl<L: FixedLanes> BlockStream<L> {
     /// # Safety
     /// The contract of [`BlockStream::new`] still holds. Parts are read in their order, and only of blocks of lists.
     #[inline(always)]
-    pub unsafe fn next(&mut self, part: usize) -> L::Rows {
+    pub unsafe fn next(&mut self, part: usize) -> Neighbors<L> {
         let present = self.ahead;
         // SAFETY: the contract is passed on; behind the last block of a list there is another one.
         unsafe {
@@ -90,7 +93,7 @@ impl<L: FixedLanes> BlockStream<L> {
     /// # Safety
     /// The contract of [`BlockStream::new`] still holds, and there is such a block.
     #[inline(always)]
-    pub unsafe fn rows(&self, ahead: usize, part: usize) -> L::Rows {
+    pub unsafe fn rows(&self, ahead: usize, part: usize) -> Neighbors<L> {
         // SAFETY: the contract is passed on.
         unsafe { Self::gather(self.isa, self.rows, self.block.add(ahead), part) }
     }

@@ -16,7 +16,7 @@ mod by_member;
 use lennard_neighbor::{BLOCK, CLUSTER, ExcludedEntries, Span, THEMSELVES};
 
 use super::accumulate::{self, CommonSums, PairSums, Units};
-use super::block_stream::BlockStream;
+use super::block_stream::{BlockStream, Neighbors};
 use super::frames::Frame;
 use super::lanes::{FixedLanes, Lanes};
 use super::row::FixedRow;
@@ -106,30 +106,32 @@ pub struct MemberSums<L: Lanes, const EACH: usize> {
 }
 
 /// A cluster in a frame, ready to interact with its neighbors.
-pub struct ClusterKernel<L: FixedLanes, I: Interaction, V> {
+pub struct ClusterKernel<L: FixedLanes, I: Interaction, const COMPACT: bool, const CUBIC: bool> {
     isa: L::Isa,
     interaction: I,
     /// The numbers of each member.
     numbers: [I::Own<L>; CLUSTER],
     units: Units,
-    frame: V,
+    frame: Frame<L, COMPACT, CUBIC>,
 }
 
 /// A member in registers.
-struct Member<'a, L: FixedLanes, I: Interaction, V: Frame<L>> {
-    at: V::Member,
+struct Member<'a, L: FixedLanes, I: Interaction> {
+    at: [L; 3],
     numbers: &'a I::Own<L>,
 }
 
-impl<L: FixedLanes, I: Interaction, V: Frame<L>> Clone for Member<'_, L, I, V> {
+impl<L: FixedLanes, I: Interaction> Clone for Member<'_, L, I> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<L: FixedLanes, I: Interaction, V: Frame<L>> Copy for Member<'_, L, I, V> {}
+impl<L: FixedLanes, I: Interaction> Copy for Member<'_, L, I> {}
 
-impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
+impl<L: FixedLanes, I: Interaction, const COMPACT: bool, const CUBIC: bool>
+    ClusterKernel<L, I, COMPACT, CUBIC>
+{
     /// The kernel of an interaction for members with these rows, in a frame and its units.
     #[inline(always)]
     pub fn new(
@@ -137,7 +139,7 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
         interaction: I,
         units: &FrameUnits<I>,
         [a, b, c, d]: [&FixedRow; CLUSTER],
-        frame: V,
+        frame: Frame<L, COMPACT, CUBIC>,
     ) -> Self {
         let numbers = &units.numbers;
         Self {
@@ -156,8 +158,8 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
 
     /// The members in registers.
     #[inline(always)]
-    fn members(&self) -> [Member<'_, L, I, V>; CLUSTER] {
-        let [a, b, c, d] = self.frame.members();
+    fn members(&self) -> [Member<'_, L, I>; CLUSTER] {
+        let [a, b, c, d] = self.frame.members;
         let [of_a, of_b, of_c, of_d] = &self.numbers;
         [
             Member { at: a, numbers: of_a },
@@ -186,7 +188,7 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
         let all = [u16::MAX; CLUSTER];
         // SAFETY: the contract is passed on.
         unsafe {
-            if L::FEW_REGISTERS && V::CONVERTS && EACH + COMMON == 0 {
+            if L::FEW_REGISTERS && COMPACT && EACH + COMMON == 0 {
                 return (self.by_member(given, counts, excluded, stream, common), self.units);
             }
             let members = self.members();
@@ -222,8 +224,8 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
     #[inline(always)]
     unsafe fn half<const EACH: usize, const COMMON: usize>(
         &self,
-        first: Member<'_, L, I, V>,
-        second: Member<'_, L, I, V>,
+        first: Member<'_, L, I>,
+        second: Member<'_, L, I>,
         blocks: u32,
         stream: &mut BlockStream<L>,
         common: &mut [CommonSums<L>; COMMON],
@@ -252,7 +254,7 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
     #[inline(always)]
     unsafe fn block<const EACH: usize, const COMMON: usize, const MASKED: bool>(
         &self,
-        members: [Member<'_, L, I, V>; CLUSTER],
+        members: [Member<'_, L, I>; CLUSTER],
         stream: &mut BlockStream<L>,
         valid: [u16; CLUSTER],
         sums: [MemberSums<L, EACH>; CLUSTER],
@@ -298,16 +300,16 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
 
     /// The neighbors of gathered rows in the frame, and their species.
     #[inline(always)]
-    fn neighbors(&self, rows: L::Rows) -> (V::Neighbors, L::Species) {
-        (self.frame.neighbors(rows), L::species(rows))
+    fn neighbors(&self, (rows, species): Neighbors<L>) -> Neighbors<L> {
+        (self.frame.neighbors(rows), species)
     }
 
     /// Adds the pairs of one member with one register of neighbors; where they are `MASKED`, only the lanes set in `bits`.
     #[inline(always)]
     fn interact<const EACH: usize, const COMMON: usize, const MASKED: bool>(
         &self,
-        member: Member<'_, L, I, V>,
-        (neighbors, species): (V::Neighbors, L::Species),
+        member: Member<'_, L, I>,
+        (neighbors, species): Neighbors<L>,
         bits: u32,
         mut sums: MemberSums<L, EACH>,
         common: &mut [CommonSums<L>; COMMON],
@@ -318,18 +320,18 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
         let inside = if MASKED { r2.at_most_among(r_cut2, bits) } else { r2.at_most(r_cut2) };
         let (interaction, own) = (&self.interaction, member.numbers);
         let at = (r2, inside);
-        let f = if V::IN_SIGMA {
-            accumulate::force::<L, I, true, COMMON>(interaction, own, species, at, common)
-        } else {
+        let f = if CUBIC {
             accumulate::force::<L, I, false, COMMON>(interaction, own, species, at, common)
+        } else {
+            accumulate::force::<L, I, true, COMMON>(interaction, own, species, at, common)
         };
         let [x, y, z] = sums.force;
         sums.force = [dx.mul_add(f, x), dy.mul_add(f, y), dz.mul_add(f, z)];
         for others in &mut sums.others {
-            let pair = if V::IN_SIGMA {
-                interaction.eval::<L, true>(own, species, r2)
-            } else {
+            let pair = if CUBIC {
                 interaction.eval::<L, false>(own, species, r2)
+            } else {
+                interaction.eval::<L, true>(own, species, r2)
             };
             let at_cutoff = I::at_cutoff::<L>(own, species);
             others.add([dx, dy, dz], f, &pair, at_cutoff, inside);

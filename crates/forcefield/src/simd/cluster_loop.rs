@@ -8,7 +8,7 @@ use lennard_neighbor::{
 use super::accumulate::{CommonSums, Units};
 use super::block_stream::BlockStream;
 use super::cluster_kernel::{BlockCounts, ClusterKernel, FrameUnits, MemberSums};
-use super::frames::{AbsoluteFrame, ClusterFrame};
+use super::frames::Frame;
 use super::lanes::FixedLanes;
 use super::output::Output;
 use super::prefetch::{Parts, prefetch, prefetch_read};
@@ -61,16 +61,16 @@ impl<'a, I: Interaction> ClusterJob<'a, I> {
         // SAFETY: the contract is passed on, here and below.
         unsafe {
             if let (true, Some(in_units)) = (span.compact, &self.in_units) {
-                let frame = ClusterFrame::<L, true>::new(isa, rows, self.scale);
+                let frame = Frame::<L, true, true>::new(isa, rows, self.scale);
                 let kernel = ClusterKernel::new(isa, interaction, in_units, rows, frame);
                 return kernel.run((in_units, rows), counts, excluded, stream, common);
             }
             if span.compact {
-                let frame = ClusterFrame::<L, false>::new(isa, rows, self.scale);
+                let frame = Frame::<L, true, false>::new(isa, rows, self.scale);
                 let kernel = ClusterKernel::new(isa, interaction, &self.in_sigma, rows, frame);
                 return kernel.run((&self.in_sigma, rows), counts, excluded, stream, common);
             }
-            let frame = AbsoluteFrame::new(isa, rows, self.scale);
+            let frame = Frame::<L, false, false>::new(isa, rows, self.scale);
             let kernel = ClusterKernel::new(isa, interaction, &self.in_sigma, rows, frame);
             kernel.run((&self.in_sigma, rows), counts, excluded, stream, common)
         }

@@ -22,8 +22,6 @@ pub trait Lanes: Real {
     type Isa: Copy + Send + Sync;
     /// One row of packed coordinates.
     type Row: Copy;
-    /// Coordinates and species of rows, one row per lane.
-    type Rows: Copy;
     /// The lanes that count.
     type Mask: Copy;
     /// The number type of a lane.
@@ -36,10 +34,10 @@ pub trait Lanes: Real {
     /// The constant `value` in every lane.
     fn constant(isa: Self::Isa, value: f64) -> Self;
 
-    /// One row in every lane.
-    fn spread(isa: Self::Isa, row: &Self::Row) -> Self::Rows;
+    /// The coordinates of one row in every lane. Lanes may hold whole numbers as bits.
+    fn spread(isa: Self::Isa, row: &Self::Row) -> [Self; 3];
 
-    /// The rows of `WIDTH` entries.
+    /// The coordinates and the species of the rows of `WIDTH` entries.
     ///
     /// # Safety
     /// The `WIDTH` entries at `entries` are readable, and each numbers a readable row.
@@ -47,14 +45,10 @@ pub trait Lanes: Real {
         isa: Self::Isa,
         rows: *const Self::Row,
         entries: *const E,
-    ) -> Self::Rows;
-    /// a − b along each axis: in σ of rows of doubles, in units of the rows in fixed point.
-    fn apart(a: Self::Rows, b: Self::Rows) -> [Self; 3];
+    ) -> ([Self; 3], Self::Species);
 
     /// The species of a row.
     fn species_of(row: &Self::Row) -> usize;
-    /// The species of some rows.
-    fn species(rows: Self::Rows) -> Self::Species;
     /// A number for each species.
     fn table(isa: Self::Isa, numbers: &BySpecies<Self::Number>) -> Self::Table;
     /// The number of the species of each lane.

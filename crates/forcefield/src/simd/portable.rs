@@ -1,7 +1,10 @@
-//! Lanes without any particular instruction set: small arrays, which the compiler puts into the registers it has.
+//! Lanes without any particular instruction set: two doubles, as many as one 128-bit register holds.
+//!
+//! There are no singles: without instructions for them, pairs in mixed precision take longer than in double.
 
 use std::array::from_fn;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use glam::{BVec2, DVec2};
 
 use super::arithmetic::arithmetic;
 use super::lanes::{BySpecies, Lanes};
@@ -14,52 +17,10 @@ use crate::number::{Number, RowsOf};
 use crate::options::Precision;
 use crate::real::Real;
 
-/// `N` numbers side by side. There are no singles: without instructions for them, pairs in mixed precision take longer than in double.
-#[derive(Clone, Copy)]
-pub struct Group<const N: usize>([f64; N]);
-
-// As many numbers as one 128-bit register holds. With more, compilers make long code that changes with edits elsewhere.
-type Doubles = Group<2>;
-
-impl<const N: usize> Add for Group<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, o: Self) -> Self {
-        Self(from_fn(|k| self.0[k] + o.0[k]))
-    }
-}
-impl<const N: usize> Sub for Group<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, o: Self) -> Self {
-        Self(from_fn(|k| self.0[k] - o.0[k]))
-    }
-}
-impl<const N: usize> Mul for Group<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, o: Self) -> Self {
-        Self(from_fn(|k| self.0[k] * o.0[k]))
-    }
-}
-impl<const N: usize> Div for Group<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, o: Self) -> Self {
-        Self(from_fn(|k| self.0[k] / o.0[k]))
-    }
-}
-impl<const N: usize> Neg for Group<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self(from_fn(|k| -self.0[k]))
-    }
-}
-impl<const N: usize> Real for Group<N> {
+impl Real for DVec2 {
     #[inline(always)]
     fn splat(self, value: f64) -> Self {
-        Self([value; N])
+        Self::splat(value)
     }
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
@@ -68,99 +29,94 @@ impl<const N: usize> Real for Group<N> {
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        Self(self.0.map(<f64>::sqrt))
+        Self::new(self.x.sqrt(), self.y.sqrt())
     }
     #[inline(always)]
     fn min(self, o: Self) -> Self {
-        Self(from_fn(|k| if self.0[k] < o.0[k] { self.0[k] } else { o.0[k] }))
+        Self::min(self, o)
     }
     #[inline(always)]
     fn max(self, o: Self) -> Self {
-        Self(from_fn(|k| if self.0[k] > o.0[k] { self.0[k] } else { o.0[k] }))
+        Self::max(self, o)
     }
 }
 
-impl<const N: usize> Lanes for Group<N> {
-    const WIDTH: usize = N;
+impl Lanes for DVec2 {
+    const WIDTH: usize = 2;
     type Isa = ();
     type Row = DoubleRow;
-    type Rows = [DoubleRow; N];
-    type Mask = [bool; N];
+    type Mask = BVec2;
     type Number = f64;
-    type Species = [usize; N];
+    type Species = [usize; 2];
     type Table = BySpecies<f64>;
 
     #[inline(always)]
     fn constant(_isa: (), value: f64) -> Self {
-        Self([value; N])
+        Self::splat(value)
     }
 
     #[inline(always)]
-    fn spread(_isa: (), row: &DoubleRow) -> Self::Rows {
-        [*row; N]
+    fn spread(_isa: (), row: &DoubleRow) -> [Self; 3] {
+        from_fn(|axis| Self::splat(row.0[axis]))
     }
     #[inline(always)]
     unsafe fn gather<E: Copy + Into<u32>>(
         _isa: (),
         rows: *const DoubleRow,
         entries: *const E,
-    ) -> Self::Rows {
-        // SAFETY: `N` entries are readable and each numbers a readable row.
-        from_fn(|k| unsafe { *rows.add((*entries.add(k)).into() as usize) })
-    }
-    #[inline(always)]
-    fn apart(a: Self::Rows, b: Self::Rows) -> [Self; 3] {
-        [0, 1, 2].map(|axis| Self(from_fn(|k| a[k].0[axis] - b[k].0[axis])))
+    ) -> ([Self; 3], [usize; 2]) {
+        // SAFETY: two entries are readable and each numbers a readable row.
+        let at: [&DoubleRow; 2] =
+            from_fn(|k| unsafe { &*rows.add((*entries.add(k)).into() as usize) });
+        let coordinates = from_fn(|axis| Self::new(at[0].0[axis], at[1].0[axis]));
+        (coordinates, at.map(DoubleRow::species_by_lowest_bits))
     }
 
     #[inline(always)]
     fn species_of(row: &DoubleRow) -> usize {
         row.species_by_lowest_bits()
     }
-
-    #[inline(always)]
-    fn species(rows: Self::Rows) -> [usize; N] {
-        rows.map(|row| row.species_by_lowest_bits())
-    }
     #[inline(always)]
     fn table(_isa: (), numbers: &BySpecies<f64>) -> BySpecies<f64> {
         *numbers
     }
     #[inline(always)]
-    fn pick(table: BySpecies<f64>, species: [usize; N]) -> Self {
-        Self(from_fn(|k| table.0[species[k]]))
+    fn pick(table: BySpecies<f64>, species: [usize; 2]) -> Self {
+        species.map(|species| table.0[species]).into()
     }
     #[inline(always)]
     fn look_up(self, rows: &RowsOf<f64>, first: Self) -> (Self, [Self; 5]) {
-        let held = self.max(self.splat(rows.lowest)).min(self.splat(rows.highest));
-        let number = held.0.map(|s| s.to_bits() >> rows.shift);
-        let begin = Self(number.map(|n| f64::from_bits(n << rows.shift)));
+        let held = self.max(Self::splat(rows.lowest)).min(Self::splat(rows.highest));
+        let number = held.to_array().map(|s| s.to_bits() >> rows.shift);
+        let begin: Self = number.map(|n| f64::from_bits(n << rows.shift)).into();
         let counts_from = f64::COUNTS_FROM.to_bits() + rows.first;
-        let at: [usize; N] = from_fn(|k| (number[k] + first.0[k].to_bits() - counts_from) as usize);
-        let row = at.map(|k| rows.rows()[k].0);
-        let [u, g0, g1, g2] = from_fn(|c| Self(from_fn(|k| row[k][c])));
-        let g3 = Self(g2.0.map(|g2| f64::from_bits(g2.to_bits() << 32)));
+        let row: [[f64; 4]; 2] = from_fn(|k| {
+            let at = number[k] + first[k].to_bits() - counts_from;
+            rows.rows()[at as usize].0
+        });
+        let [u, g0, g1, g2] = from_fn(|c| Self::new(row[0][c], row[1][c]));
+        let g3 = g2.to_array().map(|g2| f64::from_bits(g2.to_bits() << 32)).into();
         (self - begin, [u, g0, g1, g2, g3])
     }
     #[inline(always)]
-    fn at_most(self, limit: Self) -> Self::Mask {
-        from_fn(|k| self.0[k] <= limit.0[k])
+    fn at_most(self, limit: Self) -> BVec2 {
+        self.cmple(limit)
     }
     #[inline(always)]
-    fn at_most_among(self, limit: Self, bits: u32) -> Self::Mask {
-        from_fn(|k| self.0[k] <= limit.0[k] && bits >> k & 1 == 1)
+    fn at_most_among(self, limit: Self, bits: u32) -> BVec2 {
+        self.cmple(limit) & BVec2::new(bits & 1 == 1, bits & 2 == 2)
     }
     #[inline(always)]
-    fn bits(mask: Self::Mask) -> u32 {
-        (0..N).map(|k| u32::from(mask[k]) << k).sum()
+    fn bits(mask: BVec2) -> u32 {
+        mask.bitmask()
     }
     #[inline(always)]
-    fn keep(self, mask: Self::Mask) -> Self {
-        Self(from_fn(|k| if mask[k] { self.0[k] } else { 0.0 }))
+    fn keep(self, mask: BVec2) -> Self {
+        Self::select(mask, self, Self::ZERO)
     }
     #[inline(always)]
     fn sum(self) -> f64 {
-        self.0.iter().sum()
+        self.x + self.y
     }
 }
 
@@ -175,11 +131,10 @@ pub fn run_double<I: Interaction>(
     output: &Output<'_>,
 ) -> ChunkTotals {
     // SAFETY: the caller runs each chunk once.
-    unsafe { row_loop::run::<Doubles, I>((), job, rows, chunk, detail, output) }
+    unsafe { row_loop::run::<DVec2, I>((), job, rows, chunk, detail, output) }
 }
 
 /// The arithmetic of a number of rounds without memory.
 pub fn limit(r_cut: f64, rounds: u64, _precision: Precision) -> (u64, f64) {
-    // Two registers per group of doubles are fastest in so short a loop.
-    arithmetic::<Group<4>>((), r_cut, rounds)
+    arithmetic::<DVec2>((), r_cut, rounds)
 }

@@ -84,7 +84,6 @@ macro_rules! registers {
             const WIDTH: usize = $width;
             type Isa = $isa;
             type Row = $row;
-            type Rows = [Vector; 4];
             type Mask = Mask;
             type Number = $number;
             type Species = Species;
@@ -97,43 +96,29 @@ macro_rules! registers {
             }
 
             #[inline(always)]
-            fn spread(_isa: $isa, row: &$row) -> Self::Rows {
-                let [x, y, z, padding] = (*row).into();
+            fn spread(_isa: $isa, row: &$row) -> [Self; 3] {
+                let [x, y, z, _] = (*row).into();
                 // SAFETY: as above.
-                unsafe { [coordinate(x), coordinate(y), coordinate(z), coordinate(padding)] }
+                unsafe { [Self(coordinate(x)), Self(coordinate(y)), Self(coordinate(z))] }
             }
             #[inline(always)]
             unsafe fn gather<E: Copy + Into<u32>>(
                 _isa: $isa,
                 rows: *const $row,
                 entries: *const E,
-            ) -> Self::Rows {
+            ) -> ([Self; 3], Species) {
                 // SAFETY: entries are readable, and each numbers a readable row.
                 unsafe {
                     let entry = |k: usize| -> u32 { (*entries.add(k)).into() };
-                    transposed(|k| rows.cast::<$unit>().add(entry(k) as usize).cast())
-                }
-            }
-            #[inline(always)]
-            fn apart(a: Self::Rows, b: Self::Rows) -> [Self; 3] {
-                // SAFETY: as above.
-                unsafe {
-                    [
-                        Self(difference(a[0], b[0])),
-                        Self(difference(a[1], b[1])),
-                        Self(difference(a[2], b[2])),
-                    ]
+                    let [x, y, z, padding] =
+                        transposed(|k| rows.cast::<$unit>().add(entry(k) as usize).cast());
+                    ([Self(x), Self(y), Self(z)], species(padding))
                 }
             }
 
             #[inline(always)]
             fn species_of(row: &$row) -> usize {
                 species_of(row)
-            }
-            #[inline(always)]
-            fn species(rows: Self::Rows) -> Species {
-                // SAFETY: as above.
-                unsafe { species(rows[3]) }
             }
             #[inline(always)]
             fn table(_isa: $isa, numbers: &BySpecies<$number>) -> Table {

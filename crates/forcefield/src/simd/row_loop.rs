@@ -147,7 +147,7 @@ unsafe fn sweep<
 
 /// A particle in registers.
 struct Particle<L: Lanes<Row = DoubleRow, Number = f64>, I: Interaction> {
-    at: L::Rows,
+    at: [L; 3],
     numbers: I::Own<L>,
 }
 
@@ -180,8 +180,8 @@ unsafe fn add<
     (sums, common): (&mut [PairSums<L>; EACH], &mut [CommonSums<L>; COMMON]),
 ) {
     // SAFETY: the contract is passed on.
-    let neighbors = unsafe { L::gather(isa, rows, entries) };
-    let ([dx, dy, dz], species) = (L::apart(own.at, neighbors), L::species(neighbors));
+    let ([x, y, z], species) = unsafe { L::gather(isa, rows, entries) };
+    let [dx, dy, dz] = [own.at[0] - x, own.at[1] - y, own.at[2] - z];
     let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
     let r_cut2 = I::r_cut2::<L>(&own.numbers, species);
     let inside = if valid < L::WIDTH {

@@ -8,7 +8,7 @@ use std::arch::x86_64::{
     _mm256_min_pd as min, _mm256_mul_pd as mul, _mm256_set1_epi64x as each_bits,
     _mm256_set1_pd as coordinate, _mm256_set1_pd as splat, _mm256_slli_epi64 as shift_left,
     _mm256_sqrt_pd as sqrt, _mm256_srlv_epi64 as shift_right, _mm256_storeu_si256 as store_bits,
-    _mm256_sub_epi64 as sub_bits, _mm256_sub_pd as difference, _mm256_sub_pd as sub, *,
+    _mm256_sub_epi64 as sub_bits, _mm256_sub_pd as sub, *,
 };
 
 use glam::DVec3;

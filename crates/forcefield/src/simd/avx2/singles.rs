@@ -71,7 +71,7 @@ impl FixedLanes for F32x8 {
     #[inline(always)]
     fn less(self, other: Self) -> Self {
         // SAFETY: as above.
-        Self(unsafe { difference(self.0, other.0) })
+        Self(unsafe { _mm256_cvtepi32_ps(_mm256_sub_epi32(to_bits(self.0), to_bits(other.0))) })
     }
     #[inline(always)]
     fn abs(self) -> Self {
@@ -132,13 +132,6 @@ unsafe fn packed(bits: u32) -> __m256i {
 unsafe fn coordinate(fixed: i32) -> Vector {
     // SAFETY: the caller proves AVX2, here and below.
     unsafe { _mm256_castsi256_ps(_mm256_set1_epi32(fixed)) }
-}
-
-/// a − b of coordinates in fixed point.
-#[inline(always)]
-unsafe fn difference(a: Vector, b: Vector) -> Vector {
-    // SAFETY: as above.
-    unsafe { _mm256_cvtepi32_ps(_mm256_sub_epi32(to_bits(a), to_bits(b))) }
 }
 
 /// The numbers of eight rows by column.

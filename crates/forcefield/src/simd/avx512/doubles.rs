@@ -10,8 +10,7 @@ use std::arch::x86_64::{
     _mm512_min_pd as min, _mm512_mul_pd as mul, _mm512_reduce_add_pd as sum,
     _mm512_set1_epi64 as each_bits, _mm512_set1_pd as coordinate, _mm512_set1_pd as splat,
     _mm512_slli_epi64 as shift_left, _mm512_sqrt_pd as sqrt, _mm512_srlv_epi64 as shift_right,
-    _mm512_storeu_si512 as store_bits, _mm512_sub_epi64 as sub_bits, _mm512_sub_pd as difference,
-    _mm512_sub_pd as sub, *,
+    _mm512_storeu_si512 as store_bits, _mm512_sub_epi64 as sub_bits, _mm512_sub_pd as sub, *,
 };
 
 use glam::DVec3;

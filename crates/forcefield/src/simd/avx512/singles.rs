@@ -67,7 +67,7 @@ impl FixedLanes for F32x16 {
     #[inline(always)]
     fn less(self, other: Self) -> Self {
         // SAFETY: as above.
-        Self(unsafe { difference(self.0, other.0) })
+        Self(unsafe { _mm512_cvtepi32_ps(_mm512_sub_epi32(to_bits(self.0), to_bits(other.0))) })
     }
     #[inline(always)]
     fn abs(self) -> Self {
@@ -134,13 +134,6 @@ impl FixedLanes for F32x16 {
 unsafe fn coordinate(fixed: i32) -> Vector {
     // SAFETY: the caller proves AVX-512, here and below.
     unsafe { _mm512_castsi512_ps(_mm512_set1_epi32(fixed)) }
-}
-
-/// a − b of coordinates in fixed point.
-#[inline(always)]
-unsafe fn difference(a: Vector, b: Vector) -> Vector {
-    // SAFETY: as above.
-    unsafe { _mm512_cvtepi32_ps(_mm512_sub_epi32(to_bits(a), to_bits(b))) }
 }
 
 /// The numbers of sixteen rows by column. Rows are loaded in fours, so that lanes end in the order of the rows.

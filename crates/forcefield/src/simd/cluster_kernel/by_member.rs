@@ -23,8 +23,7 @@ use lennard_neighbor::{BLOCK, CLUSTER, ExcludedEntries};
 use super::{BlockCounts, ClusterKernel, FrameUnits, Member, MemberSums, not_looked_at};
 use crate::interaction::Interaction;
 use crate::simd::accumulate::CommonSums;
-use crate::simd::block_stream::BlockStream;
-use crate::simd::frames::Frame;
+use crate::simd::block_stream::{BlockStream, Neighbors};
 use crate::simd::lanes::FixedLanes;
 use crate::simd::row::FixedRow;
 
@@ -36,36 +35,38 @@ const REGISTERS: usize = ROOM * BLOCK / 8;
 /// Converted neighbors by registers, and their species.
 ///
 /// The two are apart: where no species is looked at, the compiler leaves them out.
-struct Near<N, S> {
-    at: *const N,
-    species: *const S,
+struct Near<L: FixedLanes> {
+    at: *const [L; 3],
+    species: *const L::Species,
 }
 
-impl<N: Copy, S: Copy> Near<N, S> {
+impl<L: FixedLanes> Near<L> {
     /// A register of neighbors.
     ///
     /// # Safety
     /// The register is written.
     #[inline(always)]
-    unsafe fn get(&self, register: usize) -> (N, S) {
+    unsafe fn get(&self, register: usize) -> Neighbors<L> {
         // SAFETY: the contract is passed on.
         unsafe { (*self.at.add(register), *self.species.add(register)) }
     }
 }
 
 /// Blocks that are converted.
-struct Blocks<'a, L: FixedLanes, V: Frame<L>> {
+struct Blocks<'a, L: FixedLanes> {
     counts: BlockCounts,
     /// The entries of masked blocks that members do not look at.
     excluded: &'a [ExcludedEntries],
     /// Number of masked blocks of the cluster before these ones.
     masked_before: usize,
-    near: &'a Near<V::Neighbors, L::Species>,
+    near: &'a Near<L>,
     /// Stands at the first of the blocks.
     stream: &'a BlockStream<L>,
 }
 
-impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
+impl<L: FixedLanes, I: Interaction, const COMPACT: bool, const CUBIC: bool>
+    ClusterKernel<L, I, COMPACT, CUBIC>
+{
     /// As [`ClusterKernel::run`], with the same bits in the forces.
     ///
     /// # Safety
@@ -80,10 +81,10 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
         common: &mut [CommonSums<L>; COMMON],
     ) -> [MemberSums<L, EACH>; CLUSTER] {
         const { assert!(ROOM * BLOCK / L::WIDTH <= REGISTERS) };
-        let mut at = [const { MaybeUninit::<V::Neighbors>::uninit() }; REGISTERS];
+        let mut at = [const { MaybeUninit::<[L; 3]>::uninit() }; REGISTERS];
         let mut species = [const { MaybeUninit::<L::Species>::uninit() }; REGISTERS];
         let near = Near { at: at.as_mut_ptr().cast(), species: species.as_mut_ptr().cast() };
-        let at_members = self.frame.members();
+        let at_members = self.frame.members;
         // A loop over members keeps the sums of the others in memory. Unrolled, it would keep the sums of the first ones in registers.
         let mut sums = [self.nothing::<EACH>(); CLUSTER];
         let registers = BLOCK / L::WIDTH;
@@ -124,8 +125,8 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
     #[inline(always)]
     unsafe fn pass<const EACH: usize, const COMMON: usize>(
         &self,
-        (own, member): (Member<'_, L, I, V>, usize),
-        blocks: &Blocks<'_, L, V>,
+        (own, member): (Member<'_, L, I>, usize),
+        blocks: &Blocks<'_, L>,
         mut sum: MemberSums<L, EACH>,
         common: &mut [CommonSums<L>; COMMON],
     ) -> MemberSums<L, EACH> {
@@ -160,8 +161,8 @@ impl<L: FixedLanes, I: Interaction, V: Frame<L>> ClusterKernel<L, I, V> {
     #[inline(always)]
     unsafe fn masked<const EACH: usize, const COMMON: usize>(
         &self,
-        own: Member<'_, L, I, V>,
-        near: &Near<V::Neighbors, L::Species>,
+        own: Member<'_, L, I>,
+        near: &Near<L>,
         (block, valid): (usize, u16),
         mut sum: MemberSums<L, EACH>,
         common: &mut [CommonSums<L>; COMMON],
