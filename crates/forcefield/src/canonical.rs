@@ -13,8 +13,7 @@ use lennard_core::{Exclusions, PeriodicBox};
 use rayon::prelude::*;
 
 use crate::interaction::Pairwise;
-use crate::simd::{ChunkTotals, Detail, PerParticle};
-use crate::sums::{Totals, outer};
+use crate::sums::{Detail, PerParticle, Totals};
 
 /// Particles per task.
 const PARTICLES_PER_CHUNK: usize = 64;
@@ -69,7 +68,7 @@ type ChunkWork<'a> =
     dyn Fn(usize, &mut [DVec3], Option<&mut [PerParticle]>, Option<&mut ParticleSums>) + Sync + 'a;
 
 /// Exact sums over particles.
-type ParticleSums = ExactSums<{ ChunkTotals::NUMBERS }>;
+type ParticleSums = ExactSums<{ Totals::NUMBERS }>;
 
 /// Runs all chunks and returns their totals, where they are wanted.
 fn run_chunks(
@@ -138,7 +137,7 @@ impl CanonicalJob<'_> {
         };
         for (k, force) in forces.iter_mut().enumerate() {
             let i = chunk * PARTICLES_PER_CHUNK + k;
-            let mut mine = ChunkTotals::NOTHING;
+            let mut mine = Totals::NOTHING;
             *force = match self.neighbors {
                 NeighborSource::AllBut(exclusions) => {
                     let others = (0..i).chain(i + 1..self.wrapped.len());
@@ -169,7 +168,7 @@ impl CanonicalJob<'_> {
         r_cut: f64,
         i: usize,
         neighbors: impl Iterator<Item = usize>,
-        totals: &mut ChunkTotals,
+        totals: &mut Totals,
     ) -> DVec3 {
         let lengths = self.cell.lengths();
         let (pairwise, r_cut2) = (self.pairwise, r_cut * r_cut);
@@ -186,14 +185,9 @@ impl CanonicalJob<'_> {
             if r2 <= r_cut2
                 && let Some(pair) = pairwise.between(i, j, r2)
             {
-                let f_ij = pair.force * r_ij;
-                force += f_ij;
-                totals.energy += pair.energy;
-                totals.virial_trace += pair.force * r2;
-                totals.virial += outer(r_ij, f_ij);
-                totals.laplacian += pair.curvature - 2.0 * pair.force;
+                force += pair.force * r_ij;
+                totals.add_end(&pair, r_ij);
                 totals.at_cutoff += pairwise.energy_at_cutoff(i, j);
-                totals.pairs += 1;
             }
         }
         force

@@ -10,9 +10,10 @@ use lennard_neighbor::{PairList, Positions};
 use crate::clock::Clock;
 use crate::share::Share;
 use crate::simd::{
-    Detail, Disjoint, KickDrift, ListStatus, Mover, PackedCopies, PackedList, Prepared, Request,
-    SlotNoise, SlotState, SumOverChunks, are_few, by_slot, fused_step, to_particles,
+    Disjoint, KickDrift, ListStatus, Mover, PackedCopies, PackedList, Prepared, Request, SlotNoise,
+    SlotState, SumOverChunks, are_few, by_slot, fused_step, to_particles,
 };
+use crate::sums::Detail;
 use crate::validity::ListValidity;
 
 /// Room for particles in the order of a list, beside the room of forces that the caller lends.
@@ -112,8 +113,10 @@ impl FusedBuffers {
                     let acts = steps.bath.as_ref().is_some_and(FusedBath::scales);
                     let mut request = request::<P>(prepared, n, most - done);
                     request.packs_next &= !acts;
-                    let (state, rest) = particles.parts();
-                    let mover = rest.mover(acts, steps, list.particles());
+                    let BySlot { positions, velocities, next, forces, sum, parts } = &mut particles;
+                    let next = (!next.is_empty()).then_some(&mut **next);
+                    let state = SlotState { positions, next, velocities };
+                    let mover = mover(acts, steps, list.particles(), (forces, sum, parts));
                     let how = (kick_drift, &mover);
                     let status = fused_step(used, copies, &*over_list, state, how, request);
                     if status != ListStatus::Complete {
@@ -201,16 +204,6 @@ impl BySlot<'_> {
         self.positions[own].copy_from_slice(built);
     }
 
-    fn parts(&mut self) -> (SlotState<'_>, Rest<'_>) {
-        let state = SlotState {
-            positions: self.positions,
-            next: (!self.next.is_empty()).then_some(&mut *self.next),
-            velocities: self.velocities,
-        };
-        let rest = Rest { forces: self.forces, sum: self.sum, parts: self.parts };
-        (state, rest)
-    }
-
     /// Lets the bath scale the velocities after half a kick, and goes on with the other half and the drift.
     fn go_on_from_bath(
         &mut self,
@@ -256,32 +249,24 @@ fn request<P: PackedList>(prepared: Prepared, n: usize, left: u64) -> Request {
     }
 }
 
-/// Arrays that only some steps use.
-struct Rest<'a> {
-    forces: &'a mut [DVec3],
-    sum: &'a mut SumOfParts,
-    parts: &'a mut Vec<PartSum>,
-}
-
-impl<'a> Rest<'a> {
-    /// What moves the particles in the next step; `acts` says whether the bath does after it.
-    fn mover(self, acts: bool, steps: &FusedSteps<'_>, particles: &'a [u32]) -> Mover<'a> {
-        let Masses::Uniform(mass) = *steps.masses else {
-            return Mover::Drift;
-        };
-        let Self { forces, sum, parts } = self;
-        let n = particles.len();
-        if acts {
-            return Mover::Bath {
-                forces: Disjoint::new(forces),
-                mass,
-                sum: SumOverChunks::begin(sum, parts, n),
-            };
-        }
-        let Some(of_step) = steps.bath.as_ref().and_then(FusedBath::next_noise) else {
-            return Mover::Drift;
-        };
-        let noise = SlotNoise { of_step, mass, particles };
-        Mover::Noise(noise, SumOverChunks::begin(sum, parts, n))
+/// What moves the particles in the next step; `acts` says whether the bath does after it. Only some steps use the arrays.
+fn mover<'a>(
+    acts: bool,
+    steps: &FusedSteps<'_>,
+    particles: &'a [u32],
+    (forces, sum, parts): (&'a mut [DVec3], &'a mut SumOfParts, &'a mut Vec<PartSum>),
+) -> Mover<'a> {
+    let Masses::Uniform(mass) = *steps.masses else {
+        return Mover::Drift;
+    };
+    let n = particles.len();
+    if acts {
+        let forces = Disjoint::new(forces);
+        return Mover::Bath { forces, mass, sum: SumOverChunks::begin(sum, parts, n) };
     }
+    let Some(of_step) = steps.bath.as_ref().and_then(FusedBath::next_noise) else {
+        return Mover::Drift;
+    };
+    let noise = SlotNoise { of_step, mass, particles };
+    Mover::Noise(noise, SumOverChunks::begin(sum, parts, n))
 }

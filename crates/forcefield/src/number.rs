@@ -10,8 +10,6 @@ pub trait Number: Copy + std::fmt::Debug + Send + Sync + 'static {
     const COUNTS_FROM: f64;
     /// The number nearest to a double.
     fn of(value: f64) -> Self;
-    /// The bits of a value without the last ones.
-    fn number(value: f64, shift: u32) -> u64;
     /// Number of bits.
     const BITS: u32;
     /// The last bits of a number that hold the leading bits of another one in a row.
@@ -37,9 +35,6 @@ impl Number for f64 {
 
     fn of(value: f64) -> Self {
         value
-    }
-    fn number(value: f64, shift: u32) -> u64 {
-        value.to_bits() >> shift
     }
     fn from_bits(bits: u64) -> Self {
         Self::from_bits(bits)
@@ -67,9 +62,6 @@ impl Number for f32 {
 
     fn of(value: f64) -> Self {
         value as Self
-    }
-    fn number(value: f64, shift: u32) -> u64 {
-        u64::from((value as Self).to_bits() >> shift)
     }
     fn from_bits(bits: u64) -> Self {
         Self::from_bits(bits as u32)
@@ -116,12 +108,6 @@ pub struct RowsOf<T: Number> {
 }
 
 impl<T: Number> RowsOf<T> {
-    /// The rows.
-    #[inline(always)]
-    pub fn rows(&self) -> &[T::Row] {
-        &self.rows
-    }
-
     /// The number of rows before the first one of a law, as a register takes it: in the last bits of a number.
     pub fn first_of(&self, law: f64) -> f64 {
         T::COUNTS_FROM + law * self.per_law as f64

@@ -20,8 +20,8 @@ use crate::non_finite;
 use crate::options::ForceFieldOptions;
 use crate::plan::{Conditions, ForcePlan, Search, TIE_MARGIN, decide};
 use crate::reference;
-use crate::simd::{Detail, KickDrift, PerParticle};
-use crate::sums::Totals;
+use crate::simd::KickDrift;
+use crate::sums::{Detail, PerParticle, Totals};
 
 /// The search for pairs, with the arrays that it needs.
 enum Strategy {

@@ -4,8 +4,7 @@ use glam::DVec3;
 use lennard_core::{Configuration, Exclusions};
 
 use crate::interaction::Pairwise;
-use crate::simd::PerParticle;
-use crate::sums::{Totals, outer};
+use crate::sums::{PerParticle, Totals, outer};
 
 /// Writes forces and returns the totals; `each` takes the entries of each particle where they are wanted.
 pub fn evaluate(
@@ -30,7 +29,7 @@ pub fn evaluate(
                 let f_ij = pair.force * r_ij;
                 forces[i] += f_ij;
                 forces[j] -= f_ij;
-                totals.add(&pair, r_ij);
+                totals.add_end(&pair, r_ij);
                 totals.at_cutoff += pairwise.energy_at_cutoff(i, j);
                 if let Some(each) = &mut each {
                     for k in [i, j] {
@@ -41,5 +40,6 @@ pub fn evaluate(
             }
         }
     }
+    totals.laplacian *= 2.0;
     totals
 }

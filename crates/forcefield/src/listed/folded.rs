@@ -4,10 +4,8 @@ use glam::DVec3;
 use lennard_neighbor::PairList;
 
 use crate::canonical::{CanonicalJob, NeighborSource, wrap};
-use crate::simd::{Detail, ListInUse, ListStatus, MotionSummary, Ordered, PerParticle};
-use crate::sums::Totals;
-
-use super::evaluated::Evaluated;
+use crate::simd::{ListInUse, ListStatus, MotionSummary, Ordered};
+use crate::sums::{Detail, PerParticle, Totals};
 
 /// Folded positions, and the neighbors of each particle in ascending order.
 #[derive(Default)]
@@ -39,7 +37,7 @@ impl Folded {
         detail: Detail,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
-    ) -> Evaluated {
+    ) -> (ListStatus, Totals) {
         wrap(used.cell, positions, &mut self.wrapped);
         let order = used.list.particles();
         let at = Ordered::of(positions, order);
@@ -50,7 +48,7 @@ impl Folded {
         summary.include(0, &squares, motion.far2);
         let status = used.judge(&summary, None, at);
         if status != ListStatus::Complete {
-            return Evaluated { status, totals: Totals::NOTHING, broken: false };
+            return (status, Totals::NOTHING);
         }
         let job = CanonicalJob {
             pairwise: used.pairwise,
@@ -59,6 +57,7 @@ impl Folded {
             neighbors: NeighborSource::Listed(&self.lists),
         };
         let totals = job.run(detail, forces, each);
-        Evaluated { status, totals, broken: !forces.iter().all(|f| f.is_finite()) }
+        let broken = !forces.iter().all(|f| f.is_finite());
+        (status, Totals { broken, ..totals })
     }
 }

@@ -1,6 +1,5 @@
 //! A Verlet list at work: positions are packed into rows, the list is judged before each use, and pairs are summed.
 
-mod evaluated;
 mod folded;
 mod persist;
 
@@ -12,17 +11,13 @@ use lennard_core::{
 };
 use lennard_neighbor::{ClusterList, FIXED_UNITS, Images, NeighborList, Positions};
 
-use self::evaluated::Evaluated;
 use self::folded::Folded;
 use crate::clock::Clock;
 use crate::fused::FusedBuffers;
 use crate::interaction::Pairwise;
 use crate::non_finite;
-use crate::share::Share;
-use crate::simd::{
-    Detail, KickDrift, Level, ListStatus, PackedCopies, PackedList, PerParticle, Prepared, Request,
-};
-use crate::sums::Totals;
+use crate::simd::{KickDrift, Level, ListStatus, PackedCopies, PackedList, Prepared, Request};
+use crate::sums::{Detail, PerParticle, Totals};
 use crate::validity::ListValidity;
 
 /// The smallest number of fused steps that is worth gathering the particles by slot.
@@ -172,49 +167,39 @@ impl<P: PackedList> Listed<P> {
         mut each: Option<&mut [PerParticle]>,
         clock: &mut Clock,
     ) -> Result<Totals, ForceError> {
-        let outcome = clock.computing(|clock| {
+        let (status, totals) = clock.computing(|clock| {
             let mut request = Request::of(detail);
-            while self.validity.may_be_valid::<P>(at.cell, at.positions.len()) {
+            let mut is_new = false;
+            loop {
+                if !self.validity.may_be_valid::<P>(at.cell, at.positions.len()) {
+                    assert!(!is_new, "a new list is complete");
+                    clock.building(|| self.build(at.cell, at.positions))?;
+                    (request, is_new) = (Request::of(detail), true);
+                }
+                let used = self.validity.in_use(&self.list, at.cell);
                 let each = each.as_deref_mut();
-                let outcome = self.attempt(at, request, forces, each);
-                match &outcome.status {
-                    ListStatus::Complete | ListStatus::NonFinite => return Ok(outcome),
+                let (status, totals) = match &mut self.folded {
+                    Some(folded) => folded.evaluate(&used, at.positions, detail, forces, each),
+                    None => used.evaluate(&mut self.packed, at.positions, request, forces, each),
+                };
+                match &status {
+                    ListStatus::Complete | ListStatus::NonFinite => return Ok((status, totals)),
                     ListStatus::Incomplete(pairs)
-                        if self.validity.insert(&mut self.list, pairs) =>
+                        if !is_new && self.validity.insert(&mut self.list, pairs) =>
                     {
                         request.prepared = Prepared::Judged;
                     }
-                    ListStatus::Expired | ListStatus::Incomplete(_) => break,
+                    ListStatus::Expired | ListStatus::Incomplete(_) => self.validity.forget(),
                 }
             }
-            clock.building(|| self.build(at.cell, at.positions))?;
-            Ok(self.attempt(at, Request::of(detail), forces, each))
         })?;
-        if outcome.status == ListStatus::NonFinite {
+        if status == ListStatus::NonFinite {
             return Err(non_finite::position(at.positions));
         }
-        assert_eq!(outcome.status, ListStatus::Complete, "a new list is complete");
-        if outcome.broken {
+        if totals.broken {
             return Err(non_finite::force(forces));
         }
-        Ok(outcome.totals)
-    }
-
-    /// Judges the list where the request demands it, and evaluates where the list is complete.
-    fn attempt(
-        &mut self,
-        at: Configuration<'_>,
-        request: Request,
-        forces: &mut [DVec3],
-        each: Option<&mut [PerParticle]>,
-    ) -> Evaluated {
-        let used = self.validity.in_use(&self.list, at.cell);
-        if let Some(folded) = &mut self.folded {
-            return folded.evaluate(&used, at.positions, request.detail, forces, each);
-        }
-        let packed = &mut self.packed;
-        let found = used.evaluate(packed, at.positions, request, forces, each);
-        Evaluated::of(found, request.detail, used.share.map(Share::team))
+        Ok(totals)
     }
 
     /// Takes fused steps: see [`lennard_core::Backend::advance`].

@@ -98,7 +98,7 @@ fn rows_of<T: Number>(laws: &[Scaled<'_>], bits: u32) -> RowsOf<T> {
         lowest,
         highest,
         shift: T::MANTISSA - bits,
-        first: T::number(lowest, T::MANTISSA - bits),
+        first: T::of(lowest).bits() >> (T::MANTISSA - bits),
     }
 }
 

@@ -10,9 +10,9 @@
 use glam::DMat3;
 
 use super::lanes::Lanes;
-use super::totals::ChunkTotals;
 use crate::interaction::Interaction;
 use crate::pair::Pair;
+use crate::sums::Totals;
 
 /// The units that a loop computes in.
 #[derive(Clone, Copy, Debug)]
@@ -90,12 +90,12 @@ impl<L: Lanes> CommonSums<L> {
 
     /// The sums over all lanes.
     #[inline(always)]
-    pub fn totals<I: Interaction>(&self, interaction: &I, units: Units) -> ChunkTotals {
+    pub fn totals<I: Interaction>(&self, interaction: &I, units: Units) -> Totals {
         let [a, b, c] = self.sums;
         let pairs = u64::from(self.pairs);
         let sums = [a.sum(), b.sum(), c.sum()];
         let [energy, virial_trace, laplacian] = interaction.totals(sums, pairs, units.length);
-        ChunkTotals {
+        Totals {
             energy: units.energy * energy,
             virial_trace: units.energy * virial_trace,
             virial: DMat3::ZERO,
@@ -159,12 +159,12 @@ impl<L: Lanes> PairSums<L> {
 
     /// The sums over all lanes.
     #[inline(always)]
-    pub fn totals(&self, units: Units) -> ChunkTotals {
+    pub fn totals(&self, units: Units) -> Totals {
         let [xx, yy, zz, xy, xz, yz] = self.virial;
         let (xx, yy, zz) = (xx.sum(), yy.sum(), zz.sum());
         let (xy, xz, yz) = (xy.sum(), xz.sum(), yz.sum());
         let virial = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
-        ChunkTotals {
+        Totals {
             energy: units.energy * self.energy.sum(),
             virial_trace: units.virial() * (xx + yy + zz),
             virial: units.virial() * DMat3::from_cols_array(&virial),

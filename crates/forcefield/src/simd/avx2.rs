@@ -13,8 +13,8 @@ use super::level::Avx2;
 use super::output::Output;
 use super::row::{DoubleRow, FixedRow};
 use super::row_loop::{self, RowJob};
-use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
 use crate::options::Precision;
+use crate::sums::{Detail, Totals};
 
 run_loops!(Avx2, "avx2,fma,bmi1,bmi2,popcnt", F64x4, F32x8);

@@ -13,8 +13,8 @@ use super::level::Avx512;
 use super::output::Output;
 use super::row::{DoubleRow, FixedRow};
 use super::row_loop::{self, RowJob};
-use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
 use crate::options::Precision;
+use crate::sums::{Detail, Totals};
 
 run_loops!(Avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt", F64x8, F32x16);

@@ -1,8 +1,9 @@
 //! The choice of a loop by the level.
 
-/// Calls the function of this name in the module of a level's instruction set, with the token as its first argument.
+/// Calls the function of this name in the module of a level's instruction set, with the token as its first argument. Without one, it
+/// evaluates the last expression.
 macro_rules! by_level {
-    ($level:expr, $function:ident($($argument:expr),*)) => {
+    ($level:expr, $function:ident($($argument:expr),*), $portable:expr) => {
         match $level {
             // SAFETY: the level holds a token, which proves the instruction set. Callers keep every other contract.
             #[cfg(target_arch = "x86_64")]
@@ -10,7 +11,7 @@ macro_rules! by_level {
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
             Level::Avx2(isa) => unsafe { crate::simd::avx2::$function(isa, $($argument),*) },
-            _ => crate::simd::portable::$function($($argument),*),
+            _ => $portable,
         }
     };
 }
@@ -29,7 +30,7 @@ macro_rules! run_loops {
             chunk: usize,
             detail: Detail,
             output: &Output<'_>,
-        ) -> ChunkTotals {
+        ) -> Totals {
             // SAFETY: the caller runs each chunk once.
             unsafe { row_loop::run::<$doubles, I>(isa, job, rows, chunk, detail, output) }
         }
@@ -43,7 +44,7 @@ macro_rules! run_loops {
             chunk: usize,
             detail: Detail,
             output: &Output<'_>,
-        ) -> ChunkTotals {
+        ) -> Totals {
             // SAFETY: as above.
             unsafe { cluster_loop::run::<$singles, I>(isa, job, rows, chunk, detail, output) }
         }

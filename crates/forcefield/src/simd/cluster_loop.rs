@@ -13,8 +13,8 @@ use super::lanes::FixedLanes;
 use super::output::Output;
 use super::prefetch::{Parts, prefetch, prefetch_read};
 use super::row::FixedRow;
-use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
+use crate::sums::{Detail, Totals};
 
 /// One evaluation.
 pub struct ClusterJob<'a, I: Interaction> {
@@ -92,7 +92,7 @@ pub unsafe fn run<L: FixedLanes, I: Interaction>(
     chunk: usize,
     detail: Detail,
     output: &Output<'_>,
-) -> ChunkTotals {
+) -> Totals {
     assert_eq!(rows.len(), job.list.table().particle.len(), "a row for each slot");
     let chunks = job.list.chunks();
     if let Some(next) = chunks.get(chunk + 1) {
@@ -136,11 +136,11 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, const EACH: usize, const COMMON: 
     chunk: &ClusterChunk,
     later: &[Block],
     output: &Output<'_>,
-) -> ChunkTotals {
+) -> Totals {
     let n = rows.len();
     let later = Parts::of(later, chunk.spans.len());
     let in_common = COMMON > 0 && is_full(chunk, rows);
-    let mut totals = ChunkTotals::NOTHING;
+    let mut totals = Totals::NOTHING;
     let mut sum = DVec3::ZERO;
     // SAFETY: entries of the list number slots, and `run` checked that each slot has a row. Each particle has one slot,
     // each slot belongs to one cluster, each cluster belongs to one chunk, and no other thread runs this chunk.
@@ -213,7 +213,7 @@ impl<L: FixedLanes, const EACH: usize, const COMMON: usize> Computed<L, EACH, CO
         in_common: bool,
         output: &Output<'_>,
         sum: &mut DVec3,
-        totals: &mut ChunkTotals,
+        totals: &mut Totals,
     ) {
         let Self { slots: [first, end], sums, units, common } = self;
         let forces = [sums[0].force, sums[1].force, sums[2].force, sums[3].force];

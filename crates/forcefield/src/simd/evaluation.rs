@@ -6,10 +6,10 @@ use super::by_slot::to_particles;
 use super::fused::NextRows;
 use super::list_in_use::{ListInUse, ListStatus, Ordered};
 use super::output::Output;
-use super::packed::{Outcome, PackedCopies, Pass, Request};
+use super::packed::{PackedCopies, Pass, Request};
 use super::packed_list::PackedList;
-use super::totals::PerParticle;
 use crate::share::Share;
+use crate::sums::{PerParticle, Totals};
 
 impl<P: PackedList> ListInUse<'_, P> {
     /// Packs rows, judges the list, and writes forces (and `each`) where it is complete. Each rank gets the forces of all.
@@ -20,7 +20,7 @@ impl<P: PackedList> ListInUse<'_, P> {
         request: Request,
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
-    ) -> Outcome {
+    ) -> (ListStatus, Totals) {
         let order = self.list.particles();
         let over_list = self.pairwise.over(self.list, self.cell);
         let at = || Ordered::of(positions, order);
@@ -32,7 +32,7 @@ impl<P: PackedList> ListInUse<'_, P> {
             copies.run(&Pass { used: self, request, at: &at, run: &run, fetch: None })
         };
         let Some(share) = self.share else {
-            return pass(Output::new(forces, each, order, 0));
+            return pass(Output::new(forces, each, order, 0)).summed(request.detail, None);
         };
         let n = forces.len();
         let mut by_slot = std::mem::take(&mut share.buffers().forces);
@@ -51,7 +51,7 @@ impl<P: PackedList> ListInUse<'_, P> {
             outcome.broken = team.any(outcome.broken);
         }
         share.buffers().forces = by_slot;
-        outcome
+        outcome.summed(request.detail, Some(share.team()))
     }
 }
 

@@ -4,7 +4,7 @@
 //! where they come in ([`output`]). Physics is in the formulas that are passed in. No formula names an instruction set.
 //!
 //! ```text
-//!   level, row, totals            instruction sets, rows, sums
+//!   level, row                    instruction sets, rows
 //!   lanes, registers              operations of a register; avx512, avx2 and portable implement them
 //!   frames, cluster_kernel        pairs of one cluster        \
 //!   cluster_loop, row_loop        loops over one chunk         > written once for all lanes
@@ -52,7 +52,6 @@ mod row_loop;
 #[cfg(target_arch = "x86_64")]
 mod scan;
 mod scanners;
-mod totals;
 
 pub use by_slot::{by_slot, to_particles};
 pub use disjoint::Disjoint;
@@ -63,6 +62,5 @@ pub use limit::limit;
 pub use list_in_use::{ListInUse, ListStatus, Ordered};
 pub use motion::{MotionSummary, SomeRows};
 pub use mover::{KickDrift, Mover, SlotNoise, SumOverChunks};
-pub use packed::{Outcome, PackedCopies, Prepared, Request, are_few};
+pub use packed::{PackedCopies, Prepared, Request, are_few};
 pub use packed_list::{ChunkLoop, PackedList};
-pub use totals::{ChunkTotals, Detail, PerParticle};

@@ -7,7 +7,7 @@ use super::accumulate::{PairSums, Units};
 use super::disjoint::Disjoint;
 use super::lanes::Lanes;
 use super::prefetch::NextChunk;
-use super::totals::{ChunkTotals, PerParticle};
+use crate::sums::{PerParticle, Totals};
 
 /// Forces, and energy and virial of each particle where they are wanted.
 pub struct Output<'a> {
@@ -92,7 +92,7 @@ impl<'a> Output<'a> {
         force: DVec3,
         (sums, alone): (Option<&PairSums<L>>, bool),
         units: Units,
-        totals: &mut ChunkTotals,
+        totals: &mut Totals,
     ) {
         let at = self.order[slot - self.first] as usize;
         // SAFETY: the contract is passed on.

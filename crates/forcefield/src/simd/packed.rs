@@ -9,6 +9,7 @@ use std::slice;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
+use lennard_core::Team;
 use lennard_core::tasks::{for_each_task, map_tasks};
 use lennard_neighbor::{LARGE_SYSTEM, PackedDisplacement};
 
@@ -18,8 +19,8 @@ use super::list_in_use::{ListInUse, ListStatus, Ordered};
 use super::motion::{MotionSummary, SomeRows};
 use super::pack::Threads;
 use super::packed_list::PackedList;
-use super::totals::{ChunkTotals, Detail};
 use crate::share::Share;
+use crate::sums::{Detail, Totals};
 
 /// The state of the rows before an evaluation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,7 +56,7 @@ pub struct Outcome {
     /// Whether the list could be used. If not, there are no sums.
     pub status: ListStatus,
     /// The totals of all chunks of this rank: every pair from both of its ends. Empty where only forces are summed.
-    pub totals: Vec<ChunkTotals>,
+    pub totals: Vec<Totals>,
     /// Whether a force is not finite.
     pub broken: bool,
 }
@@ -65,6 +66,14 @@ impl Outcome {
     fn without_sums(status: ListStatus) -> Self {
         Self { status, totals: Vec::new(), broken: false }
     }
+
+    /// The status, and the totals over all pairs that `detail` asks for. Each rank of a team has some chunks.
+    pub fn summed(self, detail: Detail, team: Option<&Team>) -> (ListStatus, Totals) {
+        let has_totals = detail != Detail::Forces && self.status == ListStatus::Complete;
+        let totals =
+            if has_totals { Totals::of_chunks(&self.totals, team) } else { Totals::NOTHING };
+        (self.status, Totals { broken: self.broken, ..totals })
+    }
 }
 
 /// Fetches the positions of the halo while some work is done.
@@ -72,7 +81,7 @@ pub type Fetch<'a> = dyn Fn(&mut dyn FnMut()) + Sync + 'a;
 
 /// Runs one chunk over rows, and packs its rows of the next step where asked.
 pub type RunChunk<'a, Row> =
-    dyn Fn(&[Row], Option<&NextRows<'_, Row>>, usize) -> ChunkTotals + Sync + 'a;
+    dyn Fn(&[Row], Option<&NextRows<'_, Row>>, usize) -> Totals + Sync + 'a;
 
 /// One pass over the chunks of a list.
 pub struct Pass<'a, 'p, P: PackedList> {
@@ -207,7 +216,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
             });
             match status.get() {
                 Some(ListStatus::Complete) => (pass.run)(&copy.rows, None, c),
-                _ => ChunkTotals::NOTHING,
+                _ => Totals::NOTHING,
             }
         };
         let mut outcome = run_chunks(pass.request.detail, pass.used.list.chunk_count(), &run);
@@ -329,7 +338,7 @@ fn lock<Row>(copy: &Mutex<PackedCopy<Row>>) -> MutexGuard<'_, PackedCopy<Row>> {
 fn run_chunks<S: Default>(
     detail: Detail,
     chunks: usize,
-    run: &(dyn Fn(&mut S, usize) -> ChunkTotals + Sync),
+    run: &(dyn Fn(&mut S, usize) -> Totals + Sync),
 ) -> Outcome {
     if detail == Detail::Forces {
         let broken = AtomicBool::new(false);

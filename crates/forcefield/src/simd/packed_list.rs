@@ -10,10 +10,11 @@ use super::level::Level;
 use super::motion::{Motion, MotionSummary, SomeRows};
 use super::output::Output;
 use super::pack::{Threads, pack_double, pack_fixed, pack_fixed_part};
+use super::portable;
 use super::row::{DoubleRow, FixedRow};
 use super::row_loop::RowJob;
-use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
+use crate::sums::{Detail, Totals};
 
 /// Writes the rows of the slots from one on, and |d|² where given. No other thread may write the rows of these slots.
 pub type PackPart<List> = unsafe fn(
@@ -73,7 +74,7 @@ pub trait ChunkLoop<Row>: Sync {
         chunk: usize,
         detail: Detail,
         output: &Output<'_>,
-    ) -> ChunkTotals;
+    ) -> Totals;
 }
 
 impl<I: Interaction> ChunkLoop<DoubleRow> for RowJob<'_, I> {
@@ -84,8 +85,12 @@ impl<I: Interaction> ChunkLoop<DoubleRow> for RowJob<'_, I> {
         chunk: usize,
         detail: Detail,
         output: &Output<'_>,
-    ) -> ChunkTotals {
-        by_level!(level, run_double(self, rows, chunk, detail, output))
+    ) -> Totals {
+        by_level!(
+            level,
+            run_double(self, rows, chunk, detail, output),
+            portable::run_double(self, rows, chunk, detail, output)
+        )
     }
 }
 
@@ -97,20 +102,12 @@ impl<I: Interaction> ChunkLoop<FixedRow> for ClusterJob<'_, I> {
         chunk: usize,
         detail: Detail,
         output: &Output<'_>,
-    ) -> ChunkTotals {
-        match level {
-            // SAFETY: the level holds a token, which proves the instruction set.
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx512(isa) => unsafe {
-                super::avx512::run_cluster(isa, self, rows, chunk, detail, output)
-            },
-            // SAFETY: as above.
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx2(isa) => unsafe {
-                super::avx2::run_cluster(isa, self, rows, chunk, detail, output)
-            },
-            _ => unreachable!("portable loops are in double precision"),
-        }
+    ) -> Totals {
+        by_level!(
+            level,
+            run_cluster(self, rows, chunk, detail, output),
+            unreachable!("portable loops are in double precision")
+        )
     }
 }
 

@@ -6,16 +6,14 @@ use std::array::from_fn;
 
 use glam::{BVec2, DVec2};
 
-use super::arithmetic::arithmetic;
 use super::lanes::{BySpecies, Lanes};
 use super::output::Output;
 use super::row::DoubleRow;
 use super::row_loop::{self, RowJob};
-use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
 use crate::number::{Number, RowsOf};
-use crate::options::Precision;
 use crate::real::Real;
+use crate::sums::{Detail, Totals};
 
 impl Real for DVec2 {
     #[inline(always)]
@@ -92,7 +90,7 @@ impl Lanes for DVec2 {
         let counts_from = f64::COUNTS_FROM.to_bits() + rows.first;
         let row: [[f64; 4]; 2] = from_fn(|k| {
             let at = number[k] + first[k].to_bits() - counts_from;
-            rows.rows()[at as usize].0
+            rows.rows[at as usize].0
         });
         let [u, g0, g1, g2] = from_fn(|c| Self::new(row[0][c], row[1][c]));
         let g3 = g2.to_array().map(|g2| f64::from_bits(g2.to_bits() << 32)).into();
@@ -129,12 +127,7 @@ pub fn run_double<I: Interaction>(
     chunk: usize,
     detail: Detail,
     output: &Output<'_>,
-) -> ChunkTotals {
+) -> Totals {
     // SAFETY: the caller runs each chunk once.
     unsafe { row_loop::run::<DVec2, I>((), job, rows, chunk, detail, output) }
-}
-
-/// The arithmetic of a number of rounds without memory.
-pub fn limit(r_cut: f64, rounds: u64, _precision: Precision) -> (u64, f64) {
-    arithmetic::<DVec2>((), r_cut, rounds)
 }

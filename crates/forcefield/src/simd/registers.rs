@@ -148,7 +148,7 @@ macro_rules! registers {
                     let units = shift_left::<{ UNITS.ilog2() as _ }>(add_bits(number, first));
                     let mut at: [$bits; $width] = [0; $width];
                     store_bits(at.as_mut_ptr().cast(), units);
-                    let rows = rows.rows();
+                    let rows = &rows.rows[..];
                     let [u, g0, g1, g2] = transposed(|k| {
                         debug_assert!(at[k] as usize / UNITS < rows.len());
                         rows.as_ptr().cast::<u64>().add(at[k] as usize).cast()

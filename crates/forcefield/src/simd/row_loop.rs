@@ -8,8 +8,8 @@ use super::lanes::Lanes;
 use super::output::Output;
 use super::prefetch::prefetch;
 use super::row::DoubleRow;
-use super::totals::{ChunkTotals, Detail};
 use crate::interaction::Interaction;
+use crate::sums::{Detail, Totals};
 
 /// One evaluation.
 pub struct RowJob<'a, I: Interaction> {
@@ -40,7 +40,7 @@ pub unsafe fn run<L: Lanes<Row = DoubleRow, Number = f64>, I: Interaction>(
     chunk: usize,
     detail: Detail,
     output: &Output<'_>,
-) -> ChunkTotals {
+) -> Totals {
     assert!(rows.len() >= job.list.targets(), "a row for each target of the list");
     let chunks = job.list.chunks();
     if let Some(next) = chunks.get(chunk + 1) {
@@ -88,12 +88,12 @@ unsafe fn sweep<
     chunk: &ListChunk,
     entries: &[E],
     output: &Output<'_>,
-) -> ChunkTotals {
+) -> Totals {
     let units = Units { energy: I::UNIT, length: 1.0 };
     // There is no `array::map` over lanes here: it is a call, and a call leaves the instruction set.
     let zero = L::constant(isa, 0.0);
     let mut common = [CommonSums::<L>::nothing(isa); COMMON];
-    let mut totals = ChunkTotals::NOTHING;
+    let mut totals = Totals::NOTHING;
     let mut sum = DVec3::ZERO;
     let mut start = 0;
     // SAFETY: `run` checked that every target of the list is a row; base plus entry is a target.

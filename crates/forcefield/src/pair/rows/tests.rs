@@ -26,7 +26,7 @@ fn looked_up(rows: &RowsOf<f64>, [scale, law, half]: [f64; 3], s: f64) -> (f64, 
     let before = rows.first_of(law).to_bits() - <f64 as Number>::COUNTS_FROM.to_bits();
     let at = (number + before - rows.first) as usize;
     let d = scaled - f64::from_bits(number << rows.shift);
-    let [u, g0, g1, g2, g3] = unfolded(rows.rows()[at].0);
+    let [u, g0, g1, g2, g3] = unfolded(rows.rows[at].0);
     let integral = g0 + d * (g1 / 2.0 + d * (g2 / 3.0 + d * g3 / 4.0));
     (u - half * d * integral, g0 + d * (g1 + d * (g2 + d * g3)))
 }
