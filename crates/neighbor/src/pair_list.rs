@@ -15,8 +15,6 @@ use crate::sort::{Around, Cells, GridError, Positions};
 /// A build has three parts: [`order`](PairList::order) gives particles their slots, [`place`](PairList::place) takes their
 /// coordinates, and [`fill`](PairList::fill) searches. Particles that no list names need no place.
 pub trait PairList: Sync {
-    /// The cells of the sort.
-    type Cells: Cells;
     /// Whether pairs can be inserted after the build.
     const INSERTS: bool = false;
 
@@ -25,7 +23,7 @@ pub trait PairList: Sync {
         0.0
     }
     /// The cells of the sort.
-    fn cells(&self) -> &Self::Cells;
+    fn cells(&self) -> Cells<'_>;
     /// The particle at each slot; no particle has two slots.
     fn particles(&self) -> &[u32];
     /// The index, in the order that was given to the build, of the position that belongs to each slot.

@@ -190,7 +190,7 @@ impl<P: PairList> ListInUse<'_, P> {
     /// The pairs inside the cutoff that were beyond the list radius at the build, ahead of the far movers.
     fn unlisted_pairs<A: Fn(u32) -> NowAndThen + Sync>(
         &self,
-        displacements: Displacements<'_, P::Cells, A>,
+        displacements: Displacements<'_, A>,
         far: &[u32],
     ) -> Vec<[u32; 2]> {
         let Build { cell, r_list, .. } = self.build;

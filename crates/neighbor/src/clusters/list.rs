@@ -25,7 +25,7 @@ use super::search::{Scratch, Search};
 use crate::pair_list::{OwnChunks, PairList, slots_of};
 use crate::rows::ATOMS_PER_CHUNK;
 use crate::scanner::Scanner;
-use crate::sort::{Around, ColumnTable, FixedRow, GridError, Positions};
+use crate::sort::{Around, Cells, ColumnTable, FixedRow, GridError, Positions};
 
 /// Full lists in fixed point, one per cluster.
 ///
@@ -99,7 +99,6 @@ impl ClusterList {
 }
 
 impl PairList for ClusterList {
-    type Cells = ColumnTable;
     const INSERTS: bool = true;
 
     /// Distances in fixed point are off by about one unit of the longest side, and singles by their last place.
@@ -108,8 +107,8 @@ impl PairList for ClusterList {
             + 4.0 * r_cut * f64::from(f32::EPSILON)
     }
 
-    fn cells(&self) -> &ColumnTable {
-        &self.table
+    fn cells(&self) -> Cells<'_> {
+        Cells::Columns(&self.table)
     }
 
     fn particles(&self) -> &[u32] {

@@ -12,7 +12,7 @@ use super::fill::{Filler, Scratch};
 use crate::clusters::Reach;
 use crate::pair_list::{OwnChunks, PairList, slots_of};
 use crate::scanner::Scanner;
-use crate::sort::{GridError, Positions, RowTable};
+use crate::sort::{Cells, GridError, Positions, RowTable};
 
 /// A full Verlet list: for each particle, all particles within the list radius.
 ///
@@ -112,10 +112,8 @@ impl NeighborList {
 }
 
 impl PairList for NeighborList {
-    type Cells = RowTable;
-
-    fn cells(&self) -> &RowTable {
-        &self.table
+    fn cells(&self) -> Cells<'_> {
+        Cells::Rows(&self.table)
     }
 
     fn particles(&self) -> &[u32] {

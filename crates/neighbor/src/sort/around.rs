@@ -16,7 +16,8 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_core::parallel::map_ranges;
 
-use super::cells::{Cells, wrap_cell};
+use super::cells::wrap_cell;
+use super::sorted::Cells;
 
 /// Another column as seen from a column.
 #[derive(Debug, Clone, Copy)]
@@ -61,7 +62,7 @@ pub struct Around {
 impl Around {
     /// The surroundings of some slots in a box, for lists of a radius, σ.
     #[must_use]
-    pub fn new<C: Cells>(cells: &C, lengths: DVec3, r_list: f64, own: &Range<usize>) -> Self {
+    pub fn new(cells: Cells<'_>, lengths: DVec3, r_list: f64, own: &Range<usize>) -> Self {
         let [nx, ny, nz] = cells.count();
         let edges = [lengths.x / f64::from(nx), lengths.y / f64::from(ny)];
         let radius = with_rounding(lengths, r_list);
@@ -109,7 +110,7 @@ impl Around {
     /// The slots of other ranks that the lists may name, ascending; `position` gives the sorted positions at slots of
     /// [`Around::near`], σ.
     #[must_use]
-    pub fn halo<C: Cells>(&self, cells: &C, position: impl Fn(usize) -> DVec3 + Sync) -> Vec<u32> {
+    pub fn halo(&self, cells: Cells<'_>, position: impl Fn(usize) -> DVec3 + Sync) -> Vec<u32> {
         let near = self.near_parts();
         map_ranges(near.len(), |parts| {
             let mut halo = Vec::new();
@@ -261,7 +262,7 @@ mod tests {
     }
 
     /// Compares with distances across the columns between all pairs.
-    fn compare<C: Cells>(cells: &C, at: impl Fn(usize) -> DVec3 + Sync) {
+    fn compare(cells: Cells<'_>, at: impl Fn(usize) -> DVec3 + Sync) {
         let n = positions().len();
         for own in [0..n / 3, n / 3..2 * n / 3, 700..731, 1490..n, 0..n] {
             let around = Around::new(cells, LENGTHS, RADIUS, &own);
@@ -295,10 +296,10 @@ mod tests {
         let positions = positions();
         let mut rows = RowTable::default();
         rows.sort(&cell, Positions::ById(&positions), RADIUS).unwrap();
-        compare(&rows, |slot| positions[rows.particle[slot] as usize]);
+        compare(Cells::Rows(&rows), |slot| positions[rows.particle[slot] as usize]);
         let mut columns = ColumnTable::default();
         columns.sort(&cell, Positions::ById(&positions)).unwrap();
-        compare(&columns, |slot| positions[columns.particle[slot] as usize]);
+        compare(Cells::Columns(&columns), |slot| positions[columns.particle[slot] as usize]);
     }
 
     #[test]
@@ -310,11 +311,11 @@ mod tests {
         // Whole layers of cells along x: the rank ends at a face.
         let [nx, ny, nz] = rows.count();
         let layer = |x: u32| {
-            let first = Cells::slots(&rows, x, 0, [0, nz - 1]).start as usize;
-            first..Cells::slots(&rows, x, ny - 1, [0, nz - 1]).end as usize
+            let first = rows.slots_between(x, 0, [0, nz - 1]).start as usize;
+            first..rows.slots_between(x, ny - 1, [0, nz - 1]).end as usize
         };
         let own = layer(3).start..layer(5).end;
-        let around = Around::new(&rows, LENGTHS, RADIUS, &own);
+        let around = Around::new(Cells::Rows(&rows), LENGTHS, RADIUS, &own);
         let edge = LENGTHS.x / f64::from(nx);
         let faces = [3.0 * edge, 6.0 * edge];
         let within = (0..positions.len()).filter(|slot| {
@@ -322,7 +323,7 @@ mod tests {
             !own.contains(slot) && (faces[0] - RADIUS..faces[1] + RADIUS).contains(&x)
         });
         let within: Vec<u32> = within.map(|slot| slot as u32).collect();
-        let halo = around.halo(&rows, |slot| positions[rows.particle[slot] as usize]);
+        let halo = around.halo(Cells::Rows(&rows), |slot| positions[rows.particle[slot] as usize]);
         assert_eq!(halo, within);
     }
 }

@@ -18,7 +18,6 @@ use lennard_core::parallel::for_each_piece_of_three;
 
 use crate::clusters::format::BLOCK_REACH;
 use crate::sort::cell_sort::CellSort;
-use crate::sort::cells::Cells;
 use crate::sort::coordinates::{FARTHEST_IMAGE, FIXED_UNITS, FixedRow, PADDING, fold, to_fixed};
 use crate::sort::positions::{GridError, Positions};
 
@@ -172,23 +171,19 @@ impl ColumnTable {
     }
 }
 
-impl Cells for ColumnTable {
-    fn count(&self) -> [u32; 3] {
+/// What [`super::Cells`] asks for.
+impl ColumnTable {
+    pub(super) fn count(&self) -> [u32; 3] {
         let [x, y] = self.grid.across;
         [x, y, self.grid.slices]
     }
 
-    fn across(&self, slot: usize, r: DVec3, lengths: DVec3) -> [f64; 2] {
+    pub(super) fn across(&self, slot: usize, r: DVec3, lengths: DVec3) -> [f64; 2] {
         let at = self.fixed(slot, r, lengths, FIXED_UNITS / lengths);
         [0, 1].map(|axis| {
             let part = f64::from(at[axis] as u32) / FIXED_UNITS;
             part * f64::from(self.grid.across[axis])
         })
-    }
-
-    #[inline(always)]
-    fn slots(&self, x: u32, y: u32, slices: [u32; 2]) -> Range<u32> {
-        self.slots_of(self.grid.column(x, y), slices)
     }
 }
 

@@ -22,7 +22,6 @@ use lennard_core::parallel::for_each_piece_pair;
 use lennard_core::tasks::{for_each_item, map_items};
 
 use crate::sort::cell_sort::{CellSort, cut};
-use crate::sort::cells::Cells;
 use crate::sort::coordinates::{FARTHEST_IMAGE, PADDING, RowCoordinates, fold};
 use crate::sort::positions::{GridError, Positions};
 
@@ -314,18 +313,19 @@ impl RowTable {
     }
 }
 
-impl Cells for RowTable {
-    fn count(&self) -> [u32; 3] {
+/// What [`super::Cells`] asks for.
+impl RowTable {
+    pub(super) fn count(&self) -> [u32; 3] {
         self.grid.inner.map(|count| count as u32)
     }
 
-    fn across(&self, slot: usize, _r: DVec3, _lengths: DVec3) -> [f64; 2] {
+    pub(super) fn across(&self, slot: usize) -> [f64; 2] {
         let at = self.wrapped[slot] / self.grid.edge;
         [at.x, at.y]
     }
 
     #[inline(always)]
-    fn slots(&self, x: u32, y: u32, z: [u32; 2]) -> Range<u32> {
+    pub(super) fn slots_between(&self, x: u32, y: u32, z: [u32; 2]) -> Range<u32> {
         let home = |z: u32| self.grid.home_index(x as usize, y as usize, z as usize);
         let first = &self.sort.first;
         first[home(z[0])]..first[home(z[1]) + 1]

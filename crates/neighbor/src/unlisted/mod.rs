@@ -23,9 +23,9 @@ use crate::sort::{CellRange, Cells, FIXED_ROUNDING};
 
 /// How particles moved since a list was built, in the box of the build.
 #[derive(Debug)]
-pub struct Displacements<'a, C, A> {
+pub struct Displacements<'a, A> {
     /// The cells of the sort.
-    pub cells: &'a C,
+    pub cells: Cells<'a>,
     /// The positions of the particle at a slot, now and at the build, unwrapped, σ.
     pub at: A,
     /// The displacements in few bytes, by slot, `[N]`; they save time where many particles moved far.
@@ -50,7 +50,7 @@ pub struct Partners {
 impl Partners {
     /// Some slots of a sort.
     #[must_use]
-    pub fn new<C: Cells>(cells: &C, slots: Range<u32>) -> Self {
+    pub fn new(cells: Cells<'_>, slots: Range<u32>) -> Self {
         let [nx, ny, nz] = cells.count();
         let columns = [vec![false; nx as usize], vec![false; ny as usize]];
         let mut partners = Self { slots, columns };
@@ -70,7 +70,7 @@ impl Partners {
     }
 }
 
-impl<C: Cells, A: Fn(u32) -> NowAndThen> Displacements<'_, C, A> {
+impl<A: Fn(u32) -> NowAndThen> Displacements<'_, A> {
     /// The position of the particle at a slot, and its displacement.
     #[inline(always)]
     fn of(&self, slot: u32) -> (DVec3, DVec3) {
@@ -97,11 +97,11 @@ const BATCH: usize = 16;
 /// The search therefore looks ahead of each far mover, in the part of a shell that a cone cuts out: cos θ ≥ ½·skin/|d|.
 /// A partner must itself make up for the rest of the skin, and few particles moved so far.
 #[must_use]
-pub fn unlisted_pairs<C: Cells, A: Fn(u32) -> NowAndThen + Sync>(
+pub fn unlisted_pairs<A: Fn(u32) -> NowAndThen + Sync>(
     cell: &PeriodicBox,
     radius: f64,
     inner: f64,
-    displacements: Displacements<'_, C, A>,
+    displacements: Displacements<'_, A>,
     far: &[u32],
 ) -> Vec<[u32; 2]> {
     let lengths = cell.lengths();
@@ -166,8 +166,8 @@ struct Scratch {
     unlisted: Vec<[u32; 2]>,
 }
 
-struct Search<'a, C, A> {
-    displacements: Displacements<'a, C, A>,
+struct Search<'a, A> {
+    displacements: Displacements<'a, A>,
     /// Number of cells along each axis.
     count: [u32; 3],
     lengths: DVec3,
@@ -181,7 +181,7 @@ struct Search<'a, C, A> {
     farthest: f64,
 }
 
-impl<C: Cells, A: Fn(u32) -> NowAndThen> Search<'_, C, A> {
+impl<A: Fn(u32) -> NowAndThen> Search<'_, A> {
     /// Adds the unlisted pairs ahead of a batch of at most [`BATCH`] far movers.
     fn look_ahead(&self, far: &[u32], scratch: &mut Scratch) {
         let Scratch { movers, parts, slots, pairs, unlisted } = scratch;

@@ -29,9 +29,9 @@ fn by_all_pairs(
 }
 
 /// The same pairs, found by [`unlisted_pairs`] with these cells.
-fn by_cells_of<C: Cells>(
+fn by_cells_of(
     (cell, radius, inner): (&PeriodicBox, f64, f64),
-    (cells, particles): (&C, &[u32]),
+    (cells, particles): (Cells<'_>, &[u32]),
     (built, now): (&[DVec3], &[DVec3]),
 ) -> Vec<[u32; 2]> {
     let built: Vec<DVec3> = particles.iter().map(|p| built[*p as usize]).collect();
@@ -95,8 +95,8 @@ fn by_cells(
     let mut rows = RowTable::default();
     rows.sort(cell, Positions::ById(built), radius).unwrap();
     let (list, moves) = ((cell, radius, inner), (built, now));
-    let found = by_cells_of(list, (&columns, &columns.particle), moves);
-    assert_eq!(found, by_cells_of(list, (&rows, &rows.particle), moves));
+    let found = by_cells_of(list, (Cells::Columns(&columns), &columns.particle), moves);
+    assert_eq!(found, by_cells_of(list, (Cells::Rows(&rows), &rows.particle), moves));
     found
 }
 

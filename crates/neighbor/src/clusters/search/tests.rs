@@ -2,7 +2,7 @@ use glam::DVec3;
 
 use super::*;
 use crate::ScalarScanner;
-use crate::sort::Positions;
+use crate::sort::{Cells, Positions};
 
 #[test]
 fn lists_that_are_built_aside_are_the_same_and_fill_their_room() {
@@ -56,7 +56,7 @@ fn a_rank_knows_of_all_columns_that_its_groups_look_into() {
     let search = Search::new(&table, &cell, reach, &ScalarScanner, exclusions);
     let mut lacking = 0;
     for own in [0..240, 240..432, 432..600, 96..144] {
-        let mut around = Around::new(&table, lengths, reach.r_list, &own);
+        let mut around = Around::new(Cells::Columns(&table), lengths, reach.r_list, &own);
         let bare: Vec<usize> = around.near().into_iter().flatten().collect();
         search.mark_near(own.clone(), &mut around);
         let near: Vec<usize> = around.near().into_iter().flatten().collect();
