@@ -1,9 +1,7 @@
 //! The wall of one layer of Lennard-Jones sites.
 
-use std::f64::consts::TAU;
-use std::sync::Arc;
-
 use super::{Surface, Wall, WallContext, WallForce, WallPoint, WallSpec};
+use std::f64::consts::TAU;
 
 lennard_core::options! {
     /// U = 2π·n_w·[(2/5)·z⁻¹⁰ − z⁻⁴] − U(cutoff) up to the cutoff, in ε with z in σ: Lennard-Jones sites spread over the
@@ -29,6 +27,15 @@ impl LennardJones104 {
             curvature: TAU * (44.0 * tenth - 20.0 * fourth) * square,
         }
     }
+
+    fn at(&self, z: f64) -> WallPoint {
+        let (here, end) = (Self::unshifted(z), Self::unshifted(self.cutoff));
+        WallPoint {
+            energy: self.surface_density * (here.energy - end.energy),
+            force: self.surface_density * here.force,
+            curvature: self.surface_density * here.curvature,
+        }
+    }
 }
 
 /// What it declares about itself.
@@ -41,25 +48,7 @@ pub const SPEC: WallSpec = WallSpec {
 
 impl Wall for LennardJones104 {
     fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
-        Surface::Exerts(Arc::new(*self))
-    }
-}
-
-impl WallForce for LennardJones104 {
-    fn at(&self, z: f64) -> WallPoint {
-        let (here, end) = (Self::unshifted(z), Self::unshifted(self.cutoff));
-        WallPoint {
-            energy: self.surface_density * (here.energy - end.energy),
-            force: self.surface_density * here.force,
-            curvature: self.surface_density * here.curvature,
-        }
-    }
-
-    fn reach(&self) -> f64 {
-        self.cutoff
-    }
-
-    fn clearance(&self) -> f64 {
-        1.0
+        let wall = *self;
+        Surface::Exerts(WallForce::new(self.cutoff, 1.0, move |z| wall.at(z)))
     }
 }

@@ -1,7 +1,5 @@
 //! The wall of a half space of Lennard-Jones sites.
 
-use std::sync::Arc;
-
 use super::{Surface, Wall, WallContext, WallForce, WallPoint, WallSpec};
 
 lennard_core::options! {
@@ -30,6 +28,15 @@ impl LennardJones93 {
             curvature: (12.0 * ninth - 12.0 * third) * inverse * inverse,
         }
     }
+
+    fn at(&self, z: f64) -> WallPoint {
+        let (here, end) = (Self::unshifted(z), Self::unshifted(self.cutoff));
+        WallPoint {
+            energy: self.strength * (here.energy - end.energy),
+            force: self.strength * here.force,
+            curvature: self.strength * here.curvature,
+        }
+    }
 }
 
 /// What it declares about itself.
@@ -42,25 +49,7 @@ pub const SPEC: WallSpec = WallSpec {
 
 impl Wall for LennardJones93 {
     fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
-        Surface::Exerts(Arc::new(*self))
-    }
-}
-
-impl WallForce for LennardJones93 {
-    fn at(&self, z: f64) -> WallPoint {
-        let (here, end) = (Self::unshifted(z), Self::unshifted(self.cutoff));
-        WallPoint {
-            energy: self.strength * (here.energy - end.energy),
-            force: self.strength * here.force,
-            curvature: self.strength * here.curvature,
-        }
-    }
-
-    fn reach(&self) -> f64 {
-        self.cutoff
-    }
-
-    fn clearance(&self) -> f64 {
-        MINIMUM
+        let wall = *self;
+        Surface::Exerts(WallForce::new(self.cutoff, MINIMUM, move |z| wall.at(z)))
     }
 }

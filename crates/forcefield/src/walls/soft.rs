@@ -1,7 +1,5 @@
 //! A wall that is a spring.
 
-use std::sync::Arc;
-
 use super::{Surface, Wall, WallContext, WallForce, WallPoint, WallSpec};
 use crate::contact_law::{ContactLaw, SMALLEST_SOFT_RESTITUTION, SpringLaw};
 
@@ -39,33 +37,12 @@ pub const SPEC: WallSpec = WallSpec {
 
 impl Wall for Soft {
     fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
-        Surface::Exerts(Arc::new(Spring(self.contact())))
-    }
-}
-
-/// One plane that is a spring.
-#[derive(Debug, Clone, Copy)]
-struct Spring(ContactLaw);
-
-impl WallForce for Spring {
-    fn at(&self, z: f64) -> WallPoint {
-        let point = self.0.at(-z);
-        WallPoint { energy: point.energy, force: point.force, curvature: point.curvature }
-    }
-
-    fn reach(&self) -> f64 {
-        0.0
-    }
-
-    fn clearance(&self) -> f64 {
-        0.0
-    }
-
-    fn acts_behind_plane(&self) -> bool {
-        true
-    }
-
-    fn contact(&self) -> Option<&ContactLaw> {
-        Some(&self.0)
+        let contact = self.contact();
+        let mut force = WallForce::new(0.0, 0.0, move |z| {
+            let point = contact.at(-z);
+            WallPoint { energy: point.energy, force: point.force, curvature: point.curvature }
+        });
+        force.contact = Some(contact);
+        Surface::Exerts(force)
     }
 }

@@ -1,6 +1,6 @@
 //! What a wall does to a particle: it exerts a force, or it is hit.
 
-use std::fmt::Debug;
+use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 
 use lennard_core::DVec3;
@@ -21,24 +21,37 @@ pub struct WallPoint {
 }
 
 /// A wall that exerts a force at a distance z from its plane, σ; z is positive between the planes.
-pub trait WallForce: Debug + Send + Sync {
-    /// Energy, force and curvature at z < [`WallForce::reach`].
-    fn at(&self, z: f64) -> WallPoint;
-
+#[derive(Clone)]
+pub struct WallForce {
+    at: Arc<dyn Fn(f64) -> WallPoint + Send + Sync>,
     /// The distance beyond which the wall exerts no force, σ.
-    fn reach(&self) -> f64;
-
+    pub reach: f64,
     /// The distance at which the first layer of a lattice may stand, σ.
-    fn clearance(&self) -> f64;
+    pub clearance: f64,
+    /// The contact of a wall that is a spring behind its plane. Its dashpot acts in drifts.
+    pub contact: Option<ContactLaw>,
+}
 
-    /// Whether the force is defined behind the plane too, at z ≤ 0.
-    fn acts_behind_plane(&self) -> bool {
-        false
+impl WallForce {
+    /// A force between the planes, by its values at z < `reach`.
+    pub(super) fn new(
+        reach: f64,
+        clearance: f64,
+        at: impl Fn(f64) -> WallPoint + Send + Sync + 'static,
+    ) -> Self {
+        Self { at: Arc::new(at), reach, clearance, contact: None }
     }
 
-    /// The contact of a wall that is a spring behind its plane; none as a rule. Its dashpot acts in drifts.
-    fn contact(&self) -> Option<&ContactLaw> {
-        None
+    /// Energy, force and curvature at z < [`WallForce::reach`].
+    #[must_use]
+    pub fn at(&self, z: f64) -> WallPoint {
+        (self.at)(z)
+    }
+}
+
+impl Debug for WallForce {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("WallForce").field("reach", &self.reach).finish_non_exhaustive()
     }
 }
 
@@ -131,7 +144,7 @@ impl Rebound {
 #[derive(Debug, Clone)]
 pub enum Surface {
     /// It exerts a force.
-    Exerts(Arc<dyn WallForce>),
+    Exerts(WallForce),
     /// It is hit.
     Hit(Rebound),
 }
@@ -166,7 +179,7 @@ impl Surface {
     #[must_use]
     pub fn dashpot(&self) -> Option<&ContactLaw> {
         match self {
-            Self::Exerts(wall) => wall.contact().filter(|contact| contact.is_damped()),
+            Self::Exerts(wall) => wall.contact.as_ref().filter(|contact| contact.is_damped()),
             Self::Hit(_) => None,
         }
     }
@@ -175,7 +188,7 @@ impl Surface {
     #[must_use]
     pub fn frequency(&self) -> Option<f64> {
         match self {
-            Self::Exerts(wall) => wall.contact()?.frequency(1.0),
+            Self::Exerts(wall) => wall.contact?.frequency(1.0),
             Self::Hit(_) => None,
         }
     }
@@ -184,7 +197,7 @@ impl Surface {
     #[must_use]
     pub fn clearance(&self) -> f64 {
         match self {
-            Self::Exerts(force) => force.clearance(),
+            Self::Exerts(force) => force.clearance,
             Self::Hit(_) => 0.0,
         }
     }

@@ -169,13 +169,13 @@ impl Walls {
                 let Surface::Exerts(wall) = &pair.surfaces[end] else {
                     continue;
                 };
-                let deepest = match wall.acts_behind_plane() {
+                let deepest = match wall.contact.is_some() {
                     true => -pair.planes.room,
                     false => 0.0,
                 };
                 if z <= deepest {
                     felt.beyond = felt.beyond.or(Some((i, p, end, -z)));
-                } else if z < wall.reach() {
+                } else if z < wall.reach {
                     let point = wall.at(z);
                     felt.energy += point.energy;
                     felt.laplacian += point.curvature;
@@ -332,7 +332,7 @@ impl Walls {
 /// Force of a wall on a particle at distance z, ε/σ.
 fn force_at(surface: &Surface, z: f64) -> f64 {
     match surface {
-        Surface::Exerts(wall) if z < wall.reach() => wall.at(z).force,
+        Surface::Exerts(wall) if z < wall.reach => wall.at(z).force,
         Surface::Exerts(_) | Surface::Hit(_) => 0.0,
     }
 }

@@ -1,7 +1,5 @@
 //! A wall that repels as Lennard-Jones does.
 
-use std::sync::Arc;
-
 use super::{Surface, Wall, WallContext, WallForce, WallPoint, WallSpec};
 
 lennard_core::options! {
@@ -26,11 +24,12 @@ pub const SPEC: WallSpec = WallSpec {
 
 impl Wall for WcaWall {
     fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
-        Surface::Exerts(Arc::new(*self))
+        let wall = *self;
+        Surface::Exerts(WallForce::new(END, 1.0, move |z| wall.at(z)))
     }
 }
 
-impl WallForce for WcaWall {
+impl WcaWall {
     fn at(&self, z: f64) -> WallPoint {
         let inverse = 1.0 / z;
         let square = inverse * inverse;
@@ -41,13 +40,5 @@ impl WallForce for WcaWall {
             force: self.strength * (48.0 * twelfth - 24.0 * sixth) * inverse,
             curvature: self.strength * (624.0 * twelfth - 168.0 * sixth) * square,
         }
-    }
-
-    fn reach(&self) -> f64 {
-        END
-    }
-
-    fn clearance(&self) -> f64 {
-        1.0
     }
 }

@@ -24,7 +24,7 @@ fn slit(text: &str) -> Walls {
 }
 
 /// The walls that exert forces, with the formula at the lower end.
-fn exerting() -> Vec<(&'static str, std::sync::Arc<dyn lennard_forcefield::WallForce>)> {
+fn exerting() -> Vec<(&'static str, lennard_forcefield::WallForce)> {
     let all = WallOptions::all()
         .into_iter()
         .chain([options("kind = \"soft\"\nlaw = \"hertz\"\nstiffness = 50.0")]);
@@ -53,11 +53,11 @@ fn the_list_the_names_and_the_scene_tables_agree() {
 #[test]
 fn force_and_curvature_are_derivatives_of_the_energy_and_vanish_at_the_end() {
     for (name, wall) in exerting() {
-        let behind = wall.acts_behind_plane();
+        let behind = wall.contact.is_some();
         for k in 1..60 {
             let z = match behind {
                 true => -0.02 * f64::from(k),
-                false => 0.6 + (wall.reach() - 0.62) * f64::from(k) / 60.0,
+                false => 0.6 + (wall.reach - 0.62) * f64::from(k) / 60.0,
             };
             let h = 1e-5;
             let [below, here, above] = [z - h, z, z + h].map(|z| wall.at(z));
@@ -68,7 +68,7 @@ fn force_and_curvature_are_derivatives_of_the_energy_and_vanish_at_the_end() {
                 "{name} at {z}"
             );
         }
-        assert!(wall.at(wall.reach()).energy.abs() < 1e-13, "{name}");
+        assert!(wall.at(wall.reach).energy.abs() < 1e-13, "{name}");
     }
 }
 
@@ -96,7 +96,7 @@ fn walls_are_integrals_of_lennard_jones_sites() {
             std::f64::consts::PI * 4.0 * (x.powi(6) - x.powi(3)) / (x * x)
         })
     };
-    let of = |text: &str| -> std::sync::Arc<dyn lennard_forcefield::WallForce> {
+    let of = |text: &str| -> lennard_forcefield::WallForce {
         match options(text).surface(&CONTEXT, false) {
             Surface::Exerts(force) => force,
             Surface::Hit(_) => panic!("{text}"),

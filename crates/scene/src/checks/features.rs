@@ -471,7 +471,7 @@ pub(super) fn no_walls(scene: &Scene) -> Vec<Part> {
 pub(super) fn walls_of_sites(scene: &Scene) -> Vec<Part> {
     walls(scene, |surface| match surface {
         Surface::Hit(_) => false,
-        Surface::Exerts(wall) => wall.contact().is_none(),
+        Surface::Exerts(wall) => wall.contact.is_none(),
     })
 }
 
