@@ -48,7 +48,7 @@ pub use pair_list::{PairList, slots_of};
 pub use rows::{
     ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, NeighborList, Numbering,
 };
-pub use scanner::{ScalarScanner, Scanner};
+pub use scanner::{Found, ScalarScanner, Scanner};
 pub use sort::{
     Around, Cells, ColumnTable, FIXED_ROUNDING, FIXED_UNITS, FixedRow, Ghost, GridError, PADDING,
     Positions, Ranks, RowCoordinates, RowTable, to_fixed,

@@ -9,6 +9,15 @@ use crate::sort::{ColumnTable, RowCoordinates};
 /// 1.5·2²³: added to a number below 2²² and subtracted again, it leaves the nearest integer.
 const ROUNDING: f32 = 12_582_912.0;
 
+/// Where the numbers of near candidates go.
+#[derive(Debug)]
+pub enum Found<'a> {
+    /// Numbers that fit into 16 bits.
+    Narrow(&'a mut [u16]),
+    /// Numbers of 32 bits.
+    Wide(&'a mut [u32]),
+}
+
 /// Gathers candidates and finds the near ones, for one instruction set.
 ///
 /// Calls are few and large: an implementation costs one dynamic call per particle or cluster, and none per cell.
@@ -22,25 +31,16 @@ pub trait Scanner: Sync {
         candidates: &mut Candidates,
     );
 
-    /// Writes the numbers of the near candidates to `found`, without `center` itself, and returns their count.
+    /// Writes the numbers of the near candidates, without `center` itself, and returns their count.
     ///
-    /// A candidate is near where its squared distance to `center` is at most `radius2` σ². Numbers fit into 16 bits.
-    /// `found` is at least as long as the candidates and [`PADDING`] more.
-    fn near_narrow(
+    /// A candidate is near where its squared distance to `center` is at most `radius2` σ². `found` is at least as long as the
+    /// candidates and [`PADDING`](crate::PADDING) more.
+    fn near(
         &self,
         candidates: &Candidates,
         center: Center,
         radius2: f32,
-        found: &mut [u16],
-    ) -> usize;
-
-    /// As [`Scanner::near_narrow`], with numbers of 32 bits.
-    fn near_wide(
-        &self,
-        candidates: &Candidates,
-        center: Center,
-        radius2: f32,
-        found: &mut [u32],
+        found: Found<'_>,
     ) -> usize;
 
     /// Gathers the slots of `runs` that lie within the search radius of the bounds.
@@ -70,30 +70,28 @@ pub trait Scanner: Sync {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ScalarScanner;
 
-impl ScalarScanner {
-    fn near<T: Copy>(
-        candidates: &Candidates,
-        center: Center,
-        radius2: f32,
-        found: &mut [T],
-        entry: impl Fn(u32) -> T,
-    ) -> usize {
-        let [x, y, z] = center.at;
-        let mut count = 0;
-        let candidates = candidates.x[..candidates.len]
-            .iter()
-            .zip(&candidates.y)
-            .zip(&candidates.z)
-            .zip(&candidates.number);
-        for (((xj, yj), zj), number) in candidates {
-            let (dx, dy, dz) = (x - xj, y - yj, z - zj);
-            // Each number is written, and only near ones are counted: there is no branch to mispredict.
-            found[count] = entry(*number);
-            let is_near = dx * dx + dy * dy + dz * dz <= radius2;
-            count += usize::from(is_near & (*number != center.number));
-        }
-        count
+fn near<T: Copy>(
+    candidates: &Candidates,
+    center: Center,
+    radius2: f32,
+    found: &mut [T],
+    entry: impl Fn(u32) -> T,
+) -> usize {
+    let [x, y, z] = center.at;
+    let mut count = 0;
+    let candidates = candidates.x[..candidates.len]
+        .iter()
+        .zip(&candidates.y)
+        .zip(&candidates.z)
+        .zip(&candidates.number);
+    for (((xj, yj), zj), number) in candidates {
+        let (dx, dy, dz) = (x - xj, y - yj, z - zj);
+        // Each number is written, and only near ones are counted: there is no branch to mispredict.
+        found[count] = entry(*number);
+        let is_near = dx * dx + dy * dy + dz * dz <= radius2;
+        count += usize::from(is_near & (*number != center.number));
     }
+    count
 }
 
 impl Scanner for ScalarScanner {
@@ -118,24 +116,17 @@ impl Scanner for ScalarScanner {
         candidates.finish(len);
     }
 
-    fn near_narrow(
+    fn near(
         &self,
         candidates: &Candidates,
         center: Center,
         radius2: f32,
-        found: &mut [u16],
+        found: Found<'_>,
     ) -> usize {
-        Self::near(candidates, center, radius2, found, |number| number as u16)
-    }
-
-    fn near_wide(
-        &self,
-        candidates: &Candidates,
-        center: Center,
-        radius2: f32,
-        found: &mut [u32],
-    ) -> usize {
-        Self::near(candidates, center, radius2, found, |number| number)
+        match found {
+            Found::Narrow(found) => near(candidates, center, radius2, found, |n| n as u16),
+            Found::Wide(found) => near(candidates, center, radius2, found, |n| n),
+        }
     }
 
     fn gather_slots(

@@ -54,7 +54,7 @@ pub fn gather_rows<L: FixedLanes>(
     candidates.finish(len);
 }
 
-/// See [`lennard_neighbor::Scanner::near_narrow`], for entries of 16 or of 32 bits.
+/// See [`lennard_neighbor::Scanner::near`], for numbers of 16 or of 32 bits.
 #[inline(always)]
 pub fn near<L: FixedLanes, E>(
     isa: L::Isa,

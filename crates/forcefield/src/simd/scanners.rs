@@ -22,8 +22,8 @@ mod x86 {
     use std::ops::Range;
 
     use lennard_neighbor::{
-        CLUSTER, Candidates, Center, ClusterNeighbors, ColumnTable, GroupBounds, GroupCandidates,
-        Numbering, RowCoordinates, Scanner,
+        CLUSTER, Candidates, Center, ClusterNeighbors, ColumnTable, Found, GroupBounds,
+        GroupCandidates, Numbering, RowCoordinates, Scanner,
     };
 
     use crate::simd::avx2::F32x8;
@@ -53,28 +53,21 @@ mod x86 {
                     });
                 }
 
-                fn near_narrow(
+                fn near(
                     &self,
                     candidates: &Candidates,
                     center: Center,
                     radius2: f32,
-                    found: &mut [u16],
+                    found: Found<'_>,
                 ) -> usize {
-                    self.run(|| {
-                        scan::near::<$singles, u16>(*self, candidates, center, radius2, found)
-                    })
-                }
-
-                fn near_wide(
-                    &self,
-                    candidates: &Candidates,
-                    center: Center,
-                    radius2: f32,
-                    found: &mut [u32],
-                ) -> usize {
-                    self.run(|| {
-                        scan::near::<$singles, u32>(*self, candidates, center, radius2, found)
-                    })
+                    match found {
+                        Found::Narrow(found) => self.run(|| {
+                            scan::near::<$singles, u16>(*self, candidates, center, radius2, found)
+                        }),
+                        Found::Wide(found) => self.run(|| {
+                            scan::near::<$singles, u32>(*self, candidates, center, radius2, found)
+                        }),
+                    }
                 }
 
                 fn gather_slots(

@@ -7,7 +7,7 @@ use lennard_core::Exclusions;
 use super::chunk::{Entries, Images, ListChunk};
 use super::scan::{Candidates, Center, Numbering};
 use crate::room::give_back;
-use crate::scanner::Scanner;
+use crate::scanner::{Found, Scanner};
 use crate::sort::{PADDING, RowTable};
 
 /// Buffers that one thread reuses while it fills chunks.
@@ -43,20 +43,15 @@ impl Filler<'_> {
         let narrow = targets.end - targets.start <= u32::from(u16::MAX) + 1;
         let counts = &mut chunk.counts;
         let old = std::mem::replace(&mut chunk.entries, Entries::Wide(Vec::new()));
-        let (scanner, radius2) = (self.scanner, self.radius2);
         chunk.entries = if narrow {
             let entries = if let Entries::Narrow(entries) = old { entries } else { Vec::new() };
-            let near = |candidates: &Candidates, center, found: &mut [u16]| {
-                scanner.near_narrow(candidates, center, radius2, found)
-            };
-            let how = (|number| number as u16, near);
+            let to: fn(&mut [_]) -> Found<'_> = |found| Found::Narrow(found);
+            let how = (|number| number as u16, to);
             Entries::Narrow(self.write(slots, chunk.base, scratch, counts, entries, how))
         } else {
             let entries = if let Entries::Wide(entries) = old { entries } else { Vec::new() };
-            let near = |candidates: &Candidates, center, found: &mut [u32]| {
-                scanner.near_wide(candidates, center, radius2, found)
-            };
-            let how = (|number| number, near);
+            let to: fn(&mut [_]) -> Found<'_> = |found| Found::Wide(found);
+            let how = (|number| number, to);
             Entries::Wide(self.write(slots, chunk.base, scratch, counts, entries, how))
         };
     }
@@ -80,7 +75,9 @@ impl Filler<'_> {
         kept
     }
 
-    /// Writes the entries of `slots` over the entries of an earlier build; `of` gives the entry of a number.
+    /// Writes the entries of `slots` over the entries of an earlier build.
+    ///
+    /// `of` gives the entry of a number, and `to` says how long entries are.
     ///
     /// Old entries stay behind the new ones, since clearing them would cost as much as a search.
     fn write<E: Copy + Default + Into<u32>>(
@@ -90,7 +87,7 @@ impl Filler<'_> {
         scratch: &mut Scratch,
         counts: &mut Vec<u32>,
         mut entries: Vec<E>,
-        (of, near): (impl Fn(u32) -> E, impl Fn(&Candidates, Center, &mut [E]) -> usize),
+        (of, to): (impl Fn(u32) -> E, for<'a> fn(&'a mut [E]) -> Found<'a>),
     ) -> Vec<E> {
         let table = self.table;
         let numbering = match self.images {
@@ -113,7 +110,8 @@ impl Filler<'_> {
                     entries.resize(room, E::default());
                 }
                 let found = &mut entries[written..];
-                let mut count = near(candidates, center, found);
+                let mut count =
+                    self.scanner.near(candidates, center, self.radius2, to(&mut *found));
                 if !self.exclusions.are_none() {
                     count = self.leave_out(slot, base, &mut found[..count]);
                 }
