@@ -10,4 +10,4 @@ mod targets;
 
 pub use mutate::Mutator;
 pub use restart::restart;
-pub use targets::{Reshape, TARGETS, Target, checkpoint, extended_xyz, gzip, scene, start, table};
+pub use targets::{Reshape, TARGETS, Target, checkpoint, frames, gzip, scene, start, table};

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use lennard_core::Array;
 use lennard_forcefield::Model;
-use lennard_io::{read_checkpoint_bytes, read_configuration_bytes, read_trajectory_bytes};
+use lennard_io::{FileUnits, FormatError, Frames, read_checkpoint_bytes, read_configuration_bytes};
 use lennard_scene::Scene;
 use tempfile::TempDir;
 
@@ -34,7 +34,8 @@ pub struct Target {
 /// Every reader.
 pub const TARGETS: &[Target] = &[
     Target { name: "scene", body: scene, repair: None, reshape: None, words: "scene" },
-    Target { name: "extended-xyz", body: extended_xyz, repair: None, reshape: None, words: "xyz" },
+    Target { name: "extended-xyz", body: start, repair: None, reshape: None, words: "xyz" },
+    Target { name: "frames", body: frames, repair: None, reshape: None, words: "xyz" },
     Target { name: "nist", body: start, repair: None, reshape: None, words: "xyz" },
     Target { name: "lammps-dump", body: start, repair: None, reshape: None, words: "lammps" },
     Target { name: "lammps-data", body: start, repair: None, reshape: None, words: "lammps" },
@@ -74,28 +75,27 @@ pub fn scene(bytes: &[u8]) -> bool {
     }
 }
 
-/// Extended XYZ: whole frames of finite numbers, or an error that names a line.
-pub fn extended_xyz(bytes: &[u8]) -> bool {
-    let _ = read_configuration_bytes(bytes);
-    match read_trajectory_bytes(bytes) {
-        Ok(frames) => {
-            for frame in &frames {
-                let n = frame.positions.len();
-                assert!(n > 0);
-                let optional = frame.velocities.iter().chain(&frame.forces);
-                assert!(optional.clone().all(|v| v.len() == n));
-                assert!(frame.positions.iter().chain(optional.flatten()).all(|r| r.is_finite()));
-                // Every particle takes at least a letter and three digits with their blanks and line end.
-                assert!(8 * n <= bytes.len() + 8);
-            }
-            true
+/// Frames of a trajectory in whatever format the bytes look like: whole frames of finite numbers, as many and in a box, or an error.
+pub fn frames(bytes: &[u8]) -> bool {
+    /// A byte of gzip stands for so many, and two bits of XTC for a particle at most.
+    const MOST_PER_BYTE: usize = 4 * 1032;
+    let read = || {
+        let mut frames = Frames::of_bytes(bytes, FileUnits::default())?;
+        let mut first = None;
+        while let Some(frame) = frames.next_frame()? {
+            let n = frame.positions.len();
+            assert!(n > 0 && n <= MOST_PER_BYTE * bytes.len() && *first.get_or_insert(n) == n);
+            assert!(frame.cell.is_some_and(|cell| cell.volume().is_finite()));
+            let optional = frame.velocities.iter().chain(&frame.momenta).chain(&frame.forces);
+            assert!(optional.clone().all(|all| all.len() == n));
+            assert!(frame.positions.iter().chain(optional.flatten()).all(|r| r.is_finite()));
         }
-        Err(error) => {
-            assert!(error.line().is_some_and(|line| line >= 1));
-            assert_short(&error.to_string());
-            false
-        }
-    }
+        Ok(frames.next_frame()?.is_none())
+    };
+    read().unwrap_or_else(|error: FormatError| {
+        assert_short(&error.to_string());
+        false
+    })
 }
 
 /// A start configuration in NIST columns, LAMMPS dump or data, GRO, or whatever else the bytes look like.

@@ -42,7 +42,7 @@ pub struct Trajectory {
 pub struct Measurement {
     /// What the scene describes, at the first frame.
     pub simulation: Simulation,
-    frames: lennard_io::Frames,
+    frames: lennard_io::Frames<'static>,
     clock: Clock,
     /// Frames that were read before their turn.
     ahead: Vec<TrajectoryFrame>,

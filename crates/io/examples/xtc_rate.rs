@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 state.step = step;
                 writer.write(&Frame { state: &state, extra: &[] })?;
             }
-            Ok(writer.finish()?.bytes)
+            Ok(writer.mark().bytes)
         })?;
         let singles: Vec<[f32; 3]> =
             state.positions.iter().map(|r| state.cell.wrap(*r).as_vec3().to_array()).collect();

@@ -5,9 +5,7 @@ use std::io::{self, BufReader, Cursor};
 use std::path::{Path, PathBuf};
 
 use crate::atomic::write_atomically;
-use crate::checkpoint_codec::{
-    Checkpoint, CheckpointMetadata, CheckpointProblem, Contents, decode, encode,
-};
+use crate::checkpoint_codec::{Checkpoint, CheckpointProblem, decode, encode};
 use crate::lines::open_regular;
 use crate::{FormatError, WriteError};
 
@@ -57,18 +55,6 @@ pub fn checkpoint_bytes(checkpoint: &Checkpoint) -> Vec<u8> {
 /// # Errors
 /// Where it is not a checkpoint, of another version, truncated or damaged; nothing is taken from it then.
 pub fn read_checkpoint(path: &Path) -> Result<Checkpoint, CheckpointError> {
-    from_file(path, Contents::Everything)
-}
-
-/// Reads what is known of a checkpoint before its arrays, and checks all of it against its checksum.
-///
-/// # Errors
-/// Where it is not a checkpoint, of another version, truncated or damaged.
-pub fn read_checkpoint_metadata(path: &Path) -> Result<CheckpointMetadata, CheckpointError> {
-    Ok(from_file(path, Contents::Metadata)?.metadata)
-}
-
-fn from_file(path: &Path, contents: Contents) -> Result<Checkpoint, CheckpointError> {
     let (reader, size): (BufReader<File>, u64) = open_regular(path).map_err(|e| {
         let cause = match e {
             FormatError::Io { source, .. } => source,
@@ -77,7 +63,7 @@ fn from_file(path: &Path, contents: Contents) -> Result<Checkpoint, CheckpointEr
         CheckpointError::new(path, cause.into())
     })?;
     // The decoder reads in large pieces of its own.
-    decode(reader.into_inner(), size, contents).map_err(|p| CheckpointError::new(path, p))
+    decode(reader.into_inner(), size).map_err(|p| CheckpointError::new(path, p))
 }
 
 /// Like [`read_checkpoint`], from memory.
@@ -85,6 +71,6 @@ fn from_file(path: &Path, contents: Contents) -> Result<Checkpoint, CheckpointEr
 /// # Errors
 /// Where it is not a checkpoint, of another version, truncated or damaged.
 pub fn read_checkpoint_bytes(bytes: &[u8]) -> Result<Checkpoint, CheckpointError> {
-    decode(Cursor::new(bytes), bytes.len() as u64, Contents::Everything)
+    decode(Cursor::new(bytes), bytes.len() as u64)
         .map_err(|p| CheckpointError::new(Path::new("checkpoint in memory"), p))
 }

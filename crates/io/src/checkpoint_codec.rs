@@ -112,15 +112,6 @@ const PIECE: usize = 1 << 16;
 /// Bytes of a number.
 const WORD: u64 = 8;
 
-/// How much of a checkpoint is wanted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Contents {
-    /// All of it.
-    Everything,
-    /// No arrays; the checksum is still checked over everything.
-    Metadata,
-}
-
 fn kind_and_words(array: &Array) -> (u64, u64, u64) {
     match array {
         Array::F64(v) => (1, v.len() as u64, 1),
@@ -205,7 +196,6 @@ pub(crate) fn encode<W: Write>(checkpoint: &Checkpoint, to: &mut W) -> io::Resul
 pub(crate) fn decode<R: Read + Seek>(
     mut from: R,
     size: u64,
-    contents: Contents,
 ) -> Result<Checkpoint, CheckpointProblem> {
     let mut prefix = Vec::new();
     (&mut from).take(PREFIX).read_to_end(&mut prefix)?;
@@ -228,7 +218,7 @@ pub(crate) fn decode<R: Read + Seek>(
     }
     check_sum(&mut from, &prefix, size)?;
     from.seek(SeekFrom::Start(PREFIX))?;
-    Body { from, left: size - PREFIX - CHECKSUM }.checkpoint(contents)
+    Body { from, left: size - PREFIX - CHECKSUM }.checkpoint()
 }
 
 /// Reads on to the end and compares the checksum there with the checksum of everything before.
@@ -321,34 +311,31 @@ impl<R: Read> Body<R> {
         Ok(values)
     }
 
-    fn checkpoint(mut self, contents: Contents) -> Result<Checkpoint, CheckpointProblem> {
+    fn checkpoint(mut self) -> Result<Checkpoint, CheckpointProblem> {
         let metadata = serde_json::from_str(&self.text("the metadata")?)
             .map_err(|e| malformed(format!("the metadata: {e}")))?;
         let scene = self.text("the scene")?;
         let mut archive = StateArchive::default();
-        if contents == Contents::Everything {
-            for _ in 0..self.word()? {
-                let name = self.text("the name of an array")?;
-                let in_order =
-                    archive.arrays.last_key_value().is_none_or(|(before, _)| *before < name);
-                if !in_order {
-                    return Err(malformed(format!("`{name}` is not in order")));
-                }
-                let kind = self.word()?;
-                let count = self.word()?;
-                let array = match kind {
-                    1 => Array::F64(self.values(count, &name, |[w]| f64::from_bits(w))?),
-                    3 => Array::U64(self.values(count, &name, |[w]| w)?),
-                    4 => Array::Vec3(self.values(count, &name, |words: [u64; 3]| {
-                        DVec3::from_array(words.map(f64::from_bits))
-                    })?),
-                    _ => return Err(malformed(format!("`{name}` has the unknown type {kind}"))),
-                };
-                archive.arrays.insert(name, array);
+        for _ in 0..self.word()? {
+            let name = self.text("the name of an array")?;
+            let in_order = archive.arrays.last_key_value().is_none_or(|(before, _)| *before < name);
+            if !in_order {
+                return Err(malformed(format!("`{name}` is not in order")));
             }
-            if self.left != 0 {
-                return Err(malformed(format!("{} bytes after the last array", self.left)));
-            }
+            let kind = self.word()?;
+            let count = self.word()?;
+            let array = match kind {
+                1 => Array::F64(self.values(count, &name, |[w]| f64::from_bits(w))?),
+                3 => Array::U64(self.values(count, &name, |[w]| w)?),
+                4 => Array::Vec3(self.values(count, &name, |words: [u64; 3]| {
+                    DVec3::from_array(words.map(f64::from_bits))
+                })?),
+                _ => return Err(malformed(format!("`{name}` has the unknown type {kind}"))),
+            };
+            archive.arrays.insert(name, array);
+        }
+        if self.left != 0 {
+            return Err(malformed(format!("{} bytes after the last array", self.left)));
         }
         Ok(Checkpoint { metadata, scene, archive })
     }

@@ -5,8 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::{
-    Checkpoint, CheckpointError, CheckpointProblem, WriteError, read_checkpoint,
-    read_checkpoint_metadata, write_checkpoint,
+    Checkpoint, CheckpointError, CheckpointProblem, WriteError, read_checkpoint, write_checkpoint,
 };
 
 /// Checkpoints kept: the newest, and one in case that is damaged.
@@ -100,7 +99,7 @@ impl CheckpointFolder {
                 older: all[1..]
                     .iter()
                     .map(|(_, path)| path)
-                    .find(|path| read_checkpoint_metadata(path).is_ok())
+                    .find(|path| read_checkpoint(path).is_ok())
                     .cloned(),
                 ..error
             }),

@@ -1,23 +1,22 @@
 //! Start configurations, in whichever format their content is.
 
-use std::io::{BufRead, Cursor, Seek};
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 use lennard_core::PeriodicBox;
 
 use crate::error::excerpt;
-use crate::geometry::is_same_box;
-use crate::lines::{Lines, one_token, open_regular};
+use crate::gunzip::{GZIP, MOST_INFLATED, inflated};
+use crate::lines::{Input, Lines, one_token, open_regular};
 use crate::particles::StartConfiguration;
-use crate::rewind::{GZIP, Gunzip, MOST_INFLATED, Rewind};
-use crate::trajectory_reader::{Grammar, last_frame};
+use crate::text_frames::{Grammar, TextFrames};
 use crate::units::FileUnits;
 use crate::{FormatError, foreign, gro, lammps_data, lammps_dump, nist};
 
 /// What a scene says of the file that it names.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Beside {
-    /// The box, for a file that names none. Where the file names one too, both must be the same.
+    /// The box, for a file that names none.
     pub cell: Option<PeriodicBox>,
     /// The units of the file.
     pub units: FileUnits,
@@ -35,13 +34,13 @@ pub fn read_configuration(path: &Path) -> Result<StartConfiguration, FormatError
 /// Like [`read_configuration`], with what stands beside the file.
 ///
 /// # Errors
-/// Where the file cannot be read, holds what its format does not allow, names another box, or states other units.
+/// Where the file cannot be read, holds what its format does not allow, or states other units.
 pub fn read_configuration_in(
     path: &Path,
     beside: Beside,
 ) -> Result<StartConfiguration, FormatError> {
     let (reader, size) = open_regular(path)?;
-    parse(reader, size, path, beside)
+    parse(Box::new(reader), size, path, beside)
 }
 
 /// Like [`read_configuration`], from memory.
@@ -50,8 +49,11 @@ pub fn read_configuration_in(
 /// Where the content has no box or holds what its format does not allow.
 pub fn read_configuration_bytes(bytes: &[u8]) -> Result<StartConfiguration, FormatError> {
     let path = Path::new("configuration in memory");
-    parse(Cursor::new(bytes), bytes.len() as u64, path, Beside::default())
+    parse(Box::new(bytes), bytes.len() as u64, path, Beside::default())
 }
+
+/// So many bytes of a text tell its format.
+const HEAD: u64 = 1 << 16;
 
 /// The formats of text.
 pub(crate) enum Kind {
@@ -60,22 +62,8 @@ pub(crate) enum Kind {
     Nist,
 }
 
-fn parse<R: BufRead + Seek>(
-    mut reader: R,
-    size: u64,
-    path: &Path,
-    beside: Beside,
-) -> Result<StartConfiguration, FormatError> {
-    let head = reader.fill_buf().map_err(|e| FormatError::io(path, e))?;
-    if head.starts_with(GZIP) {
-        let most = size.saturating_mul(MOST_INFLATED);
-        return parse_text(Gunzip::new(reader), most, path, beside);
-    }
-    parse_text(reader, size, path, beside)
-}
-
 /// Tells the format by the first lines.
-fn kind<R: BufRead>(lines: &mut Lines<R>) -> Result<Kind, FormatError> {
+fn kind(lines: &mut Lines<'_>) -> Result<Kind, FormatError> {
     let mut head: Vec<Vec<u8>> = Vec::new();
     while head.len() < lammps_data::LINES_OF_A_HEADER && lines.advance()? {
         head.push(lines.line().to_vec());
@@ -123,36 +111,48 @@ fn kind<R: BufRead>(lines: &mut Lines<R>) -> Result<Kind, FormatError> {
     ))
 }
 
-/// Tells the format of a text and goes back to its beginning.
-pub(crate) fn kind_of<R: Rewind>(
-    reader: &mut R,
-    size: u64,
+/// The format of a text, and its lines; compressed text is inflated.
+pub(crate) fn text_of<'a>(
+    mut reader: Input<'a>,
+    mut size: u64,
     path: &Path,
-) -> Result<Kind, FormatError> {
-    let head = reader.fill_buf().map_err(|e| FormatError::io(path, e))?;
-    if let Some((name, way)) = foreign::binary(head) {
+) -> Result<(Kind, Lines<'a>), FormatError> {
+    let fail = |e| FormatError::io(path, e);
+    if reader.fill_buf().map_err(fail)?.starts_with(GZIP) {
+        (reader, size) = (Box::new(inflated(reader)), size.saturating_mul(MOST_INFLATED));
+    }
+    let mut head = Vec::new();
+    (&mut reader).take(HEAD).read_to_end(&mut head).map_err(fail)?;
+    if let Some((name, way)) = foreign::binary(&head) {
         return Err(FormatError::content(path, 1, name, way));
     }
-    let kind = kind(&mut Lines::new(&mut *reader, size, path))?;
-    reader.go_to(0).map_err(|e| FormatError::io(path, e))?;
-    Ok(kind)
+    let kind = kind(&mut Lines::new(Box::new(&*head), size, path))?;
+    Ok((kind, Lines::new(Box::new(Cursor::new(head).chain(reader)), size, path)))
 }
 
-fn parse_text<R: Rewind>(
-    mut reader: R,
+fn parse(
+    reader: Input<'_>,
     size: u64,
     path: &Path,
     beside: Beside,
 ) -> Result<StartConfiguration, FormatError> {
     let content =
         |line, found: &str, allowed: &str| FormatError::content(path, line, found, allowed);
-    let kind = kind_of(&mut reader, size, path)?;
     let units = beside.units;
+    let (kind, lines) = text_of(reader, size, path)?;
     let (frame, first_line, frames) = match kind {
-        Kind::Nist => (nist::parse(Lines::new(reader, size, path), units)?, 0, 1),
-        Kind::LammpsData => (lammps_data::parse(Lines::new(reader, size, path), units)?, 0, 1),
-        Kind::Frames(grammar) => last_frame(reader, size, path, grammar, units)?
-            .ok_or_else(|| content(1, "no frame", "at least one frame"))?,
+        Kind::Nist => (nist::parse(lines, units)?, 0, 1),
+        Kind::LammpsData => (lammps_data::parse(lines, units)?, 0, 1),
+        Kind::Frames(grammar) => {
+            let mut all = TextFrames::new(lines, grammar, units);
+            let (mut last, mut frames) = (None, 0);
+            while let Some(frame) = all.next_frame()? {
+                last = Some(frame);
+                frames += 1;
+            }
+            let last = last.ok_or_else(|| content(1, "no frame", "at least one frame"))?;
+            (last, all.first_line, frames)
+        }
     };
     let cell = frame.cell.or(beside.cell).ok_or_else(|| {
         content(
@@ -161,10 +161,5 @@ fn parse_text<R: Rewind>(
             "a Lattice=\"Lx 0.0 0.0 0.0 Ly 0.0 0.0 0.0 Lz\" entry, or a box in the scene",
         )
     })?;
-    if let Some(given) = beside.cell.filter(|given| !is_same_box(given, &cell)) {
-        let (ours, theirs) = (given.lengths(), cell.lengths());
-        let allowed = format!("the same box as the scene's, {ours}, or none in one of them");
-        return Err(content(first_line + 1, &format!("the box {theirs}"), &allowed));
-    }
     Ok(frame.into_start(cell, frames))
 }

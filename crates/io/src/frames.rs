@@ -1,64 +1,87 @@
 //! The frames of a trajectory of any program, one in memory at a time.
 
 use std::fs::File;
-use std::io::{BufRead, Seek};
+use std::io::Seek;
 use std::path::{Path, PathBuf};
 
-use crate::configuration::{Kind, kind_of};
+use crate::configuration::{Kind, text_of};
 use crate::formats::XtcReader;
-use crate::lines::open_regular;
-use crate::rewind::{GZIP, Gunzip, MOST_INFLATED, Rewind};
-use crate::{FileUnits, FormatError, FoundSpecies, TrajectoryFrame, TrajectoryReader};
+use crate::lines::{Input, open_regular};
+use crate::text_frames::TextFrames;
+use crate::{FileUnits, FormatError, FoundSpecies, TrajectoryFrame};
 
 /// Reads XTC, extended XYZ, LAMMPS dumps and GRO, of which text may be compressed by gzip. The content tells them apart.
 ///
-/// Every frame has a box, and as many particles of the same species as the first. After an error it ends.
-pub struct Frames {
+/// Columns of text may stand in any order; `species`, `pos`, `masses`, `forces`, `map_shift`, and velocities and momenta by any usual
+/// name are used, others passed over. Every frame has a box, and as many particles of the same species as the first. After an
+/// error it ends.
+pub struct Frames<'a> {
     file: PathBuf,
-    source: Source,
+    source: Source<'a>,
     /// The handle that `source` reads from tells how far reading is.
-    handle: File,
+    handle: Option<File>,
     size: u64,
     number: u64,
     first: Option<(usize, FoundSpecies)>,
 }
 
-enum Source {
-    Text(Box<TrajectoryReader<Box<dyn BufRead + Send>>>),
-    Xtc(XtcReader),
+enum Source<'a> {
+    Text(Box<TextFrames<'a>>),
+    Xtc(XtcReader<'a>),
 }
 
-impl Frames {
+impl Frames<'static> {
     /// Opens a trajectory whose lengths and times are in these units.
     ///
     /// # Errors
     /// [`FormatError`] where the file cannot be opened, or is of a format that is not read or has no frames.
     pub fn open(file: &Path, units: FileUnits) -> Result<Self, FormatError> {
-        let fail = |e| FormatError::io(file, e);
-        let (mut reader, size) = open_regular(file)?;
-        let handle = reader.get_ref().try_clone().map_err(fail)?;
-        let head = reader.fill_buf().map_err(fail)?;
-        let source = if head.starts_with(GZIP) {
-            text(Gunzip::new(reader), size.saturating_mul(MOST_INFLATED), file, units)?
-        } else if XtcReader::is_xtc(head) {
-            Source::Xtc(XtcReader::new(reader, size, file, units)?)
-        } else {
-            text(reader, size, file, units)?
-        };
-        Ok(Self { file: file.to_owned(), source, handle, size, number: 0, first: None })
+        let (reader, size) = open_regular(file)?;
+        let handle = reader.get_ref().try_clone().map_err(|e| FormatError::io(file, e))?;
+        Ok(Self { handle: Some(handle), ..Self::of(Box::new(reader), size, file, units)? })
+    }
+}
+
+impl<'a> Frames<'a> {
+    /// The same from memory.
+    ///
+    /// # Errors
+    /// [`FormatError`] where the bytes are of a format that is not read or has no frames.
+    pub fn of_bytes(bytes: &'a [u8], units: FileUnits) -> Result<Self, FormatError> {
+        Self::of(Box::new(bytes), bytes.len() as u64, Path::new("trajectory in memory"), units)
     }
 
-    /// The number of the last frame that was read, from 1.
-    #[must_use]
-    pub fn number(&self) -> u64 {
-        self.number
+    fn of(
+        mut reader: Input<'a>,
+        size: u64,
+        file: &Path,
+        units: FileUnits,
+    ) -> Result<Self, FormatError> {
+        let head = reader.fill_buf().map_err(|e| FormatError::io(file, e))?;
+        let source = match XtcReader::is_xtc(head) {
+            true => Source::Xtc(XtcReader::new(reader, size, file, units)?),
+            false => {
+                let (kind, lines) = text_of(reader, size, file)?;
+                let single = |found| {
+                    let allowed = "a trajectory: XTC, LAMMPS dump, extended XYZ or GRO";
+                    Err(FormatError::content(file, 1, found, allowed))
+                };
+                match kind {
+                    Kind::Frames(grammar) => {
+                        Source::Text(Box::new(TextFrames::new(lines, grammar, units)))
+                    }
+                    Kind::LammpsData => return single("a LAMMPS data file, one configuration"),
+                    Kind::Nist => return single("NIST columns, one configuration"),
+                }
+            }
+        };
+        Ok(Self { file: file.to_owned(), source, handle: None, size, number: 0, first: None })
     }
 
     /// The part of the file that was read, from 0 to 1.
-    #[must_use]
     pub fn part_read(&mut self) -> f64 {
-        let at = self.handle.stream_position().unwrap_or(0);
-        at as f64 / self.size.max(1) as f64
+        let at = self.handle.as_mut().and_then(|handle| handle.stream_position().ok());
+        at.map_or(1.0, |at| at as f64 / self.size.max(1) as f64)
     }
 
     /// The refusal of the last frame that was read.
@@ -101,25 +124,5 @@ impl Frames {
             return Err(self.refuse("other species or another order of them", "those of frame 1"));
         }
         Ok(Some(frame))
-    }
-}
-
-/// A text that has frames.
-fn text<R: Rewind + Send + 'static>(
-    mut reader: R,
-    size: u64,
-    file: &Path,
-    units: FileUnits,
-) -> Result<Source, FormatError> {
-    let single = |found| {
-        FormatError::content(file, 1, found, "a trajectory: XTC, LAMMPS dump, extended XYZ or GRO")
-    };
-    match kind_of(&mut reader, size, file)? {
-        Kind::Frames(grammar) => {
-            let reader: Box<dyn BufRead + Send> = Box::new(reader);
-            Ok(Source::Text(Box::new(TrajectoryReader::new(reader, size, file, grammar, units))))
-        }
-        Kind::LammpsData => Err(single("a LAMMPS data file, one configuration")),
-        Kind::Nist => Err(single("NIST columns, one configuration")),
     }
 }

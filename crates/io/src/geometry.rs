@@ -3,6 +3,8 @@
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 
+use crate::error::Refusal;
+
 /// Two statements of one length may differ by this share of the shortest side, and an edge may lean by as much.
 const SAME_LENGTH: f64 = 1e-10;
 
@@ -17,9 +19,18 @@ pub enum EdgeError {
     Side,
 }
 
-/// What readers allow where an edge leans.
-pub(crate) const UPRIGHT: &str =
-    "an orthorhombic box, to 1e-10 of a side; triclinic boxes are not there yet";
+/// The box of edges that stand in a file, with what readers allow.
+pub(crate) fn upright(
+    edges: [DVec3; 3],
+    found: impl Fn() -> String,
+) -> Result<PeriodicBox, Refusal> {
+    const UPRIGHT: &str =
+        "an orthorhombic box, to 1e-10 of a side; triclinic boxes are not there yet";
+    box_of_edges(edges).map_err(|error| match error {
+        EdgeError::Tilt => (format!("{}, a triclinic box", found()), UPRIGHT.into()),
+        EdgeError::Side => (found(), "box sides that are positive".into()),
+    })
+}
 
 /// The box whose edges are the vectors a, b and c along x, y and z.
 ///

@@ -2,16 +2,14 @@
 //!
 //! Source: GROMACS reference manual, "File formats: gro". Positions have n decimals in n + 5 columns, velocities n + 1 in as many.
 
-use std::io::BufRead;
-
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 
 use crate::columns::{Column, Columns, Scalar, Vector};
 use crate::error::{Refusal, excerpt};
-use crate::geometry::{EdgeError, UPRIGHT, box_of_edges};
+use crate::geometry::upright;
 use crate::lines::{At, Lines, finite, tokens};
-use crate::particles::{ParticleReader, Place, next_row, skip_rows};
+use crate::particles::{ParticleReader, Place, next_row};
 use crate::units::{FileUnits, OF_GRO, stated};
 use crate::{FormatError, TrajectoryFrame};
 
@@ -79,24 +77,9 @@ pub(crate) fn is_row(line: &[u8]) -> bool {
     Layout::of(line).and_then(row).is_some()
 }
 
-/// Reads the number of particles; the title is the current line.
-fn count<R: BufRead>(lines: &mut Lines<R>) -> Result<usize, FormatError> {
-    lines.next_or("the number of particles")?;
-    lines.particle_count(1, LEAST_BYTES_A_PARTICLE)
-}
-
-/// Passes over the frame whose title is the current line.
-pub(crate) fn skip_frame<R: BufRead>(lines: &mut Lines<R>) -> Result<(), FormatError> {
-    let n = count(lines)?;
-    skip_rows(lines, n)?;
-    lines.next_or(SIDES)
-}
-
-const SIDES: &str = "the sides of the box after the particles";
-
 /// Reads the frame whose title is the current line.
-pub(crate) fn parse_frame<R: BufRead>(
-    lines: &mut Lines<R>,
+pub(crate) fn parse_frame(
+    lines: &mut Lines<'_>,
     mut units: FileUnits,
 ) -> Result<TrajectoryFrame, FormatError> {
     let title = lines.line().to_vec();
@@ -115,14 +98,15 @@ pub(crate) fn parse_frame<R: BufRead>(
         return Err(lines.refuse(found, format!("{first}{allowed}")));
     }
     let scales = units.scales(said.as_deref()).at(lines)?;
-    let n = count(lines)?;
+    lines.next_or("the number of particles")?;
+    let n = lines.particle_count(1, LEAST_BYTES_A_PARTICLE)?;
     // The box comes last.
     let mut rows = Vec::with_capacity(n);
     for row in 1..=n {
         next_row(lines, row, n)?;
         rows.push((lines.number(), lines.line().to_vec()));
     }
-    lines.next_or(SIDES)?;
+    lines.next_or("the sides of the box after the particles")?;
     let cell = sides(lines.line()).at(lines)?;
     let place = Place::new(DVec3::ZERO, cell, scales).at(lines)?;
     let first = &rows[0];
@@ -164,12 +148,5 @@ fn sides(line: &[u8]) -> Result<Option<PeriodicBox>, Refusal> {
     if edges == [[0.0; 3]; 3] {
         return Ok(None);
     }
-    let cell = box_of_edges(edges.map(DVec3::from_array));
-    cell.map(Some).map_err(|error| match error {
-        EdgeError::Tilt => (format!("{}, a triclinic box", excerpt(line)), UPRIGHT.into()),
-        EdgeError::Side => {
-            let allowed = "sides that are positive, or three zeros for no box";
-            (excerpt(line), allowed.into())
-        }
-    })
+    upright(edges.map(DVec3::from_array), || excerpt(line)).map(Some)
 }

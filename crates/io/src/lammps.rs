@@ -4,7 +4,7 @@ use glam::DVec3;
 use lennard_core::PeriodicBox;
 
 use crate::error::{Refusal, excerpt};
-use crate::geometry::{EdgeError, UPRIGHT, box_of_edges};
+use crate::geometry::upright;
 use crate::lines::{finite, tokens};
 
 /// Where a box begins, and the box.
@@ -20,14 +20,11 @@ impl Bounds {
         let sides = high - low;
         let b = DVec3::new(xy, sides.y, 0.0);
         let c = DVec3::new(xz, yz, sides.z);
-        let cell = box_of_edges([DVec3::X * sides.x, b, c]).map_err(|error| match error {
-            EdgeError::Tilt => {
-                (format!("the tilts {xy} {xz} {yz}, a triclinic box"), UPRIGHT.to_string())
-            }
-            EdgeError::Side => {
-                (format!("a box from {low} to {high}"), "box sides that are positive".to_string())
-            }
-        })?;
+        let found = || match [xy, xz, yz] == [0.0; 3] {
+            true => format!("a box from {low} to {high}"),
+            false => format!("the tilts {xy} {xz} {yz}"),
+        };
+        let cell = upright([DVec3::X * sides.x, b, c], found)?;
         Ok(Self { low, cell })
     }
 }

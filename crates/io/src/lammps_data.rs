@@ -3,7 +3,6 @@
 //! Source: LAMMPS documentation, "read_data command".
 
 use std::collections::HashMap;
-use std::io::BufRead;
 
 use glam::DVec3;
 
@@ -63,8 +62,8 @@ struct Atoms {
 }
 
 /// Reads the whole file; nothing of it has been read yet.
-pub(crate) fn parse<R: BufRead>(
-    mut lines: Lines<R>,
+pub(crate) fn parse(
+    mut lines: Lines<'_>,
     units: FileUnits,
 ) -> Result<TrajectoryFrame, FormatError> {
     let mut all = Sections { units, ..Sections::default() };
@@ -80,7 +79,7 @@ pub(crate) fn parse<R: BufRead>(
 
 impl Sections {
     /// Goes to the next line that holds more than a comment; false at the end of the file.
-    fn next<R: BufRead>(&mut self, lines: &mut Lines<R>) -> Result<bool, FormatError> {
+    fn next(&mut self, lines: &mut Lines<'_>) -> Result<bool, FormatError> {
         while lines.advance()? {
             if let Some(at) = lines.line().iter().position(|b| *b == b'#') {
                 self.check_units(lines, &lines.line()[at..])?;
@@ -93,11 +92,7 @@ impl Sections {
     }
 
     /// The scales for the units that a title or comment states.
-    fn check_units<R: BufRead>(
-        &mut self,
-        lines: &Lines<R>,
-        text: &[u8],
-    ) -> Result<Scales, FormatError> {
+    fn check_units(&mut self, lines: &Lines<'_>, text: &[u8]) -> Result<Scales, FormatError> {
         let said = stated(&String::from_utf8_lossy(text));
         let before = self.units;
         let scales = self.units.scales(said.as_deref()).at(lines)?;
@@ -114,13 +109,13 @@ impl Sections {
     }
 
     /// Reads the header; the line of the first section is the current line then, and is given back.
-    fn header<R: BufRead>(&mut self, lines: &mut Lines<R>) -> Result<Option<Vec<u8>>, FormatError> {
+    fn header(&mut self, lines: &mut Lines<'_>) -> Result<Option<Vec<u8>>, FormatError> {
         while self.next(lines)? {
             let line = lines.line().to_vec();
             let words: Vec<&[u8]> = tokens(content(&line)).collect();
             match words.as_slice() {
                 [first, ..] if first[0].is_ascii_alphabetic() => return Ok(Some(line)),
-                [_, b"atoms"] => self.n = Some(self.count(lines, words[0])?),
+                [n, b"atoms"] => self.n = Some(lines.count(n, 0, LEAST_BYTES_A_PARTICLE)?),
                 [n, b"atom", b"types"] => {
                     self.types = std::str::from_utf8(n).ok().and_then(|n| n.parse().ok())
                 }
@@ -143,32 +138,14 @@ impl Sections {
         Ok(None)
     }
 
-    fn count<R: BufRead>(&self, lines: &Lines<R>, word: &[u8]) -> Result<usize, FormatError> {
-        let n = particle_number(word).ok().filter(|n| *n > 0).ok_or_else(|| {
-            lines.refuse(excerpt(word), "the number of atoms, an integer of at least 1")
-        })?;
-        let fits = lines.check_room(n, 0, LEAST_BYTES_A_PARTICLE);
-        fits.then_some(n)
-            .and_then(|n| usize::try_from(n).ok())
-            .ok_or_else(|| {
-                lines.refuse(
-                    format!("{n} atoms"),
-                    format!(
-                        "at most what the {} bytes left in the file can hold, {LEAST_BYTES_A_PARTICLE} bytes per atom",
-                        lines.left()
-                    ),
-                )
-            })
-    }
-
-    fn bound<R: BufRead, const N: usize>(&self, lines: &Lines<R>) -> Result<[f64; N], FormatError> {
+    fn bound<const N: usize>(&self, lines: &Lines<'_>) -> Result<[f64; N], FormatError> {
         bound(content(lines.line())).at(lines)
     }
 
     /// Reads the section whose first line is the current line; gives the first line of the next one back.
-    fn section<R: BufRead>(
+    fn section(
         &mut self,
-        lines: &mut Lines<R>,
+        lines: &mut Lines<'_>,
         first: &[u8],
     ) -> Result<Option<Vec<u8>>, FormatError> {
         let name: Vec<&[u8]> = tokens(content(first)).collect();
@@ -198,9 +175,9 @@ impl Sections {
     }
 
     /// Hands the rows of a section to `take`, up to the first line of the next one.
-    fn rows<R: BufRead>(
+    fn rows(
         &mut self,
-        lines: &mut Lines<R>,
+        lines: &mut Lines<'_>,
         mut take: impl FnMut(&mut Self, &[&[u8]]) -> Result<(), Refusal>,
     ) -> Result<Option<Vec<u8>>, FormatError> {
         while self.next(lines)? {
@@ -214,7 +191,7 @@ impl Sections {
     }
 
     /// The section `Atoms` before its first row.
-    fn atoms_of<R: BufRead>(&mut self, lines: &Lines<R>) -> Result<Atoms, FormatError> {
+    fn atoms_of(&mut self, lines: &Lines<'_>) -> Result<Atoms, FormatError> {
         let n = self
             .n
             .ok_or_else(|| lines.refuse("the section Atoms", "the number of atoms before it"))?;
@@ -297,7 +274,7 @@ impl Sections {
         self.labels.get(kind).cloned().unwrap_or_else(number)
     }
 
-    fn finish<R: BufRead>(self, lines: &Lines<R>) -> Result<TrajectoryFrame, FormatError> {
+    fn finish(self, lines: &Lines<'_>) -> Result<TrajectoryFrame, FormatError> {
         let absent = |what: &str| lines.refuse_end(what);
         let n = self.n.ok_or_else(|| absent("the number of atoms"))?;
         let atoms = self.atoms.ok_or_else(|| absent("the section Atoms"))?;

@@ -2,15 +2,13 @@
 //!
 //! Source: LAMMPS documentation, "dump command".
 
-use std::io::BufRead;
-
 use glam::DVec3;
 
 use crate::columns::{Column, Columns, MOST_COLUMNS, Scalar, Vector, motion, number};
 use crate::error::{Refusal, excerpt};
 use crate::lammps::{Bounds, bound};
 use crate::lines::{At, Lines, tokens};
-use crate::particles::{ParticleReader, Place, skip_rows};
+use crate::particles::{ParticleReader, Place};
 use crate::units::FileUnits;
 use crate::{FormatError, TrajectoryFrame};
 
@@ -28,16 +26,6 @@ const FOLDED: usize = 2;
 
 /// What LAMMPS puts before the names of numbers that it computes.
 const COMPUTED: [&str; 6] = ["c_", "f_", "v_", "d_", "d2_", "i_"];
-
-/// What a frame says before its particles.
-struct Header {
-    step: u64,
-    time: Option<f64>,
-    n: usize,
-    unwrapped: bool,
-    place: Place,
-    columns: Columns,
-}
 
 /// Where in a line everything stands, and which of [`COORDINATES`] the positions are.
 fn columns(line: &[u8]) -> Result<(Columns, usize), Refusal> {
@@ -107,8 +95,11 @@ fn columns(line: &[u8]) -> Result<(Columns, usize), Refusal> {
     }
 }
 
-/// Reads the lines before the particles; the current line is the first.
-fn header<R: BufRead>(lines: &mut Lines<R>, units: &mut FileUnits) -> Result<Header, FormatError> {
+/// Reads the frame whose first line is the current line.
+pub(crate) fn parse_frame(
+    lines: &mut Lines<'_>,
+    units: &mut FileUnits,
+) -> Result<TrajectoryFrame, FormatError> {
     let (mut step, mut n, mut bounds, mut time) = (None, None, None, None);
     loop {
         let item = lines.line().strip_prefix(FIRST_WORD).map(<[u8]>::to_vec);
@@ -135,24 +126,7 @@ fn header<R: BufRead>(lines: &mut Lines<R>, units: &mut FileUnits) -> Result<Hea
                 time = Some(number(lines.line().trim_ascii()).at(lines)?);
             }
             [b"BOX", b"BOUNDS", edges @ ..] => bounds = Some(read_bounds(lines, edges)?),
-            [b"ATOMS", ..] => {
-                let refuse = |(found, allowed): Refusal| lines.refuse(found, allowed);
-                let (columns, style) = columns(lines.line()).map_err(refuse)?;
-                let missing = |item: &str| {
-                    let found = format!("particles before `ITEM: {item}`");
-                    lines.refuse(found, format!("`ITEM: {item}` before them"))
-                };
-                let step = step.ok_or_else(|| missing("TIMESTEP"))?;
-                let n = n.ok_or_else(|| missing("NUMBER OF ATOMS"))?;
-                let Bounds { low, cell } = bounds.ok_or_else(|| missing("BOX BOUNDS"))?;
-                let scales = units.scales(None).map_err(refuse)?;
-                let scaled = COORDINATES[style][0].starts_with("xs");
-                let place =
-                    Place { scaled, ..Place::new(low, Some(cell), scales).map_err(refuse)? };
-                let unwrapped = style < FOLDED || columns.has(Vector::Image);
-                let time = time.and_then(|time| scales.time(time));
-                return Ok(Header { step, time, n, unwrapped, place, columns });
-            }
+            [b"ATOMS", ..] => break,
             _ => {
                 let allowed = "TIMESTEP, UNITS, TIME, NUMBER OF ATOMS, BOX BOUNDS or ATOMS";
                 return Err(lines.refuse(excerpt(lines.line()), allowed));
@@ -160,9 +134,24 @@ fn header<R: BufRead>(lines: &mut Lines<R>, units: &mut FileUnits) -> Result<Hea
         }
         lines.next_or("`ITEM: ATOMS` with the names of the columns")?;
     }
+    let (columns, style) = columns(lines.line()).at(lines)?;
+    let missing = |item: &str| {
+        let found = format!("particles before `ITEM: {item}`");
+        lines.refuse(found, format!("`ITEM: {item}` before them"))
+    };
+    let step = Some(step.ok_or_else(|| missing("TIMESTEP"))?);
+    let n = n.ok_or_else(|| missing("NUMBER OF ATOMS"))?;
+    let Bounds { low, cell } = bounds.ok_or_else(|| missing("BOX BOUNDS"))?;
+    let scales = units.scales(None).at(lines)?;
+    let scaled = COORDINATES[style][0].starts_with("xs");
+    let place = Place { scaled, ..Place::new(low, Some(cell), scales).at(lines)? };
+    let unwrapped = style < FOLDED || columns.has(Vector::Image);
+    let time = time.and_then(|time| scales.time(time));
+    let particles = ParticleReader::read(lines, n, &columns, &place, "as `ITEM: ATOMS` says")?;
+    Ok(TrajectoryFrame { step, time, unwrapped, ..TrajectoryFrame::of(particles, place.cell) })
 }
 
-fn read_bounds<R: BufRead>(lines: &mut Lines<R>, edges: &[&[u8]]) -> Result<Bounds, FormatError> {
+fn read_bounds(lines: &mut Lines<'_>, edges: &[&[u8]]) -> Result<Bounds, FormatError> {
     let (edges, is_tilted) = match edges {
         [b"xy", b"xz", b"yz", edges @ ..] => (edges, true),
         edges => (edges, false),
@@ -183,32 +172,4 @@ fn read_bounds<R: BufRead>(lines: &mut Lines<R>, edges: &[&[u8]]) -> Result<Boun
         [low[axis], high[axis], tilts[axis]] = row.at(lines)?;
     }
     Bounds::new(low, high, tilts).at(lines)
-}
-
-/// Passes over the frame whose first line is the current line.
-pub(crate) fn skip_frame<R: BufRead>(
-    lines: &mut Lines<R>,
-    units: &mut FileUnits,
-) -> Result<(), FormatError> {
-    let n = header(lines, units)?.n;
-    skip_rows(lines, n)
-}
-
-/// Reads the frame whose first line is the current line.
-pub(crate) fn parse_frame<R: BufRead>(
-    lines: &mut Lines<R>,
-    units: &mut FileUnits,
-) -> Result<TrajectoryFrame, FormatError> {
-    let Header { step, time, n, unwrapped, place, columns } = header(lines, units)?;
-    let least = 2 * columns.width() as u64;
-    if !lines.check_room(n as u64, 0, least) {
-        let allowed = format!(
-            "at most what the {} bytes left in the file can hold: the count is wrong or the frame is truncated",
-            lines.left()
-        );
-        return Err(lines.refuse(format!("{n} particles"), allowed));
-    }
-    let particles = ParticleReader::read(lines, n, &columns, &place, "as `ITEM: ATOMS` says")?;
-    let frame = TrajectoryFrame::of(particles, place.cell);
-    Ok(TrajectoryFrame { step: Some(step), time, unwrapped, ..frame })
 }

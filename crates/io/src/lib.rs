@@ -23,6 +23,7 @@ mod frame;
 mod frames;
 mod geometry;
 mod gro;
+mod gunzip;
 mod lammps;
 mod lammps_data;
 mod lammps_data_writer;
@@ -31,20 +32,18 @@ mod lines;
 mod nist;
 mod particles;
 mod record;
-mod rewind;
 mod sink;
 mod species_reader;
 mod tables;
+mod text_frames;
 mod topology;
 mod trajectory;
-mod trajectory_reader;
 mod units;
 mod xyz_header;
 
 pub use atomic::{write_json_atomically, write_text_atomically};
 pub use checkpoint::{
-    CheckpointError, checkpoint_bytes, read_checkpoint, read_checkpoint_bytes,
-    read_checkpoint_metadata, write_checkpoint,
+    CheckpointError, checkpoint_bytes, read_checkpoint, read_checkpoint_bytes, write_checkpoint,
 };
 pub use checkpoint_codec::{CHECKPOINT_VERSION, Checkpoint, CheckpointMetadata, CheckpointProblem};
 pub use checkpoint_folder::CheckpointFolder;
@@ -75,7 +74,4 @@ pub use tables::{
 };
 pub use topology::write_topology_gro;
 pub use trajectory::{TrajectoryWriter, write_frame};
-pub use trajectory_reader::{
-    TrajectoryReader, read_trajectory, read_trajectory_bytes, whole_frames,
-};
 pub use units::FileUnits;

@@ -28,30 +28,32 @@ pub(crate) fn open_regular(path: &Path) -> Result<(BufReader<File>, u64), Format
     Ok((BufReader::with_capacity(READ_BUFFER, file), size))
 }
 
+/// The bytes of a regular file.
+pub(crate) fn read_regular(path: &Path) -> Result<Vec<u8>, FormatError> {
+    let (mut reader, size) = open_regular(path)?;
+    let mut bytes = Vec::with_capacity(size as usize);
+    reader.read_to_end(&mut bytes).map_err(|e| FormatError::io(path, e))?;
+    Ok(bytes)
+}
+
+/// What is read: a file, its inflated text, or memory.
+pub(crate) type Input<'a> = Box<dyn BufRead + Send + 'a>;
+
 /// Lines with their numbers, one in memory at a time.
-#[derive(Debug)]
-pub(crate) struct Lines<R> {
-    reader: R,
+pub(crate) struct Lines<'a> {
+    reader: Input<'a>,
     file: PathBuf,
     size: u64,
     offset: u64,
     number: u64,
     current: Vec<u8>,
-    had_end: bool,
 }
 
-impl<R: BufRead> Lines<R> {
+impl<'a> Lines<'a> {
     /// Lines of `reader`, which holds `size` bytes; `file` is for messages.
-    pub(crate) fn new(reader: R, size: u64, file: &Path) -> Self {
-        Self {
-            reader,
-            file: file.to_path_buf(),
-            size,
-            offset: 0,
-            number: 0,
-            current: Vec::new(),
-            had_end: false,
-        }
+    pub(crate) fn new(reader: Input<'a>, size: u64, file: &Path) -> Self {
+        let file = file.to_path_buf();
+        Self { reader, file, size, offset: 0, number: 0, current: Vec::new() }
     }
 
     /// Goes to the next line; false at the end of the file.
@@ -66,12 +68,8 @@ impl<R: BufRead> Lines<R> {
         }
         self.offset += read;
         self.number += 1;
-        self.had_end = self.current.last() == Some(&b'\n');
-        if self.had_end {
-            self.current.pop();
-            if self.current.last() == Some(&b'\r') {
-                self.current.pop();
-            }
+        if self.current.pop_if(|byte| *byte == b'\n').is_some() {
+            self.current.pop_if(|byte| *byte == b'\r');
         } else if read == LONGEST_LINE {
             return Err(
                 self.refuse(format!("a line of more than {LONGEST_LINE} bytes"), "shorter lines")
@@ -88,17 +86,6 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
-    /// Says that reading starts behind the first `offset` bytes and `number` lines of the file.
-    pub(crate) fn start_at(&mut self, offset: u64, number: u64) {
-        self.offset = offset;
-        self.number = number;
-    }
-
-    /// Whether the current line had an end, which a line cut off in writing lacks.
-    pub(crate) fn ended_with_line_end(&self) -> bool {
-        self.had_end
-    }
-
     /// The current line without its end.
     pub(crate) fn line(&self) -> &[u8] {
         &self.current
@@ -112,11 +99,6 @@ impl<R: BufRead> Lines<R> {
     /// Number of the current line, counted from 1.
     pub(crate) fn number(&self) -> u64 {
         self.number
-    }
-
-    /// Bytes read so far.
-    pub(crate) fn offset(&self) -> u64 {
-        self.offset
     }
 
     /// Bytes left in the file.
@@ -160,47 +142,50 @@ impl<R: BufRead> Lines<R> {
         more_lines: u64,
         least_bytes_each: u64,
     ) -> Result<usize, FormatError> {
+        self.count(one_token(&self.current).unwrap_or(&self.current), more_lines, least_bytes_each)
+    }
+
+    /// The same of a word of the current line.
+    pub(crate) fn count(
+        &self,
+        word: &[u8],
+        more_lines: u64,
+        least_bytes_each: u64,
+    ) -> Result<usize, FormatError> {
         let allowed = "the number of particles, an integer of at least 1";
-        let count = one_token(&self.current)
-            .and_then(|token| std::str::from_utf8(token).ok())
-            .filter(|text| text.bytes().all(|b| b.is_ascii_digit()))
-            .ok_or_else(|| self.refuse(excerpt(&self.current), allowed))?;
-        let too_many = || {
-            self.refuse(
-                format!("{} particles", excerpt(count.as_bytes())),
+        if word.is_empty() || !word.iter().all(u8::is_ascii_digit) {
+            return Err(self.refuse(excerpt(word), allowed));
+        }
+        match std::str::from_utf8(word).ok().and_then(|digits| digits.parse().ok()) {
+            Some(0) => Err(self.refuse("0 particles", allowed)),
+            Some(n) if self.check_room(n, more_lines, least_bytes_each) => Ok(n),
+            _ => Err(self.refuse(
+                format!("{} particles", excerpt(word)),
                 format!(
                     "at most what the {} bytes left in the file can hold, {least_bytes_each} bytes per particle",
                     self.left()
                 ),
-            )
-        };
-        let n: u64 = count.parse().map_err(|_| too_many())?;
-        if n == 0 {
-            return Err(self.refuse("0 particles", allowed));
+            )),
         }
-        self.check_room(n, more_lines, least_bytes_each)
-            .then_some(n)
-            .and_then(|n| usize::try_from(n).ok())
-            .ok_or_else(too_many)
     }
 
     /// Whether `n` lines of `least_bytes_each` bytes and `more_lines` besides fit into the rest of the file;
     /// the last line may lack its end.
-    pub(crate) fn check_room(&self, n: u64, more_lines: u64, least_bytes_each: u64) -> bool {
-        n.checked_mul(least_bytes_each)
-            .and_then(|bytes| bytes.checked_add(more_lines))
-            .is_some_and(|bytes| bytes - 1 <= self.left())
+    pub(crate) fn check_room(&self, n: usize, more_lines: u64, least_bytes_each: u64) -> bool {
+        let bytes = (n as u64).checked_mul(least_bytes_each);
+        let bytes = bytes.and_then(|bytes| bytes.checked_add(more_lines));
+        bytes.is_some_and(|bytes| bytes - 1 <= self.left())
     }
 }
 
 /// What a refusal becomes: an error at the current line.
 pub(crate) trait At<T> {
     /// The value, or the refusal with the file and the line.
-    fn at<R: BufRead>(self, lines: &Lines<R>) -> Result<T, FormatError>;
+    fn at(self, lines: &Lines<'_>) -> Result<T, FormatError>;
 }
 
 impl<T> At<T> for Result<T, Refusal> {
-    fn at<R: BufRead>(self, lines: &Lines<R>) -> Result<T, FormatError> {
+    fn at(self, lines: &Lines<'_>) -> Result<T, FormatError> {
         self.map_err(|(found, allowed)| lines.refuse(found, allowed))
     }
 }
@@ -225,12 +210,11 @@ pub(crate) fn finite(token: &[u8]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Cursor;
 
     #[test]
     fn both_kinds_of_line_ends_and_a_missing_last_one_are_read() {
         let text = b"a\r\nb\n\nc";
-        let mut lines = Lines::new(Cursor::new(text), text.len() as u64, Path::new("f"));
+        let mut lines = Lines::new(Box::new(&text[..]), text.len() as u64, Path::new("f"));
         let mut all = Vec::new();
         while lines.advance().unwrap() {
             all.push(lines.line().to_vec());
@@ -242,7 +226,7 @@ mod tests {
     #[test]
     fn a_file_without_line_ends_is_refused_before_it_fills_the_memory() {
         let endless = io::repeat(b'x');
-        let mut lines = Lines::new(BufReader::new(endless), u64::MAX, Path::new("f"));
+        let mut lines = Lines::new(Box::new(BufReader::new(endless)), u64::MAX, Path::new("f"));
         assert!(lines.advance().unwrap_err().to_string().contains("more than"));
     }
 

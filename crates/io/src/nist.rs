@@ -4,8 +4,6 @@
 //! Source: National Institute of Standards and Technology, Standard Reference Simulation Website,
 //! "Lennard-Jones Fluid Reference Calculations: Cuboid Cell".
 
-use std::io::BufRead;
-
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 
@@ -35,8 +33,8 @@ pub(crate) fn is_number(token: &[u8]) -> bool {
 }
 
 /// Reads the whole file; nothing of it has been read yet.
-pub(crate) fn parse<R: BufRead>(
-    mut lines: Lines<R>,
+pub(crate) fn parse(
+    mut lines: Lines<'_>,
     mut units: FileUnits,
 ) -> Result<TrajectoryFrame, FormatError> {
     lines.next_or("three box sides")?;
@@ -53,17 +51,11 @@ pub(crate) fn parse<R: BufRead>(
     let n = lines.particle_count(0, LEAST_BYTES_A_PARTICLE)?;
     let columns = Columns::fixed(&[Column::Scalar(Scalar::Id), Column::Vector(Vector::Position)]);
     let place = Place::new(DVec3::ZERO, Some(cell), scales).at(&lines)?;
-    let mut particles = ParticleReader::new(n, &columns);
-    for number in 1..=n {
-        lines.next_or(&format!("particle {number} of {n}: the file is truncated"))?;
-        let row = columns.row(lines.line(), "");
-        let row = row.ok().filter(|row| row.id == Some(number as u64)).ok_or_else(|| {
-            lines.refuse(
-                excerpt(lines.line()),
-                format!("`{number} x y z`: the particle's number, then three finite coordinates"),
-            )
-        })?;
-        particles.take(row, &place).at(&lines)?;
+    let as_said = "the particle's number, then three coordinates";
+    let particles = ParticleReader::read(&mut lines, n, &columns, &place, as_said)?;
+    // In their order, and no two alike.
+    if let Some(last) = particles.ids.last().filter(|last| **last != n as u64) {
+        return Err(lines.refuse(format!("the number {last}"), format!("numbers from 1 to {n}")));
     }
     while lines.advance()? {
         if !lines.is_blank() {
@@ -73,6 +65,5 @@ pub(crate) fn parse<R: BufRead>(
             ));
         }
     }
-    let particles = particles.finish().at(&lines)?;
     Ok(TrajectoryFrame::of(particles, place.cell))
 }

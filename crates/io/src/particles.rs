@@ -1,7 +1,6 @@
 //! The particles of a file, row by row: one bound and one rule for every format.
 
 use std::collections::BTreeMap;
-use std::io::BufRead;
 
 use lennard_core::{DVec3, PeriodicBox};
 
@@ -217,13 +216,22 @@ impl ParticleReader {
     }
 
     /// Reads the lines of `n` particles after the current line; `as_said` tells where their columns are said.
-    pub(crate) fn read<R: BufRead>(
-        lines: &mut Lines<R>,
+    pub(crate) fn read(
+        lines: &mut Lines<'_>,
         n: usize,
         columns: &Columns,
         place: &Place,
         as_said: &str,
     ) -> Result<Particles, FormatError> {
+        // A character and a separator for each column: before memory for all arrays is taken.
+        let least = 2 * columns.width() as u64;
+        if !lines.check_room(n, 0, least) {
+            let allowed = format!(
+                "at most what the {} bytes left in the file can hold, {least} bytes per particle: the count is wrong or the frame is truncated",
+                lines.left()
+            );
+            return Err(lines.refuse(format!("{n} particles"), allowed));
+        }
         let mut all = Self::new(n, columns);
         for row in 1..=n {
             next_row(lines, row, n)?;
@@ -260,17 +268,8 @@ impl ParticleReader {
 }
 
 /// Goes to the line of a particle.
-pub(crate) fn next_row<R: BufRead>(
-    lines: &mut Lines<R>,
-    row: usize,
-    n: usize,
-) -> Result<(), FormatError> {
+pub(crate) fn next_row(lines: &mut Lines<'_>, row: usize, n: usize) -> Result<(), FormatError> {
     lines.next_or(&format!("particle {row} of {n}: the frame is truncated"))
-}
-
-/// Passes over the lines of `n` particles.
-pub(crate) fn skip_rows<R: BufRead>(lines: &mut Lines<R>, n: usize) -> Result<(), FormatError> {
-    (1..=n).try_for_each(|row| next_row(lines, row, n))
 }
 
 /// Brings an array into an order; an empty one stays so.

@@ -9,7 +9,7 @@ use lennard_observables::{Average, Doubt, Estimate, Remark, Standing, finite as 
 use serde::{Deserialize, Serialize};
 
 use crate::FormatError;
-use crate::lines::open_regular;
+use crate::lines::read_regular;
 
 /// Name and version of the schema of [`RunRecord`].
 pub const RUN_SCHEMA: &str = crate::schema!("run", 1);
@@ -321,9 +321,7 @@ pub struct StatePoint {
 /// # Errors
 /// Where the file cannot be read, is no run record, or one of another schema.
 pub fn read_run_record(path: &Path) -> Result<RunRecord, FormatError> {
-    open_regular(path)?;
-    let bytes = fs::read(path).map_err(|e| FormatError::io(path, e))?;
-    parse(&bytes, path)
+    parse(&read_regular(path)?, path)
 }
 
 /// Like [`read_run_record`], from memory.
@@ -340,20 +338,14 @@ fn parse(bytes: &[u8], path: &Path) -> Result<RunRecord, FormatError> {
     struct Schema {
         schema: String,
     }
-    let malformed = |e: serde_json::Error| FormatError::Content {
-        file: path.to_path_buf(),
-        line: e.line().max(1) as u64,
-        found: e.to_string(),
-        allowed: format!("a run record of schema {RUN_SCHEMA}"),
+    let malformed = |e: serde_json::Error| {
+        let allowed = format!("a run record of schema {RUN_SCHEMA}");
+        FormatError::content(path, e.line().max(1) as u64, &e.to_string(), &allowed)
     };
     let Schema { schema } = serde_json::from_slice(bytes).map_err(malformed)?;
     if schema != RUN_SCHEMA {
-        return Err(FormatError::Content {
-            file: path.to_path_buf(),
-            line: 1,
-            found: format!("schema {}", crate::error::excerpt(schema.as_bytes())),
-            allowed: RUN_SCHEMA.into(),
-        });
+        let found = format!("schema {}", crate::error::excerpt(schema.as_bytes()));
+        return Err(FormatError::content(path, 1, &found, RUN_SCHEMA));
     }
     serde_json::from_slice(bytes).map_err(malformed)
 }

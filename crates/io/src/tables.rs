@@ -21,9 +21,10 @@ use lennard_observables::{Cell, Column, Table, Value};
 use crate::atomic::write_bytes_atomically;
 use crate::error::excerpt;
 use crate::formats::lines::{push_any_float, push_integer};
-use crate::lines::open_regular;
+use crate::frame::unwritable;
+use crate::lines::read_regular;
 use crate::sink::WholeFile;
-use crate::{FileMark, FormatError, Sink, WriteError};
+use crate::{FileMark, FormatError, WriteError};
 
 /// What begins a line of comments.
 const COMMENT: u8 = b'#';
@@ -141,12 +142,8 @@ fn number_text(value: f64) -> Vec<u8> {
 pub fn write_table_csv(path: &Path, table: &Table) -> Result<(), WriteError> {
     let lengths: Vec<usize> = table.columns.iter().map(|c| c.cells.len()).collect();
     if lengths.is_empty() || lengths.iter().any(|n| *n != table.rows()) {
-        return Err(WriteError::Unwritable {
-            path: path.to_path_buf(),
-            what: "lengths of the columns",
-            found: format!("{lengths:?}"),
-            allowed: "at least one column, all of the same length".into(),
-        });
+        let allowed = "at least one column, all of the same length";
+        return Err(unwritable(path, "lengths of the columns", format!("{lengths:?}"), allowed));
     }
     let mut text = heading(path, &table.columns, &table.caption)?;
     for row in 0..table.rows() {
@@ -160,8 +157,7 @@ pub fn write_table_csv(path: &Path, table: &Table) -> Result<(), WriteError> {
 /// # Errors
 /// Where the file cannot be read or a row holds anything but numbers.
 pub fn read_table_csv(path: &Path) -> Result<Table, FormatError> {
-    open_regular(path)?;
-    let bytes = fs::read(path).map_err(|e| FormatError::io(path, e))?;
+    let bytes = read_regular(path)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     table_from_bytes(&bytes, &name, path)
 }
@@ -171,8 +167,7 @@ pub fn read_table_csv(path: &Path) -> Result<Table, FormatError> {
 /// # Errors
 /// Where the file cannot be read, or a row has another length than the heading line.
 pub fn read_words_csv(path: &Path) -> Result<(Table, Vec<u64>), FormatError> {
-    open_regular(path)?;
-    let bytes = fs::read(path).map_err(|e| FormatError::io(path, e))?;
+    let bytes = read_regular(path)?;
     rows(&bytes, path, |field| Ok(Cell::words(String::from_utf8_lossy(field).trim())))
 }
 
@@ -199,15 +194,9 @@ fn rows(
     path: &Path,
     cell: impl Fn(&[u8]) -> Result<Cell, &'static str>,
 ) -> Result<(Table, Vec<u64>), FormatError> {
-    let content = |line, found, allowed: &str| FormatError::Content {
-        file: path.to_path_buf(),
-        line,
-        found,
-        allowed: allowed.into(),
-    };
     let malformed = |e: csv::Error| {
         let line = e.position().map_or(1, csv::Position::line);
-        content(line, e.to_string(), "rows as long as the heading line")
+        FormatError::content(path, line, &e.to_string(), "rows as long as the heading line")
     };
     // `# NAME [UNIT]: words`, where NAME is a heading.
     let text = String::from_utf8_lossy(bytes);
@@ -226,15 +215,15 @@ fn rows(
         })
         .collect();
     if columns.is_empty() {
-        return Err(content(1, "no heading".into(), "one heading line"));
+        return Err(FormatError::content(path, 1, "no heading", "one heading line"));
     }
     let mut lines = Vec::new();
     for record in reader.byte_records() {
         let record = record.map_err(malformed)?;
         let line = record.position().map_or(1, csv::Position::line);
         for (column, field) in columns.iter_mut().zip(&record) {
-            let cell = cell(field).map_err(|allowed| content(line, excerpt(field), allowed))?;
-            column.cells.push(cell);
+            let refused = |allowed| FormatError::content(path, line, &excerpt(field), allowed);
+            column.cells.push(cell(field).map_err(refused)?);
         }
         lines.push(line);
     }
@@ -255,29 +244,9 @@ impl TableWriter {
     /// # Errors
     /// Where the operating system refuses or there is no column.
     pub fn create(path: &Path, columns: &[(&str, &str)]) -> Result<Self, WriteError> {
-        Self::with_heading(WholeFile::create(path)?, columns)
-    }
-
-    /// A table to any sink: for tests that make writes fail.
-    ///
-    /// # Errors
-    /// Where the sink refuses the heading or there is no column.
-    pub fn to_sink(
-        path: &Path,
-        columns: &[(&str, &str)],
-        sink: Box<dyn Sink>,
-    ) -> Result<Self, WriteError> {
-        Self::with_heading(WholeFile::over(path, sink), columns)
-    }
-
-    fn with_heading(mut file: WholeFile, columns: &[(&str, &str)]) -> Result<Self, WriteError> {
+        let mut file = WholeFile::create(path)?;
         if columns.is_empty() {
-            return Err(WriteError::Unwritable {
-                path: file.path().to_path_buf(),
-                what: "columns",
-                found: "none".into(),
-                allowed: "at least one".into(),
-            });
+            return Err(unwritable(path, "columns", "none", "at least one"));
         }
         let text = heading(file.path(), &of(columns), "")?;
         file.append(&text)?;
@@ -353,15 +322,6 @@ impl TableWriter {
     /// Where the operating system refuses.
     pub fn sync(&mut self) -> Result<(), WriteError> {
         self.file.sync()
-    }
-
-    /// Syncs and closes.
-    ///
-    /// # Errors
-    /// Where the operating system refuses.
-    pub fn finish(mut self) -> Result<FileMark, WriteError> {
-        self.sync()?;
-        Ok(self.mark())
     }
 }
 

@@ -100,15 +100,6 @@ impl TrajectoryWriter {
     pub fn sync(&mut self) -> Result<(), WriteError> {
         self.file.sync()
     }
-
-    /// Syncs and closes.
-    ///
-    /// # Errors
-    /// Where the operating system refuses.
-    pub fn finish(mut self) -> Result<FileMark, WriteError> {
-        self.sync()?;
-        Ok(self.mark())
-    }
 }
 
 /// Writes a file of extended XYZ that holds one frame: to a hidden neighbor first, synced, then renamed.

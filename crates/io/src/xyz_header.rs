@@ -7,7 +7,7 @@ use lennard_core::PeriodicBox;
 
 use crate::columns::{Column, Columns, MOST_COLUMNS, Scalar, Vector, motion};
 use crate::error::{Refusal, excerpt};
-use crate::geometry::{EdgeError, box_of_edges};
+use crate::geometry::upright;
 use crate::lines::{finite, tokens};
 use crate::units::{FileUnits, Scales, stated};
 
@@ -243,14 +243,7 @@ fn lattice(text: &str) -> Result<PeriodicBox, Refusal> {
         return Err((found(), "nine finite numbers, the box vectors a, b and c".into()));
     };
     let edges = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]].map(DVec3::from_array);
-    box_of_edges(edges).map_err(|error| match error {
-        EdgeError::Tilt => (
-            format!("{}, a triclinic box", found()),
-            "an orthorhombic box, \"Lx 0.0 0.0 0.0 Ly 0.0 0.0 0.0 Lz\", to 1e-10 of a side; triclinic boxes are not there yet"
-                .into(),
-        ),
-        EdgeError::Side => (found(), "box sides that are positive".into()),
-    })
+    upright(edges, found)
 }
 
 /// Every direction must be periodic where there is a box.

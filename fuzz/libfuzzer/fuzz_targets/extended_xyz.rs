@@ -2,5 +2,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    lennard_fuzz::extended_xyz(bytes);
+    lennard_fuzz::start(bytes);
 });

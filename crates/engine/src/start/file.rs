@@ -41,13 +41,8 @@ pub(super) fn start(
                 }
                 Some(Geometry::Density(_)) | None => None,
             };
-            // Read without the scene's box first: where both name one and they differ, the scene is to blame.
-            let in_box =
-                |cell| lennard_io::read_configuration_in(path, Beside { cell, units: *units });
-            let read = match in_box(None) {
-                Err(_) if own.is_some() => in_box(own)?,
-                read => read?,
-            };
+            let read =
+                lennard_io::read_configuration_in(path, Beside { cell: own, units: *units })?;
             if let Some(own) = own.filter(|own| !lennard_io::is_same_box(own, &read.cell)) {
                 let [own, other] = [&own, &read.cell].map(|cell| cell.lengths().to_array());
                 let found = format!("{own:?}, where {} has {other:?}", path.display());

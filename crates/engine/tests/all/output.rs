@@ -8,7 +8,7 @@ use lennard_core::{DVec3, PeriodicBox};
 use lennard_engine::{
     Control, Ending, EngineError, Outcome, ResumeOptions, Simulation, go_on, resume, run,
 };
-use lennard_io::{Existing, create_named_folder, read_configuration, read_trajectory};
+use lennard_io::{Existing, FileUnits, Frames, create_named_folder, read_configuration};
 
 use crate::common::{self, AskToStop, DUMBBELLS};
 
@@ -202,12 +202,15 @@ fn a_run_goes_on_with_another_trajectory_or_without_one() {
     until(&folder, 200, None, &[]).unwrap();
     let scene = fs::read_to_string(folder.join("scene.toml")).unwrap();
     assert!(scene.contains("format = \"xyz\"") && !scene.contains("precision = 1000"));
-    let frames = read_trajectory(&folder.join("trajectory.xyz")).unwrap();
-    let steps: Vec<_> = frames.iter().map(|frame| frame.step.unwrap()).collect();
-    assert_eq!(steps, [150, 200]);
+    let steps = || {
+        let path = folder.join("trajectory.xyz");
+        let mut frames = Frames::open(&path, FileUnits::default()).unwrap();
+        let next = || frames.next_frame().unwrap()?.step;
+        std::iter::from_fn(next).collect::<Vec<_>>()
+    };
+    assert_eq!(steps(), [150, 200]);
     until(&folder, 300, None, &[("output.trajectory_every", "0")]).unwrap();
-    let kept = read_trajectory(&folder.join("trajectory.xyz")).unwrap();
-    assert_eq!(kept.len(), 2);
+    assert_eq!(steps().len(), 2);
     // The file that was left stands in the way of a new one of its name.
     let refused = until(&folder, 0, None, &[("output.trajectory_every", "50")]);
     let message = refused.err().unwrap().to_string();

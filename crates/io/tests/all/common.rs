@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use lennard_core::{PeriodicBox, State};
+use lennard_io::{FileUnits, FormatError, Frames, TrajectoryFrame};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -9,6 +10,12 @@ pub type Noise = Xoshiro256PlusPlus;
 
 pub fn noise(seed: u64) -> Noise {
     Noise::seed_from_u64(seed)
+}
+
+/// Every frame of a trajectory.
+pub fn frames_of(bytes: &[u8]) -> Result<Vec<TrajectoryFrame>, FormatError> {
+    let mut frames = Frames::of_bytes(bytes, FileUnits::default())?;
+    std::iter::from_fn(|| frames.next_frame().transpose()).collect()
 }
 
 pub fn cell() -> PeriodicBox {

@@ -41,7 +41,7 @@ fn write(
         writer.mark()
     });
     let marks = marks.collect();
-    writer.finish().unwrap();
+    writer.sync().unwrap();
     marks
 }
 
@@ -66,7 +66,7 @@ fn every_format_goes_on_after_a_mark_to_the_same_bytes() {
         for state in &states[1..] {
             writer.write(&frame(state)).unwrap();
         }
-        assert_eq!(writer.finish().unwrap(), marks[2]);
+        assert_eq!(writer.mark(), marks[2]);
         assert!(fs::read(&whole).unwrap() == fs::read(&split).unwrap(), "{format:?}");
         let cut = FileMark { bytes: marks[2].bytes + 1, records: 3 };
         let error = TrajectoryWriter::resume_at(&split, format, &style, cut).unwrap_err();
@@ -195,7 +195,7 @@ fn xtc_has_less_precision_where_a_coordinate_is_too_large_for_it() {
             let off: f64 = precision.unwrap() / wanted - 1.0;
             assert!(off.abs() < 1e-12, "{precision:?} at {far}");
         }
-        writer.finish().unwrap();
+        writer.sync().unwrap();
         let frames = XTCReader::open(&path).unwrap().read_all_frames().unwrap();
         for (read, position) in frames[1].coords().zip(&states[1].positions) {
             let apart = glam::Vec3::from(read).as_dvec3() / length_scale - *position;
@@ -219,7 +219,7 @@ fn xtc_refuses_what_it_cannot_hold_and_leaves_whole_frames() {
     let error = writer.write(&frame(&states[1])).unwrap_err().to_string();
     let wanted = "step: found 2147483648; allowed: at most 2147483647 in XTC";
     assert!(error.contains(wanted), "{error}");
-    assert_eq!(writer.finish().unwrap(), whole);
+    assert_eq!(writer.mark(), whole);
     assert_eq!(fs::metadata(&path).unwrap().len(), whole.bytes);
     let error = read_configuration(&path).unwrap_err().to_string();
     assert!(error.contains("an XTC trajectory, whose positions are rounded"), "{error}");

@@ -1,7 +1,9 @@
 //! What readers take and what they refuse, with the whole message.
 
 use glam::DVec3;
-use lennard_io::{FoundSpecies, read_configuration_bytes, read_trajectory_bytes};
+use lennard_io::{FileUnits, FoundSpecies, Frames, read_configuration_bytes};
+
+use crate::common::frames_of;
 
 /// A frame with this header line and these particle lines.
 fn xyz(header: &str, particles: &[&str]) -> String {
@@ -19,7 +21,7 @@ fn columns_may_stand_in_any_order_and_others_are_passed_over() {
         ),
         &["1 0 -1 2  1 2 3  0.5 nan  0.5 0.25 1e0 Kr", "2\t0 0 0  4 5 6  0.5 nan  1 2 3 Kr"],
     );
-    let frames = read_trajectory_bytes(text.as_bytes()).unwrap();
+    let frames = frames_of(text.as_bytes()).unwrap();
     assert_eq!(frames.len(), 1);
     let frame = &frames[0];
     assert_eq!(frame.positions, [DVec3::new(0.5, -4.75, 13.0), DVec3::new(1.0, 2.0, 3.0)]);
@@ -72,12 +74,9 @@ fn bytes_that_are_not_text_are_refused_without_panic() {
 #[test]
 fn frames_before_a_truncated_one_are_still_read() {
     let text = xyz(BOX, &["Ar 1 2 3"]) + &xyz(BOX, &["Ar 4 5 6"]);
-    let reader = lennard_io::TrajectoryReader::over(
-        &text.as_bytes()[..text.len() - 4],
-        std::path::Path::new("t.xyz"),
-    );
-    let frames: Vec<_> = reader.collect();
-    assert_eq!(frames.len(), 2);
-    assert_eq!(frames[0].as_ref().unwrap().positions[0].x, 1.0);
-    assert!(frames[1].is_err());
+    let truncated = &text.as_bytes()[..text.len() - 4];
+    let mut frames = Frames::of_bytes(truncated, FileUnits::default()).unwrap();
+    assert_eq!(frames.next_frame().unwrap().unwrap().positions[0].x, 1.0);
+    assert!(frames.next_frame().is_err());
+    assert!(matches!(frames.next_frame(), Ok(None)), "after an error it ends");
 }

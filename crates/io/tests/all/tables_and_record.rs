@@ -72,7 +72,7 @@ fn a_growing_table_quotes_words_and_leaves_missing_values_empty() {
     let mut writer = TableWriter::create(&path, &[("step", ""), ("word", "")]).unwrap();
     writer.write(&[1_u64.into(), "a, b".into()]).unwrap();
     writer.write(&[2_u64.into(), Cell::default()]).unwrap();
-    assert_eq!(writer.finish().unwrap().records, 2);
+    assert_eq!(writer.mark().records, 2);
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "step,word\n1,\"a, b\"\n2,\n");
 }
 

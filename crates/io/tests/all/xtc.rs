@@ -26,7 +26,7 @@ fn write(path: &Path, positions: &[[i32; 3]]) -> u64 {
     let mut writer = TrajectoryWriter::create(path, TrajectoryFormat::Xtc, &style()).unwrap();
     let extra = &[];
     writer.write(&Frame { state: &state, extra }).unwrap();
-    writer.finish().unwrap().bytes
+    writer.mark().bytes
 }
 
 /// Writes multiples of 1/precision, has them read back, and gives the bytes of the file.
