@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use lennard_core::PeriodicBox;
 use lennard_forcefield::Precision;
+use lennard_literature::bisect;
 use lennard_scene::Scene;
 
 /// Bytes per particle of state, copies and checkpoint, and per neighbor in a list, as `lennard plan` counts them.
@@ -18,7 +19,7 @@ const fn bytes_of(precision: Precision) -> (f64, f64) {
 /// A usual skin of a list, σ.
 const SKIN: f64 = 0.3;
 /// Halvings that find the largest room.
-const HALVINGS: u32 = 24;
+const HALVINGS: usize = 24;
 
 /// The system has no memory for so many particles: exit code 1.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -55,15 +56,7 @@ pub(crate) fn is_there(scene: &Scene, cell: &PeriodicBox, n: usize) -> Result<()
     if can_be_had(needed) {
         return Ok(());
     }
-    let (mut limit, mut above) = (0.0, needed);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (limit + above);
-        if can_be_had(middle) {
-            limit = middle;
-        } else {
-            above = middle;
-        }
-    }
+    let [limit, _] = bisect(0.0, needed, HALVINGS, can_be_had);
     Err(NoRoom { particles: n, needed, limit, fit: (n as f64 * limit / needed) as usize })
 }
 

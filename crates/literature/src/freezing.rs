@@ -4,13 +4,14 @@ use std::sync::LazyLock;
 
 use serde::Deserialize;
 
+use crate::bisection::bisect;
 use crate::equation::EquationOfState;
 use crate::saturation::Saturation;
 
 /// The triple point is looked for between the lowest temperature of an equation and this one, ε/k_B.
 const ABOVE_TRIPLE: f64 = 0.8;
 /// Halvings of the range of temperatures: to 10⁻⁹.
-const HALVINGS: u32 = 30;
+const HALVINGS: usize = 30;
 
 /// Densities at which the liquid freezes and the crystal melts,
 /// ρ = β^{−1/4} Σ c_k βᵏ with β = 1/T (E. A. Mastny, J. J. de Pablo, Melting line of the
@@ -64,17 +65,11 @@ impl FreezingLine {
             Some(liquid - series(&self.liquid, t))
         };
         // The saturated liquid is denser than the freezing one below the triple point.
-        let (mut low, mut high) = (equation.spec().range.t_min, ABOVE_TRIPLE);
+        let (low, high) = (equation.spec().range.t_min, ABOVE_TRIPLE);
         if !(excess(low)? > 0.0 && excess(high)? < 0.0) {
             return None;
         }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            match excess(middle)? > 0.0 {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
+        let [low, high] = bisect(low, high, HALVINGS, |t| excess(t).is_some_and(|x| x > 0.0));
         equation.saturation(0.5 * (low + high))
     }
 }

@@ -16,6 +16,7 @@
 //! assert!(equation_of_state_for(ModelKind::ForceShifted { r_cut: 2.5 }).is_err());
 //! ```
 
+mod bisection;
 mod coexistence_data;
 mod critical;
 mod equation;
@@ -43,6 +44,7 @@ mod two_phases;
 pub mod units;
 mod virial;
 
+pub use bisection::bisect;
 pub use coexistence_data::coexistence_by_simulation;
 pub use equation::{EquationOfState, EquationSpec, OutsideRange, OwnUncertainty, Range};
 pub use finite_size::{FiniteSize, FiniteSizeDoubt, Kept};

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::bisection::bisect;
 use crate::fluid_state::{CriticalPoint, FluidState};
 use crate::saturation::Saturation;
 
@@ -78,16 +79,7 @@ pub(crate) fn spinodal(
     let first_unstable = |from: f64, to: f64| {
         let at = |step: usize| from + (to - from) * step as f64 / STEPS as f64;
         let step = (1..STEPS).find(|step| !stable(at(*step)))?;
-        let (mut inside, mut outside) = (at(step - 1), at(step));
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (inside + outside);
-            if stable(middle) {
-                inside = middle;
-            } else {
-                outside = middle;
-            }
-        }
-        Some(inside)
+        Some(bisect(at(step - 1), at(step), HALVINGS, stable)[0])
     };
     Some([first_unstable(vapor, liquid)?, first_unstable(liquid, vapor)?])
 }

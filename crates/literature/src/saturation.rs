@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::bisection::bisect;
 use crate::fluid_state::{CriticalPoint, FluidState};
 
 /// A vapor and a liquid at the same temperature, pressure and chemical potential.
@@ -91,14 +92,7 @@ fn liquid_at_zero_pressure(
     if pressure(above) < 0.0 {
         return None;
     }
-    for _ in 0..ITERATIONS {
-        let middle = 0.5 * (above + below);
-        if pressure(middle) > 0.0 {
-            above = middle;
-        } else {
-            below = middle;
-        }
-    }
+    let [above, below] = bisect(above, below, ITERATIONS, |rho| pressure(rho) > 0.0);
     Some(0.5 * (above + below))
 }
 
@@ -183,14 +177,7 @@ pub(crate) fn density_at(
         below = above;
         above = 1.02 * above + f64::MIN_POSITIVE;
     }
-    for _ in 0..2 * ITERATIONS {
-        let middle = 0.5 * (below + above);
-        if is_above(middle) {
-            above = middle;
-        } else {
-            below = middle;
-        }
-    }
+    let [above, below] = bisect(above, below, 2 * ITERATIONS, is_above);
     let density = 0.5 * (below + above);
     let reached = (state_at(density).pressure - pressure).abs() <= 1e-6 * pressure.abs().max(1e-6);
     (density > 0.0 && reached).then_some(density)

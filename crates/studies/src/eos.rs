@@ -3,7 +3,8 @@
 mod tables;
 
 use lennard_literature::{
-    EquationOfState, FluidState, FreezingLine, Phase, Property, Saturation, freezing_lines_of,
+    EquationOfState, FluidState, FreezingLine, Phase, Property, Saturation, bisect,
+    freezing_lines_of,
 };
 use serde::Serialize;
 use serde_json::Value;
@@ -146,7 +147,7 @@ pub fn freezing_temperature(
     pressure: f64,
 ) -> Option<f64> {
     /// Halvings of the range of temperatures: to rounding. The pressure of a liquid is steep, and small near the triple point.
-    const HALVINGS: u32 = 50;
+    const HALVINGS: usize = 50;
     /// The highest temperature that is looked at, ε/k_B.
     const HOTTEST: f64 = 5.0;
     /// Part of the pressure by which it may be missed.
@@ -160,17 +161,10 @@ pub fn freezing_temperature(
         Some(equation.pressure(liquid, t) - pressure)
     };
     let is_below = |t: f64| excess(t).is_some_and(|x| x < 0.0);
-    let (mut low, mut high) = (line.t_triple, HOTTEST);
-    if !is_below(low) {
+    if !is_below(line.t_triple) {
         return None;
     }
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        match is_below(middle) {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
+    let [low, _] = bisect(line.t_triple, HOTTEST, HALVINGS, is_below);
     // Where the equation ends before the line has the pressure, the bisection ends at the last state that it covers.
     (excess(low)?.abs() < ON_THE_LINE * pressure).then_some(low)
 }
