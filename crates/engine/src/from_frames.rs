@@ -19,26 +19,35 @@ pub(crate) struct FromFrames {
 }
 
 /// Rounded positions, and by how much rounding raises the means.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Rounding {
     /// The step between two positions that the file tells apart, σ.
     pub(crate) step: f64,
-    /// Of U/N, ε.
-    pub(crate) energy: f64,
-    /// Of P, ε/σ³.
-    pub(crate) pressure: f64,
+    /// Of U/N, ε, and of P, ε/σ³: means over some frames.
+    pub(crate) bias: [f64; 2],
+    /// How many frames these are.
+    frames: u64,
 }
 
 impl Rounding {
     /// A step whose bias has not been found yet.
     pub(crate) fn of_step(step: f64) -> Self {
-        Self { step, energy: f64::NAN, pressure: f64::NAN }
+        Self { step, ..Self::default() }
+    }
+
+    /// Adds the bias of a frame to the mean.
+    pub(crate) fn add(&mut self, bias: [f64; 2]) {
+        self.frames += 1;
+        for (mean, bias) in self.bias.iter_mut().zip(bias) {
+            *mean += (bias - *mean) / self.frames as f64;
+        }
     }
 
     pub(crate) fn in_words(&self) -> String {
-        let Self { step, energy, pressure } = self;
+        let Self { step, bias: [energy, pressure], frames } = self;
         format!(
-            "positions are rounded to {step:.1e} σ, which changes U by {energy:+.1e} ε and P by {pressure:+.1e} ε/σ³"
+            "positions are rounded to {step:.1e} σ, which changes U by {energy:+.1e} ε and P by {pressure:+.1e} ε/σ³ in the first \
+             {frames} frames"
         )
     }
 }

@@ -24,6 +24,8 @@ use crate::{EngineError, Simulation, build};
 
 /// A displacement between two frames above this share of a side may be one of the next image: then no path is known.
 const LARGEST_SHARE: f64 = 0.25;
+/// So many frames tell by how much rounded positions raise U and P: each has the mean over all its particles.
+const FRAMES_OF_BIAS: u64 = 8;
 /// Positions that are rounded less than this many σ count as exact: U and P of a liquid change by less than 10⁻¹¹.
 const EXACT: f64 = 1e-7;
 
@@ -100,9 +102,11 @@ impl Measurement {
         self.simulation.begin_recording();
         let mut course = Course::new(&self.simulation, control, u64::MAX, Memory);
         self.simulation.enter_next_stage()?;
-        self.find_bias_of_rounding()?;
         while let Some(frame) = self.next()? {
             self.put(frame)?;
+            if self.simulation.state.step < FRAMES_OF_BIAS {
+                self.add_bias_of_rounding()?;
+            }
             let simulation = &mut self.simulation;
             let step = simulation.state.step + 1;
             simulation.advance_to(step, simulation.wanted_at(step, &course))?;
@@ -152,7 +156,8 @@ impl Measurement {
         let cell = self.simulation.start_cell;
         if let Some(other) = frame.cell.filter(|other| !is_same_box(&cell, other)) {
             let found = format!("the box {} where frame 1 has {}", other.lengths(), cell.lengths());
-            let allowed = "one box in all frames: constant pressure is not measured yet";
+            let allowed = "one box in all frames, since means at a changing volume need the barostat that made them: frames at constant volume, \
+                 or for constant pressure a run of the scene with `[stage.barostat]`";
             return Err(self.refuse(found, allowed));
         }
         self.follow(&mut frame)?;
@@ -201,11 +206,11 @@ impl Measurement {
         Ok(())
     }
 
-    /// Finds by how much rounded positions raise U and P of the first frame.
+    /// Adds by how much rounded positions raise U and P of a frame to the mean over the first frames.
     ///
     /// Rounding adds a uniform error of half a step at most to each coordinate. Adding another such error, once with each
     /// sign, changes the mean of U and P by as much again, up to fourth order in the step.
-    fn find_bias_of_rounding(&mut self) -> Result<(), EngineError> {
+    fn add_bias_of_rounding(&mut self) -> Result<(), EngineError> {
         let simulation = &mut self.simulation;
         let Some(rounding) = simulation.frames.as_mut().and_then(|f| f.rounding.as_mut()) else {
             return Ok(());
@@ -229,8 +234,9 @@ impl Measurement {
         let [one, other, here] =
             all().map_err(|e: lennard_core::ForceError| scene::unfit(&simulation.scene, &e))?;
         let more = |k: usize| 0.5 * (one[k] + other[k]) - here[k];
-        rounding.energy = more(0) / simulation.system.n_molecules() as f64;
-        rounding.pressure = more(1) / (3.0 * cell.volume());
+        let bias =
+            [more(0) / simulation.system.n_molecules() as f64, more(1) / (3.0 * cell.volume())];
+        rounding.add(bias);
         Ok(())
     }
 }

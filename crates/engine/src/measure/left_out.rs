@@ -40,8 +40,8 @@ impl Simulation {
         let averages = findings.iter().flat_map(|found| &found.averages);
         let is_lost = averages.into_iter().any(|average| {
             let bias = match average.name.as_str() {
-                "potential_energy" => rounding.energy,
-                "pressure" => rounding.pressure,
+                "potential_energy" => rounding.bias[0],
+                "pressure" => rounding.bias[1],
                 _ => return false,
             };
             bias.abs() > average.estimate.standard_error

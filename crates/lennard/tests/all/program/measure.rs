@@ -236,8 +236,9 @@ fn without_velocities_temperatures_are_left_out_and_rounding_is_told_or_leaves_u
         assert_eq!(record["averages"].get("potential_energy").is_some(), is_kept, "{left_out}");
         let remarks = record["remarks"].to_string();
         assert!(remarks.contains("positions are rounded to"), "{remarks}");
+        assert!(remarks.contains("in the first 8 frames"), "{remarks}");
         let energies = &columns(&place.path(&format!("{out}/thermo.csv")))["potential_energy"];
-        // The bias that was found at the first frame is the bias of the mean, up to higher orders and chance.
+        // The bias that was found at the first frames is the bias of the mean, up to higher orders and chance.
         let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
         let at = remarks.find("changes U by ").unwrap() + "changes U by ".len();
         let told: f64 = remarks[at..].split(' ').next().unwrap().parse().unwrap();
@@ -290,7 +291,7 @@ fn what_cannot_be_measured_is_refused_and_nothing_is_written() {
             &wide,
             "own.toml",
             "",
-            "one box in all frames: constant pressure is not measured yet",
+            "for constant pressure a run of the scene with `[stage.barostat]`",
         ),
         (
             "steps",
