@@ -11,6 +11,7 @@ pub struct EosArgs {
     #[arg(value_name = "EQUATION")]
     pub equations: Vec<String>,
     /// Temperatures, ε/k_B: a number, a list such as 0.8,1.0, or a range FROM:TO:STEP; with a substance also 94K, 85:95:5K.
+    /// Alone: vapor and liquid side by side.
     #[arg(long, short = 'T', value_name = "VALUES", value_parser = values, allow_hyphen_values = true)]
     pub temperature: Option<Values>,
     /// Densities, σ⁻³, in the same form.

@@ -5,7 +5,7 @@ use lennard_literature::{
     BOND_LENGTHS, EquationOfState, Mie, ModelKind, PROPERTIES, Property, equations_for,
     freezing_lines_of, list, pohl_2023, property, two_center, virial_series,
 };
-use lennard_studies::eos::{self, Coexistence, Evaluated, Freezing, Given};
+use lennard_studies::eos::{self, Evaluated, Given};
 use lennard_studies::report::{Section, in_units};
 use serde_json::{Value, json};
 
@@ -33,11 +33,23 @@ pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
     let units = args.substance.as_deref().map(units_of).transpose()?;
     let units = units.as_ref();
     let temperatures = reduced("temperature", args.temperature.as_ref(), units, "ε/k_B")?;
-    if args.saturation {
-        return SATURATION.print(args.json, &equations, temperatures.as_ref(), units);
+    // A temperature alone asks for what stands side by side there.
+    let given = args.density.as_ref().or(args.pressure.as_ref());
+    let alone = temperatures.is_some() && given.is_none() && chosen.is_none();
+    if args.saturation || alone && !args.freezing {
+        let of = |equation| saturation(equation, temperatures.as_ref());
+        let nothing = match args.saturation {
+            true => "nothing coexists there",
+            false => {
+                "a state needs --density VALUES or --pressure VALUES too, and nothing coexists there"
+            }
+        };
+        return two_phases(args, &equations, units, of, nothing, limit_of_saturation);
     }
     if args.freezing {
-        return FREEZING.print(args.json, &equations, temperatures.as_ref(), units);
+        let of = |equation| freezing(equation, temperatures.as_ref());
+        let nothing = "nothing freezes there";
+        return two_phases(args, &equations, units, of, nothing, limit_of_freezing);
     }
     let Some(temperatures) = temperatures else {
         return Err(refused(
@@ -99,7 +111,7 @@ fn told(
     }
     answer(as_json, false, &json, || {
         for section in shown {
-            show::print(&section.clone().in_both(units), Style::Ruled);
+            show::print(&section.clone().in_both(units), Style::Open);
         }
     })
 }
@@ -138,97 +150,71 @@ fn reduced(
     found.map(Some)
 }
 
-/// A table of two phases side by side over temperatures.
-struct TwoPhases<R> {
-    /// Temperatures where none are named, ε/k_B; none where an equation has no such phases.
-    temperatures: fn(Equation) -> Option<Vec<f64>>,
-    /// The rows at one temperature.
-    rows: fn(Equation, f64) -> Vec<R>,
-    /// What is said where no equation has a row.
-    nothing: &'static str,
-    /// Why an equation has none.
+/// What an equation has of two phases: its document and its table; nothing where it has none.
+type OfTwo = Option<(Value, Section)>;
+
+/// Prints two phases side by side. Where no equation has them, `limit` says of each why not.
+fn two_phases(
+    args: &EosArgs,
+    equations: &[Equation],
+    units: Option<&Units>,
+    of: impl Fn(Equation) -> OfTwo,
+    nothing: &str,
     limit: fn(Equation) -> String,
-    json: fn(Equation, &[R]) -> Value,
-    show: fn(Equation, &[R]) -> Section,
+) -> Result<u8, Failure> {
+    let (all, shown): (Vec<Value>, Vec<Section>) = equations.iter().filter_map(|e| of(*e)).unzip();
+    if all.is_empty() {
+        let limits: Vec<String> = equations.iter().map(|e| limit(*e)).collect();
+        return Err(refused(format!("{nothing}: {}", limits.join("; "))));
+    }
+    told(args.json, units, json!({ "schema": eos::SCHEMA, "equations": all }), &shown, &shown)
 }
 
-impl<R> TwoPhases<R> {
-    fn print(
-        &self,
-        as_json: bool,
-        equations: &[Equation],
-        named: Option<&Vec<f64>>,
-        units: Option<&Units>,
-    ) -> Result<u8, Failure> {
-        let rows_of = |equation: Equation| -> Vec<R> {
-            let usual = (self.temperatures)(equation);
-            let temperatures = usual.map(|usual| named.cloned().unwrap_or(usual));
-            let each = temperatures.into_iter().flatten();
-            each.flat_map(|t| (self.rows)(equation, t)).collect()
-        };
-        let all = equations.iter().map(|e| (*e, rows_of(*e)));
-        let found: Vec<(Equation, Vec<R>)> = all.filter(|(_, rows)| !rows.is_empty()).collect();
-        if found.is_empty() {
-            let limits: Vec<String> = equations.iter().map(|e| (self.limit)(*e)).collect();
-            return Err(refused(format!("{}: {}", self.nothing, limits.join("; "))));
-        }
-        let all: Vec<_> = found.iter().map(|(e, rows)| (self.json)(*e, rows)).collect();
-        let shown: Vec<_> = found.iter().map(|(e, rows)| (self.show)(*e, rows)).collect();
-        let json = json!({ "schema": eos::SCHEMA, "equations": all });
-        told(as_json, units, json, &shown, &shown)
+/// Vapor and liquid by an equation, by default from half the critical temperature on.
+fn saturation(equation: Equation, named: Option<&Vec<f64>>) -> OfTwo {
+    let spec = equation.spec();
+    let critical = spec.critical.temperature;
+    let usual = || {
+        let mut all = evenly(spec.range.t_min.max(LOWEST_OF_CRITICAL * critical), critical);
+        all.pop();
+        all
+    };
+    let temperatures = named.cloned().unwrap_or_else(usual).into_iter();
+    let covered = temperatures.filter(|t| *t >= spec.range.t_min);
+    let rows: Vec<_> = covered.filter_map(|t| eos::coexistence_at(equation, t)).collect();
+    let found = || (eos::coexistence_json(equation, &rows), show::coexistence(equation, &rows));
+    (!rows.is_empty()).then(found)
+}
+
+fn limit_of_saturation(equation: Equation) -> String {
+    let spec = equation.spec();
+    let (name, range, critical) = (&spec.name, &spec.range, spec.critical.temperature);
+    match range.rho_max {
+        Some(_) => format!("{name} is for a gas alone"),
+        None => format!("{name} has vapor and liquid from T = {} to {critical:.4}", range.t_min),
     }
 }
 
-const SATURATION: TwoPhases<Coexistence> = TwoPhases {
-    temperatures: |equation| {
-        let spec = equation.spec();
-        let critical = spec.critical.temperature;
-        let lowest = spec.range.t_min.max(LOWEST_OF_CRITICAL * critical);
-        let mut all = evenly(lowest, critical);
-        all.pop();
-        Some(all)
-    },
-    rows: |equation, t| {
-        let covered = t >= equation.spec().range.t_min;
-        let found = covered.then(|| eos::coexistence_at(equation, t));
-        found.flatten().into_iter().collect()
-    },
-    nothing: "nothing coexists there",
-    limit: |equation| {
-        let spec = equation.spec();
-        match spec.range.rho_max {
-            Some(_) => format!("{} is for a gas alone", spec.name),
-            None => format!(
-                "{} has vapor and liquid from T = {} to {:.4}",
-                spec.name, spec.range.t_min, spec.critical.temperature
-            ),
-        }
-    },
-    json: |equation, rows| eos::coexistence_json(equation, rows),
-    show: |equation, rows| show::coexistence(equation, rows),
-};
+/// Liquid and crystal by an equation with freezing lines.
+fn freezing(equation: Equation, named: Option<&Vec<f64>>) -> OfTwo {
+    let spec = equation.spec();
+    let lines = freezing_lines_of(equation);
+    let lowest = lines.iter().map(|line| line.t_triple).reduce(f64::max)?;
+    let highest = (HIGHEST_OF_CRITICAL * spec.critical.temperature).min(spec.range.t_max);
+    let temperatures = named.cloned().unwrap_or_else(|| evenly(lowest, highest));
+    let rows: Vec<_> = temperatures.iter().flat_map(|t| eos::freezing_at(equation, *t)).collect();
+    let found = || (eos::freezing_json(equation, &rows), show::freezing(equation, &rows));
+    (!rows.is_empty()).then(found)
+}
 
-const FREEZING: TwoPhases<Freezing> = TwoPhases {
-    temperatures: |equation| {
-        let lines = freezing_lines_of(equation);
-        let lowest = lines.iter().map(|line| line.t_triple).reduce(f64::max)?;
-        let spec = equation.spec();
-        let highest = (HIGHEST_OF_CRITICAL * spec.critical.temperature).min(spec.range.t_max);
-        Some(evenly(lowest, highest))
-    },
-    rows: |equation, t| eos::freezing_at(equation, t),
-    nothing: "nothing freezes there",
-    limit: |equation| {
-        let name = &equation.spec().name;
-        let lines = freezing_lines_of(equation);
-        match lines.iter().map(|line| line.t_triple).reduce(f64::min) {
-            Some(t) => format!("the lines beside {name} begin at the triple point, T = {t}"),
-            None => format!("no freezing line is known for the model of {name}"),
-        }
-    },
-    json: |equation, rows| eos::freezing_json(equation, rows),
-    show: |equation, rows| show::freezing(equation, rows),
-};
+fn limit_of_freezing(equation: Equation) -> String {
+    let name = &equation.spec().name;
+    let lines = freezing_lines_of(equation);
+    match lines.iter().map(|line| line.t_triple).reduce(f64::min) {
+        Some(t) => format!("the lines beside {name} begin at the triple point, T = {t}"),
+        None => format!("no freezing line is known for the model of {name}"),
+    }
+}
 
 /// Temperatures from one to another, ends included.
 fn evenly(from: f64, to: f64) -> Vec<f64> {
