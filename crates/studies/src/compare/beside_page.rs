@@ -1,7 +1,7 @@
 //! Runs beside each other for a reader: tables of at most 100 columns, and curves drawn together.
 
 use lennard_observables::quantities::{Quantity, quantity_of};
-use lennard_observables::{Cell, Column, Table, Verdict};
+use lennard_observables::{Cell, Column, Table, Value, Verdict};
 
 use super::beside::{Beside, ERRORS, MOST_COLUMNS, Measured};
 use super::{Row, capital, quantity_words};
@@ -48,7 +48,10 @@ impl Study for Beside {
         sections.insert(sections.len().min(1), Section::new("Drawn together").figures(pictures));
         Ok(Page {
             title: format!("{} side by side", counted(self.runs.len(), "run")),
-            lead: format!("{} Reduced units throughout (ε = σ = m = k_B = 1).", self.headline),
+            lead: format!(
+                "{} Each verdict is on the difference from the first run, {}. Reduced units throughout (ε = σ = m = k_B = 1).",
+                self.headline, self.names[0]
+            ),
             sections,
             provenance: vec![
                 ("version".into(), env!("CARGO_PKG_VERSION").into()),
@@ -102,8 +105,11 @@ impl Beside {
                 run.model
             )
         });
+        let first = &self.names[0];
         let reading = format!(
-            "In brackets or after ± is one standard error. Allowed are {ERRORS} standard errors of the difference, which takes the runs for independent."
+            "Differences and verdicts are from the first run, {first}, and not from the literature: `lennard compare {}` says that. In brackets or after ± \
+             is one standard error. Allowed are {ERRORS} standard errors of the difference, which takes the runs for independent.",
+            self.runs[0].run
         );
         let hidden = self.quantities.len() - shown.len();
         sections.push(
@@ -137,9 +143,10 @@ impl Beside {
         table
     }
 
-    /// The same with a row for each run, difference and verdict.
+    /// The same with a row for each run, difference and verdict, but for differences that nothing has.
     fn a_row_for_each(&self, shown: &[&Measured]) -> Table {
-        let columns = self.a_column_for_each(shown).columns;
+        let mut columns = self.a_column_for_each(shown).columns;
+        columns.retain(|column| column.cells.iter().any(|cell| cell.value != Value::Missing));
         let mut table = Table::rows_of("runs", &columns[1..]).column("Run", |c| &c.name).table();
         for (row, quantity) in shown.iter().enumerate() {
             let cells = columns[1..].iter().map(|column| column.cells[row].clone()).collect();

@@ -1,19 +1,21 @@
 //! What a run found: its table and the lines below it. A terminal prints them, and the page begins with them.
 
-use lennard_observables::{Cell, Table};
-
 use crate::compare::{self, ComparedRun, Row, quantity_words};
-use crate::report::{Block, Section, in_words, particles, signed, significant};
+use crate::report::{Block, Section, in_words, particles};
 
 /// Adds the primary quantities of a run with their verdicts, what they say together, and the lines below them. With `verbose`
 /// these are all quantities, and each has the parts of its verdict.
 #[must_use]
 pub fn quantities(section: Section, run: &ComparedRun, verbose: bool) -> Section {
     let rows: Vec<&Row> = run.rows.iter().collect();
-    let table = match verbose {
-        true => compare::table(&rows, Row::verdict_words),
-        false => narrow(run),
-    };
+    let shown: Vec<&Row> = rows.iter().copied().filter(|row| row.primary || verbose).collect();
+    let table = compare::table(&shown, !verbose, |row| {
+        let is_said = is_in_headline(run, row) || row.verdict.is_judged() || has_note(run, row);
+        match is_said && !verbose {
+            true => row.verdict.words().to_owned(),
+            false => row.verdict_words(),
+        }
+    });
     let physical = compare::physical(run);
     let section = section
         .table(table)
@@ -61,50 +63,6 @@ pub(super) fn beside_the_table(fluid: Option<&ComparedRun>) -> Section {
     }
     lines.push("reduced units: ε = σ = m = k_B = 1".to_owned());
     Section::new("").with_all(Some(tables)).list(lines)
-}
-
-/// The primary quantities in columns that fit a terminal: the difference stands beside the one that is allowed.
-fn narrow(run: &ComparedRun) -> Table {
-    let rows: Vec<&Row> = run.rows.iter().filter(|r| r.primary).collect();
-    let rounded = |value: Option<f64>| Cell::rounded(value, 5);
-    let has_reference = rows.iter().any(|row| row.reference.is_some());
-    let table = Table::rows_of("results", &rows)
-        .column("Quantity", |r| {
-            let unit = r.unit.split(" per ").next().unwrap_or_default();
-            let words = quantity_words(&r.quantity)
-                .replace("configurational temperature", "T, configurational");
-            match unit {
-                "" => words,
-                unit => format!("{words}, {unit}"),
-            }
-        })
-        .measured("Measured", |r| Some((r.measured, r.standard_error)))
-        .column("Reference", |r| rounded(r.reference))
-        .column("Difference", |r| {
-            if r.is_in_range() {
-                return Some(Cell::figures("in range"));
-            }
-            let figures = r.difference.map(|d| signed(d, 2));
-            figures.map(Cell::figures)
-        })
-        .column("Allowed", |r| {
-            let figures = r.tolerance.map(|t| format!("± {}", significant(t, 2)));
-            figures.map(Cell::figures)
-        })
-        .column("Verdict", |r| {
-            let in_headline = is_in_headline(run, r);
-            let words = if in_headline || r.verdict.is_judged() || has_note(run, r) {
-                r.verdict.words().to_owned()
-            } else {
-                r.verdict_words()
-            };
-            Cell::words(words).toned(r.verdict.tone())
-        })
-        .table();
-    match has_reference {
-        true => table,
-        false => table.without(&["Reference", "Difference", "Allowed"]),
-    }
 }
 
 /// Whether the headline says the reason of a row: most rows share it.

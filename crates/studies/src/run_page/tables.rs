@@ -8,24 +8,18 @@ use crate::compare::{
     ComparedRun, Row, RunFolder, StateCard, Verdict, card_table, quantity_words, table,
 };
 
-/// The columns of a reference.
-const BESIDE: [&str; 4] = ["Reference", "Difference", "Difference / s.e.", "Tolerance"];
-
 /// What was measured, beside the literature where there is some.
 pub(super) fn comparison(compared: &ComparedRun) -> Vec<Block> {
     let shown = compared.rows.iter().filter(|r| r.primary || r.verdict.is_judged());
     let rows: Vec<&Row> = shown.collect();
-    let mut made = table(&rows, |row| match row.has_long_reason() {
+    let mut made = table(&rows, false, |row| match row.has_long_reason() {
         true => row.verdict.words().to_owned(),
         false => row.verdict_words(),
     });
     // How far each quantity may be off stands in its note.
     made.caption =
         "Digits in brackets are one standard error (s.e.) in the last digits.".to_owned();
-    vec![Block::Table(match rows.iter().any(|row| row.reference.is_some()) {
-        true => made,
-        false => made.without(&BESIDE),
-    })]
+    vec![Block::Table(made)]
 }
 
 /// Every measured property beside every equation; nothing where none applies.

@@ -137,7 +137,7 @@ fn long_reasons_stand_below_the_table_of_the_page() {
     assert!(table.contains(">too short</td>"), "{table}");
     assert!(!table.contains("independent samples"), "{table}");
     // Nothing is held against a reference, and four columns would be empty.
-    assert!(!table.contains("Tolerance"), "{table}");
+    assert!(!table.contains("Allowed"), "{table}");
     let (notes, _) = below.split_once("</ul>").unwrap();
     let reason = "<strong>pressure</strong>: worth ";
     assert!(notes.contains(reason), "{notes}");
@@ -448,7 +448,7 @@ fn few_rows_by_default_and_every_one_with_all() {
     assert!(text.contains("--verbose") && !text.contains("note:"), "{text}");
     let (every, text) = rows(&["compare", "out", "--verbose"]);
     assert!(every > 12 && text.contains("kinetic energy"), "{text}");
-    assert!(text.contains("Difference / s.e.") && text.contains("Tolerance"), "{text}");
+    assert!(text.contains("Difference / s.e.") && text.contains("Allowed"), "{text}");
 }
 
 #[test]
