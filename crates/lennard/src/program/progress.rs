@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lennard_engine::{Moment, Progress};
 
-use crate::program::watch::History;
+use crate::program::watch::{History, LivePage};
 
 /// Time between two updates of the bar.
 const BAR_INTERVAL: Duration = Duration::from_millis(100);
@@ -24,6 +24,8 @@ pub struct Display {
     fluid: Option<String>,
     /// T, U and P since the start, with `--watch`.
     history: Option<History>,
+    /// A page of the run as it goes, with `--watch`.
+    page: Option<LivePage>,
 }
 
 /// What is counted.
@@ -72,12 +74,14 @@ impl Display {
             what,
             fluid: None,
             history: None,
+            page: None,
         }
     }
 
-    /// The same with the course of T, U and P, where it is to be watched.
-    pub fn watching(mut self, watch: bool) -> Self {
-        self.history = watch.then(History::default);
+    /// The same with the course of T, U and P, where a page is to be kept.
+    pub fn watching(mut self, page: Option<LivePage>) -> Self {
+        self.history = page.is_some().then(History::default);
+        self.page = page;
         self
     }
 }
@@ -159,6 +163,7 @@ impl Progress for Display {
     }
 
     fn at_row(&mut self, fluid: &dyn Fn() -> Moment) {
+        self.page.take_if(|page| !page.write());
         let is_due = self.last.elapsed() >= self.interval();
         if self.silent || !(is_due || self.history.is_some()) {
             return;
@@ -220,7 +225,8 @@ mod tests {
         display.at_row(&fluid);
         assert_eq!(asked.get(), 1);
         assert_eq!(display.fluid.as_deref(), Some("T 1.000  U −1.000  P 0.1000"));
-        let mut watched = display.watching(true);
+        display.history = Some(History::default());
+        let mut watched = display;
         watched.at_row(&fluid);
         assert!(watched.fluid.take().unwrap().contains("\nT ▁ 1.000 to 1.000\nU ▁"));
         watched.last = Instant::now();

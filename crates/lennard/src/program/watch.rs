@@ -1,10 +1,10 @@
 //! `--watch`: T, U and P as lines of blocks beside the progress, and a page of the run while it is under way.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use lennard_core::PeriodicBox;
-use lennard_engine::{Moment, Progress};
+use lennard_engine::Moment;
 use lennard_studies::report::significant;
 use lennard_studies::run_page;
 
@@ -61,50 +61,33 @@ impl History {
 }
 
 /// The page of a run that is under way: written at once, then whenever the run has become twice as old, then every minute.
-pub struct LivePage<'a> {
-    folder: &'a Path,
+pub struct LivePage {
+    folder: PathBuf,
     cell: PeriodicBox,
     started: Instant,
     due: Instant,
 }
 
-/// Shows progress, and keeps a live page where there is one.
-pub struct Watched<'a, P> {
-    pub progress: P,
-    pub page: Option<LivePage<'a>>,
-}
-
-impl<'a> LivePage<'a> {
+impl LivePage {
     /// The page in `folder` of a run that goes on in this box.
-    pub fn new(folder: &'a Path, cell: PeriodicBox) -> Self {
+    pub fn new(folder: &Path, cell: PeriodicBox) -> Self {
         let started = Instant::now();
-        Self { folder, cell, started, due: started }
+        Self { folder: folder.to_owned(), cell, started, due: started }
     }
 
-    /// Writes the page where it is due. One that cannot be written is told once, since the run needs none.
-    fn write(&mut self) -> bool {
+    /// Writes the page where it is due; false where it cannot be written, which is told once, since the run needs none.
+    pub fn write(&mut self) -> bool {
         let now = Instant::now();
         if now < self.due {
             return true;
         }
-        if let Err(error) = run_page::write_under_way(self.folder, self.cell) {
+        if let Err(error) = run_page::write_under_way(&self.folder, self.cell) {
             eprintln!("no page while the run goes on: {error}");
             return false;
         }
         let age = self.started.elapsed().clamp(Duration::from_secs(1), PAGE_EVERY);
         self.due = Instant::now() + age.max(PAGES_PER_RUN * now.elapsed());
         true
-    }
-}
-
-impl<P: Progress> Progress for Watched<'_, P> {
-    fn update(&mut self, stage: &str, done: u64, total: u64) {
-        self.progress.update(stage, done, total);
-    }
-
-    fn at_row(&mut self, fluid: &dyn Fn() -> Moment) {
-        self.progress.at_row(fluid);
-        self.page.take_if(|page| !page.write());
     }
 }
 

@@ -15,6 +15,7 @@ use crate::program::ranks;
 use crate::program::show::{self, Style};
 use crate::program::signals::{Signals, StartUp};
 use crate::program::typed;
+use crate::program::watch::LivePage;
 
 /// Goes on with a run and prints the table of its results.
 pub fn resume(args: &ResumeArgs) -> Result<u8, Failure> {
@@ -73,7 +74,8 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
     let watch = args.watch.then_some(simulation.state.cell);
     let run =
         Running { team, folder: &folder, threads, stop: signals.stop(), deadline, total, watch };
-    let display = Display::new(args.control.quiet).watching(args.watch);
+    let page = watch.map(|cell| LivePage::new(folder.path(), cell));
+    let display = Display::new(args.control.quiet).watching(page);
     let work = |control: Control<'_>| lennard_engine::go_on(&mut resumed, &folder, control);
     run.to_its_end(display, work, args.json, &args.control)
 }

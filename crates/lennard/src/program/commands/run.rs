@@ -18,7 +18,7 @@ use crate::program::progress::Display;
 use crate::program::ranks;
 use crate::program::show::{self, Style};
 use crate::program::signals::{FirstStep, Leave, Signals, StartUp};
-use crate::program::watch::{LivePage, Watched};
+use crate::program::watch::LivePage;
 
 /// Runs a scene and prints the table of its results.
 pub fn run(args: &RunArgs) -> Result<u8, Failure> {
@@ -61,7 +61,8 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
         let remarks = simulation.remarks.iter().cloned().chain(simulation.foreseen());
         show::print(&header.texts(remarks), Style::Ruled);
     }
-    let display = Display::new(args.control.quiet).watching(args.watch);
+    let page = args.watch.then(|| LivePage::new(folder.path(), simulation.state.cell));
+    let display = Display::new(args.control.quiet).watching(page);
     let display = FirstStep::new(&signals, display);
     let run = Running {
         team,
@@ -93,15 +94,13 @@ impl Running<'_> {
     /// Does the steps that are left, writes the page, and prints what was found.
     pub fn to_its_end(
         &self,
-        progress: impl Progress,
+        mut progress: impl Progress,
         steps: impl FnOnce(Control<'_>) -> Result<Outcome, EngineError> + Send,
         json: bool,
         args: &ControlArgs,
     ) -> Result<u8, Failure> {
         let Self { team, threads, stop, deadline, total, watch, .. } = *self;
         let folder = self.folder.path();
-        let page = watch.map(|cell| LivePage::new(folder, cell));
-        let mut progress = Watched { progress, page };
         let outcome = on_threads(threads, || {
             let control = Control { stop, deadline, progress: &mut progress };
             steps(control).map_err(|e| ranks::failed(team, e, folder))
