@@ -216,7 +216,8 @@ impl Measurement {
             return Ok(());
         };
         let (cell, positions) = (simulation.state.cell, &simulation.state.positions);
-        let mut random = simulation.streams.sequential("rounding");
+        let mut random =
+            simulation.streams.sequential(&format!("rounding of frame {}", simulation.state.step));
         let mut error = || rounding.step * (random.random::<f64>() - 0.5);
         let errors: Vec<DVec3> =
             positions.iter().map(|_| DVec3::new(error(), error(), error())).collect();
