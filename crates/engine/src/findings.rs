@@ -3,7 +3,7 @@
 use lennard_core::{State, ThermostatSpec};
 use lennard_observables::quantities::{Mark, has_mark, is_of_one_phase};
 use lennard_observables::{
-    Average, Doubt, Findings, LIQUID_DENSITY, Remark, front, frozen, frozen_bytes,
+    Doubt, Findings, Fronts, LIQUID_DENSITY, Remark, front, frozen, frozen_bytes,
     response_functions, separated,
 };
 use lennard_scene::Scene;
@@ -246,7 +246,7 @@ const FROM_STRUCTURE: &str = "compressibility_kirkwood_buff";
 #[cfg(test)]
 mod tests {
     use lennard_integrators::thermostats;
-    use lennard_observables::Estimate;
+    use lennard_observables::{Average, Estimate};
 
     use super::*;
 

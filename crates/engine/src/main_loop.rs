@@ -1,4 +1,4 @@
-//! The main loop: enter the next stage, advance to the next step at which anything is due, then watch, sample, and hand over to the
+//! The main loop enters the next stage and advances to the next step at which anything is due. Then it watches, samples and tells the
 //! follower.
 
 use std::time::Instant;
