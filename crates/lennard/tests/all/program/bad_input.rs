@@ -3,25 +3,26 @@
 use lennard_scene::Scene;
 
 use super::bad_scenes::BadInputs;
-use super::common::{lennard, lennard_in, root, run_small, stderr, stdout};
+use super::common::*;
 
 #[test]
 fn every_bad_scene_ends_with_exit_code_2_and_its_message_and_writes_nothing() {
     let inputs = BadInputs::read();
-    let temporary = tempfile::tempdir().unwrap();
-    let folder = temporary.path().canonicalize().unwrap().join("bad");
+    let place = Place::with(&[]);
+    // A case names the folder.
+    let folder = place.root().canonicalize().unwrap().join("bad");
     std::fs::create_dir(&folder).unwrap();
     inputs.write_files(&folder);
+    let prefix = format!("{}/", folder.display());
     let mut unlike = Vec::new();
     for case in &inputs.case {
         let scene = format!("{}.toml", case.name);
         assert!(!folder.join(&scene).exists(), "{scene} is there twice");
         std::fs::write(folder.join(&scene), inputs.scene(case)).unwrap();
-        let mut arguments = vec!["run", &scene, "--out", "out"];
-        arguments.extend(case.set.iter().flat_map(|set| ["--set", set]));
-        let output = lennard_in(&folder, &arguments);
-        let message = stderr(&output).replace(&format!("{}/", folder.display()), "");
-        assert_eq!(output.status.code(), Some(2), "{scene}: {message}");
+        let mut command = place.command(&format!("run {scene} --out out"));
+        command.current_dir(&folder).args(case.set.iter().flat_map(|set| ["--set", set]));
+        let output = command.output().unwrap();
+        let message = ended(&output, 2, &[]).replace(&prefix, "");
         assert_eq!(stdout(&output), "", "{scene}");
         assert!(!folder.join("out").exists(), "{scene} left an output folder");
         let said = message.strip_prefix("error: ").unwrap().trim();
@@ -54,20 +55,19 @@ fn every_base_of_the_bad_scenes_is_a_good_scene() {
 fn every_refusal_of_what_was_removed_prints_the_new_way() {
     use lennard_scene::{RemovedKind, all_removed};
     for one in all_removed() {
-        let observable = format!("observable=[{{ kind = \"{}\" }}]", one.name);
-        let key = format!("{}=1", one.name);
-        let method = one.name.replacen('.', ".kind=", 1);
-        let arguments: Vec<&str> = match one.kind {
-            RemovedKind::Key => vec!["run", "fluid/gas", "--set", &key],
-            RemovedKind::Observable => vec!["run", "fluid/gas", "--set", &observable],
-            RemovedKind::Method => vec!["run", "fluid/gas", "--set", &method],
-            RemovedKind::Option | RemovedKind::Command => one.name.split(' ').collect(),
+        let name = &one.name;
+        let line = match one.kind {
+            RemovedKind::Key => format!("run fluid/gas --set {name}=1"),
+            RemovedKind::Observable => {
+                format!("run fluid/gas --set 'observable=[{{ kind = \"{name}\" }}]'")
+            }
+            RemovedKind::Method => {
+                format!("run fluid/gas --set {}", name.replacen('.', ".kind=", 1))
+            }
+            RemovedKind::Option | RemovedKind::Command => name.clone(),
             RemovedKind::Column | RemovedKind::Name => continue,
         };
-        let output = lennard(&arguments).output().unwrap();
-        let message = stderr(&output);
-        assert_eq!(output.status.code(), Some(2), "{}: {message}", one.name);
-        assert!(message.contains("was removed") && message.contains(&one.instead), "{message}");
+        refused(&line, &["was removed", &one.instead]);
     }
 }
 
@@ -82,91 +82,25 @@ fn the_refusal_that_the_documents_show_is_the_one_that_the_program_gives() {
 
 #[test]
 fn an_existing_folder_is_refused_unless_forced() {
-    let temporary = tempfile::tempdir().unwrap();
-    std::fs::write(temporary.path().join("precious.txt"), "keep me").unwrap();
-    let run = |more: &[&str]| {
-        let mut command = run_small(temporary.path());
-        command.arg("--quiet").args(more).output().unwrap()
-    };
-    let refused = run(&[]);
-    assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
-    assert!(stderr(&refused).contains("--force"), "{}", stderr(&refused));
-    let forced = run(&["--force"]);
-    assert!(forced.status.success(), "{}", stderr(&forced));
-    assert_eq!(std::fs::read_to_string(temporary.path().join("precious.txt")).unwrap(), "keep me");
-}
-
-#[test]
-fn a_folder_that_cannot_be_made_is_refused() {
-    let temporary = tempfile::tempdir().unwrap();
-    let file = temporary.path().join("file");
-    std::fs::write(&file, "").unwrap();
-    let below = file.join("out");
-    let args = ["run", "inputs/verlet-1967/triple-point.toml", "--out", below.to_str().unwrap()];
-    let output = lennard(&args).output().unwrap();
-    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains(below.to_str().unwrap()), "{}", stderr(&output));
+    let place = Place::with(&[("liquid.toml", FLUID), ("out/precious.txt", "keep me")]);
+    place.refused("run liquid.toml --quiet --out out", &["--force"]);
+    place.succeed("run liquid.toml --quiet --out out --force");
+    assert_eq!(place.read("out/precious.txt"), "keep me");
+    place.refused("run liquid.toml --out out/precious.txt/out", &["out/precious.txt/out"]);
 }
 
 #[test]
 fn overrides_that_fit_nothing_name_the_override() {
     for (set, wanted) in [
         ("system.densty=0.8", "nearest: density"),
-        ("truncation.r_cut=9", "r_cut"),
         ("stage.productoin.steps=5", "production"),
-        ("stage.melt.thermostat=andersen", "`stage.melt.thermostat` cannot be \"andersen\""),
         ("stage.melt.thermostat.tau=-1", "`stage.melt.thermostat.tau`"),
         ("observable.rdf.every=0", "`observable.rdf.every`"),
         ("stage.7.steps=5", "`stage.7` names no such entry"),
-        ("system..seed=5", "`system..seed` has an empty part"),
         ("system.seed.low=5", "`system.seed` holds a value, not a table"),
         ("system.seed=99999999999999999999", "99999999999999999999, an integer beyond 64 bits"),
-        ("integrator.kind=velocity-verlt", "nearest: velocity-verlet"),
     ] {
-        let output = lennard(&["plan", "inputs/verlet-1967/triple-point.toml", "--set", set])
-            .output()
-            .unwrap();
-        assert_eq!(output.status.code(), Some(2), "{set}: {}", stderr(&output));
-        for words in [&*format!("override `{set}`: "), wanted] {
-            assert!(stderr(&output).contains(words), "{set}: {}", stderr(&output));
-        }
+        let words = [&*format!("override `{set}`: "), wanted];
+        refused(&format!("plan verlet-1967/triple-point --set {set}"), &words);
     }
-}
-
-/// A disk that is full, played by a limit on the size of files: writes past it fail as they do there.
-#[cfg(unix)]
-#[test]
-fn a_full_disk_stops_the_run_and_leaves_nothing_that_looks_finished() {
-    let temporary = tempfile::tempdir().unwrap();
-    let out = temporary.path().join("out");
-    let mut args = vec![
-        "run",
-        "inputs/verlet-1967/triple-point.toml",
-        "--quiet",
-        "--set",
-        "output.trajectory_every=10",
-    ];
-    args.extend(crate::program::common::SMALL);
-    // 100 kB: enough for the scene and the record, too little for the trajectory.
-    let script = format!(
-        "ulimit -f 200; exec '{}' {} --out '{}'",
-        env!("CARGO_BIN_EXE_lennard"),
-        args.join(" "),
-        out.display()
-    );
-    let output = std::process::Command::new("sh")
-        .args(["-c", &script])
-        .current_dir(root())
-        .output()
-        .unwrap();
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(1), "{message}");
-    assert!(message.contains("trajectory.xyz"), "{message}");
-    let record = std::fs::read_to_string(out.join("run.json")).unwrap();
-    assert!(record.contains("\"finished\": false"), "{record}");
-    assert!(!out.join("final.xyz").exists());
-    // Whole frames only: every frame has the same number of lines, and the last line ends.
-    let trajectory = std::fs::read_to_string(out.join("trajectory.xyz")).unwrap();
-    assert!(trajectory.is_empty() || trajectory.ends_with('\n'));
-    assert_eq!(trajectory.lines().count() % 258, 0);
 }

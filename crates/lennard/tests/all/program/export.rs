@@ -1,9 +1,8 @@
 //! `lennard generate lammps`: the files for another program, and what is refused. LAMMPS itself judges them in `validation/test_lammps.py`.
 
-use std::fs;
-use std::path::Path;
+use serde_json::Value;
 
-use crate::program::common::{lennard, stderr, stdout};
+use crate::program::common::*;
 
 const SCENE: &str = r#"
 [system]
@@ -38,39 +37,31 @@ trajectory_every = 10
 thermo_every = 5
 "#;
 
+const EXPORT: &str = "generate lammps liquid.toml out";
+
 /// A folder with the scene in it, changed by these replacements.
-fn bench(changes: &[(&str, &str)]) -> tempfile::TempDir {
-    let root = tempfile::tempdir().unwrap();
+fn bench(changes: &[(&str, &str)]) -> Place {
     let mut text = SCENE.to_owned();
     for (from, to) in changes {
         assert!(text.contains(from), "{from}");
         text = text.replace(from, to);
     }
-    fs::write(root.path().join("liquid.toml"), text).unwrap();
-    root
+    Place::with(&[("liquid.toml", &text)])
 }
 
-fn export(root: &Path, arguments: &[&str]) -> std::process::Output {
-    lennard(&[&["generate", "lammps"], arguments].concat()).current_dir(root).output().unwrap()
-}
-
-fn script(root: &Path, folder: &str) -> String {
-    fs::read_to_string(root.join(folder).join("in.lammps")).unwrap()
-}
-
-/// The commands, each with single blanks.
-fn commands(script: &str) -> Vec<String> {
+/// The commands of the script in a folder, each with single blanks.
+fn commands(place: &Place, folder: &str) -> Vec<String> {
+    let script = place.read(&format!("{folder}/in.lammps"));
     let lines = script.lines().filter(|l| !l.is_empty() && !l.starts_with('#'));
-    lines.map(|l| l.split_whitespace().collect::<Vec<_>>().join(" ")).collect()
+    lines.map(in_one_line).collect()
 }
 
 #[test]
 fn a_scene_becomes_the_commands_of_its_model_and_its_stages() {
-    let root = bench(&[]);
-    let output = export(root.path(), &["liquid.toml", "out"]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    let place = bench(&[]);
+    let said = place.succeed(EXPORT);
     assert_eq!(
-        commands(&script(root.path(), "out")),
+        commands(&place, "out"),
         [
             "units lj",
             "atom_style atomic",
@@ -102,15 +93,13 @@ fn a_scene_becomes_the_commands_of_its_model_and_its_stages() {
             "unfix move",
         ]
     );
-    let said = stdout(&output);
-    for remark in [
+    let words = [
         "54 particles at step 0",
         "not the same: the integrator leapfrog of stage melt is velocity Verlet (`fix nve`)",
         "not the same: the observable rdf is not exported",
         "cd out && lmp -in in.lammps",
-    ] {
-        assert!(said.contains(remark), "wanted `{remark}` in\n{said}");
-    }
+    ];
+    contains(&said, &words);
 }
 
 /// Every other line that a scene can become: what is changed, and a command that must be there.
@@ -119,6 +108,8 @@ fn each_potential_truncation_and_bath_has_its_command() {
     let mixture = "[[species]]\nname = \"A\"\nfraction = 0.5\n[[species]]\nname = \"B\"\nfraction = 0.5\nsigma = 0.5\n\
         [mixing]\nrule = \"lorentz-berthelot\"\n[truncation]";
     let bath = "thermostat = { kind = \"rescale\", every = 5 }";
+    let bussi = "thermostat = { kind = \"bussi\", tau = 0.3 }";
+    let langevin = "thermostat = { kind = \"langevin\", friction = 0.5 }";
     let measured = "thermostat = { kind = \"nose-hoover\", tau = 0.4, chain = 2 }";
     let mie = "[potential]\nkind = \"mie\"\nrepulsive = 14\nattractive = 7\n[truncation]";
     let wca = "[potential]\nkind = \"wca\"\n[truncation]";
@@ -130,56 +121,34 @@ fn each_potential_truncation_and_bath_has_its_command() {
         ("[truncation]", mie, "pair_coeff 1 1 1.0 1.0 14 7 2.0"),
         ("[truncation]", wca, "pair_coeff 1 1 1.0 1.0 1.122462048309373"),
         ("[truncation]", mixture, "pair_coeff 1 2 1.0 0.75 2.0"),
-        (
-            bath,
-            "thermostat = { kind = \"bussi\", tau = 0.3 }",
-            "fix bath all temp/csvr 2.0 1.2 0.3 6",
-        ),
-        (
-            bath,
-            "thermostat = { kind = \"langevin\", friction = 0.5 }",
-            "fix bath all langevin 2.0 1.2 2.0 6",
-        ),
-        (
-            bath,
-            "thermostat = { kind = \"langevin\", friction = 0.5 }",
-            "compute_modify thermo_temp extra/dof 3",
-        ),
+        (bath, bussi, "fix bath all temp/csvr 2.0 1.2 0.3 6"),
+        (bath, langevin, "fix bath all langevin 2.0 1.2 2.0 6"),
+        (bath, langevin, "compute_modify thermo_temp extra/dof 3"),
         (measured, &mtk, "fix move all npt temp 1.2 1.2 0.4 tchain 2 iso 1.5 1.5 0.8 pchain 3"),
         (measured, cells, "fix move all npt temp 1.2 1.2 0.5 tchain 3 iso 1.5 1.5 1.0 pchain 3"),
     ] {
-        let root = bench(&[(from, to)]);
-        let output = export(root.path(), &["liquid.toml", "out", "--json"]);
-        assert!(output.status.success(), "{to}: {}", stderr(&output));
-        let written = commands(&script(root.path(), "out"));
+        let place = bench(&[(from, to)]);
+        place.json(EXPORT);
+        let written = commands(&place, "out");
         assert!(written.iter().any(|c| c == wanted), "wanted `{wanted}` in\n{written:#?}");
     }
 }
 
 #[test]
 fn the_data_file_is_a_start_with_the_same_energy() {
-    let root = bench(&[("leapfrog", "velocity-verlet")]);
-    let run = lennard(&["run", "liquid.toml", "--quiet", "--out", "run"])
-        .current_dir(root.path())
-        .output()
-        .unwrap();
-    assert!(run.status.success(), "{}", stderr(&run));
-    let output = export(root.path(), &["run", "later", "--json"]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    let document: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let place = bench(&[("leapfrog", "velocity-verlet")]);
+    place.succeed("run liquid.toml --quiet --out run");
+    let document = place.json("generate lammps run later");
     assert_eq!(document["files"], serde_json::json!(["later/start.data", "later/in.lammps"]));
-    let text = script(root.path(), "later");
-    assert!(text.contains("The run is finished: its last stage once more."), "{text}");
-    assert!(commands(&text).contains(&"reset_timestep 50".to_owned()));
-    let energy = |file: &str| -> serde_json::Value {
+    let words = ["The run is finished: its last stage once more."];
+    contains(&place.read("later/in.lammps"), &words);
+    assert!(commands(&place, "later").contains(&"reset_timestep 50".to_owned()));
+    let energy = |file: &str| -> Value {
         let text = SCENE
             .replace("n_atoms = 54\ndensity = 0.8", "")
             .replace("lattice = \"bcc\"", &format!("kind = \"file\"\nfile = {file:?}"));
-        fs::write(root.path().join("start.toml"), text).unwrap();
-        let output =
-            lennard(&["energy", "start.toml", "--json"]).current_dir(root.path()).output().unwrap();
-        assert!(output.status.success(), "{}", stderr(&output));
-        let mut report: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        place.write("start.toml", &text);
+        let mut report = place.json("energy start.toml");
         report.as_object_mut().unwrap().remove("remarks");
         report
     };
@@ -188,15 +157,10 @@ fn the_data_file_is_a_start_with_the_same_energy() {
 
 #[test]
 fn a_run_that_was_stopped_is_exported_with_the_stages_that_are_left() {
-    let root = bench(&[("steps = 30", "steps = 2000000")]);
-    let run = lennard(&["run", "liquid.toml", "--quiet", "--out", "run", "--max-walltime", "1s"])
-        .current_dir(root.path())
-        .output()
-        .unwrap();
-    assert_eq!(run.status.code(), Some(4), "{}", stderr(&run));
-    let output = export(root.path(), &["run", "later"]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    let written = commands(&script(root.path(), "later"));
+    let place = bench(&[("steps = 30", "steps = 2000000")]);
+    ended(&place.output("run liquid.toml --quiet --out run --max-walltime 1s"), 4, &[]);
+    place.succeed("generate lammps run later");
+    let written = commands(&place, "later");
     let number = |name: &str, nth: usize| -> u64 {
         let found = written.iter().filter_map(|c| c.strip_prefix(name)).nth(nth);
         found.unwrap().trim().parse().unwrap()
@@ -247,38 +211,24 @@ fn what_lammps_does_not_have_is_refused_and_nothing_is_written() {
         ),
         (vec![(measured, z)], "\"z\", in an export to LAMMPS", "\"isotropic\""),
     ] {
-        let root = bench(&changes);
-        let output = export(root.path(), &["liquid.toml", "out"]);
-        let message = stderr(&output);
-        assert_eq!(output.status.code(), Some(2), "{message}");
-        for word in [found, allowed] {
-            assert!(message.contains(word), "wanted `{word}` in\n{message}");
-        }
-        assert!(!root.path().join("out").exists(), "{message}");
+        let place = bench(&changes);
+        place.refused(EXPORT, &[found, allowed]);
+        assert!(!place.has("out"), "{found}");
     }
 }
 
 #[test]
 fn a_folder_that_holds_something_is_written_to_by_force_alone() {
-    let root = bench(&[]);
-    fs::create_dir(root.path().join("out")).unwrap();
-    fs::write(root.path().join("out/notes.txt"), "mine").unwrap();
-    let refused = export(root.path(), &["liquid.toml", "out"]);
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(stderr(&refused).contains("making the output folder"), "{}", stderr(&refused));
-    let forced = export(root.path(), &["liquid.toml", "out", "--force"]);
-    assert!(forced.status.success(), "{}", stderr(&forced));
-    assert_eq!(fs::read(root.path().join("out/notes.txt")).unwrap(), b"mine");
-    let overridden = export(root.path(), &["out", "other", "--seed", "3"]);
-    assert_eq!(overridden.status.code(), Some(2));
-    let message = stderr(&overridden);
-    for word in [
+    let place = bench(&[]);
+    place.write("out/notes.txt", "mine");
+    place.refused(EXPORT, &["making the output folder"]);
+    place.succeed(&format!("{EXPORT} --force"));
+    assert_eq!(place.read("out/notes.txt"), "mine");
+    let words = [
         "exporting a run: the state of out belongs to its own scene",
         "an override of a key",
         "no override, or a scene",
-    ] {
-        assert!(message.contains(word), "wanted `{word}` in\n{message}");
-    }
-    let no_run = export(root.path(), &["out", "other"]);
-    assert!(stderr(&no_run).contains("out holds no run"), "{}", stderr(&no_run));
+    ];
+    place.refused("generate lammps out other --seed 3", &words);
+    contains(&stderr(&place.output("generate lammps out other")), &["out holds no run"]);
 }

@@ -2,137 +2,94 @@
 
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
-use crate::program::common::{Place, SMALL, stderr, stdout, success};
+use crate::program::common::*;
 
 #[test]
 fn a_shipped_scene_runs_by_its_name_anywhere_and_a_file_of_that_name_wins() {
     let place = Place::with(&[]);
-    let run = |more: &[&str]| {
-        let mut command = place.command(&["run", "triple-point", "--quiet", "--no-report"]);
-        command.args(SMALL).args(more);
-        success(&mut command)
-    };
-    run(&["--out", "shipped"]);
-    assert!(place.read("shipped/scene.toml").contains("name = \"triple-point\""));
+    let run = SMALL.replace("verlet-1967/triple-point", "run triple-point --no-report");
+    place.succeed(&format!("{run} --out shipped"));
+    contains(&place.read("shipped/scene.toml"), &["name = \"triple-point\""]);
     // The same scene as a file, with another density: the file is what runs.
-    success(&mut place.command(&["new", "triple-point", "--like", "verlet-1967/triple-point"]));
+    place.succeed("new triple-point --like verlet-1967/triple-point");
     let mine = place.read("triple-point.toml").replace("density = 0.8442", "density = 0.7");
     place.write("triple-point.toml", &mine);
-    run(&["--out", "own"]);
-    assert!(place.read("own/scene.toml").contains("density = 0.7\n"));
+    place.succeed(&format!("{run} --out own"));
+    contains(&place.read("own/scene.toml"), &["density = 0.7\n"]);
 }
 
 #[test]
 fn a_name_that_nothing_has_is_refused_with_the_nearest() {
     let place = Place::with(&[]);
-    for (arguments, wanted) in [
-        (["run", "tripel-point"], "nearest: verlet-1967/triple-point"),
-        (["run", "gas"], "nearest: fluid/gas or npt/gas"),
-        (["plan", "fluid/gass"], "nearest: fluid/gas"),
+    for (line, wanted) in [
+        ("run tripel-point", "nearest: verlet-1967/triple-point"),
+        ("run gas", "nearest: fluid/gas or npt/gas"),
+        ("plan fluid/gass", "nearest: fluid/gas"),
         (
-            ["sweep", "sweep/isotherms"],
+            "sweep sweep/isotherms",
             ": cannot be read: No such file or directory (os error 2)\n  allowed: the path of a sweep, or the name of a shipped sweep, such as sweep/isotherm\n  nearest: sweep/isotherm",
         ),
     ] {
-        let output = place.output(&arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        let said = stderr(&output);
-        assert!(said.contains(wanted), "{arguments:?}: {said}");
+        place.refused(line, &[wanted]);
     }
 }
 
 #[test]
 fn a_new_scene_has_the_comments_of_its_model_and_its_own_command() {
     let place = Place::with(&[]);
-    let said = success(&mut place.command(&["new", "my-fluid", "--schema"]));
-    assert!(said.contains("lennard run my-fluid.toml"), "{said}");
+    contains(&place.succeed("new my-fluid --schema"), &["lennard run my-fluid.toml"]);
     let text = place.read("my-fluid.toml");
     assert!(text.starts_with("#:schema ./scene.schema.json\n"), "{text}");
-    assert!(text.contains("#     lennard run my-fluid.toml\n"), "{text}");
-    assert!(text.contains("# The particles, which start on a lattice."), "{text}");
-    let schema: serde_json::Value = serde_json::from_str(&place.read("scene.schema.json")).unwrap();
-    assert_eq!(
-        schema,
-        serde_json::from_str::<serde_json::Value>(&success(
-            &mut place.command(&["generate", "schema"])
-        ))
-        .unwrap()
-    );
+    let particles = "# The particles, which start on a lattice.";
+    contains(&text, &["#     lennard run my-fluid.toml\n", particles]);
+    let schema = json(&place.read("scene.schema.json"));
+    assert_eq!(schema, json(&place.succeed("generate schema")));
     // What was written stays, unless it is to be replaced.
-    let again = place.output(&["new", "my-fluid.toml"]);
-    assert_eq!(again.status.code(), Some(2));
-    assert!(
-        stderr(&again).contains("writing a scene: my-fluid.toml: it exists already"),
-        "{}",
-        stderr(&again)
-    );
-    let nowhere = place.output(&["new", "no-folder/my-fluid"]);
-    assert_eq!(nowhere.status.code(), Some(2));
-    let wanted = "no-folder/my-fluid.toml: there is no folder no-folder\n  allowed: a name in a folder that exists";
-    assert!(stderr(&nowhere).contains(wanted), "{}", stderr(&nowhere));
-    success(&mut place.command(&["new", "my-fluid.toml", "--force"]));
+    let nowhere = "no-folder/my-fluid.toml: there is no folder no-folder\n  allowed: a name in a folder that exists";
+    let absent = "copying a scene: there is no shipped scene of this name\n  found:   fluid/gass\n  \
+        allowed: a name of `lennard list scenes`\n  nearest: fluid/gas";
+    for (line, wanted) in [
+        ("new my-fluid.toml", "writing a scene: my-fluid.toml: it exists already"),
+        ("new no-folder/my-fluid", nowhere),
+        ("new mine --like fluid/gass", absent),
+    ] {
+        place.refused(line, &[wanted]);
+    }
+    place.succeed("new my-fluid.toml --force");
     assert!(!place.read("my-fluid.toml").starts_with("#:schema"));
     std::fs::create_dir(place.path("taken.toml")).unwrap();
-    let folder = place.output(&["new", "taken", "--force"]);
-    assert!(stderr(&folder).contains("allowed: the name of a new file"), "{}", stderr(&folder));
-    let absent = place.output(&["new", "mine", "--like", "fluid/gass"]);
-    assert_eq!(absent.status.code(), Some(2));
-    let said = stderr(&absent);
-    let wanted = "copying a scene: there is no shipped scene of this name\n  found:   fluid/gass\n  \
-        allowed: a name of `lennard list scenes`\n  nearest: fluid/gas";
-    assert!(said.contains(wanted), "{said}");
+    let words = ["allowed: the name of a new file"];
+    contains(&stderr(&place.output("new taken --force")), &words);
+    // A name with a space stands in quotes where it can be typed.
+    let said = place.succeed("new 'my fluid'");
+    let lines: Vec<&str> = said.lines().collect();
+    assert!(lines[1].starts_with("  lennard plan 'my fluid.toml' "), "{said}");
+    assert_eq!(lines[2], "  lennard run 'my fluid.toml'");
+    contains(&place.read("my fluid.toml"), &["#     lennard run 'my fluid.toml'\n"]);
 }
 
 #[test]
 fn every_command_and_file_in_a_copy_is_of_the_copy() {
     let place = Place::with(&[]);
     for (shipped, commands) in [
-        (
-            "fluid/accuracy",
-            &[
-                "lennard tune mine.toml\n",
-                "lennard run mine.toml\n",
-                "writes them to mine.lock.toml.",
-            ][..],
-        ),
-        ("npt/baths", &["lennard run mine.toml\n", "lennard chart mine.toml --ensemble\n"]),
-        (
-            "sweep/transport",
-            &["lennard sweep mine.toml --out runs/mine\n", "lennard compare runs/mine/*/\n"],
-        ),
-        (
-            "verlet-1967/table",
-            &["lennard sweep mine.toml --out runs/verlet-4 --set truncation.r_cut=4\n"],
-        ),
+        ("fluid/accuracy", ["tune mine.toml\n", "run mine.toml\n"]),
+        ("npt/baths", ["run mine.toml\n", "chart mine.toml --ensemble\n"]),
+        ("sweep/transport", ["sweep mine.toml --out runs/mine\n", "compare runs/mine/*/\n"]),
+        ("verlet-1967/table", ["sweep mine.toml", "sweep mine.toml --out runs/verlet-4 --set"]),
     ] {
-        success(&mut place.command(&["new", "mine", "--like", shipped, "--force"]));
+        place.succeed(&format!("new mine --like {shipped} --force"));
         let text = place.read("mine.toml");
         for command in commands {
-            assert!(text.contains(command), "{shipped}: {command}: {text}");
+            contains(&text, &[&format!("lennard {command}")]);
         }
+        let is_tuned = shipped == "fluid/accuracy";
+        assert_eq!(text.contains("writes them to mine.lock.toml."), is_tuned, "{text}");
     }
-    for scene in lennard_scene::shipped::scenes() {
-        success(&mut place.command(&["new", "mine", "--like", scene.name, "--force"]));
-        let text = place.read("mine.toml");
-        let own = format!("inputs/{}.", scene.name);
-        assert!(!text.contains("cargo run") && !text.contains(&own), "{}: {text}", scene.name);
-    }
-}
-
-#[test]
-fn a_name_with_a_space_stands_in_quotes_where_it_can_be_typed() {
-    let place = Place::with(&[]);
-    let said = success(&mut place.command(&["new", "my fluid"]));
-    let lines: Vec<&str> = said.lines().collect();
-    assert!(lines[1].starts_with("  lennard plan 'my fluid.toml' "), "{said}");
-    assert_eq!(lines[2], "  lennard run 'my fluid.toml'");
-    let text = place.read("my fluid.toml");
-    assert!(text.contains("#     lennard run 'my fluid.toml'\n"), "{text}");
 }
 
 /// The words of every command with its help, groups of commands and the program itself included.
 fn helps(place: &Place, words: &[&str]) -> Vec<(String, String)> {
-    let help = success(&mut place.command(&[words, &["--help"]].concat()));
+    let help = place.succeed(&format!("{} --help", words.join(" ")));
     let below = help.lines().skip_while(|line| *line != "Commands:").skip(1);
     let below = below.take_while(|line| !line.is_empty()).filter(|line| !line.starts_with("   "));
     let names = below.filter_map(|line| line.split_whitespace().next()).filter(|n| *n != "help");
@@ -194,21 +151,22 @@ fn every_command_shows_three_examples_that_work_in_any_folder() {
 }
 
 #[test]
-fn a_copy_of_every_shipped_scene_is_a_scene() {
+fn a_copy_of_every_shipped_scene_is_a_scene_and_names_itself_alone() {
     let place = Place::with(&[]);
-    let list = success(&mut place.command(&["list", "scenes", "--json"]));
-    let list: serde_json::Value = serde_json::from_str(&list).unwrap();
+    let list = place.json("list scenes");
     let list = list["entries"].as_array().unwrap();
     assert!(list.len() > 30);
     for (i, scene) in list.iter().enumerate() {
         let (name, copy) = (scene["name"].as_str().unwrap(), format!("copy-{i}"));
-        success(&mut place.command(&["new", &copy, "--like", name]));
+        place.succeed(&format!("new {copy} --like {name}"));
+        let text = place.read(&format!("{copy}.toml"));
+        let own = format!("inputs/{name}.");
+        assert!(!text.contains("cargo run") && !text.contains(&own), "{name}: {text}");
         // A study checks the scenes of its points; the largest scenes are only read.
         let command = scene["source"].as_str().unwrap().split(' ').nth(1).unwrap();
         if command != "run" {
-            let refused = place.output(&[command, &copy, "--set", "kernel.isa=x"]);
-            let said = stderr(&refused);
-            assert!(said.contains("kernel.isa"), "{name}: {said}");
+            let refused = place.output(&format!("{command} {copy} --set kernel.isa=x"));
+            contains(&stderr(&refused), &["kernel.isa"]);
         } else {
             let path = place.path(&format!("{copy}.toml"));
             lennard_scene::Scene::load(&path, &[]).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -218,24 +176,18 @@ fn a_copy_of_every_shipped_scene_is_a_scene() {
 
 #[test]
 fn every_command_has_a_man_page() {
-    let place = Place::with(&[]);
-    success(&mut place.command(&["generate", "man", "pages/man1"]));
-    let page = place.read("pages/man1/lennard-run.1");
-    assert!(page.contains("max\\-walltime"), "{page}");
-    assert!(place.read("pages/man1/lennard.1").contains("lennard\\-sweep"));
-    assert!(place.read("pages/man1/lennard-study-bench.1").contains("\\-\\-repeats"));
-    place.write("file", "");
-    let refused = place.output(&["generate", "man", "file"]);
-    assert_eq!(refused.status.code(), Some(1), "{}", stdout(&refused));
-    assert!(stderr(&refused).contains("writing man pages: file"), "{}", stderr(&refused));
+    let place = Place::with(&[("file", "")]);
+    place.succeed("generate man pages/man1");
+    contains(&place.read("pages/man1/lennard-run.1"), &["max\\-walltime"]);
+    contains(&place.read("pages/man1/lennard.1"), &["lennard\\-sweep"]);
+    contains(&place.read("pages/man1/lennard-study-bench.1"), &["\\-\\-repeats"]);
+    ended(&place.output("generate man file"), 1, &["writing man pages: file"]);
 }
 
 #[test]
 fn a_tuned_shipped_scene_looks_for_its_lock_in_the_present_folder() {
     let place = Place::with(&[]);
-    let refused = place.output(&["run", "fluid/accuracy"]);
-    assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+    place.refused("run fluid/accuracy", &[]);
     place.write("accuracy.lock.toml", "not a lock");
-    let refused = place.output(&["run", "fluid/accuracy"]);
-    assert!(stderr(&refused).contains("accuracy.lock.toml"), "{}", stderr(&refused));
+    contains(&stderr(&place.output("run fluid/accuracy")), &["accuracy.lock.toml"]);
 }

@@ -1,6 +1,6 @@
 //! `lennard new --from`: scenes from inputs of LAMMPS.
 
-use crate::program::common::{Place, stderr, success};
+use crate::program::common::*;
 
 /// `bench/in.lj` of LAMMPS.
 const BENCH: &str = "# 3d Lennard-Jones melt
@@ -38,8 +38,7 @@ run\t\t100
 #[test]
 fn the_benchmark_of_lammps_becomes_a_scene_that_runs() {
     let place = Place::with(&[("in.lj", BENCH)]);
-    let said = success(&mut place.command(&["new", "--from", "in.lj"]));
-    assert!(said.contains("lj.toml: a scene from in.lj"), "{said}");
+    contains(&place.succeed("new --from in.lj"), &["lj.toml: a scene from in.lj"]);
     let scene = lennard_scene::Scene::load(&place.path("lj.toml"), &[]).unwrap();
     let cell = scene.placement().unwrap().unwrap().cell;
     assert_eq!(scene.n_particles(), Some(32_000));
@@ -47,15 +46,10 @@ fn the_benchmark_of_lammps_becomes_a_scene_that_runs() {
     assert_eq!((scene.system.temperature, scene.system.seed), (1.44, 87_287));
     assert_eq!((scene.truncation.r_cut, scene.truncation.tail_correction), (2.5, false));
     assert_eq!((scene.integrator.dt, scene.total_steps(), scene.stages.len()), (0.005, 100, 1));
-    let text = place.read("lj.toml");
-    for words in ["velocities: ", "energy: ", "lists of neighbors: "] {
-        assert!(text.contains(words), "{text}");
-    }
-    success(&mut place.command(&["run", "lj.toml", "--out", "out", "--quiet", "--no-report"]));
+    contains(&place.read("lj.toml"), &["velocities: ", "energy: ", "lists of neighbors: "]);
+    place.succeed("run lj.toml --out out --quiet --no-report");
     // LAMMPS prints −6.7733681 per atom for this input at step 0.
-    let energy = success(&mut place.command(&["energy", "lj.toml", "--json"]));
-    let energy: serde_json::Value = serde_json::from_str(&energy).unwrap();
-    let of_one = energy["potential_energy"].as_f64().unwrap() / 32_000.0;
+    let of_one = number(&place.json("energy lj.toml")["potential_energy"]) / 32_000.0;
     assert!((of_one + 6.773_368_1).abs() < 1e-6, "{of_one}");
 }
 
@@ -66,7 +60,7 @@ fn baths_dumps_and_several_runs_of_an_input_become_stages() {
         .replace("run\t\t100", "run 200\nunfix 1\ntimestep 0.002\nfix 1 all nve\nfix 2 all &\n  langevin 1.0 1.0 2.0 7\nrun 300")
         .replace("20*$x", "2*$x*2/1").replace("20*$y", "4").replace("20*$z", "8");
     let place = Place::with(&[("in.melt", &input)]);
-    success(&mut place.command(&["new", "mine", "--from", "in.melt"]));
+    place.succeed("new mine --from in.melt");
     let scene = lennard_scene::Scene::load(&place.path("mine.toml"), &[]).unwrap();
     assert_eq!(scene.n_particles(), Some(512));
     let [first, second] = &scene.stages[..] else { panic!("{:?}", scene.stages) };
@@ -92,10 +86,7 @@ fn baths_dumps_and_several_runs_of_an_input_become_stages() {
         ("velocity\tall create", "velocitie all create", "nearest: velocity"),
     ] {
         let place = Place::with(&[("in.lj", &BENCH.replace(from, to))]);
-        let refused = place.command(&["new", "--from", "in.lj"]).output().unwrap();
-        let said = stderr(&refused);
-        assert_eq!(refused.status.code(), Some(2), "{said}");
-        assert!(said.contains(words), "{words}\n{said}");
-        assert!(!place.path("lj.toml").exists());
+        place.refused("new --from in.lj", &[words]);
+        assert!(!place.has("lj.toml"));
     }
 }

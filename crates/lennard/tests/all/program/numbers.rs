@@ -3,40 +3,21 @@
 use lennard_core::number::{significant, with_error};
 use serde_json::Value;
 
-use crate::program::common::{Place, lennard_in, stderr, stdout};
+use crate::program::common::*;
 
 const SCENE: &str = r#"
-[system]
-n_atoms = 108
-density = 0.6
-temperature = 1.3
-seed = 3
-
-[integrator]
-dt = 0.004
-
-[[stage]]
-name = "melt"
-steps = 50
-thermostat = { kind = "bussi", tau = 0.1 }
-
-[[stage]]
-name = "production"
-steps = 20
-thermostat = { kind = "bussi", tau = 0.5 }
-
-[[observable]]
-kind = "rdf"
-
-[[observable]]
-kind = "msd"
-viscosity = 2.1174670663845836
-
-[[observable]]
-kind = "vacf"
-
-[[observable]]
-kind = "structure-factor"
+system = { n_atoms = 108, density = 0.6, temperature = 1.3, seed = 3 }
+integrator = { dt = 0.004 }
+stage = [
+    { name = "melt", steps = 50, thermostat = { kind = "bussi", tau = 0.1 } },
+    { name = "production", steps = 20, thermostat = { kind = "bussi", tau = 0.5 } },
+]
+observable = [
+    { kind = "rdf" },
+    { kind = "msd", viscosity = 2.1174670663845836 },
+    { kind = "vacf" },
+    { kind = "structure-factor" },
+]
 "#;
 
 /// The words of a text that are not finite, or that have ten decimals or more.
@@ -80,21 +61,17 @@ fn texts(value: &Value) -> Vec<&str> {
 fn a_production_of_few_steps_is_too_short_and_says_so_without_an_error() {
     let place = Place::with(&[("scene.toml", SCENE)]);
     for steps in [1, 5, 10, 20, 30] {
-        let (out, set) = (format!("out-{steps}"), format!("stage.production.steps={steps}"));
-        let ran = lennard_in(place.root(), &["run", "scene.toml", "--set", &set, "--out", &out]);
-        let said = stdout(&ran) + &stderr(&ran);
-        assert!(ran.status.success(), "{said}");
-        assert!(said.contains("The run is too short: "), "{steps}: {said}");
-        let compared = lennard_in(place.root(), &["compare", &out, "--verbose"]);
-        let page = words_of(&place.read(&format!("{out}/report.html")));
-        for text in [&said, &stdout(&compared), &page] {
-            assert_eq!(bad_numbers(text), Vec::<&str>::new(), "{steps}: {text}");
-        }
-        let mut record: Value =
-            serde_json::from_str(&place.read(&format!("{out}/run.json"))).unwrap();
+        let set = format!("--set stage.production.steps={steps}");
+        let ran = place.output(&format!("run scene.toml {set} --out {steps}"));
+        let said = stdout(&ran) + &ended(&ran, 0, &[]);
+        contains(&said, &["The run is too short: "]);
+        let compared = place.succeed(&format!("compare {steps} --verbose"));
+        let page = words_of(&place.read(&format!("{steps}/report.html")));
+        let mut record = place.record(&steps.to_string());
         // The scene in the record is read by programs, and has every digit.
         record["scene"].take();
-        for text in texts(&record) {
+        let shown = [&*said, &compared, &page];
+        for text in shown.into_iter().chain(texts(&record)) {
             assert_eq!(bad_numbers(text), Vec::<&str>::new(), "{steps}: {text}");
         }
         for (name, average) in record["averages"].as_object().unwrap() {
@@ -107,25 +84,16 @@ fn a_production_of_few_steps_is_too_short_and_says_so_without_an_error() {
 /// The diffusion coefficient of the slope as it is.
 const PLAIN: &str = "diffusion_coefficient_uncorrected";
 
-/// Settings for which two estimates of D are made within seconds.
-const LIQUID: &[&str] = &[
-    "system.density=0.8",
-    "stage.melt.steps=1000",
-    "stage.production.steps=8000",
-    "observable.msd.viscosity=2.0",
-];
-
 #[test]
 fn the_figure_of_the_displacement_has_its_fit_and_says_which_d_is_corrected() {
     let place = Place::with(&[("scene.toml", SCENE)]);
-    let mut arguments = vec!["run", "scene.toml", "--out", "out"];
-    for change in LIQUID {
-        arguments.extend(["--set", change]);
-    }
-    let ran = lennard_in(place.root(), &arguments);
-    assert!(ran.status.success(), "{}", stderr(&ran));
-    let record: Value = serde_json::from_str(&place.read("out/run.json")).unwrap();
-    let mean = |name: &str| record["averages"][name]["mean"].as_f64().unwrap();
+    // Two estimates of D are made within seconds.
+    place.succeed(
+        "run scene.toml --out out --set system.density=0.8 --set stage.melt.steps=1000 \
+         --set stage.production.steps=8000 --set observable.msd.viscosity=2.0",
+    );
+    let record = place.record("out");
+    let mean = |name: &str| number(&record["averages"][name]["mean"]);
     let page = place.read("out/report.html");
     let caption = |name: &str| {
         let start = page.find(name).unwrap();
@@ -155,62 +123,55 @@ fn the_figure_of_the_displacement_has_its_fit_and_says_which_d_is_corrected() {
             None => format!("{} (no result: ", significant(mean(name), 4)),
         }
     };
-    for words in [
-        format!("fitted from {}", significant(first.0, 3)),
-        format!("A sixth of its slope: D = {}", told(PLAIN)),
-        format!(
-            "Corrected for finite size (Yeh and Hummer): D = {}",
-            told("diffusion_coefficient_corrected")
-        ),
-    ] {
-        assert!(msd.contains(&words), "{words} in {msd}");
-    }
+    let corrected = told("diffusion_coefficient_corrected");
+    let words = [
+        &*format!("fitted from {}", significant(first.0, 3)),
+        &format!("A sixth of its slope: D = {}", told(PLAIN)),
+        &format!("Corrected for finite size (Yeh and Hummer): D = {corrected}"),
+    ];
+    contains(&msd, &words);
     // The other route stands on the same footing.
-    let vacf = caption("<title>Velocity autocorrelation</title>");
-    let words =
-        format!("A third of its integral: D = {}", told("diffusion_coefficient_green_kubo"));
-    assert!(vacf.contains(&words), "{words} in {vacf}");
-    let words = format!("the slope of the displacement gives {}", told(PLAIN));
-    assert!(vacf.contains(&words) && vacf.contains("Neither is corrected"), "{words} in {vacf}");
+    let integral = told("diffusion_coefficient_green_kubo");
+    let words = [
+        &*format!("A third of its integral: D = {integral}"),
+        &format!("the slope of the displacement gives {}", told(PLAIN)),
+        "Neither is corrected",
+    ];
+    contains(&caption("<title>Velocity autocorrelation</title>"), &words);
 }
 
 #[test]
 fn every_document_names_its_schema_by_one_rule() {
     let place = Place::with(&[("scene.toml", SCENE)]);
-    let run: &[&str] = &["run", "scene.toml", "--out", "out", "--json"];
-    for arguments in [
-        run,
-        &["version", "--json"],
-        &["plan", "scene.toml", "--json"],
-        &["energy", "scene.toml", "--json"],
-        &["compare", "out", "--json"],
-        &["generate", "lammps", "scene.toml", "out-lammps", "--json"],
-        &["eos", "--temperature", "2", "--density", "0.5", "--json"],
-        &["eos", "thol-2016", "--saturation", "--json"],
-        &["eos", "thol-2016", "--freezing", "--json"],
-        &["list", "--json"],
-        &["list", "scenes", "--json"],
-        &["study", "mechanics", "--quick", "--quiet", "--out", "mechanics", "--json"],
+    for line in [
+        "run scene.toml --out out",
+        "version",
+        "plan scene.toml",
+        "energy scene.toml",
+        "compare out",
+        "generate lammps scene.toml out-lammps",
+        "eos --temperature 2 --density 0.5",
+        "eos thol-2016 --saturation",
+        "eos thol-2016 --freezing",
+        "list",
+        "list scenes",
+        "study mechanics --quick --quiet --out mechanics",
     ] {
-        let output = lennard_in(place.root(), arguments);
-        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
-        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let document = place.json(line);
         let schema = document["schema"].as_str().unwrap_or_default();
         let rest = schema.strip_prefix("lennard-").and_then(|s| s.split_once('/'));
-        let (name, version) = rest.unwrap_or_else(|| panic!("{arguments:?}: {schema:?}"));
-        assert!(arguments[..2].contains(&name), "{schema}");
+        let (name, version) = rest.unwrap_or_else(|| panic!("{line}: {schema:?}"));
+        assert!(line.split(' ').take(2).any(|word| word == name), "{schema}");
         assert!(version.parse::<u32>().is_ok(), "{schema}");
     }
-    let study: Value = serde_json::from_str(&place.read("mechanics/study.json")).unwrap();
-    assert_eq!(study["schema"], "lennard-mechanics/1");
+    assert_eq!(json(&place.read("mechanics/study.json"))["schema"], "lennard-mechanics/1");
 }
 
 #[test]
 fn a_point_of_a_sweep_that_is_no_result_has_an_open_mark_and_a_word_in_the_caption() {
     let sweep = "base = \"scene.toml\"\n[grid]\ndensity = [0.5, 0.6, 0.7]\n";
     let place = Place::with(&[("scene.toml", SCENE), ("sweep.toml", sweep)]);
-    let ran = lennard_in(place.root(), &["sweep", "sweep.toml", "--out", "out"]);
-    assert!(ran.status.success(), "{}", stderr(&ran));
+    place.succeed("sweep sweep.toml --out out");
     let page = place.read("out/report.html");
     let drawn = |svg: &str| {
         let marks =
@@ -229,8 +190,7 @@ fn a_point_of_a_sweep_that_is_no_result_has_an_open_mark_and_a_word_in_the_capti
 fn quantities_of_a_page_have_words_and_those_of_a_file_have_keys() {
     let sweep = "base = \"scene.toml\"\n[grid]\ndensity = [0.2, 0.3, 0.4]\n[set]\nstage.production.steps = 30000\nsystem.temperature = 2\n";
     let place = Place::with(&[("scene.toml", SCENE), ("sweep.toml", sweep)]);
-    let ran = lennard_in(place.root(), &["sweep", "sweep.toml", "--out", "out"]);
-    assert!(ran.status.success(), "{}", stderr(&ran));
+    place.succeed("sweep sweep.toml --out out");
     let file = place.read("out/equations.csv");
     let keys = file.lines().skip(1).filter_map(|row| row.split(',').next());
     let keys: Vec<&str> = keys.filter(|key| key.contains('_')).collect();
@@ -244,19 +204,10 @@ fn quantities_of_a_page_have_words_and_those_of_a_file_have_keys() {
 #[test]
 fn a_length_that_the_program_computes_has_no_more_digits_than_it_is_worth() {
     // 0.8 of a cutoff of 3 σ is 2.4000000000000004 in binary.
-    let switched = [
-        "--set",
-        "truncation.kind=switch",
-        "--set",
-        "truncation.r_cut=3",
-        "--set",
-        "system.density=0.3",
-    ];
+    let switched = "--set truncation.kind=switch --set truncation.r_cut=3 --set system.density=0.3";
     let place = Place::with(&[("scene.toml", SCENE)]);
-    let dt = ["--set", "integrator.dt=0.0046188021535170061"];
-    let plan = lennard_in(place.root(), &[&["plan", "scene.toml"][..], &switched, &dt].concat());
-    let said = stdout(&plan);
-    assert!(plan.status.success(), "{}", stderr(&plan));
-    assert!(said.contains("switched off from 2.4 to 3 σ"), "{said}");
+    let dt = "--set integrator.dt=0.0046188021535170061";
+    let said = place.succeed(&format!("plan scene.toml {switched} {dt}"));
+    contains(&said, &["switched off from 2.4 to 3 σ"]);
     assert_eq!(bad_numbers(&said), Vec::<&str>::new(), "{said}");
 }

@@ -1,23 +1,11 @@
 //! A study of a user's own: any key of the scene, multiplied or together with others, with a reading.
 
-use crate::program::common::{Place, stderr, success};
+use crate::program::common::*;
 
 const BASE: &str = r#"
-[system]
-n_atoms = 108
-density = 0.5
-temperature = 1.5
-seed = 3
-
-[truncation]
-kind = "cut"
-r_cut = 2.0
-tail_correction = false
-
-[[stage]]
-name = "production"
-steps = 12_000
-thermostat = { kind = "bussi", tau = 0.2 }
+system = { n_atoms = 108, density = 0.5, temperature = 1.5, seed = 3 }
+truncation = { kind = "cut", r_cut = 2.0, tail_correction = false }
+stage = [{ name = "production", steps = 12_000, thermostat = { kind = "bussi", tau = 0.2 } }]
 "#;
 
 const STUDY: &str = "base = \"base.toml\"\nreading = \"table\"\n\
@@ -28,13 +16,9 @@ const STUDY: &str = "base = \"base.toml\"\nreading = \"table\"\n\
 #[test]
 fn truncations_and_steps_make_a_study_with_a_table_and_figures() {
     let place = Place::with(&[("base.toml", BASE), ("study.toml", STUDY)]);
-    let listed = success(&mut place.command(&["sweep", "study.toml", "--points"]));
-    assert!(listed.contains("    4  shift-dt0.004\n"), "{listed}");
-    let one = ["sweep", "study.toml", "--out", "out", "--point", "shift-dt0.004", "--no-report"];
-    success(&mut place.command(&one));
-    let whole = ["sweep", "study.toml", "--out", "out", "--json", "--quiet", "--no-report"];
-    let record: serde_json::Value =
-        serde_json::from_str(&success(&mut place.command(&whole))).unwrap();
+    contains(&place.succeed("sweep study.toml --points"), &["    4  shift-dt0.004\n"]);
+    place.succeed("sweep study.toml --out out --point shift-dt0.004 --no-report");
+    let record = place.json("sweep study.toml --out out --quiet --no-report");
     let points = record["points"].as_array().unwrap();
     let kept: Vec<bool> = points.iter().map(|p| p["kept"].as_bool().unwrap()).collect();
     assert_eq!(kept, [false, false, false, false, true, false]);
@@ -42,20 +26,12 @@ fn truncations_and_steps_make_a_study_with_a_table_and_figures() {
     assert_eq!(points[3]["settings"][0]["value"], "shift");
     assert_eq!(points[3]["settings"][1]["value"], 0.002);
     let table = place.read("out/table.csv");
-    let heading = table.lines().next().unwrap();
-    assert!(heading.contains(",truncation_kind,dt,"), "{heading}");
-    let page = place.read("out/report.html");
-    for words in [
-        "time step dt / τ",
-        "Potential energy",
-        "Pressure",
-        ">shift<",
-        "seeds of one state are averaged",
-    ] {
-        assert!(page.contains(words), "{words}");
-    }
+    contains(table.lines().next().unwrap(), &[",truncation_kind,dt,"]);
+    let words = ["time step dt / τ", "Potential energy", "Pressure", ">shift<"];
+    contains(&place.read("out/report.html"), &words);
+    contains(&place.read("out/report.html"), &["seeds of one state are averaged"]);
     // A figure of the literature is none of this study.
-    assert!(!place.path("out/pressure.svg").exists() && record.get("agreement").is_none());
+    assert!(!place.has("out/pressure.svg") && record.get("agreement").is_none());
 }
 
 /// Proves that a study of which all points fail writes no table, and says which reading has nothing and why.
@@ -64,15 +40,12 @@ fn a_reading_without_points_writes_nothing() {
     let study = "base = \"base.toml\"\nreading = \"arrhenius\"\n[grid]\ntemperature = [1.5, 2.0, 2.5]\n\
         [set]\n\"stage.production.steps\" = 20\n";
     let place = Place::with(&[("base.toml", BASE), ("study.toml", study)]);
-    let ended = place.output(&["sweep", "study.toml", "--out", "out", "--quiet", "--no-report"]);
-    assert_eq!(ended.status.code(), Some(2), "{}", stderr(&ended));
-    let said = stderr(&ended);
-    assert!(
-        said.contains("study.toml, line 2: `reading` has nothing to read: `arrhenius`"),
-        "{said}"
-    );
-    assert!(said.contains("found:   0 of 3 points failed"), "{said}");
-    assert!(!place.path("out/table.csv").exists() && !place.path("out/report.html").exists());
+    let words = [
+        "study.toml, line 2: `reading` has nothing to read: `arrhenius`",
+        "found:   0 of 3 points failed",
+    ];
+    place.refused("sweep study.toml --out out --quiet --no-report", &words);
+    assert!(!place.has("out/table.csv") && !place.has("out/report.html"));
 }
 
 /// Proves that a chart of a user's own points runs from the same reader of studies, and that what is no such chart is refused.
@@ -81,13 +54,10 @@ fn truncations_and_steps_make_a_chart_of_a_users_own() {
     let study = "base = \"base.toml\"\nreading = \"chart\"\n[set]\n\"stage.production.steps\" = 10\n\
         [grid]\n\"truncation.kind\" = [\"cut\", \"shift\"]\ndt = { times = [1, 2] }\n";
     let place = Place::with(&[("base.toml", BASE), ("study.toml", study)]);
-    let arguments = ["chart", "study.toml", "--quick", "--out", "out", "--json", "--quiet"];
-    let chart: serde_json::Value =
-        serde_json::from_str(&success(&mut place.command(&arguments))).unwrap();
+    let chart = place.json("chart study.toml --quick --out out --quiet");
     let points = chart["points"].as_array().unwrap();
-    let dt = |p: &serde_json::Value| p["settings"]["dt"].as_f64().unwrap();
     // The scene stands first, and a point that is the scene stands once. The tightest settings are the scene's here.
-    let steps: Vec<f64> = points.iter().map(dt).collect();
+    let steps: Vec<f64> = points.iter().map(|p| number(&p["settings"]["dt"])).collect();
     assert_eq!(steps, [0.004, 0.008, 0.004, 0.008]);
     assert_eq!(points[2]["settings"]["truncation"]["kind"], "shift");
 
@@ -101,10 +71,7 @@ fn truncations_and_steps_make_a_chart_of_a_users_own() {
         ("chart", "dt = ", "\"truncation.kinds\" = ", "multiplies what is no number"),
     ] {
         place.write("study.toml", &study.replace(from, to));
-        let refused = place.output(&[command, "study.toml", "--out", "other", "--quiet"]);
-        let said = stderr(&refused);
-        assert_eq!(refused.status.code(), Some(2), "{said}");
-        assert!(said.contains(words), "{words}: {said}");
-        assert!(!place.path("other").exists(), "{words}");
+        place.refused(&format!("{command} study.toml --out other --quiet"), &[words]);
+        assert!(!place.has("other"), "{words}");
     }
 }

@@ -1,8 +1,8 @@
 //! `lennard tune` and what comes of it: a lock file that `run` and `plan` take, and that no other scene may use.
 
-use std::path::Path;
+use serde_json::Value;
 
-use crate::program::common::{lennard, stderr, succeed};
+use crate::program::common::*;
 
 /// A dilute supercritical fluid, whose errors a few seconds tell, with wishes that are easy to meet.
 const SCENE: &str = r#"# A fluid with an accuracy in place of settings.
@@ -24,205 +24,122 @@ steps = 300
 "#;
 
 /// As short as it may be.
-const SHORT: [&str; 2] = ["--seconds", "5"];
+const TUNE: &str = "tune asking.toml --quiet --seconds 5";
 
-fn write_scene(folder: &Path) -> String {
-    let path = folder.join("asking.toml");
-    std::fs::write(&path, SCENE).unwrap();
-    path.to_str().unwrap().to_owned()
-}
-
-/// Arguments of a tuning that must be refused, and words that the message must hold.
-fn refused(args: &[&str], words: &[&str]) {
-    let output = lennard(args).output().unwrap();
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
-    for word in words {
-        assert!(message.contains(word), "{args:?}: wanted `{word}` in\n{message}");
-    }
+fn place(scene: &str) -> Place {
+    Place::with(&[("asking.toml", scene)])
 }
 
 /// The usual cutoff of 2.5 σ fits half the box of 5³ particles, 2.54 σ, but not half the box of 4·3³.
 #[test]
 fn a_scene_whose_cutoff_fits_is_not_refused_for_the_usual_one() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("small.toml");
     let scene = SCENE
         .replace("n_atoms = 500", "n_atoms = 125")
         .replace("density = 0.3", "density = 0.95")
-        .replace("{ potential_energy = 0.03, pressure = 0.02,", "{ potential_energy = 0.5,")
-        .replace(
-            "[[stage]]\nname = \"equilibrate\"",
-            "[start]\nlattice = \"sc\"\n[truncation]\nr_cut = 2\n\n[[stage]]\nname = \"equilibrate\"",
-        );
-    std::fs::write(&path, scene).unwrap();
-    let mut tune = vec!["tune", path.to_str().unwrap(), "--json", "--quiet"];
-    tune.extend(SHORT);
-    let tuning: serde_json::Value = serde_json::from_str(&succeed(&tune)).unwrap();
+        .replace("{ potential_energy = 0.03, pressure = 0.02,", "{ potential_energy = 0.5,");
+    let tuning =
+        place(&(scene + "[start]\nlattice = \"sc\"\n[truncation]\nr_cut = 2\n")).json(TUNE);
     assert_eq!(tuning["settings"]["truncation"]["r_cut"], 2.0);
     assert!(tuning["usual_cost"].is_object());
 }
 
 /// Each predicted error is within its target, and so is the measured one, within four of its own errors.
-fn keep_their_targets(rows: &[serde_json::Value]) {
+fn keep_their_targets(rows: &[Value]) {
     for row in rows {
-        let number = |key: &str| row[key].as_f64().unwrap();
-        assert!(number("predicted").abs() <= number("target"), "{row}");
-        let margin = 4.0 * number("measured_error");
-        assert!(number("measured").abs() <= number("target") + margin, "{row}");
+        let of = |key: &str| number(&row[key]);
+        assert!(of("predicted").abs() <= of("target"), "{row}");
+        let margin = 4.0 * of("measured_error");
+        assert!(of("measured").abs() <= of("target") + margin, "{row}");
     }
 }
 
 #[test]
 fn a_tuned_scene_runs_with_its_lock_and_always_to_the_same_bits() {
-    let folder = tempfile::tempdir().unwrap();
-    let scene = write_scene(folder.path());
-    refused(&["run", &scene], &["`accuracy` needs settings", "lennard tune"]);
-
-    let mut tune = vec!["tune", &scene, "--json", "--quiet"];
-    tune.extend(SHORT);
-    let tuning: serde_json::Value = serde_json::from_str(&succeed(&tune)).unwrap();
+    let place = place(SCENE);
+    place.refused("run asking.toml", &["`accuracy` needs settings", "lennard tune"]);
+    let tuning = place.json(TUNE);
     assert_eq!(tuning["schema"], "lennard-tune/1");
     let rows = tuning["rows"].as_array().unwrap();
     let keys: Vec<&str> = rows.iter().map(|r| r["quantity"].as_str().unwrap()).collect();
     assert_eq!(keys, ["potential_energy", "pressure", "drift"]);
     keep_their_targets(rows);
     // What is safest costs more, and what is chosen no more than what most people take.
-    let cost = |key: &str| tuning[key]["pair_forces_per_atom_tau"].as_f64().unwrap();
+    let cost = |key: &str| number(&tuning[key]["pair_forces_per_atom_tau"]);
     assert!(cost("cost") < cost("usual_cost") && cost("usual_cost") < cost("safest_cost"));
-    let lock = folder.path().join("asking.lock.toml");
-    let text = std::fs::read_to_string(&lock).unwrap();
-    assert!(text.contains("lennard-lock/1"));
+    let text = place.read("asking.lock.toml");
+    contains(&text, &["lennard-lock/1"]);
     // On this machine now the settings are faster or not, and the lock says where they are not.
     let speed = &tuning["speed"];
-    assert!(speed["over_usual"].as_f64() > Some(0.0), "{speed}");
-    let remarks = speed["remarks"].as_array().unwrap();
-    assert_eq!(
-        speed["is_faster"] == false,
-        text.contains("faster than the usual ones on this machine now"),
-        "{speed}"
-    );
-    for remark in remarks {
-        assert!(text.contains(remark.as_str().unwrap()), "{remark}");
+    assert!(number(&speed["over_usual"]) > 0.0, "{speed}");
+    let is_slower = text.contains("faster than the usual ones on this machine now");
+    assert_eq!(speed["is_faster"] == false, is_slower, "{speed}");
+    for remark in speed["remarks"].as_array().unwrap() {
+        contains(&text, &[remark.as_str().unwrap()]);
     }
-
-    let thermo = |name: &str| {
-        let out = folder.path().join(name);
-        let text = succeed(&["run", &scene, "--out", out.to_str().unwrap(), "--no-report"]);
-        assert!(text.contains("settings from"), "{text}");
-        std::fs::read_to_string(out.join("thermo.csv")).unwrap()
-    };
-    assert_eq!(thermo("first"), thermo("second"));
+    for name in ["first", "second"] {
+        let said = place.succeed(&format!("run asking.toml --out {name} --no-report"));
+        contains(&said, &["settings from"]);
+    }
+    place.same("first", "second", &["thermo.csv"]);
     // The folder holds a scene that needs no lock.
-    let resolved = folder.path().join("first/scene.toml");
-    let plan = succeed(&["plan", resolved.to_str().unwrap()]);
+    let plan = place.succeed("plan first/scene.toml");
     assert!(!plan.contains("settings from"), "{plan}");
 
-    let elsewhere = folder.path().join("elsewhere.toml");
-    std::fs::rename(&lock, &elsewhere).unwrap();
-    let named = elsewhere.to_str().unwrap();
-    succeed(&["plan", &scene, "--lock", named, "--seed", "9"]);
-    let denser = ["plan", &scene, "--lock", named, "--set", "system.density=0.31"];
-    refused(&denser, &["`system.density`", "0.3 in the lock, 0.31 in"]);
-    let plain = "inputs/fluid/gas.toml";
-    refused(&["plan", plain, "--lock", named], &["`accuracy`", "nothing to take"]);
-    refused(&["tune", plain, "--lock", named], &["there is no `accuracy`"]);
+    std::fs::rename(place.path("asking.lock.toml"), place.path("elsewhere.toml")).unwrap();
+    let plan = "plan asking.toml --lock elsewhere.toml";
+    place.succeed(&format!("{plan} --seed 9"));
+    let words = ["`system.density`", "0.3 in the lock, 0.31 in"];
+    place.refused(&format!("{plan} --set system.density=0.31"), &words);
+    let words = ["`accuracy`", "nothing to take"];
+    place.refused("plan fluid/gas --lock elsewhere.toml", &words);
+    place.refused("tune fluid/gas --lock elsewhere.toml", &["there is no `accuracy`"]);
 }
 
 #[test]
 fn a_scene_with_settings_of_its_own_is_told_the_cheapest_for_the_usual_accuracy() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("own.toml");
     let text = SCENE.replace("accuracy", "# accuracy").replace("0.3\n", "0.02\n")
         + "[truncation]\nr_cut = 2.5\n[integrator]\ndt = 0.003\n[kernel]\nprecision = \"double\"\n";
-    std::fs::write(&path, text).unwrap();
-    let scene = path.to_str().unwrap();
-    let mut tune = vec!["tune", scene, "--set", "truncation.r_cut=3.5"];
-    tune.extend(SHORT);
-    let found = succeed(&tune);
-    assert!(found.contains("no lock is written"), "{found}");
+    let place = place(&text);
+    let found = place.succeed("tune asking.toml --seconds 5 --set truncation.r_cut=3.5");
+    contains(&found, &["no lock is written"]);
     // Nothing beside the scene, and a command that runs: what was fixed beside the file stays, the rest was chosen.
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    assert_eq!(std::fs::read_dir(place.root()).unwrap().count(), 1);
     let command = found.lines().rev().find(|l| l.contains("lennard run")).unwrap();
-    let words: Vec<&str> = command.split_whitespace().skip(2).collect();
-    assert!(command.contains("--set truncation.r_cut=3.5"), "{command}");
+    contains(command, &["--set truncation.r_cut=3.5"]);
     assert_eq!(command.matches("truncation.r_cut=").count(), 1, "{command}");
     assert!(!command.contains("integrator.dt=0.003"), "{command}");
-    let out = folder.path().join("out");
-    let mut run = vec!["run", "--no-report", "--out", out.to_str().unwrap()];
-    run.extend(words);
-    succeed(&run);
-    let resolved = std::fs::read_to_string(out.join("scene.toml")).unwrap();
-    assert!(resolved.contains("r_cut = 3.5"), "{resolved}");
+    let (_, run) = command.split_once("lennard ").unwrap();
+    place.succeed(&format!("{run} --no-report --out out"));
+    contains(&place.read("out/scene.toml"), &["r_cut = 3.5"]);
 }
 
 #[test]
 fn what_cannot_be_met_is_refused_with_what_can_and_leaves_no_lock() {
-    let folder = tempfile::tempdir().unwrap();
-    let scene = write_scene(folder.path());
-    let with = |set: &[&'static str]| {
-        let mut args = vec!["tune", scene.as_str(), "--quiet"];
-        args.extend(SHORT);
-        for set in set {
-            args.extend(["--set", set]);
-        }
-        args
-    };
-    refused(
-        &with(&["accuracy.pressure=1e-9"]),
-        &["`accuracy.pressure` cannot be met", "pressure = ", "times the cost"],
-    );
-    refused(
-        &with(&["integrator.dt=0.02", "accuracy.potential_energy=2e-3"]),
-        &["`integrator.dt` contradicts `accuracy.", "dt left out"],
-    );
-    assert!(!folder.path().join("asking.lock.toml").exists());
-}
-
-#[test]
-fn a_lock_that_cannot_be_written_is_refused_before_anything_is_measured() {
-    let folder = tempfile::tempdir().unwrap();
-    let scene = write_scene(folder.path());
-    let nowhere = folder.path().join("nowhere/x.lock.toml");
-    refused(
-        &["tune", &scene, "--lock", nowhere.to_str().unwrap()],
-        &["tuning the scene: ", "the lock file cannot be written there", "no such folder"],
-    );
-    refused(
-        &["tune", &scene, "--lock", folder.path().to_str().unwrap()],
-        &["the lock file cannot be written there", "found:   a folder"],
-    );
-}
-
-#[test]
-fn a_time_too_short_to_tell_anything_is_refused() {
-    refused(
-        &["tune", "inputs/fluid/accuracy.toml", "--seconds", "1"],
-        &["wanted a number of seconds from 5 to 86400"],
-    );
+    let place = place(SCENE);
+    let words = ["`accuracy.pressure` cannot be met", "pressure = ", "times the cost"];
+    place.refused(&format!("{TUNE} --set accuracy.pressure=1e-9"), &words);
+    let contradicts = "--set integrator.dt=0.02 --set accuracy.potential_energy=2e-3";
+    let words = ["`integrator.dt` contradicts `accuracy.", "dt left out"];
+    place.refused(&format!("{TUNE} {contradicts}"), &words);
+    assert!(!place.has("asking.lock.toml"));
+    // Before anything is measured.
+    let words = ["tuning the scene: ", "the lock file cannot be written there", "no such folder"];
+    place.refused("tune asking.toml --lock nowhere/x.lock.toml", &words);
+    let words = ["the lock file cannot be written there", "found:   a folder"];
+    place.refused("tune asking.toml --lock .", &words);
+    let words = ["wanted a number of seconds from 5 to 86400"];
+    place.refused("tune asking.toml --seconds 1", &words);
 }
 
 /// A scene of something else than atoms, tuned in seconds: the document, and the run of the lock.
-fn tuned(scene: &str) -> serde_json::Value {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("tuned.toml");
-    std::fs::write(&path, scene).unwrap();
-    let path = path.to_str().unwrap();
-    let mut tune = vec!["tune", path, "--json", "--quiet"];
-    tune.extend(SHORT);
-    let tuning: serde_json::Value = serde_json::from_str(&succeed(&tune)).unwrap();
-    let out = folder.path().join("out");
-    let text = succeed(&["run", path, "--out", out.to_str().unwrap(), "--no-report"]);
-    assert!(text.contains("settings from"), "{text}");
-    let resolved = std::fs::read_to_string(out.join("scene.toml")).unwrap();
-    let dt = tuning["settings"]["dt"].as_f64().unwrap();
-    assert!(resolved.contains(&format!("dt = {dt}")), "{dt}: {resolved}");
+fn tuned(scene: &str) -> Value {
+    let place = place(scene);
+    let tuning = place.json(TUNE);
+    contains(&place.succeed("run asking.toml --out out --no-report"), &["settings from"]);
+    let dt = number(&tuning["settings"]["dt"]);
+    contains(&place.read("out/scene.toml"), &[&format!("dt = {dt}")]);
     keep_their_targets(tuning["rows"].as_array().unwrap());
     tuning
-}
-
-fn notes(tuning: &serde_json::Value) -> String {
-    tuning["notes"].to_string()
 }
 
 #[test]
@@ -247,11 +164,8 @@ rule = "lorentz-berthelot"
 r_cut_in = "pair"
 "#;
     let tuning = tuned(&scene);
-    let said = notes(&tuning);
-    assert!(
-        said.contains("the fastest pair is light–light (σ 0.9, ε 1, masses 0.1 and 0.1)"),
-        "{said}"
-    );
+    let said = tuning["notes"].to_string();
+    contains(&said, &["the fastest pair is light–light (σ 0.9, ε 1, masses 0.1 and 0.1)"]);
     // The theory of one fluid judges no mixture.
     assert!(
         said.contains("theory with a band of its own") || said.contains("no equation of state"),
@@ -277,7 +191,7 @@ method = "direct"
         "potential_energy = 0.3, pressure = 0.2,",
     );
     let tuning = tuned(&scene);
-    assert!(notes(&tuning).contains("bonds (direct) do not limit the step"), "{tuning}");
+    contains(&tuning["notes"].to_string(), &["bonds (direct) do not limit the step"]);
     assert_eq!(tuning["rows"][0]["unit"], "ε per molecule");
-    assert!((tuning["density"].as_f64().unwrap() - 0.3).abs() < 1e-9);
+    assert!((number(&tuning["density"]) - 0.3).abs() < 1e-9);
 }

@@ -1,8 +1,6 @@
 //! Quantities with units, from the scene to the results.
 
-use serde_json::Value;
-
-use crate::program::common::{Place, lennard, stderr, succeed, success};
+use crate::program::common::*;
 
 const ARGON: &str = r#"
 [units]
@@ -32,36 +30,20 @@ steps = 400
 thermostat = { kind = "bussi", tau = 0.5 }
 "#;
 
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}\n{text}"))
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value}"))
-}
-
 /// Proves that units are a way of writing. A scene with units has the bits of the same scene in plain numbers, and shows its
 /// results in both units.
 #[test]
 fn a_scene_with_units_is_the_scene_of_its_plain_numbers_and_shows_both() {
     let place = Place::with(&[("argon.toml", ARGON)]);
-    let run = ["run", "argon.toml", "--out", "with"];
-    let said = success(&mut place.command(&run));
-    for words in [
-        "argon: 94.40 K, 1.374 g/cm3, dt = 10.00 fs",
-        "argon: σ = 3.405 Å, ε/k_B = 119.8 K, m = 39.948 u",
-        "MPa",
-        "kJ/mol",
-    ] {
-        assert!(said.contains(words), "{words}\n{said}");
-    }
+    let said = place.succeed("run argon.toml --out with");
+    let both = "argon: σ = 3.405 Å, ε/k_B = 119.8 K, m = 39.948 u";
+    contains(&said, &["argon: 94.40 K, 1.374 g/cm3, dt = 10.00 fs", both, "MPa", "kJ/mol"]);
     let resolved = place.read("with/scene.toml");
     let plain = resolved.replace("[units]\nsubstance = \"argon\"\n", "");
     assert_ne!(resolved, plain);
-    std::fs::write(place.path("plain.toml"), plain).unwrap();
-    success(&mut place.command(&["run", "plain.toml", "--out", "plain", "--quiet"]));
-    let with = json(&place.read("with/run.json"));
-    let plain = json(&place.read("plain/run.json"));
+    place.write("plain.toml", &plain);
+    place.succeed("run plain.toml --out plain --quiet");
+    let [with, plain] = ["with", "plain"].map(|folder| place.record(folder));
     assert_eq!(with["averages"], plain["averages"]);
     assert!(plain.get("units").is_none());
     for (key, one, unit) in [
@@ -76,8 +58,7 @@ fn a_scene_with_units_is_the_scene_of_its_plain_numbers_and_shows_both() {
     }
     assert_eq!(with["units"]["substance"], "argon");
     // The page has the table of the terminal.
-    let page = place.read("with/report.html");
-    assert!(page.contains("argon: σ = 3.405 Å") && page.contains("MPa"));
+    contains(&place.read("with/report.html"), &["argon: σ = 3.405 Å", "MPa"]);
 }
 
 #[test]
@@ -85,30 +66,22 @@ fn a_sweep_takes_values_with_units_and_has_numbers_in_its_table() {
     let study = "base = \"argon.toml\"\nreading = \"table\"\n[set]\n\"system.density\" = \"20 mol/L\"\n\
         [grid]\ntemperature = [\"160 K\", \"200 K\"]\n";
     let place = Place::with(&[("argon.toml", ARGON), ("study.toml", study)]);
-    let record =
-        success(&mut place.command(&["sweep", "study.toml", "--out", "out", "--json", "--quiet"]));
-    let points = &json(&record)["points"];
+    let points = &place.json("sweep study.toml --out out --quiet")["points"];
     for (i, kelvin) in [160.0, 200.0].into_iter().enumerate() {
         assert_eq!(points[i]["name"], format!("T{kelvin}K"));
         let setting = number(&points[i]["settings"][0]["value"]);
         assert!((setting - kelvin / 119.8).abs() < 1e-12, "{setting}");
     }
     let trouble = "base = \"argon.toml\"\n[grid]\ntemperature = [\"160 K\", \"2 bar\"]\n";
-    let place = Place::with(&[("argon.toml", ARGON), ("study.toml", trouble)]);
-    let refused = place.command(&["sweep", "study.toml", "--out", "out"]).output().unwrap();
-    let said = stderr(&refused);
-    assert_eq!(refused.status.code(), Some(2), "{said}");
-    assert!(said.contains("study.toml, line 3") && said.contains("\"2 bar\""), "{said}");
+    place.write("study.toml", trouble);
+    place.refused("sweep study.toml --out other", &["study.toml, line 3", "\"2 bar\""]);
 }
 
 #[test]
 fn equations_of_state_take_and_give_units() {
-    let state = ["eos", "thol-2016", "--substance", "argon", "-T", "94.4K", "-d", "1.374 g/cm3"];
-    let said = succeed(&state);
-    for words in ["argon: σ = 3.405 Å", "MPa", "J/(mol K)", "m/s"] {
-        assert!(said.contains(words), "{words}\n{said}");
-    }
-    let found = json(&succeed(&[&state[..], &["--json"]].concat()));
+    let state = "eos thol-2016 --substance argon -T 94.4K -d '1.374 g/cm3'";
+    contains(&succeed(state), &["argon: σ = 3.405 Å", "MPa", "J/(mol K)", "m/s"]);
+    let found = json(&succeed(&format!("{state} --json")));
     let columns = found["physical"][0]["columns"].as_array().unwrap();
     let column = |name: &str| columns.iter().find(|c| c["name"] == name).unwrap();
     let pressure = number(&found["states"][0]["properties"]["pressure"]);
@@ -116,22 +89,19 @@ fn equations_of_state_take_and_give_units() {
     let physical = number(&column("pressure")["cells"][0]);
     assert!((physical / pressure / 41.897_56 - 1.0).abs() < 1e-6, "{physical} {pressure}");
     assert!((number(&column("T")["cells"][0]) - 94.4).abs() < 1e-9);
-    let curve =
-        succeed(&["eos", "thol-2016", "--substance", "argon", "-T", "90:100:5K", "-p", "40bar"]);
-    assert!(curve.contains("T / K") && curve.contains("ρ / g/cm3"), "{curve}");
-    let two = succeed(&["eos", "thol-2016", "--substance", "argon", "--saturation", "-T", "100 K"]);
-    assert!(two.contains("kJ/mol") && two.contains("P / MPa"), "{two}");
-    for (arguments, words) in [
-        (&["-T", "94K", "-d", "0.8"][..], "no substance is named"),
-        (&["-T", "94bar", "-d", "0.8", "--substance", "argon"], "a unit of another dimension"),
-        (&["-T", "94kelvin", "-d", "0.8", "--substance", "argon"], "nearest: K"),
-        (&["-T", "94K", "-d", "0.8", "--substance", "krypton"], "in no source that was checked"),
-        (&["-T", "94K", "-d", "0.8", "--substance", "argn"], "did you mean `argon`?"),
+    let argon = "eos thol-2016 --substance argon";
+    let curve = succeed(&format!("{argon} -T 90:100:5K -p 40bar"));
+    contains(&curve, &["T / K", "ρ / g/cm3"]);
+    let two = succeed(&format!("{argon} --saturation -T '100 K'"));
+    contains(&two, &["kJ/mol", "P / MPa"]);
+    for (temperature, substance, words) in [
+        ("94K", "", "no substance is named"),
+        ("94bar", "--substance argon", "a unit of another dimension"),
+        ("94kelvin", "--substance argon", "nearest: K"),
+        ("94K", "--substance krypton", "in no source that was checked"),
+        ("94K", "--substance argn", "did you mean `argon`?"),
     ] {
-        let output = lennard(&[&["eos"], arguments].concat()).output().unwrap();
-        let said = stderr(&output);
-        assert_eq!(output.status.code(), Some(2), "{said}");
-        assert!(said.contains(words), "{words}\n{said}");
+        refused(&format!("eos -T {temperature} -d 0.8 {substance}"), &[words]);
     }
 }
 
@@ -153,17 +123,13 @@ fn a_file_in_real_units_starts_a_run_where_a_substance_is_named() {
         .replace("density = \"1.374 g/cm3\"\n", "")
         .replace("[truncation]", "[start]\nkind = \"file\"\nfile = \"real.data\"\n\n[truncation]");
     let place = Place::with(&[("real.data", &data), ("argon.toml", &scene)]);
-    let found = json(&success(&mut place.command(&["energy", "argon.toml", "--json"])));
-    assert_eq!(found["atoms"], 108);
-    let said = success(&mut place.command(&["run", "argon.toml", "--out", "out", "--no-report"]));
-    assert!(said.contains("box 5.0808 × 5.0808 × 5.0808 σ"), "{said}");
+    assert_eq!(place.json("energy argon.toml")["atoms"], 108);
+    let said = place.succeed("run argon.toml --out out --no-report");
+    contains(&said, &["box 5.0808 × 5.0808 × 5.0808 σ"]);
     let plain = scene.replace("[units]\nsubstance = \"argon\"\n", "");
     let plain =
         plain.replace("\"94.4 K\"", "0.8").replace("\"120 K\"", "1.0").replace("\"1 ps\"", "0.5");
     let plain = plain.replace("\"7.5 Å\"", "2.2").replace("\"10 fs\"", "0.004");
-    std::fs::write(place.path("plain.toml"), plain).unwrap();
-    let refused = place.command(&["run", "plain.toml", "--out", "plain"]).output().unwrap();
-    let said = stderr(&refused);
-    assert_eq!(refused.status.code(), Some(2), "{said}");
-    assert!(said.contains("units `real`") && said.contains("`units.substance`"), "{said}");
+    place.write("plain.toml", &plain);
+    place.refused("run plain.toml --out plain", &["units `real`", "`units.substance`"]);
 }
