@@ -11,39 +11,35 @@ use tempfile::TempDir;
 
 /// A dense fluid of dumbbells, the force shifted to zero at the cutoff.
 pub(crate) const DUMBBELLS: &str = r#"
-    [system]
-    n_molecules = 108
-    density = 0.4
-    temperature = 2.0
-    seed = 5
-    [molecule]
-    bond_length = 0.67
-    [truncation]
-    kind = "force-shift"
-    r_cut = 2.5
-    [integrator]
-    dt = 0.002
-    [[stage]]
-    name = "production"
-    steps = 100
-    [output]
-    thermo_every = 10
-    [[observable]]
-    kind = "molecules"
-    [[observable]]
-    kind = "rdf"
-    every = 10
+    system = { n_molecules = 108, density = 0.4, temperature = 2.0, seed = 5 }
+    molecule = { bond_length = 0.67 }
+    truncation = { kind = "force-shift", r_cut = 2.5 }
+    integrator = { dt = 0.002 }
+    stage = [{ name = "production", steps = 100 }]
+    output = { thermo_every = 10 }
+    observable = [{ kind = "molecules" }, { kind = "rdf", every = 10 }]
 "#;
 
+/// Keys of a scene with other values, as a command line says them: `key=value`, with blanks between.
+pub(crate) fn pairs(overrides: &str) -> Vec<(String, String)> {
+    let line = overrides.split_whitespace().collect::<Vec<_>>().join(" ");
+    let mut depth = 0;
+    let ends = |c: char| {
+        depth += i32::from("[{".contains(c)) - i32::from("]}".contains(c));
+        depth == 0 && c.is_whitespace()
+    };
+    let words = line.split(ends).filter(|word| !word.is_empty());
+    let owned = |(key, value): (&str, &str)| (key.to_owned(), value.to_owned());
+    words.map(|word| owned(word.split_once('=').expect(word))).collect()
+}
+
 /// The scene that a text and overrides make.
-pub(crate) fn parse(text: &str, overrides: &[(&str, &str)]) -> Result<Scene, SceneError> {
-    let owned = |(key, value): &(&str, &str)| ((*key).to_owned(), (*value).to_owned());
-    let overrides: Vec<_> = overrides.iter().map(owned).collect();
-    Scene::parse(text, "scene.toml", &overrides)
+pub(crate) fn parse(text: &str, overrides: &str) -> Result<Scene, SceneError> {
+    Scene::parse(text, "scene.toml", &pairs(overrides))
 }
 
 /// As [`parse`], for a scene that is one.
-pub(crate) fn scene(text: &str, overrides: &[(&str, &str)]) -> Scene {
+pub(crate) fn scene(text: &str, overrides: &str) -> Scene {
     parse(text, overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -52,10 +48,15 @@ pub(crate) fn prepared(scene: Scene) -> Simulation {
     prepare(scene).unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// Takes a simulation to its last step.
+pub(crate) fn follow(simulation: &mut Simulation) {
+    simulation.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+}
+
 /// The simulation of a scene after its last step.
 pub(crate) fn ran(scene: Scene) -> Simulation {
     let mut simulation = prepared(scene);
-    simulation.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    follow(&mut simulation);
     simulation
 }
 
@@ -124,27 +125,9 @@ pub(crate) fn same_files(expected: &Files, found: &Files, what: &str) {
 }
 
 /// A rigid triangle, as overrides.
-pub(crate) const TRIANGLE: [(&str, &str); 6] = [
-    ("molecule.kind", "sites"),
-    ("molecule.sites", "3"),
-    ("molecule.bonds", "[[1, 2], [2, 3], [3, 1]]"),
-    ("molecule.shape", "[[0, 0, 0], [0.7, 0, 0], [0.35, 0.6062177826, 0]]"),
-    ("molecule.bond_length", "0.7"),
-    ("system.density", "0.1"),
-];
+pub(crate) const TRIANGLE: &str = "molecule.kind=sites molecule.sites=3 molecule.bond_length=0.7
+    molecule.bonds=[[1, 2], [2, 3], [3, 1]] system.density=0.1 integrator.kind=velocity-verlet
+    molecule.shape=[[0, 0, 0], [0.7, 0, 0], [0.35, 0.6062177826, 0]] bonds.method=direct";
 
 /// The deterministic barostat.
 pub(crate) const MTK: &str = "{ kind = \"mtk\", pressure = 1.0, tau = 0.5 }";
-
-/// The method of atoms.
-pub(crate) const PLAIN: (&str, &str) = ("integrator.kind", "velocity-verlet");
-
-/// The overrides of a shape with two more.
-pub(crate) const fn with_shape(
-    shape: [(&'static str, &'static str); 6],
-    more: (&'static str, &'static str),
-    and: (&'static str, &'static str),
-) -> [(&'static str, &'static str); 8] {
-    let [a, b, c, d, e, f] = shape;
-    [a, b, c, d, e, f, more, and]
-}

@@ -6,37 +6,30 @@ use lennard_observables::{Remark, solid_share};
 use crate::common::{self, prepared};
 
 const CRYSTAL: &str = r#"
-    [system]
-    n_atoms = 700
-    temperature = 1.0
-    seed = 7
-    [start]
-    kind = "half-crystal"
-    cells = 4
-    layers = 6
-    [truncation]
-    r_cut = 2.5
-    [integrator]
-    dt = 0.004
-    [[stage]]
-    name = "production"
-    steps = 120
-    thermostat = "bussi"
-    barostat = { kind = "stochastic-cell-rescaling", pressure = 4.0, coupling = "z" }
-    [[observable]]
-    kind = "bond-order"
-    every = 4
-    [output]
-    thermo_every = 10
+    system = { n_atoms = 700, temperature = 1.0, seed = 7 }
+    start = { kind = "half-crystal", cells = 4, layers = 6 }
+    truncation = { r_cut = 2.5 }
+    integrator = { dt = 0.004 }
+    stage = [{ name = "production", steps = 120, thermostat = "bussi" }]
+    observable = [{ kind = "bond-order", every = 4 }]
+    output = { thermo_every = 10 }
 "#;
 
-fn build(overrides: &[(&str, &str)]) -> Simulation {
-    prepared(common::scene(CRYSTAL, overrides))
+/// A barostat at a pressure with a coupling of the sides.
+fn held(pressure: &str, coupling: &str) -> String {
+    let kind = "stochastic-cell-rescaling";
+    format!(
+        "stage.production.barostat={{ kind = {kind:?}, pressure = {pressure}, coupling = {coupling:?} }}"
+    )
+}
+
+fn build(overrides: &str) -> Simulation {
+    prepared(common::scene(CRYSTAL, &format!("{} {overrides}", held("4.0", "z"))))
 }
 
 #[test]
 fn half_a_crystal_has_its_particles_its_cross_section_and_no_overlap() {
-    let s = build(&[]);
+    let s = build("");
     let start = *s.scene.half_crystal().unwrap();
     assert_eq!((s.state.len(), start.n_crystal()), (700, 384));
     // The lines of Mastny and de Pablo at T = 1.
@@ -60,12 +53,10 @@ fn half_a_crystal_has_its_particles_its_cross_section_and_no_overlap() {
 
 #[test]
 fn hot_crystals_melt_and_their_fronts_go_back() {
-    let mut s = build(&[
-        ("system.temperature", "1.5"),
-        ("start.crystal_density", "1.0063"),
-        ("start.liquid_density", "0.9186"),
-        ("stage.production.steps", "1500"),
-    ]);
+    let mut s = build(
+        "system.temperature=1.5 start.crystal_density=1.0063
+        start.liquid_density=0.9186 stage.production.steps=1500",
+    );
     s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     let findings = s.findings();
     let all = || findings.iter().flat_map(|f| &f.averages);
@@ -79,18 +70,11 @@ fn hot_crystals_melt_and_their_fronts_go_back() {
 
 #[test]
 fn the_cross_section_may_change_beside_a_crystal_and_not_in_a_fluid() {
-    let coupling = (
-        "stage.production.barostat",
-        "{ kind = \"stochastic-cell-rescaling\", pressure = 4.0, coupling = \"xy-z\" }",
-    );
-    assert_eq!(build(&[coupling]).state.len(), 700);
-    let fluid = CRYSTAL
-        .replace("[start]\n    kind = \"half-crystal\"\n    cells = 4\n    layers = 6\n", "");
-    let as_fluid = [
-        ("system.n_atoms", "864"),
-        ("system.density", "0.8"),
-        (coupling.0, &coupling.1.replace("4.0", "1.0")),
-    ];
+    assert_eq!(build(&held("4.0", "xy-z")).state.len(), 700);
+    let start = "start = { kind = \"half-crystal\", cells = 4, layers = 6 }";
+    let fluid = CRYSTAL.replace(start, "");
+    let held = held("1.0", "xy-z");
+    let as_fluid = format!("system.n_atoms=864 system.density=0.8 {held}");
     let error = lennard_engine::prepare(common::scene(&fluid, &as_fluid)).err();
     let words = error.expect("a fluid is refused").to_string();
     assert!(words.contains("has no stiffness of shape"), "{words}");

@@ -6,29 +6,18 @@ use crate::common::{self, prepared};
 
 /// A dense gas in a long box at constant energy.
 const GAS: &str = r#"
-    [system]
-    n_atoms = 324
-    box = [7.6, 7.6, 22.8]
-    temperature = 1.9
-    seed = 5
-    [truncation]
-    kind = "switch"
-    r_cut = 2.5
-    [integrator]
-    dt = 0.004
-    [[stage]]
-    name = "production"
-    steps = 4000
-    [output]
-    thermo_every = 10
+    system = { n_atoms = 324, box = [7.6, 7.6, 22.8], temperature = 1.9, seed = 5 }
+    truncation = { kind = "switch", r_cut = 2.5 }
+    integrator = { dt = 0.004 }
+    stage = [{ name = "production", steps = 4000 }]
+    output = { thermo_every = 10 }
 "#;
 
 fn run(exchange: &str, steps: &str, dt: &str) -> Simulation {
-    let overrides = [
-        ("stage.production.exchange", exchange),
-        ("stage.production.steps", steps),
-        ("integrator.dt", dt),
-    ];
+    let overrides = format!(
+        "stage.production.exchange={exchange}
+        stage.production.steps={steps} integrator.dt={dt}"
+    );
     let mut simulation = prepared(common::scene(GAS, &overrides));
     assert!(simulation.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}")));
     simulation

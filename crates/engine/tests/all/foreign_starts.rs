@@ -56,7 +56,7 @@ fn scene_of(path: &Path, more: &str) -> Scene {
         "[system]\ntemperature = 1.0\nseed = 5\n[start]\nkind = \"file\"\nfile = {path:?}\n{more}\n\
          [[stage]]\nname = \"production\"\nsteps = 10\n"
     );
-    common::scene(&text, &[])
+    common::scene(&text, "")
 }
 
 const MIXTURE: &str = "[mixing]\nrule = \"lorentz-berthelot\"\n[[species]]\nname = \"Ar\"\nmass = 2.0\n\

@@ -19,7 +19,7 @@ const MELT: &str =
 const MEASURE: &str = "[[stage]]\nname = \"measure\"\nsteps = 80\n";
 
 fn scene(text: &str) -> Scene {
-    common::scene(text, &[])
+    common::scene(text, "")
 }
 
 fn run(simulation: &mut Simulation, until: Option<u64>) -> Ending {

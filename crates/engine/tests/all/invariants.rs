@@ -6,30 +6,23 @@ use lennard_engine::{
     prepare_from, start,
 };
 
-use crate::common::{self, bits, prepared};
+use crate::common::{self, bits, follow, prepared};
 
 /// A liquid near its triple point, 256 particles, one measured stage.
 const LIQUID: &str = r#"
-    [system]
-    n_atoms = 256
-    density = 0.8442
-    temperature = 1.4
-    seed = 11
-    [truncation]
-    kind = "switch"
-    r_cut = 2.5
-    [integrator]
-    kind = "velocity-verlet"
-    dt = 0.004
-    [[stage]]
-    name = "production"
-    steps = 1000
-    [output]
-    thermo_every = 10
+    system = { n_atoms = 256, density = 0.8442, temperature = 1.4, seed = 11 }
+    truncation = { kind = "switch", r_cut = 2.5 }
+    integrator = { kind = "velocity-verlet", dt = 0.004 }
+    stage = [{ name = "production", steps = 1000 }]
+    output = { thermo_every = 10 }
 "#;
 
-fn build(overrides: &[(&str, &str)]) -> Simulation {
+fn build(overrides: &str) -> Simulation {
     prepared(common::scene(LIQUID, overrides))
+}
+
+fn ran(overrides: &str) -> Simulation {
+    common::ran(common::scene(LIQUID, overrides))
 }
 
 #[test]
@@ -42,19 +35,13 @@ fn observing_changes_no_bit_of_the_trajectory() {
         ("double", "2916", "90"),
         ("mixed", "500", "990"),
     ] {
-        let fluid = [
-            ("kernel.precision", precision),
-            ("system.n_atoms", n),
-            ("stage.0.steps", steps),
-            ("neighbor.mode", "verlet"),
-        ];
-        let run = |more: &[(&str, &str)]| {
-            let mut s = build(&[&fluid, more].concat());
-            s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-            s
-        };
-        let bare = run(&[("output.thermo_every", "1000")]);
-        let watched = run(&[("output.thermo_every", "1"), ("observable", every)]);
+        let fluid = format!(
+            "kernel.precision={precision} system.n_atoms={n}
+            stage.0.steps={steps} neighbor.mode=verlet"
+        );
+        let run = |more: &str| ran(&format!("{fluid} {more}"));
+        let bare = run("output.thermo_every=1000");
+        let watched = run(&format!("output.thermo_every=1 observable={every}"));
         let what = format!("{n} particles in {precision} precision");
         assert!(bits(&watched) == bits(&bare), "{what}");
         let samples = |s: &Simulation| s.thermodynamics().series().time.len();
@@ -68,14 +55,11 @@ fn observing_changes_no_bit_of_the_trajectory() {
 fn a_run_that_goes_wrong_says_the_same_whether_it_was_looked_at_or_not() {
     for (dt, temperature) in [("0.05", "3.0"), ("0.5", "30.0"), ("0.03", "9.0")] {
         let run = |follower: &mut dyn Follower| {
-            let mut s = build(&[
-                ("integrator.dt", dt),
-                ("system.temperature", temperature),
-                ("system.n_atoms", "500"),
-                ("kernel.precision", "mixed"),
-                ("neighbor.mode", "verlet"),
-                ("output.thermo_every", "1000"),
-            ]);
+            let mut s = build(&format!(
+                "integrator.dt={dt} system.temperature={temperature}
+                system.n_atoms=500 kernel.precision=mixed neighbor.mode=verlet
+                output.thermo_every=1000"
+            ));
             let error = s.follow(follower).expect_err("the step is too long");
             (error.to_string(), s.state.step, s.stage_run().steps_done)
         };
@@ -87,9 +71,9 @@ fn a_run_that_goes_wrong_says_the_same_whether_it_was_looked_at_or_not() {
 
 #[test]
 fn momentum_is_conserved_and_the_temperature_is_the_one_asked_for_at_the_start() {
-    let mut s = build(&[]);
+    let mut s = build("");
     assert!((s.view().temperature() - 1.4).abs() < 1e-13);
-    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    follow(&mut s);
     // Each step adds roundings of the kicks: N·√steps·ε_machine·|v| ≈ 256·30·1e-16·3, and a margin of ten.
     assert!(s.system.momentum(&s.state.velocities).length() < 2e-10);
 }
@@ -99,12 +83,7 @@ fn momentum_is_conserved_and_the_temperature_is_the_one_asked_for_at_the_start()
 #[test]
 fn momentum_of_mixed_precision_stays_below_a_random_walk_of_its_rounding() {
     for steps in [100_u32, 2000] {
-        let mut s = build(&[
-            ("system.n_atoms", "864"),
-            ("kernel.precision", "mixed"),
-            ("stage.0.steps", &steps.to_string()),
-        ]);
-        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        let s = ran(&format!("system.n_atoms=864 kernel.precision=mixed stage.0.steps={steps}"));
         let n = s.state.forces.len() as f64;
         let squares: f64 = s.state.forces.iter().map(|f| f.length_squared()).sum();
         // δ = 7e-7 of the force in mixed precision (benches/NOTES.md); the walk reaches three times its width one time in 400.
@@ -117,35 +96,8 @@ fn momentum_of_mixed_precision_stays_below_a_random_walk_of_its_rounding() {
 }
 
 #[test]
-fn the_energy_fluctuation_falls_as_the_square_of_dt() {
-    let rms = |seed: &str, dt: &str, steps: &str| {
-        let melt = [
-            "[{name=\"melt\", steps=2000, thermostat=\"bussi\", temperature=0.8, dt=0.004}, {name=\"production\", steps=",
-            steps,
-            "}]",
-        ];
-        let stages = melt.concat();
-        let mut s = build(&[
-            ("system.seed", seed),
-            ("integrator.dt", dt),
-            ("stage", &stages),
-            ("output.thermo_every", "1"),
-        ]);
-        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-        s.thermodynamics().conservation().energy_rms_per_atom
-    };
-    // The same 8 τ of the same liquid at both steps; one of them scatters by 0.035, and the mean of two by 0.025.
-    let exponents = ["11", "12"].map(|seed| {
-        let (coarse, fine) = (rms(seed, "0.008", "1000"), rms(seed, "0.002", "4000"));
-        (coarse / fine).ln() / 4.0_f64.ln()
-    });
-    let mean = exponents.iter().sum::<f64>() / 2.0;
-    assert!((mean - 2.0).abs() < 0.09, "exponents {exponents:?}");
-}
-
-#[test]
 fn a_step_far_too_large_stops_the_run_and_says_why() {
-    let mut s = build(&[("integrator.dt", "0.08")]);
+    let mut s = build("integrator.dt=0.08");
     let error =
         s.follow(&mut Unfollowed).expect_err("dt = 0.08 is far past the limit of stability");
     assert_eq!(error.exit_code(), 3);
@@ -156,8 +108,7 @@ fn a_step_far_too_large_stops_the_run_and_says_why() {
 
 #[test]
 fn hot_particles_outrun_no_list() {
-    let mut s = build(&[("system.temperature", "3")]);
-    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    let s = ran("system.temperature=3");
     let statistics = s.forces.statistics();
     let seen = s.force_check.seen();
     assert!(seen.forces >= 10 && seen.largest_deviation < 1.0, "{seen:?}");
@@ -167,12 +118,7 @@ fn hot_particles_outrun_no_list() {
 #[test]
 fn a_heat_bath_costs_a_method_with_memory_no_second_force_evaluation() {
     for method in ["leapfrog", "stormer-verlet", "velocity-verlet"] {
-        let mut s = build(&[
-            ("integrator.kind", method),
-            ("stage.0.thermostat", "bussi"),
-            ("stage.0.steps", "50"),
-        ]);
-        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        let s = ran(&format!("integrator.kind={method} stage.0.thermostat=bussi stage.0.steps=50"));
         assert_eq!(s.forces.statistics().evaluations, 51, "{method}");
     }
 }
@@ -181,13 +127,10 @@ fn a_heat_bath_costs_a_method_with_memory_no_second_force_evaluation() {
 fn a_bath_holds_its_temperature_with_every_method_and_its_heat_is_accounted_for() {
     for method in ["leapfrog", "stormer-verlet", "velocity-verlet"] {
         for bath in ["bussi", "langevin"] {
-            let mut s = build(&[
-                ("integrator.kind", method),
-                ("system.temperature", "1.0"),
-                ("stage.0.thermostat", bath),
-                ("stage.0.steps", "3000"),
-            ]);
-            s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+            let s = ran(&format!(
+                "integrator.kind={method} system.temperature=1.0
+                stage.0.thermostat={bath} stage.0.steps=3000"
+            ));
             let series = s.thermodynamics().series();
             let late = &series.temperature[series.temperature.len() / 3..];
             let mean = late.iter().sum::<f64>() / late.len() as f64;
@@ -204,12 +147,7 @@ fn a_bath_holds_its_temperature_with_every_method_and_its_heat_is_accounted_for(
 #[ignore = "a minute: run by `cargo xtask physics`"]
 fn the_energy_of_the_triple_point_does_not_drift_in_a_hundred_thousand_steps() {
     let stages = r#"[{name="melt", steps=3000, thermostat="bussi", temperature=1.5}, {name="equilibrate", steps=7000, thermostat="bussi", temperature=0.722}, {name="production", steps=100000}]"#;
-    let mut s = build(&[
-        ("system.n_atoms", "864"),
-        ("integrator.dt", "0.004618802153517006"),
-        ("stage", stages),
-    ]);
-    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    let s = ran(&format!("system.n_atoms=864 integrator.dt=0.004618802153517006 stage={stages}"));
     let found = s.thermodynamics().conservation();
     let (drift, error) = (found.energy_drift_per_atom_per_tau, found.energy_drift_standard_error);
     // The 95 % interval lies inside ±5e-7 ε per particle per τ.
@@ -222,7 +160,7 @@ fn particles_nearly_on_top_of_each_other_are_relaxed_in_any_precision() {
     for precision in ["double", "mixed"] {
         for apart in [3e-3, 1e-5] {
             let scene =
-                common::scene(LIQUID, &[("start.kind", "random"), ("kernel.precision", precision)]);
+                common::scene(LIQUID, &format!("start.kind=random kernel.precision={precision}"));
             let mut beginning = start(&scene).unwrap_or_else(|e| panic!("{e}"));
             beginning.positions[1] = beginning.positions[0] + DVec3::new(0.0, apart, 0.0);
             let simulation = prepare_from(scene, beginning)

@@ -9,58 +9,38 @@ use lennard_scene::Scene;
 
 use crate::common::{self, bits, ran};
 
-/// A liquid of two species of unlike sizes, depths and masses.
-const MIXTURE: &str = r#"
-    [system]
-    n_atoms = 108
-    density = 0.9
-    temperature = 1.5
-    seed = 7
-    [[species]]
-    name = "A"
-    fraction = 0.7
-    [[species]]
-    name = "B"
-    fraction = 0.3
-    sigma = 0.9
-    epsilon = 0.6
-    mass = 4.0
-    [mixing]
-    rule = "lorentz-berthelot"
-    k = -0.2
-    [truncation]
-    kind = "shift"
-    r_cut = 2.2
-    r_cut_in = "pair"
-    [integrator]
-    dt = 0.003
-    [[stage]]
-    name = "production"
-    steps = 1000
-    [output]
-    thermo_every = 10
+/// A liquid.
+const LIQUID: &str = r#"
+    system = { n_atoms = 108, density = 0.9, temperature = 1.5, seed = 7 }
+    integrator = { dt = 0.003 }
+    stage = [{ name = "production", steps = 1000 }]
+    output = { thermo_every = 10 }
 "#;
 
-fn scene(overrides: &[(&str, &str)]) -> Scene {
-    common::scene(MIXTURE, overrides)
+/// Two species of unlike sizes, depths and masses.
+const SPECIES: &str = r#"
+    species = [
+        { name = "A", fraction = 0.7 },
+        { name = "B", fraction = 0.3, sigma = 0.9, epsilon = 0.6, mass = 4.0 },
+    ]
+    mixing = { rule = "lorentz-berthelot", k = -0.2 }
+    truncation = { kind = "shift", r_cut = 2.2, r_cut_in = "pair" }
+"#;
+
+fn scene(overrides: &str) -> Scene {
+    common::scene(&format!("{LIQUID}{SPECIES}"), overrides)
 }
 
 #[test]
 fn species_alike_in_all_but_name_have_the_bits_of_one() {
     let two = r#"[{ name = "red", fraction = 0.4 }, { name = "blue", fraction = 0.6 }]"#;
     for kind in ["cut", "shift", "switch"] {
-        let common = [
-            ("system.n_atoms", "256"),
-            ("stage.0.steps", "300"),
-            ("truncation", &*format!("{{ kind = \"{kind}\", r_cut = 2.5 }}")),
-        ];
-        let one = r#"[{ name = "red" }]"#;
-        let named = |species| [("species", species), ("mixing.k", "0.0")];
-        let alone = ran(scene(&[&common[..], &named(one)].concat()));
-        let both = ran(scene(&[&common[..], &named(two)].concat()));
-        let plain = MIXTURE.split("[[species]]").next().unwrap().to_owned()
-            + "[integrator]\ndt = 0.003\n[[stage]]\nname = \"production\"\nsteps = 1000\n[output]\nthermo_every = 10\n";
-        let plain = ran(common::scene(&plain, &common));
+        let common = format!(
+            r#"system.n_atoms=256 stage.0.steps=300 truncation={{ kind = "{kind}", r_cut = 2.5 }}"#
+        );
+        let with = |species| ran(scene(&format!("{common} species={species} mixing.k=0.0")));
+        let (alone, both) = (with(r#"[{ name = "red" }]"#), with(two));
+        let plain = ran(common::scene(LIQUID, &common));
         assert!(bits(&both) == bits(&plain), "{kind}");
         assert!(bits(&alone) == bits(&plain), "{kind}");
         assert_eq!(both.system.species().counts(), [102, 154]);
@@ -73,7 +53,7 @@ fn species_alike_in_all_but_name_have_the_bits_of_one() {
 #[test]
 fn species_are_mixed_at_random_by_the_seed() {
     let species = |seed: &str| {
-        let scene = scene(&[("system.n_atoms", "864"), ("system.seed", seed)]);
+        let scene = scene(&format!("system.n_atoms=864 system.seed={seed}"));
         start(&scene).unwrap_or_else(|e| panic!("{e}")).species
     };
     let (one, other) = (species("1"), species("2"));
@@ -89,11 +69,11 @@ fn species_are_mixed_at_random_by_the_seed() {
 
 #[test]
 fn a_lattice_too_dense_for_the_larger_species_is_relaxed() {
-    let dense = [("species.B.sigma", "1.6"), ("system.density", "0.7"), ("system.n_atoms", "256")];
-    assert!(start(&scene(&dense)).unwrap_or_else(|e| panic!("{e}")).relax);
-    let simulation = ran(scene(&[&dense[..], &[("stage.0.steps", "50")]].concat()));
+    let dense = "species.B.sigma=1.6 system.density=0.7 system.n_atoms=256";
+    assert!(start(&scene(dense)).unwrap_or_else(|e| panic!("{e}")).relax);
+    let simulation = ran(scene(&format!("{dense} stage.0.steps=50")));
     assert!(simulation.state.positions.iter().all(|r| r.is_finite()));
-    assert!(!start(&scene(&[])).unwrap_or_else(|e| panic!("{e}")).relax);
+    assert!(!start(&scene("")).unwrap_or_else(|e| panic!("{e}")).relax);
 }
 
 /// 2K_a/(3N_a) of each species.
@@ -124,14 +104,11 @@ fn baths_and_barostats_give_each_species_the_temperature_of_the_bath() {
     }
     assert!(baths.len() >= 5);
     for (bath, barostat) in &baths {
-        let mut simulation = prepare(scene(&[
-            ("system.n_atoms", "108"),
-            ("system.density", "0.8"),
-            ("truncation", tail),
-            ("stage.0.steps", "10000"),
-            ("stage.0.thermostat", bath),
-            ("stage.0.barostat", barostat),
-        ]))
+        let mut simulation = prepare(scene(&format!(
+            "system.n_atoms=108 system.density=0.8
+            truncation={tail} stage.0.steps=10000 stage.0.thermostat={bath}
+            stage.0.barostat={barostat}"
+        )))
         .unwrap_or_else(|e| panic!("{bath}: {e}"));
         let mut series: [Vec<f64>; 2] = Default::default();
         for step in 1..=100 {
@@ -158,13 +135,11 @@ fn barostats_conserve_energy_with_the_tails_of_all_pairs() {
     for barostat in lennard_integrators::barostats() {
         let bath = format!("{:?}", barostat.thermostat.unwrap_or("bussi"));
         let words = format!("{{ kind = {:?}, pressure = 2.0 }}", barostat.name);
-        let simulation = ran(scene(&[
-            ("system.n_atoms", "256"),
-            ("truncation", r#"{ kind = "cut", r_cut = 2.2 }"#),
-            ("stage.0.steps", "1000"),
-            ("stage.0.thermostat", &bath),
-            ("stage.0.barostat", &words),
-        ]));
+        let simulation = ran(scene(&format!(
+            r#"system.n_atoms=256
+            truncation={{ kind = "cut", r_cut = 2.2 }} stage.0.steps=1000
+            stage.0.thermostat={bath} stage.0.barostat={words}"#
+        )));
         assert!(simulation.stage_run().tail_work < 0.0, "{words}");
         let rms = simulation.thermodynamics().conservation().energy_rms_per_atom;
         assert!(rms < 2e-3, "{words}: {rms}");
@@ -174,12 +149,10 @@ fn barostats_conserve_energy_with_the_tails_of_all_pairs() {
 #[test]
 fn walls_that_are_hit_or_are_springs_take_particles_of_all_species() {
     let between = |wall: &str, steps: &str| {
-        ran(scene(&[
-            ("system.n_atoms", "108"),
-            ("system.density", "0.4"),
-            ("wall", wall),
-            ("stage.0.steps", steps),
-        ]))
+        ran(scene(&format!(
+            "system.n_atoms=108 system.density=0.4 wall={wall}
+            stage.0.steps={steps}"
+        )))
     };
     for wall in [
         r#"[{ kind = "hard" }]"#,
@@ -191,12 +164,10 @@ fn walls_that_are_hit_or_are_springs_take_particles_of_all_species() {
         assert!(kept.energy_rms_per_atom < 1e-3, "{wall}: {kept:?}");
     }
     // A wall at a temperature gives heavy and light particles this one.
-    let mut simulation = prepare(scene(&[
-        ("system.n_atoms", "108"),
-        ("system.density", "0.4"),
-        ("wall", r#"[{ kind = "thermal", temperature = 3.0 }]"#),
-        ("stage.0.steps", "40000"),
-    ]))
+    let mut simulation = prepare(scene(
+        r#"system.n_atoms=108 system.density=0.4
+        wall=[{ kind = "thermal", temperature = 3.0 }] stage.0.steps=40000"#,
+    ))
     .unwrap_or_else(|e| panic!("{e}"));
     let mut means = [0.0; 2];
     for sample in 1..=40 {
@@ -212,17 +183,12 @@ fn walls_that_are_hit_or_are_springs_take_particles_of_all_species() {
 }
 
 /// RESPA with one split for all pairs of species, below each of their cutoffs.
-const SPLIT: [(&str, &str); 2] = [
-    (
-        "integrator",
-        r#"{ kind = "respa", dt = 0.006, inner_steps = 3, r_split = 1.8, split_width = 0.3 }"#,
-    ),
-    ("stage.0.steps", "800"),
-];
+const SPLIT: &str = r#"stage.0.steps=800
+    integrator={ kind = "respa", dt = 0.006, inner_steps = 3, r_split = 1.8, split_width = 0.3 }"#;
 
 #[test]
 fn near_and_far_forces_of_all_pairs_of_species_make_up_the_whole() {
-    let scene = scene(&SPLIT);
+    let scene = scene(SPLIT);
     let simulation = prepare(scene.clone()).unwrap_or_else(|e| panic!("{e}"));
     let (state, species) = (&simulation.state, simulation.system.species());
     let (_, mut terms) =
@@ -248,7 +214,7 @@ fn near_and_far_forces_of_all_pairs_of_species_make_up_the_whole() {
 
 #[test]
 fn respa_conserves_the_energy_of_a_mixture() {
-    let simulation = ran(scene(&SPLIT));
+    let simulation = ran(scene(SPLIT));
     let kept = simulation.thermodynamics().conservation();
     assert!(kept.energy_rms_per_atom < 2e-3, "{kept:?}");
 }
@@ -257,25 +223,22 @@ fn respa_conserves_the_energy_of_a_mixture() {
 fn a_file_of_a_mixture_gives_the_same_energy_and_the_same_species() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("start.xyz");
-    let simulation = ran(scene(&[("stage.0.steps", "20")]));
+    let simulation = ran(scene("stage.0.steps=20"));
     let style =
         FrameStyle { species: simulation.system.species().clone(), ..FrameStyle::default() };
     let frame = Frame { state: &simulation.state, extra: &[] };
     lennard_io::write_frame(&path, &style, &frame).unwrap();
-    let system = MIXTURE
-        .replace("n_atoms = 108", "")
-        .replace("[system]", &format!("start = {{ kind = \"file\", file = {path:?} }}\n[system]"))
-        .replace("density = 0.9", "")
-        .replace("fraction = 0.7", "")
-        .replace("fraction = 0.3", "");
-    let evaluated = evaluate_energy(&common::scene(&system, &[])).unwrap_or_else(|e| panic!("{e}"));
+    let start = format!("start = {{ kind = \"file\", file = {path:?} }}\n");
+    let text = format!("{start}{LIQUID}{SPECIES}").replace("n_atoms = 108, density = 0.9, ", "");
+    let system = text.replace(", fraction = 0.7", "").replace(", fraction = 0.3", "");
+    let evaluated = evaluate_energy(&common::scene(&system, "")).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(&evaluated.species, simulation.system.species());
     let there = simulation.state.energetics.potential_energy.unwrap();
     assert!((evaluated.report.potential_energy / there - 1.0).abs() < 1e-12);
     // A name in the file that no species has.
     let text = std::fs::read_to_string(&path).unwrap().replace("\nB ", "\nXe ");
     std::fs::write(&path, text).unwrap();
-    match evaluate_energy(&common::scene(&system, &[])) {
+    match evaluate_energy(&common::scene(&system, "")) {
         Err(EngineError::Scene(e)) => {
             assert_eq!(e.key_path(), Some("start.file"), "{e}");
             assert!(e.to_string().contains("\"Xe\""), "{e}");
@@ -287,10 +250,10 @@ fn a_file_of_a_mixture_gives_the_same_energy_and_the_same_species() {
 /// Forces are checked against all pairs with the species of each particle: a swapped species is seen.
 #[test]
 fn the_check_of_forces_knows_the_species() {
-    let simulation = ran(scene(&[]));
+    let simulation = ran(scene(""));
     let seen = simulation.force_check.seen();
     assert!(seen.forces >= 10 && seen.largest_deviation <= 1.0, "{seen:?}");
-    let mut other = prepare(scene(&[("system.seed", "8")])).unwrap_or_else(|e| panic!("{e}"));
+    let mut other = prepare(scene("system.seed=8")).unwrap_or_else(|e| panic!("{e}"));
     other.force_check = simulation.force_check;
     assert!(other.follow(&mut Unfollowed).is_err());
 }

@@ -5,21 +5,20 @@ use lennard_core::{Configuration, DVec3, Part, PeriodicBox, Want, rigid};
 use lennard_engine::{EngineError, Simulation, StopAt, Unfollowed, prepare};
 use lennard_scene::Scene;
 
-use crate::common::{self, DUMBBELLS, MTK, PLAIN, TRIANGLE, prepared, with_shape};
+use crate::common::{self, DUMBBELLS, MTK, TRIANGLE, follow, prepared, ran};
 
-fn scene(overrides: &[(&str, &str)]) -> Scene {
+fn scene(overrides: &str) -> Scene {
     common::scene(DUMBBELLS, overrides)
 }
 
-fn build(overrides: &[(&str, &str)]) -> Simulation {
+fn build(overrides: &str) -> Simulation {
     prepared(scene(overrides))
 }
 
 #[test]
 fn bonds_keep_their_length_and_velocities_have_no_part_along_them() {
     for (way, tolerance) in [("direct", 1e-14), ("relaxation", 1.1e-10)] {
-        let mut s = build(&[("bonds.method", way), ("stage.0.steps", "2000")]);
-        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        let s = ran(scene(&format!("bonds.method={way} stage.0.steps=2000")));
         let sums = rigid::constraint_sums(&s.system, &s.state);
         assert!(sums.largest_residual <= tolerance, "{way}: {sums:?}");
         for (x, v) in s.state.positions.chunks(2).zip(s.state.velocities.chunks(2)) {
@@ -31,30 +30,9 @@ fn bonds_keep_their_length_and_velocities_have_no_part_along_them() {
     }
 }
 
-/// At constant energy, velocity Verlet with rigid bonds keeps the energy as it does for atoms.
-#[test]
-fn energy_is_kept_with_an_error_of_second_order() {
-    let rms = |dt: &str, steps: &str| {
-        let mut s =
-            build(&[("integrator.dt", dt), ("stage.0.steps", steps), ("output.thermo_every", "1")]);
-        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-        let found = s.thermodynamics().conservation();
-        assert!(found.energy_drift_per_atom_per_tau.abs() < 1e-3, "{found:?}");
-        found.energy_rms_per_atom
-    };
-    let (coarse, fine) = (rms("0.004", "500"), rms("0.002", "1000"));
-    let ratio = coarse / fine;
-    assert!((3.0..5.5).contains(&ratio), "{ratio}: {coarse:e} {fine:e}");
-    assert!(fine < 1e-3, "{fine:e}");
-}
-
 #[test]
 fn reversed_velocities_lead_a_fluid_back_over_1000_steps() {
-    let mut s = build(&[
-        ("bonds.tolerance", "1e-13"),
-        ("stage.0.steps", "2000"),
-        ("truncation.kind", "force-shift"),
-    ]);
+    let mut s = build("bonds.tolerance=1e-13 stage.0.steps=2000 truncation.kind=force-shift");
     let first = s.state.positions.clone();
     for stop in [1000, 2000] {
         s.follow(&mut StopAt::new(stop)).unwrap_or_else(|e| panic!("{e}"));
@@ -68,15 +46,9 @@ fn reversed_velocities_lead_a_fluid_back_over_1000_steps() {
 /// Long steps of the far force inside which the near force and the bonds have short ones.
 #[test]
 fn respa_holds_bonds_and_keeps_the_energy_as_its_inner_steps_do() {
-    let kept = |overrides: &[(&str, &str)]| {
-        let mut all = vec![
-            ("truncation.kind", "switch"),
-            ("truncation.switch_from", "2.0"),
-            ("output.thermo_every", "5"),
-        ];
-        all.extend_from_slice(overrides);
-        let mut s = build(&all);
-        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    let kept = |overrides: &str| {
+        let smooth = "truncation.kind=switch truncation.switch_from=2.0 output.thermo_every=5";
+        let s = ran(scene(&format!("{smooth} {overrides}")));
         let sums = rigid::constraint_sums(&s.system, &s.state);
         assert!(sums.largest_residual < 1e-14, "{sums:?}");
         for (x, v) in (s.state.positions.chunks(2)).zip(s.state.velocities.chunks(2)) {
@@ -87,20 +59,18 @@ fn respa_holds_bonds_and_keeps_the_energy_as_its_inner_steps_do() {
         (found.energy_rms_per_atom, s.state.positions.clone())
     };
     let respa = |dt: &str, steps: &str| {
-        kept(&[("integrator.kind", "respa"), ("integrator.dt", dt), ("stage.0.steps", steps)])
+        kept(&format!("integrator.kind=respa integrator.dt={dt} stage.0.steps={steps}"))
     };
     let (coarse, _) = respa("0.008", "250");
     let (fine, _) = respa("0.004", "500");
     let ratio = coarse / fine;
     assert!((3.0..5.5).contains(&ratio), "{ratio}: {coarse:e} {fine:e}");
     // Steps of all forces that are as long as the long steps are worse by far.
-    let (plain, _) = kept(&[("integrator.dt", "0.008"), ("stage.0.steps", "250")]);
+    let (plain, _) = kept("integrator.dt=0.008 stage.0.steps=250");
     assert!(coarse < 0.5 * plain, "{coarse:e} {plain:e}");
     // Both follow one path while it is short.
     let short = |kind: &str| {
-        let overrides =
-            [("integrator.kind", kind), ("integrator.dt", "0.0005"), ("stage.0.steps", "200")];
-        kept(&overrides).1
+        kept(&format!("integrator.kind={kind} integrator.dt=0.0005 stage.0.steps=200")).1
     };
     let off = short("respa")
         .iter()
@@ -113,7 +83,7 @@ fn respa_holds_bonds_and_keeps_the_energy_as_its_inner_steps_do() {
 /// For rigid dumbbells 2K + W_pairs + W_constraints = Σ M V² + Σ R_ab·F_ab at each instant.
 #[test]
 fn the_virials_of_sites_and_of_molecules_agree_at_each_instant() {
-    let mut s = build(&[("stage.0.thermostat", "bussi"), ("stage.0.steps", "1000")]);
+    let mut s = build("stage.0.thermostat=bussi stage.0.steps=1000");
     for stop in [10, 200, 500, 1000] {
         s.follow(&mut StopAt::new(stop)).unwrap_or_else(|e| panic!("{e}"));
         let view = s.view();
@@ -136,8 +106,7 @@ fn the_virials_of_sites_and_of_molecules_agree_at_each_instant() {
 /// The molecular virial is −3V·∂U/∂V under a scaling of the centres of mass alone.
 #[test]
 fn the_molecular_virial_is_the_derivative_of_the_energy() {
-    let mut s = build(&[("stage.0.steps", "500"), ("stage.0.thermostat", "bussi")]);
-    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    let mut s = ran(scene("stage.0.steps=500 stage.0.thermostat=bussi"));
     let lengths = s.state.cell.lengths();
     let mut energy_at = |stretch: f64| {
         let cell = PeriodicBox::new(lengths * stretch).unwrap();
@@ -166,8 +135,7 @@ fn the_molecular_virial_is_the_derivative_of_the_energy() {
 fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("start.xyz");
-    let mut first = build(&[("stage.0.steps", "300"), ("stage.0.thermostat", "bussi")]);
-    first.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    let first = ran(scene("stage.0.steps=300 stage.0.thermostat=bussi"));
     let style =
         lennard_io::FrameStyle { sites_per_molecule: 2, ..lennard_io::FrameStyle::default() };
     let write = |state: &lennard_core::State, path: &std::path::Path| {
@@ -179,10 +147,8 @@ fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
         *r = first.state.cell.wrap(*r);
     }
     write(&folded, &path);
-    let text = DUMBBELLS.replace(
-        "[system]\n    n_molecules = 108\n    density = 0.4\n",
-        "start = { kind = \"file\", file = \"start.xyz\" }\n    [system]\n",
-    );
+    let text = "start = { kind = \"file\", file = \"start.xyz\" }".to_owned()
+        + &DUMBBELLS.replace("n_molecules = 108, density = 0.4, ", "");
     let load = |path: &std::path::Path, text: &str| {
         let scene = path.with_extension("toml");
         std::fs::write(
@@ -195,7 +161,7 @@ fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
     let mut again = load(&path, &text).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(again.system.n_molecules(), 108);
     assert!(rigid::constraint_sums(&again.system, &again.state).largest_residual < 1e-8);
-    again.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    follow(&mut again);
     // A bond that is too long, and a file that holds half a molecule.
     let refused = |result: Result<Simulation, EngineError>| match result {
         Ok(_) => panic!("accepted"),
@@ -223,7 +189,7 @@ fn a_run_goes_on_from_a_file_of_molecules_folded_into_the_box() {
 
 #[test]
 fn a_lattice_on_which_molecules_overlap_is_refused() {
-    let scene = scene(&[("system.density", "0.8"), ("molecule.bond_length", "1.4")]);
+    let scene = scene("system.density=0.8 molecule.bond_length=1.4");
     let message = match prepare(scene) {
         Ok(_) => panic!("accepted"),
         Err(e) => e.to_string(),
@@ -237,15 +203,16 @@ fn a_lattice_on_which_molecules_overlap_is_refused() {
 /// A step far too long turns a bond by more than a right angle: physics stops the run, and says which bond.
 #[test]
 fn a_bond_that_turns_too_far_stops_the_run() {
-    let mut s = build(&[
-        ("integrator.dt", "0.2"),
-        ("system.temperature", "10.0"),
-        ("system.density", "0.01"),
-    ]);
-    let failed = s.follow(&mut Unfollowed).expect_err("a step of 0.2 τ");
-    let EngineError::Physics(failure) = failed else { panic!("{failed}") };
-    let text = failure.to_string();
-    assert!(text.contains("turned too far in one step"), "{text}");
+    for walls in ["[]", r#"[{ kind = "hard" }]"#] {
+        let hot = "integrator.dt=0.2 system.temperature=10.0 system.density=0.01 observable=[]";
+        let mut s = build(&format!("{hot} wall={walls}"));
+        let failed = s.follow(&mut Unfollowed).expect_err("a step of 0.2 τ");
+        let EngineError::Physics(failure) = failed else { panic!("{failed}") };
+        let text = failure.to_string();
+        for words in [" (counted from 1) turned too far in one step", "take a smaller dt"] {
+            assert!(text.contains(words), "{text}");
+        }
+    }
 }
 
 #[test]
@@ -253,22 +220,13 @@ fn a_barostat_moves_molecules_by_their_centres_and_keeps_what_is_inside() {
     let rescaling =
         "{ kind = \"stochastic-cell-rescaling\", pressure = 1.0, tau = 0.2, interval = 5 }";
     let baths = [("bussi", rescaling), ("nose-hoover", MTK)];
-    let ways = [
-        &[("bonds.method", "direct")][..],
-        &[("bonds.method", "spring")],
-        &with_shape(TRIANGLE, ("bonds.method", "direct"), PLAIN),
-    ];
+    let ways = ["bonds.method=direct", "bonds.method=spring", TRIANGLE];
     for (way, (thermostat, barostat)) in ways.iter().flat_map(|way| baths.map(|bath| (*way, bath)))
     {
-        let mut overrides = vec![
-            ("stage.0.thermostat", thermostat),
-            ("stage.0.barostat", barostat),
-            ("observable", "[]"),
-        ];
-        overrides.extend_from_slice(way);
-        let mut s = build(&overrides);
+        let held = format!("stage.0.thermostat={thermostat} stage.0.barostat={barostat}");
+        let mut s = build(&format!("{held} observable=[] {way}"));
         let start = s.state.cell.volume();
-        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+        follow(&mut s);
         assert!((s.state.cell.volume() / start - 1.0).abs() > 1e-3, "{way:?}");
         let molecules = &s.system.molecules;
         let longest = |x: &[DVec3]| {
@@ -286,24 +244,18 @@ fn a_barostat_moves_molecules_by_their_centres_and_keeps_what_is_inside() {
 fn an_ideal_gas_of_rigid_dumbbells_has_the_volume_of_its_centres() {
     // Without pair forces p(V) ∝ V^(M − 1)·e^(−P₀V/T) for M molecules without total momentum: ⟨V⟩ = M·T/P₀.
     let barostat = "{ kind = \"stochastic-cell-rescaling\", pressure = 0.5, tau = 0.05, interval = 1, compressibility = 2.0 }";
-    let none = ("potential", "{ kind = \"none\" }");
-    let (mean, error) = volume_of_a_gas("bussi", barostat, none);
+    let (mean, error) = volume_of_a_gas("bussi", barostat, "none");
     assert!(error < 1.5 && (mean - 128.0).abs() < 4.0 * error, "{mean} ± {error}");
 }
 
 /// The mean volume of 32 dumbbells at T = 2 over 240 τ, with its error.
-fn volume_of_a_gas(thermostat: &str, barostat: &str, potential: (&str, &str)) -> (f64, f64) {
-    let mut s = build(&[
-        ("system.n_molecules", "32"),
-        ("system.density", "0.25"),
-        potential,
-        ("truncation", "{}"),
-        ("stage.0.thermostat", thermostat),
-        ("stage.0.barostat", barostat),
-        ("stage.0.steps", "120000"),
-        ("observable", "[]"),
-    ]);
-    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+fn volume_of_a_gas(thermostat: &str, barostat: &str, potential: &str) -> (f64, f64) {
+    let s = ran(scene(&format!(
+        "system.n_molecules=32 system.density=0.25 potential={{ kind = \"{potential}\" }}
+            truncation={{}}
+            stage.0.thermostat={thermostat} stage.0.barostat={barostat} stage.0.steps=120000
+            observable=[]"
+    )));
     let changing: &lennard_observables::ChangingBox = s.observable().unwrap();
     let found = lennard_observables::Observable::finish(changing, 0.05);
     let volume = found.averages.iter().find(|a| a.name == "volume").unwrap();
@@ -314,33 +266,22 @@ fn volume_of_a_gas(thermostat: &str, barostat: &str, potential: (&str, &str)) ->
 #[ignore = "ten seconds of a processor: run by `cargo xtask physics`"]
 fn both_barostats_give_a_gas_of_dumbbells_the_same_volume() {
     // Dumbbells that repel each other: their hits share the energy among all degrees of freedom. One molecule in 32 would be 3 %.
-    let wca = ("potential", "{ kind = \"wca\" }");
     let rescaling = "{ kind = \"stochastic-cell-rescaling\", pressure = 0.5, tau = 0.1, interval = 2, compressibility = 1.0 }";
     let mtk = "{ kind = \"mtk\", pressure = 0.5, tau = 0.5 }";
-    let (a, of_a) = volume_of_a_gas("bussi", rescaling, wca);
-    let (b, of_b) = volume_of_a_gas("nose-hoover", mtk, wca);
+    let (a, of_a) = volume_of_a_gas("bussi", rescaling, "wca");
+    let (b, of_b) = volume_of_a_gas("nose-hoover", mtk, "wca");
     let error = of_a.hypot(of_b);
     assert!(error < 0.012 * a && (a - b).abs() < 4.0 * error, "{a} ± {of_a}, {b} ± {of_b}");
 }
 
 #[test]
 fn the_deterministic_barostat_conserves_its_energy_with_molecules_to_the_square_of_the_step() {
-    for way in [
-        &[("bonds.method", "direct")][..],
-        &[("bonds.method", "spring"), ("bonds.stiffness", "500.0")],
-        &with_shape(TRIANGLE, ("bonds.method", "direct"), PLAIN),
-    ] {
+    for way in ["bonds.method=direct", "bonds.method=spring bonds.stiffness=500.0", TRIANGLE] {
         let off = |dt: &str, steps: &str| {
-            let mut overrides = vec![
-                ("stage.0.thermostat", "nose-hoover"),
-                ("stage.0.barostat", MTK),
-                ("observable", "[]"),
-                ("integrator.dt", dt),
-                ("stage.0.steps", steps),
-            ];
-            overrides.extend_from_slice(way);
-            let mut s = build(&overrides);
-            s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+            let s = ran(scene(&format!(
+                "stage.0.thermostat=nose-hoover stage.0.barostat={MTK} observable=[]
+                    integrator.dt={dt} stage.0.steps={steps} {way}"
+            )));
             s.thermodynamics().conservation().energy_rms_per_atom
         };
         let (coarse, fine) = (off("0.004", "500"), off("0.002", "1000"));
@@ -352,20 +293,12 @@ fn the_deterministic_barostat_conserves_its_energy_with_molecules_to_the_square_
 #[test]
 fn rigid_molecules_between_walls_that_are_hit_keep_energy_and_bonds_and_both_walls_feel_them_alike()
 {
-    for way in [
-        &[("bonds.method", "direct")][..],
-        &with_shape(TRIANGLE, ("bonds.method", "direct"), PLAIN),
-    ] {
+    for way in ["bonds.method=direct", TRIANGLE] {
         let rms = |dt: &str, steps: &str| {
-            let mut overrides = vec![
-                ("wall", "[{ kind = \"hard\" }]"),
-                ("observable", "[{ kind = \"wall-pressure\" }]"),
-                ("integrator.dt", dt),
-                ("stage.0.steps", steps),
-            ];
-            overrides.extend_from_slice(way);
-            let mut s = build(&overrides);
-            s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+            let s = ran(scene(&format!(
+                r#"wall=[{{ kind = "hard" }}] observable=[{{ kind = "wall-pressure" }}]
+                    integrator.dt={dt} stage.0.steps={steps} {way}"#
+            )));
             let walls = s.forces.walls();
             assert!(walls.iter().all(|wall| wall.hits > 5), "{walls:?}");
             let [lower, upper] = [walls[0].impulse, walls[1].impulse];
@@ -385,27 +318,9 @@ fn rigid_molecules_between_walls_that_are_hit_keep_energy_and_bonds_and_both_wal
 }
 
 #[test]
-fn a_bond_that_turns_too_far_between_walls_ends_the_run_with_the_molecule_and_the_cause() {
-    let mut s = build(&[
-        ("wall", "[{ kind = \"hard\" }]"),
-        ("observable", "[]"),
-        ("integrator.dt", "0.2"),
-        ("system.temperature", "10.0"),
-        ("system.density", "0.01"),
-    ]);
-    let failed = s.follow(&mut Unfollowed).expect_err("a step of 0.2 τ");
-    let text = failed.to_string();
-    assert!(
-        text.contains(" (counted from 1) turned too far in one step")
-            && text.contains("take a smaller dt"),
-        "{text}"
-    );
-}
-
-#[test]
 fn a_step_that_is_long_for_springs_is_told_and_a_shorter_one_is_not() {
     let told = |stiffness: &str| {
-        let s = build(&[("bonds.method", "spring"), ("bonds.stiffness", stiffness)]);
+        let s = build(&format!("bonds.method=spring bonds.stiffness={stiffness}"));
         let mut remarks = s.remarks.iter();
         remarks.any(|r| r.contains("is long for the springs of the bonds: ω·dt = 0.89"))
     };
@@ -418,12 +333,10 @@ fn a_step_that_is_long_for_springs_is_told_and_a_shorter_one_is_not() {
 #[test]
 fn bonds_along_the_new_direction_sample_no_known_ensemble() {
     for (direction, is_known) in [("old", true), ("new", false)] {
-        let s = common::ran(scene(&[
-            ("bonds.method", "relaxation"),
-            ("bonds.direction", direction),
-            ("stage.0.steps", "8000"),
-            ("stage.0.thermostat", "{ kind = \"bussi\", tau = 0.2 }"),
-        ]));
+        let s = ran(scene(&format!(
+            r#"bonds.method=relaxation bonds.direction={direction} stage.0.steps=8000
+                stage.0.thermostat={{ kind = "bussi", tau = 0.2 }}"#
+        )));
         let all = s.findings();
         let of = |name: &str| all[0].averages.iter().find(|a| a.name == name);
         let doubt = of("pressure").and_then(|a| a.doubt.clone());

@@ -8,15 +8,9 @@ use crate::common;
 
 /// A liquid at T = 1.2 and P = 1.19, where the density is 0.75.
 const LIQUID: &str = r#"
-    [system]
-    n_atoms = 256
-    density = 0.72
-    temperature = 1.2
-    seed = 31
-    [truncation]
-    r_cut = 3.0
-    [integrator]
-    dt = 0.004
+    system = { n_atoms = 256, density = 0.72, temperature = 1.2, seed = 31 }
+    truncation = { r_cut = 3.0 }
+    integrator = { dt = 0.004 }
     [[stage]]
     name = "equilibrate"
     steps = 400
@@ -29,23 +23,22 @@ const LIQUID: &str = r#"
     barostat = { kind = "stochastic-cell-rescaling", pressure = 1.19 }
 "#;
 
-fn scene(overrides: &[(&str, &str)]) -> Scene {
+fn scene(overrides: &str) -> Scene {
     common::scene(LIQUID, overrides)
 }
 
-fn ran(overrides: &[(&str, &str)]) -> Simulation {
+fn ran(overrides: &str) -> Simulation {
     common::ran(scene(overrides))
 }
 
 /// Both stages with this barostat, and the bath that it goes with.
-fn with_barostat<'a>(barostat: &'a str, bath: &'a str) -> Vec<(&'a str, &'a str)> {
-    vec![
-        ("stage.equilibrate.barostat", barostat),
-        ("stage.equilibrate.thermostat", bath),
-        ("stage.production.barostat", barostat),
-        ("stage.production.thermostat", bath),
-    ]
+fn with_barostat(barostat: &str, bath: &str) -> String {
+    let of = |stage: &str| format!("{stage}.barostat={barostat} {stage}.thermostat={bath}");
+    of("stage.equilibrate") + " " + &of("stage.production")
 }
+
+/// Stages at constant volume.
+const CLOSED: &str = "stage.equilibrate.barostat=none stage.production.barostat=none";
 
 /// Every barostat by its scene words, with a bath.
 fn barostats() -> Vec<(String, &'static str)> {
@@ -57,13 +50,9 @@ fn barostats() -> Vec<(String, &'static str)> {
 #[test]
 fn the_conserved_quantity_has_the_tail_of_the_box_as_it_is() {
     for (barostat, bath) in barostats() {
-        let mut overrides = with_barostat(&barostat, bath);
-        overrides.extend([
-            ("stage.equilibrate.steps", "4000"),
-            ("stage.production.steps", "4000"),
-            ("output.thermo_every", "10"),
-        ]);
-        let simulation = ran(&overrides);
+        let long = "stage.equilibrate.steps=4000 stage.production.steps=4000
+            output.thermo_every=10";
+        let simulation = ran(&format!("{} {long}", with_barostat(&barostat, bath)));
         let volume = simulation.state.cell.volume();
         let tail = simulation.tail().unwrap().pressure * volume * volume;
         assert!((simulation.stage_run().tail_work / tail - 1.0).abs() < 1e-12);
@@ -78,14 +67,10 @@ fn the_conserved_quantity_has_the_tail_of_the_box_as_it_is() {
 
 #[test]
 fn nose_hoover_chains_conserve_their_energy_at_constant_volume() {
-    let overrides = [
-        ("stage.equilibrate.barostat", "none"),
-        ("stage.production.barostat", "none"),
-        ("stage.production.thermostat", "nose-hoover"),
-        ("stage.equilibrate.steps", "2000"),
-        ("stage.production.steps", "10000"),
-    ];
-    let simulation = ran(&overrides);
+    let simulation = ran(&format!(
+        "{CLOSED} stage.production.thermostat=nose-hoover stage.equilibrate.steps=2000
+            stage.production.steps=10000"
+    ));
     let kept = simulation.thermodynamics().conservation();
     assert!(kept.energy_rms_per_atom < 3e-4, "{kept:?}");
     let drift = kept.energy_drift_per_atom_per_tau;
@@ -98,14 +83,10 @@ fn nose_hoover_chains_conserve_their_energy_at_constant_volume() {
 #[test]
 fn a_ramp_takes_the_fluid_from_one_temperature_to_the_other() {
     for bath in ["bussi", "langevin", "nose-hoover", "rescale"] {
-        let simulation = ran(&[
-            ("stage.equilibrate.barostat", "none"),
-            ("stage.production.barostat", "none"),
-            ("stage.production.thermostat", bath),
-            ("stage.production.temperature", "{ from = 1.2, to = 2.4 }"),
-            ("stage.equilibrate.steps", "1000"),
-            ("stage.production.steps", "5000"),
-        ]);
+        let simulation = ran(&format!(
+            "{CLOSED} stage.production.thermostat={bath} stage.equilibrate.steps=1000
+                stage.production.temperature={{ from = 1.2, to = 2.4 }} stage.production.steps=5000"
+        ));
         let series = &simulation.thermodynamics().series().temperature;
         let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
         // The middle fifth and the last tenth of the way.
@@ -116,7 +97,7 @@ fn a_ramp_takes_the_fluid_from_one_temperature_to_the_other() {
     }
 }
 
-fn refused(overrides: &[(&str, &str)]) -> String {
+fn refused(overrides: &str) -> String {
     match prepare(scene(overrides)) {
         Err(error @ EngineError::Scene(_)) => error.to_string(),
         Err(other) => panic!("{other}"),
@@ -126,11 +107,10 @@ fn refused(overrides: &[(&str, &str)]) -> String {
 
 #[test]
 fn a_box_that_the_equation_of_state_makes_too_small_is_refused_before_the_first_step() {
-    let small = [("system.n_atoms", "108"), ("truncation.r_cut", "2.64")];
-    let dense = "{ kind = \"stochastic-cell-rescaling\", pressure = 1.19 }";
-    let mut overrides = small.to_vec();
-    overrides.push(("stage.equilibrate.barostat", dense));
-    let message = refused(&overrides);
+    let message = refused(
+        r#"system.n_atoms=108 truncation.r_cut=2.64
+            stage.equilibrate.barostat={ kind = "stochastic-cell-rescaling", pressure = 1.19 }"#,
+    );
     for part in [
         "stage.equilibrate.barostat.pressure",
         "a box of 5.24",
@@ -145,16 +125,15 @@ fn a_box_that_the_equation_of_state_makes_too_small_is_refused_before_the_first_
 fn boiling_is_foreseen_and_sides_of_a_fluid_change_together() {
     let boiling =
         "{ kind = \"stochastic-cell-rescaling\", pressure = 0.01, compressibility = 0.1 }";
-    let simulation = prepare(scene(&[
-        ("system.temperature", "1.0"),
-        ("stage.production.barostat", boiling),
-        ("stage.production.temperature", "1.0"),
-    ]))
+    let simulation = prepare(scene(&format!(
+        "system.temperature=1.0
+        stage.production.barostat={boiling} stage.production.temperature=1.0"
+    )))
     .unwrap_or_else(|e| panic!("{e}"));
     let said = simulation.remarks.join("\n");
     assert!(said.contains("a liquid boils in the end"), "{said}");
     let apart = "{ kind = \"stochastic-cell-rescaling\", pressure = 1.19, coupling = \"xy-z\" }";
-    let message = refused(&[("stage.production.barostat", apart)]);
+    let message = refused(&format!("stage.production.barostat={apart}"));
     assert!(message.contains("no stiffness of shape"), "{message}");
 }
 
@@ -163,11 +142,9 @@ fn boiling_is_foreseen_and_sides_of_a_fluid_change_together() {
 fn a_liquid_that_will_boil_and_a_great_pressure_have_proposals_of_their_own_size() {
     for pressure in ["0.01", "500"] {
         let words = format!("{{ kind = \"stochastic-cell-rescaling\", pressure = {pressure} }}");
-        let mut overrides = with_barostat(&words, "bussi");
-        overrides.extend([("stage.equilibrate.steps", "60"), ("stage.production.steps", "60")]);
-        let smaller = [("truncation.r_cut", "2.0")];
-        overrides.extend(smaller);
-        let volume = ran(&overrides).state.cell.volume();
+        let short = "stage.equilibrate.steps=60 stage.production.steps=60 truncation.r_cut=2.0";
+        let volume =
+            ran(&format!("{} {short}", with_barostat(&words, "bussi"))).state.cell.volume();
         assert!(volume != 256.0 / 0.72, "{pressure}: no proposal was accepted");
     }
 }
@@ -177,13 +154,11 @@ fn a_box_that_shrinks_below_twice_the_cutoff_stops_the_run_by_name() {
     // No equation of state describes the shifted force, so that nothing is foreseen.
     let pressed =
         "{ kind = \"stochastic-cell-rescaling\", pressure = 60.0, interval = 1, tau = 0.2 }";
-    let mut simulation = prepare(scene(&[
-        ("system.n_atoms", "108"),
-        ("truncation.kind", "force-shift"),
-        ("truncation.r_cut", "2.5"),
-        ("stage.equilibrate.barostat", pressed),
-        ("stage.equilibrate.steps", "5000"),
-    ]))
+    let mut simulation = prepare(scene(&format!(
+        "system.n_atoms=108
+        truncation.kind=force-shift truncation.r_cut=2.5
+        stage.equilibrate.barostat={pressed} stage.equilibrate.steps=5000"
+    )))
     .unwrap_or_else(|e| panic!("{e}"));
     let message = simulation.follow(&mut Unfollowed).unwrap_err().to_string();
     for part in [
@@ -199,14 +174,11 @@ fn a_box_that_shrinks_below_twice_the_cutoff_stops_the_run_by_name() {
 #[ignore = "minutes: run by `cargo xtask physics`"]
 fn the_mean_pressure_is_that_of_the_barostat_and_the_density_that_of_the_equation() {
     for (barostat, bath) in barostats() {
-        let mut overrides = with_barostat(&barostat, bath);
-        overrides.extend([
-            ("system.n_atoms", "864"),
-            ("truncation.r_cut", "4.0"),
-            ("stage.equilibrate.steps", "10000"),
-            ("stage.production.steps", "100000"),
-        ]);
-        let simulation = ran(&overrides);
+        let simulation = ran(&format!(
+            "{} system.n_atoms=864 truncation.r_cut=4.0 stage.equilibrate.steps=10000
+                stage.production.steps=100000",
+            with_barostat(&barostat, bath)
+        ));
         let findings = simulation.findings();
         let average = |name: &str| {
             let all = findings.iter().flat_map(|f| &f.averages);

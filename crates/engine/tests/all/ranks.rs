@@ -14,38 +14,20 @@ use crate::common::{self, AskToStop, DUMBBELLS, contents};
 
 /// A liquid of few chunks, with rows, frames and checkpoints at odd places.
 const LIQUID: &str = r#"
-    [system]
-    n_atoms = 256
-    density = 0.8442
-    temperature = 1.2
-    seed = 11
-    [truncation]
-    kind = "shift"
-    r_cut = 2.5
-    [integrator]
-    dt = 0.004
-    [[stage]]
-    name = "melt"
-    steps = 60
-    thermostat = "bussi"
-    [[stage]]
-    name = "production"
-    steps = 140
-    [output]
-    thermo_every = 9
-    trajectory_every = 50
-    [checkpoint]
-    every_steps = 130
-    [[observable]]
-    kind = "pressure-tensor"
-    every = 20
-    [[observable]]
-    kind = "rdf"
-    every = 40
+    system = { n_atoms = 256, density = 0.8442, temperature = 1.2, seed = 11 }
+    truncation = { kind = "shift", r_cut = 2.5 }
+    integrator = { dt = 0.004 }
+    stage = [
+        { name = "melt", steps = 60, thermostat = "bussi" },
+        { name = "production", steps = 140 },
+    ]
+    output = { thermo_every = 9, trajectory_every = 50 }
+    checkpoint = { every_steps = 130 }
+    observable = [{ kind = "pressure-tensor", every = 20 }, { kind = "rdf", every = 40 }]
 "#;
 
 /// A scene and its overrides.
-type Case<'a> = (&'a str, &'a [(&'a str, &'a str)]);
+type Case<'a> = (&'a str, &'a str);
 
 type Ended = Result<Ending, EngineError>;
 
@@ -129,12 +111,8 @@ fn ranks_are_one_process(case: Case<'_>, teams: &[[usize; 2]]) {
 fn fluids_under_baths_have_the_bytes_of_one_process() {
     for precision in ["double", "mixed"] {
         for bath in ["none", "bussi", "langevin", "nose-hoover"] {
-            let bath = match bath {
-                "none" => vec![],
-                bath => vec![("stage.production.thermostat", bath)],
-            };
-            let overrides = [vec![("kernel.precision", precision)], bath].concat();
-            ranks_are_one_process((LIQUID, &overrides), &[[1, 1], [2, 1], [4, 2]]);
+            let keys = format!("kernel.precision={precision} stage.production.thermostat={bath}");
+            ranks_are_one_process((LIQUID, &keys), &[[1, 1], [2, 1], [4, 2]]);
         }
     }
 }
@@ -145,19 +123,16 @@ fn more_kinds_of_fluids_have_the_bytes_of_one_process() {
     let species = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3, sigma = 0.9, epsilon = 0.6 }]"#;
     let heavy = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3, sigma = 0.9, mass = 4.0 }]"#;
     let mixing = r#"{ rule = "lorentz-berthelot" }"#;
-    let cases: [&[(&str, &str)]; 8] = [
-        &[("stage.production.thermostat", "bussi"), ("stage.production.barostat", barostat)],
-        &[("species", species), ("mixing", mixing), ("kernel.precision", "mixed")],
-        &[("species", heavy), ("mixing", mixing)],
-        &[("integrator.kind", "stormer-verlet")],
-        &[("integrator.kind", "leapfrog"), ("neighbor.skin", "0.2")],
-        &[("integrator.kind", "respa"), ("integrator.dt", "0.008")],
-        &[
-            ("wall", r#"[{ kind = "wca", axis = "z" }]"#),
-            ("observable", r#"[{ kind = "density-profile" }]"#),
-        ],
+    let cases = [
+        &format!("stage.production.thermostat=bussi stage.production.barostat={barostat}"),
+        &format!("species={species} mixing={mixing} kernel.precision=mixed"),
+        &format!("species={heavy} mixing={mixing}"),
+        "integrator.kind=stormer-verlet",
+        "integrator.kind=leapfrog neighbor.skin=0.2",
+        "integrator.kind=respa integrator.dt=0.008",
+        r#"wall=[{ kind = "wca", axis = "z" }] observable=[{ kind = "density-profile" }]"#,
         // Forces that are not shared: each rank computes all of them.
-        &[("neighbor.mode", "direct")],
+        "neighbor.mode=direct",
     ];
     for overrides in cases {
         ranks_are_one_process((LIQUID, overrides), &[[3, 2]]);
@@ -168,12 +143,11 @@ fn more_kinds_of_fluids_have_the_bytes_of_one_process() {
 fn dumbbells_have_the_bytes_of_one_process() {
     for precision in ["double", "mixed"] {
         for bonds in ["direct", "spring"] {
-            let overrides = [
-                ("stage.production.steps", "200"),
-                ("stage.production.thermostat", "bussi"),
-                ("kernel.precision", precision),
-                ("bonds.method", bonds),
-            ];
+            let overrides = format!(
+                "stage.production.steps=200
+                stage.production.thermostat=bussi kernel.precision={precision}
+                bonds.method={bonds}"
+            );
             ranks_are_one_process((DUMBBELLS, &overrides), &[[2, 1], [3, 2]]);
         }
     }
@@ -181,13 +155,13 @@ fn dumbbells_have_the_bytes_of_one_process() {
 
 #[test]
 fn a_failure_of_physics_is_met_by_all_ranks_and_one_of_them_tells_it() {
-    let overrides = [("integrator.dt", "0.06"), ("stage.production.thermostat", "none")];
+    let overrides = "integrator.dt=0.06 stage.production.thermostat=none";
     let root = common::folder();
-    let alone = on_rank((LIQUID, &overrides), &root.path().join("alone"), 0, None).unwrap_err();
+    let alone = on_rank((LIQUID, overrides), &root.path().join("alone"), 0, None).unwrap_err();
     let text = alone.to_string();
     assert_eq!(alone.exit_code(), 3, "{text}");
     let first = |text: &str| text.lines().next().unwrap_or_default().to_owned();
-    for ended in on_ranks((LIQUID, &overrides), &root.path().join("team"), 0, [3, 1]) {
+    for ended in on_ranks((LIQUID, overrides), &root.path().join("team"), 0, [3, 1]) {
         let error = ended.unwrap_err();
         assert_eq!(error.exit_code(), 3);
         assert_eq!(first(&error.to_string()), first(&text));
@@ -196,7 +170,7 @@ fn a_failure_of_physics_is_met_by_all_ranks_and_one_of_them_tells_it() {
 
 #[test]
 fn ranks_that_cannot_run_together_are_told_apart() {
-    let told = |overrides: [&[(&'static str, &'static str)]; 2]| -> Vec<String> {
+    let told = |overrides: [&str; 2]| -> Vec<String> {
         team_of_threads(3, |team| {
             let of_rank = overrides[team.rank().min(1)];
             let mut simulation = prepare(common::scene(LIQUID, of_rank)).unwrap();
@@ -205,15 +179,15 @@ fn ranks_that_cannot_run_together_are_told_apart() {
             error.to_string()
         })
     };
-    for text in told([&[], &[("system.seed", "12")]]) {
+    for text in told(["", "system.seed=12"]) {
         assert_eq!(
             text,
             "rank 1 has another scene or version of the program than rank 0: all ranks need the same program, input and kind \
              of processor"
         );
     }
-    let few = [("system.n_atoms", "32"), ("truncation.r_cut", "1.6")];
-    for text in told([&few, &few]) {
+    let few = "system.n_atoms=32 truncation.r_cut=1.6";
+    for text in told([few, few]) {
         assert_eq!(
             text,
             "3 ranks for 32 particles\n  allowed: at most 1, since each rank takes 48 neighbors in space or more"

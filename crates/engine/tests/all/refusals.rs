@@ -83,7 +83,7 @@ fn scene(system: &str, more: &str) -> Scene {
     let text = format!(
         "[system]\n{system}\ntemperature = 1.0\n{more}\n[[stage]]\nname = \"a\"\nsteps = 10\n"
     );
-    common::scene(&text, &[])
+    common::scene(&text, "")
 }
 
 #[test]

@@ -9,39 +9,23 @@ use lennard_engine::{Control, Ending, EngineError, ResumeOptions, go_on, prepare
 use lennard_io::{Existing, create_named_folder};
 use lennard_scene::Scene;
 
-use crate::common::{self, AskToStop, DUMBBELLS, MTK, PLAIN, TRIANGLE, with_shape};
+use crate::common::{self, AskToStop, DUMBBELLS, MTK, TRIANGLE};
 
 /// A small liquid; short, since there are many of it.
 const LIQUID: &str = r#"
-    [system]
-    n_atoms = 108
-    density = 0.8442
-    temperature = 1.2
-    seed = 11
-    [truncation]
-    kind = "switch"
-    r_cut = 2.2
-    [neighbor]
-    mode = "verlet"
-    [integrator]
-    dt = 0.002
-    [[stage]]
-    name = "melt"
-    steps = 60
-    thermostat = "bussi"
-    [[stage]]
-    name = "production"
-    steps = 140
-    [output]
-    thermo_every = 9
-    trajectory_every = 20
+    system = { n_atoms = 108, density = 0.8442, temperature = 1.2, seed = 11 }
+    truncation = { kind = "switch", r_cut = 2.2 }
+    neighbor = { mode = "verlet" }
+    integrator = { dt = 0.002 }
+    stage = [
+        { name = "melt", steps = 60, thermostat = "bussi" },
+        { name = "production", steps = 140 },
+    ]
+    output = { thermo_every = 9, trajectory_every = 20 }
 "#;
 
 /// Observables of all kinds of memory.
 const ALL_OBSERVABLES: &str = r#"[{kind="rdf", every=10}, {kind="msd", every=5}, {kind="vacf", every=5}, {kind="pressure-tensor", every=2}]"#;
-
-/// Keys of a scene with other values.
-type Overrides<'a> = &'a [(&'a str, &'a str)];
 
 /// Steps at which runs in parts stop: in both stages, at the end of one, and beside every interval.
 const STOPS: [u64; 4] = [37, 60, 61, 133];
@@ -82,7 +66,7 @@ fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 /// One run on one thread, against a run in five parts on two and three threads. An error where the scene does not run.
-fn same(base: &str, overrides: Overrides<'_>) -> Result<(), String> {
+fn same(base: &str, overrides: &str) -> Result<(), String> {
     let root = common::folder();
     let [whole, parts] = ["whole", "parts"].map(|name| root.path().join(name));
     let never = &ResumeOptions::default();
@@ -104,7 +88,7 @@ fn same(base: &str, overrides: Overrides<'_>) -> Result<(), String> {
 }
 
 /// As [`same`], for the liquid.
-fn liquid(overrides: Overrides<'_>) -> Result<(), String> {
+fn liquid(overrides: &str) -> Result<(), String> {
     same(LIQUID, overrides)
 }
 
@@ -113,18 +97,16 @@ fn every_integrator_with_every_bath() {
     for entry in lennard_integrators::integrators() {
         let name = entry.spec.name;
         // Small enough for explicit Euler, whose energy grows at any step.
-        let method = [
-            ("integrator.kind", name),
-            ("integrator.dt", "0.0005"),
-            ("observable", ALL_OBSERVABLES),
-        ];
+        let method = format!(
+            "integrator.kind={name} integrator.dt=0.0005
+            observable={ALL_OBSERVABLES}"
+        );
         // These two move the oscillator or contacts alone: a scene that names one is refused.
         let moves_fluids = !["analytic", "spook"].contains(&name);
         assert_eq!(liquid(&method).is_ok(), moves_fluids, "{name}");
         for bath in lennard_integrators::thermostats() {
-            let bath = ("stage.production.thermostat", bath.name);
-            let ran = liquid(&[&method[..], &[bath]].concat());
-            assert_eq!(ran.is_ok(), moves_fluids, "{name}, {bath:?}: {ran:?}");
+            let ran = liquid(&format!("{method} stage.production.thermostat={}", bath.name));
+            assert_eq!(ran.is_ok(), moves_fluids, "{name}, {}: {ran:?}", bath.name);
         }
     }
 }
@@ -144,65 +126,44 @@ fn every_barostat_with_every_bath_and_ramps() {
         for bath in lennard_integrators::thermostats() {
             if bath.canonical && suits(bath.name) {
                 ran += 1;
-                assert_eq!(
-                    liquid(&[
-                        ("stage.melt.thermostat", bath.name),
-                        ("stage.melt.barostat", &barostat),
-                        ("stage.melt.temperature", "{ from = 2.0, to = 1.2 }"),
-                        ("stage.production.thermostat", bath.name),
-                        ("stage.production.barostat", &barostat),
-                        (
-                            "observable",
-                            r#"[{kind="rdf", every=10}, {kind="pressure-tensor", every=2}]"#
-                        ),
-                    ]),
-                    Ok(())
-                );
+                let held = |stage: &str| {
+                    format!("{stage}.thermostat={} {stage}.barostat={barostat}", bath.name)
+                };
+                let (melt, production) = (held("stage.melt"), held("stage.production"));
+                let ramp = "stage.melt.temperature={ from = 2.0, to = 1.2 }";
+                let seen =
+                    r#"observable=[{kind="rdf", every=10}, {kind="pressure-tensor", every=2}]"#;
+                assert_eq!(liquid(&format!("{melt} {production} {ramp} {seen}")), Ok(()));
             }
         }
         assert!(ran > 0, "{} ran with no bath", spec.name);
     }
-    let ramp = "{ kind = \"stochastic-cell-rescaling\", pressure = { from = 2.0, to = 5.0 }, tau = 0.2, interval = 5, coupling = \"z\" }";
+    let ramp = r#"stage.production.thermostat=bussi
+        stage.production.temperature={ from = 1.2, to = 1.5 }
+        stage.production.barostat={ kind = "stochastic-cell-rescaling", pressure = { from = 2.0, to = 5.0 },
+            tau = 0.2, interval = 5, coupling = "z" }"#;
     for method in ["leapfrog", "stormer-verlet", "pefrl"] {
-        assert_eq!(
-            liquid(&[
-                ("integrator.kind", method),
-                ("stage.production.thermostat", "bussi"),
-                ("stage.production.temperature", "{ from = 1.2, to = 1.5 }"),
-                ("stage.production.barostat", ramp),
-            ]),
-            Ok(())
-        );
+        assert_eq!(liquid(&format!("integrator.kind={method} {ramp}")), Ok(()));
     }
 }
 
 #[test]
 fn every_observable_list_state_and_precision() {
-    assert_eq!(liquid(&[("observable", ALL_OBSERVABLES)]), Ok(()));
-    assert_eq!(liquid(&[("neighbor.mode", "direct")]), Ok(()));
-    assert_eq!(liquid(&[("kernel.precision", "mixed")]), Ok(()));
-    assert_eq!(liquid(&[("kernel.isa", "portable")]), Ok(()));
-    assert_eq!(liquid(&[("start.kind", "random")]), Ok(()));
-    assert_eq!(
-        liquid(&[
-            ("output.velocities", "true"),
-            ("output.forces", "true"),
-            ("output.unwrapped", "true")
-        ]),
-        Ok(())
-    );
-    // A list that is rebuilt often, and measured stages that begin at once.
-    assert_eq!(
-        liquid(&[
-            ("neighbor.skin", "0.05"),
-            ("stage.melt.measure", "false"),
-            ("stage.melt.steps", "1")
-        ]),
-        Ok(())
-    );
+    for overrides in [
+        &*format!("observable={ALL_OBSERVABLES}"),
+        "neighbor.mode=direct",
+        "kernel.precision=mixed",
+        "kernel.isa=portable",
+        "start.kind=random",
+        "output.velocities=true output.forces=true output.unwrapped=true",
+        // A list that is rebuilt often, and measured stages that begin at once.
+        "neighbor.skin=0.05 stage.melt.measure=false stage.melt.steps=1",
+    ] {
+        assert_eq!(liquid(overrides), Ok(()));
+    }
     let refused = lennard_observables::observables().iter().filter(|observable| {
         let one = format!("[{{kind=\"{}\"}}]", observable.name);
-        liquid(&[("observable", &one)]).is_err()
+        liquid(&format!("observable={one}")).is_err()
     });
     let refused: Vec<&str> = refused.map(|observable| observable.name).collect();
     // They are for walls, molecules, a bath and two species.
@@ -213,24 +174,26 @@ fn every_observable_list_state_and_precision() {
 
 #[test]
 fn trial_particles_at_constant_temperature_and_pressure_and_in_mixtures() {
-    let trials = ("observable", r#"[{kind="chemical-potential", insertions=50}]"#);
-    let bath = ("stage.production.thermostat", "nose-hoover");
-    let barostat = r#"{ kind = "mtk", pressure = 4.0, tau = 0.5 }"#;
-    let species = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3 }]"#;
-    let mixing = r#"{ rule = "lorentz-berthelot" }"#;
-    assert_eq!(liquid(&[trials, bath]), Ok(()));
-    assert_eq!(liquid(&[trials, bath, ("stage.production.barostat", barostat)]), Ok(()));
-    assert_eq!(liquid(&[trials, bath, ("species", species), ("mixing", mixing)]), Ok(()));
-    assert!(liquid(&[trials]).is_err(), "at constant energy it is refused");
+    let trials = r#"observable=[{kind="chemical-potential", insertions=50}]"#;
+    let bath = "stage.production.thermostat=nose-hoover";
+    for more in [
+        "",
+        r#"stage.production.barostat={ kind = "mtk", pressure = 4.0, tau = 0.5 }"#,
+        r#"species=[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3 }]
+            mixing={ rule = "lorentz-berthelot" }"#,
+    ] {
+        assert_eq!(liquid(&format!("{trials} {bath} {more}")), Ok(()));
+    }
+    assert!(liquid(trials).is_err(), "at constant energy it is refused");
 }
 
 #[test]
 fn trajectories_of_every_format() {
     for format in lennard_io::TrajectoryFormat::ALL {
-        let name = ("output.format", format.name());
-        assert_eq!(liquid(&[name]), Ok(()), "{name:?}");
+        let name = format!("output.format={}", format.name());
+        assert_eq!(liquid(&name), Ok(()));
         if format.spec().holds_ase {
-            assert_eq!(liquid(&[name, ("output.ase", "true")]), Ok(()), "{name:?}");
+            assert_eq!(liquid(&format!("{name} output.ase=true")), Ok(()));
         }
     }
 }
@@ -240,7 +203,7 @@ fn every_exchange() {
     for spec in lennard_integrators::exchanges() {
         let exchange = format!("{{ kind = {:?}, every = 7, slabs = 12, axis = \"y\" }}", spec.name);
         assert_eq!(
-            liquid(&[("stage.production.exchange", &exchange), ("observable", ALL_OBSERVABLES),]),
+            liquid(&format!("stage.production.exchange={exchange} observable={ALL_OBSERVABLES}")),
             Ok(())
         );
     }
@@ -255,36 +218,26 @@ fn mixtures_by_every_rule_with_steps_of_two_lengths_and_in_a_changing_box() {
     let respa =
         r#"{ kind = "respa", dt = 0.006, inner_steps = 3, r_split = 1.6, split_width = 0.3 }"#;
     let barostat = r#"{ kind = "stochastic-cell-rescaling", pressure = 2.0 }"#;
-    let rows: [Overrides<'_>; 3] = [
-        &[],
-        &[("integrator", respa)],
-        &[
-            ("system.n_atoms", "256"),
-            ("observable", followed),
-            ("stage.production.thermostat", "bussi"),
-            ("stage.production.barostat", barostat),
-        ],
-    ];
+    let changing = format!(
+        "system.n_atoms=256 observable={followed} stage.production.thermostat=bussi
+            stage.production.barostat={barostat}"
+    );
+    let rows = ["", &format!("integrator={respa}"), &changing];
     for rule in lennard_forcefield::combining_rules() {
         let mixing = format!("{{ rule = {:?} }}", rule.name);
-        let mixture = [
-            ("species", species),
-            ("mixing", &mixing),
-            ("pair", pair),
-            ("truncation.r_cut_in", "pair"),
-        ];
+        let mixture =
+            format!("species={species} mixing={mixing} pair={pair} truncation.r_cut_in=pair");
         for row in rows {
-            assert_eq!(liquid(&[&mixture[..], row].concat()), Ok(()), "{mixing} {row:?}");
+            assert_eq!(liquid(&format!("{mixture} {row}")), Ok(()), "{mixing} {row}");
         }
     }
 }
 
 #[test]
 fn many_particles() {
-    let many =
-        [("system.n_atoms", "6912"), ("stage.melt.steps", "50"), ("stage.production.steps", "20")];
+    let many = "system.n_atoms=6912 stage.melt.steps=50 stage.production.steps=20";
     for precision in ["double", "mixed"] {
-        assert_eq!(liquid(&[&many[..], &[("kernel.precision", precision)]].concat()), Ok(()));
+        assert_eq!(liquid(&format!("{many} kernel.precision={precision}")), Ok(()));
     }
 }
 
@@ -297,13 +250,11 @@ const RESPONSES: [&str; 3] = [
 
 #[test]
 fn every_wall() {
-    let more = [
-        ("observable", r#"[{kind="wall-pressure"}, {kind="density-profile"}]"#),
-        ("field.acceleration", "[0.0, 0.0, -0.1]"),
-    ];
+    let more = r#"observable=[{kind="wall-pressure"}, {kind="density-profile"}]
+        field.acceleration=[0.0, 0.0, -0.1]"#;
     let between = |wall: &str, bath: &str| {
-        let scene = [("wall", wall), ("stage.production.thermostat", bath)];
-        assert_eq!(liquid(&[&scene[..], &more].concat()), Ok(()), "{wall} {bath}");
+        let scene = format!("wall={wall} stage.production.thermostat={bath} {more}");
+        assert_eq!(liquid(&scene), Ok(()), "{wall} {bath}");
     };
     for wall in lennard_forcefield::walls() {
         let one = format!("[{{kind={:?}}}]", wall.name);
@@ -313,20 +264,16 @@ fn every_wall() {
 }
 
 /// Contacts of every kind, as overrides of the liquid.
-const CONTACTS: [(&str, Overrides<'_>); 6] = [
-    ("soft", &[("contact.stiffness", "200.0")]),
-    ("soft", &[("contact.law", "hertz"), ("contact.restitution", "0.8")]),
-    ("hard", &[("contact.restitution", "0.9")]),
-    ("hard", &[("wall", "[{kind=\"thermal\"}]")]),
-    ("spook", &[("integrator.kind", "spook")]),
+const CONTACTS: [(&str, &str); 6] = [
+    ("soft", "contact.stiffness=200.0"),
+    ("soft", "contact.law=hertz contact.restitution=0.8"),
+    ("hard", "contact.restitution=0.9"),
+    ("hard", r#"wall=[{kind="thermal"}]"#),
+    ("spook", "integrator.kind=spook"),
     (
         "spook",
-        &[
-            ("integrator.kind", "spook"),
-            ("contact.restitution", "0.6"),
-            ("contact.sweeps", "20"),
-            ("wall", "[{kind=\"hard\", response=\"contact\"}]"),
-        ],
+        r#"integrator.kind=spook contact.restitution=0.6 contact.sweeps=20
+            wall=[{kind="hard", response="contact"}]"#,
     ),
 ];
 
@@ -342,183 +289,125 @@ fn every_contact_between_walls_too() {
             _ => &["bussi", "langevin"],
         };
         for bath in baths {
-            let scene = [
-                ("system.n_atoms", "500"),
-                ("contact.kind", kind),
-                ("contact.diameter", "0.9"),
-                ("stage.production.thermostat", bath),
-            ];
-            assert_eq!(liquid(&[&scene[..], more].concat()), Ok(()), "{kind} {more:?}");
+            let scene = format!(
+                "system.n_atoms=500 contact.kind={kind} contact.diameter=0.9 {more}
+                    stage.production.thermostat={bath}"
+            );
+            assert_eq!(liquid(&scene), Ok(()), "{kind} {more}");
         }
     }
     // Bodies without a pair potential, some of them held.
-    assert_eq!(
-        liquid(&[
-            ("potential", "{ kind = \"none\" }"),
-            ("truncation", "{}"),
-            ("contact.kind", "hard"),
-            ("system.held", "[1, 2, 30]"),
-        ]),
-        Ok(())
-    );
+    let bodies =
+        r#"potential={ kind = "none" } truncation={} contact.kind=hard system.held=[1, 2, 30]"#;
+    assert_eq!(liquid(bodies), Ok(()));
 }
 
 #[test]
 fn slabs_with_their_tail_as_a_force_and_half_crystals() {
-    let planar = [("truncation.kind", "cut"), ("truncation.tail_correction", "planar")];
-    let slab = [
-        ("system", "{ n_atoms = 700, temperature = 0.8, seed = 7 }"),
-        ("start.kind", "slab"),
-        ("truncation", r#"{ kind = "shift", r_cut = 2.5 }"#),
-        ("observable", r#"[{ kind = "interface", every = 4 }]"#),
-    ];
-    let respa = [planar[0], planar[1], ("integrator.kind", "respa")];
-    for more in [&[][..], &planar, &respa] {
-        assert_eq!(liquid(&[&slab[..], more].concat()), Ok(()), "{more:?}");
+    let planar = "truncation.kind=cut truncation.tail_correction=planar";
+    let slab = r#"system={ n_atoms = 700, temperature = 0.8, seed = 7 } start.kind=slab
+        truncation={ kind = "shift", r_cut = 2.5 } observable=[{ kind = "interface", every = 4 }]"#;
+    for more in ["", planar, &format!("{planar} integrator.kind=respa")] {
+        assert_eq!(liquid(&format!("{slab} {more}")), Ok(()), "{more}");
     }
-    assert_eq!(
-        liquid(&[
-            ("system", "{ n_atoms = 700, temperature = 1.0, seed = 7 }"),
-            ("start", r#"{ kind = "half-crystal", cells = 4, layers = 6 }"#),
-            ("truncation", "{ r_cut = 2.5 }"),
-            ("observable", r#"[{ kind = "bond-order", every = 4 }]"#),
-            ("stage.production.thermostat", "bussi"),
-            (
-                "stage.production.barostat",
-                r#"{ kind = "stochastic-cell-rescaling", pressure = 4.0, coupling = "z" }"#,
-            ),
-        ]),
-        Ok(())
-    );
+    let crystal = r#"system={ n_atoms = 700, temperature = 1.0, seed = 7 } truncation={ r_cut = 2.5 }
+        start={ kind = "half-crystal", cells = 4, layers = 6 } stage.production.thermostat=bussi
+        observable=[{ kind = "bond-order", every = 4 }] stage.production.barostat={
+            kind = "stochastic-cell-rescaling", pressure = 4.0, coupling = "z" }"#;
+    assert_eq!(liquid(crystal), Ok(()));
 }
 
 /// A square ring with a tail, as overrides.
-const RING_WITH_A_TAIL: [(&str, &str); 6] = [
-    ("molecule.kind", "sites"),
-    ("molecule.sites", "5"),
-    ("molecule.bonds", "[[1, 2], [2, 3], [3, 4], [1, 4], [5, 4]]"),
-    ("molecule.shape", "[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [-0.6, 1.8, 0]]"),
-    ("molecule.bond_length", "1.0"),
-    ("system.density", "0.04"),
-];
+const RING_WITH_A_TAIL: &str = "molecule.kind=sites molecule.sites=5 molecule.bond_length=1.0
+    molecule.bonds=[[1, 2], [2, 3], [3, 4], [1, 4], [5, 4]] system.density=0.04
+    molecule.shape=[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [-0.6, 1.8, 0]]
+    integrator.kind=velocity-verlet";
 
 /// Springs with dashpots.
-const DAMPED: &[(&str, &str)] = &[("bonds.method", "spring"), ("bonds.damping", "3.0")];
+const DAMPED: &str = "bonds.method=spring bonds.damping=3.0";
+
+/// Chains.
+const CHAIN: &str = "molecule.kind=chain molecule.sites=4 molecule.bond_length=1.0
+    system.density=0.1";
+
+/// Dumbbells between walls have observables of their own.
+const BETWEEN: &str = "truncation.tail_correction=false observable=[]";
 
 /// Ways to hold bonds, and molecules of each kind, as overrides.
-const WAYS: &[&[(&str, &str)]] = &[
-    &[("bonds.method", "direct")],
-    &[("bonds.method", "relaxation")],
-    &[("bonds.method", "relaxation"), ("bonds.direction", "new")],
-    &[("bonds.method", "relaxation"), ("bonds.sweeps", "3")],
-    &[("bonds.method", "spring")],
-    &[("bonds.method", "spring"), ("bonds.scheme", "midpoint")],
-    &[("bonds.method", "spring"), ("bonds.scheme", "linearly-implicit")],
-    DAMPED,
-    &[DAMPED[0], DAMPED[1], ("bonds.scheme", "midpoint"), ("integrator.kind", "leapfrog")],
-    &[DAMPED[0], DAMPED[1], ("bonds.scheme", "linearly-implicit")],
-    &[DAMPED[0], DAMPED[1], ("integrator.kind", "respa")],
-    &[
-        DAMPED[0],
-        DAMPED[1],
-        ("wall", "[{ kind = \"hard\", restitution = 0.9 }]"),
-        ("observable", "[]"),
-    ],
-    &[DAMPED[0], DAMPED[1], ("stage.0.thermostat", "nose-hoover"), ("stage.0.barostat", MTK)],
-    &[("bonds.method", "spook"), ("integrator.kind", "spook")],
-    &[("bonds.method", "direct"), ("kernel.precision", "mixed")],
-    &[("bonds.method", "direct"), ("integrator.kind", "leapfrog")],
-    &[("bonds.method", "relaxation"), ("integrator.kind", "stormer-verlet")],
-    &[("bonds.method", "spring"), ("bonds.scheme", "midpoint"), ("integrator.kind", "leapfrog")],
-    &[("bonds.method", "direct"), ("integrator.kind", "respa")],
-    &[("bonds.method", "spring"), ("bonds.scheme", "midpoint"), ("integrator.kind", "respa")],
-    &[("wall", "[{ kind = \"soft\", restitution = 0.5 }]"), ("observable", "[]")],
-    &[
-        ("bonds.method", "spook"),
-        ("integrator.kind", "spook"),
-        ("contact.kind", "spook"),
-        ("contact.diameter", "0.8"),
-        ("wall", "[{ kind = \"hard\", response = \"contact\", restitution = 0.5 }]"),
-        ("truncation.tail_correction", "false"),
-        ("observable", "[]"),
-    ],
-    &[("observable", "[{ kind = \"orientation\", every = 4, window = 0.1, origins = 3 }]")],
-    &[("wall", "[{ kind = \"wca\" }]"), ("observable", "[]")],
-    &[("bonds.method", "spring"), ("wall", "[{ kind = \"hard\" }]"), ("observable", "[]")],
-    &[("wall", "[{ kind = \"hard\", restitution = 0.9 }]"), ("observable", "[]")],
-    &[("wall", "[{ kind = \"thermal\" }]"), ("observable", "[]")],
-    &[
-        ("bonds.method", "spring"),
-        ("bonds.scheme", "midpoint"),
-        ("wall", "[{ kind = \"hard\" }]"),
-        ("observable", "[]"),
-    ],
-    &[
-        ("stage.0.thermostat", "bussi"),
-        (
-            "stage.0.barostat",
-            "{ kind = \"stochastic-cell-rescaling\", pressure = 1.0, tau = 0.5, interval = 5 }",
+fn ways() -> Vec<String> {
+    let deterministic = format!("stage.0.thermostat=nose-hoover stage.0.barostat={MTK}");
+    let rescaled = r#"stage.0.thermostat=bussi
+        stage.0.barostat={ kind = "stochastic-cell-rescaling",
+        pressure = 1.0, tau = 0.5, interval = 5 }"#;
+    let mut all = vec![
+        format!("{DAMPED}"),
+        format!("{DAMPED} bonds.scheme=midpoint integrator.kind=leapfrog"),
+        format!("{DAMPED} bonds.scheme=linearly-implicit"),
+        format!("{DAMPED} integrator.kind=respa"),
+        format!("{DAMPED} wall=[{{ kind = \"hard\", restitution = 0.9 }}] observable=[]"),
+        format!("{DAMPED} {deterministic}"),
+        format!("{deterministic}"),
+        format!("{deterministic} bonds.method=spring bonds.scheme=midpoint"),
+        format!("contact.diameter=0.8 contact.stiffness=500.0 system.held=[1, 40] {BETWEEN}"),
+        format!(
+            r#"bonds.method=spook integrator.kind=spook contact.kind=spook contact.diameter=0.8
+                wall=[{{ kind = "hard", response = "contact", restitution = 0.5 }}] {BETWEEN}"#
         ),
-    ],
-    &[("stage.0.thermostat", "nose-hoover"), ("stage.0.barostat", MTK)],
-    &[
-        ("stage.0.thermostat", "nose-hoover"),
-        ("stage.0.barostat", MTK),
-        ("bonds.method", "spring"),
-        ("bonds.scheme", "midpoint"),
-    ],
-    &[
-        ("contact.diameter", "0.8"),
-        ("contact.stiffness", "500.0"),
-        ("system.held", "[1, 40]"),
-        ("truncation.tail_correction", "false"),
-        ("observable", "[]"),
-    ],
-    &[
-        ("molecule.kind", "chain"),
-        ("molecule.sites", "4"),
-        ("molecule.bond_length", "1.0"),
-        ("system.density", "0.1"),
-    ],
-    &[
-        ("molecule.kind", "chain"),
-        ("molecule.sites", "3"),
-        ("molecule.bond_length", "1.0"),
-        ("system.density", "0.1"),
-        ("bonds.method", "relaxation"),
-    ],
-    &[
-        ("molecule.kind", "chain"),
-        ("molecule.sites", "4"),
-        ("molecule.bond_length", "1.0"),
-        ("system.density", "0.1"),
-        ("bonds.max_group", "2"),
-    ],
-    &with_shape(TRIANGLE, ("bonds.method", "direct"), PLAIN),
-    &with_shape(RING_WITH_A_TAIL, ("bonds.method", "direct"), PLAIN),
-    &with_shape(RING_WITH_A_TAIL, ("bonds.method", "relaxation"), PLAIN),
-    &with_shape(RING_WITH_A_TAIL, ("bonds.method", "spring"), PLAIN),
-    &with_shape(RING_WITH_A_TAIL, ("bonds.method", "spook"), ("integrator.kind", "spook")),
-];
+        format!("{CHAIN}"),
+        format!("{CHAIN} molecule.sites=3 bonds.method=relaxation"),
+        format!("{CHAIN} bonds.max_group=2"),
+        format!("{TRIANGLE}"),
+        format!("{RING_WITH_A_TAIL} bonds.method=direct"),
+        format!("{RING_WITH_A_TAIL} bonds.method=relaxation"),
+        format!("{RING_WITH_A_TAIL} bonds.method=spring"),
+        format!("{RING_WITH_A_TAIL} bonds.method=spook integrator.kind=spook"),
+    ];
+    let plain = [
+        "bonds.method=direct",
+        "bonds.method=relaxation",
+        "bonds.method=relaxation bonds.direction=new",
+        "bonds.method=relaxation bonds.sweeps=3",
+        "bonds.method=spring",
+        "bonds.method=spring bonds.scheme=midpoint",
+        "bonds.method=spring bonds.scheme=linearly-implicit",
+        "bonds.method=spook integrator.kind=spook",
+        "bonds.method=direct kernel.precision=mixed",
+        "bonds.method=direct integrator.kind=leapfrog",
+        "bonds.method=relaxation integrator.kind=stormer-verlet",
+        "bonds.method=spring bonds.scheme=midpoint integrator.kind=leapfrog",
+        "bonds.method=direct integrator.kind=respa",
+        "bonds.method=spring bonds.scheme=midpoint integrator.kind=respa",
+        r#"wall=[{ kind = "soft", restitution = 0.5 }] observable=[]"#,
+        r#"observable=[{ kind = "orientation", every = 4, window = 0.1, origins = 3 }]"#,
+        r#"wall=[{ kind = "wca" }] observable=[]"#,
+        r#"bonds.method=spring wall=[{ kind = "hard" }] observable=[]"#,
+        r#"wall=[{ kind = "hard", restitution = 0.9 }] observable=[]"#,
+        r#"wall=[{ kind = "thermal" }] observable=[]"#,
+        r#"bonds.method=spring bonds.scheme=midpoint wall=[{ kind = "hard" }] observable=[]"#,
+        rescaled,
+    ];
+    all.extend(plain.map(str::to_owned));
+    all
+}
 
 #[test]
 fn molecules_whatever_holds_their_bonds() {
     // Several tasks of molecules.
-    let size = [("system.n_molecules", "500"), ("stage.0.steps", "45")];
-    for way in WAYS {
-        let by_spook = way.contains(&("bonds.method", "spook"));
+    let size = "system.n_molecules=500 stage.0.steps=45";
+    for way in ways() {
+        let by_spook = way.contains("bonds.method=spook");
         for bath in ["bussi", "langevin"] {
             if by_spook && bath == "langevin" {
                 continue;
             }
-            let scene = [&size[..], &[("stage.0.thermostat", bath)], way].concat();
-            assert_eq!(same(DUMBBELLS, &scene), Ok(()), "{way:?} {bath}");
+            let scene = format!("{size} stage.0.thermostat={bath} {way}");
+            assert_eq!(same(DUMBBELLS, &scene), Ok(()));
         }
     }
 }
 
 /// Begins the liquid in a new folder below a root and runs it until a step.
-fn begun(root: &Path, name: &str, step: u64, overrides: Overrides<'_>) -> PathBuf {
+fn begun(root: &Path, name: &str, step: u64, overrides: &str) -> PathBuf {
     let folder = root.join(name);
     let scene = common::scene(LIQUID, overrides);
     let ending = until(&folder, step, 1, Some(scene), &ResumeOptions::default());
@@ -531,7 +420,7 @@ fn begun(root: &Path, name: &str, step: u64, overrides: Overrides<'_>) -> PathBu
 fn checkpoints_on_the_way_change_no_bit() {
     let root = tempfile::tempdir().unwrap();
     let files = ["0", "1", "7"].map(|every| {
-        let folder = begun(root.path(), every, 0, &[("checkpoint.every_steps", every)]);
+        let folder = begun(root.path(), every, 0, &format!("checkpoint.every_steps={every}"));
         let mut files = results(&folder);
         files.retain(|name, _| {
             !(name.ends_with(".lennard") || name == "scene.toml" || name == "run.json")
@@ -544,8 +433,8 @@ fn checkpoints_on_the_way_change_no_bit() {
 #[test]
 fn a_run_made_longer_is_the_longer_run() {
     let root = tempfile::tempdir().unwrap();
-    let more = [("observable", ALL_OBSERVABLES)];
-    let longer = [more[0], ("stage.production.steps", "340")];
+    let more = format!("observable={ALL_OBSERVABLES}");
+    let longer = format!("{more} stage.production.steps=340");
     let whole = begun(root.path(), "whole", 0, &longer);
     let parts = begun(root.path(), "parts", 0, &more);
     let options = ResumeOptions { more_steps: 200, ..ResumeOptions::default() };
@@ -562,9 +451,9 @@ fn a_run_made_longer_is_the_longer_run() {
 #[test]
 fn a_run_goes_on_without_its_start_configuration() {
     let root = tempfile::tempdir().unwrap();
-    let start = begun(root.path(), "first", 0, &[]).join("final.xyz");
-    let file = format!("{{ kind = \"file\", file = {start:?} }}");
-    let overrides = [("system", "{ temperature = 1.2 }"), ("start", &*file)];
+    let start = begun(root.path(), "first", 0, "").join("final.xyz");
+    let start_file = format!("start={{ kind = \"file\", file = {start:?} }}");
+    let overrides = format!("system={{ temperature = 1.2 }} {start_file}");
     let second = begun(root.path(), "second", 50, &overrides);
     fs::remove_file(&start).unwrap();
     assert_eq!(goes_on(&second, 0, 1, &ResumeOptions::default()), Ending::Finished);

@@ -6,36 +6,23 @@ use lennard_observables::Remark;
 use crate::common::{self, prepared};
 
 const SLAB: &str = r#"
-    [system]
-    n_atoms = 700
-    temperature = 0.8
-    seed = 7
-    [start]
-    kind = "slab"
-    [truncation]
-    kind = "shift"
-    r_cut = 2.5
-    [integrator]
-    dt = 0.004
-    [[stage]]
-    name = "production"
-    steps = 120
-    thermostat = "bussi"
-    [[observable]]
-    kind = "interface"
-    every = 4
-    [output]
-    thermo_every = 7
+    system = { n_atoms = 700, temperature = 0.8, seed = 7 }
+    start = { kind = "slab" }
+    truncation = { kind = "shift", r_cut = 2.5 }
+    integrator = { dt = 0.004 }
+    stage = [{ name = "production", steps = 120, thermostat = "bussi" }]
+    observable = [{ kind = "interface", every = 4 }]
+    output = { thermo_every = 7 }
 "#;
 
-fn build(overrides: &[(&str, &str)]) -> Simulation {
+fn build(overrides: &str) -> Simulation {
     prepared(common::scene(SLAB, overrides))
 }
 
 #[test]
 fn a_slab_has_its_particles_its_two_densities_and_no_overlap() {
     for n in ["300", "701", "1500"] {
-        let scene = common::scene(SLAB, &[("system.n_atoms", n)]);
+        let scene = common::scene(SLAB, &format!("system.n_atoms={n}"));
         let slab = *scene.slab().unwrap();
         let beginning = start(&scene).unwrap();
         let n: usize = n.parse().unwrap();
@@ -64,27 +51,13 @@ fn a_slab_has_its_particles_its_two_densities_and_no_overlap() {
     }
 }
 
-/// The full potential with its tail as a force, in one step and in the two of RESPA.
-const TAILS: [&[(&str, &str)]; 3] = [
-    &[],
-    &[("truncation.kind", "cut"), ("truncation.tail_correction", "planar")],
-    &[
-        ("truncation.kind", "cut"),
-        ("truncation.tail_correction", "planar"),
-        ("integrator.kind", "respa"),
-    ],
-];
+/// The potential that is shifted, and the full one with its tail as a force.
+const TAILS: [&str; 2] = ["", "truncation.kind=cut truncation.tail_correction=planar"];
 
 #[test]
 fn the_planar_tail_is_conserved_with_the_rest_and_keeps_the_middle_of_the_box() {
-    let overrides = [
-        ("truncation.kind", "cut"),
-        ("truncation.tail_correction", "planar"),
-        ("stage.production.thermostat", "none"),
-        ("stage.production.steps", "400"),
-        ("integrator.dt", "0.002"),
-    ];
-    let mut s = build(&overrides);
+    let steps = "stage.production.thermostat=none stage.production.steps=400 integrator.dt=0.002";
+    let mut s = build(&format!("{} {steps}", TAILS[1]));
     assert!(s.tail().is_none(), "no number is added to means");
     s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     let start = s.stage_run().start_energy;
@@ -103,25 +76,16 @@ fn the_planar_tail_is_conserved_with_the_rest_and_keeps_the_middle_of_the_box() 
 #[test]
 fn a_study_of_homogeneous_fluids_refuses_a_planar_tail() {
     let scene = common::scene(SLAB, TAILS[1]);
-    let error = scene.homogeneous_for("lennard study bench").unwrap_err();
-    let text = error.to_string();
-    for words in [
-        "`truncation.tail_correction` does not go with `lennard study bench`",
-        "found:   \"planar\"",
-        "allowed: a homogeneous fluid, with true or false",
-    ] {
-        assert!(text.contains(words), "{text}");
-    }
+    let text = scene.homogeneous_for("lennard study bench").unwrap_err().to_string();
+    assert!(text.contains("`truncation.tail_correction` does not go with `lennard study bench`"));
+    assert!(text.contains("allowed: a homogeneous fluid, with true or false"), "{text}");
 }
 
 #[test]
 fn means_of_one_phase_are_left_out_of_a_slab_and_told_by_name() {
-    let told = |overrides: &[(&str, &str)]| {
-        let mut all = vec![("observable", "[{ kind = \"interface\" }, { kind = \"rdf\" }]")];
-        all.extend_from_slice(overrides);
-        let mut s = build(&all);
-        s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-        s.findings()
+    let told = |overrides: &str| {
+        let both = r#"observable=[{ kind = "interface" }, { kind = "rdf" }]"#;
+        common::ran(common::scene(SLAB, &format!("{both} {overrides}"))).findings()
     };
     let has = |findings: &[lennard_observables::Findings], name: &str| {
         let mut all = findings.iter().flat_map(|f| &f.averages);
@@ -154,21 +118,10 @@ fn means_of_one_phase_are_left_out_of_a_slab_and_told_by_name() {
 }
 
 const QUENCHED: &str = r#"
-    [system]
-    n_atoms = 864
-    density = 0.25
-    temperature = 0.75
-    seed = 3
-    [truncation]
-    kind = "cut"
-    r_cut = 2.5
-    tail_correction = true
-    [integrator]
-    dt = 0.005
-    [[stage]]
-    name = "production"
-    steps = 6000
-    thermostat = { kind = "bussi", tau = 0.2 }
+    system = { n_atoms = 864, density = 0.25, temperature = 0.75, seed = 3 }
+    truncation = { kind = "cut", r_cut = 2.5, tail_correction = true }
+    integrator = { dt = 0.005 }
+    stage = [{ name = "production", steps = 6000, thermostat = { kind = "bussi", tau = 0.2 } }]
 "#;
 
 fn mean_of<'a>(
@@ -180,10 +133,8 @@ fn mean_of<'a>(
 
 /// Findings of a homogeneous start at a temperature.
 fn quenched(temperature: &str) -> Vec<lennard_observables::Findings> {
-    let overrides = [("system.temperature", temperature)];
-    let mut s = prepared(common::scene(QUENCHED, &overrides));
-    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-    s.findings()
+    let keys = format!("system.temperature={temperature}");
+    common::ran(common::scene(QUENCHED, &keys)).findings()
 }
 
 #[test]

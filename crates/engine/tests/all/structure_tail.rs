@@ -7,22 +7,11 @@ use lennard_observables::Remark;
 use crate::common;
 
 const FLUID: &str = r#"
-    [system]
-    n_atoms = 256
-    density = 0.6
-    temperature = 2.0
-    seed = 4
-    [truncation]
-    r_cut = 3.0
-    [integrator]
-    dt = 0.004
-    [[stage]]
-    name = "production"
-    steps = 1000
-    thermostat = "bussi"
-    [[observable]]
-    kind = "kirkwood-buff"
-    every = 20
+    system = { n_atoms = 256, density = 0.6, temperature = 2.0, seed = 4 }
+    truncation = { r_cut = 3.0 }
+    integrator = { dt = 0.004 }
+    stage = [{ name = "production", steps = 1000, thermostat = "bussi" }]
+    observable = [{ kind = "kirkwood-buff", every = 20 }]
 "#;
 
 const REMARK: &str = "the structure is of the fluid without its tail";
@@ -30,7 +19,7 @@ const REMARK: &str = "the structure is of the fluid without its tail";
 #[test]
 fn compressibilities_from_the_structure_are_told_with_the_tail_where_there_is_one() {
     let found = |tail: &str| {
-        let scene = common::scene(FLUID, &[("truncation.tail_correction", tail)]);
+        let scene = common::scene(FLUID, &format!("truncation.tail_correction={tail}"));
         common::ran(scene).findings()
     };
     let without = found("false");

@@ -14,21 +14,13 @@ use lennard_forcefield::Model;
 use crate::common::{self, prepared};
 
 const LIQUID: &str = r#"
-    [system]
-    n_atoms = 256
-    density = 0.8442
-    temperature = 1.4
-    [truncation]
-    kind = "switch"
-    r_cut = 2.5
-    [integrator]
-    dt = 0.004
-    [[stage]]
-    name = "production"
-    steps = 300
+    system = { n_atoms = 256, density = 0.8442, temperature = 1.4 }
+    truncation = { kind = "switch", r_cut = 2.5 }
+    integrator = { dt = 0.004 }
+    stage = [{ name = "production", steps = 300 }]
 "#;
 
-fn build(overrides: &[(&str, &str)]) -> Simulation {
+fn build(overrides: &str) -> Simulation {
     prepared(common::scene(LIQUID, overrides))
 }
 
@@ -100,12 +92,12 @@ impl ForceTerm for Faulty {
 impl Backend for Faulty {}
 
 /// A simulation whose forces miss a pair, or break, after so many evaluations.
-fn faulty(overrides: &[(&str, &str)], misses_after: u64, broken_after: u64) -> Simulation {
+fn faulty(overrides: &str, misses_after: u64, broken_after: u64) -> Simulation {
     let mut simulation = build(overrides);
     let scene = &simulation.scene;
     let model = Model::new(&scene.potential, &scene.truncation).unwrap_or_else(|e| panic!("{e}"));
     let cell = simulation.state.cell;
-    let forces = std::mem::replace(&mut simulation.forces, build(&[]).forces);
+    let forces = std::mem::replace(&mut simulation.forces, build("").forces);
     simulation.forces =
         Box::new(Faulty { forces, evaluations: 0, misses_after, broken_after, cell, model });
     simulation
@@ -115,12 +107,8 @@ fn faulty(overrides: &[(&str, &str)], misses_after: u64, broken_after: u64) -> S
 fn one_missed_pair_just_inside_a_plain_cutoff_stops_the_run() {
     for precision in ["double", "mixed"] {
         let mut simulation = faulty(
-            &[
-                ("truncation.kind", "shift"),
-                ("kernel.precision", precision),
-                // Until each particle has had its turn.
-                ("stage.0.steps", "25700"),
-            ],
+            // Until each particle has had its turn.
+            &format!("truncation.kind=shift kernel.precision={precision} stage.0.steps=25700"),
             130,
             u64::MAX,
         );
@@ -151,13 +139,12 @@ fn every_method_leaves_the_whole_force_which_is_checked_and_found_right() {
     let mut ran = Vec::new();
     for entry in lennard_integrators::integrators() {
         for precision in ["double", "mixed"] {
-            let overrides = [
-                ("integrator.kind", entry.spec.name),
-                // Explicit Euler gains energy.
-                ("integrator.dt", "0.0005"),
-                ("kernel.precision", precision),
-                ("stage.0.steps", "130"),
-            ];
+            // Explicit Euler gains energy.
+            let overrides = format!(
+                "integrator.kind={} integrator.dt=0.0005 kernel.precision={precision}
+                    stage.0.steps=130",
+                entry.spec.name
+            );
             // Its equations are not to be solved with forces of mixed precision.
             if (entry.spec.name, precision) == ("implicit-euler", "mixed") {
                 continue;
@@ -188,26 +175,26 @@ fn every_method_leaves_the_whole_force_which_is_checked_and_found_right() {
 
 #[test]
 fn what_was_checked_is_counted_on_after_a_restart() {
-    let mut whole = build(&[("stage.0.steps", "250")]);
+    let mut whole = build("stage.0.steps=250");
     whole.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(whole.force_check.seen().forces, 3);
     let mut archive = StateArchive::default();
     Persist::save(&whole, &mut archive.writer());
-    let mut again = build(&[("stage.0.steps", "400")]);
+    let mut again = build("stage.0.steps=400");
     again.restore(&archive.reader()).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(again.force_check.seen(), whole.force_check.seen());
     again.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(again.force_check.seen().forces, 5);
     // Nothing that was saved has a default.
     archive.arrays.retain(|name, _| !name.starts_with("force_check"));
-    let error = build(&[("stage.0.steps", "400")]).restore(&archive.reader());
+    let error = build("stage.0.steps=400").restore(&archive.reader());
     let missing = RestoreError::Missing("force_check/forces".into());
     assert_eq!(error, Err(missing));
 }
 
 #[test]
 fn a_force_that_is_not_finite_stops_the_run_at_that_step_and_names_the_particle() {
-    let mut simulation = faulty(&[], u64::MAX, 42);
+    let mut simulation = faulty("", u64::MAX, 42);
     let error = simulation.follow(&mut Unfollowed).expect_err("a force was not finite");
     assert_eq!(error.exit_code(), 3);
     let text = error.to_string();
@@ -226,7 +213,7 @@ fn a_force_that_is_not_finite_stops_the_run_at_that_step_and_names_the_particle(
 
 #[test]
 fn a_method_that_is_stable_at_no_step_is_not_told_to_take_a_smaller_one() {
-    let error = build(&[("integrator.kind", "explicit-euler")])
+    let error = build("integrator.kind=explicit-euler")
         .follow(&mut Unfollowed)
         .expect_err("explicit Euler heats until it fails");
     let text = error.to_string();
@@ -243,7 +230,7 @@ fn a_method_that_is_stable_at_no_step_is_not_told_to_take_a_smaller_one() {
 #[allow(clippy::print_stdout)] // a measurement is read by a person
 fn what_watching_costs() {
     for n in ["864", "32000", "256000"] {
-        let mut simulation = build(&[("system.n_atoms", n), ("stage.0.steps", "200")]);
+        let mut simulation = build(&format!("system.n_atoms={n} stage.0.steps=200"));
         let clock = Instant::now();
         simulation.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
         let step = clock.elapsed().as_secs_f64() / 200.0;
