@@ -8,7 +8,6 @@ mod kernels;
 mod mixtures;
 mod nist;
 mod ranks;
-mod stride_baths;
 mod strides;
 mod tables;
 mod walls;

@@ -1,43 +1,79 @@
 //! Fused steps have the bits of single steps.
 
 use crate::common::*;
+use lennard_core::random::Streams;
 use lennard_core::{
-    Backend, Configuration, DVec3, ForceError, ForceTerm, FusedSteps, Masses, Part, PeriodicBox,
-    Want,
+    Backend, BathStep, Configuration, DVec3, ForceError, ForceTerm, FrictionAndNoise, FusedBath,
+    FusedSteps, Masses, Moving, Part, PeriodicBox, Thermostat, Want,
 };
 use lennard_forcefield::{
     ForceFieldOptions, Kernel, KernelOptions, ListMode, NeighborOptions, PairForces, Precision,
     TruncationKind, TruncationOptions, build,
 };
 
-const DT: f64 = 0.004;
-
-/// A fluid before the evaluation of its forces.
-#[derive(Clone, PartialEq)]
+/// A fluid before the evaluation of its forces, alone or with a bath or noise.
+#[derive(Clone)]
 struct Fluid {
     cell: PeriodicBox,
     positions: Vec<DVec3>,
     velocities: Vec<DVec3>,
+    step: u64,
+    bath: Option<Sensitive>,
+    noise: Option<FrictionAndNoise>,
+    heats: Vec<f64>,
+}
+
+impl PartialEq for Fluid {
+    fn eq(&self, other: &Self) -> bool {
+        let vectors = |f: &Self| (f.positions.clone(), f.velocities.clone());
+        let bath = |f: &Self| (f.step, f.bath.clone(), f.heats.clone());
+        vectors(self) == vectors(other) && bath(self) == bath(other)
+    }
 }
 
 impl Fluid {
     fn start(cell: PeriodicBox, positions: Vec<DVec3>) -> Self {
         let noise = scatter(positions.len(), DVec3::splat(4.0), 0.7);
-        Self { cell, positions, velocities: noise.iter().map(|v| *v - DVec3::splat(2.0)).collect() }
+        let velocities = noise.iter().map(|v| *v - DVec3::splat(2.0)).collect();
+        let heats = Vec::new();
+        Self { cell, positions, velocities, step: 100, bath: None, noise: None, heats }
     }
 
     /// One step of the sequence that fused steps promise.
     fn step(&mut self, forces: &mut PairForces, masses: &Masses) -> Result<(), ForceError> {
         let (f, _) = evaluate(forces, self.cell, &self.positions, Part::All, Want::NOTHING)?;
-        kick(&mut self.velocities, &f, masses, 0.5 * DT);
-        kick(&mut self.velocities, &f, masses, 0.5 * DT);
-        drift(&mut self.positions, &self.velocities, DT);
+        let v = &mut self.velocities;
+        kick(v, &f, masses, 0.5 * DT);
+        if let Some(bath) = &mut self.bath
+            && bath.acts_after(self.step)
+        {
+            let kinetic = masses.kinetic_energy(v);
+            let factor = bath.factor(BathStep { kinetic, n_dof: 12.0, dt: DT, step: self.step });
+            v.iter_mut().for_each(|v| *v *= factor);
+            self.heats.push(factor * factor * kinetic - kinetic);
+        }
+        kick(v, &f, masses, 0.5 * DT);
+        if let Some(noise) = self.noise {
+            drift(&mut self.positions, v, 0.5 * DT);
+            let of_step = noise.in_step(self.step, DT);
+            let (positions, velocities) = (&mut self.positions[..], &mut self.velocities[..]);
+            let moving = Moving { positions, velocities, forces: &f };
+            self.heats.push(moving.noise(&of_step, masses));
+            drift(&mut self.positions, &self.velocities, 0.5 * DT);
+        } else {
+            drift(&mut self.positions, v, DT);
+        }
+        self.step += 1;
         Ok(())
     }
 
     fn stride(&mut self, forces: &mut PairForces, masses: &Masses, steps: u64) -> u64 {
         let n = self.positions.len();
-        forces.advance(&mut FusedSteps {
+        let bath = match self.noise {
+            Some(noise) => Some(FusedBath::noise(noise, DT, self.step)),
+            None => self.bath.as_mut().map(|bath| FusedBath::scaling(bath, 12.0, DT, self.step)),
+        };
+        let mut steps = FusedSteps {
             cell: &self.cell,
             positions: &mut self.positions,
             velocities: &mut self.velocities,
@@ -45,8 +81,14 @@ impl Fluid {
             masses,
             dt: DT,
             steps,
-            bath: None,
-        })
+            bath,
+        };
+        let taken = forces.advance(&mut steps);
+        if let Some(bath) = steps.bath {
+            self.heats.extend(bath.into_heats());
+        }
+        self.step += taken;
+        taken
     }
 }
 
@@ -60,59 +102,102 @@ fn options(kernel: KernelOptions, kind: TruncationKind) -> ForceFieldOptions {
     }
 }
 
+/// Wants the bits of single steps from strides of several lengths on several numbers of threads.
+fn has_the_bits_of_single_steps(
+    start: &Fluid,
+    fresh: &dyn Fn() -> PairForces,
+    masses: &Masses,
+    what: &str,
+) {
+    let (mut one, mut forces) = (start.clone(), fresh());
+    for _ in 0..60 {
+        one.step(&mut forces, masses).unwrap();
+    }
+    let expected = forces.statistics();
+    assert!((3..40).contains(&expected.builds), "{}", expected.builds);
+    assert_eq!(one.heats.len() > 12, start.bath.is_some() || start.noise.is_some());
+    for (threads, lengths) in [(1, [60, 0]), (2, [59, 1]), (3, [7, 9])] {
+        let (mut all, mut forces) = (start.clone(), fresh());
+        let left = in_threads(threads, || {
+            let mut left = 60;
+            for length in lengths.into_iter().cycle() {
+                left -= all.stride(&mut forces, masses, length.min(left));
+                if left == 0 {
+                    break;
+                }
+                // A method takes single steps between two strides.
+                all.step(&mut forces, masses).unwrap();
+                left -= 1;
+            }
+            left
+        });
+        assert_eq!(left, 0);
+        assert!(all == one, "{what}, {threads} threads, {lengths:?}");
+        let found = forces.statistics();
+        let counts = [found, expected].map(|s| (s.builds, s.evaluations));
+        assert_eq!(counts[0], counts[1], "{what}, {threads} threads, {lengths:?}");
+    }
+}
+
 #[test]
 fn strides_of_any_length_have_the_bits_of_single_steps() {
+    let noise = FrictionAndNoise {
+        friction: 2.0,
+        temperature: 1.3.into(),
+        noise: Streams::new(9).noise("langevin"),
+    };
+    let bath = |every| Some(Sensitive { every, acted: 0 });
     // The numbers are no multiples of four or of a chunk. Each thread packs the rows of the first, and all threads pack
     // the rows of the second.
     for (k, shift) in [([7, 8, 9], 0.0), ([13, 14, 13], -3e6)] {
         let (cell, start) = liquid(k, 0.8, 0.1);
         let home = shift * cell.lengths();
         let start = Fluid::start(cell, start.into_iter().map(|r| r + home).collect());
+        let n = start.positions.len();
         for kernel in kernels() {
-            let cases = [
-                (TruncationKind::Shift, 1.0, 1),
-                (TruncationKind::Switch, 2.5, 1),
-                (TruncationKind::Shift, 1.0, 2),
-                (TruncationKind::ForceShift, 1.0, 3),
-            ];
-            for (kind, mass, species) in cases {
-                let masses = Masses::Uniform(mass);
-                let n = start.positions.len();
+            for (kind, mass, species, bath, noise) in [
+                (TruncationKind::Shift, 1.0, 1, None, None),
+                (TruncationKind::Switch, 2.5, 1, None, None),
+                (TruncationKind::Shift, 1.0, 2, None, None),
+                (TruncationKind::ForceShift, 1.0, 3, None, None),
+                (TruncationKind::Shift, 1.5, 1, bath(1), None),
+                (TruncationKind::Shift, 1.5, 1, bath(3), None),
+                (TruncationKind::Shift, 1.5, 1, None, Some(noise)),
+            ] {
+                let what = format!("{kernel:?}, {kind:?}, {species} species, {bath:?}, {noise:?}");
                 let mixture = mixture_or_one(species, 2.3, n);
                 let fresh = || built(&options(kernel, kind), mixture.as_ref(), cell, n);
-                let (mut one, mut forces) = (start.clone(), fresh());
-                for _ in 0..60 {
-                    one.step(&mut forces, &masses).unwrap();
-                }
-                let expected = forces.statistics();
-                assert!((3..40).contains(&expected.builds), "{}", expected.builds);
-                for (threads, lengths) in [(1, [60, 0]), (2, [59, 1]), (3, [7, 9])] {
-                    let (mut all, mut forces) = (start.clone(), fresh());
-                    in_threads(threads, || {
-                        let mut left = 60;
-                        for length in lengths.into_iter().cycle() {
-                            left -= all.stride(&mut forces, &masses, length.min(left));
-                            if left == 0 {
-                                break;
-                            }
-                            // A method takes single steps between two strides.
-                            all.step(&mut forces, &masses).unwrap();
-                            left -= 1;
-                        }
-                    });
-                    let what = format!(
-                        "{kernel:?}, {kind:?}, {species} species, {threads} threads, {lengths:?}"
-                    );
-                    assert!(all == one, "{what}");
-                    let found = forces.statistics();
-                    assert_eq!(
-                        (found.builds, found.evaluations),
-                        (expected.builds, expected.evaluations),
-                        "{what}"
-                    );
-                }
+                let start = Fluid { bath, noise, ..start.clone() };
+                has_the_bits_of_single_steps(&start, &fresh, &Masses::Uniform(mass), &what);
             }
         }
+    }
+}
+
+#[test]
+fn a_stride_that_fails_under_a_bath_changes_no_particle() {
+    let (cell, positions) = liquid([8, 8, 8], 0.8, 0.1);
+    let n = positions.len();
+    let mut start = Fluid::start(cell, positions);
+    start.bath = Some(Sensitive { every: 1, acted: 0 });
+    start.velocities = vec![DVec3::X; n];
+    start.velocities[77].y = f64::INFINITY;
+    let masses = Masses::Uniform(1.5);
+    for kernel in kernels() {
+        let options = ForceFieldOptions { kernel, ..ForceFieldOptions::default() };
+        let (mut fluid, mut forces) = (start.clone(), built(&options, None, cell, n));
+        assert_eq!(fluid.stride(&mut forces, &masses, 9), 0);
+        assert_eq!(fluid.positions, start.positions);
+        assert_eq!(fluid.velocities, start.velocities);
+        assert!(fluid.bath != start.bath, "the caller gives the bath its memory back");
+        // The kinetic energy of the next stride has nothing of the last one.
+        let [mut other, mut alone] = [start.clone(), start.clone()].map(|mut fluid| {
+            fluid.velocities[77] = DVec3::X;
+            fluid
+        });
+        assert_eq!(other.stride(&mut forces, &masses, 9), 9);
+        alone.stride(&mut built(&options, None, cell, n), &masses, 9);
+        assert!(other == alone, "{kernel:?}");
     }
 }
 
@@ -216,9 +301,9 @@ fn a_stride_leaves_what_is_not_finite_to_single_steps() {
         // The same two alone.
         meeting.cell = roomy;
         let alone = Fluid {
-            cell: roomy,
             positions: meeting.positions[77..79].to_vec(),
             velocities: meeting.velocities[77..79].to_vec(),
+            ..meeting.clone()
         };
         for kernel in kernels() {
             for (cell, start, least) in
