@@ -311,14 +311,3 @@ fn every_equation_names_source_range_and_status() {
         assert!(!format!("{s:?}").contains("from memory"));
     }
 }
-
-#[test]
-fn a_state_that_an_equation_does_not_cover_says_what_it_covers() {
-    let said = |rho, t| thol_2016().check(rho, t).unwrap_err().to_string();
-    assert_eq!(
-        said(-0.5, 1.0),
-        "density and temperature must be finite positive numbers, found density -0.5 and temperature 1"
-    );
-    assert_eq!(said(0.8, 0.5), "Thol 2016 covers temperatures from 0.66 to 9.24, found 0.5");
-    assert!(said(1.5, 9.0).starts_with("Thol 2016 covers pressures up to "));
-}

@@ -1,4 +1,5 @@
-//! The numbers of the study: each against theory, with a tolerance that its cause explains.
+//! The numbers of the study against theory, with tolerances that their causes explain. What is a row of `claims.csv` is judged there: two
+//! rows differ, and theory agrees with all.
 
 use std::sync::LazyLock;
 
@@ -26,23 +27,6 @@ fn limit(method: &str) -> Option<f64> {
 }
 
 #[test]
-fn the_verlet_family_and_symplectic_euler_are_stable_up_to_two() {
-    // What 50 000 steps can see of a growth rate √(8δ): δ ≈ 10⁻⁸, and 10⁻⁶ is asked for.
-    for method in [
-        "velocity-verlet",
-        "velocity-verlet-short",
-        "leapfrog",
-        "stormer-verlet",
-        "stormer-verlet-time-corrected",
-        "stormer-verlet-variable",
-        "symplectic-euler",
-    ] {
-        let measured = limit(method).expect("it has a limit");
-        assert!((measured / 2.0 - 1.0).abs() < 1e-6, "{method}: {measured}");
-    }
-}
-
-#[test]
 fn every_method_has_the_limit_of_its_declared_map() {
     for m in &QUICK.methods {
         match (m.measured_limit, m.theory_limit) {
@@ -66,19 +50,6 @@ fn every_method_has_the_limit_of_its_declared_map() {
 }
 
 #[test]
-fn explicit_euler_grows_and_implicit_euler_decays_by_the_root_of_one_plus_the_square() {
-    for omega_h in [0.05, 0.167, 0.5, 1.0] {
-        let factor = 1.0_f64.hypot(omega_h);
-        let explicit =
-            amplification::mean_growth(entry("explicit-euler").unwrap(), omega_h).unwrap();
-        let implicit =
-            amplification::mean_growth(entry("implicit-euler").unwrap(), omega_h).unwrap();
-        assert!((explicit - factor).abs() < 1e-10, "{explicit}");
-        assert!((implicit - 1.0 / factor).abs() < 1e-10, "{implicit}");
-    }
-}
-
-#[test]
 fn spook_turns_by_twice_the_arctangent_and_swings_by_the_root_at_every_finite_stiffness() {
     let spook = entry("spook").unwrap();
     // At ωh = 2 a step is a quarter of a turn, and no sample comes near a crest.
@@ -98,17 +69,6 @@ fn spook_turns_by_twice_the_arctangent_and_swings_by_the_root_at_every_finite_st
 }
 
 #[test]
-fn just_inside_the_limit_symplectic_euler_swings_by_two_over_h() {
-    let case = QUICK.cases.iter().find(|c| c.name == "k-inside").unwrap();
-    let symplectic = case.summaries.iter().find(|s| s.method == "symplectic-euler").unwrap();
-    let amplitude = 2.0 / displacement::STEP;
-    assert!(amplitude > 100.0);
-    // The one-step map gives 2/h exactly; its trace is within 3·10⁻⁴ of −2, which magnifies rounding.
-    assert!((symplectic.theory_amplitude.unwrap() / amplitude - 1.0).abs() < 1e-10);
-    assert!((symplectic.measured_amplitude.unwrap() / amplitude - 1.0).abs() < 1e-6);
-}
-
-#[test]
 fn declared_maps_and_long_runs_agree_on_every_fate() {
     for case in &QUICK.cases {
         for s in &case.summaries {
@@ -124,6 +84,8 @@ fn declared_maps_and_long_runs_agree_on_every_fate() {
 #[test]
 fn at_infinite_stiffness_spook_grows_as_two_n_plus_one_without_damping_and_decays_with_it() {
     let found = &QUICK.infinite;
+    // At its limit, symplectic Euler does the same.
+    assert!(found.at_limit.deviation_from_linear < 1e-6, "{:?}", found.at_limit);
     // Rounding splits the double eigenvalue −1 by some 10⁻⁸: (n·10⁻⁸)² over 20 000 steps.
     assert!(found.deviation_from_linear < 1e-6, "{}", found.deviation_from_linear);
     for run in &found.rigid {
@@ -148,15 +110,6 @@ fn at_infinite_stiffness_spook_grows_as_two_n_plus_one_without_damping_and_decay
 }
 
 #[test]
-fn the_discretisation_error_has_the_coefficient_one_over_twenty_four() {
-    for growth in QUICK.growth.iter().filter(|g| g.wh < 0.15) {
-        assert!((24.0 * growth.exact_start_coefficient - 1.0).abs() < 0.01);
-        assert!((24.0 * growth.taylor_start_coefficient - 1.0).abs() < 0.01);
-        assert!((16.0 * growth.taylor_start_offset + 1.0).abs() < 0.01);
-    }
-}
-
-#[test]
 fn measured_orders_are_the_declared_ones() {
     let o = &QUICK.orders;
     let lines = o
@@ -176,12 +129,6 @@ fn measured_orders_are_the_declared_ones() {
 }
 
 #[test]
-fn the_energy_of_velocity_verlet_does_not_drift_and_it_equals_stormer_verlet() {
-    assert!(QUICK.orders.energy_drift_share < 1e-2);
-    assert!(QUICK.orders.velocity_verlet_against_stormer < 1e-12);
-}
-
-#[test]
 fn two_claims_of_the_manual_fail_where_a_map_has_one_eigenvector() {
     let claims = claims();
     let failing = claims.iter().filter(|c| c.verdict == Verdict::Differs);
@@ -192,23 +139,6 @@ fn two_claims_of_the_manual_fail_where_a_map_has_one_eigenvector() {
     for claim in &claims {
         assert!(claim.theory_agrees, "{claim:?}");
     }
-}
-
-#[test]
-fn at_its_limit_symplectic_euler_grows_as_two_n_plus_one() {
-    let found = &QUICK.infinite.at_limit;
-    // ωh is rounded, which splits the double eigenvalue −1 by some 10⁻⁸.
-    assert!(found.deviation_from_linear < 1e-6, "{found:?}");
-    assert!((found.growth_of_halves - 2.0).abs() < 1e-3, "{found:?}");
-}
-
-#[test]
-fn local_errors_add_up_to_triangular_numbers() {
-    for (n, errors) in &QUICK.orders.accumulation {
-        let sum = f64::from(n * (n + 1) / 2);
-        assert!((errors / sum - 1.0).abs() < 0.01, "{n}: {errors}");
-    }
-    assert_eq!(QUICK.refused_changes, 1.0);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-use crate::sweep::{load, plan};
+use crate::sweep::{Sweep, load, plan};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
@@ -6,15 +6,26 @@ fn inputs() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../inputs")
 }
 
-fn sweep_of(text: &str) -> Result<Vec<String>, String> {
+/// A file `sweep.toml` over one of the shipped scenes, read by `read`.
+fn read<T>(base: &str, text: &str, read: impl FnOnce(&std::path::Path) -> T) -> T {
     let folder = tempfile::tempdir().unwrap();
-    let base = inputs().join("verlet-1967/state-point.toml");
+    let base = inputs().join(base);
     let path = folder.path().join("sweep.toml");
     std::fs::write(&path, format!("base = {base:?}\n{text}")).unwrap();
-    match load(&path, &[]) {
-        Ok(sweep) => Ok(sweep.points.iter().map(|p| p.name.to_string()).collect()),
-        Err(e) => Err(e.to_string()),
-    }
+    read(&path)
+}
+
+const STATE_POINT: &str = "verlet-1967/state-point.toml";
+
+fn loaded(base: &str, text: &str, set: &[(&str, &str)]) -> Result<Sweep, String> {
+    let owned = |(key, value): &(&str, &str)| ((*key).to_owned(), (*value).to_owned());
+    let set: Vec<_> = set.iter().map(owned).collect();
+    read(base, text, |path| load(path, &set).map_err(|e| e.to_string()))
+}
+
+fn sweep_of(text: &str) -> Result<Vec<String>, String> {
+    let sweep = loaded(STATE_POINT, text, &[])?;
+    Ok(sweep.points.iter().map(|p| p.name.to_string()).collect())
 }
 
 #[test]
@@ -30,13 +41,7 @@ fn points_and_grids_multiply() {
 
 #[test]
 fn bonds_and_molecules_are_keys_of_a_sweep_of_molecules() {
-    let of_molecules = |text: &str| {
-        let folder = tempfile::tempdir().unwrap();
-        let base = inputs().join("dumbbell/liquid.toml");
-        let path = folder.path().join("sweep.toml");
-        std::fs::write(&path, format!("base = {base:?}\n{text}")).unwrap();
-        load(&path, &[]).map_err(|e| e.to_string())
-    };
+    let of_molecules = |text: &str| loaded("dumbbell/liquid.toml", text, &[]);
     let sweep = of_molecules("[grid]\nbond_length = [0.505, 0.67]\nn_molecules = 256\n").unwrap();
     let names: Vec<&str> = sweep.points.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names, ["M256-L0.505", "M256-L0.67"]);
@@ -62,12 +67,8 @@ fn bonds_and_molecules_are_keys_of_a_sweep_of_molecules() {
 /// from seed and point alone, whatever else the sweep holds, and in any order. It does not judge the noise.
 #[test]
 fn every_point_has_a_seed_of_its_own() {
-    let seeds = |text: &str, set: &[(String, String)]| -> BTreeMap<String, u64> {
-        let folder = tempfile::tempdir().unwrap();
-        let base = inputs().join("verlet-1967/state-point.toml");
-        let path = folder.path().join("sweep.toml");
-        std::fs::write(&path, format!("base = {base:?}\n{text}")).unwrap();
-        let points = load(&path, set).unwrap().points;
+    let seeds = |text: &str, set: &[(&str, &str)]| -> BTreeMap<String, u64> {
+        let points = loaded(STATE_POINT, text, set).unwrap().points;
         points.into_iter().map(|p| (p.name.to_string(), p.scene.system.seed)).collect()
     };
     let grid = "[grid]\ndensity = [0.5, 0.6]\ntemperature = [1.5, 2]\n";
@@ -79,8 +80,7 @@ fn every_point_has_a_seed_of_its_own() {
     // Without seeds in the sweep, the seed of the base counts, or the seed on the command line.
     let of_base = seeds(grid, &[]);
     assert_eq!(of_base.values().collect::<BTreeSet<_>>().len(), 4);
-    let set = [("system.seed".to_owned(), "2".to_owned())];
-    let typed = seeds(grid, &set);
+    let typed = seeds(grid, &[("system.seed", "2")]);
     assert_eq!(typed["rho0.6-T2"], given["rho0.6-T2-seed2"]);
     assert_ne!(typed["rho0.6-T2"], of_base["rho0.6-T2"]);
     // Written down: results of finished sweeps depend on it.
@@ -172,13 +172,8 @@ fn what_is_no_sweep_is_said_clearly() {
 
 #[test]
 fn a_longer_point_has_more_measured_steps_and_no_other_name() {
-    let folder = tempfile::tempdir().unwrap();
-    let base = inputs().join("verlet-1967/state-point.toml");
-    let path = folder.path().join("sweep.toml");
     let text = "[[point]]\ndensity = 0.5\nlonger = 2.5\n[[point]]\ndensity = 0.6\n";
-    std::fs::write(&path, format!("base = {base:?}\n{text}")).unwrap();
-    let steps = [("stage.production.steps".to_owned(), "1001".to_owned())];
-    let sweep = load(&path, &steps).unwrap();
+    let sweep = loaded(STATE_POINT, text, &[("stage.production.steps", "1001")]).unwrap();
     let found: Vec<_> = sweep
         .points
         .iter()
@@ -189,11 +184,8 @@ fn a_longer_point_has_more_measured_steps_and_no_other_name() {
 
 #[test]
 fn a_start_from_a_file_has_its_density_and_number_of_particles() {
-    let folder = tempfile::tempdir().unwrap();
-    let base = inputs().join("fluid/from-configuration.toml");
-    let path = folder.path().join("sweep.toml");
-    std::fs::write(&path, format!("base = {base:?}\n[grid]\ntemperature = [1.0, 1.2]\n")).unwrap();
-    for point in load(&path, &[]).unwrap().points {
+    let text = "[grid]\ntemperature = [1.0, 1.2]\n";
+    for point in loaded("fluid/from-configuration.toml", text, &[]).unwrap().points {
         // NIST's number 4: 30 particles in a cube of side 8.
         assert_eq!(point.atoms, 30);
         assert!((point.density - 30.0 / 512.0).abs() < 1e-12, "{}", point.density);
@@ -252,14 +244,11 @@ fn short_names_and_full_names_are_one_key() {
 
 #[test]
 fn more_points_than_one_process_runs_are_listed_for_many() {
-    let folder = tempfile::tempdir().unwrap();
-    let base = inputs().join("verlet-1967/state-point.toml");
-    let path = folder.path().join("sweep.toml");
     let seeds: Vec<String> = (1..=10_001).map(|seed| seed.to_string()).collect();
-    let text = format!("base = {base:?}\n[grid]\nseed = [{}]\n", seeds.join(", "));
-    std::fs::write(&path, text).unwrap();
-    assert_eq!(plan(&path, &[]).unwrap().points.len(), 10_001);
-    let refused = load(&path, &[]).unwrap_err().to_string();
+    let text = format!("[grid]\nseed = [{}]\n", seeds.join(", "));
+    let planned = read(STATE_POINT, &text, |path| plan(path, &[]).unwrap().points.len());
+    assert_eq!(planned, 10_001);
+    let refused = loaded(STATE_POINT, &text, &[]).unwrap_err();
     assert!(refused.contains("found:   more than 10000 points"), "{refused}");
     assert!(refused.contains("`--points`"), "{refused}");
 }
