@@ -298,6 +298,9 @@ mod tests {
         let found = check_speeds(&state(1.001 * LARGEST_MOVE / dt), dt, LARGEST_MOVE);
         assert!(matches!(found, Err(Symptom::TooFast { particle: 1, .. })), "{found:?}");
         assert!(check_speeds(&state(f64::NAN), dt, LARGEST_MOVE).is_err());
+        for (change, is_sound) in [(0.9, true), (-0.9, true), (1.1, false), (-1.1, false)] {
+            assert_eq!(check_energy(-4.0, -4.0 + change).is_ok(), is_sound, "{change}");
+        }
         assert!(check_energy(-4.0, f64::NAN).is_err());
     }
 
@@ -344,7 +347,7 @@ mod tests {
     fn the_rough_limit_lies_near_the_known_one() {
         // Blow-up of velocity Verlet near the triple point is seen between 0.02 and 0.04 τ.
         let h = rough_stable_dt(0.722, 2.0);
-        assert!((0.02..0.06).contains(&h), "{h}");
+        assert!((0.02..0.045).contains(&h), "{h}");
     }
 
     #[test]
