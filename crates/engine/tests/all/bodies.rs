@@ -19,7 +19,7 @@ fn of_inputs(name: &str, overrides: &str) -> Simulation {
     ran(scene_of_inputs(name, overrides))
 }
 
-/// Orders, energies and rules of these problems are judged by the study of mechanics: here, the scenes that come along end as it says.
+/// The study of mechanics judges orders, energies and rules of these problems. Here, the scenes that come along end as it says.
 #[test]
 fn scenes_of_pendulums_and_chains_end_at_their_high_precision_solutions() {
     let at = DVec3::new;

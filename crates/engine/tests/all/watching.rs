@@ -1,6 +1,4 @@
-//! The watchdog at work in a run, and what it costs.
-
-use std::time::Instant;
+//! The watchdog at work in a run.
 
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceStatistics,
@@ -222,48 +220,4 @@ fn a_method_that_is_stable_at_no_step_is_not_told_to_take_a_smaller_one() {
     let (_, speed) = text.split_once("fastest: particle").expect("the fastest");
     let speed = speed.lines().next().expect("its line");
     assert!(!speed.contains("e0") && !speed.contains("e1"), "{speed}");
-}
-
-/// Run with `cargo test --release -p lennard-engine --test all watching -- --ignored --nocapture`.
-#[test]
-#[ignore = "a measurement: prints what watching costs"]
-#[allow(clippy::print_stdout)] // a measurement is read by a person
-fn what_watching_costs() {
-    for n in ["864", "32000", "256000"] {
-        let mut simulation = build(&format!("system.n_atoms={n} stage.0.steps=200"));
-        let clock = Instant::now();
-        simulation.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
-        let step = clock.elapsed().as_secs_f64() / 200.0;
-        let repeats = 100;
-        let clock = Instant::now();
-        for _ in 0..repeats {
-            watchdog::check_speeds(&simulation.state, 0.004, 0.2)
-                .unwrap_or_else(|e| panic!("{e:?}"));
-        }
-        let speeds = clock.elapsed().as_secs_f64() / f64::from(repeats);
-        let clock = Instant::now();
-        for _ in 0..repeats {
-            simulation
-                .force_check
-                .look(&simulation.state, |_| DVec3::ZERO)
-                .unwrap_or_else(|e| panic!("{e:?}"));
-        }
-        let forces = clock.elapsed().as_secs_f64() / f64::from(repeats);
-        let mut aside = simulation.state.clone();
-        let clock = Instant::now();
-        for _ in 0..repeats {
-            aside.positions.clone_from(&simulation.state.positions);
-            aside.velocities.clone_from(&simulation.state.velocities);
-        }
-        let copy = clock.elapsed().as_secs_f64() / f64::from(repeats);
-        let cost = speeds / watchdog::EVERY as f64 + (forces + copy) / watchdog::LISTS_EVERY as f64;
-        println!(
-            "{n} particles: a step {:.1} µs; a look at speeds {:.2} µs, at forces {:.2} µs, a state set aside {:.2} µs; watching costs {:.3} % of a step",
-            1e6 * step,
-            1e6 * speeds,
-            1e6 * forces,
-            1e6 * copy,
-            100.0 * cost / step
-        );
-    }
 }

@@ -6,7 +6,7 @@ use lennard_core::{
     WallReading, Want,
 };
 use lennard_forcefield::{
-    ConstantField, SlitPlanes, Surface, WallContext, WallOptions, WallPair, WallPoint, Walls, walls,
+    ConstantField, SlitPlanes, Surface, WallContext, WallOptions, WallPair, WallPoint, Walls,
 };
 
 const CONTEXT: WallContext = WallContext { temperature: 1.5 };
@@ -33,21 +33,6 @@ fn exerting() -> Vec<(&'static str, lennard_forcefield::WallForce)> {
         Surface::Hit(_) => None,
     })
     .collect()
-}
-
-#[test]
-fn the_list_the_names_and_the_scene_tables_agree() {
-    let all = WallOptions::all();
-    assert_eq!(all.len(), walls().len());
-    for (wall, spec) in all.iter().zip(walls()) {
-        let written = toml::to_string(wall).unwrap();
-        assert!(written.contains(&format!("kind = \"{}\"", spec.name)), "{written}");
-        assert_eq!(&options(&format!("kind = \"{}\"", spec.name)), wall);
-        assert!(wall.check().is_ok());
-        for text in [spec.summary, spec.equation, spec.source] {
-            assert!(!text.is_empty());
-        }
-    }
 }
 
 #[test]

@@ -15,19 +15,6 @@ fn the_first_free_number_is_taken() {
     assert_eq!(made.path(), runs.join("gas-2"));
 }
 
-#[test]
-fn an_existing_folder_is_refused_and_left_alone_without_force() {
-    let root = tempfile::tempdir().unwrap();
-    let path = root.path().join("out");
-    fs::create_dir(&path).unwrap();
-    create_named_folder(&path, Existing::Refuse).expect("an empty one is as good as none");
-    fs::write(path.join("run.json"), "{}").unwrap();
-    let error = create_named_folder(&path, Existing::Refuse).unwrap_err();
-    assert!(matches!(error, FolderError::Exists { .. }));
-    assert!(error.to_string().contains("--force"));
-    assert!(path.join("run.json").exists());
-}
-
 /// The names in a folder, in order.
 fn names_in(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
@@ -79,27 +66,6 @@ fn an_abandoned_folder_has_no_file_of_the_run_and_gets_none() {
 }
 
 #[test]
-fn force_on_a_folder_that_holds_no_run_removes_nothing() {
-    let root = tempfile::tempdir().unwrap();
-    fs::write(root.path().join("data.csv"), "x").unwrap();
-    create_named_folder(root.path(), Existing::Replace).unwrap();
-    assert!(root.path().join("data.csv").exists());
-}
-
-#[test]
-fn a_path_that_cannot_be_made_is_named_with_its_cause() {
-    let root = tempfile::tempdir().unwrap();
-    let file = root.path().join("file");
-    fs::write(&file, "x").unwrap();
-    let error = create_named_folder(&file, Existing::Replace).unwrap_err();
-    assert!(matches!(error, FolderError::NotAFolder { .. }));
-    let below = file.join("out");
-    let error = create_named_folder(&below, Existing::Refuse).unwrap_err();
-    assert!(error.to_string().contains("file/out"), "{error}");
-    assert!(create_numbered_folder(&file, "gas").is_err());
-}
-
-#[test]
 fn a_folder_is_held_until_it_is_dropped_and_the_process_is_named() {
     let root = tempfile::tempdir().unwrap();
     let path = root.path().join("out");
@@ -142,16 +108,6 @@ fn the_claim_of_another_machine_holds_until_it_is_no_longer_renewed() {
     assert!(fs::read_to_string(&claim).unwrap().starts_with(&std::process::id().to_string()));
     drop(held);
     assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0);
-}
-
-#[test]
-fn a_folder_that_another_process_has_taken_over_is_named() {
-    let lost = FolderError::Lost { path: PathBuf::from("runs/gas-1") };
-    assert_eq!(
-        lost.to_string(),
-        "the output folder runs/gas-1 is lost: this process slept for minutes, and another one has begun there\n  \
-         allowed: one process in a folder; the other one goes on"
-    );
 }
 
 #[test]

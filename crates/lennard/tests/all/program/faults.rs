@@ -13,7 +13,7 @@ use crate::program::common::{
 /// The user who may do least on every Unix.
 const NOBODY: &str = "65534";
 
-/// A folder with a scene, and what a line of a shell has before the program: nothing, or what gives up the privileges of root.
+/// A folder with a scene, and the words that start the program: its path, behind what gives up the privileges of root.
 struct Bench {
     place: Place,
     program: Vec<String>,

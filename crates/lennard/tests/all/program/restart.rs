@@ -318,15 +318,10 @@ fn a_checkpoint_that_does_not_fit_its_own_scene_is_refused() {
     ran(&place, "out");
     let newest = checkpoints_in(&place, "out")[0].clone();
     let original = read_checkpoint(&newest).unwrap();
-    for name in original.archive.arrays.keys() {
-        change(&newest, |c| drop(c.archive.arrays.remove(name)));
-        let output = resume(&place, "out");
-        // What a method need not have (a heat bath's numbers) may be missing; nothing else may, and nothing panics.
-        if !output.status.success() {
-            ended(&output, 2, &["does not fit its own scene", name]);
-        }
-        write_checkpoint(&newest, &original).unwrap();
-    }
+    // What may be missing is asked in the tests of the engine.
+    change(&newest, |c| drop(c.archive.arrays.remove("state/velocities")));
+    stays(&place, "out", &["does not fit its own scene", "state/velocities"]);
+    write_checkpoint(&newest, &original).unwrap();
     change(&newest, |c| c.metadata.step += 1);
     stays(&place, "out", &["its state belongs to another step"]);
     change(&newest, |c| c.metadata.files.clear());
