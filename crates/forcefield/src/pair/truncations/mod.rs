@@ -7,6 +7,7 @@ mod shift;
 mod switch;
 mod xplor;
 
+use lennard_core::number::short;
 use lennard_core::options::OptionValue;
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +22,9 @@ pub use options::{CutoffUnit, LONGEST_CUTOFF, SHORTEST_CUTOFF, TruncationOptions
 pub struct TruncationSpec {
     /// Name in scene files.
     pub name: &'static str,
+    /// The kind at the beginning of the truncation in words.
+    #[serde(skip)]
+    pub in_words: &'static str,
     /// One sentence.
     pub summary: &'static str,
     /// The formula, in plain text.
@@ -105,20 +109,6 @@ macro_rules! list_of_truncations {
                 }
             }
 
-            /// The truncation in words, at the end of a model's name.
-            pub(super) fn in_words(self, options: &TruncationOptions) -> String {
-                match self {
-                    $(Self::$kind => $file::in_words(options),)*
-                }
-            }
-
-            /// Refuses options that do not go with the truncation.
-            pub(super) fn check(self, options: &TruncationOptions) -> Result<(), ForceFieldError> {
-                match self {
-                    $(Self::$kind => $file::check(options),)*
-                }
-            }
-
             /// What the truncation makes of a potential.
             pub(super) fn of(self, formula: &Formula, options: &TruncationOptions) -> Truncation {
                 match self {
@@ -146,6 +136,30 @@ list_of_truncations! {
 }
 
 impl TruncationKind {
+    /// The truncation in words, at the end of a model's name.
+    pub(super) fn in_words(self, options: &TruncationOptions) -> String {
+        let TruncationSpec { in_words, weights, jumps, .. } = *self.spec();
+        let at = options.length_in_words(options.r_cut);
+        if weights {
+            return format!("{in_words} from {} to {at}", short(options.switch_begins()));
+        }
+        let with = if options.tail_correction { "with" } else { "without" };
+        let tail = if jumps { format!(", {with} tail correction") } else { String::new() };
+        format!("{in_words} at {at}{tail}")
+    }
+
+    /// Refuses a start of a switch that does not go with the truncation.
+    pub(super) fn check(self, options: &TruncationOptions) -> Result<(), ForceFieldError> {
+        let r_cut = options.r_cut;
+        match options.switch_from {
+            Some(found) if !self.spec().weights => Err(ForceFieldError::SwitchWithoutSwitch(found)),
+            Some(found) if !(found > 0.0 && found < r_cut) => {
+                Err(ForceFieldError::BadSwitch { found, r_cut })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The name in scene files.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -169,12 +183,4 @@ impl OptionValue for TruncationKind {
 #[must_use]
 pub fn truncations() -> &'static [TruncationSpec] {
     TRUNCATIONS
-}
-
-/// Refuses a start of a switch for a truncation that has none.
-fn without_switch(options: &TruncationOptions) -> Result<(), ForceFieldError> {
-    match options.switch_from {
-        Some(from) => Err(ForceFieldError::SwitchWithoutSwitch(from)),
-        None => Ok(()),
-    }
 }

@@ -8,6 +8,8 @@ use super::TruncationKind;
 
 /// The shortest cutoff, σ: the powers of its inverse are numbers still.
 pub const SHORTEST_CUTOFF: f64 = 0.1;
+/// Where a switch begins if the scene does not say: this share of r_cut.
+const DEFAULT_SHARE: f64 = 0.8;
 /// The longest cutoff, σ: as long as the longest box.
 pub const LONGEST_CUTOFF: f64 = 1e6;
 
@@ -103,6 +105,11 @@ impl TruncationOptions {
         }
         let share = |from: f64| from / self.r_cut * r_cut;
         Self { r_cut, switch_from: self.switch_from.map(share), ..*self }
+    }
+
+    /// Where the switch begins, σ.
+    pub(super) fn switch_begins(&self) -> f64 {
+        self.switch_from.unwrap_or(DEFAULT_SHARE * self.r_cut)
     }
 
     /// A length of the truncation in words: `2.5 σ`, or `2.5 σ_ab`.
