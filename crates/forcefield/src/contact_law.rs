@@ -16,14 +16,14 @@ lennard_core::choices! {
 /// The smallest restitution that a dashpot is made for: its damping ratio ζ is 5.
 pub const SMALLEST_SOFT_RESTITUTION: f64 = 0.01;
 
-/// Energy, force and curvature of a spring at one depth.
+/// Energy, force and curvature of a spring at one depth δ, or of a wall at one distance z.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct SpringPoint {
-    /// U(δ), ε.
+pub struct ForcePoint {
+    /// U, ε.
     pub energy: f64,
-    /// The force that pushes apart, ε/σ.
+    /// The force that pushes apart, ε/σ: dU/dδ or −dU/dz.
     pub force: f64,
-    /// d²U/dδ², ε/σ².
+    /// d²U/dδ² or d²U/dz², ε/σ².
     pub curvature: f64,
 }
 
@@ -60,18 +60,18 @@ impl ContactLaw {
 
     /// The spring at a depth δ, σ; nothing at δ ≤ 0.
     #[must_use]
-    pub fn at(&self, depth: f64) -> SpringPoint {
+    pub fn at(&self, depth: f64) -> ForcePoint {
         let k = self.stiffness;
         if depth <= 0.0 {
-            return SpringPoint::default();
+            return ForcePoint::default();
         }
         match self.law {
             SpringLaw::Linear => {
-                SpringPoint { energy: 0.5 * k * depth * depth, force: k * depth, curvature: k }
+                ForcePoint { energy: 0.5 * k * depth * depth, force: k * depth, curvature: k }
             }
             SpringLaw::Hertz => {
                 let root = depth.sqrt();
-                SpringPoint {
+                ForcePoint {
                     energy: 0.4 * k * depth * depth * root,
                     force: k * depth * root,
                     curvature: 1.5 * k * root,

@@ -29,8 +29,7 @@ mod walls;
 
 pub use all_pairs::{AllPairs, CheckedForce};
 pub use contact_law::{
-    ContactLaw, SMALLEST_SOFT_RESTITUTION, SpringLaw, SpringPoint, damping_ratio_for,
-    restitution_of,
+    ContactLaw, ForcePoint, SMALLEST_SOFT_RESTITUTION, SpringLaw, damping_ratio_for, restitution_of,
 };
 pub use error::{ForceFieldError, LARGEST_N};
 pub use field::ConstantField;
@@ -51,7 +50,7 @@ pub use share::most_ranks;
 pub use simd::Isa;
 pub use walls::{
     Hard, Hit, HitRule, KICKS_OF_REST, Rebound, Response, SHALLOWEST_ROOM, SlitPlanes, Soft,
-    Surface, WallContext, WallForce, WallOptions, WallPair, WallPoint, WallSpec, Walls, walls,
+    Surface, WallContext, WallForce, WallOptions, WallPair, WallSpec, Walls, walls,
 };
 
 /// Whether a force field can be built for these conditions; nothing is built.

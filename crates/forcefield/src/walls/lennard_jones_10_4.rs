@@ -1,6 +1,7 @@
 //! The wall of one layer of Lennard-Jones sites.
 
-use super::{Surface, Wall, WallContext, WallForce, WallPoint, WallSpec};
+use super::{Surface, Wall, WallContext, WallForce, WallSpec};
+use crate::contact_law::ForcePoint;
 use std::f64::consts::TAU;
 
 lennard_core::options! {
@@ -16,21 +17,21 @@ lennard_core::options! {
 }
 
 impl LennardJones104 {
-    fn unshifted(z: f64) -> WallPoint {
+    fn unshifted(z: f64) -> ForcePoint {
         let inverse = 1.0 / z;
         let square = inverse * inverse;
         let fourth = square * square;
         let tenth = fourth * fourth * square;
-        WallPoint {
+        ForcePoint {
             energy: TAU * (0.4 * tenth - fourth),
             force: TAU * (4.0 * tenth - 4.0 * fourth) * inverse,
             curvature: TAU * (44.0 * tenth - 20.0 * fourth) * square,
         }
     }
 
-    fn at(&self, z: f64) -> WallPoint {
+    fn at(&self, z: f64) -> ForcePoint {
         let (here, end) = (Self::unshifted(z), Self::unshifted(self.cutoff));
-        WallPoint {
+        ForcePoint {
             energy: self.surface_density * (here.energy - end.energy),
             force: self.surface_density * here.force,
             curvature: self.surface_density * here.curvature,

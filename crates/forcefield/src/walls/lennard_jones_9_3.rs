@@ -1,6 +1,7 @@
 //! The wall of a half space of Lennard-Jones sites.
 
-use super::{Surface, Wall, WallContext, WallForce, WallPoint, WallSpec};
+use super::{Surface, Wall, WallContext, WallForce, WallSpec};
+use crate::contact_law::ForcePoint;
 
 lennard_core::options! {
     /// U = ε_w·[(2/15)·z⁻⁹ − z⁻³] − U(cutoff) up to the cutoff, with z in σ: Lennard-Jones sites of density ρ_w that fill the
@@ -18,20 +19,20 @@ lennard_core::options! {
 const MINIMUM: f64 = 0.858_374_218_932_559_2;
 
 impl LennardJones93 {
-    fn unshifted(z: f64) -> WallPoint {
+    fn unshifted(z: f64) -> ForcePoint {
         let inverse = 1.0 / z;
         let third = inverse * inverse * inverse;
         let ninth = third * third * third;
-        WallPoint {
+        ForcePoint {
             energy: 2.0 / 15.0 * ninth - third,
             force: (1.2 * ninth - 3.0 * third) * inverse,
             curvature: (12.0 * ninth - 12.0 * third) * inverse * inverse,
         }
     }
 
-    fn at(&self, z: f64) -> WallPoint {
+    fn at(&self, z: f64) -> ForcePoint {
         let (here, end) = (Self::unshifted(z), Self::unshifted(self.cutoff));
-        WallPoint {
+        ForcePoint {
             energy: self.strength * (here.energy - end.energy),
             force: self.strength * here.force,
             curvature: self.strength * here.curvature,

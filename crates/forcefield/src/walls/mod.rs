@@ -14,7 +14,7 @@ use serde::Serialize;
 
 pub use hard::{Hard, Response};
 pub use soft::Soft;
-pub use surface::{Hit, HitRule, Rebound, Surface, WallForce, WallPoint};
+pub use surface::{Hit, HitRule, Rebound, Surface, WallForce};
 pub use term::{KICKS_OF_REST, SHALLOWEST_ROOM, SlitPlanes, WallPair, Walls};
 
 /// What a wall declares about itself.

@@ -1,6 +1,6 @@
 //! A wall that is a spring.
 
-use super::{Surface, Wall, WallContext, WallForce, WallPoint, WallSpec};
+use super::{Surface, Wall, WallContext, WallForce, WallSpec};
 use crate::contact_law::{ContactLaw, SMALLEST_SOFT_RESTITUTION, SpringLaw};
 
 lennard_core::options! {
@@ -38,10 +38,7 @@ pub const SPEC: WallSpec = WallSpec {
 impl Wall for Soft {
     fn surface(&self, _context: &WallContext, _is_upper: bool) -> Surface {
         let contact = self.contact();
-        let mut force = WallForce::new(0.0, 0.0, move |z| {
-            let point = contact.at(-z);
-            WallPoint { energy: point.energy, force: point.force, curvature: point.curvature }
-        });
+        let mut force = WallForce::new(0.0, 0.0, move |z| contact.at(-z));
         force.contact = Some(contact);
         Surface::Exerts(force)
     }

@@ -7,23 +7,12 @@ use lennard_core::DVec3;
 use lennard_core::random::CounterRng;
 
 use super::thermal::draw;
-use crate::contact_law::ContactLaw;
-
-/// Energy, force and curvature of a wall at one distance.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct WallPoint {
-    /// U(z), ε.
-    pub energy: f64,
-    /// −dU/dz, ε/σ; positive where the wall pushes a particle away.
-    pub force: f64,
-    /// d²U/dz², ε/σ².
-    pub curvature: f64,
-}
+use crate::contact_law::{ContactLaw, ForcePoint};
 
 /// A wall that exerts a force at a distance z from its plane, σ; z is positive between the planes.
 #[derive(Clone)]
 pub struct WallForce {
-    at: Arc<dyn Fn(f64) -> WallPoint + Send + Sync>,
+    at: Arc<dyn Fn(f64) -> ForcePoint + Send + Sync>,
     /// The distance beyond which the wall exerts no force, σ.
     pub reach: f64,
     /// The distance at which the first layer of a lattice may stand, σ.
@@ -37,14 +26,14 @@ impl WallForce {
     pub(super) fn new(
         reach: f64,
         clearance: f64,
-        at: impl Fn(f64) -> WallPoint + Send + Sync + 'static,
+        at: impl Fn(f64) -> ForcePoint + Send + Sync + 'static,
     ) -> Self {
         Self { at: Arc::new(at), reach, clearance, contact: None }
     }
 
     /// Energy, force and curvature at z < [`WallForce::reach`].
     #[must_use]
-    pub fn at(&self, z: f64) -> WallPoint {
+    pub fn at(&self, z: f64) -> ForcePoint {
         (self.at)(z)
     }
 }

@@ -1,6 +1,7 @@
 //! A wall that repels as Lennard-Jones does.
 
-use super::{Surface, Wall, WallContext, WallForce, WallPoint, WallSpec};
+use super::{Surface, Wall, WallContext, WallForce, WallSpec};
+use crate::contact_law::ForcePoint;
 
 lennard_core::options! {
     /// U = ε_w·[4·(z⁻¹² − z⁻⁶) + 1] up to z = 2^{1/6} σ, where U and force end at 0.
@@ -30,12 +31,12 @@ impl Wall for WcaWall {
 }
 
 impl WcaWall {
-    fn at(&self, z: f64) -> WallPoint {
+    fn at(&self, z: f64) -> ForcePoint {
         let inverse = 1.0 / z;
         let square = inverse * inverse;
         let sixth = square * square * square;
         let twelfth = sixth * sixth;
-        WallPoint {
+        ForcePoint {
             energy: self.strength * (4.0 * (twelfth - sixth) + 1.0),
             force: self.strength * (48.0 * twelfth - 24.0 * sixth) * inverse,
             curvature: self.strength * (624.0 * twelfth - 168.0 * sixth) * square,

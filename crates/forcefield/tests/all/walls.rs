@@ -6,7 +6,7 @@ use lennard_core::{
     WallReading, Want,
 };
 use lennard_forcefield::{
-    ConstantField, SlitPlanes, Surface, WallContext, WallOptions, WallPair, WallPoint, Walls,
+    ConstantField, ForcePoint, SlitPlanes, Surface, WallContext, WallOptions, WallPair, Walls,
 };
 
 const CONTEXT: WallContext = WallContext { temperature: 1.5 };
@@ -108,7 +108,7 @@ fn plane_formula(z: f64) -> f64 {
 
 #[test]
 fn minima_stand_where_the_formulas_say() {
-    let of = |text: &str, z: f64| -> WallPoint {
+    let of = |text: &str, z: f64| -> ForcePoint {
         match options(text).surface(&CONTEXT, false) {
             Surface::Exerts(force) => force.at(z),
             Surface::Hit(_) => panic!("{text}"),
