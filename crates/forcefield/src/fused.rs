@@ -96,9 +96,9 @@ impl FusedBuffers {
         }
         let forces = std::mem::take(&mut steps.forces);
         let keeps_forces = steps.bath.as_ref().is_some_and(|bath| bath.next_noise().is_none());
-        let reads_while_it_writes = are_few(n) && validity.shared().is_none();
+        let reads_while_it_writes = are_few(n) && validity.share.is_none();
         let mut particles = self.by_slot(forces, keeps_forces, reads_while_it_writes);
-        particles.gather(list, steps, validity.shared());
+        particles.gather(list, steps, validity.share.as_ref());
         let (mut taken, mut is_new, mut prepared) = (0, false, Prepared::Nothing);
         loop {
             let most = steps.steps - taken;
@@ -111,8 +111,10 @@ impl FusedBuffers {
                         break ListStatus::Complete;
                     }
                     let acts = steps.bath.as_ref().is_some_and(FusedBath::scales);
-                    let mut request = request::<P>(prepared, n, most - done);
-                    request.packs_next &= !acts;
+                    // The last step packs nothing, since no step follows it.
+                    let packs_next =
+                        P::PACK_AHEAD.is_some() && !are_few(n) && most - done > 1 && !acts;
+                    let request = Request { detail: Detail::Forces, prepared, packs_next };
                     let BySlot { positions, velocities, next, forces, sum, parts } = &mut particles;
                     let next = (!next.is_empty()).then_some(&mut **next);
                     let state = SlotState { positions, next, velocities };
@@ -147,7 +149,7 @@ impl FusedBuffers {
                 ListStatus::Expired | ListStatus::Incomplete(_) => {
                     assert!(done > 0 || !is_new, "a new list is complete");
                     let built = clock.building(|| {
-                        let ranks = validity.shared().map(|share| share.ranks().clone());
+                        let ranks = validity.share.as_ref().map(|share| share.ranks().clone());
                         let positions = match &ranks {
                             None => Positions::BySlot(particles.positions),
                             Some(ranks) => Positions::Parted(particles.positions, ranks),
@@ -163,7 +165,7 @@ impl FusedBuffers {
                 }
             }
         }
-        if let Some(share) = validity.shared() {
+        if let Some(share) = &validity.share {
             if share.is_broken() {
                 return 0;
             }
@@ -193,14 +195,14 @@ impl BySlot<'_> {
 
     /// Puts the particles of this process in the order of a list that was just built.
     fn reorder<P: PairList>(&mut self, list: &P, validity: &ListValidity) {
-        let (source, own) = (list.source(), self.own(validity.shared()));
+        let (source, own) = (list.source(), self.own(validity.share.as_ref()));
         // The velocities move to the room of the old positions.
-        match validity.shared() {
+        match &validity.share {
             None => by_slot(source, own.clone(), self.velocities, self.positions),
             Some(share) => share.migrate(source, self.velocities, self.positions),
         }
         std::mem::swap(&mut self.positions, &mut self.velocities);
-        let built = &validity.built()[own.clone()];
+        let built = &validity.built[own.clone()];
         self.positions[own].copy_from_slice(built);
     }
 
@@ -236,16 +238,6 @@ impl BySlot<'_> {
             std::mem::swap(&mut self.positions, &mut self.next);
         }
         if request.packs_next { Prepared::Packed } else { Prepared::Nothing }
-    }
-}
-
-/// The request of the next step of `n` particles, of which `left` steps are left.
-fn request<P: PackedList>(prepared: Prepared, n: usize, left: u64) -> Request {
-    Request {
-        detail: Detail::Forces,
-        prepared,
-        // The last step packs nothing, since no step follows it.
-        packs_next: P::PACK_AHEAD.is_some() && !are_few(n) && left > 1,
     }
 }
 

@@ -137,13 +137,8 @@ pub(crate) fn decide(
     if r_cut > largest {
         return Err(ForceFieldError::CutoffOverHalfBox { r_cut, largest });
     }
-    let level = Level::choose(o.kernel.isa).ok_or(ForceFieldError::IsaNotAvailable(
-        match o.kernel.isa {
-            crate::Isa::Avx512 => "avx512",
-            crate::Isa::Avx2 => "avx2",
-            crate::Isa::Auto | crate::Isa::Portable => "portable",
-        },
-    ))?;
+    let wanted = o.kernel.isa;
+    let level = Level::choose(wanted).ok_or(ForceFieldError::IsaNotAvailable(wanted.name()))?;
     // Beyond the smallest cutoff, the near part of a pair would end with a jump.
     if r_cut > 0.0 {
         check_split(o, laws.as_ref().map_or(r_cut, |laws| laws.cutoffs().fold(r_cut, f64::min)))?;

@@ -25,16 +25,17 @@ pub struct ListValidity {
     /// The last build. It is none before the first, and after a failed one.
     build: Option<Build>,
     /// Positions of the last build by slot, σ; their room is reused.
-    built: Vec<DVec3>,
+    pub built: Vec<DVec3>,
     /// Whether all of them are known to this rank, not only the ones around its particles.
     knows_all_built: bool,
     /// The species at each slot of the last build, where there are several.
     species: Vec<u8>,
     /// The pairs of slots that were inserted since the build, in their order.
-    inserted: Vec<[u32; 2]>,
-    builds: u64,
+    pub inserted: Vec<[u32; 2]>,
+    /// Number of builds so far.
+    pub builds: u64,
     /// The share of this rank, where there are several.
-    share: Option<Share>,
+    pub share: Option<Share>,
 }
 
 impl ListValidity {
@@ -73,34 +74,9 @@ impl ListValidity {
         Ok(())
     }
 
-    /// The share of this rank, where there are several.
-    pub fn shared(&self) -> Option<&Share> {
-        self.share.as_ref()
-    }
-
-    /// Number of builds so far.
-    pub fn builds(&self) -> u64 {
-        self.builds
-    }
-
-    /// Sets the number of builds, as a restart does.
-    pub fn set_builds(&mut self, builds: u64) {
-        self.builds = builds;
-    }
-
     /// The box of the last build; none before the first.
     pub fn build_cell(&self) -> Option<&PeriodicBox> {
         self.build.as_ref().map(|build| &build.cell)
-    }
-
-    /// Positions of the last build by slot, σ.
-    pub fn built(&self) -> &[DVec3] {
-        &self.built
-    }
-
-    /// The pairs of slots that were inserted since the build, in their order.
-    pub fn inserted(&self) -> &[[u32; 2]] {
-        &self.inserted
     }
 
     /// Lets this rank know the positions of the last build of all particles. All ranks call it together.

@@ -138,7 +138,7 @@ impl<P: PackedList> Listed<P> {
 
     /// Number of builds so far.
     pub fn builds(&self) -> u64 {
-        self.validity.builds()
+        self.validity.builds
     }
 
     /// Number of bytes held.

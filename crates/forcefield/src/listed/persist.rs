@@ -11,7 +11,7 @@ impl<P: PackedList> Listed<P> {
     pub fn save(&self, to: &mut StateWriter<'_>) {
         let mut built_at = Vec::new();
         if let Some(cell) = self.validity.build_cell() {
-            let built = self.validity.built();
+            let built = &self.validity.built;
             built_at.resize(built.len(), DVec3::ZERO);
             for (particle, r) in self.list.particles().iter().zip(built) {
                 built_at[*particle as usize] = *r;
@@ -19,10 +19,10 @@ impl<P: PackedList> Listed<P> {
             to.put_f64("built_box", &cell.lengths().to_array());
         }
         to.put_vec3("built_at", &built_at);
-        let inserted = self.validity.inserted().iter().flatten();
+        let inserted = self.validity.inserted.iter().flatten();
         let inserted: Vec<u64> = inserted.map(|slot| (*slot).into()).collect();
         to.put_u64("named", &inserted);
-        to.put_u64("counters", &[self.validity.builds()]);
+        to.put_u64("counters", &[self.validity.builds]);
     }
 
     /// Builds the list of the saved run again and inserts the pairs that were inserted since its build.
@@ -43,7 +43,7 @@ impl<P: PackedList> Listed<P> {
         match from.u64("counters")? {
             // Earlier versions wrote a second counter.
             [builds] | [builds, _] => {
-                self.validity.set_builds(*builds);
+                self.validity.builds = *builds;
                 Ok(())
             }
             other => Err(from.misfit("counters", format!("{} numbers, wanted 1", other.len()))),

@@ -25,14 +25,12 @@ pub struct Ordered<'a> {
 impl<'a> Ordered<'a> {
     /// Positions with the index in them of each slot.
     pub fn of(positions: &'a [DVec3], order: &'a [u32]) -> Self {
-        let order = Some(order);
-        Self { positions, order }
+        Self { positions, order: Some(order) }
     }
 
     /// Positions by slot.
     pub fn by_slot(positions: &'a [DVec3]) -> Self {
-        let order = None;
-        Self { positions, order }
+        Self { positions, order: None }
     }
 
     /// The index in the positions of a slot.

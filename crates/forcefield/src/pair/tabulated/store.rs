@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use lennard_core::options::OptionValue;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::Tabulated;
 use super::file::Refusal;
@@ -16,7 +16,8 @@ use super::file::Refusal;
 const LARGEST_FILE: u64 = 1 << 28;
 
 /// The path of a table, relative to the scene file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "String", into = "String")]
 pub struct TablePath(&'static str);
 
 impl TablePath {
@@ -47,15 +48,9 @@ impl From<String> for TablePath {
     }
 }
 
-impl Serialize for TablePath {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(self.0)
-    }
-}
-
-impl<'de> Deserialize<'de> for TablePath {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        String::deserialize(from).map(Self::from)
+impl From<TablePath> for String {
+    fn from(path: TablePath) -> Self {
+        path.0.to_owned()
     }
 }
 
@@ -66,7 +61,8 @@ impl OptionValue for TablePath {
 }
 
 /// The checksum of the content of a file, written as eight hexadecimal digits: CRC-32.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Checksum(u32);
 
 impl Checksum {
@@ -83,20 +79,18 @@ impl std::fmt::Display for Checksum {
     }
 }
 
-impl Serialize for Checksum {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        to.collect_str(self)
+impl From<Checksum> for String {
+    fn from(checksum: Checksum) -> Self {
+        checksum.to_string()
     }
 }
 
-impl<'de> Deserialize<'de> for Checksum {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        let text = String::deserialize(from)?;
+impl TryFrom<String> for Checksum {
+    type Error = &'static str;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
         let digits = (text.len() == 8).then(|| u32::from_str_radix(&text, 16).ok());
-        digits
-            .flatten()
-            .map(Self)
-            .ok_or_else(|| serde::de::Error::custom("a checksum has eight hexadecimal digits"))
+        digits.flatten().map(Self).ok_or("a checksum has eight hexadecimal digits")
     }
 }
 
