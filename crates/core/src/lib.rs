@@ -10,7 +10,6 @@ mod boundary;
 mod cell;
 pub mod exact;
 mod force;
-mod force_error;
 mod friction;
 mod integrator;
 pub mod lanes;
@@ -20,7 +19,6 @@ pub mod number;
 pub mod options;
 pub mod parallel;
 mod persist;
-mod ramp;
 pub mod random;
 pub mod rigid;
 mod sparse;
@@ -40,8 +38,7 @@ pub use cell::{Axis, BoxError, PeriodicBox};
 pub use force::{
     Backend, ForceProperties, ForceStatistics, ForceSum, ForceTerm, FusedSteps, HaloSize, NoForces,
 };
-pub use force_error::ForceError;
-pub use friction::{FrictionAndNoise, LANES as NOISE_LANES, NoiseOfMass, NoiseOfStep};
+pub use friction::{FrictionAndNoise, LANES as NOISE_LANES, NoiseOfMass, NoiseOfStep, Ramp};
 pub use glam::{DMat3, DVec3};
 pub use integrator::{
     Barostat, BarostatSpec, BoxMoves, Integrator, Method, PressureBath, couple, rigid_bonds_alone,
@@ -51,8 +48,7 @@ pub use lanes::Aligned;
 pub use molecules::{Bonds, Exclusions, MOLECULES_PER_TASK, Molecules};
 pub use moves::Moving;
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
-pub use ramp::Ramp;
-pub use spec::{IntegratorSpec, StepError, StepReport};
+pub use spec::{ForceError, IntegratorSpec, StepError, StepReport};
 pub use species::{MOST_SPECIES, Masses, Species, SpeciesTable};
 pub use state::{Configuration, Energetics, Part, State, Want};
 pub use step::{Parts, Step, check_finite};

@@ -1,6 +1,5 @@
 //! From a scene to results: initial conditions, the main loop, the watchdog, files and the run record.
 
-mod bare;
 mod baths;
 mod build;
 mod checkpointing;
@@ -35,11 +34,9 @@ mod session;
 mod simulation;
 mod start;
 pub mod stopwatch;
-mod threads;
 mod watch;
 pub mod watchdog;
 
-pub use bare::{ENDLESS, bare, measured_stage, take};
 pub use baths::held_temperature;
 pub use build::{conditions, forces, prepare, prepare_from, prepare_with, recommended_threads};
 pub use checkpointing::{Past, capture, snapshot};
@@ -50,7 +47,9 @@ pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
 pub use error::{EngineError, RanksError, ResumeError, StartError, again};
 pub use failure::{PhysicsFailure, Symptom};
 pub use files::{Marks, RunFiles};
-pub use follower::{Control, Ending, Follower, Progress, StopAt, Unfollowed};
+pub use follower::{
+    Control, ENDLESS, Ending, Follower, Progress, StopAt, Unfollowed, bare, measured_stage, take,
+};
 pub use instant::Moment;
 pub use measure::{Measurement, Trajectory};
 pub use own::OwnParts;
@@ -62,10 +61,9 @@ pub use room::NoRoom;
 pub use run::{Outcome, go_on, run};
 pub use schedule::{Action, Observer, Operation, SET_ASIDE_EVERY, Schedule, Trigger};
 pub use session::{Addition, text_to_run};
-pub use simulation::{KeptFrame, Recording, Results, Simulation, StageRun, Timers};
+pub use simulation::{KeptFrame, Recording, Results, Simulation, StageRun, Threads, Timers};
 pub use start::{
     SMALLEST_START_DISTANCE, Start, size_and_density, start, start_from_arrays, thermal_velocities,
     write_start,
 };
-pub use threads::Threads;
 pub use watchdog::{ForceCheck, Seen};

@@ -13,7 +13,7 @@ use lennard_observables::{ChangingBox, Estimate, Findings, Remark};
 
 use crate::Simulation;
 use crate::compare::{Compared, Comparison, at_constant_pressure, at_constant_volume};
-use crate::threads::Threads;
+use crate::simulation::Threads;
 
 /// The record of a run that has not ended, or not well; `remarks` say how it failed.
 #[must_use]

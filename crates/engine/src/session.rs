@@ -13,9 +13,9 @@ use crate::follower::{Control, Ending, Progress};
 use crate::own::OwnParts;
 use crate::resume::restored_with;
 use crate::run::Outcome;
+use crate::simulation::Threads;
 use crate::simulation::{Recording, Simulation};
 use crate::start::start_from_arrays;
-use crate::threads::Threads;
 use crate::{EngineError, build, pressure};
 
 impl Simulation {

@@ -12,10 +12,10 @@ use lennard_core::{
 use lennard_io::{Frame, Sink, TrajectoryWriter};
 use lennard_scene::{Scene, Stage};
 
-use crate::bare::bare;
 use crate::build::prepare_from;
 use crate::failure::LARGEST_MOVE;
 use crate::files::{header, style};
+use crate::follower::bare;
 use crate::follower::{Follower, StopAt};
 use crate::planar_tail::PlanarTail;
 use crate::run::{aside, set_aside};

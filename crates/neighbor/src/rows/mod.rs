@@ -1,10 +1,7 @@
 //! Full Verlet lists with one row of neighbors per particle.
 
 mod chunk;
-mod fill;
 mod list;
-mod scan;
 
-pub use chunk::{ATOMS_PER_CHUNK, Entries, Images, ListChunk};
+pub use chunk::{ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, Numbering};
 pub use list::NeighborList;
-pub use scan::{Candidates, Center, Numbering};

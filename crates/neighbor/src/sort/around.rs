@@ -16,8 +16,8 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_core::parallel::map_ranges;
 
+use super::cells::Cells;
 use super::cells::wrap_cell;
-use super::sorted::Cells;
 
 /// Another column as seen from a column.
 #[derive(Debug, Clone, Copy)]

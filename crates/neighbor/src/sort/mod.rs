@@ -7,13 +7,12 @@ mod columns;
 mod coordinates;
 mod positions;
 mod row_table;
-mod sorted;
 
 pub use around::Around;
+pub use cells::Cells;
 pub(crate) use cells::{CellRange, wrap_cell};
 pub(crate) use columns::ColumnGrid;
 pub use columns::ColumnTable;
 pub use coordinates::{FIXED_ROUNDING, FIXED_UNITS, FixedRow, PADDING, RowCoordinates, to_fixed};
 pub use positions::{GridError, Positions, Ranks};
 pub use row_table::{Ghost, RowTable};
-pub use sorted::Cells;
