@@ -16,7 +16,7 @@
 use std::f64::consts::{PI, TAU};
 
 use lennard_core::DVec3;
-use lennard_core::lanes::{Simd, WithSimd, in_lanes};
+use lennard_core::lanes::in_lanes;
 use lennard_core::parallel::{CHUNK, for_each_piece, part};
 use lennard_core::tasks::map_tasks;
 
@@ -118,7 +118,10 @@ impl Cells {
         let n = positions.len();
         let of_range = |(): &mut (), k: usize| -> Vec<Row> {
             let positions = &positions[part(k, CHUNK, n)];
-            in_lanes(Moments { cells: self, positions })
+            in_lanes(
+                #[inline(always)]
+                || self.moments(positions),
+            )
         };
         let mut of_ranges = map_tasks(n.div_ceil(CHUNK), of_range);
         let rows = if of_ranges.len() == 1 {
@@ -126,19 +129,24 @@ impl Cells {
         } else {
             exact_totals(self.stored(), &of_ranges)
         };
-        in_lanes(WavesFromRows { cells: self, rows: &rows })
+        in_lanes(
+            #[inline(always)]
+            || self.waves_of(&rows),
+        )
     }
 
     /// Adds Σ_n (a_n·sin k_n·z + b_n·cos k_n·z) to F_z of particles, from a_n and b_n.
     pub fn push(&self, waves: &[[f64; 2]], positions: &[DVec3], forces: &mut [DVec3]) {
-        let rows = &in_lanes(RowsFromWaves { cells: self, waves });
+        let rows = &in_lanes(
+            #[inline(always)]
+            || self.rows_of(waves),
+        );
         for_each_piece(forces, |first, forces| {
-            in_lanes(ForcesFromRows {
-                cells: self,
-                rows,
-                positions: &positions[first..first + forces.len()],
-                forces,
-            });
+            let positions = &positions[first..first + forces.len()];
+            in_lanes(
+                #[inline(always)]
+                || self.add_forces(rows, positions, forces),
+            );
         });
     }
 }
@@ -197,21 +205,14 @@ impl Place {
     }
 }
 
-/// Moments of all cells.
-struct Moments<'a> {
-    pub cells: &'a Cells,
-    pub positions: &'a [DVec3],
-}
-
-impl WithSimd for Moments<'_> {
-    type Output = Vec<Row>;
-
+impl Cells {
+    /// Moments of all cells.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Vec<Row> {
+    fn moments(&self, positions: &[DVec3]) -> Vec<Row> {
         // Two rows for each cell: neighbors in the list are often in one cell, and would wait for each other.
-        let mut pairs = vec![[ZEROS; 2]; self.cells.stored()];
-        for block in self.positions.chunks(BLOCK) {
-            let places = Place::of_block(self.cells, block);
+        let mut pairs = vec![[ZEROS; 2]; self.stored()];
+        for block in positions.chunks(BLOCK) {
+            let places = Place::of_block(self, block);
             for (k, place) in places[..block.len()].iter().enumerate() {
                 let powers = place.powers();
                 let row = &mut pairs[place.cell][k % 2];
@@ -223,20 +224,12 @@ impl WithSimd for Moments<'_> {
         let sum = |[a, b]: [Row; 2]| std::array::from_fn(|p| a[p] + b[p]);
         pairs.into_iter().map(sum).collect()
     }
-}
 
-/// Σ cos and Σ sin of each wave, from the moments of cells.
-struct WavesFromRows<'a> {
-    pub cells: &'a Cells,
-    pub rows: &'a [Row],
-}
-
-impl WavesFromRows<'_> {
     /// Sum and difference of the rows of cells i and −i, where these are two cells.
     #[inline(always)]
-    fn both(&self, i: usize) -> [Row; 2] {
-        let half = self.cells.half;
-        let (one, other) = (&self.rows[half + i], &self.rows[half - i]);
+    fn both(&self, rows: &[Row], i: usize) -> [Row; 2] {
+        let half = self.half;
+        let (one, other) = (&rows[half + i], &rows[half - i]);
         if i == 0 {
             return [*one, ZEROS];
         }
@@ -246,21 +239,18 @@ impl WavesFromRows<'_> {
         }
         [sum, std::array::from_fn(|p| one[p] - other[p])]
     }
-}
 
-impl WithSimd for WavesFromRows<'_> {
-    type Output = Vec<[f64; 2]>;
-
+    /// Σ cos and Σ sin of each wave, from the moments of cells.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Vec<[f64; 2]> {
-        let Cells { half, .. } = *self.cells;
+    fn waves_of(&self, rows: &[Row]) -> Vec<[f64; 2]> {
+        let half = self.half;
         let quarter = half / 2;
         // Of even waves, and of odd ones: what cosines and sines multiply.
         let mut even = vec![[ZEROS; 2]; quarter + 1];
         let mut odd = even.clone();
         for i in 0..quarter {
             let ([sum, difference], [far_sum, far_difference]) =
-                (self.both(i), self.both(half - i));
+                (self.both(rows, i), self.both(rows, half - i));
             for p in 0..TERMS {
                 even[i][0][p] = sum[p] + far_sum[p];
                 even[i][1][p] = difference[p] - far_difference[p];
@@ -268,7 +258,7 @@ impl WithSimd for WavesFromRows<'_> {
                 odd[i][1][p] = difference[p] + far_difference[p];
             }
         }
-        let [sum, difference] = self.both(quarter);
+        let [sum, difference] = self.both(rows, quarter);
         (even[quarter][0], odd[quarter][1]) = (sum, difference);
         let of_wave = |(index, (turns, a)): (usize, (&Vec<[f64; 2]>, &Row))| {
             let n = index + 1;
@@ -287,23 +277,14 @@ impl WithSimd for WavesFromRows<'_> {
             }
             [re, im]
         };
-        let both = self.cells.turns.iter().zip(&self.cells.polynomials);
+        let both = self.turns.iter().zip(&self.polynomials);
         both.enumerate().map(of_wave).collect()
     }
-}
 
-/// Coefficients of the force in each cell, from coefficients of sines and cosines of the waves.
-struct RowsFromWaves<'a> {
-    pub cells: &'a Cells,
-    pub waves: &'a [[f64; 2]],
-}
-
-impl WithSimd for RowsFromWaves<'_> {
-    type Output = Vec<Row>;
-
+    /// Coefficients of the force in each cell, from coefficients of sines and cosines of the waves.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Vec<Row> {
-        let half = self.cells.half;
+    fn rows_of(&self, waves: &[[f64; 2]]) -> Vec<Row> {
+        let half = self.half;
         // a·sin(k·center + q·y) + b·cos(k·center + q·y): what cos(k·center) and sin(k·center) multiply.
         let of_wave = |(polynomial, [a, b]): (&Row, &[f64; 2])| -> [Row; 2] {
             let (mut with_cos, mut with_sin) = (ZEROS, ZEROS);
@@ -315,13 +296,13 @@ impl WithSimd for RowsFromWaves<'_> {
             }
             [with_cos, with_sin]
         };
-        let both = self.cells.polynomials.iter().zip(self.waves);
+        let both = self.polynomials.iter().zip(waves);
         let waves: Vec<[Row; 2]> = both.map(of_wave).collect();
-        let mut rows = vec![ZEROS; self.cells.stored()];
+        let mut rows = vec![ZEROS; self.stored()];
         for i in 0..=half / 2 {
             // Sums over odd waves, and over even ones.
             let (mut c, mut s) = ([ZEROS; 2], [ZEROS; 2]);
-            let all = self.cells.turns.iter().zip(&waves).enumerate();
+            let all = self.turns.iter().zip(&waves).enumerate();
             for (index, (turns, [with_cos, with_sin])) in all {
                 let [cos, sin] = turns[i];
                 let kind = index % 2;
@@ -341,27 +322,16 @@ impl WithSimd for RowsFromWaves<'_> {
         }
         rows
     }
-}
 
-/// Adds F_z to the forces, from the coefficients of cells.
-struct ForcesFromRows<'a> {
-    pub cells: &'a Cells,
-    pub rows: &'a [Row],
-    pub positions: &'a [DVec3],
-    pub forces: &'a mut [DVec3],
-}
-
-impl WithSimd for ForcesFromRows<'_> {
-    type Output = ();
-
+    /// Adds F_z to the forces, from the coefficients of cells.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let blocks = self.positions.chunks(BLOCK);
-        for (block, forces) in blocks.zip(self.forces.chunks_mut(BLOCK)) {
-            let places = Place::of_block(self.cells, block);
+    fn add_forces(&self, rows: &[Row], positions: &[DVec3], forces: &mut [DVec3]) {
+        let blocks = positions.chunks(BLOCK);
+        for (block, forces) in blocks.zip(forces.chunks_mut(BLOCK)) {
+            let places = Place::of_block(self, block);
             for (place, force) in places.iter().zip(forces) {
                 let powers = place.powers();
-                let row = &self.rows[place.cell];
+                let row = &rows[place.cell];
                 let pair = |p: usize| powers[p] * row[p] + powers[p + 4] * row[p + 4];
                 let sums: [f64; 4] = std::array::from_fn(pair);
                 force[Z] += (sums[0] + sums[2]) + (sums[1] + sums[3]);

@@ -1,6 +1,5 @@
 //! Sums by cells beside sums over particles one by one.
 
-use lennard_core::lanes::{Scalar, WithSimd};
 use lennard_core::random::Streams;
 use rand_distr::{Distribution, StandardUniform};
 
@@ -92,20 +91,28 @@ fn moments_depend_on_no_order() {
 fn registers_change_no_bit() {
     let cells = &Cells::new(LENGTH, 24);
     let positions = &heights(501);
-    let moments = || Moments { cells, positions };
-    let rows = &in_lanes(moments());
-    assert_eq!(rows, &moments().with_simd(Scalar));
-    let to_waves = || WavesFromRows { cells, rows };
-    let waves = &in_lanes(to_waves());
-    assert_eq!(waves, &to_waves().with_simd(Scalar));
-    let to_rows = || RowsFromWaves { cells, waves };
-    let rows = &in_lanes(to_rows());
-    assert_eq!(rows, &to_rows().with_simd(Scalar));
+    let rows = &in_lanes(
+        #[inline(always)]
+        || cells.moments(positions),
+    );
+    assert_eq!(rows, &cells.moments(positions));
+    let waves = &in_lanes(
+        #[inline(always)]
+        || cells.waves_of(rows),
+    );
+    assert_eq!(waves, &cells.waves_of(rows));
+    let rows = &in_lanes(
+        #[inline(always)]
+        || cells.rows_of(waves),
+    );
+    assert_eq!(rows, &cells.rows_of(waves));
     let mut forces = [vec![DVec3::ZERO; 501], vec![DVec3::ZERO; 501]];
     let [one, other] = &mut forces;
-    in_lanes(ForcesFromRows { cells, rows, positions, forces: one });
-    let alone = ForcesFromRows { cells, rows, positions, forces: other };
-    alone.with_simd(Scalar);
+    in_lanes(
+        #[inline(always)]
+        || cells.add_forces(rows, positions, one),
+    );
+    cells.add_forces(rows, positions, other);
     assert_eq!(forces[0], forces[1]);
 }
 
