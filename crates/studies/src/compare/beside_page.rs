@@ -5,7 +5,9 @@ use lennard_observables::{Cell, Column, Table, Value, Verdict};
 
 use super::beside::{Beside, ERRORS, MOST_COLUMNS, Measured};
 use super::{Row, capital, quantity_words};
-use crate::report::{Axis, Columns, FigureRow, Look, Page, Picture, Section, counted, particles};
+use crate::report::{
+    Axis, Block, Columns, FigureRow, Look, Page, Picture, Section, counted, particles,
+};
 use crate::{Study, StudyError};
 
 /// Quantities of a table with a row for each run: more do not fit into 100 columns.
@@ -44,6 +46,10 @@ impl Study for Beside {
 
     fn page(&self) -> Result<Page, StudyError> {
         let mut sections = self.sections(false);
+        // The lead has the headline.
+        for section in &mut sections {
+            section.blocks.retain(|block| !matches!(block, Block::Heading(_)));
+        }
         let pictures = CURVES.iter().filter_map(|curve| self.picture(*curve)).collect();
         sections.insert(sections.len().min(1), Section::new("Drawn together").figures(pictures));
         Ok(Page {
