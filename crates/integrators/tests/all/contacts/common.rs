@@ -1,7 +1,10 @@
 //! Few bodies and many, under contacts alone.
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, Exclusions, ForceSum, NoForces, PeriodicBox, State, System};
+use lennard_core::{
+    Boundary, DVec3, Exclusions, Flight, ForceSum, Masses, NoForces, PeriodicBox, State, System,
+};
+use lennard_forcefield::{SlitPlanes, WallContext, WallOptions, WallPair, Walls};
 use lennard_integrators::{Bodies, ContactOptions, Contacts, Obstacles, Response};
 use lennard_integrators::{IntegratorOptions, build};
 use rand::RngExt;
@@ -31,6 +34,29 @@ pub(crate) fn verlet(
 
 pub(crate) fn cube(side: f64) -> PeriodicBox {
     PeriodicBox::new(DVec3::splat(side)).unwrap()
+}
+
+/// Walls across some axes of a cube, half a thickness from its faces, as a scene writes them.
+pub(crate) fn walls(text: &str, side: f64, axes: &[usize], thickness: f64) -> Walls {
+    let options: WallOptions = toml::from_str(text).unwrap();
+    let context = WallContext { temperature: 1.3 };
+    let planes = |axis: &usize| SlitPlanes::new(&cube(side), *axis, thickness, 0.0);
+    let pairs = axes.iter().map(|axis| WallPair::new(&options, planes(axis), &context));
+    Walls::new(pairs.collect(), Streams::new(7).noise("walls"))
+}
+
+/// A flight over `h` in a cube; returns the energy that it put in.
+pub(crate) fn fly(
+    obstacles: &mut dyn Boundary,
+    side: f64,
+    (positions, velocities): (&mut [DVec3], &mut [DVec3]),
+    (forces, masses): (&[DVec3], &Masses),
+    (h, step): (f64, u64),
+) -> f64 {
+    let cell = &cube(side);
+    let is_later = false;
+    let flight = Flight { cell, positions, velocities, forces, masses, h, step, is_later };
+    obstacles.fly(flight).unwrap().heat
 }
 
 /// Equal spheres of diameter 1 σ.

@@ -1,32 +1,15 @@
 //! Impacts in flight.
 
-use lennard_core::random::Streams;
-use lennard_core::{
-    Axis, Boundary, DVec3, Exclusions, Flight, ForceSum, ForceTerm, Masses, NoForces, System,
-};
-use lennard_forcefield::{ConstantField, SlitPlanes, WallContext, WallOptions, WallPair, Walls};
+use lennard_core::{DVec3, Exclusions, ForceSum, ForceTerm, Masses, NoForces, State, System};
+use lennard_forcefield::ConstantField;
 use lennard_integrators::{Bodies, Contacts, Obstacles, Response};
 
-use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres, verlet};
+use super::common::{
+    Rig, alone, cube, fly, lattice, of_kind, random_vectors, spheres, verlet, walls,
+};
 
 fn hard(restitution: f64) -> Response {
     Response::Impact { restitution }
-}
-
-/// One flight over h without forces.
-fn fly(contacts: &mut Obstacles, x: &mut [DVec3], v: &mut [DVec3], masses: &Masses, h: f64) -> f64 {
-    let boundary: &mut dyn Boundary = contacts.boundary().unwrap();
-    let drifted = boundary.fly(Flight {
-        cell: &cube(8.0),
-        positions: x,
-        velocities: v,
-        forces: &vec![DVec3::ZERO; 9],
-        masses,
-        h,
-        step: 0,
-        is_later: false,
-    });
-    drifted.unwrap().heat
 }
 
 #[test]
@@ -36,7 +19,10 @@ fn two_bodies_meet_at_the_exact_time_and_keep_the_share() {
             let mut x = [DVec3::splat(3.0), DVec3::new(4.5, 3.6, 3.0)];
             let mut v = [DVec3::new(1.0, 0.0, 0.1), DVec3::new(-0.5, 0.0, 0.1)];
             let before = [v[0], v[1]];
-            let heat = fly(&mut spheres(hard(e)), &mut x, &mut v, &masses, 1.0);
+            let mut contacts = spheres(hard(e));
+            let still = [DVec3::ZERO; 2];
+            let flying = (&mut x[..], &mut v[..]);
+            let heat = fly(contacts.boundary().unwrap(), 8.0, flying, (&still, &masses), (1.0, 0));
             // They touch where (1.5 − 1.5·t)² + 0.6² = 1: at t = 1 − 0.8/1.5, with the normal (0.8, 0.6, 0).
             let (time, normal) = (1.0 - 0.8 / 1.5, DVec3::new(0.8, 0.6, 0.0));
             let mass = masses.reduced(0, 1);
@@ -68,30 +54,22 @@ fn a_fluid_of_hard_spheres_keeps_energy_and_momentum_and_collides_as_enskog_says
     let temperature = 2.0 * kinetic / (3.0 * 216.0);
     let dt = 0.01;
     let mut rig = verlet(system, (cube(side), x, v), ForceSum::new(NoForces), dt);
-    let mut contacts = spheres(hard(1.0));
+    let (mut contacts, masses) = (spheres(hard(1.0)), Masses::Uniform(1.0));
     let steps = 1500;
     let (mut struck, mut closest) = (0, f64::INFINITY);
     for step in 0..steps {
-        let state = &mut rig.state;
-        let before = state.velocities.clone();
-        let drifted = contacts.boundary().unwrap().fly(Flight {
-            cell: &state.cell,
-            positions: &mut state.positions,
-            velocities: &mut state.velocities,
-            forces: &state.forces,
-            masses: &rig.system.masses,
-            h: dt,
-            step,
-            is_later: false,
-        });
-        drifted.unwrap();
+        let State { positions, velocities, forces, .. } = &mut rig.state;
+        let before = velocities.clone();
+        let (flying, pushed) = ((&mut positions[..], &mut velocities[..]), (&forces[..], &masses));
+        fly(contacts.boundary().unwrap(), side, flying, pushed, (dt, step));
         if step >= 300 {
-            struck += before.iter().zip(&state.velocities).filter(|(a, b)| a != b).count();
+            struck += before.iter().zip(&rig.state.velocities).filter(|(a, b)| a != b).count();
         }
         if step % 100 == 0 {
-            for (i, a) in state.positions.iter().enumerate() {
-                let apart = |b: &DVec3| state.cell.minimum_image(*a - *b).length();
-                closest = state.positions[..i].iter().map(apart).fold(closest, f64::min);
+            let x = &rig.state.positions;
+            for (i, a) in x.iter().enumerate() {
+                let apart = |b: &DVec3| rig.state.cell.minimum_image(*a - *b).length();
+                closest = x[..i].iter().map(apart).fold(closest, f64::min);
             }
         }
     }
@@ -111,12 +89,8 @@ fn a_fluid_of_hard_spheres_keeps_energy_and_momentum_and_collides_as_enskog_says
 
 /// Balls over a hard floor at z = 1 in a box of 8 σ, in gravity.
 fn over_a_floor(z: &[f64], e_floor: f64, e_balls: f64) -> Rig {
-    let cell = cube(8.0);
-    let options = format!("kind = \"hard\"\nrestitution = {e_floor:?}");
-    let wall: WallOptions = toml(&options);
-    let planes = SlitPlanes::new(&cell, Axis::Z.index(), 2.0, 0.0);
-    let pair = WallPair::new(&wall, planes, &WallContext { temperature: 1.0 });
-    let walls = Walls::new(vec![pair], Streams::new(1).noise("walls"));
+    let floor = format!("kind = \"hard\"\nrestitution = {e_floor:?}");
+    let walls = walls(&floor, 8.0, &[2], 2.0);
     let bodies = Bodies::alike(1.0, Exclusions::NONE);
     let contacts = Obstacles::new(walls, Contacts::new(hard(e_balls), bodies));
     let field = ConstantField::new(DVec3::NEG_Z, Masses::Uniform(1.0));
@@ -124,16 +98,7 @@ fn over_a_floor(z: &[f64], e_floor: f64, e_balls: f64) -> Rig {
     let x = z.iter().map(|z| DVec3::new(4.0, 4.0, 1.0 + z)).collect();
     let v = vec![DVec3::ZERO; z.len()];
     let system = System::atoms(z.len()).pushed_along(forces.properties().breaks_momentum);
-    verlet(system, (cell, x, v), forces, 0.005)
-}
-
-fn toml(text: &str) -> WallOptions {
-    let mut options = WallOptions::all().swap_remove(0);
-    if let WallOptions::Hard(hard) = &mut options {
-        let value = text.rsplit(' ').next().unwrap();
-        hard.restitution = Some(value.parse().unwrap());
-    }
-    options
+    verlet(system, (cube(8.0), x, v), forces, 0.005)
 }
 
 #[test]
@@ -179,50 +144,25 @@ fn hard_bodies_bounce_off_held_ones_and_held_ones_stay() {
     let mut x = [DVec3::splat(2.0), DVec3::new(4.0, 2.0, 2.0), DVec3::new(6.0, 2.0, 2.0)];
     let mut v = [DVec3::ZERO, DVec3::new(-1.0, 0.0, 0.0), DVec3::ZERO];
     let mut contacts = alone(spheres(of_kind("hard")));
-    let mut time = 0.0;
     // It flies to and fro over 2 σ: after 4 τ it is where it was.
     for step in 0..40 {
-        let drifted = contacts.boundary().unwrap().fly(Flight {
-            cell: &cube(8.0),
-            positions: &mut x,
-            velocities: &mut v,
-            forces: &[DVec3::ZERO; 3],
-            masses: &masses,
-            h: 0.1,
-            step,
-            is_later: false,
-        });
-        drifted.unwrap();
-        time += 0.1;
+        let flying = (&mut x[..], &mut v[..]);
+        let still = [DVec3::ZERO; 3];
+        fly(contacts.boundary().unwrap(), 8.0, flying, (&still, &masses), (0.1, step));
     }
-    assert!((time - 4.0_f64).abs() < 1e-12);
     assert!((x[1] - DVec3::new(4.0, 2.0, 2.0)).length() < 1e-12, "{}", x[1]);
     assert_eq!((x[0], v[2]), (DVec3::splat(2.0), DVec3::ZERO));
 }
 
 #[test]
 fn a_wall_at_a_temperature_lets_no_body_rest_however_hard_it_is_pressed() {
-    let cell = cube(8.0);
-    let planes = SlitPlanes::new(&cell, 2, 2.0, 0.0);
-    let thermal =
-        WallOptions::all().into_iter().find(|wall| wall.spec().name == "thermal").unwrap();
-    let pair = WallPair::new(&thermal, planes, &WallContext { temperature: 1e-4 });
-    let walls = Walls::new(vec![pair], Streams::new(1).noise("walls"));
+    let walls = walls("kind = \"thermal\"\ntemperature = 1e-4", 8.0, &[2], 2.0);
     let mut contacts =
         Obstacles::new(walls, Contacts::new(hard(0.5), Bodies::alike(1.0, Exclusions::NONE)));
     let (mut x, mut v) = ([DVec3::new(4.0, 4.0, 1.0)], [DVec3::NEG_Z]);
-    let drifted = contacts.boundary().unwrap().fly(Flight {
-        cell: &cell,
-        positions: &mut x,
-        velocities: &mut v,
-        // A kick of 2 σ/τ, more than the body is fast.
-        forces: &[DVec3::new(0.0, 0.0, -20.0)],
-        masses: &Masses::Uniform(1.0),
-        h: 0.1,
-        step: 0,
-        is_later: false,
-    });
-    let heat = drifted.unwrap().heat;
+    // A kick of 2 σ/τ, more than the body is fast.
+    let pushed = (&[DVec3::new(0.0, 0.0, -20.0)][..], &Masses::Uniform(1.0));
+    let heat = fly(contacts.boundary().unwrap(), 8.0, (&mut x, &mut v), pushed, (0.1, 0));
     assert!(v[0].z > 0.0 && v[0].z < 0.1, "{}", v[0]);
     assert!((heat - 0.5 * (v[0].length_squared() - 1.0)).abs() < 1e-15);
 }

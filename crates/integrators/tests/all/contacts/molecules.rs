@@ -1,19 +1,15 @@
 //! Molecules whose bonds are held in drifts, between walls that are hit.
 
-use lennard_core::random::Streams;
 use lennard_core::{
     BondSolver, Bonds, DVec3, ForceSum, ForceTerm, Molecules, NoForces, State, StepError, System,
     rigid,
 };
-use lennard_forcefield::{
-    ConstantField, ContactLaw, Hard, SlitPlanes, Soft, SpringLaw, WallContext, WallOptions,
-    WallPair, Walls,
-};
+use lennard_forcefield::{ConstantField, ContactLaw, SpringLaw};
 use lennard_integrators::{
     Bodies, BondHolder, BondOptions, Contacts, IntegratorOptions, Obstacles, Response, build,
 };
 
-use super::common::{Rig, cube, random_vectors};
+use super::common::{Rig, cube, random_vectors, walls};
 
 const SIDE: f64 = 12.0;
 
@@ -24,30 +20,21 @@ fn solver(molecules: &Molecules) -> Box<dyn BondSolver> {
     }
 }
 
-/// Walls across all axes, 1 σ from the ends of the box.
-fn walls(options: &WallOptions) -> Walls {
-    let context = WallContext { temperature: 1.3 };
-    let pair = |axis| {
-        let planes = SlitPlanes::new(&cube(SIDE), axis, 2.0, 0.0);
-        WallPair::new(options, planes, &context)
-    };
-    Walls::new((0..3).map(pair).collect(), Streams::new(5).noise("walls"))
-}
-
-fn hard(restitution: f64) -> WallOptions {
-    WallOptions::Hard(Hard { restitution: Some(restitution), ..Hard::default() })
+fn hard(restitution: f64) -> String {
+    format!("kind = \"hard\"\nrestitution = {restitution:?}")
 }
 
 /// Chains with rigid bonds and contacts in a closed box, in gravity g.
 fn boxed(
-    options: &WallOptions,
+    options: &str,
     molecules: &Molecules,
     (x, v): (Vec<DVec3>, Vec<DVec3>),
     (contacts, g): (Option<Contacts>, f64),
     h: f64,
 ) -> Rig {
     let system = System::of_molecules(x.len(), molecules.clone());
-    let walls = Obstacles::new(walls(options), contacts).holding(&system, solver(molecules));
+    let walls = Obstacles::new(walls(options, SIDE, &[0, 1, 2], 2.0), contacts)
+        .holding(&system, solver(molecules));
     let field = ConstantField::new(-g * DVec3::Z, system.masses.clone());
     let forces = ForceSum::new(NoForces).with(walls).with(field);
     let method = build(&IntegratorOptions::default()).with_bonds(solver(molecules));
@@ -56,13 +43,13 @@ fn boxed(
 }
 
 /// Chains that do not see each other, in a closed box.
-fn gas(options: &WallOptions, n: usize, sites: usize, h: f64) -> Rig {
+fn gas(options: &str, n: usize, sites: usize, h: f64) -> Rig {
     touching(options, (n, sites), h, |_| None)
 }
 
 /// Chains whose sites are bodies with contacts.
 fn touching(
-    options: &WallOptions,
+    options: &str,
     (n, sites): (usize, usize),
     h: f64,
     contacts: impl Fn(&Molecules) -> Option<Contacts>,
@@ -189,9 +176,7 @@ fn momentum_goes_to_the_walls_and_hits_that_take_energy_count_it_as_heat() {
 
 #[test]
 fn thermal_walls_bring_molecules_to_their_temperature_in_every_degree_of_freedom() {
-    let options =
-        WallOptions::all().into_iter().find(|wall| wall.spec().name == "thermal").unwrap();
-    let mut gas = gas(&options, 400, 2, 0.02);
+    let mut gas = gas("kind = \"thermal\"", 400, 2, 0.02);
     (0..3000).for_each(|_| gas.step());
     let (mut centers, mut inside, mut samples) = (0.0, 0.0, 0.0);
     for _ in 0..150 {
@@ -235,7 +220,9 @@ fn a_dumbbell_that_falls_flat_on_a_floor_bounces_and_rests_with_both_sites() {
 /// Mean over phases of the step of −v_out/v_in of a dumbbell that flies at a soft wall, at an angle to its plane.
 fn rebound(law: SpringLaw, e: f64, along: DVec3) -> f64 {
     let (h, phases) = (0.005, 40);
-    let options = WallOptions::Soft(Soft { law, stiffness: 400.0, restitution: e });
+    let law = law.name();
+    let options =
+        format!("kind = \"soft\"\nlaw = \"{law}\"\nstiffness = 400.0\nrestitution = {e:?}");
     let molecules = Molecules::chains(2, 1.0, Bonds::Rigid);
     let mut sum = 0.0;
     for k in 0..phases {
@@ -270,9 +257,9 @@ fn dashpots_of_soft_walls_keep_the_restitution_of_molecules_on_their_end_and_fla
 
 #[test]
 fn dashpots_take_what_they_count_from_a_gas_of_molecules() {
-    let soft = WallOptions::Soft(Soft { restitution: 0.5, ..Soft::default() });
+    let soft = "kind = \"soft\"\nrestitution = 0.5";
     for sites in [2, 3] {
-        let mut gas = gas(&soft, 30, sites, 0.002);
+        let mut gas = gas(soft, 30, sites, 0.002);
         let before = gas.kinetic_energy();
         (0..4000).for_each(|_| gas.step());
         assert!(gas.heat < -0.3 * before, "{} of {before}", gas.heat);

@@ -1,17 +1,16 @@
 //! Unilateral contacts of SPOOK: impacts at any phase, stacks at rest, rows of balls.
 
-use lennard_core::random::Streams;
 use lennard_core::{Configuration, Part, StepError, Want};
 use lennard_core::{
     DVec3, Exclusions, ForceError, ForceSum, ForceTerm, NoForces, PeriodicBox, System,
 };
-use lennard_forcefield::{Hard, SlitPlanes, WallContext, WallOptions, WallPair, Walls};
+use lennard_forcefield::Walls;
 use lennard_integrators::IntegratorOptions;
 use lennard_integrators::spook::Damping;
 use lennard_integrators::spook::Solver;
 use lennard_integrators::{Bodies, Contacts, Obstacles, Response, UnilateralLaw};
 
-use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres};
+use super::common::{Rig, alone, cube, lattice, of_kind, random_vectors, spheres, walls};
 
 fn law(restitution: f64) -> UnilateralLaw {
     let (compliance, damping, solver) = (0.0, Damping::Steps(2.0), Solver::Exact);
@@ -24,13 +23,8 @@ fn spook(restitution: f64) -> Response {
 
 /// Planes across z of a cube of side 20, at 1 and 19, that contacts solve for.
 pub(crate) fn planes(restitution: f64) -> Walls {
-    let planes = SlitPlanes::new(&cube(20.0), 2, 2.0, 0.0);
-    let options = WallOptions::Hard(Hard {
-        response: lennard_forcefield::Response::Contact,
-        restitution: Some(restitution),
-    });
-    let pair = WallPair::new(&options, planes, &WallContext { temperature: 1.0 });
-    Walls::new(vec![pair], Streams::new(1).noise("walls"))
+    let text = format!("kind = \"hard\"\nresponse = \"contact\"\nrestitution = {restitution:?}");
+    walls(&text, 20.0, &[2], 2.0)
 }
 
 fn on_planes(law: UnilateralLaw) -> Obstacles {

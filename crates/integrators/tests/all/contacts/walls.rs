@@ -5,21 +5,18 @@ use lennard_core::{
     DVec3, ForceSum, ForceTerm, Masses, NoForces, PeriodicBox, State, Step, System, WallReading,
     Want,
 };
-use lennard_forcefield::{SlitPlanes, WallContext, WallPair, Walls};
 use lennard_integrators::Obstacles;
 use rand::RngExt;
 
+use super::common::{fly, walls};
+
 /// Walls across z of a cube of side 10, between 2 and 8.
 fn slit(text: &str) -> Obstacles {
-    let cell = PeriodicBox::new(DVec3::splat(10.0)).unwrap();
-    let planes = SlitPlanes::new(&cell, 2, 4.0, 0.0);
-    let context = WallContext { temperature: 1.5 };
-    let pair = WallPair::new(&toml::from_str(text).unwrap(), planes, &context);
-    Obstacles::new(Walls::new(vec![pair], Streams::new(7).noise("walls")), None)
+    Obstacles::new(walls(text, 10.0, &[2], 4.0), None)
 }
 
 /// One drift of 1 τ of a particle from the middle between the walls.
-fn fly(walls: Obstacles, velocity: DVec3) -> (State, Vec<WallReading>, f64) {
+fn flown(walls: Obstacles, velocity: DVec3) -> (State, Vec<WallReading>, f64) {
     let system = System::atoms(1);
     let cell = PeriodicBox::new(DVec3::splat(10.0)).unwrap();
     let mut state = State::new(cell, vec![DVec3::new(0.0, 0.0, 5.0)], vec![velocity]);
@@ -35,8 +32,10 @@ fn fly(walls: Obstacles, velocity: DVec3) -> (State, Vec<WallReading>, f64) {
 #[test]
 fn a_billiard_flight_keeps_the_restitution_to_rounding_and_hands_over_its_momentum() {
     for e in [1.0_f64, 0.9, 0.5, 0.1] {
-        let (state, walls, heat) =
-            fly(slit(&format!("kind = \"hard\"\nrestitution = {e:?}")), DVec3::new(0.5, 0.0, 4.0));
+        let (state, walls, heat) = flown(
+            slit(&format!("kind = \"hard\"\nrestitution = {e:?}")),
+            DVec3::new(0.5, 0.0, 4.0),
+        );
         // Up 3 σ in 0.75 τ, then back at 4e for 0.25 τ.
         assert!((state.velocities[0].z + 4.0 * e).abs() < 1e-12);
         assert!((state.positions[0] - DVec3::new(0.5, 0.0, 8.0 - e)).length() < 1e-12);
@@ -45,7 +44,7 @@ fn a_billiard_flight_keeps_the_restitution_to_rounding_and_hands_over_its_moment
         assert!((heat + 8.0 * (1.0 - e * e)).abs() < 1e-12);
     }
     // Several hits in one flight: 3 up, 6 down, 6 up, 5 down.
-    let (state, walls, heat) = fly(slit("kind = \"hard\""), DVec3::new(0.0, 0.0, 20.0));
+    let (state, walls, heat) = flown(slit("kind = \"hard\""), DVec3::new(0.0, 0.0, 20.0));
     assert!((state.positions[0].z - 3.0).abs() < 1e-12);
     assert_eq!((walls[0].hits, walls[1].hits, heat), (1, 2, 0.0));
     assert!((walls[1].impulse - 80.0).abs() < 1e-12);
@@ -53,7 +52,7 @@ fn a_billiard_flight_keeps_the_restitution_to_rounding_and_hands_over_its_moment
 
 #[test]
 fn a_particle_with_too_many_hits_rests_at_the_plane() {
-    let (state, walls, _) = fly(slit("kind = \"hard\""), DVec3::new(0.0, 0.0, 1000.0));
+    let (state, walls, _) = flown(slit("kind = \"hard\""), DVec3::new(0.0, 0.0, 1000.0));
     assert_eq!(walls[0].hits + walls[1].hits, 16);
     assert_eq!(state.velocities[0].z, 0.0);
     assert!((2.0..=8.0).contains(&state.positions[0].z));
@@ -70,17 +69,9 @@ fn thermal_walls_give_the_speeds_of_the_flux() {
     for step in 0..n {
         let mut positions = [DVec3::new(0.0, 0.0, 7.999)];
         let mut velocities = [DVec3::new(3.0, 0.0, 1.0)];
-        let drifted = walls.boundary().unwrap().fly(lennard_core::Flight {
-            cell: &PeriodicBox::new(DVec3::splat(10.0)).unwrap(),
-            positions: &mut positions,
-            velocities: &mut velocities,
-            forces: &[DVec3::ZERO],
-            masses: &system.masses,
-            h: 0.0011,
-            step,
-            is_later: false,
-        });
-        heat += drifted.unwrap().heat;
+        let flying = (&mut positions[..], &mut velocities[..]);
+        let still = (&[DVec3::ZERO][..], &system.masses);
+        heat += fly(walls.boundary().unwrap(), 10.0, flying, still, (0.0011, step));
         let v = velocities[0];
         assert!(v.z <= 0.0 && cell.wrap(positions[0]).z < 8.0 + 1e-12);
         normal += -v.z / n as f64;
@@ -109,17 +100,9 @@ fn a_gas_without_collisions_between_two_temperatures_conducts_as_theory_says() {
     let mut velocities = vec![DVec3::new(0.3, -0.2, 1.0); N];
     let (mut temperature, mut flux, mut lower_half, mut samples) = (0.0, 0.0, 0.0, 0.0);
     for step in 0..3000 {
-        let drifted = walls.boundary().unwrap().fly(lennard_core::Flight {
-            cell: &PeriodicBox::new(DVec3::splat(10.0)).unwrap(),
-            positions: &mut positions,
-            velocities: &mut velocities,
-            forces: &[DVec3::ZERO; N],
-            masses: &Masses::Uniform(1.0),
-            h: 1.0,
-            step,
-            is_later: false,
-        });
-        drifted.unwrap();
+        let flying = (&mut positions[..], &mut velocities[..]);
+        let still = (&[DVec3::ZERO; N][..], &Masses::Uniform(1.0));
+        fly(walls.boundary().unwrap(), 10.0, flying, still, (1.0, step));
         if step < 200 {
             continue;
         }
