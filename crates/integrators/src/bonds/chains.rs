@@ -59,26 +59,25 @@ impl WithSimd for DriftChains<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let task = self.task;
+        let TaskOf { first_molecule: mut molecule, drift } = self.task;
         let sites = self.topology.sites();
         let inverse_masses = InverseMasses::new(simd, self.masses);
         let mut chains = ChainsInLanes::new(simd, self.topology, self.tolerance);
-        let mut molecule = task.first_molecule;
         let size = Block::size::<S>(sites);
-        let moving = (task.positions.chunks_mut(size))
-            .zip(task.velocities.chunks_mut(size))
-            .zip(task.forces.chunks(size));
+        let moving = (drift.positions.chunks_mut(size))
+            .zip(drift.velocities.chunks_mut(size))
+            .zip(drift.forces.chunks(size));
         for ((x, v), f) in moving {
             let block = Block::new(x.len(), sites);
             let molecules = x.len() / sites;
             let first = molecule * sites;
-            if let Some(kick) = task.kick {
+            if let Some(kick) = drift.kick {
                 moves::kick(self.masses, first, v, f, kick);
             }
-            chains.drift(&inverse_masses, &block, first, x, v, task.h);
+            chains.drift(&inverse_masses, &block, first, x, v, drift.h);
             match chains.solve() {
                 Ok(iterations) => {
-                    let residual = chains.finish(&block, x, v, task.h);
+                    let residual = chains.finish(&block, x, v, drift.h);
                     self.outcome.solved(Drifted { iterations, residual, ..Drifted::default() });
                 }
                 Err(failures) => {

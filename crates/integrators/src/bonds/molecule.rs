@@ -191,28 +191,27 @@ impl Outcome {
 pub struct TaskOf<'a> {
     /// The number of its first molecule.
     pub first_molecule: usize,
-    /// Positions of its sites.
-    pub positions: &'a mut [DVec3],
-    /// Velocities of its sites.
-    pub velocities: &'a mut [DVec3],
-    /// Forces on its sites.
-    pub forces: &'a [DVec3],
-    /// As [`BoundDrift::kick`].
-    pub kick: Option<f64>,
-    /// As [`BoundDrift::h`].
-    pub h: f64,
+    /// The drift of its sites.
+    pub drift: BoundDrift<'a>,
 }
 
-/// Sites of one molecule: positions, velocities, and the forces on them.
-type Sites<'a> = (&'a mut [DVec3], &'a mut [DVec3], &'a [DVec3]);
-
 impl<'a> TaskOf<'a> {
-    /// Its molecules of `sites` sites, each with its number.
-    pub fn molecules(self, sites: usize) -> impl Iterator<Item = (usize, Sites<'a>)> {
-        let of_each = (self.positions.chunks_exact_mut(sites))
-            .zip(self.velocities.chunks_exact_mut(sites))
-            .zip(self.forces.chunks_exact(sites));
-        (self.first_molecule..).zip(of_each.map(|((x, v), f)| (x, v, f)))
+    /// Its molecules of `sites` sites after their kick, each with its number: positions and velocities.
+    pub fn kicked(
+        self,
+        masses: &'a Masses,
+        sites: usize,
+    ) -> impl Iterator<Item = (usize, &'a mut [DVec3], &'a mut [DVec3])> {
+        let BoundDrift { positions, velocities, forces, kick, .. } = self.drift;
+        let of_each = (positions.chunks_exact_mut(sites))
+            .zip(velocities.chunks_exact_mut(sites))
+            .zip(forces.chunks_exact(sites));
+        (self.first_molecule..).zip(of_each).map(move |(m, ((x, v), f))| {
+            if let Some(kick) = kick {
+                moves::kick(masses, m * sites, v, f, kick);
+            }
+            (m, x, v)
+        })
     }
 }
 
@@ -235,14 +234,8 @@ pub fn over_tasks(
     let outcomes =
         map_items(tasks, |space: &mut Space, task, ((positions, velocities), forces)| {
             let mut outcome = Outcome::default();
-            let task = TaskOf {
-                first_molecule: task * MOLECULES_PER_TASK,
-                positions,
-                velocities,
-                forces,
-                kick,
-                h,
-            };
+            let drift = BoundDrift { positions, velocities, forces, kick, h };
+            let task = TaskOf { first_molecule: task * MOLECULES_PER_TASK, drift };
             work(space, topology, task, &mut outcome);
             outcome
         });
@@ -265,17 +258,14 @@ impl<R: MoleculeRule> BondSolver for EachMolecule<R> {
     fn drift(&mut self, system: &System, moving: BoundDrift<'_>) -> Result<Drifted, StepError> {
         let (rule, masses) = (&self.0, &system.masses);
         over_tasks(system, moving, |space, topology, task, outcome| {
-            let (sites, kick, h) = (topology.sites(), task.kick, task.h);
-            for (m, (x, v, f)) in task.molecules(sites) {
+            let (sites, h) = (topology.sites(), task.drift.h);
+            for (m, x, v) in task.kicked(masses, sites) {
                 let first = m * sites;
                 let (mut before, mut moved) =
                     (std::mem::take(&mut space.before), std::mem::take(&mut space.moved));
                 rigid::bond_vectors(topology, x, &mut before);
                 moved.clear();
                 moved.resize(sites, DVec3::ZERO);
-                if let Some(kick) = kick {
-                    moves::kick(masses, first, v, f, kick);
-                }
                 let energy_before = rule
                     .damped_energy(topology, &before)
                     .map(|energy| energy + kinetic_energy(masses, first, v));

@@ -260,12 +260,9 @@ impl BondSolver for Dashpots {
     fn drift(&mut self, system: &System, moving: BoundDrift<'_>) -> Result<Drifted, StepError> {
         let masses = &system.masses;
         over_tasks(system, moving, |_, topology, task, outcome| {
-            let (sites, kick, h) = (topology.sites(), task.kick, task.h);
-            for (m, (x, v, f)) in task.molecules(sites) {
+            let (sites, h) = (topology.sites(), task.drift.h);
+            for (m, x, v) in task.kicked(masses, sites) {
                 let first = m * sites;
-                if let Some(kick) = kick {
-                    moves::kick(masses, first, v, f, kick);
-                }
                 let mut heat = 0.0;
                 for bond in topology.bonds() {
                     heat += self.act(bond, masses, first, x, v, 0.5 * h);

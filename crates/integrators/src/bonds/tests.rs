@@ -1,7 +1,7 @@
 //! Molecules in registers have the bits of molecules one by one, which is the form that runs where there is no AVX2.
 
 use lennard_core::lanes::{Scalar, WithSimd, in_lanes};
-use lennard_core::{Bonds, DVec3, Masses, Molecules};
+use lennard_core::{Bonds, BoundDrift, DVec3, Masses, Molecules};
 
 use super::chains::DriftChains;
 use super::molecule::{Outcome, TaskOf};
@@ -36,14 +36,14 @@ fn molecules_have_the_same_bits_in_registers_and_one_by_one() {
             let drifted = |one_by_one: bool| {
                 let (mut x, mut v) = (x.clone(), v.clone());
                 let mut outcome = Outcome::default();
-                let task = TaskOf {
-                    first_molecule: 0,
+                let drift = BoundDrift {
                     positions: &mut x,
                     velocities: &mut v,
                     forces: &f,
                     kick: Some(0.005),
                     h: 0.01,
                 };
+                let task = TaskOf { first_molecule: 0, drift };
                 let drift = DriftChains {
                     tolerance: 1e-12,
                     topology,
