@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use lennard_core::options::OptionValue;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::Tabulated;
 use super::file::Refusal;
@@ -16,8 +16,8 @@ use super::file::Refusal;
 const LARGEST_FILE: u64 = 1 << 28;
 
 /// The path of a table, relative to the scene file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(from = "String", into = "String")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(into = "String")]
 pub struct TablePath(&'static str);
 
 impl TablePath {
@@ -45,6 +45,13 @@ impl From<String> for TablePath {
         let kept: &'static str = Box::leak(path.clone().into_boxed_str());
         paths.insert(path, kept);
         Self(kept)
+    }
+}
+
+// What serde derives asks for text that lives as long as the program.
+impl<'de> Deserialize<'de> for TablePath {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        String::deserialize(from).map(Self::from)
     }
 }
 
