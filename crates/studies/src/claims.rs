@@ -104,7 +104,7 @@ fn as_a_claim<S: Serializer>(verdict: &Verdict, to: S) -> Result<S::Ok, S::Error
 }
 
 /// A measured number, with the labels that tell it apart from others of its key.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub(crate) struct Number {
     key: &'static str,
     measured: f64,
@@ -145,7 +145,7 @@ impl Number {
 }
 
 /// The measured numbers of a study that judge its claims.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub(crate) struct Numbers(Vec<Number>);
 
 impl Numbers {

@@ -1,82 +1,16 @@
 //! Collisions: springs that are too weak and too stiff, bounces by each rule, and the cradle.
 
 use lennard_core::{DVec3, PeriodicBox};
+use lennard_observables::{Cell, Table};
 use lennard_forcefield::{Hard, Response, SlitPlanes, Soft, SpringLaw, WallOptions};
-use serde::Serialize;
 
 use super::ball::{Balls, PLANE, SIDE};
-use super::cradle::{Cradle, cradles, spook_rebound, stack};
-use super::unilateral::{self, Unilateral};
+use super::{Measured, cradle, unilateral};
 use crate::StudyError;
+use crate::report::Drawn;
 
 /// Stiffness of soft walls, ε/σ²: ω = 20 τ⁻¹.
 const STIFFNESS: f64 = 400.0;
-
-/// A hit of a soft wall without restitution loss at one phase step s = ωh.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub struct StiffHit {
-    /// s = ωh.
-    pub phase: f64,
-    /// Mean relative gain of energy per hit.
-    pub gain: f64,
-    /// RMS of the same.
-    pub rms: f64,
-    /// Greatest depth over v/ω.
-    pub depth: f64,
-}
-
-/// A damped soft wall.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub struct DampedHit {
-    /// The law.
-    pub law: &'static str,
-    /// The restitution that was set.
-    pub set: f64,
-    /// The mean over phases.
-    pub mean: f64,
-    /// The farthest single hit.
-    pub farthest: f64,
-}
-
-/// A ball in gravity under a rule.
-#[derive(Debug, Clone, Serialize)]
-pub struct Bouncing {
-    /// The rule.
-    pub rule: &'static str,
-    /// The restitution that was set.
-    pub restitution: f64,
-    /// Time and height of a ball dropped from 1 σ with g = 1.
-    pub path: Vec<(f64, f64)>,
-    /// Energy after each bounce over the energy of theory, e²ⁿ.
-    pub energies: Vec<f64>,
-}
-
-/// All of it.
-#[derive(Debug, Clone, Serialize)]
-pub struct Collisions {
-    /// Undamped linear springs.
-    pub stiff: Vec<StiffHit>,
-    /// Damped springs at s = 0.1.
-    pub damped: Vec<DampedHit>,
-    /// Time of contact and depth of a Hertz contact over theory.
-    pub hertz: [f64; 2],
-    /// Speed over ω·D, with D the room behind the plane, just below and just above which a particle stays and passes.
-    pub passes: [f64; 2],
-    /// Bounces by each rule.
-    pub bouncing: Vec<Bouncing>,
-    /// Largest | E/E₀ − 1 | of a billiard ball over 2000 bounces, and the trend between the halves.
-    pub billiard: [f64; 2],
-    /// Normal speed that is left two steps after a projection, over the speed before it.
-    pub projected: f64,
-    /// Rows of balls.
-    pub cradles: Vec<Cradle>,
-    /// The largest deviation of the contact forces of a stack of five from (5, …, 1)·m·g, relative.
-    pub stack: f64,
-    /// The largest rebound of a contact of SPOOK alone over phases, over the speed: at τ = 0 and at τ = 2h.
-    pub spook_alone: [f64; 2],
-    /// Contacts of SPOOK in whole steps.
-    pub unilateral: Unilateral,
-}
 
 fn soft(law: SpringLaw, restitution: f64) -> WallOptions {
     WallOptions::Soft(Soft { law, stiffness: STIFFNESS, restitution })
@@ -107,36 +41,54 @@ fn rebounds(wall: &WallOptions, h: f64, phases: u32) -> Result<(Vec<f64>, f64), 
     Ok((speeds, deepest))
 }
 
-fn stiff(quick: bool) -> Result<Vec<StiffHit>, StudyError> {
+/// Hits of undamped linear springs, for each phase step s = ωh.
+fn stiff(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
     let phases = if quick { 200 } else { 2000 };
     let omega = STIFFNESS.sqrt();
-    [0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 1.9]
-        .into_iter()
-        .map(|phase| {
-            let (speeds, deepest) = rebounds(&soft(SpringLaw::Linear, 1.0), phase / omega, phases)?;
-            let gains: Vec<f64> = speeds.iter().map(|v| v * v - 1.0).collect();
-            let n = gains.len() as f64;
-            Ok(StiffHit {
-                phase,
-                gain: gains.iter().sum::<f64>() / n,
-                rms: (gains.iter().map(|g| g * g).sum::<f64>() / n).sqrt(),
-                depth: deepest * omega,
-            })
-        })
-        .collect()
+    let mut hits: Vec<[f64; 4]> = Vec::new();
+    for phase in [0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 1.9] {
+        let (speeds, deepest) = rebounds(&soft(SpringLaw::Linear, 1.0), phase / omega, phases)?;
+        let gains: Vec<f64> = speeds.iter().map(|v| v * v - 1.0).collect();
+        let n = gains.len() as f64;
+        let gain = gains.iter().sum::<f64>() / n;
+        let rms = (gains.iter().map(|g| g * g).sum::<f64>() / n).sqrt();
+        all.numbers.add("gain per hit", gain).of("phase", phase);
+        hits.push([phase, gain, rms, deepest * omega]);
+    }
+    let at = |phase| hits.iter().find(|hit| hit[0] == phase).map_or(f64::NAN, |hit| hit[1]);
+    all.numbers.add("gain at 1.4 over 1.2", at(1.4) / at(1.2));
+    let table = Table::rows_of("penalty", &hits)
+        .column("omega h", |hit| hit[0])
+        .column("mean gain", |hit| hit[1])
+        .column("RMS", |hit| hit[2])
+        .column("depth over v/omega", |hit| hit[3])
+        .table();
+    let sizes = hits.iter().map(|hit| hit[1].abs());
+    all.shown.push(table.clone().and("size of the gain", sizes));
+    all.tables.push(table);
+    Ok(())
 }
 
-fn damped(quick: bool) -> Result<Vec<DampedHit>, StudyError> {
-    let mut all = Vec::new();
+/// Restitution of soft walls with a dashpot.
+fn damped(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
+    let mut hits = Vec::new();
     for (law, name) in [(SpringLaw::Linear, "linear"), (SpringLaw::Hertz, "hertz")] {
         for set in [0.05, 0.1, 0.3, 0.5, 0.7, 0.9] {
             let (speeds, _) = rebounds(&soft(law, set), 0.005, if quick { 50 } else { 500 })?;
             let mean = speeds.iter().sum::<f64>() / speeds.len() as f64;
             let farthest = speeds.iter().fold(0.0_f64, |m, v| m.max((v - set).abs()));
-            all.push(DampedHit { law: name, set, mean, farthest });
+            all.numbers.add("restitution of a damped spring", mean).of("law", name).of("e", set);
+            hits.push((name, set, mean, farthest));
         }
     }
-    Ok(all)
+    let table = Table::rows_of("damped-springs", &hits)
+        .caption("Soft walls with a dashpot at ωh = 0.1, over all phases of the step.")
+        .column("Law", |hit| hit.0)
+        .column("e set", |hit| Cell::rounded(hit.1, 3))
+        .column("mean e", |hit| Cell::rounded(hit.2, 5))
+        .column("farthest hit", |hit| Cell::rounded(hit.3, 2));
+    all.tables.push(table.table());
+    Ok(())
 }
 
 /// Time of contact and depth of Hertz's contact, each over theory: 2.9432·δ/v and (5v²/(4k))^{2/5}.
@@ -155,8 +107,8 @@ fn hertz() -> Result<[f64; 2], StudyError> {
     Ok([inside / (2.9432 * depth), deepest / depth])
 }
 
-/// The largest speed that a soft wall holds and the smallest that passes, over ω times the room behind the plane.
-fn passes() -> Result<[f64; 2], StudyError> {
+/// The smallest speed that passes a soft wall, over ω times the room behind the plane.
+fn passes() -> Result<f64, StudyError> {
     let room = SlitPlanes::new(&PeriodicBox::new(DVec3::splat(SIDE))?, 2, 2.0 * PLANE, 0.0).room;
     let limit = STIFFNESS.sqrt() * room;
     let is_held = |share: f64| -> Result<bool, StudyError> {
@@ -181,27 +133,53 @@ fn passes() -> Result<[f64; 2], StudyError> {
             high = middle;
         }
     }
-    Ok([low, high])
+    Ok(high)
 }
 
-fn bouncing(
-    rule: &'static str,
-    response: Response,
-    restitution: f64,
-) -> Result<Bouncing, StudyError> {
+/// A ball in gravity under each rule, dropped from 1 σ with g = 1.
+fn bouncing(all: &mut Measured) -> Result<(), StudyError> {
     let h = 0.01;
-    let mut ball = Balls::one_over(&hard(response, restitution), (1.0, 0.0), 1.0, h)?;
-    let (mut path, mut energies) = (vec![(0.0, 1.0)], Vec::new());
-    for n in 1..=1200_u32 {
-        let before = ball.hits();
-        ball.steps(1)?;
-        path.push((f64::from(n) * h, ball.height()));
-        let theory = restitution.powi(2 * ball.hits() as i32);
-        if ball.hits() > before && theory > 1e-3 {
-            energies.push((0.5 * ball.speed().powi(2) + ball.height()) / theory);
+    let mut heights = Vec::new();
+    for (rule, response, restitution) in [
+        ("event", Response::Event, 1.0),
+        ("event", Response::Event, 0.9),
+        ("event", Response::Event, 0.7),
+        ("event", Response::Event, 0.5),
+        ("billiard", Response::Billiard, 1.0),
+        ("mirror", Response::Mirror, 1.0),
+        ("project", Response::Project, 0.0_f64),
+    ] {
+        let mut ball = Balls::one_over(&hard(response, restitution), (1.0, 0.0), 1.0, h)?;
+        heights.push((rule, restitution, 0.0, 1.0));
+        // Energy after each bounce over the energy of theory, e²ⁿ, less 1.
+        let mut gains: Vec<f64> = Vec::new();
+        for n in 1..=1200_u32 {
+            let before = ball.hits();
+            ball.steps(1)?;
+            heights.push((rule, restitution, f64::from(n) * h, ball.height()));
+            let theory = restitution.powi(2 * ball.hits() as i32);
+            if ball.hits() > before && theory > 1e-3 {
+                gains.push((0.5 * ball.speed().powi(2) + ball.height()) / theory - 1.0);
+            }
+        }
+        if rule == "event" {
+            let off = gains.iter().fold(0.0, |most: f64, gain| most.max(gain.abs()));
+            all.numbers.add("energy after bounces", off).of("e", restitution);
+        } else if rule == "mirror" {
+            let gain = gains.last().copied().unwrap_or(f64::NAN);
+            all.numbers.add("gain of a mirrored ball", gain);
         }
     }
-    Ok(Bouncing { rule, restitution, path, energies })
+    let table = Table::rows_of("bounces", &heights)
+        .column("rule", |at| at.0)
+        .column("restitution", |at| at.1)
+        .column("time [tau]", |at| at.2)
+        .column("height [sigma]", |at| at.3)
+        .table();
+    let names = heights.iter().map(|at| format!("{}, e = {}", at.0, at.1));
+    all.shown.push(table.clone().and("ball", names));
+    all.tables.push(table);
+    Ok(())
 }
 
 /// The largest | E/E₀ − 1 | over 2000 bounces of a billiard ball in gravity, and the trend of its mean between the halves.
@@ -232,31 +210,22 @@ fn projected() -> Result<f64, StudyError> {
 }
 
 /// Measures everything.
-pub(crate) fn measure(quick: bool) -> Result<Collisions, StudyError> {
-    let bounces = [
-        ("event", Response::Event, 1.0),
-        ("event", Response::Event, 0.9),
-        ("event", Response::Event, 0.7),
-        ("event", Response::Event, 0.5),
-        ("billiard", Response::Billiard, 1.0),
-        ("mirror", Response::Mirror, 1.0),
-        ("project", Response::Project, 0.0),
-    ];
-    let largest = |damping| spook_rebound(damping).fold(0.0, f64::max);
-    Ok(Collisions {
-        stiff: stiff(quick)?,
-        damped: damped(quick)?,
-        hertz: hertz()?,
-        passes: passes()?,
-        bouncing: bounces
-            .into_iter()
-            .map(|(rule, response, e)| bouncing(rule, response, e))
-            .collect::<Result<_, _>>()?,
-        billiard: billiard(quick)?,
-        projected: projected()?,
-        cradles: cradles()?,
-        stack: stack(),
-        spook_alone: [largest(0.0), largest(2.0)],
-        unilateral: unilateral::measure(quick)?,
-    })
+pub(super) fn measure(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
+    stiff(quick, all)?;
+    damped(quick, all)?;
+    bouncing(all)?;
+    let [time, depth] = hertz()?;
+    let [worst, trend] = billiard(quick)?;
+    for (key, measured) in [
+        ("speed that passes", passes()?),
+        ("time of a Hertz contact", time),
+        ("depth of a Hertz contact", depth),
+        ("speed after a projection", projected()?),
+        ("energy of a billiard ball", worst),
+        ("trend of a billiard ball", trend.abs()),
+    ] {
+        all.numbers.add(key, measured);
+    }
+    cradle::measure(all)?;
+    unilateral::measure(quick, all)
 }

@@ -1,24 +1,14 @@
 //! Balls that touch: rows that one ball hits, a stack at rest, and the contacts of SPOOK.
 
 use lennard_core::{DVec3, Masses};
+use lennard_observables::{Cell, Table};
 use lennard_forcefield::{ContactLaw, SpringLaw};
 use lennard_integrators::spook::Regularisation;
 use lennard_integrators::spook::{self, Contact, Solver};
-use serde::Serialize;
 
+use super::Measured;
 use super::bodies::{Bodies, BodyForces};
 use crate::StudyError;
-
-/// A row of balls after the first hit the second.
-#[derive(Debug, Clone, Serialize)]
-pub struct Cradle {
-    /// How the hits are resolved.
-    pub rule: &'static str,
-    /// Velocities after the hit; before it the first ball has velocity 1.
-    pub velocities: Vec<f64>,
-    /// What is known.
-    pub known: Vec<f64>,
-}
 
 /// A row of touching balls by springs, in small steps of velocity Verlet.
 fn by_springs(n: usize, law: SpringLaw) -> Result<Vec<f64>, StudyError> {
@@ -42,7 +32,8 @@ fn row(n: usize) -> Vec<Contact> {
         .collect()
 }
 
-pub(crate) fn cradles() -> Result<Vec<Cradle>, StudyError> {
+/// Rows of balls after the first hit the second, by how hits are resolved.
+fn cradles(all: &mut Measured) -> Result<(), StudyError> {
     let masses = Masses::Uniform(1.0);
     let resolved = |n: usize, resolve: &dyn Fn(&[Contact], &mut [DVec3])| -> Vec<f64> {
         let mut v = vec![DVec3::ZERO; n];
@@ -54,37 +45,37 @@ pub(crate) fn cradles() -> Result<Vec<Cradle>, StudyError> {
     let at_once = |c: &[Contact], v: &mut [DVec3]| {
         spook::impacts_at_once(c, &masses, v, 1.0);
     };
-    Ok(vec![
-        Cradle {
-            rule: "in turn, e = 1",
-            velocities: resolved(5, &in_turn),
-            known: vec![0.0, 0.0, 0.0, 0.0, 1.0],
-        },
-        Cradle {
-            rule: "all at once, e = 1",
-            velocities: resolved(5, &at_once),
-            known: vec![-0.6, 0.4, 0.4, 0.4, 0.4],
-        },
-        Cradle {
-            rule: "linear springs",
-            velocities: by_springs(3, SpringLaw::Linear)?,
-            known: vec![-0.1303, 0.1502, 0.9800],
-        },
-        Cradle {
-            rule: "Hertz, three balls",
-            velocities: by_springs(3, SpringLaw::Hertz)?,
-            known: vec![-0.0709, 0.0764, 0.9946],
-        },
-        Cradle {
-            rule: "Hertz, five balls",
-            velocities: by_springs(5, SpringLaw::Hertz)?,
-            known: vec![-0.0711, -0.0303, -0.0145, 0.1270, 0.9888],
-        },
-    ])
+    let rows: [(&str, Vec<f64>, &[f64]); 5] = [
+        ("in turn, e = 1", resolved(5, &in_turn), &[0.0, 0.0, 0.0, 0.0, 1.0]),
+        ("all at once, e = 1", resolved(5, &at_once), &[-0.6, 0.4, 0.4, 0.4, 0.4]),
+        ("linear springs", by_springs(3, SpringLaw::Linear)?, &[-0.1303, 0.1502, 0.9800]),
+        ("Hertz, three balls", by_springs(3, SpringLaw::Hertz)?, &[-0.0709, 0.0764, 0.9946]),
+        (
+            "Hertz, five balls",
+            by_springs(5, SpringLaw::Hertz)?,
+            &[-0.0711, -0.0303, -0.0145, 0.1270, 0.9888],
+        ),
+    ];
+    for (rule, velocities, known) in &rows {
+        let off = velocities.iter().zip(*known).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let number = all.numbers.add("velocities of a row of balls", off);
+        number.of("rule", rule).of("velocities", format!("{velocities:?}"));
+    }
+    let words = |values: &[f64]| {
+        let words: Vec<String> = values.iter().map(|v| format!("{v:.4}")).collect();
+        Cell::figures(words.join(", "))
+    };
+    let table = Table::rows_of("cradles", &rows)
+        .caption("Equal balls in a row that touch; the first has speed 1.")
+        .column("Rule", |(rule, ..)| *rule)
+        .column("Velocities after", |(_, velocities, _)| words(velocities))
+        .column("Known", |(.., known)| words(known));
+    all.tables.push(table.table());
+    Ok(())
 }
 
 /// The largest deviation of the contact forces of a stack of five balls at rest, relative.
-pub(crate) fn stack() -> f64 {
+fn stack() -> f64 {
     const G: f64 = 9.81;
     let fall = [DVec3::new(0.0, 0.0, -G); 5];
     let forces = spook::resting_forces(&spook::column(5), &Masses::Uniform(1.0), &fall);
@@ -92,10 +83,10 @@ pub(crate) fn stack() -> f64 {
     off.fold(0.0, f64::max)
 }
 
-/// The rebounds of SPOOK's contact alone over phases, at a damping in steps.
-pub(crate) fn spook_rebound(damping: f64) -> impl Iterator<Item = f64> {
+/// The largest rebound of SPOOK's contact alone over phases and the speed, at a damping in steps.
+fn spook_rebound(damping: f64) -> f64 {
     let h = 0.01;
-    (1..=100).map(move |k| {
+    let rebounds = (1..=100).map(|k| {
         let contact =
             [Contact { first: None, second: 0, normal: DVec3::Z, gap: -f64::from(k) / 100.0 * h }];
         let (masses, mut v) = (Masses::Uniform(1.0), [DVec3::NEG_Z]);
@@ -103,5 +94,15 @@ pub(crate) fn spook_rebound(damping: f64) -> impl Iterator<Item = f64> {
         let (still, exact) = ([DVec3::ZERO], Solver::Exact);
         spook::spook_contacts(&contact, &masses, &mut v, &still, regular, h, exact);
         v[0].z
-    })
+    });
+    rebounds.fold(0.0, f64::max)
+}
+
+/// Measures everything.
+pub(super) fn measure(all: &mut Measured) -> Result<(), StudyError> {
+    cradles(all)?;
+    all.numbers.add("forces of a stack", stack());
+    all.numbers.add("rebound of SPOOK alone", spook_rebound(2.0)).of("damping", "2h");
+    all.numbers.add("rebound of SPOOK alone", spook_rebound(0.0)).of("damping", "0");
+    Ok(())
 }

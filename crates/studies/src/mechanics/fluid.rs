@@ -1,13 +1,14 @@
 //! Fluids of dumbbells: drift of the energy under each way, the law of the projection, and the equations of state.
 
 use lennard_core::{Backend, DVec3, Integrator, State, System, Want};
+use lennard_observables::{Cell, Table};
 use lennard_engine::{Simulation, Unfollowed, prepare};
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build, spook};
 use lennard_literature::{EquationOfState, two_center};
 use lennard_observables::statistics::Line;
 use lennard_scene::Scene;
-use serde::Serialize;
 
+use super::Measured;
 use super::ways::{damped, projected, relaxed};
 use crate::{StudyError, jobs};
 
@@ -15,39 +16,19 @@ use crate::{StudyError, jobs};
 const LENGTH: f64 = 0.67;
 
 /// A way to hold bonds in a fluid at constant energy.
-#[derive(Debug, Clone, Serialize)]
-pub struct FluidDrift {
-    /// The way.
-    pub way: &'static str,
+#[derive(Clone)]
+struct FluidDrift {
+    way: &'static str,
     /// Density of molecules, σ⁻³.
-    pub density: f64,
+    density: f64,
     /// h, τ.
-    pub dt: f64,
-    /// Slope of the energy per molecule, ε/τ; not a number where the run failed.
-    pub drift: f64,
-    /// Standard error of the slope, from the slopes of ten parts.
-    pub error: f64,
+    dt: f64,
+    /// Slope of the energy per molecule with its error, ε/τ; this and what follows is not a number where the run failed.
+    drift: (f64, f64),
     /// RMS about the straight line, ε per molecule.
-    pub rms: f64,
+    rms: f64,
     /// −h·⟨T_b·r·Ω²⟩, ε/τ per molecule, with the tension T_b of the bond.
-    pub law: f64,
-}
-
-/// A state point beside the equations of state.
-#[derive(Debug, Clone, Serialize)]
-pub struct StateResults {
-    /// Density of molecules, σ⁻³.
-    pub density: f64,
-    /// Temperature of half steps, ε/k_B.
-    pub temperature: f64,
-    /// u per molecule with its standard error, ε.
-    pub energy: (f64, f64),
-    /// p with its standard error, ε/σ³.
-    pub pressure: (f64, f64),
-    /// u and p by Lísal 2004.
-    pub lisal: (f64, f64),
-    /// u and p by Mecke 1997.
-    pub mecke: (f64, f64),
+    law: f64,
 }
 
 /// A fluid of dumbbells in equilibrium.
@@ -64,11 +45,10 @@ fn equilibrated(density: f64, molecules: usize, steps: u32) -> Result<Simulation
     Ok(simulation)
 }
 
-fn scene(text: &str) -> Result<Scene, StudyError> {
-    Scene::parse(text, "the fluid of the study", &[]).map_err(|e| StudyError::Settings {
-        label: "the fluid of dumbbells".into(),
-        reason: e.to_string(),
-    })
+/// The scene of a fluid.
+pub(super) fn scene(text: &str) -> Result<Scene, StudyError> {
+    Scene::parse(text, "the fluid of the study", &[])
+        .map_err(|e| StudyError::Settings { label: "the fluid".into(), reason: e.to_string() })
 }
 
 fn holding(bonds: &BondOptions, system: &System) -> Integrator {
@@ -92,8 +72,8 @@ fn tension_times_turning(state: &State) -> f64 {
     each.sum::<f64>() / d.len() as f64
 }
 
-/// The slope of values at equal distances, its error, and the RMS about the line.
-fn slope(values: &[f64], spacing: f64) -> (f64, f64, f64) {
+/// The slope of values at equal distances with its error, and the RMS about the line.
+fn slope(values: &[f64], spacing: f64) -> ((f64, f64), f64) {
     let line = |values: &[f64]| {
         let points: Vec<_> = values.iter().enumerate().map(|(i, y)| (i as f64, *y)).collect();
         Line::through(&points)
@@ -104,85 +84,119 @@ fn slope(values: &[f64], spacing: f64) -> (f64, f64, f64) {
     let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
     let means: Vec<f64> = values.chunks_exact(part).map(mean).collect();
     let error = line(&means).error_of_slope() / part as f64;
-    (whole.slope() / spacing, error / spacing, whole.rms())
+    ((whole.slope() / spacing, error / spacing), whole.rms())
 }
 
-/// A run at constant energy from an equilibrated fluid.
+/// Drift, RMS and law of a run at constant energy from an equilibrated fluid; `None` where it fails.
 fn drift(
     start: &mut Simulation,
-    (way, bonds): (&'static str, &BondOptions),
-    (density, dt, time): (f64, f64, f64),
-) -> FluidDrift {
+    bonds: &BondOptions,
+    (dt, time): (f64, f64),
+) -> Option<((f64, f64), f64, f64)> {
     const EVERY: u32 = 5;
     let system = &start.system;
     let mut state = start.state.clone();
     let forces: &mut dyn Backend = start.forces.as_mut();
     let mut integrator = holding(bonds, system);
-    let mut found = FluidDrift {
-        way,
-        density,
-        dt,
-        drift: f64::NAN,
-        error: f64::NAN,
-        rms: f64::NAN,
-        law: f64::NAN,
-    };
-    if integrator.start(system, &mut state, forces, dt, Want::ENERGY).is_err() {
-        return found;
-    }
+    integrator.start(system, &mut state, forces, dt, Want::ENERGY).ok()?;
     let n = system.n_molecules() as f64;
     let (mut energies, mut law) = (Vec::new(), 0.0);
     for step in 1..=(time / dt).round() as u32 {
-        let want = match step % EVERY {
-            0 => Want::ENERGY,
-            _ => Want::NOTHING,
-        };
-        if integrator.step(system, &mut state, forces, dt, want).is_err() {
-            return found;
-        }
-        if let Some(potential) = state.energetics.potential_energy.filter(|_| step % EVERY == 0) {
+        let is_sampled = step % EVERY == 0;
+        let want = if is_sampled { Want::ENERGY } else { Want::NOTHING };
+        integrator.step(system, &mut state, forces, dt, want).ok()?;
+        if let Some(potential) = state.energetics.potential_energy.filter(|_| is_sampled) {
             energies.push((system.kinetic_energy(&state.velocities) + potential) / n);
             law -= dt * tension_times_turning(&state);
         }
     }
-    (found.drift, found.error, found.rms) = slope(&energies, dt * f64::from(EVERY));
-    found.law = law / energies.len() as f64;
-    found
+    let (drift, rms) = slope(&energies, dt * f64::from(EVERY));
+    Some((drift, rms, law / energies.len() as f64))
 }
 
 /// Drifts of all ways that are charted.
-pub(crate) fn drifts(quick: bool) -> Result<Vec<FluidDrift>, StudyError> {
+pub(super) fn drifts(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
     let densities: &[f64] =
         if quick { &[0.05, 0.52] } else { &[0.05, 0.15, 0.30, 0.40, 0.458, 0.52] };
     let (molecules, settle, time) = if quick { (108, 1000, 4.0) } else { (108, 8000, 20.0) };
+    let (direct, new) = ("direct", "relaxation, new direction");
+    let few = [(direct, BondOptions::default(), 0.002), (new, projected(), 0.002)];
+    let more = [
+        (direct, BondOptions::default(), 0.004),
+        ("relaxation, 10⁻⁶", relaxed(1e-6), 0.002),
+        ("spook, τ = 2h", damped(2.0), 0.002),
+        ("spook, τ = 2h", damped(2.0), 0.004),
+        ("spook, τ = h/2", damped(0.5), 0.002),
+    ];
     let of_density = |density: &f64| -> Result<Vec<FluidDrift>, StudyError> {
         let mut fluid = equilibrated(*density, molecules, settle)?;
-        let mut at =
-            |way, bonds: &BondOptions, dt| drift(&mut fluid, (way, bonds), (*density, dt, time));
-        let direct = BondOptions::default();
-        let mut all = vec![
-            at("direct", &direct, 0.002),
-            at("relaxation, new direction", &projected(), 0.002),
-        ];
-        let is_last = densities.last() == Some(density);
-        if is_last || (!quick && *density == 0.458) {
-            all.extend([
-                at("direct", &direct, 0.004),
-                at("relaxation, 10⁻⁶", &relaxed(1e-6), 0.002),
-                at("spook, τ = 2h", &damped(2.0), 0.002),
-                at("spook, τ = 2h", &damped(2.0), 0.004),
-                at("spook, τ = h/2", &damped(0.5), 0.002),
-            ]);
-        }
-        Ok(all)
+        let has_more = densities.last() == Some(density) || (!quick && *density == 0.458);
+        let ways = few.iter().chain(more.iter().filter(|_| has_more));
+        let run = |(way, bonds, dt): &(&'static str, BondOptions, f64)| {
+            let found = drift(&mut fluid, bonds, (*dt, time));
+            let (drift, rms, law) = found.unwrap_or(((f64::NAN, f64::NAN), f64::NAN, f64::NAN));
+            FluidDrift { way, density: *density, dt: *dt, drift, rms, law }
+        };
+        Ok(ways.map(run).collect())
     };
     let found = jobs::side_by_side_quietly(densities, of_density);
     let found: Vec<Vec<FluidDrift>> = found.into_iter().collect::<Result<_, _>>()?;
-    Ok(found.concat())
+    let found = found.concat();
+    let of = |way: &'static str, dt: f64| found.iter().filter(move |d| d.way == way && d.dt == dt);
+    for run in of(new, 0.002) {
+        let number = all.numbers.add("drift along the new bond", run.drift.0);
+        number.of("density", run.density).of("law", run.law).of("size", run.law.abs());
+        number.of("error", run.drift.1);
+    }
+    for run in of(direct, 0.002) {
+        let drift = run.drift.0.abs() - 3.0 * run.drift.1;
+        all.numbers.add("drift of the direct solve", drift).of("density", run.density);
+    }
+    let rms = |dt| of(direct, dt).next_back().map_or(f64::NAN, |run| run.rms);
+    all.numbers.add("order of the energy of a fluid", (rms(0.004) / rms(0.002)).log2());
+    let drift = |dt| of("spook, τ = 2h", dt).next_back().map_or(f64::NAN, |run| run.drift.0);
+    all.numbers.add("order of the drift of SPOOK", (drift(0.004) / drift(0.002)).log2());
+    let table = Table::rows_of("drifts", &found)
+        .column("way", |d| d.way)
+        .column("density [1/sigma^3]", |d| d.density)
+        .column("dt [tau]", |d| d.dt)
+        .column("drift [epsilon/tau per molecule]", |d| d.drift.0)
+        .column("error of the drift", |d| d.drift.1)
+        .column("RMS [epsilon per molecule]", |d| d.rms)
+        .column("-h <T r Omega^2>", |d| d.law);
+    let in_a_line = Table::rows_of("drifts-in-a-line", &found)
+        .caption(
+            "Fluids of 108 dumbbells at constant energy. The error is of the slope of ten means.",
+        )
+        .column("Way", |d| d.way)
+        .column("ρ [σ⁻³]", |d| Cell::rounded(d.density, 3))
+        .column("h [τ]", |d| Cell::rounded(d.dt, 3))
+        .column("drift [ε/τ per molecule]", |d| match d.drift.1.is_finite() {
+            true => Cell::measured(d.drift.0, d.drift.1),
+            false => Cell::words("failed"),
+        })
+        .column("RMS [ε per molecule]", |d| Cell::rounded(d.rms, 3));
+    all.tables.push(table.table());
+    all.shown.push(in_a_line.table());
+    Ok(())
+}
+
+/// A state point beside the equations of state.
+struct StateResults {
+    /// Density of molecules, σ⁻³.
+    density: f64,
+    /// Temperature of half steps, ε/k_B.
+    temperature: f64,
+    /// u per molecule with its standard error, ε.
+    energy: (f64, f64),
+    /// p with its standard error, ε/σ³.
+    pressure: (f64, f64),
+    /// u and p by Lísal 2004 and by Mecke 1997.
+    by: [(f64, f64); 2],
 }
 
 /// State points beside the equations of state.
-pub(crate) fn states(quick: bool) -> Result<Vec<StateResults>, StudyError> {
+pub(super) fn states(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
     let densities: &[f64] = if quick { &[0.30] } else { &[0.05, 0.15, 0.30, 0.458, 0.52] };
     let (molecules, settle, steps) = if quick { (108, 1000, 2000) } else { (256, 10_000, 60_000) };
     let of_density = |density: &f64| -> Result<StateResults, StudyError> {
@@ -203,18 +217,41 @@ pub(crate) fn states(quick: bool) -> Result<Vec<StateResults>, StudyError> {
             found.map_or((f64::NAN, f64::NAN), |a| (a.estimate.mean, a.estimate.standard_error))
         };
         let temperature = value("temperature_half_steps").0;
-        let by = |which: usize| -> (f64, f64) {
-            let equations = two_center(LENGTH).map(|both| both[which].at(*density, temperature));
-            equations.map_or((f64::NAN, f64::NAN), |s| (s.potential_energy, s.pressure))
-        };
+        let equations = two_center(LENGTH).map(|both| both.map(|e| e.at(*density, temperature)));
+        let by = equations.map(|both| both.map(|state| (state.potential_energy, state.pressure)));
         Ok(StateResults {
             density: *density,
             temperature,
             energy: value("potential_energy"),
             pressure: value("pressure"),
-            lisal: by(0),
-            mecke: by(1),
+            by: by.unwrap_or([(f64::NAN, f64::NAN); 2]),
         })
     };
-    jobs::side_by_side_quietly(densities, of_density).into_iter().collect()
+    let found = jobs::side_by_side_quietly(densities, of_density);
+    let found: Vec<StateResults> = found.into_iter().collect::<Result<_, _>>()?;
+    let slack = if quick { 0.1 } else { 0.0 };
+    for state in &found {
+        let off = |(mean, error): (f64, f64), by: [f64; 2]| {
+            let nearer = by.map(|e| (mean - e).abs()).into_iter().fold(f64::INFINITY, f64::min);
+            nearer - 3.0 * if error.is_finite() { error } else { 0.0 }
+        };
+        for (of, off) in [
+            ("u", off(state.energy, state.by.map(|by| by.0))),
+            ("p", off(state.pressure, state.by.map(|by| by.1))),
+        ] {
+            let number = all.numbers.add("difference from the equation of state", off);
+            number.of("of", of).of("density", state.density).of("slack", slack);
+        }
+    }
+    let table = Table::rows_of("states", &found)
+        .column("density [1/sigma^3]", |s| s.density)
+        .column("T of half steps [epsilon/k_B]", |s| s.temperature)
+        .measured("u [epsilon per molecule]", |s| Some(s.energy))
+        .measured("p [epsilon/sigma^3]", |s| Some(s.pressure))
+        .column("u by Lisal", |s| s.by[0].0)
+        .column("p by Lisal", |s| s.by[0].1)
+        .column("u by Mecke", |s| s.by[1].0)
+        .column("p by Mecke", |s| s.by[1].1);
+    all.tables.push(table.table());
+    Ok(())
 }

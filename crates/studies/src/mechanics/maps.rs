@@ -4,58 +4,29 @@ use std::f64::consts::TAU;
 
 use glam::{DMat2, DVec2};
 use lennard_core::DVec3;
+use lennard_observables::Table;
 use lennard_integrators::{BondOptions, spook};
-use serde::Serialize;
 
+use super::Measured;
 use super::bodies::{Bodies, distance};
 use super::precise::G;
 use super::ways::{damped, springs};
 use crate::StudyError;
+use crate::report::Drawn;
 use crate::stability::groups::entry;
 use crate::stability::map::StepMap;
 use crate::stability::oscillator::Spring;
 
 /// Damping times of the maps, in steps.
-pub(crate) const DAMPING: [f64; 6] = [0.0, 0.5, 1.0, 2.0, 4.0, 10.0];
+const DAMPING: [f64; 6] = [0.0, 0.5, 1.0, 2.0, 4.0, 10.0];
 /// Phases s = ωh of the maps; infinity is ε = 0.
-pub(crate) const PHASES: [f64; 8] = [0.25, 0.5, 1.0, 2.0, 4.0, TAU, 20.0, f64::INFINITY];
+const PHASES: [f64; 8] = [0.25, 0.5, 1.0, 2.0, 4.0, TAU, 20.0, f64::INFINITY];
 
-/// The map at one phase and damping.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub struct MapAt {
-    /// ωh; infinite for ε = 0.
-    pub phase: f64,
-    /// τ/h.
-    pub damping: f64,
-    /// Spectral radius by theory.
-    pub theory: f64,
-    /// Spectral radius from three states of a run.
-    pub measured: f64,
-}
-
-/// All of it.
-#[derive(Debug, Clone, Serialize)]
-pub struct Maps {
-    /// Spectral radii.
-    pub points: Vec<MapAt>,
-    /// Largest difference between a state of the general solver and its closed form over 1000 steps, relative.
-    pub closed_form: f64,
-    /// |d|/r of a free rotor with α = 0.05 and τ = 2h after 1000 steps.
-    pub rotor_length: f64,
-    /// The same by theory.
-    pub rotor_theory: f64,
-    /// Loss of energy of a pendulum from 90° in 1000 τ at h = 0.005 τ, ε: τ = h/2, 2h, 4h, and rigid bonds.
-    pub pendulum: [f64; 4],
-    /// RMS of E − E(0) of the pendulum without damping, which a scene refuses, ε; infinite where it failed.
-    pub undamped_pendulum: f64,
-    /// Order of the strain of a rotor in h at τ = 2h, and at a fixed τ.
-    pub strain_orders: [f64; 2],
-    /// Angle per step of a spring by SPOOK with τ = 0, over 2·arctan(ωh/2), largest relative difference.
-    pub angle_off: f64,
-}
+/// In figures against ωh, s = ∞ stands here.
+const AT_INFINITY: f64 = 60.0;
 
 /// The map by theory on (x, h·v): [[1 − q, p], [−q, p]] with p = γ(s² + 4)/(s² + 4γ), q = 4γs²/(s² + 4γ).
-pub(crate) fn theory(phase: f64, damping: f64) -> StepMap {
+fn theory(phase: f64, damping: f64) -> StepMap {
     let gamma = 1.0 / (1.0 + 4.0 * damping);
     let (p, q) = if phase.is_infinite() {
         (gamma, 4.0 * gamma)
@@ -75,21 +46,42 @@ fn states(phase: f64, damping: f64, start: DVec2, steps: usize) -> Result<Vec<DV
     (0..steps).map(|_| rig.next_point()).collect()
 }
 
-fn points() -> Result<Vec<MapAt>, StudyError> {
-    let mut all = Vec::new();
+/// Spectral radii by theory and from three states of a run, with their figure.
+fn radii(all: &mut Measured) -> Result<(), StudyError> {
+    let mut points = Vec::new();
     for damping in DAMPING {
         for phase in PHASES {
             let found = states(phase, damping, DVec2::new(1.0, 0.3), 3)?;
             let map = StepMap::from_states([found[0], found[1], found[2]]);
-            all.push(MapAt {
-                phase,
-                damping,
-                theory: theory(phase, damping).radius(),
-                measured: map.radius(),
-            });
+            points.push((phase, damping, theory(phase, damping).radius(), map.radius()));
         }
     }
-    Ok(all)
+    let finite = points.iter().filter(|(phase, damping, ..)| *damping > 0.0 || phase.is_finite());
+    let off = finite.map(|(.., theory, measured)| (measured / theory - 1.0).abs());
+    all.numbers.add("difference from the map of SPOOK", off.fold(0.0, f64::max));
+    let rigid = || points.iter().filter(|point| point.0.is_infinite());
+    let critical = rigid().find(|point| point.1 == 2.0).map_or(f64::NAN, |point| point.3);
+    let others = rigid().filter(|point| point.1 != 2.0).map(|point| point.3);
+    let least = others.fold(f64::INFINITY, f64::min);
+    all.numbers.add("radius at τ = 2h", critical);
+    all.numbers.add("radius at τ = 2h over others", critical / least);
+    let table = Table::rows_of("spook-map", &points)
+        .column("omega h", |point| point.0)
+        .column("tau/h", |point| point.1)
+        .column("radius by theory", |point| point.2)
+        .column("radius measured", |point| point.3)
+        .table();
+    let dense = |k: u32| 0.1 * 400.0_f64.powf(f64::from(k) / 300.0);
+    let curve = |damping: f64| (0..=300).map(move |k| (damping, dense(k)));
+    let curves: Vec<(f64, f64)> = DAMPING.into_iter().flat_map(curve).collect();
+    let curves = Table::rows_of("spook-map by theory", &curves)
+        .column("tau/h", |(damping, _)| *damping)
+        .column("omega h", |(_, s)| *s)
+        .column("radius", |(damping, s)| theory(*s, *damping).radius());
+    let places = points.iter().map(|point| point.0.min(AT_INFINITY));
+    all.shown.extend([table.clone().and("place", places), curves.table()]);
+    all.tables.push(table);
+    Ok(())
 }
 
 /// The largest difference between the general solver and its closed form over many steps, over the start.
@@ -134,13 +126,16 @@ fn rotor_against_theory() -> Result<(f64, f64), StudyError> {
 }
 
 /// Measures everything.
-pub(crate) fn measure() -> Result<Maps, StudyError> {
-    let (rotor_length_found, rotor_theory) = rotor_against_theory()?;
+pub(super) fn measure(_quick: bool, all: &mut Measured) -> Result<(), StudyError> {
+    radii(all)?;
+    let (length, length_by_theory) = rotor_against_theory()?;
     let pendulum = Bodies::hanging(1, 1.0, G);
     let loss = |bonds: &BondOptions| -> Result<f64, StudyError> {
         Ok(pendulum.run(bonds, 1000.0, 200_000)?.map_or(f64::NAN, |end| end.loss))
     };
+    // A scene refuses it: the run may fail.
     let undamped = pendulum.run(&damped(0.0), 20.0, 4000)?;
+    let undamped = undamped.map_or(f64::INFINITY, |end| end.rms);
     let fixed = BondOptions::Spook(lennard_integrators::bonds::spook::Options {
         damping_time: Some(0.1),
         ..Default::default()
@@ -151,21 +146,18 @@ pub(crate) fn measure() -> Result<Maps, StudyError> {
         };
         Ok((strain(0.01)? / strain(0.005)?).log2())
     };
-    Ok(Maps {
-        points: points()?,
-        closed_form: closed_form()?,
-        rotor_length: rotor_length_found,
-        rotor_theory,
-        pendulum: [
-            loss(&damped(0.5))?,
-            loss(&damped(2.0))?,
-            loss(&damped(4.0))?,
-            loss(&BondOptions::default())?,
-        ],
-        undamped_pendulum: undamped.map_or(f64::INFINITY, |end| end.rms),
-        strain_orders: [order(&damped(2.0))?, order(&fixed)?],
-        angle_off: angle_off()?,
-    })
+    let numbers = &mut all.numbers;
+    numbers.add("difference from the closed form", closed_form()?);
+    numbers.add("angle of an undamped spring", angle_off()?);
+    numbers.add("length of a rotor", length).theory(length_by_theory);
+    numbers.add("order of the strain", order(&damped(2.0))?).of("damping", "2h");
+    numbers.add("order of the strain", order(&fixed)?).of("damping", "fixed");
+    let [little, much] = [loss(&damped(0.5))?, loss(&damped(4.0))?];
+    let number = numbers.add("loss of a pendulum by damping", much / little);
+    number.of("loss at τ = h/2", little).of("loss at τ = 4h", much);
+    numbers.add("drift of a rigid pendulum", loss(&BondOptions::default())?.abs());
+    numbers.add("energy of an undamped pendulum", undamped / G);
+    Ok(())
 }
 
 /// How far the angle per step of an undamped spring is from 2·arctan(ωh/2), relative.
@@ -181,18 +173,25 @@ fn angle_off() -> Result<f64, StudyError> {
     Ok(largest)
 }
 
-/// The stretch of a spring between two dumbbells against its stiffness: the model error of A10.
-pub(crate) fn model_errors(quick: bool) -> Result<Vec<(f64, f64)>, StudyError> {
+/// Distance of spring dumbbells from rigid ones against the stiffness: the model error of A10.
+pub(super) fn model_errors(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
     let stiffnesses: &[f64] = if quick { &[1e3, 1e4, 1e5] } else { &[1e3, 1e4, 1e5, 1e6] };
     let case = Bodies::two_dumbbells();
-    let mut all = Vec::new();
+    let mut errors = Vec::new();
     let rigid = case.run(&BondOptions::default(), 2.5, 20_000)?.ok();
     for k in stiffnesses {
         // Steps so short that the error of the method is below the one of the model.
         let steps = (25.0 * (2.0 * k).sqrt()) as u32 * if quick { 4 } else { 16 };
         if let (Ok(spring), Some(rigid)) = (case.run(&springs(*k), 2.5, steps)?, &rigid) {
-            all.push((*k, distance(&spring.positions, &rigid.positions)));
+            errors.push((*k, distance(&spring.positions, &rigid.positions)));
         }
     }
-    Ok(all)
+    if let [.., a, b] = errors.as_slice() {
+        all.numbers.add("order of the model of a spring", (a.1 / b.1).ln() / (b.0 / a.0).ln());
+    }
+    let table = Table::rows_of("model-errors", &errors)
+        .column("stiffness [epsilon/sigma^2]", |m| m.0)
+        .column("distance from rigid [sigma]", |m| m.1);
+    all.tables.push(table.table());
+    Ok(())
 }

@@ -1,30 +1,27 @@
 //! `lennard study mechanics`: constraints, springs, collisions and SPOOK, theory beside measurement, with a verdict for each
 //! claim, whoever makes it.
 //!
-//! The comparison goes over the list of ways to hold bonds. A way that is added there is measured and drawn here without a
-//! change of this crate.
+//! Each chapter adds its tables and the numbers that judge claims. The comparison goes over the list of ways to hold bonds.
+//! A way that is added there is measured and drawn here without a change of this crate.
 
 mod ball;
 mod bodies;
-pub mod collisions;
-pub mod comparison;
-pub mod cradle;
-pub mod fluid;
-pub mod maps;
-mod numbers;
-pub mod precise;
-pub mod pressure;
-pub mod relaxing;
-mod study;
-mod tables;
-pub mod unilateral;
+mod collisions;
+mod comparison;
+mod cradle;
+mod fluid;
+mod maps;
+mod precise;
+mod pressure;
+mod relaxing;
+mod unilateral;
 mod ways;
 
 use lennard_observables::Table;
+use serde::Serialize;
 
-pub use study::{MechanicsMeasurements, MechanicsStudy};
-
-use crate::report::Page;
+use crate::claims::{Claim, Numbers};
+use crate::report::{Given, Page};
 use crate::{Progress, Study, StudyError, StudyOptions};
 
 /// Who claims what about bonds, collisions and SPOOK.
@@ -32,6 +29,51 @@ const CLAIMS: &str = include_str!("claims.csv");
 
 /// The page with its figures.
 const PAGE: &str = include_str!("page.toml");
+
+/// What the chapters have measured.
+#[derive(Debug, Default)]
+struct Measured {
+    /// Tables with every digit, which are files.
+    tables: Vec<Table>,
+    /// Tables of the page alone. A table with the name of a file has columns that are drawn besides.
+    shown: Vec<Table>,
+    /// The numbers that judge claims.
+    numbers: Numbers,
+}
+
+/// A chapter: whether its runs are short, and where its results go.
+type Chapter = fn(bool, &mut Measured) -> Result<(), StudyError>;
+
+/// Each chapter with its name for progress, and the share of the time that it begins at.
+const CHAPTERS: [(&str, f64, Chapter); 9] = [
+    ("bonds held in each way", 0.0, comparison::measure),
+    ("springs against rigid bonds", 0.15, maps::model_errors),
+    ("relaxation", 0.2, relaxing::measure),
+    ("pendulums and chains", 0.3, precise::measure),
+    ("spook", 0.35, maps::measure),
+    ("collisions", 0.4, collisions::measure),
+    ("pressure between walls", 0.5, pressure::measure),
+    ("drift of fluids", 0.55, fluid::drifts),
+    ("equations of state", 0.75, fluid::states),
+];
+
+/// The study: what was measured, and what follows.
+#[derive(Debug, Clone, Serialize)]
+pub struct MechanicsStudy {
+    /// Name and version of the schema.
+    pub schema: &'static str,
+    /// What was asked for.
+    pub options: StudyOptions,
+    /// The tables with every digit.
+    pub tables: Vec<Table>,
+    /// Tables of the page alone.
+    #[serde(skip)]
+    shown: Vec<Table>,
+    /// The numbers that judge the claims.
+    numbers: Numbers,
+    /// What is claimed, by whom, and whether it holds.
+    pub claims: Vec<Claim>,
+}
 
 /// Runs the study.
 ///
@@ -41,56 +83,35 @@ pub fn run(
     options: &StudyOptions,
     progress: &mut dyn Progress,
 ) -> Result<MechanicsStudy, StudyError> {
-    let quick = options.quick;
-    let mut at = |label: &str, share: f64| progress.update(label, share);
-    at("bonds held in each way", 0.0);
-    let ways = comparison::measure(quick)?;
-    at("springs against rigid bonds", 0.15);
-    let model_errors = maps::model_errors(quick)?;
-    at("relaxation", 0.2);
-    let relaxing = relaxing::measure(quick)?;
-    at("pendulums and chains", 0.3);
-    let solved = precise::measure(quick)?;
-    at("spook", 0.35);
-    let maps = maps::measure()?;
-    at("collisions", 0.4);
-    let collisions = collisions::measure(quick)?;
-    at("pressure between walls", 0.5);
-    let pressure = pressure::measure(quick)?;
-    at("drift of fluids", 0.55);
-    let drifts = fluid::drifts(quick)?;
-    at("equations of state", 0.75);
-    let states = fluid::states(quick)?;
-    at("done", 1.0);
-    let found = MechanicsMeasurements {
-        is_quick: quick,
-        ways,
-        model_errors,
-        relaxing,
-        solved,
-        maps,
-        collisions,
-        drifts,
-        states,
-        pressure,
-    };
-    let claims = crate::claims::all_judged(CLAIMS, &numbers::numbers(&found))?;
+    let mut all = Measured::default();
+    for (label, share, measure) in CHAPTERS {
+        progress.update(label, share);
+        measure(options.quick, &mut all)?;
+    }
+    progress.update("done", 1.0);
+    let Measured { tables, shown, numbers } = all;
     Ok(MechanicsStudy {
-        schema: lennard_io::schema!("mechanics", 1),
+        schema: lennard_io::schema!("mechanics", 2),
         options: options.clone(),
-        claims,
-        found,
+        claims: crate::claims::all_judged(CLAIMS, &numbers)?,
+        tables,
+        shown,
+        numbers,
     })
 }
 
 impl Study for MechanicsStudy {
     fn tables(&self) -> Vec<Table> {
-        let mut tables = tables::csv(&self.found);
-        tables.push(crate::claims::csv(&self.claims));
-        tables
+        let claims = crate::claims::csv(&self.claims);
+        self.tables.iter().cloned().chain([claims]).collect()
     }
 
     fn page(&self) -> Result<Page, StudyError> {
-        crate::claims::page(PAGE, &self.options, &self.claims, tables::given(&self.found))
+        // What is shown alone comes first: it has every column that the page names.
+        let tables: Vec<Table> = self.shown.iter().chain(&self.tables).cloned().collect();
+        let ways = self.tables.iter().find(|table| table.name == comparison::IN_A_LINE);
+        let words = vec![("ways", ways.map_or(0, Table::rows).to_string())];
+        let given = Given { tables, words, lists: Vec::new() };
+        crate::claims::page(PAGE, &self.options, &self.claims, given)
     }
 }

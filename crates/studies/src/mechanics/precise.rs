@@ -1,9 +1,10 @@
 //! Pendulums and chains against solutions of high precision.
 
 use lennard_core::DVec3;
+use lennard_observables::{Cell, Table};
 use lennard_integrators::BondOptions;
-use serde::Serialize;
 
+use super::Measured;
 use super::bodies::{Bodies, distance};
 use super::ways::{damped, projected, relaxed};
 use crate::StudyError;
@@ -65,22 +66,17 @@ fn problems() -> Vec<Problem> {
 }
 
 /// A way on a problem.
-#[derive(Debug, Clone, Serialize)]
-pub struct Solved {
-    /// The problem.
-    pub problem: &'static str,
-    /// How bonds are held.
-    pub way: &'static str,
-    /// The order that theory gives.
-    pub theory: f64,
+struct Solved {
+    problem: &'static str,
+    way: &'static str,
     /// Steps and the largest error of a position, σ.
-    pub errors: Vec<(f64, f64)>,
+    errors: Vec<(f64, f64)>,
     /// Order between the two smallest steps.
-    pub order: f64,
+    order: f64,
 }
 
 /// Measures all problems with four ways.
-pub(crate) fn measure(quick: bool) -> Result<Vec<Solved>, StudyError> {
+pub(super) fn measure(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
     let steps: &[u32] = if quick { &[1000, 2000] } else { &[500, 1000, 2000, 4000, 8000] };
     let ways: [(&str, BondOptions, f64); 4] = [
         ("direct", BondOptions::default(), 2.0),
@@ -88,23 +84,39 @@ pub(crate) fn measure(quick: bool) -> Result<Vec<Solved>, StudyError> {
         ("relaxation, new direction", projected(), 1.0),
         ("spook, τ = 2h", damped(2.0), 1.0),
     ];
-    let mut all = Vec::new();
-    for problem in problems() {
+    let mut solved = Vec::new();
+    for Problem { name: problem, case, end, known } in problems() {
         for (way, bonds, theory) in &ways {
             let mut errors = Vec::new();
             for steps in steps {
-                if let Ok(end) = problem.case.run(bonds, problem.end, *steps)? {
-                    let beads = &end.positions[end.positions.len() - problem.known.len()..];
-                    let dt = problem.end / f64::from(*steps);
-                    errors.push((dt, distance(beads, &problem.known)));
+                if let Ok(found) = case.run(bonds, end, *steps)? {
+                    let beads = &found.positions[found.positions.len() - known.len()..];
+                    errors.push((end / f64::from(*steps), distance(beads, &known)));
                 }
             }
             let order = match errors.as_slice() {
                 [.., a, b] => slope(*a, *b),
                 _ => f64::NAN,
             };
-            all.push(Solved { problem: problem.name, way, theory: *theory, errors, order });
+            let number = all.numbers.add("order of a known solution", order);
+            number.of("problem", problem).of("way", way).theory(*theory);
+            solved.push(Solved { problem, way, errors, order });
         }
     }
-    Ok(all)
+    let each: Vec<_> = solved.iter().flat_map(|s| s.errors.iter().map(move |e| (s, e))).collect();
+    let table = Table::rows_of("solved", &each)
+        .column("problem", |(s, _)| s.problem)
+        .column("way", |(s, _)| s.way)
+        .column("dt", |(_, e)| e.0)
+        .column("position error", |(_, e)| e.1);
+    all.tables.push(table.table());
+    let in_a_line = Table::rows_of("solved-in-a-line", &solved)
+        .caption("Largest error of a position at the end, at the smallest step.")
+        .column("Problem", |s| s.problem)
+        .column("Way", |s| s.way)
+        .column("Step", |s| Cell::rounded(s.errors.last().map(|e| e.0), 3))
+        .column("Error", |s| Cell::rounded(s.errors.last().map(|e| e.1), 3))
+        .column("Order", |s| Cell::rounded(s.order, 3));
+    all.shown.push(in_a_line.table());
+    Ok(())
 }

@@ -1,50 +1,28 @@
 //! The pressure on hard walls beside the pressure of the virial, as both grow sharp with time.
 
 use lennard_core::{DVec3, State, Want};
+use lennard_observables::Table;
 use lennard_engine::prepare;
 use lennard_integrators::{IntegratorOptions, build};
-use lennard_scene::Scene;
-use serde::Serialize;
 
+use super::{Measured, fluid};
 use crate::StudyError;
 use crate::lab::Rig;
 
 /// Time step, τ.
 const DT: f64 = 0.004;
 
-/// Both pressures up to a time.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub struct AtTime {
-    /// Time, τ.
-    pub time: f64,
-    /// Momentum of hits of both walls over 2A·t, ε/σ³.
-    pub of_walls: f64,
-    /// (Σ m·v_z² + Σ z·F_z)/(A·L), with half-step speeds and trapezoid weights, over the same time, ε/σ³.
-    pub of_virial: f64,
-    /// The same less the boundary term [Σ m·z·v_z]/(A·L·t), ε/σ³.
-    pub with_boundary: f64,
-}
-
-/// A fluid between hard walls.
-#[derive(Debug, Clone, Serialize)]
-pub struct WallPressure {
-    /// Along the run.
-    pub points: Vec<AtTime>,
-    /// How far the identity with the boundary term is off at the end, relative.
-    pub identity: f64,
-}
-
 /// Runs a fluid of 108 atoms between hard walls, z counted from the middle of the slit.
-pub(crate) fn measure(quick: bool) -> Result<WallPressure, StudyError> {
+///
+/// The pressure of the walls is the momentum of their hits over 2A·t. The virial's is (Σ m·v_z² + Σ z·F_z)/(A·L), with half-step
+/// speeds and trapezoid weights. The boundary term is [Σ m·z·v_z]/(A·L·t).
+pub(super) fn measure(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
     let text = "[system]\nn_atoms = 108\ndensity = 0.6\ntemperature = 1.5\nseed = 3\n\
                 [truncation]\nkind = \"shift\"\nr_cut = 2.2\n\
                 [integrator]\ndt = 0.004\n\
                 [[wall]]\nkind = \"hard\"\n\
                 [[stage]]\nname = \"production\"\nsteps = 1\n";
-    let scene = Scene::parse(text, "the fluid of the study", &[]).map_err(|e| {
-        StudyError::Settings { label: "the fluid between walls".into(), reason: e.to_string() }
-    })?;
-    let simulation = prepare(scene)?;
+    let simulation = prepare(fluid::scene(text)?)?;
     let cell = simulation.state.cell;
     let slit = simulation.scene.slits(&cell)[0];
     let (middle, area) = (0.5 * (slit.lower + slit.upper), cell.lengths().x * cell.lengths().y);
@@ -80,13 +58,16 @@ pub(crate) fn measure(quick: bool) -> Result<WallPressure, StudyError> {
             let of_walls = impulse / (2.0 * area * time);
             let with_boundary = (kinetic + forced - boundary) / (volume * time);
             identity = (with_boundary - of_walls).abs() * volume * time / kinetic;
-            points.push(AtTime {
-                time,
-                of_walls,
-                of_virial: (kinetic + forced) / (volume * time),
-                with_boundary,
-            });
+            let of_virial = (kinetic + forced) / (volume * time);
+            points.push([time, of_walls, of_virial, with_boundary]);
         }
     }
-    Ok(WallPressure { points, identity })
+    all.numbers.add("pressure on walls against the virial", identity);
+    let table = Table::rows_of("wall-pressure", &points)
+        .column("time [tau]", |p| p[0])
+        .column("P of walls", |p| p[1])
+        .column("P of virial", |p| p[2])
+        .column("P of virial less boundary term", |p| p[3]);
+    all.tables.push(table.table());
+    Ok(())
 }

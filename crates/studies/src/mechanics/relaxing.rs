@@ -2,91 +2,30 @@
 
 use std::f64::consts::PI;
 
+use lennard_observables::Table;
 use lennard_integrators::BondOptions;
 use lennard_integrators::bonds::relaxation;
-use serde::Serialize;
 
-use super::bodies::{Bodies, distance};
+use super::Measured;
+use super::bodies::{Bodies, RunSummary, distance};
 use super::precise::G;
 use super::ways::{projected, relaxed};
 use crate::StudyError;
 use crate::lab::Rig;
+use crate::report::Drawn;
 
 /// The rate of sweeps over a chain.
-#[derive(Debug, Clone, Serialize)]
-pub struct Rate {
-    /// Bonds.
-    pub bonds: usize,
+struct Rate {
+    chain: &'static str,
+    bonds: usize,
     /// Angle between neighboring bonds, rad.
-    pub angle: f64,
+    angle: f64,
     /// Over-relaxation ω.
-    pub over_relaxation: f64,
+    omega: f64,
     /// The factor by which a sweep lowers the residual, by theory.
-    pub theory: f64,
+    theory: f64,
     /// The same as measured.
-    pub measured: f64,
-    /// Sweeps to 10⁻¹² by the theory.
-    pub sweeps: f64,
-}
-
-impl Rate {
-    /// What kind of chain it belongs to.
-    pub(super) fn chain(&self) -> &'static str {
-        match (self.over_relaxation == 1.0, self.angle > 0.0) {
-            (true, false) => "straight",
-            (true, true) => "at an angle",
-            (false, _) => "over-relaxed",
-        }
-    }
-}
-
-/// A tolerance at a step, on two dumbbells that meet.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub struct AtTolerance {
-    /// h, τ.
-    pub dt: f64,
-    /// The tolerance.
-    pub tolerance: f64,
-    /// RMS of E − E(0), ε.
-    pub energy_rms: f64,
-    /// ½μ·(tol·r/h)² of both bonds, ε: what corrections would add to velocities that kept them.
-    pub bound: f64,
-    /// Sweeps per step.
-    pub sweeps: f64,
-}
-
-/// A free rotor under projection along the new bond.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub struct Slowing {
-    /// Step number.
-    pub step: u32,
-    /// Angle per step there, rad.
-    pub measured: f64,
-    /// α₀/√(1 + 2α₀²n).
-    pub theory: f64,
-}
-
-/// All of it.
-#[derive(Debug, Clone, Serialize)]
-pub struct Relaxing {
-    /// Rates of sweeps.
-    pub rates: Vec<Rate>,
-    /// Tolerances at two steps.
-    pub tolerances: Vec<AtTolerance>,
-    /// A rotor that slows down.
-    pub slowing: Vec<Slowing>,
-    /// Angle per step of the same rotor along the old bond, less arcsin(Ωh), rad.
-    pub rotor_off: f64,
-    /// Change of its kinetic energy, relative.
-    pub rotor_energy: f64,
-    /// Largest distance between relaxation and direct solution on a falling chain of ten, σ.
-    pub against_direct: f64,
-    /// The same for projection along the new bond.
-    pub new_against_direct: f64,
-    /// Distance from the start after a way forth and back: direct, and along the new bond, σ.
-    pub there_and_back: [f64; 2],
-    /// Sweeps per step of a falling chain of ten at 10⁻⁴, 10⁻⁸, 10⁻¹², and Newton iterations of the direct way.
-    pub chain_iterations: [f64; 4],
+    measured: f64,
 }
 
 /// The factor by which a sweep lowers the residual of a chain, from two numbers of sweeps.
@@ -116,65 +55,99 @@ fn rate(
     Ok((residual(few + more)? / residual(few)?).powf(1.0 / f64::from(more)))
 }
 
-fn rates(quick: bool) -> Result<Vec<Rate>, StudyError> {
+/// Sweeps of a rate for a factor of 10⁻¹².
+fn sweeps(rate: f64) -> f64 {
+    -12.0 * 10.0_f64.ln() / rate.ln()
+}
+
+fn rates(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
     let lengths: &[usize] = if quick { &[2, 3, 5, 10] } else { &[2, 3, 5, 10, 20, 40] };
-    let mut all = Vec::new();
-    let mut add = |bonds, angle: f64, over_relaxation, theory: f64, few, more| {
-        rate(bonds, angle, over_relaxation, few, more).map(|measured| {
-            all.push(Rate {
-                bonds,
-                angle,
-                over_relaxation,
-                theory,
-                measured,
-                sweeps: -12.0 * 10.0_f64.ln() / theory.ln(),
-            });
+    let turn = |bonds: f64| PI / (bonds + 1.0);
+    let mut rates: Vec<Rate> = Vec::new();
+    let mut add = |(chain, bonds, angle, omega), theory: f64, few, more| {
+        rate(bonds, angle, omega, few, more).map(|measured| {
+            rates.push(Rate { chain, bonds, angle, omega, theory, measured });
         })
     };
     for bonds in lengths {
         let n = *bonds as f64 + 1.0;
-        let law = (PI / n).cos().powi(2);
         // After so many sweeps the slowest part alone is left.
         let settle = (n * n / 2.0) as u32 + 2;
-        add(*bonds, 0.0, 1.0, law, settle, 4)?;
+        add(("straight", *bonds, 0.0, 1.0), turn(*bonds as f64).cos().powi(2), settle, 4)?;
     }
     for degrees in [30.0_f64, 60.0] {
         let theory = (0.5 * degrees.to_radians().cos()).powi(2);
-        add(2, degrees.to_radians(), 1.0, theory, 2, 2)?;
+        add(("at an angle", 2, degrees.to_radians(), 1.0), theory, 2, 2)?;
     }
     for bonds in [5, 10] {
-        let best = 2.0 / (1.0 + (PI / (bonds as f64 + 1.0)).sin());
+        let best = 2.0 / (1.0 + turn(bonds as f64).sin());
         // Eigenvalues meet at the best ω: a little below it the rate is a clean power.
         let omega = best - 0.05;
-        let jacobi = (PI / (bonds as f64 + 1.0)).cos();
-        let half = 0.5 * omega * jacobi;
+        let half = 0.5 * omega * turn(bonds as f64).cos();
         let theory = (half + (half * half - omega + 1.0).max(0.0).sqrt()).powi(2);
-        add(bonds, 0.0, omega, theory, 20, 10)?;
+        add(("over-relaxed", bonds, 0.0, omega), theory, 20, 10)?;
     }
-    Ok(all)
+    for rate in &rates {
+        all.numbers
+            .add("rate of sweeps", rate.measured)
+            .of("chain", rate.chain)
+            .of("n", rate.bonds)
+            .of("degrees", format!("{:.0}", rate.angle.to_degrees()))
+            .of("omega", format!("{:.3}", rate.omega))
+            .theory(rate.theory);
+    }
+    let straight = rates.iter().filter(|rate| rate.chain == "straight");
+    let off = straight.map(|rate| (rate.measured / rate.theory - 1.0).abs()).fold(0.0, f64::max);
+    all.numbers.add("sweeps against Gauss–Seidel", off);
+    let table = Table::rows_of("rates", &rates)
+        .column("bonds", |r| r.bonds)
+        .column("angle [rad]", |r| r.angle)
+        .column("over-relaxation", |r| r.omega)
+        .column("rate by theory", |r| r.theory)
+        .column("rate measured", |r| r.measured)
+        .column("sweeps to 1e-12 by theory", |r| sweeps(r.theory))
+        .table();
+    let lengths: Vec<f64> = (2..=100).map(f64::from).collect();
+    let by_theory = Table::rows_of("rates by theory", &lengths)
+        .column("bonds", |n| *n)
+        .column("plain", |n| sweeps(turn(*n).cos().powi(2)))
+        .column("best", |n| sweeps(2.0 / (1.0 + turn(*n).sin()) - 1.0));
+    let drawn = table.clone().and("chain", rates.iter().map(|r| r.chain));
+    let drawn = drawn.and("sweeps measured", rates.iter().map(|r| sweeps(r.measured)));
+    all.shown.extend([drawn, by_theory.table()]);
+    all.tables.push(table);
+    Ok(())
 }
 
-fn tolerances(quick: bool) -> Result<Vec<AtTolerance>, StudyError> {
+/// RMS of the energy on two dumbbells that meet, at each tolerance and two steps.
+fn tolerances(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
     let exponents: &[i32] = if quick { &[-3, -5, -8] } else { &[-2, -3, -4, -5, -6, -8, -10] };
     let case = Bodies::two_dumbbells();
-    let mut all = Vec::new();
+    let mut runs = Vec::new();
     for steps in [1000, 4000] {
         for exponent in exponents {
             let (tolerance, dt) = (10.0_f64.powi(*exponent), 2.5 / f64::from(steps));
             if let Ok(end) = case.run(&relaxed(tolerance), 2.5, steps)? {
-                let speed = tolerance * case.bond_length / dt;
-                all.push(AtTolerance {
-                    dt,
-                    tolerance,
-                    energy_rms: end.rms,
-                    // μ = 1/2 for each of two bonds.
-                    bound: 2.0 * 0.25 * speed * speed,
-                    sweeps: end.iterations,
-                });
+                runs.push((dt, tolerance, end));
             }
         }
     }
-    Ok(all)
+    let loose: Vec<f64> = runs.iter().filter(|run| run.1 == 1e-3).map(|run| run.2.rms).collect();
+    if let [coarse, fine] = loose[..] {
+        all.numbers.add("gain of a quarter of the step", fine / coarse);
+    }
+    let table = Table::rows_of("tolerances", &runs)
+        .column("dt [tau]", |(dt, ..)| *dt)
+        .column("tolerance", |(_, tolerance, _)| *tolerance)
+        .column("energy RMS [epsilon]", |(.., end)| end.rms)
+        // ½μ·(tol·r/h)² of both bonds, which velocities would have that kept the corrections; μ = 1/2.
+        .column("bound [epsilon]", |(dt, tolerance, _)| {
+            let speed = tolerance * case.bond_length / dt;
+            2.0 * 0.25 * speed * speed
+        })
+        .column("sweeps per step", |(.., end)| end.iterations);
+    all.tables.push(table.table());
+    Ok(())
 }
 
 /// Angle per step of a rotor at some steps.
@@ -218,50 +191,62 @@ fn there_and_back(bonds: &BondOptions, steps: u32) -> Result<f64, StudyError> {
 }
 
 /// Measures everything.
-pub(crate) fn measure(quick: bool) -> Result<Relaxing, StudyError> {
+pub(super) fn measure(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
     const ALPHA: f64 = 0.1;
+    rates(quick, all)?;
+    tolerances(quick, all)?;
     let at: &[u32] = if quick { &[10, 100, 300] } else { &[1, 10, 30, 100, 300, 1000, 3000] };
     let (angles, _) = rotor(&projected(), ALPHA, at)?;
-    let slowing = at.iter().zip(angles).map(|(step, measured)| Slowing {
-        step: *step,
-        measured,
-        theory: ALPHA / (1.0 + 2.0 * ALPHA * ALPHA * f64::from(*step)).sqrt(),
-    });
-    let (old, rotor_energy) = rotor(&BondOptions::default(), ALPHA, &[100])?;
-    let falling = |bonds: &BondOptions| -> Result<_, StudyError> {
-        let steps = if quick { 100 } else { 1000 };
-        let chain = Bodies::hanging(10, 0.2, G);
-        Ok(chain.run(bonds, 1e-3 * f64::from(steps), steps)?.ok())
-    };
+    let theory = |n: u32| ALPHA / (1.0 + 2.0 * ALPHA * ALPHA * f64::from(n)).sqrt();
+    let slowing: Vec<(u32, f64)> = at.iter().copied().zip(angles).collect();
+    for (n, angle) in &slowing {
+        all.numbers.add("slowing of a rotor", *angle).of("n", n).theory(theory(*n));
+    }
+    let table = Table::rows_of("rotor", &slowing)
+        .column("step", |(n, _)| *n)
+        .column("angle by theory [rad]", |(n, _)| theory(*n))
+        .column("angle measured [rad]", |(_, angle)| *angle);
+    all.tables.push(table.table());
+    let (old, energy) = rotor(&BondOptions::default(), ALPHA, &[100])?;
+    all.numbers.add("angle of a rotor", (old[0] - ALPHA).abs());
+    all.numbers.add("energy of a rotor", energy.abs());
     let tight = BondOptions::Direct(lennard_integrators::bonds::direct::Options {
         tolerance: 1e-13,
         ..Default::default()
     });
-    let direct = falling(&tight)?;
-    let off = |bonds: &BondOptions| -> Result<f64, StudyError> {
-        Ok(match (&direct, falling(bonds)?) {
+    falling_chain(quick, &tight, all)?;
+    let steps = if quick { 2000 } else { 10_000 };
+    for (bond, bonds) in [("old", tight), ("new", projected())] {
+        all.numbers.add("distance there and back", there_and_back(&bonds, steps)?).of("bond", bond);
+    }
+    Ok(())
+}
+
+/// A falling chain of ten: relaxation against the direct solve, and the iterations of each.
+fn falling_chain(quick: bool, tight: &BondOptions, all: &mut Measured) -> Result<(), StudyError> {
+    let falling = |bonds: &BondOptions| {
+        let steps = if quick { 100 } else { 1000 };
+        Bodies::hanging(10, 0.2, G).run(bonds, 1e-3 * f64::from(steps), steps).map(Result::ok)
+    };
+    let direct = falling(tight)?;
+    for (bond, bonds) in [("old", relaxed(1e-13)), ("new", projected())] {
+        let off = match (&direct, falling(&bonds)?) {
             (Some(a), Some(b)) => distance(&a.positions, &b.positions),
             _ => f64::NAN,
-        })
-    };
-    let iterations = |bonds: &BondOptions| -> Result<f64, StudyError> {
-        Ok(falling(bonds)?.map_or(f64::NAN, |end| end.iterations))
-    };
-    let steps = if quick { 2000 } else { 10_000 };
-    Ok(Relaxing {
-        rates: rates(quick)?,
-        tolerances: tolerances(quick)?,
-        slowing: slowing.collect(),
-        rotor_off: old[0] - ALPHA,
-        rotor_energy,
-        against_direct: off(&relaxed(1e-13))?,
-        new_against_direct: off(&projected())?,
-        there_and_back: [there_and_back(&tight, steps)?, there_and_back(&projected(), steps)?],
-        chain_iterations: [
-            iterations(&relaxed(1e-4))?,
-            iterations(&relaxed(1e-8))?,
-            iterations(&relaxed(1e-12))?,
-            iterations(&tight)?,
-        ],
-    })
+        };
+        all.numbers.add("distance from the direct solve", off).of("bond", bond);
+    }
+    let of = |end: Option<RunSummary>| end.map_or(f64::NAN, |end| end.iterations);
+    let mut iterations = Vec::new();
+    for tolerance in [1e-4, 1e-8, 1e-12] {
+        iterations.push(("relaxation", tolerance, of(falling(&relaxed(tolerance))?)));
+    }
+    iterations.push(("direct", 1e-13, of(direct)));
+    all.numbers.add("iterations over sweeps", iterations[3].2 / iterations[2].2);
+    let table = Table::rows_of("chain-iterations", &iterations)
+        .column("way", |row| row.0)
+        .column("tolerance", |row| row.1)
+        .column("iterations per step", |row| row.2);
+    all.tables.push(table.table());
+    Ok(())
 }

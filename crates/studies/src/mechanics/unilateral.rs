@@ -6,32 +6,17 @@ use lennard_integrators::IntegratorOptions;
 use lennard_integrators::spook::{self, Damping};
 use lennard_integrators::spook::{Problem, Solver, TwoSided, column};
 use lennard_integrators::{Bodies, Contacts, Obstacles, Response, UnilateralLaw};
-use serde::Serialize;
 
+use super::Measured;
 use super::ball::{Balls, floor, gravity};
 use crate::StudyError;
 
 /// Restitution of the measurements over phases.
-pub(crate) const SHARE: f64 = 0.4;
+const SHARE: f64 = 0.4;
 /// Compliance of the stack at rest, σ²/ε.
 const COMPLIANCE: f64 = 1e-3;
 /// Balls of the row whose sweeps are counted.
 const SWEPT: usize = 10;
-
-/// What runs with contacts of SPOOK showed.
-#[derive(Debug, Clone, Serialize)]
-pub struct Unilateral {
-    /// The restitution farthest from the one that was set over 100 phases of a step, less that one.
-    pub restitution: f64,
-    /// The depth of a stack of five at rest that is farthest from ε × force, relative.
-    pub sunk: f64,
-    /// The momentum that the stack hands to the floor, over its weight, less 1.
-    pub weight: f64,
-    /// The largest | E/E₀ − 1 | of a ball in gravity with e = 1 over its bounces.
-    pub energy: f64,
-    /// The factor by which a sweep over a stack of ten lowers the error, measured and cos²(π/20).
-    pub sweep: [f64; 2],
-}
 
 /// Balls of diameter 1 over a plane, with contacts of SPOOK for both.
 fn balls(
@@ -58,6 +43,7 @@ fn balls(
     Balls::start(forces, &method, column, h)
 }
 
+/// The restitution over 100 phases of a step that is farthest from the one that was set, less that one.
 fn restitution() -> Result<f64, StudyError> {
     let (h, mut worst) = (0.01, 0.0_f64);
     for k in 1..=100 {
@@ -72,6 +58,8 @@ fn restitution() -> Result<f64, StudyError> {
     Ok(worst)
 }
 
+/// A stack of five at rest: the depth that is farthest from ε × force, relative, and the momentum that the floor takes over
+/// the weight, less 1.
 fn stack() -> Result<[f64; 2], StudyError> {
     let h = 0.005;
     let heights: Vec<f64> = (0..5).map(|i| 0.1 + 1.1 * f64::from(i)).collect();
@@ -88,13 +76,8 @@ fn stack() -> Result<[f64; 2], StudyError> {
     Ok([off.fold(0.0, f64::max), weight])
 }
 
-/// Steps over which a ball that bounces keeps its energy.
-pub(crate) fn steps_of_ball(quick: bool) -> u32 {
-    if quick { 20_000 } else { 200_000 }
-}
-
-/// In a constant field positions and v + h·f/(2m) lie on the exact parabola, so that the energy there is exact.
-fn energy(quick: bool) -> Result<f64, StudyError> {
+/// The largest | E/E₀ − 1 | of a ball that bounces in gravity with e = 1. In a constant field positions and v + h·f/(2m) lie on the exact parabola, so that the energy there is exact.
+fn energy(steps: u32) -> Result<f64, StudyError> {
     let h = 0.01;
     let mut ball = balls((1.0, 0.0), (&[1.0], 0.0), 1.0, h)?;
     let of = |ball: &Balls| {
@@ -102,13 +85,14 @@ fn energy(quick: bool) -> Result<f64, StudyError> {
         0.5 * v * v + ball.height()
     };
     let (start, mut worst) = (of(&ball), 0.0_f64);
-    for _ in 0..steps_of_ball(quick) {
+    for _ in 0..steps {
         ball.steps(1)?;
         worst = worst.max((of(&ball) / start - 1.0).abs());
     }
     Ok(worst)
 }
 
+/// The factor by which a sweep over a stack of ten lowers the error, measured and by theory.
 fn sweep() -> [f64; 2] {
     let contacts = column(SWEPT);
     // What gravity does in a step: the floor alone sees the fall, and the solution is (n, …, 1).
@@ -131,13 +115,15 @@ fn sweep() -> [f64; 2] {
 }
 
 /// Measures everything.
-pub(crate) fn measure(quick: bool) -> Result<Unilateral, StudyError> {
+pub(super) fn measure(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
+    let numbers = &mut all.numbers;
+    numbers.add("restitution of unilateral contacts", restitution()?.abs());
     let [sunk, weight] = stack()?;
-    Ok(Unilateral {
-        restitution: restitution()?,
-        sunk,
-        weight,
-        energy: energy(quick)?,
-        sweep: sweep(),
-    })
+    numbers.add("depths of a stack", sunk);
+    numbers.add("weight of a stack", weight.abs());
+    let steps = if quick { 20_000 } else { 200_000 };
+    numbers.add("energy of a bouncing ball", energy(steps)?).of("steps", steps);
+    let [measured, theory] = sweep();
+    numbers.add("sweep over a stack", measured).theory(theory);
+    Ok(())
 }

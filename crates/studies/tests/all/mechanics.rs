@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use lennard_observables::{Column, Value};
 use lennard_integrators::bond_methods;
 use lennard_observables::Verdict;
 use lennard_studies::claims::Source;
-use lennard_studies::mechanics::comparison::Convergence;
 use lennard_studies::mechanics::{self, MechanicsStudy};
 use lennard_studies::{Silent, Study, StudyOptions};
 
@@ -43,31 +43,45 @@ fn check_verdicts(study: &MechanicsStudy) {
     assert!(differing.is_empty(), "{differing:#?}");
 }
 
+fn column<'a>(study: &'a MechanicsStudy, table: &str, column: &str) -> &'a Column {
+    let table = study.tables.iter().find(|t| t.name == table);
+    let columns = &table.unwrap_or_else(|| panic!("no table for {column}")).columns;
+    columns.iter().find(|c| c.name == column).unwrap_or_else(|| panic!("no column {column}"))
+}
+
 fn check_numbers(study: &MechanicsStudy) {
-    let found = &study.found;
+    let of_ways = |name: &str| column(study, "ways-in-a-line", name);
+    let names: Vec<&Value> = of_ways("Way").cells.iter().map(|cell| &cell.value).collect();
+    let row_of = |name: &str| {
+        let row = names.iter().position(|way| **way == Value::Words(name.into()));
+        row.unwrap_or_else(|| panic!("{name} is not compared"))
+    };
+    let of_points = column(study, "ways", "way");
+    let orders = of_ways("Order");
     for method in bond_methods() {
-        let way = found.ways.iter().find(|w| w.name == method.name);
-        let way = way.unwrap_or_else(|| panic!("{} is not compared", method.name));
-        assert!(way.points.len() >= 2, "{}", way.name);
-        assert!(way.cost.iter().all(|c| *c > 0.0), "{way:?}");
+        let row = row_of(method.name);
+        let points = of_points.cells.iter().filter(|cell| cell.value == *names[row]);
+        assert!(points.count() >= 2, "{}", method.name);
+        for cost in ["Dumbbell", "Chain of 10"] {
+            assert!(of_ways(cost).numbers()[row] > 0.0, "{}, {cost}", method.name);
+        }
         // The error of a spring is its distance from a rigid bond: no order belongs to it.
-        let is_spring = method.name == "spring";
-        assert_eq!(way.convergence == Convergence::Model, is_spring, "{way:?}");
+        let is_of_the_model = orders.cells[row].value == Value::Words("error of the model".into());
+        assert_eq!(is_of_the_model, method.name == "spring", "{}: {orders:?}", method.name);
     }
-    let orders = found.ways.iter().filter_map(|w| w.convergence.order());
-    assert!(orders.clone().all(|order| order > 0.9), "{:?}", found.ways);
-    assert!(orders.count() >= 6, "{:?}", found.ways);
+    let orders: Vec<f64> = orders.numbers().into_iter().filter(|order| order.is_finite()).collect();
+    assert!(orders.iter().all(|order| *order > 0.9) && orders.len() >= 6, "{orders:?}");
     // SPOOK has no largest step on a slow rotor that an explicit spring has.
-    let limit = |name: &str| found.ways.iter().find(|w| w.name == name).unwrap().largest_step;
-    assert!(limit("spring").unwrap() < 0.1 * limit("direct").unwrap());
+    let limits = of_ways("Largest stable step").numbers();
+    assert!(limits[row_of("spring")] < 0.1 * limits[row_of("direct")]);
     // Sweeps grow with the length of a chain, iterations of the direct solve do not.
-    let [loose, middle, tight, direct] = found.relaxing.chain_iterations;
+    let iterations = column(study, "chain-iterations", "iterations per step").numbers();
+    let [loose, middle, tight, direct] = iterations[..] else { panic!("{iterations:?}") };
     assert!(loose < middle && middle < tight && direct < 6.0);
     // Costs are the only numbers that a clock decides.
-    let wall = &found.pressure.points;
-    let last = wall.last().expect("points along the run");
-    assert!((last.of_walls - last.with_boundary).abs() < 1e-10);
-    assert!((last.of_walls - last.of_virial).abs() < 0.1);
+    let last = |name: &str| *column(study, "wall-pressure", name).numbers().last().unwrap();
+    assert!((last("P of walls") - last("P of virial less boundary term")).abs() < 1e-10);
+    assert!((last("P of walls") - last("P of virial")).abs() < 0.1);
 }
 
 fn check_files(study: &MechanicsStudy, dir: &Path) {

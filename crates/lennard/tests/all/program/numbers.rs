@@ -164,7 +164,7 @@ fn every_document_names_its_schema_by_one_rule() {
         assert!(line.split(' ').take(2).any(|word| word == name), "{schema}");
         assert!(version.parse::<u32>().is_ok(), "{schema}");
     }
-    assert_eq!(json(&place.read("mechanics/study.json"))["schema"], "lennard-mechanics/1");
+    assert_eq!(json(&place.read("mechanics/study.json"))["schema"], "lennard-mechanics/2");
 }
 
 #[test]
