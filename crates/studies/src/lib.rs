@@ -20,6 +20,7 @@ mod files;
 mod jobs;
 mod kept;
 pub mod lab;
+mod lists;
 pub mod mechanics;
 mod progress;
 pub mod readings;

@@ -1,10 +1,12 @@
 //! Kernels, precisions and numbers of threads beside one another, and skins around the one that the scene gets.
 
-use lennard_engine::bare;
+use std::path::Path;
+
 use lennard_engine::stopwatch::Stopwatch;
+use lennard_engine::bare;
 use lennard_forcefield::{ForcePlan, Isa, measure};
 
-use super::types::{BenchError, KernelResult, SkinPoint, SkinStudy, Subject, doubts};
+use super::types::{BenchError, KernelResult, SkinPoint, SkinStudy, doubts, load};
 use super::variants::{Block, Blocks, Variant, spread};
 use crate::Progress;
 use crate::report::counted;
@@ -26,7 +28,7 @@ fn kernel(plan: &ForcePlan) -> String {
 
 /// The variants that the options ask for, each once; the first is the one that `auto` would choose.
 pub(super) fn variants(
-    subject: &Subject,
+    file: &Path,
     overrides: &[(String, String)],
     isas: &[String],
     precisions: &[String],
@@ -49,7 +51,7 @@ pub(super) fn variants(
             let settings = [("kernel.isa", isa), ("kernel.precision", precision)];
             let settings = settings.map(|(key, value)| (key.to_owned(), value.clone()));
             let overrides: Vec<_> = overrides.iter().cloned().chain(settings).collect();
-            let scene = bare(&subject.load(&overrides)?);
+            let scene = bare(&load(file, &overrides)?);
             // Says here what does not fit, with the key; and what really runs.
             let beginning = lennard_engine::start(&scene)?;
             let (_, forces) = lennard_engine::forces(&scene, beginning.cell, &beginning.species)?;

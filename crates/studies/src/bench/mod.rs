@@ -10,10 +10,11 @@ mod variants;
 
 pub use page::kernels as kernel_table;
 pub use types::{
-    BenchError, BenchOptions, BenchStudy, Doubt, KernelResult, SkinPoint, SkinStudy, Subject,
-    with_range,
+    BenchError, BenchOptions, BenchStudy, Doubt, KernelResult, SkinPoint, SkinStudy, load,
+    usual_scene, with_range,
 };
 
+use std::path::Path;
 use std::time::Duration;
 
 use lennard_forcefield::measure;
@@ -42,12 +43,12 @@ const MOST_STEPS: u64 = 20_000;
 /// # Errors
 /// [`BenchError`] as from [`run`].
 pub fn check(
-    subject: &Subject,
+    scene: &Path,
     overrides: &[(String, String)],
     isas: &[String],
     precisions: &[String],
 ) -> Result<(), BenchError> {
-    kernels::variants(subject, overrides, isas, precisions, &[1]).map(drop)
+    kernels::variants(scene, overrides, isas, precisions, &[1]).map(drop)
 }
 
 /// Measures.
@@ -56,7 +57,7 @@ pub fn check(
 /// [`BenchError`] where the scene is wrong, a variant is not to be had on this machine, or its run fails.
 pub fn run(options: &BenchOptions, progress: &mut dyn Progress) -> Result<BenchStudy, BenchError> {
     let plan = kernels::variants(
-        &options.subject,
+        &options.scene,
         &options.overrides,
         &options.isas,
         &options.precisions,
@@ -69,7 +70,7 @@ pub fn run(options: &BenchOptions, progress: &mut dyn Progress) -> Result<BenchS
     // Where the scene of the user has a bath, the state has the temperature of its measured stage. Without one a lattice melts at
     // constant energy and cools, as it does in a run.
     let mut warming = scene.clone();
-    let asked = options.subject.load(&options.overrides)?;
+    let asked = load(&options.scene, &options.overrides)?;
     if asked.stages.iter().any(|stage| stage.thermostat.is_some()) {
         warming.stages = vec![to_temperature(scene, lennard_engine::ENDLESS)];
     }

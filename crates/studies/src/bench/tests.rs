@@ -5,7 +5,7 @@ fn options(set: &[(&str, &str)]) -> BenchOptions {
     let small = [("system.n_atoms", "108"), ("truncation.r_cut", "2.2")];
     let set = small.iter().chain(set);
     BenchOptions {
-        subject: Subject::BuiltIn { quick: true },
+        scene: usual_scene(true),
         overrides: set.map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect(),
         isas: vec!["portable".into()],
         precisions: vec![],
@@ -47,7 +47,7 @@ fn the_state_that_is_timed_has_the_temperature_that_a_bath_of_the_scene_holds() 
     options.precisions = vec!["double".into()];
     options.repeats = 1;
     let study = run(&options, &mut Silent).unwrap();
-    let scene = options.subject.load(&options.overrides).unwrap();
+    let scene = load(&options.scene, &options.overrides).unwrap();
     let wanted = lennard_engine::measured_stage(&scene).temperature;
     // Four times the canonical fluctuation of 864 particles, T·√(2/3N).
     let allowed = 4.0 * (2.0 / (3.0 * 864.0_f64)).sqrt();

@@ -8,6 +8,7 @@ use lennard_scene::{Scene, SceneError};
 use serde::Serialize;
 
 use crate::StudyError;
+use crate::lists::unique;
 use crate::report::significant;
 
 /// The shipped scene that runs where no scene is named: 32,000 particles melting.
@@ -15,43 +16,27 @@ const MELT: &str = "shipped:/bench/melt-32k.toml";
 /// The shipped scene of a quick look: 864 particles.
 const FLUID: &str = "shipped:/bench/fluid-864.toml";
 
-/// What is measured.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Subject {
-    /// A built-in case: `inputs/bench/melt-32k.toml`, or `inputs/bench/fluid-864.toml` for a quick look.
-    BuiltIn {
-        /// Whether the small one.
-        quick: bool,
-    },
-    /// A scene file.
-    File(PathBuf),
+/// The file of the scene that is measured where none is named: the small one for a quick look.
+#[must_use]
+pub fn usual_scene(quick: bool) -> PathBuf {
+    if quick { FLUID } else { MELT }.into()
 }
 
-impl Subject {
-    /// The scene with overrides.
-    ///
-    /// # Errors
-    /// [`SceneError`] where the file or an override is wrong.
-    pub fn load(&self, overrides: &[(String, String)]) -> Result<Scene, SceneError> {
-        match self {
-            Self::BuiltIn { quick } => {
-                let name = if *quick { FLUID } else { MELT };
-                Scene::load(Path::new(name), overrides)
-            }
-            Self::File(path) => {
-                let scene = Scene::load(path, overrides)?;
-                scene.homogeneous_for("lennard study bench")?;
-                Ok(scene)
-            }
-        }
-    }
+/// The scene of a file with overrides.
+///
+/// # Errors
+/// [`SceneError`] where the file or an override is wrong, or the scene is no homogeneous fluid.
+pub fn load(file: &Path, overrides: &[(String, String)]) -> Result<Scene, SceneError> {
+    let scene = Scene::load(file, overrides)?;
+    scene.homogeneous_for("lennard study bench")?;
+    Ok(scene)
 }
 
 /// What to measure and how often.
 #[derive(Debug, Clone)]
 pub struct BenchOptions {
-    /// The scene.
-    pub subject: Subject,
+    /// The file of the scene.
+    pub scene: PathBuf,
     /// Overrides of its keys.
     pub overrides: Vec<(String, String)>,
     /// Instruction sets; empty for all that this processor has.
@@ -127,13 +112,7 @@ impl BenchStudy {
         let of_skins = self.skin.iter().flat_map(|skin| &skin.points);
         let scattered = of_skins.filter(|p| p.step_ns.is_scattered()).map(|_| Doubt::Scattered);
         let of_kernels = self.kernels.iter().flat_map(|k| k.doubts.iter().copied());
-        let mut all: Vec<String> = Vec::new();
-        for sentence in of_kernels.chain(scattered).map(Doubt::sentence) {
-            if !all.contains(&sentence) {
-                all.push(sentence);
-            }
-        }
-        all
+        unique(of_kernels.chain(scattered).map(Doubt::sentence))
     }
 }
 

@@ -8,8 +8,7 @@ use lennard_forcefield::{Precision, TruncationKind};
 use super::panels::front;
 use super::types::{Axis, Chart, ChartedPoint, Mark, Panel};
 use crate::report::{
-    self, Dash, FailedPoint, Figure, Guide, Look, Picture, Point, Series, Symbol, plus_minus,
-    significant,
+    self, Dash, Figure, Guide, Look, Picture, Point, Series, Symbol, plus_minus, significant,
 };
 
 /// Colour of the front and of legend entries that are about symbols.
@@ -127,8 +126,12 @@ fn figure(chart: &Chart, panel: &Panel, axis: Axis) -> Picture {
                 Series::new("", look, group, vec![point(chart, mark, axis, error.abs(), label)])
             }
             None => {
-                let failed = FailedPoint { x: cost(mark, axis), note: Some(note(chart, mark)) };
-                Series::entry("", look, group).with_noted_failures(vec![failed])
+                let (x, note) = (cost(mark, axis), Some(note(chart, mark)));
+                Series::entry("", look, group).with_failures([Point {
+                    x,
+                    note,
+                    ..Point::default()
+                }])
             }
         });
         methods.insert((symbol, method));

@@ -4,6 +4,7 @@ use lennard_observables::Estimate;
 
 use crate::compare::Row;
 use crate::lab::mean_of;
+use crate::lists::grouped;
 use crate::report::Point;
 use crate::sweep::{Setting, SettingValue, SweptPoint};
 
@@ -20,14 +21,8 @@ pub(super) struct Averaged<'a> {
 
 /// The points of a sweep, seeds together, in the order of the sweep.
 pub(super) fn averaged(points: &[SweptPoint]) -> Vec<Averaged<'_>> {
-    let mut all: Vec<Averaged<'_>> = Vec::new();
-    for point in points {
-        match all.iter_mut().find(|a| a.settings == point.settings) {
-            Some(same) => same.points.push(point),
-            None => all.push(Averaged { settings: &point.settings, points: vec![point] }),
-        }
-    }
-    all
+    let all = grouped(points.iter().map(|point| (point.settings.as_slice(), point)));
+    all.into_iter().map(|(settings, points)| Averaged { settings, points }).collect()
 }
 
 impl Averaged<'_> {

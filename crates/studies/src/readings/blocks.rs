@@ -1,5 +1,8 @@
 //! What a reading is given, and what it gives.
 
+use std::collections::BTreeMap;
+
+use serde::Serialize;
 use serde_json::Value;
 
 use crate::report::{Picture, Section};
@@ -29,25 +32,32 @@ pub struct StudyPoints<'a> {
     /// What came of each point.
     pub swept: &'a [SweptPoint],
     /// Names of figures that other readings have drawn.
-    pub drawn: &'a [String],
+    pub drawn: &'a [&'a str],
 }
 
 /// What a reading makes of the points.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Blocks {
     /// A sentence for the head of the page.
+    #[serde(skip)]
     pub lead: String,
     /// Sections of the page; sections of one title stand together.
+    #[serde(skip)]
     pub sections: Vec<Section>,
     /// Tables that are files.
+    #[serde(skip)]
     pub tables: Vec<Table>,
     /// Tables for the terminal.
+    #[serde(skip)]
     pub terminal: Vec<Table>,
     /// Sentences for the terminal.
+    #[serde(skip)]
     pub sentences: Vec<String>,
-    /// Entries of the record, `sweep.json`.
-    pub entries: Vec<(&'static str, Value)>,
+    /// Entries of the record, `sweep.json`, by name: `agreement`, `critical_point`, `melting`, …
+    #[serde(flatten)]
+    pub entries: BTreeMap<&'static str, Value>,
     /// Why the study fails, where its points are to prove something and do not.
+    #[serde(skip)]
     pub failure: Option<String>,
 }
 
@@ -62,7 +72,19 @@ impl Blocks {
     /// The same with an entry of the record.
     pub(super) fn with_entry(mut self, key: &'static str, value: &impl serde::Serialize) -> Self {
         // A number that is none becomes `null`, as in every record.
-        self.entries.push((key, serde_json::to_value(value).unwrap_or_default()));
+        self.entries.insert(key, serde_json::to_value(value).unwrap_or_default());
         self
+    }
+
+    /// Adds what the next reading makes of the points.
+    pub(crate) fn take(&mut self, next: Self) {
+        self.lead += &next.lead;
+        self.sections.extend(next.sections);
+        self.tables.extend(next.tables);
+        // Later readings stand first on the terminal: the table of the points before sums over them.
+        self.terminal.splice(0..0, next.terminal);
+        self.sentences.extend(next.sentences);
+        self.entries.extend(next.entries);
+        self.failure = self.failure.take().or(next.failure);
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 use lennard_literature::{
-    EquationOfState, TwoPhaseSource, TwoPhases, coexistence_by_simulation, equation_of_state_for,
-    surface_tensions_by_simulation, thol_2016,
+    EquationOfState, Saturation, TwoPhaseSource, TwoPhases, coexistence_by_simulation,
+    equation_of_state_for, surface_tensions_by_simulation, thol_2016,
 };
 
 use lennard_observables::quantities::{Quantity, quantity_of};
@@ -23,6 +23,8 @@ const MARGIN: f64 = 0.05;
 /// Each so-manieth row of the table of coexistence is drawn.
 const EACH: usize = 25;
 
+/// The caption of every figure.
+const BARS: &str = "Bars are one standard error.";
 const SOLID: Look = Look::Line(Dash::Solid);
 const DASHED: Look = Look::Line(Dash::Dashed);
 const RING: Look = Look::Points(Symbol::Ring);
@@ -97,26 +99,37 @@ impl Lines {
         })
     }
 
-    /// The equation of state from cold to hot.
-    fn of_equation(&self) -> Option<(String, Vec<TwoPhases>)> {
-        let equation = self.equation?;
-        let spec = equation.spec();
-        let phases = self
-            .temperatures(spec.critical.temperature)
-            .filter_map(|t| equation.saturation(t))
-            .map(|saturation| TwoPhases {
+    /// What the literature has: points of its phases from cold to hot, by the equation of state and by a correlation of others, and
+    /// points of simulations of the full potential.
+    fn known(
+        &self,
+        of_phases: impl Fn(&[TwoPhases]) -> Vec<(f64, f64)>,
+        of_simulation: impl Fn(&Saturation) -> Vec<(f64, f64)>,
+    ) -> Vec<Series> {
+        let equation = self.equation.map(|equation| {
+            let spec = equation.spec();
+            let all = self.temperatures(spec.critical.temperature);
+            let all = all.filter_map(|t| equation.saturation(t)).map(|saturation| TwoPhases {
                 saturation,
                 surface_tension: None,
                 source: String::new(),
             });
-        Some((spec.name.clone(), phases.collect()))
-    }
-
-    /// Correlations of others, where they are no equation of state.
-    fn of_correlations(&self) -> Option<(String, Vec<TwoPhases>)> {
-        let source = self.source.filter(|s| *s == TwoPhaseSource::Vrabec)?;
-        let phases = self.temperatures(source.critical().temperature).filter_map(|t| source.at(t));
-        Some((source.name(), phases.collect()))
+            Series::new(&spec.name, SOLID, EQUATION, of_phases(&all.collect::<Vec<_>>()))
+        });
+        // Others are an equation of state themselves.
+        let vrabec = self.source.filter(|s| *s == TwoPhaseSource::Vrabec);
+        let correlation = vrabec.map(|source| {
+            let all = self.temperatures(source.critical().temperature);
+            let all: Vec<TwoPhases> = all.filter_map(|t| source.at(t)).collect();
+            Series::new(source.name(), DASHED, CORRELATION, of_phases(&all))
+        });
+        let is_full = self.equation.is_some_and(|e| e.spec().key == thol_2016().spec().key);
+        let simulated = is_full.then(|| {
+            let all = coexistence_by_simulation();
+            Series::new("NIST", RING, OTHERS, all.iter().step_by(EACH).flat_map(of_simulation))
+        });
+        let all = equation.into_iter().chain(correlation).chain(simulated);
+        all.filter(|series| !series.points.is_empty()).collect()
     }
 
     fn in_density(
@@ -125,47 +138,34 @@ impl Lines {
         swept: &[SweptPoint],
         critical: Option<&CriticalEstimate>,
     ) -> Picture {
-        let mut figure = Figure::new(
-            "coexistence",
-            "Coexisting vapor and liquid",
-            Axis::linear("density ρ / σ⁻³"),
-            Axis::linear("T / (ε/k_B)"),
-        );
         let dome = |phases: &[TwoPhases]| -> Vec<(f64, f64)> {
             let at = |p: &TwoPhases, rho: f64| (rho, p.saturation.temperature);
             let vapor = phases.iter().map(|p| at(p, p.saturation.vapor_density));
             let liquid = phases.iter().rev();
             vapor.chain(liquid.map(|p| at(p, p.saturation.liquid_density))).collect()
         };
-        if let Some((name, phases)) = self.of_equation() {
-            figure = figure.with(Series::new(name, SOLID, EQUATION, dome(&phases)));
-        }
-        if let Some((name, phases)) = self.of_correlations() {
-            figure = figure.with(Series::new(name, DASHED, CORRELATION, dome(&phases)));
-        }
-        if self.is_full_potential() {
-            let others = coexistence_by_simulation();
-            let others = others
-                .iter()
-                .step_by(EACH)
-                .flat_map(|s| [s.vapor_density, s.liquid_density].map(|rho| (rho, s.temperature)));
-            let others: Vec<(f64, f64)> = others.collect();
-            figure = figure.with(Series::new("NIST", RING, OTHERS, others));
-        }
-        let marks: Vec<Point> = ["vapor_density", "liquid_density"]
-            .into_iter()
-            .flat_map(|name| {
-                points.iter().filter_map(move |p| p.mark_across(name, p.temperature()?))
-            })
-            .collect();
-        figure = figure.with(Series::new("this sweep", DISC, MEASURED, marks));
+        let both = |s: &Saturation| {
+            [s.vapor_density, s.liquid_density].map(|rho| (rho, s.temperature)).into()
+        };
+        let measured = |name: &'static str| {
+            points.iter().filter_map(move |p| p.mark_across(name, p.temperature()?))
+        };
+        let marks = ["vapor_density", "liquid_density"].into_iter().flat_map(measured);
+        let (x, y) = (Axis::linear("density ρ / σ⁻³"), Axis::linear("T / (ε/k_B)"));
+        let figure = Figure::new("coexistence", "Coexisting vapor and liquid", x, y);
+        let mut figure = Figure { series: self.known(dome, both), ..figure }.with(Series::new(
+            "this sweep",
+            DISC,
+            MEASURED,
+            marks,
+        ));
         let diameters: Vec<(f64, f64)> =
             pairs(swept).iter().map(|p| (p.diameter()[0], p.temperature)).collect();
         if !diameters.is_empty() {
             let look = Look::Points(Symbol::Plus);
             figure = figure.with(Series::new("half the sum of both", look, MEASURED, diameters));
         }
-        let mut caption = "Bars are one standard error.".to_owned();
+        let mut caption = BARS.to_owned();
         if let Some(c) = critical {
             let here = Point {
                 error: Some(c.temperature_error),
@@ -194,53 +194,28 @@ impl Lines {
             .filter_map(|p| p.mark(p.temperature()?, name))
             .filter(|p| !is_pressure || p.y > 0.0)
             .collect();
-        if marks.is_empty() {
-            return None;
-        }
+        let hottest = marks.iter().map(|p| p.x).reduce(f64::max)?;
         let axis = match is_pressure {
             true => Axis::logarithmic(quantity.axis()),
             false => Axis::linear(quantity.axis()),
         };
-        let title = capital(quantity.words);
-        let mut figure = Figure::new(name, title, Axis::linear("T / (ε/k_B)"), axis);
-        let value = |phases: &TwoPhases| match is_pressure {
-            true => Some(phases.saturation.pressure),
-            false => phases.surface_tension,
+        let value = |p: &TwoPhases| match is_pressure {
+            true => Some((p.saturation.temperature, p.saturation.pressure)),
+            false => Some((p.saturation.temperature, p.surface_tension?)),
         };
-        let known =
-            [(self.of_equation(), SOLID, EQUATION), (self.of_correlations(), DASHED, CORRELATION)];
-        for (line, look, color) in known {
-            let Some((source, phases)) = line else {
-                continue;
-            };
-            let curve: Vec<(f64, f64)> =
-                phases.iter().filter_map(|p| Some((p.saturation.temperature, value(p)?))).collect();
-            if !curve.is_empty() {
-                figure = figure.with(Series::new(source, look, color, curve));
-            }
-        }
-        let hottest = marks.iter().map(|p| p.x).fold(0.0, f64::max);
+        let known = self.known(
+            |phases| phases.iter().filter_map(value).collect(),
+            |s| is_pressure.then_some((s.temperature, s.pressure)).into_iter().collect(),
+        );
+        let title = capital(quantity.words);
+        let figure = Figure::new(name, title, Axis::linear("T / (ε/k_B)"), axis);
+        let mut figure = Figure { series: known, ..figure };
         if !is_pressure && self.source == Some(TwoPhaseSource::Vrabec) {
             let near = |(t, _): &(f64, f64)| (self.coldest - 0.05..=hottest + 0.05).contains(t);
-            let single: Vec<(f64, f64)> =
-                surface_tensions_by_simulation().into_iter().filter(near).collect();
+            let single = surface_tensions_by_simulation().into_iter().filter(near);
             figure = figure.with(Series::new("Vrabec 2006, simulations", RING, OTHERS, single));
         }
-        if is_pressure && self.is_full_potential() {
-            let others: Vec<(f64, f64)> = coexistence_by_simulation()
-                .iter()
-                .step_by(EACH)
-                .map(|s| (s.temperature, s.pressure))
-                .collect();
-            figure = figure.with(Series::new("NIST", RING, OTHERS, others));
-        }
         let figure = figure.with(Series::new("this sweep", DISC, MEASURED, marks));
-        let caption = "Bars are one standard error.";
-        Some(Picture::new(figure, caption, "table.csv"))
-    }
-
-    /// Whether simulations of the full potential belong into a figure.
-    fn is_full_potential(&self) -> bool {
-        self.equation.is_some_and(|e| e.spec().key == thol_2016().spec().key)
+        Some(Picture::new(figure, BARS, "table.csv"))
     }
 }

@@ -5,6 +5,7 @@ use lennard_observables::{Cell, Table, Tone};
 
 use super::probability::{CHI_SQUARED_IN_WORDS, probability_words, tail_probability};
 use crate::compare::{CardRow, ComparedRun, StateCard, is_a_part};
+use crate::lists::{grouped, unique};
 use crate::sweep::SweptPoint;
 
 /// Fewest points that say anything of an equation.
@@ -85,44 +86,36 @@ pub(super) fn deviations(points: &[SweptPoint]) -> Vec<Deviation> {
 
 /// The sums over all items, property by property.
 fn judged<'a>(items: impl Iterator<Item = Item<'a>>) -> Vec<Deviation> {
-    let mut found: Vec<Deviation> = Vec::new();
-    for item in items {
-        for (name, counts, difference, error) in item.equations {
-            let z = difference / error;
-            if !z.is_finite() {
-                continue;
+    let each = items.flat_map(|Item { point, property, measured, equations }| {
+        equations.into_iter().map(move |(equation, counts, difference, error)| {
+            let relative = (difference / measured).abs();
+            ((property, equation), (point, counts, difference, relative, difference / error))
+        })
+    });
+    let found = grouped(each.filter(|(_, (.., z))| z.is_finite())).into_iter();
+    let enough = found.filter(|(_, points)| points.len() >= FEWEST);
+    let mut found: Vec<Deviation> = enough
+        .map(|((property, equation), points)| {
+            let mean = |values: &mut dyn Iterator<Item = f64>| {
+                let next = |mean: f64, (i, value)| mean + (value - mean) * (1.0 / (i + 1) as f64);
+                values.enumerate().fold(0.0, next)
+            };
+            let largest = points.iter().rev().max_by(|a, b| a.4.abs().total_cmp(&b.4.abs()));
+            Deviation {
+                property: property.to_owned(),
+                equation: equation.to_owned(),
+                counts: points[0].1,
+                points: points.len(),
+                chi_squared: points.iter().map(|p| p.4 * p.4).sum(),
+                mean_difference: mean(&mut points.iter().map(|p| p.2)),
+                largest_in_errors: largest.map_or(0.0, |p| p.4),
+                at: largest.map_or("", |p| p.0).to_owned(),
+                relative: mean(&mut points.iter().map(|p| p.3)),
             }
-            let is_it = |j: &Deviation| j.property == item.property && j.equation == name;
-            let at = found.iter().position(is_it).unwrap_or_else(|| {
-                found.push(Deviation {
-                    property: item.property.to_owned(),
-                    equation: name.to_owned(),
-                    counts,
-                    points: 0,
-                    chi_squared: 0.0,
-                    mean_difference: 0.0,
-                    largest_in_errors: 0.0,
-                    at: String::new(),
-                    relative: 0.0,
-                });
-                found.len() - 1
-            });
-            let deviation = &mut found[at];
-            deviation.points += 1;
-            let weight = 1.0 / deviation.points as f64;
-            deviation.chi_squared += z * z;
-            deviation.mean_difference += (difference - deviation.mean_difference) * weight;
-            let relative = (difference / item.measured).abs();
-            deviation.relative += (relative - deviation.relative) * weight;
-            if z.abs() > deviation.largest_in_errors.abs() {
-                deviation.largest_in_errors = z;
-                item.point.clone_into(&mut deviation.at);
-            }
-        }
-    }
-    found.retain(|j| j.points >= FEWEST);
-    let order: Vec<String> = found.iter().map(|j| j.property.clone()).collect();
-    found.sort_by_key(|j| order.iter().position(|p| *p == j.property));
+        })
+        .collect();
+    let order = unique(found.iter().map(|d| d.property.clone()));
+    found.sort_by_key(|d| order.iter().position(|property| *property == d.property));
     found
 }
 
@@ -158,12 +151,7 @@ pub(super) fn table(deviations: &[Deviation], named: impl Fn(&str) -> String) ->
 /// differences that χ² is made of, and their error.
 pub(super) fn beside_equations(points: &[SweptPoint]) -> Table {
     let rows: Vec<Beside<'_>> = all(points).collect();
-    let mut keys: Vec<&str> = Vec::new();
-    for equation in rows.iter().flat_map(|b| &b.card.equations) {
-        if !keys.contains(&equation.key.as_str()) {
-            keys.push(&equation.key);
-        }
-    }
+    let keys = unique(rows.iter().flat_map(|b| &b.card.equations).map(|e| e.key.as_str()));
     let column = |b: &Beside<'_>, key: &str| b.card.equations.iter().position(|e| e.key == key);
     let mut table = Table::rows_of("beside_equations", &rows)
         .column("point", |b| b.point.name.as_str())

@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::averaged::{Averaged, averaged};
 use super::blocks::{Blocks, StudyPoints};
 use super::properties::{label_of, series_of};
+use crate::lists::unique;
 use crate::sweep::{Sweep, SweptPoint};
 
 /// The fewest temperatures that make a curve.
@@ -178,12 +179,7 @@ fn picture(points: &[SweptPoint], estimates: &[MeltingEstimate]) -> Option<Pictu
         let look = Look::Points(Symbol::cycle(at));
         figure = figure.with(Series::new(label.clone(), look, MEASURED + at, marks));
     }
-    let mut references: Vec<&(String, f64)> = Vec::new();
-    for reference in estimates.iter().flat_map(|e| &e.references) {
-        if !references.contains(&reference) {
-            references.push(reference);
-        }
-    }
+    let references = unique(estimates.iter().flat_map(|e| &e.references));
     for (at, (name, temperature)) in references.into_iter().enumerate() {
         let line = bounds.map(|v| (*temperature, v));
         let dash = Look::Line([Dash::Dashed, Dash::Dotted][at % 2]);

@@ -6,6 +6,7 @@ use lennard_observables::{Cell, Table, Tone, Value};
 use super::blocks::{Blocks, POINTS, PROPERTIES, StudyPoints};
 use super::properties;
 use crate::compare::{Verdict, capital};
+use crate::lists::grouped;
 use crate::report::Section;
 use crate::sweep::SweptPoint;
 
@@ -236,21 +237,15 @@ pub(super) fn verdicts(point: &SweptPoint, keys: &[&str]) -> Cell {
     if !compared.state.is_single_stable_phase() && !rows().any(|r| r.verdict.is_judged()) {
         return Cell::words("not judged").toned(Tone::Careful);
     }
-    let mut shared: Vec<(String, Vec<String>)> = Vec::new();
-    for quantity in keys.iter().filter_map(|key| quantity_of(key)) {
-        let Some(row) = point.row(quantity.key) else {
-            continue;
-        };
+    let told = keys.iter().filter_map(|key| quantity_of(key)).filter_map(|quantity| {
+        let row = point.row(quantity.key)?;
         let words = match row.verdict {
             Verdict::PredictedBias => row.verdict_words(),
             other => other.words().to_owned(),
         };
-        let name = heading(quantity);
-        match shared.iter_mut().find(|(known, _)| *known == words) {
-            Some((_, names)) => names.push(name),
-            None => shared.push((words, vec![name])),
-        }
-    }
+        Some((words, heading(quantity)))
+    });
+    let shared = grouped(told);
     let tone = gravest(rows().map(|row| row.verdict.tone()));
     if let [(words, _)] = &shared[..] {
         return Cell::words(words).toned(tone);

@@ -10,6 +10,7 @@ use lennard_scene::study::{SHORT_KEYS, ShortKey};
 use super::averaged::{Averaged, averaged};
 use super::blocks::StudyPoints;
 use crate::compare::{capital, quantity_words};
+use crate::lists::{grouped, unique};
 use crate::sweep::{Setting, SettingValue};
 
 /// Most series of one figure.
@@ -19,7 +20,7 @@ const STEPS: usize = 120;
 
 /// Every primary property against the key with the most values, but for those that other readings have drawn.
 pub(super) fn pictures(study: &StudyPoints<'_>) -> Vec<Picture> {
-    let is_drawn = |name: &str| study.drawn.iter().any(|drawn| drawn == name);
+    let is_drawn = |name: &str| study.drawn.contains(&name);
     let points = averaged(study.swept);
     let Some(key) = swept_axis(&points) else {
         return Vec::new();
@@ -29,14 +30,11 @@ pub(super) fn pictures(study: &StudyPoints<'_>) -> Vec<Picture> {
     if groups.len() > MOST_SERIES {
         return Vec::new();
     }
-    let mut names: Vec<(&str, &str)> = Vec::new();
-    let rows = study.swept.iter().filter_map(|p| p.compared.as_ref());
-    for row in rows.flat_map(|c| &c.rows).filter(|row| row.primary) {
-        let name = (row.quantity.as_str(), row.unit.as_str());
-        if !names.contains(&name) && !is_drawn(name.0) && is_worth_drawing(name.0, &key) {
-            names.push(name);
-        }
-    }
+    let rows = study.swept.iter().filter_map(|p| p.compared.as_ref()).flat_map(|c| &c.rows);
+    let shown = rows.filter(|row| {
+        row.primary && !is_drawn(&row.quantity) && is_worth_drawing(&row.quantity, &key)
+    });
+    let names = unique(shown.map(|row| (row.quantity.as_str(), row.unit.as_str())));
     let equation = equation(study);
     let drawn = names.into_iter().filter_map(|(quantity, unit)| {
         let name = format!("{quantity}_over_{key}");
@@ -93,15 +91,11 @@ struct Place<'a> {
 
 impl<'a> Place<'a> {
     fn of(points: &[Averaged<'_>], key: &'a str) -> Self {
-        let mut words: Vec<String> = Vec::new();
-        for value in points.iter().filter_map(|p| p.value(key)) {
-            if let SettingValue::Words(word) = value
-                && !words.contains(word)
-            {
-                words.push(word.clone());
-            }
-        }
-        Self { key, words }
+        let words = points.iter().filter_map(|p| match p.value(key)? {
+            SettingValue::Words(word) => Some(word.clone()),
+            SettingValue::Number(_) => None,
+        });
+        Self { key, words: unique(words) }
     }
 
     fn axis(&self) -> Axis {
@@ -148,18 +142,14 @@ pub(super) fn series_of<'a, 'b>(
     let others = |p: &Averaged<'b>| -> Vec<&'b Setting> {
         p.settings.iter().filter(|s| s.key != key).collect()
     };
-    let mut groups: Vec<Vec<&Averaged<'_>>> = Vec::new();
-    for point in points.iter().filter(|p| p.value(key).is_some()) {
-        match groups.iter_mut().find(|g| others(g[0]) == others(point)) {
-            Some(group) => group.push(point),
-            None => groups.push(vec![point]),
-        }
-    }
-    for group in &mut groups {
-        let value = |p: &Averaged<'_>| p.setting(key).unwrap_or(f64::NAN);
+    let value = |p: &Averaged<'b>| p.setting(key).unwrap_or(f64::NAN);
+    let chosen = points.iter().filter(|p| p.value(key).is_some());
+    let groups = grouped(chosen.map(|p| (others(p), p))).into_iter();
+    let sorted = |(_, mut group): (Vec<&Setting>, Vec<&'a Averaged<'b>>)| {
         group.sort_by(|a, b| value(a).total_cmp(&value(b)));
-    }
-    groups
+        group
+    };
+    groups.map(sorted).collect()
 }
 
 /// What the points of a series share, "ρ = 0.7, N = 500"; "measured" where they share nothing that was chosen.

@@ -38,15 +38,6 @@ impl From<(f64, f64)> for Point {
     }
 }
 
-/// A run that gave no value.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct FailedPoint {
-    /// Abscissa.
-    pub x: f64,
-    /// What a reader sees who points at it.
-    pub note: Option<String>,
-}
-
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Look {
@@ -89,8 +80,8 @@ pub struct Series {
     pub color: usize,
     /// The points, in drawing order.
     pub points: Vec<Point>,
-    /// Where there is no value because the run failed: drawn as crosses along the upper edge.
-    pub failures: Vec<FailedPoint>,
+    /// Where there is no value because the run failed: drawn as crosses along the upper edge, whatever the ordinate.
+    pub failures: Vec<Point>,
 }
 
 impl Series {
@@ -117,18 +108,10 @@ impl Series {
         Self::new(name, look, color, std::iter::empty::<Point>())
     }
 
-    /// Marks the abscissae of failed runs.
+    /// Marks failed runs, of which the abscissa and the note are shown.
     #[must_use]
-    pub fn with_failures(self, failures: Vec<f64>) -> Self {
-        let at = |x| FailedPoint { x, note: None };
-        self.with_noted_failures(failures.into_iter().map(at).collect())
-    }
-
-    /// Marks failed runs, each with what is to be known of it.
-    #[must_use]
-    pub fn with_noted_failures(mut self, failures: Vec<FailedPoint>) -> Self {
-        self.failures = failures;
-        self
+    pub fn with_failures<P: Into<Point>>(self, failures: impl IntoIterator<Item = P>) -> Self {
+        Self { failures: failures.into_iter().map(Into::into).collect(), ..self }
     }
 }
 
@@ -182,39 +165,6 @@ impl Figure {
     pub fn with(mut self, series: Series) -> Self {
         self.series.push(series);
         self
-    }
-
-    /// Adds the line of the `index`-th series.
-    #[must_use]
-    pub fn line<P: Into<Point>>(
-        self,
-        name: impl Into<String>,
-        index: usize,
-        points: impl IntoIterator<Item = P>,
-    ) -> Self {
-        self.with(Series::new(name, Look::line(index), index, points))
-    }
-
-    /// Adds the marks of the `index`-th series.
-    #[must_use]
-    pub fn marks<P: Into<Point>>(
-        self,
-        name: impl Into<String>,
-        index: usize,
-        points: impl IntoIterator<Item = P>,
-    ) -> Self {
-        self.with(Series::new(name, Look::marks(index), index, points))
-    }
-
-    /// Adds the marks of the `index`-th series, joined by its line.
-    #[must_use]
-    pub fn joined<P: Into<Point>>(
-        self,
-        name: impl Into<String>,
-        index: usize,
-        points: impl IntoIterator<Item = P>,
-    ) -> Self {
-        self.with(Series::new(name, Look::joined(index), index, points))
     }
 
     /// Adds a horizontal guide, with a word beside it or none.

@@ -21,7 +21,7 @@ mod written;
 
 pub use axis::{Axis, Scale};
 pub use escape::{escape, inline_markup};
-pub use figure::{FailedPoint, Figure, Guide, Look, Point, Series};
+pub use figure::{Figure, Guide, Look, Point, Series};
 pub use in_units::{in_units, in_words, physical};
 pub use lennard_core::number::{
     counted, particles, percent, plain_or_scientific, plus_minus, signed, significant, with_error,

@@ -333,7 +333,7 @@ mod tests {
         };
         let of = |own: &str| {
             let figure = Figure::new("f", "F", Axis::linear("x"), Axis::linear("y"));
-            let failing = line("both", 0).with_failures(vec![1.5]);
+            let failing = line("both", 0).with_failures([(1.5, f64::NAN)]);
             Picture::new(figure.with(failing).with(line(own, 1)), "Caption.", "f.csv")
         };
         let section = Section::new("Row").figures(vec![of("left"), of("right")]);

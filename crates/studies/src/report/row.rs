@@ -25,6 +25,7 @@ use lennard_observables::{Cell, Table, Value};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 
+use crate::lists::grouped;
 use crate::report::{Axis, Dash, Figure, Guide, Look, Picture, Point, Series, Symbol};
 
 /// Points of a line that can be told apart on a page.
@@ -183,14 +184,12 @@ impl<'a> Columns<'a> {
             true => own_errors(table, name),
             false => table.numbers(name),
         });
-        let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
-        for row in (0..table.rows()).filter(|row| takes(&self.only, table, *row)) {
-            let value = self.by.as_ref().map_or(Some(String::new()), |by| value_of(table, by, row));
-            match groups.iter_mut().find(|(known, _)| Some(known) == value.as_ref()) {
-                Some((_, rows)) => rows.push(row),
-                None => groups.push((value?, vec![row])),
-            }
-        }
+        let rows = (0..table.rows()).filter(|row| takes(&self.only, table, *row));
+        let by = |row| match &self.by {
+            Some(by) => value_of(table, by, row),
+            None => Some(String::new()),
+        };
+        let groups = grouped(rows.map(|row| Some((by(row)?, row))).collect::<Option<Vec<_>>>()?);
         let point = |row: usize| Point {
             error: error.as_ref().map(|error| error[row]),
             note: self.note.as_ref().and_then(|note| value_of(table, note, row)),
@@ -199,7 +198,7 @@ impl<'a> Columns<'a> {
         let series = groups.into_iter().enumerate().map(|(i, (value, rows))| {
             let index = index.as_ref().map_or(self.first + i, |index| index[rows[0]] as usize);
             let failed = rows.iter().filter_map(|row| Some(failed.as_ref()?[*row]));
-            let failures = failed.filter(|x| x.is_finite()).collect();
+            let failures = failed.filter(|x| x.is_finite()).map(|x| (x, f64::NAN));
             let points: Vec<Point> = rows
                 .iter()
                 .map(|row| point(*row))

@@ -5,6 +5,7 @@ use lennard_scene::study::SHORT_KEYS;
 
 use super::{SettingValue, SweptPoint};
 use crate::compare::ComparedRun;
+use crate::lists::unique;
 
 /// Every point with all that it has measured, beside its references.
 pub(super) fn table(points: &[SweptPoint]) -> Table {
@@ -48,12 +49,7 @@ pub(super) fn table(points: &[SweptPoint]) -> Table {
 
 /// The keys that a study of its own changes: with a key that has no short name, every key is a column.
 fn keys(points: &[SweptPoint]) -> Vec<String> {
-    let mut keys: Vec<String> = Vec::new();
-    for setting in points.iter().flat_map(|p| &p.settings) {
-        if !keys.contains(&setting.key) {
-            keys.push(setting.key.clone());
-        }
-    }
+    let mut keys = unique(points.iter().flat_map(|p| &p.settings).map(|s| s.key.clone()));
     let is_short = |key: &String| SHORT_KEYS.iter().any(|short| short.name == key);
     if keys.iter().all(is_short) {
         return Vec::new();
@@ -64,13 +60,7 @@ fn keys(points: &[SweptPoint]) -> Vec<String> {
 
 /// Every quantity that any point has measured, besides its density and temperatures.
 fn measured(points: &[SweptPoint]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    let rows = points.iter().filter_map(|p| p.compared.as_ref());
-    for row in rows.flat_map(|c| &c.rows) {
-        let has_columns = row.quantity == "density" || row.quantity.starts_with("temperature");
-        if !has_columns && !names.contains(&row.quantity) {
-            names.push(row.quantity.clone());
-        }
-    }
-    names
+    let rows = points.iter().filter_map(|p| p.compared.as_ref()).flat_map(|c| &c.rows);
+    let names = rows.map(|row| row.quantity.clone());
+    unique(names.filter(|name| name != "density" && !name.starts_with("temperature")))
 }

@@ -2,20 +2,16 @@
 
 use lennard_observables::Remark;
 
+use crate::lists::grouped;
 use crate::report::{Block, Page, Section};
 
 use super::{SweepRecord, SweptPoint};
 use crate::readings::{OPEN, SHARED_SECTIONS};
 
 /// The page of a sweep.
-pub(super) fn page(
-    record: &SweepRecord,
-    sections: Vec<Section>,
-    lead: &str,
-    command: &str,
-) -> Page {
+pub(super) fn page(record: &SweepRecord, command: &str) -> Page {
     let finished = record.points.iter().filter(|p| p.compared.is_some()).count();
-    let mut sections = together(sections);
+    let mut sections = together(&record.found.sections);
     let left_out = record.left_out.iter().map(|l| format!("{}: {}", l.what, l.why));
     sections.push(Section::new("Remarks").list(remarks(&record.points)).folded());
     sections.push(Section::new("Left out").list(left_out.collect()).folded());
@@ -30,7 +26,11 @@ pub(super) fn page(
     }
     Page {
         title: format!("Sweep {}", record.name),
-        lead: format!("{finished} of {} points are finished. {lead}", record.points.len()),
+        lead: format!(
+            "{finished} of {} points are finished. {}",
+            record.points.len(),
+            record.found.lead
+        ),
         command: None,
         sections,
         provenance: vec![
@@ -43,7 +43,7 @@ pub(super) fn page(
 }
 
 /// The blocks of sections with one title in one section, those that readings share first. Figures stand side by side.
-fn together(sections: Vec<Section>) -> Vec<Section> {
+fn together(sections: &[Section]) -> Vec<Section> {
     let mut all: Vec<Section> = SHARED_SECTIONS.map(Section::new).into();
     all.iter_mut().skip(OPEN).for_each(|section| section.folded = true);
     for section in sections {
@@ -51,12 +51,12 @@ fn together(sections: Vec<Section>) -> Vec<Section> {
             all.push(Section::new(section.title.clone()));
             all.len() - 1
         });
-        for block in section.blocks {
+        for block in &section.blocks {
             match (all[at].blocks.last_mut(), block) {
                 (Some(Block::Figures(side_by_side)), Block::Figures(more)) => {
-                    side_by_side.extend(more);
+                    side_by_side.extend(more.iter().cloned());
                 }
-                (_, block) => all[at].blocks.push(block),
+                (_, block) => all[at].blocks.push(block.clone()),
             }
         }
     }
@@ -65,24 +65,13 @@ fn together(sections: Vec<Section>) -> Vec<Section> {
 
 /// Remarks of all points, each once, with how many points they belong to.
 fn remarks(points: &[SweptPoint]) -> Vec<String> {
-    let mut counted: Vec<(&Remark, usize)> = Vec::new();
-    for remark in points.iter().filter_map(|p| p.compared.as_ref()).flat_map(|c| &c.remarks) {
-        match counted.iter_mut().find(|(known, _)| *known == remark) {
-            Some((_, n)) => *n += 1,
-            None => counted.push((remark, 1)),
-        }
-    }
-    counted
-        .into_iter()
-        .map(
-            |(remark, n)| {
-                if n > 1 { format!("{remark} ({n} points)") } else { remark.to_string() }
-            },
-        )
-        .chain(
-            points
-                .iter()
-                .filter_map(|p| Some(format!("{}: {}", p.name, p.failure.as_ref()?.reason))),
-        )
-        .collect()
+    let compared = points.iter().filter_map(|p| p.compared.as_ref());
+    let counted = grouped(compared.flat_map(|c| &c.remarks).map(|remark| (remark, ())));
+    let in_words = |(remark, found): (&Remark, Vec<()>)| match found.len() {
+        1 => remark.to_string(),
+        n => format!("{remark} ({n} points)"),
+    };
+    let failed =
+        points.iter().filter_map(|p| Some(format!("{}: {}", p.name, p.failure.as_ref()?.reason)));
+    counted.into_iter().map(in_words).chain(failed).collect()
 }

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use lennard_observables::Table;
 use lennard_scene::SceneError;
 
 use super::{Ending, Sweep, SweepError, SweepRecord, SweptPoint, csv, page};
@@ -19,13 +18,10 @@ pub fn files() -> impl Iterator<Item = &'static str> {
     FILES.into_iter().chain(READINGS.iter().flat_map(|reading| reading.files).copied())
 }
 
-/// A sweep that has been read: the record, and what else is written.
+/// A sweep that has been read.
 pub(super) struct ReadSweep {
     /// The record.
     pub record: SweepRecord,
-    lead: String,
-    sections: Vec<Section>,
-    tables: Vec<Table>,
     /// Figures that are files.
     figures: Vec<Picture>,
 }
@@ -40,47 +36,34 @@ pub(super) fn read(
     ending: Ending,
     threads: usize,
 ) -> Result<ReadSweep, SweepError> {
+    let mut found = Blocks::default();
+    let mut figures: Vec<Picture> = Vec::new();
+    let has_ended = matches!(ending, Ending::Finished | Ending::Failed);
+    for reading in chosen(&sweep.readings) {
+        let drawn: Vec<&str> = figures.iter().map(Picture::name).collect();
+        let blocks = (reading.read)(&StudyPoints { sweep, swept: &points, drawn: &drawn });
+        let is_empty = blocks.sections.is_empty() && blocks.tables.is_empty();
+        if is_empty && has_ended && !sweep.readings.is_empty() {
+            return Err(nothing_to_read(sweep, &points, reading).into());
+        }
+        let is_file = |p: &&Picture| reading.files.contains(&&*format!("{}.svg", p.name()));
+        let pictures = blocks.sections.iter().flat_map(Section::pictures);
+        figures.extend(pictures.filter(is_file).cloned());
+        found.take(blocks);
+    }
+    let proves_nothing = found.failure.is_some() && ending == Ending::Finished;
     let record = SweepRecord {
         schema: SWEEP_SCHEMA,
         name: sweep.name.to_string(),
-        ending,
+        ending: if proves_nothing { Ending::Failed } else { ending },
         version: env!("CARGO_PKG_VERSION"),
         cpu: lennard_io::cpu_name(),
         threads,
         points,
         left_out: sweep.left_out.clone(),
-        entries: Default::default(),
-        terminal: Vec::new(),
-        sentences: Vec::new(),
-        failure: None,
+        found,
     };
-    let mut all = ReadSweep {
-        record,
-        lead: String::new(),
-        sections: Vec::new(),
-        tables: Vec::new(),
-        figures: Vec::new(),
-    };
-    let mut drawn: Vec<String> = Vec::new();
-    let has_ended = matches!(ending, Ending::Finished | Ending::Failed);
-    for reading in chosen(&sweep.readings) {
-        let study = StudyPoints { sweep, swept: &all.record.points, drawn: &drawn };
-        let blocks = (reading.read)(&study);
-        let is_empty = blocks.sections.is_empty() && blocks.tables.is_empty();
-        if is_empty && has_ended && !sweep.readings.is_empty() {
-            return Err(nothing_to_read(sweep, &all.record.points, reading).into());
-        }
-        let figures = blocks.sections.iter().flat_map(Section::pictures);
-        let is_file = |p: &&Picture| reading.files.contains(&&*format!("{}.svg", p.name()));
-        let figures: Vec<Picture> = figures.filter(is_file).cloned().collect();
-        drawn.extend(figures.iter().map(|picture| picture.name().to_owned()));
-        all.figures.extend(figures);
-        all.take(blocks);
-    }
-    if all.record.failure.is_some() && ending == Ending::Finished {
-        all.record.ending = Ending::Failed;
-    }
-    Ok(all)
+    Ok(ReadSweep { record, figures })
 }
 
 /// That a reading has found nothing among points that have ended.
@@ -99,31 +82,19 @@ fn nothing_to_read(sweep: &Sweep, points: &[SweptPoint], reading: &Reading) -> S
 }
 
 impl ReadSweep {
-    fn take(&mut self, blocks: Blocks) {
-        let Blocks { lead, sections, tables, terminal, sentences, entries, failure } = blocks;
-        self.lead += &lead;
-        self.sections.extend(sections);
-        self.tables.extend(tables);
-        // Later readings stand first on the terminal: the table of the points before sums over them.
-        self.record.terminal.splice(0..0, terminal);
-        self.record.sentences.extend(sentences);
-        self.record.entries.extend(entries);
-        self.record.failure = self.record.failure.take().or(failure);
-    }
-
     /// Writes record, tables, figures and page.
     pub(super) fn write(self, folder: &Path, command: &str) -> Result<SweepRecord, SweepError> {
         let [json, table, report] = FILES.map(|name| folder.join(name));
         lennard_io::write_json_atomically(&json, &self.record)?;
         lennard_io::write_table_csv(&table, &csv::table(&self.record.points))?;
-        for table in &self.tables {
+        for table in &self.record.found.tables {
             lennard_io::write_table_csv(&folder.join(format!("{}.csv", table.name)), table)?;
         }
         for picture in &self.figures {
             let path = folder.join(format!("{}.svg", picture.name()));
             lennard_io::write_text_atomically(&path, &picture.to_svg()?)?;
         }
-        let page = page::page(&self.record, self.sections, &self.lead, command);
+        let page = page::page(&self.record, command);
         lennard_io::write_text_atomically(&report, &page.to_html()?)?;
         Ok(self.record)
     }

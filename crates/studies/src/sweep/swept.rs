@@ -1,14 +1,12 @@
 //! What came of the points of a study.
 
-use std::collections::BTreeMap;
-
 use lennard_engine::EngineError;
 use lennard_io::RunRecord;
-use lennard_observables::Table;
 use serde::Serialize;
 
 use super::{LeftOut, Setting};
 use crate::compare::{ComparedRun, Row, StateOfMatter};
+use crate::readings::Blocks;
 
 /// How a sweep ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -132,16 +130,7 @@ pub struct SweepRecord {
     /// Points that do not fit the scene, with the reason.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<LeftOut>,
-    /// What the readings found, by name: `agreement`, `critical_point`, `melting`, …
+    /// What the readings made of the points.
     #[serde(flatten)]
-    pub entries: BTreeMap<&'static str, serde_json::Value>,
-    /// Tables for the terminal.
-    #[serde(skip)]
-    pub terminal: Vec<Table>,
-    /// Sentences for the terminal.
-    #[serde(skip)]
-    pub sentences: Vec<String>,
-    /// Why the study fails though its points are finished.
-    #[serde(skip)]
-    pub failure: Option<String>,
+    pub found: Blocks,
 }

@@ -1,14 +1,13 @@
 //! `lennard study bench`: how fast the parts of a step are.
 
 use lennard_studies::Study;
-use lennard_studies::bench::{self, BenchError, BenchOptions, Subject};
+use lennard_studies::bench::{self, BenchError, BenchOptions};
 
 use crate::program::args::BenchArgs;
-use crate::program::commands::{Inputs, UNFINISHED, answer, output_folder, replace_if};
+use crate::program::commands::{Inputs, answer, study_folder};
 use crate::program::failure::{Failure, OTHER};
 use crate::program::progress::Display;
 use crate::program::show::{self, Style};
-use crate::program::signals::{Signals, StartUp};
 use crate::program::typed;
 
 /// Blocks for each variant where nothing else is said.
@@ -17,26 +16,18 @@ const REPEATS_QUICK: usize = 3;
 
 /// Measures, writes a folder and prints a table.
 pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
-    let nothing = || StartUp::of_nothing(UNFINISHED);
-    let signals = Signals::listen(nothing())?;
-    let subject = match &args.scene {
-        Some(path) => Subject::File(path.clone()),
-        None => Subject::BuiltIn { quick: args.quick },
-    };
+    let scene = args.scene.clone().unwrap_or_else(|| bench::usual_scene(args.quick));
     // A scene that cannot be measured shows before a folder is made.
-    bench::check(&subject, &args.set, &args.isa, &args.precision)?;
+    bench::check(&scene, &args.set, &args.isa, &args.precision)?;
     if let (Some(file), Some(folder)) = (&args.scene, &args.out) {
-        let inputs = Inputs::of_scene(file, None, &subject.load(&args.set)?);
+        let inputs = Inputs::of_scene(file, None, &bench::load(file, &args.set)?);
         inputs.not_in(folder)?;
     }
-    let folder = signals.claim(
-        || output_folder(args.out.as_deref(), replace_if(args.force), "bench"),
-        |_| Some(nothing()),
-    )?;
+    let folder = study_folder(args.out.as_deref(), args.force, "bench")?;
     let repeats =
         args.repeats.map_or(if args.quick { REPEATS_QUICK } else { REPEATS }, usize::from);
     let options = BenchOptions {
-        subject,
+        scene,
         overrides: args.set.clone(),
         isas: args.isa.clone(),
         precisions: args.precision.clone(),

@@ -21,6 +21,7 @@ mod sweep_tasks;
 pub mod tune;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use lennard_core::parallel::{self, PoolError};
 use lennard_engine::EngineError;
@@ -32,6 +33,7 @@ use crate::program::args::SceneArgs;
 pub use crate::program::commands::inputs::Inputs;
 use crate::program::failure::{DONE, Failure, INPUT, OTHER};
 use crate::program::out;
+use crate::program::signals::{Signals, StartUp};
 
 /// Loads the scene of a command with its overrides. Where the scene asks for an accuracy, the settings of its
 /// lock file are added, if there is one. Without a lock file, a scene that leaves settings to be chosen is
@@ -93,8 +95,19 @@ pub fn output_folder(
 }
 
 /// What a study says that a signal ends and that keeps nothing of what it has measured.
-pub const UNFINISHED: &str =
+const UNFINISHED: &str =
     "stopped before the end: no result was written, and there is nothing to go on from";
+
+/// Claims the output folder of a study that keeps nothing where a signal ends it.
+pub fn study_folder(
+    named: Option<&Path>,
+    force: bool,
+    stem: &str,
+) -> Result<Arc<OutputFolder>, Failure> {
+    let nothing = || StartUp::of_nothing(UNFINISHED);
+    let signals = Signals::listen(nothing())?;
+    signals.claim(|| output_folder(named, replace_if(force), stem), |_| Some(nothing()))
+}
 
 /// What `--force` allows.
 pub fn replace_if(force: bool) -> Existing {

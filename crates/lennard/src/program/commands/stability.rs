@@ -3,11 +3,10 @@
 use lennard_studies::{Progress, Study, StudyError, StudyOptions, mechanics, stability};
 
 use crate::program::args::StabilityArgs;
-use crate::program::commands::{UNFINISHED, answer, on_threads, output_folder, replace_if};
+use crate::program::commands::{answer, on_threads, study_folder};
 use crate::program::failure::{Failure, INPUT, OTHER};
 use crate::program::progress::Display;
 use crate::program::show;
-use crate::program::signals::{Signals, StartUp};
 use crate::program::typed;
 
 /// Runs the study of integrators, writes its folder and prints its verdicts.
@@ -25,12 +24,7 @@ fn study<S: Study + Send>(
     name: &str,
     run: fn(&StudyOptions, &mut dyn Progress) -> Result<S, StudyError>,
 ) -> Result<u8, Failure> {
-    let nothing = || StartUp::of_nothing(UNFINISHED);
-    let signals = Signals::listen(nothing())?;
-    let folder = signals.claim(
-        || output_folder(args.out.as_deref(), replace_if(args.force), name),
-        |_| Some(nothing()),
-    )?;
+    let folder = study_folder(args.out.as_deref(), args.force, name)?;
     let threads = args.threads.map_or_else(lennard_core::parallel::processors, usize::from);
     let options = StudyOptions {
         quick: args.quick,

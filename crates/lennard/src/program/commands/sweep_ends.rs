@@ -99,7 +99,7 @@ pub(super) fn printed(
     answer(args.json, quiet, record, || {
         show::print(&show::sweep(record, folder), Style::Narrow);
     })?;
-    if let Some(failure) = &record.failure {
+    if let Some(failure) = &record.found.failure {
         eprintln!("{failure}");
     }
     Ok(ended(record.ending, &record.points, &command(folder)))

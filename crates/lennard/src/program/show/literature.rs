@@ -39,7 +39,7 @@ fn planned(point: &lennard_studies::sweep::Point) -> StateOfMatter {
 /// The tables of a sweep, and what they say.
 pub fn sweep(record: &SweepRecord, folder: &Path) -> Section {
     let mut section = Section::new("");
-    for table in &record.terminal {
+    for table in &record.found.terminal {
         section = section.text("").table(table.clone());
     }
     // Which points are no single phase stands in the table.
@@ -53,7 +53,7 @@ pub fn sweep(record: &SweepRecord, folder: &Path) -> Section {
     let kept = (kept > 0)
         .then(|| format!("{kept} points had been finished before and were not run again"));
     section
-        .texts(&record.sentences)
+        .texts(&record.found.sentences)
         .texts(remarks.iter().map(|remark| format!("note: {remark}")))
         .texts(kept)
         .text("")

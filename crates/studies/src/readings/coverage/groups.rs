@@ -5,6 +5,7 @@ use lennard_observables::{Allowed, Reference, Verdict, judge};
 
 use super::super::probability::binomial_tails;
 use super::judge::{Judged, NORMAL, RARE};
+use crate::lists::grouped;
 
 /// Shares that a group must have within one error, and at least within two.
 const BARS: ([f64; 2], f64) = ([0.60, 0.76], 0.92);
@@ -94,19 +95,18 @@ fn rows(
     together: usize,
     name: impl Fn(&Judged) -> String,
 ) -> Vec<Row> {
-    let empty = Sums { together, ..Sums::default() };
-    let mut rows: Vec<Row> = Vec::new();
-    for one in judged {
-        let name = name(one);
-        let at = rows.iter().position(|row| row.name == name).unwrap_or_else(|| {
-            rows.push(Row { name, sums: vec![empty.clone(); lengths.len()] });
-            rows.len() - 1
-        });
-        if let Some(length) = lengths.iter().position(|l| *l == one.cell.steps) {
-            rows[at].sums[length].add(one);
-        }
-    }
-    rows
+    let sums_of = |cells: &[&Judged], length: u64| {
+        let mut sums = Sums { together, ..Sums::default() };
+        cells.iter().filter(|one| one.cell.steps == length).for_each(|one| sums.add(one));
+        sums
+    };
+    let named = grouped(judged.iter().map(|one| (name(one), one))).into_iter();
+    named
+        .map(|(name, cells)| {
+            let sums = lengths.iter().map(|length| sums_of(&cells, *length)).collect();
+            Row { name, sums }
+        })
+        .collect()
 }
 
 /// Each quantity over all states and ensembles.

@@ -7,6 +7,7 @@ mod summary;
 use std::collections::BTreeSet;
 
 use super::blocks::{Blocks, StudyPoints};
+use crate::lists::grouped;
 use crate::report::Section;
 use crate::sweep::{Point, Setting};
 use judge::{Cell, Sample};
@@ -58,12 +59,11 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
 
 /// The finished runs, by what they share but for their seed.
 fn samples<'a>(study: &StudyPoints<'a>) -> Vec<Sample<'a>> {
-    let mut samples: Vec<Sample<'a>> = Vec::new();
-    for (point, swept) in study.sweep.points.iter().zip(study.swept) {
-        let averages = swept.record.as_ref().map(|record| &record.averages);
-        let Some(averages) = averages.filter(|all| all.contains_key(judge::CONSERVED)) else {
-            continue;
-        };
+    let runs = study.sweep.points.iter().zip(study.swept).filter_map(|(point, swept)| {
+        let averages = &swept.record.as_ref()?.averages;
+        averages.contains_key(judge::CONSERVED).then_some((point, averages))
+    });
+    let by_cell = runs.map(|(point, averages)| {
         let is_liquid = point.density >= LEAST_DENSITY_OF_LIQUIDS
             && point.scene.surfaces().is_none()
             && point.scene.half_crystal().is_none();
@@ -73,12 +73,9 @@ fn samples<'a>(study: &StudyPoints<'a>) -> Vec<Sample<'a>> {
             is_at_constant_energy: lennard_engine::held_temperature(&point.scene).is_none(),
             is_long_enough: is_liquid && measured_steps(point) >= ENOUGH_STEPS,
         };
-        match samples.iter_mut().find(|sample| sample.cell == cell) {
-            Some(sample) => sample.runs.push(averages),
-            None => samples.push(Sample { cell, runs: vec![averages] }),
-        }
-    }
-    samples
+        (cell, averages)
+    });
+    grouped(by_cell).into_iter().map(|(cell, runs)| Sample { cell, runs }).collect()
 }
 
 fn measured_steps(point: &Point) -> u64 {

@@ -1,7 +1,7 @@
 //! What a drawn figure holds.
 
 use super::*;
-use crate::report::{Axis, Dash, FailedPoint};
+use crate::report::{Axis, Dash};
 
 fn example() -> Figure {
     Figure::new("test", "Growth & <decay>", Axis::linear("ωh"), Axis::logarithmic("error / ε"))
@@ -26,9 +26,9 @@ fn example() -> Figure {
                     label: Some("17".into()),
                 }],
             )
-            .with_noted_failures(vec![
-                FailedPoint { x: 10.0, note: Some("blew up".into()) },
-                FailedPoint { x: 20.0, note: None },
+            .with_failures([
+                Point { x: 10.0, note: Some("blew up".into()), ..Point::default() },
+                Point::from((20.0, f64::NAN)),
             ]),
         )
         .guided(Guide::Vertical(2.0, "limit".into()))
