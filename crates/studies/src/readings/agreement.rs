@@ -26,7 +26,7 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
     let drawn = DRAWN.into_iter().filter_map(quantity_of).filter_map(|q| differences(points, q));
     let figures = Section::new(PICTURES).figures(drawn.collect());
     let mut blocks = Blocks { sections: vec![figures], ..Blocks::default() };
-    if Kind::of(points) == Kind::Fluids {
+    if Kind::of(points).is_homogeneous() {
         let section = Section::new(TOGETHER);
         blocks.sections.push(match together.is_empty() {
             true => section.text("No point is judged: the verdicts of the points say why."),
@@ -123,28 +123,20 @@ fn agreement(points: &[SweptPoint], quantity: &str) -> Option<Agreement> {
 }
 
 fn differences(points: &[SweptPoint], quantity: &Quantity) -> Option<Picture> {
-    let marks = |judged: bool| -> Vec<Point> {
-        points
-            .iter()
-            .filter_map(|point| {
-                let r = point.row(quantity.key)?;
-                let state = &point.compared.as_ref()?.state;
-                let is_judged = state.is_single_stable_phase();
-                (is_judged == judged).then_some(Point {
-                    x: state.density,
-                    y: r.difference?,
-                    error: r.combined_error,
-                    note: Some(format!(
-                        "{}: T = {:.4}, {}",
-                        point.name, state.temperature, state.words
-                    )),
-                    link: point.page.clone(),
-                    ..Point::default()
-                })
-            })
-            .collect()
+    let mark = |point: &SweptPoint| {
+        let r = point.row(quantity.key)?;
+        let state = &point.compared.as_ref()?.state;
+        let note = format!("{}: T = {:.4}, {}", point.name, state.temperature, state.words);
+        let mark = Point {
+            error: r.combined_error,
+            note: Some(note),
+            link: point.page.clone(),
+            ..Point::from((state.density, r.difference?))
+        };
+        Some((state.is_single_stable_phase(), mark))
     };
-    let (judged, others) = (marks(true), marks(false));
+    let (judged, others): (Vec<_>, Vec<_>) =
+        points.iter().filter_map(mark).partition(|(is_judged, _)| *is_judged);
     let has_others = !others.is_empty();
     if judged.is_empty() && others.is_empty() {
         return None;
@@ -160,6 +152,7 @@ fn differences(points: &[SweptPoint], quantity: &Quantity) -> Option<Picture> {
         [("single phase", judged, Symbol::Disc, 0), ("not judged", others, Symbol::Ring, 1)]
     {
         if !points.is_empty() {
+            let points = points.into_iter().map(|(_, mark)| mark);
             figure = figure.with(Series::new(name, Look::Points(symbol), color, points));
         }
     }

@@ -12,31 +12,17 @@ use super::properties::{label_of, series_of};
 /// The fewest temperatures that make a line.
 const FEWEST: usize = 3;
 
-/// One line of Arrhenius, D = D₀·exp(−E/T).
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Arrhenius {
-    line: Line,
+/// The line of Arrhenius, ln D = ln D₀ − E/T against 1/T, through points (T, D, standard error of D).
+fn line_through(points: &[(f64, f64, f64)]) -> Option<Line> {
+    let logarithms: Vec<(f64, f64, f64)> =
+        points.iter().map(|(t, d, error)| (1.0 / t, d.ln(), error / d)).collect();
+    Line::with_errors(&logarithms).filter(|_| points.len() >= FEWEST)
 }
 
-impl Arrhenius {
-    /// Through points (T, D, standard error of D).
-    fn through(points: &[(f64, f64, f64)]) -> Option<Self> {
-        let logarithms: Vec<(f64, f64, f64)> =
-            points.iter().map(|(t, d, error)| (1.0 / t, d.ln(), error / d)).collect();
-        let line = Line::with_errors(&logarithms).filter(|_| points.len() >= FEWEST)?;
-        Some(Self { line })
-    }
-
-    /// E in ε with its standard error.
-    fn energy(&self) -> (f64, f64) {
-        (-self.line.slope(), self.line.error_of_slope())
-    }
-
-    /// D₀ in σ²/τ with its standard error.
-    fn factor(&self) -> (f64, f64) {
-        let factor = self.line.at(0.0).exp();
-        (factor, factor * self.line.error_at(0.0))
-    }
+/// D₀ of a line in σ²/τ with its standard error.
+fn factor(line: &Line) -> (f64, f64) {
+    let factor = line.at(0.0).exp();
+    (factor, factor * line.error_at(0.0))
 }
 
 /// The figure of diffusion coefficients.
@@ -72,7 +58,7 @@ fn picture(study: &StudyPoints<'_>) -> Option<Picture> {
             .collect();
         let results = measured.iter().filter(|m| m.2.is_finite());
         let plain: Vec<(f64, f64, f64)> = results.map(|m| (m.0, m.1, m.2)).collect();
-        let Some(fit) = Arrhenius::through(&plain) else {
+        let Some(fit) = line_through(&plain) else {
             continue;
         };
         let label = label_of(group[0], "temperature");
@@ -87,12 +73,12 @@ fn picture(study: &StudyPoints<'_>) -> Option<Picture> {
         let ends = plain.iter().map(|(t, ..)| 1.0 / t);
         let (low, high) =
             ends.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
-        let line = [low, high].map(|x| (x, fit.line.at(x).exp()));
+        let line = [low, high].map(|x| (x, fit.at(x).exp()));
         figure = figure.with(Series::new("", Look::Line(Dash::Solid), color, line));
-        let (energy, factor) = (fit.energy(), fit.factor());
+        let factor = factor(&fit);
         fits.push(format!(
             "{label}: E = {} ε, D₀ = {} σ²/τ",
-            with_error(energy.0, energy.1),
+            with_error(-fit.slope(), fit.error_of_slope()),
             with_error(factor.0, factor.1)
         ));
     }
@@ -113,10 +99,10 @@ mod tests {
             let d = 0.3 * (-2.1 / t).exp();
             (t, d, 0.01 * d)
         });
-        let fit = Arrhenius::through(&points).unwrap();
-        assert!((fit.energy().0 - 2.1).abs() < 1e-12);
-        assert!((fit.factor().0 - 0.3).abs() < 1e-12);
-        assert!(fit.energy().1 > 0.0 && fit.factor().1 > 0.0);
-        assert_eq!(Arrhenius::through(&points[..2]), None);
+        let fit = line_through(&points).unwrap();
+        assert!((fit.slope() + 2.1).abs() < 1e-12);
+        assert!((factor(&fit).0 - 0.3).abs() < 1e-12);
+        assert!(fit.error_of_slope() > 0.0 && factor(&fit).1 > 0.0);
+        assert_eq!(line_through(&points[..2]), None);
     }
 }

@@ -20,13 +20,8 @@ const ERRORS: f64 = 2.0;
 const MEASURED: usize = 1;
 const OTHERS: usize = 4;
 
-/// Velocity of the fronts at one temperature.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Front {
-    temperature: f64,
-    velocity: f64,
-    error: f64,
-}
+/// Temperature and velocity of fronts, with the error of the velocity.
+type Front = (f64, f64, f64);
 
 /// The temperature at which neither phase grows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -66,8 +61,7 @@ const KEY: &str = "temperature";
 fn fronts(group: &[&Averaged<'_>]) -> Vec<Front> {
     let front = |point: &&Averaged<'_>| {
         let mean = point.mean("front_velocity").filter(|m| m.standard_error.is_finite())?;
-        let (velocity, error) = (mean.mean, mean.standard_error);
-        Some(Front { temperature: point.setting(KEY)?, velocity, error })
+        Some((point.setting(KEY)?, mean.mean, mean.standard_error))
     };
     group.iter().filter_map(front).collect()
 }
@@ -81,14 +75,12 @@ fn shared(group: &[&Averaged<'_>]) -> Option<String> {
 
 /// Both temperatures between which the growing phase changes, and where a line through the velocities between them is zero.
 fn crossing(fronts: &[Front]) -> Option<[f64; 4]> {
-    let melts = |f: &Front| f.velocity < -ERRORS * f.error;
-    let grows = |f: &Front| f.velocity > ERRORS * f.error;
+    let melts = |(_, velocity, error): &Front| *velocity < -ERRORS * error;
+    let grows = |(_, velocity, error): &Front| *velocity > ERRORS * error;
     let last = fronts.iter().rposition(grows)?;
     let first = last + 1 + fronts[last + 1..].iter().position(melts)?;
-    let between: Vec<(f64, f64, f64)> =
-        fronts[last..=first].iter().map(|f| (f.temperature, f.velocity, f.error)).collect();
-    let (zero, error) = Line::with_errors(&between)?.zero();
-    let bounds = [fronts[last].temperature, fronts[first].temperature];
+    let (zero, error) = Line::with_errors(&fronts[last..=first])?.zero();
+    let bounds = [fronts[last].0, fronts[first].0];
     (bounds[0]..=bounds[1]).contains(&zero).then_some([zero, error, bounds[0], bounds[1]])
 }
 
@@ -163,8 +155,7 @@ fn picture(points: &[SweptPoint], estimates: &[MeltingEstimate]) -> Option<Pictu
         .filter(|(_, fronts)| fronts.len() >= FEWEST)
         .collect();
     let all = groups.iter().flat_map(|(_, fronts)| fronts);
-    let bounds =
-        all.fold([0.0_f64; 2], |[low, high], f| [low.min(f.velocity), high.max(f.velocity)]);
+    let bounds = all.fold([0.0_f64; 2], |[low, high], front| [low.min(front.1), high.max(front.1)]);
     let mut figure = Figure::new(
         "melting",
         "Growth of the crystal into its liquid",
@@ -173,9 +164,8 @@ fn picture(points: &[SweptPoint], estimates: &[MeltingEstimate]) -> Option<Pictu
     )
     .level(0.0, "neither grows");
     for (at, (label, fronts)) in groups.iter().enumerate() {
-        let marks = fronts
-            .iter()
-            .map(|f| Point { error: Some(f.error), ..Point::from((f.temperature, f.velocity)) });
+        let marks =
+            fronts.iter().map(|(t, v, error)| Point { error: Some(*error), ..(*t, *v).into() });
         let look = Look::Points(Symbol::cycle(at));
         figure = figure.with(Series::new(label.clone(), look, MEASURED + at, marks));
     }
@@ -298,7 +288,7 @@ mod tests {
     }
 
     fn front(temperature: f64, velocity: f64) -> Front {
-        Front { temperature, velocity, error: 0.01 }
+        (temperature, velocity, 0.01)
     }
 
     #[test]

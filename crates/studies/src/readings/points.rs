@@ -19,7 +19,7 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
     if !figures.is_empty() {
         sections.push(Section::new(PROPERTIES).figures(figures));
     }
-    let lead = Kind::of(points).in_words().to_owned();
+    let lead = Kind::of(points).in_words.to_owned();
     Blocks {
         lead,
         sections,
@@ -30,75 +30,64 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
 }
 
 /// What the points of a sweep are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// Homogeneous fluids, or anything else that one equation of state may describe.
-    Fluids,
-    /// Slabs of liquid beside their vapor.
-    Slabs,
-    /// Crystals beside their liquid.
-    Crystals,
+#[derive(Debug)]
+pub(super) struct Kind {
+    /// The quantity that points of this kind alone measure; `None` for all others.
+    sign: Option<&'static str>,
+    /// The keys of the quantities of the table.
+    keys: &'static [&'static str],
+    /// What a difference is taken from; `None` where nothing is judged.
+    reference: Option<&'static str>,
+    /// What the points are, and what they stand beside.
+    in_words: &'static str,
 }
+
+/// Slabs of liquid beside their vapor.
+const SLABS: Kind = Kind {
+    sign: Some("liquid_density"),
+    keys: &["liquid_density", "vapor_density", "vapor_pressure", "surface_tension"],
+    reference: Some("literature"),
+    in_words: "Each is a slab of liquid beside its vapor. It is compared with two coexisting phases of its model at the measured \
+               temperature.",
+};
+/// Crystals beside their liquid.
+const CRYSTALS: Kind = Kind {
+    sign: Some("front_velocity"),
+    keys: &["front_velocity", "solid_share", "pressure"],
+    reference: None,
+    in_words: "Each is a crystal beside its liquid. The velocity of a front is positive where the crystal grows.",
+};
+/// Homogeneous fluids, or anything else that one equation of state may describe.
+const FLUIDS: Kind = Kind {
+    sign: None,
+    keys: &["potential_energy", "pressure", "heat_capacity"],
+    reference: Some("equation"),
+    in_words: "Each is compared with the equation of state that describes its model, at the measured temperature that belongs to its \
+               positions (of half steps where the method has them) and for as many particles in a closed box; the error of a \
+               difference counts that U, P and T fluctuate together.",
+};
 
 impl Kind {
     /// What the points are, by what any of them has measured.
-    pub(super) fn of(points: &[SweptPoint]) -> Self {
+    pub(super) fn of(points: &[SweptPoint]) -> &'static Self {
         let measured = |quantity: &str| points.iter().any(|p| p.row(quantity).is_some());
-        if measured("liquid_density") {
-            Self::Slabs
-        } else if measured("front_velocity") {
-            Self::Crystals
-        } else {
-            Self::Fluids
-        }
+        let mut with_sign = [&SLABS, &CRYSTALS].into_iter();
+        with_sign.find(|kind| kind.sign.is_some_and(measured)).unwrap_or(&FLUIDS)
     }
 
-    /// The keys of the quantities of the table.
-    fn keys(self) -> &'static [&'static str] {
-        match self {
-            Self::Fluids => &["potential_energy", "pressure", "heat_capacity"],
-            Self::Slabs => {
-                &["liquid_density", "vapor_density", "vapor_pressure", "surface_tension"]
-            }
-            Self::Crystals => &["front_velocity", "solid_share", "pressure"],
-        }
+    /// Whether one equation of state may describe the points.
+    pub(super) fn is_homogeneous(&self) -> bool {
+        self.sign.is_none()
     }
 
     /// The quantities of the table.
-    fn quantities(self) -> impl Iterator<Item = &'static Quantity> {
-        self.keys().iter().filter_map(|key| quantity_of(key))
-    }
-
-    /// What a difference is taken from; `None` where nothing is judged.
-    fn reference(self) -> Option<&'static str> {
-        match self {
-            Self::Fluids => Some("equation"),
-            Self::Slabs => Some("literature"),
-            Self::Crystals => None,
-        }
+    fn quantities(&self) -> impl Iterator<Item = &'static Quantity> {
+        self.keys.iter().filter_map(|key| quantity_of(key))
     }
 
     /// The heading of the difference of a quantity from its reference.
-    fn difference(self, quantity: &Quantity) -> Option<String> {
-        Some(format!("{} − {}", heading(quantity), self.reference()?))
-    }
-
-    /// What the points are, and what they stand beside.
-    fn in_words(self) -> &'static str {
-        match self {
-            Self::Fluids => {
-                "Each is compared with the equation of state that describes its model, at the measured temperature that belongs to its \
-                 positions (of half steps where the method has them) and for as many particles in a closed box; the error of a \
-                 difference counts that U, P and T fluctuate together."
-            }
-            Self::Slabs => {
-                "Each is a slab of liquid beside its vapor. It is compared with two coexisting phases of its model at the measured \
-                 temperature."
-            }
-            Self::Crystals => {
-                "Each is a crystal beside its liquid. The velocity of a front is positive where the crystal grows."
-            }
-        }
+    fn difference(&self, quantity: &Quantity) -> Option<String> {
+        Some(format!("{} − {}", heading(quantity), self.reference?))
     }
 }
 
@@ -124,7 +113,7 @@ fn for_terminal(points: &[SweptPoint]) -> Table {
     for quantity in kind.quantities() {
         let is_last = quantity.key == "heat_capacity";
         left_out.extend(is_last.then(|| heading(quantity)));
-        left_out.extend(kind.difference(quantity).filter(|_| is_last || kind == Kind::Slabs));
+        left_out.extend(kind.difference(quantity).filter(|_| is_last || !kind.is_homogeneous()));
     }
     let left_out: Vec<&str> = left_out.iter().map(String::as_str).collect();
     let mut table = of_points(points).without(&left_out);
@@ -168,9 +157,9 @@ fn narrow(mut table: Table, points: &[SweptPoint]) -> Table {
 /// The points with what was measured, beside the equation of state or the coexisting phases where there are some.
 pub(super) fn of_points(points: &[SweptPoint]) -> Table {
     let kind = Kind::of(points);
-    let caption = match kind {
-        Kind::Crystals => "Digits in brackets are one standard error in the last digits.",
-        Kind::Fluids | Kind::Slabs => {
+    let caption = match kind.reference {
+        None => "Digits in brackets are one standard error in the last digits.",
+        Some(_) => {
             "Digits in brackets are one standard error in the last digits. Differences in green agree, in red they do not; in brown they are as large as the predicted bias of the \
              cutoff, or the tolerance is too large to tell."
         }
@@ -199,9 +188,9 @@ pub(super) fn of_points(points: &[SweptPoint]) -> Table {
         });
     }
     // Where all are the same, there is nothing to tell.
-    if kind != Kind::Crystals || points.iter().any(|p| p.compared.is_none()) {
+    if kind.reference.is_some() || points.iter().any(|p| p.compared.is_none()) {
         table = table.column("State", |p| {
-            if p.compared.is_none() && kind.reference().is_none() {
+            if p.compared.is_none() && kind.reference.is_none() {
                 return why_unfinished(p);
             }
             let state = p.state();
@@ -213,10 +202,10 @@ pub(super) fn of_points(points: &[SweptPoint]) -> Table {
         });
     }
     // In the last column, which pages keep in sight.
-    if kind.reference().is_some() {
+    if kind.reference.is_some() {
         let all: Vec<String> = kind.quantities().map(heading).collect();
         table =
-            table.column(&format!("Verdicts of {}", all.join(", ")), |p| verdicts(p, kind.keys()));
+            table.column(&format!("Verdicts of {}", all.join(", ")), |p| verdicts(p, kind.keys));
     }
     table.table()
 }

@@ -8,7 +8,7 @@ use crate::report::sheet::{
     AFTER, BELOW, GREY, INK, Rgb, Sheet, TEXT, TITLE, WIDTH, color, fine, hex, text_width,
 };
 use crate::report::{Dash, ReportError};
-use view::{Scenery, Seen, Spheres};
+use view::{Scenery, Seen};
 
 /// Shades from the front to the back: what is far away is paler.
 const SHADES: usize = 5;
@@ -55,7 +55,7 @@ impl ParticleFigure {
         if self.places.is_empty() || self.species.is_empty() {
             return Err(ReportError::NothingToDraw { figure: self.name.clone() });
         }
-        let scenery = self.scenery();
+        let scenery = Scenery::of(self);
         let top = 2.0 * TITLE;
         let below = top + scenery.height + 1.4 * TEXT;
         let legend = if self.species.len() == 1 { 0.0 } else { 1.5 * SAMPLE };
@@ -77,16 +77,6 @@ impl ParticleFigure {
         sheet.text(&words, (0.5 * WIDTH, below - 0.7 * TEXT), (0.88 * TEXT, INK), BELOW);
         self.write_legend(&mut sheet, below + SAMPLE);
         Ok(sheet.finish())
-    }
-
-    fn scenery(&self) -> Scenery {
-        let diameters: Vec<f64> = self.species.iter().map(|s| s.diameter).collect();
-        Scenery::of(Spheres {
-            sides: self.sides,
-            places: &self.places,
-            of_particle: &self.of_particle,
-            diameters: &diameters,
-        })
     }
 
     /// One sphere for each species and shade, which the particles then use.

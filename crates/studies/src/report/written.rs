@@ -26,6 +26,7 @@ use lennard_observables::{Cell, Column, Table};
 use serde::Deserialize;
 
 use super::row::{Only, takes, value_of};
+use crate::lists::grouped;
 use crate::report::{Axis, Block, Columns, FigureRow, Guide, Page, Picture, ReportError, Section};
 
 /// What the names and the braces of the text of a page stand for.
@@ -132,13 +133,18 @@ pub(crate) fn written(text: &str, given: &Given) -> Result<Page, ReportError> {
     })
 }
 
+/// The error for a name that stands for nothing.
+fn missing(what: &str, name: &str) -> ReportError {
+    ReportError::Text(format!("there is no {what} `{name}`"))
+}
+
 /// A text whose braces are all filled.
 fn words_of(text: &str, given: &Given) -> Result<String, ReportError> {
     let text = filled(text, &given.words);
     match text.split_once('{') {
         Some((_, rest)) => {
             let name = rest.split('}').next().unwrap_or_default();
-            Err(ReportError::Text(format!("there are no words `{name}`")))
+            Err(missing("word", name))
         }
         None => Ok(text),
     }
@@ -147,7 +153,7 @@ fn words_of(text: &str, given: &Given) -> Result<String, ReportError> {
 impl Given {
     fn table(&self, name: &str) -> Result<&Table, ReportError> {
         let table = self.tables.iter().find(|table| table.name == name);
-        table.ok_or_else(|| ReportError::Text(format!("there is no table `{name}`")))
+        table.ok_or_else(|| missing("table", name))
     }
 }
 
@@ -160,28 +166,20 @@ impl BlockText {
             Self::Equations(text) => Block::Equations(text.lines().map(str::to_owned).collect()),
             Self::List(name) => {
                 let list = given.lists.iter().find(|(known, _)| *known == name);
-                let nothing = || ReportError::Text(format!("there is no list `{name}`"));
-                Block::List(list.ok_or_else(nothing)?.1.clone())
+                Block::List(list.ok_or_else(|| missing("list", &name))?.1.clone())
             }
             Self::Table(name) => Block::Table(given.table(&name)?.clone()),
             Self::Figures(names) => {
-                let mut found = Vec::new();
-                for name in names {
-                    let is_row = |(row, _): &&(&str, Vec<Picture>)| *row == name;
-                    let all = || pictures.iter().flat_map(|(_, drawn)| drawn);
-                    match pictures.iter().find(is_row) {
-                        Some((_, drawn)) => found.extend(drawn.iter().cloned()),
-                        None => match all().find(|picture| picture.name() == name) {
-                            Some(picture) => found.push(picture.clone()),
-                            None => {
-                                return Err(ReportError::Text(format!(
-                                    "there is no figure `{name}`"
-                                )));
-                            }
-                        },
-                    }
-                }
-                Block::Figures(found)
+                // The name is of a row, or of one of the figures of a row.
+                let found = |name: &String| {
+                    let row = pictures.iter().find(|(row, _)| row == name);
+                    let mut all = pictures.iter().flat_map(|(_, drawn)| drawn);
+                    let one = || Some(vec![all.find(|picture| picture.name() == name)?.clone()]);
+                    let drawn = row.map(|(_, drawn)| drawn.clone()).or_else(one);
+                    drawn.ok_or_else(|| missing("figure", name))
+                };
+                let found = names.iter().map(found).collect::<Result<Vec<_>, _>>()?;
+                Block::Figures(found.concat())
             }
         })
     }
@@ -203,19 +201,15 @@ impl FigureText {
             return Ok(self.picture(given, &self.only, &[]).into_iter().collect());
         };
         let mut only = self.only.clone();
-        let mut pictures = Vec::new();
-        let mut values: Vec<String> = Vec::new();
-        for row in (0..table.rows()).filter(|row| takes(&self.only, table, *row)) {
-            let Some(value) = value_of(table, each, row).filter(|v| !values.contains(v)) else {
-                continue;
-            };
-            only.insert(each.clone(), vec![value.clone()]);
-            values.push(value);
-            let named = |name: &str| Some((name.to_owned(), value_of(table, name, row)?));
+        let rows = (0..table.rows()).filter(|row| takes(&self.only, table, *row));
+        let values = grouped(rows.filter_map(|row| Some((value_of(table, each, row)?, row))));
+        let pictures = values.into_iter().filter_map(|(value, rows)| {
+            only.insert(each.clone(), vec![value]);
+            let named = |name: &str| Some((name.to_owned(), value_of(table, name, rows[0])?));
             let words: Vec<_> = table.columns.iter().filter_map(|c| named(&c.name)).collect();
-            pictures.extend(self.picture(given, &only, &words));
-        }
-        Ok(pictures)
+            self.picture(given, &only, &words)
+        });
+        Ok(pictures.collect())
     }
 
     /// What is drawn, of these rows of the table of the figure.
@@ -324,7 +318,7 @@ mod tests {
             ("table = \"runs\" }]", "table = \"rums\" }]", "there is no table `rums`"),
             ("energy-b", "energy-c", "there is no figure `energy-c`"),
             ("list = \"all\"", "list = \"any\"", "there is no list `any`"),
-            ("Of {n}.", "Of {m}.", "there are no words `m`"),
+            ("Of {n}.", "Of {m}.", "there is no word `m`"),
             ("look = \"joined\"", "look = \"jined\"", "no look `jined`"),
             ("scale =", "scael =", "unknown field `scael`"),
         ] {

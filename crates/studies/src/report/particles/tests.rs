@@ -31,7 +31,7 @@ fn spheres(svg: &str) -> usize {
 #[test]
 fn what_others_hide_is_not_drawn_and_the_nearest_is_drawn_last() {
     let six = crystal(6);
-    let seen = six.scenery().seen;
+    let seen = Scenery::of(&six).seen;
     // The three faces toward the viewer have 91 spheres; between them some more are seen.
     assert!((91..190).contains(&seen.len()), "{}", seen.len());
     assert!(seen.windows(2).all(|pair| pair[0].depth >= pair[1].depth));
@@ -39,7 +39,7 @@ fn what_others_hide_is_not_drawn_and_the_nearest_is_drawn_last() {
     assert!(front.depth < 0.2, "{}", front.depth);
     assert_eq!(spheres(&six.to_svg().unwrap()), seen.len());
     let apart = vec![DVec3::splat(2.0), DVec3::splat(10.0), DVec3::new(2.0, 14.0, 3.0)];
-    assert_eq!(figure(DVec3::splat(16.0), apart).scenery().seen.len(), 3);
+    assert_eq!(Scenery::of(&figure(DVec3::splat(16.0), apart)).seen.len(), 3);
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn the_longest_side_lies_from_left_to_right_and_species_have_colors_and_a_legend
     let krypton = Sphere { name: "Kr".into(), diameter: 1.2 };
     mixture.species.push(krypton);
     mixture.of_particle = vec![0, 1];
-    let seen = mixture.scenery().seen;
+    let seen = Scenery::of(&mixture).seen;
     let [first, second] = [0, 1].map(|a| seen.iter().find(|s| s.species == a).unwrap().at);
     assert!(second.0 - first.0 > 200.0, "{first:?} {second:?}");
     let svg = mixture.to_svg().unwrap();

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use lennard_core::DVec3;
 
+use crate::report::ParticleFigure;
 use crate::report::sheet::{Place, TEXT, WIDTH};
 
 /// Direction from which the box is seen: angle in the plane from the first axis, and angle above the plane.
@@ -21,19 +22,6 @@ pub(super) const MOST_SPHERES: usize = 2000;
 const MOST_PARTICLES: f64 = 60_000.0;
 /// How much smaller the sides get where there are too many spheres.
 const SMALLER: f64 = 0.85;
-
-/// Spheres in a periodic box.
-#[derive(Clone, Copy)]
-pub(super) struct Spheres<'a> {
-    /// Sides of the box, σ.
-    pub sides: DVec3,
-    /// Places, σ.
-    pub places: &'a [DVec3],
-    /// The number of the species of each; empty where all are of the first.
-    pub of_particle: &'a [usize],
-    /// The diameter of each species, σ.
-    pub diameters: &'a [f64],
-}
 
 /// A sphere that is seen.
 pub(super) struct Seen {
@@ -64,7 +52,7 @@ pub(super) struct Scenery {
 }
 
 impl Scenery {
-    pub fn of(all: Spheres<'_>) -> Self {
+    pub fn of(all: &ParticleFigure) -> Self {
         let whole = (MOST_PARTICLES / all.places.len() as f64).cbrt().min(1.0);
         let mut scenery = Self::of_part(all, whole);
         while scenery.seen.len() > MOST_SPHERES {
@@ -74,12 +62,12 @@ impl Scenery {
     }
 
     /// The corner of the box nearest to the viewer, whose sides are a share of the sides of the box.
-    fn of_part(all: Spheres<'_>, share: f64) -> Self {
+    fn of_part(all: &ParticleFigure, share: f64) -> Self {
         let axes = axes(all.sides);
         let turned = |r: DVec3| DVec3::from_array(axes.map(|axis| r[axis]));
         let whole = turned(all.sides);
         let sides = share * whole;
-        let largest = all.diameters.iter().copied().fold(0.0, f64::max);
+        let largest = all.species.iter().map(|s| s.diameter).fold(0.0, f64::max);
         let corners = corners(sides).map(|r| flat(r).0);
         let [left, right] = ends(corners.map(|c| c.0), 0.5 * largest);
         let [upper, lower] = ends(corners.map(|c| c.1), 0.5 * largest);
@@ -105,7 +93,7 @@ impl Scenery {
     }
 
     /// The spheres that no others hide, from the back to the front.
-    fn unhidden(&self, all: Spheres<'_>, spheres: Vec<(DVec3, usize)>) -> Vec<Seen> {
+    fn unhidden(&self, all: &ParticleFigure, spheres: Vec<(DVec3, usize)>) -> Vec<Seen> {
         let farthest = flat(DVec3::ZERO).1;
         let range = flat(self.sides).1 - farthest;
         let mut spheres: Vec<(Seen, f64)> = spheres
@@ -114,7 +102,7 @@ impl Scenery {
                 let (_, near) = flat(r);
                 let seen =
                     Seen { at: self.place(r), species, depth: 1.0 - (near - farthest) / range };
-                let radius = 0.5 * self.scale * all.diameters[species];
+                let radius = 0.5 * self.scale * all.species[species].diameter;
                 (seen, radius)
             })
             .collect();
