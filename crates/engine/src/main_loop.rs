@@ -155,7 +155,8 @@ impl Simulation {
     }
 
     /// A fresh method and bath for a stage.
-    pub(crate) fn stage_run_for(&self, index: usize) -> StageRun {
+    #[must_use]
+    pub fn stage_run_for(&self, index: usize) -> StageRun {
         let plan = &self.scene.stages[index];
         let noise = self.streams.noise("thermostat");
         let molecule = self.scene.molecule.as_ref();

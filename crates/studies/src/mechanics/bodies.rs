@@ -1,219 +1,129 @@
-//! Few bodies in a wide box, with bonds held in any way: what the chapters of the study run.
+//! Few bodies of shipped scenes, with bonds held in any way: what the chapters of the study run.
 
-use lennard_core::{
-    Backend, Bond, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceSum,
-    ForceTerm, Integrator, Masses, Molecules, Part, PeriodicBox, State, StepError, System, Want,
-    rigid,
-};
-use lennard_forcefield::ContactLaw;
-use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build, spook};
+use lennard_core::{Bond, DVec3, PeriodicBox, Species, SpeciesTable, StepError, Want};
+use lennard_engine::{EngineError, bare};
+use lennard_integrators::BondOptions;
+use lennard_scene::Scene;
 
 use crate::StudyError;
-use crate::lab::Rig;
+use crate::lab::{Rig, Start};
 
-/// Side of the box, σ: nothing gets across it.
-const SIDE: f64 = 1e4;
-/// The mass of a bead that is held: it moves by less than rounding.
-const HELD: f64 = 1e15;
+/// Side of the box, σ: bodies that act on each other are far nearer.
+const SIDE: f64 = 64.0;
+/// Length of the bonds of [`Bodies::two_dumbbells`], σ.
+pub(super) const OF_TWO: f64 = 0.67;
 
-/// Forces between few bodies, as sums over all pairs without a cutoff.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct BodyForces {
-    /// Sites of a molecule, whose sites do not interact.
-    pub(crate) sites: usize,
-    /// Whether sites of different molecules are Lennard-Jones particles.
-    pub(crate) pairs: bool,
-    /// Acceleration along −z.
-    pub(crate) gravity: f64,
-    /// Whether the first bead is held.
-    pub(crate) is_held: bool,
-    /// Spheres of diameter 1 σ that touch.
-    pub(crate) contact: Option<ContactLaw>,
+/// A shipped scene with overrides.
+pub(super) fn shipped(name: &str, overrides: &[(&str, String)]) -> Result<Scene, StudyError> {
+    let path = format!("shipped:/{name}.toml");
+    let overrides = overrides.iter().map(|(key, value)| ((*key).to_owned(), value.clone()));
+    let scene = Scene::load(path.as_ref(), &overrides.collect::<Vec<_>>());
+    Ok(scene.map_err(EngineError::from)?)
 }
 
-lennard_core::remembers_nothing!(BodyForces);
-
-impl BodyForces {
-    /// Energy and force on the first of two bodies at a distance d apart.
-    fn between(&self, d: DVec3) -> (f64, DVec3) {
-        let r2 = d.length_squared();
-        let mut sum = (0.0, DVec3::ZERO);
-        if self.pairs {
-            let s6 = r2.powi(-3);
-            sum.0 += 4.0 * (s6 * s6 - s6);
-            sum.1 += (48.0 * s6 * s6 - 24.0 * s6) / r2 * d;
-        }
-        if let Some(contact) = self.contact {
-            let r = r2.sqrt();
-            let point = contact.at(1.0 - r);
-            sum.0 += point.energy;
-            sum.1 += point.force / r * d;
-        }
-        sum
-    }
+/// Bodies under the forces, the bonds and the method of a scene, from these places and velocities in a cubic box.
+pub(super) fn rig(
+    scene: &Scene,
+    side: f64,
+    (x, v): (&[DVec3], &[DVec3]),
+    dt: f64,
+) -> Result<Rig, StudyError> {
+    let start = Start {
+        cell: PeriodicBox::new(DVec3::splat(side))?,
+        positions: x.to_vec(),
+        velocities: v.to_vec(),
+        species: SpeciesTable::one(Species::unnamed(), x.len()),
+    };
+    let simulation = start.simulation(bare(scene))?;
+    let method = simulation.stage_run_for(0).integrator;
+    let at = (simulation.system, simulation.state);
+    Rig::start(method, at, simulation.forces, dt, Want::ENERGY)
 }
 
-impl ForceTerm for BodyForces {
-    fn evaluate(
-        &mut self,
-        at: Configuration<'_>,
-        _part: Part,
-        _want: Want,
-        forces: &mut [DVec3],
-    ) -> Result<Energetics, ForceError> {
-        let x = at.positions;
-        if let Some(particle) = x.iter().position(|x| !x.is_finite()) {
-            return Err(ForceError::NonFinitePosition { particle });
-        }
-        forces.fill(DVec3::new(0.0, 0.0, -self.gravity));
-        let first = usize::from(self.is_held);
-        forces[..first].fill(DVec3::ZERO);
-        let mut energy: f64 = x[first..].iter().map(|x| self.gravity * x.z).sum();
-        if self.pairs || self.contact.is_some() {
-            for i in 0..x.len() {
-                for j in 0..i {
-                    if i / self.sites != j / self.sites {
-                        let (u, f) = self.between(x[i] - x[j]);
-                        energy += u;
-                        forces[i] += f;
-                        forces[j] -= f;
-                    }
-                }
-            }
-        }
-        Ok(Energetics {
-            potential_energy: Some(energy),
-            conserved_potential: Some(energy),
-            ..Energetics::default()
-        })
-    }
-
-    fn properties(&self) -> ForceProperties {
-        ForceProperties::default()
-    }
-}
-
-impl Backend for BodyForces {}
-
-/// Bodies, where they start and how fast, and their forces.
+/// Bodies of a scene, where they start and how fast.
 #[derive(Debug, Clone)]
-pub(crate) struct Bodies {
-    pub(crate) bond_length: f64,
-    pub(crate) x: Vec<DVec3>,
-    pub(crate) v: Vec<DVec3>,
-    pub(crate) forces: BodyForces,
+pub(super) struct Bodies {
+    pub(super) scene: Scene,
+    pub(super) x: Vec<DVec3>,
+    pub(super) v: Vec<DVec3>,
 }
 
 impl Bodies {
+    /// The shipped chain with beads at these places: in gravity, and its first bead is held.
+    fn chain(length: f64, x: Vec<DVec3>, v: Vec<DVec3>) -> Result<Self, StudyError> {
+        let list = |all: &[DVec3]| {
+            let each: Vec<[f64; 3]> = all.iter().map(DVec3::to_array).collect();
+            format!("{each:?}")
+        };
+        let overrides = [
+            ("molecule.sites", x.len().to_string()),
+            ("molecule.bond_length", format!("{length:?}")),
+            ("start.positions", list(&x)),
+            ("start.velocities", list(&v)),
+        ];
+        Ok(Self { scene: shipped("mechanics/chain", &overrides)?, x, v })
+    }
+
+    /// The same without gravity, and no bead is held.
+    fn in_free_space(mut self) -> Self {
+        self.scene.system.held.clear();
+        self.scene.acceleration = DVec3::ZERO;
+        self
+    }
+
     /// A chain of unit masses at rest along x in gravity, whose first bead is held at the origin.
-    pub(crate) fn hanging(beads: usize, length: f64, gravity: f64) -> Self {
+    pub(super) fn hanging(beads: usize, length: f64) -> Result<Self, StudyError> {
         let along = |k: usize| DVec3::new(length * k as f64, 0.0, 0.0);
-        Self {
-            bond_length: length,
-            x: (0..=beads).map(along).collect(),
-            v: vec![DVec3::ZERO; beads + 1],
-            forces: BodyForces {
-                sites: beads + 1,
-                gravity,
-                is_held: true,
-                ..BodyForces::default()
-            },
-        }
+        let still = vec![DVec3::ZERO; beads + 1];
+        Self::chain(length, (0..=beads).map(along).collect(), still)
     }
 
     /// One dumbbell of length 1 that turns about its centre with the angular velocity Ω.
-    pub(crate) fn rotor(omega: f64) -> Self {
+    pub(super) fn rotor(omega: f64) -> Result<Self, StudyError> {
         let half = DVec3::new(0.5, 0.0, 0.0);
         let speed = DVec3::new(0.0, 0.5 * omega, 0.0);
-        Self {
-            bond_length: 1.0,
-            x: vec![-half, half],
-            v: vec![-speed, speed],
-            forces: BodyForces { sites: 2, ..BodyForces::default() },
-        }
+        Ok(Self::chain(1.0, vec![-half, half], vec![-speed, speed])?.in_free_space())
     }
 
     /// Two dumbbells that meet, with the full Lennard-Jones potential between their sites.
-    pub(crate) fn two_dumbbells() -> Self {
-        const HALF: f64 = 0.335;
+    pub(super) fn two_dumbbells() -> Result<Self, StudyError> {
+        const HALF: f64 = 0.5 * OF_TWO;
+        let every_pair = [("kernel.kernel", "reference".to_owned())];
+        let mut scene = shipped("dumbbell/liquid", &every_pair)?;
+        // Farther than they ever are from each other.
+        scene.truncation.r_cut = 30.0;
         let speed = |v: f64| DVec3::new(v, 0.0, 0.0);
-        Self {
-            bond_length: 2.0 * HALF,
-            x: vec![
-                DVec3::new(-1.5, 0.1, -HALF),
-                DVec3::new(-1.5, 0.1, HALF),
-                DVec3::new(1.5, -0.1 - HALF, 0.0),
-                DVec3::new(1.5, -0.1 + HALF, 0.0),
-            ],
-            v: vec![speed(1.0), speed(1.0), speed(-1.0), speed(-1.0)],
-            forces: BodyForces { sites: 2, pairs: true, ..BodyForces::default() },
-        }
+        let x = vec![
+            DVec3::new(-1.5, 0.1, -HALF),
+            DVec3::new(-1.5, 0.1, HALF),
+            DVec3::new(1.5, -0.1 - HALF, 0.0),
+            DVec3::new(1.5, -0.1 + HALF, 0.0),
+        ];
+        Ok(Self { scene, x, v: vec![speed(1.0), speed(1.0), speed(-1.0), speed(-1.0)] })
     }
 
     /// A chain of `bonds` bonds of length 1 in free space, every second one turned by an angle, every site moving
     /// apart a little.
-    pub(crate) fn stretching(bonds: usize, angle: f64) -> Self {
+    pub(super) fn stretching(bonds: usize, angle: f64) -> Result<Self, StudyError> {
         let mut x = vec![DVec3::ZERO];
         for c in 0..bonds {
             let turned = angle * (c % 2) as f64;
             x.push(x[c] + DVec3::new(turned.cos(), turned.sin(), 0.0));
         }
-        Self {
-            bond_length: 1.0,
-            v: x.clone(),
-            x,
-            forces: BodyForces { sites: bonds + 1, ..BodyForces::default() },
-        }
+        Ok(Self::chain(1.0, x.clone(), x)?.in_free_space())
     }
 
     /// Starts the bodies with bonds that are held in a way; velocities lose their part along rigid bonds.
-    pub(crate) fn start(&self, bonds: &BondOptions, dt: f64) -> Result<Rig, StudyError> {
-        let sites = self.forces.sites;
-        let molecules = Molecules::chains(sites, self.bond_length, bonds.bonds());
-        let mut forces = ForceSum::new(self.forces);
-        let method = build(&IntegratorOptions::default());
-        let integrator = match bonds.build(&molecules) {
-            BondHolder::Drift(solver) => method.with_bonds(solver),
-            BondHolder::InDrift(solver, term) => {
-                forces.push(term);
-                method.with_bonds(solver)
-            }
-            BondHolder::Spook(bonds, _) => spook::with_bonds(bonds),
-            BondHolder::Spring(term) => {
-                forces.push(term);
-                method
-            }
-        };
-        self.start_with(molecules, forces, integrator, dt)
-    }
-
-    /// Starts free bodies under velocity Verlet.
-    pub(crate) fn start_free(&self, dt: f64) -> Result<Rig, StudyError> {
-        let method = build(&IntegratorOptions::default());
-        self.start_with(Molecules::ATOMS, ForceSum::new(self.forces), method, dt)
-    }
-
-    fn start_with(
-        &self,
-        molecules: Molecules,
-        forces: ForceSum<BodyForces>,
-        integrator: Integrator,
-        dt: f64,
-    ) -> Result<Rig, StudyError> {
-        let mut masses = vec![1.0; self.x.len()];
-        if self.forces.is_held {
-            masses[0] = HELD;
+    pub(super) fn start(&self, bonds: &BondOptions, dt: f64) -> Result<Rig, StudyError> {
+        let mut scene = self.scene.clone();
+        if let Some(molecule) = &mut scene.molecule {
+            molecule.bonds = bonds.clone();
         }
-        let system =
-            System::of_molecules(self.x.len(), molecules).with_masses(Masses::Each(masses));
-        let cell = PeriodicBox::new(DVec3::splat(SIDE))?;
-        let mut state = State::new(cell, self.x.clone(), self.v.clone());
-        rigid::project_velocities(&system, &state.positions, &mut state.velocities);
-        Rig::start(integrator, (system, state), Box::new(forces), dt, Want::ENERGY)
+        rig(&scene, SIDE, (&self.x, &self.v), dt)
     }
 
     /// Runs the bodies for a time in so many steps; `Err` in the inner result where the method gives up.
-    pub(crate) fn run(
+    pub(super) fn run(
         &self,
         bonds: &BondOptions,
         time: f64,
@@ -222,21 +132,13 @@ impl Bodies {
         let mut rig = self.start(bonds, time / f64::from(steps))?;
         let first = rig.energy();
         let mut summary = RunSummary::default();
-        let (mut squares, mut ends) = (0.0, [0.0; 2]);
-        let tenth = steps.div_ceil(10);
-        for n in 0..steps {
+        let mut squares = 0.0;
+        for _ in 0..steps {
             let report = match rig.try_step() {
                 Ok(report) => report,
                 Err(e) => return Ok(Err(e)),
             };
-            let off = rig.energy() - first;
-            squares += off.powi(2);
-            if n < tenth {
-                ends[0] += off;
-            }
-            if n >= steps - tenth {
-                ends[1] += off;
-            }
+            squares += (rig.energy() - first).powi(2);
             summary.iterations += f64::from(report.iterations);
             summary.strain = summary.strain.max(strain(&rig));
         }
@@ -244,7 +146,6 @@ impl Bodies {
         Ok(Ok(RunSummary {
             change: rig.energy() - first,
             rms: (squares / n).sqrt(),
-            loss: (ends[0] - ends[1]) / f64::from(tenth),
             iterations: summary.iterations / n,
             positions: rig.state.positions,
             velocities: rig.state.velocities,
@@ -254,7 +155,7 @@ impl Bodies {
 }
 
 /// The largest | |d|/r − 1 | over all bonds.
-pub(crate) fn strain(rig: &Rig) -> f64 {
+pub(super) fn strain(rig: &Rig) -> f64 {
     let molecules = &rig.system.molecules;
     let strain = rig.state.positions.chunks(molecules.sites()).flat_map(|m| {
         let strain = |bond: &Bond| (bond.vector(m).length() / bond.length - 1.0).abs();
@@ -265,23 +166,21 @@ pub(crate) fn strain(rig: &Rig) -> f64 {
 
 /// The end of a run, and its means.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct RunSummary {
-    pub(crate) positions: Vec<DVec3>,
-    pub(crate) velocities: Vec<DVec3>,
+pub(super) struct RunSummary {
+    pub(super) positions: Vec<DVec3>,
+    pub(super) velocities: Vec<DVec3>,
     /// Energy at the end less energy at the start, ε.
-    pub(crate) change: f64,
+    pub(super) change: f64,
     /// Root mean square of E − E(0), ε.
-    pub(crate) rms: f64,
-    /// Mean energy of the first tenth of the steps less mean of the last tenth, ε.
-    pub(crate) loss: f64,
+    pub(super) rms: f64,
     /// Largest | |d|/r − 1 |.
-    pub(crate) strain: f64,
+    pub(super) strain: f64,
     /// Iterations or sweeps per step.
-    pub(crate) iterations: f64,
+    pub(super) iterations: f64,
 }
 
 /// The largest distance between positions and those that are known, σ.
-pub(crate) fn distance(found: &[DVec3], known: &[DVec3]) -> f64 {
+pub(super) fn distance(found: &[DVec3], known: &[DVec3]) -> f64 {
     let off = found.iter().zip(known).map(|(x, y)| x.distance(*y));
     off.fold(0.0, f64::max)
 }

@@ -4,7 +4,7 @@ use lennard_core::{DVec3, PeriodicBox};
 use lennard_observables::{Cell, Table};
 use lennard_forcefield::{Hard, Response, SlitPlanes, Soft, SpringLaw, WallOptions};
 
-use super::ball::{Balls, PLANE, SIDE};
+use super::ball::{Balls, PLANE, SIDE, over};
 use super::{Measured, cradle, unilateral};
 use crate::StudyError;
 use crate::report::Drawn;
@@ -24,9 +24,10 @@ fn hard(response: Response, restitution: f64) -> WallOptions {
 fn rebounds(wall: &WallOptions, h: f64, phases: u32) -> Result<(Vec<f64>, f64), StudyError> {
     let mut deepest = 0.0_f64;
     let mut speeds = Vec::new();
+    let scene = over(wall, 0.0)?;
     for k in 0..phases {
         let phase = (f64::from(k) + 0.5) / f64::from(phases);
-        let mut ball = Balls::one_over(wall, ((1.0 + phase) * h, -1.0), 0.0, h)?;
+        let mut ball = Balls::start(&scene, (&[(1.0 + phase) * h], -1.0), h)?;
         for _ in 0..1_000_000 {
             if ball.step().is_err() {
                 break;
@@ -94,7 +95,8 @@ fn damped(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
 /// Time of contact and depth of Hertz's contact, each over theory: 2.9432·δ/v and (5v²/(4k))^{2/5}.
 fn hertz() -> Result<[f64; 2], StudyError> {
     let h = 1e-4;
-    let mut ball = Balls::one_over(&soft(SpringLaw::Hertz, 1.0), (0.5 * h, -1.0), 0.0, h)?;
+    let scene = over(&soft(SpringLaw::Hertz, 1.0), 0.0)?;
+    let mut ball = Balls::start(&scene, (&[0.5 * h], -1.0), h)?;
     let (mut inside, mut deepest) = (0.0, 0.0_f64);
     for _ in 0..100_000 {
         if ball.step().is_err() || (ball.speed() > 0.0 && ball.height() > 0.0) {
@@ -111,9 +113,9 @@ fn hertz() -> Result<[f64; 2], StudyError> {
 fn passes() -> Result<f64, StudyError> {
     let room = SlitPlanes::new(&PeriodicBox::new(DVec3::splat(SIDE))?, 2, 2.0 * PLANE, 0.0).room;
     let limit = STIFFNESS.sqrt() * room;
+    let scene = over(&soft(SpringLaw::Linear, 1.0), 0.0)?;
     let is_held = |share: f64| -> Result<bool, StudyError> {
-        let wall = soft(SpringLaw::Linear, 1.0);
-        let mut ball = Balls::one_over(&wall, (0.1, -share * limit), 0.0, 1e-3)?;
+        let mut ball = Balls::start(&scene, (&[0.1], -share * limit), 1e-3)?;
         for _ in 0..10_000 {
             if ball.step().is_err() {
                 return Ok(false);
@@ -149,7 +151,8 @@ fn bouncing(all: &mut Measured) -> Result<(), StudyError> {
         ("mirror", Response::Mirror, 1.0),
         ("project", Response::Project, 0.0_f64),
     ] {
-        let mut ball = Balls::one_over(&hard(response, restitution), (1.0, 0.0), 1.0, h)?;
+        let scene = over(&hard(response, restitution), 1.0)?;
+        let mut ball = Balls::start(&scene, (&[1.0], 0.0), h)?;
         heights.push((rule, restitution, 0.0, 1.0));
         // Energy after each bounce over the energy of theory, e²ⁿ, less 1.
         let mut gains: Vec<f64> = Vec::new();
@@ -185,7 +188,8 @@ fn bouncing(all: &mut Measured) -> Result<(), StudyError> {
 /// The largest | E/E₀ − 1 | over 2000 bounces of a billiard ball in gravity, and the trend of its mean between the halves.
 fn billiard(quick: bool) -> Result<[f64; 2], StudyError> {
     let bounces = if quick { 400 } else { 2000 };
-    let mut ball = Balls::one_over(&hard(Response::Billiard, 1.0), (1.0, 0.0), 1.0, 0.01)?;
+    let scene = over(&hard(Response::Billiard, 1.0), 1.0)?;
+    let mut ball = Balls::start(&scene, (&[1.0], 0.0), 0.01)?;
     let (mut worst, mut sums, mut counts) = (0.0_f64, [0.0; 2], [0.0; 2]);
     while ball.hits() < bounces {
         ball.steps(1)?;
@@ -201,8 +205,8 @@ fn billiard(quick: bool) -> Result<[f64; 2], StudyError> {
 fn projected() -> Result<f64, StudyError> {
     let mut worst = 0.0_f64;
     for phase in [0.1, 0.4, 0.9] {
-        let wall = hard(Response::Project, 0.0);
-        let mut ball = Balls::one_over(&wall, (phase * 0.01, -1.0), 0.0, 0.01)?;
+        let scene = over(&hard(Response::Project, 0.0), 0.0)?;
+        let mut ball = Balls::start(&scene, (&[phase * 0.01], -1.0), 0.01)?;
         ball.steps(2)?;
         worst = worst.max(ball.speed().abs()).max(ball.height().abs());
     }

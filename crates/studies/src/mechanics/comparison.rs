@@ -8,7 +8,7 @@ use lennard_observables::{Cell, Table};
 use lennard_integrators::BondOptions;
 
 use super::Measured;
-use super::bodies::{Bodies, BodyForces, RunSummary, distance, strain};
+use super::bodies::{Bodies, RunSummary, distance, strain};
 use super::ways::{MIDPOINT, Way, ways};
 use crate::StudyError;
 use crate::report::Drawn;
@@ -144,7 +144,7 @@ fn order(bonds: &BondOptions, errors: &[(f64, f64)], between: f64) -> Result<f64
 }
 
 fn of_way(way: &Way, steps: &[u32], quick: bool) -> Result<WayResults, StudyError> {
-    let case = Bodies::two_dumbbells();
+    let case = Bodies::two_dumbbells()?;
     let mut points = Vec::new();
     let (mut last, mut between) = (Vec::new(), f64::NAN);
     for steps in steps {
@@ -173,13 +173,12 @@ fn of_way(way: &Way, steps: &[u32], quick: bool) -> Result<WayResults, StudyErro
 /// Nanoseconds of a step per bond, the fastest of repeated blocks, on molecules that turn slowly and do not interact.
 fn cost(way: &Way, sites: usize, n: usize, budget: Duration) -> Result<f64, StudyError> {
     const BLOCK: usize = 10;
-    let mut case = Bodies::stretching(sites - 1, 1.0);
+    let mut case = Bodies::stretching(sites - 1, 1.0)?;
     let one = case.x.clone();
     let turn = |r: &DVec3| 0.5 * DVec3::new(-r.y, r.x, 0.0);
     let apart = |m: usize| DVec3::new(0.0, 0.0, 5.0 * m as f64);
     case.x = (0..n).flat_map(|m| one.iter().map(move |r| *r + apart(m))).collect();
     case.v = (0..n).flat_map(|_| one.iter().map(turn)).collect();
-    case.forces = BodyForces { sites, ..BodyForces::default() };
     let mut rig = case.start(&way.bonds, 0.002)?;
     rig.want = Want::NOTHING;
     let mut failed = None;
@@ -195,7 +194,7 @@ fn cost(way: &Way, sites: usize, n: usize, budget: Duration) -> Result<f64, Stud
 
 /// Whether a rotor that also vibrates by 10⁻³ keeps its bond within a half for so many steps.
 fn is_stable(bonds: &BondOptions, dt: f64, steps: u32) -> Result<bool, StudyError> {
-    let mut case = Bodies::rotor(2.0);
+    let mut case = Bodies::rotor(2.0)?;
     case.x[1].x += 1e-3;
     let Ok(mut rig) = case.start(bonds, dt) else {
         return Ok(false);

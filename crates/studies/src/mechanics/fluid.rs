@@ -2,7 +2,7 @@
 
 use lennard_core::{Backend, DVec3, Integrator, State, System, Want};
 use lennard_observables::{Cell, Table};
-use lennard_engine::{Simulation, Unfollowed, prepare};
+use lennard_engine::{EngineError, Simulation, Unfollowed, prepare};
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build, spook};
 use lennard_literature::{EquationOfState, two_center};
 use lennard_observables::statistics::Line;
@@ -47,8 +47,8 @@ fn equilibrated(density: f64, molecules: usize, steps: u32) -> Result<Simulation
 
 /// The scene of a fluid.
 pub(super) fn scene(text: &str) -> Result<Scene, StudyError> {
-    Scene::parse(text, "the fluid of the study", &[])
-        .map_err(|e| StudyError::Settings { label: "the fluid".into(), reason: e.to_string() })
+    let scene = Scene::parse(text, "the fluid of the study", &[]);
+    Ok(scene.map_err(EngineError::from)?)
 }
 
 fn holding(bonds: &BondOptions, system: &System) -> Integrator {

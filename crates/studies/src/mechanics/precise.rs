@@ -10,7 +10,7 @@ use super::ways::{damped, projected, relaxed};
 use crate::StudyError;
 use crate::stability::fit::slope;
 
-/// Gravity, σ/τ²: the number of standard gravity in SI.
+/// Gravity of the shipped chain, σ/τ²: the number of standard gravity in SI.
 pub(crate) const G: f64 = 9.81;
 
 /// A problem with a known answer.
@@ -28,13 +28,13 @@ fn at_angle(theta: f64) -> DVec3 {
 }
 
 /// The problems; answers by a Runge–Kutta method of order 8 with a tolerance of 2.3e-14.
-fn problems() -> Vec<Problem> {
-    let pendulum = Bodies::hanging(1, 1.0, G);
+fn problems() -> Result<Vec<Problem>, StudyError> {
+    let pendulum = Bodies::hanging(1, 1.0)?;
     let (sin, cos) = 60.0_f64.to_radians().sin_cos();
     let mut spherical = pendulum.clone();
     spherical.x[1] = DVec3::new(sin, 0.0, -cos);
     spherical.v[1] = DVec3::new(0.0, 1.0, 0.0);
-    vec![
+    Ok(vec![
         Problem {
             name: "pendulum from 90°, t = 1 τ",
             case: pendulum,
@@ -49,7 +49,7 @@ fn problems() -> Vec<Problem> {
         },
         Problem {
             name: "double pendulum from 90°, t = 1 τ",
-            case: Bodies::hanging(2, 1.0, G),
+            case: Bodies::hanging(2, 1.0)?,
             end: 1.0,
             known: vec![
                 DVec3::new(-0.585168391999, 0.0, -0.810911803469),
@@ -58,11 +58,11 @@ fn problems() -> Vec<Problem> {
         },
         Problem {
             name: "chain of 5, t = 0.5 τ",
-            case: Bodies::hanging(5, 0.2, G),
+            case: Bodies::hanging(5, 0.2)?,
             end: 0.5,
             known: vec![DVec3::new(-0.056664541268, 0.0, -0.975802326581)],
         },
-    ]
+    ])
 }
 
 /// A way on a problem.
@@ -85,7 +85,7 @@ pub(super) fn measure(quick: bool, all: &mut Measured) -> Result<(), StudyError>
         ("spook, τ = 2h", damped(2.0), 1.0),
     ];
     let mut solved = Vec::new();
-    for Problem { name: problem, case, end, known } in problems() {
+    for Problem { name: problem, case, end, known } in problems()? {
         for (way, bonds, theory) in &ways {
             let mut errors = Vec::new();
             for steps in steps {

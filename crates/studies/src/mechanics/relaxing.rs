@@ -7,8 +7,7 @@ use lennard_integrators::BondOptions;
 use lennard_integrators::bonds::relaxation;
 
 use super::Measured;
-use super::bodies::{Bodies, RunSummary, distance};
-use super::precise::G;
+use super::bodies::{Bodies, OF_TWO, RunSummary, distance};
 use super::ways::{projected, relaxed};
 use crate::StudyError;
 use crate::lab::Rig;
@@ -42,7 +41,7 @@ fn rate(
             over_relaxation,
             ..Default::default()
         });
-        let mut case = Bodies::stretching(bonds, angle);
+        let mut case = Bodies::stretching(bonds, angle)?;
         // So small that the constraints are linear, and far above rounding.
         for v in &mut case.v {
             *v *= 1e-2;
@@ -122,7 +121,7 @@ fn rates(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
 /// RMS of the energy on two dumbbells that meet, at each tolerance and two steps.
 fn tolerances(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
     let exponents: &[i32] = if quick { &[-3, -5, -8] } else { &[-2, -3, -4, -5, -6, -8, -10] };
-    let case = Bodies::two_dumbbells();
+    let case = Bodies::two_dumbbells()?;
     let mut runs = Vec::new();
     for steps in [1000, 4000] {
         for exponent in exponents {
@@ -142,7 +141,7 @@ fn tolerances(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
         .column("energy RMS [epsilon]", |(.., end)| end.rms)
         // ½μ·(tol·r/h)² of both bonds, which velocities would have that kept the corrections; μ = 1/2.
         .column("bound [epsilon]", |(dt, tolerance, _)| {
-            let speed = tolerance * case.bond_length / dt;
+            let speed = tolerance * OF_TWO / dt;
             2.0 * 0.25 * speed * speed
         })
         .column("sweeps per step", |(.., end)| end.iterations);
@@ -153,7 +152,7 @@ fn tolerances(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
 /// Angle per step of a rotor at some steps.
 fn rotor(bonds: &BondOptions, alpha: f64, at: &[u32]) -> Result<(Vec<f64>, f64), StudyError> {
     let dt = 0.05;
-    let mut rig = Bodies::rotor(alpha.sin() / dt).start(bonds, dt)?;
+    let mut rig = Bodies::rotor(alpha.sin() / dt)?.start(bonds, dt)?;
     let first = rig.energy();
     let angle = |rig: &Rig| {
         let d = rig.state.positions[1] - rig.state.positions[0];
@@ -174,7 +173,7 @@ fn rotor(bonds: &BondOptions, alpha: f64, at: &[u32]) -> Result<(Vec<f64>, f64),
 
 /// Distance from the start after so many steps forth and as many back.
 fn there_and_back(bonds: &BondOptions, steps: u32) -> Result<f64, StudyError> {
-    let case = Bodies::two_dumbbells();
+    let case = Bodies::two_dumbbells()?;
     let time = 5e-4 * f64::from(steps);
     let Ok(forth) = case.run(bonds, time, steps)? else {
         return Ok(f64::NAN);
@@ -224,9 +223,10 @@ pub(super) fn measure(quick: bool, all: &mut Measured) -> Result<(), StudyError>
 
 /// A falling chain of ten: relaxation against the direct solve, and the iterations of each.
 fn falling_chain(quick: bool, tight: &BondOptions, all: &mut Measured) -> Result<(), StudyError> {
+    let chain = Bodies::hanging(10, 0.2)?;
     let falling = |bonds: &BondOptions| {
         let steps = if quick { 100 } else { 1000 };
-        Bodies::hanging(10, 0.2, G).run(bonds, 1e-3 * f64::from(steps), steps).map(Result::ok)
+        chain.run(bonds, 1e-3 * f64::from(steps), steps).map(Result::ok)
     };
     let direct = falling(tight)?;
     for (bond, bonds) in [("old", relaxed(1e-13)), ("new", projected())] {

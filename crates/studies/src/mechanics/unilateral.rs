@@ -1,14 +1,12 @@
 //! Unilateral contacts of SPOOK in whole steps: restitution, stacks at rest, energy of a ball, sweeps.
 
-use lennard_core::{Exclusions, ForceSum, Masses, NoForces};
-use lennard_forcefield::{Hard, WallOptions};
-use lennard_integrators::IntegratorOptions;
-use lennard_integrators::spook::{self, Damping};
-use lennard_integrators::spook::{Problem, Solver, TwoSided, column};
-use lennard_integrators::{Bodies, Contacts, Obstacles, Response, UnilateralLaw};
+use lennard_core::Masses;
+use lennard_forcefield::{Hard, Response, WallOptions};
+use lennard_integrators::spook::{Problem, Solver, TwoSided};
+use lennard_scene::Scene;
 
 use super::Measured;
-use super::ball::{Balls, floor, gravity};
+use super::ball::{Balls, column};
 use crate::StudyError;
 
 /// Restitution of the measurements over phases.
@@ -19,36 +17,20 @@ const COMPLIANCE: f64 = 1e-3;
 const SWEPT: usize = 10;
 
 /// Balls of diameter 1 over a plane, with contacts of SPOOK for both.
-fn balls(
-    (restitution, compliance): (f64, f64),
-    column: (&[f64], f64),
-    g: f64,
-    h: f64,
-) -> Result<Balls, StudyError> {
-    let wall = WallOptions::Hard(Hard {
-        response: lennard_forcefield::Response::Contact,
-        restitution: Some(restitution),
-    });
-    let law = UnilateralLaw {
-        restitution,
-        compliance,
-        damping: Damping::Steps(2.0),
-        solver: Solver::Exact,
-    };
-    let bodies = Bodies::alike(1.0, Exclusions::NONE);
-    let contacts = Contacts::new(Response::Unilateral(law), bodies);
-    let obstacles = Obstacles::new(floor(&wall)?, contacts);
-    let forces = ForceSum::new(NoForces).with(obstacles).with(gravity(g));
-    let method = IntegratorOptions::Spook(spook::Options {});
-    Balls::start(forces, &method, column, h)
+fn balls((restitution, compliance): (f64, f64), g: f64) -> Result<Scene, StudyError> {
+    let restitution_of_balls = ("contact.restitution", restitution.to_string());
+    let overrides = [restitution_of_balls, ("contact.compliance", compliance.to_string())];
+    let hard = Hard { response: Response::Contact, restitution: Some(restitution) };
+    column(&WallOptions::Hard(hard), g, &overrides)
 }
 
 /// The restitution over 100 phases of a step that is farthest from the one that was set, less that one.
 fn restitution() -> Result<f64, StudyError> {
     let (h, mut worst) = (0.01, 0.0_f64);
+    let scene = balls((SHARE, 0.0), 0.0)?;
     for k in 1..=100 {
         let above = (1.0 - f64::from(k) / 100.0) * h;
-        let mut ball = balls((SHARE, 0.0), (&[above], -1.0), 0.0, h)?;
+        let mut ball = Balls::start(&scene, (&[above], -1.0), h)?;
         ball.steps(30)?;
         let off = ball.speed() - SHARE;
         if off.abs() > worst.abs() {
@@ -63,7 +45,7 @@ fn restitution() -> Result<f64, StudyError> {
 fn stack() -> Result<[f64; 2], StudyError> {
     let h = 0.005;
     let heights: Vec<f64> = (0..5).map(|i| 0.1 + 1.1 * f64::from(i)).collect();
-    let mut stack = balls((0.2, COMPLIANCE), (&heights, 0.0), 1.0, h)?;
+    let mut stack = Balls::start(&balls((0.2, COMPLIANCE), 1.0)?, (&heights, 0.0), h)?;
     stack.steps(16_000)?;
     let before = stack.impulse();
     stack.steps(2000)?;
@@ -79,7 +61,7 @@ fn stack() -> Result<[f64; 2], StudyError> {
 /// The largest | E/E₀ − 1 | of a ball that bounces in gravity with e = 1. In a constant field positions and v + h·f/(2m) lie on the exact parabola, so that the energy there is exact.
 fn energy(steps: u32) -> Result<f64, StudyError> {
     let h = 0.01;
-    let mut ball = balls((1.0, 0.0), (&[1.0], 0.0), 1.0, h)?;
+    let mut ball = Balls::start(&balls((1.0, 0.0), 1.0)?, (&[1.0], 0.0), h)?;
     let of = |ball: &Balls| {
         let v = ball.speed() - 0.5 * h;
         0.5 * v * v + ball.height()
@@ -94,7 +76,7 @@ fn energy(steps: u32) -> Result<f64, StudyError> {
 
 /// The factor by which a sweep over a stack of ten lowers the error, measured and by theory.
 fn sweep() -> [f64; 2] {
-    let contacts = column(SWEPT);
+    let contacts = lennard_integrators::spook::column(SWEPT);
     // What gravity does in a step: the floor alone sees the fall, and the solution is (n, …, 1).
     let mut b = vec![0.0; SWEPT];
     b[0] = -1.0;
