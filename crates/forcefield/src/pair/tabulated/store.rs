@@ -17,7 +17,6 @@ const LARGEST_FILE: u64 = 1 << 28;
 
 /// The path of a table, relative to the scene file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(into = "String")]
 pub struct TablePath(&'static str);
 
 impl TablePath {
@@ -48,16 +47,9 @@ impl From<String> for TablePath {
     }
 }
 
-// What serde derives asks for text that lives as long as the program.
 impl<'de> Deserialize<'de> for TablePath {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         String::deserialize(from).map(Self::from)
-    }
-}
-
-impl From<TablePath> for String {
-    fn from(path: TablePath) -> Self {
-        path.0.to_owned()
     }
 }
 
