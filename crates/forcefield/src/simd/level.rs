@@ -23,7 +23,7 @@ pub struct Avx512(());
 
 /// Proof that this processor has AVX2, FMA, BMI1, BMI2 and POPCNT.
 ///
-/// The private field makes [`Avx2::detect`] the only source of values.
+/// The private field makes [`Avx2::detect`] and [`Avx512::avx2`] the only sources of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Avx2(());
 
@@ -56,6 +56,12 @@ impl Avx512 {
         }
         // SAFETY: the token proves the instruction set.
         unsafe { compiled(task) }
+    }
+
+    /// The token of the instruction set that this one includes.
+    #[inline(always)]
+    pub fn avx2(self) -> Avx2 {
+        Avx2(())
     }
 }
 
@@ -133,13 +139,13 @@ impl Level {
         }
     }
 
-    /// Runs a task, of which everything that is inlined is compiled for the instruction set.
+    /// The AVX2 token, where the level includes AVX2.
     #[inline(always)]
-    pub fn run<R>(self, task: impl FnOnce() -> R) -> R {
+    pub fn avx2(self) -> Option<Avx2> {
         match self {
-            Self::Avx512(isa) => isa.run(task),
-            Self::Avx2(isa) => isa.run(task),
-            Self::Portable => task(),
+            Self::Avx512(isa) => Some(isa.avx2()),
+            Self::Avx2(isa) => Some(isa),
+            Self::Portable => None,
         }
     }
 }

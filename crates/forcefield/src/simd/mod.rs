@@ -43,6 +43,8 @@ mod pack;
 mod packed;
 mod packed_list;
 mod packing;
+#[cfg(target_arch = "x86_64")]
+mod packing256;
 mod portable;
 mod prefetch;
 #[cfg(target_arch = "x86_64")]

@@ -99,6 +99,12 @@ impl<'a> Motion<'a> {
         self.built.len()
     }
 
+    /// The index in the positions of each slot, for as many slots as are packed together.
+    #[inline(always)]
+    pub fn indices(&self) -> &'a [u32] {
+        self.order.unwrap_or_else(|| numbers(self.positions.len()))
+    }
+
     /// The padding of the row of doubles for the `k`th slot.
     #[inline(always)]
     pub fn padding(&self, k: usize) -> f64 {

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
 use lennard_core::parallel::map_ranges;
 use lennard_neighbor::{ColumnTable, PackedDisplacement, RowTable};
 
@@ -9,6 +10,8 @@ use super::disjoint::Disjoint;
 use super::level::Level;
 use super::motion::{BATCH, Motion, MotionSummary, SomeRows};
 use super::packing;
+#[cfg(target_arch = "x86_64")]
+use super::packing256;
 use super::row::{DoubleRow, FixedRow};
 
 /// The threads that pack.
@@ -35,16 +38,42 @@ pub fn pack_double(
 ) -> MotionSummary {
     let rows = Disjoint::new(rows);
     // SAFETY: tasks have disjoint slots, slots have distinct rows, and ghosts are written afterwards.
-    let pack = |motion: Motion<'_>, first, squares: &mut [f64]| {
-        level.run(|| unsafe { packing::pack_double(table, motion, first, squares, &rows) });
+    let pack = |motion: Motion<'_>, first, squares: &mut [f64]| unsafe {
+        match level.avx2() {
+            // SAFETY: as above; the token proves AVX2.
+            #[cfg(target_arch = "x86_64")]
+            Some(_) => packing256::pack_double(table, motion, first, squares, &rows),
+            _ => packing::pack_double(table, motion, first, squares, &rows),
+        }
     };
     let summary = pack_slots(level, by, (motion, which.slots), packed, pack);
     // SAFETY: tasks have disjoint ghosts, and all other rows are at rest.
-    in_tasks(by, which.ghosts, |ghosts| {
-        level.run(|| unsafe { packing::pack_ghosts(table, motion.lengths, ghosts, &rows) });
+    in_tasks(by, which.ghosts, |ghosts| unsafe {
+        pack_ghosts(level, table, motion.lengths, ghosts, &rows);
         MotionSummary::NOTHING
     });
     summary
+}
+
+/// Writes some ghosts; see [`packing::pack_ghosts`].
+///
+/// # Safety
+/// As [`packing::pack_ghosts`].
+unsafe fn pack_ghosts(
+    level: Level,
+    table: &RowTable,
+    lengths: DVec3,
+    ghosts: Range<usize>,
+    rows: &Disjoint<'_, DoubleRow>,
+) {
+    // SAFETY: the contract is passed on; the token proves AVX2.
+    unsafe {
+        match level.avx2() {
+            #[cfg(target_arch = "x86_64")]
+            Some(_) => packing256::pack_ghosts(table, lengths, ghosts, rows),
+            _ => packing::pack_ghosts(table, lengths, ghosts, rows),
+        }
+    }
 }
 
 /// Writes the rows of some slots in fixed point; as [`pack_double`].
@@ -76,8 +105,14 @@ pub unsafe fn pack_fixed_part(
     squares: Option<&mut [f64]>,
     rows: &Disjoint<'_, FixedRow>,
 ) {
-    // SAFETY: the contract is passed on.
-    level.run(|| unsafe { packing::pack_fixed(table, motion, first, squares, rows) });
+    // SAFETY: the contract is passed on; the token proves AVX2.
+    unsafe {
+        match level.avx2() {
+            #[cfg(target_arch = "x86_64")]
+            Some(_) => packing256::pack_fixed(table, motion, first, squares, rows),
+            _ => packing::pack_fixed(table, motion, first, squares, rows),
+        }
+    }
 }
 
 /// Writes packed displacements; see [`packing::pack_displacements`].
@@ -87,7 +122,12 @@ pub fn pack_displacements(
     squares: &[f64],
     to: &mut [PackedDisplacement],
 ) {
-    level.run(|| packing::pack_displacements(motion, squares, to));
+    match level.avx2() {
+        // SAFETY: the token proves AVX2.
+        #[cfg(target_arch = "x86_64")]
+        Some(_) => unsafe { packing256::pack_displacements(motion, squares, to) },
+        _ => packing::pack_displacements(motion, squares, to),
+    }
 }
 
 /// Packs runs of slots in batches by `pack(motion, first, squares)`, which writes |d|² of each slot from `first` on.

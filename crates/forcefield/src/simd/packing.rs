@@ -1,8 +1,7 @@
-//! From particles to rows: folding, displacements since the build, and ghosts, in one pass each. Plain loops, which are compiled for each instruction set.
+//! From particles to rows: folding, displacements since the build, and ghosts, in one pass each. Plain loops.
 
 use std::ops::Range;
 
-use glam::DVec3;
 use lennard_neighbor::{ColumnTable, DisplacementScale, FIXED_UNITS, PackedDisplacement, RowTable};
 
 use super::disjoint::Disjoint;
@@ -10,7 +9,6 @@ use super::motion::Motion;
 use super::row::{DoubleRow, FixedRow};
 
 /// Writes the packed displacements of particles whose |d|² are in `squares`.
-#[inline(always)]
 pub fn pack_displacements(motion: Motion<'_>, squares: &[f64], to: &mut [PackedDisplacement]) {
     let scale = DisplacementScale::new(motion.far2);
     for (k, (packed, d2)) in to.iter_mut().zip(squares).enumerate() {
@@ -24,7 +22,6 @@ pub fn pack_displacements(motion: Motion<'_>, squares: &[f64], to: &mut [PackedD
 ///
 /// # Safety
 /// No other thread writes the rows of these slots.
-#[inline(always)]
 pub unsafe fn pack_double(
     table: &RowTable,
     motion: Motion<'_>,
@@ -47,10 +44,9 @@ pub unsafe fn pack_double(
 ///
 /// # Safety
 /// No other thread writes these ghosts, and none writes a row that is not a ghost.
-#[inline(always)]
 pub unsafe fn pack_ghosts(
     table: &RowTable,
-    lengths: DVec3,
+    lengths: glam::DVec3,
     ghosts: Range<usize>,
     rows: &Disjoint<'_, DoubleRow>,
 ) {
@@ -73,7 +69,6 @@ pub unsafe fn pack_ghosts(
 ///
 /// # Safety
 /// No other thread writes the rows of these slots.
-#[inline(always)]
 pub unsafe fn pack_fixed(
     table: &ColumnTable,
     motion: Motion<'_>,
@@ -93,6 +88,3 @@ pub unsafe fn pack_fixed(
         unsafe { rows.write(slot, [x, y, z, motion.fixed_padding(k)]) };
     }
 }
-
-#[cfg(test)]
-mod tests;
