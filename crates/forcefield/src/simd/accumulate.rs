@@ -55,10 +55,10 @@ pub fn force<L: Lanes, I: Interaction, const IN_SIGMA: bool, const COMMON: usize
     (r2, inside): (L, L::Mask),
     sums: &mut [CommonSums<L>; COMMON],
 ) -> L {
-    match sums.first_mut() {
-        None => interaction.eval::<L, IN_SIGMA>(own, neighbors, r2).force.keep(inside),
-        Some(sums) => sums.force::<I, IN_SIGMA>(interaction, own, neighbors, r2, inside),
+    if COMMON == 0 {
+        return interaction.eval::<L, IN_SIGMA>(own, neighbors, r2).force.keep(inside);
     }
+    sums[0].force::<I, IN_SIGMA>(interaction, own, neighbors, r2, inside)
 }
 
 impl<L: Lanes> CommonSums<L> {

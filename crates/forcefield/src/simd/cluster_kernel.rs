@@ -327,14 +327,14 @@ impl<L: FixedLanes, I: Interaction, const COMPACT: bool, const CUBIC: bool>
         };
         let [x, y, z] = sums.force;
         sums.force = [dx.mul_add(f, x), dy.mul_add(f, y), dz.mul_add(f, z)];
-        for others in &mut sums.others {
+        if EACH > 0 {
             let pair = if CUBIC {
                 interaction.eval::<L, false>(own, species, r2)
             } else {
                 interaction.eval::<L, true>(own, species, r2)
             };
             let at_cutoff = I::at_cutoff::<L>(own, species);
-            others.add([dx, dy, dz], f, &pair, at_cutoff, inside);
+            sums.others[0].add([dx, dy, dz], f, &pair, at_cutoff, inside);
         }
         sums
     }

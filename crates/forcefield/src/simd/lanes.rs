@@ -112,6 +112,8 @@ pub trait FixedLanes: Lanes<Row = FixedRow, Number = f32> {
     fn less(self, other: Self) -> Self;
     /// |self|.
     fn abs(self) -> Self;
+    /// The nearest integer.
+    fn round(self) -> Self;
     /// The lanes whose value is at most `limit`, and whose whole number is another one than `own`.
     fn near_others(self, limit: Self, number: Self, own: Self) -> u32;
     /// The lanes whose whole number is one of [`CLUSTER`] from `first` on.

@@ -109,9 +109,10 @@ macro_rules! registers {
             ) -> ([Self; 3], Species) {
                 // SAFETY: entries are readable, and each numbers a readable row.
                 unsafe {
-                    let entry = |k: usize| -> u32 { (*entries.add(k)).into() };
-                    let [x, y, z, padding] =
-                        transposed(|k| rows.cast::<$unit>().add(entry(k) as usize).cast());
+                    let [x, y, z, padding] = transposed(|k| {
+                        let entry: u32 = (*entries.add(k)).into();
+                        rows.cast::<$unit>().add(entry as usize).cast()
+                    });
                     ([Self(x), Self(y), Self(z)], species(padding))
                 }
             }

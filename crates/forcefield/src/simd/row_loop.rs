@@ -195,9 +195,9 @@ unsafe fn add<
     force[0] = dx.mul_add(f, force[0]);
     force[1] = dy.mul_add(f, force[1]);
     force[2] = dz.mul_add(f, force[2]);
-    for sums in sums {
+    if EACH > 0 {
         let pair = interaction.eval::<L, true>(numbers, species, r2);
         let at_cutoff = I::at_cutoff::<L>(numbers, species);
-        sums.add([dx, dy, dz], f, &pair, at_cutoff, inside);
+        sums[0].add([dx, dy, dz], f, &pair, at_cutoff, inside);
     }
 }

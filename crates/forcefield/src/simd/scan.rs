@@ -9,9 +9,6 @@ use lennard_neighbor::{
 
 use super::lanes::FixedLanes;
 
-/// 1.5·2²³: added to a number below 2²² and subtracted again, it leaves the nearest integer.
-const ROUNDING: f64 = 12_582_912.0;
-
 /// See [`lennard_neighbor::Scanner::gather_rows`]; moves a register of elements at a time.
 #[inline(always)]
 pub fn gather_rows<L: FixedLanes>(
@@ -70,7 +67,8 @@ pub fn near<L: FixedLanes, E>(
     let (x, y, z, limit) = (single(x), single(y), single(z), single(radius2));
     let own = L::whole(isa, center.number);
     let mut count = 0_usize;
-    for at in (0..blocks * L::WIDTH).step_by(L::WIDTH) {
+    for block in 0..blocks {
+        let at = block * L::WIDTH;
         // SAFETY: all four arrays have whole registers, as the check found. `count` is at most the number of candidates read
         // so far, and `found` has room for all of them and a register more.
         unsafe {
@@ -110,7 +108,8 @@ pub fn gather_slots<L: FixedLanes>(
     let (limit, zero) = (single(bounds.radius2), single(0.0));
     let mut len = 0_usize;
     for run in runs {
-        for slot in run.clone().step_by(L::WIDTH) {
+        let mut slot = run.start;
+        while slot < run.end {
             let mut at = [zero; 3];
             let (mut gap2, mut square) = (zero, zero);
             for axis in 0..3 {
@@ -132,6 +131,7 @@ pub fn gather_slots<L: FixedLanes>(
                 L::numbers_from(isa, slot).pack(near, to_slot.add(len).cast());
             }
             len += near.count_ones() as usize;
+            slot += L::WIDTH as u32;
         }
     }
     candidates.len = len;
@@ -173,8 +173,7 @@ pub fn near_cluster<L: FixedLanes, const FOLDED: bool>(
                 (squares, limit) = (single(0.0), bounds.radius2);
                 for ((c, own), length) in [x, y, z].into_iter().zip(own).zip(sides) {
                     let d = c - single(own);
-                    let rounding = c.splat(ROUNDING);
-                    let boxes = d * single(1.0 / length) + rounding - rounding;
+                    let boxes = (d * single(1.0 / length)).round();
                     let d = boxes.mul_add(single(-length), d);
                     squares = d.mul_add(d, squares);
                 }

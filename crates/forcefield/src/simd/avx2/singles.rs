@@ -79,6 +79,12 @@ impl FixedLanes for F32x8 {
         Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
     }
     #[inline(always)]
+    fn round(self) -> Self {
+        const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
+        // SAFETY: as above.
+        Self(unsafe { _mm256_round_ps::<NEAREST>(self.0) })
+    }
+    #[inline(always)]
     fn near_others(self, limit: Self, number: Self, own: Self) -> u32 {
         // SAFETY: as above.
         unsafe {

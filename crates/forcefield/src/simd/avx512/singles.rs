@@ -75,6 +75,11 @@ impl FixedLanes for F32x16 {
         Self(unsafe { _mm512_abs_ps(self.0) })
     }
     #[inline(always)]
+    fn round(self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_roundscale_ps::<_MM_FROUND_TO_NEAREST_INT>(self.0) })
+    }
+    #[inline(always)]
     fn near_others(self, limit: Self, number: Self, own: Self) -> u32 {
         // SAFETY: as above.
         unsafe {
