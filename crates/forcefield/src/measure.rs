@@ -9,7 +9,7 @@ use glam::DVec3;
 use lennard_core::{Configuration, ForceError, ForceTerm, Part, Want};
 
 use crate::options::Precision;
-use crate::pair::{Model, TruncationOptions};
+use crate::pair::TruncationOptions;
 use crate::provider::PairForces;
 use crate::simd::{Isa, Level, limit};
 
@@ -93,12 +93,4 @@ pub fn arithmetic_limit(isa: Isa, precision: Precision) -> Option<f64> {
         })
         .fold(0.0, f64::max);
     Some(best)
-}
-
-/// The mean number of pairs per particle within the cutoff of a model, each counted once: (2π/3)·ρ·r_cut³.
-///
-/// The fluid of this density (σ⁻³) has no structure.
-#[must_use]
-pub fn expected_pairs(model: &Model, density: f64) -> f64 {
-    2.0 / 3.0 * std::f64::consts::PI * density * model.r_cut.powi(3)
 }
