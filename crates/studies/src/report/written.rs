@@ -30,7 +30,7 @@ use crate::lists::grouped;
 use crate::report::{Axis, Block, Columns, FigureRow, Guide, Page, Picture, ReportError, Section};
 
 /// What the names and the braces of the text of a page stand for.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Given {
     /// The tables that figures are drawn from, and those on the page.
     pub(crate) tables: Vec<Table>,

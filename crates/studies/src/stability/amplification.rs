@@ -1,26 +1,27 @@
 //! Amplification and phase of the one-step map against ωh, and the stability limits.
 
 use lennard_integrators::IntegratorEntry;
+use lennard_observables::{Cell, Table};
 use rayon::prelude::*;
-use serde::Serialize;
 
-use super::groups::Group;
+use super::Found;
+use super::groups::{Group, methods};
 use super::map::StepMap;
 use super::oscillator::{Spring, excursion, measured_map};
 use crate::StudyError;
 
 /// The largest ωh at which a limit is looked for.
-pub const LARGEST_OMEGA_H: f64 = 12.0;
+const LARGEST_OMEGA_H: f64 = 12.0;
 /// Stride of the search for the first unstable ωh: fine enough for the narrow windows of instability that
 /// methods of several stages have.
 const SEARCH_STRIDE: f64 = 0.002;
 /// A run counts as bounded while |x| stays below this, from |x| = 1.
-pub const BOUND: f64 = 1e6;
+const BOUND: f64 = 1e6;
 /// Steps after which a run counts as bounded.
 ///
 /// Near a limit where the eigenvalues meet, ρ − 1 = √(8δ) at ωh = 2(1 + δ): in 50 000 steps a run grows
 /// past 10⁶ if δ > 10⁻⁸, and just inside no amplitude is above 1/√(2δ): 10⁶ for δ = 5·10⁻¹³.
-pub const BISECTION_STEPS: u32 = 50_000;
+const BISECTION_STEPS: u32 = 50_000;
 /// Halvings of an interval of 0.002: down to 10⁻¹⁰.
 const HALVINGS: u32 = 24;
 /// An ωh so small that a method unstable there has no stable step at all.
@@ -28,112 +29,120 @@ const SMALLEST_OMEGA_H: f64 = 0.01;
 /// How far above 1 a spectral radius must be to count as growth: rounding makes √(8·10⁻¹⁶) of a double
 /// eigenvalue.
 const RADIUS_ROUNDING: f64 = 1e-7;
+/// The largest spectral radius shown.
+const TALLEST: f64 = 3.0;
+/// Points of a line less one.
+const DENSE: u32 = 499;
 /// Steps over which growth is averaged.
 const GROWTH_STEPS: u32 = 1_000;
-
-/// The one-step map of a method at one ωh.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct MapPoint {
-    /// ωh.
-    pub omega_h: f64,
-    /// Spectral radius of the declared map.
-    pub theory_radius: f64,
-    /// Spectral radius of the map that three consecutive states of a run show.
-    pub measured_radius: f64,
-    /// Angle of its eigenvalues, where they are complex.
-    pub theory_phase: Option<f64>,
-    /// The angle as measured.
-    pub measured_phase: Option<f64>,
-}
-
-/// The map and the limits of one method.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MethodMap {
-    /// The method.
-    pub method: &'static str,
-    /// Index of the group of methods that share its map.
-    pub group: usize,
-    /// Theory and measurement against ωh.
-    pub points: Vec<MapPoint>,
-    /// Largest |measured/theory − 1| of the spectral radius.
-    pub largest_radius_difference: f64,
-    /// The limit of ωh that the method declares.
-    pub declared_limit: Option<f64>,
-    /// The limit of its declared map, to rounding; `None` where there is none up to [`LARGEST_OMEGA_H`].
-    pub theory_limit: Option<f64>,
-    /// The limit that runs show.
-    pub measured_limit: Option<f64>,
-    /// Whether a run of 20 000 steps at ωh = 1000 stayed bounded, for a method without a limit.
-    pub bounded_at_1000: Option<bool>,
-}
 
 /// The map that a method declares. A method without one is measured without a theory line.
 pub(crate) fn theory(entry: &IntegratorEntry, omega_h: f64) -> Option<StepMap> {
     entry.spec.oscillator_map.map(|map| StepMap(map(omega_h, 1.0)))
 }
 
-/// Measures every method of the groups.
-pub(crate) fn measure(groups: &[Group], quick: bool) -> Result<Vec<MethodMap>, StudyError> {
-    let methods: Vec<(usize, &IntegratorEntry)> = groups
-        .iter()
-        .enumerate()
-        .flat_map(|(g, group)| group.members.iter().map(move |e| (g, *e)))
-        .collect();
-    let shift = |i: usize| i as f64 / methods.len() as f64;
-    methods
-        .par_iter()
-        .enumerate()
-        .map(|(i, (group, entry))| method_map(*group, shift(i), entry, quick))
-        .collect()
-}
-
-fn method_map(
-    group: usize,
-    shift: f64,
-    entry: &IntegratorEntry,
-    quick: bool,
-) -> Result<MethodMap, StudyError> {
+/// Measures the map and the limits of every method of the groups.
+pub(super) fn measure(groups: &[Group], quick: bool, found: &mut Found) -> Result<(), StudyError> {
+    let methods = methods(groups);
     // Each method is sampled at places of its own, so that equal marks lie side by side.
     let stride = if quick { 0.8 } else { 0.4 };
-    let first = 0.05 + stride * shift;
-    let mut points = Vec::new();
-    let mut omega_h = first;
-    while omega_h <= 4.0 {
-        let measured = measured_map(entry, omega_h, 1.0)?;
-        let theory = theory(entry, omega_h);
-        points.push(MapPoint {
-            omega_h,
-            theory_radius: theory.map_or(f64::NAN, StepMap::radius),
-            measured_radius: measured.radius(),
-            theory_phase: theory.and_then(StepMap::phase),
-            measured_phase: measured.phase(),
+    let first = |i: usize| 0.05 + stride * (i as f64 / methods.len() as f64);
+    let measured = methods.par_iter().enumerate().map(|(i, (g, entry))| {
+        let places = std::iter::successors(Some(first(i)), |x| Some(x + stride));
+        let points = places.take_while(|x| *x <= 4.0).map(|x| {
+            let map = measured_map(entry, x, 1.0)?;
+            Ok((entry.spec.name, *g, x, theory(entry, x), map, map.radius()))
         });
-        omega_h += stride;
+        let points = points.collect::<Result<Vec<_>, StudyError>>()?;
+        let limit = measured_limit(entry)?;
+        // A method without a limit is tried far out.
+        let at_1000 = limit.is_none().then(|| bounded(entry, 1000.0, BISECTION_STEPS));
+        let differs = |p: &(_, _, _, Option<StepMap>, _, f64)| (p.5 / radius(p.3) - 1.0).abs();
+        let most = points.iter().map(differs).fold(0.0, f64::max);
+        Ok((points, (entry.spec, *g, theory_limit(entry), limit, at_1000.transpose()?, most)))
+    });
+    let measured = measured.collect::<Result<Vec<_>, StudyError>>()?;
+    let (points, limits): (Vec<_>, Vec<_>) = measured.into_iter().unzip();
+    let points = points.concat();
+    for (spec, _, theory, limit, at_1000, _) in &limits {
+        let reached = match (spec.stability_limit, at_1000) {
+            (None, Some(false)) => 1000.0,
+            _ => limit.unwrap_or(f64::INFINITY),
+        };
+        let declared = spec.stability_limit.map_or("none".to_owned(), |limit| limit.to_string());
+        let number = found.numbers.add("stability limit", reached).of("method", spec.name);
+        number.of("declared", declared).theory(theory.unwrap_or(f64::NAN));
     }
-    let largest_radius_difference = points
-        .iter()
-        .map(|p| (p.measured_radius / p.theory_radius - 1.0).abs())
-        .fold(0.0, f64::max);
-    let measured_limit = measured_limit(entry)?;
-    let bounded_at_1000 = match measured_limit {
-        Some(_) => None,
-        None => Some(bounded(entry, 1000.0, BISECTION_STEPS)?),
-    };
-    Ok(MethodMap {
-        method: entry.spec.name,
-        group,
-        points,
-        largest_radius_difference,
-        declared_limit: entry.spec.stability_limit,
-        theory_limit: theory_limit(entry),
-        measured_limit,
-        bounded_at_1000,
-    })
+    let amplification = Table::rows_of("amplification", &points)
+        .column("method", |p| p.0)
+        .column("omega h", |p| p.2)
+        .column("radius by theory", |p| radius(p.3))
+        .column("radius measured", |p| p.5)
+        .column("phase by theory", |p| p.3.and_then(StepMap::phase))
+        .column("phase measured", |p| p.4.phase())
+        .column("radius shown", |p| Some(p.5).filter(|radius| *radius <= TALLEST))
+        .column("phase error", |p| p.4.phase().map(|phase| phase_error(p.2, phase)))
+        .column("group", |p| &groups[p.1].name)
+        .column("index", |p| p.1);
+    let caption = "The largest stable ωh on the oscillator: as declared, from the declared map up to ωh = 12, and by \
+                   bisection over runs of 50 000 steps, which count as bounded while |x| < 10⁶. A dash: there is no \
+                   limit, and the method is tried at ωh = 1000. The last column is the largest relative difference \
+                   between the measured and the declared spectral radius.";
+    let limits = Table::rows_of("limits", &limits)
+        .caption(caption)
+        .column("method", |m| m.0.name)
+        .column("group", |m| &groups[m.1].name)
+        .column("limit declared", |m| Cell::rounded(m.0.stability_limit, 8))
+        .column("limit by theory", |m| Cell::rounded(m.2, 9))
+        .column("limit measured", |m| Cell::rounded(m.3, 9))
+        .column("bounded at omega h = 1000", |m| m.4)
+        .column("map differs by", |m| Cell::rounded(m.5, 1));
+    found.tables.extend([amplification.table(), limits.table()]);
+    found.curves.push(declared_maps(groups));
+    found.word("methods", methods.len().to_string());
+    let shared = groups.iter().filter(|g| g.members.len() > 1);
+    let of_one_map = shared.map(|group| {
+        let names = group.members.iter().map(|m| format!("`{}`", m.spec.name));
+        format!("One map, one line: {}.", names.collect::<Vec<_>>().join(", "))
+    });
+    found.given.lists.push(("groups", of_one_map.collect()));
+    Ok(())
+}
+
+/// The spectral radius by theory; not a number without a theory.
+fn radius(theory: Option<StepMap>) -> f64 {
+    theory.map_or(f64::NAN, StepMap::radius)
+}
+
+/// |θ/(ωh) − 1|.
+fn phase_error(omega_h: f64, phase: f64) -> f64 {
+    (phase / omega_h - 1.0).abs()
+}
+
+/// The declared map of each group along ωh. The exact solution has no phase error to show on a logarithmic axis.
+fn declared_maps(groups: &[Group]) -> Table {
+    let share = |i: u32| f64::from(i) / f64::from(DENSE);
+    let of_phases = |share: f64| 0.05 * (3.2_f64 / 0.05).powf(share);
+    let along = |share: f64| 0.004 + (4.0 - 0.004) * share;
+    let places = (0..groups.len()).flat_map(|g| (0..=DENSE).map(move |i| (g, share(i))));
+    Table::rows_of("maps", &places.collect::<Vec<_>>())
+        .column("group", |(g, _)| &groups[*g].name)
+        .column("index", |(g, _)| *g)
+        .column("omega h", |(_, share)| along(*share))
+        .column("radius", |(g, share)| radius(theory(groups[*g].members[0], along(*share))))
+        .column("omega h of phases", |(_, share)| of_phases(*share))
+        .column("phase error", |(g, share)| {
+            let (method, x) = (groups[*g].members[0], of_phases(*share));
+            let phase = theory(method, x).and_then(StepMap::phase);
+            let is_exact = method.spec.position_order == 0;
+            phase.filter(|_| !is_exact).map(|phase| phase_error(x, phase))
+        })
+        .table()
 }
 
 fn bounded(entry: &IntegratorEntry, omega_h: f64, steps: u32) -> Result<bool, StudyError> {
     let spring = Spring::Stiffness(omega_h * omega_h);
-    Ok(excursion(entry, spring, 1.0, steps, BOUND)?.largest() < BOUND)
+    Ok(excursion(entry, spring, 1.0, steps, BOUND)?.largest < BOUND)
 }
 
 /// The first ωh at which runs do not stay bounded. The measured one-step map brackets it, and

@@ -2,168 +2,229 @@
 
 use std::f64::consts::PI;
 
+use glam::DVec2;
 use lennard_integrators::IntegratorEntry;
+use lennard_observables::{Cell, Table, Tone};
 use rayon::prelude::*;
-use serde::Serialize;
 
-use super::amplification::theory;
-use super::groups::Group;
+use super::Found;
+use super::amplification::{mean_growth, theory};
+use super::groups::{Group, methods};
 use super::map::StepMap;
-use super::oscillator::{Spring, excursion, measured_map};
+use super::oscillator::{Excursion, Spring, excursion, measured_map};
 use crate::StudyError;
+use crate::report::significant;
 
 /// Mass of the study, m.
-pub const MASS: f64 = 1.0;
+pub(super) const MASS: f64 = 1.0;
 /// Step of the study, τ.
-pub const STEP: f64 = 0.0167;
+pub(super) const STEP: f64 = 0.0167;
 /// Displacement at the start, σ; the velocity is zero.
-pub const START: f64 = 1.0;
+const START: f64 = 1.0;
 /// Steps of the long runs. Just outside the limit SPOOK turns by a quarter of a circle less 3·10⁻⁵ per step.
 /// After so many steps, each half of the run has a sample close to a crest.
 const LONG_RUN: u32 = 100_000;
 /// |x| at which a long run counts as diverging, σ.
 const DIVERGED: f64 = 1e12;
+/// |x| in σ at which a line that leaves its figure is not followed any further.
+const OUT_OF_SIGHT: f64 = 2e4;
+/// Steps shown in the close view of a stiff case.
+const CLOSE_STEPS: usize = 24;
 
-/// One stiffness.
-#[derive(Debug, Clone, Serialize)]
-pub struct Case {
-    /// File stem.
-    pub name: &'static str,
-    /// The stiffness in words.
-    pub title: &'static str,
-    /// k, ε/σ².
-    pub stiffness: f64,
-    /// ωh.
-    pub omega_h: f64,
-    /// One run for each group of methods.
-    pub runs: Vec<Run>,
-    /// The long run of each method.
-    pub summaries: Vec<Summary>,
+/// A stiffness, k = {k} ε/σ².
+#[derive(Clone, Copy)]
+struct Case {
+    name: &'static str,
+    title: &'static str,
+    k: f64,
+    omega_h: f64,
+    /// Steps of the figures.
+    steps: usize,
 }
 
-/// A short run, for the figures.
-#[derive(Debug, Clone, Serialize)]
-pub struct Run {
-    /// The method that stands for its group.
-    pub method: &'static str,
-    /// Index of the group.
-    pub group: usize,
-    /// x in σ, from time 0, one per step; ends early where the method stopped.
-    #[serde(skip)]
-    pub positions: Vec<f64>,
-    /// ½kx² + ½mv² in ε, one per step.
-    #[serde(skip)]
-    pub energies: Vec<f64>,
-    /// Why the method stopped, if it did.
-    pub stopped: Option<String>,
-}
-
-/// A long run.
-#[derive(Debug, Clone, Serialize)]
-pub struct Summary {
-    /// The method.
-    pub method: &'static str,
-    /// Steps of the long run.
-    pub steps: u32,
-    /// Growth per step by the one-step map.
-    pub theory_radius: f64,
-    /// Amplitude by the one-step map, σ; `None` where it grows, shrinks or has real eigenvalues.
-    pub theory_amplitude: Option<f64>,
-    /// max |x| of the long run, σ; `None` where it diverged.
-    pub measured_amplitude: Option<f64>,
-    /// max |x| of its second half over the same of its first half: 1 where bounded, 0 where it dies away.
-    pub growth_of_halves: Option<f64>,
-    /// Period by the one-step map over the true one.
-    pub theory_period_ratio: Option<f64>,
-    /// The same as measured from three consecutive states.
-    pub measured_period_ratio: Option<f64>,
-}
-
-/// The finite stiffnesses: file stem, words, k, steps of the figures.
-fn stiffnesses() -> [(&'static str, &'static str, f64, u32); 4] {
+/// The finite stiffnesses.
+fn cases() -> [Case; 4] {
     let scale = MASS / (STEP * STEP);
+    let case = |name, title, k: f64, steps| Case {
+        name,
+        title,
+        k,
+        omega_h: (k / MASS).sqrt() * STEP,
+        steps,
+    };
     [
-        ("k-100", "k = 100 ε/σ²", 100.0, 300),
-        ("k-inside", "k = 4m/h² − 1", 4.0 * scale - 1.0, 400),
-        ("k-outside", "k = 4m/h² + 1", 4.0 * scale + 1.0, 400),
-        ("k-aliasing", "k = 4π²m/h²", 4.0 * PI * PI * scale, 100),
+        case("k-100", "k = 100 ε/σ²", 100.0, 300),
+        case("k-inside", "k = 4m/h² − 1", 4.0 * scale - 1.0, 400),
+        case("k-outside", "k = 4m/h² + 1", 4.0 * scale + 1.0, 400),
+        case("k-aliasing", "k = 4π²m/h²", 4.0 * PI * PI * scale, 100),
     ]
 }
 
-/// Runs all cases.
-pub(crate) fn measure(groups: &[Group]) -> Result<Vec<Case>, StudyError> {
-    stiffnesses()
-        .into_iter()
-        .map(|(name, title, stiffness, steps)| {
-            let omega_h = (stiffness / MASS).sqrt() * STEP;
-            let runs = groups
-                .par_iter()
-                .enumerate()
-                .map(|(g, group)| short_run(g, group.first(), stiffness, steps))
-                .collect::<Result<_, _>>()?;
-            let entries: Vec<&IntegratorEntry> =
-                groups.iter().flat_map(|g| g.members.iter().copied()).collect();
-            let summaries = entries
-                .par_iter()
-                .map(|entry| summarise(entry, stiffness, omega_h, LONG_RUN))
-                .collect::<Result<_, _>>()?;
-            Ok(Case { name, title, stiffness, omega_h, runs, summaries })
-        })
-        .collect()
-}
-
-fn short_run(
+/// A short run, for the figures.
+struct Short {
+    case: Case,
     group: usize,
-    entry: &IntegratorEntry,
-    stiffness: f64,
-    steps: u32,
-) -> Result<Run, StudyError> {
-    let mut rig = Spring::Stiffness(stiffness).start(entry, (START, 0.0), STEP)?;
-    let energy = |x: f64, v: f64| 0.5 * stiffness * x * x + 0.5 * MASS * v * v;
-    let mut run = Run {
-        method: entry.spec.name,
-        group,
-        positions: vec![START],
-        energies: vec![energy(START, 0.0)],
-        stopped: None,
-    };
-    for _ in 0..steps {
-        match rig.try_step() {
-            Ok(_) => {
-                let z = rig.point();
-                run.positions.push(z.x);
-                run.energies.push(energy(z.x, z.y));
-            }
-            Err(reason) => {
-                run.stopped = Some(reason.to_string());
-                break;
-            }
-        }
-    }
-    Ok(run)
+    /// x in σ and ½kx² + ½mv² in ε, from time 0, one per step; ends early where the method stopped.
+    points: Vec<(f64, f64)>,
+    /// The last point that is in sight.
+    sight: usize,
 }
 
-fn summarise(
-    entry: &IntegratorEntry,
-    stiffness: f64,
-    omega_h: f64,
-    steps: u32,
-) -> Result<Summary, StudyError> {
-    let spring = Spring::Stiffness(stiffness);
-    let far = excursion(entry, spring, STEP, steps, DIVERGED)?;
-    let measured = measured_map(entry, omega_h / STEP, STEP)?;
-    // The declared map in units of the step, so that x and v·h have the same size.
-    let map = theory(entry, omega_h);
-    let neutral = |m: &StepMap| (m.radius() - 1.0).abs() < 1e-9;
-    let finite = |x: f64| x.is_finite().then_some(x);
-    Ok(Summary {
-        method: entry.spec.name,
-        steps,
-        theory_radius: map.map_or(f64::NAN, StepMap::radius),
-        theory_amplitude: map.filter(neutral).and_then(|m| m.amplitude(START, 0.0)),
-        measured_amplitude: finite(far.largest()),
-        growth_of_halves: finite(far.growth()),
-        theory_period_ratio: map.and_then(StepMap::phase).map(|p| omega_h / p),
-        measured_period_ratio: measured.phase().map(|p| omega_h / p),
-    })
+impl Short {
+    fn run(case: Case, group: usize, entry: &IntegratorEntry) -> Result<Self, StudyError> {
+        let mut rig = Spring::Stiffness(case.k).start(entry, (START, 0.0), STEP)?;
+        let point = |z: DVec2| (z.x, 0.5 * case.k * z.x * z.x + 0.5 * MASS * z.y * z.y);
+        let mut points = vec![point(DVec2::new(START, 0.0))];
+        while points.len() <= case.steps && rig.try_step().is_ok() {
+            points.push(point(rig.point()));
+        }
+        let sight = points.iter().position(|(x, _)| x.abs() > OUT_OF_SIGHT);
+        let sight = sight.unwrap_or(points.len() - 1);
+        Ok(Self { case, group, points, sight })
+    }
+
+    /// The time at which the method stopped, where that was at one of so many steps: one mark for each run.
+    fn stopped(&self, n: usize, within: usize) -> Option<f64> {
+        let end = self.points.len() - 1;
+        (n == 0 && end < self.case.steps && end <= within).then_some(end as f64 * STEP)
+    }
+}
+
+/// A long run.
+struct Long {
+    case: Case,
+    method: &'static str,
+    /// The declared map in units of the step, so that x and v·h have the same size.
+    map: Option<StepMap>,
+    measured: StepMap,
+    far: Excursion,
+}
+
+impl Long {
+    fn run(case: Case, entry: &IntegratorEntry) -> Result<Self, StudyError> {
+        Ok(Self {
+            case,
+            method: entry.spec.name,
+            map: theory(entry, case.omega_h),
+            measured: measured_map(entry, case.omega_h / STEP, STEP)?,
+            far: excursion(entry, Spring::Stiffness(case.k), STEP, LONG_RUN, DIVERGED)?,
+        })
+    }
+
+    fn radius(&self) -> f64 {
+        self.map.map_or(f64::NAN, StepMap::radius)
+    }
+
+    /// The amplitude by theory, σ; `None` where it grows, shrinks or has real eigenvalues.
+    fn amplitude(&self) -> Option<f64> {
+        let neutral = self.map.filter(|m| (m.radius() - 1.0).abs() < 1e-9);
+        neutral.and_then(|m| m.amplitude(START, 0.0))
+    }
+
+    /// The period of a map over the true one.
+    fn period(&self, map: Option<StepMap>) -> Option<f64> {
+        map.and_then(StepMap::phase).map(|phase| self.case.omega_h / phase)
+    }
+
+    /// The growth of halves; `None` where the run diverged.
+    fn growth(&self) -> Option<f64> {
+        Some(self.far.growth).filter(|growth| growth.is_finite())
+    }
+
+    /// Adds the numbers that judge claims.
+    fn judge(&self, entry: &IntegratorEntry, found: &mut Found) -> Result<(), StudyError> {
+        let mut add = |key, measured, theory: Option<f64>| {
+            let number = found.numbers.add(key, measured).theory(theory);
+            let number = number.of("case", self.case.name).of("title", self.case.title);
+            // The amplitude of SPOOK just outside the limit of symplectic Euler, where (ωh)² = 4 + h².
+            number.of("method", self.method).of("swing", (2.0 + 0.25 * STEP * STEP).sqrt());
+        };
+        let period = self.period(Some(self.measured)).unwrap_or(f64::NAN);
+        add("period", period, self.period(self.map));
+        add("growth of halves", self.growth().unwrap_or(f64::INFINITY), None);
+        add("amplitude", self.far.largest, self.amplitude());
+        // Elsewhere a run that grows leaves the range of numbers within these steps.
+        if self.case.name == "k-100" {
+            add("growth per step", mean_growth(entry, self.case.omega_h)?, Some(self.radius()));
+        }
+        Ok(())
+    }
+}
+
+/// Runs all cases: a short run of each group for the figures, and a long run of each method.
+pub(super) fn measure(groups: &[Group], found: &mut Found) -> Result<(), StudyError> {
+    let methods = methods(groups);
+    let (mut short, mut long) = (Vec::new(), Vec::new());
+    for case in cases() {
+        let run = |g: usize| Short::run(case, g, groups[g].members[0]);
+        let runs = (0..groups.len()).into_par_iter().map(run);
+        let mut runs = runs.collect::<Result<Vec<_>, _>>()?;
+        // Large swings come first: small ones are drawn over them.
+        let size = |r: &Short| r.points.iter().fold(0.0_f64, |m, (x, _)| m.max(x.abs()));
+        runs.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        short.extend(runs);
+        let runs = methods.par_iter().map(|(_, entry)| Long::run(case, entry));
+        let runs = runs.collect::<Result<Vec<_>, _>>()?;
+        for ((_, entry), run) in methods.iter().zip(&runs) {
+            run.judge(entry, found)?;
+        }
+        let caption = format!(
+            "{} = {} ε/σ², ωh = {:.6}, over {LONG_RUN} steps. The amplitude by theory is the amplitude of the one-step \
+             map; the measured one is the largest |x|.",
+            case.title,
+            significant(case.k, 7),
+            case.omega_h,
+        );
+        let shown = fates(case.name, &runs).without(&["k", "omega h"]);
+        found.given.tables.push(Table { caption, ..shown });
+        long.extend(runs);
+    }
+    found.tables.push(fates("stiffnesses", &long));
+    let steps = short.iter().flat_map(|run| (0..run.points.len()).map(move |n| (run, n)));
+    let in_sight = |run: &Short, n: usize, y: f64| Some(y).filter(|_| n <= run.sight);
+    let steps: Vec<_> = steps.collect();
+    let table = Table::rows_of("displacement", &steps)
+        .column("case", |(run, _)| run.case.name)
+        .column("title", |(run, _)| run.case.title)
+        .column("omega h", |(run, _)| Cell::figures(format!("{:.6}", run.case.omega_h)))
+        .column("group", |(run, _)| &groups[run.group].name)
+        .column("index", |(run, _)| run.group)
+        .column("time [τ]", |(_, n)| *n as f64 * STEP)
+        .column("x [σ]", |(run, n)| run.points[*n].0)
+        .column("energy [ε]", |(run, n)| run.points[*n].1)
+        .column("x in sight", |(run, n)| in_sight(run, *n, run.points[*n].0))
+        .column("x of first steps", |(run, n)| {
+            in_sight(run, *n, run.points[*n].0).filter(|_| *n <= CLOSE_STEPS)
+        })
+        .column("energy in sight", |(run, n)| in_sight(run, *n, run.points[*n].1 / run.points[0].1))
+        .column("stopped", |(run, n)| run.stopped(*n, usize::MAX))
+        .column("stopped at first", |(run, n)| run.stopped(*n, CLOSE_STEPS));
+    found.curves.push(table.table());
+    Ok(())
+}
+
+/// The fate of each method.
+fn fates(name: &str, runs: &[Long]) -> Table {
+    Table::rows_of(name, runs)
+        .column("k [ε/σ²]", |r| r.case.k)
+        .column("omega h", |r| r.case.omega_h)
+        .column("method", |r| r.method)
+        .column("fate", |r| {
+            let (fate, tone) = match r.growth() {
+                None => ("diverges", Tone::Bad),
+                Some(g) if g > 1.001 => ("grows", Tone::Bad),
+                Some(g) if g < 0.9 => ("dies away", Tone::Careful),
+                Some(_) => ("bounded", Tone::Good),
+            };
+            Cell::words(fate).toned(tone)
+        })
+        .column("radius by theory", |r| Cell::rounded(r.radius(), 6))
+        .column("amplitude by theory [σ]", |r| Cell::rounded(r.amplitude(), 7))
+        .column("amplitude measured [σ]", |r| {
+            Cell::rounded(Some(r.far.largest).filter(|x| x.is_finite()), 7)
+        })
+        .column("growth of halves", |r| r.growth())
+        .column("period ratio by theory", |r| Cell::rounded(r.period(r.map), 6))
+        .column("period ratio measured", |r| Cell::rounded(r.period(Some(r.measured)), 6))
+        .table()
 }

@@ -2,7 +2,6 @@
 
 use lennard_core::IntegratorSpec;
 use lennard_integrators::{IntegratorEntry, integrators};
-use serde::Serialize;
 
 use crate::StudyError;
 
@@ -15,37 +14,26 @@ const PROBES: [(f64, f64); 3] = [(0.7, 1.0), (1.9, 0.5), (10.0, 0.13)];
 const FAMILY: &str = "velocity-verlet";
 
 /// Methods with one map.
-#[derive(Debug, Clone, Serialize)]
-pub struct Group {
+#[derive(Debug, Clone)]
+pub(crate) struct Group {
     /// Name for legends.
-    pub name: String,
+    pub(crate) name: String,
     /// Its methods.
-    #[serde(serialize_with = "names")]
-    pub members: Vec<&'static IntegratorEntry>,
-}
-
-fn names<S: serde::Serializer>(
-    members: &[&'static IntegratorEntry],
-    to: S,
-) -> Result<S::Ok, S::Error> {
-    to.collect_seq(members.iter().map(|e| e.spec.name))
-}
-
-impl Group {
-    /// The first method, which stands for all.
-    #[must_use]
-    pub fn first(&self) -> &'static IntegratorEntry {
-        self.members[0]
-    }
+    pub(crate) members: Vec<&'static IntegratorEntry>,
 }
 
 impl Group {
     /// The method that is drawn where all members would lie on top of each other.
-    #[must_use]
-    pub fn representative(&self) -> &'static IntegratorEntry {
+    pub(crate) fn representative(&self) -> &'static IntegratorEntry {
         let known = self.members.iter().find(|e| e.spec.name == FAMILY);
         known.copied().unwrap_or(self.members[0])
     }
+}
+
+/// All methods, each with the index of its group.
+pub(crate) fn methods(groups: &[Group]) -> Vec<(usize, &'static IntegratorEntry)> {
+    let groups = groups.iter().enumerate();
+    groups.flat_map(|(g, group)| group.members.iter().map(move |entry| (g, *entry))).collect()
 }
 
 fn same_map(a: &IntegratorSpec, b: &IntegratorSpec) -> bool {
@@ -62,13 +50,13 @@ fn same_map(a: &IntegratorSpec, b: &IntegratorSpec) -> bool {
 pub(crate) fn groups() -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for entry in integrators() {
-        match groups.iter_mut().find(|g| same_map(g.first().spec, entry.spec)) {
+        match groups.iter_mut().find(|g| same_map(g.members[0].spec, entry.spec)) {
             Some(group) => group.members.push(entry),
             None => groups.push(Group { name: String::new(), members: vec![entry] }),
         }
     }
     for group in &mut groups {
-        let first = group.first().spec.name;
+        let first = group.members[0].spec.name;
         group.name = match group.members.len() {
             1 => first.to_owned(),
             n if group.members.iter().any(|e| e.spec.name == FAMILY) => {

@@ -1,13 +1,15 @@
 //! SPOOK at k = ∞ (ε = 0): the one-step map derived, and measured over many steps. Without damping it is the map of
 //! symplectic Euler at its limit k = 4m/h².
 
-use serde::Serialize;
+use lennard_observables::Table;
 
+use super::Found;
 use super::displacement::{MASS, STEP};
 use super::groups::entry;
 use super::map::StepMap;
 use super::oscillator::{Spring, excursion, next_map};
 use crate::StudyError;
+use crate::report::significant;
 
 const SPOOK: &str = "spook";
 /// Steps of the runs with ε = 0.
@@ -18,67 +20,6 @@ const DAMPING_STEPS: [f64; 5] = [0.0, 0.1, 1.0, 2.0, 10.0];
 const APPROACH: [f64; 4] = [10.0, 1e2, 1e3, 1e4];
 /// Steps shown in figures.
 const SHOWN: u32 = 10_000;
-
-/// One damping time at ε = 0.
-#[derive(Debug, Clone, Serialize)]
-pub struct RigidRun {
-    /// τ/h.
-    pub damping_steps: f64,
-    /// γ = 1/(1 + 4τ/h).
-    pub gamma: f64,
-    /// Spectral radius of the map [[1 − 4γ, hγ], [−4γ/h, γ]].
-    pub theory_radius: f64,
-    /// The same from three consecutive states.
-    pub measured_radius: f64,
-    /// |x_n| at the last step, σ.
-    pub last_displacement: f64,
-    /// max |x| of the second half of the run over the same of the first half: 2 for linear growth.
-    pub growth_of_halves: f64,
-    /// |x| in σ at the steps of [`Infinite::shown_steps`].
-    #[serde(skip)]
-    pub displacements: Vec<f64>,
-}
-
-/// Symplectic Euler at its limit: its map on (x, h·v) is [[−3, 1], [−4, 1]], the one of SPOOK at ε = 0 and τ = 0.
-#[derive(Debug, Clone, Serialize)]
-pub struct AtLimit {
-    /// max |x| of the second half of the run over the same of the first half: 2 for linear growth.
-    pub growth_of_halves: f64,
-    /// Largest relative deviation of |x_n| from 2n + 1.
-    pub deviation_from_linear: f64,
-}
-
-/// One large finite stiffness, τ = 0.
-#[derive(Debug, Clone, Serialize)]
-pub struct StiffRun {
-    /// ωh.
-    pub omega_h: f64,
-    /// √(1 + (ωh/2)²), σ.
-    pub theory_amplitude: f64,
-    /// max |x| over enough steps for more than a whole beat, σ.
-    pub measured_amplitude: f64,
-    /// |x| in σ at the steps of [`Infinite::shown_steps`].
-    #[serde(skip)]
-    pub displacements: Vec<f64>,
-}
-
-/// What was found at k = ∞ and on the way there.
-#[derive(Debug, Clone, Serialize)]
-pub struct Infinite {
-    /// Steps of the runs with ε = 0.
-    pub steps: u32,
-    /// Steps at which displacements are kept, about evenly spaced in their logarithm.
-    #[serde(skip)]
-    pub shown_steps: Vec<u32>,
-    /// ε = 0 with each damping time.
-    pub rigid: Vec<RigidRun>,
-    /// Largest relative deviation of |x_n| from 2n + 1 over the run with τ = 0.
-    pub deviation_from_linear: f64,
-    /// Symplectic Euler at k = 4m/h².
-    pub at_limit: AtLimit,
-    /// Finite stiffnesses.
-    pub stiff: Vec<StiffRun>,
-}
 
 /// The map at ε = 0 on (x, h·v): [[1 − 4γ, γ], [−4γ, γ]], whose eigenvalues solve
 /// λ² − (1 − 3γ)·λ + γ = 0.
@@ -93,85 +34,117 @@ fn shown_steps() -> Vec<u32> {
     steps
 }
 
+/// A run, and what theory has for it.
+#[derive(Default)]
+struct Run {
+    name: String,
+    /// The spectral radius by theory and as three consecutive states show it.
+    radius: Option<(f64, f64)>,
+    /// max |x| in σ, by theory and over enough steps for more than a whole beat.
+    amplitude: Option<(f64, f64)>,
+    /// How much farther the second half of the run strays than the first: 2 for linear growth.
+    growth: Option<f64>,
+    /// |x| after each step, σ.
+    x: Vec<f64>,
+}
+
+impl Run {
+    fn of(
+        method: &'static str,
+        name: String,
+        spring: Spring,
+        steps: u32,
+    ) -> Result<Self, StudyError> {
+        let mut rig = spring.start(entry(method)?, START, STEP)?;
+        let x = (0..steps).map(|_| Ok(rig.next_point()?.x.abs()));
+        Ok(Self { name, x: x.collect::<Result<_, StudyError>>()?, ..Self::default() })
+    }
+
+    /// The same with the growth of its halves.
+    fn growing(self) -> Self {
+        let largest = |x: &[f64]| x.iter().copied().fold(0.0, f64::max);
+        let (first, second) = self.x.split_at(self.x.len() / 2);
+        Self { growth: Some(largest(second) / largest(first)), ..self }
+    }
+
+    /// Largest relative deviation of |x_n| from 2n + 1.
+    fn off_the_line(&self) -> f64 {
+        let off = (1..).zip(&self.x).map(|(n, x)| (x / (2.0 * f64::from(n) + 1.0) - 1.0).abs());
+        off.fold(0.0, f64::max)
+    }
+}
+
 /// Where all runs start: x = 1 σ, at rest.
 const START: (f64, f64) = (1.0, 0.0);
 
-/// |x| after each of the steps, σ.
-fn displacements(method: &'static str, spring: Spring, steps: u32) -> Result<Vec<f64>, StudyError> {
-    let mut rig = spring.start(entry(method)?, START, STEP)?;
-    (0..steps).map(|_| Ok(rig.next_point()?.x.abs())).collect()
-}
-
-fn growth_of_halves(x: &[f64]) -> f64 {
-    let largest = |x: &[f64]| x.iter().copied().fold(0.0, f64::max);
-    let (first, second) = x.split_at(x.len() / 2);
-    largest(second) / largest(first)
-}
-
-fn deviation_from_linear(x: &[f64]) -> f64 {
-    let off = (1..).zip(x).map(|(n, x)| (x / (2.0 * f64::from(n) + 1.0) - 1.0).abs());
-    off.fold(0.0, f64::max)
-}
-
-/// The values at the steps that are shown.
-fn shown(values: &[f64], steps: &[u32]) -> Vec<f64> {
-    let at = |n: &u32| values.get(*n as usize - 1).copied();
-    steps.iter().filter_map(at).collect()
-}
-
-/// Measures everything.
-pub(crate) fn measure(quick: bool) -> Result<Infinite, StudyError> {
+/// Measures everything: SPOOK at ε = 0 with each damping time and at large finite stiffnesses, and symplectic Euler at its
+/// limit, whose map on (x, h·v) is [[−3, 1], [−4, 1]], the one of SPOOK at ε = 0 and τ = 0.
+pub(super) fn measure(quick: bool, found: &mut Found) -> Result<(), StudyError> {
     let spook = entry(SPOOK)?;
     let steps = if quick { STEPS / 5 } else { STEPS };
-    let shown_steps = shown_steps();
-    let mut undamped_deviation = f64::NAN;
-    let mut rigid = Vec::new();
+    let limit = Spring::Stiffness(4.0 * MASS / (STEP * STEP));
+    let at_limit = Run::of("symplectic-euler", "k = 4m/h²".into(), limit, steps)?.growing();
+    let mut runs = Vec::new();
     for damping_steps in DAMPING_STEPS {
         let damping_time = damping_steps * STEP;
         let spring = Spring::Constraint { compliance: 0.0, damping_time };
-        let gamma = 1.0 / (1.0 + 4.0 * damping_steps);
-        let x = displacements(SPOOK, spring, steps)?;
-        if damping_steps == 0.0 {
-            undamped_deviation = deviation_from_linear(&x);
+        let radius = rigid_map(1.0 / (1.0 + 4.0 * damping_steps)).radius();
+        let measured = next_map(&mut spring.start(spook, START, STEP)?)?.radius();
+        let name = format!("k = inf, tau/h = {damping_steps}");
+        let run = Run::of(SPOOK, name, spring, steps)?.growing();
+        if damping_steps != 0.0 {
+            let number = found.numbers.add("radius at k = ∞", measured);
+            number.of("tau", damping_steps).theory(radius);
         }
-        rigid.push(RigidRun {
-            damping_steps,
-            gamma,
-            theory_radius: rigid_map(gamma).radius(),
-            measured_radius: next_map(&mut spring.start(spook, START, STEP)?)?.radius(),
-            last_displacement: x.last().copied().unwrap_or(f64::NAN),
-            growth_of_halves: growth_of_halves(&x),
-            displacements: shown(&x, &shown_steps),
-        });
+        runs.push(Run { radius: Some((radius, measured)), ..run });
     }
-    let stiff = APPROACH
-        .iter()
-        .map(|omega_h| {
-            let spring = Spring::Stiffness((omega_h / STEP).powi(2));
-            // Near the end of the line x turns by π − 4/(ωh) per step: a beat takes π·ωh/4 steps.
-            let enough = (4.0 * omega_h) as u32 + 1000;
-            Ok(StiffRun {
-                omega_h: *omega_h,
-                theory_amplitude: 1.0_f64.hypot(0.5 * omega_h),
-                measured_amplitude: excursion(spook, spring, STEP, enough, f64::INFINITY)?
-                    .largest(),
-                displacements: shown(&displacements(SPOOK, spring, SHOWN)?, &shown_steps),
-            })
-        })
-        .collect::<Result<_, StudyError>>()?;
-    let limit = Spring::Stiffness(4.0 * MASS / (STEP * STEP));
-    let at_limit = displacements("symplectic-euler", limit, steps)?;
-    Ok(Infinite {
-        steps,
-        shown_steps,
-        rigid,
-        deviation_from_linear: undamped_deviation,
-        at_limit: AtLimit {
-            growth_of_halves: growth_of_halves(&at_limit),
-            deviation_from_linear: deviation_from_linear(&at_limit),
-        },
-        stiff,
-    })
+    let n = f64::from(steps);
+    for (at, run) in [("k = 4m/h²", &at_limit), ("k = ∞", &runs[0])] {
+        let number =
+            found.numbers.add("growth with one eigenvector", run.growth.unwrap_or(f64::NAN));
+        number.of("at", at).theory((2.0 * n + 1.0) / (n + 1.0));
+    }
+    found.word("steps at infinity", steps.to_string());
+    found.word("last displacement", significant(runs[0].x[steps as usize - 1], 7));
+    found.word("deviation", significant(runs[0].off_the_line(), 1));
+    found.word("deviation at the limit", significant(at_limit.off_the_line(), 1));
+    for omega_h in APPROACH {
+        let spring = Spring::Stiffness((omega_h / STEP).powi(2));
+        // Near the end of the line x turns by π − 4/(ωh) per step: a beat takes π·ωh/4 steps.
+        let enough = (4.0 * omega_h) as u32 + 1000;
+        let measured = excursion(spook, spring, STEP, enough, f64::INFINITY)?.largest;
+        let amplitude = Some((1.0_f64.hypot(0.5 * omega_h), measured));
+        let run = Run::of(SPOOK, format!("omega h = {omega_h}"), spring, SHOWN)?;
+        runs.push(Run { amplitude, ..run });
+    }
+    let mut shown = Vec::new();
+    for run in &runs {
+        let mut largest = 0.0_f64;
+        for n in shown_steps() {
+            let x = run.x[n as usize - 1];
+            largest = largest.max(x);
+            shown.push((&run.name, n, x, largest));
+        }
+    }
+    let curves = Table::rows_of("infinite-stiffness", &shown)
+        .column("run", |p| p.0)
+        .column("step", |p| p.1)
+        .column("|x| [σ]", |p| p.2)
+        .column("largest |x|", |p| p.3)
+        .column("2n + 1", |p| 2.0 * f64::from(p.1) + 1.0);
+    found.curves.push(curves.table());
+    runs.push(at_limit);
+    let table = Table::rows_of("at-infinity", &runs)
+        .column("run", |r| &r.name)
+        .column("radius by theory", |r| r.radius.map(|radius| radius.0))
+        .column("radius measured", |r| r.radius.map(|radius| radius.1))
+        .column("amplitude by theory [σ]", |r| r.amplitude.map(|amplitude| amplitude.0))
+        .column("amplitude measured [σ]", |r| r.amplitude.map(|amplitude| amplitude.1))
+        .column("growth of halves", |r| r.growth)
+        .column("last |x| [σ]", |r| r.x.last().copied())
+        .column("deviation from 2n + 1", Run::off_the_line);
+    found.tables.push(table.table());
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,31 +1,30 @@
 //! `lennard study stability`: where each integrator fails, on the oscillator and on the fluid. Theory and
 //! measurement stand in one picture, with a verdict for each claim.
 //!
-//! The oscillator part goes over the list of integrators. A new integrator of that list is measured and drawn
-//! here without a change of this crate.
+//! Each part measures its numbers and adds them to [`Found`]: as rows of tables, which are files, figures and tables of the
+//! page, and as numbers that judge claims. The oscillator part goes over the list of integrators. A new integrator of that
+//! list is measured and drawn here without a change of this crate.
 
-pub mod amplification;
-pub mod discretisation;
-pub mod displacement;
+mod amplification;
+mod discretisation;
+mod displacement;
 pub(crate) mod fit;
 pub mod fluid;
-pub mod groups;
-pub mod infinite;
+pub(crate) mod groups;
+mod infinite;
 pub(crate) mod map;
-mod numbers;
-pub mod orders;
+mod orders;
 pub(crate) mod oscillator;
-mod study;
-mod tables;
-pub mod variable_step;
+mod variable_step;
 
 use lennard_observables::Table;
+use serde::Serialize;
 
-pub use study::{OscillatorStudy, StabilityStudy};
-
+use crate::claims::{Claim, Numbers};
 use crate::progress::Part;
-use crate::report::Page;
+use crate::report::{Given, Page};
 use crate::{Progress, Study, StudyError, StudyOptions};
+use fluid::FluidStudy;
 
 /// Who claims what about integrators.
 const CLAIMS: &str = include_str!("claims.csv");
@@ -36,6 +35,47 @@ const PAGE: &str = include_str!("page.toml");
 /// Share of the oscillator part in the time of the whole study.
 const OSCILLATOR_SHARE: f64 = 0.03;
 
+/// Everything found.
+#[derive(Debug, Clone, Serialize)]
+pub struct StabilityStudy {
+    /// Name and version of the schema.
+    pub schema: &'static str,
+    /// What was asked for.
+    pub options: StudyOptions,
+    /// The oscillator.
+    pub oscillator: Vec<Table>,
+    /// The fluid.
+    pub fluid: FluidStudy,
+    /// What is claimed, by whom, and whether it holds.
+    pub claims: Vec<Claim>,
+    /// Tables of curves.
+    #[serde(skip)]
+    curves: Vec<Table>,
+    /// What else the text of the page names.
+    #[serde(skip)]
+    given: Given,
+}
+
+/// What the parts of the study have found so far.
+#[derive(Debug, Default)]
+struct Found {
+    /// Tables of numbers.
+    tables: Vec<Table>,
+    /// Tables of curves, which are files and figures alone.
+    curves: Vec<Table>,
+    /// Numbers that judge claims.
+    numbers: Numbers,
+    /// Words and lists of the page, and tables that are on the page alone.
+    given: Given,
+}
+
+impl Found {
+    /// Words that the text of the page has in braces.
+    fn word(&mut self, name: &'static str, word: String) {
+        self.given.words.push((name, word));
+    }
+}
+
 /// Runs the study.
 ///
 /// # Errors
@@ -45,54 +85,50 @@ pub fn run(
     options: &StudyOptions,
     progress: &mut dyn Progress,
 ) -> Result<StabilityStudy, StudyError> {
-    let oscillator = oscillator(options.quick, progress)?;
+    let mut found = oscillator(options.quick, progress)?;
     let fluid = fluid::measure(options.quick, &mut Part::of(progress, OSCILLATOR_SHARE, 1.0))?;
-    let mut numbers = numbers::on_the_oscillator(&oscillator)?;
-    numbers::on_the_fluid(&fluid, &mut numbers);
-    let claims = crate::claims::all_judged(CLAIMS, &numbers)?;
+    fluid::numbers(&fluid, &mut found.numbers);
+    let claims = crate::claims::all_judged(CLAIMS, &found.numbers)?;
     progress.update("done", 1.0);
     Ok(StabilityStudy {
-        schema: lennard_io::schema!("stability", 1),
+        schema: lennard_io::schema!("stability", 2),
         options: options.clone(),
-        oscillator,
+        oscillator: found.tables,
         fluid,
         claims,
+        curves: found.curves,
+        given: found.given,
     })
 }
 
 /// Runs the oscillator part.
-fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<OscillatorStudy, StudyError> {
+fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<Found, StudyError> {
     let mut at = |label: &str, share: f64| progress.update(label, share * OSCILLATOR_SHARE);
+    let mut found = Found::default();
     at("amplification and limits", 0.0);
     let groups = groups::groups();
-    let methods = amplification::measure(&groups, quick)?;
+    amplification::measure(&groups, quick, &mut found)?;
     at("displacement and energy", 0.5);
-    let cases = displacement::measure(&groups)?;
+    displacement::measure(&groups, &mut found)?;
     at("infinite stiffness", 0.8);
-    let infinite = infinite::measure(quick)?;
+    infinite::measure(quick, &mut found)?;
     at("orders", 0.9);
-    Ok(OscillatorStudy {
-        methods,
-        cases,
-        infinite,
-        growth: discretisation::measure()?,
-        step_rules: variable_step::measure()?,
-        refused_changes: variable_step::refused_changes()?,
-        orders: orders::measure(&groups, quick)?,
-        groups,
-    })
+    discretisation::measure(&mut found)?;
+    orders::measure(&groups, quick, &mut found)?;
+    Ok(found)
 }
 
 impl Study for StabilityStudy {
     fn tables(&self) -> Vec<Table> {
-        let mut tables = tables::csv(&self.oscillator);
+        let mut tables = [&self.oscillator[..], &self.curves].concat();
         tables.extend(fluid::csv(&self.fluid));
         tables.push(crate::claims::csv(&self.claims));
         tables
     }
 
     fn page(&self) -> Result<Page, StudyError> {
-        let mut given = tables::given(&self.oscillator);
+        let mut given = self.given.clone();
+        given.tables.extend([&self.oscillator[..], &self.curves].concat());
         fluid::give(&self.fluid, &mut given);
         crate::claims::page(PAGE, &self.options, &self.claims, given)
     }

@@ -77,22 +77,10 @@ pub(crate) fn measured_map(
 /// How far a long run strays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Excursion {
-    /// max |x| over the first half of the steps.
-    pub(crate) first_half: f64,
-    /// max |x| over the second half; infinite where the run ended early.
-    pub(crate) second_half: f64,
-}
-
-impl Excursion {
-    /// max |x| over the whole run.
-    pub(crate) fn largest(self) -> f64 {
-        self.first_half.max(self.second_half)
-    }
-
-    /// How much larger the second half is: 1 for a bounded run, 2 for linear growth.
-    pub(crate) fn growth(self) -> f64 {
-        self.second_half / self.first_half
-    }
+    /// max |x| over the whole run; infinite where it ended early.
+    pub(crate) largest: f64,
+    /// max |x| over the second half of the steps over the same of the first half: 1 for a bounded run, 2 for linear growth.
+    pub(crate) growth: f64,
 }
 
 /// Runs `steps` steps from (1, 0) and records how far x strays. A run whose x passes `bound`, or that
@@ -119,5 +107,5 @@ pub(crate) fn excursion(
         }
         *half = half.max(x);
     }
-    Ok(Excursion { first_half: halves[0], second_half: halves[1] })
+    Ok(Excursion { largest: halves[0].max(halves[1]), growth: halves[1] / halves[0] })
 }

@@ -1,10 +1,11 @@
 //! A4: a step that changes, under the plain, the time-corrected and the more exact rule.
 
 use lennard_integrators::stormer_verlet::StepRule;
-use serde::Serialize;
+use lennard_observables::Table;
 
-use super::fit;
+use super::Found;
 use super::groups::entry;
+use super::orders::ErrorLine;
 use super::oscillator::Spring;
 use crate::StudyError;
 
@@ -20,22 +21,6 @@ const LONG_STEPS: u32 = 7;
 const SHOWN_STEP: f64 = 0.125;
 /// Start (x, v): neither at rest nor at zero.
 const START: (f64, f64) = (1.0, 0.3);
-
-/// One rule.
-#[derive(Debug, Clone, Serialize)]
-pub struct StepRuleRun {
-    /// Name of the rule.
-    pub rule: &'static str,
-    /// The method that implements it; the plain rule is refused by `stormer-verlet`, as it must be.
-    pub method: Option<&'static str>,
-    /// (long step h, largest error of x over the run).
-    pub errors: Vec<(f64, f64)>,
-    /// Order of that error.
-    pub order: Option<f64>,
-    /// (t, x) of the run of the figure.
-    #[serde(skip)]
-    pub path: Vec<(f64, f64)>,
-}
 
 /// The step of each step: blocks of the long one and of the short one by turns.
 fn schedule(long: f64) -> Vec<f64> {
@@ -80,41 +65,43 @@ fn path(method: &'static str, steps: &[f64]) -> Result<Vec<(f64, f64)>, StudyErr
     Ok(path)
 }
 
-/// Runs every rule.
-pub(crate) fn measure() -> Result<Vec<StepRuleRun>, StudyError> {
-    [
+/// Runs every rule; the plain one is refused by `stormer-verlet`, as it must be. The errors against the long step come back.
+pub(super) fn measure(found: &mut Found) -> Result<Vec<ErrorLine>, StudyError> {
+    let at = |i: u32| END * f64::from(i) / 240.0;
+    let mut shown: Vec<_> = (0..=240).map(|i| ("analytic", at(i), exact(at(i)))).collect();
+    let mut lines = Vec::new();
+    for (rule, method) in [
         ("plain rule", None),
         ("time-corrected", Some("stormer-verlet-time-corrected")),
         ("more exact", Some("stormer-verlet-variable")),
         ("velocity Verlet", Some("velocity-verlet")),
-    ]
-    .into_iter()
-    .map(|(rule, method)| {
+    ] {
         let path = |long: f64| {
             let steps = schedule(long);
             method.map_or_else(|| Ok(plain_path(&steps)), |m| path(m, &steps))
         };
-        let errors = (0..LONG_STEPS)
-            .map(|i| {
-                let long = 0.25 * 0.5_f64.powi(i as i32);
-                let error =
-                    path(long)?.iter().map(|(t, x)| (x - exact(*t)).abs()).fold(0.0, f64::max);
-                Ok((long, error))
-            })
-            .collect::<Result<Vec<_>, StudyError>>()?;
-        Ok(StepRuleRun {
-            rule,
-            method,
-            order: fit::order(&errors, 0.0),
-            errors,
-            path: path(SHOWN_STEP)?,
-        })
-    })
-    .collect()
+        let error = |i: u32| {
+            let long = 0.25 * 0.5_f64.powi(i as i32);
+            let errors = path(long)?.into_iter().map(|(t, x)| (x - exact(t)).abs());
+            Ok((long, errors.fold(0.0, f64::max)))
+        };
+        let errors = (0..LONG_STEPS).map(error).collect::<Result<_, StudyError>>()?;
+        let line = ErrorLine { kind: "changing step", name: rule.into(), theory: None, errors };
+        found.numbers.add("order with a changing step", line.order()).of("rule", rule);
+        lines.push(line);
+        shown.extend(path(SHOWN_STEP)?.into_iter().map(|(t, x)| (rule, t, x)));
+    }
+    let table = Table::rows_of("variable-step", &shown)
+        .column("rule", |p| p.0)
+        .column("time [τ]", |p| p.1)
+        .column("x [σ]", |p| p.2);
+    found.curves.push(table.table());
+    found.numbers.add("refused changes of the step", refused_changes()?);
+    Ok(lines)
 }
 
 /// The share of changes of its step that SPOOK refuses, after one step of another length.
-pub(crate) fn refused_changes() -> Result<f64, StudyError> {
+fn refused_changes() -> Result<f64, StudyError> {
     let changes = [0.5, 1.001, 2.0];
     let mut refused = 0.0;
     for change in changes {
@@ -124,11 +111,6 @@ pub(crate) fn refused_changes() -> Result<f64, StudyError> {
         refused += f64::from(u8::from(rig.try_step().is_err()));
     }
     Ok(refused / changes.len() as f64)
-}
-
-/// The exact solution on the figure's times.
-pub(crate) fn exact_path() -> Vec<(f64, f64)> {
-    (0..=240).map(|i| END * f64::from(i) / 240.0).map(|t| (t, exact(t))).collect()
 }
 
 #[cfg(test)]
@@ -145,8 +127,8 @@ mod tests {
 
     #[test]
     fn only_the_corrected_rules_converge() {
-        let runs = measure().unwrap();
-        let order = |i: usize| runs[i].order.unwrap();
+        let lines = measure(&mut Found::default()).unwrap();
+        let order = |i: usize| lines[i].order();
         assert!(order(0).abs() < 0.05, "the plain rule has order {}", order(0));
         assert!((order(1) - 1.0).abs() < 0.05, "time-corrected: {}", order(1));
         assert!((order(2) - 2.0).abs() < 0.05, "more exact: {}", order(2));

@@ -10,6 +10,7 @@ mod tables;
 use lennard_forcefield::Precision;
 use lennard_integrators::{IntegratorEntry, OscillatorModel, integrators};
 
+use crate::claims::Numbers;
 use crate::jobs::side_by_side;
 use crate::stability::groups::{entry, stands_for_itself};
 use crate::{Progress, StudyError};
@@ -208,4 +209,21 @@ fn edges(
         }
     }
     Ok((double, mixed, past))
+}
+
+/// Adds the numbers that judge claims: the fluid is a conservative system of many particles.
+pub(super) fn numbers(study: &FluidStudy, all: &mut Numbers) {
+    for name in ["velocity-verlet", "stormer-verlet", "leapfrog"] {
+        let runs = study.runs.iter().filter(|r| r.method == name && r.completed());
+        let momentum = runs.filter_map(|r| r.momentum).fold(f64::NAN, f64::max);
+        all.add("momentum of the fluid", momentum).of("method", name);
+    }
+    let last = study.double.len().saturating_sub(2);
+    if let [coarse, fine] = &study.double[last..]
+        && let (Some(a), Some(b)) = (coarse.fluctuation, fine.fluctuation)
+    {
+        let order = (b / a).ln() / (fine.dt / coarse.dt).ln();
+        let number = all.add("order of the energy of the fluid", order);
+        number.of("coarse", coarse.dt).of("fine", fine.dt);
+    }
 }

@@ -8,7 +8,6 @@ use super::start::{self, STATES, TRUNCATIONS};
 use super::study::{FluidStudy, SHOWN_TRUNCATION, limit_at};
 use crate::report::{Drawn, Given, significant};
 use crate::stability::groups::{Group, groups};
-use crate::stability::tables::of_groups;
 
 /// The state points in names of files.
 const PLACES: [&str; 3] = ["triple-point", "t-1.5", "t-5"];
@@ -78,7 +77,8 @@ fn extended(study: &FluidStudy, groups: &[Group], table: Table) -> Table {
         let stands = |(m, g): (&&str, &usize)| groups[*g].representative().spec.name == *m;
         let drawn = methods.iter().zip(&of_rows).map(stands);
         let table = table.and("drawn", drawn.map(|drawn| if drawn { "yes" } else { "no" }));
-        of_groups(table, groups, &of_rows)
+        let names = of_rows.iter().map(|g| groups[*g].name.as_str());
+        table.and("group", names).and("index", of_rows.iter().copied())
     };
     let of_runs = |table: Table, runs: &[&FluidRun]| {
         let table = table
