@@ -1,21 +1,36 @@
 //! Errors of short trajectories: against one that is all but exact, and there and back.
 
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError};
 
 use glam::DVec3;
 use lennard_core::{State, Want};
-use lennard_forcefield::{ListMode, Precision};
+use lennard_forcefield::{ListMode, Precision, TruncationOptions};
 use lennard_integrators::{IntegratorOptions, blanes_moan};
 use serde::{Deserialize, Serialize};
 
 use super::rig::Rig;
-use super::tight::TightTrajectory;
 use super::workbench::Workbench;
 use crate::StudyError;
 use crate::settings::Settings;
 
 /// Step of the trajectories that others are compared with, τ, made with the method of Blanes and Moan.
 const REFERENCE_DT: f64 = 0.001;
+
+/// Where a tight trajectory ends, and how well that is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TightTrajectory {
+    /// Unwrapped positions, `[N]`, σ.
+    pub positions: Vec<DVec3>,
+    /// Root mean square distance from a trajectory with twice the step, σ.
+    pub floor: f64,
+}
+
+/// A tight trajectory that is known.
+pub(super) struct Tight {
+    truncation: TruncationOptions,
+    time: f64,
+    trajectory: Arc<TightTrajectory>,
+}
 
 /// How far a short trajectory has gone astray.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -70,17 +85,17 @@ impl Workbench {
         settings: &Settings,
         time: f64,
     ) -> Result<Arc<TightTrajectory>, StudyError> {
-        let slot = self
-            .references
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner)
-            .slot(settings.truncation, time);
-        if let Some(there) = slot.get() {
-            return Ok(Arc::clone(there));
+        // A tail correction moves no particle.
+        let truncation = TruncationOptions { tail_correction: false, ..settings.truncation };
+        let all = || self.tight.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_it = |known: &&Tight| known.truncation == truncation && known.time == time;
+        if let Some(known) = all().iter().find(is_it) {
+            return Ok(Arc::clone(&known.trajectory));
         }
-        let found = Arc::new(self.compute_tight_trajectory(settings, time)?);
+        let trajectory = Arc::new(self.compute_tight_trajectory(settings, time)?);
         // Another thread may have been faster, with the same numbers.
-        Ok(Arc::clone(slot.get_or_init(|| found)))
+        all().push(Tight { truncation, time, trajectory: Arc::clone(&trajectory) });
+        Ok(trajectory)
     }
 
     /// Root mean square distance, σ, of the particles from their start after `time` τ forward at constant energy and

@@ -8,8 +8,8 @@ use lennard_forcefield::PairForces;
 use lennard_scene::{Scene, Stage};
 use serde::{Deserialize, Serialize};
 
+use super::motion::Tight;
 use super::start::Start;
-use super::tight::References;
 use super::untruncated::Untruncated;
 use crate::StudyError;
 use crate::settings::Settings;
@@ -21,7 +21,7 @@ pub struct Workbench {
     scene: Scene,
     start: Start,
     pub(super) untruncated: OnceLock<Untruncated>,
-    pub(super) references: Mutex<References>,
+    pub(super) tight: Mutex<Vec<Tight>>,
 }
 
 /// A run that failed: a result, and no error of the study.
@@ -77,7 +77,7 @@ impl Workbench {
             scene: scene.clone(),
             start,
             untruncated: OnceLock::new(),
-            references: Mutex::new(References::default()),
+            tight: Mutex::default(),
         }
     }
 
