@@ -56,13 +56,14 @@ impl Shipped {
         is_text_of_study(self.text)
     }
 
-    /// The command that runs the file: `run`, or for a study `sweep` or `chart`.
+    /// The command that runs the file: `run`, or for a study `sweep`, or the command of its reading.
     #[must_use]
     pub fn command(&self) -> &'static str {
-        let is_chart = || self.text.lines().any(|line| line == "reading = \"chart\"");
+        let reads = |line: &str| self.text.lines().any(|own| own == line);
         match self.is_study() {
             false => "run",
-            true if is_chart() => "chart",
+            true if reads("reading = \"chart\"") => "chart",
+            true if reads("reading = \"stability\"") => "study stability",
             true => "sweep",
         }
     }

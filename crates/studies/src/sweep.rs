@@ -12,7 +12,7 @@ mod script;
 mod swept;
 
 pub use error::SweepError;
-pub use load::{chart, load, over, plan};
+pub use load::{chart, load, over, plan, stability};
 pub use plan::{LeftOut, Plan, PlannedPoint, Point, Setting, SettingValue, Sweep};
 pub use point_run::{SweepOptions, workers};
 pub use record::files;

@@ -234,7 +234,7 @@ pub enum StudyCommand {
         lennard study mechanics --quick\n  \
         lennard study mechanics --out runs/mechanics\n  \
         lennard study mechanics --quick --json > mechanics.json")]
-    Mechanics(StabilityArgs),
+    Mechanics(StudyArgs),
 }
 
 /// What `lennard generate` makes for other programs.

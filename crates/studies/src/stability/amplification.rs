@@ -1,11 +1,12 @@
 //! Amplification and phase of the one-step map against ωh, and the stability limits.
 
-use lennard_integrators::IntegratorEntry;
+use glam::DMat2;
 use lennard_observables::{Cell, Table};
+use lennard_integrators::IntegratorEntry;
 use rayon::prelude::*;
 
 use super::Found;
-use super::groups::{Group, methods};
+use super::groups::{group_of, groups, methods};
 use super::map::StepMap;
 use super::oscillator::{Spring, excursion, measured_map};
 use crate::StudyError;
@@ -29,42 +30,39 @@ const SMALLEST_OMEGA_H: f64 = 0.01;
 /// How far above 1 a spectral radius must be to count as growth: rounding makes √(8·10⁻¹⁶) of a double
 /// eigenvalue.
 const RADIUS_ROUNDING: f64 = 1e-7;
-/// The largest spectral radius shown.
-const TALLEST: f64 = 3.0;
 /// Points of a line less one.
 const DENSE: u32 = 499;
 /// Steps over which growth is averaged.
 const GROWTH_STEPS: u32 = 1_000;
 
-/// The map that a method declares. A method without one is measured without a theory line.
-pub(crate) fn theory(entry: &IntegratorEntry, omega_h: f64) -> Option<StepMap> {
-    entry.spec.oscillator_map.map(|map| StepMap(map(omega_h, 1.0)))
+/// The map that a method declares. A method without one is measured without a theory line: its numbers are none.
+pub(crate) fn theory(entry: &IntegratorEntry, omega_h: f64) -> StepMap {
+    StepMap(entry.spec.oscillator_map.map_or(DMat2::NAN, |map| map(omega_h, 1.0)))
 }
 
-/// Measures the map and the limits of every method of the groups.
-pub(super) fn measure(groups: &[Group], quick: bool, found: &mut Found) -> Result<(), StudyError> {
-    let methods = methods(groups);
+/// Measures the map and the limits of every method.
+pub(super) fn measure(quick: bool, found: &mut Found) -> Result<(), StudyError> {
+    let methods = methods();
     // Each method is sampled at places of its own, so that equal marks lie side by side.
     let stride = if quick { 0.8 } else { 0.4 };
     let first = |i: usize| 0.05 + stride * (i as f64 / methods.len() as f64);
-    let measured = methods.par_iter().enumerate().map(|(i, (g, entry))| {
+    let measured = methods.par_iter().enumerate().map(|(i, entry)| {
         let places = std::iter::successors(Some(first(i)), |x| Some(x + stride));
-        let points = places.take_while(|x| *x <= 4.0).map(|x| {
-            let map = measured_map(entry, x, 1.0)?;
-            Ok((entry.spec.name, *g, x, theory(entry, x), map, map.radius()))
-        });
+        let points = places
+            .take_while(|x| *x <= 4.0)
+            .map(|x| Ok((entry.spec.name, x, theory(entry, x), measured_map(entry, x, 1.0)?)));
         let points = points.collect::<Result<Vec<_>, StudyError>>()?;
         let limit = measured_limit(entry)?;
         // A method without a limit is tried far out.
         let at_1000 = limit.is_none().then(|| bounded(entry, 1000.0, BISECTION_STEPS));
-        let differs = |p: &(_, _, _, Option<StepMap>, _, f64)| (p.5 / radius(p.3) - 1.0).abs();
-        let most = points.iter().map(differs).fold(0.0, f64::max);
-        Ok((points, (entry.spec, *g, theory_limit(entry), limit, at_1000.transpose()?, most)))
+        let differs = points.iter().map(|p| (p.3.radius() / p.2.radius() - 1.0).abs());
+        let most = differs.fold(0.0, f64::max);
+        Ok((points, (entry.spec, theory_limit(entry), limit, at_1000.transpose()?, most)))
     });
     let measured = measured.collect::<Result<Vec<_>, StudyError>>()?;
     let (points, limits): (Vec<_>, Vec<_>) = measured.into_iter().unzip();
     let points = points.concat();
-    for (spec, _, theory, limit, at_1000, _) in &limits {
+    for (spec, theory, limit, at_1000, _) in &limits {
         let reached = match (spec.stability_limit, at_1000) {
             (None, Some(false)) => 1000.0,
             _ => limit.unwrap_or(f64::INFINITY),
@@ -75,15 +73,14 @@ pub(super) fn measure(groups: &[Group], quick: bool, found: &mut Found) -> Resul
     }
     let amplification = Table::rows_of("amplification", &points)
         .column("method", |p| p.0)
-        .column("omega h", |p| p.2)
-        .column("radius by theory", |p| radius(p.3))
-        .column("radius measured", |p| p.5)
-        .column("phase by theory", |p| p.3.and_then(StepMap::phase))
-        .column("phase measured", |p| p.4.phase())
-        .column("radius shown", |p| Some(p.5).filter(|radius| *radius <= TALLEST))
-        .column("phase error", |p| p.4.phase().map(|phase| phase_error(p.2, phase)))
-        .column("group", |p| &groups[p.1].name)
-        .column("index", |p| p.1);
+        .column("omega h", |p| p.1)
+        .column("radius by theory", |p| p.2.radius())
+        .column("radius measured", |p| p.3.radius())
+        .column("phase by theory", |p| p.2.phase())
+        .column("phase measured", |p| p.3.phase())
+        .column("phase error", |p| p.3.phase().map(|phase| (phase / p.1 - 1.0).abs()))
+        .column("group", |p| group_of(p.0).1.name.as_str())
+        .column("index", |p| group_of(p.0).0);
     let caption = "The largest stable ωh on the oscillator: as declared, from the declared map up to ωh = 12, and by \
                    bisection over runs of 50 000 steps, which count as bounded while |x| < 10⁶. A dash: there is no \
                    limit, and the method is tried at ωh = 1000. The last column is the largest relative difference \
@@ -91,53 +88,36 @@ pub(super) fn measure(groups: &[Group], quick: bool, found: &mut Found) -> Resul
     let limits = Table::rows_of("limits", &limits)
         .caption(caption)
         .column("method", |m| m.0.name)
-        .column("group", |m| &groups[m.1].name)
+        .column("group", |m| group_of(m.0.name).1.name.as_str())
         .column("limit declared", |m| Cell::rounded(m.0.stability_limit, 8))
-        .column("limit by theory", |m| Cell::rounded(m.2, 9))
-        .column("limit measured", |m| Cell::rounded(m.3, 9))
-        .column("bounded at omega h = 1000", |m| m.4)
-        .column("map differs by", |m| Cell::rounded(m.5, 1));
+        .column("limit by theory", |m| Cell::rounded(m.1, 9))
+        .column("limit measured", |m| Cell::rounded(m.2, 9))
+        .column("bounded at omega h = 1000", |m| m.3)
+        .column("map differs by", |m| Cell::rounded(m.4, 1));
     found.tables.extend([amplification.table(), limits.table()]);
-    found.curves.push(declared_maps(groups));
+    // The declared map of each group along ωh.
+    let along = |i: u32| 0.004 + (4.0 - 0.004) * f64::from(i) / f64::from(DENSE);
+    let places = (0..groups().len()).flat_map(|g| (0..=DENSE).map(move |i| (g, along(i))));
+    let maps: Vec<_> = places.map(|(g, x)| (g, x, theory(groups()[g].members[0], x))).collect();
+    let maps = Table::rows_of("maps", &maps)
+        .column("group", |p| groups()[p.0].name.as_str())
+        .column("index", |p| p.0)
+        .column("omega h", |p| p.1)
+        .column("radius", |p| p.2.radius())
+        .column("phase error", |p| {
+            // The exact solution has no phase error to show on a logarithmic axis.
+            let phase = p.2.phase().filter(|_| groups()[p.0].members[0].spec.position_order > 0);
+            phase.map(|phase| (phase / p.1 - 1.0).abs())
+        });
+    found.curves.push(maps.table());
     found.word("methods", methods.len().to_string());
-    let shared = groups.iter().filter(|g| g.members.len() > 1);
+    let shared = groups().iter().filter(|g| g.members.len() > 1);
     let of_one_map = shared.map(|group| {
         let names = group.members.iter().map(|m| format!("`{}`", m.spec.name));
         format!("One map, one line: {}.", names.collect::<Vec<_>>().join(", "))
     });
     found.given.lists.push(("groups", of_one_map.collect()));
     Ok(())
-}
-
-/// The spectral radius by theory; not a number without a theory.
-fn radius(theory: Option<StepMap>) -> f64 {
-    theory.map_or(f64::NAN, StepMap::radius)
-}
-
-/// |θ/(ωh) − 1|.
-fn phase_error(omega_h: f64, phase: f64) -> f64 {
-    (phase / omega_h - 1.0).abs()
-}
-
-/// The declared map of each group along ωh. The exact solution has no phase error to show on a logarithmic axis.
-fn declared_maps(groups: &[Group]) -> Table {
-    let share = |i: u32| f64::from(i) / f64::from(DENSE);
-    let of_phases = |share: f64| 0.05 * (3.2_f64 / 0.05).powf(share);
-    let along = |share: f64| 0.004 + (4.0 - 0.004) * share;
-    let places = (0..groups.len()).flat_map(|g| (0..=DENSE).map(move |i| (g, share(i))));
-    Table::rows_of("maps", &places.collect::<Vec<_>>())
-        .column("group", |(g, _)| &groups[*g].name)
-        .column("index", |(g, _)| *g)
-        .column("omega h", |(_, share)| along(*share))
-        .column("radius", |(g, share)| radius(theory(groups[*g].members[0], along(*share))))
-        .column("omega h of phases", |(_, share)| of_phases(*share))
-        .column("phase error", |(g, share)| {
-            let (method, x) = (groups[*g].members[0], of_phases(*share));
-            let phase = theory(method, x).and_then(StepMap::phase);
-            let is_exact = method.spec.position_order == 0;
-            phase.filter(|_| !is_exact).map(|phase| phase_error(x, phase))
-        })
-        .table()
 }
 
 fn bounded(entry: &IntegratorEntry, omega_h: f64, steps: u32) -> Result<bool, StudyError> {
@@ -157,8 +137,8 @@ fn measured_limit(entry: &IntegratorEntry) -> Result<Option<f64>, StudyError> {
 
 /// The first ωh at which the spectral radius of the declared map is above 1.
 fn theory_limit(entry: &IntegratorEntry) -> Option<f64> {
-    let map = |x| theory(entry, x).map(StepMap::radius);
-    let steady = |x| Ok(map(x).is_none_or(|r| r < 1.0 + RADIUS_ROUNDING));
+    let radius = |x| theory(entry, x).radius();
+    let steady = |x| Ok(radius(x).is_nan() || radius(x) < 1.0 + RADIUS_ROUNDING);
     let (good, bad) = first_failure(steady).ok().flatten()?;
     bisect(good, bad, steady).ok()
 }
@@ -203,11 +183,7 @@ fn bisect(
 ///
 /// Exact for methods whose map is a rotation times a factor, such as both plain Euler methods.
 pub(crate) fn mean_growth(entry: &IntegratorEntry, omega_h: f64) -> Result<f64, StudyError> {
-    let size = |z: glam::DVec2| z.x.hypot(z.y / omega_h);
     let spring = Spring::Stiffness(omega_h * omega_h);
-    let mut rig = spring.start(entry, (1.0, 0.0), 1.0)?;
-    for _ in 0..GROWTH_STEPS {
-        rig.step()?;
-    }
-    Ok(size(rig.point()).powf(1.0 / f64::from(GROWTH_STEPS)))
+    let last = spring.path(entry, (1.0, 0.0), 1.0, GROWTH_STEPS)?[GROWTH_STEPS as usize];
+    Ok(last.x.hypot(last.y / omega_h).powf(1.0 / f64::from(GROWTH_STEPS)))
 }

@@ -72,14 +72,8 @@ fn growing_root(z: f64) -> f64 {
 
 /// (wt, ln x_n − wt) at each step from x = 1.
 fn logarithms(z: f64, velocity: f64) -> Result<Vec<(f64, f64)>, StudyError> {
-    let method = entry("stormer-verlet")?;
-    let mut rig = Spring::Stiffness(-1.0).start(method, (1.0, velocity), z)?;
-    let steps = (END / z).round() as u32;
-    (1..=steps)
-        .map(|n| {
-            let x = rig.next_point()?.x;
-            let t = f64::from(n) * z;
-            Ok((t, x.ln() - t))
-        })
-        .collect()
+    let (method, steps) = (entry("stormer-verlet")?, (END / z).round() as u32);
+    let path = Spring::Stiffness(-1.0).path(method, (1.0, velocity), z, steps)?;
+    let times = (1..=steps).map(|n| f64::from(n) * z);
+    Ok(times.zip(&path[1..]).map(|(t, at)| (t, at.x.ln() - t)).collect())
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::Found;
 use super::amplification::{mean_growth, theory};
-use super::groups::{Group, methods};
+use super::groups::{group_of, groups, methods};
 use super::map::StepMap;
 use super::oscillator::{Excursion, Spring, excursion, measured_map};
 use crate::StudyError;
@@ -28,8 +28,6 @@ const LONG_RUN: u32 = 100_000;
 const DIVERGED: f64 = 1e12;
 /// |x| in σ at which a line that leaves its figure is not followed any further.
 const OUT_OF_SIGHT: f64 = 2e4;
-/// Steps shown in the close view of a stiff case.
-const CLOSE_STEPS: usize = 24;
 
 /// A stiffness, k = {k} ε/σ².
 #[derive(Clone, Copy)]
@@ -63,7 +61,7 @@ fn cases() -> [Case; 4] {
 /// A short run, for the figures.
 struct Short {
     case: Case,
-    group: usize,
+    method: &'static str,
     /// x in σ and ½kx² + ½mv² in ε, from time 0, one per step; ends early where the method stopped.
     points: Vec<(f64, f64)>,
     /// The last point that is in sight.
@@ -71,7 +69,7 @@ struct Short {
 }
 
 impl Short {
-    fn run(case: Case, group: usize, entry: &IntegratorEntry) -> Result<Self, StudyError> {
+    fn run(case: Case, entry: &IntegratorEntry) -> Result<Self, StudyError> {
         let mut rig = Spring::Stiffness(case.k).start(entry, (START, 0.0), STEP)?;
         let point = |z: DVec2| (z.x, 0.5 * case.k * z.x * z.x + 0.5 * MASS * z.y * z.y);
         let mut points = vec![point(DVec2::new(START, 0.0))];
@@ -80,13 +78,13 @@ impl Short {
         }
         let sight = points.iter().position(|(x, _)| x.abs() > OUT_OF_SIGHT);
         let sight = sight.unwrap_or(points.len() - 1);
-        Ok(Self { case, group, points, sight })
+        Ok(Self { case, method: entry.spec.name, points, sight })
     }
 
-    /// The time at which the method stopped, where that was at one of so many steps: one mark for each run.
-    fn stopped(&self, n: usize, within: usize) -> Option<f64> {
+    /// The time at which the method stopped, if it did.
+    fn stopped(&self) -> Option<f64> {
         let end = self.points.len() - 1;
-        (n == 0 && end < self.case.steps && end <= within).then_some(end as f64 * STEP)
+        (end < self.case.steps).then_some(end as f64 * STEP)
     }
 }
 
@@ -95,7 +93,7 @@ struct Long {
     case: Case,
     method: &'static str,
     /// The declared map in units of the step, so that x and v·h have the same size.
-    map: Option<StepMap>,
+    map: StepMap,
     measured: StepMap,
     far: Excursion,
 }
@@ -111,19 +109,15 @@ impl Long {
         })
     }
 
-    fn radius(&self) -> f64 {
-        self.map.map_or(f64::NAN, StepMap::radius)
-    }
-
     /// The amplitude by theory, σ; `None` where it grows, shrinks or has real eigenvalues.
     fn amplitude(&self) -> Option<f64> {
-        let neutral = self.map.filter(|m| (m.radius() - 1.0).abs() < 1e-9);
-        neutral.and_then(|m| m.amplitude(START, 0.0))
+        let is_neutral = (self.map.radius() - 1.0).abs() < 1e-9;
+        self.map.amplitude(START, 0.0).filter(|_| is_neutral)
     }
 
     /// The period of a map over the true one.
-    fn period(&self, map: Option<StepMap>) -> Option<f64> {
-        map.and_then(StepMap::phase).map(|phase| self.case.omega_h / phase)
+    fn period(&self, map: StepMap) -> Option<f64> {
+        map.phase().map(|phase| self.case.omega_h / phase)
     }
 
     /// The growth of halves; `None` where the run diverged.
@@ -139,33 +133,32 @@ impl Long {
             // The amplitude of SPOOK just outside the limit of symplectic Euler, where (ωh)² = 4 + h².
             number.of("method", self.method).of("swing", (2.0 + 0.25 * STEP * STEP).sqrt());
         };
-        let period = self.period(Some(self.measured)).unwrap_or(f64::NAN);
+        let period = self.period(self.measured).unwrap_or(f64::NAN);
         add("period", period, self.period(self.map));
         add("growth of halves", self.growth().unwrap_or(f64::INFINITY), None);
         add("amplitude", self.far.largest, self.amplitude());
         // Elsewhere a run that grows leaves the range of numbers within these steps.
         if self.case.name == "k-100" {
-            add("growth per step", mean_growth(entry, self.case.omega_h)?, Some(self.radius()));
+            add("growth per step", mean_growth(entry, self.case.omega_h)?, Some(self.map.radius()));
         }
         Ok(())
     }
 }
 
 /// Runs all cases: a short run of each group for the figures, and a long run of each method.
-pub(super) fn measure(groups: &[Group], found: &mut Found) -> Result<(), StudyError> {
-    let methods = methods(groups);
+pub(super) fn measure(found: &mut Found) -> Result<(), StudyError> {
+    let methods = methods();
     let (mut short, mut long) = (Vec::new(), Vec::new());
     for case in cases() {
-        let run = |g: usize| Short::run(case, g, groups[g].members[0]);
-        let runs = (0..groups.len()).into_par_iter().map(run);
+        let runs = groups().par_iter().map(|group| Short::run(case, group.members[0]));
         let mut runs = runs.collect::<Result<Vec<_>, _>>()?;
         // Large swings come first: small ones are drawn over them.
         let size = |r: &Short| r.points.iter().fold(0.0_f64, |m, (x, _)| m.max(x.abs()));
         runs.sort_by(|a, b| size(b).total_cmp(&size(a)));
         short.extend(runs);
-        let runs = methods.par_iter().map(|(_, entry)| Long::run(case, entry));
+        let runs = methods.par_iter().map(|entry| Long::run(case, entry));
         let runs = runs.collect::<Result<Vec<_>, _>>()?;
-        for ((_, entry), run) in methods.iter().zip(&runs) {
+        for (entry, run) in methods.iter().zip(&runs) {
             run.judge(entry, found)?;
         }
         let caption = format!(
@@ -187,18 +180,14 @@ pub(super) fn measure(groups: &[Group], found: &mut Found) -> Result<(), StudyEr
         .column("case", |(run, _)| run.case.name)
         .column("title", |(run, _)| run.case.title)
         .column("omega h", |(run, _)| Cell::figures(format!("{:.6}", run.case.omega_h)))
-        .column("group", |(run, _)| &groups[run.group].name)
-        .column("index", |(run, _)| run.group)
+        .column("group", |(run, _)| group_of(run.method).1.name.as_str())
+        .column("index", |(run, _)| group_of(run.method).0)
         .column("time [τ]", |(_, n)| *n as f64 * STEP)
         .column("x [σ]", |(run, n)| run.points[*n].0)
         .column("energy [ε]", |(run, n)| run.points[*n].1)
         .column("x in sight", |(run, n)| in_sight(run, *n, run.points[*n].0))
-        .column("x of first steps", |(run, n)| {
-            in_sight(run, *n, run.points[*n].0).filter(|_| *n <= CLOSE_STEPS)
-        })
         .column("energy in sight", |(run, n)| in_sight(run, *n, run.points[*n].1 / run.points[0].1))
-        .column("stopped", |(run, n)| run.stopped(*n, usize::MAX))
-        .column("stopped at first", |(run, n)| run.stopped(*n, CLOSE_STEPS));
+        .column("stopped", |(run, n)| run.stopped().filter(|_| *n == 0));
     found.curves.push(table.table());
     Ok(())
 }
@@ -218,13 +207,13 @@ fn fates(name: &str, runs: &[Long]) -> Table {
             };
             Cell::words(fate).toned(tone)
         })
-        .column("radius by theory", |r| Cell::rounded(r.radius(), 6))
+        .column("radius by theory", |r| Cell::rounded(r.map.radius(), 6))
         .column("amplitude by theory [σ]", |r| Cell::rounded(r.amplitude(), 7))
         .column("amplitude measured [σ]", |r| {
             Cell::rounded(Some(r.far.largest).filter(|x| x.is_finite()), 7)
         })
-        .column("growth of halves", |r| r.growth())
+        .column("growth of halves", Long::growth)
         .column("period ratio by theory", |r| Cell::rounded(r.period(r.map), 6))
-        .column("period ratio measured", |r| Cell::rounded(r.period(Some(r.measured)), 6))
+        .column("period ratio measured", |r| Cell::rounded(r.period(r.measured), 6))
         .table()
 }

@@ -1,5 +1,7 @@
 //! Methods that are the same map on the oscillator stand together: one theory line, many marks.
 
+use std::sync::LazyLock;
+
 use lennard_core::IntegratorSpec;
 use lennard_integrators::{IntegratorEntry, integrators};
 
@@ -30,12 +32,6 @@ impl Group {
     }
 }
 
-/// All methods, each with the index of its group.
-pub(crate) fn methods(groups: &[Group]) -> Vec<(usize, &'static IntegratorEntry)> {
-    let groups = groups.iter().enumerate();
-    groups.flat_map(|(g, group)| group.members.iter().map(move |entry| (g, *entry))).collect()
-}
-
 fn same_map(a: &IntegratorSpec, b: &IntegratorSpec) -> bool {
     let (Some(a), Some(b)) = (a.oscillator_map, b.oscillator_map) else {
         return false;
@@ -47,33 +43,46 @@ fn same_map(a: &IntegratorSpec, b: &IntegratorSpec) -> bool {
 }
 
 /// All integrators, grouped, in the order of the list.
-pub(crate) fn groups() -> Vec<Group> {
-    let mut groups: Vec<Group> = Vec::new();
-    for entry in integrators() {
-        match groups.iter_mut().find(|g| same_map(g.members[0].spec, entry.spec)) {
-            Some(group) => group.members.push(entry),
-            None => groups.push(Group { name: String::new(), members: vec![entry] }),
-        }
-    }
-    for group in &mut groups {
-        let first = group.members[0].spec.name;
-        group.name = match group.members.len() {
-            1 => first.to_owned(),
-            n if group.members.iter().any(|e| e.spec.name == FAMILY) => {
-                format!("Verlet family ({n})")
+pub(crate) fn groups() -> &'static [Group] {
+    static GROUPS: LazyLock<Vec<Group>> = LazyLock::new(|| {
+        let mut groups: Vec<Group> = Vec::new();
+        for entry in integrators() {
+            match groups.iter_mut().find(|g| same_map(g.members[0].spec, entry.spec)) {
+                Some(group) => group.members.push(entry),
+                None => groups.push(Group { name: String::new(), members: vec![entry] }),
             }
-            n => format!("{first} (+{})", n - 1),
-        };
-    }
-    groups
+        }
+        for group in &mut groups {
+            let first = group.members[0].spec.name;
+            group.name = match group.members.len() {
+                1 => first.to_owned(),
+                n if group.members.iter().any(|e| e.spec.name == FAMILY) => {
+                    format!("Verlet family ({n})")
+                }
+                n => format!("{first} (+{})", n - 1),
+            };
+        }
+        groups
+    });
+    &GROUPS
+}
+
+/// All methods, group by group.
+pub(crate) fn methods() -> Vec<&'static IntegratorEntry> {
+    groups().iter().flat_map(|group| group.members.iter().copied()).collect()
+}
+
+/// The group of a method, with its index.
+pub(crate) fn group_of(method: &str) -> (usize, &'static Group) {
+    let has = |group: &Group| group.members.iter().any(|e| e.spec.name == method);
+    let index = groups().iter().position(has).unwrap_or_default();
+    (index, &groups()[index])
 }
 
 /// Whether a method is drawn. Methods with one map on the oscillator run alike on the fluid up to rounding, and
 /// the best known method stands for all.
 pub(crate) fn stands_for_itself(method: &str) -> bool {
-    let groups = groups();
-    let group = groups.iter().find(|g| g.members.iter().any(|e| e.spec.name == method));
-    group.is_none_or(|g| g.representative().spec.name == method)
+    group_of(method).1.representative().spec.name == method
 }
 
 /// A method by name.

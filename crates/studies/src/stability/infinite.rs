@@ -7,7 +7,7 @@ use super::Found;
 use super::displacement::{MASS, STEP};
 use super::groups::entry;
 use super::map::StepMap;
-use super::oscillator::{Spring, excursion, next_map};
+use super::oscillator::{Spring, map_of};
 use crate::StudyError;
 use crate::report::significant;
 
@@ -35,17 +35,20 @@ fn shown_steps() -> Vec<u32> {
 }
 
 /// A run, and what theory has for it.
-#[derive(Default)]
 struct Run {
     name: String,
-    /// The spectral radius by theory and as three consecutive states show it.
-    radius: Option<(f64, f64)>,
+    /// |x| from the start on, one per step, σ.
+    x: Vec<f64>,
+    /// The one-step map that its first states show.
+    map: StepMap,
+    /// The spectral radius by theory.
+    radius: Option<f64>,
     /// max |x| in σ, by theory and over enough steps for more than a whole beat.
     amplitude: Option<(f64, f64)>,
-    /// How much farther the second half of the run strays than the first: 2 for linear growth.
-    growth: Option<f64>,
-    /// |x| after each step, σ.
-    x: Vec<f64>,
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().copied().fold(0.0, f64::max)
 }
 
 impl Run {
@@ -55,22 +58,21 @@ impl Run {
         spring: Spring,
         steps: u32,
     ) -> Result<Self, StudyError> {
-        let mut rig = spring.start(entry(method)?, START, STEP)?;
-        let x = (0..steps).map(|_| Ok(rig.next_point()?.x.abs()));
-        Ok(Self { name, x: x.collect::<Result<_, StudyError>>()?, ..Self::default() })
+        let path = spring.path(entry(method)?, START, STEP, steps)?;
+        let x = path.iter().map(|z| z.x.abs()).collect();
+        Ok(Self { name, x, map: map_of(&path), radius: None, amplitude: None })
     }
 
-    /// The same with the growth of its halves.
-    fn growing(self) -> Self {
-        let largest = |x: &[f64]| x.iter().copied().fold(0.0, f64::max);
-        let (first, second) = self.x.split_at(self.x.len() / 2);
-        Self { growth: Some(largest(second) / largest(first)), ..self }
+    /// max |x| of the second half of the run over the same of the first half: 2 for linear growth.
+    fn growth(&self) -> f64 {
+        let (first, second) = self.x[1..].split_at(self.x.len() / 2);
+        largest(second) / largest(first)
     }
 
     /// Largest relative deviation of |x_n| from 2n + 1.
     fn off_the_line(&self) -> f64 {
-        let off = (1..).zip(&self.x).map(|(n, x)| (x / (2.0 * f64::from(n) + 1.0) - 1.0).abs());
-        off.fold(0.0, f64::max)
+        let off = |(n, x): (usize, &f64)| (x / (2.0 * n as f64 + 1.0) - 1.0).abs();
+        self.x.iter().enumerate().map(off).fold(0.0, f64::max)
     }
 }
 
@@ -80,48 +82,44 @@ const START: (f64, f64) = (1.0, 0.0);
 /// Measures everything: SPOOK at ε = 0 with each damping time and at large finite stiffnesses, and symplectic Euler at its
 /// limit, whose map on (x, h·v) is [[−3, 1], [−4, 1]], the one of SPOOK at ε = 0 and τ = 0.
 pub(super) fn measure(quick: bool, found: &mut Found) -> Result<(), StudyError> {
-    let spook = entry(SPOOK)?;
     let steps = if quick { STEPS / 5 } else { STEPS };
     let limit = Spring::Stiffness(4.0 * MASS / (STEP * STEP));
-    let at_limit = Run::of("symplectic-euler", "k = 4m/h²".into(), limit, steps)?.growing();
+    let at_limit = Run::of("symplectic-euler", "k = 4m/h²".into(), limit, steps)?;
     let mut runs = Vec::new();
     for damping_steps in DAMPING_STEPS {
         let damping_time = damping_steps * STEP;
         let spring = Spring::Constraint { compliance: 0.0, damping_time };
         let radius = rigid_map(1.0 / (1.0 + 4.0 * damping_steps)).radius();
-        let measured = next_map(&mut spring.start(spook, START, STEP)?)?.radius();
         let name = format!("k = inf, tau/h = {damping_steps}");
-        let run = Run::of(SPOOK, name, spring, steps)?.growing();
+        let run = Run::of(SPOOK, name, spring, steps)?;
         if damping_steps != 0.0 {
-            let number = found.numbers.add("radius at k = ∞", measured);
+            let number = found.numbers.add("radius at k = ∞", run.map.radius());
             number.of("tau", damping_steps).theory(radius);
         }
-        runs.push(Run { radius: Some((radius, measured)), ..run });
+        runs.push(Run { radius: Some(radius), ..run });
     }
     let n = f64::from(steps);
     for (at, run) in [("k = 4m/h²", &at_limit), ("k = ∞", &runs[0])] {
-        let number =
-            found.numbers.add("growth with one eigenvector", run.growth.unwrap_or(f64::NAN));
+        let number = found.numbers.add("growth with one eigenvector", run.growth());
         number.of("at", at).theory((2.0 * n + 1.0) / (n + 1.0));
     }
     found.word("steps at infinity", steps.to_string());
-    found.word("last displacement", significant(runs[0].x[steps as usize - 1], 7));
+    found.word("last displacement", significant(runs[0].x[steps as usize], 7));
     found.word("deviation", significant(runs[0].off_the_line(), 1));
     found.word("deviation at the limit", significant(at_limit.off_the_line(), 1));
     for omega_h in APPROACH {
         let spring = Spring::Stiffness((omega_h / STEP).powi(2));
         // Near the end of the line x turns by π − 4/(ωh) per step: a beat takes π·ωh/4 steps.
         let enough = (4.0 * omega_h) as u32 + 1000;
-        let measured = excursion(spook, spring, STEP, enough, f64::INFINITY)?.largest;
-        let amplitude = Some((1.0_f64.hypot(0.5 * omega_h), measured));
-        let run = Run::of(SPOOK, format!("omega h = {omega_h}"), spring, SHOWN)?;
-        runs.push(Run { amplitude, ..run });
+        let run = Run::of(SPOOK, format!("omega h = {omega_h}"), spring, enough.max(SHOWN))?;
+        let measured = largest(&run.x[..=enough as usize]);
+        runs.push(Run { amplitude: Some((1.0_f64.hypot(0.5 * omega_h), measured)), ..run });
     }
     let mut shown = Vec::new();
     for run in &runs {
         let mut largest = 0.0_f64;
         for n in shown_steps() {
-            let x = run.x[n as usize - 1];
+            let x = run.x[n as usize];
             largest = largest.max(x);
             shown.push((&run.name, n, x, largest));
         }
@@ -136,11 +134,11 @@ pub(super) fn measure(quick: bool, found: &mut Found) -> Result<(), StudyError> 
     runs.push(at_limit);
     let table = Table::rows_of("at-infinity", &runs)
         .column("run", |r| &r.name)
-        .column("radius by theory", |r| r.radius.map(|radius| radius.0))
-        .column("radius measured", |r| r.radius.map(|radius| radius.1))
+        .column("radius by theory", |r| r.radius)
+        .column("radius measured", |r| r.map.radius())
         .column("amplitude by theory [σ]", |r| r.amplitude.map(|amplitude| amplitude.0))
         .column("amplitude measured [σ]", |r| r.amplitude.map(|amplitude| amplitude.1))
-        .column("growth of halves", |r| r.growth)
+        .column("growth of halves", Run::growth)
         .column("last |x| [σ]", |r| r.x.last().copied())
         .column("deviation from 2n + 1", Run::off_the_line);
     found.tables.push(table.table());

@@ -9,13 +9,15 @@ mod amplification;
 mod discretisation;
 mod displacement;
 pub(crate) mod fit;
-pub mod fluid;
+mod fluid;
 pub(crate) mod groups;
 mod infinite;
 pub(crate) mod map;
 mod orders;
 pub(crate) mod oscillator;
 mod variable_step;
+
+use std::path::{Path, PathBuf};
 
 use lennard_observables::Table;
 use serde::Serialize;
@@ -24,7 +26,6 @@ use crate::claims::{Claim, Numbers};
 use crate::progress::Part;
 use crate::report::{Given, Page};
 use crate::{Progress, Study, StudyError, StudyOptions};
-use fluid::FluidStudy;
 
 /// Who claims what about integrators.
 const CLAIMS: &str = include_str!("claims.csv");
@@ -42,10 +43,8 @@ pub struct StabilityStudy {
     pub schema: &'static str,
     /// What was asked for.
     pub options: StudyOptions,
-    /// The oscillator.
-    pub oscillator: Vec<Table>,
-    /// The fluid.
-    pub fluid: FluidStudy,
+    /// The tables of numbers.
+    pub tables: Vec<Table>,
     /// What is claimed, by whom, and whether it holds.
     pub claims: Vec<Claim>,
     /// Tables of curves.
@@ -76,25 +75,31 @@ impl Found {
     }
 }
 
-/// Runs the study.
+/// Runs the study; the fluid is the one of a study file, or of the shipped one.
 ///
 /// # Errors
 /// [`StudyError`] where a method fails at a place where all must work. An unstable method, or one that refuses,
 /// is a result and no error.
 pub fn run(
+    file: Option<&Path>,
     options: &StudyOptions,
     progress: &mut dyn Progress,
 ) -> Result<StabilityStudy, StudyError> {
     let mut found = oscillator(options.quick, progress)?;
-    let fluid = fluid::measure(options.quick, &mut Part::of(progress, OSCILLATOR_SHARE, 1.0))?;
-    fluid::numbers(&fluid, &mut found.numbers);
-    let claims = crate::claims::all_judged(CLAIMS, &found.numbers)?;
+    let shipped = if options.quick { "stability-quick" } else { "stability" };
+    let shipped = PathBuf::from(format!("shipped:/studies/{shipped}.toml"));
+    let rest = &mut Part::of(progress, OSCILLATOR_SHARE, 1.0);
+    fluid::measure(file.unwrap_or(&shipped), options.quick, rest, &mut found)?;
+    // A file of a user's own may lack the methods that claims are about.
+    let claims = match file {
+        Some(_) => crate::claims::judged(CLAIMS, &found.numbers)?,
+        None => crate::claims::all_judged(CLAIMS, &found.numbers)?,
+    };
     progress.update("done", 1.0);
     Ok(StabilityStudy {
         schema: lennard_io::schema!("stability", 2),
         options: options.clone(),
-        oscillator: found.tables,
-        fluid,
+        tables: found.tables,
         claims,
         curves: found.curves,
         given: found.given,
@@ -106,30 +111,27 @@ fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<Found, StudyEr
     let mut at = |label: &str, share: f64| progress.update(label, share * OSCILLATOR_SHARE);
     let mut found = Found::default();
     at("amplification and limits", 0.0);
-    let groups = groups::groups();
-    amplification::measure(&groups, quick, &mut found)?;
+    amplification::measure(quick, &mut found)?;
     at("displacement and energy", 0.5);
-    displacement::measure(&groups, &mut found)?;
+    displacement::measure(&mut found)?;
     at("infinite stiffness", 0.8);
     infinite::measure(quick, &mut found)?;
     at("orders", 0.9);
     discretisation::measure(&mut found)?;
-    orders::measure(&groups, quick, &mut found)?;
+    orders::measure(quick, &mut found)?;
     Ok(found)
 }
 
 impl Study for StabilityStudy {
     fn tables(&self) -> Vec<Table> {
-        let mut tables = [&self.oscillator[..], &self.curves].concat();
-        tables.extend(fluid::csv(&self.fluid));
+        let mut tables = [&self.tables[..], &self.curves].concat();
         tables.push(crate::claims::csv(&self.claims));
         tables
     }
 
     fn page(&self) -> Result<Page, StudyError> {
         let mut given = self.given.clone();
-        given.tables.extend([&self.oscillator[..], &self.curves].concat());
-        fluid::give(&self.fluid, &mut given);
+        given.tables.extend([&self.tables[..], &self.curves].concat());
         crate::claims::page(PAGE, &self.options, &self.claims, given)
     }
 }

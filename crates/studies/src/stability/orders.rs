@@ -7,7 +7,7 @@ use lennard_observables::Table;
 use lennard_observables::statistics::Line;
 use rayon::prelude::*;
 
-use super::groups::{Group, entry, methods};
+use super::groups::{Group, entry, group_of, methods};
 use super::oscillator::Spring;
 use super::{Found, fit, variable_step};
 use crate::StudyError;
@@ -56,14 +56,15 @@ impl ErrorLine {
     }
 
     /// The group that the line stands for, where it is drawn for one.
-    fn group(&self, groups: &[Group]) -> Option<usize> {
-        let stands_for = |g: &Group| g.members[0].spec.name == self.name;
-        groups.iter().position(|g| self.kind.starts_with("global") && stands_for(g))
+    fn group(&self) -> Option<(usize, &'static Group)> {
+        let group = group_of(&self.name);
+        let stands_for = group.1.members[0].spec.name == self.name;
+        Some(group).filter(|_| stands_for && self.kind.starts_with("global"))
     }
 
     /// Name and measured order.
-    fn label(&self, groups: &[Group]) -> String {
-        let name = self.group(groups).map_or(&self.name, |g| &groups[g].name);
+    fn label(&self) -> String {
+        let name = self.group().map_or(&self.name, |group| &group.1.name);
         match self.order() {
             order if order.is_nan() => format!("{name}: rounding"),
             // Adding zero turns −0.00 into 0.00.
@@ -91,9 +92,7 @@ fn exact(t: f64) -> DVec2 {
 
 /// (x, v) from time 0 to the end, one per step.
 fn path(entry: &IntegratorEntry, start: (f64, f64), steps: u32) -> Result<Vec<DVec2>, StudyError> {
-    let mut rig = SPRING.start(entry, start, step(steps))?;
-    let first = std::iter::once(Ok(start.into()));
-    first.chain((0..steps).map(|_| rig.next_point())).collect()
+    SPRING.path(entry, start, step(steps), steps)
 }
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
@@ -112,10 +111,10 @@ fn error_of(
 }
 
 /// Measures all orders.
-pub(super) fn measure(groups: &[Group], quick: bool, found: &mut Found) -> Result<(), StudyError> {
-    let methods = methods(groups);
+pub(super) fn measure(quick: bool, found: &mut Found) -> Result<(), StudyError> {
+    let methods = methods();
     let of_methods = |kind, pick: fn(DVec2) -> f64, order: fn(&IntegratorSpec) -> u32| {
-        let line = |(_, entry): &(usize, &'static IntegratorEntry)| {
+        let line = |entry: &&'static IntegratorEntry| {
             let subject = (kind, entry.spec.name, f64::from(order(entry.spec)));
             ErrorLine::of(subject, |n, _| error_of(entry, START, n, pick))
         };
@@ -149,9 +148,9 @@ pub(super) fn measure(groups: &[Group], quick: bool, found: &mut Found) -> Resul
         .column("h [τ]", |(_, at)| at.0)
         .column("error", |(_, at)| at.1)
         .column("error by theory", |(line, at)| line.by_theory(at.0))
-        .column("label", |(line, _)| line.label(groups))
-        .column("drawn", |(line, _)| if line.group(groups).is_some() { "yes" } else { "no" })
-        .column("index", |(line, _)| line.group(groups).unwrap_or(0));
+        .column("label", |(line, _)| line.label())
+        .column("drawn", |(line, _)| if line.group().is_some() { "yes" } else { "no" })
+        .column("index", |(line, _)| line.group().map_or(0, |group| group.0));
     found.tables.push(table.table());
     Ok(())
 }
@@ -212,16 +211,11 @@ fn accumulation(found: &mut Found) -> Result<(), StudyError> {
     let h = 0.004_f64;
     // The method begins with x + v·h + ½·a·h². This velocity makes that 2·cos 0 − cos h − h².
     let v = (1.0 - 0.5 * h * h - h.cos()) / h;
-    let mut rig = SPRING.start(entry("stormer-verlet")?, (1.0, v), h)?;
-    let mut first = f64::NAN;
-    for n in 1..=SUMMED[SUMMED.len() - 1] {
-        let error = rig.next_point()?.x - (f64::from(n) * h).cos();
-        if n == 1 {
-            first = error;
-        } else if SUMMED.contains(&n) {
-            let number = found.numbers.add("added local errors", error / first).of("n", n);
-            number.theory(f64::from(n * (n + 1) / 2));
-        }
+    let path = SPRING.path(entry("stormer-verlet")?, (1.0, v), h, SUMMED[SUMMED.len() - 1])?;
+    let error = |n: u32| path[n as usize].x - (f64::from(n) * h).cos();
+    for n in SUMMED {
+        let number = found.numbers.add("added local errors", error(n) / error(1)).of("n", n);
+        number.theory(f64::from(n * (n + 1) / 2));
     }
     Ok(())
 }
@@ -236,13 +230,12 @@ fn energy(quick: bool, found: &mut Found) -> Result<ErrorLine, StudyError> {
     })?;
     // The same method with ω = 1 and a long way to go: a step of 0.05 τ.
     let steps = if quick { 20_000 } else { 200_000 };
-    let mut rig = SPRING.start(verlet, START, 0.05)?;
-    let energies = (0..steps).map(|n| Ok((f64::from(n), of(rig.next_point()?))));
-    let energies = energies.collect::<Result<Vec<_>, StudyError>>()?;
+    let path = SPRING.path(verlet, START, 0.05, steps)?;
+    let energies: Vec<_> =
+        (0..steps).map(f64::from).zip(path[1..].iter().map(|z| of(*z))).collect();
     let slope = Line::through(&energies).slope();
-    let (low, high) = energies
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), e| (a.min(e.1), b.max(e.1)));
+    let high = energies.iter().map(|e| e.1).fold(f64::NEG_INFINITY, f64::max);
+    let low = energies.iter().map(|e| e.1).fold(f64::INFINITY, f64::min);
     let drift = (slope * f64::from(steps)).abs() / (high - low);
     found.numbers.add("drift of the energy", drift);
     Ok(line)

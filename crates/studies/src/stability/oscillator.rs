@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::DVec2;
 use lennard_core::{DVec3, PeriodicBox, State, System, Want};
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces, OscillatorConstraint};
 use lennard_integrators::{IntegratorEntry, OscillatorModel};
@@ -53,25 +54,38 @@ impl Spring {
         let forces = Box::new(HarmonicForces::new(stiffness));
         Rig::start(entry.build(), (system, state), forces, dt, Want::NOTHING)
     }
-}
 
-/// The one-step map that the next three states show.
-pub(crate) fn next_map(rig: &mut Rig) -> Result<StepMap, StudyError> {
-    Ok(StepMap::from_states([rig.next_point()?, rig.next_point()?, rig.next_point()?]))
+    /// (x, v) of a method that must not fail, from the start on, one per step.
+    pub(crate) fn path(
+        self,
+        entry: &IntegratorEntry,
+        start: (f64, f64),
+        dt: f64,
+        steps: u32,
+    ) -> Result<Vec<DVec2>, StudyError> {
+        let mut rig = self.start(entry, start, dt)?;
+        let first = std::iter::once(Ok(start.into()));
+        first.chain((0..steps).map(|_| rig.next_point())).collect()
+    }
 }
 
 /// Size of the start from which maps are measured. It is small, so that a method on a bounded grid of
 /// positions has room to grow. The map does not depend on it.
 const PROBE: f64 = 1.0 / 64.0;
 
-/// The one-step map as measured: from states 1, 2 and 3 of a run, past any special start.
+/// The one-step map as measured.
 pub(crate) fn measured_map(
     entry: &IntegratorEntry,
     omega: f64,
     dt: f64,
 ) -> Result<StepMap, StudyError> {
     let start = (PROBE, 0.3 * PROBE / dt);
-    next_map(&mut Spring::Stiffness(omega * omega).start(entry, start, dt)?)
+    Ok(map_of(&Spring::Stiffness(omega * omega).path(entry, start, dt, 3)?))
+}
+
+/// The one-step map that states 1, 2 and 3 of a run show, past any special start.
+pub(crate) fn map_of(path: &[DVec2]) -> StepMap {
+    StepMap::from_states([path[1], path[2], path[3]])
 }
 
 /// How far a long run strays.

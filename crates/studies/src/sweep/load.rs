@@ -10,11 +10,40 @@ use super::{Plan, PlannedPoint, Sweep, SweepError};
 use crate::readings::READINGS;
 use crate::report::counted;
 
-/// The reading of a chart.
-const CHART: &str = "chart";
-/// Keys that a chart varies, and tables whose keys it varies.
-const VARIED: [&str; 7] =
-    ["dt", "r_cut", "integrator.", "split.", "truncation.", "neighbor.", "kernel.precision"];
+/// A reading of a command of its own, which runs all points from starts that they share.
+struct Own {
+    reading: &'static str,
+    /// What a file with another reading is not.
+    is_not: &'static str,
+    command: &'static str,
+    /// Keys that its points may vary, tables whose keys they may vary, and both in words.
+    varied: &'static [&'static str],
+    in_words: &'static str,
+}
+
+const CHART: Own = Own {
+    reading: "chart",
+    is_not: "is no chart",
+    command: "lennard chart",
+    varied: &[
+        "dt",
+        "r_cut",
+        "integrator.",
+        "split.",
+        "truncation.",
+        "neighbor.",
+        "kernel.precision",
+    ],
+    in_words: "keys of `integrator`, `split`, `truncation` and `neighbor`, and `kernel.precision`",
+};
+
+const STABILITY: Own = Own {
+    reading: "stability",
+    is_not: "is no study of stability",
+    command: "lennard study stability",
+    varied: &["dt", "temperature", "integrator.", "truncation.kind", "kernel.precision", "stage."],
+    in_words: "`temperature`, keys of `integrator`, `truncation.kind`, `kernel.precision` and steps of stages",
+};
 
 /// Reads a study file with overrides for every point. Of the scenes it reads as many as it needs to know each key.
 ///
@@ -22,10 +51,13 @@ const VARIED: [&str; 7] =
 /// [`SweepError`] where the file is wrong, or has more points than a cluster shares.
 pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepError> {
     let plan = Plan::new(path, StudyFile::load(path)?, overrides)?;
-    if plan.study.readings == [CHART] {
+    if let Some(own) = [CHART, STABILITY].iter().find(|own| plan.study.readings == [own.reading]) {
         let refused = plan.study.source.refuse("reading", "is not read from a sweep");
-        let found = format!("{CHART:?}, which runs all points from one start");
-        return Err(refused.found(found).allowed("`lennard chart` for this file").into());
+        let found = format!("{:?}, which runs all points from one start", own.reading);
+        return Err(refused
+            .found(found)
+            .allowed(format!("`{}` for this file", own.command))
+            .into());
     }
     plan.check_keys()?;
     check_readings(&plan)?;
@@ -37,27 +69,41 @@ pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepEr
 /// # Errors
 /// [`SweepError`] where the file is wrong, is read otherwise, or changes more than settings.
 pub fn chart(path: &Path, overrides: &[(String, String)]) -> Result<(Scene, Sweep), SweepError> {
+    from_one_start(path, overrides, &CHART)
+}
+
+/// Reads the study file of stability, with the scene that it names.
+///
+/// # Errors
+/// [`SweepError`] where the file is wrong, is read otherwise, or changes what the study does not compare.
+pub fn stability(path: &Path) -> Result<(Scene, Sweep), SweepError> {
+    from_one_start(path, &[], &STABILITY)
+}
+
+fn from_one_start(
+    path: &Path,
+    overrides: &[(String, String)],
+    own: &Own,
+) -> Result<(Scene, Sweep), SweepError> {
     let plan = Plan::new(path, StudyFile::load(path)?, overrides)?;
-    if plan.study.readings != [CHART] {
-        let refused = plan.study.source.refuse("reading", "is no chart");
+    if plan.study.readings != [own.reading] {
+        let refused = plan.study.source.refuse("reading", own.is_not);
         let found = match plan.study.readings.join(", ") {
             none if none.is_empty() => "no reading".to_owned(),
             readings => format!("{readings:?}"),
         };
-        let allowed = format!("`reading = {CHART:?}`, or `lennard sweep` for this file");
+        let allowed = format!("`reading = {:?}`, or `lennard sweep` for this file", own.reading);
         return Err(refused.found(found).allowed(allowed).into());
     }
     plan.check_keys()?;
     plan.fits_one_process()?;
     let study = plan.fitting()?;
     let keys = study.points.iter().flat_map(|point| &point.settings).map(|s| s.key.as_str());
-    let is_setting = |key: &str| key == "name" || VARIED.iter().any(|v| key.starts_with(v));
-    if let Some(other) = keys.into_iter().find(|key| !is_setting(key)) {
+    let is_varied = |key: &str| key == "name" || own.varied.iter().any(|v| key.starts_with(v));
+    if let Some(other) = keys.into_iter().find(|key| !is_varied(key)) {
         let refused = study.source.refuse("reading", "compares settings of one fluid");
         let found = format!("points that differ in `{other}`");
-        let allowed =
-            "keys of `integrator`, `split`, `truncation` and `neighbor`, and `kernel.precision`";
-        return Err(refused.found(found).allowed(allowed).into());
+        return Err(refused.found(found).allowed(own.in_words).into());
     }
     Ok((plan.base_scene()?, study))
 }

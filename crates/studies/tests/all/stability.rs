@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use lennard_observables::{Cell, Table, Value};
 use lennard_observables::Verdict;
-use lennard_studies::stability::fluid::run::{FluidRun, Outcome};
 use lennard_studies::stability::{self, StabilityStudy};
 use lennard_studies::{Progress, Study, StudyOptions};
 
@@ -24,13 +24,41 @@ fn study() -> (StabilityStudy, Told) {
         ..StudyOptions::default()
     };
     let mut told = Told::default();
-    let study = stability::run(&options, &mut told).expect("the quick study runs");
+    let study = stability::run(None, &options, &mut told).expect("the quick study runs");
     (study, told)
 }
 
-fn run_of<'a>(study: &'a StabilityStudy, method: &str, dt: f64) -> &'a FluidRun {
-    let place = |r: &&FluidRun| r.method == method && r.dt == dt;
-    study.fluid.runs.iter().find(place).expect("the run is there")
+/// Cells of a table by row and name.
+#[derive(Clone, Copy)]
+struct Rows<'a>(&'a Table);
+
+impl Rows<'_> {
+    fn of<'a>(study: &'a StabilityStudy, name: &str) -> Rows<'a> {
+        Rows(study.tables.iter().find(|table| table.name == name).expect(name))
+    }
+
+    fn cell(&self, row: usize, column: &str) -> &Cell {
+        let is_it = |c: &&lennard_observables::Column| c.name == column;
+        &self.0.columns.iter().find(is_it).expect(column).cells[row]
+    }
+
+    fn number(&self, row: usize, column: &str) -> f64 {
+        self.cell(row, column).value.number()
+    }
+
+    fn words(&self, row: usize, column: &str) -> &str {
+        match &self.cell(row, column).value {
+            Value::Words(words) => words,
+            other => panic!("{column}: {other:?}"),
+        }
+    }
+
+    /// The row of a method, at a step where the table has steps.
+    fn row(&self, method: &str, dt: Option<f64>) -> usize {
+        let at = |row: usize| dt.is_none_or(|dt| self.number(row, "dt") == dt);
+        let is_it = |row: &usize| self.words(*row, "method") == method && at(*row);
+        (0..self.0.rows()).find(is_it).expect(method)
+    }
 }
 
 fn check_numbers(study: &StabilityStudy) {
@@ -48,46 +76,60 @@ fn check_numbers(study: &StabilityStudy) {
 
     // The fluctuation of the energy falls as dt² for methods of second order: by 4 from 0.004 to 0.002,
     // up to the noise of runs of one τ. For methods of fourth order it falls more than twice as much.
-    let fall = |method: &str| {
-        let rms = |dt| run_of(study, method, dt).fluctuation.expect("completed");
-        rms(0.004) / rms(0.002)
-    };
+    let runs = Rows::of(study, "fluid");
+    let number = |column, method, dt| runs.number(runs.row(method, Some(dt)), column);
+    let fall = |method| number("energy rms", method, 0.004) / number("energy rms", method, 0.002);
     for method in ["velocity-verlet", "leapfrog", "stormer-verlet"] {
         assert!((3.4..4.6).contains(&fall(method)), "{method}: {}", fall(method));
     }
     assert!(fall("forest-ruth") > 8.0, "{}", fall("forest-ruth"));
     // Explicit Euler heats and implicit Euler cools at every step; velocity Verlet does neither.
-    let change = |method, dt| run_of(study, method, dt).change;
-    assert!(change("implicit-euler", 0.004).expect("completed") < -1e-3);
-    assert!(!run_of(study, "explicit-euler", 0.016).completed());
-    assert!(change("velocity-verlet", 0.002).expect("completed").abs() < 1e-3);
+    assert!(number("energy change", "implicit-euler", 0.004) < -1e-3);
+    let outcome = runs.words(runs.row("explicit-euler", Some(0.016)), "outcome");
+    assert!(outcome.starts_with("ran away"), "{outcome}");
+    assert!(number("energy change", "velocity-verlet", 0.002).abs() < 1e-3);
     // Implicit Euler's solve costs more evaluations than any explicit method's step.
-    assert!(run_of(study, "implicit-euler", 0.004).evaluations_per_step > 6.0);
+    assert!(number("force evaluations per step", "implicit-euler", 0.004) > 6.0);
 
-    let limit = |method: &str| {
-        let found = study.fluid.limits.iter().find(|l| l.method == method);
-        found.and_then(|l| l.middle()).expect("a bracket")
-    };
     // Explicit Euler has hardly any stable step.
+    let limits = Rows::of(study, "fluid-limits");
+    let limit = |method| limits.number(limits.row(method, None), "middle");
     let verlet = limit("velocity-verlet");
     assert!((0.01..0.04).contains(&verlet), "{verlet}");
     assert!(limit("explicit-euler") < 0.1 * verlet);
 
     // Twice past its limit every method is stopped within a few steps, and says when and why.
-    for (factor, run) in &study.fluid.past_limit {
-        if *factor == 2.0 {
-            assert!(run.steps < 500 && !run.completed(), "{}", run.method);
-            assert!(run.fluctuation.is_none() && run.drift.is_none());
-            match &run.outcome {
-                Outcome::RanAway { change, .. } => assert!(change.is_finite() || change.is_nan()),
-                Outcome::Stopped { reason, .. } => assert!(!reason.is_empty()),
-                Outcome::Completed => unreachable!("checked above"),
-            }
-        }
+    let of_part = |part| (0..runs.0.rows()).filter(move |row| runs.words(*row, "part") == part);
+    let twice = |row: &usize| runs.number(*row, "dt / limit") == 2.0;
+    let past: Vec<usize> = of_part("past the limit").filter(twice).collect();
+    assert_eq!(past.len(), 6);
+    for row in past {
+        let (method, outcome) = (runs.words(row, "method"), runs.words(row, "outcome"));
+        assert!(runs.number(row, "steps") < 500.0, "{method}");
+        assert!(runs.number(row, "energy rms").is_nan() && runs.number(row, "drift").is_nan());
+        assert!(outcome.starts_with("ran away: ") || outcome.starts_with("stopped at step "));
     }
     // At the smallest steps the rounding of f32 pairs stands above the rounding of f64 pairs.
-    let floor = |runs: &[FluidRun]| runs[0].fluctuation.expect("completed");
-    assert!(floor(&study.fluid.mixed) > 2.0 * floor(&study.fluid.double));
+    let floor = |precision| {
+        let is_it = |row: &usize| runs.words(*row, "precision") == precision;
+        runs.number(of_part("small steps").find(is_it).expect(precision), "energy rms")
+    };
+    assert!(floor("mixed") > 2.0 * floor("double"));
+}
+
+/// The shipped files name every method that moves a fluid, so that a new one is not forgotten there.
+#[test]
+fn the_study_files_name_every_method_that_moves_a_fluid() {
+    use lennard_integrators::{OscillatorModel, integrators};
+    for file in ["stability", "stability-quick"] {
+        let path = format!("shipped:/studies/{file}.toml");
+        let (_, study) = lennard_studies::sweep::stability(path.as_ref()).expect(file);
+        for entry in integrators().iter().filter(|e| e.oscillator == OscillatorModel::Force) {
+            let has_it =
+                study.points.iter().any(|p| p.scene.integrator.method.name() == entry.spec.name);
+            assert!(has_it, "{file}: {}", entry.spec.name);
+        }
+    }
 }
 
 fn check_files(study: &StabilityStudy, dir: &Path) {
@@ -125,7 +167,7 @@ fn check_files(study: &StabilityStudy, dir: &Path) {
             tables += 1;
         }
     }
-    assert!(tables >= 15, "{tables}");
+    assert!(tables >= 14, "{tables}");
     let json: serde_json::Value = serde_json::from_str(&text("study.json")).expect("JSON");
     assert_eq!(json["claims"].as_array().map(Vec::len), Some(study.claims.len()));
     // Written again, the same bytes.

@@ -2,7 +2,7 @@
 
 use lennard_studies::{Progress, Study, StudyError, StudyOptions, mechanics, stability};
 
-use crate::program::args::StabilityArgs;
+use crate::program::args::{StabilityArgs, StudyArgs};
 use crate::program::commands::{answer, on_threads, study_folder};
 use crate::program::failure::{Failure, INPUT, OTHER};
 use crate::program::progress::Display;
@@ -11,18 +11,21 @@ use crate::program::typed;
 
 /// Runs the study of integrators, writes its folder and prints its verdicts.
 pub fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
-    study(args, "stability", stability::run)
+    let run = |options: &StudyOptions, progress: &mut dyn Progress| {
+        stability::run(args.study.as_deref(), options, progress)
+    };
+    study(&args.common, "stability", run)
 }
 
 /// Runs the study of constraints and collisions, writes its folder and prints its verdicts.
-pub fn mechanics(args: &StabilityArgs) -> Result<u8, Failure> {
+pub fn mechanics(args: &StudyArgs) -> Result<u8, Failure> {
     study(args, "mechanics", mechanics::run)
 }
 
 fn study<S: Study + Send>(
-    args: &StabilityArgs,
+    args: &StudyArgs,
     name: &str,
-    run: fn(&StudyOptions, &mut dyn Progress) -> Result<S, StudyError>,
+    run: impl FnOnce(&StudyOptions, &mut dyn Progress) -> Result<S, StudyError> + Send,
 ) -> Result<u8, Failure> {
     let folder = study_folder(args.out.as_deref(), args.force, name)?;
     let threads = args.threads.map_or_else(lennard_core::parallel::processors, usize::from);

@@ -1,229 +1,172 @@
 //! The fluid part of the study: the largest step at which each method stays stable in a Lennard-Jones liquid. Below
 //! it, drift and fluctuation of the energy are measured.
+//!
+//! A study file names scene and points: methods, steps, temperatures, truncations and precisions. All points of one temperature
+//! and one truncation begin at one equilibrated start, and each lasts as long as the measured stage of its scene: the steps of this
+//! stage times the step of the base scene. Limits are searched for every method from each start where it has points.
 
-pub mod limit;
-pub mod run;
-pub mod start;
-mod study;
+mod limit;
+mod run;
 mod tables;
 
-use lennard_forcefield::Precision;
-use lennard_integrators::{IntegratorEntry, OscillatorModel, integrators};
+use std::cmp::Reverse;
+use std::path::Path;
 
-use crate::claims::Numbers;
+use lennard_core::IntegratorSpec;
+use lennard_engine::measured_stage;
+use lennard_forcefield::{Precision, TruncationKind};
+use lennard_integrators::integrators;
+use lennard_scene::Scene;
+
+use super::Found;
+use super::groups::stands_for_itself;
 use crate::jobs::side_by_side;
-use crate::stability::groups::{entry, stands_for_itself};
+use crate::lab::Start;
+use crate::report::significant;
+use crate::sweep::{self, Point};
 use crate::{Progress, StudyError};
-use limit::FluidLimit;
+use limit::{FluidLimit, LEAST_STEPS};
 use run::{FluidRun, Plan};
-use start::{FluidStart, STATES, TRUNCATIONS};
-use study::{SHOWN_TRUNCATION, limit_at};
 
-pub use study::FluidStudy;
-pub(crate) use tables::{csv, give};
-
-/// Steps of the drift and fluctuation runs, τ.
-const STEPS: [f64; 8] = [0.001, 0.002, 0.004, 0.006, 0.008, 0.012, 0.016, 0.024];
-/// Steps of the same runs in the quick study, τ.
-const QUICK_STEPS: [f64; 3] = [0.002, 0.004, 0.016];
-/// Steps of implicit Euler, each of which costs a nonlinear solve.
-const IMPLICIT_STEPS: [f64; 4] = [0.002, 0.004, 0.008, 0.016];
-/// Length of the runs, τ.
-const TIME: f64 = 3.0;
-/// Length of implicit Euler's runs, τ.
-const IMPLICIT_TIME: f64 = 0.5;
-/// Steps of the runs in double and mixed precision, τ.
-const SMALL_STEPS: [f64; 6] = [1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3];
-/// Length of these runs, τ.
-const SMALL_STEP_TIME: f64 = 0.4;
 /// Steps past the limit, as multiples of it.
 const PAST_LIMIT: [f64; 4] = [1.05, 1.2, 1.5, 2.0];
-
-/// A method of the study.
-struct Method {
-    entry: &'static IntegratorEntry,
-    costly: bool,
-}
-
-fn methods() -> (Vec<Method>, Vec<(&'static str, String)>) {
-    let mut left_out = Vec::new();
-    let mut methods = Vec::new();
-    for entry in integrators() {
-        match entry.oscillator {
-            OscillatorModel::ExactSolution => {
-                left_out
-                    .push((entry.spec.name, "no exact solution of a fluid is known".to_owned()));
-            }
-            OscillatorModel::Constraint => {
-                let reason = "without constraints it is `symplectic-euler`, which is here";
-                left_out.push((entry.spec.name, reason.to_owned()));
-            }
-            OscillatorModel::Force => methods.push(Method {
-                entry,
-                // A method that does not declare how many evaluations a step takes iterates.
-                costly: entry.spec.force_evaluations == 0,
-            }),
-        }
-    }
-    (methods, left_out)
-}
-
-/// Share of each part in the time of the fluid study.
+/// The truncation that stands for all where only one can be shown. Its energy and force are continuous,
+/// so that every error is an error of the method.
+const SHOWN: TruncationKind = TruncationKind::ForceShift;
+/// The key of the points that show the floor of each precision: velocity Verlet at small steps.
+const PRECISION: &str = "kernel.precision";
+/// Parts of the table of runs: below the limits, at small steps in each precision, and past the limits.
+const BELOW: &str = "below the limit";
+const SMALL: &str = "small steps";
+const PAST: &str = "past the limit";
+/// Shares of time at which runs below the limits, limits, and runs past them are done; before the first, starts are equilibrated.
 const SHARES: [f64; 4] = [0.06, 0.5, 0.94, 1.0];
 
-/// Runs the fluid part; `progress` hears shares of it.
-pub(crate) fn measure(quick: bool, progress: &mut dyn Progress) -> Result<FluidStudy, StudyError> {
-    let (methods, left_out) = methods();
-    let states = if quick { 1 } else { STATES.len() };
-    let truncations: Vec<usize> =
-        if quick { vec![SHOWN_TRUNCATION] } else { (0..TRUNCATIONS.len()).collect() };
-    let places: Vec<(usize, usize)> =
-        (0..states).flat_map(|s| truncations.iter().map(move |t| (s, *t))).collect();
-    let starts = side_by_side(
-        &places,
-        |(s, t)| FluidStart::equilibrate(*s, *t, quick),
-        |share| progress.update("fluid: equilibration", SHARES[0] * share),
-    );
-    let starts: Vec<FluidStart> = starts.into_iter().collect::<Result<_, _>>()?;
+fn spec(scene: &Scene) -> &'static IntegratorSpec {
+    scene.integrator.method.spec()
+}
 
+/// The place of a method in the list.
+fn place(method: &str) -> Option<usize> {
+    integrators().iter().position(|entry| entry.spec.name == method)
+}
+
+/// Whether a step of a method iterates: it does not declare how many evaluations it takes.
+fn is_costly(plan: &Plan<'_>) -> bool {
+    spec(plan.scene).force_evaluations == 0
+}
+
+/// Whether two scenes begin at one start.
+fn begin_alike(a: &Scene, b: &Scene) -> bool {
+    a.system.temperature == b.system.temperature && a.truncation == b.truncation
+}
+
+/// Runs the points of a study file and searches limits; `progress` hears shares of it.
+pub(super) fn measure(
+    file: &Path,
+    quick: bool,
+    progress: &mut dyn Progress,
+    found: &mut Found,
+) -> Result<(), StudyError> {
+    let (base, study) = sweep::stability(file).map_err(|error| StudyError::Settings {
+        label: "the fluid of the study".into(),
+        reason: error.to_string(),
+    })?;
+    let mut scenes: Vec<Scene> = Vec::new();
+    for point in &study.points {
+        if !scenes.iter().any(|scene| begin_alike(scene, &point.scene)) {
+            let (integrator, kernel) = (base.integrator.clone(), base.kernel.clone());
+            let mut scene = Scene { integrator, kernel, ..point.scene.clone() };
+            scene.system.seed = base.system.seed;
+            scenes.push(scene);
+        }
+    }
+    let starts = side_by_side(&scenes, Start::equilibrate, |share| {
+        progress.update("fluid: equilibration", SHARES[0] * share);
+    });
+    let starts: Vec<Start> = starts.into_iter().collect::<Result<_, _>>()?;
     let mut between = |part: usize, label: &str, share: f64| {
         progress.update(label, SHARES[part - 1] + (SHARES[part] - SHARES[part - 1]) * share);
     };
-    let plans = plans(&methods, &starts, quick);
-    let runs = side_by_side(&plans, run::run, |s| between(1, "fluid: drift and fluctuation", s));
-    let mut runs: Vec<FluidRun> = runs.into_iter().collect::<Result<_, _>>()?;
-    let listed = |name: &str| integrators().iter().position(|e| e.spec.name == name);
-    let state = |name: &str| STATES.iter().position(|s| s.name == name);
-    runs.sort_by(|a, b| {
-        let place = |r: &FluidRun| (listed(r.method), state(r.state), r.truncation);
-        place(a).cmp(&place(b)).then(a.dt.total_cmp(&b.dt))
-    });
 
-    let mut searches: Vec<(&Method, &FluidStart)> = starts
-        .iter()
-        .flat_map(|start| methods.iter().map(move |m| (m, start)))
-        .filter(|(m, start)| !m.costly || start.truncation == SHOWN_TRUNCATION)
-        .filter(|(m, _)| !quick || !m.costly && stands_for_itself(m.entry.spec.name))
-        .collect();
-    // The dearest jobs come first: a dear job at the end would keep one thread waiting.
-    searches.sort_by_key(|(m, _)| (!m.costly, m.entry.spec.symplectic));
-    let limits = side_by_side(
-        &searches,
-        |(m, start)| limit::find(m.entry, start),
-        |s| between(2, "fluid: largest stable steps", s),
-    );
-    let mut limits: Vec<FluidLimit> = limits.into_iter().collect::<Result<_, _>>()?;
-    limits.sort_by_key(|l| listed(l.method));
-
-    let (double, mixed, past_limit) =
-        edges(&methods, &starts, &limits, quick, |s| between(3, "fluid: floors and edges", s))?;
-    Ok(FluidStudy { left_out, runs, limits, double, mixed, past_limit })
-}
-
-fn plans<'a>(methods: &[Method], starts: &'a [FluidStart], quick: bool) -> Vec<Plan<'a>> {
-    let time = if quick { 0.25 * TIME } else { TIME };
-    let steps: &[f64] = if quick { &QUICK_STEPS } else { &STEPS };
-    let mut plans = Vec::new();
-    for start in starts {
-        for method in methods {
-            let (steps, time) = match (method.costly, quick) {
-                (true, true) => (&IMPLICIT_STEPS[1..2], 0.1 * IMPLICIT_TIME),
-                (true, false) => (&IMPLICIT_STEPS[..], IMPLICIT_TIME),
-                (false, _) => (steps, time),
-            };
-            plans.extend(steps.iter().map(|dt| Plan {
-                entry: method.entry,
-                start,
-                dt: *dt,
-                steps: (time / dt).round() as u64,
-                precision: Precision::Double,
-            }));
+    let (mut plans, mut searches): (Vec<Plan<'_>>, Vec<Plan<'_>>) = (Vec::new(), Vec::new());
+    for Point { scene, settings, .. } in &study.points {
+        let (name, dt) = (spec(scene).name, scene.integrator.dt);
+        let time = measured_stage(scene).steps as f64 * base.integrator.dt;
+        let start = scenes.iter().position(|start| begin_alike(start, scene)).unwrap_or_default();
+        let is_small = settings.iter().any(|setting| setting.key == PRECISION);
+        let plan = Plan {
+            part: if is_small { SMALL } else { BELOW },
+            past: None,
+            scene,
+            start: &starts[start],
+            dt,
+            steps: (time / dt).round() as u64,
+        };
+        plans.push(plan);
+        let is_alike =
+            |other: &Plan<'_>| spec(other.scene).name == name && begin_alike(other.scene, scene);
+        let takes_too_long = is_costly(&plan) && (quick || scene.truncation.kind != SHOWN);
+        let is_left_out = is_small || takes_too_long || quick && !stands_for_itself(name);
+        if !is_left_out && !searches.iter().any(is_alike) {
+            searches.push(plan);
         }
     }
     // The dearest jobs come first: a dear job at the end would keep one thread waiting.
     plans.sort_by_key(|p| {
-        std::cmp::Reverse(p.steps * u64::from(p.entry.spec.force_evaluations.max(1)))
+        let evaluations = u64::from(spec(p.scene).force_evaluations);
+        (evaluations != 0, Reverse(p.steps * evaluations.max(1)))
     });
-    plans.sort_by_key(|p| p.entry.spec.force_evaluations != 0);
-    plans
-}
+    searches.sort_by_key(|p| (!is_costly(p), spec(p.scene).symplectic));
 
-type Edges = (Vec<FluidRun>, Vec<FluidRun>, Vec<(f64, FluidRun)>);
-
-/// The floors of double and mixed precision, and what happens past the limit.
-fn edges(
-    methods: &[Method],
-    starts: &[FluidStart],
-    limits: &[FluidLimit],
-    quick: bool,
-    done: impl FnMut(f64),
-) -> Result<Edges, StudyError> {
-    let verlet = entry("velocity-verlet")?;
-    let smooth =
-        starts.iter().find(|s| s.state_point == 0 && s.truncation == TRUNCATIONS.len() - 1);
-    let shown = starts.iter().find(|s| s.state_point == 0 && s.truncation == SHOWN_TRUNCATION);
-    let mut plans: Vec<(Option<f64>, Plan<'_>)> = Vec::new();
-    if let Some(start) = smooth.or(shown) {
-        let time = if quick { 0.5 * SMALL_STEP_TIME } else { SMALL_STEP_TIME };
-        for precision in [Precision::Double, Precision::Mixed] {
-            plans.extend(SMALL_STEPS.iter().map(|dt| {
-                let plan = Plan {
-                    entry: verlet,
-                    start,
-                    dt: *dt,
-                    steps: (time / dt).round() as u64,
-                    precision,
-                };
-                (None, plan)
-            }));
-        }
-    }
-    if let Some(start) = shown {
-        for method in methods
-            .iter()
-            .filter(|m| m.entry.spec.symplectic && stands_for_itself(m.entry.spec.name))
+    let runs = side_by_side(&plans, run::run, |s| between(1, "fluid: drift and fluctuation", s));
+    let limits =
+        side_by_side(&searches, limit::find, |s| between(2, "fluid: largest stable steps", s));
+    let limits = limits.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let mut limits: Vec<(Plan<'_>, FluidLimit)> = searches.into_iter().zip(limits).collect();
+    limits.sort_by_key(|(plan, _)| place(spec(plan.scene).name));
+    let mut edges = Vec::new();
+    for (plan, limit) in &limits {
+        let spec = spec(plan.scene);
+        if plan.scene.truncation.kind == SHOWN
+            && plan.scene.system.temperature == base.system.temperature
+            && spec.symplectic
+            && stands_for_itself(spec.name)
+            && let Some(limit) = limit.middle()
         {
-            let limit = limit_at(limits, method.entry.spec.name, 0, SHOWN_TRUNCATION);
-            let Some(limit) = limit.and_then(FluidLimit::middle) else {
-                continue;
-            };
-            plans.extend(PAST_LIMIT.iter().map(|factor| {
-                let plan = Plan {
-                    entry: method.entry,
-                    start,
-                    dt: factor * limit,
-                    steps: limit::LEAST_STEPS * 4,
-                    precision: Precision::Double,
-                };
-                (Some(*factor), plan)
-            }));
+            let steps = 4 * LEAST_STEPS;
+            let past = |x| Plan { part: PAST, past: Some(x), dt: x * limit, steps, ..*plan };
+            edges.extend(PAST_LIMIT.map(past));
         }
     }
-    let found = side_by_side(&plans, |(_, plan)| run::run(plan), done);
-    let (mut double, mut mixed, mut past) = (Vec::new(), Vec::new(), Vec::new());
-    for ((factor, plan), run) in plans.iter().zip(found) {
-        match (factor, plan.precision) {
-            (Some(factor), _) => past.push((*factor, run?)),
-            (None, Precision::Double) => double.push(run?),
-            (None, Precision::Mixed) => mixed.push(run?),
+    let past = side_by_side(&edges, run::run, |s| between(3, "fluid: past the limits", s));
+    let runs = runs.into_iter().chain(past).collect::<Result<Vec<_>, _>>();
+    let mut runs: Vec<FluidRun> = runs?;
+    runs.sort_by(|a, b| {
+        let kind = |r: &FluidRun| (r.part, place(r.method), r.precision.name());
+        let by_state = kind(a).cmp(&kind(b)).then(a.temperature.total_cmp(&b.temperature));
+        by_state.then(a.truncation.cmp(b.truncation)).then(a.dt.total_cmp(&b.dt))
+    });
+    let limits: Vec<FluidLimit> = limits.into_iter().map(|(_, limit)| limit).collect();
+    tables::add(found, &runs, &limits);
+    found.word("atoms", starts[0].len().to_string());
+    found.word("density", significant(starts[0].density(), 4));
+    found.word("r_cut", base.truncation.r_cut.to_string());
+    for method in ["velocity-verlet", "stormer-verlet", "leapfrog"] {
+        let momentum = runs
+            .iter()
+            .filter(|r| r.part == BELOW && r.method == method)
+            .filter_map(|r| r.momentum);
+        if let Some(momentum) = momentum.reduce(f64::max) {
+            found.numbers.add("momentum of the fluid", momentum).of("method", method);
         }
     }
-    Ok((double, mixed, past))
-}
-
-/// Adds the numbers that judge claims: the fluid is a conservative system of many particles.
-pub(super) fn numbers(study: &FluidStudy, all: &mut Numbers) {
-    for name in ["velocity-verlet", "stormer-verlet", "leapfrog"] {
-        let runs = study.runs.iter().filter(|r| r.method == name && r.completed());
-        let momentum = runs.filter_map(|r| r.momentum).fold(f64::NAN, f64::max);
-        all.add("momentum of the fluid", momentum).of("method", name);
+    let double = runs.iter().filter(|r| r.part == SMALL && r.precision == Precision::Double);
+    let double: Vec<_> = double.filter_map(|r| Some((r.dt, r.fluctuation?))).collect();
+    if let [.., (coarse, a), (fine, b)] = double[..] {
+        let order = (b / a).ln() / (fine / coarse).ln();
+        let number = found.numbers.add("order of the energy of the fluid", order);
+        number.of("coarse", coarse).of("fine", fine);
     }
-    let last = study.double.len().saturating_sub(2);
-    if let [coarse, fine] = &study.double[last..]
-        && let (Some(a), Some(b)) = (coarse.fluctuation, fine.fluctuation)
-    {
-        let order = (b / a).ln() / (fine.dt / coarse.dt).ln();
-        let number = all.add("order of the energy of the fluid", order);
-        number.of("coarse", coarse.dt).of("fine", fine.dt);
-    }
+    Ok(())
 }

@@ -2,13 +2,12 @@
 
 use lennard_core::{Momentum, StepError, Want};
 use lennard_forcefield::Precision;
-use lennard_integrators::IntegratorEntry;
 use lennard_observables::statistics::Line;
-use serde::Serialize;
+use lennard_scene::Scene;
 
-use super::start::{ATOMS, FluidStart, STATES, TRUNCATIONS};
 use crate::StudyError;
-use crate::lab::Rig;
+use crate::lab::{Rig, Start};
+use crate::report::significant;
 
 /// Time between two looks at the energy, τ.
 const SAMPLE_INTERVAL: f64 = 0.02;
@@ -17,82 +16,54 @@ const BLOCKS: usize = 10;
 /// A run has run away when its energy has changed by this many times the kinetic energy 3/2·T.
 const RUN_AWAY: f64 = 10.0;
 
-/// How a run ended.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum Outcome {
-    /// It reached its end.
-    #[default]
-    Completed,
-    /// The method or the forces refused to go on.
-    Stopped {
-        /// Step at which it stopped.
-        step: u64,
-        /// Time at which it stopped, τ.
-        time: f64,
-        /// The message.
-        reason: String,
-    },
-    /// The energy ran away.
-    RanAway {
-        /// Step at which that was seen.
-        step: u64,
-        /// Time, τ.
-        time: f64,
-        /// Change of energy by then, ε per atom.
-        change: f64,
-    },
-}
-
 /// A run and its numbers, which are missing where the run did not complete.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct FluidRun {
+#[derive(Debug, Clone, Default)]
+pub(super) struct FluidRun {
     /// The method.
-    pub method: &'static str,
-    /// Name of the state point.
-    pub state: &'static str,
+    pub(super) method: &'static str,
+    /// T* of the start, ε/k_B.
+    pub(super) temperature: f64,
     /// Name of the truncation.
-    pub truncation: &'static str,
+    pub(super) truncation: &'static str,
+    /// What it is run for, and its step over the limit of its method where it is run past it.
+    pub(super) part: &'static str,
+    pub(super) past: Option<f64>,
+    /// Precision of the pair terms.
+    pub(super) precision: Precision,
     /// The step, τ.
-    pub dt: f64,
+    pub(super) dt: f64,
     /// Steps made.
-    pub steps: u64,
-    /// How it ended.
-    pub outcome: Outcome,
+    pub(super) steps: u64,
+    /// Why it did not reach its end: method or forces refused to go on, or the energy ran away.
+    pub(super) failure: Option<String>,
     /// Slope of the energy, ε/τ per atom.
-    pub drift: Option<f64>,
+    pub(super) drift: Option<f64>,
     /// Its standard error, from the slopes between blocks.
-    pub drift_error: Option<f64>,
+    pub(super) drift_error: Option<f64>,
     /// RMS of the energy around that slope, ε per atom.
-    pub fluctuation: Option<f64>,
-    /// Energy at the end less the energy at the start, ε per atom.
-    pub change: Option<f64>,
+    pub(super) fluctuation: Option<f64>,
+    /// Energy at the end less the energy at the start, ε per atom; of a run that ran away too.
+    pub(super) change: Option<f64>,
     /// Kinetic temperature less the configurational one Σ⟨F²⟩/⟨∇²U⟩, as a share of T*.
-    pub temperature_error: Option<f64>,
+    pub(super) temperature_error: Option<f64>,
     /// Its standard error.
-    pub temperature_error_error: Option<f64>,
+    pub(super) temperature_error_error: Option<f64>,
     /// Largest |Σ m·v| per atom.
-    pub momentum: Option<f64>,
+    pub(super) momentum: Option<f64>,
     /// Force evaluations per step, Hessian products counted as two.
-    pub evaluations_per_step: f64,
-}
-
-impl FluidRun {
-    /// Whether it reached its end.
-    #[must_use]
-    pub fn completed(&self) -> bool {
-        self.outcome == Outcome::Completed
-    }
+    pub(super) evaluations_per_step: f64,
 }
 
 /// What to run.
 #[derive(Clone, Copy)]
-pub(crate) struct Plan<'a> {
-    pub(crate) entry: &'static IntegratorEntry,
-    pub(crate) start: &'a FluidStart,
-    pub(crate) dt: f64,
-    pub(crate) steps: u64,
-    pub(crate) precision: Precision,
+pub(super) struct Plan<'a> {
+    pub(super) part: &'static str,
+    pub(super) past: Option<f64>,
+    /// The scene of a point: its method, the split of its forces, their precision.
+    pub(super) scene: &'a Scene,
+    pub(super) start: &'a Start,
+    pub(super) dt: f64,
+    pub(super) steps: u64,
 }
 
 /// A sample of a running system.
@@ -109,9 +80,10 @@ impl Sample {
     fn of(rig: &Rig) -> Option<Self> {
         let Rig { system, state, .. } = rig;
         let potential = state.energetics.conserved_potential?;
+        let n = state.velocities.len() as f64;
         Some(Self {
             time: state.time,
-            energy: (potential + system.kinetic_energy(&state.velocities)) / ATOMS as f64,
+            energy: (potential + system.kinetic_energy(&state.velocities)) / n,
             temperature: system.temperature(&state.velocities, Momentum::Conserved),
             force_squared: state.forces.iter().map(|f| f.length_squared()).sum(),
             laplacian: state.energetics.laplacian?,
@@ -120,96 +92,97 @@ impl Sample {
 }
 
 /// Runs the plan to its end or to its failure; only a fluid that cannot even be started is an error.
-pub(crate) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
-    let options = plan.entry.default_options.clone();
+pub(super) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
+    let Plan { part, past, scene, start, dt, steps } = *plan;
+    let temperature = scene.system.temperature;
     let mut result = FluidRun {
-        method: plan.entry.spec.name,
-        state: STATES[plan.start.state_point].name,
-        truncation: TRUNCATIONS[plan.start.truncation].1,
-        dt: plan.dt,
+        part,
+        past,
+        method: scene.integrator.method.name(),
+        temperature,
+        truncation: scene.truncation.kind.spec().name,
+        precision: scene.kernel.precision,
+        dt,
         ..FluidRun::default()
     };
     let looking = Want { energy: true, laplacian: true, ..Want::NOTHING };
-    let every = ((SAMPLE_INTERVAL / plan.dt).round() as u64).max(1);
-    let stopped = |step: u64, time: f64, reason: StepError| Outcome::Stopped {
-        step,
-        time,
-        reason: reason.to_string(),
+    let every = ((SAMPLE_INTERVAL / dt).round() as u64).max(1);
+    let stopped = |step: u64, reason: StepError| {
+        let time = significant(step as f64 * dt, 3);
+        Some(format!("stopped at step {step} (t = {time}): {reason}"))
     };
-    let mut rig = match plan.start.rig(&options, plan.dt, plan.precision, looking) {
-        Ok(rig) => rig,
+    let mut scene = scene.clone();
+    scene.integrator.dt = dt;
+    let forces = Box::new(start.forces(&scene)?);
+    let method = lennard_integrators::build(&scene.integrator.method);
+    let mut rig = match Rig::start(method, (start.system(), start.state()), forces, dt, looking) {
         Err(StudyError::Step { source, .. }) => {
-            result.outcome = stopped(0, 0.0, source);
+            result.failure = stopped(0, source);
             return Ok(result);
         }
-        Err(error) => return Err(error),
+        rig => rig?,
     };
     let mut samples: Vec<Sample> = Sample::of(&rig).into_iter().collect();
-    let limit = RUN_AWAY * 1.5 * STATES[plan.start.state_point].temperature;
     let mut momentum = 0.0_f64;
-    for n in 1..=plan.steps {
+    for n in 1..=steps {
         let due = n % every == 0;
         rig.want = if due { looking } else { Want::NOTHING };
         if let Err(reason) = rig.try_step() {
-            result.outcome = stopped(n, n as f64 * plan.dt, reason);
+            result.failure = stopped(n, reason);
             break;
         }
         result.steps = n;
-        if !due {
-            continue;
-        }
-        let Some(sample) = Sample::of(&rig) else { continue };
+        let Some(sample) = due.then(|| Sample::of(&rig)).flatten() else { continue };
         let now = rig.system.momentum(&rig.state.velocities).length();
-        momentum = momentum.max(now / ATOMS as f64);
+        momentum = momentum.max(now / start.len() as f64);
         let change = sample.energy - samples[0].energy;
         // A NaN is as far away as an infinity.
-        if change.abs() > limit || change.is_nan() {
-            result.outcome = Outcome::RanAway { step: n, time: sample.time, change };
+        if change.abs() > RUN_AWAY * 1.5 * temperature || change.is_nan() {
+            let [change, time] = [(change, 2), (sample.time, 3)].map(|(x, n)| significant(x, n));
+            result.change = Some(sample.energy - samples[0].energy);
+            result.failure =
+                Some(format!("ran away: {change} ε per atom by step {n} (t = {time})"));
             break;
         }
         samples.push(sample);
     }
     result.evaluations_per_step =
         rig.forces.statistics().evaluations as f64 / result.steps.max(1) as f64;
-    if result.completed() {
+    if result.failure.is_none() {
         result.momentum = Some(momentum);
-        summarise(&mut result, &samples, plan);
+        result.summarise(&samples);
     }
     Ok(result)
 }
 
-fn summarise(result: &mut FluidRun, samples: &[Sample], plan: &Plan<'_>) {
-    let energies: Vec<(f64, f64)> = samples.iter().map(|s| (s.time, s.energy)).collect();
-    let line = Line::through(&energies);
-    let (offset, slope) = (line.intercept(), line.slope());
-    let squares: f64 = energies.iter().map(|(t, e)| (e - offset - slope * t).powi(2)).sum();
-    result.fluctuation = Some((squares / energies.len() as f64).sqrt());
-    result.drift = Some(slope);
-    result.change = Some(samples[samples.len() - 1].energy - samples[0].energy);
-    let size = samples.len() / BLOCKS;
-    if size < 2 {
-        return;
+impl FluidRun {
+    fn summarise(&mut self, samples: &[Sample]) {
+        let energies: Vec<(f64, f64)> = samples.iter().map(|s| (s.time, s.energy)).collect();
+        let line = Line::through(&energies);
+        let (offset, slope) = (line.intercept(), line.slope());
+        let squares: f64 = energies.iter().map(|(t, e)| (e - offset - slope * t).powi(2)).sum();
+        self.fluctuation = Some((squares / energies.len() as f64).sqrt());
+        self.drift = Some(slope);
+        self.change = Some(samples[samples.len() - 1].energy - samples[0].energy);
+        let size = samples.len() / BLOCKS;
+        if size < 2 {
+            return;
+        }
+        let sum = |block: &[Sample], of: fn(&Sample) -> f64| block.iter().map(of).sum::<f64>();
+        let mean = |block: &[Sample], of| sum(block, of) / block.len() as f64;
+        let blocks = || samples.chunks_exact(size).take(BLOCKS);
+        // The line through block means: what the blocks scatter around it says how well its slope is known.
+        let means = blocks().map(|b| (mean(b, |s| s.time), mean(b, |s| s.energy)));
+        self.drift_error = Some(Line::through(&means.collect::<Vec<_>>()).error_of_slope());
+        let differences = blocks().map(|b| {
+            let configurational = sum(b, |s| s.force_squared) / sum(b, |s| s.laplacian);
+            (mean(b, |s| s.temperature) - configurational) / self.temperature
+        });
+        let differences: Vec<f64> = differences.collect();
+        let n = BLOCKS as f64;
+        let mean = differences.iter().sum::<f64>() / n;
+        let squares: f64 = differences.iter().map(|d| (d - mean).powi(2)).sum();
+        self.temperature_error = Some(mean);
+        self.temperature_error_error = Some((squares / (n * (n - 1.0))).sqrt());
     }
-    let blocks = || samples.chunks_exact(size).take(BLOCKS);
-    // The line through block means: what the blocks scatter around it says how well its slope is known.
-    let means: Vec<(f64, f64)> = blocks()
-        .map(|b| {
-            let n = b.len() as f64;
-            (b.iter().map(|s| s.time).sum::<f64>() / n, b.iter().map(|s| s.energy).sum::<f64>() / n)
-        })
-        .collect();
-    result.drift_error = Some(Line::through(&means).error_of_slope());
-    let differences: Vec<f64> = blocks()
-        .map(|b| {
-            let sum = |f: fn(&Sample) -> f64| b.iter().map(f).sum::<f64>();
-            let kinetic = sum(|s| s.temperature) / b.len() as f64;
-            let configurational = sum(|s| s.force_squared) / sum(|s| s.laplacian);
-            (kinetic - configurational) / STATES[plan.start.state_point].temperature
-        })
-        .collect();
-    let mean = differences.iter().sum::<f64>() / BLOCKS as f64;
-    let variance: f64 = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>()
-        / (BLOCKS as f64 * (BLOCKS as f64 - 1.0));
-    result.temperature_error = Some(mean);
-    result.temperature_error_error = Some(variance.sqrt());
 }
