@@ -73,12 +73,7 @@ impl Workbench {
     /// The same from a start that is there already.
     #[must_use]
     pub fn with_start(scene: &Scene, start: Start) -> Self {
-        Self {
-            scene: scene.clone(),
-            start,
-            untruncated: OnceLock::new(),
-            tight: Mutex::default(),
-        }
+        Self { scene: scene.clone(), start, untruncated: OnceLock::new(), tight: Mutex::default() }
     }
 
     /// The scene as it was given.

@@ -1,8 +1,8 @@
 //! Amplification and phase of the one-step map against ωh, and the stability limits.
 
 use glam::DMat2;
-use lennard_observables::{Cell, Table};
 use lennard_integrators::IntegratorEntry;
+use lennard_observables::{Cell, Table};
 use rayon::prelude::*;
 
 use super::Found;

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use lennard_observables::{Cell, Table, Value};
 use lennard_observables::Verdict;
+use lennard_observables::{Cell, Table, Value};
 use lennard_studies::stability::{self, StabilityStudy};
 use lennard_studies::{Progress, Study, StudyOptions};
 

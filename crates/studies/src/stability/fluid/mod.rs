@@ -75,7 +75,7 @@ pub(super) fn measure(
     let mut scenes: Vec<Scene> = Vec::new();
     for point in &study.points {
         if !scenes.iter().any(|scene| begin_alike(scene, &point.scene)) {
-            let (integrator, kernel) = (base.integrator.clone(), base.kernel.clone());
+            let (integrator, kernel) = (base.integrator.clone(), base.kernel);
             let mut scene = Scene { integrator, kernel, ..point.scene.clone() };
             scene.system.seed = base.system.seed;
             scenes.push(scene);

@@ -1,7 +1,7 @@
 //! The tables of the fluid part, as files and on the page.
 
-use lennard_observables::{Cell, Table, Tone};
 use lennard_forcefield::Precision;
+use lennard_observables::{Cell, Table, Tone};
 
 use super::limit::{self, FluidLimit};
 use super::run::FluidRun;
