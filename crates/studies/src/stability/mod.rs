@@ -20,11 +20,13 @@ mod variable_step;
 use std::path::{Path, PathBuf};
 
 use lennard_observables::Table;
+use lennard_scene::Scene;
 use serde::Serialize;
 
 use crate::claims::{Claim, Numbers};
 use crate::progress::Part;
 use crate::report::{Given, Page};
+use crate::sweep::{self, Sweep, SweepError};
 use crate::{Progress, Study, StudyError, StudyOptions};
 
 /// Who claims what about integrators.
@@ -75,25 +77,43 @@ impl Found {
     }
 }
 
-/// Runs the study; the fluid is the one of a study file, or of the shipped one.
+/// The fluid of the study: a scene, and its points.
+pub struct Fluid {
+    base: Scene,
+    study: Sweep,
+    /// Whether claims may find no number: a file of a user's own may lack the methods that they are about.
+    is_own: bool,
+}
+
+impl Fluid {
+    /// Reads a study file, or the shipped one.
+    ///
+    /// # Errors
+    /// As [`sweep::stability`].
+    pub fn read(file: Option<&Path>, quick: bool) -> Result<Self, SweepError> {
+        let shipped = if quick { "stability-quick" } else { "stability" };
+        let shipped = PathBuf::from(format!("shipped:/studies/{shipped}.toml"));
+        let (base, study) = sweep::stability(file.unwrap_or(&shipped))?;
+        Ok(Self { base, study, is_own: file.is_some() })
+    }
+}
+
+/// Runs the study.
 ///
 /// # Errors
 /// [`StudyError`] where a method fails at a place where all must work. An unstable method, or one that refuses,
 /// is a result and no error.
 pub fn run(
-    file: Option<&Path>,
+    fluid: &Fluid,
     options: &StudyOptions,
     progress: &mut dyn Progress,
 ) -> Result<StabilityStudy, StudyError> {
     let mut found = oscillator(options.quick, progress)?;
-    let shipped = if options.quick { "stability-quick" } else { "stability" };
-    let shipped = PathBuf::from(format!("shipped:/studies/{shipped}.toml"));
     let rest = &mut Part::of(progress, OSCILLATOR_SHARE, 1.0);
-    fluid::measure(file.unwrap_or(&shipped), options.quick, rest, &mut found)?;
-    // A file of a user's own may lack the methods that claims are about.
-    let claims = match file {
-        Some(_) => crate::claims::judged(CLAIMS, &found.numbers)?,
-        None => crate::claims::all_judged(CLAIMS, &found.numbers)?,
+    fluid::measure(fluid, options.quick, rest, &mut found)?;
+    let claims = match fluid.is_own {
+        true => crate::claims::judged(CLAIMS, &found.numbers)?,
+        false => crate::claims::all_judged(CLAIMS, &found.numbers)?,
     };
     progress.update("done", 1.0);
     Ok(StabilityStudy {

@@ -24,7 +24,8 @@ fn study() -> (StabilityStudy, Told) {
         ..StudyOptions::default()
     };
     let mut told = Told::default();
-    let study = stability::run(None, &options, &mut told).expect("the quick study runs");
+    let fluid = stability::Fluid::read(None, true).expect("a shipped study");
+    let study = stability::run(&fluid, &options, &mut told).expect("the quick study runs");
     (study, told)
 }
 

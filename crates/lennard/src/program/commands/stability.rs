@@ -11,8 +11,9 @@ use crate::program::typed;
 
 /// Runs the study of integrators, writes its folder and prints its verdicts.
 pub fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
+    let fluid = stability::Fluid::read(args.study.as_deref(), args.common.quick)?;
     let run = |options: &StudyOptions, progress: &mut dyn Progress| {
-        stability::run(args.study.as_deref(), options, progress)
+        stability::run(&fluid, options, progress)
     };
     study(&args.common, "stability", run)
 }

@@ -10,7 +10,6 @@ mod run;
 mod tables;
 
 use std::cmp::Reverse;
-use std::path::Path;
 
 use lennard_core::IntegratorSpec;
 use lennard_engine::measured_stage;
@@ -18,12 +17,12 @@ use lennard_forcefield::{Precision, TruncationKind};
 use lennard_integrators::integrators;
 use lennard_scene::Scene;
 
-use super::Found;
 use super::groups::stands_for_itself;
+use super::{Fluid, Found};
 use crate::jobs::side_by_side;
 use crate::lab::Start;
 use crate::report::significant;
-use crate::sweep::{self, Point};
+use crate::sweep::Point;
 use crate::{Progress, StudyError};
 use limit::{FluidLimit, LEAST_STEPS};
 use run::{FluidRun, Plan};
@@ -61,17 +60,13 @@ fn begin_alike(a: &Scene, b: &Scene) -> bool {
     a.system.temperature == b.system.temperature && a.truncation == b.truncation
 }
 
-/// Runs the points of a study file and searches limits; `progress` hears shares of it.
+/// Runs the points of a fluid and searches limits; `progress` hears shares of it.
 pub(super) fn measure(
-    file: &Path,
+    Fluid { base, study, .. }: &Fluid,
     quick: bool,
     progress: &mut dyn Progress,
     found: &mut Found,
 ) -> Result<(), StudyError> {
-    let (base, study) = sweep::stability(file).map_err(|error| StudyError::Settings {
-        label: "the fluid of the study".into(),
-        reason: error.to_string(),
-    })?;
     let mut scenes: Vec<Scene> = Vec::new();
     for point in &study.points {
         if !scenes.iter().any(|scene| begin_alike(scene, &point.scene)) {
