@@ -21,6 +21,7 @@ mod jobs;
 mod kept;
 pub mod lab;
 mod lists;
+mod measured;
 pub mod mechanics;
 mod progress;
 pub mod readings;

@@ -2,8 +2,8 @@
 
 /// Makes a register type of a vector, with [`Real`](crate::real::Real) and [`Lanes`](super::lanes::Lanes).
 ///
-/// The module that calls it names the operations of its vector as they are named here: most are instructions with another name
-/// (`use _mm256_add_pd as add`), and a few are functions of the module. Rows are addressed in `unit`s. A value of the type proves
+/// The module that calls it names the operations of its vector as they are named here. Most are instructions with another name
+/// (`use _mm256_add_pd as add`). A few are functions of the module. Rows are addressed in `unit`s. A value of the type proves
 /// that this processor has the instruction set.
 macro_rules! registers {
     ($(#[$doc:meta])* $lanes:ident: $number:ty, $bits:ty, $width:literal, $isa:ty, $row:ty, $unit:ty) => {

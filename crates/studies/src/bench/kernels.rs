@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use lennard_engine::stopwatch::Stopwatch;
 use lennard_engine::bare;
+use lennard_engine::stopwatch::Stopwatch;
 use lennard_forcefield::{ForcePlan, Isa, measure};
 
 use super::types::{BenchError, KernelResult, SkinPoint, SkinStudy, doubts, load};

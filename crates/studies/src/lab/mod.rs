@@ -16,7 +16,7 @@ mod workbench;
 
 pub use forces::ForceErrors;
 pub use measured::{AgainstEquation, Drift, Measured, mean_of};
-pub use motion::{TightTrajectory, TrajectoryError};
+pub use motion::TrajectoryError;
 pub use rig::Rig;
 pub use slopes::Slopes;
 pub(crate) use stable::{rough_stable_dt, stable_dt_of_springs};
@@ -24,4 +24,4 @@ pub use start::Start;
 pub(crate) use start::{to_temperature, under_bussi};
 pub use timing::{Cost, Timing, costs, modelled_work};
 pub use untruncated::Untruncated;
-pub use workbench::{Failed, Workbench};
+pub use workbench::{Failed, TightTrajectory, Workbench};

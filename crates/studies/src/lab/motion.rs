@@ -9,28 +9,12 @@ use lennard_integrators::{IntegratorOptions, blanes_moan};
 use serde::{Deserialize, Serialize};
 
 use super::rig::Rig;
-use super::workbench::Workbench;
+use super::workbench::{Tight, TightTrajectory, Workbench};
 use crate::StudyError;
 use crate::settings::Settings;
 
 /// Step of the trajectories that others are compared with, τ, made with the method of Blanes and Moan.
 const REFERENCE_DT: f64 = 0.001;
-
-/// Where a tight trajectory ends, and how well that is known.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TightTrajectory {
-    /// Unwrapped positions, `[N]`, σ.
-    pub positions: Vec<DVec3>,
-    /// Root mean square distance from a trajectory with twice the step, σ.
-    pub floor: f64,
-}
-
-/// A tight trajectory that is known.
-pub(super) struct Tight {
-    truncation: TruncationOptions,
-    time: f64,
-    trajectory: Arc<TightTrajectory>,
-}
 
 /// How far a short trajectory has gone astray.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

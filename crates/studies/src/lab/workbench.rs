@@ -1,14 +1,14 @@
 //! A scene on the workbench: one start, and short runs of it with any settings.
 
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
+use glam::DVec3;
 use lennard_core::ForceError;
 use lennard_engine::{EngineError, Simulation, measured_stage};
-use lennard_forcefield::PairForces;
+use lennard_forcefield::{PairForces, TruncationOptions};
 use lennard_scene::{Scene, Stage};
 use serde::{Deserialize, Serialize};
 
-use super::motion::Tight;
 use super::start::Start;
 use super::untruncated::Untruncated;
 use crate::StudyError;
@@ -22,6 +22,22 @@ pub struct Workbench {
     start: Start,
     pub(super) untruncated: OnceLock<Untruncated>,
     pub(super) tight: Mutex<Vec<Tight>>,
+}
+
+/// Where a tight trajectory ends, and how well that is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TightTrajectory {
+    /// Unwrapped positions, `[N]`, σ.
+    pub positions: Vec<DVec3>,
+    /// Root mean square distance from a trajectory with twice the step, σ.
+    pub floor: f64,
+}
+
+/// A tight trajectory that is known.
+pub(super) struct Tight {
+    pub truncation: TruncationOptions,
+    pub time: f64,
+    pub trajectory: Arc<TightTrajectory>,
 }
 
 /// A run that failed: a result, and no error of the study.

@@ -1,12 +1,13 @@
 //! Collisions: springs that are too weak and too stiff, bounces by each rule, and the cradle.
 
 use lennard_core::{DVec3, PeriodicBox};
-use lennard_observables::{Cell, Table};
 use lennard_forcefield::{Hard, Response, SlitPlanes, Soft, SpringLaw, WallOptions};
+use lennard_observables::{Cell, Table};
 
 use super::ball::{Balls, PLANE, SIDE, over};
-use super::{Measured, cradle, unilateral};
+use super::{cradle, unilateral};
 use crate::StudyError;
+use crate::measured::Measured;
 use crate::report::Drawn;
 
 /// Stiffness of soft walls, ε/σ²: ω = 20 τ⁻¹.
@@ -65,7 +66,7 @@ fn stiff(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
         .column("depth over v/omega", |hit| hit[3])
         .table();
     let sizes = hits.iter().map(|hit| hit[1].abs());
-    all.shown.push(table.clone().and("size of the gain", sizes));
+    all.given.tables.push(table.clone().and("size of the gain", sizes));
     all.tables.push(table);
     Ok(())
 }
@@ -180,7 +181,7 @@ fn bouncing(all: &mut Measured) -> Result<(), StudyError> {
         .column("height [sigma]", |at| at.3)
         .table();
     let names = heights.iter().map(|at| format!("{}, e = {}", at.0, at.1));
-    all.shown.push(table.clone().and("ball", names));
+    all.given.tables.push(table.clone().and("ball", names));
     all.tables.push(table);
     Ok(())
 }

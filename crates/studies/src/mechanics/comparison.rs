@@ -2,15 +2,15 @@
 
 use std::time::Duration;
 
-use lennard_engine::stopwatch::repeated;
 use lennard_core::{DVec3, Want};
-use lennard_observables::{Cell, Table};
+use lennard_engine::stopwatch::repeated;
 use lennard_integrators::BondOptions;
+use lennard_observables::{Cell, Table};
 
-use super::Measured;
 use super::bodies::{Bodies, RunSummary, distance, strain};
 use super::ways::{MIDPOINT, Way, ways};
 use crate::StudyError;
+use crate::measured::Measured;
 use crate::report::Drawn;
 use crate::stability::fit::slope;
 
@@ -83,7 +83,7 @@ fn tables(found: &[WayResults], all: &mut Measured) {
         .column("cost [ns per bond and step]", |(w, _)| w.cost[0])
         .table();
     let cost_of_time = points.iter().map(|(w, p)| w.cost[0] / p.0);
-    all.shown.push(ways.clone().and("cost of a time", cost_of_time));
+    all.given.tables.push(ways.clone().and("cost of a time", cost_of_time));
     let caption = format!(
         "Order of the position error, where it falls as a power of h, and RMS of the energy at the step nearest to 0.0025 τ. The largest stable step is for a rotor with Ω = 2 τ⁻¹ \
          that also vibrates, and was looked for up to {LARGEST_STEP} τ. The time is the fastest of a whole step without pair forces, per bond."
@@ -122,11 +122,11 @@ fn tables(found: &[WayResults], all: &mut Measured) {
     let by_theory = Table::rows_of("limits by theory", &law)
         .column("error", |(error, _)| *error)
         .column("step", |(_, step)| *step);
-    all.shown.extend([limits.table(), by_theory.table()]);
+    all.given.tables.extend([limits.table(), by_theory.table()]);
 }
 
-/// The order of an error at the smallest steps, from the last (step, error) and the distance between the last two runs; or why
-/// it has none.
+/// The order of an error at the smallest steps, or why it has none. `errors` are (step, error), and `between` is the distance
+/// between the last two runs.
 fn order(bonds: &BondOptions, errors: &[(f64, f64)], between: f64) -> Result<f64, &'static str> {
     let unsettled = "no power of h";
     let [.., a, b, c] = errors else {

@@ -1,13 +1,13 @@
 //! Balls that touch: rows that one ball hits, a stack at rest, and the contacts of SPOOK.
 
 use lennard_core::{DVec3, Masses};
-use lennard_observables::{Cell, Table};
 use lennard_integrators::spook::Regularisation;
 use lennard_integrators::spook::{self, Contact, Solver};
+use lennard_observables::{Cell, Table};
 
-use super::Measured;
 use super::bodies::{rig, shipped};
 use crate::StudyError;
+use crate::measured::Measured;
 
 /// A row of touching balls by springs, in small steps of velocity Verlet.
 fn by_springs(n: usize, law: &str) -> Result<Vec<f64>, StudyError> {

@@ -1,15 +1,15 @@
 //! Fluids of dumbbells: drift of the energy under each way, the law of the projection, and the equations of state.
 
 use lennard_core::{Backend, DVec3, Integrator, State, System, Want};
-use lennard_observables::{Cell, Table};
 use lennard_engine::{EngineError, Simulation, Unfollowed, prepare};
 use lennard_integrators::{BondHolder, BondOptions, IntegratorOptions, build, spook};
 use lennard_literature::{EquationOfState, two_center};
 use lennard_observables::statistics::Line;
+use lennard_observables::{Cell, Table};
 use lennard_scene::Scene;
 
-use super::Measured;
 use super::ways::{damped, projected, relaxed};
+use crate::measured::Measured;
 use crate::{StudyError, jobs};
 
 /// Bond length of all fluids, σ.
@@ -177,7 +177,7 @@ pub(super) fn drifts(quick: bool, all: &mut Measured) -> Result<(), StudyError> 
         })
         .column("RMS [ε per molecule]", |d| Cell::rounded(d.rms, 3));
     all.tables.push(table.table());
-    all.shown.push(in_a_line.table());
+    all.given.tables.push(in_a_line.table());
     Ok(())
 }
 

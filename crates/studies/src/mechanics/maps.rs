@@ -4,15 +4,15 @@ use std::f64::consts::TAU;
 
 use glam::{DMat2, DVec2};
 use lennard_core::{DVec3, Want};
-use lennard_observables::Table;
 use lennard_integrators::{BondOptions, spook};
+use lennard_observables::Table;
 
-use super::Measured;
 use super::bodies::{Bodies, distance};
 use super::precise::G;
 use super::ways::{damped, springs};
 use crate::StudyError;
 use crate::lab::Rig;
+use crate::measured::Measured;
 use crate::report::Drawn;
 use crate::stability::groups::entry;
 use crate::stability::map::StepMap;
@@ -80,7 +80,7 @@ fn radii(all: &mut Measured) -> Result<(), StudyError> {
         .column("omega h", |(_, s)| *s)
         .column("radius", |(damping, s)| theory(*s, *damping).radius());
     let places = points.iter().map(|point| point.0.min(AT_INFINITY));
-    all.shown.extend([table.clone().and("place", places), curves.table()]);
+    all.given.tables.extend([table.clone().and("place", places), curves.table()]);
     all.tables.push(table);
     Ok(())
 }

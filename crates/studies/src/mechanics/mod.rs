@@ -21,6 +21,7 @@ use lennard_observables::Table;
 use serde::Serialize;
 
 use crate::claims::{Claim, Numbers};
+use crate::measured::Measured;
 use crate::report::{Given, Page};
 use crate::{Progress, Study, StudyError, StudyOptions};
 
@@ -29,17 +30,6 @@ const CLAIMS: &str = include_str!("claims.csv");
 
 /// The page with its figures.
 const PAGE: &str = include_str!("page.toml");
-
-/// What the chapters have measured.
-#[derive(Debug, Default)]
-struct Measured {
-    /// Tables with every digit, which are files.
-    tables: Vec<Table>,
-    /// Tables of the page alone. A table with the name of a file has columns that are drawn besides.
-    shown: Vec<Table>,
-    /// The numbers that judge claims.
-    numbers: Numbers,
-}
 
 /// A chapter: whether its runs are short, and where its results go.
 type Chapter = fn(bool, &mut Measured) -> Result<(), StudyError>;
@@ -66,9 +56,9 @@ pub struct MechanicsStudy {
     pub options: StudyOptions,
     /// The tables with every digit.
     pub tables: Vec<Table>,
-    /// Tables of the page alone.
+    /// What else the text of the page names.
     #[serde(skip)]
-    shown: Vec<Table>,
+    given: Given,
     /// The numbers that judge the claims.
     numbers: Numbers,
     /// What is claimed, by whom, and whether it holds.
@@ -89,13 +79,13 @@ pub fn run(
         measure(options.quick, &mut all)?;
     }
     progress.update("done", 1.0);
-    let Measured { tables, shown, numbers } = all;
+    let Measured { tables, numbers, given, .. } = all;
     Ok(MechanicsStudy {
         schema: lennard_io::schema!("mechanics", 2),
         options: options.clone(),
         claims: crate::claims::all_judged(CLAIMS, &numbers)?,
         tables,
-        shown,
+        given,
         numbers,
     })
 }
@@ -107,11 +97,11 @@ impl Study for MechanicsStudy {
     }
 
     fn page(&self) -> Result<Page, StudyError> {
-        // What is shown alone comes first: it has every column that the page names.
-        let tables: Vec<Table> = self.shown.iter().chain(&self.tables).cloned().collect();
         let ways = self.tables.iter().find(|table| table.name == comparison::IN_A_LINE);
-        let words = vec![("ways", ways.map_or(0, Table::rows).to_string())];
-        let given = Given { tables, words, lists: Vec::new() };
+        let mut given = self.given.clone();
+        // A table of the page alone comes first: it has every column that the page names.
+        given.tables.extend_from_slice(&self.tables);
+        given.words.push(("ways", ways.map_or(0, Table::rows).to_string()));
         crate::claims::page(PAGE, &self.options, &self.claims, given)
     }
 }

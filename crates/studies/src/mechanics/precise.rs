@@ -1,13 +1,13 @@
 //! Pendulums and chains against solutions of high precision.
 
 use lennard_core::DVec3;
-use lennard_observables::{Cell, Table};
 use lennard_integrators::BondOptions;
+use lennard_observables::{Cell, Table};
 
-use super::Measured;
 use super::bodies::{Bodies, distance};
 use super::ways::{damped, projected, relaxed};
 use crate::StudyError;
+use crate::measured::Measured;
 use crate::stability::fit::slope;
 
 /// Gravity of the shipped chain, σ/τ²: the number of standard gravity in SI.
@@ -117,6 +117,6 @@ pub(super) fn measure(quick: bool, all: &mut Measured) -> Result<(), StudyError>
         .column("Step", |s| Cell::rounded(s.errors.last().map(|e| e.0), 3))
         .column("Error", |s| Cell::rounded(s.errors.last().map(|e| e.1), 3))
         .column("Order", |s| Cell::rounded(s.order, 3));
-    all.shown.push(in_a_line.table());
+    all.given.tables.push(in_a_line.table());
     Ok(())
 }

@@ -1,13 +1,14 @@
 //! The pressure on hard walls beside the pressure of the virial, as both grow sharp with time.
 
 use lennard_core::{DVec3, State, Want};
-use lennard_observables::Table;
 use lennard_engine::prepare;
 use lennard_integrators::{IntegratorOptions, build};
+use lennard_observables::Table;
 
-use super::{Measured, fluid};
+use super::fluid;
 use crate::StudyError;
 use crate::lab::Rig;
+use crate::measured::Measured;
 
 /// Time step, τ.
 const DT: f64 = 0.004;

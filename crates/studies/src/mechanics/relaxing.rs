@@ -2,15 +2,15 @@
 
 use std::f64::consts::PI;
 
-use lennard_observables::Table;
 use lennard_integrators::BondOptions;
 use lennard_integrators::bonds::relaxation;
+use lennard_observables::Table;
 
-use super::Measured;
 use super::bodies::{Bodies, OF_TWO, RunSummary, distance};
 use super::ways::{projected, relaxed};
 use crate::StudyError;
 use crate::lab::Rig;
+use crate::measured::Measured;
 use crate::report::Drawn;
 
 /// The rate of sweeps over a chain.
@@ -113,7 +113,7 @@ fn rates(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
         .column("best", |n| sweeps(2.0 / (1.0 + turn(*n).sin()) - 1.0));
     let drawn = table.clone().and("chain", rates.iter().map(|r| r.chain));
     let drawn = drawn.and("sweeps measured", rates.iter().map(|r| sweeps(r.measured)));
-    all.shown.extend([drawn, by_theory.table()]);
+    all.given.tables.extend([drawn, by_theory.table()]);
     all.tables.push(table);
     Ok(())
 }

@@ -5,9 +5,9 @@ use lennard_forcefield::{Hard, Response, WallOptions};
 use lennard_integrators::spook::{Problem, Solver, TwoSided};
 use lennard_scene::Scene;
 
-use super::Measured;
 use super::ball::{Balls, column};
 use crate::StudyError;
+use crate::measured::Measured;
 
 /// Restitution of the measurements over phases.
 const SHARE: f64 = 0.4;

@@ -3,10 +3,11 @@
 use lennard_observables::quantities::{Mark, QUANTITIES, Quantity, quantity_of};
 use serde::Serialize;
 
-use super::blocks::{Blocks, EQUATIONS, PICTURES, StudyPoints, TOGETHER};
+use super::blocks::{Blocks, EQUATIONS, PICTURES, TOGETHER};
 use super::equations;
 use super::points::Kind;
 use super::probability::{CHI_SQUARED_IN_WORDS, probability_words, tail_probability};
+use super::study::StudyPoints;
 use crate::compare::{Row, Verdict, capital, quantity_words};
 use crate::report::{Axis, Figure, Look, Picture, Point, Section, Series, Symbol};
 use crate::sweep::SweptPoint;

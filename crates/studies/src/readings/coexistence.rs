@@ -9,8 +9,9 @@ use lennard_literature::{
 use lennard_observables::quantities::{Quantity, quantity_of};
 
 use super::averaged::{Averaged, averaged};
-use super::blocks::{Blocks, StudyPoints};
+use super::blocks::Blocks;
 use super::critical::{CriticalEstimate, Pair, estimate};
+use super::study::StudyPoints;
 use crate::compare::capital;
 use crate::sweep::SweptPoint;
 
@@ -99,8 +100,8 @@ impl Lines {
         })
     }
 
-    /// What the literature has: points of its phases from cold to hot, by the equation of state and by a correlation of others, and
-    /// points of simulations of the full potential.
+    /// Points of the literature from cold to hot: by the equation of state, by another correlation, and by simulations of the
+    /// full potential.
     fn known(
         &self,
         of_phases: impl Fn(&[TwoPhases]) -> Vec<(f64, f64)>,

@@ -2,8 +2,9 @@
 
 use lennard_observables::quantities::quantity_of;
 
-use super::blocks::{Blocks, StudyPoints};
+use super::blocks::Blocks;
 use super::properties;
+use super::study::StudyPoints;
 
 /// Fewest densities that make an isotherm.
 const FEWEST: usize = 3;

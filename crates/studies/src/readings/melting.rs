@@ -7,8 +7,9 @@ use lennard_scene::Scene;
 use serde::Serialize;
 
 use super::averaged::{Averaged, averaged};
-use super::blocks::{Blocks, StudyPoints};
+use super::blocks::Blocks;
 use super::properties::{label_of, series_of};
+use super::study::StudyPoints;
 use crate::lists::unique;
 use crate::sweep::{Sweep, SweptPoint};
 

@@ -14,9 +14,11 @@ mod melting;
 mod points;
 mod probability;
 mod properties;
+mod study;
 
-pub use blocks::{Blocks, StudyPoints};
+pub use blocks::Blocks;
 pub(crate) use blocks::{OPEN, SHARED_SECTIONS};
+pub use study::StudyPoints;
 
 /// A way to read the points of a study.
 #[derive(Debug)]

@@ -3,8 +3,9 @@
 use lennard_observables::quantities::{Quantity, quantity_of};
 use lennard_observables::{Cell, Table, Tone, Value};
 
-use super::blocks::{Blocks, POINTS, PROPERTIES, StudyPoints};
+use super::blocks::{Blocks, POINTS, PROPERTIES};
 use super::properties;
+use super::study::StudyPoints;
 use crate::compare::{Verdict, capital};
 use crate::lists::grouped;
 use crate::report::Section;

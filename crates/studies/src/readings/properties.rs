@@ -8,7 +8,7 @@ use lennard_observables::quantities::{Mark, Quantity, axis, has_mark};
 use lennard_scene::study::{SHORT_KEYS, ShortKey};
 
 use super::averaged::{Averaged, averaged};
-use super::blocks::StudyPoints;
+use super::study::StudyPoints;
 use crate::compare::{capital, quantity_words};
 use crate::lists::{grouped, unique};
 use crate::sweep::{Setting, SettingValue};

@@ -2,12 +2,11 @@
 
 mod view;
 
-use lennard_core::DVec3;
-
 use crate::report::sheet::{
     AFTER, BELOW, GREY, INK, Rgb, Sheet, TEXT, TITLE, WIDTH, color, fine, hex, text_width,
 };
 use crate::report::{Dash, ReportError};
+pub use view::{ParticleFigure, Sphere};
 use view::{Scenery, Seen};
 
 /// Shades from the front to the back: what is far away is paler.
@@ -16,35 +15,6 @@ const SHADES: usize = 5;
 const PALEST: f64 = 0.55;
 /// The side of a sample in the legend, design units.
 const SAMPLE: f64 = 22.0;
-
-/// A species in a picture.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sphere {
-    /// Its name in the legend.
-    pub name: String,
-    /// Its diameter, σ.
-    pub diameter: f64,
-}
-
-/// Particles in a periodic box.
-///
-/// Spheres that others hide are left out, which changes nothing that is seen. At most 2,000 spheres are drawn: of a larger
-/// system the corner of the box that is nearest.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ParticleFigure {
-    /// File stem.
-    pub name: String,
-    /// Heading inside the figure.
-    pub title: String,
-    /// Sides of the box, σ.
-    pub sides: DVec3,
-    /// The species.
-    pub species: Vec<Sphere>,
-    /// Places of the particles, σ; they are folded into the box.
-    pub places: Vec<DVec3>,
-    /// The number of the species of each particle; empty where all are of the first.
-    pub of_particle: Vec<usize>,
-}
 
 impl ParticleFigure {
     /// The figure as one SVG text that scales to the width it is given.

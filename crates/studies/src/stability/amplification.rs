@@ -5,11 +5,11 @@ use lennard_integrators::IntegratorEntry;
 use lennard_observables::{Cell, Table};
 use rayon::prelude::*;
 
-use super::Found;
 use super::groups::{group_of, groups, methods};
 use super::map::StepMap;
 use super::oscillator::{Spring, excursion, measured_map};
 use crate::StudyError;
+use crate::measured::Measured;
 
 /// The largest ωh at which a limit is looked for.
 const LARGEST_OMEGA_H: f64 = 12.0;
@@ -41,7 +41,7 @@ pub(crate) fn theory(entry: &IntegratorEntry, omega_h: f64) -> StepMap {
 }
 
 /// Measures the map and the limits of every method.
-pub(super) fn measure(quick: bool, found: &mut Found) -> Result<(), StudyError> {
+pub(super) fn measure(quick: bool, found: &mut Measured) -> Result<(), StudyError> {
     let methods = methods();
     // Each method is sampled at places of its own, so that equal marks lie side by side.
     let stride = if quick { 0.8 } else { 0.4 };

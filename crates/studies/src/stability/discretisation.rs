@@ -3,10 +3,10 @@
 use lennard_observables::Table;
 use lennard_observables::statistics::Line;
 
-use super::Found;
 use super::groups::entry;
 use super::oscillator::Spring;
 use crate::StudyError;
+use crate::measured::Measured;
 
 /// The steps, as wh.
 const STEPS: [f64; 4] = [0.2, 0.1, 0.05, 0.025];
@@ -18,7 +18,7 @@ const FIT_FROM: f64 = 4.0;
 
 /// Runs both starts at every step, with w = 1: from x_1 = q₊ the error is ln(x_n/e^{wt}) = −c·(wh)²·wt with c = 1/24. The
 /// Taylor start has the same slope over wt and an offset near −(wh)²/16.
-pub(super) fn measure(found: &mut Found) -> Result<(), StudyError> {
+pub(super) fn measure(found: &mut Measured) -> Result<(), StudyError> {
     let (mut coefficients, mut errors) = (Vec::new(), Vec::new());
     for z in STEPS {
         // The method starts from x(−h) = x − h·v + ½h²·a: this velocity makes it 1/q₊, and so x(h) = q₊.

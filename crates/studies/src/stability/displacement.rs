@@ -7,12 +7,12 @@ use lennard_integrators::IntegratorEntry;
 use lennard_observables::{Cell, Table, Tone};
 use rayon::prelude::*;
 
-use super::Found;
 use super::amplification::{mean_growth, theory};
 use super::groups::{group_of, groups, methods};
 use super::map::StepMap;
 use super::oscillator::{Excursion, Spring, excursion, measured_map};
 use crate::StudyError;
+use crate::measured::Measured;
 use crate::report::significant;
 
 /// Mass of the study, m.
@@ -126,7 +126,7 @@ impl Long {
     }
 
     /// Adds the numbers that judge claims.
-    fn judge(&self, entry: &IntegratorEntry, found: &mut Found) -> Result<(), StudyError> {
+    fn judge(&self, entry: &IntegratorEntry, found: &mut Measured) -> Result<(), StudyError> {
         let mut add = |key, measured, theory: Option<f64>| {
             let number = found.numbers.add(key, measured).theory(theory);
             let number = number.of("case", self.case.name).of("title", self.case.title);
@@ -146,7 +146,7 @@ impl Long {
 }
 
 /// Runs all cases: a short run of each group for the figures, and a long run of each method.
-pub(super) fn measure(found: &mut Found) -> Result<(), StudyError> {
+pub(super) fn measure(found: &mut Measured) -> Result<(), StudyError> {
     let methods = methods();
     let (mut short, mut long) = (Vec::new(), Vec::new());
     for case in cases() {

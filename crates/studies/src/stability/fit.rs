@@ -1,5 +1,16 @@
 //! Orders of convergence from few errors.
 
+/// An error against the step.
+pub(super) struct ErrorLine {
+    pub(super) kind: &'static str,
+    /// What errs.
+    pub(super) name: String,
+    /// The order that theory gives.
+    pub(super) theory: Option<f64>,
+    /// (h, error).
+    pub(super) errors: Vec<(f64, f64)>,
+}
+
 /// The slope between two points in logarithms.
 pub(crate) fn slope(a: (f64, f64), b: (f64, f64)) -> f64 {
     (a.1 / b.1).ln() / (a.0 / b.0).ln()

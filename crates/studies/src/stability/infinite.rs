@@ -3,12 +3,12 @@
 
 use lennard_observables::Table;
 
-use super::Found;
 use super::displacement::{MASS, STEP};
 use super::groups::entry;
 use super::map::StepMap;
 use super::oscillator::{Spring, map_of};
 use crate::StudyError;
+use crate::measured::Measured;
 use crate::report::significant;
 
 const SPOOK: &str = "spook";
@@ -79,9 +79,9 @@ impl Run {
 /// Where all runs start: x = 1 σ, at rest.
 const START: (f64, f64) = (1.0, 0.0);
 
-/// Measures everything: SPOOK at ε = 0 with each damping time and at large finite stiffnesses, and symplectic Euler at its
-/// limit, whose map on (x, h·v) is [[−3, 1], [−4, 1]], the one of SPOOK at ε = 0 and τ = 0.
-pub(super) fn measure(quick: bool, found: &mut Found) -> Result<(), StudyError> {
+/// Measures SPOOK at ε = 0 with each damping time and at large finite stiffnesses, and symplectic Euler at its limit. The
+/// limit has the map [[−3, 1], [−4, 1]] on (x, h·v), which SPOOK has at ε = 0 and τ = 0.
+pub(super) fn measure(quick: bool, found: &mut Measured) -> Result<(), StudyError> {
     let steps = if quick { STEPS / 5 } else { STEPS };
     let limit = Spring::Stiffness(4.0 * MASS / (STEP * STEP));
     let at_limit = Run::of("symplectic-euler", "k = 4m/h²".into(), limit, steps)?;

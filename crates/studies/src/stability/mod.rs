@@ -1,9 +1,8 @@
 //! `lennard study stability`: where each integrator fails, on the oscillator and on the fluid. Theory and
 //! measurement stand in one picture, with a verdict for each claim.
 //!
-//! Each part measures its numbers and adds them to [`Found`]: as rows of tables, which are files, figures and tables of the
-//! page, and as numbers that judge claims. The oscillator part goes over the list of integrators. A new integrator of that
-//! list is measured and drawn here without a change of this crate.
+//! Each part adds rows of tables and numbers that judge claims. The oscillator part goes over the list of integrators. A new
+//! integrator of that list is measured and drawn here without a change of this crate.
 
 mod amplification;
 mod discretisation;
@@ -17,16 +16,15 @@ mod orders;
 pub(crate) mod oscillator;
 mod variable_step;
 
-use std::path::{Path, PathBuf};
+pub use fluid::Fluid;
 
 use lennard_observables::Table;
-use lennard_scene::Scene;
 use serde::Serialize;
 
-use crate::claims::{Claim, Numbers};
+use crate::claims::Claim;
+use crate::measured::Measured;
 use crate::progress::Part;
 use crate::report::{Given, Page};
-use crate::sweep::{self, Sweep, SweepError};
 use crate::{Progress, Study, StudyError, StudyOptions};
 
 /// Who claims what about integrators.
@@ -55,47 +53,6 @@ pub struct StabilityStudy {
     /// What else the text of the page names.
     #[serde(skip)]
     given: Given,
-}
-
-/// What the parts of the study have found so far.
-#[derive(Debug, Default)]
-struct Found {
-    /// Tables of numbers.
-    tables: Vec<Table>,
-    /// Tables of curves, which are files and figures alone.
-    curves: Vec<Table>,
-    /// Numbers that judge claims.
-    numbers: Numbers,
-    /// Words and lists of the page, and tables that are on the page alone.
-    given: Given,
-}
-
-impl Found {
-    /// Words that the text of the page has in braces.
-    fn word(&mut self, name: &'static str, word: String) {
-        self.given.words.push((name, word));
-    }
-}
-
-/// The fluid of the study: a scene, and its points.
-pub struct Fluid {
-    base: Scene,
-    study: Sweep,
-    /// Whether claims may find no number: a file of a user's own may lack the methods that they are about.
-    is_own: bool,
-}
-
-impl Fluid {
-    /// Reads a study file, or the shipped one.
-    ///
-    /// # Errors
-    /// As [`sweep::stability`].
-    pub fn read(file: Option<&Path>, quick: bool) -> Result<Self, SweepError> {
-        let shipped = if quick { "stability-quick" } else { "stability" };
-        let shipped = PathBuf::from(format!("shipped:/studies/{shipped}.toml"));
-        let (base, study) = sweep::stability(file.unwrap_or(&shipped))?;
-        Ok(Self { base, study, is_own: file.is_some() })
-    }
 }
 
 /// Runs the study.
@@ -127,9 +84,9 @@ pub fn run(
 }
 
 /// Runs the oscillator part.
-fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<Found, StudyError> {
+fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<Measured, StudyError> {
     let mut at = |label: &str, share: f64| progress.update(label, share * OSCILLATOR_SHARE);
-    let mut found = Found::default();
+    let mut found = Measured::default();
     at("amplification and limits", 0.0);
     amplification::measure(quick, &mut found)?;
     at("displacement and energy", 0.5);

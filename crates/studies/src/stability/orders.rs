@@ -7,10 +7,12 @@ use lennard_observables::Table;
 use lennard_observables::statistics::Line;
 use rayon::prelude::*;
 
+use super::fit::{self, ErrorLine};
 use super::groups::{Group, entry, group_of, methods};
 use super::oscillator::Spring;
-use super::{Found, fit, variable_step};
+use super::variable_step;
 use crate::StudyError;
+use crate::measured::Measured;
 
 /// The oscillator, ω = 1 τ⁻¹.
 const SPRING: Spring = Spring::Stiffness(1.0);
@@ -26,17 +28,6 @@ const REFINEMENTS: u32 = 7;
 const SUMMED: [u32; 4] = [2, 3, 5, 30];
 /// Errors below this are rounding: 512 steps of a few 10⁻¹⁶ each.
 const ROUNDING: f64 = 2e-13;
-
-/// An error against the step.
-pub(super) struct ErrorLine {
-    pub(super) kind: &'static str,
-    /// What errs.
-    pub(super) name: String,
-    /// The order that theory gives.
-    pub(super) theory: Option<f64>,
-    /// (h, error).
-    pub(super) errors: Vec<(f64, f64)>,
-}
 
 impl ErrorLine {
     /// The error at each number of steps over the run and each step.
@@ -111,7 +102,7 @@ fn error_of(
 }
 
 /// Measures all orders.
-pub(super) fn measure(quick: bool, found: &mut Found) -> Result<(), StudyError> {
+pub(super) fn measure(quick: bool, found: &mut Measured) -> Result<(), StudyError> {
     let methods = methods();
     let of_methods = |kind, pick: fn(DVec2) -> f64, order: fn(&IntegratorSpec) -> u32| {
         let line = |entry: &&'static IntegratorEntry| {
@@ -207,7 +198,7 @@ fn local() -> Result<[ErrorLine; 4], StudyError> {
 
 /// Errors of Störmer–Verlet from two positions of cos t, over the first error. At the crest the local errors of a few
 /// steps are equal but for terms of the order (nh)².
-fn accumulation(found: &mut Found) -> Result<(), StudyError> {
+fn accumulation(found: &mut Measured) -> Result<(), StudyError> {
     let h = 0.004_f64;
     // The method begins with x + v·h + ½·a·h². This velocity makes that 2·cos 0 − cos h − h².
     let v = (1.0 - 0.5 * h * h - h.cos()) / h;
@@ -222,7 +213,7 @@ fn accumulation(found: &mut Found) -> Result<(), StudyError> {
 
 /// The energy of velocity Verlet: the order of its oscillation, and its drift over a long run as a
 /// share of that oscillation.
-fn energy(quick: bool, found: &mut Found) -> Result<ErrorLine, StudyError> {
+fn energy(quick: bool, found: &mut Measured) -> Result<ErrorLine, StudyError> {
     let verlet = entry("velocity-verlet")?;
     let of = |z: DVec2| 0.5 * (z.x * z.x + z.y * z.y);
     let line = ErrorLine::of(("energy", "|E − E₀| of velocity Verlet", 2.0), |n, _| {

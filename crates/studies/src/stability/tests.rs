@@ -12,7 +12,7 @@ use lennard_observables::Verdict;
 use lennard_observables::{Cell, Value};
 
 /// The quick oscillator part, run once for all tests.
-static QUICK: LazyLock<Found> =
+static QUICK: LazyLock<Measured> =
     LazyLock::new(|| oscillator(true, &mut Silent).expect("every method runs on the oscillator"));
 
 /// The claims about the oscillator.

@@ -3,11 +3,11 @@
 use lennard_integrators::stormer_verlet::StepRule;
 use lennard_observables::Table;
 
-use super::Found;
+use super::fit::ErrorLine;
 use super::groups::entry;
-use super::orders::ErrorLine;
 use super::oscillator::Spring;
 use crate::StudyError;
+use crate::measured::Measured;
 
 /// Steps of one length before the other length takes over.
 const BLOCK: u32 = 4;
@@ -66,7 +66,7 @@ fn path(method: &'static str, steps: &[f64]) -> Result<Vec<(f64, f64)>, StudyErr
 }
 
 /// Runs every rule; the plain one is refused by `stormer-verlet`, as it must be. The errors against the long step come back.
-pub(super) fn measure(found: &mut Found) -> Result<Vec<ErrorLine>, StudyError> {
+pub(super) fn measure(found: &mut Measured) -> Result<Vec<ErrorLine>, StudyError> {
     let at = |i: u32| END * f64::from(i) / 240.0;
     let mut shown: Vec<_> = (0..=240).map(|i| ("analytic", at(i), exact(at(i)))).collect();
     let mut lines = Vec::new();
@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn only_the_corrected_rules_converge() {
-        let lines = measure(&mut Found::default()).unwrap();
+        let lines = measure(&mut Measured::default()).unwrap();
         let order = |i: usize| lines[i].order();
         assert!(order(0).abs() < 0.05, "the plain rule has order {}", order(0));
         assert!((order(1) - 1.0).abs() < 0.05, "time-corrected: {}", order(1));

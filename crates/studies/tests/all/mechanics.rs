@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use lennard_observables::{Column, Value};
 use lennard_integrators::bond_methods;
 use lennard_observables::Verdict;
+use lennard_observables::{Column, Value};
 use lennard_studies::claims::Source;
 use lennard_studies::mechanics::{self, MechanicsStudy};
 use lennard_studies::{Silent, Study, StudyOptions};

@@ -6,7 +6,8 @@ mod summary;
 
 use std::collections::BTreeSet;
 
-use super::blocks::{Blocks, StudyPoints};
+use super::blocks::Blocks;
+use super::study::StudyPoints;
 use crate::lists::grouped;
 use crate::report::Section;
 use crate::sweep::{Point, Setting};

@@ -4,8 +4,36 @@ use std::f64::consts::PI;
 
 use lennard_core::DVec3;
 
-use crate::report::ParticleFigure;
 use crate::report::sheet::{Place, TEXT, WIDTH};
+
+/// A species in a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sphere {
+    /// Its name in the legend.
+    pub name: String,
+    /// Its diameter, σ.
+    pub diameter: f64,
+}
+
+/// Particles in a periodic box.
+///
+/// Spheres that others hide are left out, which changes nothing that is seen. At most 2,000 spheres are drawn: of a larger
+/// system the corner of the box that is nearest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParticleFigure {
+    /// File stem.
+    pub name: String,
+    /// Heading inside the figure.
+    pub title: String,
+    /// Sides of the box, σ.
+    pub sides: DVec3,
+    /// The species.
+    pub species: Vec<Sphere>,
+    /// Places of the particles, σ; they are folded into the box.
+    pub places: Vec<DVec3>,
+    /// The number of the species of each particle; empty where all are of the first.
+    pub of_particle: Vec<usize>,
+}
 
 /// Direction from which the box is seen: angle in the plane from the first axis, and angle above the plane.
 const AZIMUTH: f64 = 27.0 * PI / 180.0;

@@ -2,44 +2,59 @@
 //! it, drift and fluctuation of the energy are measured.
 //!
 //! A study file names scene and points: methods, steps, temperatures, truncations and precisions. All points of one temperature
-//! and one truncation begin at one equilibrated start, and each lasts as long as the measured stage of its scene: the steps of this
-//! stage times the step of the base scene. Limits are searched for every method from each start where it has points.
+//! and one truncation begin at one equilibrated start. A run lasts as long as the measured stage with the step of the base scene.
+//! Limits are searched for every method from each start where it has points.
 
 mod limit;
 mod run;
 mod tables;
 
 use std::cmp::Reverse;
+use std::path::{Path, PathBuf};
 
 use lennard_core::IntegratorSpec;
 use lennard_engine::measured_stage;
-use lennard_forcefield::{Precision, TruncationKind};
+use lennard_forcefield::Precision;
 use lennard_integrators::integrators;
 use lennard_scene::Scene;
 
 use super::groups::stands_for_itself;
-use super::{Fluid, Found};
 use crate::jobs::side_by_side;
 use crate::lab::Start;
+use crate::measured::Measured;
 use crate::report::significant;
-use crate::sweep::Point;
+use crate::sweep::{self, Point, Sweep, SweepError};
 use crate::{Progress, StudyError};
 use limit::{FluidLimit, LEAST_STEPS};
-use run::{FluidRun, Plan};
+use run::{BELOW, FluidRun, PAST, Plan, SHOWN, SMALL};
 
 /// Steps past the limit, as multiples of it.
 const PAST_LIMIT: [f64; 4] = [1.05, 1.2, 1.5, 2.0];
-/// The truncation that stands for all where only one can be shown. Its energy and force are continuous,
-/// so that every error is an error of the method.
-const SHOWN: TruncationKind = TruncationKind::ForceShift;
 /// The key of the points that show the floor of each precision: velocity Verlet at small steps.
 const PRECISION: &str = "kernel.precision";
-/// Parts of the table of runs: below the limits, at small steps in each precision, and past the limits.
-const BELOW: &str = "below the limit";
-const SMALL: &str = "small steps";
-const PAST: &str = "past the limit";
 /// Shares of time at which runs below the limits, limits, and runs past them are done; before the first, starts are equilibrated.
 const SHARES: [f64; 4] = [0.06, 0.5, 0.94, 1.0];
+
+/// The fluid of the study: a scene, and its points.
+pub struct Fluid {
+    base: Scene,
+    study: Sweep,
+    /// Whether claims may find no number: a file of a user's own may lack the methods that they are about.
+    pub(super) is_own: bool,
+}
+
+impl Fluid {
+    /// Reads a study file, or the shipped one.
+    ///
+    /// # Errors
+    /// As [`sweep::stability`].
+    pub fn read(file: Option<&Path>, quick: bool) -> Result<Self, SweepError> {
+        let shipped = if quick { "stability-quick" } else { "stability" };
+        let shipped = PathBuf::from(format!("shipped:/studies/{shipped}.toml"));
+        let (base, study) = sweep::stability(file.unwrap_or(&shipped))?;
+        Ok(Self { base, study, is_own: file.is_some() })
+    }
+}
 
 fn spec(scene: &Scene) -> &'static IntegratorSpec {
     scene.integrator.method.spec()
@@ -65,7 +80,7 @@ pub(super) fn measure(
     Fluid { base, study, .. }: &Fluid,
     quick: bool,
     progress: &mut dyn Progress,
-    found: &mut Found,
+    found: &mut Measured,
 ) -> Result<(), StudyError> {
     let mut scenes: Vec<Scene> = Vec::new();
     for point in &study.points {

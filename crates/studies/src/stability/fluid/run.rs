@@ -1,7 +1,7 @@
 //! One run of the fluid at constant energy, and what it says about the method.
 
 use lennard_core::{Momentum, StepError, Want};
-use lennard_forcefield::Precision;
+use lennard_forcefield::{Precision, TruncationKind};
 use lennard_observables::statistics::Line;
 use lennard_scene::Scene;
 
@@ -9,6 +9,13 @@ use crate::StudyError;
 use crate::lab::{Rig, Start};
 use crate::report::significant;
 
+/// The truncation that stands for all where only one can be shown. Its energy and force are continuous,
+/// so that every error is an error of the method.
+pub(super) const SHOWN: TruncationKind = TruncationKind::ForceShift;
+/// Parts of the table of runs: below the limits, at small steps in each precision, and past the limits.
+pub(super) const BELOW: &str = "below the limit";
+pub(super) const SMALL: &str = "small steps";
+pub(super) const PAST: &str = "past the limit";
 /// Time between two looks at the energy, τ.
 const SAMPLE_INTERVAL: f64 = 0.02;
 /// Blocks for the errors of means and of the drift.

@@ -4,10 +4,9 @@ use lennard_forcefield::Precision;
 use lennard_observables::{Cell, Table, Tone};
 
 use super::limit::{self, FluidLimit};
-use super::run::FluidRun;
-use super::{BELOW, PAST, SHOWN, SMALL};
+use super::run::{BELOW, FluidRun, PAST, SHOWN, SMALL};
+use crate::measured::Measured;
 use crate::report::significant;
-use crate::stability::Found;
 use crate::stability::groups::{group_of, stands_for_itself};
 
 /// Columns of runs that the page leaves to the files.
@@ -63,7 +62,7 @@ fn of_runs<'a>(name: &str, runs: impl Iterator<Item = &'a FluidRun> + Clone) -> 
 }
 
 /// Adds all tables.
-pub(super) fn add(found: &mut Found, runs: &[FluidRun], limits: &[FluidLimit]) {
+pub(super) fn add(found: &mut Measured, runs: &[FluidRun], limits: &[FluidLimit]) {
     let of_limits = Table::rows_of("fluid-limits", limits)
         .column("method", |l| l.last.method)
         .column("state", |l| format!("T* = {}", l.last.temperature))
