@@ -289,7 +289,7 @@ const PARTS: usize = MOST_TERMS as usize / BLOCK;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PartSum([f64; 2]);
 
-/// An exact sum of parts. Its value has the bits of [`super::exact_sum`] over all terms.
+/// An exact sum of parts. Its value has the bits of [`exact_sum`] over all terms.
 ///
 /// All parts share one window, which the sum before has left. Terms that it does not hold go to a sum that parts take in turns.
 #[derive(Debug, Default)]

@@ -167,10 +167,12 @@ fn a_copy_of_every_shipped_scene_is_a_scene_and_names_itself_alone() {
         let command = words[1..words.len() - 1].join(" ");
         if command == "study stability" {
             // It has no `--set`: its file has.
-            place.write(
-                &format!("{copy}.toml"),
-                &text.replace("[set]", "[set]\n\"kernel.isa\" = \"x\""),
-            );
+            let set = "[set]\n\"kernel.isa\" = \"x\"\n";
+            let wrong = match text.contains("[set]") {
+                true => text.replace("[set]\n", set),
+                false => format!("{text}\n{set}"),
+            };
+            place.write(&format!("{copy}.toml"), &wrong);
             place.refused(&format!("{command} {copy}"), &["kernel.isa"]);
         } else if command != "run" {
             place.refused(&format!("{command} {copy} --set kernel.isa=x"), &["kernel.isa"]);
