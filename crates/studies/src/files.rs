@@ -4,6 +4,7 @@ use std::path::Path;
 
 use lennard_io::{write_json_atomically, write_table_csv, write_text_atomically};
 use lennard_observables::Table;
+use lennard_scene::Scene;
 use serde::Serialize;
 
 use crate::StudyError;
@@ -64,4 +65,13 @@ pub(crate) fn write_all(
     write_json_atomically(&dir.join(json), &study)?;
     write_text_atomically(&dir.join("report.html"), &page.to_html()?)?;
     Ok(())
+}
+
+/// Name of the file with the scene that a folder belongs to, every default written out.
+pub(crate) const SCENE_FILE: &str = "scene.toml";
+
+/// Whether the folder belongs to this very scene; `None` where it says nothing of a scene.
+pub(crate) fn same_scene(folder: &Path, scene: &Scene) -> Option<bool> {
+    let file = folder.join(SCENE_FILE);
+    file.exists().then(|| Scene::load(&file, &[]).is_ok_and(|there| there == *scene))
 }

@@ -18,12 +18,10 @@ pub mod eos;
 mod error;
 mod files;
 mod jobs;
-mod kept;
 pub mod lab;
 mod lists;
 mod measured;
 pub mod mechanics;
-mod progress;
 pub mod readings;
 pub mod report;
 pub mod run_page;
@@ -34,4 +32,4 @@ pub mod tune;
 
 pub use error::StudyError;
 pub use files::{Study, StudyOptions};
-pub use progress::{Progress, Silent};
+pub use jobs::{Progress, Silent};

@@ -2,9 +2,7 @@
 //!
 //! A command returns the blocks that it has to say. [`print`] writes them, and `report` writes the same type as HTML.
 
-mod bench;
 mod chart;
-mod eos;
 mod list;
 mod literature;
 mod plan;
@@ -13,9 +11,7 @@ mod tables;
 mod text;
 mod tune;
 
-pub use bench::bench;
 pub use chart::chart;
-pub use eos::{coexistence, curve, freezing, state};
 pub use list::{entry, list};
 pub use literature::{compared, sweep, sweep_header};
 pub use plan::plan;

@@ -5,7 +5,7 @@ use crate::report::{Drawn, Given, Page, percent, significant, written};
 use lennard_engine::stopwatch::Spread;
 use lennard_observables::{Cell, RowsOf, Table};
 
-use super::types::{BenchStudy, KernelResult, with_range};
+use super::{BenchStudy, KernelResult, with_range};
 
 /// The best time, in brackets the median of the repeats: `70.1 (74.3)`.
 fn best(spread: Spread) -> String {

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::types::{ChartError, ChartedPoint, Lengths};
-use crate::kept::{SCENE_FILE, same_scene};
+use crate::files::{SCENE_FILE, same_scene};
 
 /// Folder of the stored points.
 pub const POINTS: &str = "points";

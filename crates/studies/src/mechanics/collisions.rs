@@ -5,7 +5,7 @@ use lennard_forcefield::{Hard, Response, SlitPlanes, Soft, SpringLaw, WallOption
 use lennard_observables::{Cell, Table};
 
 use super::ball::{Balls, PLANE, SIDE, over};
-use super::{cradle, unilateral};
+use super::cradle;
 use crate::StudyError;
 use crate::measured::Measured;
 use crate::report::Drawn;
@@ -232,5 +232,5 @@ pub(super) fn measure(quick: bool, all: &mut Measured) -> Result<(), StudyError>
         all.numbers.add(key, measured);
     }
     cradle::measure(all)?;
-    unilateral::measure(quick, all)
+    cradle::contacts(quick, all)
 }

@@ -8,7 +8,7 @@ use lennard_integrators::BondOptions;
 use lennard_observables::{Cell, Table};
 
 use super::bodies::{Bodies, RunSummary, distance, strain};
-use super::ways::{MIDPOINT, Way, ways};
+use super::bodies::{MIDPOINT, Way, ways};
 use crate::StudyError;
 use crate::measured::Measured;
 use crate::report::Drawn;

@@ -8,8 +8,8 @@ use lennard_integrators::{BondOptions, spook};
 use lennard_observables::Table;
 
 use super::bodies::{Bodies, distance};
+use super::bodies::{damped, springs};
 use super::precise::G;
-use super::ways::{damped, springs};
 use crate::StudyError;
 use crate::lab::Rig;
 use crate::measured::Measured;

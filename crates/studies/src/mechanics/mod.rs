@@ -12,10 +12,7 @@ mod cradle;
 mod fluid;
 mod maps;
 mod precise;
-mod pressure;
 mod relaxing;
-mod unilateral;
-mod ways;
 
 use lennard_observables::Table;
 use serde::Serialize;
@@ -42,7 +39,7 @@ const CHAPTERS: [(&str, f64, Chapter); 9] = [
     ("pendulums and chains", 0.3, precise::measure),
     ("spook", 0.35, maps::measure),
     ("collisions", 0.4, collisions::measure),
-    ("pressure between walls", 0.5, pressure::measure),
+    ("pressure between walls", 0.5, fluid::pressure),
     ("drift of fluids", 0.55, fluid::drifts),
     ("equations of state", 0.75, fluid::states),
 ];

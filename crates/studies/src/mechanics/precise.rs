@@ -5,7 +5,7 @@ use lennard_integrators::BondOptions;
 use lennard_observables::{Cell, Table};
 
 use super::bodies::{Bodies, distance};
-use super::ways::{damped, projected, relaxed};
+use super::bodies::{damped, projected, relaxed};
 use crate::StudyError;
 use crate::measured::Measured;
 use crate::stability::fit::slope;

@@ -7,7 +7,7 @@ use lennard_integrators::bonds::relaxation;
 use lennard_observables::Table;
 
 use super::bodies::{Bodies, OF_TWO, RunSummary, distance};
-use super::ways::{projected, relaxed};
+use super::bodies::{projected, relaxed};
 use crate::StudyError;
 use crate::lab::Rig;
 use crate::measured::Measured;

@@ -5,9 +5,8 @@ use lennard_observables::{CORRECTED, UNCORRECTED};
 
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 
-use super::averaged::{Averaged, averaged};
 use super::blocks::Blocks;
-use super::properties::{label_of, series_of};
+use super::properties::{Averaged, averaged, label_of, series_of};
 use super::study::StudyPoints;
 
 /// The fewest temperatures that make a line.

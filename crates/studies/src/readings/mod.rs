@@ -2,17 +2,12 @@
 
 mod agreement;
 mod arrhenius;
-mod averaged;
 mod blocks;
 mod coexistence;
 mod coverage;
-mod critical;
 mod ensemble;
-mod equations;
-mod isotherms;
 mod melting;
 mod points;
-mod probability;
 mod properties;
 mod study;
 
@@ -45,7 +40,7 @@ pub const READINGS: [Reading; 8] = [
         needs: &[("density", 3)],
         files: &["pressure.svg"],
         is_usual: true,
-        read: isotherms::read,
+        read: properties::isotherms,
     },
     Reading {
         name: "coexistence",

@@ -9,12 +9,10 @@ mod draw;
 mod escape;
 mod figure;
 mod in_units;
-mod legend;
 mod page;
 mod palette;
 mod particles;
 mod picture;
-mod row;
 mod sheet;
 mod table;
 mod written;
@@ -30,8 +28,8 @@ pub use page::{Block, Page, Section};
 pub use palette::{COLORS, Dash, Symbol};
 pub use particles::{ParticleFigure, Sphere};
 pub use picture::{Drawing, Picture};
-pub use row::{Columns, FigureRow};
 pub use table::{ErrorStyle, cell_text, heading, is_numeric};
+pub use written::{Columns, FigureRow};
 pub(crate) use written::{Drawn, Given, filled, written};
 
 /// Why a figure cannot be drawn.

@@ -3,7 +3,7 @@
 use lennard_observables::Table;
 
 use crate::report::escape::{escape, inline_markup, made_by};
-use crate::report::{Picture, ReportError, legend, table};
+use crate::report::{Picture, ReportError, draw, table};
 
 /// The style of every page.
 const STYLE: &str = include_str!("page.css");
@@ -214,16 +214,16 @@ impl Block {
                 format!("<pre class=\"equations\">{}</pre>\n", lines.join("\n"))
             }
             Self::Figures(pictures) => {
-                let shared = legend::shared(pictures.iter().filter_map(Picture::plot));
+                let shared = draw::shared_entries(pictures.iter().filter_map(Picture::plot));
                 let n = pictures.len();
                 let mut html =
-                    format!("<div class=\"figures of-{n}\">\n{}", legend::to_html(&shared));
+                    format!("<div class=\"figures of-{n}\">\n{}", draw::legend_to_html(&shared));
                 for picture in pictures {
-                    let own = picture.plot().map(|figure| legend::own(figure, &shared));
+                    let own = picture.plot().map(|figure| draw::own_entries(figure, &shared));
                     html.push_str(&format!(
                         "<figure>\n{}<figcaption>{}{}{}</figcaption>\n</figure>\n",
                         picture.to_svg_without_legend()?,
-                        legend::to_html(&own.unwrap_or_default()),
+                        draw::legend_to_html(&own.unwrap_or_default()),
                         inline_markup(&picture.caption),
                         made_by(command, Some(&picture.data))
                     ));

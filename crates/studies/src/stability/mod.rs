@@ -22,8 +22,8 @@ use lennard_observables::Table;
 use serde::Serialize;
 
 use crate::claims::Claim;
+use crate::jobs::Part;
 use crate::measured::Measured;
-use crate::progress::Part;
 use crate::report::{Given, Page};
 use crate::{Progress, Study, StudyError, StudyOptions};
 

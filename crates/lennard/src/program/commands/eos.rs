@@ -5,8 +5,8 @@ use lennard_literature::{
     BOND_LENGTHS, EquationOfState, Mie, ModelKind, PROPERTIES, Property, equations_for,
     freezing_lines_of, list, pohl_2023, property, two_center, virial_series,
 };
-use lennard_studies::eos::{self, Evaluated, Given};
-use lennard_studies::report::{Section, in_units};
+use lennard_studies::eos::{self, Coexistence, Evaluated, Freezing, Given};
+use lennard_studies::report::{Section, in_units, physical};
 use serde_json::{Value, json};
 
 use crate::program::args::{EosArgs, Values};
@@ -85,11 +85,11 @@ pub fn eos(args: &EosArgs) -> Result<u8, Failure> {
         None => PROPERTIES.iter().collect(),
     };
     let json = eos::states_json(&all.concat(), &properties);
-    let curves: Vec<Section> = all.iter().map(|one| show::curve(one, &properties)).collect();
+    let curves: Vec<Section> = all.iter().map(|one| shown_curve(one, &properties)).collect();
     match curve {
         true => told(args.json, units, json, &curves, &curves),
         false => {
-            let state = show::state(&all.concat(), &properties, units);
+            let state = shown_state(&all.concat(), &properties, units);
             told(args.json, units, json, &curves, &[state])
         }
     }
@@ -182,7 +182,7 @@ fn saturation(equation: Equation, named: Option<&Vec<f64>>) -> OfTwo {
     let temperatures = named.cloned().unwrap_or_else(usual).into_iter();
     let covered = temperatures.filter(|t| *t >= spec.range.t_min);
     let rows: Vec<_> = covered.filter_map(|t| eos::coexistence_at(equation, t)).collect();
-    let found = || (eos::coexistence_json(equation, &rows), show::coexistence(equation, &rows));
+    let found = || (eos::coexistence_json(equation, &rows), shown_coexistence(equation, &rows));
     (!rows.is_empty()).then(found)
 }
 
@@ -203,7 +203,7 @@ fn freezing(equation: Equation, named: Option<&Vec<f64>>) -> OfTwo {
     let highest = (HIGHEST_OF_CRITICAL * spec.critical.temperature).min(spec.range.t_max);
     let temperatures = named.cloned().unwrap_or_else(|| evenly(lowest, highest));
     let rows: Vec<_> = temperatures.iter().flat_map(|t| eos::freezing_at(equation, *t)).collect();
-    let found = || (eos::freezing_json(equation, &rows), show::freezing(equation, &rows));
+    let found = || (eos::freezing_json(equation, &rows), shown_freezing(equation, &rows));
     (!rows.is_empty()).then(found)
 }
 
@@ -309,4 +309,63 @@ fn unknown(what: &str, name: &str, known: &[String]) -> Failure {
     let nearest = lennard_scene::nearest(name, known.iter().map(String::as_str));
     let meant = nearest.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
     refused(format!("there is no {what} `{name}`{meant}\n  allowed: {}", known.join(", ")))
+}
+
+/// One state by every equation that covers it.
+fn shown_state(
+    evaluated: &[Evaluated],
+    properties: &[&Property],
+    units: Option<&Units>,
+) -> Section {
+    let of_equation = |one: &Evaluated| {
+        let spec = one.equation.spec();
+        let said = match &one.found {
+            Ok(found) => {
+                let rho = found.state.rho;
+                let in_units = units.map_or_else(String::new, |units| {
+                    let temperature = physical(units, one.temperature, "ε/k_B");
+                    format!(" ({}, {temperature})", physical(units, rho, "σ⁻³"))
+                });
+                let (name, t, phase) = (&spec.name, one.temperature, found.phase);
+                format!("{name}: ρ = {rho:.6}, T = {t}{in_units}: {phase}")
+            }
+            Err(outside) => format!("left out: {outside}"),
+        };
+        [Some(said), spec.superseded.as_ref().map(|why| format!("  {why}"))]
+    };
+    let names: Vec<&str> = properties.iter().map(|p| p.key).collect();
+    Section::new("")
+        .table(eos::single(evaluated, properties))
+        .texts(evaluated.iter().flat_map(of_equation).flatten())
+        .text(format!(
+            "reduced units (ε = σ = m = k_B = 1), per particle; names for --properties: {}",
+            names.join(", ")
+        ))
+}
+
+/// Many states of one equation.
+fn shown_curve(evaluated: &[Evaluated], properties: &[&Property]) -> Section {
+    let citation = evaluated.first().map(|first| first.equation.spec().citation());
+    let table = eos::curve(evaluated, properties);
+    Section::new(citation.unwrap_or_default()).table(table)
+}
+
+/// Vapor and liquid side by side.
+fn shown_coexistence(equation: &dyn EquationOfState, rows: &[Coexistence]) -> Section {
+    let shown = eos::coexistence(equation, rows);
+    Section::new(equation.spec().citation()).text(&shown.caption).table(shown)
+}
+
+/// Liquid and crystal side by side.
+fn shown_freezing(equation: &dyn EquationOfState, rows: &[Freezing]) -> Section {
+    let shown = eos::freezing(equation, rows);
+    let caption = shown.caption.clone();
+    let lines = freezing_lines_of(equation).into_iter().map(|line| {
+        let doi = line.doi.as_ref().map_or(String::new(), |doi| format!(", doi:{doi}"));
+        format!("{}: {}{doi} ({})", line.name, line.citation, line.status)
+    });
+    Section::new(format!("P of {}", equation.spec().citation()))
+        .table(shown)
+        .text(caption)
+        .texts(lines)
 }

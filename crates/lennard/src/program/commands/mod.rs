@@ -16,8 +16,6 @@ pub mod resume;
 pub mod run;
 pub mod stability;
 pub mod sweep;
-mod sweep_ends;
-mod sweep_tasks;
 pub mod tune;
 
 use std::path::Path;

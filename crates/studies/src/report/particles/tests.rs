@@ -1,6 +1,5 @@
 use lennard_core::DVec3;
 
-use super::view::MOST_SPHERES;
 use super::*;
 
 fn figure(sides: DVec3, places: Vec<DVec3>) -> ParticleFigure {

@@ -4,7 +4,6 @@ use lennard_core::random::Streams;
 use lennard_observables::{Estimate, Verdict};
 use rand::Rng;
 
-use super::super::groups::by_quantity;
 use super::*;
 
 /// A number from a normal distribution: the sum of twelve uniform ones.
