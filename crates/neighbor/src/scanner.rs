@@ -172,7 +172,7 @@ impl Scanner for ScalarScanner {
             let mut is_near = [false; CLUSTER];
             for ((is_near, own), (t, limit)) in is_near.iter_mut().zip(own).zip(spheres) {
                 let Some(lengths) = bounds.folds else {
-                    let squares = candidates.square[k] - t[0] * x[k] - t[1] * y[k] - t[2] * z[k];
+                    let squares = candidates.square[k] + t[0] * x[k] + t[1] * y[k] + t[2] * z[k];
                     *is_near = squares <= limit;
                     continue;
                 };

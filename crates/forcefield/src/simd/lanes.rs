@@ -116,8 +116,8 @@ pub trait FixedLanes: Lanes<Row = FixedRow, Number = f32> {
     fn round(self) -> Self;
     /// The lanes whose value is at most `limit`, and whose whole number is another one than `own`.
     fn near_others(self, limit: Self, number: Self, own: Self) -> u32;
-    /// The lanes whose whole number is one of [`CLUSTER`] from `first` on.
-    fn members(self, first: Self) -> u32;
+    /// The lanes whose whole number is none of [`CLUSTER`] from `first` on. Bits beyond the lanes may be set.
+    fn others(self, first: Self) -> u32;
 }
 
 const _: () = assert!(CLUSTER == 4, "the loop has one variable for each member");

@@ -163,6 +163,7 @@ impl MotionSummary {
     }
 
     /// Includes the slots from `first` on, by their |d|² in `squares`; a particle above `far2` moved far.
+    #[inline(always)]
     pub fn include(&mut self, first: usize, squares: &[f64], far2: f64) {
         // There is no branch per particle, since far movers are hard to predict.
         let mut largest2 = [self.largest2; 4];

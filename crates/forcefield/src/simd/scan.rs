@@ -66,19 +66,22 @@ pub fn near<L: FixedLanes, E>(
     let [x, y, z] = center.at;
     let (x, y, z, limit) = (single(x), single(y), single(z), single(radius2));
     let own = L::whole(isa, center.number);
+    // Addresses stay in registers: as far as the compiler knows, what is found could be written over them.
+    let from = [&candidates.x, &candidates.y, &candidates.z].map(|axis| axis.as_ptr());
+    let (numbers, to) = (candidates.number.as_ptr(), found.as_mut_ptr());
     let mut count = 0_usize;
     for block in 0..blocks {
         let at = block * L::WIDTH;
         // SAFETY: all four arrays have whole registers, as the check found. `count` is at most the number of candidates read
         // so far, and `found` has room for all of them and a register more.
         unsafe {
-            let dx = x - L::load(isa, candidates.x.as_ptr().add(at));
-            let dy = y - L::load(isa, candidates.y.as_ptr().add(at));
-            let dz = z - L::load(isa, candidates.z.as_ptr().add(at));
-            let number = L::load(isa, candidates.number.as_ptr().add(at).cast());
+            let dx = x - L::load(isa, from[0].add(at));
+            let dy = y - L::load(isa, from[1].add(at));
+            let dz = z - L::load(isa, from[2].add(at));
+            let number = L::load(isa, numbers.add(at).cast());
             let r2 = dz.mul_add(dz, dy.mul_add(dy, dx * dx));
             let near = r2.near_others(limit, number, own);
-            let to = found.as_mut_ptr().add(count);
+            let to = to.add(count);
             if size_of::<E>() == 2 {
                 number.pack_narrow(near, to.cast());
             } else {
@@ -179,12 +182,12 @@ pub fn near_cluster<L: FixedLanes, const FOLDED: bool>(
                 }
             } else {
                 for (c, t) in [x, y, z].into_iter().zip(t) {
-                    squares = c.mul_add(single(-t), squares);
+                    squares = c.mul_add(single(t), squares);
                 }
             }
             *near = L::bits(squares.at_most(single(limit)));
         }
-        let others = !slot.members(first) & first_bits(candidates.len - at);
+        let others = slot.others(first) & first_bits(candidates.len - at);
         let (first_half, second_half) = (near[0] | near[1], near[2] | near[3]);
         let write = |to: *mut u32, len: &mut usize, bits: u32| {
             // SAFETY: `len` has grown by at most the number of candidates read so far, and `found` has room for all of

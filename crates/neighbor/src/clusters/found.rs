@@ -49,6 +49,7 @@ impl ClusterNeighbors {
     ///
     /// # Panics
     /// Where an array is too short: that is a bug of the caller.
+    #[inline(always)]
     pub fn check(&self, candidates: &GroupCandidates) {
         for axis in &candidates.at {
             assert!(axis.len() >= candidates.len + PADDING);
@@ -246,14 +247,14 @@ impl GroupBounds {
         [axis(0), axis(1), axis(2)]
     }
 
-    /// The search sphere around a point o relative to the middle, as t = 2·o and the limit R² − |o|².
+    /// The search sphere around a point o relative to the middle, as t = −2·o and the limit R² − |o|².
     ///
-    /// A candidate c lies in it where |c|² − t·c is at most the limit. This holds where nothing is folded.
+    /// A candidate c lies in it where |c|² + t·c is at most the limit. This holds where nothing is folded.
     #[inline(always)]
     #[must_use]
     pub fn sphere(&self, [x, y, z]: [f32; 3]) -> ([f32; 3], f32) {
         let limit = self.radius2 - (x * x + y * y + z * z);
-        ([2.0 * x, 2.0 * y, 2.0 * z], limit)
+        ([-2.0 * x, -2.0 * y, -2.0 * z], limit)
     }
 }
 

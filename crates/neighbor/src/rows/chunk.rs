@@ -163,6 +163,7 @@ impl Candidates {
     ///
     /// # Panics
     /// Where an array is too short: that is a bug of the caller.
+    #[inline(always)]
     pub fn check(&self, elements: usize, room: usize) {
         for axis in [&self.x, &self.y, &self.z] {
             assert!(axis.len() >= elements);

@@ -136,10 +136,9 @@ impl RowTable {
         let far = lengths * FARTHEST_IMAGE;
         let cell_of = |r: DVec3| {
             let scaled = fold(r, lengths).0 * inv_edge;
-            let x = (scaled.x as usize).min(nx - 1);
-            let y = (scaled.y as usize).min(ny - 1);
-            let z = (scaled.z as usize).min(nz - 1);
-            (x * ny + y) * nz + z
+            // A conversion to 32 bits is one instruction.
+            let part = |scaled: f64, parts: usize| (scaled as u32).min(parts as u32 - 1) as usize;
+            (part(scaled.x, nx) * ny + part(scaled.y, ny)) * nz + part(scaled.z, nz)
         };
         self.sort.order(nx * ny * nz, &mut self.particle, positions, [far; 2], cell_of)?;
         self.number_rows();

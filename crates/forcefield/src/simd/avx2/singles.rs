@@ -93,12 +93,12 @@ impl FixedLanes for F32x8 {
         }
     }
     #[inline(always)]
-    fn members(self, first: Self) -> u32 {
+    fn others(self, first: Self) -> u32 {
         // SAFETY: as above.
         unsafe {
             let apart = _mm256_sub_epi32(to_bits(self.0), to_bits(first.0));
             let last = _mm256_min_epu32(apart, _mm256_set1_epi32(CLUSTER as i32 - 1));
-            bits(from_bits(_mm256_cmpeq_epi32(last, apart)))
+            !bits(from_bits(_mm256_cmpeq_epi32(last, apart)))
         }
     }
 

@@ -88,11 +88,11 @@ impl FixedLanes for F32x16 {
         }
     }
     #[inline(always)]
-    fn members(self, first: Self) -> u32 {
+    fn others(self, first: Self) -> u32 {
         // SAFETY: as above.
         unsafe {
             let apart = _mm512_sub_epi32(to_bits(self.0), to_bits(first.0));
-            bits(_mm512_cmplt_epu32_mask(apart, _mm512_set1_epi32(CLUSTER as i32)))
+            bits(_mm512_cmpge_epu32_mask(apart, _mm512_set1_epi32(CLUSTER as i32)))
         }
     }
 
