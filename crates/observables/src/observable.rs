@@ -5,7 +5,7 @@ use std::any::Any;
 use lennard_core::{Persist, View, Want};
 use serde::{Deserialize, Serialize};
 
-use crate::{Remark, Table};
+use crate::{Cell, Remark, Table};
 
 /// What an observable declares about itself.
 #[derive(Debug, Clone, Copy)]
@@ -125,6 +125,19 @@ impl Estimate {
             self.standard_error.hypot(other.standard_error),
             self.n_effective.min(other.n_effective),
         )
+    }
+}
+
+/// The mean and its standard error.
+impl From<Estimate> for (f64, f64) {
+    fn from(estimate: Estimate) -> Self {
+        (estimate.mean, estimate.standard_error)
+    }
+}
+
+impl From<Estimate> for Cell {
+    fn from(estimate: Estimate) -> Self {
+        Self::measured(estimate.mean, estimate.standard_error)
     }
 }
 

@@ -146,8 +146,13 @@ impl<'a, T> RowsOf<'a, T> {
 
     /// Adds a column of numbers with standard errors, where an item has them.
     #[must_use]
-    pub fn measured(mut self, heading: &str, pair: impl Fn(&'a T) -> Option<(f64, f64)>) -> Self {
-        let cell = |item| pair(item).map_or_else(Cell::default, |(v, e)| Cell::measured(v, e));
+    pub fn measured<P: Into<(f64, f64)>>(
+        mut self,
+        heading: &str,
+        pair: impl Fn(&'a T) -> Option<P>,
+    ) -> Self {
+        let measured = |(value, error)| Cell::measured(value, error);
+        let cell = |item| pair(item).map_or_else(Cell::default, |pair| measured(pair.into()));
         self.table.columns.push(Column {
             has_errors: true,
             cells: self.items.iter().map(cell).collect(),
