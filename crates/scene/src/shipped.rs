@@ -64,6 +64,7 @@ impl Shipped {
             false => "run",
             true if reads("reading = \"chart\"") => "chart",
             true if reads("reading = \"stability\"") => "study stability",
+            true if reads("reading = \"mechanics\"") => "study mechanics",
             true => "sweep",
         }
     }

@@ -4,7 +4,7 @@
 //! the labels of that number fill the braces of the row. A row may stand for every number of its key.
 
 use crate::report::{Given, Page, Section, filled, significant, written};
-use crate::{StudyError, StudyOptions};
+use crate::{Study, StudyError, StudyOptions};
 use lennard_observables::{Allowed, Cell, Reference, Table, Tone, Verdict, judge};
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -234,15 +234,6 @@ pub(crate) fn judged(file: &str, numbers: &Numbers) -> Result<Vec<Claim>, StudyE
     Ok(claims)
 }
 
-/// The claims of a file about all numbers of a study. With assertions, a loose end of file or numbers is a panic.
-///
-/// # Errors
-/// [`StudyError::Claims`] where the file is no table of claims.
-pub(crate) fn all_judged(file: &str, numbers: &Numbers) -> Result<Vec<Claim>, StudyError> {
-    debug_assert_eq!(loose_ends(file, numbers), Vec::<String>::new(), "claims and numbers");
-    judged(file, numbers)
-}
-
 /// Rows of a file that judge no number, keys of numbers that no row names, and texts with braces that no label fills.
 fn loose_ends(file: &str, numbers: &Numbers) -> Vec<String> {
     let mut loose = Vec::new();
@@ -270,7 +261,7 @@ fn loose_ends(file: &str, numbers: &Numbers) -> Vec<String> {
 }
 
 /// How many claims there are, and how many of them hold, as the end of a sentence.
-pub(crate) fn tally(claims: &[Claim]) -> String {
+fn tally(claims: &[Claim]) -> String {
     let failing = claims.iter().filter(|c| c.verdict == Verdict::Differs);
     let failing = failing.count();
     format!(
@@ -282,8 +273,7 @@ pub(crate) fn tally(claims: &[Claim]) -> String {
 }
 
 /// The claims for a reader.
-#[must_use]
-pub fn table(claims: &[Claim]) -> Table {
+fn table(claims: &[Claim]) -> Table {
     let caption = "What each source claims beside what was measured. “Ours” is what a method of this program declares, \
                    or what is derived here. A verdict is computed: it says whether \
                    the measured number meets the claim. In the column of the theory, “differs” \
@@ -306,46 +296,101 @@ pub fn table(claims: &[Claim]) -> Table {
         .table()
 }
 
-/// The page of a study with claims: its text, and the claims with their verdicts.
-///
-/// # Errors
-/// [`StudyError::Report`] where the text names what is not given.
-pub(crate) fn page(
-    text: &str,
-    options: &StudyOptions,
-    claims: &[Claim],
-    mut given: Given,
-) -> Result<Page, StudyError> {
-    let differing = claims.iter().filter(|c| !c.theory_agrees).count();
-    given.words.extend([("verdicts", tally(claims)), ("differing", differing.to_string())]);
-    let mut page = written(text, &given)?;
-    let settings = if options.quick { "quick: shorter runs" } else { "full" };
-    let is_open = |claim: &&Claim| claim.verdict == Verdict::Differs || !claim.theory_agrees;
-    let open: Vec<Claim> = claims.iter().filter(is_open).cloned().collect();
-    if !open.is_empty() {
-        let section = Section::new("Claims that do not hold, and theory that differs");
-        page.sections.insert(1, section.table(table(&open)));
-    }
-    page.sections.push(section(claims));
-    page.command = Some(options.command.clone());
-    page.provenance = vec![
-        ("Command".into(), format!("`{}`", options.command)),
-        ("Settings".into(), settings.into()),
-    ];
-    page.provenance.extend(options.provenance.iter().cloned());
-    Ok(page)
+/// What the parts of a study have measured. Each part adds tables and numbers of its own.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct Measured {
+    /// Tables with every digit: they are in the record, and files.
+    pub tables: Vec<Table>,
+    /// Tables of curves, which are files and figures alone.
+    #[serde(skip)]
+    pub curves: Vec<Table>,
+    /// The numbers that judge claims.
+    pub numbers: Numbers,
+    /// Words and lists of the page, and tables of the page alone.
+    #[serde(skip)]
+    pub given: Given,
 }
 
-/// The claims with their verdicts, for a page and a terminal.
-fn section(claims: &[Claim]) -> Section {
-    Section::new("Claims and verdicts")
-        .table(table(claims))
-        .brief(&["Judged by", "Wanted"])
-        .folded()
+impl Measured {
+    /// Words that the text of the page has in braces.
+    pub fn word(&mut self, name: &'static str, word: String) {
+        self.given.words.push((name, word));
+    }
+}
+
+/// The files of a study: who claims what, and the page with its figures.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Text {
+    pub claims: &'static str,
+    pub page: &'static str,
+}
+
+/// A study that judges claims.
+#[derive(Debug, Serialize)]
+pub struct ClaimsStudy {
+    /// Name and version of the schema.
+    pub schema: &'static str,
+    /// What was asked for.
+    pub options: StudyOptions,
+    #[serde(flatten)]
+    found: Measured,
+    /// What is claimed, by whom, and whether it holds.
+    pub claims: Vec<Claim>,
+    #[serde(skip)]
+    page: &'static str,
+}
+
+impl ClaimsStudy {
+    /// Judges what was measured. A claim may find no number where the fluid is a user's own; elsewhere, with assertions, a loose
+    /// end of claims or numbers is a panic.
+    pub(crate) fn new(
+        schema: &'static str,
+        text: Text,
+        options: &StudyOptions,
+        found: Measured,
+        is_own: bool,
+    ) -> Result<Self, StudyError> {
+        let loose = || loose_ends(text.claims, &found.numbers);
+        debug_assert!(is_own || loose().is_empty(), "{:?}", loose());
+        let claims = judged(text.claims, &found.numbers)?;
+        Ok(Self { schema, options: options.clone(), found, claims, page: text.page })
+    }
+}
+
+impl Study for ClaimsStudy {
+    fn tables(&self) -> Vec<Table> {
+        [&self.found.tables[..], &self.found.curves, &[csv(&self.claims)]].concat()
+    }
+
+    fn page(&self) -> Result<Page, StudyError> {
+        let mut given = self.found.given.clone();
+        // A table of the page alone comes first: it has every column that the page names.
+        given.tables.extend([&self.found.tables[..], &self.found.curves].concat());
+        let (claims, options) = (&self.claims, &self.options);
+        let differing = claims.iter().filter(|c| !c.theory_agrees).count();
+        given.words.extend([("verdicts", tally(claims)), ("differing", differing.to_string())]);
+        let mut page = written(self.page, &given)?;
+        let settings = if options.quick { "quick: shorter runs" } else { "full" };
+        let is_open = |claim: &&Claim| claim.verdict == Verdict::Differs || !claim.theory_agrees;
+        let open: Vec<Claim> = claims.iter().filter(is_open).cloned().collect();
+        if !open.is_empty() {
+            let section = Section::new("Claims that do not hold, and theory that differs");
+            page.sections.insert(1, section.table(table(&open)));
+        }
+        let all = Section::new("Claims and verdicts").table(table(claims));
+        page.sections.push(all.brief(&["Judged by", "Wanted"]).folded());
+        page.command = Some(options.command.clone());
+        page.provenance = vec![
+            ("Command".into(), format!("`{}`", options.command)),
+            ("Settings".into(), settings.into()),
+        ];
+        page.provenance.extend(options.provenance.iter().cloned());
+        Ok(page)
+    }
 }
 
 /// The claims for a program.
-pub(crate) fn csv(claims: &[Claim]) -> Table {
+fn csv(claims: &[Claim]) -> Table {
     Table::rows_of("claims", claims)
         .column("source", |c| c.source.words())
         .column("claim", |c| &c.statement)

@@ -17,10 +17,10 @@ pub mod compare;
 pub mod eos;
 mod error;
 mod files;
+mod fluid;
 mod jobs;
 pub mod lab;
 mod lists;
-mod measured;
 pub mod mechanics;
 pub mod readings;
 pub mod report;
@@ -32,4 +32,5 @@ pub mod tune;
 
 pub use error::StudyError;
 pub use files::{Study, StudyOptions};
+pub use fluid::FluidStudy;
 pub use jobs::{Progress, Silent};

@@ -9,7 +9,7 @@ mod script;
 mod swept;
 
 pub use error::SweepError;
-pub use load::{chart, load, over, plan, stability};
+pub use load::{load, of_command, over, plan};
 pub use plan::{LeftOut, Plan, PlannedPoint, Point, Setting, SettingValue, Sweep};
 pub use record::files;
 pub use run::{SweepOptions, collect, ending_of, run, run_points, workers};

@@ -228,7 +228,7 @@ pub enum StudyCommand {
         lennard study stability --quick\n  \
         lennard study stability --out runs/stability\n  \
         lennard study stability --quick --json > stability.json")]
-    Stability(StabilityArgs),
+    Stability(StudyArgs),
     /// Measure constraints, springs, SPOOK and collisions on few bodies and on dumbbells, beside theory.
     #[command(after_help = "Examples:\n  \
         lennard study mechanics --quick\n  \

@@ -18,6 +18,7 @@ pub use forces::ForceErrors;
 pub use measured::{AgainstEquation, Drift, Measured, mean_of};
 pub use motion::TrajectoryError;
 pub use rig::Rig;
+pub(crate) use rig::drift_of;
 pub use slopes::Slopes;
 pub(crate) use stable::{rough_stable_dt, stable_dt_of_springs};
 pub use start::Start;

@@ -3,6 +3,9 @@
 use glam::DVec2;
 use lennard_core::{Backend, Integrator, State, StepError, StepReport, System, Want};
 
+use lennard_observables::Estimate;
+use lennard_observables::statistics::Line;
+
 use crate::StudyError;
 
 /// Bodies on their way, from few on a line to a fluid.
@@ -81,4 +84,22 @@ impl Rig {
         let potential = self.state.energetics.potential_energy;
         self.system.kinetic_energy(&self.state.velocities) + potential.unwrap_or(f64::NAN)
     }
+}
+
+/// The slope of energies (t, E) against time, and their RMS about the line. The error of the slope is the error of a line through the
+/// means of ten parts. There is none where a part has one energy.
+pub(crate) fn drift_of(energies: &[(f64, f64)]) -> (Estimate, f64) {
+    const PARTS: usize = 10;
+    let line = Line::through(energies);
+    let size = energies.len() / PARTS;
+    let mean = |part: &[(f64, f64)]| {
+        let sum = part.iter().fold((0.0, 0.0), |sum, (t, e)| (sum.0 + t, sum.1 + e));
+        (sum.0 / size as f64, sum.1 / size as f64)
+    };
+    let parts = energies.chunks_exact(size.max(1)).take(PARTS).map(mean);
+    let error = match size {
+        0 | 1 => f64::NAN,
+        _ => Line::through(&parts.collect::<Vec<_>>()).error_of_slope(),
+    };
+    (Estimate::new(line.slope(), error, f64::NAN), line.rms())
 }

@@ -5,7 +5,7 @@ use lennard_forcefield::WallOptions;
 use lennard_integrators::IntegratorOptions;
 use lennard_scene::Scene;
 
-use super::bodies::{rig, shipped};
+use super::bodies::{in_a_box, rig, shipped};
 use crate::StudyError;
 use crate::lab::Rig;
 
@@ -47,7 +47,7 @@ impl Balls {
     ) -> Result<Self, StudyError> {
         let x: Vec<DVec3> = heights.iter().map(|z| DVec3::new(5.0, 5.0, PLANE + z)).collect();
         let v = vec![DVec3::new(0.0, 0.0, speed); x.len()];
-        rig(scene, SIDE, (&x, &v), h).map(Self)
+        rig(scene, &in_a_box(SIDE, &x, &v)?, h).map(Self)
     }
 
     /// A step, which may fail at a wall that is too weak.

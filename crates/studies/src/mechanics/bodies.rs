@@ -22,19 +22,18 @@ pub(super) fn shipped(name: &str, overrides: &[(&str, String)]) -> Result<Scene,
     Ok(scene.map_err(EngineError::from)?)
 }
 
-/// Bodies under the forces, the bonds and the method of a scene, from these places and velocities in a cubic box.
-pub(super) fn rig(
-    scene: &Scene,
-    side: f64,
-    (x, v): (&[DVec3], &[DVec3]),
-    dt: f64,
-) -> Result<Rig, StudyError> {
-    let start = Start {
+/// Bodies in a cubic box.
+pub(super) fn in_a_box(side: f64, x: &[DVec3], v: &[DVec3]) -> Result<Start, StudyError> {
+    Ok(Start {
         cell: PeriodicBox::new(DVec3::splat(side))?,
         positions: x.to_vec(),
         velocities: v.to_vec(),
         species: SpeciesTable::one(Species::unnamed(), x.len()),
-    };
+    })
+}
+
+/// What starts there, under the forces, the bonds and the method of a scene, at constant energy.
+pub(super) fn rig(scene: &Scene, start: &Start, dt: f64) -> Result<Rig, StudyError> {
     let simulation = start.simulation(bare(scene))?;
     let method = simulation.stage_run_for(0).integrator;
     let at = (simulation.system, simulation.state);
@@ -120,7 +119,7 @@ impl Bodies {
         if let Some(molecule) = &mut scene.molecule {
             molecule.bonds = bonds.clone();
         }
-        rig(&scene, SIDE, (&self.x, &self.v), dt)
+        rig(&scene, &in_a_box(SIDE, &self.x, &self.v)?, dt)
     }
 
     /// Runs the bodies for a time in so many steps; `Err` in the inner result where the method gives up.
@@ -159,8 +158,8 @@ impl Bodies {
 pub(super) fn strain(rig: &Rig) -> f64 {
     let molecules = &rig.system.molecules;
     let strain = rig.state.positions.chunks(molecules.sites()).flat_map(|m| {
-        let strain = |bond: &Bond| (bond.vector(m).length() / bond.length - 1.0).abs();
-        molecules.bonds().iter().map(strain).collect::<Vec<f64>>()
+        let strain = move |bond: &Bond| (bond.vector(m).length() / bond.length - 1.0).abs();
+        molecules.bonds().iter().map(strain)
     });
     strain.fold(0.0, f64::max)
 }

@@ -7,7 +7,7 @@ use lennard_observables::{Cell, Table};
 use super::ball::{Balls, PLANE, SIDE, over};
 use super::cradle;
 use crate::StudyError;
-use crate::measured::Measured;
+use crate::claims::Measured;
 use crate::report::Drawn;
 
 /// Stiffness of soft walls, ε/σ²: ω = 20 τ⁻¹.

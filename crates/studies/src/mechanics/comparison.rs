@@ -10,7 +10,8 @@ use lennard_observables::{Cell, Table};
 use super::bodies::{Bodies, RunSummary, distance, strain};
 use super::bodies::{MIDPOINT, Way, ways};
 use crate::StudyError;
-use crate::measured::Measured;
+use crate::claims::Measured;
+use crate::lab::Rig;
 use crate::report::Drawn;
 use crate::stability::fit::slope;
 
@@ -27,9 +28,6 @@ const KNOWN: [DVec3; 4] = [
 const LARGEST_STEP: f64 = 4.0;
 /// Dumbbells, and chains of ten bonds, on which costs are measured.
 const MOLECULES: [(usize, usize); 2] = [(2, 500), (11, 50)];
-/// The name of the table with a row for each way.
-pub(super) const IN_A_LINE: &str = "ways-in-a-line";
-
 /// A way to hold bonds with what it showed.
 struct WayResults {
     name: String,
@@ -93,7 +91,7 @@ fn tables(found: &[WayResults], all: &mut Measured) {
         let nearest = w.points.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
         nearest.map(|p| p.2.rms)
     };
-    let in_a_line = Table::rows_of(IN_A_LINE, found)
+    let in_a_line = Table::rows_of("ways-in-a-line", found)
         .caption(caption)
         .column("Way", |w| &w.name)
         .column("Order", |w| w.order.map_or_else(Cell::words, |order| Cell::rounded(order, 3)))
@@ -105,6 +103,7 @@ fn tables(found: &[WayResults], all: &mut Measured) {
         .column("Dumbbell [ns per bond]", |w| Cell::rounded(w.cost[0], 3))
         .column("Chain of 10 [ns per bond]", |w| Cell::rounded(w.cost[1], 3))
         .table();
+    all.word("ways", in_a_line.rows().to_string());
     all.tables.extend([ways, in_a_line]);
     let reached: Vec<(&WayResults, f64)> =
         found.iter().filter_map(|w| Some((w, w.points.last()?.1))).collect();
@@ -192,31 +191,23 @@ fn cost(way: &Way, sites: usize, n: usize, budget: Duration) -> Result<f64, Stud
     Ok(seconds / (BLOCK * n * (sites - 1)) as f64 * 1e9)
 }
 
-/// Whether a rotor that also vibrates by 10⁻³ keeps its bond within a half for so many steps.
-fn is_stable(bonds: &BondOptions, dt: f64, steps: u32) -> Result<bool, StudyError> {
+/// The largest stable step by bisection, τ: at which a rotor that also vibrates by 10⁻³ keeps its bond within a half for so many
+/// steps.
+fn largest_step(bonds: &BondOptions, steps: u32) -> Result<Option<f64>, StudyError> {
     let mut case = Bodies::rotor(2.0)?;
     case.x[1].x += 1e-3;
-    let Ok(mut rig) = case.start(bonds, dt) else {
-        return Ok(false);
+    let is_stable = |dt: f64| {
+        let holds = |rig: &mut Rig| rig.try_step().is_ok() && strain(rig) <= 0.5;
+        case.start(bonds, dt).is_ok_and(|mut rig| (0..steps).all(|_| holds(&mut rig)))
     };
-    for _ in 0..steps {
-        if rig.try_step().is_err() || !strain(&rig).is_finite() || strain(&rig) > 0.5 {
-            return Ok(false);
-        }
-    }
-    Ok(true)
-}
-
-/// The largest stable step by bisection, τ.
-fn largest_step(bonds: &BondOptions, steps: u32) -> Result<Option<f64>, StudyError> {
-    if is_stable(bonds, LARGEST_STEP, steps)? {
+    if is_stable(LARGEST_STEP) {
         return Ok(None);
     }
     let (mut stable, mut unstable) = (1e-4, LARGEST_STEP);
     // The first unstable step of a ladder, so that islands of stability beyond it do not count.
     let mut dt = stable;
     while dt < LARGEST_STEP {
-        if !is_stable(bonds, dt, steps)? {
+        if !is_stable(dt) {
             unstable = dt;
             break;
         }
@@ -225,7 +216,7 @@ fn largest_step(bonds: &BondOptions, steps: u32) -> Result<Option<f64>, StudyErr
     }
     for _ in 0..14 {
         let middle = (stable * unstable).sqrt();
-        if is_stable(bonds, middle, steps)? {
+        if is_stable(middle) {
             stable = middle;
         } else {
             unstable = middle;

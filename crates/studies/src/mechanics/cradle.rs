@@ -7,9 +7,9 @@ use lennard_observables::{Cell, Table};
 use lennard_scene::Scene;
 
 use super::ball::{Balls, column};
-use super::bodies::{rig, shipped};
+use super::bodies::{in_a_box, rig, shipped};
 use crate::StudyError;
-use crate::measured::Measured;
+use crate::claims::Measured;
 
 /// A row of touching balls by springs, in small steps of velocity Verlet.
 fn by_springs(n: usize, law: &str) -> Result<Vec<f64>, StudyError> {
@@ -17,7 +17,7 @@ fn by_springs(n: usize, law: &str) -> Result<Vec<f64>, StudyError> {
     v[0] = DVec3::X;
     let x: Vec<DVec3> = (0..n).map(|i| DVec3::new(i as f64, 0.0, 0.0)).collect();
     let scene = shipped("mechanics/cradle-hertz", &[("contact.law", law.to_owned())])?;
-    let mut rig = rig(&scene, 100.0, (&x, &v), 2e-5)?;
+    let mut rig = rig(&scene, &in_a_box(100.0, &x, &v)?, 2e-5)?;
     rig.steps(60_000)?;
     Ok(rig.state.velocities.iter().map(|v| v.x).collect())
 }

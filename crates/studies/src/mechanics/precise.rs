@@ -7,7 +7,7 @@ use lennard_observables::{Cell, Table};
 use super::bodies::{Bodies, distance};
 use super::bodies::{damped, projected, relaxed};
 use crate::StudyError;
-use crate::measured::Measured;
+use crate::claims::Measured;
 use crate::stability::fit::slope;
 
 /// Gravity of the shipped chain, σ/τ²: the number of standard gravity in SI.

@@ -9,8 +9,8 @@ use lennard_observables::Table;
 use super::bodies::{Bodies, OF_TWO, RunSummary, distance};
 use super::bodies::{projected, relaxed};
 use crate::StudyError;
+use crate::claims::Measured;
 use crate::lab::Rig;
-use crate::measured::Measured;
 use crate::report::Drawn;
 
 /// The rate of sweeps over a chain.

@@ -9,7 +9,7 @@ use super::groups::{group_of, groups, methods};
 use super::map::StepMap;
 use super::oscillator::{Spring, excursion, measured_map};
 use crate::StudyError;
-use crate::measured::Measured;
+use crate::claims::Measured;
 
 /// The largest ωh at which a limit is looked for.
 const LARGEST_OMEGA_H: f64 = 12.0;

@@ -6,7 +6,7 @@ use lennard_observables::statistics::Line;
 use super::groups::entry;
 use super::oscillator::Spring;
 use crate::StudyError;
-use crate::measured::Measured;
+use crate::claims::Measured;
 
 /// The steps, as wh.
 const STEPS: [f64; 4] = [0.2, 0.1, 0.05, 0.025];

@@ -12,7 +12,7 @@ use super::groups::{group_of, groups, methods};
 use super::map::StepMap;
 use super::oscillator::{Excursion, Spring, excursion, measured_map};
 use crate::StudyError;
-use crate::measured::Measured;
+use crate::claims::Measured;
 use crate::report::significant;
 
 /// Mass of the study, m.

@@ -8,7 +8,7 @@ use super::groups::entry;
 use super::map::StepMap;
 use super::oscillator::{Spring, map_of};
 use crate::StudyError;
-use crate::measured::Measured;
+use crate::claims::Measured;
 use crate::report::significant;
 
 const SPOOK: &str = "spook";

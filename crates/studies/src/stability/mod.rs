@@ -16,44 +16,15 @@ mod orders;
 pub(crate) mod oscillator;
 mod variable_step;
 
-pub use fluid::Fluid;
-
-use lennard_observables::Table;
-use serde::Serialize;
-
-use crate::claims::Claim;
+use crate::claims::{ClaimsStudy, Measured, Text};
 use crate::jobs::Part;
-use crate::measured::Measured;
-use crate::report::{Given, Page};
-use crate::{Progress, Study, StudyError, StudyOptions};
+use crate::{FluidStudy, Progress, StudyError, StudyOptions};
 
-/// Who claims what about integrators.
-const CLAIMS: &str = include_str!("claims.csv");
-
-/// The page with its figures.
-const PAGE: &str = include_str!("page.toml");
+/// Who claims what about integrators, and the page with its figures.
+const TEXT: Text = Text { claims: include_str!("claims.csv"), page: include_str!("page.toml") };
 
 /// Share of the oscillator part in the time of the whole study.
 const OSCILLATOR_SHARE: f64 = 0.03;
-
-/// Everything found.
-#[derive(Debug, Clone, Serialize)]
-pub struct StabilityStudy {
-    /// Name and version of the schema.
-    pub schema: &'static str,
-    /// What was asked for.
-    pub options: StudyOptions,
-    /// The tables of numbers.
-    pub tables: Vec<Table>,
-    /// What is claimed, by whom, and whether it holds.
-    pub claims: Vec<Claim>,
-    /// Tables of curves.
-    #[serde(skip)]
-    curves: Vec<Table>,
-    /// What else the text of the page names.
-    #[serde(skip)]
-    given: Given,
-}
 
 /// Runs the study.
 ///
@@ -61,26 +32,16 @@ pub struct StabilityStudy {
 /// [`StudyError`] where a method fails at a place where all must work. An unstable method, or one that refuses,
 /// is a result and no error.
 pub fn run(
-    fluid: &Fluid,
+    fluid: &FluidStudy,
     options: &StudyOptions,
     progress: &mut dyn Progress,
-) -> Result<StabilityStudy, StudyError> {
+) -> Result<ClaimsStudy, StudyError> {
     let mut found = oscillator(options.quick, progress)?;
     let rest = &mut Part::of(progress, OSCILLATOR_SHARE, 1.0);
     fluid::measure(fluid, options.quick, rest, &mut found)?;
-    let claims = match fluid.is_own {
-        true => crate::claims::judged(CLAIMS, &found.numbers)?,
-        false => crate::claims::all_judged(CLAIMS, &found.numbers)?,
-    };
     progress.update("done", 1.0);
-    Ok(StabilityStudy {
-        schema: lennard_io::schema!("stability", 2),
-        options: options.clone(),
-        tables: found.tables,
-        claims,
-        curves: found.curves,
-        given: found.given,
-    })
+    let schema = lennard_io::schema!("stability", 2);
+    ClaimsStudy::new(schema, TEXT, options, found, fluid.is_own)
 }
 
 /// Runs the oscillator part.
@@ -97,20 +58,6 @@ fn oscillator(quick: bool, progress: &mut dyn Progress) -> Result<Measured, Stud
     discretisation::measure(&mut found)?;
     orders::measure(quick, &mut found)?;
     Ok(found)
-}
-
-impl Study for StabilityStudy {
-    fn tables(&self) -> Vec<Table> {
-        let mut tables = [&self.tables[..], &self.curves].concat();
-        tables.push(crate::claims::csv(&self.claims));
-        tables
-    }
-
-    fn page(&self) -> Result<Page, StudyError> {
-        let mut given = self.given.clone();
-        given.tables.extend([&self.tables[..], &self.curves].concat());
-        crate::claims::page(PAGE, &self.options, &self.claims, given)
-    }
 }
 
 #[cfg(test)]

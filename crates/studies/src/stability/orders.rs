@@ -12,7 +12,7 @@ use super::groups::{Group, entry, group_of, methods};
 use super::oscillator::Spring;
 use super::variable_step;
 use crate::StudyError;
-use crate::measured::Measured;
+use crate::claims::Measured;
 
 /// The oscillator, ω = 1 τ⁻¹.
 const SPRING: Spring = Spring::Stiffness(1.0);

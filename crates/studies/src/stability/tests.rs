@@ -7,7 +7,7 @@ use super::map::StepMap;
 use super::oscillator::{Spring, excursion, measured_map};
 use super::*;
 use crate::Silent;
-use crate::claims::Source;
+use crate::claims::{Claim, Source};
 use lennard_observables::Verdict;
 use lennard_observables::{Cell, Value};
 
@@ -17,7 +17,7 @@ static QUICK: LazyLock<Measured> =
 
 /// The claims about the oscillator.
 fn claims() -> Vec<Claim> {
-    crate::claims::judged(CLAIMS, &QUICK.numbers).unwrap()
+    crate::claims::judged(TEXT.claims, &QUICK.numbers).unwrap()
 }
 
 /// The numbers of some columns of a table, row by row, with the names in another column.

@@ -7,7 +7,7 @@ use super::fit::ErrorLine;
 use super::groups::entry;
 use super::oscillator::Spring;
 use crate::StudyError;
-use crate::measured::Measured;
+use crate::claims::Measured;
 
 /// Steps of one length before the other length takes over.
 const BLOCK: u32 = 4;

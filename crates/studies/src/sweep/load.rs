@@ -19,31 +19,61 @@ struct Own {
     /// Keys that its points may vary, tables whose keys they may vary, and both in words.
     varied: &'static [&'static str],
     in_words: &'static str,
+    /// How many sites a molecule of the base scene has; `None` for any number.
+    sites: Option<usize>,
 }
 
-const CHART: Own = Own {
-    reading: "chart",
-    is_not: "is no chart",
-    command: "lennard chart",
-    varied: &[
-        "dt",
-        "r_cut",
-        "integrator.",
-        "split.",
-        "truncation.",
-        "neighbor.",
-        "kernel.precision",
-    ],
-    in_words: "keys of `integrator`, `split`, `truncation` and `neighbor`, and `kernel.precision`",
-};
-
-const STABILITY: Own = Own {
-    reading: "stability",
-    is_not: "is no study of stability",
-    command: "lennard study stability",
-    varied: &["dt", "temperature", "integrator.", "truncation.kind", "kernel.precision", "stage."],
-    in_words: "`temperature`, keys of `integrator`, `truncation.kind`, `kernel.precision` and steps of stages",
-};
+const OWN: [Own; 3] = [
+    Own {
+        reading: "chart",
+        is_not: "is no chart",
+        command: "lennard chart",
+        varied: &[
+            "dt",
+            "r_cut",
+            "integrator.",
+            "split.",
+            "truncation.",
+            "neighbor.",
+            "kernel.precision",
+        ],
+        in_words: "keys of `integrator`, `split`, `truncation` and `neighbor`, and `kernel.precision`",
+        sites: None,
+    },
+    Own {
+        reading: "stability",
+        is_not: "is no study of stability",
+        command: "lennard study stability",
+        varied: &[
+            "dt",
+            "temperature",
+            "integrator.",
+            "truncation.kind",
+            "kernel.precision",
+            "stage.",
+        ],
+        in_words: "`temperature`, keys of `integrator`, `truncation.kind`, `kernel.precision` and steps of stages",
+        sites: None,
+    },
+    Own {
+        reading: "mechanics",
+        is_not: "is no study of mechanics",
+        command: "lennard study mechanics",
+        varied: &[
+            "dt",
+            "density",
+            "temperature",
+            "n_molecules",
+            "r_cut",
+            "bonds.",
+            "integrator.",
+            "truncation.",
+            "stage.",
+        ],
+        in_words: "`density`, `temperature`, `n_molecules`, and keys of `bonds`, `integrator`, `truncation` and stages",
+        sites: Some(2),
+    },
+];
 
 /// Reads a study file with overrides for every point. Of the scenes it reads as many as it needs to know each key.
 ///
@@ -51,7 +81,7 @@ const STABILITY: Own = Own {
 /// [`SweepError`] where the file is wrong, or has more points than a cluster shares.
 pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepError> {
     let plan = Plan::new(path, StudyFile::load(path)?, overrides)?;
-    if let Some(own) = [CHART, STABILITY].iter().find(|own| plan.study.readings == [own.reading]) {
+    if let Some(own) = OWN.iter().find(|own| plan.study.readings == [own.reading]) {
         let refused = plan.study.source.refuse("reading", "is not read from a sweep");
         let found = format!("{:?}, which runs all points from one start", own.reading);
         return Err(refused
@@ -64,40 +94,30 @@ pub fn plan(path: &Path, overrides: &[(String, String)]) -> Result<Plan, SweepEr
     Ok(plan)
 }
 
-/// Reads the study file of a chart, with the scene that it names.
+/// Reads the study file of a command of its own, with the scene that it names.
 ///
 /// # Errors
-/// [`SweepError`] where the file is wrong, is read otherwise, or changes more than settings.
-pub fn chart(path: &Path, overrides: &[(String, String)]) -> Result<(Scene, Sweep), SweepError> {
-    from_one_start(path, overrides, &CHART)
-}
-
-/// Reads the study file of stability, with the scene that it names.
-///
-/// # Errors
-/// [`SweepError`] where the file is wrong, is read otherwise, or changes what the study does not compare.
-pub fn stability(path: &Path) -> Result<(Scene, Sweep), SweepError> {
-    from_one_start(path, &[], &STABILITY)
-}
-
-fn from_one_start(
+/// [`SweepError`] where the file is wrong, has another reading, or changes what the reading does not compare.
+pub fn of_command(
+    reading: &str,
     path: &Path,
     overrides: &[(String, String)],
-    own: &Own,
 ) -> Result<(Scene, Sweep), SweepError> {
     let plan = Plan::new(path, StudyFile::load(path)?, overrides)?;
-    if plan.study.readings != [own.reading] {
-        let refused = plan.study.source.refuse("reading", own.is_not);
+    let own = OWN.iter().find(|own| own.reading == reading && plan.study.readings == [reading]);
+    let Some(own) = own else {
+        let is_not = OWN.iter().find(|own| own.reading == reading).map_or("", |own| own.is_not);
+        let refused = plan.study.source.refuse("reading", is_not);
         let found = match plan.study.readings.join(", ") {
             none if none.is_empty() => "no reading".to_owned(),
             readings => format!("{readings:?}"),
         };
-        let allowed = format!("`reading = {:?}`, or `lennard sweep` for this file", own.reading);
+        let allowed = format!("`reading = {reading:?}`, or `lennard sweep` for this file");
         return Err(refused.found(found).allowed(allowed).into());
-    }
+    };
     plan.check_keys()?;
     plan.fits_one_process()?;
-    let study = plan.fitting()?;
+    let (base, study) = (plan.base_scene()?, plan.fitting()?);
     let keys = study.points.iter().flat_map(|point| &point.settings).map(|s| s.key.as_str());
     let is_varied = |key: &str| key == "name" || own.varied.iter().any(|v| key.starts_with(v));
     if let Some(other) = keys.into_iter().find(|key| !is_varied(key)) {
@@ -105,7 +125,16 @@ fn from_one_start(
         let found = format!("points that differ in `{other}`");
         return Err(refused.found(found).allowed(own.in_words).into());
     }
-    Ok((plan.base_scene()?, study))
+    let found = base.molecules().sites();
+    if let Some(sites) = own.sites.filter(|sites| *sites != found) {
+        let refused = study.source.refuse("base", "has other molecules than the reading takes");
+        let found = format!("{} in a molecule", counted(found, "site"));
+        return Err(refused
+            .found(found)
+            .allowed(format!("{sites}, such as dumbbell/liquid"))
+            .into());
+    }
+    Ok((base, study))
 }
 
 /// Reads a study file with another scene in the place of its own. Points that do not fit this scene are left out, with the reason.

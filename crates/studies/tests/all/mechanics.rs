@@ -5,20 +5,20 @@ use std::path::Path;
 use lennard_integrators::bond_methods;
 use lennard_observables::Verdict;
 use lennard_observables::{Column, Value};
-use lennard_studies::claims::Source;
-use lennard_studies::mechanics::{self, MechanicsStudy};
-use lennard_studies::{Silent, Study, StudyOptions};
+use lennard_studies::claims::{ClaimsStudy, Source};
+use lennard_studies::{FluidStudy, Silent, Study, StudyOptions, mechanics};
 
-fn study() -> MechanicsStudy {
+fn study() -> ClaimsStudy {
     let options = StudyOptions {
         quick: true,
         command: "lennard study mechanics --quick --out \"<dir>\"".into(),
         ..StudyOptions::default()
     };
-    mechanics::run(&options, &mut Silent).expect("the quick study runs")
+    let fluid = FluidStudy::read("mechanics", None, true).expect("a shipped study");
+    mechanics::run(&fluid, &options, &mut Silent).expect("the quick study runs")
 }
 
-fn check_verdicts(study: &MechanicsStudy) {
+fn check_verdicts(study: &ClaimsStudy) {
     let all = study.claims.iter();
     let failing: Vec<_> = all.filter(|c| c.verdict == Verdict::Differs).collect();
     assert!(failing.is_empty(), "{failing:#?}");
@@ -43,15 +43,16 @@ fn check_verdicts(study: &MechanicsStudy) {
     assert!(differing.is_empty(), "{differing:#?}");
 }
 
-fn column<'a>(study: &'a MechanicsStudy, table: &str, column: &str) -> &'a Column {
-    let table = study.tables.iter().find(|t| t.name == table);
-    let columns = &table.unwrap_or_else(|| panic!("no table for {column}")).columns;
-    columns.iter().find(|c| c.name == column).unwrap_or_else(|| panic!("no column {column}"))
+fn column(study: &ClaimsStudy, table: &str, column: &str) -> Column {
+    let table = study.tables().into_iter().find(|t| t.name == table);
+    let columns = table.unwrap_or_else(|| panic!("no table for {column}")).columns;
+    columns.into_iter().find(|c| c.name == column).unwrap_or_else(|| panic!("no column {column}"))
 }
 
-fn check_numbers(study: &MechanicsStudy) {
+fn check_numbers(study: &ClaimsStudy) {
     let of_ways = |name: &str| column(study, "ways-in-a-line", name);
-    let names: Vec<&Value> = of_ways("Way").cells.iter().map(|cell| &cell.value).collect();
+    let ways = of_ways("Way");
+    let names: Vec<&Value> = ways.cells.iter().map(|cell| &cell.value).collect();
     let row_of = |name: &str| {
         let row = names.iter().position(|way| **way == Value::Words(name.into()));
         row.unwrap_or_else(|| panic!("{name} is not compared"))
@@ -84,7 +85,7 @@ fn check_numbers(study: &MechanicsStudy) {
     assert!((last("P of walls") - last("P of virial")).abs() < 0.1);
 }
 
-fn check_files(study: &MechanicsStudy, dir: &Path) {
+fn check_files(study: &ClaimsStudy, dir: &Path) {
     study.write(dir).expect("the files are written");
     for name in ["ways.csv", "claims.csv", "study.json", "report.html"] {
         assert!(dir.join(name).is_file(), "{name}");

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use lennard_observables::Verdict;
 use lennard_observables::{Cell, Table, Value};
-use lennard_studies::stability::{self, StabilityStudy};
-use lennard_studies::{Progress, Study, StudyOptions};
+use lennard_studies::claims::ClaimsStudy;
+use lennard_studies::{FluidStudy, Progress, Study, StudyOptions, stability};
 
 /// Keeps what it is told.
 #[derive(Default)]
@@ -17,25 +17,24 @@ impl Progress for Told {
     }
 }
 
-fn study() -> (StabilityStudy, Told) {
+fn study() -> (ClaimsStudy, Told) {
     let options = StudyOptions {
         quick: true,
         command: "lennard study stability --quick --out \"<dir>\"".into(),
         ..StudyOptions::default()
     };
     let mut told = Told::default();
-    let fluid = stability::Fluid::read(None, true).expect("a shipped study");
+    let fluid = FluidStudy::read("stability", None, true).expect("a shipped study");
     let study = stability::run(&fluid, &options, &mut told).expect("the quick study runs");
     (study, told)
 }
 
 /// Cells of a table by row and name.
-#[derive(Clone, Copy)]
-struct Rows<'a>(&'a Table);
+struct Rows(Table);
 
-impl Rows<'_> {
-    fn of<'a>(study: &'a StabilityStudy, name: &str) -> Rows<'a> {
-        Rows(study.tables.iter().find(|table| table.name == name).expect(name))
+impl Rows {
+    fn of(study: &ClaimsStudy, name: &str) -> Self {
+        Self(study.tables().into_iter().find(|table| table.name == name).expect(name))
     }
 
     fn cell(&self, row: usize, column: &str) -> &Cell {
@@ -62,7 +61,7 @@ impl Rows<'_> {
     }
 }
 
-fn check_numbers(study: &StabilityStudy) {
+fn check_numbers(study: &ClaimsStudy) {
     // Two claims of the manual fail: at the limit of symplectic Euler, and at infinite stiffness without damping.
     let failing: Vec<_> = study.claims.iter().filter(|c| c.verdict == Verdict::Differs).collect();
     assert_eq!(failing.len(), 2, "{failing:?}");
@@ -77,7 +76,7 @@ fn check_numbers(study: &StabilityStudy) {
 
     // The fluctuation of the energy falls as dt² for methods of second order: by 4 from 0.004 to 0.002,
     // up to the noise of runs of one τ. For methods of fourth order it falls more than twice as much.
-    let runs = Rows::of(study, "fluid");
+    let runs = &Rows::of(study, "fluid");
     let number = |column, method, dt| runs.number(runs.row(method, Some(dt)), column);
     let fall = |method| number("energy rms", method, 0.004) / number("energy rms", method, 0.002);
     for method in ["velocity-verlet", "leapfrog", "stormer-verlet"] {
@@ -122,18 +121,17 @@ fn check_numbers(study: &StabilityStudy) {
 #[test]
 fn the_study_files_name_every_method_that_moves_a_fluid() {
     use lennard_integrators::{OscillatorModel, integrators};
-    for file in ["stability", "stability-quick"] {
-        let path = format!("shipped:/studies/{file}.toml");
-        let (_, study) = lennard_studies::sweep::stability(path.as_ref()).expect(file);
+    for is_quick in [false, true] {
+        let study = FluidStudy::read("stability", None, is_quick).expect("a shipped study");
         for entry in integrators().iter().filter(|e| e.oscillator == OscillatorModel::Force) {
             let has_it =
                 study.points.iter().any(|p| p.scene.integrator.method.name() == entry.spec.name);
-            assert!(has_it, "{file}: {}", entry.spec.name);
+            assert!(has_it, "quick: {is_quick}, {}", entry.spec.name);
         }
     }
 }
 
-fn check_files(study: &StabilityStudy, dir: &Path) {
+fn check_files(study: &ClaimsStudy, dir: &Path) {
     study.write(dir).expect("everything is written");
     let text = |name: &str| std::fs::read_to_string(dir.join(name)).expect(name);
     let html = text("report.html");

@@ -89,18 +89,10 @@ pub struct LammpsArgs {
 
 /// Arguments of `study stability` and `study mechanics`.
 #[derive(Debug, Args)]
-pub struct StabilityArgs {
-    /// Study file with `reading = "stability"`, whose fluid is measured; by default a shipped one.
+pub struct StudyArgs {
+    /// Study file with the name of the study as its `reading`, whose fluid is measured; by default a shipped one.
     #[arg(value_parser = scene_file)]
     pub study: Option<PathBuf>,
-    /// Output folder and its like.
-    #[command(flatten)]
-    pub common: StudyArgs,
-}
-
-/// Arguments of a study with claims.
-#[derive(Debug, Args)]
-pub struct StudyArgs {
     /// Output folder; by default `runs/<study>-<n>` with the first free n.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

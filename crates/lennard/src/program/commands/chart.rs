@@ -66,7 +66,7 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
 /// The scene with its lock file, and the points around it. They are of the study file that is named, or of a shipped one.
 fn read(args: &ChartArgs) -> Result<(Scene, Option<UsedLock>, Sweep), Failure> {
     if lennard_scene::shipped::is_study(&args.scene) {
-        let (scene, study) = sweep::chart(&args.scene, &args.set)?;
+        let (scene, study) = sweep::of_command("chart", &args.scene, &args.set)?;
         scene.homogeneous_for("lennard chart")?;
         return Ok((scene, None, study));
     }

@@ -1,8 +1,11 @@
 //! `lennard study stability` and `lennard study mechanics`: studies of few bodies, theory and measurement in one picture.
 
-use lennard_studies::{Progress, Study, StudyError, StudyOptions, mechanics, stability};
+use lennard_studies::claims::ClaimsStudy;
+use lennard_studies::{
+    FluidStudy, Progress, Study, StudyError, StudyOptions, mechanics, stability,
+};
 
-use crate::program::args::{StabilityArgs, StudyArgs};
+use crate::program::args::StudyArgs;
 use crate::program::commands::{answer, on_threads, study_folder};
 use crate::program::failure::{Failure, INPUT, OTHER};
 use crate::program::progress::Display;
@@ -10,12 +13,8 @@ use crate::program::show;
 use crate::program::typed;
 
 /// Runs the study of integrators, writes its folder and prints its verdicts.
-pub fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
-    let fluid = stability::Fluid::read(args.study.as_deref(), args.common.quick)?;
-    let run = |options: &StudyOptions, progress: &mut dyn Progress| {
-        stability::run(&fluid, options, progress)
-    };
-    study(&args.common, "stability", run)
+pub fn stability(args: &StudyArgs) -> Result<u8, Failure> {
+    study(args, "stability", stability::run)
 }
 
 /// Runs the study of constraints and collisions, writes its folder and prints its verdicts.
@@ -23,11 +22,11 @@ pub fn mechanics(args: &StudyArgs) -> Result<u8, Failure> {
     study(args, "mechanics", mechanics::run)
 }
 
-fn study<S: Study + Send>(
-    args: &StudyArgs,
-    name: &str,
-    run: impl FnOnce(&StudyOptions, &mut dyn Progress) -> Result<S, StudyError> + Send,
-) -> Result<u8, Failure> {
+/// A study of the library.
+type Run = fn(&FluidStudy, &StudyOptions, &mut dyn Progress) -> Result<ClaimsStudy, StudyError>;
+
+fn study(args: &StudyArgs, name: &str, run: Run) -> Result<u8, Failure> {
+    let fluid = FluidStudy::read(name, args.study.as_deref(), args.quick)?;
     let folder = study_folder(args.out.as_deref(), args.force, name)?;
     let threads = args.threads.map_or_else(lennard_core::parallel::processors, usize::from);
     let options = StudyOptions {
@@ -41,7 +40,7 @@ fn study<S: Study + Send>(
     };
     let mut progress = Display::of_study(args.quiet);
     let (study, page) = on_threads(threads, || {
-        let study = run(&options, &mut progress)?;
+        let study = run(&fluid, &options, &mut progress)?;
         study.write(folder.path())?;
         let page = study.page()?;
         Ok((study, page))

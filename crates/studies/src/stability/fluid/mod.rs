@@ -10,20 +10,17 @@ mod run;
 mod tables;
 
 use std::cmp::Reverse;
-use std::path::{Path, PathBuf};
 
 use lennard_core::IntegratorSpec;
-use lennard_engine::measured_stage;
 use lennard_forcefield::Precision;
 use lennard_integrators::integrators;
 use lennard_scene::Scene;
 
 use super::groups::stands_for_itself;
+use crate::claims::Measured;
+use crate::fluid::FluidStudy;
 use crate::jobs::side_by_side;
-use crate::lab::Start;
-use crate::measured::Measured;
 use crate::report::significant;
-use crate::sweep::{self, Point, Sweep, SweepError};
 use crate::{Progress, StudyError};
 use limit::{FluidLimit, LEAST_STEPS};
 use run::{BELOW, FluidRun, PAST, Plan, SHOWN, SMALL};
@@ -34,27 +31,6 @@ const PAST_LIMIT: [f64; 4] = [1.05, 1.2, 1.5, 2.0];
 const PRECISION: &str = "kernel.precision";
 /// Shares of time at which runs below the limits, limits, and runs past them are done; before the first, starts are equilibrated.
 const SHARES: [f64; 4] = [0.06, 0.5, 0.94, 1.0];
-
-/// The fluid of the study: a scene, and its points.
-pub struct Fluid {
-    base: Scene,
-    study: Sweep,
-    /// Whether claims may find no number: a file of a user's own may lack the methods that they are about.
-    pub(super) is_own: bool,
-}
-
-impl Fluid {
-    /// Reads a study file, or the shipped one.
-    ///
-    /// # Errors
-    /// As [`sweep::stability`].
-    pub fn read(file: Option<&Path>, quick: bool) -> Result<Self, SweepError> {
-        let shipped = if quick { "stability-quick" } else { "stability" };
-        let shipped = PathBuf::from(format!("shipped:/studies/{shipped}.toml"));
-        let (base, study) = sweep::stability(file.unwrap_or(&shipped))?;
-        Ok(Self { base, study, is_own: file.is_some() })
-    }
-}
 
 fn spec(scene: &Scene) -> &'static IntegratorSpec {
     scene.integrator.method.spec()
@@ -70,52 +46,37 @@ fn is_costly(plan: &Plan<'_>) -> bool {
     spec(plan.scene).force_evaluations == 0
 }
 
-/// Whether two scenes begin at one start.
-fn begin_alike(a: &Scene, b: &Scene) -> bool {
-    a.system.temperature == b.system.temperature && a.truncation == b.truncation
-}
-
 /// Runs the points of a fluid and searches limits; `progress` hears shares of it.
 pub(super) fn measure(
-    Fluid { base, study, .. }: &Fluid,
+    study: &FluidStudy,
     quick: bool,
     progress: &mut dyn Progress,
     found: &mut Measured,
 ) -> Result<(), StudyError> {
-    let mut scenes: Vec<Scene> = Vec::new();
-    for point in &study.points {
-        if !scenes.iter().any(|scene| begin_alike(scene, &point.scene)) {
-            let (integrator, kernel) = (base.integrator.clone(), base.kernel);
-            let mut scene = Scene { integrator, kernel, ..point.scene.clone() };
-            scene.system.seed = base.system.seed;
-            scenes.push(scene);
-        }
-    }
-    let starts = side_by_side(&scenes, Start::equilibrate, |share| {
+    let (starts, of_points) = study.starts(|share| {
         progress.update("fluid: equilibration", SHARES[0] * share);
-    });
-    let starts: Vec<Start> = starts.into_iter().collect::<Result<_, _>>()?;
+    })?;
     let mut between = |part: usize, label: &str, share: f64| {
         progress.update(label, SHARES[part - 1] + (SHARES[part] - SHARES[part - 1]) * share);
     };
 
     let (mut plans, mut searches): (Vec<Plan<'_>>, Vec<Plan<'_>>) = (Vec::new(), Vec::new());
-    for Point { scene, settings, .. } in &study.points {
+    for (point, start) in study.points.iter().zip(of_points) {
+        let scene = &point.scene;
         let (name, dt) = (spec(scene).name, scene.integrator.dt);
-        let time = measured_stage(scene).steps as f64 * base.integrator.dt;
-        let start = scenes.iter().position(|start| begin_alike(start, scene)).unwrap_or_default();
-        let is_small = settings.iter().any(|setting| setting.key == PRECISION);
+        let is_small = point.settings.iter().any(|setting| setting.key == PRECISION);
         let plan = Plan {
             part: if is_small { SMALL } else { BELOW },
             past: None,
             scene,
             start: &starts[start],
             dt,
-            steps: (time / dt).round() as u64,
+            steps: (study.time(point) / dt).round() as u64,
         };
         plans.push(plan);
-        let is_alike =
-            |other: &Plan<'_>| spec(other.scene).name == name && begin_alike(other.scene, scene);
+        let is_alike = |other: &Plan<'_>| {
+            spec(other.scene).name == name && std::ptr::eq(other.start, plan.start)
+        };
         let takes_too_long = is_costly(&plan) && (quick || scene.truncation.kind != SHOWN);
         let is_left_out = is_small || takes_too_long || quick && !stands_for_itself(name);
         if !is_left_out && !searches.iter().any(is_alike) {
@@ -139,7 +100,7 @@ pub(super) fn measure(
     for (plan, limit) in &limits {
         let spec = spec(plan.scene);
         if plan.scene.truncation.kind == SHOWN
-            && plan.scene.system.temperature == base.system.temperature
+            && plan.scene.system.temperature == study.base.system.temperature
             && spec.symplectic
             && stands_for_itself(spec.name)
             && let Some(limit) = limit.middle()
@@ -161,7 +122,7 @@ pub(super) fn measure(
     tables::add(found, &runs, &limits);
     found.word("atoms", starts[0].len().to_string());
     found.word("density", significant(starts[0].density(), 4));
-    found.word("r_cut", base.truncation.r_cut.to_string());
+    found.word("r_cut", study.base.truncation.r_cut.to_string());
     for method in ["velocity-verlet", "stormer-verlet", "leapfrog"] {
         let momentum = runs
             .iter()

@@ -2,11 +2,12 @@
 
 use lennard_core::{Momentum, StepError, Want};
 use lennard_forcefield::{Precision, TruncationKind};
-use lennard_observables::statistics::Line;
+use lennard_observables::Estimate;
+use lennard_observables::statistics::{mean, variance};
 use lennard_scene::Scene;
 
 use crate::StudyError;
-use crate::lab::{Rig, Start};
+use crate::lab::{Rig, Start, drift_of};
 use crate::report::significant;
 
 /// The truncation that stands for all where only one can be shown. Its energy and force are continuous,
@@ -44,17 +45,13 @@ pub(super) struct FluidRun {
     /// Why it did not reach its end: method or forces refused to go on, or the energy ran away.
     pub(super) failure: Option<String>,
     /// Slope of the energy, ε/τ per atom.
-    pub(super) drift: Option<f64>,
-    /// Its standard error, from the slopes between blocks.
-    pub(super) drift_error: Option<f64>,
+    pub(super) drift: Option<Estimate>,
     /// RMS of the energy around that slope, ε per atom.
     pub(super) fluctuation: Option<f64>,
     /// Energy at the end less the energy at the start, ε per atom; of a run that ran away too.
     pub(super) change: Option<f64>,
     /// Kinetic temperature less the configurational one Σ⟨F²⟩/⟨∇²U⟩, as a share of T*.
-    pub(super) temperature_error: Option<f64>,
-    /// Its standard error.
-    pub(super) temperature_error_error: Option<f64>,
+    pub(super) temperature_error: Option<Estimate>,
     /// Largest |Σ m·v| per atom.
     pub(super) momentum: Option<f64>,
     /// Force evaluations per step, Hessian products counted as two.
@@ -165,31 +162,23 @@ pub(super) fn run(plan: &Plan<'_>) -> Result<FluidRun, StudyError> {
 impl FluidRun {
     fn summarise(&mut self, samples: &[Sample]) {
         let energies: Vec<(f64, f64)> = samples.iter().map(|s| (s.time, s.energy)).collect();
-        let line = Line::through(&energies);
-        let (offset, slope) = (line.intercept(), line.slope());
-        let squares: f64 = energies.iter().map(|(t, e)| (e - offset - slope * t).powi(2)).sum();
-        self.fluctuation = Some((squares / energies.len() as f64).sqrt());
-        self.drift = Some(slope);
+        let (drift, fluctuation) = drift_of(&energies);
+        (self.drift, self.fluctuation) = (Some(drift), Some(fluctuation));
         self.change = Some(samples[samples.len() - 1].energy - samples[0].energy);
         let size = samples.len() / BLOCKS;
         if size < 2 {
             return;
         }
         let sum = |block: &[Sample], of: fn(&Sample) -> f64| block.iter().map(of).sum::<f64>();
-        let mean = |block: &[Sample], of| sum(block, of) / block.len() as f64;
-        let blocks = || samples.chunks_exact(size).take(BLOCKS);
-        // The line through block means: what the blocks scatter around it says how well its slope is known.
-        let means = blocks().map(|b| (mean(b, |s| s.time), mean(b, |s| s.energy)));
-        self.drift_error = Some(Line::through(&means.collect::<Vec<_>>()).error_of_slope());
-        let differences = blocks().map(|b| {
-            let configurational = sum(b, |s| s.force_squared) / sum(b, |s| s.laplacian);
-            (mean(b, |s| s.temperature) - configurational) / self.temperature
-        });
-        let differences: Vec<f64> = differences.collect();
+        let difference = |block: &[Sample]| {
+            let configurational = sum(block, |s| s.force_squared) / sum(block, |s| s.laplacian);
+            let kinetic = sum(block, |s| s.temperature) / block.len() as f64;
+            (kinetic - configurational) / self.temperature
+        };
+        let blocks = samples.chunks_exact(size).take(BLOCKS);
+        let differences: Vec<f64> = blocks.map(difference).collect();
         let n = BLOCKS as f64;
-        let mean = differences.iter().sum::<f64>() / n;
-        let squares: f64 = differences.iter().map(|d| (d - mean).powi(2)).sum();
-        self.temperature_error = Some(mean);
-        self.temperature_error_error = Some((squares / (n * (n - 1.0))).sqrt());
+        let error = (variance(&differences) / (n - 1.0)).sqrt();
+        self.temperature_error = Some(Estimate::new(mean(&differences), error, n));
     }
 }

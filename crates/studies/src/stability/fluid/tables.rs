@@ -5,7 +5,7 @@ use lennard_observables::{Cell, Table, Tone};
 
 use super::limit::{self, FluidLimit};
 use super::run::{BELOW, FluidRun, PAST, SHOWN, SMALL};
-use crate::measured::Measured;
+use crate::claims::Measured;
 use crate::report::significant;
 use crate::stability::groups::{group_of, stands_for_itself};
 
@@ -40,19 +40,19 @@ fn of_runs<'a>(name: &str, runs: impl Iterator<Item = &'a FluidRun> + Clone) -> 
         .column("dt [τ]", |r| Cell::rounded(r.dt, 2))
         .column("steps", |r| r.steps)
         .column("outcome", |r| r.failure.as_deref().unwrap_or("completed"))
-        .column("drift [ε/τ]", |r| Cell::rounded(r.drift, 2))
-        .column("drift error", |r| Cell::rounded(r.drift_error, 1))
+        .column("drift [ε/τ]", |r| Cell::rounded(r.drift.map(|d| d.mean), 2))
+        .column("drift error", |r| Cell::rounded(r.drift.map(|d| d.standard_error), 1))
         .column("energy rms [ε]", |r| Cell::rounded(r.fluctuation, 2))
         .column("dt² law", |r| {
             last.filter(|_| is_small(r)).map(|(dt, rms)| rms * (r.dt / dt).powi(2))
         })
         .column("energy change [ε]", |r| Cell::rounded(r.change, 2))
-        .column("temperature error / T", |r| r.temperature_error)
-        .column("its error", |r| r.temperature_error_error)
+        .column("temperature error / T", |r| r.temperature_error.map(|e| e.mean))
+        .column("its error", |r| r.temperature_error.map(|e| e.standard_error))
         .column("momentum per atom", |r| Cell::rounded(r.momentum, 1))
         .column("force evaluations per step", |r| Cell::rounded(r.evaluations_per_step, 3))
         .column("failed", |r| r.failure.as_ref().map(|_| r.dt))
-        .column("|drift|", |r| r.drift.map(f64::abs))
+        .column("|drift|", |r| r.drift.map(|d| d.mean.abs()))
         .column("note", |r| format!("{}, dt = {}", r.method, r.dt))
         .column("place", |r| format!("t-{}", r.temperature))
         .column("drawn", |r| if stands_for_itself(r.method) { "yes" } else { "no" })
