@@ -39,8 +39,8 @@ pub fn read_configuration_in(
     path: &Path,
     beside: Beside,
 ) -> Result<StartConfiguration, FormatError> {
-    let (reader, size) = open_regular(path)?;
-    parse(Box::new(reader), size, path, beside)
+    let open = || open_regular(path).map(|(reader, size)| (Box::new(reader) as Input<'_>, size));
+    parse(open, path, beside)
 }
 
 /// Like [`read_configuration`], from memory.
@@ -49,7 +49,7 @@ pub fn read_configuration_in(
 /// Where the content has no box or holds what its format does not allow.
 pub fn read_configuration_bytes(bytes: &[u8]) -> Result<StartConfiguration, FormatError> {
     let path = Path::new("configuration in memory");
-    parse(Box::new(bytes), bytes.len() as u64, path, Beside::default())
+    parse(|| Ok((Box::new(bytes), bytes.len() as u64)), path, Beside::default())
 }
 
 /// So many bytes of a text tell its format.
@@ -130,28 +130,27 @@ pub(crate) fn text_of<'a>(
     Ok((kind, Lines::new(Box::new(Cursor::new(head).chain(reader)), size, path)))
 }
 
-fn parse(
-    reader: Input<'_>,
-    size: u64,
+/// Reads what `open` opens. Of several frames the last is wanted, and which is the last their counts tell.
+fn parse<'a>(
+    open: impl Fn() -> Result<(Input<'a>, u64), FormatError>,
     path: &Path,
     beside: Beside,
 ) -> Result<StartConfiguration, FormatError> {
     let content =
         |line, found: &str, allowed: &str| FormatError::content(path, line, found, allowed);
     let units = beside.units;
-    let (kind, lines) = text_of(reader, size, path)?;
+    let text = || open().and_then(|(reader, size)| text_of(reader, size, path));
+    let (kind, lines) = text()?;
     let (frame, first_line, frames) = match kind {
         Kind::Nist => (nist::parse(lines, units)?, 0, 1),
         Kind::LammpsData => (lammps_data::parse(lines, units)?, 0, 1),
         Kind::Frames(grammar) => {
-            let mut all = TextFrames::new(lines, grammar, units);
-            let (mut last, mut frames) = (None, 0);
-            while let Some(frame) = all.next_frame()? {
-                last = Some(frame);
-                frames += 1;
-            }
+            let frames = TextFrames::new(lines, grammar, units).skip(u64::MAX)?;
+            let mut again = TextFrames::new(text()?.1, grammar, units);
+            again.skip(frames.saturating_sub(1))?;
+            let last = again.next_frame()?;
             let last = last.ok_or_else(|| content(1, "no frame", "at least one frame"))?;
-            (last, all.first_line, frames)
+            (last, again.first_line, frames)
         }
     };
     let cell = frame.cell.or(beside.cell).ok_or_else(|| {

@@ -9,7 +9,7 @@ use crate::columns::{Column, Columns, Scalar, Vector};
 use crate::error::{Refusal, excerpt};
 use crate::geometry::upright;
 use crate::lines::{At, Lines, finite, tokens};
-use crate::particles::{ParticleReader, Place, next_row};
+use crate::particles::{ParticleReader, Place, next_row, skip_rows};
 use crate::units::{FileUnits, OF_GRO, stated};
 use crate::{FormatError, TrajectoryFrame};
 
@@ -22,6 +22,8 @@ const BEFORE_DECIMALS: usize = 5;
 
 /// Shortest line of a particle and its end, in bytes: positions without decimals.
 const LEAST_BYTES_A_PARTICLE: u64 = (NAMES + 3 * BEFORE_DECIMALS) as u64 + 1;
+
+const SIDES: &str = "the sides of the box after the particles";
 
 /// How the title of a topology begins that this program wrote.
 const OWN_TITLE: &[u8] = b"Lennard: names";
@@ -77,11 +79,12 @@ pub(crate) fn is_row(line: &[u8]) -> bool {
     Layout::of(line).and_then(row).is_some()
 }
 
-/// Reads the frame whose title is the current line.
+/// Reads the frame whose title is the current line, or passes over it where it is not `wanted`.
 pub(crate) fn parse_frame(
     lines: &mut Lines<'_>,
     mut units: FileUnits,
-) -> Result<TrajectoryFrame, FormatError> {
+    wanted: bool,
+) -> Result<Option<TrajectoryFrame>, FormatError> {
     let title = lines.line().to_vec();
     let said = stated(&String::from_utf8_lossy(&title));
     let is_own = title.starts_with(OWN_TITLE);
@@ -100,13 +103,17 @@ pub(crate) fn parse_frame(
     let scales = units.scales(said.as_deref()).at(lines)?;
     lines.next_or("the number of particles")?;
     let n = lines.particle_count(1, LEAST_BYTES_A_PARTICLE)?;
+    if !wanted {
+        skip_rows(lines, n)?;
+        return lines.next_or(SIDES).map(|()| None);
+    }
     // The box comes last.
     let mut rows = Vec::with_capacity(n);
     for row in 1..=n {
         next_row(lines, row, n)?;
         rows.push((lines.number(), lines.line().to_vec()));
     }
-    lines.next_or("the sides of the box after the particles")?;
+    lines.next_or(SIDES)?;
     let cell = sides(lines.line()).at(lines)?;
     let place = Place::new(DVec3::ZERO, cell, scales).at(lines)?;
     let first = &rows[0];
@@ -122,7 +129,7 @@ pub(crate) fn parse_frame(
     }
     let particles = particles.finish().at(lines)?;
     let time = time_of(&title).and_then(|time| scales.time(time));
-    Ok(TrajectoryFrame { time, ..TrajectoryFrame::of(particles, place.cell) })
+    Ok(Some(TrajectoryFrame { time, ..TrajectoryFrame::of(particles, place.cell) }))
 }
 
 /// The time in a title, as GROMACS writes it: `t= 1.00000`.

@@ -8,7 +8,7 @@ use crate::columns::{Column, Columns, MOST_COLUMNS, Scalar, Vector, motion, numb
 use crate::error::{Refusal, excerpt};
 use crate::lammps::{Bounds, bound};
 use crate::lines::{At, Lines, tokens};
-use crate::particles::{ParticleReader, Place};
+use crate::particles::{ParticleReader, Place, skip_rows};
 use crate::units::FileUnits;
 use crate::{FormatError, TrajectoryFrame};
 
@@ -95,11 +95,12 @@ fn columns(line: &[u8]) -> Result<(Columns, usize), Refusal> {
     }
 }
 
-/// Reads the frame whose first line is the current line.
+/// Reads the frame whose first line is the current line, or passes over its particles where it is not `wanted`.
 pub(crate) fn parse_frame(
     lines: &mut Lines<'_>,
     units: &mut FileUnits,
-) -> Result<TrajectoryFrame, FormatError> {
+    wanted: bool,
+) -> Result<Option<TrajectoryFrame>, FormatError> {
     let (mut step, mut n, mut bounds, mut time) = (None, None, None, None);
     loop {
         let item = lines.line().strip_prefix(FIRST_WORD).map(<[u8]>::to_vec);
@@ -134,13 +135,16 @@ pub(crate) fn parse_frame(
         }
         lines.next_or("`ITEM: ATOMS` with the names of the columns")?;
     }
-    let (columns, style) = columns(lines.line()).at(lines)?;
     let missing = |item: &str| {
         let found = format!("particles before `ITEM: {item}`");
         lines.refuse(found, format!("`ITEM: {item}` before them"))
     };
-    let step = Some(step.ok_or_else(|| missing("TIMESTEP"))?);
     let n = n.ok_or_else(|| missing("NUMBER OF ATOMS"))?;
+    if !wanted {
+        return skip_rows(lines, n);
+    }
+    let (columns, style) = columns(lines.line()).at(lines)?;
+    let step = Some(step.ok_or_else(|| missing("TIMESTEP"))?);
     let Bounds { low, cell } = bounds.ok_or_else(|| missing("BOX BOUNDS"))?;
     let scales = units.scales(None).at(lines)?;
     let scaled = COORDINATES[style][0].starts_with("xs");
@@ -148,7 +152,8 @@ pub(crate) fn parse_frame(
     let unwrapped = style < FOLDED || columns.has(Vector::Image);
     let time = time.and_then(|time| scales.time(time));
     let particles = ParticleReader::read(lines, n, &columns, &place, "as `ITEM: ATOMS` says")?;
-    Ok(TrajectoryFrame { step, time, unwrapped, ..TrajectoryFrame::of(particles, place.cell) })
+    let read = TrajectoryFrame::of(particles, place.cell);
+    Ok(Some(TrajectoryFrame { step, time, unwrapped, ..read }))
 }
 
 fn read_bounds(lines: &mut Lines<'_>, edges: &[&[u8]]) -> Result<Bounds, FormatError> {

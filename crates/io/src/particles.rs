@@ -269,7 +269,19 @@ impl ParticleReader {
 
 /// Goes to the line of a particle.
 pub(crate) fn next_row(lines: &mut Lines<'_>, row: usize, n: usize) -> Result<(), FormatError> {
-    lines.next_or(&format!("particle {row} of {n}: the frame is truncated"))
+    match lines.advance()? {
+        true => Ok(()),
+        false => Err(lines.refuse_end(format!("particle {row} of {n}: the frame is truncated"))),
+    }
+}
+
+/// Passes over the lines of `n` particles: no frame comes of them.
+pub(crate) fn skip_rows(
+    lines: &mut Lines<'_>,
+    n: usize,
+) -> Result<Option<TrajectoryFrame>, FormatError> {
+    (1..=n).try_for_each(|row| next_row(lines, row, n))?;
+    Ok(None)
 }
 
 /// Brings an array into an order; an empty one stays so.

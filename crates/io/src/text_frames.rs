@@ -38,15 +38,30 @@ impl<'a> TextFrames<'a> {
         if !self.find()? {
             return Ok(None);
         }
+        let frame = self.frame(true)?;
+        self.ended = false;
+        Ok(frame)
+    }
+
+    /// Passes over the frames up to `most`, or up to the end of the file, by their counts, and tells how many there were.
+    pub(crate) fn skip(&mut self, most: u64) -> Result<u64, FormatError> {
+        let mut skipped = 0;
+        while skipped < most && self.find()? {
+            self.frame(false)?;
+            skipped += 1;
+        }
+        Ok(skipped)
+    }
+
+    /// The frame whose first line is the current line, where it is wanted.
+    fn frame(&mut self, wanted: bool) -> Result<Option<TrajectoryFrame>, FormatError> {
         self.first_line = self.lines.number();
         let (lines, units) = (&mut self.lines, &mut self.units);
-        let frame = match self.grammar {
-            Grammar::ExtendedXyz => extended_xyz::parse_frame(lines, *units)?,
-            Grammar::LammpsDump => lammps_dump::parse_frame(lines, units)?,
-            Grammar::Gro => gro::parse_frame(lines, *units)?,
-        };
-        self.ended = false;
-        Ok(Some(frame))
+        match self.grammar {
+            Grammar::ExtendedXyz => extended_xyz::parse_frame(lines, *units, wanted),
+            Grammar::LammpsDump => lammps_dump::parse_frame(lines, units, wanted),
+            Grammar::Gro => gro::parse_frame(lines, *units, wanted),
+        }
     }
 
     /// Goes to the first line of the next frame; false where the file ends, blank lines at its end aside.

@@ -80,3 +80,31 @@ fn frames_before_a_truncated_one_are_still_read() {
     assert!(frames.next_frame().is_err());
     assert!(matches!(frames.next_frame(), Ok(None)), "after an error it ends");
 }
+
+#[test]
+fn a_start_is_the_last_frame_whatever_the_columns_of_frames_before_it_hold() {
+    let xyz = |x: &str| xyz(BOX, &[&format!("Ar {x} 2 3"), "Ar 0 0 0"]);
+    let dump = |x: &str| {
+        format!(
+            "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0 9\n0 9\n0 9\n\
+             ITEM: ATOMS x y z\n{x} 2 3\n0 0 0\n"
+        )
+    };
+    let gro = |x: &str| {
+        let row = |n: u32, x: &str| format!("    1Ar      Ar{n:5}{x:>8}   2.000   3.000\n");
+        format!("reduced units\n2\n{}{}   9.0   9.0   9.0\n", row(1, x), row(2, "0.000"))
+    };
+    let kinds: [&dyn Fn(&str) -> String; 3] = [&xyz, &dump, &gro];
+    for (frame, lines_of_a_frame) in kinds.into_iter().zip([4, 11, 5]) {
+        let [first, damaged, last] = ["1.000", "nowhere", "4.000"].map(frame);
+        let read = |text: &str| read_configuration_bytes(text.as_bytes());
+        let start = read(&format!("{first}{damaged}{last}")).unwrap();
+        assert_eq!((start.positions[0].x, start.frames), (4.0, 3));
+        // Damage in the last frame, and a last frame that is cut, are refused with their line.
+        let line_of = |text: &str| read(text).unwrap_err().line().unwrap();
+        let in_last = 2 * lines_of_a_frame + 1..=3 * lines_of_a_frame;
+        assert!(in_last.contains(&line_of(&format!("{first}{last}{damaged}"))));
+        let cut = &last[..last.trim_end().rfind('\n').unwrap()];
+        assert_eq!(line_of(&format!("{first}{damaged}{cut}")), 3 * lines_of_a_frame);
+    }
+}
