@@ -85,7 +85,6 @@ pub struct RunFiles {
     folder: PathBuf,
     thermo: TableWriter,
     trajectory: Option<TrajectoryWriter>,
-    style: FrameStyle,
 }
 
 /// How far the growing files were at a checkpoint.
@@ -95,6 +94,12 @@ pub struct Marks {
     pub thermo: FileMark,
     /// Of the trajectory.
     pub trajectory: Option<FileMark>,
+}
+
+/// The style of a last state, from which another run can start: in reduced units, with velocities where there are some.
+pub(crate) fn style_of_last(simulation: &Simulation) -> FrameStyle {
+    let velocities = simulation.frames.as_ref().is_none_or(|frames| frames.has_velocities);
+    FrameStyle { velocities, length_scale: 1.0, ..style(simulation) }
 }
 
 /// The style of the trajectory.
@@ -129,7 +134,7 @@ impl RunFiles {
             .trajectory_every
             .map(|_| TrajectoryWriter::create(&folder.join(format.spec().file), format, &style))
             .transpose()?;
-        Ok(Self { folder: folder.to_owned(), thermo, trajectory, style })
+        Ok(Self { folder: folder.to_owned(), thermo, trajectory })
     }
 
     /// Goes on with the files of an interrupted run, cut back to where its checkpoint was.
@@ -155,7 +160,7 @@ impl RunFiles {
             }
             Some(mark) => Some(TrajectoryWriter::resume_at(&path, format, &style, mark)?),
         };
-        Ok(Self { folder: folder.to_owned(), thermo, trajectory, style })
+        Ok(Self { folder: folder.to_owned(), thermo, trajectory })
     }
 
     /// Writes what describes the run anew.
@@ -237,27 +242,22 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where it cannot be written.
     pub fn write_state(&self, name: &str, simulation: &Simulation) -> Result<(), WriteError> {
-        let velocities = simulation.frames.as_ref().is_none_or(|frames| frames.has_velocities);
-        let style = FrameStyle { forces: self.style.forces, velocities, ..self.start_style() };
         let frame = Frame { state: &simulation.state, extra: &header(simulation) };
-        lennard_io::write_frame(&self.folder.join(name), &style, &frame)
+        lennard_io::write_frame(&self.folder.join(name), &style_of_last(simulation), &frame)
     }
 
-    /// Writes an earlier state into a file of its own, from which another run can start.
+    /// Writes an earlier state of a simulation, which has no forces, into a file of its own.
     ///
     /// # Errors
     /// [`WriteError`] where it cannot be written.
-    pub fn write_earlier_state(&self, name: &str, state: &State) -> Result<(), WriteError> {
-        lennard_io::write_frame(
-            &self.folder.join(name),
-            &self.start_style(),
-            &Frame { state, extra: &[] },
-        )
-    }
-
-    /// The style of a start configuration, which needs velocities and reduced units whatever the trajectory has.
-    fn start_style(&self) -> FrameStyle {
-        FrameStyle { velocities: true, forces: false, length_scale: 1.0, ..self.style.clone() }
+    pub fn write_earlier_state(
+        &self,
+        name: &str,
+        simulation: &Simulation,
+        state: &State,
+    ) -> Result<(), WriteError> {
+        let style = FrameStyle { velocities: true, forces: false, ..style_of_last(simulation) };
+        lennard_io::write_frame(&self.folder.join(name), &style, &Frame { state, extra: &[] })
     }
 
     /// Frames written so far, where there is a trajectory.

@@ -54,8 +54,9 @@ pub struct Plan {
     pub threads: usize,
     /// Parts of the work.
     pub items: Vec<PlanItem>,
-    /// Bytes that a run holds at most: its state, a second state set aside, and the forces with their lists. A checkpoint under
-    /// way comes on top, or the neighbors that tell at the end whether it froze. What observables gather is not counted.
+    /// Bytes that a run holds at most: its state, a second state set aside, and the forces with their lists. On top comes a
+    /// checkpoint under way, the text of the last state, or the neighbors that tell whether it froze. What observables gather
+    /// is not counted.
     pub bytes: u64,
     /// Bytes that the program itself holds, with its libraries, whatever the scene.
     pub program_bytes: u64,
@@ -107,8 +108,8 @@ pub fn plan(
     let (n, molecules) = (simulation.state.len(), simulation.system.n_molecules());
     let state = n * STATE_BYTES;
     let set_aside = n * SET_ASIDE_BYTES;
-    // A checkpoint and the last look at the final state come one after the other.
-    let at_times = costs.checkpoint_bytes.max(simulation.bytes_to_look());
+    // A checkpoint, the text of the last state and the look at it come one after the other.
+    let at_times = costs.checkpoint_bytes.max(costs.text_bytes).max(simulation.bytes_to_look());
     let bytes_to_write = (set_aside + at_times) as u64;
     let bytes = state as u64 + bytes_to_write + costs.force_bytes;
     let one_node = OneNode {

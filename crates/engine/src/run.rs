@@ -169,7 +169,7 @@ impl<'a> Recorder<'a> {
         };
         let failed = self.files.write_state("failed.xyz", simulation);
         keep("failed.xyz", &simulation.state, "", failed);
-        let before = self.files.write_earlier_state("before-failure.xyz", &self.before);
+        let before = self.files.write_earlier_state("before-failure.xyz", simulation, &self.before);
         keep("before-failure.xyz", &self.before, ", before it", before);
         if let Ok(all) = lennard_io::CheckpointFolder::new(folder).list()
             && let Some((_, newest)) = all.first()

@@ -9,12 +9,12 @@ use lennard_core::{
     Configuration, ForceStatistics, HaloSize, Integrator, NoForces, Part as Whole, Persist,
     StateArchive, Want,
 };
-use lennard_io::{Frame, Sink, TrajectoryWriter};
+use lennard_io::{FileMark, Frame, FrameStyle, Sink, TrajectoryFormat, TrajectoryWriter};
 use lennard_scene::{Scene, Stage};
 
 use crate::build::prepare_from;
 use crate::failure::LARGEST_MOVE;
-use crate::files::{header, style};
+use crate::files::{header, style, style_of_last};
 use crate::follower::bare;
 use crate::follower::{Follower, StopAt};
 use crate::planar_tail::PlanarTail;
@@ -67,6 +67,8 @@ pub(super) struct Costs {
     pub(super) force_bytes: u64,
     /// Bytes of what a checkpoint is put together in.
     pub(super) checkpoint_bytes: usize,
+    /// Bytes of the text of the last state, which is put together before it is written.
+    pub(super) text_bytes: usize,
     /// The parts of the run; `None` where steps are too slow to measure.
     pub(super) parts: Option<Vec<Part>>,
     /// Builds of the list in such a step, and what a rank would need of others, by the number of ranks.
@@ -105,6 +107,7 @@ impl Costs {
             median_step: Spread::of(times).map_or(f64::NAN, |steps| steps.median),
             force_bytes: bare.forces.statistics().bytes + under_a_bath,
             checkpoint_bytes: checkpoint_bytes(&bare),
+            text_bytes: frame(&bare, TrajectoryFormat::Xyz, &style_of_last(&bare)).1,
             parts: step.map(|_| parts),
             builds: (last.builds - first.builds) as f64 / all,
             halos,
@@ -190,7 +193,8 @@ fn of_parts(simulation: &mut Simulation, bare: &mut Simulation) -> Result<Vec<Pa
     }
     parts.extend(simulation.scene.output.trajectory_every.map(|every| {
         let wanted = of_want(Want::ENERGY_AND_VIRIAL, every);
-        Part::new("trajectory", measured_every(every), frame(bare) + wanted)
+        let (seconds, _) = frame(bare, bare.scene.output.format, &style(bare));
+        Part::new("trajectory", measured_every(every), seconds + wanted)
     }));
     parts.push(Part::new(WATCHDOG, steps, watching_seconds(bare)));
     Ok(parts)
@@ -275,16 +279,18 @@ fn bath(bare: &Simulation, stage: &Stage) -> f64 {
     time(options.couple(method(), stage.temperature_ramp(0), noise)) - time(method())
 }
 
-/// Formatting one frame, without the disk.
-fn frame(bare: &Simulation) -> f64 {
+/// Seconds that formatting one frame takes without the disk, and its bytes.
+fn frame(bare: &Simulation, format: TrajectoryFormat, style: &FrameStyle) -> (f64, usize) {
     let extra = header(bare);
     let frame = Frame { state: &bare.state, extra: &extra };
     let nowhere = Path::new("nowhere");
-    let format = bare.scene.output.format;
-    match TrajectoryWriter::to_sink(nowhere, format, &style(bare), Box::new(Nowhere)) {
-        Ok(mut writer) => median(|| drop(writer.write(&frame))),
-        Err(_) => 0.0,
-    }
+    let Ok(mut writer) = TrajectoryWriter::to_sink(nowhere, format, style, Box::new(Nowhere))
+    else {
+        return (0.0, 0);
+    };
+    let seconds = median(|| drop(writer.write(&frame)));
+    let FileMark { bytes, records } = writer.mark();
+    (seconds, (bytes / records.max(1)) as usize)
 }
 
 /// Takes everything and keeps nothing.
