@@ -22,7 +22,7 @@ use crate::schedule::Observer;
 use crate::simulation::{Recording, Simulation, Timers};
 use crate::start::{Start, make_suit, start_with, thermal_velocities};
 use crate::watchdog::ForceCheck;
-use crate::{EngineError, baths, compare, foresight, from_frames, pressure, room};
+use crate::{EngineError, baths, foresight, from_frames, pressure, room};
 
 /// The temperature and step for which the list is laid out. They are the highest temperature and the
 /// largest step of all stages, since one list serves all.
@@ -291,7 +291,7 @@ pub(crate) fn observers(
             ObservableOptions::Thermodynamics(_) => continue,
             // With friction there is no flow around a particle that a closed box could slow down.
             ObservableOptions::Msd(o) if o.viscosity.is_none() && keeps_motion => {
-                o.viscosity = compare::viscosity_for(scene, n_atoms as f64 / cell.volume());
+                o.viscosity = scene.viscosity_near(n_atoms as f64 / cell.volume());
             }
             _ => {}
         }

@@ -8,7 +8,6 @@ use lennard_literature::freezing_lines_of;
 use lennard_scene::{Output, Scene, Stage};
 
 use crate::Simulation;
-use crate::compare::{equation_for, unstable};
 
 /// A step above this part of the stability limit makes the energy drift, and a hot pair ends the run.
 const SAFE_PART: f64 = 0.25;
@@ -73,7 +72,7 @@ impl Simulation {
         if self.scene.surfaces().is_some() {
             return None;
         }
-        let (_, equation) = equation_for(&self.scene).ok()?;
+        let (_, equation) = self.scene.equation_of_state().ok()?;
         let temperature = self.temperature_of(index);
         let density = match &stage.barostat {
             Some(control) => equation.density(control.pressure, temperature)?,
@@ -86,7 +85,7 @@ impl Simulation {
                 format!("T = {temperature:.4} is below the triple temperature {triple}, where no liquid is stable")
             });
         }
-        let words = unstable(equation, density, temperature)?;
+        let words = equation.unstable(density, temperature)?;
         let melting = lines.first().and_then(|line| line.melting_density(temperature));
         Some(match melting.filter(|melting| density > *melting) {
             Some(melting) => format!(

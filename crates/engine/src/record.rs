@@ -9,10 +9,12 @@ use lennard_io::{
     RUN_SCHEMA, RunRecord, SpeciesRecord, StageSeconds, ThermostatRecord,
 };
 use lennard_literature::units::Units;
+use lennard_literature::{Compared, at_constant_pressure, at_constant_volume};
 use lennard_observables::{ChangingBox, Estimate, Findings, Remark};
+use lennard_scene::Stage;
 
 use crate::Simulation;
-use crate::compare::{Compared, Comparison, at_constant_pressure, at_constant_volume};
+use crate::baths::measured_baths;
 use crate::simulation::Threads;
 
 /// The record of a run that has not ended, or not well; `remarks` say how it failed.
@@ -32,26 +34,16 @@ pub fn finished(
     trajectory_frames: Option<u64>,
     finished: bool,
 ) -> RunRecord {
-    let (scene, molecules) = (&simulation.scene, simulation.system.n_molecules());
-    let thermodynamics = simulation.thermodynamics();
-    let compared = match simulation.observable::<ChangingBox>() {
-        Some(changing) => {
-            let n_dof = dof_of_centers(&simulation.system, simulation.view().n_dof());
-            at_constant_pressure(scene, molecules, n_dof, thermodynamics, changing)
-        }
-        None => {
-            let density = molecules as f64 / simulation.state.cell.volume();
-            at_constant_volume(scene, density, molecules, thermodynamics, Compared::Results)
-        }
-    };
-    let compared = compared.unwrap_or_else(Comparison::without);
+    let compared = compared(simulation);
+    let (comparison, remarks) =
+        compared.unwrap_or_else(|why| (Vec::new(), why.into_iter().collect()));
     let bare = bare(simulation);
     let wall_s = wall.as_secs_f64();
     let atom_steps = simulation.state.len() as f64 * simulation.state.step as f64;
     let remarks: Vec<Remark> = findings
         .iter()
         .flat_map(|f| f.remarks.iter().cloned())
-        .chain(compared.remarks.into_iter().map(Remark::from))
+        .chain(remarks.into_iter().map(Remark::from))
         .chain(few_accepted(simulation))
         .chain(simulation.frozen())
         .collect();
@@ -72,18 +64,45 @@ pub fn finished(
             ranks: simulation.ranks_record(wall_s),
             stages: stages(simulation),
         },
-        units: scene.units.map(|units| in_units(&units, &averages)),
+        units: simulation.scene.units.map(|units| in_units(&units, &averages)),
         averages,
         conservation: match simulation.frames {
             Some(_) => bare.conservation,
-            None => thermodynamics.conservation(),
+            None => simulation.thermodynamics().conservation(),
         },
-        comparison: compared.entries,
+        comparison,
         remarks: remarks.iter().map(Remark::to_string).collect(),
         typed_remarks: remarks.into_iter().filter(|r| !matches!(r, Remark::Note { .. })).collect(),
         trajectory_frames,
         ..bare
     }
+}
+
+/// The means beside the equation of state of the model.
+///
+/// # Errors
+/// Why nothing was compared; `None` where the averages say why.
+fn compared(simulation: &Simulation) -> Result<Compared, Option<String>> {
+    let scene = &simulation.scene;
+    let described = scene.equation_of_state().map_err(Some)?;
+    let thermodynamics = simulation.thermodynamics();
+    let molecules = simulation.system.n_molecules();
+    let mut measured = scene.stages.iter().filter(|stage| stage.measure);
+    if let Some(changing) = simulation.observable::<ChangingBox>() {
+        let control = measured.find(|stage| !stage.is_ramp()).and_then(|s| s.barostat.as_ref());
+        let on_the_way = || Some("not compared: pressure or temperature change on the way".into());
+        let pressure = control.ok_or_else(on_the_way)?.pressure;
+        let (n, n_dof) = (molecules as f64, simulation.view().n_dof());
+        let missing = (n - dof_of_centers(&simulation.system, n_dof) / 3.0) / n;
+        return at_constant_pressure(described, pressure, missing, thermodynamics, changing);
+    }
+    // The averages say it where a ramp, or a bath of no known ensemble, sets them.
+    let scaled = measured_baths(scene).iter().any(|bath| !bath.canonical);
+    if scaled || measured.any(Stage::is_ramp) {
+        return Err(None);
+    }
+    let density = molecules as f64 / simulation.state.cell.volume();
+    at_constant_volume(described, density, molecules, scene.kept(), thermodynamics, true)
 }
 
 /// A substance, and the averages that have a unit in its units.

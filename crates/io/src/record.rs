@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-pub use lennard_observables::Conservation;
 use lennard_observables::{Average, Doubt, Estimate, Remark, Standing, finite as number};
+pub use lennard_observables::{Comparison, Conservation, StatePoint};
 use serde::{Deserialize, Serialize};
 
 use crate::FormatError;
@@ -265,55 +265,6 @@ impl BarostatRecord {
             self.name
         ))
     }
-}
-
-/// A measured value beside one of the literature, at the measured temperature and density.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Comparison {
-    /// What is compared (`pressure`).
-    pub quantity: String,
-    /// Unit.
-    pub unit: String,
-    /// Measured mean.
-    #[serde(with = "number")]
-    pub measured: f64,
-    /// Value of the literature, `finite_size` included.
-    #[serde(with = "number")]
-    pub reference: f64,
-    /// What was added to the value of an infinite system to obtain the value of N particles; `null` where nothing was.
-    pub finite_size: Option<f64>,
-    /// How far the value of N particles may be off by a finite-size term that is not small, or not trusted; `null` where it is.
-    pub finite_size_uncertainty: Option<f64>,
-    /// Uncertainty that the source states of its value; `null` where it states none.
-    pub reference_uncertainty: Option<f64>,
-    /// Measured − reference.
-    #[serde(with = "number")]
-    pub difference: f64,
-    /// Standard error of the difference, the correlation with the measured temperature included.
-    #[serde(with = "number")]
-    pub standard_error: f64,
-    /// Difference in standard errors.
-    #[serde(with = "number")]
-    pub in_standard_errors: f64,
-    /// Temperature and density that the reference is taken at.
-    pub at: StatePoint,
-    /// Author and title, and a DOI where there is one.
-    pub source: String,
-    /// Which model the source is of, and what else is to be known.
-    pub remark: String,
-}
-
-/// A thermodynamic state.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct StatePoint {
-    /// Temperature in ε/k_B: that which belongs to the positions.
-    #[serde(with = "number")]
-    pub temperature: f64,
-    /// Whether it is the temperature of half steps; else it is the temperature of whole steps.
-    pub half_steps: bool,
-    /// Number density in σ⁻³.
-    #[serde(with = "number")]
-    pub density: f64,
 }
 
 /// Reads a run record.

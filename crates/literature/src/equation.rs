@@ -252,6 +252,15 @@ pub trait EquationOfState: Send + Sync + std::fmt::Debug {
         })
     }
 
+    /// What a state that the equation covers is by it, where it is no stable fluid.
+    fn unstable(&self, rho: f64, temperature: f64) -> Option<String> {
+        let phase = self.phase(rho, temperature);
+        (!phase.is_stable()).then(|| {
+            let (name, phase) = (&self.spec().name, phase.describe());
+            format!("by {name} the state ρ = {rho:.4}, T = {temperature:.4} is {phase}")
+        })
+    }
+
     /// Whether the equation covers this state.
     ///
     /// # Errors

@@ -16,6 +16,7 @@
 //! assert!(equation_of_state_for(ModelKind::ForceShifted { r_cut: 2.5 }).is_err());
 //! ```
 
+mod beside;
 mod bisection;
 mod coexistence_data;
 mod critical;
@@ -44,6 +45,7 @@ mod two_phases;
 pub mod units;
 mod virial;
 
+pub use beside::{Compared, Described, at_constant_pressure, at_constant_volume};
 pub use bisection::bisect;
 pub use coexistence_data::coexistence_by_simulation;
 pub use equation::{EquationOfState, EquationSpec, OutsideRange, OwnUncertainty, Range};

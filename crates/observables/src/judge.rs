@@ -19,8 +19,8 @@
 //! assert_eq!(judge(4.1, Reference::band(4.0, 4.2), allowed), Verdict::Sharper);
 //! ```
 
-use crate::{Standing, Tone};
-use serde::Serialize;
+use crate::{Standing, Tone, finite};
+use serde::{Deserialize, Serialize};
 
 /// What can be said of a measured number.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -161,6 +161,55 @@ impl From<Standing> for Verdict {
             Standing::Thermostat => Self::Thermostat,
         }
     }
+}
+
+/// A measured value beside one of the literature, at the measured temperature and density.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// What is compared (`pressure`).
+    pub quantity: String,
+    /// Unit.
+    pub unit: String,
+    /// Measured mean.
+    #[serde(with = "finite")]
+    pub measured: f64,
+    /// Value of the literature, `finite_size` included.
+    #[serde(with = "finite")]
+    pub reference: f64,
+    /// What was added to the value of an infinite system to obtain the value of N particles; `null` where nothing was.
+    pub finite_size: Option<f64>,
+    /// How far the value of N particles may be off by a finite-size term that is not small, or not trusted; `null` where it is.
+    pub finite_size_uncertainty: Option<f64>,
+    /// Uncertainty that the source states of its value; `null` where it states none.
+    pub reference_uncertainty: Option<f64>,
+    /// Measured − reference.
+    #[serde(with = "finite")]
+    pub difference: f64,
+    /// Standard error of the difference, the correlation with the measured temperature included.
+    #[serde(with = "finite")]
+    pub standard_error: f64,
+    /// Difference in standard errors.
+    #[serde(with = "finite")]
+    pub in_standard_errors: f64,
+    /// Temperature and density that the reference is taken at.
+    pub at: StatePoint,
+    /// Author and title, and a DOI where there is one.
+    pub source: String,
+    /// Which model the source is of, and what else is to be known.
+    pub remark: String,
+}
+
+/// A thermodynamic state.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StatePoint {
+    /// Temperature in ε/k_B: that which belongs to the positions.
+    #[serde(with = "finite")]
+    pub temperature: f64,
+    /// Whether it is the temperature of half steps; else it is the temperature of whole steps.
+    pub half_steps: bool,
+    /// Number density in σ⁻³.
+    #[serde(with = "finite")]
+    pub density: f64,
 }
 
 /// What a number is held against: one value, the band of several, or a bound.

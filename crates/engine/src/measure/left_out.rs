@@ -3,10 +3,11 @@
 use std::iter;
 
 use lennard_core::Want;
-use lennard_observables::{Findings, Remark, response_functions};
+use lennard_observables::{
+    Findings, Remark, is_response, leave_out, response_functions, tell, without,
+};
 
 use crate::Simulation;
-use crate::findings::{is_response, leave_out, tell, without};
 use crate::from_frames::{CONSERVED, OF_VELOCITIES, Rounding};
 
 impl Simulation {

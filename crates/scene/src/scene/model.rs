@@ -2,7 +2,9 @@
 
 use lennard_core::{Bonds, Molecules};
 use lennard_forcefield::{PotentialOptions, SpeciesPair, TruncationKind, TruncationOptions};
-use lennard_literature::{KobAndersen, ModelKind, OneFluid};
+use lennard_literature::{
+    Described, Kept, KobAndersen, ModelKind, OneFluid, equation_of_state_for, viscosity_near,
+};
 
 use crate::{Molecule, MoleculeKind, Scene};
 
@@ -119,6 +121,49 @@ fn mixture_kind(scene: &Scene) -> ModelKind {
 }
 
 impl Scene {
+    /// The model and the equation of state that describes it.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn equation_of_state(&self) -> Result<Described, String> {
+        let model = model_kind(self);
+        match (self.not_homogeneous(), equation_of_state_for(model)) {
+            (None, Ok(equation)) => Ok((model, equation)),
+            (None, Err(none)) => Err(none.to_string()),
+            (Some(why), _) => Err(format!("not compared with any equation of state: {why}")),
+        }
+    }
+
+    /// What the box of the measured stages keeps beside its particles and its volume; `None` at constant pressure.
+    #[must_use]
+    pub fn kept(&self) -> Option<Kept> {
+        let mut measured = self.stages.iter().filter(|stage| stage.measure);
+        if measured.clone().any(|stage| stage.barostat.is_some()) {
+            return None;
+        }
+        let with_bath = measured.any(|stage| stage.thermostat.is_some());
+        Some(if with_bath { Kept::Temperature } else { Kept::Energy })
+    }
+
+    /// The viscosity of the reference table near the measured state at a density, σ⁻³; `None` where the model is not
+    /// Lennard-Jones or no entry is near.
+    #[must_use]
+    pub fn viscosity_near(&self, density: f64) -> Option<f64> {
+        let is_another_fluid = matches!(
+            model_kind(self),
+            ModelKind::Other { .. }
+                | ModelKind::Mie { .. }
+                | ModelKind::TwoCenter { .. }
+                | ModelKind::Mixture { .. }
+                | ModelKind::KobAndersen
+        );
+        if is_another_fluid || self.confined_by().is_some() {
+            return None;
+        }
+        let temperature = self.stages.iter().rev().find(|s| s.measure)?.temperature;
+        viscosity_near(density, temperature).map(|v| v.value)
+    }
+
     /// The model in words: potential, truncation, and molecules where there are some.
     #[must_use]
     pub fn model_name(&self) -> String {

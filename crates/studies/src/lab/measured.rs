@@ -1,7 +1,8 @@
 //! What a run under some settings measures: energy conservation, temperatures, U and P.
 
-use lennard_engine::{Compared, Comparison, Unfollowed, beside_equation_of_state};
-use lennard_observables::{Estimate, ThermoSeries, Thermodynamics, statistics};
+use lennard_engine::Unfollowed;
+use lennard_literature::at_constant_volume;
+use lennard_observables::{Comparison, Estimate, ThermoSeries, Thermodynamics, statistics};
 use lennard_scene::model_kind;
 use serde::{Deserialize, Serialize};
 
@@ -106,13 +107,13 @@ impl Workbench {
         let found = simulation.thermodynamics();
         let cut = found.equilibration_cut();
         let rows = found.series();
-        let comparison = beside_equation_of_state(
-            &simulation.scene,
-            self.start().density_of_molecules(self.scene()),
-            simulation.system.n_molecules(),
-            found,
-            Compared::Anything,
-        );
+        let (scene, n) = (&simulation.scene, simulation.system.n_molecules());
+        let compared = scene.equation_of_state().map_err(Some).and_then(|described| {
+            let density = self.start().density_of_molecules(self.scene());
+            at_constant_volume(described, density, n, scene.kept(), found, false)
+        });
+        let (comparison, remarks) =
+            compared.unwrap_or_else(|why| (Vec::new(), why.into_iter().collect()));
         let (configurational, _) = statistics::ratio(&rows.squared_force, &rows.laplacian, cut);
         let conservation = found.conservation();
         Ok(Measured {
@@ -125,7 +126,7 @@ impl Workbench {
                 standard_error: conservation.energy_drift_standard_error,
             },
             against_equation: beside(&comparison, rows, cut),
-            remarks: comparison.remarks,
+            remarks,
             ..self.measured(settings, rows, cut, slopes)?
         })
     }
@@ -212,9 +213,9 @@ impl Workbench {
 }
 
 /// U and P less the values of the equation of state, as the comparison of a run corrects and judges them.
-fn beside(comparison: &Comparison, rows: &ThermoSeries, cut: usize) -> Option<AgainstEquation> {
-    let entry = |quantity: &str| comparison.entries.iter().find(|e| e.quantity == quantity);
-    let difference = |entry: &lennard_io::Comparison, column: &[f64]| {
+fn beside(entries: &[Comparison], rows: &ThermoSeries, cut: usize) -> Option<AgainstEquation> {
+    let entry = |quantity: &str| entries.iter().find(|e| e.quantity == quantity);
+    let difference = |entry: &Comparison, column: &[f64]| {
         Estimate::new(
             entry.difference,
             entry.standard_error,

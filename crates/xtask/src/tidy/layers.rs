@@ -19,7 +19,7 @@ const TABLE: &[(&str, May)] = &[
     ("forcefield", May::Use(&["core", "neighbor"])),
     ("integrators", May::Use(&["core", "neighbor", "forcefield"])),
     ("observables", May::Use(&["core", "neighbor"])),
-    ("literature", May::Use(&["core"])),
+    ("literature", May::Use(&["core", "observables"])),
     ("io", May::Use(&["core", "observables"])),
     ("scene", May::Use(&["core", "forcefield", "integrators", "observables", "literature", "io"])),
     ("engine", May::UseAllAbove),
