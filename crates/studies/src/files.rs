@@ -8,7 +8,7 @@ use lennard_scene::Scene;
 use serde::Serialize;
 
 use crate::StudyError;
-use crate::report::Page;
+use crate::report::{Page, Picture, ReportError};
 
 /// What a study with claims is asked for, and how it is named.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -52,18 +52,21 @@ pub(crate) fn write_all(
     (json, study): (&str, &impl Serialize),
     page: &Page,
 ) -> Result<(), StudyError> {
+    // What cannot be drawn is told before anything is written.
+    let drawn = |picture: &Picture| Ok((format!("{}.svg", picture.name()), picture.to_svg()?));
+    let pictures = page.pictures().map(drawn).collect::<Result<Vec<_>, ReportError>>()?;
+    let html = page.to_html()?;
     let figure_dir = dir.join("figures");
     std::fs::create_dir_all(&figure_dir)
         .map_err(|source| StudyError::Folder { path: figure_dir.display().to_string(), source })?;
     for table in tables {
         write_table_csv(&dir.join(format!("{}.csv", table.name)), table)?;
     }
-    for picture in page.pictures() {
-        let path = figure_dir.join(format!("{}.svg", picture.name()));
-        write_text_atomically(&path, &picture.to_svg()?)?;
+    for (name, svg) in &pictures {
+        write_text_atomically(&figure_dir.join(name), svg)?;
     }
     write_json_atomically(&dir.join(json), &study)?;
-    write_text_atomically(&dir.join("report.html"), &page.to_html()?)?;
+    write_text_atomically(&dir.join("report.html"), &html)?;
     Ok(())
 }
 

@@ -13,7 +13,7 @@ use crate::sweep::{self, Point, SweepError};
 /// A study file whose reading judges claims, such as `reading = "stability"`.
 pub struct FluidStudy {
     /// The base scene, with the method and the bonds that starts are equilibrated with.
-    pub(crate) base: Scene,
+    pub base: Scene,
     /// The points of the file.
     pub points: Vec<Point>,
     /// Whether the file is a user's own.

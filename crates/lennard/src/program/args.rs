@@ -226,13 +226,13 @@ pub enum StudyCommand {
     /// Measure where each integrator fails, on the oscillator and on the fluid, beside theory.
     #[command(after_help = "Examples:\n  \
         lennard study stability --quick\n  \
-        lennard study stability --out runs/stability\n  \
+        lennard study stability studies/stability-quick --out runs/stability\n  \
         lennard study stability --quick --json > stability.json")]
     Stability(StudyArgs),
     /// Measure constraints, springs, SPOOK and collisions on few bodies and on dumbbells, beside theory.
     #[command(after_help = "Examples:\n  \
         lennard study mechanics --quick\n  \
-        lennard study mechanics --out runs/mechanics\n  \
+        lennard study mechanics studies/mechanics-quick --out runs/mechanics\n  \
         lennard study mechanics --quick --json > mechanics.json")]
     Mechanics(StudyArgs),
 }

@@ -40,22 +40,32 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] with the table that confines the fluid.
     pub fn homogeneous_for(&self, study: &str) -> Result<(), SceneError> {
+        const OF_ATOMS: &str = "a scene of atoms, without walls and field";
+        self.unconfined_for(study, OF_ATOMS)?;
+        match self.molecule {
+            Some(_) => Err(self.not_for(study, "molecule", "molecules", OF_ATOMS)),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses contacts, and a fluid between walls or in a field, for a study of homogeneous fluids; `allowed` says of which.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the table that confines the fluid.
+    pub fn unconfined_for(&self, study: &str, allowed: &str) -> Result<(), SceneError> {
         self.planar_tail_for(study)?;
-        let others = [
-            (self.contact.is_some(), "contact", "contacts"),
-            (self.molecule.is_some(), "molecule", "molecules"),
-        ];
-        let other = others.into_iter().find(|(there, ..)| *there);
-        let (key, found) = match (self.confining().next(), self.confined_by(), other) {
-            (Some((key, _)), Some(confined), _) => (key, confined),
-            (_, _, Some((_, key, words))) => (key, words.to_owned()),
-            _ => return Ok(()),
-        };
-        Err(self
-            .source
+        match (self.confining().next(), self.confined_by()) {
+            (Some((key, _)), Some(found)) => Err(self.not_for(study, key, &found, allowed)),
+            _ if self.contact.is_some() => Err(self.not_for(study, "contact", "contacts", allowed)),
+            _ => Ok(()),
+        }
+    }
+
+    fn not_for(&self, study: &str, key: &str, found: &str, allowed: &str) -> SceneError {
+        self.source
             .refuse(key, format!("does not go with `{study}`"))
             .found(format!("a fluid with {found}"))
-            .allowed("a scene of atoms, without walls and field"))
+            .allowed(allowed)
     }
 
     /// The contact distance of two species, σ; 0 where bodies do not touch.

@@ -65,13 +65,17 @@ impl Axis {
         Self { range: Some((low, high)), ..self }
     }
 
+    /// Whether a value has a place on an axis of this scale.
+    pub(crate) fn can_show(&self, value: f64) -> bool {
+        value.is_finite() && (self.scale == Scale::Linear || value > f64::MIN_POSITIVE)
+    }
+
     pub(crate) fn span(
         &self,
         figure: &str,
         values: impl Iterator<Item = f64>,
     ) -> Result<Span, ReportError> {
-        let showable =
-            |v: &f64| v.is_finite() && (self.scale == Scale::Linear || *v > f64::MIN_POSITIVE);
+        let showable = |value: &f64| self.can_show(*value);
         let (low, high) = match self.range {
             Some((low, high)) => {
                 if !(showable(&low) && showable(&high) && low < high) {

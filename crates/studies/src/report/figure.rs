@@ -173,10 +173,11 @@ impl Figure {
         self.guided(Guide::Horizontal(at, word.into()))
     }
 
-    /// Whether no series has a point.
+    /// Whether no series has a point that the axes can show.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.series.iter().all(|s| s.points.is_empty())
+        let mut points = self.series.iter().flat_map(|s| &s.points);
+        !points.any(|point| self.x.can_show(point.x) && self.y.can_show(point.y))
     }
 
     /// Adds a guide.

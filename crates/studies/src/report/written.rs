@@ -239,7 +239,7 @@ impl FigureText {
             columns: self.columns(only),
             theory: Vec::new(),
             guides: self.guides.clone(),
-            caption: filled(&self.caption, words),
+            caption: filled(&filled(&self.caption, words), &given.words),
         };
         let picture = row.draw(|name| given.table(name).ok().cloned())?;
         Some(Picture { data: format!("{data}.csv"), ..picture })

@@ -16,11 +16,43 @@ struct Own {
     /// What a file with another reading is not.
     is_not: &'static str,
     command: &'static str,
-    /// Keys that its points may vary, tables whose keys they may vary, and both in words.
+    /// Keys that its points may vary, tables whose keys they may vary, and both in words; `*` stands for the name of a stage.
     varied: &'static [&'static str],
     in_words: &'static str,
-    /// How many sites a molecule of the base scene has; `None` for any number.
-    sites: Option<usize>,
+    molecules: Molecules,
+}
+
+/// What the fluid of a reading is made of.
+enum Molecules {
+    /// Atoms, without walls and field.
+    None,
+    /// Molecules of so many sites.
+    Sites(usize),
+}
+
+impl Own {
+    fn varies(&self, key: &str) -> bool {
+        let fits = |allowed: &str| match allowed.split_once('*') {
+            Some((table, last)) => key.starts_with(table) && key.ends_with(last),
+            None => key.starts_with(allowed),
+        };
+        self.varied.iter().any(|allowed| fits(allowed))
+    }
+
+    /// Refuses a scene whose fluid the reading does not measure.
+    fn check_fluid(&self, scene: &Scene) -> Result<(), SceneError> {
+        let Molecules::Sites(sites) = self.molecules else {
+            return scene.homogeneous_for(self.command);
+        };
+        scene.unconfined_for(self.command, "a fluid without walls and field")?;
+        let found = scene.molecules().sites();
+        if found == sites {
+            return Ok(());
+        }
+        let refused = scene.source.refuse("molecule", "is another one than the study takes");
+        let found = format!("{} in a molecule", counted(found, "site"));
+        Err(refused.found(found).allowed(format!("{sites}, such as in dumbbell/liquid")))
+    }
 }
 
 const OWN: [Own; 3] = [
@@ -38,7 +70,7 @@ const OWN: [Own; 3] = [
             "kernel.precision",
         ],
         in_words: "keys of `integrator`, `split`, `truncation` and `neighbor`, and `kernel.precision`",
-        sites: None,
+        molecules: Molecules::None,
     },
     Own {
         reading: "stability",
@@ -50,10 +82,10 @@ const OWN: [Own; 3] = [
             "integrator.",
             "truncation.kind",
             "kernel.precision",
-            "stage.",
+            "stage.*.steps",
         ],
         in_words: "`temperature`, keys of `integrator`, `truncation.kind`, `kernel.precision` and steps of stages",
-        sites: None,
+        molecules: Molecules::None,
     },
     Own {
         reading: "mechanics",
@@ -71,7 +103,7 @@ const OWN: [Own; 3] = [
             "stage.",
         ],
         in_words: "`density`, `temperature`, `n_molecules`, and keys of `bonds`, `integrator`, `truncation` and stages",
-        sites: Some(2),
+        molecules: Molecules::Sites(2),
     },
 ];
 
@@ -112,27 +144,23 @@ pub fn of_command(
             none if none.is_empty() => "no reading".to_owned(),
             readings => format!("{readings:?}"),
         };
-        let allowed = format!("`reading = {reading:?}`, or `lennard sweep` for this file");
+        let readings = &plan.study.readings;
+        let other = OWN.iter().find(|own| readings.as_slice() == [own.reading]);
+        let command = other.map_or("lennard sweep", |own| own.command);
+        let allowed = format!("`reading = {reading:?}`, or `{command}` for this file");
         return Err(refused.found(found).allowed(allowed).into());
     };
     plan.check_keys()?;
     plan.fits_one_process()?;
     let (base, study) = (plan.base_scene()?, plan.fitting()?);
-    let keys = study.points.iter().flat_map(|point| &point.settings).map(|s| s.key.as_str());
-    let is_varied = |key: &str| key == "name" || own.varied.iter().any(|v| key.starts_with(v));
-    if let Some(other) = keys.into_iter().find(|key| !is_varied(key)) {
+    let keys = plan.points.iter().flat_map(PlannedPoint::values).map(|(key, _)| key);
+    if let Some(other) = keys.into_iter().find(|key| !own.varies(key)) {
         let refused = study.source.refuse("reading", "compares settings of one fluid");
         let found = format!("points that differ in `{other}`");
         return Err(refused.found(found).allowed(own.in_words).into());
     }
-    let found = base.molecules().sites();
-    if let Some(sites) = own.sites.filter(|sites| *sites != found) {
-        let refused = study.source.refuse("base", "has other molecules than the reading takes");
-        let found = format!("{} in a molecule", counted(found, "site"));
-        return Err(refused
-            .found(found)
-            .allowed(format!("{sites}, such as dumbbell/liquid"))
-            .into());
+    for scene in study.points.iter().map(|point| &point.scene).chain([&base]) {
+        own.check_fluid(scene)?;
     }
     Ok((base, study))
 }
@@ -168,6 +196,14 @@ fn check_readings(plan: &Plan) -> Result<(), SceneError> {
     let refuse = |message: String| plan.study.source.refuse("reading", message);
     for name in &plan.study.readings {
         let Some(reading) = READINGS.iter().find(|reading| reading.name == name) else {
+            if let Some(own) = OWN.iter().find(|own| own.reading == name) {
+                return Err(refuse("does not go with others".into())
+                    .found(format!(
+                        "{name:?} among {}",
+                        counted(plan.study.readings.len(), "reading")
+                    ))
+                    .allowed(format!("`reading = {name:?}` alone, with `{}`", own.command)));
+            }
             let known: Vec<&str> = READINGS.iter().map(|reading| reading.name).collect();
             return Err(refuse("is not known".into())
                 .found(format!("{name:?}"))

@@ -67,7 +67,6 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
 fn read(args: &ChartArgs) -> Result<(Scene, Option<UsedLock>, Sweep), Failure> {
     if lennard_scene::shipped::is_study(&args.scene) {
         let (scene, study) = sweep::of_command("chart", &args.scene, &args.set)?;
-        scene.homogeneous_for("lennard chart")?;
         return Ok((scene, None, study));
     }
     let (scene, lock) = Scene::load_settled(&args.scene, &args.set, args.lock.as_deref())?;

@@ -1,4 +1,6 @@
-//! `lennard study stability` and `lennard study mechanics`: studies of few bodies, theory and measurement in one picture.
+//! `lennard study stability` and `lennard study mechanics`: few bodies and a fluid, theory and measurement in one picture.
+
+use std::path::Path;
 
 use lennard_studies::claims::ClaimsStudy;
 use lennard_studies::{
@@ -6,7 +8,7 @@ use lennard_studies::{
 };
 
 use crate::program::args::StudyArgs;
-use crate::program::commands::{answer, on_threads, study_folder};
+use crate::program::commands::{Inputs, answer, on_threads, study_folder};
 use crate::program::failure::{Failure, INPUT, OTHER};
 use crate::program::progress::Display;
 use crate::program::show;
@@ -27,6 +29,10 @@ type Run = fn(&FluidStudy, &StudyOptions, &mut dyn Progress) -> Result<ClaimsStu
 
 fn study(args: &StudyArgs, name: &str, run: Run) -> Result<u8, Failure> {
     let fluid = FluidStudy::read(name, args.study.as_deref(), args.quick)?;
+    if let (Some(file), Some(folder)) = (&args.study, &args.out) {
+        let base = &fluid.base;
+        Inputs::of_scene(Path::new(base.source.file()), None, base).with(file).not_in(folder)?;
+    }
     let folder = study_folder(args.out.as_deref(), args.force, name)?;
     let threads = args.threads.map_or_else(lennard_core::parallel::processors, usize::from);
     let options = StudyOptions {

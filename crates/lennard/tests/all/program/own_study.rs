@@ -75,3 +75,52 @@ fn truncations_and_steps_make_a_chart_of_a_users_own() {
         assert!(!place.has("other"), "{words}");
     }
 }
+
+/// Proves that a study of stability of a user's own runs, however short, and that its file is refused where it asks for what is not compared.
+#[test]
+fn a_users_own_fluid_is_tried_for_stability() {
+    let study = "base = \"base.toml\"\nreading = \"stability\"\n[set]\n\"stage.production.steps\" = 10\n\
+        [[point]]\n\"integrator.kind\" = [\"velocity-verlet\", \"leapfrog\"]\ndt = [0.002, 0.004]\n\
+        [[point]]\n\"integrator.kind\" = \"leapfrog\"\ndt = [0.001, 0.003]\n\"kernel.precision\" = \"double\"\n";
+    let place = Place::with(&[("base.toml", BASE), ("study.toml", study)]);
+    let found = place.json("study stability study.toml --quick --out out --quiet");
+    let claims = found["claims"].as_array().unwrap();
+    // The claim is about another method than the points with small steps have.
+    let of_order = |claim: &&Value| claim["quantity"].as_str().unwrap().starts_with("order of the energy RMS");
+    assert_eq!(claims.iter().find(of_order), None);
+    contains(&place.read("out/report.html"), &["at 2 σ"]);
+
+    let steps = "dt = [0.002, 0.004]";
+    for (command, from, to, words) in [
+        ("sweep", "dt", "dt", "allowed: `lennard study stability` for this file"),
+        (
+            "sweep",
+            "\"stability\"",
+            "[\"stability\", \"table\"]",
+            "`reading` does not go with others",
+        ),
+        ("study stability", "\"stability\"", "\"chart\"", "or `lennard chart` for this file"),
+        ("study stability", steps, "seed = [1, 2]", "points that differ in `seed`"),
+        (
+            "study stability",
+            steps,
+            "\"stage.production.thermostat\" = [\"none\", \"bussi\"]",
+            "points that differ in `stage.production.thermostat`",
+        ),
+        ("study mechanics", "\"stability\"", "\"mechanics\"", "found:   1 site in a molecule"),
+    ] {
+        place.write("study.toml", &study.replace(from, to));
+        place.refused(&format!("{command} study.toml --out other --quiet"), &[words]);
+        assert!(!place.has("other"), "{words}");
+    }
+    place.write("study.toml", study);
+    place.write("base.toml", &format!("{BASE}\n[[wall]]\nkind = \"wca\"\n"));
+    let words =
+        ["`wall` does not go with `lennard study stability`", "found:   a fluid with walls"];
+    place.refused("study stability study.toml --out other --quiet", &words);
+    place.write("out/report.html", BASE);
+    place.write("study.toml", &study.replace("base.toml", "out/report.html"));
+    let words = ["report.html lies in the output folder out"];
+    place.refused("study stability study.toml --out out --force --quiet", &words);
+    assert_eq!(place.read("out/report.html"), BASE);
+}

@@ -1,9 +1,10 @@
 //! The fluid part of the study: the largest step at which each method stays stable in a Lennard-Jones liquid. Below
 //! it, drift and fluctuation of the energy are measured.
 //!
-//! A study file names scene and points: methods, steps, temperatures, truncations and precisions. All points of one temperature
-//! and one truncation begin at one equilibrated start. A run lasts as long as the measured stage with the step of the base scene.
-//! Limits are searched for every method from each start where it has points.
+//! A study file names scene and points: methods, steps, temperatures, truncations and precisions. Points that begin alike share one
+//! equilibrated start. A run lasts as long as the measured stage with the step of the base scene. Limits are searched for each method
+//! from each start where it has points. Methods whose steps iterate have limits with the smooth truncation alone, and none in the
+//! quick study; nor have the other members of a group of equivalent methods there.
 
 mod limit;
 mod run;
@@ -132,9 +133,14 @@ pub(super) fn measure(
             found.numbers.add("momentum of the fluid", momentum).of("method", method);
         }
     }
-    let double = runs.iter().filter(|r| r.part == SMALL && r.precision == Precision::Double);
-    let double: Vec<_> = double.filter_map(|r| Some((r.dt, r.fluctuation?))).collect();
-    if let [.., (coarse, a), (fine, b)] = double[..] {
+    let of_claim = |r: &&FluidRun| {
+        r.part == SMALL && r.precision == Precision::Double && r.method == "velocity-verlet"
+    };
+    let double: Vec<&FluidRun> = runs.iter().filter(of_claim).collect();
+    let last = double.last().map(|r| (r.temperature, r.truncation));
+    let alike = double.into_iter().filter(|r| Some((r.temperature, r.truncation)) == last);
+    let alike: Vec<_> = alike.filter_map(|r| Some((r.dt, r.fluctuation?))).collect();
+    if let [.., (coarse, a), (fine, b)] = alike[..] {
         let order = (b / a).ln() / (fine / coarse).ln();
         let number = found.numbers.add("order of the energy of the fluid", order);
         number.of("coarse", coarse).of("fine", fine);

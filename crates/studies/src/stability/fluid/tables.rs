@@ -89,7 +89,7 @@ pub(super) fn add(found: &mut Measured, runs: &[FluidRun], limits: &[FluidLimit]
     let cost = of_runs("cost", runs.iter().filter(at_one_step)).without(&["dt / limit", "dt² law"]);
     let cost = Table { caption: caption.into(), ..cost };
     let caption = format!(
-        "What happens past the limit: {} steps near the triple point at multiples of the largest stable step. A run is \
+        "What happens past the limit: {} steps at multiples of the largest stable step. A run is \
          stopped as soon as its energy has run away, or where method or forces report a number that is not finite. No \
          file gets such a number.",
         4 * limit::LEAST_STEPS
