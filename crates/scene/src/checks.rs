@@ -60,14 +60,12 @@ fn stages(scene: &Scene) -> Result<(), SceneError> {
         total = total.saturating_add(stage.steps);
         if total > MOST_STEPS as u64 {
             return Err(scene
-                .source
                 .refuse(&key("steps"), "makes the run too long")
                 .found(format!("{total} steps up to the end of this stage"))
                 .allowed(format!("at most {MOST_STEPS} in all stages together")));
         }
         if stage.thermostat.is_some() && stage.temperature <= 0.0 {
             return Err(scene
-                .source
                 .refuse(&key("thermostat"), "has no temperature to hold")
                 .found(format!("temperature {}", stage.temperature))
                 .allowed("a `temperature` above 0, of this stage or of the system"));
@@ -85,9 +83,7 @@ fn stages(scene: &Scene) -> Result<(), SceneError> {
             && stage.temperature_from == first.temperature_from
             && (stage.thermostat.is_none() || stage.temperature == first.temperature);
         if !alike {
-            return Err(scene
-                .source
-                .refuse(&format!("stage.{i}.measure"), "would pool samples of unlike stages")
+            return Err(scene.refuse(&format!("stage.{i}.measure"), "would pool samples of unlike stages")
                 .found(format!(
                     "stages {:?} and {:?}, both measured, that differ in dt, thermostat, barostat, exchange or temperature",
                     first.name, stage.name
@@ -101,7 +97,7 @@ fn stages(scene: &Scene) -> Result<(), SceneError> {
 /// Whether at least one stage is measured.
 pub(crate) fn measures(scene: &Scene) -> Result<(), SceneError> {
     let refuse = |what, found: &str, allowed: &str| {
-        Err(scene.source.refuse("stage", what).found(found).allowed(allowed))
+        Err(scene.refuse("stage", what).found(found).allowed(allowed))
     };
     if scene.stages.is_empty() {
         let allowed = "at least one `[[stage]]` with `name` and `steps`";
@@ -155,7 +151,6 @@ fn bodies(scene: &Scene) -> Result<(), SceneError> {
         && !positions.len().is_multiple_of(sites)
     {
         return Err(scene
-            .source
             .refuse("start.positions", "makes no whole molecules")
             .found(format!("{} positions", positions.len()))
             .allowed(format!("a multiple of molecule.sites = {sites}")));
@@ -174,7 +169,6 @@ fn molecules(scene: &Scene) -> Result<(), SceneError> {
     let acts = scene.potential.own_end().is_none_or(|end| end.r > 0.0);
     if acts && length >= r_cut {
         return Err(scene
-            .source
             .refuse(molecule.key_of_size(), "is not below the cutoff")
             .found(length)
             .allowed(format!("below truncation.r_cut = {r_cut}")));
@@ -183,13 +177,12 @@ fn molecules(scene: &Scene) -> Result<(), SceneError> {
     let on_lattice = matches!(scene.system.start, Arrangement::Lattice { .. });
     if by_shape && on_lattice && molecule.options.shape.is_none() {
         return Err(scene
-            .source
             .refuse("molecule.shape", "is missing")
             .found("nothing, and a start on a lattice")
             .allowed("the places of the sites of one molecule, or `start.file` with a file"));
     }
     molecule.bonds.check_for(&molecule.topology).map_err(|e| {
-        let refused = scene.source.refuse(&format!("bonds.{}", e.key), "is not allowed");
+        let refused = scene.refuse(&format!("bonds.{}", e.key), "is not allowed");
         refused.found(e.found).allowed(e.allowed)
     })
 }
@@ -221,7 +214,6 @@ fn has_its_thermostat(
     let all = thermostats().iter();
     let fit: Vec<&str> = all.filter(|t| suits(t.name, t.canonical)).map(|t| t.name).collect();
     Err(scene
-        .source
         .refuse(
             &format!("stage.{index}.barostat"),
             "needs a thermostat that samples the canonical ensemble beside it",
@@ -248,7 +240,6 @@ fn is_slow_enough(
         return Ok(());
     }
     Err(scene
-        .source
         .refuse(
             &format!("stage.{index}.barostat.tau"),
             "is too short for the steps between two changes of the box",
@@ -331,7 +322,6 @@ fn springs(scene: &Scene) -> Result<(), SceneError> {
             None => "integrator.dt".to_owned(),
         };
         return Err(scene
-            .source
             .refuse(&key, "is too long for the springs")
             .found(format!("{dt}: ω·dt = {:.3}, with ω = {omega:.3} per τ", omega * dt))
             .allowed(format!("below {:.3e} τ, or softer springs", limit / omega)));
@@ -369,7 +359,7 @@ impl TooStiff {
 
     fn refuse_spring(&self, scene: &Scene, key: &str, formula: &str) -> SceneError {
         let Self { dt, omega, .. } = *self;
-        scene.source.refuse(key, "is too stiff for the step").found(format!(
+        scene.refuse(key, "is too stiff for the step").found(format!(
             "ω·dt = {:.3} with ω = {formula} = {omega:.3} per τ and dt = {}",
             omega * dt,
             short(dt)
@@ -388,7 +378,6 @@ fn trajectory_steps(scene: &Scene) -> Result<(), SceneError> {
     let total = scene.total_steps();
     match limits_of_trajectory(scene) {
         Some(limits) if total > limits.last_step => Err(scene
-            .source
             .refuse("output.format", "cannot count the steps of the run")
             .found(format!("{total} steps, with format {:?}", scene.output.format.name()))
             .allowed(format!("at most {} steps, or another format", limits.last_step))),
@@ -402,7 +391,6 @@ fn trajectory_fits(scene: &Scene, cell: PeriodicBox) -> Result<(), SceneError> {
     let side = cell.lengths().max_element();
     match limits_of_trajectory(scene) {
         Some(limits) if side * precision >= limits.multiples => Err(scene
-            .source
             .refuse("output.precision", "is finer than single precision in this box")
             .found(format!("{precision}, with a side of {side:.4} σ"))
             .allowed(format!("at most {:.1}", limits.multiples / side))),
@@ -432,7 +420,6 @@ fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneErr
         let context = scene.observable_context(cell, &species, dt, table.every);
         lennard_observables::build(&table.options, &context).map_err(|e| {
             scene
-                .source
                 .refuse(&format!("observable.{i}.{}", e.key()), "is not allowed")
                 .found(e.found())
                 .allowed(e.allowed())

@@ -64,7 +64,6 @@ impl<'a> Reader<'a> {
             };
             if !fits {
                 return Err(self
-                    .source
                     .refuse(key, "is written the wrong way")
                     .found(match value {
                         Value::Table(_) => format!("`[{key}]`"),
@@ -85,18 +84,16 @@ impl<'a> Reader<'a> {
         let known: Vec<&str> = tables.chain(["name"]).collect();
         if study::KEYS.contains(&key) {
             return self
-                .source
                 .refuse(key, "belongs to a sweep, and this file is read as a scene")
                 .found(format!("`{key}`"))
                 .allowed("`lennard sweep` for this file, or a scene without it");
         }
         if let Some(instead) = removed(RemovedKind::Key, key) {
-            let error = self.source.refuse(key, "was removed");
+            let error = self.refuse(key, "was removed");
             return error.found(format!("`{key}`")).allowed(instead);
         }
         if let Some(message) = no_key(key) {
             return self
-                .source
                 .refuse(key, format!("cannot be used: {message}"))
                 .found(format!("`{key}`"))
                 .allowed(known.join(", "));
@@ -109,11 +106,15 @@ impl<'a> Reader<'a> {
         let home = reference::keys().iter().find(|doc| doc.key == key);
         let suggestion = nearest(key, known.iter().copied())
             .or_else(|| home.map(|doc| format!("{} in [{}]", doc.key, doc.table)));
-        self.source
-            .refuse(key, format!("is not a known {what}"))
+        self.refuse(key, format!("is not a known {what}"))
             .found(format!("`{key}`"))
             .allowed(known.join(", "))
             .suggestion(suggestion)
+    }
+
+    /// The error that a key has this trouble, with file and line.
+    fn refuse(&self, key: &str, message: impl Into<String>) -> SceneError {
+        self.source.refuse(key, message)
     }
 
     /// A table; an empty one where it is not written.
@@ -144,7 +145,7 @@ impl<'a> Reader<'a> {
         let file = TablePath::from(path.to_string_lossy().into_owned());
         potential.with_file(file).map_err(|error| {
             let key = format!("potential.{}", error.key);
-            self.source.refuse(&key, "cannot be used").found(error.found).allowed(error.allowed)
+            self.refuse(&key, "cannot be used").found(error.found).allowed(error.allowed)
         })
     }
 
@@ -186,7 +187,7 @@ impl<'a> Reader<'a> {
     pub fn program(&self) -> Result<ProgramParts, SceneError> {
         let table = self.table(WRITTEN_BY_RUNS).clone();
         ProgramParts::deserialize(Value::Table(table)).map_err(|error| {
-            self.source.refuse(WRITTEN_BY_RUNS, format!("cannot be read: {}", error.message()))
+            self.refuse(WRITTEN_BY_RUNS, format!("cannot be read: {}", error.message()))
         })
     }
 
@@ -196,7 +197,6 @@ impl<'a> Reader<'a> {
         let tables: Vec<&Table> = items.into_iter().flatten().filter_map(Value::as_table).collect();
         match tables.len() {
             n if n > MOST_ENTRIES => Err(self
-                .source
                 .refuse(name, "is written too often")
                 .found(format!("{n} times"))
                 .allowed(format!("at most {MOST_ENTRIES} times"))),

@@ -1,5 +1,7 @@
 //! What a scene says, with every default filled in.
 
+use std::fmt::Display;
+
 use lennard_core::random::Streams;
 use lennard_core::{DVec3, Integrator};
 use lennard_forcefield::{
@@ -111,6 +113,12 @@ impl Scene {
         stage.dt.unwrap_or(self.integrator.dt)
     }
 
+    /// The stage that is measured, the last of them; the last stage where none is, and `None` without a stage.
+    #[must_use]
+    pub fn measured_stage(&self) -> Option<&Stage> {
+        self.stages.iter().rev().find(|stage| stage.measure).or(self.stages.last())
+    }
+
     /// The steps of all stages together.
     #[must_use]
     pub fn total_steps(&self) -> u64 {
@@ -132,7 +140,6 @@ impl Scene {
             return Ok(());
         }
         Err(self
-            .source
             .refuse("accuracy", "needs settings that have not been chosen yet")
             .found(format!("no value for {}", self.free.join(", ")))
             .allowed(format!(
@@ -156,6 +163,18 @@ impl Scene {
         Self { accuracy: None, free: Vec::new(), ..self.clone() }
     }
 
+    /// The error that a key of the scene has this trouble, with file and line.
+    #[must_use]
+    pub fn refuse(&self, key: &str, message: impl Into<String>) -> SceneError {
+        self.source.refuse(key, message)
+    }
+
+    /// The error for a value of the scene that turned out not to fit, with file and line.
+    #[must_use]
+    pub fn invalid(&self, key: &str, found: impl Display, allowed: impl Display) -> SceneError {
+        self.source.invalid(key, found, allowed)
+    }
+
     /// The error that an accuracy cannot be met, on the line of the `key` that is to blame.
     #[must_use]
     pub fn contradiction(
@@ -165,7 +184,7 @@ impl Scene {
         found: &str,
         reachable: &str,
     ) -> SceneError {
-        self.source.refuse(key, message).found(found).allowed(reachable)
+        self.refuse(key, message).found(found).allowed(reachable)
     }
 
     /// The same scene with parts of a program.

@@ -16,7 +16,6 @@ impl Reader<'_> {
         if !self.source.wrote("molecule") {
             if self.source.wrote("bonds") {
                 return Err(self
-                    .source
                     .refuse("bonds", "has no bonds to hold")
                     .found("`[bonds]` without `[molecule]`")
                     .allowed("a table `[molecule]` beside it"));
@@ -39,10 +38,7 @@ impl Reader<'_> {
     }
 
     fn needed_of_molecule(&self, key: &str, allowed: &str) -> SceneError {
-        self.source
-            .refuse(&format!("molecule.{key}"), "is missing")
-            .found("nothing")
-            .allowed(allowed)
+        self.refuse(&format!("molecule.{key}"), "is missing").found("nothing").allowed(allowed)
     }
 
     fn chain(&self, options: &MoleculeOptions) -> Result<Topology, SceneError> {
@@ -55,7 +51,6 @@ impl Reader<'_> {
         for key in ["bonds", "bond_lengths", "shape"] {
             if self.source.wrote(&format!("molecule.{key}")) {
                 return Err(self
-                    .source
                     .refuse(&format!("molecule.{key}"), "is not used")
                     .found(format!("`{key}` with kind = {:?}", options.kind.name()))
                     .allowed("kind = \"sites\", or no such key"));

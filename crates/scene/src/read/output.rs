@@ -18,7 +18,6 @@ impl Reader<'_> {
         if accuracy.asked().is_empty() {
             let keys: Vec<&str> = Accuracy::KEYS.iter().map(|key| key.key).collect();
             return Err(self
-                .source
                 .refuse("accuracy", "asks for nothing")
                 .found("an empty table")
                 .allowed(format!("at least one of {}", keys.join(", "))));
@@ -38,7 +37,7 @@ impl Reader<'_> {
             return Err(section.not_allowed("element", &element.into()));
         }
         if let Some(whole) = keys.whole.filter(|_| !self.source.wrote("molecule")) {
-            let error = self.source.refuse("output.whole", "needs molecules");
+            let error = self.refuse("output.whole", "needs molecules");
             let allowed = "no such key, or a table [molecule]";
             return Err(error.found(whole).allowed(allowed));
         }
@@ -66,7 +65,7 @@ impl Reader<'_> {
         let name = output.format.name();
         let refuse = |key: &str, found: String, allowed: &str| {
             let key = format!("output.{key}");
-            let error = self.source.refuse(&key, "does not go with the format");
+            let error = self.refuse(&key, "does not go with the format");
             Err(error.found(format!("{found}, with format {name:?}")).allowed(allowed))
         };
         let fitting = |fits: fn(&FormatSpec) -> bool| {

@@ -21,7 +21,6 @@ impl Reader<'_> {
             for table in ["mixing", "pair"] {
                 if self.source.wrote(table) {
                     return Err(self
-                        .source
                         .refuse(table, "has no species to act on")
                         .found(format!("`{table}` without `[[species]]`"))
                         .allowed("a table `[[species]]` for each species beside it"));
@@ -40,7 +39,6 @@ impl Reader<'_> {
         let tables = self.list("species")?;
         if tables.len() > MOST_SPECIES {
             return Err(self
-                .source
                 .refuse("species", "is written too often")
                 .found(format!("{} times", tables.len()))
                 .allowed(format!("at most {MOST_SPECIES} times")));
@@ -78,8 +76,7 @@ impl Reader<'_> {
             !name.contains('.') && name.starts_with(|c: char| c.is_ascii_alphabetic())
         };
         let refused = || {
-            self.source
-                .refuse(&format!("{path}.name"), "is not allowed")
+            self.refuse(&format!("{path}.name"), "is not allowed")
                 .found(format!("{name:?}"))
                 .allowed("at most 200 letters, digits, `-` and `_`, beginning with a letter")
         };
@@ -93,7 +90,6 @@ impl Reader<'_> {
             let key = format!("species.{a}.element");
             if let Some(element) = row.element.as_ref().filter(|e| !is_element_symbol(e)) {
                 return Err(self
-                    .source
                     .refuse(&key, "is not allowed")
                     .found(format!("{element:?}"))
                     .allowed("an element symbol, or \"X\""));
@@ -103,7 +99,6 @@ impl Reader<'_> {
             let twin = elements.iter().position(|e| e.is_some() && *e == element);
             if let (Some(first), Some(element)) = (twin, &element) {
                 return Err(self
-                    .source
                     .refuse(&key, "stands for two species")
                     .found(format!("{element:?} for {:?} and for {name:?}", rows[first].0))
                     .allowed("an element for each species: files tell them apart by it"));
@@ -126,9 +121,8 @@ impl Reader<'_> {
         let by_count = rows.iter().any(|(_, row)| row.count.is_some());
         let mut amounts = Vec::new();
         for (a, (name, row)) in rows.iter().enumerate() {
-            let refuse = |key: &str, message: &str| {
-                self.source.refuse(&format!("species.{a}.{key}"), message)
-            };
+            let refuse =
+                |key: &str, message: &str| self.refuse(&format!("species.{a}.{key}"), message);
             let amount = match (row.fraction, row.count) {
                 (Some(_), Some(_)) => {
                     return Err(refuse("count", "and `fraction` are both given")
@@ -186,7 +180,6 @@ impl Reader<'_> {
         let rest = (before < 1.0).then(|| format!("{:.6}", 1.0 - before));
         let rest = rest.map(|rest| format!("fraction = {} here", rest.trim_end_matches('0')));
         Err(self
-            .source
             .refuse(&format!("species.{last}.fraction"), "leaves a sum other than 1")
             .found(format!("{} = {sum:.6}", each.join(" + ")))
             .allowed("fractions that add up to 1")
@@ -200,7 +193,6 @@ impl Reader<'_> {
                 return Ok(None);
             }
             return Err(self
-                .source
                 .refuse("mixing.rule", "is missing: no combining rule is the default")
                 .at(self.source.place("species.1").cloned())
                 .found(format!("{} species without `[mixing]`", species.len()))
@@ -251,8 +243,7 @@ impl Reader<'_> {
 
     fn unknown_species(&self, key: &str, name: &str, species: &[SpeciesEntry]) -> SceneError {
         let names: Vec<&str> = species.iter().map(|s| s.name.as_str()).collect();
-        self.source
-            .refuse(key, "is the name of no species")
+        self.refuse(key, "is the name of no species")
             .found(format!("{name:?}"))
             .allowed(quoted(&names))
             .suggestion(nearest(name, names.iter().copied()))
@@ -266,8 +257,7 @@ impl Reader<'_> {
         [a, b]: [&str; 2],
         rule: Option<&CombiningOptions>,
     ) -> Result<(), SceneError> {
-        let refuse =
-            |key: &str, message: &str| self.source.refuse(&format!("{path}.{key}"), message);
+        let refuse = |key: &str, message: &str| self.refuse(&format!("{path}.{key}"), message);
         let written = [
             ("sigma", pair.sigma),
             ("epsilon", pair.epsilon),
@@ -278,7 +268,6 @@ impl Reader<'_> {
         let written = || written.into_iter().filter_map(|(key, x)| Some((key, x?)));
         let Some((first, value)) = written().next() else {
             return Err(self
-                .source
                 .refuse(path, "sets nothing")
                 .found(format!("{a:?} and {b:?} alone"))
                 .allowed("at least one of sigma, epsilon, k, l, r_cut"));
@@ -322,7 +311,6 @@ impl Reader<'_> {
                     mixture.pairs.iter().position(|p| p.species == [a, b] || p.species == [b, a]);
                 let key = entry.map_or("mixing.rule".to_owned(), |i| format!("pair.{i}"));
                 return Err(self
-                    .source
                     .refuse(&key, "leaves a pair of species without σ or ε")
                     .found(format!("no sigma and epsilon of {one:?} with {other:?}"))
                     .allowed("a table `[[pair]]` with both for each pair of unlike species"));

@@ -53,7 +53,6 @@ impl Reader<'_> {
         let names = methods::names::<BarostatOptions>();
         if let Some(name) = written.as_str().filter(|name| names.contains(name)) {
             return Err(self
-                .source
                 .refuse(&section.name("pressure"), "is missing")
                 .found(format!("barostat = {name:?}"))
                 .allowed(format!("{{ kind = {name:?}, pressure = … }}")));
@@ -66,7 +65,6 @@ impl Reader<'_> {
         let options: BarostatOptions = section.method(&table)?;
         let Some(pressure) = ramp.or(keys.pressure.and_then(|p| p.constant())) else {
             return Err(self
-                .source
                 .refuse(&section.name("pressure"), "is missing")
                 .found(format!("kind = {:?} without a pressure", options.name()))
                 .allowed("the pressure to hold in ε/σ³, or { from, to }"));
@@ -122,7 +120,6 @@ impl Reader<'_> {
             return Ok(());
         }
         Err(self
-            .source
             .refuse(
                 "integrator.kind",
                 match method.name() == lennard_integrators::spook::SPEC.name {
@@ -172,7 +169,6 @@ impl Reader<'_> {
             output.thermo_every = observables[i].every;
         } else if observables[i].every != output.thermo_every {
             return Err(self
-                .source
                 .refuse(&key, "differs from `output.thermo_every`")
                 .found(format!("{} and {}", observables[i].every, output.thermo_every))
                 .allowed("the same number, or one of them left out"));
@@ -216,7 +212,6 @@ impl Reader<'_> {
         let ends = ramp.or(keys.temperature.and_then(|t| t.constant()));
         if let (None, Some(ends)) = (&thermostat, ends) {
             return Err(self
-                .source
                 .refuse(&section.name("temperature"), "has nothing to act on")
                 .found(ends)
                 .allowed("a thermostat beside it; a stage without one runs at constant energy"));

@@ -32,7 +32,7 @@ impl Reader<'_> {
         geometry: Option<Geometry>,
     ) -> Result<Arrangement, SceneError> {
         let refuse = |key: &str, message: &str, found: String, allowed: &str| {
-            Err(self.source.refuse(key, message).found(found).allowed(allowed))
+            Err(self.refuse(key, message).found(found).allowed(allowed))
         };
         let velocities = keys.velocities.as_deref();
         let positions = self.of_start("positions", keys.positions.as_deref())?;
@@ -75,7 +75,6 @@ impl Reader<'_> {
             let place = (*number as usize).wrapping_sub(1);
             if *number == 0 || held.contains(&place) {
                 return Err(self
-                    .source
                     .refuse("system.held", "is not allowed")
                     .found(format!("{number} in {written:?}"))
                     .allowed("numbers of particles, from 1, each once"));
@@ -131,9 +130,7 @@ impl Reader<'_> {
         };
         let parts = [start.crystal_length(), start.liquid_length()];
         if parts.iter().any(|length| *length < SHORTEST_PART) {
-            return Err(self
-                .source
-                .refuse("start.layers", "leaves no room for two phases")
+            return Err(self.refuse("start.layers", "leaves no room for two phases")
                 .found(format!(
                     "{} cells along z with {} particles of {n_atoms}: {:.2} σ of crystal, {:.2} σ of liquid",
                     start.layers,
@@ -156,7 +153,7 @@ impl Reader<'_> {
         MissingDensity { key, allowed }: &MissingDensity,
     ) -> Result<[f64; 2], SceneError> {
         let missing = |found: String, allowed: String| {
-            let refused = self.source.refuse(key, "is missing");
+            let refused = self.refuse(key, "is missing");
             refused.found(found).allowed(allowed)
         };
         let line = freezing_line();
@@ -228,7 +225,6 @@ impl Reader<'_> {
         };
         if vapor_density >= liquid_density {
             return Err(self
-                .source
                 .refuse("start.vapor_density", "is not below the density of the liquid")
                 .found(vapor_density)
                 .allowed(format!("below {liquid_density} σ⁻³")));
@@ -246,7 +242,6 @@ impl Reader<'_> {
         };
         if thickness + Slab::LEAST_VAPOR > length {
             return Err(self
-                .source
                 .refuse("start.thickness", "leaves no room for vapor")
                 .found(thickness)
                 .allowed(format!(
@@ -266,7 +261,7 @@ impl Reader<'_> {
         MissingDensity { key, allowed }: &MissingDensity,
     ) -> Result<[f64; 2], SceneError> {
         let missing = |found: String| {
-            let refused = self.source.refuse(key, "is missing");
+            let refused = self.refuse(key, "is missing");
             refused.found(found).allowed(allowed.clone())
         };
         let Some(model) = model else {
@@ -275,8 +270,7 @@ impl Reader<'_> {
         let source =
             TwoPhaseSource::of(model).map_err(|none| missing(format!("nothing, and {none}")))?;
         let phases = source.at(temperature).ok_or_else(|| {
-            self.source
-                .refuse("system.temperature", "has no liquid beside its vapor")
+            self.refuse("system.temperature", "has no liquid beside its vapor")
                 .found(temperature)
                 .allowed(format!(
                     "below the critical temperature {} ({}) and not far below the triple point, or {allowed}",
@@ -305,7 +299,6 @@ impl Reader<'_> {
         let geometry = match (table.density, table.sides) {
             (Some(_), Some(_)) => {
                 return Err(self
-                    .source
                     .refuse("system.box", "and `density` are both given")
                     .found("both")
                     .allowed(
@@ -344,7 +337,6 @@ impl Reader<'_> {
                 let units = FileUnits::new(keys.length_scale, keys.time_scale, substance);
                 if let (Some(found), None, None) = (units.time, units.length, substance) {
                     return Err(self
-                        .source
                         .refuse("start.time_scale", "is of a file in other units")
                         .found(found)
                         .allowed("`length_scale` beside it"));
@@ -372,7 +364,6 @@ impl Reader<'_> {
         match keys.iter().find_map(|key| Some((key, written.get(*key)?))) {
             None => Ok(()),
             Some((key, value)) => Err(self
-                .source
                 .refuse(
                     &format!("system.{key}"),
                     format!("does not go with `start.kind = {kind:?}`"),
@@ -400,7 +391,6 @@ impl Reader<'_> {
                 false => "has no `[molecule]` beside it",
             };
             return Err(self
-                .source
                 .refuse(&format!("system.{key}"), message)
                 .found(found)
                 .allowed(format!("`{own}`")));
@@ -416,8 +406,7 @@ impl Reader<'_> {
             "n_atoms" | "n_molecules" => ", or `[start]` with `positions` or a `file`",
             _ => "",
         };
-        self.source
-            .refuse(&format!("system.{key}"), "is missing")
+        self.refuse(&format!("system.{key}"), "is missing")
             .found("nothing")
             .allowed(format!("{}{or}", allowed.unwrap_or_default()))
     }
@@ -430,7 +419,6 @@ impl Reader<'_> {
         };
         if TRICLINIC.contains(&items.len()) || items.iter().any(Value::is_array) {
             return Err(self
-                .source
                 .refuse("system.box", "cannot be used: triclinic boxes are not available yet")
                 .found(in_short(sides))
                 .allowed("one side, or three sides [Lx, Ly, Lz], of a box with right angles"));

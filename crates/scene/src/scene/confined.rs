@@ -62,7 +62,7 @@ impl Scene {
     }
 
     fn not_for(&self, study: &str, key: &str, found: &str, allowed: &str) -> SceneError {
-        self.source
+        self
             .refuse(key, format!("does not go with `{study}`"))
             .found(format!("a fluid with {found}"))
             .allowed(allowed)
@@ -124,7 +124,6 @@ impl Scene {
             return Ok(());
         }
         Err(self
-            .source
             .refuse("contact.diameter", "exceeds half the shortest box side")
             .found(format!("bodies that touch at {found} σ"))
             .allowed(format!("at most {} σ, or a larger box", upper_bound(largest))))
@@ -149,7 +148,6 @@ impl Scene {
             return Ok(());
         }
         Err(self
-            .source
             .refuse(KEY, format!("does not go with `{study}`"))
             .found(format!("\"{PLANAR}\""))
             .allowed("a homogeneous fluid, with true or false"))

@@ -37,7 +37,6 @@ fn counts(scene: &Scene, mixture: &MixtureTables, n: usize) -> Result<Vec<usize>
     match counts.iter().position(|count| *count == 0) {
         None => Ok(counts),
         Some(a) => Err(scene
-            .source
             .refuse(&format!("species.{a}.fraction"), "leaves no particle")
             .found(format!("{} of {n} particles", exact[a] / n as f64))
             .allowed("a share of at least one particle, or more particles")),
@@ -51,7 +50,6 @@ fn add_up(scene: &Scene, counts: Vec<usize>, n: usize) -> Result<Vec<usize>, Sce
     }
     let each: Vec<String> = counts.iter().map(ToString::to_string).collect();
     Err(scene
-        .source
         .refuse("system.n_atoms", "disagrees with the counts of the species")
         .found(format!("{n}, where {} = {sum}", each.join(" + ")))
         .allowed(format!("{sum}, or counts that add up to {n}")))
@@ -74,7 +72,7 @@ impl Scene {
     }
 
     fn misfit_of(&self, key: &str, error: &ForceFieldError) -> SceneError {
-        let refused = self.source.refuse(key, error.problem());
+        let refused = self.refuse(key, error.problem());
         refused.found(error.found()).allowed(error.allowed())
     }
 

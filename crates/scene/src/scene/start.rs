@@ -25,7 +25,7 @@ impl Scene {
     pub fn held_are_among(&self, n: usize) -> Result<(), SceneError> {
         let held = &self.system.held;
         let refuse = |found: String, allowed: String| {
-            Err(self.source.refuse("system.held", "is not allowed").found(found).allowed(allowed))
+            Err(self.refuse("system.held", "is not allowed").found(found).allowed(allowed))
         };
         if let Some(missing) = held.iter().find(|i| **i >= n) {
             let found = format!("particle {} of {n}", missing + 1);
@@ -83,8 +83,7 @@ impl Scene {
     /// The box of a start with two phases.
     fn box_of_phases(&self, sides: DVec3) -> Result<PeriodicBox, SceneError> {
         PeriodicBox::new(sides).map_err(|_| {
-            self.source
-                .refuse("start", "makes an impossible box")
+            self.refuse("start", "makes an impossible box")
                 .found(format!("sides of {} and {} σ", short(sides.x), short(sides.z)))
                 .allowed("finite sides above 0")
         })
@@ -157,8 +156,7 @@ impl Scene {
             } else {
                 "start.vacuum"
             };
-            self.source
-                .refuse(key, "makes an impossible box")
+            self.refuse(key, "makes an impossible box")
                 .found(format!("a side of {found:.4} σ"))
                 .allowed(format!("sides above 0 and at most {LONGEST_SIDE} σ"))
         };
@@ -190,8 +188,7 @@ impl Scene {
             None => ("system.n_atoms", "; or any number with start.kind = \"random\""),
             Some(_) => ("system.n_molecules", ""),
         };
-        self.source
-            .refuse(key, "makes no whole lattice")
+        self.refuse(key, "makes no whole lattice")
             .found(found)
             .allowed(format!("{}{or}", none.rule))
             .suggestion(Some(nearest))
