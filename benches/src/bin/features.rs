@@ -104,7 +104,7 @@ fn rows(scene: &Scene) -> Vec<Row> {
                 (rows, ("output.thermo_every", rows.to_string()))
             }
             _ => {
-                let every = options.default_every();
+                let every = options.spec().every;
                 let table = format!("[{{ kind = \"{}\", every = {every} }}]", options.name());
                 (every, ("observable", table))
             }

@@ -194,7 +194,7 @@ impl Measurement {
         }
         let share = (largest / sides).max_element();
         let mut observables = self.simulation.scene.observables.iter();
-        if share > LARGEST_SHARE && observables.any(|o| o.options.frames() == Needs::Paths) {
+        if share > LARGEST_SHARE && observables.any(|o| o.options.spec().frames == Needs::Paths) {
             let found = format!("a displacement of {share:.2} of a side since the frame before");
             let allowed = format!(
                 "at most {LARGEST_SHARE} where paths are unwrapped by nearest images: frames at shorter times, coordinates that \

@@ -1,9 +1,7 @@
 //! An observable of one's own: the share of particles that are faster than twice the thermal speed.
 #![allow(clippy::print_stdout)] // printing is what this program is for
 
-use lennard::parts::{
-    Average, Estimate, Findings, Observable, ObservableSpec, Suits, View, persist,
-};
+use lennard::parts::{Average, Estimate, Findings, Observable, ObservableSpec, View, persist};
 use lennard::prelude::*;
 use lennard::statistics;
 
@@ -12,8 +10,7 @@ static SPEC: ObservableSpec = ObservableSpec {
     summary: "share of particles that are faster than twice the thermal speed √(T/m)",
     equation: "⟨number of particles with v > 2·√(T/m)⟩ / N",
     source: "the distribution of Maxwell: erfc(√2) + √(8/π)·exp(−2) = 0.26146",
-    dynamic: false,
-    suits: Suits::All,
+    ..ObservableSpec::PLAIN
 };
 
 #[derive(Clone)]

@@ -3,7 +3,7 @@
 mod harmonics;
 mod particles;
 
-use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe, Table};
+use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe};
 use lennard_core::exact::exact_sum;
 use lennard_core::{DVec3, PeriodicBox, View, persist};
 
@@ -18,8 +18,9 @@ const SPEC: ObservableSpec = ObservableSpec {
     summary: "Steinhardt's Q4, Q6, W4, W6 of all bonds and of each particle, averaged over neighbors too, and the share of solid-like particles",
     equation: "Q_l = sqrt(4 pi/(2 l + 1) sum_m |q_lm|^2), q_lm = <Y_lm> over bonds; solid-like: q6(i).q6*(j)/|q6(i)||q6(j)| > 0.5 for 7 neighbors",
     source: "P. J. Steinhardt, D. R. Nelson and M. Ronchetti, Phys. Rev. B 28, 784 (1983); P. R. ten Wolde, M. J. Ruiz-Montero and D. Frenkel, J. Chem. Phys. 104, 9932 (1996); W. Lechner and C. Dellago, J. Chem. Phys. 129, 114707 (2008)",
-    dynamic: false,
     suits: crate::Suits::Atoms,
+    every: 100,
+    ..ObservableSpec::PLAIN
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -39,10 +40,6 @@ lennard_core::options! {
 
 impl Recipe for BondOrderOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        100
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(BondOrder::new(self, context)?))
@@ -185,7 +182,7 @@ impl Observable for BondOrder {
     }
 
     fn finish(&self, discarded: f64) -> Findings {
-        let (rows, stride) = (self.series.rows(), self.series.stride());
+        let rows = self.series.rows();
         let cut = (discarded * self.series.len() as f64).round() as usize;
         let named = [
             ("bond_order_q4", &rows.q4),
@@ -202,12 +199,8 @@ impl Observable for BondOrder {
             ("neighbors_in_reach", &rows.neighbors),
         ];
         let averages = named.map(|(name, column)| self.series.average(name, "", column, cut));
-        let caption =
-            format!("order of bonds against time; each row is the mean of {stride} samples");
-        let table = Table::new("bond_order", caption).with("time", "τ", rows.time.clone());
-        let table = named
-            .into_iter()
-            .fold(table, |table, (name, column)| table.with(name, "", column.clone()));
+        let columns = named.map(|(name, column)| (name, "", column));
+        let table = self.series.table("bond_order", "order of bonds", columns);
         Findings { averages: averages.into(), tables: vec![table], ..Findings::default() }
     }
 }

@@ -23,59 +23,11 @@ macro_rules! catalog {
                 }
             }
 
-            /// Steps between two samples where the scene names none.
-            #[must_use]
-            pub fn default_every(&self) -> u64 {
-                match self {
-                    $(Self::$variant(o) => o.default_every(),)*
-                }
-            }
-
-            /// The surroundings in which the observable means what its equation says.
-            #[must_use]
-            pub fn surroundings(&self) -> Surroundings {
-                match self {
-                    $(Self::$variant(o) => o.surroundings(),)*
-                }
-            }
-
-            /// Whether its equation needs a bath that holds one temperature.
-            #[must_use]
-            pub fn needs_temperature(&self) -> bool {
-                match self {
-                    $(Self::$variant(o) => o.needs_temperature(),)*
-                }
-            }
-
-            /// Whether the observable is right in a box that a barostat changes.
-            #[must_use]
-            pub fn follows_changing_box(&self) -> bool {
-                match self {
-                    $(Self::$variant(o) => o.follows_changing_box(),)*
-                }
-            }
-
-            /// The numbers of species that the observable is right for.
-            #[must_use]
-            pub fn species(&self) -> RangeInclusive<usize> {
-                match self {
-                    $(Self::$variant(o) => o.species(),)*
-                }
-            }
-
             /// The shortest measured part of a run that gives the observable an error, τ.
             #[must_use]
             pub fn least_length(&self) -> f64 {
                 match self {
                     $(Self::$variant(o) => o.least_length(),)*
-                }
-            }
-
-            /// What the frames of a trajectory must have for the observable.
-            #[must_use]
-            pub fn frames(&self) -> Frames {
-                match self {
-                    $(Self::$variant(o) => o.frames(),)*
                 }
             }
 

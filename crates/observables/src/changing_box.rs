@@ -1,6 +1,6 @@
 //! Volume, density and enthalpy of a box that a barostat changes.
 
-use crate::{Findings, Observable, ObservableSpec, Table};
+use crate::{Findings, Observable, ObservableSpec};
 use lennard_core::{Ramp, View, Want, persist};
 
 use crate::series::{Series, columns};
@@ -10,8 +10,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     summary: "volume, density, sides and enthalpy of a run at constant pressure",
     equation: "V = Lx·Ly·Lz; ρ = N/V; h = (K + U + P₀V)/N",
     source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), section 2.2",
-    dynamic: false,
-    suits: crate::Suits::All,
+    ..ObservableSpec::PLAIN
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -81,21 +80,21 @@ impl Observable for ChangingBox {
     }
 
     fn finish(&self, discarded: f64) -> Findings {
-        let (rows, cut, stride) = (self.series.rows(), self.cut(discarded), self.series.stride());
+        let (rows, cut) = (self.series.rows(), self.cut(discarded));
         let averages = vec![
             self.series.average("volume", "σ³", &rows.volume, cut),
             self.density(discarded),
             self.series.average("enthalpy", self.energy_unit, &rows.enthalpy, cut),
         ];
-        let caption = format!("the box against time; each row is the mean of {stride} samples");
-        let table = Table::new("box", caption)
-            .with("time", "τ", rows.time.clone())
-            .with("volume", "σ³", rows.volume.clone())
-            .with("density", "σ⁻³", rows.density.clone())
-            .with("enthalpy", self.energy_unit, rows.enthalpy.clone())
-            .with("side_x", "σ", rows.side_x.clone())
-            .with("side_y", "σ", rows.side_y.clone())
-            .with("side_z", "σ", rows.side_z.clone());
+        let columns = [
+            ("volume", "σ³", &rows.volume),
+            ("density", "σ⁻³", &rows.density),
+            ("enthalpy", self.energy_unit, &rows.enthalpy),
+            ("side_x", "σ", &rows.side_x),
+            ("side_y", "σ", &rows.side_y),
+            ("side_z", "σ", &rows.side_z),
+        ];
+        let table = self.series.table("box", "the box", columns);
         Findings { averages, tables: vec![table], ..Findings::default() }
     }
 }

@@ -25,8 +25,11 @@ const SPEC: ObservableSpec = ObservableSpec {
     summary: "residual chemical potential and ln z of each species, by trial particles that are put in and taken out (Widom)",
     equation: "mu_res = -T ln(<V e^(-dU/T)>/<V>); ln z = mu_res/T + ln rho",
     source: "B. Widom, J. Chem. Phys. 39, 2808 (1963); D. Frenkel and B. Smit, Understanding Molecular Simulation, 2nd ed. (2002), section 7.2",
-    dynamic: false,
     suits: crate::Suits::Atoms,
+    every: 20,
+    surroundings: Surroundings::Periodic,
+    needs_temperature: true,
+    ..ObservableSpec::PLAIN
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -47,18 +50,6 @@ lennard_core::options! {
 
 impl Recipe for ChemicalPotentialOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        20
-    }
-
-    fn surroundings(&self) -> Surroundings {
-        Surroundings::Periodic
-    }
-
-    fn needs_temperature(&self) -> bool {
-        true
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         within("insertions", self.insertions, 1..=10_000_000)?;

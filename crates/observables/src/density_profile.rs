@@ -12,8 +12,8 @@ const SPEC: ObservableSpec = ObservableSpec {
     summary: "number density in layers across one axis: of a slit, a slab or any other fluid",
     equation: "rho(z) = <N(z, z + dz)>/(A dz)",
     source: "the definition of a density: particles of a layer over its volume",
-    dynamic: false,
-    suits: crate::Suits::All,
+    every: 20,
+    ..ObservableSpec::PLAIN
 };
 
 lennard_core::options! {
@@ -28,10 +28,6 @@ lennard_core::options! {
 
 impl Recipe for DensityProfileOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        20
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(DensityProfile::new(self, context)))

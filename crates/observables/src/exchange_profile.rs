@@ -12,8 +12,8 @@ const SPEC: ObservableSpec = ObservableSpec {
     summary: "temperature or velocity across the slabs of an exchange, and the transport coefficient from their slope",
     equation: "lambda or eta = carried/(2 A t |slope|)",
     source: "F. Müller-Plathe, J. Chem. Phys. 106, 6082 (1997), and Phys. Rev. E 59, 4894 (1999)",
-    dynamic: false,
     suits: crate::Suits::OneSpecies,
+    ..ObservableSpec::PLAIN
 };
 
 /// Slabs on each side of an exchanging one whose values are left out of the fit: velocities have not mixed there.

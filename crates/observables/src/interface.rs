@@ -22,8 +22,10 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "gamma = L_z/2 <P_N - P_T>, p_s = <P_N>; rho(z) = (rho_l + rho_v)/2 - (rho_l - rho_v)/2 tanh[2(|z| - z_0)/D]",
     source: "J. P. R. B. Walton, D. J. Tildesley, J. S. Rowlinson and J. R. Henderson, Mol. Phys. 48, 1357 (1983); \
              least thickness: S. Werth, S. V. Lishchuk, M. Horsch and H. Hasse, Physica A 392, 2359 (2013)",
-    dynamic: false,
     suits: crate::Suits::Atoms,
+    surroundings: Surroundings::Periodic,
+    frames: Frames::Velocities,
+    ..ObservableSpec::PLAIN
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -55,18 +57,6 @@ lennard_core::options! {
 
 impl Recipe for InterfaceOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        10
-    }
-
-    fn frames(&self) -> Frames {
-        Frames::Velocities
-    }
-
-    fn surroundings(&self) -> Surroundings {
-        Surroundings::Periodic
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(Interface::new(self, context)))
@@ -300,20 +290,14 @@ impl Observable for Interface {
         let doubt = self.doubt_of_outer_part(cut);
         findings.averages =
             findings.averages.into_iter().map(|average| average.doubted(doubt.clone())).collect();
-        findings.tables.push(
-            Table::new(
-                "interface",
-                format!(
-                    "normal and tangential pressure, surface tension, and the density of the third of the box farthest from the middle of the slab, against time; each row is the mean of {} samples",
-                    self.series.stride()
-                ),
-            )
-            .with("time", "τ", rows.time.clone())
-            .with("normal", "ε/σ³", rows.normal.clone())
-            .with("tangential", "ε/σ³", rows.tangential.clone())
-            .with("tension", "ε/σ²", rows.tension.clone())
-            .with("outer_density", "σ⁻³", rows.outer.clone()),
-        );
+        let columns = [
+            ("normal", "ε/σ³", &rows.normal),
+            ("tangential", "ε/σ³", &rows.tangential),
+            ("tension", "ε/σ²", &rows.tension),
+            ("outer_density", "σ⁻³", &rows.outer),
+        ];
+        let what = "normal and tangential pressure, surface tension, and the density of the third of the box farthest from the middle of the slab,";
+        findings.tables.push(self.series.table("interface", what, columns));
         findings.remarks = self.remarks(&slab).into_iter().map(Remark::from).collect();
         findings
     }

@@ -22,8 +22,10 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "J. G. Kirkwood and F. P. Buff, J. Chem. Phys. 19, 774 (1951); weight for finite range: P. Krüger and \
              T. J. H. Vlugt, Phys. Rev. E 97, 051301 (2018); fixed numbers: P. Ganguly and N. F. A. van der Vegt, \
              J. Chem. Theory Comput. 9, 1347 (2013)",
-    dynamic: false,
     suits: crate::Suits::Atoms,
+    every: 100,
+    surroundings: crate::Surroundings::Periodic,
+    ..ObservableSpec::PLAIN
 };
 
 /// The integral from a range shorter by this part must agree with the integral over the whole range.
@@ -43,14 +45,6 @@ lennard_core::options! {
 
 impl Recipe for KirkwoodBuffOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        100
-    }
-
-    fn surroundings(&self) -> crate::Surroundings {
-        crate::Surroundings::Periodic
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(KirkwoodBuff::new(self, context)?))

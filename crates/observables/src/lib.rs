@@ -79,8 +79,6 @@ pub use transport::{
 pub use vacf::VelocityAutocorrelation;
 pub use wall_pressure::WallPressure;
 
-use std::ops::RangeInclusive;
-
 use lennard_core::options::{Keys, Options};
 use serde::{Deserialize, Serialize};
 

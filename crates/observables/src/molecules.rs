@@ -17,8 +17,10 @@ const SPEC: ObservableSpec = ObservableSpec {
     summary: "temperatures of the centres of mass, of the motion inside molecules and of vibrations of springs, bond lengths, end-to-end distance, and the pressure over sites",
     equation: "T_centres = Σ M V²/(3M − 3); T_inside = 2(K − K_centres)/(n_dof − 3M + 3); T_vibration = Σ uᵀA⁻¹u/rank(A), A = G·M⁻¹·Gᵀ, u = G·v; P_sites = (2K + W_pairs + Σ λ|d|²)/(3V) + T/V",
     source: "Allen and Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), sections 2.7.2 and 3.4",
-    dynamic: false,
     suits: crate::Suits::Molecules,
+    surroundings: Surroundings::Periodic,
+    frames: Frames::Velocities,
+    ..ObservableSpec::PLAIN
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -31,18 +33,6 @@ lennard_core::options! {
 
 impl Recipe for MolecularMotionOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        10
-    }
-
-    fn frames(&self) -> Frames {
-        Frames::Velocities
-    }
-
-    fn surroundings(&self) -> Surroundings {
-        Surroundings::Periodic
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(MolecularMotion::new(context)))

@@ -13,8 +13,9 @@ const SPEC: ObservableSpec = ObservableSpec {
     summary: "total momentum per particle against time",
     equation: "p = Σ m v / N",
     source: "H. Goldstein, Classical Mechanics, 2nd ed. (1980), equation 1-20: conserved where internal forces obey Newton's third law",
-    dynamic: false,
-    suits: crate::Suits::All,
+    every: 100,
+    frames: Frames::Velocities,
+    ..ObservableSpec::PLAIN
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -27,14 +28,6 @@ lennard_core::options! {
 
 impl Recipe for MomentumOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        100
-    }
-
-    fn frames(&self) -> Frames {
-        Frames::Velocities
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(Momentum::new(context)))

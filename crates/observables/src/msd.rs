@@ -31,7 +31,8 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "D. Frenkel and B. Smit, Understanding Molecular Simulation, 2nd ed. (2002), section 4.4; \
              I.-C. Yeh and G. Hummer, J. Phys. Chem. B 108, 15873 (2004), equation 12",
     dynamic: true,
-    suits: crate::Suits::All,
+    frames: Frames::Paths,
+    ..ObservableSpec::PLAIN
 };
 
 /// ξ of the periodic cube's Ewald sum, in the correction of Yeh and Hummer.
@@ -55,18 +56,6 @@ lennard_core::options! {
 
 impl Recipe for MsdOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        10
-    }
-
-    fn frames(&self) -> Frames {
-        Frames::Paths
-    }
-
-    fn follows_changing_box(&self) -> bool {
-        true
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(MeanSquareDisplacement::new(self, context)?))

@@ -2,10 +2,10 @@
 
 use std::any::Any;
 
-use lennard_core::{Persist, View, Want};
+use lennard_core::{MOST_SPECIES, Persist, View, Want};
 use serde::{Deserialize, Serialize};
 
-use crate::{Cell, Remark, Table};
+use crate::{Cell, Frames, Remark, Surroundings, Table};
 
 /// What an observable declares about itself.
 #[derive(Debug, Clone, Copy)]
@@ -22,6 +22,36 @@ pub struct ObservableSpec {
     pub dynamic: bool,
     /// The particles that it is right for.
     pub suits: Suits,
+    /// The least and the largest number of species that it is right for, beside what `suits` says.
+    pub species: [usize; 2],
+    /// The surroundings in which it means what its equation says.
+    pub surroundings: Surroundings,
+    /// Whether it is right in a box that a barostat changes.
+    pub follows_changing_box: bool,
+    /// Whether its equation needs a bath that holds one temperature.
+    pub needs_temperature: bool,
+    /// What the frames of a trajectory must have for it.
+    pub frames: Frames,
+    /// Steps between two samples where the scene names none.
+    pub every: u64,
+}
+
+impl ObservableSpec {
+    /// What most observables declare: a mean over positions of any particles in any surroundings, every ten steps.
+    pub const PLAIN: Self = Self {
+        name: "",
+        summary: "",
+        equation: "",
+        source: "",
+        dynamic: false,
+        suits: Suits::All,
+        species: [1, MOST_SPECIES],
+        surroundings: Surroundings::Any,
+        follows_changing_box: true,
+        needs_temperature: false,
+        frames: Frames::Positions,
+        every: 10,
+    };
 }
 
 /// The particles that an observable is right for.

@@ -15,6 +15,8 @@ const SPEC: ObservableSpec = ObservableSpec {
              J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), section 11.5",
     dynamic: true,
     suits: crate::Suits::Molecules,
+    every: 5,
+    ..ObservableSpec::PLAIN
 };
 
 lennard_core::options! {
@@ -29,14 +31,6 @@ lennard_core::options! {
 
 impl Recipe for OrientationOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        5
-    }
-
-    fn follows_changing_box(&self) -> bool {
-        true
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(Orientation::new(self, context)?))

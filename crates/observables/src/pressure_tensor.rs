@@ -2,7 +2,7 @@
 
 use crate::{
     Average, BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe,
-    Surroundings, Table,
+    Surroundings,
 };
 use lennard_core::exact::exact_sum;
 use lennard_core::{DMat3, DVec3, View, Want, persist};
@@ -17,8 +17,10 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "J. H. Irving and J. G. Kirkwood, The statistical mechanical theory of transport processes IV, \
              J. Chem. Phys. 18, 817 (1950); surface tension: J. P. R. B. Walton, D. J. Tildesley, J. S. Rowlinson \
              and J. R. Henderson, Mol. Phys. 48, 1357 (1983), equation 2",
-    dynamic: false,
     suits: crate::Suits::Atoms,
+    surroundings: Surroundings::Periodic,
+    frames: Frames::Velocities,
+    ..ObservableSpec::PLAIN
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -31,18 +33,6 @@ lennard_core::options! {
 
 impl Recipe for PressureTensorOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        10
-    }
-
-    fn frames(&self) -> Frames {
-        Frames::Velocities
-    }
-
-    fn surroundings(&self) -> Surroundings {
-        Surroundings::Periodic
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(PressureTensor::new(context)))
@@ -141,14 +131,9 @@ impl Observable for PressureTensor {
             .map(|(name, column)| average(&format!("pressure_{name}"), pressure, column))
             .collect();
         averages.push(average("surface_tension_z", "ε/σ²", &tension));
-        let caption = format!(
-            "components of the pressure tensor against time; each row is the mean of {} samples",
-            self.series.stride()
-        );
-        let table = Table::new("pressure_tensor", caption).with("time", "τ", rows.time.clone());
-        let table = columns
-            .into_iter()
-            .fold(table, |table, (name, column)| table.with(name, pressure, column.clone()));
+        let columns = columns.map(|(name, column)| (name, pressure, column));
+        let what = "components of the pressure tensor";
+        let table = self.series.table("pressure_tensor", what, columns);
         Findings {
             averages,
             tables: vec![table],

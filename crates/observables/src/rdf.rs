@@ -24,8 +24,9 @@ const SPEC: ObservableSpec = ObservableSpec {
     summary: "radial distribution function g(r), its peaks, and the coordination number",
     equation: "g(r) = V/(N(N−1)) · ⟨Σ_{i≠j} δ(r − r_ij)⟩/(4πr²); n(r) = (N−1)/V ∫₀^r g 4πs² ds",
     source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equations 2.5.8 and 2.5.13",
-    dynamic: false,
-    suits: crate::Suits::All,
+    every: 100,
+    surroundings: Surroundings::Periodic,
+    ..ObservableSpec::PLAIN
 };
 
 /// Largest distance where the scene gives none, in σ: liquid structure is gone there.
@@ -43,14 +44,6 @@ lennard_core::options! {
 
 impl Recipe for RdfOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        100
-    }
-
-    fn surroundings(&self) -> Surroundings {
-        Surroundings::Periodic
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(RadialDistribution::new(self, context)?))

@@ -1,10 +1,8 @@
 //! What the file of an observable provides, and what it may know.
 
-use std::ops::RangeInclusive;
-
 use crate::{Insertion, Observable, ObservableError, ObservableSpec};
 use lennard_core::options::Options;
-use lennard_core::{MOST_SPECIES, Molecules, PeriodicBox, SpeciesTable};
+use lennard_core::{Molecules, PeriodicBox, SpeciesTable};
 
 /// What an observable may know when it is built.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,17 +45,14 @@ impl BuildContext {
     }
 
     /// Refuses other numbers of species.
-    pub(crate) fn has_species(
-        &self,
-        wanted: &RangeInclusive<usize>,
-    ) -> Result<(), ObservableError> {
+    pub(crate) fn has_species(&self, [least, most]: [usize; 2]) -> Result<(), ObservableError> {
         let found = self.species.n_species();
-        if wanted.contains(&found) {
+        if (least..=most).contains(&found) {
             return Ok(());
         }
-        let allowed = match (wanted.start(), wanted.end()) {
-            (least, most) if least == most => format!("{least} species"),
-            (least, most) => format!("{least} to {most} species"),
+        let allowed = match least == most {
+            true => format!("{least} species"),
+            false => format!("{least} to {most} species"),
         };
         Err(ObservableError::new("kind", found as f64, allowed))
     }
@@ -98,37 +93,9 @@ pub trait Recipe: Options {
     /// What the observable declares about itself.
     const SPEC: &'static ObservableSpec;
 
-    /// Steps between two samples where the scene names none.
-    fn default_every(&self) -> u64;
-
-    /// The surroundings in which the observable means what its equation says.
-    fn surroundings(&self) -> Surroundings {
-        Surroundings::Any
-    }
-
-    /// Whether its equation needs a bath that holds one temperature.
-    fn needs_temperature(&self) -> bool {
-        false
-    }
-
-    /// Whether it is right in a box that a barostat changes. What follows the motion is not, unless it says so.
-    fn follows_changing_box(&self) -> bool {
-        !Self::SPEC.dynamic
-    }
-
-    /// The numbers of species that it is right for, beside what [`ObservableSpec::suits`] says.
-    fn species(&self) -> RangeInclusive<usize> {
-        1..=MOST_SPECIES
-    }
-
     /// The shortest measured part of a run that gives it an error, τ.
     fn least_length(&self) -> f64 {
         0.0
-    }
-
-    /// What the frames of a trajectory must have for it.
-    fn frames(&self) -> Frames {
-        Frames::Positions
     }
 
     /// Builds the observable.

@@ -1,6 +1,6 @@
 //! A time series of bounded length: when it is full, neighboring rows are averaged in pairs.
 
-use crate::Average;
+use crate::{Average, Table};
 use lennard_core::{Persist, RestoreError, StateReader, StateWriter};
 
 use crate::averages::of_series;
@@ -93,6 +93,22 @@ impl<C: Columns> Series<C> {
         let mut average = of_series(name, unit, column, cut);
         average.estimate.equilibration_cut *= self.stride;
         average
+    }
+
+    /// Columns with their units against time, which is the first column; `what` are they.
+    pub(crate) fn table<'a>(
+        &self,
+        name: &str,
+        what: &str,
+        columns: impl IntoIterator<Item = (&'a str, &'a str, &'a Vec<f64>)>,
+    ) -> Table {
+        let caption =
+            format!("{what} against time; each row is the mean of {} samples", self.stride);
+        let times = self.rows.columns()[0].to_vec();
+        let table = Table::new(name, caption).with("time", "τ", times);
+        columns
+            .into_iter()
+            .fold(table, |table, (name, unit, column)| table.with(name, unit, column.clone()))
     }
 
     /// Samples a row.

@@ -25,8 +25,9 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "S(k) = ⟨|Σ_j exp(−i k·r_j)|²⟩/N, k = 2π(n_x/L_x, n_y/L_y, n_z/L_z) ≠ 0",
     source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equation 4.1.2; \
              freezing where the peak reaches 2.85: J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969)",
-    dynamic: false,
-    suits: crate::Suits::All,
+    every: 100,
+    surroundings: Surroundings::Periodic,
+    ..ObservableSpec::PLAIN
 };
 
 /// A peak counts where the curve has come down from it by this much, and by four standard errors.
@@ -55,14 +56,6 @@ lennard_core::options! {
 
 impl Recipe for StructureFactorOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        100
-    }
-
-    fn surroundings(&self) -> Surroundings {
-        Surroundings::Periodic
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(StructureFactor::new(self, context)?))

@@ -1,7 +1,5 @@
 //! The time series of the thermodynamic quantities.
 
-use crate::Table;
-
 use crate::series::columns;
 use crate::statistics::mean;
 
@@ -85,22 +83,16 @@ impl ThermoSeries {
             .collect()
     }
 
-    /// The series as a table, `measured`, with energies in the unit `per_particle`; each row is the mean of `stride` samples. The temperature of the positions has a
+    /// The columns of the table `measured`, with energies in the unit `per_particle`. The temperature of the positions has a
     /// column of its own, `temperature_half_steps`, where the method has half steps.
-    #[must_use]
-    pub fn table(&self, stride: u64, half_steps: bool, per_particle: &str) -> Table {
-        let caption =
-            format!("thermodynamics against time; each row is the mean of {stride} samples");
-        let mut table = Table::new("measured", caption).with("time", "τ", self.time.clone()).with(
-            "temperature",
-            "ε/k_B",
-            self.temperature.clone(),
-        );
-        if half_steps {
-            let column = self.temperature_of_positions.clone();
-            table = table.with("temperature_half_steps", "ε/k_B", column);
-        }
-        let columns: [(&str, &str, &[f64]); 9] = [
+    pub(crate) fn measured<'a>(
+        &'a self,
+        half_steps: bool,
+        per_particle: &'a str,
+    ) -> impl Iterator<Item = (&'a str, &'a str, &'a Vec<f64>)> {
+        let columns = [
+            ("temperature", "ε/k_B", &self.temperature),
+            ("temperature_half_steps", "ε/k_B", &self.temperature_of_positions),
             ("kinetic_energy", per_particle, &self.kinetic_energy),
             ("potential_energy", per_particle, &self.potential_energy),
             ("potential_energy_without_tail", per_particle, &self.potential_energy_without_tail),
@@ -111,8 +103,7 @@ impl ThermoSeries {
             ("momentum_y", "σ/τ per particle", &self.momentum_y),
             ("momentum_z", "σ/τ per particle", &self.momentum_z),
         ];
-        columns
-            .into_iter()
-            .fold(table, |table, (name, unit, values)| table.with(name, unit, values.to_vec()))
+        let is_there = move |name: &str| half_steps || name != "temperature_half_steps";
+        columns.into_iter().filter(move |(name, ..)| is_there(name))
     }
 }

@@ -35,8 +35,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "T = 2K/n_dof on whole and on half steps; U = Σ U(r_ij)/N + u_tail; P = ρT + W/(3V) + p_tail, over molecules where there are some; T_conf = ⟨|∇U|²⟩/⟨∇²U⟩",
     source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), equations 2.61 and 2.68; \
              B. D. Butler, G. Ayton, O. G. Jepps and D. J. Evans, Configurational temperature, J. Chem. Phys. 109, 6519 (1998), equation 6",
-    dynamic: false,
-    suits: crate::Suits::All,
+    ..ObservableSpec::PLAIN
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -52,10 +51,6 @@ lennard_core::options! {
 
 impl Recipe for ThermodynamicsOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        10
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(Thermodynamics::with_options(self, context)))
@@ -262,7 +257,8 @@ impl Observable for Thermodynamics {
         }
         findings.remarks.extend(ensemble.map(|e| e.remark(&self.context, self.n_dof)));
         findings.remark(self.remark_on_responses());
-        findings.tables.push(rows.table(self.series.stride(), self.half_steps, energy));
+        let measured = rows.measured(self.half_steps, energy);
+        findings.tables.push(self.series.table("measured", "thermodynamics", measured));
         for (name, column) in [
             ("potential_energy", &rows.potential_energy),
             ("pressure", &rows.pressure),

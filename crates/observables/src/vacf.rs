@@ -20,7 +20,9 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "A. Rahman, Correlations in the motion of atoms in liquid argon, Phys. Rev. 136, A405 (1964); \
              J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equation 7.2.10",
     dynamic: true,
-    suits: crate::Suits::All,
+    every: 5,
+    frames: Frames::Flows,
+    ..ObservableSpec::PLAIN
 };
 
 /// Below this value at the first lag the sampling is too coarse for the trapezoidal rule. For a function
@@ -41,18 +43,6 @@ lennard_core::options! {
 
 impl Recipe for VacfOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        5
-    }
-
-    fn frames(&self) -> Frames {
-        Frames::Flows
-    }
-
-    fn follows_changing_box(&self) -> bool {
-        true
-    }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(VelocityAutocorrelation::new(self, context)?))

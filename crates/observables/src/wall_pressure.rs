@@ -2,7 +2,6 @@
 
 use crate::{
     BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe, Surroundings,
-    Table,
 };
 use lennard_core::{Axis, View, WallReading, persist};
 
@@ -13,8 +12,8 @@ const SPEC: ObservableSpec = ObservableSpec {
     summary: "normal force per area on each wall: from forces, and from the momentum of hits",
     equation: "P = sum F_z/A, or P = sum 2 m |v_z|/(A t) over the hits of a time t",
     source: "Newton's second law for the wall, averaged over the time between samples (docs/walls.md)",
-    dynamic: false,
-    suits: crate::Suits::All,
+    surroundings: Surroundings::Walls,
+    ..ObservableSpec::PLAIN
 };
 
 /// Rows kept before neighbors are averaged in pairs.
@@ -27,14 +26,6 @@ lennard_core::options! {
 
 impl Recipe for WallPressureOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        10
-    }
-
-    fn surroundings(&self) -> Surroundings {
-        Surroundings::Walls
-    }
 
     fn build(&self, _context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
         Ok(Box::new(WallPressure::default()))
@@ -115,26 +106,20 @@ impl Observable for WallPressure {
             &rows.z_upper,
         ];
         let pressure = "ε/σ³";
-        let mut findings = Findings::default();
-        let mut table = Table::new(
-            "wall_pressure",
-            format!(
-                "normal force per area on each wall against time; each row is the mean of {} samples",
-                self.series.stride()
-            ),
-        )
-        .with("time", "τ", rows.time.clone());
-        for (k, values) in columns.into_iter().enumerate() {
-            if self.has_wall[k] == 0 {
-                continue;
-            }
-            let name = format!("{}_{}", Axis::ALL[k / 2].name(), ["lower", "upper"][k % 2]);
-            let average = format!("wall_pressure_{name}");
-            findings.averages.push(self.series.average(&average, pressure, values, cut));
-            table = table.with(&name, pressure, values.clone());
-        }
-        findings.tables.push(table);
-        findings
+        let there = columns.into_iter().enumerate().filter(|(k, _)| self.has_wall[*k] > 0);
+        let named: Vec<(String, &Vec<f64>)> = there
+            .map(|(k, column)| {
+                (format!("{}_{}", Axis::ALL[k / 2].name(), ["lower", "upper"][k % 2]), column)
+            })
+            .collect();
+        let average = |(name, column): &(String, &Vec<f64>)| {
+            self.series.average(&format!("wall_pressure_{name}"), pressure, column, cut)
+        };
+        let columns = named.iter().map(|(name, column)| (name.as_str(), pressure, *column));
+        let what = "normal force per area on each wall";
+        let table = self.series.table("wall_pressure", what, columns);
+        let averages = named.iter().map(average).collect();
+        Findings { averages, tables: vec![table], ..Findings::default() }
     }
 }
 

@@ -9,14 +9,13 @@ use lennard_observables::{Frames as Needs, Remark};
 use lennard_scene::{Arrangement, Scene, Stage};
 
 use crate::EngineError;
-use crate::build::last_measured;
 
 /// Two densities that differ by more than this share are told.
 const SAME_DENSITY: f64 = 1e-3;
 
 /// A force that cannot be evaluated at the first frame.
 pub(super) fn unfit(scene: &Scene, error: &ForceError) -> EngineError {
-    scene.source.invalid("potential", error, "a trajectory whose forces are finite").into()
+    scene.invalid("potential", error, "a trajectory whose forces are finite").into()
 }
 
 /// The scene with the frames in the place of start and stages. A step is a frame, and `every` counts frames. With it come remarks,
@@ -28,7 +27,7 @@ pub(super) fn of_frames(
     interval: f64,
     has_velocities: bool,
 ) -> Result<(Scene, Vec<String>, Vec<Remark>), EngineError> {
-    let measured = last_measured(&scene).expect("a scene that is run has a stage").clone();
+    let measured = scene.measured_stage().expect("a scene that is run has a stage").clone();
     let dt = scene.stage_dt(&measured);
     let mut remarks = vec![format!(
         "measured on the frames of {}, {} τ apart: a step is a frame",
@@ -41,8 +40,8 @@ pub(super) fn of_frames(
         // The times at which a run of the scene samples, as far as there are frames.
         let usual = table.every as f64 * dt;
         table.every = ((usual / interval).round() as u64).max(1);
-        let needs = table.options.frames();
-        let why = if table.options.needs_temperature() {
+        let needs = table.options.spec().frames;
+        let why = if table.options.spec().needs_temperature {
             Some("frames do not say which temperature a bath has held".to_owned())
         } else if matches!(needs, Needs::Velocities | Needs::Flows) && !has_velocities {
             Some("the frames have no velocities".to_owned())

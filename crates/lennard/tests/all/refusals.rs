@@ -1,6 +1,6 @@
 //! What the library refuses, and in which words.
 
-use lennard::parts::{Findings, Observable, ObservableSpec, Suits, View, Want, remembers_nothing};
+use lennard::parts::{Findings, Observable, ObservableSpec, View, Want, remembers_nothing};
 use lennard::prelude::*;
 
 use crate::own::{PositionVerlet, SPRING, Spring, fluid, parts, prepared};
@@ -10,8 +10,7 @@ static SPEC: ObservableSpec = ObservableSpec {
     summary: "nothing",
     equation: "0",
     source: "none",
-    dynamic: false,
-    suits: Suits::All,
+    ..ObservableSpec::PLAIN
 };
 
 /// An observable that finds nothing.

@@ -18,6 +18,11 @@ const SPEC: ObservableSpec = ObservableSpec {
              equation 6.16; M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), equations 2.122 and 2.123",
     dynamic: true,
     suits: crate::Suits::OneSpecies,
+    every: 4,
+    surroundings: Surroundings::Periodic,
+    frames: Frames::Flows,
+    follows_changing_box: false,
+    ..ObservableSpec::PLAIN
 };
 
 const WORDS: Words = Words {
@@ -37,18 +42,6 @@ lennard_core::options! {
 
 impl Recipe for ThermalConductivityOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        4
-    }
-
-    fn frames(&self) -> Frames {
-        Frames::Flows
-    }
-
-    fn surroundings(&self) -> Surroundings {
-        Surroundings::Periodic
-    }
 
     fn least_length(&self) -> f64 {
         LONG_ENOUGH * self.window

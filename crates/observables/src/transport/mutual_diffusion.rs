@@ -14,6 +14,10 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "M. Schoen and C. Hoheisel, Mol. Phys. 52, 33 (1984); R. Krishna and J. M. van Baten, Ind. Eng. Chem. Res. 44, 6939 (2005)",
     dynamic: true,
     suits: crate::Suits::Atoms,
+    every: 4,
+    species: [2, 2],
+    frames: Frames::Flows,
+    ..ObservableSpec::PLAIN
 };
 
 const WORDS: Words = Words {
@@ -33,23 +37,6 @@ lennard_core::options! {
 
 impl Recipe for MutualDiffusionOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        4
-    }
-
-    fn frames(&self) -> Frames {
-        Frames::Flows
-    }
-
-    /// Velocities alone are followed, and a barostat leaves those as they are.
-    fn follows_changing_box(&self) -> bool {
-        true
-    }
-
-    fn species(&self) -> std::ops::RangeInclusive<usize> {
-        2..=2
-    }
 
     fn least_length(&self) -> f64 {
         LONG_ENOUGH * self.window
@@ -83,7 +70,7 @@ impl MutualDiffusion {
         context: &BuildContext,
     ) -> Result<Self, ObservableError> {
         let interval = checked_interval(options.window, context)?;
-        context.has_species(&options.species())?;
+        context.has_species(SPEC.species)?;
         Ok(Self {
             species: context.species.clone(),
             flux: GreenKubo::with_helfand(3, interval, options.window),

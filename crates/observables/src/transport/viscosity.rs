@@ -18,6 +18,11 @@ const SPEC: ObservableSpec = ObservableSpec {
              sheared model decane, J. Chem. Phys. 100, 541 (1994), equation 11",
     dynamic: true,
     suits: crate::Suits::Atoms,
+    every: 4,
+    surroundings: Surroundings::Periodic,
+    frames: Frames::Flows,
+    follows_changing_box: false,
+    ..ObservableSpec::PLAIN
 };
 
 const WORDS: Words = Words {
@@ -37,18 +42,6 @@ lennard_core::options! {
 
 impl Recipe for ShearViscosityOptions {
     const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn default_every(&self) -> u64 {
-        4
-    }
-
-    fn frames(&self) -> Frames {
-        Frames::Flows
-    }
-
-    fn surroundings(&self) -> Surroundings {
-        Surroundings::Periodic
-    }
 
     fn least_length(&self) -> f64 {
         LONG_ENOUGH * self.window

@@ -7,7 +7,7 @@ use lennard_integrators::Response;
 use lennard_integrators::{
     BarostatOptions, IntegratorEntry, build, integrators, spook, stormer_verlet, thermostats,
 };
-use lennard_observables::{ObservableOptions, Surroundings, observables as all_observables};
+use lennard_observables::{ObservableSpec, Surroundings, observables as all_observables};
 
 use crate::{Arrangement, Molecule, Scene, Stage, WallTable};
 
@@ -382,18 +382,17 @@ pub(super) fn spook_alone(scene: &Scene) -> Vec<Part> {
 
 // ── observables ──
 
-fn observables(scene: &Scene, which: impl Fn(&ObservableOptions) -> bool) -> Vec<Part> {
-    let all = scene.observables.iter().enumerate();
-    let found = all.filter(|(_, table)| which(&table.options));
-    let name = |options: &ObservableOptions| in_quotes(options.name());
-    found.map(|(i, table)| part(format!("observable.{i}.kind"), name(&table.options))).collect()
+fn observables(scene: &Scene, which: impl Fn(&ObservableSpec) -> bool) -> Vec<Part> {
+    let all = scene.observables.iter().map(|table| table.options.spec()).enumerate();
+    let found = all.filter(|(_, spec)| which(spec));
+    found.map(|(i, spec)| part(format!("observable.{i}.kind"), in_quotes(spec.name))).collect()
 }
 
 /// Observables that are not for a scene with molecules, or without, and those that are.
 fn observables_not_for(scene: &Scene, is_molecular: bool) -> Vec<Part> {
     let fit = all_observables().iter().filter(|spec| spec.suits.includes(is_molecular));
     let fit = names(fit.map(|spec| spec.name));
-    let unsuited = observables(scene, |o| !o.spec().suits.includes(is_molecular));
+    let unsuited = observables(scene, |spec| !spec.suits.includes(is_molecular));
     unsuited.into_iter().map(|part| Part { fit: fit.clone(), ..part }).collect()
 }
 
@@ -406,39 +405,38 @@ pub(super) fn observables_of_molecules(scene: &Scene) -> Vec<Part> {
 }
 
 pub(super) fn observables_of_one_species(scene: &Scene) -> Vec<Part> {
-    observables(scene, |options| !options.spec().suits.includes_mixtures())
+    observables(scene, |spec| !spec.suits.includes_mixtures())
 }
 
 /// Observables of another number of species than the scene has, with the number that each needs.
 pub(super) fn observables_of_other_mixtures(scene: &Scene) -> Vec<Part> {
     let n = count_of_species(scene);
-    let mut found = observables(scene, |options| !options.species().contains(&n));
-    let needs = scene.observables.iter().map(|table| table.options.species());
-    let unfit = needs.filter(|needed| !needed.contains(&n));
-    for (part, needed) in found.iter_mut().zip(unfit) {
-        part.fit = needed.start().to_string();
-    }
-    found
+    let all = scene.observables.iter().map(|table| table.options.spec());
+    let unfit = all.filter(|spec| !(spec.species[0]..=spec.species[1]).contains(&n));
+    let found = observables(scene, |spec| !(spec.species[0]..=spec.species[1]).contains(&n));
+    let with_need =
+        |(part, spec): (Part, &ObservableSpec)| Part { fit: spec.species[0].to_string(), ..part };
+    found.into_iter().zip(unfit).map(with_need).collect()
 }
 
 pub(super) fn observables_of_walls(scene: &Scene) -> Vec<Part> {
-    observables(scene, |options| options.surroundings() == Surroundings::Walls)
+    observables(scene, |spec| spec.surroundings == Surroundings::Walls)
 }
 
 pub(super) fn observables_of_periodic_fluids(scene: &Scene) -> Vec<Part> {
-    observables(scene, |options| options.surroundings() == Surroundings::Periodic)
+    observables(scene, |spec| spec.surroundings == Surroundings::Periodic)
 }
 
 pub(super) fn observables_at_one_temperature(scene: &Scene) -> Vec<Part> {
-    observables(scene, ObservableOptions::needs_temperature)
+    observables(scene, |spec| spec.needs_temperature)
 }
 
 pub(super) fn observables_of_flux(scene: &Scene) -> Vec<Part> {
-    observables(scene, |options| !options.follows_changing_box())
+    observables(scene, |spec| !spec.follows_changing_box)
 }
 
 pub(super) fn observables_of_heat(scene: &Scene) -> Vec<Part> {
-    observables(scene, |options| options.name() == "thermal-conductivity")
+    observables(scene, |spec| spec.name == "thermal-conductivity")
 }
 
 // ── walls ──

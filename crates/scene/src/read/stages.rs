@@ -139,7 +139,7 @@ impl Reader<'_> {
             let mut table = table.clone();
             let ObservableKeys { every } = section.shared(&mut table)?;
             let options: ObservableOptions = section.method(&table)?;
-            let every = every.unwrap_or(options.default_every());
+            let every = every.unwrap_or(options.spec().every);
             let twin = observables.iter().position(|other| other.options.name() == options.name());
             if let Some(first) = twin {
                 let first = format!("observable.{first}.kind");
