@@ -213,7 +213,6 @@ fn relax(
     let (_, mut provider) = forces(&relaxing, cell, species)?;
     fire::relax(&cell, positions, &mut provider, &FireOptions::default()).map(|_| ()).map_err(|e| {
         scene
-            .source
             .invalid(
                 "start.kind",
                 format!("`random`, which could not be relaxed: {e}"),
@@ -223,15 +222,9 @@ fn relax(
     })
 }
 
-/// The stage that is measured, the last of them; the last stage where none is.
-pub(crate) fn last_measured(scene: &Scene) -> Option<&Stage> {
-    let mut measured = scene.stages.iter().rev().filter(|s| s.measure);
-    measured.next().or(scene.stages.last())
-}
-
 /// The time step of the measured stage, τ.
 fn measured_dt(scene: &Scene) -> f64 {
-    last_measured(scene).map_or(scene.integrator.dt, |s| scene.stage_dt(s))
+    scene.measured_stage().map_or(scene.integrator.dt, |s| scene.stage_dt(s))
 }
 
 /// The thermodynamics of a scene, nothing seen yet.
@@ -258,7 +251,8 @@ pub(crate) fn thermodynamics(
     let mut thermodynamics = Thermodynamics::with_options(&options, &context);
     thermodynamics.set_ends(pair_ends(scene, species)?);
     thermodynamics.set_curvature(curvature(scene)?);
-    thermodynamics.set_ensemble(last_measured(scene).and_then(|stage| ensemble(scene, stage, own)));
+    thermodynamics
+        .set_ensemble(scene.measured_stage().and_then(|stage| ensemble(scene, stage, own)));
     thermodynamics.set_bath(held_temperature(scene));
     let is_confined = scene.confined_by().is_some();
     let confined = (is_confined || scene.contacts_act_in_flight()).then(|| Confined {
@@ -297,11 +291,7 @@ pub(crate) fn observers(
         }
         let observable =
             lennard_observables::build(&options, &context(table.every)).map_err(|e| {
-                scene.source.invalid(
-                    &format!("observable.{index}.{}", e.key()),
-                    e.found(),
-                    e.allowed(),
-                )
+                scene.invalid(&format!("observable.{index}.{}", e.key()), e.found(), e.allowed())
             })?;
         observers.push(Observer { every: table.every, observable });
     }
@@ -336,13 +326,13 @@ fn check_own(simulation: &Simulation) -> Result<(), EngineError> {
             let found = format!("`{there}`, which steps in the place of `{own}`");
             let allowed = "none, or a bath that acts between steps, such as `bussi`";
             let key = format!("stage.{index}.{table}");
-            return Err(scene.source.invalid(&key, found, allowed).into());
+            return Err(scene.invalid(&key, found, allowed).into());
         }
     }
     let names: Vec<&str> = observers.iter().map(|o| o.observable.spec().name).collect();
     let is_double = |name: &&str| names.iter().filter(|n| *n == name).count() > 1;
     own.observable_names().find(is_double).map_or(Ok(()), |name| {
         let allowed = "a name that no other observable of the run has";
-        Err(scene.source.invalid("program.observables", format!("`{name}`"), allowed).into())
+        Err(scene.invalid("program.observables", format!("`{name}`"), allowed).into())
     })
 }

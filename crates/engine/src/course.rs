@@ -4,15 +4,16 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use lennard_core::{DVec3, State};
+use lennard_core::State;
 use lennard_observables::Table;
 
 use crate::files::{thermo_columns, thermo_row};
 use crate::follower::{Control, Ending, Follower};
 use crate::instant::Moment;
 use crate::ranks::{Decision, agree};
+use crate::run::aside;
 use crate::schedule::{Action, Operation, Schedule, Trigger};
-use crate::simulation::{KeptFrame, Recording, Results, Simulation};
+use crate::simulation::{Recording, Results, Simulation};
 use crate::{EngineError, record, watchdog};
 
 /// What becomes of the output of a run: files, memory, or nothing.
@@ -213,8 +214,7 @@ impl Simulation {
         let Recording { frames, wall, .. } = &self.recording;
         let frames = self.scene.output.trajectory_every.map(|_| frames.len() as u64);
         let finished = self.state.step == self.scene.total_steps();
-        let mut record = record::finished(self, &findings, *wall, frames, finished);
-        record.remarks.extend(self.remarks.iter().cloned());
+        let record = record::finished(self, &findings, *wall, frames, finished, &self.remarks);
         Results { record, tables }
     }
 }
@@ -243,15 +243,15 @@ impl Writer for Memory {
     }
 }
 
-fn kept(simulation: &Simulation) -> KeptFrame {
-    let (state, output) = (&simulation.state, &simulation.scene.output);
-    let wanted = |wanted: bool, all: &[DVec3]| if wanted { all.to_vec() } else { Vec::new() };
-    KeptFrame {
-        step: state.step,
-        time: state.time,
-        lengths: state.cell.lengths(),
-        positions: state.positions.clone(),
-        velocities: wanted(output.velocities, &state.velocities),
-        forces: wanted(output.forces, &state.forces),
+/// The state as the output of the scene keeps it: without what a frame has no place for.
+fn kept(simulation: &Simulation) -> State {
+    let output = &simulation.scene.output;
+    let mut kept = aside(&simulation.state);
+    if !output.velocities {
+        kept.velocities = Vec::new();
     }
+    if output.forces {
+        kept.forces.clone_from(&simulation.state.forces);
+    }
+    kept
 }

@@ -233,3 +233,42 @@ impl PhysicsFailure {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cause_named_fits_what_happened() {
+        let overlap = PhysicsFailure {
+            step: 3,
+            time: 0.003,
+            stage: "s".into(),
+            method: "velocity-verlet",
+            dt: 0.001,
+            dt_limit: Some(0.03),
+            symptom: Symptom::TooFast { particle: 1, distance: 3.0, largest: LARGEST_MOVE },
+            closest: Some(ClosePair { i: 0, j: 1, distance: 0.5, sigma: 1.0 }),
+            non_finite: 0,
+            fastest: Some((1, 3e3)),
+            speed_beyond: None,
+            steps_into_stage: 3,
+            temperature: 0.7,
+            density: 0.8,
+            kept: Vec::new(),
+        };
+        assert!(overlap.likely_cause().contains("overlapped at the start"), "{overlap}");
+        let pair = "particles 0 and 1 at 0.5000 σ, an overlap";
+        assert!(overlap.to_string().contains(pair), "{overlap}");
+        let usual = || overlap.clone();
+        let large = PhysicsFailure { dt: 0.05, ..usual() }.likely_cause();
+        assert!(large.contains("dt = 0.05 τ is too large"), "{large}");
+        assert!(large.contains("stable below about 0.030 τ"), "{large}");
+        let hot = PhysicsFailure { temperature: 722.0, ..usual() }.likely_cause();
+        assert!(hot.contains("T = 722") && hot.contains("`system.temperature`"), "{hot}");
+        let dense = PhysicsFailure { density: 8.442, ..usual() }.likely_cause();
+        assert!(dense.contains("ρ = 8.4420") && dense.contains("`system.density`"), "{dense}");
+        let later = PhysicsFailure { steps_into_stage: 5000, dt: 0.01, ..usual() };
+        assert!(later.likely_cause().contains("try half the dt first"), "{later}");
+    }
+}

@@ -136,8 +136,7 @@ pub const ENDLESS: u64 = 1_000_000_000_000_000;
 /// Where the scene has no stage, which no reader lets pass.
 #[must_use]
 pub fn measured_stage(scene: &Scene) -> &Stage {
-    let measured = scene.stages.iter().rev().find(|s| s.measure);
-    measured.or(scene.stages.last()).expect("a scene has a stage: its reader refuses one without")
+    scene.measured_stage().expect("a scene has a stage: its reader refuses one without")
 }
 
 /// The scene with its measured stage alone: without end, at constant energy, with nothing to observe or write.

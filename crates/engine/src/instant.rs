@@ -183,7 +183,7 @@ pub(crate) fn evaluate(
     at: Configuration<'_>,
     forces: &mut [DVec3],
 ) -> Result<Energetics, EngineError> {
-    terms.evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, forces).map_err(|e| {
-        scene.source.invalid("system", e, "a start configuration with finite forces").into()
-    })
+    terms
+        .evaluate(at, Part::All, Want::ENERGY_AND_VIRIAL, forces)
+        .map_err(|e| scene.invalid("system", e, "a start configuration with finite forces").into())
 }

@@ -54,12 +54,12 @@ pub use own::OwnParts;
 pub use plan::{
     Network, Nodes, NodesError, OnNodes, PATIENCE, Plan, PlanItem, plan, watching_seconds,
 };
-pub use resume::{ResumeOptions, Resumed, restored, restored_with, resume, way_on};
+pub use resume::{ResumeOptions, Resumed, restored, resume, way_on};
 pub use room::NoRoom;
 pub use run::{Outcome, go_on, run};
 pub use schedule::{Action, Observer, Operation, SET_ASIDE_EVERY, Schedule, Trigger};
 pub use session::{Addition, text_to_run};
-pub use simulation::{KeptFrame, Recording, Results, Simulation, StageRun, Threads, Timers};
+pub use simulation::{Recording, Results, Simulation, StageRun, Threads, Timers};
 pub use start::{
     SMALLEST_START_DISTANCE, Start, size_and_density, start, start_from_arrays, thermal_velocities,
     write_start,

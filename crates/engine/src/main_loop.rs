@@ -55,7 +55,7 @@ impl Simulation {
         let measured = self.current_stage().measure;
         let exchange = self.current_stage().exchange.as_ref();
         let is_due = |step: &u64| {
-            WATCH.trigger.is_due(*step, measured)
+            WATCH.is_due(*step, measured)
                 || exchange.is_some_and(|exchange| step.is_multiple_of(exchange.every))
                 || self.observers.iter().any(|o| o.trigger().is_due(*step, measured))
                 || follower.schedule().is_due(*step, measured)

@@ -130,7 +130,7 @@ impl OwnParts {
             );
             let allowed =
                 "a run by the program that brings these parts, or the scene without `[program]`";
-            return Err(scene.source.invalid("program", found, allowed));
+            return Err(scene.invalid("program", found, allowed));
         }
         scene.with_program(names)
     }
@@ -171,7 +171,7 @@ impl OwnParts {
         for own in &self.forces {
             own.keeps_its_contract(at).map_err(|(found, allowed)| {
                 let key = if own.is_field() { "program.fields" } else { "program.forces" };
-                scene.source.invalid(key, format!("`{}`, {found}", own.name), allowed)
+                scene.invalid(key, format!("`{}`, {found}", own.name), allowed)
             })?;
         }
         Ok(())

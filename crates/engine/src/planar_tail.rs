@@ -78,7 +78,7 @@ impl PlanarTail {
         let found = format!("\"planar\" in a box of {length} σ along z");
         let allowed = format!("a box of at most {most:.0} σ along z, or no tail correction");
         let key = "truncation.tail_correction";
-        Err(scene.source.invalid(key, found, allowed).into())
+        Err(scene.invalid(key, found, allowed).into())
     }
 
     /// The tail of a scene in a box; `None` where the scene has no planar tail, or no model that could have one.

@@ -118,7 +118,6 @@ fn keeps_its_shape(
         return Ok(());
     }
     Err(scene
-        .source
         .invalid(
             &format!("stage.{index}.barostat.coupling"),
             format!(
@@ -152,9 +151,7 @@ fn box_fits(
     let room = 1.0 + DEVIATIONS * deviation / (3.0 * volume);
     let name = &foreseen.equation.spec().name;
     if shortest < 2.0 * r_cut {
-        return Err(scene
-            .source
-            .invalid(
+        return Err(scene.invalid(
                 &format!("stage.{index}.barostat.pressure"),
                 format!(
                     "a box of {shortest:.3} σ at ρ = {:.4} by {name}, below twice the cutoff of {r_cut} σ",

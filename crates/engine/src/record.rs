@@ -25,7 +25,7 @@ pub fn unfinished(simulation: &Simulation, remarks: impl IntoIterator<Item = Str
     record
 }
 
-/// The record of a run that has come to its end, or (`finished` false) was asked to stop.
+/// The record of a run that has come to its end, or (`finished` false) was asked to stop; with the remarks `of_run`.
 #[must_use]
 pub fn finished(
     simulation: &Simulation,
@@ -33,6 +33,7 @@ pub fn finished(
     wall: Duration,
     trajectory_frames: Option<u64>,
     finished: bool,
+    of_run: &[String],
 ) -> RunRecord {
     let compared = compared(simulation);
     let (comparison, remarks) =
@@ -71,7 +72,7 @@ pub fn finished(
             None => simulation.thermodynamics().conservation(),
         },
         comparison,
-        remarks: remarks.iter().map(Remark::to_string).collect(),
+        remarks: remarks.iter().map(Remark::to_string).chain(of_run.iter().cloned()).collect(),
         typed_remarks: remarks.into_iter().filter(|r| !matches!(r, Remark::Note { .. })).collect(),
         trajectory_frames,
         ..bare

@@ -83,7 +83,7 @@ pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineE
     if trajectory == Some(None) && folder.join(file).exists() {
         let found = format!("an earlier {file} in the folder, which the checkpoint does not know");
         let allowed = "another format, or a folder from which this file was moved away";
-        return Err(scene.source.invalid("output.format", found, allowed).into());
+        return Err(scene.invalid("output.format", found, allowed).into());
     }
     let marks = Marks { thermo, trajectory: trajectory.map(Option::unwrap_or_default) };
     checkpoint.scene = scene.resolved_toml();
@@ -95,7 +95,7 @@ pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineE
             let found = format!("{} more steps of a ramp", options.more_steps);
             let allowed =
                 "no more steps: a longer ramp is another one; start a new run from final.xyz";
-            return Err(scene.source.invalid(&key, found, allowed).into());
+            return Err(scene.invalid(&key, found, allowed).into());
         }
         let steps = scene.stages[last].steps.saturating_add(options.more_steps);
         overrides.push((format!("stage.{last}.steps"), steps.to_string()));
@@ -107,19 +107,12 @@ pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineE
     Ok(Resumed { simulation, marks, past, checkpoint: path })
 }
 
-/// Brings a simulation back from a checkpoint alone, whatever folder it may belong to; `path` is its name in messages.
+/// Brings a simulation back from a checkpoint alone, whatever folder it may belong to, in a program that brings the parts that
+/// the simulation had; `path` is its name in messages.
 ///
 /// # Errors
-/// [`EngineError::Resume`] where it is refused.
-pub fn restored(checkpoint: &Checkpoint, path: &Path) -> Result<Simulation, EngineError> {
-    restored_with(checkpoint, path, &OwnParts::none())
-}
-
-/// As [`restored`], in a program that brings the parts that the simulation had.
-///
-/// # Errors
-/// As [`restored`], and where the simulation had other parts.
-pub fn restored_with(
+/// [`EngineError::Resume`] where it is refused, and where the simulation had other parts.
+pub fn restored(
     checkpoint: &Checkpoint,
     path: &Path,
     own: &OwnParts,
@@ -192,7 +185,7 @@ fn with_output(mut scene: Scene, changes: &[(String, String)]) -> Result<Scene, 
     if let Some((key, value)) = changes.iter().find(|(key, _)| !is_of_output(key)) {
         let allowed =
             "keys of [output] other than thermo_every: the rest of the scene stays as it is";
-        return Err(scene.source.invalid(key, value, allowed).into());
+        return Err(scene.invalid(key, value, allowed).into());
     }
     let written = changes.iter().rfind(|(key, _)| key == "output.format");
     let named = written.and_then(|(_, name)| {

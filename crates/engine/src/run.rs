@@ -200,9 +200,8 @@ impl<'a> Recorder<'a> {
         }
         simulation.timers.write += clock.elapsed();
         let wall = self.past_until_now().wall;
-        let mut record =
-            record::finished(simulation, &findings, wall, self.files.frames(), finished);
-        record.remarks.extend(self.past.remarks.iter().cloned());
+        let (frames, remarks) = (self.files.frames(), &self.past.remarks);
+        let mut record = record::finished(simulation, &findings, wall, frames, finished, remarks);
         record.tables = if finished { listed } else { self.folder.tables() };
         self.files.write_record(&record)?;
         Ok(Outcome { ending, record, tables })

@@ -38,8 +38,6 @@ impl Trigger {
 pub enum Action {
     /// An observable takes a sample.
     Sample,
-    /// The watchdog looks at speeds and forces.
-    Watch,
     /// A row of `thermo.csv` is written.
     Row,
     /// A frame of the trajectory is written.

@@ -11,7 +11,7 @@ use toml::{Table, Value};
 use crate::checkpointing::snapshot;
 use crate::follower::{Control, Ending, Progress};
 use crate::own::OwnParts;
-use crate::resume::restored_with;
+use crate::resume::restored;
 use crate::run::Outcome;
 use crate::simulation::Threads;
 use crate::simulation::{Recording, Simulation};
@@ -71,7 +71,7 @@ impl Simulation {
     pub fn load_with_parts(path: impl AsRef<Path>, parts: &OwnParts) -> Result<Self, EngineError> {
         let path = path.as_ref();
         let checkpoint = lennard_io::read_checkpoint(path)?;
-        Self::made_on(None, || restored_with(&checkpoint, path, parts))
+        Self::made_on(None, || restored(&checkpoint, path, parts))
     }
 
     /// A simulation that is made, and then works, on so many threads; on as many as pay for its particles where no number is given.
@@ -257,7 +257,7 @@ impl Simulation {
         if last.is_ramp() {
             let key = format!("stage.{index}.steps");
             let found = format!("{steps} more steps of a ramp");
-            let refused = scene.source.invalid(&key, found, "a new stage: run(steps, …)");
+            let refused = scene.invalid(&key, found, "a new stage: run(steps, …)");
             return Err(refused.without_line().into());
         }
         last.steps = last.steps.saturating_add(steps);

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use lennard_core::parallel::{self, PoolError};
 use lennard_core::random::Streams;
-use lennard_core::{Backend, DVec3, Integrator, PeriodicBox, State, System, Team};
+use lennard_core::{Backend, Integrator, PeriodicBox, State, System, Team};
 use lennard_forcefield::{ForceFieldOptions, Mixture, NeighborOptions, Tail};
 use lennard_io::{AverageRecord, RunRecord};
 use lennard_observables::{Observable, Table, Thermodynamics};
@@ -155,30 +155,14 @@ pub struct Timers {
     pub write: Duration,
 }
 
-/// A state of the trajectory.
-#[derive(Debug, Clone, PartialEq)]
-pub struct KeptFrame {
-    /// Step.
-    pub step: u64,
-    /// Time, τ.
-    pub time: f64,
-    /// Box sides, σ.
-    pub lengths: DVec3,
-    /// Unwrapped positions, `[N]`, σ.
-    pub positions: Vec<DVec3>,
-    /// Velocities, `[N]`, σ/τ; empty where `output.velocities` is off.
-    pub velocities: Vec<DVec3>,
-    /// Forces, `[N]`, ε/σ; empty where `output.forces` is off.
-    pub forces: Vec<DVec3>,
-}
-
 /// What runs in memory have kept so far; a run that goes on adds to it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Recording {
     /// The rows that a run with files writes to `thermo.csv`, column by column.
     pub thermo: Vec<Vec<f64>>,
-    /// The frames that it writes to its trajectory.
-    pub frames: Vec<KeptFrame>,
+    /// The frames that it writes to its trajectory: velocities are empty where `output.velocities` is off, and forces where
+    /// `output.forces` is.
+    pub frames: Vec<State>,
     /// Wall time.
     pub wall: Duration,
 }

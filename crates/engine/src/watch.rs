@@ -1,20 +1,15 @@
 //! Where the watchdog looks during a run, and what its findings become.
 
-use lennard_core::{IntegratorSpec, StepError};
+use lennard_core::{ForceError, IntegratorSpec, StepError};
 
-use crate::close_pairs::Sizes;
+use crate::close_pairs::{Sizes, closest_pair};
 use crate::failure::{LARGEST_MOVE, PhysicsFailure, Symptom};
-use crate::schedule::{Action, Operation, Trigger};
-use crate::watchdog::Seen;
-use crate::watchdog::{self, Circumstances};
+use crate::schedule::Trigger;
+use crate::watchdog::{self, Seen};
 use crate::{EngineError, Simulation};
 
 /// When the watchdog looks at the speeds, whatever else is due.
-pub(crate) const WATCH: Operation = Operation {
-    action: Action::Watch,
-    trigger: Trigger::Every(watchdog::EVERY),
-    want: lennard_core::Want::NOTHING,
-};
+pub(crate) const WATCH: Trigger = Trigger::Every(watchdog::EVERY);
 
 impl Simulation {
     /// Looks for signs of a run gone wrong.
@@ -27,7 +22,7 @@ impl Simulation {
             let sites = self.system.molecules.sites() as f64;
             watchdog::check_energy(stage.start_energy / sites, energy / sites)
                 .map_err(|s| self.diagnosed(s))?;
-        } else if !WATCH.trigger.is_due(step, true) && !at_end {
+        } else if !WATCH.is_due(step, true) && !at_end {
             return Ok(());
         }
         if step.is_multiple_of(watchdog::LISTS_EVERY) || at_end {
@@ -70,7 +65,6 @@ impl Simulation {
             // Everything else is a combination that the scene should not ask for.
             other => self
                 .scene
-                .source
                 .invalid("integrator.kind", other, "a method that suits the forces")
                 .into(),
         }
@@ -86,22 +80,32 @@ impl Simulation {
         Some(fastest.map_or(f64::INFINITY, |pair| pair.stable_dt))
     }
 
+    /// Puts together what is known of a failure.
     fn diagnosed(&self, symptom: Symptom) -> EngineError {
-        let plan = self.current_stage();
-        let stage = self.stage_run();
+        let (plan, stage, state) = (self.current_stage(), self.stage_run(), &self.state);
         let spec = stage.integrator.spec();
-        let at = Circumstances {
-            stage: &plan.name,
+        let beyond = match symptom {
+            Symptom::NonFinite(ForceError::BeyondWall { particle, .. }) => Some(particle),
+            _ => None,
+        };
+        let sizes = Sizes::of(&self.scene, self.system.species());
+        let exclusions = self.system.molecules.exclusions();
+        EngineError::Physics(Box::new(PhysicsFailure {
+            step: state.step,
+            time: state.time,
+            stage: plan.name.to_string(),
             method: spec.name,
             dt: stage.dt,
             dt_limit: self.rough_stable_dt(spec, plan.temperature),
+            symptom,
+            closest: closest_pair(&state.cell, &state.positions, &exclusions, &sizes, 0.9),
+            non_finite: state.positions.iter().filter(|r| !r.is_finite()).count(),
+            fastest: watchdog::fastest(state),
+            speed_beyond: beyond.and_then(|i| state.velocities.get(i)).map(|v| v.length()),
             steps_into_stage: stage.steps_done,
             temperature: plan.temperature,
-            density: self.state.len() as f64 / self.state.cell.volume(),
-            exclusions: self.system.molecules.exclusions(),
-            sizes: &Sizes::of(&self.scene, self.system.species()),
-        };
-        let failure: PhysicsFailure = watchdog::diagnose(&self.state, at, symptom);
-        EngineError::Physics(Box::new(failure))
+            density: state.len() as f64 / state.cell.volume(),
+            kept: Vec::new(),
+        }))
     }
 }

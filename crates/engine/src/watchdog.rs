@@ -5,12 +5,11 @@
 //! [`LISTS_EVERY`]th step it checks forces of a few particles ([`crate::ForceCheck`]). A box too small for its cutoff is refused
 //! before the first step, and by the forces where it shrinks.
 
-use lennard_core::{DVec3, Exclusions, ForceError, SpeciesTable, State, parallel, persist};
+use lennard_core::{DVec3, SpeciesTable, State, parallel, persist};
 use lennard_forcefield::AllPairs;
 use lennard_scene::Scene;
 
-use crate::close_pairs::{Sizes, closest_pair};
-use crate::failure::{LARGEST_ENERGY_CHANGE, PhysicsFailure, Symptom};
+use crate::failure::{LARGEST_ENERGY_CHANGE, Symptom};
 use crate::schedule::SET_ASIDE_EVERY;
 
 /// Steps between two checks of the speeds. With a limit of a fifth of σ per step, no particle
@@ -26,29 +25,6 @@ pub fn what_is_done() -> String {
     format!(
         "speeds every {EVERY} steps, forces of one or two particles every {LISTS_EVERY}, a state set aside every {SET_ASIDE_EVERY}"
     )
-}
-
-/// Where and with what a run was when it failed.
-#[derive(Debug, Clone, Copy)]
-pub struct Circumstances<'a> {
-    /// Name of the stage.
-    pub stage: &'a str,
-    /// Name of the method.
-    pub method: &'static str,
-    /// Step size in τ.
-    pub dt: f64,
-    /// The largest stable step, where it is known.
-    pub dt_limit: Option<f64>,
-    /// Steps since the stage began.
-    pub steps_into_stage: u64,
-    /// Temperature of the stage, ε/k_B.
-    pub temperature: f64,
-    /// Number density, σ⁻³.
-    pub density: f64,
-    /// Pairs that do not interact, and that may be close.
-    pub exclusions: Exclusions,
-    /// σ of the pairs.
-    pub sizes: &'a Sizes<'a>,
 }
 
 /// The largest squared speed, (σ/τ)², the same for any number of threads; NaN counts as infinite.
@@ -87,41 +63,14 @@ pub fn check_energy(from: f64, to: f64) -> Result<(), Symptom> {
     }
 }
 
-fn fastest(state: &State) -> Option<(usize, f64)> {
+/// The fastest particle with its speed, σ/τ.
+pub(crate) fn fastest(state: &State) -> Option<(usize, f64)> {
     state
         .velocities
         .iter()
         .map(|v| if v.is_finite() { v.length() } else { f64::INFINITY })
         .enumerate()
         .max_by(|a, b| a.1.total_cmp(&b.1))
-}
-
-/// Puts together what is known of a failure.
-#[must_use]
-pub fn diagnose(state: &State, at: Circumstances<'_>, symptom: Symptom) -> PhysicsFailure {
-    let speed_beyond = match symptom {
-        Symptom::NonFinite(ForceError::BeyondWall { particle, .. }) => {
-            state.velocities.get(particle).map(|v| v.length())
-        }
-        _ => None,
-    };
-    PhysicsFailure {
-        step: state.step,
-        time: state.time,
-        stage: at.stage.to_owned(),
-        method: at.method,
-        dt: at.dt,
-        dt_limit: at.dt_limit,
-        symptom,
-        closest: closest_pair(&state.cell, &state.positions, &at.exclusions, at.sizes, 0.9),
-        non_finite: state.positions.iter().filter(|r| !r.is_finite()).count(),
-        fastest: fastest(state),
-        speed_beyond,
-        steps_into_stage: at.steps_into_stage,
-        temperature: at.temperature,
-        density: at.density,
-        kept: Vec::new(),
-    }
 }
 
 /// An estimate of the largest stable dt of an explicit method with limit ωh = `limit` in a fluid: h =
@@ -302,45 +251,6 @@ mod tests {
             assert_eq!(check_energy(-4.0, -4.0 + change).is_ok(), is_sound, "{change}");
         }
         assert!(check_energy(-4.0, f64::NAN).is_err());
-    }
-
-    #[test]
-    fn the_cause_named_fits_what_happened() {
-        let at = Circumstances {
-            stage: "s",
-            method: "velocity-verlet",
-            dt: 0.001,
-            dt_limit: Some(0.03),
-            steps_into_stage: 3,
-            temperature: 0.7,
-            density: 0.8,
-            exclusions: Exclusions::NONE,
-            sizes: &Sizes::ONE,
-        };
-        let symptom = Symptom::TooFast { particle: 1, distance: 3.0, largest: LARGEST_MOVE };
-        let overlap = diagnose(&state(3e3), at, symptom.clone());
-        assert!(overlap.likely_cause().contains("overlapped at the start"), "{overlap}");
-        assert!(
-            overlap.to_string().contains("particles 0 and 1 at 0.5000 σ, an overlap"),
-            "{overlap}"
-        );
-        let cause = |at| diagnose(&state(3e3), at, symptom.clone()).likely_cause();
-        let large = cause(Circumstances { dt: 0.05, ..at });
-        assert!(
-            large.contains("dt = 0.05 τ is too large")
-                && large.contains("stable below about 0.030 τ"),
-            "{large}"
-        );
-        let hot = cause(Circumstances { temperature: 722.0, ..at });
-        assert!(hot.contains("T = 722") && hot.contains("`system.temperature`"), "{hot}");
-        let dense = cause(Circumstances { density: 8.442, ..at });
-        assert!(dense.contains("ρ = 8.4420") && dense.contains("`system.density`"), "{dense}");
-        let later = diagnose(
-            &state(3e3),
-            Circumstances { steps_into_stage: 5000, dt: 0.01, ..at },
-            symptom.clone(),
-        );
-        assert!(later.likely_cause().contains("try half the dt first"), "{later}");
     }
 
     #[test]

@@ -32,8 +32,8 @@ pub mod program;
 
 pub use lennard_core::{DMat3, DVec3, PeriodicBox, State};
 pub use lennard_engine::{
-    Control, Ending, EngineError as Error, KeptFrame, Moment, OwnParts, Progress, Recording,
-    Results, Simulation, StartError,
+    Control, Ending, EngineError as Error, Moment, OwnParts, Progress, Recording, Results,
+    Simulation, StartError,
 };
 pub use lennard_io::{AverageRecord, RunRecord};
 pub use lennard_literature as literature;

@@ -1,7 +1,7 @@
 //! Vectors and tables of the engine as numpy arrays, and back.
 
-use lennard_core::DVec3;
-use lennard_engine::{KeptFrame, Simulation};
+use lennard_core::{DVec3, State};
+use lennard_engine::Simulation;
 use lennard_observables::{Table, Value};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
@@ -90,19 +90,15 @@ fn words(value: &Value) -> String {
 }
 
 /// Frames as arrays by name: `positions` is `[F, N, 3]`; what the output does not have is `None`.
-pub fn frames<'py>(
-    py: Python<'py>,
-    frames: &[KeptFrame],
-    n: usize,
-) -> PyResult<Bound<'py, PyDict>> {
+pub fn frames<'py>(py: Python<'py>, frames: &[State], n: usize) -> PyResult<Bound<'py, PyDict>> {
     let out = PyDict::new(py);
     let steps: Vec<u64> = frames.iter().map(|f| f.step).collect();
     let times: Vec<f64> = frames.iter().map(|f| f.time).collect();
-    let lengths: Vec<DVec3> = frames.iter().map(|f| f.lengths).collect();
+    let lengths: Vec<DVec3> = frames.iter().map(|f| f.cell.lengths()).collect();
     out.set_item("step", PyArray1::from_vec(py, steps))?;
     out.set_item("time", PyArray1::from_vec(py, times))?;
     out.set_item("box", array(py, &lengths)?)?;
-    let stacked = |of: fn(&KeptFrame) -> &Vec<DVec3>| {
+    let stacked = |of: fn(&State) -> &Vec<DVec3>| {
         if frames.iter().any(|f| of(f).len() != n) {
             return Ok(None);
         }

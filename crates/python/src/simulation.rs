@@ -100,7 +100,7 @@ impl Core {
     fn load(py: Python<'_>, path: PathBuf, threads: Option<usize>) -> PyResult<Self> {
         let checkpoint =
             lennard_io::read_checkpoint(&path).map_err(|e| PyValueError::new_err(e.to_string()))?;
-        let make = || restored(&checkpoint, &path);
+        let make = || restored(&checkpoint, &path, &OwnParts::none());
         Inner::made(py, false, threads, make).map(Self::around)
     }
 
@@ -110,7 +110,7 @@ impl Core {
     fn from_bytes(py: Python<'_>, bytes: &[u8], threads: Option<usize>) -> PyResult<Self> {
         let checkpoint = lennard_io::read_checkpoint_bytes(bytes)
             .map_err(|e| PyValueError::new_err(e.to_string()))?;
-        let make = || restored(&checkpoint, "bytes".as_ref());
+        let make = || restored(&checkpoint, "bytes".as_ref(), &OwnParts::none());
         Inner::made(py, false, threads, make).map(Self::around)
     }
 

@@ -42,7 +42,7 @@ pub(super) fn checked(
     if start.relax && !scene.walls.is_empty() {
         let found = "a lattice between walls that is too narrow for the largest species";
         let allowed = "a lower density, or a start from a file: relaxation knows no walls";
-        return Err(scene.source.invalid("system.density", found, allowed).into());
+        return Err(scene.invalid("system.density", found, allowed).into());
     }
     place_between_walls(scene, &start.cell, &mut start.positions)?;
     Ok(start)
@@ -72,7 +72,7 @@ fn pairs(scene: &Scene, origin: &Origin, start: &Start) -> Result<(), EngineErro
     );
     let least = (within * pair.sigma * 1e4).round() / 1e4;
     let allowed = format!("no pair nearer than {least} σ{or}");
-    Err(scene.source.invalid(key, found, allowed).into())
+    Err(scene.invalid(key, found, allowed).into())
 }
 
 /// Refuses bodies that overlap by more than contacts bear.
@@ -97,7 +97,7 @@ fn contacts(scene: &Scene, origin: &Origin, start: &Start) -> Result<(), EngineE
         pair.distance,
         table.diameter * pair.sigma
     );
-    Err(scene.source.invalid(origin.key, found, format!("positions apart: {what}")).into())
+    Err(scene.invalid(origin.key, found, format!("positions apart: {what}")).into())
 }
 
 /// Puts positions into the box along walled axes, and refuses those outside the walls.
@@ -116,9 +116,7 @@ fn place_between_walls(
             continue;
         };
         let axis = scene.walls[i].axis.name();
-        return Err(scene
-            .source
-            .invalid(
+        return Err(scene.invalid(
                 &format!("wall.{i}.thickness"),
                 format!(
                     "{outside} particles outside the walls across {axis}, the first is particle {} at {:.4} σ (counted from 1)",

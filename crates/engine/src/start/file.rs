@@ -12,7 +12,7 @@ use crate::confinement::Confinement;
 use crate::error::StartError;
 use crate::files::style;
 use crate::start::value::{Origin, Start};
-use crate::start::velocities::Drift;
+use crate::start::velocities::remark_on_drift;
 use crate::start::{check, molecules, species};
 use crate::{EngineError, Simulation};
 
@@ -28,17 +28,15 @@ pub(super) fn start(
         unreachable!("other starts have a placement");
     };
     let refuse = |key: &str, found: String, allowed: String| -> EngineError {
-        scene.source.invalid(key, found, allowed).into()
+        scene.invalid(key, found, allowed).into()
     };
     let mut read = match given {
         Some(given) => given,
         None => {
             let own = match geometry {
-                Some(Geometry::Box(sides)) => {
-                    PeriodicBox::new(DVec3::from_array(*sides)).map(Some).map_err(|e| {
-                        scene.source.invalid("system.box", e, "finite positive lengths")
-                    })?
-                }
+                Some(Geometry::Box(sides)) => PeriodicBox::new(DVec3::from_array(*sides))
+                    .map(Some)
+                    .map_err(|e| scene.invalid("system.box", e, "finite positive lengths"))?,
                 Some(Geometry::Density(_)) | None => None,
             };
             let read =
@@ -81,9 +79,9 @@ pub(super) fn start(
     }
     let drift = start.velocities.as_deref().and_then(|velocities| {
         let (system, _) = Confinement::with_system(scene, &cell, start.species.clone());
-        Drift::of(&system, velocities)
+        remark_on_drift(&system, velocities, &origin.name)
     });
-    start.remarks.extend(drift.map(|drift| drift.in_words(&origin.name)));
+    start.remarks.extend(drift);
     Ok(start)
 }
 

@@ -42,7 +42,7 @@ pub(crate) fn start_with(
         (Some(placement), None) => placed(scene, &placement),
         (Some(_), Some(_)) => {
             let found = "positions beside a start that the scene has";
-            Err(scene.source.invalid("start.kind", found, "\"file\"").into())
+            Err(scene.invalid("start.kind", found, "\"file\"").into())
         }
     }
 }

@@ -101,7 +101,7 @@ pub(super) fn check(scene: &Scene, origin: &Origin, start: &Start) -> Result<(),
     };
     let sites = topology.sites();
     let refuse = |found: String, allowed: String| -> EngineError {
-        scene.source.invalid(origin.key, found, allowed).into()
+        scene.invalid(origin.key, found, allowed).into()
     };
     for (m, positions) in start.positions.chunks(sites).enumerate() {
         let fault = match molecules.are_rigid() {

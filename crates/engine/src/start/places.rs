@@ -67,7 +67,7 @@ pub(super) fn at_random(
     let points =
         part.and_then(|part| random_points(&part, n, streams(scene))).ok_or_else(|| {
             let found = "points that do not fit at random";
-            scene.source.invalid(key, found, "a lower density")
+            scene.invalid(key, found, "a lower density")
         })?;
     Ok(points.into_iter().map(|r| cell.wrap(r + corner)).collect())
 }

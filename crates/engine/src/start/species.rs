@@ -32,7 +32,7 @@ pub(super) fn of_file(
     n: usize,
 ) -> Result<SpeciesTable, EngineError> {
     let refuse = |found: String, allowed: String| -> EngineError {
-        scene.source.invalid("start.file", found, allowed).into()
+        scene.invalid("start.file", found, allowed).into()
     };
     let file = path.display();
     let Some(mixture) = &scene.mixture else {

@@ -49,48 +49,27 @@ pub fn remove_drift(system: &System, velocities: &mut [DVec3]) {
     }
 }
 
-/// A drift of all particles together, which a run takes off the velocities that it starts with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drift {
-    /// Momentum that the forces keep, over the number of particles, m σ/τ.
-    pub momentum_per_particle: DVec3,
-    /// Temperature with the drift, ε/k_B.
-    pub temperature_with: f64,
-    /// Temperature without it, ε/k_B.
-    pub temperature_without: f64,
-}
-
-impl Drift {
-    /// The drift of velocities; `None` where there is none but rounding.
-    #[must_use]
-    pub fn of(system: &System, velocities: &[DVec3]) -> Option<Self> {
-        /// Of the mean square velocity: files hold nine digits and more.
-        const ROUNDING: f64 = 1e-12;
-        let n = velocities.len() as f64;
-        let momentum = system.kept_part(system.momentum(velocities)) / n;
-        let square = velocities.iter().map(|v| v.length_squared()).sum::<f64>() / n;
-        if velocities.len() < 2 || momentum.length_squared() <= ROUNDING * square {
-            return None;
-        }
-        let mut without = velocities.to_vec();
-        remove_drift(system, &mut without);
-        Some(Self {
-            momentum_per_particle: momentum,
-            temperature_with: system.temperature(velocities, Momentum::Conserved),
-            temperature_without: system.temperature(&without, Momentum::Conserved),
-        })
+/// A remark on a drift of all particles together, which a run takes off the velocities of a file; `None` where there is none but
+/// rounding.
+pub(super) fn remark_on_drift(system: &System, velocities: &[DVec3], file: &str) -> Option<String> {
+    /// Of the mean square velocity: files hold nine digits and more.
+    const ROUNDING: f64 = 1e-12;
+    let n = velocities.len() as f64;
+    let momentum = system.kept_part(system.momentum(velocities)) / n;
+    let square = velocities.iter().map(|v| v.length_squared()).sum::<f64>() / n;
+    if velocities.len() < 2 || momentum.length_squared() <= ROUNDING * square {
+        return None;
     }
-
-    /// What happens to the velocities of a file, as a remark.
-    #[must_use]
-    pub fn in_words(&self, file: &str) -> String {
-        let [x, y, z] = self.momentum_per_particle.to_array();
-        format!(
-            "the velocities of {file} had a total momentum of ({x:.6}, {y:.6}, {z:.6}) per particle: removed, T changed \
-             from {:.6} to {:.6}",
-            self.temperature_with, self.temperature_without
-        )
-    }
+    let mut without = velocities.to_vec();
+    remove_drift(system, &mut without);
+    let [x, y, z] = momentum.to_array();
+    let temperature = |velocities: &[DVec3]| system.temperature(velocities, Momentum::Conserved);
+    Some(format!(
+        "the velocities of {file} had a total momentum of ({x:.6}, {y:.6}, {z:.6}) per particle: removed, T changed \
+         from {:.6} to {:.6}",
+        temperature(velocities),
+        temperature(&without)
+    ))
 }
 
 /// Scales velocities so that 2K/n_dof = `temperature`; velocities that are all zero stay so.

@@ -64,7 +64,8 @@ fn a_scene_without_a_stage_grows_to_the_bits_of_one_that_was_planned() {
     run(&mut grown, None);
     assert!(grown.scene.stages.iter().all(|stage| !stage.measure));
     let saved = snapshot(&grown);
-    let mut again = restored(&saved, Path::new("memory")).unwrap_or_else(|e| panic!("{e}"));
+    let mut again =
+        restored(&saved, Path::new("memory"), &OwnParts::none()).unwrap_or_else(|e| panic!("{e}"));
     for simulation in [&mut grown, &mut again] {
         simulation.add(&addition("name = \"b\"\nsteps = 50")).unwrap();
         run(simulation, None);
@@ -102,7 +103,8 @@ fn a_simulation_is_saved_by_itself_before_its_first_step_and_after_some() {
             run(&mut simulation, Some(until));
         }
         let saved = snapshot(&simulation);
-        let mut other = restored(&saved, Path::new("memory")).unwrap_or_else(|e| panic!("{e}"));
+        let mut other = restored(&saved, Path::new("memory"), &OwnParts::none())
+            .unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(other.state.positions, simulation.state.positions);
         run(&mut other, None);
         let mut undisturbed = prepare(scene(&text)).unwrap_or_else(|e| panic!("{e}"));
