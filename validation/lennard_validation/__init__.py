@@ -2,7 +2,7 @@
 
     from lennard_validation import load_frames, load_trajectory, run
 
-    result = run("inputs/fluid/dense.toml", out="runs/dense", seed=3)
+    result = run("inputs/fluid/liquid-256.toml", out="runs/liquid", seed=3)
     print(result.averages["pressure"]["mean"])
     frames = load_frames(result.folder)          # a list of ase.Atoms, velocities in arrays["velo"]
     trajectory = load_trajectory(result.folder)  # an mdtraj.Trajectory with its cell and times set

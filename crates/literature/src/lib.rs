@@ -72,7 +72,7 @@ pub use tables::{ReferenceTable, Status, reference_table, reference_tables};
 pub use thol::Thol;
 pub use transport::{
     NEAR_DENSITY, NEAR_TEMPERATURE, SAME_DENSITY, SAME_LINE, TransportProperty, TransportValue,
-    self_diffusion_near, transport_near, viscosity_near,
+    transport_near, viscosity_near,
 };
 pub use two_center::{BOND_LENGTHS, TwoCenter, two_center};
 pub use two_phases::{TwoPhaseSource, TwoPhases, surface_tensions_by_simulation};

@@ -209,13 +209,6 @@ pub fn viscosity_near(rho: f64, temperature: f64) -> Option<TransportValue> {
     transport_near(TransportProperty::ShearViscosity, rho, temperature)
 }
 
-/// Self-diffusion coefficient in σ√(ε/m) near a state, as [`transport_near`] finds it; the sources
-/// do not say that it was corrected for finite size.
-#[must_use]
-pub fn self_diffusion_near(rho: f64, temperature: f64) -> Option<TransportValue> {
-    transport_near(TransportProperty::SelfDiffusion, rho, temperature)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -240,7 +233,7 @@ mod tests {
 
     #[test]
     fn between_two_temperatures_of_one_density_a_line_is_drawn() {
-        let d = |t| self_diffusion_near(0.85, t).unwrap();
+        let d = |t| transport_near(TransportProperty::SelfDiffusion, 0.85, t).unwrap();
         let (low, high) = (d(0.8999), d(1.1));
         assert!(low.between.is_none(), "below the first there is no line");
         let (cold, hot) = d(1.0).between.unwrap();
@@ -273,8 +266,11 @@ mod tests {
 
     #[test]
     fn diffusion_is_looked_up_in_its_own_table() {
-        let d = self_diffusion_near(0.8442, 0.722).unwrap();
+        let d = transport_near(TransportProperty::SelfDiffusion, 0.8442, 0.722).unwrap();
         assert_eq!(d.value, 0.0325);
-        assert_eq!(self_diffusion_near(0.01, 2.89978).unwrap().value, 38.1662);
+        assert_eq!(
+            transport_near(TransportProperty::SelfDiffusion, 0.01, 2.89978).unwrap().value,
+            38.1662
+        );
     }
 }

@@ -254,15 +254,6 @@ impl Cell {
     pub fn toned(self, tone: Tone) -> Self {
         Self { tone, ..self }
     }
-
-    /// Figures in the place of a missing value.
-    #[must_use]
-    pub fn or_figures(self, figures: impl Into<String>) -> Self {
-        match self.value {
-            Value::Missing => Self::figures(figures).toned(self.tone),
-            _ => self,
-        }
-    }
 }
 
 impl Value {

@@ -22,11 +22,11 @@ pub enum StudyError {
     /// The list of integrators lacks a method that the study is about.
     #[error("the list of integrators has no `{0}`")]
     NoSuchMethod(&'static str),
-    /// The box of a study's own fluid cannot be made.
-    #[error("the fluid of the study: {0}")]
+    /// A box that a study makes itself is no box.
+    #[error("a box of the study: {0}")]
     Box(#[from] lennard_core::BoxError),
     /// Forces that a study makes itself cannot be built.
-    #[error("the fluid of the study: {0}")]
+    #[error("forces of the study: {0}")]
     ForceField(#[from] ForceFieldError),
     /// Settings that do not go together, or do not fit the scene.
     #[error("{label}: {reason}")]

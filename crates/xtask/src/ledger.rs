@@ -43,12 +43,13 @@ const LISTS: [&str; 12] = [
 
 /// The instruction set of sweeps.
 const SET_OF_SWEEPS: &str = "avx2";
-/// Scenes whose system alone takes longer than all others together.
+/// Scenes whose systems, or whose numbers of runs, take longer than all others together.
 const LEFT_OUT: [&str; 4] =
     ["bench/melt-953k", "studies/coverage", "studies/coverage-quick", "sweep/seeds"];
 /// Studies whose numbers depend on no clock.
 const STUDIES: [&[&str]; 2] =
     [&["study", "stability", "--quick", "--json"], &["study", "mechanics", "--quick", "--json"]];
+
 /// Runs the command; the exit code says whether everything is as recorded.
 pub fn run(workspace: Workspace, arguments: &[&str]) -> ExitCode {
     let (mut write, mut names_alone, mut binary) = (false, false, None);

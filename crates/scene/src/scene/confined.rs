@@ -62,8 +62,7 @@ impl Scene {
     }
 
     fn not_for(&self, study: &str, key: &str, found: &str, allowed: &str) -> SceneError {
-        self
-            .refuse(key, format!("does not go with `{study}`"))
+        self.refuse(key, format!("does not go with `{study}`"))
             .found(format!("a fluid with {found}"))
             .allowed(allowed)
     }

@@ -49,7 +49,7 @@ impl Own {
         if found == sites {
             return Ok(());
         }
-        let refused = scene.source.refuse("molecule", "is another one than the study takes");
+        let refused = scene.refuse("molecule", "is another one than the study takes");
         let found = format!("{} in a molecule", counted(found, "site"));
         Err(refused.found(found).allowed(format!("{sites}, such as in dumbbell/liquid")))
     }

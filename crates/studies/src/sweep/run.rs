@@ -371,7 +371,7 @@ impl lennard_engine::Progress for Counter<'_> {
 }
 
 #[cfg(test)]
-mod tests_of_point_run {
+mod tests {
     use super::*;
 
     #[test]

@@ -12,7 +12,7 @@ use crate::program::commands::print_json;
 use crate::program::failure::{DONE, Failure, OTHER};
 
 /// The day of the last change to a command; readers of man pages want one.
-const DATE: &str = "2026-11-26";
+const DATE: &str = "2026-11-27";
 
 /// `lennard generate completions`.
 pub fn completions(shell: Shell) -> Result<u8, Failure> {

@@ -6,6 +6,7 @@ use lennard_io::TrajectoryFormat;
 use lennard_literature::EquationOfState;
 use lennard_literature::units::{SUBSTANCES, Units};
 use lennard_observables::quantities::QUANTITIES;
+use lennard_scene::{RemovedKind, removed};
 use serde_json::json;
 
 use crate::program::args::{ListArgs, Listed};
@@ -82,7 +83,7 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
         let known: Vec<String> = entries.iter().map(|e| e.name.clone()).collect();
         entries.retain(|entry| entry.name == *name);
         if entries.is_empty() {
-            return Err(unknown(name, &known));
+            return Err(unknown(what, name, &known));
         }
     }
     told(args.json, &entries, || match args.verbose || args.name.is_some() {
@@ -114,7 +115,16 @@ fn kinds(json: bool) -> Result<u8, Failure> {
     })
 }
 
-fn unknown(name: &str, known: &[String]) -> Failure {
+fn unknown(kind: Listed, name: &str, known: &[String]) -> Failure {
+    let instead = match kind {
+        Listed::Integrators => removed(RemovedKind::Method, &format!("integrator.{name}")),
+        Listed::Observables => removed(RemovedKind::Observable, name),
+        _ => None,
+    };
+    if let Some(instead) = instead {
+        let message = format!("`{name}` was removed\n  allowed: {instead}");
+        return Failure::new("reading a list", message, INPUT);
+    }
     let nearest = lennard_scene::nearest(name, known.iter().map(String::as_str))
         .map_or_else(String::new, |nearest| format!("\n  nearest: {nearest}"));
     let message = format!(

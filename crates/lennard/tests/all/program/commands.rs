@@ -150,6 +150,8 @@ fn list_alone_names_every_list_and_a_list_has_a_line_for_each_entry() {
     contains(&succeed("list integrators --verbose"), &["source:"]);
     let words = ["reading a list: nothing in the list has this name", "nearest: leapfrog"];
     refused("list integrators leap-frog", &words);
+    let words = ["`bit-reversible-verlet` was removed", "kind = \"stormer-verlet\""];
+    refused("list integrators bit-reversible-verlet", &words);
 }
 
 #[test]

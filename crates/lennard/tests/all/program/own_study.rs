@@ -86,7 +86,9 @@ fn a_users_own_fluid_is_tried_for_stability() {
     let found = place.json("study stability study.toml --quick --out out --quiet");
     let claims = found["claims"].as_array().unwrap();
     // The claim is about another method than the points with small steps have.
-    let of_order = |claim: &&Value| claim["quantity"].as_str().unwrap().starts_with("order of the energy RMS");
+    let of_order = |claim: &&serde_json::Value| {
+        claim["quantity"].as_str().unwrap().starts_with("order of the energy RMS")
+    };
     assert_eq!(claims.iter().find(of_order), None);
     contains(&place.read("out/report.html"), &["at 2 σ"]);
 
