@@ -113,7 +113,7 @@ def test_scaled_velocities_are_not_canonical(tmp_path):
 def test_fluctuation_of_the_energy_follows_the_square_of_the_step(tmp_path):
     steps = [0.008, 0.004, 0.002]
 
-    def run(dt: float, name: str, kind: str) -> pv.data.SimulationData:
+    def run(dt: float, kind: str, time: float) -> pv.data.SimulationData:
         found = Scene(
             density=DENSITY,
             temperature=1.0,
@@ -122,9 +122,9 @@ def test_fluctuation_of_the_energy_follows_the_square_of_the_step(tmp_path):
             dt=dt,
             equilibrate=0,
             # The same crystal melts over the same time with each step.
-            steps=round(96.0 / dt),
+            steps=round(time / dt),
             output="thermo_every = 1",
-        ).run(tmp_path, name)
+        ).run(tmp_path, f"{kind}-{dt}")
         series = production(found)
         late = series["time"] > 4.0
         energy = ATOMS * series["conserved_energy"][late]
@@ -132,17 +132,17 @@ def test_fluctuation_of_the_energy_follows_the_square_of_the_step(tmp_path):
             units=units(), dt=dt, observables=pv.data.ObservableData(constant_of_motion=energy)
         )
 
-    def deviation(kind: str) -> float:
-        runs = [run(dt, f"{kind}-{dt}", kind) for dt in steps]
+    def deviation(kind: str, time: float) -> float:
+        runs = [run(dt, kind, time) for dt in steps]
         return float(pv.integrator.convergence(runs, verbose=False))
 
-    smooth = deviation("switch")
+    smooth = deviation("switch", 96.0)
     RESULTS.append(f"physical_validation: largest deviation from the dt squared law {smooth:.3f} (switch)")
     # The trajectories part after some time, and each has its own fluctuation: 0.004 to 0.040 with eight seeds, and 0.30
     # to 0.79 with the jump. Over a sixth of this time half of the seeds exceed the bound.
     assert smooth < 0.1
-    # A force that jumps at the cutoff breaks the law: that is seen.
-    assert deviation("shift") > 0.1
+    # A force that jumps at the cutoff breaks the law: that is seen over a third of the time too (0.34 to 0.71 with six seeds).
+    assert deviation("shift", 32.0) > 0.1
 
 
 SEEDS = range(1, 11)
