@@ -58,9 +58,15 @@ impl Bench {
 fn arrays_that_cannot_be_are_refused_by_name_or_harmless() {
     let bench = Bench(common::folder());
     let mut said = Vec::new();
+    let mut met = std::collections::HashSet::new();
     for (file, whole) in corpus() {
         assert_eq!(bench.restart(&whole), Ok(()), "{file}");
         for (name, array) in &whole.archive.arrays {
+            // One reader takes these from every file: the first that has them shows what it does.
+            let is_of_one_reader = !name.starts_with("method/") && !name.starts_with("forces/");
+            if is_of_one_reader && !met.insert(name.clone()) {
+                continue;
+            }
             for (what, changed) in distortions(array) {
                 let mut checkpoint = whole.clone();
                 match changed {
