@@ -152,7 +152,10 @@ fn in_turn(workspace: &Workspace, tiers: &[Tier]) -> Vec<Outcome> {
 
 fn shell(workspace: &Workspace, line: &str) -> Command {
     let python = python::Environment::validation(workspace).program("python");
-    let pytest = format!("'{}' -m pytest -rs -n auto --dist loadfile", python.display());
+    let pytest = format!(
+        "OPENBLAS_NUM_THREADS=1 '{}' -m pytest -rs -n auto --dist loadfile",
+        python.display()
+    );
     let line = line
         .replace("{packages}", &workspace.package_arguments().join(" "))
         .replace("{pytest}", &pytest)
