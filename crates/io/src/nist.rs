@@ -54,8 +54,8 @@ pub(crate) fn parse(
     let as_said = "the particle's number, then three coordinates";
     let particles = ParticleReader::read(&mut lines, n, &columns, &place, as_said)?;
     // In their order, and no two alike.
-    if let Some(last) = particles.ids.last().filter(|last| **last != n as u64) {
-        return Err(lines.refuse(format!("the number {last}"), format!("numbers from 1 to {n}")));
+    if let Some((other, _)) = particles.ids.iter().zip(1..).find(|(id, k)| *id != k) {
+        return Err(lines.refuse(format!("the number {other}"), format!("numbers from 1 to {n}")));
     }
     while lines.advance()? {
         if !lines.is_blank() {
