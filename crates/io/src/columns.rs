@@ -2,7 +2,7 @@
 
 use glam::{DVec3, IVec3};
 
-use crate::error::{Refusal, excerpt};
+use crate::error::{Refusal, excerpt, refused};
 use crate::lines::{finite, tokens};
 
 /// Most columns that a line may have.
@@ -149,10 +149,10 @@ impl Columns {
             found += 1;
         }
         if found != self.width {
-            return Err((
+            return refused(
                 format!("{} columns in {}", tokens(line).count(), excerpt(line)),
                 format!("{} columns, {as_said}", self.width),
-            ));
+            );
         }
         self.row_of(&all)
     }

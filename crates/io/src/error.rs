@@ -77,6 +77,14 @@ impl FormatError {
 /// What is wrong with a piece of a file: what was found, and what is allowed.
 pub(crate) type Refusal = (String, String);
 
+/// Refuses a piece of a file.
+pub(crate) fn refused<T>(
+    found: impl Into<String>,
+    allowed: impl Into<String>,
+) -> Result<T, Refusal> {
+    Err((found.into(), allowed.into()))
+}
+
 /// A piece of a file as it may be shown in a message: short, printable, in quotes.
 pub(crate) fn excerpt(bytes: &[u8]) -> String {
     // Four bytes a character at most, so that a long line is not converted whole.

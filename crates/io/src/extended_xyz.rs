@@ -35,6 +35,6 @@ pub(crate) fn parse_frame(
         time: time.and_then(|time| scales.time(time)),
         info,
         unwrapped: columns.has(Vector::Image),
-        ..TrajectoryFrame::of(particles, place.cell)
+        ..particles
     }))
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use lennard_core::PeriodicBox;
 
 use crate::columns::{Column, Columns, Scalar, Vector};
-use crate::error::{Refusal, excerpt};
+use crate::error::{Refusal, excerpt, refused};
 use crate::geometry::upright;
 use crate::lines::{At, Lines, finite, tokens};
 use crate::particles::{ParticleReader, Place, next_row, skip_rows};
@@ -61,7 +61,10 @@ impl Layout {
         let width = NAMES + (self.columns.width() - 4) * self.width;
         if line.len() != width {
             let found = format!("{} characters in {}", line.len(), excerpt(line));
-            return Err((found, format!("{width} characters, as in the first line of a particle")));
+            return refused(
+                found,
+                format!("{width} characters, as in the first line of a particle"),
+            );
         }
         let (names, numbers) = line.split_at(NAMES);
         let all = names.chunks(WIDTH_OF_NAMES).chain(numbers.chunks(self.width));
@@ -114,8 +117,7 @@ pub(crate) fn parse_frame(
         rows.push((lines.number(), lines.line().to_vec()));
     }
     lines.next_or(SIDES)?;
-    let cell = sides(lines.line()).at(lines)?;
-    let place = Place::new(DVec3::ZERO, cell, scales).at(lines)?;
+    let place = Place::new(DVec3::ZERO, sides(lines.line()).at(lines)?, scales).at(lines)?;
     let first = &rows[0];
     let layout = Layout::of(&first.1).ok_or_else(|| {
         let allowed = "names and numbers in 20 columns, then a position, or a position and a velocity, in columns of one width";
@@ -129,7 +131,7 @@ pub(crate) fn parse_frame(
     }
     let particles = particles.finish().at(lines)?;
     let time = time_of(&title).and_then(|time| scales.time(time));
-    Ok(Some(TrajectoryFrame { time, ..TrajectoryFrame::of(particles, place.cell) }))
+    Ok(Some(TrajectoryFrame { cell: place.cell, time, ..particles }))
 }
 
 /// The time in a title, as GROMACS writes it: `t= 1.00000`.
@@ -146,10 +148,7 @@ fn sides(line: &[u8]) -> Result<Option<PeriodicBox>, Refusal> {
         Some(&[x, y, z]) => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
         Some(&[ax, by, cz, ay, az, bx, bz, cx, cy]) => [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
         _ => {
-            return Err((
-                excerpt(line),
-                "three or nine finite numbers, the sides of the box".into(),
-            ));
+            return refused(excerpt(line), "three or nine finite numbers, the sides of the box");
         }
     };
     if edges == [[0.0; 3]; 3] {

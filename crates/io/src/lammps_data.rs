@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::columns::{Column, Columns, Scalar, Vector, number, particle_number};
-use crate::error::{Refusal, excerpt};
+use crate::error::{Refusal, excerpt, refused};
 use crate::lammps::{Bounds, bound};
 use crate::lines::{At, Lines, tokens};
 use crate::particles::{ParticleReader, Place, mass, velocity};
@@ -230,20 +230,20 @@ impl Sections {
             wrong_row(row, "`id type x y z`, with or without `ix iy iz` (atom_style atomic)")
         })?;
         if Some(atoms.rows) == self.n {
-            return Err((
+            return refused(
                 format!("a row after {} atoms", atoms.rows),
-                "as many rows as the header says".into(),
-            ));
+                "as many rows as the header says",
+            );
         }
         let mut read = columns.row_of(row)?;
         let number = read.kind.and_then(|kind| kind.parse::<usize>().ok());
         if let (Some(number), Some(types)) = (number, self.types)
             && number > types
         {
-            return Err((
+            return refused(
                 format!("the type {number}"),
                 format!("types up to {types}, as the header says"),
-            ));
+            );
         }
         read.kind =
             read.kind.map(|kind| self.labels.get(kind.as_bytes()).map_or(kind, String::as_str));
@@ -299,7 +299,7 @@ impl Sections {
             let wanted = "a row in the section Velocities for every atom";
             found.velocities = Some(velocities.ok_or_else(|| absent(wanted))?);
         }
-        Ok(TrajectoryFrame::of(found, atoms.place.cell))
+        Ok(TrajectoryFrame { cell: atoms.place.cell, ..found })
     }
 }
 
@@ -308,10 +308,10 @@ fn check_style(line: &[u8]) -> Result<(), Refusal> {
     let comment = line.split(|b| *b == b'#').nth(1).unwrap_or_default();
     match tokens(comment).next() {
         None | Some(b"atomic") => Ok(()),
-        Some(style) => Err((
+        Some(style) => refused(
             format!("the atom style {}", excerpt(style)),
-            "`atomic`, as LAMMPS writes it with atom_style atomic".into(),
-        )),
+            "`atomic`, as LAMMPS writes it with atom_style atomic",
+        ),
     }
 }
 
@@ -319,7 +319,7 @@ fn check_style(line: &[u8]) -> Result<(), Refusal> {
 fn once<T>(before: Option<T>, of: &[u8], what: &str) -> Result<(), Refusal> {
     match before {
         None => Ok(()),
-        Some(_) => Err((format!("a second {what} of {}", excerpt(of)), "one row for each".into())),
+        Some(_) => refused(format!("a second {what} of {}", excerpt(of)), "one row for each"),
     }
 }
 

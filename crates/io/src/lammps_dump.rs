@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use crate::columns::{Column, Columns, MOST_COLUMNS, Scalar, Vector, motion, number};
-use crate::error::{Refusal, excerpt};
+use crate::error::{Refusal, excerpt, refused};
 use crate::lammps::{Bounds, bound};
 use crate::lines::{At, Lines, tokens};
 use crate::particles::{ParticleReader, Place, skip_rows};
@@ -32,17 +32,17 @@ fn columns(line: &[u8]) -> Result<(Columns, usize), Refusal> {
     let names: Vec<&str> =
         tokens(line).skip(2).map(|n| std::str::from_utf8(n).unwrap_or_default()).collect();
     if names.len() > MOST_COLUMNS {
-        return Err((
+        return refused(
             format!("{} columns", names.len()),
             format!("at most {MOST_COLUMNS} columns"),
-        ));
+        );
     }
     let has = |coordinates: &[&str; 3]| coordinates.iter().all(|name| names.contains(name));
     let Some(style) = COORDINATES.iter().position(has) else {
-        return Err((
+        return refused(
             excerpt(line),
-            "positions among the columns: x y z, xu yu zu, xs ys zs or xsu ysu zsu".into(),
-        ));
+            "positions among the columns: x y z, xu yu zu, xs ys zs or xsu ysu zsu",
+        );
     };
     let axis = |of: &[&str; 3], name: &str| of.iter().position(|n| *n == name);
     let mut all = Columns::default();
@@ -67,7 +67,7 @@ fn columns(line: &[u8]) -> Result<(Columns, usize), Refusal> {
                         "{}, a velocity or momentum that was computed",
                         excerpt(name.as_bytes())
                     );
-                    return Err((found, "velocities as vx vy vz, or no such column".into()));
+                    return refused(found, "velocities as vx vy vz, or no such column");
                 }
                 Some(_) => Column::Other,
                 None => motion(name),
@@ -77,20 +77,17 @@ fn columns(line: &[u8]) -> Result<(Columns, usize), Refusal> {
         let column =
             if let Column::Vector(vector) = column { Column::Component(vector, 0) } else { column };
         if !all.add(column, 1) {
-            return Err((
-                format!("{} twice", excerpt(name.as_bytes())),
-                "each quantity once".into(),
-            ));
+            return refused(format!("{} twice", excerpt(name.as_bytes())), "each quantity once");
         }
     }
     if style < FOLDED {
         all.forget(Vector::Image);
     }
     match all.in_part() {
-        Some(vector) => Err((
+        Some(vector) => refused(
             format!("a part of {vector} in {}", excerpt(line)),
-            "all three components, or none".into(),
-        )),
+            "all three components, or none",
+        ),
         None => Ok((all, style)),
     }
 }
@@ -151,8 +148,7 @@ pub(crate) fn parse_frame(
     let place = Place { scaled, ..Place::new(low, Some(cell), scales).at(lines)? };
     let unwrapped = style < FOLDED || columns.has(Vector::Image);
     let time = time.and_then(|time| scales.time(time));
-    let particles = ParticleReader::read(lines, n, &columns, &place, "as `ITEM: ATOMS` says")?;
-    let read = TrajectoryFrame::of(particles, place.cell);
+    let read = ParticleReader::read(lines, n, &columns, &place, "as `ITEM: ATOMS` says")?;
     Ok(Some(TrajectoryFrame { step, time, unwrapped, ..read }))
 }
 

@@ -65,5 +65,5 @@ pub(crate) fn parse(
             ));
         }
     }
-    Ok(TrajectoryFrame::of(particles, place.cell))
+    Ok(particles)
 }

@@ -6,7 +6,7 @@ use lennard_core::{DVec3, PeriodicBox};
 
 use crate::FormatError;
 use crate::columns::{Columns, Row, Vector};
-use crate::error::Refusal;
+use crate::error::{Refusal, refused};
 use crate::lines::{At, Lines};
 use crate::species_reader::{FoundSpecies, SpeciesReader};
 use crate::units::Scales;
@@ -65,10 +65,10 @@ fn within(found: DVec3, what: &str, parts: &str, unit: &str) -> Result<DVec3, Re
         return Ok(found);
     }
     let [x, y, z] = found.to_array();
-    Err((
+    refused(
         format!("{what} ({x:e}, {y:e}, {z:e}) {unit}"),
         format!("{parts} from -{LARGEST:e} to {LARGEST:e} {unit}"),
-    ))
+    )
 }
 
 /// A velocity that a run can start with.
@@ -80,10 +80,10 @@ pub(crate) fn velocity(found: DVec3) -> Result<DVec3, Refusal> {
 pub(crate) fn mass(found: f64) -> Result<f64, Refusal> {
     match (SMALLEST_MASS..=1.0 / SMALLEST_MASS).contains(&found) {
         true => Ok(found),
-        false => Err((
+        false => refused(
             format!("the mass {found:e}"),
             format!("a mass from {SMALLEST_MASS:e} to {:e}", 1.0 / SMALLEST_MASS),
-        )),
+        ),
     }
 }
 
@@ -102,23 +102,10 @@ pub(crate) fn velocity_of(
     if size(of_momentum - beside) <= allowed {
         return Ok(beside);
     }
-    Err((
+    refused(
         format!("the velocity {beside} beside the momentum {momentum} of a mass {mass}"),
-        "a momentum that is mass times velocity, or one of the two".into(),
-    ))
-}
-
-/// What a file has of its particles, σ and τ taken out.
-#[derive(Debug, Default)]
-pub(crate) struct Particles {
-    pub(crate) ids: Vec<u64>,
-    pub(crate) positions: Vec<DVec3>,
-    pub(crate) velocities: Option<Vec<DVec3>>,
-    /// Momenta whose masses the file does not name.
-    pub(crate) momenta: Option<Vec<DVec3>>,
-    pub(crate) forces: Option<Vec<DVec3>>,
-    pub(crate) species: FoundSpecies,
-    pub(crate) written: Written,
+        "a momentum that is mass times velocity, or one of the two",
+    )
 }
 
 /// So many coordinates of a frame tell the number of its digits.
@@ -126,7 +113,7 @@ const ROWS_LOOKED_AT: usize = 64;
 
 /// How coordinates are written, as some rows tell.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Written {
+struct Written {
     /// The most significant digits of a coordinate.
     digits: i32,
     /// The largest coordinate, in units of the file.
@@ -155,7 +142,8 @@ impl Written {
 
 /// Gathers the particles of a frame.
 pub(crate) struct ParticleReader {
-    found: Particles,
+    found: TrajectoryFrame,
+    written: Written,
     species: SpeciesReader,
     /// Particles between two that are looked at.
     apart: usize,
@@ -168,13 +156,14 @@ impl ParticleReader {
         let has_masses = columns.has_masses();
         let momenta = columns.has(Vector::Momentum);
         Self {
-            found: Particles {
+            found: TrajectoryFrame {
                 positions: Vec::with_capacity(n),
                 velocities: array(columns.has(Vector::Velocity) || momenta && has_masses),
                 momenta: array(momenta && !has_masses),
                 forces: array(columns.has(Vector::Force)),
-                ..Particles::default()
+                ..TrajectoryFrame::default()
             },
+            written: Written::default(),
             species: SpeciesReader::new(n),
             apart: n.div_ceil(ROWS_LOOKED_AT),
         }
@@ -188,7 +177,7 @@ impl ParticleReader {
         if found.positions.len().is_multiple_of(self.apart) {
             let sides = place.cell.filter(|_| place.scaled).map(|cell| cell.lengths());
             let unit = sides.map_or(1.0 / scales.length, DVec3::max_element);
-            found.written.look_at(row.position, unit);
+            self.written.look_at(row.position, unit);
         }
         found.positions.push(place.position(&row)?);
         let mass = row.mass.map(|found| mass(scales.mass(found))).transpose()?;
@@ -208,7 +197,7 @@ impl ParticleReader {
             let force = force * scales.length;
             if !force.is_finite() {
                 let allowed = "numbers that stay finite when the length scale is taken out";
-                return Err((format!("the force {force}"), allowed.into()));
+                return refused(format!("the force {force}"), allowed);
             }
             all.push(force);
         }
@@ -222,7 +211,7 @@ impl ParticleReader {
         columns: &Columns,
         place: &Place,
         as_said: &str,
-    ) -> Result<Particles, FormatError> {
+    ) -> Result<TrajectoryFrame, FormatError> {
         // A character and a separator for each column: before memory for all arrays is taken.
         let least = 2 * columns.width() as u64;
         if !lines.check_room(n, 0, least) {
@@ -238,13 +227,13 @@ impl ParticleReader {
             let read = columns.row(lines.line(), as_said);
             read.and_then(|row| all.take(row, place)).at(lines)?;
         }
-        all.finish().at(lines)
+        Ok(TrajectoryFrame { cell: place.cell, ..all.finish().at(lines)? })
     }
 
     /// The particles in the order of their numbers, where they have some.
-    pub(crate) fn finish(self) -> Result<Particles, Refusal> {
-        let mut found = self.found;
-        found.species = self.species.found;
+    pub(crate) fn finish(self) -> Result<TrajectoryFrame, Refusal> {
+        let (species, rounding) = (self.species.found, self.written.rounding());
+        let mut found = TrajectoryFrame { species, rounding, ..self.found };
         let ids = &found.ids;
         if ids.windows(2).all(|pair| pair[0] < pair[1]) {
             return Ok(found);
@@ -252,10 +241,10 @@ impl ParticleReader {
         let mut order: Vec<usize> = (0..ids.len()).collect();
         order.sort_by_key(|i| ids[*i]);
         if let Some(pair) = order.windows(2).find(|pair| ids[pair[0]] == ids[pair[1]]) {
-            return Err((
+            return refused(
                 format!("two particles with the number {}", ids[pair[0]]),
-                "a number of its own for each particle".into(),
-            ));
+                "a number of its own for each particle",
+            );
         }
         sort(&order, &mut found.positions);
         for all in [&mut found.velocities, &mut found.momenta, &mut found.forces] {
@@ -292,28 +281,6 @@ fn sort<T: Copy>(order: &[usize], all: &mut Vec<T>) {
 }
 
 impl TrajectoryFrame {
-    /// Particles in a box, with nothing else to say.
-    pub(crate) fn of(particles: Particles, cell: Option<PeriodicBox>) -> Self {
-        let rounding = particles.written.rounding();
-        let Particles { positions, velocities, momenta, forces, species, .. } = particles;
-        let (step, time, info, unwrapped) = (None, None, BTreeMap::new(), false);
-        Self {
-            cell,
-            positions,
-            velocities,
-            momenta,
-            forces,
-            species,
-            step,
-            time,
-            info,
-            unwrapped,
-            rounding,
-        }
-    }
-}
-
-impl TrajectoryFrame {
     /// The frame as a start in a box, the last of so many frames.
     #[must_use]
     pub fn into_start(self, cell: PeriodicBox, frames: u64) -> StartConfiguration {
@@ -342,8 +309,10 @@ impl StartConfiguration {
 }
 
 /// A frame as read, in reduced units: a `length_scale` of the header is taken out.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct TrajectoryFrame {
+    /// The numbers of the particles, which are in their order; empty where the file has none.
+    pub ids: Vec<u64>,
     /// The periodic box; `None` where the header names none.
     pub cell: Option<PeriodicBox>,
     /// Positions, `[N]`, σ, unwrapped by the image flags where the file has them.

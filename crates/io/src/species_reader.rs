@@ -1,6 +1,6 @@
 //! The names and masses of particles, gathered line by line.
 
-use crate::error::{Refusal, excerpt};
+use crate::error::{Refusal, excerpt, refused};
 
 /// The most names of a file.
 const MOST_NAMES: usize = 255;
@@ -65,10 +65,10 @@ impl SpeciesReader {
                 match (0..found.names.len()).find(|k| found.names[*k] == name && is_kind(*k)) {
                     Some(known) => known,
                     None if found.names.len() == MOST_NAMES => {
-                        return Err((
+                        return refused(
                             excerpt(name.as_bytes()),
                             format!("at most {MOST_NAMES} names of species"),
-                        ));
+                        );
                     }
                     None => {
                         found.names.push(name.to_owned());
@@ -100,7 +100,7 @@ impl SpeciesReader {
             Some(name) => format!("{first}, like the {} before", excerpt(name.as_bytes())),
             None => format!("{first}, like the particles before: the file names no species"),
         };
-        Err((format!("mass {mass}"), like))
+        refused(format!("mass {mass}"), like)
     }
 }
 

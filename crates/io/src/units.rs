@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::error::{Refusal, excerpt};
+use crate::error::{Refusal, excerpt, refused};
 
 /// What a scene says of the units of a file.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -36,10 +36,10 @@ impl Scales {
     /// A velocity with the units of the file taken out.
     pub(crate) fn velocity(&self, found: DVec3) -> Result<DVec3, Refusal> {
         let Some(time) = self.time else {
-            return Err((
-                "velocities in units of the file".into(),
-                "`start.time_scale` in the scene, one τ in the file's unit of time".into(),
-            ));
+            return refused(
+                "velocities in units of the file",
+                "`start.time_scale` in the scene, one τ in the file's unit of time",
+            );
         };
         Ok(found / self.length * time)
     }
@@ -47,10 +47,10 @@ impl Scales {
     /// A momentum with the units of the file taken out. Where the unit of mass is not known, the `mass` beside it has the same.
     pub(crate) fn momentum(&self, found: DVec3, mass: Option<f64>) -> Result<DVec3, Refusal> {
         if self.mass.or(mass).is_none() {
-            return Err((
-                "momenta without masses, in units that are not reduced".into(),
-                "a column with the masses beside them".into(),
-            ));
+            return refused(
+                "momenta without masses, in units that are not reduced",
+                "a column with the masses beside them",
+            );
         }
         Ok(self.velocity(found)? / self.mass.unwrap_or(1.0))
     }
@@ -164,13 +164,13 @@ impl FileUnits {
         let stated = stated.map(|unit| (unit, is_reduced(unit)));
         match (self.length, stated) {
             (Some(_), Some((unit, true))) => {
-                return Err((
+                return refused(
                     format!(
                         "units {} beside `start.length_scale` in the scene",
                         excerpt(unit.as_bytes())
                     ),
-                    "one of them".into(),
-                ));
+                    "one of them",
+                );
             }
             (Some(length), _) => return Ok(Scales { length, time: self.time, mass: None }),
             (None, Some((unit, false))) => self.state(unit)?,
@@ -195,7 +195,7 @@ impl FileUnits {
             let allowed = format!(
                 "units lj (reduced units), or {by_hand}; or `units.substance`, for units that are known"
             );
-            return Err((found, allowed));
+            return refused(found, allowed);
         }
         let name = unit.to_lowercase();
         let style = named(&STYLES, &name).or(named(&[GRO], &name)).copied();
@@ -205,11 +205,11 @@ impl FileUnits {
                 "units lj, {}, or a unit of length such as angstrom or nm; or {by_hand}",
                 known.join(", ")
             );
-            return Err((found, allowed));
+            return refused(found, allowed);
         };
         match self.stated.filter(|before| *before != style) {
             Some(before) => {
-                Err((format!("{found} after units `{}`", before.name), "one of them".into()))
+                refused(format!("{found} after units `{}`", before.name), "one of them")
             }
             None => {
                 self.stated = Some(style);

@@ -6,7 +6,7 @@ use glam::DVec3;
 use lennard_core::PeriodicBox;
 
 use crate::columns::{Column, Columns, MOST_COLUMNS, Scalar, Vector, motion};
-use crate::error::{Refusal, excerpt};
+use crate::error::{Refusal, excerpt, refused};
 use crate::geometry::upright;
 use crate::lines::{finite, tokens};
 use crate::units::{FileUnits, Scales, stated};
@@ -67,10 +67,10 @@ impl Header {
             })
             .transpose()?;
         if cell.is_none() && columns.has(Vector::Image) {
-            return Err((
-                "image flags (map_shift) without a box".into(),
-                "a Lattice=\"…\" entry beside them".into(),
-            ));
+            return refused(
+                "image flags (map_shift) without a box",
+                "a Lattice=\"…\" entry beside them",
+            );
         }
         Ok(Self { cell, columns, step, time, scales, info })
     }
@@ -116,10 +116,9 @@ fn scales(info: &mut BTreeMap<String, String>, mut units: FileUnits) -> Result<S
     }
     match own {
         None => Ok(scales),
-        Some(_) if units.length.is_some() => Err((
-            "length_scale beside `start.length_scale` in the scene".into(),
-            "one of them".into(),
-        )),
+        Some(_) if units.length.is_some() => {
+            refused("length_scale beside `start.length_scale` in the scene", "one of them")
+        }
         Some(length) => Ok(Scales { length, ..scales }),
     }
 }
@@ -136,17 +135,17 @@ fn pairs(text: &str) -> Result<BTreeMap<String, String>, Refusal> {
         let end = rest.find(|c: char| c == '=' || c.is_whitespace()).unwrap_or(rest.len());
         let (key, after) = rest.split_at(end);
         if key.is_empty() {
-            return Err((
+            return refused(
                 excerpt(rest.as_bytes()),
-                "key=value pairs, values with spaces in double quotes".into(),
-            ));
+                "key=value pairs, values with spaces in double quotes",
+            );
         }
         let (value, after) = match after.strip_prefix('=') {
             None => ("T".to_string(), after),
             Some(after) => value(after)?,
         };
         if all.insert(key.to_string(), value).is_some() {
-            return Err((format!("{} twice", excerpt(key.as_bytes())), "each key once".into()));
+            return refused(format!("{} twice", excerpt(key.as_bytes())), "each key once");
         }
         rest = after.trim_start();
     }
@@ -176,10 +175,10 @@ fn value(text: &str) -> Result<(String, &str), Refusal> {
             c => value.push(c),
         }
     }
-    Err((
+    refused(
         format!("{}, which is not closed", excerpt(text.as_bytes())),
         format!("a value that ends with {close}"),
-    ))
+    )
 }
 
 /// `name:type:width` triples.
@@ -240,7 +239,7 @@ fn lattice(text: &str) -> Result<PeriodicBox, Refusal> {
     let found = || format!("Lattice={}", excerpt(text.as_bytes()));
     let numbers: Option<Vec<f64>> = tokens(text.as_bytes()).map(finite).collect();
     let Some(&[ax, ay, az, bx, by, bz, cx, cy, cz]) = numbers.as_deref() else {
-        return Err((found(), "nine finite numbers, the box vectors a, b and c".into()));
+        return refused(found(), "nine finite numbers, the box vectors a, b and c");
     };
     let edges = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]].map(DVec3::from_array);
     upright(edges, found)
@@ -258,10 +257,10 @@ fn check_periodic(text: &str, has_box: bool) -> Result<(), Refusal> {
     let found = format!("pbc={}", excerpt(text.as_bytes()));
     match flags.as_deref() {
         Some(&[x, y, z]) if (x && y && z) || !has_box => Ok(()),
-        Some(&[_, _, _]) => Err((
+        Some(&[_, _, _]) => refused(
             found,
-            "\"T T T\"; boxes that are not periodic in all directions are not there yet".into(),
-        )),
-        _ => Err((found, "three of T or F".into())),
+            "\"T T T\"; boxes that are not periodic in all directions are not there yet",
+        ),
+        _ => refused(found, "three of T or F"),
     }
 }

@@ -8,7 +8,6 @@ use glam::DVec3;
 use super::{LONG_MAGIC, MAGIC, MOST_UNCOMPRESSED, compression};
 use crate::geometry::upright;
 use crate::lines::Input;
-use crate::particles::Particles;
 use crate::units::{FileUnits, Scales};
 use crate::{FormatError, TrajectoryFrame};
 
@@ -100,12 +99,13 @@ impl<'a> XtcReader<'a> {
         if !positions.iter().all(|r| r.is_finite()) {
             return Err(self.refuse("a position that is not finite", "finite numbers"));
         }
-        let particles = Particles { positions, ..Particles::default() };
         Ok(Some(TrajectoryFrame {
             step: Some(step.into()),
             time: self.scales.time(time),
             rounding,
-            ..TrajectoryFrame::of(particles, cell)
+            cell,
+            positions,
+            ..TrajectoryFrame::default()
         }))
     }
 
