@@ -293,6 +293,15 @@ pub(crate) fn kind(value: &Value) -> &'static str {
     }
 }
 
+/// The heading of a table or an array of tables, and any other value in short.
+pub(crate) fn as_heading(key: &str, value: &Value) -> String {
+    match value {
+        Value::Array(items) if items.iter().all(Value::is_table) => format!("`[[{key}]]`"),
+        Value::Table(_) => format!("`[{key}]`"),
+        _ => in_short(value),
+    }
+}
+
 /// The value as a scene file writes it, shortened where it is long.
 pub(crate) fn in_short(value: &Value) -> String {
     /// Longest text and longest array that a message repeats.

@@ -7,7 +7,7 @@ use lennard_literature::units::Units;
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use crate::document::in_short;
+use crate::document::as_heading;
 use crate::limits::MOST_ENTRIES;
 use crate::names::no_key;
 use crate::reference::{self, Form};
@@ -65,13 +65,7 @@ impl<'a> Reader<'a> {
             if !fits {
                 return Err(self
                     .refuse(key, "is written the wrong way")
-                    .found(match value {
-                        Value::Table(_) => format!("`[{key}]`"),
-                        Value::Array(items) if items.iter().all(Value::is_table) => {
-                            format!("`[[{key}]]`")
-                        }
-                        _ => in_short(value),
-                    })
+                    .found(as_heading(key, value))
                     .allowed(heading));
             }
         }

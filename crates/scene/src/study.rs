@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
-use crate::document::{Document, in_short, join};
+use crate::document::{Document, as_heading, in_short, join};
 use crate::error::{Place, SceneError, Source};
 use crate::names::nearest;
 use crate::{Name, Scene, reference, shipped};
@@ -392,12 +392,8 @@ impl Reader {
     }
 
     fn no_table(&self, key: &str, value: &Value, allowed: &str) -> SceneError {
-        let found = match value {
-            Value::Array(items) if items.iter().all(Value::is_table) => format!("`[[{key}]]`"),
-            Value::Table(_) => format!("`[{key}]`"),
-            _ => in_short(value),
-        };
-        self.source.refuse(key, "is written the wrong way").found(found).allowed(allowed)
+        let refused = self.source.refuse(key, "is written the wrong way");
+        refused.found(as_heading(key, value)).allowed(allowed)
     }
 
     fn texts(&self, key: &str, items: &[Value]) -> Result<Vec<String>, SceneError> {

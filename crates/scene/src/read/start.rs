@@ -104,16 +104,11 @@ impl Reader<'_> {
         temperature: f64,
         model: Option<ModelKind>,
     ) -> Result<HalfCrystal, SceneError> {
-        let [crystal_density, liquid_density] = match (table.crystal_density, table.liquid_density)
-        {
-            (Some(crystal), Some(liquid)) => [crystal, liquid],
-            (crystal, liquid) => {
-                let keys = ["crystal_density", "liquid_density"];
-                let missing = MissingDensity::of(keys, [crystal, liquid]);
-                let [c, l] = self.on_freezing_line(temperature, model, &missing)?;
-                [crystal.unwrap_or(c), liquid.unwrap_or(l)]
-            }
-        };
+        let [crystal_density, liquid_density] = densities(
+            ["crystal_density", "liquid_density"],
+            [table.crystal_density, table.liquid_density],
+            |key, allowed| self.on_freezing_line(temperature, model, key, allowed),
+        )?;
         let in_crystal = SHARE * n_atoms as f64;
         let cells = table.cells.unwrap_or_else(|| {
             let cells = (in_crystal / (per_cell() as f64 * LENGTH_OF_SIDE)).cbrt();
@@ -150,7 +145,8 @@ impl Reader<'_> {
         &self,
         temperature: f64,
         model: Option<ModelKind>,
-        MissingDensity { key, allowed }: &MissingDensity,
+        key: &str,
+        allowed: &str,
     ) -> Result<[f64; 2], SceneError> {
         let missing = |found: String, allowed: String| {
             let refused = self.refuse(key, "is missing");
@@ -161,7 +157,7 @@ impl Reader<'_> {
         if !equation.is_some_and(|e| e.has_freezing_line()) {
             return Err(missing(
                 "nothing, and no freezing line is known for this potential".to_owned(),
-                allowed.clone(),
+                allowed.to_owned(),
             ));
         }
         let on_line = line.melting_density(temperature).zip(line.freezing_density(temperature));
@@ -177,26 +173,22 @@ impl Reader<'_> {
     }
 }
 
-/// A density that a table does not write.
-struct MissingDensity {
-    /// The key of the first that is missing.
-    pub key: String,
-    /// The keys that are missing, in words.
-    pub allowed: String,
-}
-
-impl MissingDensity {
-    /// What is missing of the two densities of a table, where one is at least.
-    fn of(keys: [&str; 2], written: [Option<f64>; 2]) -> Self {
-        let all = keys.into_iter().zip(written);
-        let missing: Vec<&str> =
-            all.filter(|(_, written)| written.is_none()).map(|(key, _)| key).collect();
-        let words: Vec<String> = missing.iter().map(|key| format!("`{key}`")).collect();
-        Self {
-            key: format!("start.{}", missing.first().unwrap_or(&keys[0])),
-            allowed: format!("{} in [start]", words.join(" and ")),
-        }
-    }
+/// The two densities of a table as written, and where one is not, as `known` has it. That is given the key of the first that is
+/// missing, and all that are missing in words.
+fn densities(
+    keys: [&str; 2],
+    written: [Option<f64>; 2],
+    known: impl FnOnce(&str, &str) -> Result<[f64; 2], SceneError>,
+) -> Result<[f64; 2], SceneError> {
+    let all = keys.into_iter().zip(written);
+    let missing: Vec<&str> = all.filter(|(_, x)| x.is_none()).map(|(key, _)| key).collect();
+    let Some(first) = missing.first() else {
+        return Ok(written.map(Option::unwrap_or_default));
+    };
+    let words: Vec<String> = missing.iter().map(|key| format!("`{key}`")).collect();
+    let allowed = format!("{} in [start]", words.join(" and "));
+    let known = known(&format!("start.{first}"), &allowed)?;
+    Ok([0, 1].map(|i| written[i].unwrap_or(known[i])))
 }
 
 /// The length of the box over the thickness of the slab, where the scene does not say.
@@ -214,15 +206,11 @@ impl Reader<'_> {
         temperature: f64,
         model: Option<ModelKind>,
     ) -> Result<Slab, SceneError> {
-        let [liquid_density, vapor_density] = match (table.liquid_density, table.vapor_density) {
-            (Some(liquid), Some(vapor)) => [liquid, vapor],
-            (liquid, vapor) => {
-                let keys = ["liquid_density", "vapor_density"];
-                let missing = MissingDensity::of(keys, [liquid, vapor]);
-                let [l, v] = self.coexisting(temperature, model, &missing)?;
-                [liquid.unwrap_or(l), vapor.unwrap_or(v)]
-            }
-        };
+        let [liquid_density, vapor_density] = densities(
+            ["liquid_density", "vapor_density"],
+            [table.liquid_density, table.vapor_density],
+            |key, allowed| self.coexisting(temperature, model, key, allowed),
+        )?;
         if vapor_density >= liquid_density {
             return Err(self
                 .refuse("start.vapor_density", "is not below the density of the liquid")
@@ -258,11 +246,12 @@ impl Reader<'_> {
         &self,
         temperature: f64,
         model: Option<ModelKind>,
-        MissingDensity { key, allowed }: &MissingDensity,
+        key: &str,
+        allowed: &str,
     ) -> Result<[f64; 2], SceneError> {
         let missing = |found: String| {
             let refused = self.refuse(key, "is missing");
-            refused.found(found).allowed(allowed.clone())
+            refused.found(found).allowed(allowed)
         };
         let Some(model) = model else {
             return Err(missing("nothing, and no literature for a slab of several species".into()));

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use lennard_core::options::{Keys, OptionValue, Options};
 use lennard_core::{DVec3, PeriodicBox};
 use lennard_io::FileUnits;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use crate::limits::{
     COLDEST, DENSEST, HOTTEST, LONGEST_SIDE, MOST_ATOMS, MOST_ENTRIES, SHORTEST_SIDE, THINNEST,
@@ -373,9 +373,25 @@ lennard_core::options! {
 pub(crate) struct Numbers(pub Vec<u64>);
 
 /// One side of a cube, or three sides.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(transparent)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(from = "WrittenSides")]
 pub(crate) struct Sides(pub [f64; 3]);
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum WrittenSides {
+    Cube(f64),
+    Sides([f64; 3]),
+}
+
+impl From<WrittenSides> for Sides {
+    fn from(written: WrittenSides) -> Self {
+        match written {
+            WrittenSides::Cube(side) => Self([side; 3]),
+            WrittenSides::Sides(sides) => Self(sides),
+        }
+    }
+}
 
 macro_rules! written_as_toml {
     ($($value:ident)*) => {$(
@@ -388,41 +404,3 @@ macro_rules! written_as_toml {
 }
 
 written_as_toml! { Sides Numbers }
-
-impl<'de> Deserialize<'de> for Sides {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visitor;
-        impl<'de> serde::de::Visitor<'de> for Visitor {
-            type Value = Sides;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("one side, or three sides [Lx, Ly, Lz]")
-            }
-
-            fn visit_f64<E>(self, side: f64) -> Result<Sides, E> {
-                Ok(Sides([side; 3]))
-            }
-
-            fn visit_i64<E>(self, side: i64) -> Result<Sides, E> {
-                Ok(Sides([side as f64; 3]))
-            }
-
-            fn visit_seq<A: serde::de::SeqAccess<'de>>(
-                self,
-                mut seq: A,
-            ) -> Result<Sides, A::Error> {
-                let mut sides = [0.0; 3];
-                for (i, side) in sides.iter_mut().enumerate() {
-                    *side = seq
-                        .next_element()?
-                        .ok_or_else(|| serde::de::Error::invalid_length(i, &self))?;
-                }
-                match seq.next_element::<serde::de::IgnoredAny>()? {
-                    None => Ok(Sides(sides)),
-                    Some(_) => Err(serde::de::Error::invalid_length(sides.len() + 1, &self)),
-                }
-            }
-        }
-        deserializer.deserialize_any(Visitor)
-    }
-}
