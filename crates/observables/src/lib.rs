@@ -105,6 +105,8 @@ catalog! {
     Msd in msd => MsdOptions,
     /// The velocity autocorrelation function.
     Vacf in vacf => VacfOptions,
+    /// The Einstein frequency.
+    EinsteinFrequency in einstein_frequency => EinsteinFrequencyOptions,
     /// The static structure factor S(k).
     StructureFactor in structure_factor => StructureFactorOptions,
     /// The order of the directions to neighbors.

@@ -303,6 +303,10 @@ pub const QUANTITIES: &[Quantity] = &[
         "σ²/τ",
     ),
     Quantity {
+        marks: &[OnePhase],
+        ..quantity("einstein_frequency", "Einstein frequency", "Ω_E", "τ⁻¹")
+    },
+    Quantity {
         beside: Viscosity,
         primary: &[Fluid],
         ..quantity("shear_viscosity", "shear viscosity", "η", "ετ/σ³")

@@ -5,8 +5,9 @@ use lennard_core::{
     DMat3, DVec3, Energetics, Momentum, PeriodicBox, Species, SpeciesTable, State, System, View,
 };
 use lennard_observables::{
-    BuildContext, Estimate, MeanSquareDisplacement, MsdOptions, Observable, PairEnd,
-    RadialDistribution, RdfOptions, Thermodynamics, VacfOptions, VelocityAutocorrelation,
+    BuildContext, EinsteinFrequencyOptions, Estimate, MeanSquareDisplacement, MsdOptions,
+    Observable, PairEnd, RadialDistribution, RdfOptions, Recipe, Thermodynamics, VacfOptions,
+    VelocityAutocorrelation,
 };
 use rand_distr::{Distribution, StandardNormal};
 
@@ -125,6 +126,8 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
     let options = VacfOptions { window: 2.0, ..VacfOptions::default() };
     let mut vacf = VelocityAutocorrelation::new(&options, &context).unwrap();
     let mut rdf = RadialDistribution::new(&RdfOptions::default(), &context).unwrap();
+    let mut einstein = EinsteinFrequencyOptions {}.build(&context).unwrap();
+    let mut squared_force = 0.0;
     let mut state = fluid(&cell);
     let system = System::atoms(N);
     for step in 0..10_000_u64 {
@@ -136,11 +139,19 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
         thermodynamics.sample(&view);
         msd.sample(&view);
         vacf.sample(&view);
+        einstein.sample(&view);
+        squared_force += state.forces.iter().map(|f| f.length_squared()).sum::<f64>();
         if step % 50 == 0 {
             rdf.sample(&view);
         }
     }
-    let all = [thermodynamics.finish(0.0), msd.finish(0.0), vacf.finish(0.0), rdf.finish(0.0)];
+    let all = [
+        thermodynamics.finish(0.0),
+        msd.finish(0.0),
+        vacf.finish(0.0),
+        rdf.finish(0.0),
+        einstein.finish(0.0),
+    ];
     let average = |name: &str| -> Estimate {
         all.iter()
             .flat_map(|f| &f.averages)
@@ -155,6 +166,16 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
     let temperature = average("temperature");
     agree(temperature, average("configurational_temperature"));
     assert!(temperature.standard_error < 0.006);
+
+    // ⟨F²⟩ = m·T·⟨∇²U⟩, and the velocity forgets itself as 1 − Ω_E²·t²/2 + O(t⁴): a tenth of it at the first lag.
+    let frequency = average("einstein_frequency");
+    let samples = 10_000.0 / EVERY as f64 * 3.0 * N as f64;
+    let by_forces = (squared_force / samples / temperature.mean).sqrt();
+    assert!((frequency.mean / by_forces - 1.0).abs() < 0.01, "{frequency:?} {by_forces}");
+    let remembered = all[2].tables[0].columns[1].numbers();
+    let lag = EVERY as f64 * DT;
+    let by_velocities = (2.0 * (1.0 - remembered[1] / remembered[0])).sqrt() / lag;
+    assert!((frequency.mean / by_velocities - 1.0).abs() < 0.05, "{frequency:?} {by_velocities}");
 
     // Two roads to D, sampled from the same run: both have errors below 8 %.
     let diffusion = average("diffusion_coefficient_uncorrected");
