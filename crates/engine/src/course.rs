@@ -11,7 +11,6 @@ use crate::files::{thermo_columns, thermo_row};
 use crate::follower::{Control, Ending, Follower};
 use crate::instant::Moment;
 use crate::ranks::{Decision, agree};
-use crate::run::aside;
 use crate::schedule::{Action, Operation, Schedule, Trigger};
 use crate::simulation::{Recording, Results, Simulation};
 use crate::{EngineError, record, watchdog};
@@ -254,4 +253,26 @@ fn kept(simulation: &Simulation) -> State {
         kept.forces.clone_from(&simulation.state.forces);
     }
     kept
+}
+
+/// A copy of a state in which other states are set aside. It has no forces, since they are not read there.
+pub(crate) fn aside(state: &State) -> State {
+    State {
+        step: state.step,
+        time: state.time,
+        cell: state.cell,
+        positions: state.positions.clone(),
+        velocities: state.velocities.clone(),
+        forces: Vec::new(),
+        energetics: state.energetics.clone(),
+    }
+}
+
+/// Copies a state into the memory of another.
+pub(crate) fn set_aside(state: &State, to: &mut State) {
+    to.step = state.step;
+    to.time = state.time;
+    to.cell = state.cell;
+    to.positions.clone_from(&state.positions);
+    to.velocities.clone_from(&state.velocities);
 }

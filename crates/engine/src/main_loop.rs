@@ -10,7 +10,7 @@ use crate::follower::Follower;
 use crate::instant::view;
 use crate::schedule::Observer;
 use crate::simulation::StageRun;
-use crate::watch::WATCH;
+use crate::watchdog;
 use crate::{EngineError, Simulation, baths, pressure, start};
 
 /// Up to this many particles a step is short: a thread that falls asleep between two parts of a step
@@ -55,7 +55,7 @@ impl Simulation {
         let measured = self.current_stage().measure;
         let exchange = self.current_stage().exchange.as_ref();
         let is_due = |step: &u64| {
-            WATCH.is_due(*step, measured)
+            step.is_multiple_of(watchdog::EVERY)
                 || exchange.is_some_and(|exchange| step.is_multiple_of(exchange.every))
                 || self.observers.iter().any(|o| o.trigger().is_due(*step, measured))
                 || follower.schedule().is_due(*step, measured)

@@ -7,7 +7,7 @@ use lennard_io::{OutputFolder, RunRecord, WriteError};
 use lennard_observables::{Findings, Table};
 
 use crate::checkpointing::{Checkpointer, Past};
-use crate::course::{Course, Writer};
+use crate::course::{Course, Writer, aside, set_aside};
 use crate::failure::PhysicsFailure;
 use crate::files::RunFiles;
 use crate::follower::{Control, Ending};
@@ -256,26 +256,4 @@ impl Writer for Recorder<'_> {
         simulation.timers.write += clock.elapsed();
         Ok(())
     }
-}
-
-/// A copy of a state in which other states are set aside. It has no forces, since they are not read there.
-pub(crate) fn aside(state: &State) -> State {
-    State {
-        step: state.step,
-        time: state.time,
-        cell: state.cell,
-        positions: state.positions.clone(),
-        velocities: state.velocities.clone(),
-        forces: Vec::new(),
-        energetics: state.energetics.clone(),
-    }
-}
-
-/// Copies a state into the memory of another.
-pub(crate) fn set_aside(state: &State, to: &mut State) {
-    to.step = state.step;
-    to.time = state.time;
-    to.cell = state.cell;
-    to.positions.clone_from(&state.positions);
-    to.velocities.clone_from(&state.velocities);
 }

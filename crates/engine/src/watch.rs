@@ -4,12 +4,8 @@ use lennard_core::{ForceError, IntegratorSpec, StepError};
 
 use crate::close_pairs::{Sizes, closest_pair};
 use crate::failure::{LARGEST_MOVE, PhysicsFailure, Symptom};
-use crate::schedule::Trigger;
 use crate::watchdog::{self, Seen};
 use crate::{EngineError, Simulation};
-
-/// When the watchdog looks at the speeds, whatever else is due.
-pub(crate) const WATCH: Trigger = Trigger::Every(watchdog::EVERY);
 
 impl Simulation {
     /// Looks for signs of a run gone wrong.
@@ -22,7 +18,7 @@ impl Simulation {
             let sites = self.system.molecules.sites() as f64;
             watchdog::check_energy(stage.start_energy / sites, energy / sites)
                 .map_err(|s| self.diagnosed(s))?;
-        } else if !WATCH.is_due(step, true) && !at_end {
+        } else if !step.is_multiple_of(watchdog::EVERY) && !at_end {
             return Ok(());
         }
         if step.is_multiple_of(watchdog::LISTS_EVERY) || at_end {

@@ -13,12 +13,12 @@ use lennard_io::{FileMark, Frame, FrameStyle, Sink, TrajectoryFormat, Trajectory
 use lennard_scene::{Scene, Stage};
 
 use crate::build::prepare_from;
+use crate::course::{aside, set_aside};
 use crate::failure::LARGEST_MOVE;
 use crate::files::{header, style, style_of_last};
 use crate::follower::bare;
 use crate::follower::{Follower, StopAt};
 use crate::planar_tail::PlanarTail;
-use crate::run::{aside, set_aside};
 use crate::schedule::{Action, Operation, Schedule, Trigger};
 use crate::simulation::Simulation;
 use crate::start::Start;
