@@ -57,13 +57,14 @@ pub use judge::{Allowed, Comparison, Reference, StatePoint, Verdict, judge};
 pub use momentum::Momentum;
 pub use msd::{CORRECTED, MeanSquareDisplacement, UNCORRECTED, YEH_HUMMER_XI};
 pub use observable::{
-    Average, Doubt, Estimate, Findings, Observable, ObservableSpec, Standing, Suits, finite,
+    Average, Doubt, Estimate, Findings, Frames, Observable, ObservableSpec, Standing, Suits,
+    Surroundings, finite,
 };
 pub use pairs::{count_distances, count_distances_by_species};
 pub use phases::{front, frozen, frozen_bytes, separated};
 pub use pressure_tensor::PressureTensor;
 pub use rdf::RadialDistribution;
-pub use recipe::{BuildContext, Frames, Recipe, Surroundings};
+pub use recipe::{BuildContext, Recipe};
 pub use remark::{Fronts, Remark};
 pub use response::{Curvature, response_functions};
 pub use series::{Columns, Series};

@@ -5,7 +5,7 @@ use std::any::Any;
 use lennard_core::{MOST_SPECIES, Persist, View, Want};
 use serde::{Deserialize, Serialize};
 
-use crate::{Cell, Frames, Remark, Surroundings, Table};
+use crate::{Cell, Remark, Table};
 
 /// What an observable declares about itself.
 #[derive(Debug, Clone, Copy)]
@@ -52,6 +52,30 @@ impl ObservableSpec {
         frames: Frames::Positions,
         every: 10,
     };
+}
+
+/// The surroundings in which an observable means what its equation says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Surroundings {
+    /// It holds in any.
+    Any,
+    /// The fluid is periodic along all axes, without walls, fields and held particles.
+    Periodic,
+    /// The fluid is between walls.
+    Walls,
+}
+
+/// What the frames of a trajectory must have for an observable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Frames {
+    /// Positions.
+    Positions,
+    /// Positions that tell how far each particle has moved since the frame before.
+    Paths,
+    /// Velocities.
+    Velocities,
+    /// Velocities, and frames as dense as the samples of a run: an integral over time is taken.
+    Flows,
 }
 
 /// The particles that an observable is right for.

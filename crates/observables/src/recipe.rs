@@ -64,30 +64,6 @@ impl BuildContext {
     }
 }
 
-/// The surroundings in which an observable means what its equation says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Surroundings {
-    /// It holds in any.
-    Any,
-    /// The fluid is periodic along all axes, without walls, fields and held particles.
-    Periodic,
-    /// The fluid is between walls.
-    Walls,
-}
-
-/// What the frames of a trajectory must have for an observable.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Frames {
-    /// Positions.
-    Positions,
-    /// Positions that tell how far each particle has moved since the frame before.
-    Paths,
-    /// Velocities.
-    Velocities,
-    /// Velocities, and frames as dense as the samples of a run: an integral over time is taken.
-    Flows,
-}
-
 /// What the options type of an observable provides: the list is made of these.
 pub trait Recipe: Options {
     /// What the observable declares about itself.

@@ -16,6 +16,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     suits: crate::Suits::Atoms,
     every: 4,
     species: [2, 2],
+    // Velocities alone are followed, and a barostat leaves those as they are.
     frames: Frames::Flows,
     ..ObservableSpec::PLAIN
 };
