@@ -303,6 +303,7 @@ pub const QUANTITIES: &[Quantity] = &[
         "σ²/τ",
     ),
     Quantity {
+        primary: &[Fluid],
         marks: &[OnePhase],
         ..quantity("einstein_frequency", "Einstein frequency", "Ω_E", "τ⁻¹")
     },
