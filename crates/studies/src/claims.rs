@@ -341,8 +341,8 @@ pub struct ClaimsStudy {
 }
 
 impl ClaimsStudy {
-    /// Judges what was measured. A claim may find no number where the fluid is a user's own; elsewhere, with assertions, a loose
-    /// end of claims or numbers is a panic.
+    /// Judges what was measured. A claim may find no number where the fluid is a user's own. Elsewhere a loose end of claims or numbers
+    /// is a panic of debug builds.
     pub(crate) fn new(
         schema: &'static str,
         text: Text,

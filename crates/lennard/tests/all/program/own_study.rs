@@ -76,7 +76,7 @@ fn truncations_and_steps_make_a_chart_of_a_users_own() {
     }
 }
 
-/// Proves that a study of stability of a user's own runs, however short, and that its file is refused where it asks for what is not compared.
+/// Proves that a study of stability of a user's own runs, however short. Its file is refused where it asks for what is not compared.
 #[test]
 fn a_users_own_fluid_is_tried_for_stability() {
     let study = "base = \"base.toml\"\nreading = \"stability\"\n[set]\n\"stage.production.steps\" = 10\n\

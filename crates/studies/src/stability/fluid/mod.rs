@@ -3,8 +3,8 @@
 //!
 //! A study file names scene and points: methods, steps, temperatures, truncations and precisions. Points that begin alike share one
 //! equilibrated start. A run lasts as long as the measured stage with the step of the base scene. Limits are searched for each method
-//! from each start where it has points. Methods whose steps iterate have limits with the smooth truncation alone, and none in the
-//! quick study; nor have the other members of a group of equivalent methods there.
+//! from each start where it has points. Methods whose steps iterate have limits with the smooth truncation alone. The quick study
+//! searches none for them, and one for each group of equivalent methods.
 
 mod limit;
 mod run;
