@@ -86,6 +86,7 @@ fn check_numbers(study: &ClaimsStudy) {
 }
 
 fn check_files(study: &ClaimsStudy, dir: &Path) {
+    assert_eq!(study.schema, "lennard-mechanics/2");
     study.write(dir).expect("the files are written");
     for name in ["ways.csv", "claims.csv", "study.json", "report.html"] {
         assert!(dir.join(name).is_file(), "{name}");

@@ -30,19 +30,6 @@ fn place(scene: &str) -> Place {
     Place::with(&[("asking.toml", scene)])
 }
 
-/// The usual cutoff of 2.5 σ fits half the box of 5³ particles, 2.54 σ, but not half the box of 4·3³.
-#[test]
-fn a_scene_whose_cutoff_fits_is_not_refused_for_the_usual_one() {
-    let scene = SCENE
-        .replace("n_atoms = 500", "n_atoms = 125")
-        .replace("density = 0.3", "density = 0.95")
-        .replace("{ potential_energy = 0.03, pressure = 0.02,", "{ potential_energy = 0.5,");
-    let tuning =
-        place(&(scene + "[start]\nlattice = \"sc\"\n[truncation]\nr_cut = 2\n")).json(TUNE);
-    assert_eq!(tuning["settings"]["truncation"]["r_cut"], 2.0);
-    assert!(tuning["usual_cost"].is_object());
-}
-
 /// Each predicted error is within its target, and so is the measured one, within four of its own errors.
 fn keep_their_targets(rows: &[Value]) {
     for row in rows {
