@@ -120,6 +120,16 @@ pub fn at(molecules: &Molecules, x: Vec<DVec3>, v: Vec<DVec3>) -> (System, State
     (system, state)
 }
 
+/// Particles without a box.
+pub fn free(positions: Vec<DVec3>, velocities: Vec<DVec3>) -> State {
+    State::new(PeriodicBox::boundless(), positions, velocities)
+}
+
+/// One particle without a box.
+pub fn one(position: DVec3, velocity: DVec3) -> State {
+    free(vec![position], vec![velocity])
+}
+
 /// The largest distance between two places of a particle.
 pub fn farthest(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max)

@@ -1,8 +1,8 @@
 //! What each method of the list declares about itself, measured.
 
-use crate::common::{Cluster, cluster};
+use crate::common::{Cluster, cluster, farthest, free, one};
 use crate::measure::{
-    CountingForces, Kepler, KeplerForces, measured_map, orders, oscillation, run,
+    CountingForces, Kepler, KeplerForces, general_methods, measured_map, orders, oscillation, run,
 };
 use glam::{DMat2, DVec2};
 use lennard_core::{
@@ -10,15 +10,10 @@ use lennard_core::{
     StateArchive, System, Want,
 };
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces};
-use lennard_integrators::{IntegratorEntry, OscillatorModel, integrators};
+use lennard_integrators::{IntegratorEntry, integrators};
 
 /// Rounding of a one-step map with entries of the order 1, as the issue sets it.
 const ROUNDING: f64 = 1e-13;
-
-/// The methods that can run any forces F(x), with no solution known beforehand.
-fn general_methods() -> impl Iterator<Item = &'static IntegratorEntry> {
-    integrators().iter().filter(|e| e.oscillator != OscillatorModel::ExactSolution)
-}
 
 fn largest_entry(m: DMat2) -> f64 {
     m.to_cols_array().iter().fold(0.0, |a, b| a.max(b.abs()))
@@ -30,7 +25,7 @@ fn moving_cluster() -> (System, State) {
     let mut system = System::atoms(positions.len());
     system.masses =
         Masses::Each((0..positions.len()).map(|i| 1.0 + 0.5 * (i % 3) as f64).collect());
-    (system, State::new(lennard_core::PeriodicBox::boundless(), positions, velocities))
+    (system, free(positions, velocities))
 }
 
 fn steps(
@@ -142,19 +137,12 @@ fn every_state_that_a_method_publishes_belongs_to_one_time() {
         let error = |dt: f64| {
             let mut state = Kepler::for_orders().start();
             let mut worst = 0.0_f64;
-            run(
-                &mut entry.build(),
-                &System::atoms(1),
-                &mut KeplerForces,
-                &mut state,
-                dt,
-                (1.0 / dt).round() as u64,
-                |s, _| {
-                    let energy =
-                        0.5 * s.velocities[0].length_squared() - s.positions[0].length().recip();
-                    worst = worst.max((energy + 0.5).abs());
-                },
-            )
+            let (mut method, system, n) = (entry.build(), System::atoms(1), (1.0 / dt).round());
+            run(&mut method, &system, &mut KeplerForces, &mut state, dt, n as u64, |s, _| {
+                let energy =
+                    0.5 * s.velocities[0].length_squared() - s.positions[0].length().recip();
+                worst = worst.max((energy + 0.5).abs());
+            })
             .unwrap();
             worst
         };
@@ -250,14 +238,8 @@ fn distance_after_return(entry: &IntegratorEntry, dt: f64, n: u64) -> f64 {
     }
     integrator.start(&system, &mut state, &mut Cluster, dt, Want::NOTHING).unwrap();
     steps(&mut integrator, &system, &mut state, &mut Cluster, dt, n);
-    let pairs = |a: &[DVec3], b: &[DVec3], sign: f64| {
-        a.iter().zip(b).map(|(x, y)| (*x - sign * *y).length()).fold(0.0, f64::max)
-    };
-    pairs(&state.positions, &start.positions, 1.0).max(pairs(
-        &state.velocities,
-        &start.velocities,
-        -1.0,
-    ))
+    let back: Vec<DVec3> = state.velocities.iter().map(|v| -*v).collect();
+    farthest(&state.positions, &start.positions).max(farthest(&back, &start.velocities))
 }
 
 #[test]
@@ -414,21 +396,9 @@ fn methods_that_accept_damping_follow_it_at_their_order() {
         let error = |steps: u64| {
             let dt = 2.0 / steps as f64;
             let mut forces = HarmonicForces::new(1.0).with_damping(0.5);
-            let mut state = State::new(
-                lennard_core::PeriodicBox::boundless(),
-                vec![DVec3::X],
-                vec![DVec3::ZERO],
-            );
-            run(
-                &mut entry.build(),
-                &System::atoms(1),
-                &mut forces,
-                &mut state,
-                dt,
-                steps,
-                |_, _| {},
-            )
-            .unwrap();
+            let mut state = one(DVec3::X, DVec3::ZERO);
+            let (mut method, system) = (entry.build(), System::atoms(1));
+            run(&mut method, &system, &mut forces, &mut state, dt, steps, |_, _| {}).unwrap();
             let exact = ExactOscillator::new(1.0, 0.5, 1.0).map(2.0).x_axis;
             (state.positions[0].x - exact.x).abs()
         };

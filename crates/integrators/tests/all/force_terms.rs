@@ -1,11 +1,11 @@
 //! Forces are terms that add, and baths leave steps together.
 
-use crate::common::{Cluster, cluster};
+use crate::common::{Cluster, cluster, free};
 use crate::measure::run;
 use lennard_core::random::Streams;
 use lennard_core::{
-    Backend, Configuration, DVec3, ForceSum, ForceTerm, FusedSteps, Masses, Part, PeriodicBox,
-    Persist, State, StateArchive, System, Want,
+    Backend, Configuration, DVec3, ForceSum, ForceTerm, FusedSteps, Masses, Part, Persist, State,
+    StateArchive, System, Want,
 };
 use lennard_integrators::oscillator::HarmonicForces;
 use lennard_integrators::{IntegratorOptions, ThermostatOptions, build};
@@ -17,7 +17,7 @@ fn trapped() -> ForceSum<Cluster> {
 
 fn start() -> State {
     let (positions, velocities) = cluster(3, 0.5, 3);
-    State::new(PeriodicBox::boundless(), positions, velocities)
+    free(positions, velocities)
 }
 
 #[test]

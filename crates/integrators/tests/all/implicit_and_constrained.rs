@@ -1,6 +1,6 @@
 //! The methods that solve equations within a step: implicit Euler and SPOOK.
 
-use crate::common::{Cluster, cluster};
+use crate::common::{Cluster, cluster, free, one};
 use crate::measure::{CountingForces, KeplerForces};
 use lennard_core::{
     Backend, DVec3, ForceTerm, Integrator, Masses, Part, State, StepError, System, Want,
@@ -37,7 +37,7 @@ fn implicit_euler_solves_its_equations_at_any_step() {
         let (positions, velocities) = cluster(4, 2.0, 5);
         let mut system = System::atoms(64);
         system.masses = Masses::Each((0..64).map(|i| 1.0 + f64::from(i % 2)).collect());
-        let mut state = State::new(lennard_core::PeriodicBox::boundless(), positions, velocities);
+        let mut state = free(positions, velocities);
         let mut integrator = implicit();
         integrator.start(&system, &mut state, &mut Cluster, dt, Want::NOTHING).unwrap();
         for step in 0..20 {
@@ -58,8 +58,7 @@ fn implicit_euler_solves_its_equations_at_any_step() {
 fn implicit_euler_that_runs_out_of_iterations_says_so() {
     let mut integrator =
         Integrator::new(ImplicitEuler::new(&Options { max_iterations: 1, ..Options::default() }));
-    let mut state =
-        State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::Y]);
+    let mut state = one(DVec3::X, DVec3::Y);
     let system = System::atoms(1);
     integrator.start(&system, &mut state, &mut KeplerForces, 0.5, Want::NOTHING).unwrap();
     let result = integrator.step(&system, &mut state, &mut KeplerForces, 0.5, Want::NOTHING);
@@ -80,11 +79,7 @@ fn implicit_euler_that_runs_out_of_iterations_says_so() {
 #[test]
 fn implicit_euler_solves_a_linear_force_in_one_direction() {
     let mut forces = CountingForces::new(HarmonicForces::new(1e6));
-    let mut state = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        vec![DVec3::new(1.0, -2.0, 0.5)],
-        vec![DVec3::Y],
-    );
+    let mut state = one(DVec3::new(1.0, -2.0, 0.5), DVec3::Y);
     let system = System::atoms(1);
     let mut integrator = implicit();
     integrator.start(&system, &mut state, &mut forces, 0.1, Want::NOTHING).unwrap();
@@ -98,8 +93,7 @@ fn systems_that_do_not_suit_are_refused_by_name() {
     let constraint = || Arc::new(OscillatorConstraint::spring(1.0, 0.0));
     let mut system = System::atoms(1);
     system.constraints.push(constraint());
-    let mut state =
-        State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::ZERO]);
+    let mut state = one(DVec3::X, DVec3::ZERO);
     let mut start = |o: IntegratorOptions, system: &System| {
         let mut forces = HarmonicForces::new(1.0);
         build(&o).start(system, &mut state, &mut forces, 0.1, Want::NOTHING)
@@ -121,8 +115,7 @@ fn systems_that_do_not_suit_are_refused_by_name() {
     let mut damped = HarmonicForces::new(1.0).with_damping(0.0);
     assert!(damped.properties().splits);
     let mut unsplit = Unsplit(&mut damped);
-    let mut state =
-        State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::ZERO]);
+    let mut state = one(DVec3::X, DVec3::ZERO);
     let refused = build(&IntegratorOptions::Respa(Default::default())).start(
         &fluid,
         &mut state,
@@ -176,8 +169,7 @@ impl lennard_core::Constraint for Nowhere {
 fn a_constraint_that_cannot_be_solved_for_is_refused_at_the_step() {
     let mut system = System::atoms(1);
     system.constraints = vec![Arc::new(Nowhere)];
-    let mut state =
-        State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::ZERO]);
+    let mut state = one(DVec3::X, DVec3::ZERO);
     let mut forces = HarmonicForces::new(1.0);
     let mut method = build(&IntegratorOptions::Spook(Default::default()));
     method.start(&system, &mut state, &mut forces, 0.1, Want::NOTHING).unwrap();

@@ -5,11 +5,18 @@ use std::sync::Arc;
 use glam::{DMat2, DVec2};
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Integrator,
-    Part, PeriodicBox, Persist, RestoreError, State, StateReader, StateWriter, StepError,
-    StepReport, System, Want,
+    Part, Persist, RestoreError, State, StateReader, StateWriter, StepError, StepReport, System,
+    Want,
 };
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces, OscillatorConstraint};
-use lennard_integrators::{IntegratorEntry, OscillatorModel};
+use lennard_integrators::{IntegratorEntry, OscillatorModel, integrators};
+
+use crate::common::one;
+
+/// The methods that can run any forces F(x), with no solution known beforehand.
+pub fn general_methods() -> impl Iterator<Item = &'static IntegratorEntry> {
+    integrators().iter().filter(|e| e.oscillator != OscillatorModel::ExactSolution)
+}
 
 /// Starts the method and makes `steps` steps of `dt`, showing state and report of each step to `look`.
 pub fn run(
@@ -169,7 +176,7 @@ impl Kepler {
     /// The state at time 0.
     pub fn start(&self) -> State {
         let (x, v) = self.at(0.0);
-        State::new(PeriodicBox::boundless(), vec![x], vec![v])
+        one(x, v)
     }
 }
 
@@ -219,8 +226,7 @@ pub fn oscillation(
             forces = HarmonicForces::new(0.0);
         }
     }
-    let along_x = |x: f64| vec![DVec3::X * x];
-    let mut state = State::new(PeriodicBox::boundless(), along_x(start.x), along_x(start.y));
+    let mut state = one(DVec3::X * start.x, DVec3::X * start.y);
     let mut path = vec![start];
     run(&mut entry.build(), &system, &mut forces, &mut state, dt, steps, |s, _| {
         path.push(DVec2::new(s.positions[0].x, s.velocities[0].x));

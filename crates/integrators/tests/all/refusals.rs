@@ -2,18 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::measure::{Kepler, KeplerForces, run};
+use crate::common::one;
+use crate::measure::{Kepler, KeplerForces, general_methods, run};
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Integrator,
-    Part, State, StepError, System, Want,
+    Part, StepError, System, Want,
 };
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces};
-use lennard_integrators::{IntegratorEntry, IntegratorOptions, OscillatorModel, integrators};
-
-/// The methods that can run any forces F(x), with no solution known beforehand.
-fn general_methods() -> impl Iterator<Item = &'static IntegratorEntry> {
-    integrators().iter().filter(|e| e.oscillator != OscillatorModel::ExactSolution)
-}
+use lennard_integrators::{IntegratorOptions, OscillatorModel, integrators};
 
 /// Forces that turn bad: after so many evaluations, either by an error or silently.
 struct Failing {
@@ -54,15 +50,8 @@ fn forces_that_are_not_finite_stop_the_run() {
         for silently in [false, true] {
             let mut forces = Failing { good_evaluations: 50, silently };
             let mut state = Kepler::for_orders().start();
-            let result = run(
-                &mut entry.build(),
-                &System::atoms(1),
-                &mut forces,
-                &mut state,
-                0.01,
-                100,
-                |_, _| {},
-            );
+            let (mut method, system) = (entry.build(), System::atoms(1));
+            let result = run(&mut method, &system, &mut forces, &mut state, 0.01, 100, |_, _| {});
             let name = entry.spec.name;
             assert!(
                 matches!(result, Err(StepError::Force(ForceError::NonFiniteForce { particle: 0 }))),
@@ -76,8 +65,7 @@ fn forces_that_are_not_finite_stop_the_run() {
 fn forces_that_depend_on_velocities_are_refused_where_the_method_assumes_none() {
     for entry in general_methods() {
         let mut forces = HarmonicForces::new(1.0).with_damping(0.1);
-        let mut state =
-            State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::Y]);
+        let mut state = one(DVec3::X, DVec3::Y);
         let mut integrator = entry.build();
         let started =
             integrator.start(&System::atoms(1), &mut state, &mut forces, 0.1, Want::NOTHING);
@@ -98,11 +86,7 @@ fn impossible_steps_are_refused() {
             let mut system = System::atoms(1);
             system.exact = Some(exact);
             let mut forces = HarmonicForces::new(1.0);
-            let mut state = State::new(
-                lennard_core::PeriodicBox::boundless(),
-                vec![DVec3::X],
-                vec![DVec3::ZERO],
-            );
+            let mut state = one(DVec3::X, DVec3::ZERO);
             let mut integrator = entry.build();
             let refused = |r: Result<(), StepError>| matches!(r, Err(StepError::BadStep(_)));
             let name = entry.spec.name;
@@ -209,8 +193,7 @@ fn only_some_start(own: ForceProperties, takes: impl Fn(&Integrator) -> bool, wh
     let mut started = 0;
     for entry in general_methods() {
         let mut method = entry.build();
-        let mut state =
-            State::new(lennard_core::PeriodicBox::boundless(), vec![DVec3::X], vec![DVec3::ZERO]);
+        let mut state = one(DVec3::X, DVec3::ZERO);
         let mut forces = InFlight { forces: HarmonicForces::new(1.0), own };
         let mut system = System::atoms(1);
         if entry.oscillator == OscillatorModel::Constraint {

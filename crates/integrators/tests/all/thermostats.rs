@@ -1,6 +1,6 @@
 //! Each heat bath against its conserved quantity and its canonical distribution.
 
-use crate::common::{KS_LIMIT, distance_from_gamma};
+use crate::common::{KS_LIMIT, distance_from_gamma, free, one};
 use lennard_core::random::Streams;
 use lennard_core::{
     Backend, Constraint, DVec3, Integrator, Momentum, NoForces, State, Step, System, Thermostat,
@@ -34,7 +34,7 @@ fn canonical_start(n: usize, seed: u64, temperature: f64) -> State {
             .collect::<Vec<_>>()
     };
     let positions = draw();
-    State::new(lennard_core::PeriodicBox::boundless(), positions, draw())
+    free(positions, draw())
 }
 
 fn baoab(friction: f64, temperature: f64, seed: u64) -> Integrator {
@@ -119,11 +119,7 @@ fn rescaling_sets_exactly_the_wanted_temperature_on_its_steps_and_nothing_on_oth
 #[test]
 fn baths_leave_a_system_at_rest_at_rest() {
     for mut bath in rescaling_baths() {
-        let mut state = State::new(
-            lennard_core::PeriodicBox::boundless(),
-            vec![DVec3::ZERO; 3],
-            vec![DVec3::ZERO; 3],
-        );
+        let mut state = free(vec![DVec3::ZERO; 3], vec![DVec3::ZERO; 3]);
         let heat = apply(bath.as_mut(), Momentum::Conserved, &mut state, 0.005);
         assert_eq!(heat, None);
         assert_eq!(state.velocities, [DVec3::ZERO; 3]);
@@ -184,8 +180,7 @@ fn stochastic_rescaling_serves_a_single_degree_of_freedom() {
     system.constraints = vec![rigid(), rigid()];
     assert_eq!(system.n_dof(Momentum::Conserved), 1.0);
     let mut bath = bussi_bath(0.5, 13);
-    let boundless = lennard_core::PeriodicBox::boundless();
-    let mut state = State::new(boundless, vec![DVec3::ZERO], vec![DVec3::X]);
+    let mut state = one(DVec3::ZERO, DVec3::X);
     let n = 20_000_u64;
     let (mut sum, mut positive) = (0.0, 0_u64);
     for step in 1..=n {

@@ -1,7 +1,7 @@
 //! Methods of the Verlet family that are the same method, and energies that are known of them. The study of stability
 //! judges the claims about their orders.
 
-use crate::common::{Cluster, cluster};
+use crate::common::{Cluster, cluster, farthest, free, one};
 use crate::measure::run;
 use lennard_core::{DVec3, State, System};
 use lennard_integrators::integrators;
@@ -10,14 +10,10 @@ use lennard_integrators::oscillator::HarmonicForces;
 fn end_of_run(name: &str, steps: u64) -> State {
     let entry = integrators().iter().find(|e| e.spec.name == name).unwrap();
     let (positions, velocities) = cluster(3, 0.5, 3);
-    let mut state = State::new(lennard_core::PeriodicBox::boundless(), positions, velocities);
+    let mut state = free(positions, velocities);
     run(&mut entry.build(), &System::atoms(27), &mut Cluster, &mut state, 0.004, steps, |_, _| {})
         .unwrap();
     state
-}
-
-fn distance(a: &[DVec3], b: &[DVec3]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| (*x - *y).length()).fold(0.0, f64::max)
 }
 
 #[test]
@@ -33,23 +29,19 @@ fn velocity_verlet_leapfrog_and_stormer_verlet_with_central_velocities_are_one_m
         let other = end_of_run(name, 100);
         // Equal except for rounding: positions near 2 give 4e-16 a step, over h = 0.004 in the velocity,
         // and the cluster's collisions let 100 steps of it grow by less than 10.
-        let x = distance(&other.positions, &reference.positions);
-        let v = distance(&other.velocities, &reference.velocities);
+        let x = farthest(&other.positions, &reference.positions);
+        let v = farthest(&other.velocities, &reference.velocities);
         assert!(x < 1e-11 && v < 1e-10, "{name}: {x:e} {v:e}");
     }
     // Another method differs by far more: the comparison can tell.
     let euler = end_of_run("symplectic-euler", 100);
-    assert!(distance(&euler.positions, &reference.positions) > 1e-4);
+    assert!(farthest(&euler.positions, &reference.positions) > 1e-4);
 }
 
 /// Means of the kinetic energy on whole steps and on half steps and of the potential energy, of oscillators with ω = 1.
 fn mean_energies(entry: &lennard_integrators::IntegratorEntry, dt: f64) -> (f64, f64, f64) {
     let system = System::atoms(1);
-    let mut state = State::new(
-        lennard_core::PeriodicBox::boundless(),
-        vec![DVec3::new(1.0, 0.0, -0.3)],
-        vec![DVec3::new(0.0, 0.5, 0.2)],
-    );
+    let mut state = one(DVec3::new(1.0, 0.0, -0.3), DVec3::new(0.0, 0.5, 0.2));
     let (mut whole, mut half, mut potential) = (0.0, 0.0, 0.0);
     // Whole turns of the discrete map leave nothing of the oscillating parts but what the last one lacks.
     let steps = 200_000;
