@@ -82,24 +82,6 @@ fn coexisting_phases_have_equal_pressure_and_chemical_potential_up_to_the_critic
 }
 
 #[test]
-fn vapor_pressure_follows_clausius_and_clapeyron() {
-    // dp/dT = (s_v − s_l)/(v_v − v_l), with the entropies from u and the chemical potential.
-    for equation in crate::with_liquid() {
-        let t = 0.8 * equation.spec().critical.temperature;
-        let h = f64::EPSILON.cbrt() * t;
-        let p = |t: f64| equation.saturation(t).unwrap().pressure;
-        let slope = (p(t + h) - p(t - h)) / (2.0 * h);
-        let s = equation.saturation(t).unwrap();
-        let enthalpy =
-            |rho: f64| equation.potential_energy(rho, t) + equation.pressure(rho, t) / rho;
-        let heat = enthalpy(s.vapor_density) - enthalpy(s.liquid_density);
-        let volume = 1.0 / s.vapor_density - 1.0 / s.liquid_density;
-        // Central difference of a smooth function.
-        assert!((slope * t * volume / heat - 1.0).abs() < 1e-7);
-    }
-}
-
-#[test]
 fn critical_point_is_where_pressure_is_flat() {
     for equation in crate::with_liquid() {
         let c = equation.spec().critical;
