@@ -81,7 +81,7 @@ fn text_formats_read_back_to_the_bit() {
     let path = folder.path().join("trajectory");
     let states = states();
     let last = &states[2];
-    for format in [TrajectoryFormat::XyzGz, TrajectoryFormat::LammpsDump] {
+    for format in [TrajectoryFormat::Xyz, TrajectoryFormat::XyzGz, TrajectoryFormat::LammpsDump] {
         for wrapped in [false, true] {
             let style = FrameStyle { wrapped, forces: true, ..style(format) };
             write(&path, format, &style, &states);

@@ -68,23 +68,6 @@ fn the_dialect_is_written_byte_for_byte() {
 }
 
 #[test]
-fn unwrapped_frames_read_back_to_the_bit() {
-    let style = FrameStyle { wrapped: false, forces: true, ..style() };
-    let state = system(5000, 40.0, 1);
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("t.xyz");
-    write_frame(&path, &style, &frame(&state)).unwrap();
-    let read = frames_of(&std::fs::read(&path).unwrap()).unwrap();
-    assert_eq!(read.len(), 1);
-    assert_eq!(read[0].positions, state.positions);
-    assert_eq!(read[0].velocities.as_ref(), Some(&state.velocities));
-    assert_eq!(read[0].forces.as_ref(), Some(&state.forces));
-    assert_eq!((read[0].step, read[0].time), (Some(1200), Some(4.8)));
-    assert_eq!(read[0].cell, Some(cell()));
-    assert_eq!(read[0].species.names, ["Ar"]);
-}
-
-#[test]
 fn the_same_bytes_are_written_for_any_number_of_threads() {
     let state = system(20_000, 2.0, 2);
     let text = |threads| {
