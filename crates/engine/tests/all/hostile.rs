@@ -181,6 +181,7 @@ fn metadata_that_does_not_fit_is_refused() {
         },
         "scene and checkpoint disagree whether there is a",
     );
+    refused(&|c| c.metadata.files.clear(), "it does not say how long thermo.csv was");
     refused(&|c| c.scene.push_str("[[stage]]\n"), "does not fit its own scene");
     refused(&with("stage", &[0, 7]), "steps after ");
     refused(&with("stage", &[9, 1]), "stage 9 of 2");
