@@ -34,7 +34,8 @@ def test_the_cells_of_a_notebook_run_in_order(notebook, tmp_path):
     cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
     code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
     environment = {**os.environ, "MPLBACKEND": "svg"}
-    command = [sys.executable, "-c", "\n".join(code)]
+    # Half of the steps: errors are known from them too, and the cells want differences within errors.
+    command = [sys.executable, "-c", "\n".join(code).replace("20_000", "10_000")]
     # A notebook names files of the repository from its own folder.
     folder = tmp_path / "python" / "examples"
     folder.mkdir(parents=True)
