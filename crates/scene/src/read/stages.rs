@@ -8,20 +8,27 @@ use lennard_integrators::{
     OscillatorModel, ThermostatOptions, respa,
 };
 use lennard_observables::ObservableOptions;
+use serde::Deserialize;
 use toml::{Table, Value};
 
 use crate::methods;
 use crate::read::Reader;
 use crate::section::Section;
 use crate::tables::stages::{
-    BarostatKeys, Ends, IntegratorKeys, ObservableKeys, PressureRamp, RampKeys, SplitKeys,
-    StageKeys, TemperatureRamp, Without,
+    BarostatKeys, Ends, IntegratorKeys, ObservableKeys, SplitKeys, StageKeys, Without,
 };
 use crate::{IntegratorTable, Name, ObservableTable, Output, PressureControl, SceneError, Stage};
 
+/// A ramp as it is written; the reference knows the ranges of each.
+#[derive(Deserialize)]
+struct Written {
+    from: Option<f64>,
+    to: Option<f64>,
+}
+
 impl Reader<'_> {
     /// Takes a key whose value is a table `{ from, to }`; a plain number stays where it is.
-    pub fn ramp<R: RampKeys>(
+    pub fn ramp(
         &self,
         table: &mut Table,
         key: &str,
@@ -34,7 +41,7 @@ impl Reader<'_> {
         table.remove(key);
         let path = section.name(key);
         let section = Section::new(self.source, &path, of_ramp);
-        let [from, to] = section.read::<R>(&ramp)?.ends();
+        let Written { from, to } = section.read(&ramp)?;
         Ok(Some(Ends {
             from: Some(section.needed(&ramp, "from", from)?),
             to: section.needed(&ramp, "to", to)?,
@@ -60,7 +67,7 @@ impl Reader<'_> {
         let Some(mut table) = self.part(stage, "barostat", &names, written)? else {
             return Ok(None);
         };
-        let ramp = self.ramp::<PressureRamp>(&mut table, "pressure", &section, RAMP)?;
+        let ramp = self.ramp(&mut table, "pressure", &section, RAMP)?;
         let keys: BarostatKeys = section.shared(&mut table)?;
         let options: BarostatOptions = section.method(&table)?;
         let Some(pressure) = ramp.or(keys.pressure.and_then(|p| p.constant())) else {
@@ -195,8 +202,7 @@ impl Reader<'_> {
         let mut table = table.clone();
         let [thermostat, barostat, exchange] =
             ["thermostat", "barostat", "exchange"].map(|part| table.remove(part));
-        let ramp =
-            self.ramp::<TemperatureRamp>(&mut table, "temperature", &section, "stage.temperature")?;
+        let ramp = self.ramp(&mut table, "temperature", &section, "stage.temperature")?;
         let keys: StageKeys = section.read(&table)?;
         let written = section.needed(&table, "name", keys.name)?;
         let steps = section.needed(&table, "steps", keys.steps)?;

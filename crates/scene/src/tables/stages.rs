@@ -4,11 +4,10 @@ use lennard_core::options::MOST_STEPS;
 use std::fmt;
 
 use lennard_core::Ramp;
-use lennard_core::options::{OptionValue, Options};
+use lennard_core::options::OptionValue;
 use lennard_forcefield::SplitOptions;
 use lennard_integrators::{BarostatOptions, ExchangeOptions, IntegratorOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::Name;
@@ -140,7 +139,7 @@ lennard_core::options! {
     /// The keys of a barostat that all kinds have.
     pub(crate) struct BarostatKeys {
         /// Pressure to hold, or a ramp `{ from, to }`.
-        pressure: Option<Ramped<PressureRamp>> = None, else "needed", ZeroOrBetween(LEAST_PRESSURE, LARGEST_PRESSURE), in "ε/σ³";
+        pressure: Option<Ramped> = None, else "needed", ZeroOrBetween(LEAST_PRESSURE, LARGEST_PRESSURE), in "ε/σ³";
     }
 }
 
@@ -163,52 +162,31 @@ impl From<&PressureControl> for BarostatTable {
     }
 }
 
-/// A quantity that changes linearly with the steps of a stage.
-pub(crate) trait RampKeys: Options + DeserializeOwned {
-    fn between(from: f64, to: f64) -> Self;
-    fn ends(&self) -> [Option<f64>; 2];
-}
-
-macro_rules! ramps {
-    ($($ramp:ident)*) => {$(
-        impl RampKeys for $ramp {
-            fn between(from: f64, to: f64) -> Self {
-                Self { from: Some(from), to: Some(to) }
-            }
-            fn ends(&self) -> [Option<f64>; 2] {
-                [self.from, self.to]
-            }
-        }
-    )*};
-}
-
-ramps! { TemperatureRamp PressureRamp }
-
 /// A number, or a ramp as a table. A reader takes ramps out first, and reads each in its own section.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, from = "f64")]
-pub(crate) enum Ramped<R> {
+pub(crate) enum Ramped {
     Constant(f64),
-    Linear(R),
+    Linear { from: f64, to: f64 },
 }
 
-impl<R> Ramped<R> {
+impl Ramped {
     /// The ends of a plain number.
     pub fn constant(&self) -> Option<Ends> {
         match self {
             Self::Constant(to) => Some(Ends { from: None, to: *to }),
-            Self::Linear(_) => None,
+            Self::Linear { .. } => None,
         }
     }
 }
 
-impl<R> From<f64> for Ramped<R> {
+impl From<f64> for Ramped {
     fn from(number: f64) -> Self {
         Self::Constant(number)
     }
 }
 
-impl<R: Serialize> OptionValue for Ramped<R> {
+impl OptionValue for Ramped {
     fn written(&self) -> String {
         as_toml(self)
     }
@@ -221,10 +199,10 @@ pub(crate) struct Ends {
     pub to: f64,
 }
 
-impl<R: RampKeys> From<Ends> for Ramped<R> {
+impl From<Ends> for Ramped {
     fn from(ends: Ends) -> Self {
         match ends.from {
-            Some(from) => Self::Linear(R::between(from, ends.to)),
+            Some(from) => Self::Linear { from, to: ends.to },
             None => Self::Constant(ends.to),
         }
     }
@@ -310,7 +288,7 @@ lennard_core::options! {
         /// Number of steps.
         steps: Option<u64> = None, else "needed", Whole(1, MOST_STEPS);
         /// Temperature of the thermostat, or a ramp `{ from, to }`.
-        temperature: Option<Ramped<TemperatureRamp>> = None, else "`system.temperature`", Between(COLDEST, HOTTEST), in "ε/k_B";
+        temperature: Option<Ramped> = None, else "`system.temperature`", Between(COLDEST, HOTTEST), in "ε/k_B";
         /// Time step of this stage.
         dt: Option<f64> = None, else "`integrator.dt`", Between(SHORTEST_STEP, LONGEST_STEP), in "τ";
         /// Whether observables and the trajectory look at this stage. Measured stages must be alike in dt, thermostat, barostat and temperature, since their samples are pooled.
