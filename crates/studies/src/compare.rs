@@ -3,10 +3,8 @@
 mod beside;
 mod beside_page;
 mod card;
-mod missing;
 pub mod own_literature;
 mod phase;
-mod primary;
 mod read;
 mod rows;
 mod runs_of_others;

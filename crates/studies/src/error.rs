@@ -5,6 +5,7 @@ use lennard_core::StepError;
 use lennard_core::parallel::PoolError;
 use lennard_forcefield::ForceFieldError;
 use lennard_io::WriteError;
+use lennard_scene::SceneError;
 
 /// Why a study fails.
 #[derive(Debug, thiserror::Error)]
@@ -28,10 +29,13 @@ pub enum StudyError {
     /// Forces that a study makes itself cannot be built.
     #[error("forces of the study: {0}")]
     ForceField(#[from] ForceFieldError),
-    /// Settings that do not go together, or do not fit the scene.
+    /// A scene, or a setting laid over it, is wrong.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Settings that do not go together, or what was asked for in vain.
     #[error("{label}: {reason}")]
     Settings {
-        /// The settings in a line.
+        /// The settings in a line, or what they stand in.
         label: String,
         /// What is wrong with them.
         reason: String,
@@ -47,6 +51,12 @@ pub enum StudyError {
         /// What happened.
         source: lennard_core::ForceError,
     },
+    /// Forces failed while they were timed, or at the end of a run.
+    #[error("the forces failed: {0}")]
+    Forces(#[from] lennard_core::ForceError),
+    /// A run that must not fail did, or nothing is left to choose among.
+    #[error("{0}")]
+    Nothing(String),
     /// There is no pool of so many threads.
     #[error("starting threads: {0}")]
     Threads(#[from] PoolError),

@@ -7,8 +7,6 @@ use std::time::Duration;
 
 use lennard_core::parallel;
 
-use crate::StudyError;
-
 /// Time between two looks at how far the jobs are.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
 /// Time between two looks at whether a start is still wanted.
@@ -27,14 +25,6 @@ pub(crate) fn side_by_side<I: Sync, R: Send>(
     side_by_side_on(rayon::current_num_threads(), items, work, done)
 }
 
-/// [`side_by_side`] without progress.
-pub(crate) fn side_by_side_quietly<I: Sync, R: Send>(
-    items: &[I],
-    work: impl Fn(&I) -> R + Sync,
-) -> Vec<R> {
-    side_by_side(items, work, |_| {})
-}
-
 /// [`side_by_side`] on at most `threads` threads.
 pub(crate) fn side_by_side_on<I: Sync, R: Send>(
     threads: usize,
@@ -42,7 +32,7 @@ pub(crate) fn side_by_side_on<I: Sync, R: Send>(
     work: impl Fn(&I) -> R + Sync,
     mut done: impl FnMut(f64),
 ) -> Vec<R> {
-    let on_one_thread = |_: usize, item: &I| match pool(1) {
+    let on_one_thread = |_: usize, item: &I| match parallel::pool(1) {
         Ok(pool) => pool.install(|| work(item)),
         // Without a pool of its own the job runs as well, only on more threads.
         Err(_) => work(item),
@@ -114,11 +104,6 @@ pub(crate) fn unless_stopped<T: Send + 'static>(
             Err(RecvTimeoutError::Disconnected) => return None,
         }
     }
-}
-
-/// A pool of `threads` threads.
-pub(crate) fn pool(threads: usize) -> Result<rayon::ThreadPool, StudyError> {
-    Ok(parallel::pool(threads)?)
 }
 
 /// Takes how far a study is; the command line shows it as a bar.

@@ -1,18 +1,16 @@
 //! Kernels, precisions and numbers of threads beside one another, and skins around the one that the scene gets.
 
-use std::path::Path;
-
 use lennard_core::Want;
 use lennard_engine::stopwatch::{Spread, Stopwatch, in_turn};
 use lennard_engine::{bare, take};
 use lennard_forcefield::{ForcePlan, Isa, measure};
 use lennard_scene::Scene;
 
-use super::{BenchError, KernelResult, SkinPoint, SkinStudy, doubts, load};
-use crate::Progress;
-use crate::jobs::pool;
+use super::{BenchOptions, KernelResult, SkinPoint, SkinStudy, doubts, load};
 use crate::lab::Start;
 use crate::report::counted;
+use crate::{Progress, StudyError};
+use lennard_core::parallel::pool;
 
 /// Evaluations and builds that each repeat times alone. The best counts: on a busy machine most of such short times are
 /// disturbed.
@@ -30,20 +28,14 @@ fn kernel(plan: &ForcePlan) -> String {
 }
 
 /// The variants that the options ask for, each once; the first is the one that `auto` would choose.
-pub(super) fn variants(
-    file: &Path,
-    overrides: &[(String, String)],
-    isas: &[String],
-    precisions: &[String],
-    threads: &[usize],
-) -> Result<Vec<Variant>, BenchError> {
+pub(super) fn variants(options: &BenchOptions) -> Result<Vec<Variant>, StudyError> {
     let or = |given: &[String], all: Vec<&'static str>| -> Vec<String> {
         if given.is_empty() { all.into_iter().map(str::to_owned).collect() } else { given.to_vec() }
     };
-    let isas = or(isas, lennard_forcefield::available_isas());
-    let precisions = or(precisions, vec!["double", "mixed"]);
+    let isas = or(&options.isas, lennard_forcefield::available_isas());
+    let precisions = or(&options.precisions, vec!["double", "mixed"]);
     let available = lennard_core::parallel::processors();
-    let mut threads = match threads {
+    let mut threads = match &options.threads[..] {
         [] => vec![1, available],
         given => given.to_vec(),
     };
@@ -53,8 +45,8 @@ pub(super) fn variants(
         for precision in &precisions {
             let settings = [("kernel.isa", isa), ("kernel.precision", precision)];
             let settings = settings.map(|(key, value)| (key.to_owned(), value.clone()));
-            let overrides: Vec<_> = overrides.iter().cloned().chain(settings).collect();
-            let scene = bare(&load(file, &overrides)?);
+            let overrides: Vec<_> = options.overrides.iter().cloned().chain(settings).collect();
+            let scene = bare(&load(&options.scene, &overrides)?);
             // Says here what does not fit, with the key; and what really runs.
             let beginning = lennard_engine::start(&scene)?;
             let (_, forces) = lennard_engine::forces(&scene, beginning.cell, &beginning.species)?;
@@ -78,7 +70,7 @@ pub(super) fn kernels(
     blocks: &Blocks<'_>,
     pairs_per_atom: f64,
     progress: &mut dyn Progress,
-) -> Result<Vec<KernelResult>, BenchError> {
+) -> Result<Vec<KernelResult>, StudyError> {
     let configuration = || blocks.start.configuration();
     let found = blocks.measure(variants, progress, |variant| {
         let mut forces = blocks.start.forces(&variant.scene)?;
@@ -93,7 +85,7 @@ fn result(
     found: &[(Block, measure::PartTimes)],
     blocks: &Blocks<'_>,
     pairs_per_atom: f64,
-) -> Result<KernelResult, BenchError> {
+) -> Result<KernelResult, StudyError> {
     let n = blocks.start.len() as f64;
     let atom_steps = n * blocks.steps as f64;
     let of = |value: &dyn Fn(&Block) -> f64| spread(found.iter().map(|(b, _)| value(b)));
@@ -154,7 +146,7 @@ pub(super) fn skins(
     variant: &Variant,
     blocks: &Blocks<'_>,
     progress: &mut dyn Progress,
-) -> Result<Option<SkinStudy>, BenchError> {
+) -> Result<Option<SkinStudy>, StudyError> {
     let own = variant.plan.skin;
     if own <= 0.0 {
         return Ok(None);
@@ -231,8 +223,8 @@ impl Blocks<'_> {
         &self,
         variants: &[Variant],
         progress: &mut dyn Progress,
-        more: impl Fn(&Variant) -> Result<T, BenchError> + Sync,
-    ) -> Result<Vec<Vec<(Block, T)>>, BenchError> {
+        more: impl Fn(&Variant) -> Result<T, StudyError> + Sync,
+    ) -> Result<Vec<Vec<(Block, T)>>, StudyError> {
         let pools = variants.iter().map(|v| pool(v.threads));
         let pools = pools.collect::<Result<Vec<_>, _>>()?;
         let mut blocks: Vec<Vec<(Block, T)>> = variants.iter().map(|_| Vec::new()).collect();
@@ -241,14 +233,14 @@ impl Blocks<'_> {
             let variant = &variants[turn.item];
             progress.update(&variant.name, turn.done);
             let found = pools[turn.item]
-                .install(|| Ok::<_, BenchError>((self.block(&variant.scene)?, more(variant)?)))?;
+                .install(|| Ok::<_, StudyError>((self.block(&variant.scene)?, more(variant)?)))?;
             blocks[turn.item].push(found);
-            Ok::<(), BenchError>(())
+            Ok::<(), StudyError>(())
         })?;
         Ok(blocks)
     }
 
-    fn block(&self, scene: &Scene) -> Result<Block, BenchError> {
+    fn block(&self, scene: &Scene) -> Result<Block, StudyError> {
         let mut simulation = self.start.settled(scene.clone())?;
         let before = simulation.forces.statistics();
         let watch = Stopwatch::start();

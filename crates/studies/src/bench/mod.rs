@@ -9,8 +9,8 @@ mod page;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use kernels::Blocks;
-use lennard_engine::EngineError;
+use kernels::{Blocks, Variant};
+use lennard_core::parallel::pool;
 use lennard_engine::stopwatch::{BUSY, Spread};
 use lennard_forcefield::measure;
 use lennard_observables::Table;
@@ -18,7 +18,7 @@ use lennard_scene::{Scene, SceneError};
 pub use page::kernels as kernel_table;
 use serde::Serialize;
 
-use crate::jobs::{Part, pool};
+use crate::jobs::Part;
 use crate::lab::{Start, to_temperature};
 use crate::lists::unique;
 use crate::report::{Page, significant};
@@ -35,68 +35,68 @@ const FEWEST_STEPS: u64 = 20;
 /// Longer blocks of a tiny system say nothing more.
 const MOST_STEPS: u64 = 20_000;
 
-/// Whether everything that is asked for can run here; nothing is measured.
-///
-/// # Errors
-/// [`BenchError`] as from [`run`].
-pub fn check(
-    scene: &Path,
-    overrides: &[(String, String)],
-    isas: &[String],
-    precisions: &[String],
-) -> Result<(), BenchError> {
-    kernels::variants(scene, overrides, isas, precisions, &[1]).map(drop)
+/// A benchmark that can run here.
+#[derive(Debug)]
+pub struct Bench {
+    options: BenchOptions,
+    plan: Vec<Variant>,
 }
 
-/// Measures.
-///
-/// # Errors
-/// [`BenchError`] where the scene is wrong, a variant is not to be had on this machine, or its run fails.
-pub fn run(options: &BenchOptions, progress: &mut dyn Progress) -> Result<BenchStudy, BenchError> {
-    let plan = kernels::variants(
-        &options.scene,
-        &options.overrides,
-        &options.isas,
-        &options.precisions,
-        &options.threads,
-    )?;
-    let scene = &plan[0].scene;
-    let most = plan.iter().map(|variant| variant.threads).max();
-    progress.update("warming up", 0.0);
-    let (warm_steps, block) = if options.quick { WARM_QUICK } else { WARM };
-    // Where the scene of the user has a bath, the state has the temperature of its measured stage. Without one a lattice melts at
-    // constant energy and cools, as it does in a run.
-    let mut warming = scene.clone();
-    let asked = load(&options.scene, &options.overrides)?;
-    if asked.stages.iter().any(|stage| stage.thermostat.is_some()) {
-        warming.stages = vec![to_temperature(scene, lennard_engine::ENDLESS)];
+impl Bench {
+    /// Builds each variant; nothing is measured.
+    ///
+    /// # Errors
+    /// [`StudyError`] where the scene is wrong, or a variant is not to be had on this machine.
+    pub fn new(options: BenchOptions) -> Result<Self, StudyError> {
+        let plan = kernels::variants(&options)?;
+        Ok(Self { options, plan })
     }
-    let warmed = pool(most.unwrap_or(1))?.install(|| Start::warmed(warming, warm_steps, WARM_FOR));
-    let (start, seconds) = warmed?;
-    let steps = ((block / seconds) as u64).clamp(FEWEST_STEPS, MOST_STEPS);
-    let pairs = measure::work(&mut start.forces(scene)?, start.configuration())?.pairs;
-    let pairs_per_atom = pairs as f64 / start.len() as f64;
-    let blocks = Blocks { start: &start, steps, repeats: options.repeats };
-    let kernels =
-        kernels::kernels(&plan, &blocks, pairs_per_atom, &mut Part::of(progress, 0.05, 0.8))?;
-    let skin = kernels::skins(&plan[0], &blocks, &mut Part::of(progress, 0.8, 1.0))?;
-    progress.update("done", 1.0);
-    Ok(BenchStudy {
-        schema: lennard_io::schema!("bench", 1),
-        scene: scene.name.to_string(),
-        model: scene.model_name(),
-        atoms: start.len(),
-        density: start.density(),
-        r_cut: scene.truncation.r_cut,
-        pairs_per_atom,
-        temperature: start.temperature(),
-        steps,
-        repeats: options.repeats,
-        command: options.command.clone(),
-        machine: options.machine.clone(),
-        kernels,
-        skin,
-    })
+
+    /// Measures.
+    ///
+    /// # Errors
+    /// [`StudyError`] where the run of a variant fails.
+    pub fn run(&self, progress: &mut dyn Progress) -> Result<BenchStudy, StudyError> {
+        let Self { options, plan } = self;
+        let scene = &plan[0].scene;
+        let most = plan.iter().map(|variant| variant.threads).max();
+        progress.update("warming up", 0.0);
+        let (warm_steps, block) = if options.quick { WARM_QUICK } else { WARM };
+        // Where the scene of the user has a bath, the state has the temperature of its measured stage. Without one a lattice melts at
+        // constant energy and cools, as it does in a run.
+        let mut warming = scene.clone();
+        let asked = load(&options.scene, &options.overrides)?;
+        if asked.stages.iter().any(|stage| stage.thermostat.is_some()) {
+            warming.stages = vec![to_temperature(scene, lennard_engine::ENDLESS)];
+        }
+        let warmed =
+            pool(most.unwrap_or(1))?.install(|| Start::warmed(warming, warm_steps, WARM_FOR));
+        let (start, seconds) = warmed?;
+        let steps = ((block / seconds) as u64).clamp(FEWEST_STEPS, MOST_STEPS);
+        let pairs = measure::work(&mut start.forces(scene)?, start.configuration())?.pairs;
+        let pairs_per_atom = pairs as f64 / start.len() as f64;
+        let blocks = Blocks { start: &start, steps, repeats: options.repeats };
+        let kernels =
+            kernels::kernels(plan, &blocks, pairs_per_atom, &mut Part::of(progress, 0.05, 0.8))?;
+        let skin = kernels::skins(&plan[0], &blocks, &mut Part::of(progress, 0.8, 1.0))?;
+        progress.update("done", 1.0);
+        Ok(BenchStudy {
+            schema: lennard_io::schema!("bench", 1),
+            scene: scene.name.to_string(),
+            model: scene.model_name(),
+            atoms: start.len(),
+            density: start.density(),
+            r_cut: scene.truncation.r_cut,
+            pairs_per_atom,
+            temperature: start.temperature(),
+            steps,
+            repeats: options.repeats,
+            command: options.command.clone(),
+            machine: options.machine.clone(),
+            kernels,
+            skin,
+        })
+    }
 }
 
 impl Study for BenchStudy {
@@ -153,23 +153,6 @@ pub struct BenchOptions {
     pub command: String,
     /// Names and values of the machine, for the record.
     pub machine: Vec<(String, String)>,
-}
-
-/// Why there is nothing to show.
-#[derive(Debug, thiserror::Error)]
-pub enum BenchError {
-    /// The scene, or a setting laid over it, is wrong.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// A variant cannot be built or run.
-    #[error(transparent)]
-    Engine(#[from] EngineError),
-    /// The forces of a variant failed.
-    #[error("the forces failed while they were timed: {0}")]
-    Force(#[from] lennard_core::ForceError),
-    /// Results cannot be drawn or written.
-    #[error(transparent)]
-    Study(#[from] StudyError),
 }
 
 /// What was found.

@@ -19,7 +19,7 @@ fn options(set: &[(&str, &str)]) -> BenchOptions {
 
 #[test]
 fn each_variant_is_measured_once_and_its_numbers_agree_with_one_another() {
-    let study = run(&options(&[]), &mut Silent).unwrap();
+    let study = Bench::new(options(&[])).unwrap().run(&mut Silent).unwrap();
     assert_eq!(
         (study.atoms, study.kernels.len()),
         (108, 1),
@@ -46,7 +46,7 @@ fn the_state_that_is_timed_has_the_temperature_that_a_bath_of_the_scene_holds() 
     let mut options = options(&[("system.n_atoms", "864"), ("stage.melt.thermostat", "bussi")]);
     options.precisions = vec!["double".into()];
     options.repeats = 1;
-    let study = run(&options, &mut Silent).unwrap();
+    let study = Bench::new(options.clone()).unwrap().run(&mut Silent).unwrap();
     let scene = load(&options.scene, &options.overrides).unwrap();
     let wanted = lennard_engine::measured_stage(&scene).temperature;
     // Four times the canonical fluctuation of 864 particles, T·√(2/3N).
@@ -58,7 +58,7 @@ fn the_state_that_is_timed_has_the_temperature_that_a_bath_of_the_scene_holds() 
 #[test]
 fn the_model_decides_how_many_pairs_count() {
     // (2π/3)·ρ·r_cut³ pairs per atom in a structureless fluid: near it in a dense one.
-    let study = run(&options(&[]), &mut Silent).unwrap();
+    let study = Bench::new(options(&[])).unwrap().run(&mut Silent).unwrap();
     let expected = 2.0 / 3.0 * std::f64::consts::PI * study.density * study.r_cut.powi(3);
     assert!(
         (study.pairs_per_atom / expected - 1.0).abs() < 0.1,

@@ -7,6 +7,7 @@ use lennard_forcefield::{Precision, TruncationKind};
 
 use super::panels::front;
 use super::types::{Axis, Chart, ChartedPoint, Mark, Panel};
+use crate::lists::unique;
 use crate::report::{
     self, Dash, Figure, Guide, Look, Picture, Point, Series, Symbol, plus_minus, significant,
 };
@@ -192,13 +193,7 @@ fn method(chart: &Chart, point: &ChartedPoint) -> (usize, String) {
     if point.settings.precision == Precision::Mixed {
         return (0, "mixed precision".into());
     }
-    let mut names: Vec<&str> = Vec::new();
-    for p in &chart.points {
-        let name = p.settings.integrator.name();
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
+    let names = unique(chart.points.iter().map(|p| p.settings.integrator.name()));
     let own = point.settings.integrator.name();
     let place = names.iter().position(|n| *n == own).unwrap_or(0);
     // The last symbol stands for all that come after the seventh.

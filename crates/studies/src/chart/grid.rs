@@ -1,6 +1,7 @@
 //! The settings of a chart: the points of its study file that can run from the equilibrated start.
 
 use crate::lab::Workbench;
+use crate::lists::grouped;
 use crate::settings::{Settings, truncation_is_free};
 use crate::sweep::{LeftOut, Sweep};
 use lennard_integrators::ThermostatOptions;
@@ -54,16 +55,10 @@ fn why_alike(bench: &Workbench, settings: &Settings, own: &Settings) -> Option<&
 
 /// What is left out for one reason in one entry.
 fn together(left_out: Vec<LeftOut>) -> Vec<LeftOut> {
-    let mut all: Vec<(LeftOut, usize)> = Vec::new();
-    for one in left_out {
-        match all.iter_mut().find(|(known, _)| known.why == one.why) {
-            Some((_, more)) => *more += 1,
-            None => all.push((one, 0)),
-        }
-    }
-    let in_one = |(one, more): (LeftOut, usize)| match more {
-        0 => one,
-        _ => LeftOut { what: format!("{} and {more} more", one.what), ..one },
+    let all = grouped(left_out.into_iter().map(|one| (one.why, one.what)));
+    let in_one = |(why, mut what): (String, Vec<String>)| match (what.len(), what.swap_remove(0)) {
+        (1, what) => LeftOut { what, why },
+        (n, first) => LeftOut { what: format!("{first} and {} more", n - 1), why },
     };
     all.into_iter().map(in_one).collect()
 }

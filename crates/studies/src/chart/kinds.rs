@@ -11,16 +11,8 @@ use crate::settings::Settings;
 /// Rounding of a number in double precision, 2⁻⁵³.
 const ROUNDING: f64 = 1.1e-16;
 
-/// An error of a point, as a panel takes it.
-pub(super) enum Reading {
-    Found(f64, Option<f64>),
-    Failed(String),
-    /// There is none for such settings.
-    None,
-}
-
-/// Reads the error of a kind from a point that is measured.
-pub(super) type Read = Box<dyn Fn(&ChartedPoint) -> Reading>;
+/// Reads the error of a kind from a point that is measured, or why its run failed; nothing where such settings have none.
+pub(super) type Read = Box<dyn Fn(&ChartedPoint) -> Option<Result<Error, String>>>;
 
 /// A panel without marks, and how it reads them from points.
 pub(super) struct Kind {
@@ -62,20 +54,16 @@ pub(super) enum Floor {
 }
 
 /// An error and its standard error, where it has one.
-type Error = (f64, Option<f64>);
+pub(super) type Error = (f64, Option<f64>);
 
 /// Reads what came of a part of the runs of a point.
 fn outcome<T: 'static>(
     part: impl Fn(&ChartedPoint) -> Option<&Outcome<T>> + 'static,
     read: impl Fn(&T) -> Option<Error> + 'static,
 ) -> Read {
-    Box::new(move |point| match part(point) {
-        None => Reading::None,
-        Some(Outcome::Failed(failed)) => Reading::Failed(failed.reason.clone()),
-        Some(Outcome::Found(found)) => match read(found) {
-            Some((value, error)) if value.is_finite() => Reading::Found(value, error),
-            _ => Reading::None,
-        },
+    Box::new(move |point| match part(point)? {
+        Outcome::Failed(failed) => Some(Err(failed.reason.clone())),
+        Outcome::Found(found) => read(found).filter(|(value, _)| value.is_finite()).map(Ok),
     })
 }
 
@@ -84,10 +72,7 @@ fn of_run(read: impl Fn(&Measured) -> Option<Error> + 'static) -> Read {
 }
 
 fn of_forces_at_start(read: impl Fn(&Errors) -> Option<f64> + 'static) -> Read {
-    Box::new(move |point| match point.errors.as_ref().and_then(&read) {
-        Some(error) => Reading::Found(error, None),
-        None => Reading::None,
-    })
+    Box::new(move |point| Some(Ok((read(point.errors.as_ref()?)?, None))))
 }
 
 fn value(v: Estimate) -> Option<Error> {
@@ -150,7 +135,7 @@ fn of_conservation() -> Vec<Kind> {
             "Drift of the conserved energy",
             "|drift| / (ε/τ per particle)",
             "The slope of a straight line through the conserved energy, with the standard error from the slopes of ten blocks.",
-            of_run(|m| Some((m.drift.slope, Some(m.drift.standard_error)))),
+            of_run(|m| value(m.drift)),
         ),
         kind(
             "temperatures",
@@ -207,11 +192,7 @@ fn of_thermodynamics(
     let against_equation = |pick: fn(&AgainstEquation) -> Estimate| -> Read {
         let (judged, read) =
             (judged.clone(), of_run(move |m| value(pick(m.against_equation.as_ref()?))));
-        Box::new(
-            move |point| {
-                if judged.contains(&point.number) { read(point) } else { Reading::None }
-            },
-        )
+        Box::new(move |point| judged.contains(&point.number).then(|| read(point))?)
     };
     let of_tightest = tight.measured().cloned();
     let number = tight.number;
@@ -223,7 +204,7 @@ fn of_thermodynamics(
             value(pick(m).minus(&pick(other)))
         });
         // A run is no judge of itself.
-        Box::new(move |point| if point.number == number { Reading::None } else { read(point) })
+        Box::new(move |point| (point.number != number).then(|| read(point))?)
     };
     Ok(vec![
         kind(

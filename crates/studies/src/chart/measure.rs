@@ -3,6 +3,7 @@
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use lennard_core::parallel::pool;
 use lennard_engine::stopwatch::{in_turn, shuffled};
 use lennard_forcefield::{ListMode, Precision, TruncationKind};
 use lennard_scene::Scene;
@@ -10,18 +11,17 @@ use lennard_scene::Scene;
 use super::grid::{COMMON_STEPS, Grid, grid};
 use super::store::Store;
 use super::types::{
-    Chart, ChartError, ChartOptions, ChartedPoint, Errors, Lengths, Outcome, Size, Tightest,
-    cost_by,
+    Chart, ChartOptions, ChartedPoint, Errors, Lengths, Outcome, Size, Tightest, cost_by,
 };
 use super::{panels, peers};
-use crate::jobs::{pool, side_by_side_on};
+use crate::jobs::side_by_side_on;
 use crate::lab::{self, Slopes, Workbench, modelled_work};
 use crate::settings::{Settings, truncation_is_free};
 use crate::sweep::Sweep;
 use crate::{Progress, StudyError};
 
 /// Name and version of the schema of [`Chart`].
-const SCHEMA: &str = lennard_io::schema!("chart", 3);
+const SCHEMA: &str = lennard_io::schema!("chart", 4);
 
 /// Length of the trajectories that are compared, τ: before chaos takes over.
 const SHORT_TIME: f64 = 0.25;
@@ -40,7 +40,7 @@ pub(super) fn all(
     study: &Sweep,
     options: &ChartOptions<'_>,
     progress: &mut dyn Progress,
-) -> Result<Chart, ChartError> {
+) -> Result<Chart, StudyError> {
     let store = Store::open(options.folder, scene, options.anew)?;
     progress.update("equilibrating", 0.0);
     let bench = Workbench::new(scene)?;
@@ -123,10 +123,10 @@ impl<'a> Points<'a> {
         &self,
         progress: &mut dyn Progress,
         work: impl Fn(&mut ChartedPoint) -> Result<(), StudyError> + Sync,
-    ) -> Result<(), ChartError> {
+    ) -> Result<(), StudyError> {
         let order = shuffled(self.points.len(), self.seed(), usize::MAX).into_iter();
         let waiting: Vec<usize> = order.filter(|i| !self.slot(*i).is_measured()).collect();
-        let measured: Vec<Result<(), ChartError>> = side_by_side_on(
+        let measured: Vec<Result<(), StudyError>> = side_by_side_on(
             self.options.workers,
             &waiting,
             |i| {
@@ -143,7 +143,7 @@ impl<'a> Points<'a> {
     }
 
     /// Times what is not timed often enough, one after the other, each round in another order.
-    fn time(&self, progress: &mut dyn Progress) -> Result<(), ChartError> {
+    fn time(&self, progress: &mut dyn Progress) -> Result<(), StudyError> {
         let pool = pool(self.plan.threads)?;
         in_turn(self.points.len(), self.plan.repeats, self.seed(), |turn| {
             let mut point = self.slot(turn.item);
@@ -215,7 +215,7 @@ fn against_tightest(
 }
 
 /// Adds the settings by which all others are judged, and gives their place.
-fn with_tightest(grid: &mut Grid, bench: &Workbench) -> Result<usize, ChartError> {
+fn with_tightest(grid: &mut Grid, bench: &Workbench) -> Result<usize, StudyError> {
     if grid.settings.len() < 2 {
         return Err(nothing_to_compare(grid));
     }
@@ -249,9 +249,13 @@ fn with_tightest(grid: &mut Grid, bench: &Workbench) -> Result<usize, ChartError
     Ok(grid.settings.len() - 1)
 }
 
-fn nothing_to_compare(grid: &Grid) -> ChartError {
-    let why = grid.left_out.iter().map(|l| format!("\n  {}: {}", l.what, l.why)).collect();
-    ChartError::NothingToCompare { found: grid.settings.len(), why }
+fn nothing_to_compare(grid: &Grid) -> StudyError {
+    let why: String = grid.left_out.iter().map(|l| format!("\n  {}: {}", l.what, l.why)).collect();
+    let found = grid.settings.len();
+    StudyError::Settings {
+        label: "there is nothing to compare".to_owned(),
+        reason: format!("{found} of the settings around this scene can run{why}"),
+    }
 }
 
 /// How long everything runs: a function of the scene and the grid, never of a clock.

@@ -18,8 +18,8 @@ mod types;
 pub use page::summary;
 pub use store::{POINTS, has_points};
 pub use types::{
-    Advice, Axis, Chart, ChartError, ChartOptions, ChartedPoint, Errors, Lengths, Mark, Outcome,
-    Panel, Size, Tightest,
+    Advice, Axis, Chart, ChartOptions, ChartedPoint, Errors, Lengths, Mark, Outcome, Panel, Size,
+    Tightest,
 };
 
 use lennard_scene::Scene;
@@ -34,13 +34,13 @@ use crate::{Progress, Study, StudyError};
 /// stopped, the chart has what there is.
 ///
 /// # Errors
-/// [`ChartError`] where the scene cannot be run, the folder holds something else, or a file cannot be written.
+/// [`StudyError`] where the scene cannot be run, the folder holds something else, or a file cannot be written.
 pub fn run(
     scene: &Scene,
     study: &Sweep,
     options: &ChartOptions<'_>,
     progress: &mut dyn Progress,
-) -> Result<Chart, ChartError> {
+) -> Result<Chart, StudyError> {
     let chart = measure::all(scene, study, options, progress)?;
     chart.write(options.folder)?;
     Ok(chart)

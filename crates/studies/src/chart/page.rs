@@ -215,8 +215,7 @@ fn all_points(chart: &Chart) -> Section {
     let caption = "U and P belong to the model in the same row, with its tail where it has one. \
                    Digits in brackets are one standard error in the last digits; `points.csv` has everything with n_eff.";
     let value = |p: &ChartedPoint, pick: fn(&Measured) -> Estimate| {
-        let value = p.measured().map(pick).filter(|v| v.mean.is_finite());
-        value.map(|v| (v.mean, v.standard_error))
+        p.measured().map(pick).filter(|v| v.mean.is_finite())
     };
     let table = Table::rows_of("all-points", &chart.points)
         .caption(caption)

@@ -1,7 +1,7 @@
 //! The diagrams as data: one kind of error each, never mixed.
 
 use super::advice::advice;
-use super::kinds::{Floor, Kind, Reading, kinds};
+use super::kinds::{Floor, Kind, kinds};
 use super::types::{Axis, Chart, ChartedPoint, Mark, Panel, median};
 use crate::StudyError;
 use crate::lab::Workbench;
@@ -24,10 +24,9 @@ fn panel(bench: &Workbench, chart: &Chart, kind: &Kind) -> Panel {
         .points
         .iter()
         .filter_map(|point| {
-            let (error, standard_error, failure) = match (kind.read)(point) {
-                Reading::None => return None,
-                Reading::Found(error, se) => (Some(error), se, None),
-                Reading::Failed(why) => (None, None, Some(why)),
+            let (error, standard_error, failure) = match (kind.read)(point)? {
+                Ok((error, se)) => (Some(error), se, None),
+                Err(why) => (None, None, Some(why)),
             };
             let (wall, pair_forces) = cost(bench, chart, point)?;
             let spread = point.cost().map(|c| (c.wall.lowest, c.wall.highest));

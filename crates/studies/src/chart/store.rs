@@ -6,7 +6,8 @@ use lennard_scene::Scene;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::types::{ChartError, ChartedPoint, Lengths};
+use super::types::{ChartedPoint, Lengths};
+use crate::StudyError;
 use crate::files::{SCENE_FILE, same_scene};
 
 /// Folder of the stored points.
@@ -27,7 +28,7 @@ pub(super) struct Store {
 
 impl Store {
     /// Looks whether the folder is free or belongs to this scene, before anything is computed.
-    pub(super) fn open(folder: &Path, scene: &Scene, anew: bool) -> Result<Self, ChartError> {
+    pub(super) fn open(folder: &Path, scene: &Scene, anew: bool) -> Result<Self, StudyError> {
         let store = Self { folder: folder.to_owned() };
         if anew {
             store.clear()?;
@@ -42,8 +43,12 @@ impl Store {
         Ok(store)
     }
 
-    fn other(&self, found: impl Into<String>) -> ChartError {
-        ChartError::Folder { folder: self.folder.clone(), found: found.into() }
+    fn other(&self, found: impl Into<String>) -> StudyError {
+        let found: String = found.into();
+        let reason = format!(
+            "{found}\n  allowed: an empty folder, or one that holds this chart; give another --out, or --force to begin anew"
+        );
+        StudyError::Settings { label: self.folder.display().to_string(), reason }
     }
 
     fn is_empty(&self) -> bool {
@@ -51,7 +56,7 @@ impl Store {
     }
 
     /// Removes what a chart has stored, and nothing else.
-    fn clear(&self) -> Result<(), ChartError> {
+    fn clear(&self) -> Result<(), StudyError> {
         let gone = |result: std::io::Result<()>| match result {
             Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
                 Err(self.other(format!("it cannot be cleared: {e}")))
@@ -67,7 +72,7 @@ impl Store {
     }
 
     /// Notes the scene and the plan; another plan that is there is refused.
-    pub(super) fn begin(&self, scene: &Scene, plan: &Lengths) -> Result<(), ChartError> {
+    pub(super) fn begin(&self, scene: &Scene, plan: &Lengths) -> Result<(), StudyError> {
         let file = self.folder.join(PLAN_FILE);
         if let Ok(text) = std::fs::read_to_string(&file) {
             let there: Lengths = toml::from_str(&text)
@@ -90,7 +95,7 @@ impl Store {
     }
 
     /// Stores a point as it is.
-    pub(super) fn save(&self, point: &ChartedPoint) -> Result<(), ChartError> {
+    pub(super) fn save(&self, point: &ChartedPoint) -> Result<(), StudyError> {
         self.write(&self.file(point.number), point)
     }
 
@@ -102,7 +107,7 @@ impl Store {
         toml::from_str(&std::fs::read_to_string(file).ok()?).ok()
     }
 
-    fn write(&self, file: &Path, value: &impl Serialize) -> Result<(), ChartError> {
+    fn write(&self, file: &Path, value: &impl Serialize) -> Result<(), StudyError> {
         let text = toml::to_string(value)
             .map_err(|e| self.other(format!("{} cannot be written: {e}", file.display())))?;
         Ok(lennard_io::write_text_atomically(file, &text)?)
@@ -185,7 +190,7 @@ mod tests {
     fn folders_of_something_else_are_refused_with_the_reason() {
         let folder = tempfile::tempdir().unwrap();
         let scene_1 = scene("1");
-        let says = |result: Result<Store, ChartError>, words: &str| {
+        let says = |result: Result<Store, StudyError>, words: &str| {
             let text = result.err().unwrap().to_string();
             assert!(text.contains(words), "{text}");
         };

@@ -41,15 +41,12 @@ pub(super) fn points(chart: &Chart) -> Table {
     for (name, unit, pick) in VALUES {
         let value = |p: &ChartedPoint| p.measured().map(pick);
         table = table
-            .measured(&format!("{name} [{unit}]"), |p| value(p).map(|v| (v.mean, v.standard_error)))
+            .measured(&format!("{name} [{unit}]"), value)
             .column(&format!("{name} n_eff"), |p| value(p).map(|v| v.n_effective));
     }
     table
         .column("energy RMS [epsilon per atom]", |p| p.measured().map(|m| m.energy_rms))
-        .measured("energy drift [epsilon/tau per atom]", |p| {
-            let drift = p.measured().map(|m| m.drift);
-            drift.map(|d| (d.slope, d.standard_error))
-        })
+        .measured("energy drift [epsilon/tau per atom]", |p| p.measured().map(|m| m.drift))
         .column("trajectory error [sigma]", |p| {
             let errors = p.errors.as_ref();
             errors.and_then(|e| Some(e.trajectory.found()?.distance))

@@ -1,49 +1,15 @@
 //! What is asked of a chart, what is known of its points, and what its diagrams hold.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use lennard_engine::stopwatch::BUSY;
-use lennard_scene::SceneError;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 use crate::lab::{Cost, Failed, ForceErrors, Measured, Slopes, Timing, TrajectoryError};
 use crate::settings::Settings;
 use crate::sweep::LeftOut;
-
-/// Why a chart cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum ChartError {
-    /// The output folder holds something else.
-    #[error("{}: {found}\n  allowed: an empty folder, or one that holds this chart; give another --out, or --force to begin anew", folder.display())]
-    Folder {
-        /// The folder.
-        folder: PathBuf,
-        /// What it holds.
-        found: String,
-    },
-    /// The grid has no two settings that can run.
-    #[error("there is nothing to compare: {found} of the settings around this scene can run{why}")]
-    NothingToCompare {
-        /// How many can.
-        found: usize,
-        /// Why the others cannot.
-        why: String,
-    },
-    /// The study changes what is no setting.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// Anything that goes wrong in any study.
-    #[error(transparent)]
-    Study(#[from] StudyError),
-}
-
-impl From<lennard_io::WriteError> for ChartError {
-    fn from(error: lennard_io::WriteError) -> Self {
-        Self::Study(error.into())
-    }
-}
 
 /// How many settings are tried.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

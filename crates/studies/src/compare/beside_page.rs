@@ -166,9 +166,9 @@ impl Beside {
         let table = Table::rows_of("own_literature", &self.own)
             .column("Run", |own| self.names[own.run].as_str())
             .column("Quantity", |own| quantity_words(&own.row.quantity))
-            .measured("Measured", |own| Some((own.row.measured, own.row.standard_error)))
+            .measured("Measured", |own| Some(own.row.mean()))
             .measured("Yours", |own| Some((own.given.value, own.given.error.unwrap_or(f64::NAN))))
-            .measured("Difference", |own| own.row.difference.zip(own.row.combined_error))
+            .measured("Difference", |own| own.row.off())
             .column("Verdict", |own| verdict(&own.row))
             .column("Source", |own| own.given.source.as_str());
         (!self.own.is_empty()).then(|| table.table())
@@ -214,12 +214,11 @@ fn numbered(table: &str, k: usize) -> String {
 }
 
 fn mean(row: &Row) -> Cell {
-    Cell::measured(row.measured, row.standard_error)
+    row.mean().into()
 }
 
 fn difference(row: &Row) -> Cell {
-    let pair = row.difference.zip(row.combined_error);
-    pair.map_or_else(Cell::default, |(difference, error)| Cell::measured(difference, error))
+    row.off().map_or_else(Cell::default, |(off, error)| Cell::measured(off, error))
 }
 
 fn verdict(row: &Row) -> Cell {

@@ -5,7 +5,7 @@ use lennard_literature::{EquationOfState, ModelKind, PROPERTIES, Property, equat
 use lennard_observables::quantities::{
     Mark, QUANTITIES, has_mark, quantity_name, quantity_of, quantity_unit,
 };
-use lennard_observables::{Allowed, Cell, Column, Reference, Table, Tone, Verdict, judge};
+use lennard_observables::{Allowed, Cell, Reference, Table, Tone, Verdict, judge};
 use serde::Serialize;
 
 use super::{Row, RunFolder, StateOfMatter};
@@ -225,29 +225,15 @@ pub fn card_table(card: &StateCard) -> Table {
         .column("Property", |r| {
             if r.unit.is_empty() { r.name.clone() } else { format!("{}, {}", r.name, r.unit) }
         })
-        .measured("Measured", |r| Some((r.measured, r.standard_error)))
-        .table();
+        .measured("Measured", |r| Some((r.measured, r.standard_error)));
     for (at, equation) in card.equations.iter().enumerate() {
         let tone = if equation.counts { Tone::Plain } else { Tone::Faint };
-        table.columns.push(Column {
-            cells: card.rows.iter().map(|r| Cell::rounded(r.values[at], 5).toned(tone)).collect(),
-            ..Column::headed(&equation.name)
-        });
+        table = table.column(&equation.name, |r| Cell::rounded(r.values[at], 5).toned(tone));
     }
     let width = |r: &CardRow| r.band.map(|[low, high]| significant(high - low, 2));
-    table.columns.push(Column {
-        cells: card.rows.iter().map(|r| Cell::from(width(r).map(Cell::figures))).collect(),
-        ..Column::headed("Band")
-    });
-    table.columns.push(Column {
-        cells: card
-            .rows
-            .iter()
-            .map(|r| Cell::words(r.verdict.words_beside_band()).toned(r.verdict.tone()))
-            .collect(),
-        ..Column::headed("Verdict")
-    });
-    table
+    table = table.column("Band", |r| width(r).map(Cell::figures));
+    let verdict = |r: &CardRow| Cell::words(r.verdict.words_beside_band());
+    table.column("Verdict", |r| verdict(r).toned(r.verdict.tone())).table()
 }
 
 #[cfg(test)]

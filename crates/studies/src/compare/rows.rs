@@ -1,18 +1,18 @@
 //! Quantity by quantity: what it is compared with, and how far off it may be.
 
+use lennard_core::Molecules;
 use lennard_literature::{
     EquationOfState, ModelKind, TransportProperty, equation_of_state_for, property,
 };
-use lennard_observables::quantities::{Beside, quantity_of};
-use lennard_observables::{HeldTemperature, Remark, UNCORRECTED};
+use lennard_observables::quantities::{Beside, QUANTITIES, Setting, quantity_of};
+use lennard_observables::{CORRECTED, HeldTemperature, Remark, UNCORRECTED};
 use lennard_scene::PressureControl;
 
 use super::card::spread;
-use super::missing::missing_centers;
 use super::runs_of_others::RunsOfOthers;
 use super::tail_bias::tail_bias;
 use super::verdict::Tolerance;
-use super::{Row, RunFolder, StateOfMatter, Verdict, primary};
+use super::{Row, RunFolder, StateOfMatter, Verdict};
 
 /// Energy and pressure: an equation of state that does not say how far it may be off is taken to be off by so much.
 const ENERGY: Tolerance = Tolerance::new(4.0, 0.003, 0.0);
@@ -56,7 +56,7 @@ pub(super) fn all(compared: &Compared<'_>) -> Vec<Row> {
     let run = compared.run;
     let of_positions = run.temperature_name();
     let mut primary = vec![of_positions];
-    primary.extend(primary::of(run).map(|key| -> &str { key }));
+    primary.extend(primary_of(run).map(|key| -> &str { key }));
     let of_others: Vec<String> = compared.others.names().collect();
     for name in &of_others {
         if !primary.contains(&name.as_str()) {
@@ -166,7 +166,7 @@ impl Compared<'_> {
         if let ModelKind::CutWithTail { r_cut } = self.model
             && let Some(bias) = tail_bias(run, r_cut)
         {
-            let bias = if is_pressure { bias.pressure } else { bias.potential_energy };
+            let bias = bias[usize::from(is_pressure)];
             row = row.biased_by(bias, &format!("the tail beyond a cutoff of {r_cut} σ"));
         }
         if let Some(held) = compared.finite_size_uncertainty
@@ -326,4 +326,51 @@ fn freezing_height(row: Row) -> Row {
     row.noted(format!(
         "{side} {HANSEN_VERLET}, the height at which a fluid freezes ({HANSEN_VERLET_SOURCE})"
     ))
+}
+
+/// The number of centres of mass less a third of their degrees of freedom: 1 where the total momentum is zero, 0 where it is thermal.
+fn missing_centers(sites: u64, n_dof: u64, molecules: &Molecules) -> f64 {
+    let rigid = match molecules.are_rigid() {
+        true => sites / molecules.sites() as u64 * molecules.bonds().len() as u64,
+        false => 0,
+    };
+    sites as f64 - (n_dof + rigid) as f64 / 3.0
+}
+
+/// What the readers of a run look at first.
+fn setting(run: &RunFolder) -> Setting {
+    if run.has_two_phases() {
+        Setting::Slab
+    } else if !run.scene.walls.is_empty() {
+        Setting::Walls
+    } else if run.scene.half_crystal().is_some() {
+        Setting::Fronts
+    } else {
+        Setting::Fluid
+    }
+}
+
+/// What belongs first in the table of a run, besides its temperature.
+fn primary_of(run: &RunFolder) -> impl Iterator<Item = &'static str> {
+    let setting = setting(run);
+    let of_setting = QUANTITIES.iter().filter(move |q| q.primary.contains(&setting));
+    // Of two diffusion coefficients of one slope, the one of an infinite system comes first.
+    let hidden = run.average(CORRECTED).and(Some(UNCORRECTED));
+    of_setting.map(|q| q.key).filter(move |key| Some(*key) != hidden)
+}
+
+#[cfg(test)]
+mod tests {
+    use lennard_core::Bonds;
+
+    use super::*;
+
+    #[test]
+    fn one_center_is_missing_without_total_momentum_whatever_the_bonds() {
+        assert_eq!(missing_centers(864, 3 * 864 - 3, &Molecules::ATOMS), 1.0);
+        assert_eq!(missing_centers(864, 3 * 864, &Molecules::ATOMS), 0.0);
+        let chains = |bonds| Molecules::chains(3, 1.0, bonds);
+        assert_eq!(missing_centers(300, 900 - 200 - 3, &chains(Bonds::Rigid)), 1.0);
+        assert_eq!(missing_centers(300, 900 - 3, &chains(Bonds::Springs)), 1.0);
+    }
 }

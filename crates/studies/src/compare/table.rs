@@ -27,7 +27,7 @@ pub fn table(rows: &[&Row], is_brief: bool, verdict: impl Fn(&Row) -> String) ->
             }
             if unit.is_empty() { words } else { format!("{words}, {unit}") }
         })
-        .measured("Measured", |r| Some((r.measured, r.standard_error)))
+        .measured("Measured", |r| Some(r.mean()))
         .column("Reference", |r| {
             with_or_without_error(r.reference, r.reference_error.filter(|_| !is_brief))
         })
@@ -61,7 +61,7 @@ pub fn physical(run: &ComparedRun) -> Option<Table> {
     let rows: Vec<&Row> = primary.collect();
     let table = Table::rows_of("physical", &rows)
         .column("Quantity", |r| quantity_words(&r.quantity))
-        .measured("Measured", |r| Some((r.measured, r.standard_error)))
+        .measured("Measured", |r| Some(r.mean()))
         .column("Unit", |r| r.unit.as_str());
     Some(in_units(table.table(), &units))
 }

@@ -1,7 +1,7 @@
 //! A measured number beside a reference, and what follows.
 
 use lennard_io::AverageRecord;
-use lennard_observables::{Allowed, Reference, Verdict, judge};
+use lennard_observables::{Allowed, Estimate, Reference, Verdict, judge};
 use serde::Serialize;
 
 /// A quantity of a run beside its reference. Numbers that are not finite are `null` in JSON.
@@ -126,6 +126,16 @@ impl Row {
             reason: average.reason.clone(),
             ..Self::default()
         }
+    }
+
+    /// The measured mean with its error.
+    pub(crate) fn mean(&self) -> Estimate {
+        Estimate::new(self.measured, self.standard_error, f64::NAN)
+    }
+
+    /// The difference from the reference with its error, where there is one.
+    pub(crate) fn off(&self) -> Option<(f64, f64)> {
+        self.difference.zip(self.combined_error)
     }
 
     /// Whether nothing speaks against the measured side, so that it may be held against a reference.

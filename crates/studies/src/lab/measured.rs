@@ -29,15 +29,6 @@ pub fn mean_of(values: &[Estimate]) -> Estimate {
     )
 }
 
-/// Drift of the energy that the forces conserve.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Drift {
-    /// ε/τ for each particle.
-    pub slope: f64,
-    /// Its standard error.
-    pub standard_error: f64,
-}
-
 /// A difference from an equation of state, with what is known of its error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AgainstEquation {
@@ -75,8 +66,8 @@ pub struct Measured {
     pub pressure_at_reference: Estimate,
     /// Root mean square of the energy that the forces conserve about its drift, ε per particle.
     pub energy_rms: f64,
-    /// Its drift.
-    pub drift: Drift,
+    /// Its drift, ε/τ per particle.
+    pub drift: Estimate,
     /// Beside the equation of state of this very model; absent where there is none.
     pub against_equation: Option<AgainstEquation>,
     /// Why there is none, or what belongs beside it.
@@ -116,18 +107,20 @@ impl Workbench {
             compared.unwrap_or_else(|why| (Vec::new(), why.into_iter().collect()));
         let (configurational, _) = statistics::ratio(&rows.squared_force, &rows.laplacian, cut);
         let conservation = found.conservation();
+        let measured = self.measured(settings, rows, cut, slopes)?;
         Ok(Measured {
             time: stages[1].steps as f64 * dt,
             configurational_temperature: configurational,
             temperature_difference: temperature_difference(found, cut),
             energy_rms: conservation.energy_rms_per_atom,
-            drift: Drift {
-                slope: conservation.energy_drift_per_atom_per_tau,
+            drift: Estimate {
+                mean: conservation.energy_drift_per_atom_per_tau,
                 standard_error: conservation.energy_drift_standard_error,
+                ..measured.drift
             },
             against_equation: beside(&comparison, rows, cut),
             remarks,
-            ..self.measured(settings, rows, cut, slopes)?
+            ..measured
         })
     }
 
@@ -162,7 +155,7 @@ impl Workbench {
             potential_energy_at_reference: at_reference(&rows.potential_energy, slopes.du_dt),
             pressure_at_reference: at_reference(&rows.pressure, slopes.dp_dt),
             energy_rms: line.rms,
-            drift: Drift { slope: line.slope, standard_error: line.standard_error },
+            drift: Estimate::new(line.slope, line.standard_error, line.blocks as f64),
             against_equation: self.against_equation(
                 settings,
                 temperature.mean,

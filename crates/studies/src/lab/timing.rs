@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use super::start::Start;
 use super::workbench::{Failed, ShortStage, Workbench, failed_forces};
 use crate::StudyError;
-use crate::jobs::pool;
 use crate::settings::Settings;
+use lennard_core::parallel::pool;
 
 /// Seconds for one particle and one neighbor on an ordinary processor; only plans are made with it.
 const SECONDS_PER_NEIGHBOR: f64 = 1.5e-9;

@@ -1,6 +1,6 @@
 //! Balls in a column over a plane.
 
-use lennard_core::{DVec3, StepError};
+use lennard_core::DVec3;
 use lennard_forcefield::WallOptions;
 use lennard_integrators::IntegratorOptions;
 use lennard_scene::Scene;
@@ -35,51 +35,39 @@ pub(super) fn over(wall: &WallOptions, g: f64) -> Result<Scene, StudyError> {
     Ok(scene)
 }
 
-/// Balls in a column over a plane at z = 2 σ.
-pub(super) struct Balls(Rig);
+/// Balls at heights over the plane, σ, with one velocity, σ/τ.
+pub(super) fn balls(
+    scene: &Scene,
+    (heights, speed): (&[f64], f64),
+    h: f64,
+) -> Result<Rig, StudyError> {
+    let x: Vec<DVec3> = heights.iter().map(|z| DVec3::new(5.0, 5.0, PLANE + z)).collect();
+    let v = vec![DVec3::new(0.0, 0.0, speed); x.len()];
+    rig(scene, &in_a_box(SIDE, &x, &v)?, h)
+}
 
-impl Balls {
-    /// Balls at heights over the plane, σ, with one velocity, σ/τ.
-    pub(super) fn start(
-        scene: &Scene,
-        (heights, speed): (&[f64], f64),
-        h: f64,
-    ) -> Result<Self, StudyError> {
-        let x: Vec<DVec3> = heights.iter().map(|z| DVec3::new(5.0, 5.0, PLANE + z)).collect();
-        let v = vec![DVec3::new(0.0, 0.0, speed); x.len()];
-        rig(scene, &in_a_box(SIDE, &x, &v)?, h).map(Self)
-    }
-
-    /// A step, which may fail at a wall that is too weak.
-    pub(super) fn step(&mut self) -> Result<(), StepError> {
-        self.0.try_step().map(|_| ())
-    }
-
-    /// Steps that must not fail.
-    pub(super) fn steps(&mut self, n: u64) -> Result<(), StudyError> {
-        self.0.steps(n)
-    }
-
+/// What is read of balls in a column over a plane.
+impl Rig {
     /// The height of the lowest ball over the plane, σ.
     pub(super) fn height(&self) -> f64 {
         self.height_of(0)
     }
 
     pub(super) fn height_of(&self, ball: usize) -> f64 {
-        self.0.state.positions[ball].z - PLANE
+        self.state.positions[ball].z - PLANE
     }
 
     /// The speed of the lowest ball away from the plane, σ/τ.
     pub(super) fn speed(&self) -> f64 {
-        self.0.state.velocities[0].z
+        self.state.velocities[0].z
     }
 
     pub(super) fn hits(&self) -> u64 {
-        self.0.forces.walls()[0].hits
+        self.forces.walls()[0].hits
     }
 
     /// The momentum that the plane has taken, m·σ/τ.
     pub(super) fn impulse(&self) -> f64 {
-        self.0.forces.walls()[0].impulse
+        self.forces.walls()[0].impulse
     }
 }

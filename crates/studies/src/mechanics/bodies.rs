@@ -1,7 +1,7 @@
 //! Few bodies of shipped scenes, with bonds held in any way: what the chapters of the study run.
 
 use lennard_core::{Bond, DVec3, PeriodicBox, Species, SpeciesTable, StepError, Want};
-use lennard_engine::{EngineError, bare};
+use lennard_engine::bare;
 use lennard_integrators::BondOptions;
 use lennard_integrators::bonds::{relaxation, spook, spring};
 use lennard_scene::Scene;
@@ -18,8 +18,7 @@ pub(super) const OF_TWO: f64 = 0.67;
 pub(super) fn shipped(name: &str, overrides: &[(&str, String)]) -> Result<Scene, StudyError> {
     let path = format!("shipped:/{name}.toml");
     let overrides = overrides.iter().map(|(key, value)| ((*key).to_owned(), value.clone()));
-    let scene = Scene::load(path.as_ref(), &overrides.collect::<Vec<_>>());
-    Ok(scene.map_err(EngineError::from)?)
+    Ok(Scene::load(path.as_ref(), &overrides.collect::<Vec<_>>())?)
 }
 
 /// Bodies in a cubic box.

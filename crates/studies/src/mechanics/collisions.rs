@@ -4,10 +4,11 @@ use lennard_core::{DVec3, PeriodicBox};
 use lennard_forcefield::{Hard, Response, SlitPlanes, Soft, SpringLaw, WallOptions};
 use lennard_observables::{Cell, Table};
 
-use super::ball::{Balls, PLANE, SIDE, over};
+use super::ball::{PLANE, SIDE, balls, over};
 use super::cradle;
 use crate::StudyError;
 use crate::claims::Measured;
+use crate::lab::bisect;
 use crate::report::Drawn;
 
 /// Stiffness of soft walls, ε/σ²: ω = 20 τ⁻¹.
@@ -28,9 +29,9 @@ fn rebounds(wall: &WallOptions, h: f64, phases: u32) -> Result<(Vec<f64>, f64), 
     let scene = over(wall, 0.0)?;
     for k in 0..phases {
         let phase = (f64::from(k) + 0.5) / f64::from(phases);
-        let mut ball = Balls::start(&scene, (&[(1.0 + phase) * h], -1.0), h)?;
+        let mut ball = balls(&scene, (&[(1.0 + phase) * h], -1.0), h)?;
         for _ in 0..1_000_000 {
-            if ball.step().is_err() {
+            if ball.try_step().is_err() {
                 break;
             }
             deepest = deepest.max(-ball.height());
@@ -97,10 +98,10 @@ fn damped(quick: bool, all: &mut Measured) -> Result<(), StudyError> {
 fn hertz() -> Result<[f64; 2], StudyError> {
     let h = 1e-4;
     let scene = over(&soft(SpringLaw::Hertz, 1.0), 0.0)?;
-    let mut ball = Balls::start(&scene, (&[0.5 * h], -1.0), h)?;
+    let mut ball = balls(&scene, (&[0.5 * h], -1.0), h)?;
     let (mut inside, mut deepest) = (0.0, 0.0_f64);
     for _ in 0..100_000 {
-        if ball.step().is_err() || (ball.speed() > 0.0 && ball.height() > 0.0) {
+        if ball.try_step().is_err() || (ball.speed() > 0.0 && ball.height() > 0.0) {
             break;
         }
         inside += h;
@@ -116,9 +117,9 @@ fn passes() -> Result<f64, StudyError> {
     let limit = STIFFNESS.sqrt() * room;
     let scene = over(&soft(SpringLaw::Linear, 1.0), 0.0)?;
     let is_held = |share: f64| -> Result<bool, StudyError> {
-        let mut ball = Balls::start(&scene, (&[0.1], -share * limit), 1e-3)?;
+        let mut ball = balls(&scene, (&[0.1], -share * limit), 1e-3)?;
         for _ in 0..10_000 {
-            if ball.step().is_err() {
+            if ball.try_step().is_err() {
                 return Ok(false);
             }
             if ball.speed() > 0.0 {
@@ -127,16 +128,7 @@ fn passes() -> Result<f64, StudyError> {
         }
         Ok(true)
     };
-    let (mut low, mut high) = (0.5, 2.0);
-    for _ in 0..20 {
-        let middle = 0.5 * (low + high);
-        if is_held(middle)? {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    Ok(high)
+    Ok(bisect([0.5, 2.0], 20, is_held)?[1])
 }
 
 /// A ball in gravity under each rule, dropped from 1 σ with g = 1.
@@ -153,7 +145,7 @@ fn bouncing(all: &mut Measured) -> Result<(), StudyError> {
         ("project", Response::Project, 0.0_f64),
     ] {
         let scene = over(&hard(response, restitution), 1.0)?;
-        let mut ball = Balls::start(&scene, (&[1.0], 0.0), h)?;
+        let mut ball = balls(&scene, (&[1.0], 0.0), h)?;
         heights.push((rule, restitution, 0.0, 1.0));
         // Energy after each bounce over the energy of theory, e²ⁿ, less 1.
         let mut gains: Vec<f64> = Vec::new();
@@ -190,7 +182,7 @@ fn bouncing(all: &mut Measured) -> Result<(), StudyError> {
 fn billiard(quick: bool) -> Result<[f64; 2], StudyError> {
     let bounces = if quick { 400 } else { 2000 };
     let scene = over(&hard(Response::Billiard, 1.0), 1.0)?;
-    let mut ball = Balls::start(&scene, (&[1.0], 0.0), 0.01)?;
+    let mut ball = balls(&scene, (&[1.0], 0.0), 0.01)?;
     let (mut worst, mut sums, mut counts) = (0.0_f64, [0.0; 2], [0.0; 2]);
     while ball.hits() < bounces {
         ball.steps(1)?;
@@ -207,7 +199,7 @@ fn projected() -> Result<f64, StudyError> {
     let mut worst = 0.0_f64;
     for phase in [0.1, 0.4, 0.9] {
         let scene = over(&hard(Response::Project, 0.0), 0.0)?;
-        let mut ball = Balls::start(&scene, (&[phase * 0.01], -1.0), 0.01)?;
+        let mut ball = balls(&scene, (&[phase * 0.01], -1.0), 0.01)?;
         ball.steps(2)?;
         worst = worst.max(ball.speed().abs()).max(ball.height().abs());
     }

@@ -6,10 +6,11 @@ use lennard_integrators::spook::{self, Contact, Problem, Regularisation, Solver,
 use lennard_observables::{Cell, Table};
 use lennard_scene::Scene;
 
-use super::ball::{Balls, column};
+use super::ball::{balls, column};
 use super::bodies::{in_a_box, rig, shipped};
 use crate::StudyError;
 use crate::claims::Measured;
+use crate::lab::Rig;
 
 /// A row of touching balls by springs, in small steps of velocity Verlet.
 fn by_springs(n: usize, law: &str) -> Result<Vec<f64>, StudyError> {
@@ -111,7 +112,7 @@ const COMPLIANCE: f64 = 1e-3;
 const SWEPT: usize = 10;
 
 /// Balls of diameter 1 over a plane, with contacts of SPOOK for both.
-fn balls((restitution, compliance): (f64, f64), g: f64) -> Result<Scene, StudyError> {
+fn touching((restitution, compliance): (f64, f64), g: f64) -> Result<Scene, StudyError> {
     let restitution_of_balls = ("contact.restitution", restitution.to_string());
     let overrides = [restitution_of_balls, ("contact.compliance", compliance.to_string())];
     let hard = Hard { response: Response::Contact, restitution: Some(restitution) };
@@ -121,10 +122,10 @@ fn balls((restitution, compliance): (f64, f64), g: f64) -> Result<Scene, StudyEr
 /// The restitution over 100 phases of a step that is farthest from the one that was set, less that one.
 fn restitution() -> Result<f64, StudyError> {
     let (h, mut worst) = (0.01, 0.0_f64);
-    let scene = balls((SHARE, 0.0), 0.0)?;
+    let scene = touching((SHARE, 0.0), 0.0)?;
     for k in 1..=100 {
         let above = (1.0 - f64::from(k) / 100.0) * h;
-        let mut ball = Balls::start(&scene, (&[above], -1.0), h)?;
+        let mut ball = balls(&scene, (&[above], -1.0), h)?;
         ball.steps(30)?;
         let off = ball.speed() - SHARE;
         if off.abs() > worst.abs() {
@@ -139,7 +140,7 @@ fn restitution() -> Result<f64, StudyError> {
 fn stack_at_rest() -> Result<[f64; 2], StudyError> {
     let h = 0.005;
     let heights: Vec<f64> = (0..5).map(|i| 0.1 + 1.1 * f64::from(i)).collect();
-    let mut stack = Balls::start(&balls((0.2, COMPLIANCE), 1.0)?, (&heights, 0.0), h)?;
+    let mut stack = balls(&touching((0.2, COMPLIANCE), 1.0)?, (&heights, 0.0), h)?;
     stack.steps(16_000)?;
     let before = stack.impulse();
     stack.steps(2000)?;
@@ -155,8 +156,8 @@ fn stack_at_rest() -> Result<[f64; 2], StudyError> {
 /// The largest | E/E₀ − 1 | of a ball that bounces in gravity with e = 1. In a constant field positions and v + h·f/(2m) lie on the exact parabola, so that the energy there is exact.
 fn energy(steps: u32) -> Result<f64, StudyError> {
     let h = 0.01;
-    let mut ball = Balls::start(&balls((1.0, 0.0), 1.0)?, (&[1.0], 0.0), h)?;
-    let of = |ball: &Balls| {
+    let mut ball = balls(&touching((1.0, 0.0), 1.0)?, (&[1.0], 0.0), h)?;
+    let of = |ball: &Rig| {
         let v = ball.speed() - 0.5 * h;
         0.5 * v * v + ball.height()
     };

@@ -5,9 +5,8 @@ use lennard_observables::{Cell, Table, Tone};
 use serde::Serialize;
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF};
 
-use super::blocks::{Blocks, EQUATIONS, PICTURES, TOGETHER};
+use super::blocks::{Blocks, EQUATIONS, PICTURES, StudyPoints, TOGETHER};
 use super::points::Kind;
-use super::study::StudyPoints;
 use crate::compare::{
     CardRow, ComparedRun, Row, StateCard, Verdict, capital, is_a_part, quantity_words,
 };
@@ -233,14 +232,9 @@ pub(super) struct Deviation {
     pub relative: f64,
 }
 
-/// One property of one point, less the value of each equation.
-struct Item<'a> {
-    point: &'a str,
-    property: &'a str,
-    measured: f64,
-    /// Name, whether it counts, measured − equation, and the error of this difference.
-    equations: Vec<(&'a str, bool, f64, f64)>,
-}
+/// A property of a point less the value of an equation: the point, whether the equation counts, the difference, and its size as a part of
+/// the measured value and in errors.
+type Difference<'a> = (&'a str, bool, f64, f64, f64);
 
 /// Whether a row says anything of equations: it has an error, and is the whole of a property.
 fn judges(row: &CardRow) -> bool {
@@ -261,27 +255,18 @@ fn all(points: &[SweptPoint]) -> impl Iterator<Item = Beside<'_>> {
 
 /// Every equation for every property that has enough points.
 pub(super) fn deviations(points: &[SweptPoint]) -> Vec<Deviation> {
-    judged(all(points).map(|beside| {
-        let equations = beside.card.equations.iter().zip(beside.row.differences());
-        Item {
-            point: &beside.point.name,
-            property: &beside.row.property,
-            measured: beside.row.measured,
-            equations: equations
-                .map(|(e, difference)| (e.name.as_str(), e.counts, difference, beside.row.error))
-                .collect(),
-        }
+    summed(all(points).flat_map(|Beside { point, card, row, .. }| {
+        let equations = card.equations.iter().zip(row.differences());
+        equations.map(move |(equation, difference)| {
+            let (part, in_errors) = ((difference / row.measured).abs(), difference / row.error);
+            let key = (row.property.as_str(), equation.name.as_str());
+            (key, (point.name.as_str(), equation.counts, difference, part, in_errors))
+        })
     }))
 }
 
-/// The sums over all items, property by property.
-fn judged<'a>(items: impl Iterator<Item = Item<'a>>) -> Vec<Deviation> {
-    let each = items.flat_map(|Item { point, property, measured, equations }| {
-        equations.into_iter().map(move |(equation, counts, difference, error)| {
-            let relative = (difference / measured).abs();
-            ((property, equation), (point, counts, difference, relative, difference / error))
-        })
-    });
+/// The sums over all differences of a property from an equation, property by property.
+fn summed<'a>(each: impl Iterator<Item = ((&'a str, &'a str), Difference<'a>)>) -> Vec<Deviation> {
     let found = grouped(each.filter(|(_, (.., z))| z.is_finite())).into_iter();
     let enough = found.filter(|(_, points)| points.len() >= FEWEST);
     let mut found: Vec<Deviation> = enough
@@ -428,21 +413,22 @@ mod tests_of_equations {
     fn an_equation_that_is_exact_has_one_per_point_and_one_that_is_off_has_more() {
         // Errors of 0.1 about 2.0, each point off by one error to either side; the second equation is off by 0.3 beside.
         let names: Vec<String> = (0..20).map(|k| format!("point-{k}")).collect();
-        let item = |k: usize| {
+        let of_point = |k: usize| {
             let off = if k.is_multiple_of(2) { 0.1 } else { -0.1 };
-            Item {
-                point: &names[k],
-                property: "pressure",
-                measured: 2.0 + off,
-                equations: vec![
-                    ("exact", true, off, 0.1),
-                    ("off", false, off - 0.3, 0.1),
-                    // Of a gas alone: two points are too few.
-                    ("gas", true, if k < 2 { off } else { f64::NAN }, 0.1),
-                ],
-            }
+            // Of a gas alone: two points are too few.
+            let of_gas = if k < 2 { off } else { f64::NAN };
+            let equations =
+                [("exact", true, off), ("off", false, off - 0.3), ("gas", true, of_gas)];
+            let name = &names[k];
+            equations.map(|(equation, counts, difference)| {
+                let part = (difference / (2.0 + off)).abs();
+                (
+                    ("pressure", equation),
+                    (name.as_str(), counts, difference, part, difference / 0.1),
+                )
+            })
         };
-        let found = judged((0..20).map(item));
+        let found = summed((0..20).flat_map(of_point));
         let [exact, off] = &found[..] else { panic!("{found:?}") };
         assert_eq!((exact.equation.as_str(), exact.points), ("exact", 20));
         assert!((exact.chi_squared - 20.0).abs() < 1e-9, "{exact:?}");

@@ -5,17 +5,16 @@ use lennard_observables::{CORRECTED, UNCORRECTED};
 
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 
-use super::blocks::Blocks;
-use super::properties::{Averaged, averaged, label_of, series_of};
-use super::study::StudyPoints;
+use super::blocks::{Blocks, StudyPoints};
+use super::properties::{averaged, label_of, series_of};
 
 /// The fewest temperatures that make a line.
 const FEWEST: usize = 3;
 
-/// The line of Arrhenius, ln D = ln D₀ − E/T against 1/T, through points (T, D, standard error of D).
+/// The line of Arrhenius, ln D = ln D₀ − E/T against 1/T, through points (1/T, D, standard error of D).
 fn line_through(points: &[(f64, f64, f64)]) -> Option<Line> {
     let logarithms: Vec<(f64, f64, f64)> =
-        points.iter().map(|(t, d, error)| (1.0 / t, d.ln(), error / d)).collect();
+        points.iter().map(|(x, d, error)| (*x, d.ln(), error / d)).collect();
     Line::with_errors(&logarithms).filter(|_| points.len() >= FEWEST)
 }
 
@@ -48,29 +47,17 @@ fn picture(study: &StudyPoints<'_>) -> Option<Picture> {
     };
     let mut fits = Vec::new();
     for (color, group) in series_of(&points, "temperature").into_iter().enumerate() {
-        let measured: Vec<(f64, f64, f64, &Averaged<'_>)> = group
-            .iter()
-            .filter_map(|p| {
-                let mean = p.mean(quantity)?;
-                Some((p.temperature()?, mean.mean, mean.standard_error, *p))
-            })
-            .filter(|(_, d, ..)| *d > 0.0)
-            .collect();
-        let results = measured.iter().filter(|m| m.2.is_finite());
-        let plain: Vec<(f64, f64, f64)> = results.map(|m| (m.0, m.1, m.2)).collect();
-        let Some(fit) = line_through(&plain) else {
+        let marks = group.iter().filter_map(|p| p.mark(1.0 / p.temperature()?, quantity));
+        let marks: Vec<Point> = marks.filter(|mark| mark.y > 0.0).collect();
+        let sound = |m: &Point| Some((m.x, m.y, m.error.filter(|error| error.is_finite())?));
+        let results: Vec<(f64, f64, f64)> = marks.iter().filter_map(sound).collect();
+        let Some(fit) = line_through(&results) else {
             continue;
         };
         let label = label_of(group[0], "temperature");
-        let marks = measured.iter().map(|(t, d, error, point)| Point {
-            error: Some(*error),
-            note: Some(point.name()),
-            link: point.page(),
-            ..Point::from((1.0 / t, *d))
-        });
         let look = Look::Points(Symbol::Disc);
         figure = figure.with(Series::new(label.clone(), look, color, marks));
-        let ends = plain.iter().map(|(t, ..)| 1.0 / t);
+        let ends = results.iter().map(|(x, ..)| *x);
         let (low, high) =
             ends.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
         let line = [low, high].map(|x| (x, fit.at(x).exp()));
@@ -97,7 +84,7 @@ mod tests {
     fn exact_diffusion_gives_its_energy_and_factor() {
         let points = [0.8, 1.0, 1.3].map(|t: f64| {
             let d = 0.3 * (-2.1 / t).exp();
-            (t, d, 0.01 * d)
+            (1.0 / t, d, 0.01 * d)
         });
         let fit = line_through(&points).unwrap();
         assert!((fit.slope() + 2.1).abs() < 1e-12);

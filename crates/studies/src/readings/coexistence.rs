@@ -4,14 +4,15 @@ use lennard_literature::{
     EquationOfState, Saturation, TwoPhaseSource, TwoPhases, coexistence_by_simulation,
     equation_of_state_for, surface_tensions_by_simulation, thol_2016,
 };
+use lennard_observables::Estimate;
 use lennard_observables::quantities::{Quantity, quantity_of};
 use lennard_observables::statistics::Line;
 use serde::Serialize;
 
-use super::blocks::Blocks;
+use super::blocks::{Blocks, StudyPoints};
 use super::properties::{Averaged, averaged};
-use super::study::StudyPoints;
 use crate::compare::capital;
+use crate::lab::mean_of;
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 use crate::sweep::SweptPoint;
 
@@ -40,10 +41,7 @@ const MEASURED: usize = 1;
 /// Vapor and liquid of each temperature with both errors, seeds together.
 fn pairs(points: &[SweptPoint]) -> Vec<Pair> {
     let pair = |point: &Averaged<'_>| {
-        let density = |name: &str| {
-            let mean = point.mean(name).filter(|m| m.standard_error.is_finite())?;
-            Some([mean.mean, mean.standard_error])
-        };
+        let density = |name: &str| point.mean(name).filter(|m| m.standard_error.is_finite());
         Some(Pair {
             temperature: point.temperature()?,
             vapor: density("vapor_density")?,
@@ -161,7 +159,7 @@ impl Lines {
             marks,
         ));
         let diameters: Vec<(f64, f64)> =
-            pairs(swept).iter().map(|p| (p.diameter()[0], p.temperature)).collect();
+            pairs(swept).iter().map(|p| (p.diameter().mean, p.temperature)).collect();
         if !diameters.is_empty() {
             let look = Look::Points(Symbol::Plus);
             figure = figure.with(Series::new("half the sum of both", look, MEASURED, diameters));
@@ -232,18 +230,14 @@ const FEWEST_OF_CRITICAL: usize = 3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pair {
     pub temperature: f64,
-    pub vapor: [f64; 2],
-    pub liquid: [f64; 2],
+    pub vapor: Estimate,
+    pub liquid: Estimate,
 }
 
 impl Pair {
     /// ½(ρ_l + ρ_v), σ⁻³, with its error.
-    pub fn diameter(&self) -> [f64; 2] {
-        [0.5 * (self.liquid[0] + self.vapor[0]), 0.5 * self.error()]
-    }
-
-    fn error(&self) -> f64 {
-        self.liquid[1].hypot(self.vapor[1])
+    pub fn diameter(&self) -> Estimate {
+        mean_of(&[self.liquid, self.vapor])
     }
 }
 
@@ -273,18 +267,14 @@ pub(super) fn estimate(pairs: &[Pair]) -> Option<CriticalEstimate> {
     let contrasts: Vec<(f64, f64, f64)> = pairs
         .iter()
         .map(|p| {
-            let contrast = p.liquid[0] - p.vapor[0];
-            let slope = power * contrast.powf(power - 1.0);
-            (p.temperature, contrast.powf(power), slope * p.error())
+            let contrast = p.liquid.minus(&p.vapor);
+            let slope = power * contrast.mean.powf(power - 1.0);
+            (p.temperature, contrast.mean.powf(power), slope * contrast.standard_error)
         })
         .collect();
-    let diameters: Vec<(f64, f64, f64)> = pairs
-        .iter()
-        .map(|p| {
-            let [value, error] = p.diameter();
-            (p.temperature, value, error)
-        })
-        .collect();
+    let diameters = pairs.iter().map(|p| (p.temperature, p.diameter()));
+    let diameters: Vec<(f64, f64, f64)> =
+        diameters.map(|(t, d)| (t, d.mean, d.standard_error)).collect();
     let closing = Line::with_errors(&contrasts)?;
     let diameter = Line::with_errors(&diameters)?;
     let (temperature, temperature_error) = closing.zero();
@@ -305,7 +295,8 @@ mod tests_of_critical {
     fn exact(temperature: f64, error: f64) -> Pair {
         let below = 1.08 - temperature;
         let (middle, half) = (0.32 + 0.2 * below, 0.5 * 1.1 * below.powf(BETA));
-        Pair { temperature, vapor: [middle - half, error], liquid: [middle + half, error] }
+        let density = |mean| Estimate::new(mean, error, f64::NAN);
+        Pair { temperature, vapor: density(middle - half), liquid: density(middle + half) }
     }
 
     #[test]
@@ -327,7 +318,7 @@ mod tests_of_critical {
             let mut pairs = [0.9, 0.94, 0.98, 1.02].map(|t| exact(t, 2e-3));
             let mut noise = lennard_core::random::Streams::new(seed).sequential("noise");
             for pair in &mut pairs {
-                for density in [&mut pair.vapor[0], &mut pair.liquid[0]] {
+                for density in [&mut pair.vapor.mean, &mut pair.liquid.mean] {
                     // Twelve uniform numbers less six have unit variance.
                     let normal: f64 = (0..12)
                         .map(|_| {

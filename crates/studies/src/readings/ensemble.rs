@@ -4,9 +4,8 @@ use lennard_engine::measured_stage;
 use lennard_io::RunRecord;
 use lennard_observables::{Cell, Table};
 
-use super::blocks::{Blocks, PICTURES};
+use super::blocks::{Blocks, PICTURES, StudyPoints};
 use super::points::verdicts;
-use super::study::StudyPoints;
 use crate::report::{Axis, Columns, FigureRow, Guide, Look, Section};
 use crate::sweep::{Point, SweptPoint};
 
@@ -46,10 +45,6 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
 
 fn table(runs: &[Run<'_>]) -> Table {
     let row = |(_, swept): &Run<'_>, quantity: usize| swept.row(SHOWN[quantity]).cloned();
-    let difference = |run: &Run<'_>, quantity: usize| {
-        let row = row(run, quantity)?;
-        Some((row.difference?, row.combined_error?))
-    };
     Table::rows_of("ensemble", runs)
         .caption(
             "Digits in brackets are one standard error in the last digits. V is independent so many times in a τ, and var V is T·V·κ_T.",
@@ -60,9 +55,9 @@ fn table(runs: &[Run<'_>]) -> Table {
         })
         .column(&format!("{COST} [(µs/τ)]"), |run| Cell::rounded(cost(run), 3))
         .column("Accepted", |(_, swept)| Cell::rounded(accepted(swept.record.as_ref()), 2))
-        .measured("P − P₀ [(ε/σ³)]", |run| difference(run, 0))
-        .measured("ρ [σ⁻³]", |run| row(run, 1).map(|r| (r.measured, r.standard_error)))
-        .measured("ρ − equation", |run| difference(run, 1))
+        .measured("P − P₀ [(ε/σ³)]", |run| row(run, 0)?.off())
+        .measured("ρ [σ⁻³]", |run| row(run, 1).map(|r| r.mean()))
+        .measured("ρ − equation", |run| row(run, 1)?.off())
         .measured(COMPRESSIBILITY, |run| {
             let row = row(run, 2)?;
             let reference = row.reference?;

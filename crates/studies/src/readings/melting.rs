@@ -6,9 +6,8 @@ use lennard_observables::statistics::Line;
 use lennard_scene::Scene;
 use serde::Serialize;
 
-use super::blocks::Blocks;
+use super::blocks::{Blocks, StudyPoints};
 use super::properties::{Averaged, averaged, label_of, series_of};
-use super::study::StudyPoints;
 use crate::lists::unique;
 use crate::sweep::{Sweep, SweptPoint};
 

@@ -9,11 +9,9 @@ mod ensemble;
 mod melting;
 mod points;
 mod properties;
-mod study;
 
-pub use blocks::Blocks;
+pub use blocks::{Blocks, StudyPoints};
 pub(crate) use blocks::{OPEN, SHARED_SECTIONS};
-pub use study::StudyPoints;
 
 /// A way to read the points of a study.
 #[derive(Debug)]

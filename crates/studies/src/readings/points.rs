@@ -3,10 +3,9 @@
 use lennard_observables::quantities::{Quantity, quantity_of};
 use lennard_observables::{Cell, Table, Tone, Value};
 
-use super::blocks::{Blocks, POINTS, PROPERTIES};
+use super::blocks::{Blocks, POINTS, PROPERTIES, StudyPoints};
 use super::properties;
-use super::study::StudyPoints;
-use crate::compare::{Verdict, capital};
+use crate::compare::{Row, Verdict, capital};
 use crate::lists::grouped;
 use crate::report::Section;
 use crate::sweep::SweptPoint;
@@ -178,14 +177,12 @@ pub(super) fn of_points(points: &[SweptPoint]) -> Table {
             unit if unit.contains('/') => format!(" [({unit})]"),
             unit => format!(" [{unit}]"),
         };
-        table = table.measured(&(heading(quantity) + &unit), |p| {
-            p.row(quantity.key).map(|r| (r.measured, r.standard_error))
-        });
+        let of = heading(quantity) + &unit;
+        table = table.measured(&of, |p| p.row(quantity.key).map(Row::mean));
         let Some(beside) = kind.difference(quantity) else { continue };
         table = table.column(&beside, |p| {
             let row = p.row(quantity.key)?;
-            let cell = Cell::measured(row.difference?, row.combined_error?);
-            Some(cell.toned(row.verdict.tone()))
+            row.off().map(|(off, error)| Cell::measured(off, error).toned(row.verdict.tone()))
         });
     }
     // Where all are the same, there is nothing to tell.

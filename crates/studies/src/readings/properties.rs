@@ -7,8 +7,7 @@ use lennard_observables::Estimate;
 use lennard_observables::quantities::{Mark, Quantity, axis, has_mark, quantity_of};
 use lennard_scene::study::{SHORT_KEYS, ShortKey};
 
-use super::blocks::Blocks;
-use super::study::StudyPoints;
+use super::blocks::{Blocks, StudyPoints};
 use crate::compare::{Row, capital, quantity_words};
 use crate::lab::mean_of;
 use crate::lists::{grouped, unique};
@@ -278,8 +277,7 @@ impl Averaged<'_> {
     /// Runs without an error are left out where others have one; where no run has one, the mean is no result.
     pub fn mean(&self, quantity: &str) -> Option<Estimate> {
         let rows = self.points.iter().filter_map(|p| p.row(quantity));
-        let estimate = |r: &Row| Estimate::new(r.measured, r.standard_error, f64::NAN);
-        let mut all: Vec<Estimate> = rows.map(estimate).collect();
+        let mut all: Vec<Estimate> = rows.map(Row::mean).collect();
         if all.iter().any(|one| one.standard_error.is_finite()) {
             all.retain(|one| one.standard_error.is_finite());
         }

@@ -1,5 +1,6 @@
 //! The tables of a run's page.
 
+use crate::lists::grouped;
 use crate::report::{Block, percent, significant};
 use lennard_io::RunRecord;
 use lennard_observables::{Cell, Remark, Table, Value};
@@ -44,16 +45,8 @@ pub(super) fn notes(compared: &ComparedRun) -> Vec<String> {
         let notes: Vec<&str> = notes.into_iter().filter(|t| !t.is_empty()).collect();
         (notes.join("; "), row)
     });
-    let mut shared: Vec<(String, Vec<String>)> = Vec::new();
-    for (notes, row) in reasons.chain(sources) {
-        let words = quantity_words(&row.quantity);
-        match shared.iter_mut().find(|(known, _)| *known == notes) {
-            _ if notes.is_empty() => {}
-            Some((_, quantities)) => quantities.push(words),
-            None => shared.push((notes, vec![words])),
-        }
-    }
-    shared
+    let notes = reasons.chain(sources).filter(|(notes, _)| !notes.is_empty());
+    grouped(notes.map(|(notes, row)| (notes, quantity_words(&row.quantity))))
         .into_iter()
         .map(|(notes, quantities)| format!("**{}**: {notes}", quantities.join(", ")))
         .chain(compared.remarks.iter().map(Remark::to_string))
@@ -109,7 +102,7 @@ pub(super) fn averages(compared: &ComparedRun, record: &RunRecord) -> Table {
     let table = Table::rows_of("averages", &rows)
         .caption(caption)
         .column("Quantity", |(row, _)| quantity_words(&row.quantity))
-        .measured("Mean", |(_, a)| Some((a.estimate.mean, a.estimate.standard_error)))
+        .measured("Mean", |(_, a)| Some(a.estimate))
         .column("Unit", |(_, a)| &a.unit)
         .column("Independent samples", |(_, a)| Cell::rounded(a.estimate.n_effective, 3))
         .column("Discarded", |(_, a)| a.estimate.equilibration_cut)

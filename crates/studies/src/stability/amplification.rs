@@ -10,6 +10,7 @@ use super::map::StepMap;
 use super::oscillator::{Spring, excursion, measured_map};
 use crate::StudyError;
 use crate::claims::Measured;
+use crate::lab::bisect;
 
 /// The largest ωh at which a limit is looked for.
 const LARGEST_OMEGA_H: f64 = 12.0;
@@ -24,7 +25,7 @@ const BOUND: f64 = 1e6;
 /// past 10⁶ if δ > 10⁻⁸, and just inside no amplitude is above 1/√(2δ): 10⁶ for δ = 5·10⁻¹³.
 const BISECTION_STEPS: u32 = 50_000;
 /// Halvings of an interval of 0.002: down to 10⁻¹⁰.
-const HALVINGS: u32 = 24;
+const HALVINGS: usize = 24;
 /// An ωh so small that a method unstable there has no stable step at all.
 const SMALLEST_OMEGA_H: f64 = 0.01;
 /// How far above 1 a spectral radius must be to count as growth: rounding makes √(8·10⁻¹⁶) of a double
@@ -129,54 +130,39 @@ fn bounded(entry: &IntegratorEntry, omega_h: f64, steps: u32) -> Result<bool, St
 /// bisection over runs finds it. It is 0 where even the smallest ωh is unstable.
 fn measured_limit(entry: &IntegratorEntry) -> Result<Option<f64>, StudyError> {
     let steady = |x| Ok(measured_map(entry, x, 1.0)?.radius() < 1.0 + RADIUS_ROUNDING);
-    let Some((good, bad)) = first_failure(steady)? else {
+    let Some(found) = first_failure(steady)? else {
         return Ok(None);
     };
-    bisect(good, bad, |x| bounded(entry, x, BISECTION_STEPS)).map(Some)
+    Ok(Some(middle(bisect(found, HALVINGS, |x| bounded(entry, x, BISECTION_STEPS))?)))
 }
 
 /// The first ωh at which the spectral radius of the declared map is above 1.
 fn theory_limit(entry: &IntegratorEntry) -> Option<f64> {
     let radius = |x| theory(entry, x).radius();
     let steady = |x| Ok(radius(x).is_nan() || radius(x) < 1.0 + RADIUS_ROUNDING);
-    let (good, bad) = first_failure(steady).ok().flatten()?;
-    bisect(good, bad, steady).ok()
+    let found = first_failure(steady).ok().flatten()?;
+    bisect(found, HALVINGS, steady).ok().map(middle)
 }
 
-/// The first interval of the search whose upper end is unsteady; (0, 0) where the smallest ωh is.
+fn middle([good, bad]: [f64; 2]) -> f64 {
+    0.5 * (good + bad)
+}
+
+/// The first interval of the search whose upper end is unsteady; [0, 0] where the smallest ωh is.
 fn first_failure(
     steady: impl Fn(f64) -> Result<bool, StudyError>,
-) -> Result<Option<(f64, f64)>, StudyError> {
+) -> Result<Option<[f64; 2]>, StudyError> {
     if !steady(SMALLEST_OMEGA_H)? {
-        return Ok(Some((0.0, 0.0)));
+        return Ok(Some([0.0; 2]));
     }
     let first = (SMALLEST_OMEGA_H / SEARCH_STRIDE).round() as u32 + 1;
     for i in first..=(LARGEST_OMEGA_H / SEARCH_STRIDE) as u32 {
         let x = f64::from(i) * SEARCH_STRIDE;
         if !steady(x)? {
-            return Ok(Some((x - SEARCH_STRIDE, x)));
+            return Ok(Some([x - SEARCH_STRIDE, x]));
         }
     }
     Ok(None)
-}
-
-fn bisect(
-    mut good: f64,
-    mut bad: f64,
-    stable: impl Fn(f64) -> Result<bool, StudyError>,
-) -> Result<f64, StudyError> {
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (good + bad);
-        if middle == 0.0 {
-            break;
-        }
-        if stable(middle)? {
-            good = middle;
-        } else {
-            bad = middle;
-        }
-    }
-    Ok(0.5 * (good + bad))
 }
 
 /// The growth per step, (|z_n|/|z_0|)^{1/n} with |z|² = x² + (v/ω)², over [`GROWTH_STEPS`] steps at ωh.

@@ -153,14 +153,15 @@ pub fn of_command(
     plan.check_keys()?;
     plan.fits_one_process()?;
     let (base, study) = (plan.base_scene()?, plan.fitting()?);
+    own.check_fluid(&base)?;
     let keys = plan.points.iter().flat_map(PlannedPoint::values).map(|(key, _)| key);
     if let Some(other) = keys.into_iter().find(|key| !own.varies(key)) {
         let refused = study.source.refuse("reading", "compares settings of one fluid");
         let found = format!("points that differ in `{other}`");
         return Err(refused.found(found).allowed(own.in_words).into());
     }
-    for scene in study.points.iter().map(|point| &point.scene).chain([&base]) {
-        own.check_fluid(scene)?;
+    for point in &study.points {
+        own.check_fluid(&point.scene)?;
     }
     Ok((base, study))
 }

@@ -30,6 +30,7 @@ use rand::Rng;
 use serde::Serialize;
 
 use super::SweepError;
+use crate::compare::StateOfMatter;
 
 /// The most points that one process runs.
 const MOST_POINTS: usize = 10_000;
@@ -89,6 +90,16 @@ pub struct Point {
     pub atoms: usize,
     /// Their density in σ⁻³.
     pub density: f64,
+}
+
+impl Point {
+    /// Its state by what was asked for, and the phase there by the equation of state of its model.
+    #[must_use]
+    pub fn planned(&self) -> StateOfMatter {
+        let model = lennard_scene::model_kind(&self.scene);
+        let equation = lennard_literature::equation_of_state_for(model).ok();
+        StateOfMatter::new(self.density, self.scene.system.temperature, equation)
+    }
 }
 
 /// A sweep, read and checked.

@@ -7,7 +7,7 @@ use lennard_scene::SceneError;
 use lennard_scene::study::SHORT_KEYS;
 
 use super::{Ending, SettingValue, Sweep, SweepError, SweepRecord, SweptPoint};
-use crate::compare::ComparedRun;
+use crate::compare::{ComparedRun, Row};
 use crate::lists::{grouped, unique};
 use crate::readings::{Blocks, OPEN, READINGS, Reading, SHARED_SECTIONS, StudyPoints, chosen};
 use crate::report::{Block, Page, Picture, Section};
@@ -130,14 +130,11 @@ fn table_for_programs(points: &[SweptPoint]) -> Table {
         });
     }
     for name in measured(points) {
-        table = table.measured(&name, |p| p.row(&name).map(|r| (r.measured, r.standard_error)));
+        table = table.measured(&name, |p| p.row(&name).map(Row::mean));
         if points.iter().filter_map(|p| p.row(&name)).any(|r| r.reference.is_some()) {
             table = table
                 .column(&format!("{name}_reference"), |p| p.row(&name)?.reference)
-                .measured(&format!("{name}_difference"), |p| {
-                    let row = p.row(&name)?;
-                    row.difference.zip(row.combined_error)
-                })
+                .measured(&format!("{name}_difference"), |p| p.row(&name)?.off())
                 .column(&format!("{name}_verdict"), |p| p.row(&name).map(|r| r.verdict.words()));
         }
     }

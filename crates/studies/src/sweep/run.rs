@@ -5,14 +5,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
+use lennard_core::parallel::pool;
 use lennard_engine::{Control, EngineError, ResumeOptions};
 use lennard_io::{CheckpointFolder, Existing, FolderError, RunRecord};
 use rayon::ThreadPool;
 
 use super::{Ending, Failed, Point, Sweep, SweepError, SweepRecord, SweptPoint, record};
-use crate::compare::{RunFolder, StateOfMatter, compare};
+use crate::compare::{RunFolder, compare};
 use crate::files::same_scene;
-use crate::jobs::{pool, side_by_side_with, unless_stopped};
+use crate::jobs::{side_by_side_with, unless_stopped};
 use crate::{Progress, run_page};
 
 /// Runs what is not finished yet, and writes table, page and record.
@@ -117,13 +118,11 @@ fn is_kept(point: &SweptPoint, folder: &Path) -> bool {
 }
 
 fn conclude(point: &Point, outcome: Result<PointEnd, Failed>, folder: &Path) -> SweptPoint {
-    let model = lennard_scene::model_kind(&point.scene);
-    let equation = lennard_literature::equation_of_state_for(model).ok();
     let mut swept = SweptPoint {
         name: point.name.to_string(),
         settings: point.settings.clone(),
         page: folder.join("report.html").exists().then(|| format!("{}/report.html", point.name)),
-        planned: StateOfMatter::new(point.density, point.scene.system.temperature, equation),
+        planned: point.planned(),
         kept: matches!(outcome, Ok(PointEnd::FinishedBefore)),
         failure: None,
         elsewhere: None,

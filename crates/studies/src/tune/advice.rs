@@ -3,12 +3,14 @@
 use lennard_core::number::{short, signed, significant};
 use lennard_scene::{Accuracy, Judged, Scene, SceneError};
 
+use super::Row;
 use super::choose::{Candidate, Choice, Freedom, choose};
 use super::predict::{Models, Prediction, Stability};
 use super::prices::Prices;
-use super::sample::{Sample, stable_dt_of_springs};
+use super::sample::{Sample, VERLET_LIMIT};
 use super::verify::Runs;
-use super::{Row, TuneError};
+use crate::StudyError;
+use crate::lab;
 use crate::settings::Settings;
 use lennard_observables::Estimate;
 
@@ -29,7 +31,7 @@ impl Search<'_> {
         accuracy: &Accuracy,
         but: Option<&str>,
         largest_step: f64,
-    ) -> Result<Choice, TuneError> {
+    ) -> Result<Choice, StudyError> {
         let freedom = Freedom::of(self.scene, self.sample, self.stability, but);
         choose(&freedom, models, self.prices, self.base, accuracy, largest_step)
     }
@@ -41,7 +43,7 @@ impl Search<'_> {
         models: &mut Models<'_>,
         accuracy: &Accuracy,
         nearest: &Candidate,
-    ) -> Result<SceneError, TuneError> {
+    ) -> Result<SceneError, StudyError> {
         let reachable = self.reachable(accuracy, nearest);
         let wanted = accuracy.asked().into_iter().find(|(key, ..)| *key == nearest.limiting);
         let (key, target, unit) = wanted.unwrap_or((nearest.limiting, f64::NAN, ""));
@@ -249,7 +251,7 @@ fn modes(scene: &Scene, sample: &Sample) -> Vec<String> {
         return notes;
     };
     let of_pairs = sample.fastest.map_or(f64::INFINITY, |pair| pair.stable_dt);
-    notes.push(match stable_dt_of_springs(scene) {
+    notes.push(match lab::stable_dt_of_springs(scene, VERLET_LIMIT) {
         Some(springs) => format!(
             "springs of bonds have ω·dt = 2 at dt {}, and colliding sites near {}: {} bound the step",
             digits(springs),

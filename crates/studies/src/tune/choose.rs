@@ -3,10 +3,10 @@
 use lennard_forcefield::{ListMode, Precision, TruncationKind, TruncationOptions};
 use lennard_scene::{Accuracy, Scene};
 
-use super::TuneError;
 use super::predict::{Models, Prediction, Stability};
 use super::prices::Prices;
 use super::sample::Sample;
+use crate::StudyError;
 use crate::settings::Settings;
 
 /// Smallest cutoff tried, σ or σ_ab: well beyond the minimum of the potential.
@@ -189,7 +189,7 @@ pub(super) fn choose(
     base: &Settings,
     accuracy: &Accuracy,
     largest_step: f64,
-) -> Result<Choice, TuneError> {
+) -> Result<Choice, StudyError> {
     let mut cheapest: Option<Candidate> = None;
     let mut nearest: Option<Candidate> = None;
     let shortest = freedom.steps.first().copied().unwrap_or(f64::NAN);
@@ -208,8 +208,8 @@ pub(super) fn choose(
             nearest = Some(candidate);
         }
     }
-    let nearest =
-        nearest.ok_or_else(|| TuneError::Nothing("no settings are left to choose among".into()))?;
+    let nearest = nearest
+        .ok_or_else(|| StudyError::Nothing("no settings are left to choose among".into()))?;
     Ok(Choice { cheapest, nearest })
 }
 
@@ -219,7 +219,7 @@ pub(super) fn judge(
     models: &mut Models<'_>,
     prices: &Prices,
     accuracy: &Accuracy,
-) -> Result<Candidate, TuneError> {
+) -> Result<Candidate, StudyError> {
     let predicted = models.of(&settings)?;
     let drift = models.drift(&settings)?;
     let price = prices.of(&settings);

@@ -3,7 +3,7 @@
 use lennard_forcefield::ListMode;
 use lennard_scene::Scene;
 
-use super::TuneError;
+use crate::StudyError;
 use crate::lab::{Cost, Workbench, costs};
 use crate::settings::Settings;
 
@@ -28,7 +28,7 @@ pub(super) fn list_and_threads(
     bench: &Workbench,
     settings: &Settings,
     threads: usize,
-) -> Result<(Settings, usize), TuneError> {
+) -> Result<(Settings, usize), StudyError> {
     let fixed = |key: &str| scene.source.wrote(key);
     let mut tried = vec![settings.clone()];
     if !fixed("neighbor.skin") && !fixed("neighbor.mode") {

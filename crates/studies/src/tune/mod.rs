@@ -7,7 +7,6 @@
 
 mod advice;
 mod choose;
-mod error;
 mod finish;
 mod pairs;
 mod predict;
@@ -18,7 +17,6 @@ mod speed;
 mod survey;
 mod verify;
 
-pub use error::TuneError;
 pub use predict::Prediction;
 pub use search::tune;
 pub use speed::Speed;
@@ -29,6 +27,7 @@ use lennard_observables::Estimate;
 use lennard_scene::{Chosen, Judged};
 use serde::Serialize;
 
+use crate::StudyError;
 use crate::lab::{Cost, Workbench};
 use crate::settings::Settings;
 
@@ -120,10 +119,18 @@ impl Tuning {
 }
 
 /// The time in τ that settings can be run for in some seconds, from a short timing.
-fn affordable(bench: &Workbench, settings: &Settings, seconds: f64) -> Result<f64, TuneError> {
+fn affordable(bench: &Workbench, settings: &Settings, seconds: f64) -> Result<f64, StudyError> {
     /// Fewest τ from which anything can be said.
     const SHORTEST: f64 = 5.0;
     const TIMED: f64 = 0.02;
     let timing = bench.timing(settings, TIMED)?;
     Ok((seconds / (timing.seconds_per_atom_tau * bench.start().len() as f64)).max(SHORTEST))
+}
+
+/// Why a scene without `accuracy` is not tuned.
+#[must_use]
+pub fn no_accuracy(file: &str) -> StudyError {
+    let reason = "there is no `accuracy` to tune for\n  found:   a scene with settings of its own\n  \
+                  allowed: a scene with `accuracy = { potential_energy = 1e-3, pressure = 5e-3, drift = 1e-5 }`, or some of these";
+    StudyError::Settings { label: file.to_owned(), reason: reason.to_owned() }
 }

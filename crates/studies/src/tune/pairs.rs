@@ -6,7 +6,7 @@ use lennard_forcefield::{Mixture, Model, SpeciesPair, TruncationOptions};
 use lennard_observables::{Estimate, count_distances, count_distances_by_species};
 use lennard_scene::Scene;
 
-use super::TuneError;
+use crate::StudyError;
 
 /// Width of the bins of distance, σ.
 pub(super) const BIN_WIDTH: f64 = 0.02;
@@ -191,7 +191,7 @@ impl Terms {
         fluid: &Fluid,
         volume: f64,
         sight: f64,
-    ) -> Result<Self, TuneError> {
+    ) -> Result<Self, StudyError> {
         let bins = bins_within(sight);
         let sight = bins as f64 * BIN_WIDTH;
         let mut scene = scene.clone();
@@ -214,7 +214,7 @@ impl Terms {
                 (0..species.n_particles()).map(|i| species.of(i) as u8).collect();
             Mixture::new(species.n_species(), pair, of_particle)
         });
-        let mixture = mixture.transpose().map_err(|e| TuneError::Force(e.to_string()))?;
+        let mixture = mixture.transpose()?;
         let mut options = scene.force_field();
         options.truncation.r_cut = truncation.r_cut.min(sight);
         let n_atoms = species.n_particles();
@@ -263,7 +263,7 @@ fn within(scene: &Scene, [a, b]: [usize; 2], sight: f64) -> SpeciesPair {
 }
 
 /// The f of u_ab(r) = ε_ab·f(r/σ_ab) for a pair of species; a switch keeps its share of the cutoff.
-pub(super) fn model_of(scene: &Scene, pair: &SpeciesPair) -> Result<Model, TuneError> {
+pub(super) fn model_of(scene: &Scene, pair: &SpeciesPair) -> Result<Model, StudyError> {
     let r_cut = pair.r_cut / pair.sigma;
     let truncation = TruncationOptions {
         r_cut,

@@ -10,11 +10,11 @@ use lennard_observables::Estimate;
 use lennard_scene::Scene;
 use serde::Serialize;
 
-use super::TuneError;
 use super::pairs::{Terms, model_of};
 use super::sample::Sample;
 use super::survey::Survey;
-use crate::jobs::side_by_side_quietly;
+use crate::StudyError;
+use crate::jobs::side_by_side;
 use crate::lab::{Failed, Workbench};
 use crate::settings::Settings;
 use crate::stability::groups::stands_for_itself;
@@ -93,7 +93,7 @@ impl<'a> Models<'a> {
         stability: &'a Stability,
         full: bool,
         seconds: f64,
-    ) -> Result<Self, TuneError> {
+    ) -> Result<Self, StudyError> {
         let method = sample.own.integrator.method.spec();
         let langevin = sample.own.stages.iter().any(|s| {
             s.measure
@@ -132,7 +132,7 @@ impl<'a> Models<'a> {
     }
 
     /// The errors of U and P that settings are expected to make.
-    pub fn of(&mut self, settings: &Settings) -> Result<[Prediction; 2], TuneError> {
+    pub fn of(&mut self, settings: &Settings) -> Result<[Prediction; 2], StudyError> {
         let truncation = self.of_truncation(settings.truncation)?;
         let step = self.of_step(settings.dt);
         let precision = match settings.precision {
@@ -164,12 +164,15 @@ impl<'a> Models<'a> {
     }
 
     /// The drift, ε/τ per particle.
-    pub fn drift(&self, settings: &Settings) -> Result<f64, TuneError> {
+    pub fn drift(&self, settings: &Settings) -> Result<f64, StudyError> {
         let jump = drift_of_jump(&self.sample.own, settings.truncation, self.survey, settings.dt)?;
         Ok(jump + self.stability.of_step(settings.dt))
     }
 
-    fn of_truncation(&mut self, truncation: TruncationOptions) -> Result<[Estimate; 2], TuneError> {
+    fn of_truncation(
+        &mut self,
+        truncation: TruncationOptions,
+    ) -> Result<[Estimate; 2], StudyError> {
         let Some(full) = &self.full else {
             return Ok([NOTHING; 2]);
         };
@@ -196,19 +199,17 @@ impl<'a> Models<'a> {
 }
 
 /// The errors of U and P in mixed precision: one configuration a chain, evaluated in both.
-fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Estimate; 2], TuneError> {
+fn mixed_errors(sample: &Sample, survey: &Survey) -> Result<[Estimate; 2], StudyError> {
     let mut differences = Vec::new();
     for end in &survey.ends {
         let at = |precision| {
             let mut scene = sample.canonical.clone();
             scene.kernel.precision = precision;
             let mut forces = end.forces(&scene)?;
-            let (e, _) = end
-                .evaluate(&mut forces, Part::All, Want::ENERGY_AND_VIRIAL)
-                .map_err(|e| TuneError::Force(e.to_string()))?;
+            let (e, _) = end.evaluate(&mut forces, Part::All, Want::ENERGY_AND_VIRIAL)?;
             let energy = e.potential_energy.unwrap_or(f64::NAN) / survey.fluid.units();
             let pressure = e.scalar_virial().unwrap_or(f64::NAN) / (3.0 * survey.volume);
-            Ok::<_, TuneError>([energy, pressure])
+            Ok::<_, StudyError>([energy, pressure])
         };
         let (double, mixed) = (at(Precision::Double)?, at(Precision::Mixed)?);
         differences.push([mixed[0] - double[0], mixed[1] - double[1]]);
@@ -225,25 +226,25 @@ fn fitted_law(
     stability: &Stability,
     order: i32,
     seconds: f64,
-) -> Result<[Estimate; 2], TuneError> {
-    let method = sample.own.integrator.method.spec();
-    let limit =
-        method.stability_limit.unwrap_or(super::sample::VERLET_LIMIT) / super::sample::VERLET_LIMIT;
+) -> Result<[Estimate; 2], StudyError> {
     let careful = sample.careful();
     let (share, seconds) = match order {
         2 => (FITTED_AT_SECOND_ORDER, LONGER * seconds),
         _ => (FITTED_AT, seconds),
     };
     let long = Settings {
-        dt: (share * limit * sample.stable_dt).min(stability.ceiling).max(2.0 * careful.dt),
+        dt: (share * sample.limit() * sample.stable_dt)
+            .min(stability.ceiling)
+            .max(2.0 * careful.dt),
         ..careful.clone()
     };
     let bench = Workbench::with_start(&sample.own, survey.ends[0].clone());
     let slopes = survey.slopes();
-    let runs = side_by_side_quietly(&[&careful, &long], |settings| -> Result<_, TuneError> {
+    let run = |settings: &&Settings| {
         let time = super::affordable(&bench, settings, seconds)?;
-        Ok(bench.measure(settings, time, &slopes)?)
-    });
+        bench.measure(settings, time, &slopes)
+    };
+    let runs = side_by_side(&[&careful, &long], run, |_| {});
     let mut runs = runs.into_iter();
     let (Some(careful_run), Some(long_run)) = (runs.next(), runs.next()) else {
         return Ok([NOTHING; 2]);
@@ -266,7 +267,7 @@ pub(super) struct Rung {
     /// The step, τ.
     pub dt: f64,
     /// Its drift with standard error, ε/τ per particle; `None` where the run failed.
-    pub drift: Option<(f64, f64)>,
+    pub drift: Option<Estimate>,
 }
 
 /// The largest step that may be taken, and the drift that a step brings.
@@ -285,7 +286,7 @@ impl Stability {
         survey: &Survey,
         wanted: Option<f64>,
         seconds: f64,
-    ) -> Result<Self, TuneError> {
+    ) -> Result<Self, StudyError> {
         let mut scene = sample.own.clone();
         scene.stages = sample.canonical.stages.clone();
         for stage in &mut scene.stages {
@@ -293,27 +294,21 @@ impl Stability {
             stage.barostat = None;
         }
         let bench = Workbench::with_start(&scene, survey.ends[0].clone());
-        let limit = sample.own.integrator.method.spec().stability_limit;
-        let limit = limit.unwrap_or(super::sample::VERLET_LIMIT) / super::sample::VERLET_LIMIT;
         let r_cut = sample.careful().truncation.r_cut.min(2.5);
         let smooth = sample.careful().with_truncation(TruncationKind::Switch, r_cut, false);
         let slopes = survey.slopes();
-        let climb = |share: &f64| -> Result<Rung, TuneError> {
-            let dt = share * limit * sample.stable_dt;
+        let climb = |share: &f64| -> Result<Rung, StudyError> {
+            let dt = share * sample.limit() * sample.stable_dt;
             let settings = Settings { dt, ..smooth.clone() };
             let found = super::affordable(&bench, &settings, seconds)
-                .and_then(|time| Ok(bench.measure(&settings, time.max(SHORTEST_RUNG), &slopes)?));
+                .and_then(|time| bench.measure(&settings, time.max(SHORTEST_RUNG), &slopes));
             match found {
-                Ok(m) => Ok(Rung { dt, drift: Some((m.drift.slope, m.drift.standard_error)) }),
-                Err(TuneError::Study(error)) => {
-                    Failed::from_error(error)?;
-                    Ok(Rung { dt, drift: None })
-                }
-                Err(other) => Err(other),
+                Ok(m) => Ok(Rung { dt, drift: Some(m.drift) }),
+                Err(error) => Failed::from_error(error).map(|_| Rung { dt, drift: None }),
             }
         };
         let rungs: Vec<Rung> =
-            side_by_side_quietly(&RUNGS, climb).into_iter().collect::<Result<_, _>>()?;
+            side_by_side(&RUNGS, climb, |_| {}).into_iter().collect::<Result<_, _>>()?;
         Ok(Self::of(&rungs, wanted))
     }
 
@@ -321,15 +316,14 @@ impl Stability {
         let limit = wanted.unwrap_or(LARGEST_DRIFT);
         // A drift that is not known to be small is not small.
         let good = |rung: &&Rung| {
-            let bound = |(drift, error): (f64, f64)| drift.abs() + error;
-            rung.drift.is_some_and(|found| bound(found) <= limit)
+            rung.drift.is_some_and(|drift| drift.mean.abs() + drift.standard_error <= limit)
         };
         let ceiling = rungs.iter().take_while(good).last().map(|r| r.dt);
         let seen: Vec<(f64, f64)> = rungs
             .iter()
             .filter_map(|r| Some((r.dt, r.drift?)))
-            .filter(|(_, (drift, error))| drift.abs() > SEEN * error)
-            .map(|(dt, (drift, _))| (1.0 / dt, drift.abs().ln()))
+            .filter(|(_, drift)| drift.mean.abs() > SEEN * drift.standard_error)
+            .map(|(dt, drift)| (1.0 / dt, drift.mean.abs().ln()))
             .collect();
         let law = match seen.as_slice() {
             [.., (x1, y1), (x2, y2)] if y2 > y1 => {
@@ -361,7 +355,7 @@ fn drift_of_jump(
     truncation: TruncationOptions,
     survey: &Survey,
     dt: f64,
-) -> Result<f64, TuneError> {
+) -> Result<f64, StudyError> {
     let mut scene = scene.clone();
     scene.truncation = truncation;
     let (t, fluid) = (survey.temperature, &survey.fluid);

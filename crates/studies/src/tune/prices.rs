@@ -3,8 +3,8 @@
 use lennard_forcefield::Precision;
 use lennard_scene::{Scene, Stage};
 
-use super::TuneError;
 use super::sample::{Sample, lattice_of};
+use crate::StudyError;
 use crate::lab::{Start, Workbench, costs};
 use crate::settings::Settings;
 
@@ -28,7 +28,7 @@ pub(super) struct Prices {
 
 impl Prices {
     /// Times the main loop for some seconds in all.
-    pub fn measure(sample: &Sample, seconds: f64) -> Result<Self, TuneError> {
+    pub fn measure(sample: &Sample, seconds: f64) -> Result<Self, StudyError> {
         let bench = bench(sample)?;
         let careful = sample.careful();
         let cutoffs: Vec<f64> = match sample.own.truncation.r_cut {
@@ -58,7 +58,7 @@ impl Prices {
         let mut nodes = [Vec::new(), Vec::new()];
         for (settings, cost) in all.iter().zip(found) {
             let cost = cost.map_err(|failed| {
-                TuneError::Nothing(format!("{}: {}", settings.label(), failed.reason))
+                StudyError::Nothing(format!("{}: {}", settings.label(), failed.reason))
             })?;
             let of = usize::from(settings.precision == Precision::Mixed);
             // The least of the repeats: what disturbs a timing only makes it longer.
@@ -102,7 +102,7 @@ fn timed_atoms(scene_atoms: usize) -> usize {
     (1..).map(|m: usize| 4 * m.pow(3)).find(|n| *n >= wanted).unwrap_or(TIMED_UP_TO)
 }
 
-fn bench(sample: &Sample) -> Result<Workbench, TuneError> {
+fn bench(sample: &Sample) -> Result<Workbench, StudyError> {
     let as_it_is = sample.scene_atoms <= TIMED_UP_TO && sample.scene_atoms == sample.start.len();
     if as_it_is || !sample.has_a_lattice {
         return Ok(Workbench::with_start(&sample.own, sample.start.clone()));

@@ -6,8 +6,8 @@ use lennard_forcefield::{Kernel, NeighborOptions, Precision, TruncationKind, Tru
 use lennard_integrators::velocity_verlet;
 use lennard_scene::{Arrangement, Geometry, Lattice, MoleculeKind, Scene, Stage};
 
-use super::TuneError;
 use super::pairs::Fluid;
+use crate::StudyError;
 use crate::lab::{self, Start, under_bussi};
 use crate::settings::Settings;
 
@@ -64,7 +64,7 @@ pub(super) struct Sample {
 
 impl Sample {
     /// Equilibrates the fluid that `scene` measures.
-    pub fn prepare(scene: &Scene) -> Result<Self, TuneError> {
+    pub fn prepare(scene: &Scene) -> Result<Self, StudyError> {
         let beginning = lennard_engine::start(scene)?;
         let scene_atoms = beginning.positions.len();
         let sites = scene.molecules().sites();
@@ -159,6 +159,11 @@ impl Sample {
         longest / self.own.cutoff_unit()
     }
 
+    /// The stability limit of the scene's own method over that of velocity Verlet.
+    pub fn limit(&self) -> f64 {
+        self.own.integrator.method.spec().stability_limit.unwrap_or(VERLET_LIMIT) / VERLET_LIMIT
+    }
+
     /// Settings of survey and reference except for their cutoff.
     pub fn careful(&self) -> Settings {
         Settings::of(&self.own)
@@ -177,11 +182,6 @@ fn comfortable_cutoff(half: f64) -> f64 {
 pub(super) fn lattice_of(n_atoms: usize, density: f64) -> Arrangement {
     let geometry = Geometry::Density(density);
     Arrangement::Lattice { lattice: Some(Lattice::Fcc), n_atoms, geometry, vacuum: 0.0 }
-}
-
-/// The stability limit that springs of bonds set velocity Verlet, τ; `None` where bonds do not limit the step.
-pub(super) fn stable_dt_of_springs(scene: &Scene) -> Option<f64> {
-    lab::stable_dt_of_springs(scene, VERLET_LIMIT)
 }
 
 /// Whether a lattice of any size can be filled with what a scene is made of: molecules of listed bonds need a shape.

@@ -15,10 +15,10 @@ use super::sample::Sample;
 use super::speed::Speed;
 use super::survey::Survey;
 use super::verify::{self, Runs};
-use super::{Row, SCHEMA, TuneError, TuneOptions, Tuning};
-use crate::Progress;
+use super::{Row, SCHEMA, TuneOptions, Tuning, no_accuracy};
 use crate::lab::{Cost, costs};
 use crate::settings::Settings;
+use crate::{Progress, StudyError};
 
 /// Shares of the time for survey, stability, prices, and the runs that verify; the rest is for the start and the end.
 const SURVEY: f64 = 0.34;
@@ -37,16 +37,16 @@ const SHORTER: f64 = 0.8;
 /// Finds the settings for the accuracy that a scene asks for.
 ///
 /// # Errors
-/// [`TuneError`] where the scene asks for none, where the accuracy cannot be met (saying what can, and what it would
+/// [`StudyError`] where the scene asks for none, where the accuracy cannot be met (saying what can, and what it would
 /// cost), and where runs fail.
 pub fn tune(
     scene: &Scene,
     options: &TuneOptions,
     progress: &mut dyn Progress,
-) -> Result<Tuning, TuneError> {
+) -> Result<Tuning, StudyError> {
     let clock = Instant::now();
     let asked = scene.accuracy;
-    let accuracy = asked.ok_or_else(|| TuneError::NoAccuracy(scene.source.file().to_owned()))?;
+    let accuracy = asked.ok_or_else(|| no_accuracy(scene.source.file()))?;
     let seconds = |share: f64| share * options.seconds;
     let full = scene.wants_full_potential();
 
@@ -92,7 +92,7 @@ pub fn tune(
     let mut found: Vec<Cost> = Vec::new();
     let (repeats, each) = FINAL_TIMING;
     for cost in costs(&prices.bench, &timed, threads, repeats, each, 1)? {
-        found.push(cost.map_err(|failed| TuneError::Nothing(failed.reason))?);
+        found.push(cost.map_err(|failed| StudyError::Nothing(failed.reason))?);
     }
     let usual_errors = match &usual {
         Some(usual) => Some(models.of(usual)?.map(|p| p.total)),
@@ -153,7 +153,7 @@ fn verified(
     safest: &Settings,
     seconds: f64,
     notes: &mut Vec<String>,
-) -> Result<Verified, TuneError> {
+) -> Result<Verified, StudyError> {
     let time =
         |seconds: f64, settings: &Settings| seconds / (search.prices.of(settings) * survey.n_atoms);
     let mut largest_step = f64::INFINITY;
@@ -173,10 +173,10 @@ fn verified(
         if found.len() > 1
             && let Some(run) = found.pop()
         {
-            of_safest = Some(run.map_err(|failed| TuneError::Nothing(failed.reason))?);
+            of_safest = Some(run.map_err(|failed| StudyError::Nothing(failed.reason))?);
         }
         let (Some(of_chosen), Some(of_safest)) = (found.pop(), &of_safest) else {
-            return Err(TuneError::Nothing("nothing was run to verify".into()));
+            return Err(StudyError::Nothing("nothing was run to verify".into()));
         };
         let runs = match of_chosen {
             Ok(runs) => runs,
@@ -185,7 +185,7 @@ fn verified(
                 largest_step = SHORTER * settings.dt;
                 continue;
             }
-            Err(failed) => return Err(TuneError::Nothing(failed.reason)),
+            Err(failed) => return Err(StudyError::Nothing(failed.reason)),
         };
         let measured = verify::errors(&runs, of_safest, models, safest.dt);
         let predicted = [0, 1].map(|i| candidate.predicted[i].total);
@@ -209,7 +209,7 @@ fn verified(
         }
         models.learn(settings.truncation.r_cut, [0, 1].map(|i| both[i].mean - predicted[i].mean));
     }
-    Err(TuneError::Nothing("no settings held when they were run".into()))
+    Err(StudyError::Nothing("no settings held when they were run".into()))
 }
 
 /// The keys whose errors are above their targets: of U and P, and of a measured drift by two standard errors.

@@ -10,10 +10,10 @@ use lennard_forcefield::TruncationOptions;
 use lennard_observables::{Estimate, statistics};
 use lennard_scene::Scene;
 
-use super::TuneError;
 use super::pairs::{BIN_WIDTH, Change, Counts, Fluid, Terms, bins_within, dot};
 use super::sample::Sample;
-use crate::jobs::side_by_side_quietly;
+use crate::StudyError;
+use crate::jobs::side_by_side;
 use crate::lab::{Slopes, Start};
 
 /// Time between two frames, τ: about that in which the pressure forgets itself.
@@ -98,11 +98,11 @@ impl Follower for Watcher<'_> {
 
 impl Survey {
     /// Runs one chain per thread until `budget` is spent.
-    pub fn run(sample: &Sample, budget: Duration) -> Result<Self, TuneError> {
+    pub fn run(sample: &Sample, budget: Duration) -> Result<Self, StudyError> {
         let chains: Vec<u64> = (0..rayon::current_num_threads() as u64).collect();
         let dt = sample.canonical.integrator.dt;
         let end = Instant::now() + budget;
-        let run = |chain: &u64| -> Result<(Vec<Frame>, Start, f64), TuneError> {
+        let run = |chain: &u64| -> Result<(Vec<Frame>, Start, f64), StudyError> {
             let mut scene = sample.canonical.clone();
             scene.system.seed = scene.system.seed.wrapping_add(1000 + chain);
             let every = ((FRAME_INTERVAL / dt).round() as u64).max(1);
@@ -138,7 +138,7 @@ impl Survey {
                 sample.sight,
             )?,
         };
-        for found in side_by_side_quietly(&chains, run) {
+        for found in side_by_side(&chains, run, |_| {}) {
             let (frames, end, time) = found?;
             survey.frames.extend(frames);
             survey.ends.push(end);
@@ -148,7 +148,7 @@ impl Survey {
     }
 
     /// The pair terms of another truncation of the potential that ran.
-    pub fn terms(&self, scene: &Scene, truncation: TruncationOptions) -> Result<Terms, TuneError> {
+    pub fn terms(&self, scene: &Scene, truncation: TruncationOptions) -> Result<Terms, StudyError> {
         let sight = self.bins() as f64 * BIN_WIDTH;
         Terms::of(scene, truncation, &self.fluid, self.volume, sight)
     }

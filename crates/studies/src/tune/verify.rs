@@ -3,11 +3,11 @@
 use lennard_observables::Estimate;
 use serde::Serialize;
 
-use super::TuneError;
 use super::predict::Models;
 use super::sample::Sample;
 use super::survey::Survey;
-use crate::jobs::side_by_side_quietly;
+use crate::StudyError;
+use crate::jobs::side_by_side;
 use crate::lab::{Failed, Measured, Workbench, mean_of};
 use crate::settings::Settings;
 
@@ -35,7 +35,7 @@ impl Runs {
             time: runs.iter().map(|r| r.time).sum(),
             potential_energy: mean(&|r| r.potential_energy_at_reference),
             pressure: mean(&|r| r.pressure_at_reference),
-            drift: mean(&|r| Estimate::new(r.drift.slope, r.drift.standard_error, f64::NAN)),
+            drift: mean(&|r| r.drift),
             against_equation: equation.map(|found| {
                 let all: Vec<_> = runs.iter().filter_map(|r| r.against_equation.as_ref()).collect();
                 let u: Vec<Estimate> = all.iter().map(|a| a.potential_energy).collect();
@@ -51,12 +51,12 @@ pub(super) fn runs(
     sample: &Sample,
     survey: &Survey,
     all: &[(&Settings, f64)],
-) -> Result<Vec<Result<Runs, Failed>>, TuneError> {
+) -> Result<Vec<Result<Runs, Failed>>, StudyError> {
     let slopes = survey.slopes();
     let jobs: Vec<(usize, usize)> = (0..all.len())
         .flat_map(|which| (0..survey.ends.len()).map(move |chain| (which, chain)))
         .collect();
-    let found = side_by_side_quietly(&jobs, |(which, chain)| {
+    let run = |(which, chain): &(usize, usize)| {
         let (settings, time) = all[*which];
         let mut scene = sample.own.clone();
         scene.system.seed = scene
@@ -65,8 +65,8 @@ pub(super) fn runs(
             .wrapping_add(2000 + jobs.len() as u64 * *which as u64 + *chain as u64);
         let bench = Workbench::with_start(&scene, survey.ends[*chain].clone());
         bench.measure(settings, time, &slopes)
-    });
-    let mut found = found.into_iter();
+    };
+    let mut found = side_by_side(&jobs, run, |_| {}).into_iter();
     let mut results = Vec::new();
     for _ in all {
         let mut measured = Vec::new();

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use lennard_studies::Study;
-use lennard_studies::bench::{self, BenchError, BenchOptions, BenchStudy, SkinStudy, kernel_table};
+use lennard_studies::bench::{self, Bench, BenchOptions, BenchStudy, SkinStudy, kernel_table};
 use lennard_studies::report::{Section, percent, significant};
 
 use crate::program::args::BenchArgs;
 use crate::program::commands::{Inputs, answer, study_folder};
-use crate::program::failure::{Failure, OTHER};
+use crate::program::failure::Failure;
 use crate::program::progress::Display;
 use crate::program::show::{self, Style};
 use crate::program::typed;
@@ -19,18 +19,10 @@ const REPEATS_QUICK: usize = 3;
 
 /// Measures, writes a folder and prints a table.
 pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
-    let scene = args.scene.clone().unwrap_or_else(|| bench::usual_scene(args.quick));
-    // A scene that cannot be measured shows before a folder is made.
-    bench::check(&scene, &args.set, &args.isa, &args.precision)?;
-    if let (Some(file), Some(folder)) = (&args.scene, &args.out) {
-        let inputs = Inputs::of_scene(file, None, &bench::load(file, &args.set)?);
-        inputs.not_in(folder)?;
-    }
-    let folder = study_folder(args.out.as_deref(), args.force, "bench")?;
     let repeats =
         args.repeats.map_or(if args.quick { REPEATS_QUICK } else { REPEATS }, usize::from);
     let options = BenchOptions {
-        scene,
+        scene: args.scene.clone().unwrap_or_else(|| bench::usual_scene(args.quick)),
         overrides: args.set.clone(),
         isas: args.isa.clone(),
         precisions: args.precision.clone(),
@@ -40,8 +32,15 @@ pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
         command: typed::again(None, &[]),
         machine: machine(),
     };
+    // A scene that cannot be measured shows before a folder is made.
+    let bench = Bench::new(options)?;
+    if let (Some(file), Some(folder)) = (&args.scene, &args.out) {
+        let inputs = Inputs::of_scene(file, None, &bench::load(file, &args.set)?);
+        inputs.not_in(folder)?;
+    }
+    let folder = study_folder(args.out.as_deref(), args.force, "bench")?;
     let mut progress = Display::of_study(args.quiet);
-    let study = bench::run(&options, &mut progress);
+    let study = bench.run(&mut progress);
     drop(progress);
     let study = study?;
     study.write(folder.path())?;
@@ -66,16 +65,6 @@ fn machine() -> Vec<(String, String)> {
             .push(("processes at work when it began (load of a minute)".into(), load.to_owned()));
     }
     machine
-}
-
-impl From<BenchError> for Failure {
-    fn from(error: BenchError) -> Self {
-        match error {
-            BenchError::Scene(e) => e.into(),
-            BenchError::Engine(e) => e.into(),
-            other => Self::new("the benchmark", other, OTHER),
-        }
-    }
 }
 
 /// What was measured.

@@ -1,17 +1,17 @@
 //! `lennard chart`: speed against accuracy for one scene.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use lennard_io::Existing;
 use lennard_scene::{Lock, Scene, UsedLock};
-use lennard_studies::chart::{self, ChartError, ChartOptions, Size};
+use lennard_studies::chart::{self, ChartOptions, Size};
 use lennard_studies::sweep::{self, Sweep};
 
 use crate::program::args::{ChartArgs, SweepArgs};
 use crate::program::commands::sweep::whole;
 use crate::program::commands::{Inputs, answer, output_folder};
-use crate::program::failure::{Failure, INPUT, STOPPED};
+use crate::program::failure::{Failure, STOPPED};
 use crate::program::progress::Display;
 use crate::program::show::{self, Style};
 use crate::program::signals::{FirstStep, Signals, StartUp};
@@ -38,11 +38,7 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
     let processors = lennard_core::parallel::processors();
     let options = ChartOptions {
         folder: folder.path(),
-        size: match (args.quick, args.full) {
-            (true, _) => Size::Quick,
-            (false, true) => Size::Full,
-            (false, false) => Size::Default,
-        },
+        size: of_size(args, [Size::Quick, Size::Default, Size::Full]),
         anew: args.force,
         workers: args.workers.map_or(processors, usize::from),
         threads: usize::from(args.threads),
@@ -76,24 +72,28 @@ fn read(args: &ChartArgs) -> Result<(Scene, Option<UsedLock>, Sweep), Failure> {
         let chosen = Lock::load(&lock.path)?.chosen().overrides();
         overrides.extend(chosen.into_iter().filter(|(key, _)| !scene.source.wrote(key)));
     }
-    let study = of_size(args, ["chart-quick", "chart", "chart-full"]);
-    let study = sweep::over(study.as_ref(), &args.scene, &overrides)?;
+    let name = of_size(args, ["chart-quick", "chart", "chart-full"]);
+    let study = sweep::over(&studies(name), &args.scene, &overrides)?;
     Ok((scene, lock, study))
 }
 
-/// The shipped study of the size that is asked for.
-fn of_size(args: &ChartArgs, [quick, default, full]: [&str; 3]) -> String {
-    let name = match (args.quick, args.full) {
+/// A shipped study file.
+fn studies(name: &str) -> PathBuf {
+    format!("shipped:/studies/{name}.toml").into()
+}
+
+/// What belongs to the size that is asked for.
+fn of_size<T>(args: &ChartArgs, [quick, default, full]: [T; 3]) -> T {
+    match (args.quick, args.full) {
         (true, _) => quick,
         (false, true) => full,
         (false, false) => default,
-    };
-    format!("shipped:/studies/{name}.toml")
+    }
 }
 
 /// Runs the shipped sweep over settings of barostat and thermostat with this scene.
 fn ensemble(args: &ChartArgs) -> Result<u8, Failure> {
-    let study = of_size(args, ["ensemble-quick", "ensemble", "ensemble-full"]);
+    let name = of_size(args, ["ensemble-quick", "ensemble", "ensemble-full"]);
     let sweep = SweepArgs {
         sweep: args.scene.clone(),
         set: args.set.clone(),
@@ -110,19 +110,10 @@ fn ensemble(args: &ChartArgs) -> Result<u8, Failure> {
         json: args.json,
         quiet: args.quiet,
     };
-    whole(&sweep, Instant::now(), || sweep::over(study.as_ref(), &args.scene, &args.set))
+    whole(&sweep, Instant::now(), || sweep::over(&studies(name), &args.scene, &args.set))
 }
 
 fn kept_points(folder: &Path) -> String {
     let command = typed::again(Some(folder), &[]);
     format!("stopped on request; finished points are kept\n  to go on: {command}")
-}
-
-impl From<ChartError> for Failure {
-    fn from(error: ChartError) -> Self {
-        match error {
-            ChartError::Study(error) => error.into(),
-            other => Self::new("the chart", other, INPUT),
-        }
-    }
 }

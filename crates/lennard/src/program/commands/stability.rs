@@ -55,15 +55,22 @@ fn study(args: &StudyArgs, name: &str, run: Run) -> Result<u8, Failure> {
     answer(args.json, args.quiet, &study, || show::page(&page, folder.path()))
 }
 
-impl From<StudyError> for Failure {
-    fn from(error: StudyError) -> Self {
+impl Failure {
+    /// A study, or a chart, that failed while it did this.
+    pub fn of_study(doing: &str, error: StudyError) -> Self {
         match error {
             StudyError::Engine(error) => error.into(),
             StudyError::Write(error) => error.into(),
-            StudyError::Folder { .. } | StudyError::Settings { .. } => {
-                Self::new("the study", error, INPUT)
+            StudyError::Scene(_) | StudyError::Folder { .. } | StudyError::Settings { .. } => {
+                Self::new(doing, error, INPUT)
             }
-            other => Self::new("the study", other, OTHER),
+            other => Self::new(doing, other, OTHER),
         }
+    }
+}
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
+        Self::of_study("the study", error)
     }
 }

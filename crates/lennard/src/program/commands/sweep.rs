@@ -183,10 +183,7 @@ pub(super) fn command(folder: &Path) -> String {
 pub(super) fn keep_inputs(file: &Path, sweep: &Sweep, folder: &Path) -> Result<(), Failure> {
     let configurations = sweep.points.iter().filter_map(|point| match &point.scene.system.start {
         Arrangement::File { path, .. } => Some(path.clone()),
-        Arrangement::Lattice { .. }
-        | Arrangement::Slab(_)
-        | Arrangement::HalfCrystal(_)
-        | Arrangement::Listed { .. } => None,
+        _ => None,
     });
     let mut inputs: Vec<PathBuf> = configurations.collect();
     inputs.dedup();

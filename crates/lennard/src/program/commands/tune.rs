@@ -4,11 +4,12 @@ use std::path::Path;
 
 use lennard_io::{in_shell, path_in_shell};
 use lennard_scene::{Chosen, Lock, Scene};
-use lennard_studies::tune::{self, TuneError, TuneOptions};
+use lennard_studies::StudyError;
+use lennard_studies::tune::{self, TuneOptions};
 
 use crate::program::args::TuneArgs;
 use crate::program::commands::{Inputs, answer, on_threads};
-use crate::program::failure::{Failure, INPUT, OTHER};
+use crate::program::failure::{Failure, INPUT};
 use crate::program::progress::Display;
 use crate::program::show::{self, Style};
 use crate::program::signals::{Signals, StartUp};
@@ -25,7 +26,7 @@ pub fn tune(args: &TuneArgs) -> Result<u8, Failure> {
     let (scene, lock) = if asked.accuracy.is_some() {
         (asked, Some(named.unwrap_or_else(|| Lock::beside(path))))
     } else if named.is_some() {
-        return Err(TuneError::NoAccuracy(path.display().to_string()).into());
+        return Err(failed(tune::no_accuracy(&path.display().to_string())));
     } else {
         (Scene::load_freed(path, &overrides)?, None)
     };
@@ -37,7 +38,8 @@ pub fn tune(args: &TuneArgs) -> Result<u8, Failure> {
     let threads = args.scene.threads.map_or(available, usize::from);
     let options = TuneOptions { seconds: args.seconds, threads };
     let mut display = Display::of_study(args.quiet);
-    let tuning = on_threads(threads, || Ok(tune::tune(&scene, &options, &mut display)?))?;
+    let tuning =
+        on_threads(threads, || tune::tune(&scene, &options, &mut display).map_err(failed))?;
     drop(display);
     if let Some(lock) = &lock {
         let text = Lock::text(&scene, &tuning.chosen(), &tuning.judged(), &lennard_io::cpu_name());
@@ -88,13 +90,6 @@ fn with_settings(path: &Path, overrides: &[(String, String)], chosen: &Chosen) -
     command
 }
 
-impl From<TuneError> for Failure {
-    fn from(error: TuneError) -> Self {
-        match error {
-            TuneError::Scene(error) => Self::new("tuning the scene", error, INPUT),
-            TuneError::Engine(error) => error.into(),
-            TuneError::NoAccuracy(_) => Self::new("tuning the scene", error, INPUT),
-            _ => Self::new("tuning the scene", error, OTHER),
-        }
-    }
+fn failed(error: StudyError) -> Failure {
+    Failure::of_study("tuning the scene", error)
 }

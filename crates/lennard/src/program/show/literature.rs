@@ -5,7 +5,7 @@ use std::path::Path;
 
 use lennard_observables::Remark;
 use lennard_scene::Scene;
-use lennard_studies::compare::{self, ComparedRun, StateOfMatter};
+use lennard_studies::compare::{self, ComparedRun};
 use lennard_studies::report::{Section, counted, particles};
 use lennard_studies::run_page;
 use lennard_studies::sweep::{Sweep, SweepRecord, workers};
@@ -16,7 +16,7 @@ pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) -> Section {
     let points = sweep.points.len();
     let is_meant = |scene: &Scene| scene.surfaces().is_some() || scene.half_crystal().is_some();
     let unstable = sweep.points.iter().filter(|p| !is_meant(&p.scene)).filter_map(|point| {
-        let state = planned(point);
+        let state = point.planned();
         let said = format!("{}: {}; it is run and not judged", point.name, state.words);
         (!state.is_single_stable_phase()).then_some(said)
     });
@@ -28,12 +28,6 @@ pub fn sweep_header(sweep: &Sweep, threads: usize, folder: &Path) -> Section {
             folder.display()
         ))
         .texts(unstable)
-}
-
-fn planned(point: &lennard_studies::sweep::Point) -> StateOfMatter {
-    let model = lennard_scene::model_kind(&point.scene);
-    let equation = lennard_literature::equation_of_state_for(model).ok();
-    StateOfMatter::new(point.density, point.scene.system.temperature, equation)
 }
 
 /// The tables of a sweep, and what they say.

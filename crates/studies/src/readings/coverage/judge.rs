@@ -61,7 +61,7 @@ pub struct Fault {
 
 /// One quantity in one cell.
 #[derive(Debug, Clone, Serialize)]
-pub struct Judged {
+pub struct Covered {
     /// The cell.
     #[serde(flatten)]
     pub cell: Cell,
@@ -83,7 +83,7 @@ pub struct Judged {
     pub faults: Vec<Fault>,
 }
 
-impl Judged {
+impl Covered {
     /// Scatter over the seeds in printed errors, where enough runs printed one.
     pub fn scatter(&self) -> Option<f64> {
         (self.degrees_of_freedom > 0)
@@ -103,7 +103,7 @@ fn is_judged(quantity: &str, cell: &Cell) -> bool {
 }
 
 /// Judges every quantity of every sample.
-pub fn all(samples: &[Sample<'_>]) -> Vec<Judged> {
+pub fn all(samples: &[Sample<'_>]) -> Vec<Covered> {
     let mut judged = Vec::new();
     for sample in samples {
         let Some(long) = long_run(samples, &sample.cell) else {
@@ -194,7 +194,7 @@ impl LongRun {
 }
 
 /// One quantity; none where the long runs do not know its mean.
-fn one(sample: &Sample<'_>, long: &Sample<'_>, quantity: &str) -> Option<Judged> {
+fn one(sample: &Sample<'_>, long: &Sample<'_>, quantity: &str) -> Option<Covered> {
     let is_line = sample.cell.is_at_constant_energy;
     let truth: Vec<(f64, f64)> = values(&long.runs, quantity).iter().map(|v| v.0).collect();
     let line = LongRun::of(&truth, is_line).filter(|_| truth.len() >= FEWEST)?;
@@ -217,7 +217,7 @@ fn one(sample: &Sample<'_>, long: &Sample<'_>, quantity: &str) -> Option<Judged>
         (found.iter()).filter_map(|&(point, error)| Some((point, error?))).collect();
     let (chi_squared, degrees_of_freedom) = scatter(&printed, &line, own_mean && is_line);
     let within = [1.0, 2.0].map(|k| z.iter().filter(|z| z.abs() <= k).count());
-    let mut judged = Judged {
+    let mut judged = Covered {
         cell: sample.cell.clone(),
         quantity: quantity.to_owned(),
         given: z.len(),
@@ -278,7 +278,7 @@ fn without(runs: &[&BTreeMap<String, AverageRecord>], quantity: &str) -> BTreeMa
 const ABSENT: &str = "absent";
 
 /// What is wrong with the counts of a cell.
-fn faults(judged: &Judged) -> Vec<Fault> {
+fn faults(judged: &Covered) -> Vec<Fault> {
     let mut faults = Vec::new();
     let mut add = |what: String, probability: f64| faults.push(Fault { what, probability });
     let percent = |k: usize| 100.0 * k as f64 / judged.given as f64;
@@ -343,7 +343,7 @@ pub struct Sums {
 }
 
 impl Sums {
-    fn add(&mut self, judged: &Judged) {
+    fn add(&mut self, judged: &Covered) {
         self.given += judged.given;
         self.without += judged.without.values().sum::<usize>();
         for (sum, within) in self.within.iter_mut().zip(judged.within) {
@@ -399,12 +399,12 @@ pub struct Row {
 
 /// Sums over the cells that share a name, for each length.
 fn rows(
-    judged: &[Judged],
+    judged: &[Covered],
     lengths: &[u64],
     together: usize,
-    name: impl Fn(&Judged) -> String,
+    name: impl Fn(&Covered) -> String,
 ) -> Vec<Row> {
-    let sums_of = |cells: &[&Judged], length: u64| {
+    let sums_of = |cells: &[&Covered], length: u64| {
         let mut sums = Sums { together, ..Sums::default() };
         cells.iter().filter(|one| one.cell.steps == length).for_each(|one| sums.add(one));
         sums
@@ -419,15 +419,15 @@ fn rows(
 }
 
 /// Each quantity over all states and ensembles.
-pub fn by_quantity(judged: &[Judged], lengths: &[u64]) -> Vec<Row> {
+pub fn by_quantity(judged: &[Covered], lengths: &[u64]) -> Vec<Row> {
     let mut rows = rows(judged, lengths, 1, |one| one.quantity.clone());
     rows.sort_by(|a, b| a.name.cmp(&b.name));
     rows
 }
 
 /// Each state and ensemble, and all of them, over all quantities that do not repeat another one.
-pub fn by_state(judged: &[Judged], lengths: &[u64]) -> Vec<Row> {
-    let once: Vec<Judged> =
+pub fn by_state(judged: &[Covered], lengths: &[u64]) -> Vec<Row> {
+    let once: Vec<Covered> =
         (judged.iter()).filter(|one| repeats(&one.quantity).is_none()).cloned().collect();
     let mut all = rows(&once, lengths, TOGETHER, |one| one.cell.state.clone());
     all.sort_by(|a, b| a.name.cmp(&b.name));

@@ -5,12 +5,11 @@ mod judge;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use judge::{Judged, Row, Sample, Sums, by_quantity, by_state, repeats};
+use judge::{Covered, Row, Sample, Sums, by_quantity, by_state, repeats};
 use lennard_observables::{Cell, Table, Verdict};
 use serde_json::{Value, json};
 
-use super::blocks::Blocks;
-use super::study::StudyPoints;
+use super::blocks::{Blocks, StudyPoints};
 use crate::lists::grouped;
 use crate::report::Section;
 use crate::sweep::{Point, Setting};
@@ -108,14 +107,14 @@ const LISTED_BY_CHANCE: f64 = 3.5e-3;
 /// What the judged cells add up to.
 pub struct Summary {
     lengths: Vec<u64>,
-    judged: Vec<Judged>,
+    judged: Vec<Covered>,
     quantities: Vec<Row>,
     states: Vec<Row>,
 }
 
 impl Summary {
     /// Adds up.
-    pub fn new(judged: Vec<Judged>, lengths: &[u64]) -> Self {
+    pub fn new(judged: Vec<Covered>, lengths: &[u64]) -> Self {
         Self {
             quantities: by_quantity(&judged, lengths),
             states: by_state(&judged, lengths),
@@ -125,7 +124,7 @@ impl Summary {
     }
 
     /// Cells outside the range that chance leaves, the least probable first.
-    fn listed(&self) -> Vec<(&Judged, f64)> {
+    fn listed(&self) -> Vec<(&Covered, f64)> {
         let mut listed: Vec<_> =
             (self.judged.iter()).filter_map(|one| Some((one, one.worst()?))).collect();
         listed.sort_by(|a, b| a.1.total_cmp(&b.1).then(b.0.given.cmp(&a.0.given)));
@@ -188,7 +187,7 @@ impl Summary {
             .column("within one error", |one| one.within[0])
             .column("within two errors", |one| one.within[1])
             .column("distance", |one| one.distance)
-            .column("scatter", Judged::scatter)
+            .column("scatter", Covered::scatter)
             .column("chi_squared", |one| one.chi_squared)
             .column("degrees_of_freedom", |one| one.degrees_of_freedom)
             .column("faults", |one| {
@@ -230,14 +229,15 @@ impl Summary {
     /// Cells outside the range of right errors, the least probable first.
     pub fn listed_in_words(&self) -> Vec<String> {
         let listed = self.listed();
-        let news: Vec<&(&Judged, f64)> = (listed.iter())
+        let news: Vec<&(&Covered, f64)> = (listed.iter())
             .filter(|(one, _)| {
                 let original = repeats(&one.quantity);
-                let same = |o: &Judged| o.cell == one.cell && Some(o.quantity.as_str()) == original;
+                let same =
+                    |o: &Covered| o.cell == one.cell && Some(o.quantity.as_str()) == original;
                 !listed.iter().any(|(other, _)| same(other))
             })
             .collect();
-        let in_words = |(one, probability): &&(&Judged, f64)| {
+        let in_words = |(one, probability): &&(&Covered, f64)| {
             let mark = if self.beyond_chance(*probability) { "!" } else { "" };
             let what: Vec<&str> = one.faults.iter().map(|fault| fault.what.as_str()).collect();
             format!(

@@ -6,6 +6,7 @@ use lennard_observables::{Cell, Table, Tone};
 use super::limit::{self, FluidLimit};
 use super::run::{BELOW, FluidRun, PAST, SHOWN, SMALL};
 use crate::claims::Measured;
+use crate::lists::unique;
 use crate::report::significant;
 use crate::stability::groups::{group_of, stands_for_itself};
 
@@ -113,15 +114,8 @@ pub(super) fn add(found: &mut Measured, runs: &[FluidRun], limits: &[FluidLimit]
 
 /// The largest stable steps: one row per method, one column per state point, then the other truncations.
 fn largest_steps(limits: &[FluidLimit]) -> Table {
-    let mut methods: Vec<&str> = limits.iter().map(|l| l.last.method).collect();
-    methods.dedup();
-    let mut places: Vec<(f64, &str)> = Vec::new();
-    for FluidLimit { last, .. } in limits {
-        let place = (last.temperature, last.truncation);
-        if !places.contains(&place) {
-            places.push(place);
-        }
-    }
+    let methods = unique(limits.iter().map(|l| l.last.method));
+    let mut places = unique(limits.iter().map(|l| (l.last.temperature, l.last.truncation)));
     let is_other = |truncation: &str| truncation != SHOWN.spec().name;
     places.sort_by(|a, b| a.0.total_cmp(&b.0).then(is_other(a.1).cmp(&is_other(b.1))));
     let caption = "Largest stable dt in τ (`fluid-limits.csv` has both ends of each bracket and how the run beyond it \

@@ -5,10 +5,11 @@ use super::*;
 #[test]
 fn the_ceiling_is_the_last_rung_before_the_drift_and_the_law_passes_through_what_is_seen() {
     let rung = |dt, drift| Rung { dt, drift };
+    let drift = |mean| Some(Estimate::new(mean, 2e-7, f64::NAN));
     let rungs = vec![
-        rung(0.010, Some((1e-7, 2e-7))),
-        rung(0.012, Some((1e-5, 2e-7))),
-        rung(0.016, Some((8e-4, 2e-7))),
+        rung(0.010, drift(1e-7)),
+        rung(0.012, drift(1e-5)),
+        rung(0.016, drift(8e-4)),
         rung(0.020, None),
     ];
     let free = Stability::of(&rungs, None);

@@ -242,7 +242,7 @@ fn springs_bound_the_step_where_they_are_faster_than_collisions() {
     };
     let limit = |stiffness: f64| {
         let scene = Scene::parse(&text(stiffness), "test.toml", &[]).unwrap();
-        crate::tune::sample::stable_dt_of_springs(&scene).unwrap()
+        crate::lab::stable_dt_of_springs(&scene, crate::tune::sample::VERLET_LIMIT).unwrap()
     };
     // ω² = 2k/m for two unit masses.
     assert!((limit(40_000.0) - 2.0 / 80_000.0_f64.sqrt()).abs() < 1e-12);

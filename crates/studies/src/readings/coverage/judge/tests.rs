@@ -46,7 +46,7 @@ fn cell(is_at_constant_energy: bool, steps: u64) -> Cell {
 }
 
 /// Cells of one state at two lengths: the short runs scatter four times as much.
-fn two_lengths(at_energy: bool, slope: f64, error: f64, seed: u64) -> Vec<Judged> {
+fn two_lengths(at_energy: bool, slope: f64, error: f64, seed: u64) -> Vec<Covered> {
     let mut random = Streams::new(seed).sequential("runs");
     let short = runs(slope, 0.4, Some(4.0 * error), &mut random);
     let long = runs(slope, 0.1, Some(error), &mut random);
