@@ -14,4 +14,4 @@ pub use plan::{LeftOut, Plan, PlannedPoint, Point, Setting, SettingValue, Sweep}
 pub use record::files;
 pub use run::{SweepOptions, collect, ending_of, run, run_points, workers};
 pub use script::{Scheduler, Script};
-pub use swept::{Ending, Failed, SweepRecord, SweptPoint};
+pub use swept::{Ending, Failed, StudyPoints, SweepRecord, SweptPoint};

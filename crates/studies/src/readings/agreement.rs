@@ -5,13 +5,14 @@ use lennard_observables::{Cell, Table, Tone};
 use serde::Serialize;
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF};
 
-use super::blocks::{Blocks, EQUATIONS, PICTURES, StudyPoints, TOGETHER};
+use super::blocks::{Blocks, EQUATIONS, PICTURES, TOGETHER};
 use super::points::Kind;
 use crate::compare::{
     CardRow, ComparedRun, Row, StateCard, Verdict, capital, is_a_part, quantity_words,
 };
 use crate::lists::{grouped, unique};
 use crate::report::{Axis, Figure, Look, Picture, Point, Section, Series, Symbol, significant};
+use crate::sweep::StudyPoints;
 use crate::sweep::SweptPoint;
 
 /// The quantities whose differences are drawn.
@@ -232,8 +233,8 @@ pub(super) struct Deviation {
     pub relative: f64,
 }
 
-/// A property of a point less the value of an equation: the point, whether the equation counts, the difference, and its size as a part of
-/// the measured value and in errors.
+/// A property of a point less the value of an equation: the point, whether the equation counts, and the difference. Its size follows,
+/// as a part of the measured value and in errors.
 type Difference<'a> = (&'a str, bool, f64, f64, f64);
 
 /// Whether a row says anything of equations: it has an error, and is the whole of a property.

@@ -5,8 +5,9 @@ use lennard_observables::{CORRECTED, UNCORRECTED};
 
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
 
-use super::blocks::{Blocks, StudyPoints};
+use super::blocks::Blocks;
 use super::properties::{averaged, label_of, series_of};
+use crate::sweep::StudyPoints;
 
 /// The fewest temperatures that make a line.
 const FEWEST: usize = 3;

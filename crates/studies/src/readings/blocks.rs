@@ -1,4 +1,4 @@
-//! What a reading is given, and what it gives.
+//! What a reading gives.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,6 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::report::{Picture, Section};
-use crate::sweep::{Sweep, SweptPoint};
 use lennard_observables::Table;
 
 /// What answers the question of the study: its first figures.
@@ -23,17 +22,6 @@ pub(super) const PROPERTIES: &str = "Each property";
 pub(crate) const SHARED_SECTIONS: [&str; 5] = [PICTURES, TOGETHER, POINTS, EQUATIONS, PROPERTIES];
 /// How many of them a page shows open.
 pub(crate) const OPEN: usize = 2;
-
-/// What a reading is given: the points of a study, planned and run.
-#[derive(Clone, Copy)]
-pub struct StudyPoints<'a> {
-    /// The study.
-    pub sweep: &'a Sweep,
-    /// What came of each point.
-    pub swept: &'a [SweptPoint],
-    /// Names of figures that other readings have drawn.
-    pub drawn: &'a [&'a str],
-}
 
 /// What a reading makes of the points.
 #[derive(Debug, Clone, Default, Serialize)]

@@ -9,11 +9,12 @@ use lennard_observables::quantities::{Quantity, quantity_of};
 use lennard_observables::statistics::Line;
 use serde::Serialize;
 
-use super::blocks::{Blocks, StudyPoints};
+use super::blocks::Blocks;
 use super::properties::{Averaged, averaged};
 use crate::compare::capital;
 use crate::lab::mean_of;
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol, with_error};
+use crate::sweep::StudyPoints;
 use crate::sweep::SweptPoint;
 
 /// The fewest temperatures that make a curve.

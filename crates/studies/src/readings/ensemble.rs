@@ -4,9 +4,10 @@ use lennard_engine::measured_stage;
 use lennard_io::RunRecord;
 use lennard_observables::{Cell, Table};
 
-use super::blocks::{Blocks, PICTURES, StudyPoints};
+use super::blocks::{Blocks, PICTURES};
 use super::points::verdicts;
 use crate::report::{Axis, Columns, FigureRow, Guide, Look, Section};
+use crate::sweep::StudyPoints;
 use crate::sweep::{Point, SweptPoint};
 
 /// What every right choice samples alike.

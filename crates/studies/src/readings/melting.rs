@@ -6,9 +6,10 @@ use lennard_observables::statistics::Line;
 use lennard_scene::Scene;
 use serde::Serialize;
 
-use super::blocks::{Blocks, StudyPoints};
+use super::blocks::Blocks;
 use super::properties::{Averaged, averaged, label_of, series_of};
 use crate::lists::unique;
+use crate::sweep::StudyPoints;
 use crate::sweep::{Sweep, SweptPoint};
 
 /// The fewest temperatures that make a curve.

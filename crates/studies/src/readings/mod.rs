@@ -10,7 +10,8 @@ mod melting;
 mod points;
 mod properties;
 
-pub use blocks::{Blocks, StudyPoints};
+pub use crate::sweep::StudyPoints;
+pub use blocks::Blocks;
 pub(crate) use blocks::{OPEN, SHARED_SECTIONS};
 
 /// A way to read the points of a study.

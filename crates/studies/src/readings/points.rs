@@ -3,11 +3,12 @@
 use lennard_observables::quantities::{Quantity, quantity_of};
 use lennard_observables::{Cell, Table, Tone, Value};
 
-use super::blocks::{Blocks, POINTS, PROPERTIES, StudyPoints};
+use super::blocks::{Blocks, POINTS, PROPERTIES};
 use super::properties;
 use crate::compare::{Row, Verdict, capital};
 use crate::lists::grouped;
 use crate::report::Section;
+use crate::sweep::StudyPoints;
 use crate::sweep::SweptPoint;
 
 /// The table of the points, and a figure for each property.

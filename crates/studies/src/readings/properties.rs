@@ -7,11 +7,12 @@ use lennard_observables::Estimate;
 use lennard_observables::quantities::{Mark, Quantity, axis, has_mark, quantity_of};
 use lennard_scene::study::{SHORT_KEYS, ShortKey};
 
-use super::blocks::{Blocks, StudyPoints};
+use super::blocks::Blocks;
 use crate::compare::{Row, capital, quantity_words};
 use crate::lab::mean_of;
 use crate::lists::{grouped, unique};
 use crate::report::{Axis, Dash, Figure, Look, Picture, Point, Series, Symbol};
+use crate::sweep::StudyPoints;
 use crate::sweep::{Setting, SettingValue, SweptPoint};
 
 /// Most series of one figure.

@@ -9,8 +9,9 @@ use lennard_scene::study::SHORT_KEYS;
 use super::{Ending, SettingValue, Sweep, SweepError, SweepRecord, SweptPoint};
 use crate::compare::{ComparedRun, Row};
 use crate::lists::{grouped, unique};
-use crate::readings::{Blocks, OPEN, READINGS, Reading, SHARED_SECTIONS, StudyPoints, chosen};
+use crate::readings::{Blocks, OPEN, READINGS, Reading, SHARED_SECTIONS, chosen};
 use crate::report::{Block, Page, Picture, Section};
+use crate::sweep::StudyPoints;
 
 /// Name and version of the schema of [`SweepRecord`].
 const SWEEP_SCHEMA: &str = lennard_io::schema!("sweep", 1);

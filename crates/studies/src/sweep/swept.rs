@@ -4,7 +4,7 @@ use lennard_engine::EngineError;
 use lennard_io::RunRecord;
 use serde::Serialize;
 
-use super::{LeftOut, Setting};
+use super::{LeftOut, Setting, Sweep};
 use crate::compare::{ComparedRun, Row, StateOfMatter};
 use crate::readings::Blocks;
 
@@ -108,6 +108,17 @@ impl SweptPoint {
     pub fn state(&self) -> &StateOfMatter {
         self.compared.as_ref().map_or(&self.planned, |c| &c.state)
     }
+}
+
+/// What a reading is given: the points of a study, planned and run.
+#[derive(Clone, Copy)]
+pub struct StudyPoints<'a> {
+    /// The study.
+    pub sweep: &'a Sweep,
+    /// What came of each point.
+    pub swept: &'a [SweptPoint],
+    /// Names of figures that other readings have drawn.
+    pub drawn: &'a [&'a str],
 }
 
 /// A sweep and what came of it, as written to `sweep.json`.

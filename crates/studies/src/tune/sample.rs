@@ -159,7 +159,7 @@ impl Sample {
         longest / self.own.cutoff_unit()
     }
 
-    /// The stability limit of the scene's own method over that of velocity Verlet.
+    /// The stability limit of the scene's own method over the limit of velocity Verlet.
     pub fn limit(&self) -> f64 {
         self.own.integrator.method.spec().stability_limit.unwrap_or(VERLET_LIMIT) / VERLET_LIMIT
     }

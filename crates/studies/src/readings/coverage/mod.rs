@@ -9,9 +9,10 @@ use judge::{Covered, Row, Sample, Sums, by_quantity, by_state, repeats};
 use lennard_observables::{Cell, Table, Verdict};
 use serde_json::{Value, json};
 
-use super::blocks::{Blocks, StudyPoints};
+use super::blocks::Blocks;
 use crate::lists::grouped;
 use crate::report::Section;
+use crate::sweep::StudyPoints;
 use crate::sweep::{Point, Setting};
 
 /// From this density on a homogeneous fluid is a liquid, whose longest runs may not be too short, σ⁻³.
