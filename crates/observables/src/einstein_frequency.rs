@@ -71,7 +71,8 @@ impl Observable for EinsteinFrequency {
         let error = 0.5 * squared.estimate.standard_error / root;
         let estimate = Estimate { mean: root, standard_error: error, ..squared.estimate };
         let what = "square of the Einstein frequency";
-        let table = self.series.table("einstein_frequency", what, [("squared", "τ⁻²", &rows.squared)]);
+        let table =
+            self.series.table("einstein_frequency", what, [("squared", "τ⁻²", &rows.squared)]);
         Findings {
             averages: vec![Average { estimate, ..squared }],
             tables: vec![table],
