@@ -126,3 +126,20 @@ fn a_users_own_fluid_is_tried_for_stability() {
     place.refused("study stability study.toml --out out --force --quiet", &words);
     assert_eq!(place.read("out/report.html"), BASE);
 }
+
+/// Proves that five seeds of a user's own scene are judged by the reading of coverage, and that four are too few.
+#[test]
+fn printed_errors_of_a_users_own_scene_are_judged_over_seeds() {
+    let study = "base = \"base.toml\"\nreading = \"coverage\"\n[grid]\nseed = [1, 2, 3, 4, 5]\n";
+    let place = Place::with(&[("base.toml", BASE), ("study.toml", study)]);
+    let record = place.json("sweep study.toml --out out --quiet");
+    let quantities = record["coverage"]["quantities"].as_array().unwrap();
+    let of_energy = quantities.iter().find(|q| q["name"] == "potential_energy").unwrap();
+    let length = &of_energy["lengths"][0];
+    assert_eq!(number(&length["given"]) + number(&length["without"]), 5.0, "{length}");
+    assert!(place.has("out/coverage_quantities.csv") && place.has("out/seed5/run.json"));
+    place.write("study.toml", &study.replace(", 5", ""));
+    let words = ["`reading` lacks its axis: `coverage`", "found:   4 values of `seed`"];
+    place.refused("sweep study.toml --out other", &words);
+    assert!(!place.has("other"));
+}
