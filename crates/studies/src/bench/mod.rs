@@ -38,6 +38,8 @@ const MOST_STEPS: u64 = 20_000;
 /// A benchmark that can run here.
 #[derive(Debug)]
 pub struct Bench {
+    /// The scene as it was asked for.
+    pub scene: Scene,
     options: BenchOptions,
     plan: Vec<Variant>,
 }
@@ -48,8 +50,9 @@ impl Bench {
     /// # Errors
     /// [`StudyError`] where the scene is wrong, or a variant is not to be had on this machine.
     pub fn new(options: BenchOptions) -> Result<Self, StudyError> {
+        let scene = load(&options.scene, &options.overrides)?;
         let plan = kernels::variants(&options)?;
-        Ok(Self { options, plan })
+        Ok(Self { scene, options, plan })
     }
 
     /// Measures.
@@ -57,7 +60,7 @@ impl Bench {
     /// # Errors
     /// [`StudyError`] where the run of a variant fails.
     pub fn run(&self, progress: &mut dyn Progress) -> Result<BenchStudy, StudyError> {
-        let Self { options, plan } = self;
+        let Self { scene: asked, options, plan } = self;
         let scene = &plan[0].scene;
         let most = plan.iter().map(|variant| variant.threads).max();
         progress.update("warming up", 0.0);
@@ -65,7 +68,6 @@ impl Bench {
         // Where the scene of the user has a bath, the state has the temperature of its measured stage. Without one a lattice melts at
         // constant energy and cools, as it does in a run.
         let mut warming = scene.clone();
-        let asked = load(&options.scene, &options.overrides)?;
         if asked.stages.iter().any(|stage| stage.thermostat.is_some()) {
             warming.stages = vec![to_temperature(scene, lennard_engine::ENDLESS)];
         }

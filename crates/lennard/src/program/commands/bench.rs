@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use lennard_studies::Study;
 use lennard_studies::bench::{self, Bench, BenchOptions, BenchStudy, SkinStudy, kernel_table};
 use lennard_studies::report::{Section, percent, significant};
+use lennard_studies::{Study, StudyError};
 
 use crate::program::args::BenchArgs;
 use crate::program::commands::{Inputs, answer, study_folder};
@@ -33,20 +33,27 @@ pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
         machine: machine(),
     };
     // A scene that cannot be measured shows before a folder is made.
-    let bench = Bench::new(options)?;
+    let bench = Bench::new(options).map_err(failed)?;
     if let (Some(file), Some(folder)) = (&args.scene, &args.out) {
-        let inputs = Inputs::of_scene(file, None, &bench::load(file, &args.set)?);
+        let inputs = Inputs::of_scene(file, None, &bench.scene);
         inputs.not_in(folder)?;
     }
     let folder = study_folder(args.out.as_deref(), args.force, "bench")?;
     let mut progress = Display::of_study(args.quiet);
     let study = bench.run(&mut progress);
     drop(progress);
-    let study = study?;
+    let study = study.map_err(failed)?;
     study.write(folder.path())?;
     answer(args.json, args.quiet, &study, || {
         show::print(&told(&study, folder.path()), Style::Ruled);
     })
+}
+
+fn failed(error: StudyError) -> Failure {
+    match error {
+        StudyError::Scene(error) => error.into(),
+        other => Failure::of_study("the benchmark", other),
+    }
 }
 
 /// What the figures belong to.

@@ -47,7 +47,8 @@ pub fn chart(args: &ChartArgs) -> Result<u8, Failure> {
         command: typed::again(Some(folder.path()), &[]),
     };
     let mut display = FirstStep::new(&signals, Display::of_study(args.quiet));
-    let found = chart::run(&scene, &study, &options, &mut display)?;
+    let found = chart::run(&scene, &study, &options, &mut display)
+        .map_err(|error| Failure::of_study("the chart", error))?;
     drop(display);
     let done = answer(args.json, args.quiet, &found, || {
         show::print(&show::chart(&found, folder.path()), Style::Narrow);

@@ -71,6 +71,9 @@ impl Failure {
 
 impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
-        Self::of_study("the study", error)
+        match error {
+            StudyError::Scene(error) => error.into(),
+            other => Self::of_study("the study", other),
+        }
     }
 }

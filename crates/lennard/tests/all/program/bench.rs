@@ -49,6 +49,7 @@ fn bad_input_is_refused_before_anything_is_made() {
         ("--repeats many", "--repeats"),
         ("--threads 1,0", "--threads"),
         ("--set system.n_atom=4", "nearest: n_atoms"),
+        ("--set system.n_atoms=7", "error: reading the scene: "),
         ("--set truncation.r_cut=99", "`truncation.r_cut`"),
         ("nowhere.toml", "nowhere.toml"),
         ("--features", "-p lennard-benches --bin features"),

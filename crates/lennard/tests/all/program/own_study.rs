@@ -61,6 +61,13 @@ fn truncations_and_steps_make_a_chart_of_a_users_own() {
     assert_eq!(steps, [0.004, 0.008, 0.004, 0.008]);
     assert_eq!(points[2]["settings"]["truncation"]["kind"], "shift");
 
+    place.write(
+        "study.toml",
+        &study.replace("[\"cut\", \"shift\"]", "[\"cut\"]").replace("[1, 2]", "[1]"),
+    );
+    let words = ["error: the chart: there is nothing to compare: 1 of the settings"];
+    place.refused("chart study.toml --quick --out alone --quiet", &words);
+
     for (command, from, to, words) in [
         ("sweep", "dt", "dt", "`reading` is not read from a sweep"),
         ("chart", "\"chart\"", "\"table\"", "`reading` is no chart"),
