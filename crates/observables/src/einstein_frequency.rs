@@ -2,7 +2,7 @@
 
 use crate::{
     Average, BuildContext, Estimate, Findings, Observable, ObservableError, ObservableSpec, Recipe,
-    Suits,
+    Suits, Surroundings,
 };
 use lennard_core::{View, Want, persist};
 
@@ -14,6 +14,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "Ω_E² = ⟨Σ ∇²U⟩/(3 N m); the velocity autocorrelation begins as 1 − Ω_E²·t²/2",
     source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, section on the velocity autocorrelation function",
     suits: Suits::OneSpecies,
+    surroundings: Surroundings::Periodic,
     ..ObservableSpec::PLAIN
 };
 
