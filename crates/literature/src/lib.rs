@@ -46,7 +46,7 @@ pub mod units;
 mod virial;
 
 pub use beside::{Compared, Described, at_constant_pressure, at_constant_volume};
-pub use bisection::bisect;
+pub use bisection::{bisect, try_bisect};
 pub use coexistence_data::coexistence_by_simulation;
 pub use equation::{EquationOfState, EquationSpec, OutsideRange, OwnUncertainty, Range};
 pub use finite_size::{FiniteSize, FiniteSizeDoubt, Kept};

@@ -20,7 +20,7 @@ pub use motion::TrajectoryError;
 pub use rig::Rig;
 pub(crate) use rig::drift_of;
 pub use slopes::Slopes;
-pub(crate) use stable::{bisect, rough_stable_dt, stable_dt_of_springs};
+pub(crate) use stable::{rough_stable_dt, stable_dt_of_springs};
 pub use start::Start;
 pub(crate) use start::{to_temperature, under_bussi};
 pub use timing::{Cost, Timing, costs, modelled_work};

@@ -22,19 +22,6 @@ pub(crate) fn rough_stable_dt(
     of_pairs.min(stable_dt_of_springs(scene, limit).unwrap_or(f64::INFINITY))
 }
 
-/// Halves the interval from where a condition holds to where it does not; an interval of no length stays.
-pub(crate) fn bisect<E>(
-    [mut inside, mut outside]: [f64; 2],
-    halvings: usize,
-    holds: impl Fn(f64) -> Result<bool, E>,
-) -> Result<[f64; 2], E> {
-    for _ in 0..halvings {
-        let middle = 0.5 * (inside + outside);
-        *(if inside == outside || holds(middle)? { &mut inside } else { &mut outside }) = middle;
-    }
-    Ok([inside, outside])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,13 +2,13 @@
 
 use lennard_core::{DVec3, PeriodicBox};
 use lennard_forcefield::{Hard, Response, SlitPlanes, Soft, SpringLaw, WallOptions};
+use lennard_literature::try_bisect;
 use lennard_observables::{Cell, Table};
 
 use super::ball::{PLANE, SIDE, balls, over};
 use super::cradle;
 use crate::StudyError;
 use crate::claims::Measured;
-use crate::lab::bisect;
 use crate::report::Drawn;
 
 /// Stiffness of soft walls, ε/σ²: ω = 20 τ⁻¹.
@@ -128,7 +128,7 @@ fn passes() -> Result<f64, StudyError> {
         }
         Ok(true)
     };
-    Ok(bisect([0.5, 2.0], 20, is_held)?[1])
+    Ok(try_bisect(0.5, 2.0, 20, is_held)?[1])
 }
 
 /// A ball in gravity under each rule, dropped from 1 σ with g = 1.

@@ -2,6 +2,7 @@
 
 use glam::DMat2;
 use lennard_integrators::IntegratorEntry;
+use lennard_literature::try_bisect;
 use lennard_observables::{Cell, Table};
 use rayon::prelude::*;
 
@@ -10,7 +11,6 @@ use super::map::StepMap;
 use super::oscillator::{Spring, excursion, measured_map};
 use crate::StudyError;
 use crate::claims::Measured;
-use crate::lab::bisect;
 
 /// The largest ωh at which a limit is looked for.
 const LARGEST_OMEGA_H: f64 = 12.0;
@@ -133,7 +133,8 @@ fn measured_limit(entry: &IntegratorEntry) -> Result<Option<f64>, StudyError> {
     let Some(found) = first_failure(steady)? else {
         return Ok(None);
     };
-    Ok(Some(middle(bisect(found, HALVINGS, |x| bounded(entry, x, BISECTION_STEPS))?)))
+    let is_bounded = |x| bounded(entry, x, BISECTION_STEPS);
+    try_bisect(found[0], found[1], HALVINGS, is_bounded).map(middle).map(Some)
 }
 
 /// The first ωh at which the spectral radius of the declared map is above 1.
@@ -141,7 +142,7 @@ fn theory_limit(entry: &IntegratorEntry) -> Option<f64> {
     let radius = |x| theory(entry, x).radius();
     let steady = |x| Ok(radius(x).is_nan() || radius(x) < 1.0 + RADIUS_ROUNDING);
     let found = first_failure(steady).ok().flatten()?;
-    bisect(found, HALVINGS, steady).ok().map(middle)
+    try_bisect(found[0], found[1], HALVINGS, steady).ok().map(middle)
 }
 
 fn middle([good, bad]: [f64; 2]) -> f64 {
