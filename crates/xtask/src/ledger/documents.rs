@@ -95,12 +95,16 @@ pub fn numbers(document: &Value) -> String {
     lines.join("\n")
 }
 
-/// Visits each value that holds no others, with its path; entries of a list are called `entry`, or by their numbers where it is empty.
+/// Visits each value that holds no others, with its path, but no cells of a column that counts ns. Entries of a list are called
+/// `entry`, or by their numbers where it is empty.
 pub fn visit(path: &str, entry: &str, value: &Value, visitor: &mut impl FnMut(&str, &Value)) {
     match value {
         Value::Object(fields) => {
+            let is_clock =
+                fields.get("unit").and_then(Value::as_str).is_some_and(|u| u.starts_with("ns "));
             fields
                 .iter()
+                .filter(|(key, _)| !(is_clock && *key == "cells"))
                 .for_each(|(key, value)| visit(&format!("{path}.{key}"), entry, value, visitor));
         }
         Value::Array(entries) => {
@@ -249,12 +253,16 @@ mod tests {
 
     #[test]
     fn numbers_are_seen_and_sentences_are_not() {
-        let at = |text| numbers(&serde_json::from_str(text).unwrap());
+        let at = |text: &str| numbers(&serde_json::from_str(text).unwrap());
         assert_eq!(
             at(r#"{"a": [1, 2.5], "why": "short"}"#),
             at(r#"{"why": "long", "a": [1, 2.5]}"#)
         );
         assert_ne!(at(r#"{"a": [1, 2.5]}"#), at(r#"{"a": [1, 2.25]}"#));
+        let column =
+            |unit: &str, cell: &str| at(&format!(r#"{{"unit": "{unit}", "cells": [{cell}]}}"#));
+        assert_eq!(column("ns per bond", "82.4"), column("ns per bond", "94.9"));
+        assert_ne!(column("tau", "82.4"), column("tau", "94.9"));
     }
 
     #[test]
