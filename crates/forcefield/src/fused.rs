@@ -118,7 +118,9 @@ impl FusedBuffers {
                     let BySlot { positions, velocities, next, forces, sum, parts } = &mut particles;
                     let next = (!next.is_empty()).then_some(&mut **next);
                     let state = SlotState { positions, next, velocities };
-                    let mover = mover(acts, steps, list.particles(), (forces, sum, parts));
+                    let chunks = list.chunk_slots().count();
+                    let of_list = (list.particles(), chunks);
+                    let mover = mover(acts, steps, of_list, (forces, sum, parts));
                     let how = (kick_drift, &mover);
                     let status = fused_step(used, copies, &*over_list, state, how, request);
                     if status != ListStatus::Complete {
@@ -245,20 +247,19 @@ impl BySlot<'_> {
 fn mover<'a>(
     acts: bool,
     steps: &FusedSteps<'_>,
-    particles: &'a [u32],
+    (particles, chunks): (&'a [u32], usize),
     (forces, sum, parts): (&'a mut [DVec3], &'a mut SumOfParts, &'a mut Vec<PartSum>),
 ) -> Mover<'a> {
     let Masses::Uniform(mass) = *steps.masses else {
         return Mover::Drift;
     };
-    let n = particles.len();
     if acts {
         let forces = Disjoint::new(forces);
-        return Mover::Bath { forces, mass, sum: SumOverChunks::begin(sum, parts, n) };
+        return Mover::Bath { forces, mass, sum: SumOverChunks::begin(sum, parts, chunks) };
     }
     let Some(of_step) = steps.bath.as_ref().and_then(FusedBath::next_noise) else {
         return Mover::Drift;
     };
     let noise = SlotNoise { of_step, mass, particles };
-    Mover::Noise(noise, SumOverChunks::begin(sum, parts, n))
+    Mover::Noise(noise, SumOverChunks::begin(sum, parts, chunks))
 }

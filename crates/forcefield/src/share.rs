@@ -19,7 +19,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
 use lennard_core::{Parcel, Team, TooManyRanks};
-use lennard_neighbor::{ATOMS_PER_CHUNK, Around, NowAndThen, PairList, Partners, Ranks, slots_of};
+use lennard_neighbor::{ATOMS_PER_CHUNK, Around, NowAndThen, PairList, Partners, Ranks};
 
 use crate::simd::{MotionSummary, SomeRows};
 
@@ -27,6 +27,8 @@ use crate::simd::{MotionSummary, SomeRows};
 pub struct Share {
     /// The team, and the slots of each rank.
     ranks: Ranks,
+    /// The slots of each rank in the order before the present one.
+    before: Vec<Range<usize>>,
     /// The chunks of this rank.
     chunks: Range<usize>,
     /// 0, 1, …: the number of each slot.
@@ -69,7 +71,7 @@ pub struct Buffers {
 }
 
 impl Share {
-    /// The share of this rank of a list of `n` particles.
+    /// The share of this rank of a list of `n` particles: nothing, before the list has an order.
     pub fn new(team: &Team, n: usize) -> Result<Self, TooManyRanks> {
         let chunks = most_ranks(n);
         if team.ranks() > chunks {
@@ -80,13 +82,11 @@ impl Share {
                 most: chunks,
             });
         }
-        let shares = team.shares(chunks);
+        let slots = vec![0..0; team.ranks()];
         Ok(Self {
-            chunks: shares[team.rank()].clone(),
-            ranks: Ranks {
-                slots: shares.iter().map(|chunks| slots_of(chunks, n)).collect(),
-                team: team.clone(),
-            },
+            chunks: 0..0,
+            before: slots.clone(),
+            ranks: Ranks { slots, team: team.clone() },
             numbers: (0..n as u32).collect(),
             wanted: Vec::new(),
             given: Vec::new(),
@@ -99,6 +99,16 @@ impl Share {
             broken: AtomicBool::new(false),
             buffers: Mutex::default(),
         })
+    }
+
+    /// Gives each rank its chunks of a list that was just put in order.
+    pub fn cut<P: PairList>(&mut self, list: &mut P) {
+        let cuts = list.chunk_slots();
+        let shares = self.team().shares(cuts.count());
+        self.chunks = shares[self.team().rank()].clone();
+        let slots = shares.into_iter().map(|chunks| cuts.of(chunks)).collect();
+        self.before = std::mem::replace(&mut self.ranks.slots, slots);
+        list.keep(self.chunks());
     }
 
     /// The team.
@@ -119,6 +129,11 @@ impl Share {
     /// The slots of this rank.
     pub fn own(&self) -> Range<usize> {
         self.ranks.own()
+    }
+
+    /// The slots of this rank in the order before the present one.
+    fn own_before(&self) -> Range<usize> {
+        self.before[self.team().rank()].clone()
     }
 
     /// The chunks of this rank.
@@ -170,8 +185,9 @@ impl Share {
         let (own, first) = (self.own(), self.chunks.start);
         self.is_outer = vec![false; self.chunks.len()];
         for run in around.outer() {
-            let chunks = run.start / ATOMS_PER_CHUNK..run.end.div_ceil(ATOMS_PER_CHUNK);
-            self.is_outer[chunks.start - first..chunks.end - first].fill(true);
+            let [begin, last] =
+                [run.start, run.end - 1].map(|slot| list.chunk_slots().chunk_of(slot as u32));
+            self.is_outer[begin - first..=last - first].fill(true);
         }
         self.partners = Partners::new(list.cells(), own.start as u32..own.end as u32);
         let halo = around.halo(list.cells(), |slot| built[slot]);
@@ -234,7 +250,7 @@ impl Share {
                         self.wanted[rank_of_other].push(other);
                         push_to_runs(other as usize, &mut self.rows[1].slots);
                     }
-                    self.is_outer[own as usize / ATOMS_PER_CHUNK - self.chunks.start] = true;
+                    self.is_outer[list.chunk_slots().chunk_of(own) - self.chunks.start] = true;
                 }
                 if rank_of_other == me && !self.given[rank].contains(&other) {
                     self.given[rank].push(other);

@@ -63,8 +63,8 @@ impl ListValidity {
         n: usize,
     ) -> Result<(), TooManyRanks> {
         let mut share = Share::new(team, n)?;
-        list.keep(share.chunks());
         if let Some(build) = &self.build {
+            share.cut(list);
             // No search follows: it needs no other columns than the ones around the slots.
             let (lengths, r_list) = (build.cell.lengths(), build.r_list);
             let found = Around::new(list.cells(), lengths, r_list, &share.own());
@@ -128,6 +128,9 @@ impl ListValidity {
         list.order(cell, reach, positions).map_err(|GridError::BadPosition { particle }| {
             ForceError::NonFinitePosition { particle }
         })?;
+        if let Some(share) = &mut self.share {
+            share.cut(list);
+        }
         let values = positions.values();
         self.built.resize(values.len(), DVec3::ZERO);
         self.knows_all_built = true;

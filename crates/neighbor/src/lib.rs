@@ -9,6 +9,10 @@
 //! A [`ClusterList`] has one list per *cluster* of four particles. Coordinates are in fixed point, and their differences
 //! find the nearest image.
 //!
+//! Particles are sorted into *bundles*, a few columns of cells side by side. Clusters and *chunks*, the parts of a list, begin
+//! anew in each bundle, and a list has its entries in an order relative to its owner. A force is a function of the particles
+//! nearby alone: its bits do not depend on how many particles lie elsewhere. Small systems are one bundle.
+//!
 //! A list owns no box. The caller gives the box of each build.
 //!
 //! # The forms of a position
@@ -44,7 +48,7 @@ pub use clusters::{
     ENTRY_SCALE, ExcludedEntries, FIRST_HALF, GroupBounds, GroupCandidates, Reach, SECOND_HALF,
     Span, THEMSELVES, cluster_center,
 };
-pub use pair_list::{PairList, slots_of};
+pub use pair_list::{ChunkSlots, PairList};
 pub use rows::{
     ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, NeighborList, Numbering,
 };

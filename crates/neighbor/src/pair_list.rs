@@ -34,10 +34,8 @@ pub trait PairList: Sync {
     fn rows(&self) -> usize {
         self.particles().len() + self.slots_of_ghosts().len()
     }
-    /// Number of chunks, each of up to [`ATOMS_PER_CHUNK`] slots.
-    fn chunk_count(&self) -> usize {
-        self.particles().len().div_ceil(ATOMS_PER_CHUNK)
-    }
+    /// The slots of each chunk, from the last order on.
+    fn chunk_slots(&self) -> &ChunkSlots;
 
     /// Begins a build in a box: gives the particles their slots.
     ///
@@ -109,9 +107,58 @@ impl OwnChunks {
     }
 }
 
-/// The slots of some chunks of `n` particles.
-#[must_use]
-pub fn slots_of(chunks: &Range<usize>, n: usize) -> Range<usize> {
-    let slot = |chunk: usize| (chunk * ATOMS_PER_CHUNK).min(n);
-    slot(chunks.start)..slot(chunks.end)
+// How slots are cut into chunks.
+
+/// The smallest number of particles whose order is cut into bundles; below it, one bundle is the whole box.
+pub(crate) const SMALLEST_CUT: usize = 4000;
+
+/// The slots of each chunk: up to [`ATOMS_PER_CHUNK`] consecutive ones. Chunks begin anew in each bundle.
+///
+/// So a chunk depends on the particles of its bundle, and not on how many particles come before them.
+#[derive(Debug, Clone, Default)]
+pub struct ChunkSlots {
+    /// The first slot of each chunk, and the end, `[chunks + 1]`.
+    ends: Vec<u32>,
+}
+
+impl ChunkSlots {
+    /// Cuts bundles, given the first slot of each and the end.
+    pub(crate) fn cut(&mut self, bundles: impl Iterator<Item = u32>) {
+        self.ends.clear();
+        self.ends.push(0);
+        let mut begin = 0;
+        for end in bundles {
+            let chunks = (begin..end).step_by(ATOMS_PER_CHUNK).skip(1);
+            self.ends.extend(chunks);
+            if begin < end {
+                self.ends.push(end);
+            }
+            begin = end;
+        }
+    }
+
+    /// Number of chunks.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.ends.len().saturating_sub(1)
+    }
+
+    /// The slots of some consecutive chunks.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(&self, chunks: Range<usize>) -> Range<usize> {
+        let slot = |chunk: usize| self.ends.get(chunk).map_or(0, |slot| *slot as usize);
+        slot(chunks.start)..slot(chunks.end)
+    }
+
+    /// The chunk of a slot.
+    #[must_use]
+    pub fn chunk_of(&self, slot: u32) -> usize {
+        self.ends.partition_point(|first| *first <= slot) - 1
+    }
+
+    /// Number of bytes held.
+    pub(crate) fn bytes(&self) -> usize {
+        4 * self.ends.capacity()
+    }
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_core::HaloSize;
 use lennard_core::parallel::equal_parts;
-use lennard_neighbor::{PairList, slots_of};
+use lennard_neighbor::PairList;
 
 use super::rank_of;
 
@@ -25,12 +25,13 @@ pub fn halo_on<P: PairList>(
     n: usize,
     ranks: usize,
 ) -> Option<HaloSize> {
-    let chunks = list.chunk_count();
+    let chunks = list.chunk_slots().count();
     if ranks == 0 || ranks > chunks {
         return None;
     }
     let shares = equal_parts(chunks, ranks);
-    let slots: Vec<Range<usize>> = shares.iter().map(|chunks| slots_of(chunks, n)).collect();
+    let slots: Vec<Range<usize>> =
+        shares.into_iter().map(|chunks| list.chunk_slots().of(chunks)).collect();
     let counted = ranks.min(COUNTED);
     let mut sum = HaloSize::default();
     for k in 0..counted {

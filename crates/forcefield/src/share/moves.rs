@@ -10,11 +10,12 @@ use super::{Share, rank_of};
 impl Share {
     /// Notes which particles a build moves between ranks; `source` has the slot before it of the particle at each slot.
     pub fn plan_moves(&mut self, source: &[u32]) {
-        let own = self.own();
+        let (own, own_before) = (self.own(), self.own_before());
+        let was_own = |slot: u32| own_before.contains(&(slot as usize));
         let is_own = |slot: u32| own.contains(&(slot as usize));
         let moved: Vec<[u32; 2]> = map_ranges(source.len(), |slots| {
             let moves = slots.map(|slot| [slot as u32, source[slot]]);
-            let moves = moves.filter(|[slot, before]| is_own(*slot) != is_own(*before));
+            let moves = moves.filter(|[slot, before]| is_own(*slot) != was_own(*before));
             moves.collect::<Vec<_>>()
         })
         .concat();
@@ -23,7 +24,7 @@ impl Share {
         // Both ranks have them in the order of their slots after the build.
         for [slot, before] in moved {
             if is_own(slot) {
-                self.arriving[rank_of(&self.ranks.slots, before)].push(slot);
+                self.arriving[rank_of(&self.before, before)].push(slot);
             } else {
                 self.leaving[rank_of(&self.ranks.slots, slot)].push(before);
             }
@@ -32,8 +33,8 @@ impl Share {
 
     /// Brings vectors of the particles of this rank from the slots before a build to the slots after it.
     pub fn migrate(&self, source: &[u32], from: &[DVec3], to: &mut [DVec3]) {
-        let own = self.own();
-        let stays = |slot: u32| own.contains(&(slot as usize));
+        let (own, own_before) = (self.own(), self.own_before());
+        let stays = |slot: u32| own_before.contains(&(slot as usize));
         for_each_piece(&mut to[own.clone()], |first, piece| {
             for (to, before) in piece.iter_mut().zip(&source[own.start + first..]) {
                 if stays(*before) {

@@ -47,30 +47,32 @@ impl<'a, I: Interaction> ClusterJob<'a, I> {
     /// The sums of the next cluster of the stream, in the cheapest frame that suits it.
     ///
     /// # Safety
-    /// As [`ClusterKernel::run`]; `rows` are the rows of the members.
+    /// As [`ClusterKernel::run`]; `rows` are the rows of the members, the first `count` of which are particles.
     #[inline(always)]
     unsafe fn cluster<L: FixedLanes, const EACH: usize, const COMMON: usize>(
         &self,
         isa: L::Isa,
-        rows: [&FixedRow; CLUSTER],
+        (rows, count): ([&FixedRow; CLUSTER], usize),
         (span, counts, excluded): (&Span, BlockCounts, &[ExcludedEntries]),
         stream: &mut BlockStream<L>,
         common: &mut [CommonSums<L>; COMMON],
     ) -> ([MemberSums<L, EACH>; CLUSTER], Units) {
         let interaction = self.interaction;
+        // Forces alone need no place for members that are lacking: no test for them slows this loop.
+        let count = if COMMON == 0 { CLUSTER } else { count };
         // SAFETY: the contract is passed on, here and below.
         unsafe {
             if let (true, Some(in_units)) = (span.compact, &self.in_units) {
-                let frame = Frame::<L, true, true>::new(isa, rows, self.scale);
+                let frame = Frame::<L, true, true>::new(isa, (rows, count), self.scale);
                 let kernel = ClusterKernel::new(isa, interaction, in_units, rows, frame);
                 return kernel.run((in_units, rows), counts, excluded, stream, common);
             }
             if span.compact {
-                let frame = Frame::<L, true, false>::new(isa, rows, self.scale);
+                let frame = Frame::<L, true, false>::new(isa, (rows, count), self.scale);
                 let kernel = ClusterKernel::new(isa, interaction, &self.in_sigma, rows, frame);
                 return kernel.run((&self.in_sigma, rows), counts, excluded, stream, common);
             }
-            let frame = Frame::<L, false, false>::new(isa, rows, self.scale);
+            let frame = Frame::<L, false, false>::new(isa, (rows, count), self.scale);
             let kernel = ClusterKernel::new(isa, interaction, &self.in_sigma, rows, frame);
             kernel.run((&self.in_sigma, rows), counts, excluded, stream, common)
         }
@@ -97,6 +99,8 @@ pub unsafe fn run<L: FixedLanes, I: Interaction>(
     let chunks = job.list.chunks();
     if let Some(next) = chunks.get(chunk + 1) {
         prefetch(&next.spans);
+        // The blocks of a chunk lie anywhere in memory: the processor foresees no more than the ones behind the first.
+        prefetch(&next.blocks[..next.blocks.len().min(CLUSTER)]);
     }
     let later = match (job.slots_ahead, chunks.get(chunk + 2)) {
         (Some(_), Some(later)) => &later.blocks[..],
@@ -108,7 +112,7 @@ pub unsafe fn run<L: FixedLanes, I: Interaction>(
         if detail == Detail::Forces {
             return sweep::<L, I, 0, 0>(isa, job, rows, chunk, later, output);
         }
-        if detail == Detail::Totals && is_full(chunk, rows) {
+        if detail == Detail::Totals && chunk.sums_in_common {
             sweep::<L, I, 0, 1>(isa, job, rows, chunk, later, output)
         } else {
             sweep::<L, I, 1, 1>(isa, job, rows, chunk, later, output)
@@ -116,14 +120,9 @@ pub unsafe fn run<L: FixedLanes, I: Interaction>(
     }
 }
 
-/// Whether all clusters have four particles: a cluster of fewer repeats its last one, which common sums count twice.
-fn is_full(chunk: &ClusterChunk, rows: &[FixedRow]) -> bool {
-    chunk.first_slot as usize + CLUSTER * chunk.spans.len() <= rows.len()
-}
-
 /// Computes the clusters of a chunk one after another, with sums for `EACH` member and sums in `COMMON` for a cluster.
 ///
-/// Forces have the same bits with any other sums, and so have totals: they come from sums per cluster wherever a chunk is full.
+/// Forces have the same bits with any other sums, and so have totals: they come from sums per cluster wherever a chunk allows it.
 /// The blocks of a `later` chunk are prefetched, some with each cluster.
 ///
 /// # Safety
@@ -137,9 +136,10 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, const EACH: usize, const COMMON: 
     later: &[Block],
     output: &Output<'_>,
 ) -> Totals {
-    let n = rows.len();
+    let of_slots = &rows[..chunk.end_slot as usize];
+    let n = of_slots.len();
     let later = Parts::of(later, chunk.spans.len());
-    let in_common = COMMON > 0 && is_full(chunk, rows);
+    let in_common = COMMON > 0 && chunk.sums_in_common;
     let mut totals = Totals::NOTHING;
     let mut sum = DVec3::ZERO;
     // SAFETY: entries of the list number slots, and `run` checked that each slot has a row. Each particle has one slot,
@@ -160,10 +160,10 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, const EACH: usize, const COMMON: 
             output.prefetch(first + CLUSTER, CLUSTER);
             output.prefetch_next_chunk(first, CLUSTER);
             let own = if first + CLUSTER <= n {
-                [&rows[first], &rows[first + 1], &rows[first + 2], &rows[first + 3]]
+                [&of_slots[first], &of_slots[first + 1], &of_slots[first + 2], &of_slots[first + 3]]
             } else {
                 // A cluster of fewer particles repeats its last one.
-                let row = |member: usize| &rows[(first + member).min(n - 1)];
+                let row = |member: usize| &of_slots[(first + member).min(n - 1)];
                 [row(0), row(1), row(2), row(3)]
             };
             let mut common = [CommonSums::nothing(isa); COMMON];
@@ -171,8 +171,13 @@ unsafe fn sweep<L: FixedLanes, I: Interaction, const EACH: usize, const COMMON: 
             let (of_cluster, rest) = excluded.split_at(masked);
             excluded = rest;
             let cluster = (span, counts, of_cluster);
-            let (sums, units) =
-                job.cluster::<L, EACH, COMMON>(isa, own, cluster, &mut stream, &mut common);
+            let (sums, units) = job.cluster::<L, EACH, COMMON>(
+                isa,
+                (own, n - first),
+                cluster,
+                &mut stream,
+                &mut common,
+            );
             let end = (first + CLUSTER).min(n);
             let computed = Computed { slots: [first, end], sums, units, common };
             // The reduction of sums waits for the last pairs. A processor that waits with it computes the next cluster meanwhile.

@@ -17,6 +17,9 @@ fn constants<L: FixedLanes>(isa: L::Isa, [x, y, z]: [f64; 3]) -> [L; 3] {
     [L::constant(isa, x), L::constant(isa, y), L::constant(isa, z)]
 }
 
+/// Where a compact cluster has the members that it lacks, along each axis: beyond any cutoff, with a finite square.
+const FAR_AWAY: f32 = 1e18;
+
 /// The members of a cluster relative to its center, and the center.
 #[repr(C, align(64))]
 struct Relative([[f32; 4]; CLUSTER], FixedRow);
@@ -34,9 +37,9 @@ pub struct Frame<L: FixedLanes, const COMPACT: bool, const CUBIC: bool> {
 }
 
 impl<L: FixedLanes, const COMPACT: bool, const CUBIC: bool> Frame<L, COMPACT, CUBIC> {
-    /// The frame of a cluster whose members have `rows`, in units of `scale` along each axis, σ.
+    /// The frame of a cluster whose members have `rows`, the first `count` of which are particles, in units of `scale` along each axis, σ.
     #[inline(always)]
-    pub fn new(isa: L::Isa, rows: [&FixedRow; CLUSTER], scale: [f64; 3]) -> Self {
+    pub fn new(isa: L::Isa, (rows, count): ([&FixedRow; CLUSTER], usize), scale: [f64; 3]) -> Self {
         const { assert!(COMPACT || !CUBIC) };
         if !COMPACT {
             let [a, b, c, d] = rows;
@@ -52,6 +55,9 @@ impl<L: FixedLanes, const COMPACT: bool, const CUBIC: bool> Frame<L, COMPACT, CU
             for axis in 0..4 {
                 own[axis] = row[axis].wrapping_sub(center[axis]) as f32 * single[axis];
             }
+        }
+        if count < CLUSTER {
+            relative.0[count..].fill([FAR_AWAY; 4]);
         }
         // Each value is broadcast as it is loaded, which leaves the arithmetic ports free.
         // Without the black box, the compiler would use shuffles.

@@ -82,11 +82,11 @@ pub struct SumOverChunks<'a> {
 }
 
 impl<'a> SumOverChunks<'a> {
-    /// A sum over `n` particles, whose parts go to an array. Where there are ranks, the chunks of others give nothing.
-    pub fn begin(sum: &'a mut SumOfParts, parts: &'a mut Vec<PartSum>, n: usize) -> Self {
+    /// A sum over the particles of so many chunks, whose parts go to an array. Where there are ranks, the chunks of others give nothing.
+    pub fn begin(sum: &'a mut SumOfParts, parts: &'a mut Vec<PartSum>, chunks: usize) -> Self {
         sum.begin();
         parts.clear();
-        parts.resize(n.div_ceil(ATOMS_PER_CHUNK), PartSum::default());
+        parts.resize(chunks, PartSum::default());
         Self { sum, parts: Disjoint::new(parts) }
     }
 
@@ -191,7 +191,7 @@ mod tests {
                 let moved = |level: Level| {
                     let (mut x, mut v, forces) = (vectors(0, n), vectors(99, n), vectors(333, n));
                     let (mut sum, mut parts) = (SumOfParts::default(), Vec::new());
-                    let over_chunks = SumOverChunks::begin(&mut sum, &mut parts, n);
+                    let over_chunks = SumOverChunks::begin(&mut sum, &mut parts, 1);
                     let mut kept = vec![DVec3::ZERO; n];
                     let mover = match kind {
                         "drift" => Mover::Drift,

@@ -198,7 +198,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
             return Outcome::without_sums(status);
         }
         match pass.used.share {
-            None => copy.run(pass, pass.used.list.chunk_count(), |c| c),
+            None => copy.run(pass, pass.used.list.chunk_slots().count(), |c| c),
             Some(share) => copy.run_share(pass, share),
         }
     }
@@ -219,7 +219,8 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
                 _ => Totals::NOTHING,
             }
         };
-        let mut outcome = run_chunks(pass.request.detail, pass.used.list.chunk_count(), &run);
+        let mut outcome =
+            run_chunks(pass.request.detail, pass.used.list.chunk_slots().count(), &run);
         // Without particles no thread judges, and no pair is missing.
         if let Some(judged) = status.into_inner() {
             outcome.status = judged;
@@ -257,7 +258,8 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
         let mut copy = lock(&self.0[0]);
         let PackedCopy { rows, next, .. } = &mut *copy;
         std::mem::swap(rows, next);
-        let summary = ChunkDisplacement::summary(&copy.displacements);
+        let slots = pass.used.list.chunk_slots();
+        let summary = ChunkDisplacement::summary(&copy.displacements, |c| slots.of(c..c + 1).start);
         let status = copy.judge(&summary, pass);
         (copy, status)
     }
@@ -295,7 +297,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
         let packs_next = pass.request.packs_next;
         if packs_next {
             self.next.resize(pass.used.list.rows(), Row::default());
-            let all = pass.used.list.chunk_count();
+            let all = pass.used.list.chunk_slots().count();
             self.displacements.resize(all, ChunkDisplacement::UNKNOWN);
             self.begin_packed(pass);
         }

@@ -55,9 +55,9 @@ pub unsafe fn run<L: Lanes<Row = DoubleRow, Number = f64>, I: Interaction>(
     // SAFETY: the contract is passed on.
     unsafe {
         let e = match &chunk.entries {
-            // Entries are wide above a million particles in a cube. One instance then serves every detail.
+            // Entries are wide above a million particles in a cube. One instance then serves every detail, with the same bits.
             Entries::Wide(e) => {
-                return sweep::<L, I, u32, 1, 0>(isa, job, rows, chunk, e, output);
+                return sweep::<L, I, u32, 1, 1>(isa, job, rows, chunk, e, output);
             }
             Entries::Narrow(e) => e,
         };

@@ -37,26 +37,20 @@ impl Block {
         }
     }
 
-    /// A block of the first `count` of some slots.
-    ///
-    /// `base` is a base that is known to reach them all. Without it, the block takes their lowest slot as its base.
-    /// `None` where that base does not reach them.
-    pub(super) fn of_first(slots: &[u32; BLOCK], count: usize, base: Option<u32>) -> Option<Self> {
-        let base = base.or_else(|| base_of(&slots[..count]))?;
+    /// A block of the first `count` of some slots, which a base reaches.
+    pub(super) fn of_first(slots: &[u32; BLOCK], count: usize, base: u32) -> Self {
         let mut entries = [0; BLOCK];
         for ((entry, slot), k) in entries.iter_mut().zip(slots).zip(0..) {
             // There is no branch: an entry that does not count numbers the base.
             let counts = if k < count as u16 { u16::MAX } else { 0 };
             *entry = (slot.wrapping_sub(base) as u16).wrapping_mul(ENTRY_SCALE) & counts;
         }
-        Some(Self { base, valid: u16::MAX >> (BLOCK - count), entries })
+        Self { base, valid: u16::MAX >> (BLOCK - count), entries }
     }
 
-    /// A block of 1 to [`BLOCK`] slots.
-    pub(super) fn of(base: u32, slots: &[u32]) -> Self {
-        let mut all = [base; BLOCK];
-        all[..slots.len()].copy_from_slice(slots);
-        Self { valid: u16::MAX >> (BLOCK - slots.len()), ..Self::full(base, &all) }
+    /// A block of one slot.
+    pub(super) fn of_one(slot: u32) -> Self {
+        Self { base: slot, valid: 1, entries: [0; BLOCK] }
     }
 
     /// Whether the block contains a slot.
@@ -93,13 +87,6 @@ impl Block {
     }
 }
 
-/// The base of a block of some slots: the lowest of them. `None` where it does not reach the highest.
-fn base_of(slots: &[u32]) -> Option<u32> {
-    let low = slots.iter().copied().min().unwrap_or_default();
-    let high = slots.iter().copied().max().unwrap_or_default();
-    (high - low <= BLOCK_REACH).then_some(low)
-}
-
 // How neighbors of a cluster are distributed over blocks.
 
 /// How many blocks for the first half, and how many for the second half, save operations of the loop.
@@ -127,51 +114,75 @@ pub(super) fn worthwhile([for_all, of_first, of_second]: [usize; 3]) -> [usize; 
     best
 }
 
-/// Writes slots that a base reaches into blocks, masked blocks before full ones; returns the end of the masked blocks.
+/// Writes neighbors into blocks, near ones and far ones into blocks of their own, and masked blocks before full ones.
 ///
-/// The masked blocks hold at least the first `head` slots: the members, and what they do not interact with.
-pub(super) fn pack(list: &[u32], base: u32, head: usize, blocks: &mut Vec<Block>) -> usize {
+/// Returns the end of the masked blocks. They hold at least the first `head` slots: the members, and what they do not interact
+/// with. `base` is a base that is known to reach all near slots, if there is one. No other number of a slot changes which slots
+/// share a block, in which lanes, and in which order.
+pub(super) fn pack(
+    [near, far]: [&[u32]; 2],
+    base: Option<u32>,
+    head: usize,
+    blocks: &mut Vec<Block>,
+) -> usize {
     // The first block takes the slots that do not fill whole blocks.
-    let rest = list.len() % BLOCK;
+    let rest = near.len() % BLOCK;
     let lead = match rest {
         0 => BLOCK,
-        rest if rest < head => (BLOCK + rest).min(list.len()),
+        rest if rest < head => (BLOCK + rest).min(near.len()),
         _ => rest,
     };
-    let (lead, full) = list.split_at(lead);
-    if lead.len() < BLOCK
-        && let Some(slots) = list.first_chunk()
-    {
+    let (lead, full) = near.split_at(lead);
+    let (far_lead, far_full) = far.split_at(far.len() % BLOCK);
+    if let (Some(base), Some(slots), true) = (base, near.first_chunk(), lead.len() < BLOCK) {
         // An entry that does not count may number any slot.
         let mut block = Block::full(base, slots);
         block.valid = u16::MAX >> (BLOCK - lead.len());
         blocks.push(block);
     } else {
-        blocks.extend(lead.chunks(BLOCK).map(|slots| Block::of(base, slots)));
+        lead.chunks(BLOCK).for_each(|slots| push(slots, blocks));
     }
-    let masked = blocks.len();
+    push(far_lead, blocks);
+    let mut masked = blocks.len();
     let (full, none) = full.as_chunks();
     debug_assert!(none.is_empty(), "the rest fills whole blocks");
-    blocks.extend(full.iter().map(|slots| Block::full(base, slots)));
+    let (far_full, _) = far_full.as_chunks();
+    for (full, base) in [(full, base), (far_full, None)] {
+        if let Some(base) = base {
+            blocks.extend(full.iter().map(|slots| Block::full(base, slots)));
+            continue;
+        }
+        for slots in full {
+            let before = blocks.len();
+            push(slots, blocks);
+            // Where a block is parted, its parts are masked, and so are the blocks before it: the order stays.
+            if blocks.len() > before + 1 {
+                masked = blocks.len();
+            }
+        }
+    }
     masked
 }
 
-/// Writes ascending slots into further blocks, each with a base of its own.
+/// Writes at most [`BLOCK`] slots: as one block where one base reaches them, and elsewhere as parts of it.
 ///
-/// `masked` is the end of the masked blocks of [`pack`]; the result is their new end.
-pub(super) fn pack_far(mut list: &[u32], mut masked: usize, blocks: &mut Vec<Block>) -> usize {
-    while let Some(base) = list.first() {
-        let (within_reach, beyond) =
-            list.split_at(list.partition_point(|slot| slot - base <= BLOCK_REACH));
-        let (full, rest) = within_reach.as_chunks();
-        blocks.extend(full.iter().map(|slots| Block::full(*base, slots)));
-        if !rest.is_empty() {
-            blocks.insert(masked, Block::of(*base, rest));
-            masked += 1;
+/// Each slot counts in one part, in its lane. All other lanes of a part add nothing, so that sums have the bits of one block.
+/// The first part has the members, where the first slots are they.
+pub(super) fn push(slots: &[u32], blocks: &mut Vec<Block>) {
+    let mut left = u16::MAX.checked_shr((BLOCK - slots.len()) as u32).unwrap_or(0);
+    while left != 0 {
+        let members = slots[left.trailing_zeros() as usize] + CLUSTER as u32 - 1;
+        let lanes = || slots.iter().enumerate().filter(|(k, _)| left >> k & 1 == 1);
+        let in_reach = lanes().map(|(_, slot)| *slot).filter(|slot| slot + BLOCK_REACH >= members);
+        let base = in_reach.min().expect("the first one that is left");
+        let mut block = Block { base, valid: 0, entries: [0; BLOCK] };
+        for (k, slot) in lanes().filter(|(_, slot)| (base..=base + BLOCK_REACH).contains(slot)) {
+            block.valid |= 1 << k;
+            block.entries[k] = (slot - base) as u16 * ENTRY_SCALE;
         }
-        list = beyond;
+        left &= !block.valid;
+        blocks.push(block);
     }
-    masked
 }
 
 #[cfg(test)]
@@ -221,8 +232,9 @@ mod tests {
         for len in [[4, 0, 0], [68, 28, 28], [64, 33, 12], [70, 16, 48], [5, 3, 1], [90, 5, 47]] {
             // One base for all blocks, and a base of its own for each block.
             for base in [Some(0), None] {
-                let mut chunk = ClusterChunk::default();
-                chunk.push(&mut found(len), false, base, None);
+                let mut chunk =
+                    ClusterChunk { end_slot: CLUSTER as u32, ..ClusterChunk::default() };
+                chunk.push((&mut found(len), &[]), false, base, None);
                 chunk.finish();
                 let total = len.iter().sum();
                 assert!(chunk.is_valid(total) && !chunk.is_valid(total - 1));
@@ -256,5 +268,29 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn a_block_that_one_base_does_not_reach_is_parted_and_each_slot_keeps_its_lane() {
+        let apart = |k: u32| (k % 3) * 40_000 + k;
+        let slots: Vec<u32> = (50_000..50_004).chain((4..BLOCK as u32).map(apart)).collect();
+        for len in 1..=BLOCK {
+            let mut blocks = Vec::new();
+            push(&slots[..len], &mut blocks);
+            for (k, slot) in slots.iter().enumerate() {
+                let found: Vec<u32> = blocks.iter().filter_map(|block| block.slot(k)).collect();
+                assert_eq!(found, if k < len { vec![*slot] } else { vec![] });
+            }
+            let members = len.min(CLUSTER);
+            assert_eq!(blocks[0].slots().take(members).collect::<Vec<_>>(), slots[..members]);
+        }
+        // Near and far ones in full blocks: what is parted is masked, with all before it.
+        let near: Vec<u32> = (0..40).collect();
+        let far: Vec<u32> = (0..51).map(|k| 50_000 + k + u32::from(k >= 20) * 50_000).collect();
+        let mut blocks = Vec::new();
+        let masked = pack([&near, &far], Some(0), CLUSTER, &mut blocks);
+        assert_eq!((masked, blocks.len()), (7, 8));
+        let lanes: Vec<u32> = blocks.iter().map(|block| block.valid.count_ones()).collect();
+        assert_eq!(lanes, [8, 3, 16, 16, 16, 1, 15, 16]);
     }
 }

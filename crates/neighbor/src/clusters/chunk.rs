@@ -14,8 +14,10 @@
 //!   Where particles are bonded, the other ends of the members' bonds come next, and each masked block has a mask per member.
 //! ```
 
-use super::block::{Block, pack, pack_far, worthwhile};
-use super::format::{BLOCK, CLUSTER};
+use std::ops::Range;
+
+use super::block::{Block, pack, push, worthwhile};
+use super::format::{BLOCK, BLOCK_REACH, CLUSTER};
 use super::found::{
     ALL_MEMBERS, ClusterNeighbors, Excluded, ExcludedEntries, FIRST_HALF, SECOND_HALF,
 };
@@ -53,6 +55,13 @@ impl Span {
 pub struct ClusterChunk {
     /// The first slot.
     pub first_slot: u32,
+    /// The end of the slots. The last cluster may have fewer members than the others.
+    pub end_slot: u32,
+    /// Whether one sum can serve all members of each cluster.
+    ///
+    /// The last cluster has four members, or a loop can place the ones that it lacks far away, since it is compact. Small systems
+    /// keep sums of each member there.
+    pub sums_in_common: bool,
     /// The ends of each cluster's blocks.
     pub spans: Vec<Span>,
     /// The blocks of one cluster after another, and a last one that belongs to no cluster.
@@ -107,19 +116,31 @@ impl ClusterChunk {
         }
     }
 
-    /// The first slot and the blocks of each cluster.
-    pub fn lists(&self) -> impl Iterator<Item = (usize, ClusterBlocks<'_>)> {
-        let first = self.first_slot as usize;
-        (0..self.spans.len()).map(move |k| (first + k * CLUSTER, self.list(k)))
+    /// The slots and the blocks of each cluster.
+    pub fn lists(&self) -> impl Iterator<Item = (Range<usize>, ClusterBlocks<'_>)> {
+        let slots = self.first_slot as usize..self.end_slot as usize;
+        let firsts = slots.step_by(CLUSTER).zip(0..self.spans.len());
+        firsts
+            .map(|(first, k)| (first..(first + CLUSTER).min(self.end_slot as usize), self.list(k)))
     }
 
-    /// Whether the list of cluster `k` contains a slot for one member.
-    pub(super) fn contains(&self, k: usize, member: usize, slot: u32) -> bool {
+    /// The number of the cluster of a slot, and the number of the slot among the members.
+    fn address(&self, slot: u32) -> [usize; 2] {
+        let in_chunk = (slot - self.first_slot) as usize;
+        [in_chunk / CLUSTER, in_chunk % CLUSTER]
+    }
+
+    /// Whether the list for the member at a slot contains another slot.
+    pub(super) fn contains(&self, own: u32, slot: u32) -> bool {
+        let [k, member] = self.address(own);
         self.list(k).for_member(member).any(|block| block.contains(slot))
     }
 
-    /// Inserts a slot into the list of cluster `k`, for all members; one member does not have it yet.
-    pub(super) fn insert(&mut self, k: usize, slot: u32) {
+    /// Inserts a slot into the list of the cluster of another slot, for all members; one member does not have it yet.
+    ///
+    /// It takes a free entry where `fills` holds. Elsewhere free entries depend on the numbers of slots, and a new block takes it.
+    pub(super) fn insert(&mut self, own: u32, slot: u32, fills: bool) {
+        let [k, _] = self.address(own);
         let begin = if k == 0 { 0 } else { self.spans[k - 1].end as usize };
         let span = &mut self.spans[k];
         let second_half = span.second_half as usize;
@@ -133,11 +154,11 @@ impl ClusterChunk {
             return;
         }
         let blocks = &mut self.blocks[masked.clone()];
-        if blocks.iter_mut().any(|block| block.insert(slot)) {
+        if fills && blocks.iter_mut().any(|block| block.insert(slot)) {
             return;
         }
         make_room(&mut self.blocks, 1);
-        self.blocks.insert(masked.end, Block::of(slot, &[slot]));
+        self.blocks.insert(masked.end, Block::of_one(slot));
         span.masked += 1;
         span.end += 1;
         for span in &mut self.spans[k + 1..] {
@@ -178,12 +199,13 @@ impl ClusterChunk {
         refill(&mut self.blocks, aside);
     }
 
-    /// Adds the list of a cluster; `base` is a base that is known to reach all of its neighbors, if there is one.
+    /// Adds the list of a cluster, whose neighbors in columns that share no blocks with it are `far`.
     ///
+    /// `base` is a base that is known to reach all of its other neighbors, if there is one.
     /// `excluded` has the pairs that do not interact, where there are other pairs than each member with itself.
     pub(super) fn push(
         &mut self,
-        found: &mut ClusterNeighbors,
+        (found, far): (&mut ClusterNeighbors, &[u32]),
         compact: bool,
         base: Option<u32>,
         excluded: Option<&Excluded>,
@@ -193,19 +215,14 @@ impl ClusterChunk {
         let first_half = self.blocks.len();
         self.push_half(found, SECOND_HALF, blocks_of_second, base);
         let second_half = self.blocks.len();
-        let (near, base) = match base {
-            Some(base) => (found.of(ALL_MEMBERS).len(), base),
-            None => found.near_first(),
-        };
-        let taken = excluded.map_or(Vec::new(), |e| found.take_excluded(near, e));
-        let head = CLUSTER + excluded.map_or(0, |e| e.slots().len()) - taken.len();
-        let (near, far) = found.of(ALL_MEMBERS).split_at(near);
-        let masked = pack(near, base, head, &mut self.blocks);
-        let mut masked = pack_far(far, masked, &mut self.blocks);
-        for slot in taken {
-            self.blocks.insert(masked, Block::of(slot, &[slot]));
-            masked += 1;
-        }
+        let head = CLUSTER + excluded.map_or(0, |e| e.slots().len());
+        // Excluded slots may lie beyond all near ones.
+        let base = base.filter(|base| {
+            excluded.is_none_or(|e| {
+                e.slots().iter().all(|slot| slot.wrapping_sub(*base) <= BLOCK_REACH)
+            })
+        });
+        let masked = pack([found.of(ALL_MEMBERS), far], base, head, &mut self.blocks);
         if let Some(excluded) = excluded {
             let blocks = &self.blocks[second_half..masked];
             self.excluded.extend(blocks.iter().map(|block| excluded.entries(block)));
@@ -230,10 +247,10 @@ impl ClusterChunk {
         let mut used = 0;
         for _ in 0..blocks {
             let (slots, count) = found.next_of(half, used);
-            let Some(block) = Block::of_first(slots, count, base) else {
-                break;
-            };
-            self.blocks.push(block);
+            match base {
+                Some(base) => self.blocks.push(Block::of_first(slots, count, base)),
+                None => push(&slots[..count], &mut self.blocks),
+            }
             used += count;
         }
         found.give_to_all(half, used);
@@ -241,7 +258,7 @@ impl ClusterChunk {
 
     /// Ends the lists with a block that belongs to no cluster, for loops that read one block ahead.
     pub(super) fn finish(&mut self) {
-        self.blocks.push(Block::of(self.first_slot, &[self.first_slot]));
+        self.blocks.push(Block::of_one(self.first_slot));
     }
 
     /// Gives back room that the blocks do not need.

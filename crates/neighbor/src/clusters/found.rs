@@ -5,7 +5,7 @@ use std::ops::Range;
 use lennard_core::Exclusions;
 
 use crate::clusters::block::Block;
-use crate::clusters::format::{BLOCK, BLOCK_REACH, CLUSTER};
+use crate::clusters::format::{BLOCK, CLUSTER};
 use crate::sort::{ColumnTable, PADDING};
 
 /// The most excluded slots of a cluster: two for each member.
@@ -25,8 +25,6 @@ pub struct ClusterNeighbors {
     pub slots: [Vec<u32>; 3],
     /// Count of slots of each kind; elements behind them have no meaning.
     pub len: [usize; 3],
-    /// Scratch of [`ClusterNeighbors::near_first`].
-    far: Vec<u32>,
 }
 
 impl ClusterNeighbors {
@@ -73,33 +71,26 @@ impl ClusterNeighbors {
         (next, (self.len[kind] - from).min(BLOCK))
     }
 
-    /// Reorders the neighbors of all members: the members and the slots that one base reaches first, the others last.
-    ///
-    /// The others are in ascending order. Returns the number of slots in the first part, and the base.
-    pub(super) fn near_first(&mut self) -> (usize, u32) {
-        let slots = &mut self.slots[ALL_MEMBERS][..self.len[ALL_MEMBERS]];
-        let (low, high) =
-            slots.iter().fold((u32::MAX, 0), |(low, high), p| (low.min(*p), high.max(*p)));
-        if high.saturating_sub(low) <= BLOCK_REACH {
-            return (slots.len(), low);
-        }
-        let around_the_members = slots[0].saturating_sub(BLOCK_REACH / 2);
-        let base = around_the_members.min(high - BLOCK_REACH).max(low);
-        self.far.clear();
-        let mut near = 0;
-        for at in 0..slots.len() {
-            let slot = slots[at];
-            // A slot below the base wraps around to a number beyond any reach.
-            if slot.wrapping_sub(base) <= BLOCK_REACH {
-                slots[near] = slot;
-                near += 1;
-            } else {
-                self.far.push(slot);
+    /// Closes up the neighbors over the members, which stay at the beginning alone.
+    pub(super) fn leave_out(&mut self, members: &Range<u32>) {
+        for (kind, slots) in self.slots.iter_mut().enumerate() {
+            let first = if kind == ALL_MEMBERS { members.len() } else { 0 };
+            let mut kept = first;
+            for at in first..self.len[kind] {
+                let slot = slots[at];
+                slots[kept] = slot;
+                kept += usize::from(!members.contains(&slot));
             }
+            self.len[kind] = kept;
         }
-        self.far.sort_unstable();
-        slots[near..].copy_from_slice(&self.far);
-        (near, base)
+    }
+
+    /// Appends all neighbors to `all`, neighbors of all members first, without excluded slots.
+    pub(super) fn join(&self, excluded: Option<&Excluded>, all: &mut Vec<u32>) {
+        all.extend([ALL_MEMBERS, FIRST_HALF, SECOND_HALF].iter().flat_map(|kind| self.of(*kind)));
+        if let Some(excluded) = excluded {
+            all.retain(|slot| !excluded.slots().contains(slot));
+        }
     }
 
     /// Moves the excluded slots that are no members right behind the members, among the neighbors of all members.
@@ -127,24 +118,6 @@ impl ClusterNeighbors {
             };
             slots[to..=at].rotate_right(1);
         }
-    }
-
-    /// Takes excluded slots off the neighbors of all members, from an element on, and returns them.
-    pub(super) fn take_excluded(&mut self, from: usize, excluded: &Excluded) -> Vec<u32> {
-        let len = self.len[ALL_MEMBERS];
-        let slots = &mut self.slots[ALL_MEMBERS];
-        let (mut kept, mut taken) = (from, Vec::new());
-        for at in from..len {
-            let slot = slots[at];
-            if excluded.slots().contains(&slot) {
-                taken.push(slot);
-            } else {
-                slots[kept] = slot;
-                kept += 1;
-            }
-        }
-        self.len[ALL_MEMBERS] = kept;
-        taken
     }
 
     /// Appends the neighbors of one half, from an element on, to the neighbors of all members.

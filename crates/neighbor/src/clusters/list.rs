@@ -14,7 +14,6 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use lennard_core::parallel::part;
 use lennard_core::tasks::for_each_item;
 use lennard_core::{Exclusions, PeriodicBox};
 
@@ -22,7 +21,7 @@ use super::block::Block;
 use super::chunk::{ClusterBlocks, ClusterChunk};
 use super::format::{CLUSTER, Reach};
 use super::search::{Scratch, Search};
-use crate::pair_list::{OwnChunks, PairList, slots_of};
+use crate::pair_list::{ChunkSlots, OwnChunks, PairList};
 use crate::rows::ATOMS_PER_CHUNK;
 use crate::scanner::Scanner;
 use crate::sort::{Around, Cells, ColumnTable, FixedRow, GridError, Positions};
@@ -123,6 +122,10 @@ impl PairList for ClusterList {
         std::iter::empty()
     }
 
+    fn chunk_slots(&self) -> &ChunkSlots {
+        &self.table.chunks
+    }
+
     fn order(
         &mut self,
         cell: &PeriodicBox,
@@ -146,15 +149,15 @@ impl PairList for ClusterList {
     ) {
         let exclusions = (&self.exclusions, &self.slot_of[..]);
         let search = Search::new(&self.table, cell, reach, scanner, exclusions);
-        let n = self.table.particle.len();
-        let own = self.own_chunks.of(n.div_ceil(ATOMS_PER_CHUNK));
-        search.mark_near(slots_of(&own, n), around);
+        for chunk in self.own_chunks.of(self.table.chunks.count()) {
+            search.mark_near(self.table.chunks.of(chunk..chunk + 1), around);
+        }
     }
 
     fn fill(&mut self, scanner: &dyn Scanner, cell: &PeriodicBox, reach: Reach) {
         let n = self.table.particle.len();
         self.slots_ahead = self.table.grid.slots_ahead(cell.lengths(), reach.r_list, n);
-        self.chunks.resize_with(n.div_ceil(ATOMS_PER_CHUNK), ClusterChunk::default);
+        self.chunks.resize_with(self.table.chunks.count(), ClusterChunk::default);
         if !self.exclusions.are_none() {
             self.slot_of.resize(n, 0);
             for (slot, particle) in (0..).zip(&self.table.particle) {
@@ -163,6 +166,7 @@ impl PairList for ClusterList {
         }
         let exclusions = (&self.exclusions, &self.slot_of[..]);
         let search = Search::new(&self.table, cell, reach, scanner, exclusions);
+        let slots_of = &self.table.chunks;
         let own = self.own();
         // Room for the ends is taken together, ahead of all blocks. Between blocks it would part the room that they give back.
         for chunk in &mut self.chunks[own.clone()] {
@@ -170,8 +174,7 @@ impl PairList for ClusterList {
         }
         let chunks = self.chunks[own.clone()].iter_mut();
         for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
-            let slots = part(own.start + c, ATOMS_PER_CHUNK, n);
-            search.fill(slots, scratch, chunk);
+            search.fill(slots_of.of(own.start + c..own.start + c + 1), scratch, chunk);
         });
     }
 
@@ -182,12 +185,13 @@ impl PairList for ClusterList {
             if !own.contains(&c) {
                 return true;
             }
-            let slots = part(c, ATOMS_PER_CHUNK, n);
+            let slots = self.table.chunks.of(c..c + 1);
             chunk.first_slot as usize == slots.start
+                && chunk.end_slot as usize == slots.end
                 && chunk.spans.len() == slots.len().div_ceil(CLUSTER)
                 && chunk.is_valid(n)
         };
-        self.chunks.len() == n.div_ceil(ATOMS_PER_CHUNK) && self.chunks.iter().enumerate().all(fits)
+        self.chunks.len() == self.table.chunks.count() && self.chunks.iter().enumerate().all(fits)
     }
 
     fn keep(&mut self, own: Range<usize>) {
@@ -198,31 +202,30 @@ impl PairList for ClusterList {
     fn contains(&self, [a, b]: [u32; 2]) -> bool {
         let kept = self.own();
         [(a, b), (b, a)].into_iter().all(|(own, other)| {
-            let (chunk, k, member) = address(own);
-            !kept.contains(&chunk) || self.chunks[chunk].contains(k, member, other)
+            let chunk = self.table.chunks.chunk_of(own);
+            !kept.contains(&chunk) || self.chunks[chunk].contains(own, other)
         })
     }
 
     fn insert(&mut self, [a, b]: [u32; 2]) {
         let kept = self.own();
         for (own, other) in [(a, b), (b, a)] {
-            let (chunk, k, member) = address(own);
+            let chunk = self.table.chunks.chunk_of(own);
             if !kept.contains(&chunk) {
                 continue;
             }
             let chunk = &mut self.chunks[chunk];
-            if !chunk.contains(k, member, other) {
-                chunk.insert(k, other);
+            if !chunk.contains(own, other) {
+                chunk.insert(own, other, self.table.grid.all_in_reach);
             }
         }
     }
 
     fn pairs(&self) -> u64 {
-        let n = self.table.particle.len();
-        let own = slots_of(&self.own(), n);
+        let own = self.table.chunks.of(self.own());
         let lists = self.chunks.iter().flat_map(ClusterChunk::lists);
-        let of_cluster = |(first, list): (usize, ClusterBlocks<'_>)| -> u64 {
-            (0..(n - first).min(CLUSTER))
+        let of_cluster = |(slots, list): (Range<usize>, ClusterBlocks<'_>)| -> u64 {
+            (0..slots.len())
                 .flat_map(|member| list.for_member(member))
                 .map(|block| u64::from(block.valid.count_ones()))
                 .sum()
@@ -256,10 +259,10 @@ impl PairList for ClusterList {
         let particle = &self.table.particle;
         let mut all = vec![Vec::new(); particle.len()];
         for chunk in &self.chunks {
-            for (first, list) in chunk.lists() {
-                for own in first..(first + CLUSTER).min(particle.len()) {
+            for (cluster, list) in chunk.lists() {
+                for own in cluster.clone() {
                     let neighbors = &mut all[particle[own] as usize];
-                    let slots = list.for_member(own - first).flat_map(Block::slots);
+                    let slots = list.for_member(own - cluster.start).flat_map(Block::slots);
                     let others = slots.filter(|slot| {
                         let (own, other) =
                             (particle[own] as usize, particle[*slot as usize] as usize);
@@ -279,11 +282,4 @@ impl PairList for ClusterList {
         let named = chunk.blocks[..end].iter().flat_map(Block::slots);
         named.for_each(name);
     }
-}
-
-/// The chunk of a slot, its cluster inside the chunk, and its member number inside the cluster.
-fn address(slot: u32) -> (usize, usize, usize) {
-    let slot = slot as usize;
-    let in_chunk = slot % ATOMS_PER_CHUNK;
-    (slot / ATOMS_PER_CHUNK, in_chunk / CLUSTER, in_chunk % CLUSTER)
 }

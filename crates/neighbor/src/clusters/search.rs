@@ -8,6 +8,7 @@ use super::block::Block;
 use super::chunk::ClusterChunk;
 use super::format::{BLOCK_REACH, CLUSTER, Reach, cluster_center};
 use super::found::{ClusterNeighbors, Excluded, GroupBounds, GroupCandidates};
+use crate::pair_list::SMALLEST_CUT;
 use crate::rows::ATOMS_PER_CHUNK;
 use crate::scanner::Scanner;
 use crate::sort::{Around, CellRange, ColumnGrid, ColumnTable, FIXED_UNITS, wrap_cell};
@@ -16,6 +17,8 @@ use crate::validity::{LARGE_SYSTEM, Limits};
 /// Particles per group: one gathering of candidates serves a group.
 const GROUP: usize = 16;
 const _: () = assert!(GROUP.is_multiple_of(CLUSTER) && ATOMS_PER_CHUNK.is_multiple_of(GROUP));
+/// No slot is this one or follows it.
+const NO_SLOT: u32 = u32::MAX - CLUSTER as u32 + 1;
 /// Rounding of coordinates, distances and squares in single precision, in units in the last place of the largest.
 ///
 /// Conversions, products and differences on three axes are each off by half a unit. The total is doubled for safety.
@@ -31,8 +34,13 @@ pub(super) struct Scratch {
     xs: Vec<AxisCell>,
     ys: Vec<AxisCell>,
     runs: Vec<Range<u32>>,
+    /// Runs in columns that share no blocks with the group.
+    far_runs: Vec<Range<u32>>,
     candidates: GroupCandidates,
+    far_candidates: GroupCandidates,
     found: ClusterNeighbors,
+    far_found: ClusterNeighbors,
+    far: Vec<u32>,
     excluded: Excluded,
     /// The room of the blocks of one chunk.
     blocks: Vec<Block>,
@@ -94,17 +102,23 @@ impl<'a> Search<'a> {
 
     /// Writes the lists of the clusters at `slots` to a chunk without lists.
     pub fn fill(&self, slots: Range<usize>, scratch: &mut Scratch, chunk: &mut ClusterChunk) {
-        chunk.first_slot = slots.start as u32;
+        (chunk.first_slot, chunk.end_slot) = (slots.start as u32, slots.end as u32);
         if self.aside {
             chunk.move_to(&mut scratch.blocks);
         }
+        let room = chunk.blocks.capacity();
         for group in slots.clone().step_by(GROUP) {
             let group = group..(group + GROUP).min(slots.end);
             let bounds = self.bounds(group.clone());
-            self.find_runs(&bounds, scratch);
-            let base = self.base(&mut scratch.runs);
-            let Scratch { runs, candidates, found, excluded, .. } = scratch;
+            self.find_runs(&bounds, group.start, scratch);
+            let base = self.base(&scratch.runs);
+            let Scratch { runs, far_runs, candidates, far_candidates, .. } = scratch;
             self.scanner.gather_slots(self.table, &bounds, runs, candidates);
+            let has_far = !far_runs.is_empty();
+            if has_far {
+                self.scanner.gather_slots(self.table, &bounds, far_runs, far_candidates);
+            }
+            let Scratch { found, far_found, far, excluded, .. } = scratch;
             for first in group.clone().step_by(CLUSTER) {
                 let end = (first + CLUSTER).min(group.end);
                 // A cluster of fewer particles repeats its last one.
@@ -112,16 +126,38 @@ impl<'a> Search<'a> {
                     std::array::from_fn(|k| self.at((first + k).min(end - 1)));
                 found.begin(first as u32..end as u32, candidates);
                 let own = members.map(|at| bounds.relative(at));
-                self.scanner.near_cluster(candidates, &bounds, own, first as u32, found);
                 let members_range = first as u32..end as u32;
+                if members_range.len() == CLUSTER {
+                    self.scanner.near_cluster(candidates, &bounds, own, first as u32, found);
+                } else {
+                    // The slots behind fewer members belong to others, which may be neighbors: no slot is left out at first.
+                    self.scanner.near_cluster(candidates, &bounds, own, NO_SLOT, found);
+                    found.leave_out(&members_range);
+                }
                 let excluded = self.exclude(members_range, found, excluded);
-                chunk.push(found, self.is_compact(&members), base, excluded);
+                far.clear();
+                if has_far {
+                    far_found.begin(0..0, far_candidates);
+                    self.scanner.near_cluster(
+                        far_candidates,
+                        &bounds,
+                        own,
+                        first as u32,
+                        far_found,
+                    );
+                    far_found.join(excluded, far);
+                }
+                chunk.push((found, far), self.is_compact(&members), base, excluded);
             }
         }
+        let last_is_compact = chunk.spans.last().is_some_and(|span| span.compact);
+        let is_cut = self.table.particle.len() >= SMALLEST_CUT;
+        chunk.sums_in_common = slots.len().is_multiple_of(CLUSTER) || is_cut && last_is_compact;
         chunk.finish();
         if self.aside {
             chunk.move_back(&mut scratch.blocks);
-        } else {
+        } else if chunk.blocks.capacity() > room {
+            // Room of before stays: the next build may have more particles in this chunk again.
             chunk.give_back();
         }
     }
@@ -235,11 +271,18 @@ impl<'a> Search<'a> {
     }
 
     /// Finds the runs of slots within the search radius of the bounds: columns, or parts of them. Runs are disjoint.
-    fn find_runs(&self, bounds: &GroupBounds, scratch: &mut Scratch) {
-        let Scratch { xs, ys, runs, .. } = scratch;
+    ///
+    /// They follow each other as seen from the group, whose first slot is given.
+    fn find_runs(&self, bounds: &GroupBounds, first: usize, scratch: &mut Scratch) {
+        let Scratch { xs, ys, runs, far_runs, .. } = scratch;
+        let grid = &self.table.grid;
+        let [nx, ny] = grid.across;
+        let [x, y, _] = self.at(first);
+        let own = grid.column(ColumnGrid::part(x, nx), ColumnGrid::part(y, ny));
         self.columns_near(bounds, 0, xs);
         self.columns_near(bounds, 1, ys);
         runs.clear();
+        far_runs.clear();
         let radius2 = f64::from(bounds.radius2);
         let half = f64::from(bounds.half[2]);
         let units = 1.0 / self.scale[2];
@@ -249,7 +292,8 @@ impl<'a> Search<'a> {
                 if left < 0.0 {
                     continue;
                 }
-                let column = self.table.grid.column(x.number, y.number);
+                let column = grid.column(x.number, y.number);
+                let runs = if grid.share_blocks(own, column) { &mut *runs } else { &mut *far_runs };
                 // Two units are added, since coordinates are rounded. No point is farther away than the box is long.
                 let reach = ((half + left.sqrt()) * units).min(FIXED_UNITS) as i64 + 2;
                 for slices in self.slices_near(bounds.middle[2], reach) {
@@ -259,21 +303,15 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// A base from which entries reach the slots of all runs.
-    ///
-    /// Where there is none, the runs are sorted, so that few blocks reach from one strip of columns to the next.
-    fn base(&self, runs: &mut [Range<u32>]) -> Option<u32> {
+    /// A base from which entries reach the slots of all runs, if there is one.
+    fn base(&self, runs: &[Range<u32>]) -> Option<u32> {
         let n = self.table.particle.len() as u32;
         if n <= BLOCK_REACH + 1 {
             return Some(0);
         }
         let low = runs.iter().map(|run| run.start).min()?;
         let high = runs.iter().map(|run| run.end).max()?;
-        if high - low <= BLOCK_REACH + 1 {
-            return Some(low);
-        }
-        runs.sort_unstable_by_key(|run| run.start);
-        None
+        (high - low <= BLOCK_REACH + 1).then_some(low)
     }
 
     /// The columns along an axis that lie within the search radius of the bounds.

@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use crate::sort::{PADDING, RowCoordinates};
 
-/// Particles per chunk of a list: a constant, so that sums over chunks have one order.
+/// The most particles per chunk of a list: a constant, so that sums over chunks have one order.
 ///
 /// The number is small, so that 864 particles keep several threads busy.
 pub const ATOMS_PER_CHUNK: usize = 48;

@@ -3,16 +3,13 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use lennard_core::parallel::part;
 use lennard_core::tasks::for_each_item;
 use lennard_core::{Exclusions, PeriodicBox};
 
 use crate::clusters::Reach;
-use crate::pair_list::{OwnChunks, PairList, slots_of};
+use crate::pair_list::{ChunkSlots, OwnChunks, PairList};
 use crate::room::give_back;
-use crate::rows::chunk::{
-    ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, Numbering,
-};
+use crate::rows::chunk::{Candidates, Center, Entries, Images, ListChunk, Numbering};
 use crate::scanner::{Found, Scanner};
 use crate::sort::{Cells, GridError, PADDING, Positions, RowTable};
 
@@ -131,6 +128,10 @@ impl PairList for NeighborList {
         self.table.ghosts.iter().map(|ghost| slots[ghost.row as usize])
     }
 
+    fn chunk_slots(&self) -> &ChunkSlots {
+        &self.table.chunks
+    }
+
     fn order(
         &mut self,
         cell: &PeriodicBox,
@@ -148,8 +149,7 @@ impl PairList for NeighborList {
         self.table.show(cell);
         let margin = self.table.search_margin();
         let radius2 = (reach.r_list + margin).powi(2) as f32 * (1.0 + 4.0 * f32::EPSILON);
-        let n = self.table.particle.len();
-        self.chunks.resize_with(n.div_ceil(ATOMS_PER_CHUNK), ListChunk::default);
+        self.chunks.resize_with(self.table.chunks.count(), ListChunk::default);
         let filler = Filler {
             table: &self.table,
             radius2,
@@ -161,27 +161,27 @@ impl PairList for NeighborList {
         let own = self.own();
         let chunks = self.chunks[own.clone()].iter_mut();
         for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
-            let slots = part(own.start + c, ATOMS_PER_CHUNK, n);
-            filler.fill(slots, scratch, chunk);
+            filler.fill(filler.table.chunks.of(own.start + c..own.start + c + 1), scratch, chunk);
         });
     }
 
     fn is_valid(&self) -> bool {
         let targets = self.targets() as u64;
         let own = self.own();
-        let of_own = slots_of(&own, self.table.particle.len());
-        let mut slots = of_own.start;
-        for chunk in &self.chunks[own] {
+        let slots_of = &self.table.chunks;
+        for (c, chunk) in own.clone().zip(&self.chunks[own]) {
             let padded = |count: &u32| (*count as usize).next_multiple_of(self.lanes);
             let used: usize = chunk.counts.iter().map(padded).sum();
-            let fits = chunk.first_slot as usize == slots && used <= chunk.entries.len();
+            let slots = slots_of.of(c..c + 1);
+            let fits = chunk.first_slot as usize == slots.start
+                && chunk.counts.len() == slots.len()
+                && used <= chunk.entries.len();
             let reaches = |entry: u32| u64::from(chunk.base) + u64::from(entry) < targets;
             if !fits || !chunk.entries.offsets(0..used).into_iter().all(reaches) {
                 return false;
             }
-            slots += chunk.counts.len();
         }
-        slots == of_own.end
+        self.chunks.len() == slots_of.count()
     }
 
     fn keep(&mut self, own: Range<usize>) {

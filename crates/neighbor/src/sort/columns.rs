@@ -17,6 +17,7 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::for_each_piece_of_three;
 
 use crate::clusters::format::BLOCK_REACH;
+use crate::pair_list::{ChunkSlots, SMALLEST_CUT};
 use crate::sort::cell_sort::CellSort;
 use crate::sort::coordinates::{FARTHEST_IMAGE, FIXED_UNITS, FixedRow, PADDING, fold, to_fixed};
 use crate::sort::positions::{GridError, Positions};
@@ -41,6 +42,8 @@ pub struct ColumnTable {
     room: Vec<FixedRow>,
     pub(crate) grid: ColumnGrid,
     sort: CellSort,
+    /// The slots of each chunk.
+    pub(crate) chunks: ChunkSlots,
 }
 
 impl ColumnTable {
@@ -65,6 +68,7 @@ impl ColumnTable {
             + self.image.capacity() * size_of::<IVec3>()
             + self.room.capacity() * size_of::<FixedRow>()
             + self.sort.bytes()
+            + self.chunks.bytes()
     }
 
     /// Coordinates of each slot along each axis in fixed point, `[N]` and [`PADDING`], during a build.
@@ -115,6 +119,9 @@ impl ColumnTable {
         let cell_of = |r: DVec3| grid.cell_of(to_fixed(r, image_of(r), lengths, units));
         let some_are_far =
             self.sort.order(grid.cells(), &mut self.particle, positions, [near, far], cell_of)?;
+        let columns = if n < SMALLEST_CUT { vec![0] } else { grid.bundles() };
+        let first = |column: u32| self.sort.first[(column * grid.slices) as usize];
+        self.chunks.cut(columns.into_iter().map(first).chain([n as u32]));
         self.image.clear();
         if some_are_far {
             let mut images = vec![DVec3::ZERO; n];
@@ -206,6 +213,9 @@ impl ColumnTable {
 //      ^          v          ^       consecutive slots stay close in space
 //      ^          v          ^
 // ```
+//
+// Up to four columns of a strip side by side along y are a bundle. Chunks and clusters begin anew in each bundle: what they
+// hold depends on the particles of the bundle, and not on how many particles come before them.
 
 /// The side of a column over the particle spacing (V/N)^{1/3}; the second value is used where it spares a strip.
 ///
@@ -227,6 +237,9 @@ const APART_ALONG_X: f64 = 4.0;
 /// Largest distance along y, in columns, between two neighbors in a list at that distance along x.
 const APART_ALONG_Y: f64 = 3.0;
 
+/// Number of columns in a bundle. The last one across a strip may have fewer.
+const COLUMNS_PER_BUNDLE: u32 = 4;
+
 /// Smallest width of a strip, in columns: below it, most lists would cross from one strip to the next.
 const NARROWEST_STRIP: f64 = 8.0;
 
@@ -243,6 +256,8 @@ pub(crate) struct ColumnGrid {
     strip: u32,
     /// 2³² over `strip`, rounded up: a division would take as long as the rest of the numbering of a column.
     strip_inverse: u64,
+    /// Whether a block reaches every slot from any other one.
+    pub all_in_reach: bool,
 }
 
 impl ColumnGrid {
@@ -254,6 +269,7 @@ impl ColumnGrid {
 
     /// The grid whose columns have this side over the particle spacing.
     fn with(side: f64, lengths: DVec3, n: usize) -> Self {
+        let all_in_reach = n <= BLOCK_REACH as usize + 1;
         let n = n.max(1) as f64;
         let most = (CELLS_PER_PARTICLE * n).max(SMALLEST_GRID);
         let side = side * (lengths.element_product() / n).cbrt();
@@ -269,6 +285,7 @@ impl ColumnGrid {
         Self {
             strip,
             strip_inverse: (1_u64 << 32).div_ceil(u64::from(strip)),
+            all_in_reach,
             across: across.map(|c| c as u32),
             slices: slices.clamp(1.0, (most / columns).max(1.0)) as u32,
         }
@@ -301,6 +318,33 @@ impl ColumnGrid {
         let y = y - begin;
         let y = if x % 2 == 1 { width - 1 - y } else { y };
         begin * nx + x * width + y
+    }
+
+    /// The first column of each bundle, ascending.
+    fn bundles(&self) -> Vec<u32> {
+        let [nx, ny] = self.across;
+        let mut first = Vec::new();
+        for begin in (0..ny).step_by(self.strip as usize) {
+            let width = self.strip.min(ny - begin);
+            for x in 0..nx {
+                // Every second row of columns is walked from its far end.
+                let is_first = |y: &u32| match x % 2 {
+                    0 => y.is_multiple_of(COLUMNS_PER_BUNDLE),
+                    _ => *y == 0 || (width - y).is_multiple_of(COLUMNS_PER_BUNDLE),
+                };
+                let columns = (0..width).filter(is_first).map(|y| begin * nx + x * width + y);
+                first.extend(columns);
+            }
+        }
+        first
+    }
+
+    /// Whether neighbors in two columns share blocks, which reach from one to the other in a uniform fluid.
+    ///
+    /// It is a matter of the box and of N alone: no number of a slot decides it.
+    #[inline(always)]
+    pub fn share_blocks(&self, a: u32, b: u32) -> bool {
+        self.all_in_reach || a.abs_diff(b) <= (APART_ALONG_X as u32 * self.strip) / 2 + 2
     }
 
     /// The cell of a column at a slice, in the order of slots.
@@ -403,6 +447,31 @@ mod tests {
         for (x, y) in (0..56).flat_map(|x| (0..27).map(move |y| (x, y))) {
             let apart = grid.column(x, y).abs_diff(grid.column(x + 4, y + 3));
             assert!(apart * n as u32 / 3600 <= BLOCK_REACH, "{apart} columns");
+        }
+    }
+
+    #[test]
+    fn bundles_are_columns_side_by_side_and_neighbors_in_a_strip_share_blocks() {
+        for (x, y, n) in [(3.0, 700.0, 40_000), (104.137, 104.137, 953_312), (33.6, 33.6, 32_000)] {
+            let grid = ColumnGrid::choose(DVec3::new(x, y, 104.137), n);
+            let [nx, ny] = grid.across;
+            let bundles = grid.bundles();
+            assert!(bundles[0] == 0 && bundles.is_sorted_by(|a, b| a < b && b - a <= 4));
+            let bundle = |x, y| bundles.partition_point(|first| *first <= grid.column(x, y));
+            for (x, y) in (0..nx).flat_map(|x| (0..ny).map(move |y| (x, y))) {
+                let first = y / grid.strip * grid.strip + y % grid.strip / 4 * 4;
+                assert_eq!(bundle(x, y), bundle(x, first));
+                let is_near = |x: u32, y: u32, own: [u32; 2]| {
+                    grid.share_blocks(grid.column(x, y), grid.column(own[0], own[1]))
+                };
+                if x + 2 < nx && y + 2 < ny {
+                    let in_strip = y / grid.strip == (y + 2) / grid.strip;
+                    assert!(!in_strip || is_near(x + 2, y + 2, [x, y]));
+                    assert!(!in_strip || is_near(x + 2, y, [x, y + 2]));
+                }
+            }
+            let beyond_a_face = grid.share_blocks(grid.column(0, 0), grid.column(nx - 1, 0));
+            assert_eq!(beyond_a_face, n < 100_000, "{x}");
         }
     }
 }

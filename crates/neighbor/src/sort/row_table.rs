@@ -21,6 +21,7 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::for_each_piece_pair;
 use lennard_core::tasks::{for_each_item, map_items};
 
+use crate::pair_list::{ChunkSlots, SMALLEST_CUT};
 use crate::sort::cell_sort::{CellSort, cut};
 use crate::sort::coordinates::{FARTHEST_IMAGE, PADDING, RowCoordinates, fold};
 use crate::sort::positions::{GridError, Positions};
@@ -29,6 +30,9 @@ use crate::sort::positions::{GridError, Positions};
 ///
 /// Two spread the cost of the gathering over more particles. More would add candidates that are near to few.
 const CELLS_PER_GROUP: u32 = 2;
+
+/// Number of columns of cells along y in a bundle, where the box is more than one bundle.
+const COLUMNS_PER_BUNDLE: usize = 8;
 
 /// A row that repeats another row in a neighboring box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,6 +65,8 @@ pub struct RowTable {
     pub(crate) coordinates: RowCoordinates,
     grid: CellGrid,
     sort: CellSort,
+    /// The slots of each chunk.
+    pub(crate) chunks: ChunkSlots,
     /// The extended cell of each slot, `[N]`.
     cell_of_slot: Vec<u32>,
     /// Scratch: the folded position of each slot, `[N]`, σ.
@@ -95,6 +101,7 @@ impl RowTable {
             + self.ghosts.capacity() * size_of::<Ghost>()
             + self.grid.first_row.capacity() * 4
             + self.sort.bytes()
+            + self.chunks.bytes()
     }
 
     /// The index, in the order that was given to the sort, of the position that belongs to each slot, `[N]`.
@@ -141,6 +148,7 @@ impl RowTable {
             (part(scaled.x, nx) * ny + part(scaled.y, ny)) * nz + part(scaled.z, nz)
         };
         self.sort.order(nx * ny * nz, &mut self.particle, positions, [far; 2], cell_of)?;
+        self.cut_chunks();
         self.number_rows();
         self.fill_slots();
         self.fill_rows();
@@ -174,6 +182,16 @@ impl RowTable {
                 }
             });
         }
+    }
+
+    /// Cuts the slots of each bundle, a few columns side by side, into chunks.
+    fn cut_chunks(&mut self) {
+        let [nx, ny, _] = self.grid.inner;
+        let width = if self.particle.len() < SMALLEST_CUT { ny } else { COLUMNS_PER_BUNDLE };
+        let layers = if width == ny { 0..1 } else { 0..nx };
+        let begins = layers.flat_map(|x| (0..ny).step_by(width).map(move |y| [x, y]));
+        let begins = begins.map(|[x, y]| self.sort.first[self.grid.home_index(x, y, 0)]);
+        self.chunks.cut(begins.chain([self.particle.len() as u32]));
     }
 
     /// Numbers the rows of the extended grid, ghosts included.

@@ -236,6 +236,38 @@ fn cluster_lists_reach_over_more_slots_than_an_entry_can_count() {
 }
 
 #[test]
+fn chunks_begin_anew_in_each_bundle_and_their_lists_have_every_pair() {
+    // Many bundles end with a cluster of fewer than four, beside particles of the next bundle.
+    for (sides, n) in [(DVec3::new(24.0, 23.0, 11.0), 6000), (DVec3::new(9.0, 70.0, 9.0), 5001)] {
+        let cell = PeriodicBox::new(sides).unwrap();
+        let positions = scatter(n, sides, 0.0);
+        let clusters = cluster_list(&cell, [2.0, 2.3], &positions);
+        let rows = row_list(&cell, 2.3, Images::Ghosts, &positions);
+        let clusters_listed = clusters.neighbors();
+        let rows_listed = rows.neighbors();
+        for (i, j) in brute_force_pairs(&cell, &positions, 2.3) {
+            for (a, b) in [(i, j), (j, i)] {
+                assert!(clusters_listed[a as usize].binary_search(&b).is_ok(), "{a} {b}");
+                assert!(rows_listed[a as usize].binary_search(&b).is_ok(), "{a} {b}");
+            }
+        }
+        for (chunks, particles) in
+            [(clusters.chunk_slots(), clusters.particles()), (rows.chunk_slots(), rows.particles())]
+        {
+            assert!(chunks.count() > n.div_ceil(48) + 2);
+            assert_eq!(chunks.of(0..chunks.count()), 0..particles.len());
+            for chunk in 0..chunks.count() {
+                let slots = chunks.of(chunk..chunk + 1);
+                assert!((1..=48).contains(&slots.len()));
+                assert!(slots.clone().all(|slot| chunks.chunk_of(slot as u32) == chunk));
+            }
+        }
+        let ragged = clusters.chunks().iter().flat_map(|chunk| chunk.lists());
+        assert!(ragged.filter(|(slots, _)| slots.len() < 4).count() > 10);
+    }
+}
+
+#[test]
 fn cluster_lists_insert_pairs_after_the_build_once_and_lose_none() {
     // In a dense box, halves of a cluster have blocks of their own. In a wide box, slots lie beyond the reach of a block.
     let dense = PeriodicBox::new(DVec3::new(9.0, 10.0, 11.0)).unwrap();

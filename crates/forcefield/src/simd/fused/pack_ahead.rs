@@ -59,15 +59,15 @@ impl ChunkDisplacement {
         !all_are_near
     }
 
-    /// The summary of all chunks.
-    pub fn summary(chunks: &[Self]) -> MotionSummary {
+    /// The summary of all chunks, where `first_slot` gives the first slot of each.
+    pub fn summary(chunks: &[Self], first_slot: impl Fn(usize) -> usize) -> MotionSummary {
         let mut summary = MotionSummary::NOTHING;
         for (c, chunk) in chunks.iter().enumerate() {
             summary.largest2 = summary.largest2.max(chunk.largest2);
             summary.finite &= chunk.largest2.is_finite();
             let mut far = chunk.far;
             while far != 0 {
-                let slot = c * ATOMS_PER_CHUNK + far.trailing_zeros() as usize;
+                let slot = first_slot(c) + far.trailing_zeros() as usize;
                 summary.far.push(slot as u32);
                 far &= far - 1;
             }
@@ -146,8 +146,8 @@ impl<P: PackedList> Ahead<'_, P> {
         let (Some(next), Some(pack)) = (next, P::PACK_AHEAD) else {
             return;
         };
-        let first = chunk * ATOMS_PER_CHUNK;
-        let slots = first..first + motion.len();
+        let slots = self.list.chunk_slots().of(chunk..chunk + 1);
+        let first = slots.start;
         // SAFETY: the elements of a chunk belong to this thread by contract.
         let mut displacement = unsafe { next.displacements.read(chunk) }.after(step);
         let mut squares = [0.0; ATOMS_PER_CHUNK];
@@ -197,7 +197,7 @@ mod tests {
                 chunks.map(|squares| ChunkDisplacement::by(squares, 4.5)).collect();
             let mut at_once = MotionSummary::NOTHING;
             at_once.include(0, squares, 4.5);
-            (ChunkDisplacement::summary(&chunks), at_once)
+            (ChunkDisplacement::summary(&chunks, |c| c * ATOMS_PER_CHUNK), at_once)
         };
         let (found, at_once) = together(&squares);
         assert_eq!(found, at_once);

@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 use lennard_core::Moving;
-use lennard_core::parallel::part;
 use lennard_neighbor::ATOMS_PER_CHUNK;
 
 use super::pack_ahead::{Ahead, NextRows};
@@ -62,7 +61,7 @@ pub fn fused_step<P: PackedList>(
         far2: used.criterion.far2(),
     };
     let run = |rows: &[P::Row], next_rows: Option<&NextRows<'_, P::Row>>, chunk| {
-        let slots = part(chunk, ATOMS_PER_CHUNK, n);
+        let slots = used.list.chunk_slots().of(chunk..chunk + 1);
         let mut at_rest: [DVec3; ATOMS_PER_CHUNK];
         // SAFETY: each chunk runs once, and its slots belong to no other chunk. This holds for all blocks below.
         let (positions, velocities) = unsafe {

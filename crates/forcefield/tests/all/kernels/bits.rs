@@ -50,12 +50,19 @@ fn long_lists_have_the_same_bits_too() {
     {
         let truncation = TruncationOptions::new(TruncationKind::Cut, r_cut);
         let base = ForceFieldOptions { truncation, exclusions, ..ForceFieldOptions::default() };
+        let pairs = reference(&base, cell, &positions).1.pairs;
         for kernel in kernels() {
             let options = ForceFieldOptions { kernel, ..base };
             let mut forces = built(&options, None, cell, positions.len());
             let (plain, _) = all(&mut forces, cell, &positions, Want::NOTHING);
-            let (with_totals, _) = all(&mut forces, cell, &positions, Want::TOTALS);
+            let (with_totals, totals) = all(&mut forces, cell, &positions, Want::TOTALS);
             assert_eq!(plain, with_totals, "{kernel:?} {r_cut}");
+            // Many bundles end with a cluster of fewer than four: what it lacks has no part in totals.
+            let each = all(&mut forces, cell, &positions, want_each()).1;
+            let of_each = lennard_core::Energetics { virial: None, per_particle: None, ..each };
+            assert_eq!(totals, of_each, "{kernel:?} {r_cut}");
+            let miscounted = totals.pairs.unwrap().abs_diff(pairs.unwrap());
+            assert!(miscounted <= 4, "{kernel:?} {r_cut}: {miscounted}");
         }
     }
 }
@@ -90,6 +97,46 @@ fn the_same_bits_come_from_any_number_of_threads() {
                 assert!(in_threads(threads, run) == one, "{threads} threads, {kernel:?}");
             }
         }
+    }
+}
+
+#[test]
+fn forces_of_a_particle_do_not_depend_on_how_many_particles_lie_beyond_its_neighbors() {
+    // Slots of one block lie farther apart than 32,767 where particles crowd beside, and across the faces of the box.
+    let (cell, start) = liquid([64, 60, 60], 0.3, 0.1);
+    let apart = start[1].z - start[0].z;
+    let crowd = |r: &DVec3| {
+        let at = *r / cell.lengths();
+        let moves = (0.1..0.3).contains(&at.x) && at.y < 0.5;
+        let shift = DVec3::new((0.4 * cell.lengths().x / apart).round() + 0.5, 0.5, 0.5) * apart;
+        if moves { *r + shift } else { *r }
+    };
+    let crowded: Vec<DVec3> = start.iter().map(crowd).collect();
+    let changed: Vec<usize> = (0..start.len()).filter(|i| start[*i] != crowded[*i]).collect();
+    assert!(changed.len() > start.len() / 12);
+    // Bundles beside the regions that lose or win some have other neighbors.
+    let margin = DVec3::splat(9.0) / cell.lengths();
+    let is_apart = |r: &DVec3| {
+        let at = *r / cell.lengths();
+        let beside = |from: f64, to: f64| (from - margin.x..to + margin.x).contains(&at.x);
+        let is_beside = beside(0.1, 0.3) || beside(0.5, 0.72);
+        !is_beside || (0.53 + margin.y..1.0 - margin.y).contains(&at.y)
+    };
+    let compared: Vec<usize> = (0..start.len()).filter(|i| is_apart(&start[*i])).collect();
+    assert!(compared.len() > start.len() / 3);
+    for kernel in kernels() {
+        let options = ForceFieldOptions { kernel, ..ForceFieldOptions::default() };
+        let [before, after] = [&start, &crowded].map(|positions| {
+            let mut forces = built(&options, None, cell, positions.len());
+            let (forces, energetics) = all(&mut forces, cell, positions, want_each());
+            (forces, energetics.per_particle.unwrap())
+        });
+        for i in &compared {
+            let [a, b] = [&before, &after].map(|(forces, each)| (forces[*i], each[*i]));
+            assert_eq!(a, b, "particle {i}, {kernel:?}");
+        }
+        let differ = changed.iter().filter(|i| before.0[**i] != after.0[**i]).count();
+        assert!(differ > changed.len() / 2);
     }
 }
 

@@ -63,7 +63,7 @@ fn a_rank_knows_of_all_columns_that_its_groups_look_into() {
         let mut scratch = Scratch::default();
         for group in own.clone().step_by(GROUP) {
             let bounds = search.bounds(group..(group + GROUP).min(own.end));
-            search.find_runs(&bounds, &mut scratch);
+            search.find_runs(&bounds, group, &mut scratch);
             let found = scratch.runs.iter().cloned().flatten();
             for slot in found.map(|slot| slot as usize).filter(|s| !own.contains(s)) {
                 assert!(near.contains(&slot), "slot {slot}");
