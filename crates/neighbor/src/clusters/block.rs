@@ -48,9 +48,11 @@ impl Block {
         Self { base, valid: u16::MAX >> (BLOCK - count), entries }
     }
 
-    /// A block of one slot.
-    pub(super) fn of_one(slot: u32) -> Self {
-        Self { base: slot, valid: 1, entries: [0; BLOCK] }
+    /// A block of 1 to [`BLOCK`] slots, which a base reaches.
+    pub(super) fn of(base: u32, slots: &[u32]) -> Self {
+        let mut all = [base; BLOCK];
+        all[..slots.len()].copy_from_slice(slots);
+        Self { valid: u16::MAX >> (BLOCK - slots.len()), ..Self::full(base, &all) }
     }
 
     /// Whether the block contains a slot.
@@ -85,6 +87,13 @@ impl Block {
         let highest = self.entries.iter().copied().max().unwrap_or(0);
         u64::from(self.base) + u64::from(highest / ENTRY_SCALE)
     }
+}
+
+/// The base of a block of some slots: the lowest of them. `None` where it does not reach the highest.
+fn base_of(slots: &[u32]) -> Option<u32> {
+    let low = slots.iter().copied().min().unwrap_or_default();
+    let high = slots.iter().copied().max().unwrap_or_default();
+    (high - low <= BLOCK_REACH).then_some(low)
 }
 
 // How neighbors of a cluster are distributed over blocks.
@@ -140,23 +149,20 @@ pub(super) fn pack(
         block.valid = u16::MAX >> (BLOCK - lead.len());
         blocks.push(block);
     } else {
-        lead.chunks(BLOCK).for_each(|slots| push(slots, blocks));
+        lead.chunks(BLOCK).for_each(|slots| push(slots, base, blocks));
     }
-    push(far_lead, blocks);
+    push(far_lead, None, blocks);
     let mut masked = blocks.len();
     let (full, none) = full.as_chunks();
     debug_assert!(none.is_empty(), "the rest fills whole blocks");
     let (far_full, _) = far_full.as_chunks();
     for (full, base) in [(full, base), (far_full, None)] {
-        if let Some(base) = base {
-            blocks.extend(full.iter().map(|slots| Block::full(base, slots)));
-            continue;
-        }
         for slots in full {
-            let before = blocks.len();
-            push(slots, blocks);
-            // Where a block is parted, its parts are masked, and so are the blocks before it: the order stays.
-            if blocks.len() > before + 1 {
+            if let Some(base) = base.or_else(|| base_of(slots)) {
+                blocks.push(Block::full(base, slots));
+            } else {
+                // The parts of a block are masked, and so are the blocks before it: the order stays.
+                part(slots, blocks);
                 masked = blocks.len();
             }
         }
@@ -166,10 +172,22 @@ pub(super) fn pack(
 
 /// Writes at most [`BLOCK`] slots: as one block where one base reaches them, and elsewhere as parts of it.
 ///
+/// `base` is a base that is known to reach them, if there is one.
+pub(super) fn push(slots: &[u32], base: Option<u32>, blocks: &mut Vec<Block>) {
+    match base.or_else(|| base_of(slots)) {
+        _ if slots.is_empty() => {}
+        Some(base) => blocks.push(Block::of(base, slots)),
+        None => part(slots, blocks),
+    }
+}
+
+/// Writes the parts of a block of slots that no one base reaches.
+///
 /// Each slot counts in one part, in its lane. All other lanes of a part add nothing, so that sums have the bits of one block.
 /// The first part has the members, where the first slots are they.
-pub(super) fn push(slots: &[u32], blocks: &mut Vec<Block>) {
-    let mut left = u16::MAX.checked_shr((BLOCK - slots.len()) as u32).unwrap_or(0);
+#[cold]
+fn part(slots: &[u32], blocks: &mut Vec<Block>) {
+    let mut left = u16::MAX >> (BLOCK - slots.len());
     while left != 0 {
         let members = slots[left.trailing_zeros() as usize] + CLUSTER as u32 - 1;
         let lanes = || slots.iter().enumerate().filter(|(k, _)| left >> k & 1 == 1);
@@ -276,7 +294,7 @@ mod tests {
         let slots: Vec<u32> = (50_000..50_004).chain((4..BLOCK as u32).map(apart)).collect();
         for len in 1..=BLOCK {
             let mut blocks = Vec::new();
-            push(&slots[..len], &mut blocks);
+            push(&slots[..len], None, &mut blocks);
             for (k, slot) in slots.iter().enumerate() {
                 let found: Vec<u32> = blocks.iter().filter_map(|block| block.slot(k)).collect();
                 assert_eq!(found, if k < len { vec![*slot] } else { vec![] });

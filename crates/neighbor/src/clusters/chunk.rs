@@ -158,7 +158,7 @@ impl ClusterChunk {
             return;
         }
         make_room(&mut self.blocks, 1);
-        self.blocks.insert(masked.end, Block::of_one(slot));
+        self.blocks.insert(masked.end, Block::of(slot, &[slot]));
         span.masked += 1;
         span.end += 1;
         for span in &mut self.spans[k + 1..] {
@@ -249,7 +249,7 @@ impl ClusterChunk {
             let (slots, count) = found.next_of(half, used);
             match base {
                 Some(base) => self.blocks.push(Block::of_first(slots, count, base)),
-                None => push(&slots[..count], &mut self.blocks),
+                None => push(&slots[..count], None, &mut self.blocks),
             }
             used += count;
         }
@@ -258,7 +258,7 @@ impl ClusterChunk {
 
     /// Ends the lists with a block that belongs to no cluster, for loops that read one block ahead.
     pub(super) fn finish(&mut self) {
-        self.blocks.push(Block::of_one(self.first_slot));
+        self.blocks.push(Block::of(self.first_slot, &[self.first_slot]));
     }
 
     /// Gives back room that the blocks do not need.

@@ -85,11 +85,12 @@ impl ClusterNeighbors {
         }
     }
 
-    /// Appends all neighbors to `all`, neighbors of all members first, without excluded slots.
-    pub(super) fn join(&self, excluded: Option<&Excluded>, all: &mut Vec<u32>) {
-        all.extend([ALL_MEMBERS, FIRST_HALF, SECOND_HALF].iter().flat_map(|kind| self.of(*kind)));
-        if let Some(excluded) = excluded {
-            all.retain(|slot| !excluded.slots().contains(slot));
+    /// Moves what follows the neighbors at `near` slots to `far`, neighbors of all members first.
+    pub(super) fn part(&mut self, near: &Range<u32>, far: &mut Vec<u32>) {
+        for (slots, len) in self.slots.iter().zip(&mut self.len) {
+            let slots = &slots[..*len];
+            *len = slots.partition_point(|slot| near.contains(slot));
+            far.extend_from_slice(&slots[*len..]);
         }
     }
 

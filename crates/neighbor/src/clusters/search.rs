@@ -37,9 +37,7 @@ pub(super) struct Scratch {
     /// Runs in columns that share no blocks with the group.
     far_runs: Vec<Range<u32>>,
     candidates: GroupCandidates,
-    far_candidates: GroupCandidates,
     found: ClusterNeighbors,
-    far_found: ClusterNeighbors,
     far: Vec<u32>,
     excluded: Excluded,
     /// The room of the blocks of one chunk.
@@ -110,42 +108,32 @@ impl<'a> Search<'a> {
         for group in slots.clone().step_by(GROUP) {
             let group = group..(group + GROUP).min(slots.end);
             let bounds = self.bounds(group.clone());
-            self.find_runs(&bounds, group.start, scratch);
-            let base = self.base(&scratch.runs);
-            let Scratch { runs, far_runs, candidates, far_candidates, .. } = scratch;
+            let near = self.find_runs(&bounds, group.start, scratch);
+            let base = self.base(&near);
+            let Scratch { runs, far_runs, candidates, found, far, excluded, .. } = scratch;
             self.scanner.gather_slots(self.table, &bounds, runs, candidates);
-            let has_far = !far_runs.is_empty();
-            if has_far {
-                self.scanner.gather_slots(self.table, &bounds, far_runs, far_candidates);
-            }
-            let Scratch { found, far_found, far, excluded, .. } = scratch;
             for first in group.clone().step_by(CLUSTER) {
                 let end = (first + CLUSTER).min(group.end);
                 // A cluster of fewer particles repeats its last one.
                 let members: [[i32; 3]; CLUSTER] =
                     std::array::from_fn(|k| self.at((first + k).min(end - 1)));
-                found.begin(first as u32..end as u32, candidates);
-                let own = members.map(|at| bounds.relative(at));
                 let members_range = first as u32..end as u32;
-                if members_range.len() == CLUSTER {
-                    self.scanner.near_cluster(candidates, &bounds, own, first as u32, found);
-                } else {
-                    // The slots behind fewer members belong to others, which may be neighbors: no slot is left out at first.
-                    self.scanner.near_cluster(candidates, &bounds, own, NO_SLOT, found);
+                found.begin(members_range.clone(), candidates);
+                let own = members.map(|at| bounds.relative(at));
+                // The slots behind fewer members belong to others, which may be neighbors: no slot is left out at first.
+                let is_whole = members_range.len() == CLUSTER;
+                let left_out = if is_whole { first as u32 } else { NO_SLOT };
+                self.scanner.near_cluster(candidates, &bounds, own, left_out, found);
+                if !is_whole {
                     found.leave_out(&members_range);
                 }
-                let excluded = self.exclude(members_range, found, excluded);
                 far.clear();
-                if has_far {
-                    far_found.begin(0..0, far_candidates);
-                    self.scanner.near_cluster(
-                        far_candidates,
-                        &bounds,
-                        own,
-                        first as u32,
-                        far_found,
-                    );
-                    far_found.join(excluded, far);
+                if !far_runs.is_empty() {
+                    found.part(&near, far);
+                }
+                let excluded = self.exclude(members_range, found, excluded);
+                if let Some(excluded) = excluded {
+                    far.retain(|slot| !excluded.slots().contains(slot));
                 }
                 chunk.push((found, far), self.is_compact(&members), base, excluded);
             }
@@ -272,8 +260,9 @@ impl<'a> Search<'a> {
 
     /// Finds the runs of slots within the search radius of the bounds: columns, or parts of them. Runs are disjoint.
     ///
-    /// They follow each other as seen from the group, whose first slot is given.
-    fn find_runs(&self, bounds: &GroupBounds, first: usize, scratch: &mut Scratch) {
+    /// They follow each other as seen from the group, whose first slot is given: the ones that share blocks with the group, and
+    /// then the far ones. The result contains the slots of the former alone.
+    fn find_runs(&self, bounds: &GroupBounds, first: usize, scratch: &mut Scratch) -> Range<u32> {
         let Scratch { xs, ys, runs, far_runs, .. } = scratch;
         let grid = &self.table.grid;
         let [nx, ny] = grid.across;
@@ -301,17 +290,19 @@ impl<'a> Search<'a> {
                 }
             }
         }
+        // Slots ascend with columns, and columns that share blocks follow each other.
+        let low = runs.iter().map(|run| run.start).min().unwrap_or_default();
+        let high = runs.iter().map(|run| run.end).max().unwrap_or_default();
+        runs.extend_from_slice(far_runs);
+        low..high
     }
 
-    /// A base from which entries reach the slots of all runs, if there is one.
-    fn base(&self, runs: &[Range<u32>]) -> Option<u32> {
-        let n = self.table.particle.len() as u32;
-        if n <= BLOCK_REACH + 1 {
+    /// A base from which entries reach all of some slots, if there is one.
+    fn base(&self, slots: &Range<u32>) -> Option<u32> {
+        if self.table.grid.all_in_reach {
             return Some(0);
         }
-        let low = runs.iter().map(|run| run.start).min()?;
-        let high = runs.iter().map(|run| run.end).max()?;
-        (high - low <= BLOCK_REACH + 1).then_some(low)
+        (slots.len() <= BLOCK_REACH as usize + 1).then_some(slots.start)
     }
 
     /// The columns along an axis that lie within the search radius of the bounds.
