@@ -37,7 +37,7 @@ pub enum Entries {
 }
 
 impl Entries {
-    /// Number of entries, with padding and with unused entries at the end.
+    /// Number of entries, with padding.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -79,8 +79,6 @@ pub struct ListChunk {
     /// Number of neighbors of each slot.
     pub counts: Vec<u32>,
     /// Neighbors of one slot after another, each padded with the slot itself to whole registers.
-    ///
-    /// Entries behind the last slot have no meaning.
     pub entries: Entries,
 }
 

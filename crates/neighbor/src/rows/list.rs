@@ -8,8 +8,10 @@ use lennard_core::{Exclusions, PeriodicBox};
 
 use crate::clusters::Reach;
 use crate::pair_list::{ChunkSlots, OwnChunks, PairList};
-use crate::room::give_back;
-use crate::rows::chunk::{Candidates, Center, Entries, Images, ListChunk, Numbering};
+use crate::room::refill;
+use crate::rows::chunk::{
+    ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, Numbering,
+};
 use crate::scanner::{Found, Scanner};
 use crate::sort::{Cells, GridError, PADDING, Positions, RowTable};
 
@@ -159,6 +161,11 @@ impl PairList for NeighborList {
             exclusions: self.exclusions,
         };
         let own = self.own();
+        // Room for the counts is taken together, ahead of all entries. Between entries it would part the room that they give back.
+        for chunk in &mut self.chunks[own.clone()] {
+            chunk.counts.clear();
+            chunk.counts.reserve_exact(ATOMS_PER_CHUNK);
+        }
         let chunks = self.chunks[own.clone()].iter_mut();
         for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
             filler.fill(filler.table.chunks.of(own.start + c..own.start + c + 1), scratch, chunk);
@@ -255,6 +262,9 @@ impl PairList for NeighborList {
 pub struct Scratch {
     runs: Vec<Range<u32>>,
     candidates: Candidates,
+    /// Entries of one chunk, which move into room that fits.
+    narrow: Vec<u16>,
+    wide: Vec<u32>,
 }
 
 /// Fills chunks; all chunks of a build share it.
@@ -271,10 +281,9 @@ pub struct Filler<'a> {
 }
 
 impl Filler<'_> {
-    /// Writes the neighbors of `slots` to a chunk.
+    /// Writes the neighbors of `slots` to a chunk without counts.
     pub fn fill(&self, slots: Range<usize>, scratch: &mut Scratch, chunk: &mut ListChunk) {
         chunk.first_slot = slots.start as u32;
-        chunk.counts.clear();
         let targets = match self.images {
             Images::Ghosts => self.table.rows_near(&slots),
             Images::Folded => 0..self.table.particle.len() as u32,
@@ -282,17 +291,21 @@ impl Filler<'_> {
         chunk.base = targets.start;
         let narrow = targets.end - targets.start <= u32::from(u16::MAX) + 1;
         let counts = &mut chunk.counts;
+        let Scratch { runs, candidates, narrow: aside, wide } = scratch;
+        let around = (runs, candidates);
         let old = std::mem::replace(&mut chunk.entries, Entries::Wide(Vec::new()));
         chunk.entries = if narrow {
-            let entries = if let Entries::Narrow(entries) = old { entries } else { Vec::new() };
+            let mut entries = if let Entries::Narrow(entries) = old { entries } else { Vec::new() };
             let to: fn(&mut [_]) -> Found<'_> = |found| Found::Narrow(found);
             let how = (|number| number as u16, to);
-            Entries::Narrow(self.write(slots, chunk.base, scratch, counts, entries, how))
+            refill(&mut entries, self.write(slots, chunk.base, around, counts, aside, how));
+            Entries::Narrow(entries)
         } else {
-            let entries = if let Entries::Wide(entries) = old { entries } else { Vec::new() };
+            let mut entries = if let Entries::Wide(entries) = old { entries } else { Vec::new() };
             let to: fn(&mut [_]) -> Found<'_> = |found| Found::Wide(found);
             let how = (|number| number, to);
-            Entries::Wide(self.write(slots, chunk.base, scratch, counts, entries, how))
+            refill(&mut entries, self.write(slots, chunk.base, around, counts, wide, how));
+            Entries::Wide(entries)
         };
     }
 
@@ -315,26 +328,23 @@ impl Filler<'_> {
         kept
     }
 
-    /// Writes the entries of `slots` over the entries of an earlier build.
+    /// Writes the entries of `slots` over the ones of another chunk, and returns them.
     ///
     /// `of` gives the entry of a number, and `to` says how long entries are.
-    ///
-    /// Old entries stay behind the new ones, since clearing them would cost as much as a search.
-    fn write<E: Copy + Default + Into<u32>>(
+    fn write<'e, E: Copy + Default + Into<u32>>(
         &self,
         slots: Range<usize>,
         base: u32,
-        scratch: &mut Scratch,
+        (runs, candidates): (&mut Vec<Range<u32>>, &mut Candidates),
         counts: &mut Vec<u32>,
-        mut entries: Vec<E>,
+        entries: &'e mut Vec<E>,
         (of, to): (impl Fn(u32) -> E, for<'a> fn(&'a mut [E]) -> Found<'a>),
-    ) -> Vec<E> {
+    ) -> &'e [E] {
         let table = self.table;
         let numbering = match self.images {
             Images::Ghosts => Numbering::Rows { base },
             Images::Folded => Numbering::Slots(table.padded_slots()),
         };
-        let Scratch { runs, candidates } = scratch;
         let mut written = 0;
         let mut first = slots.start;
         while first < slots.end {
@@ -362,8 +372,7 @@ impl Filler<'_> {
             }
             first = end;
         }
-        give_back(&mut entries);
-        entries
+        &entries[..written]
     }
 }
 
