@@ -10,7 +10,7 @@
 //! find the nearest image.
 //!
 //! Particles are sorted into *bundles*, a few columns of cells side by side. Clusters and *chunks*, the parts of a list, begin
-//! anew in each bundle, and a list has its entries in an order relative to its owner. A force is a function of the particles
+//! anew in each bundle. A list has its entries in an order relative to its owner. A force is a function of the particles
 //! nearby alone: its bits do not depend on how many particles lie elsewhere. Small systems are one bundle.
 //!
 //! A list owns no box. The caller gives the box of each build.
@@ -33,6 +33,7 @@
 //! | [`PackedDisplacement`] | four bytes, by slot | `PackedCopies` (forcefield) | The search for unlisted pairs reads far less memory. |
 //! | registers | lanes of f64 or f32 | pair loops | The arithmetic of pairs. |
 
+mod chunk_slots;
 mod clusters;
 mod pair_list;
 mod room;
@@ -43,15 +44,14 @@ mod sort;
 mod unlisted;
 mod validity;
 
+pub use chunk_slots::{ATOMS_PER_CHUNK, ChunkSlots};
 pub use clusters::{
     ALL_MEMBERS, BLOCK, Block, CLUSTER, ClusterBlocks, ClusterChunk, ClusterList, ClusterNeighbors,
     ENTRY_SCALE, ExcludedEntries, FIRST_HALF, GroupBounds, GroupCandidates, Reach, SECOND_HALF,
     Span, THEMSELVES, cluster_center,
 };
-pub use pair_list::{ChunkSlots, PairList};
-pub use rows::{
-    ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, NeighborList, Numbering,
-};
+pub use pair_list::PairList;
+pub use rows::{Candidates, Center, Entries, Images, ListChunk, NeighborList, Numbering};
 pub use scanner::{Found, ScalarScanner, Scanner};
 pub use sort::{
     Around, Cells, ColumnTable, FIXED_ROUNDING, FIXED_UNITS, FixedRow, Ghost, GridError, PADDING,

@@ -5,8 +5,8 @@ use std::ops::Range;
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 
+use crate::chunk_slots::ChunkSlots;
 use crate::clusters::Reach;
-use crate::rows::ATOMS_PER_CHUNK;
 use crate::scanner::Scanner;
 use crate::sort::{Around, Cells, GridError, Positions};
 
@@ -104,61 +104,5 @@ impl OwnChunks {
     /// The kept ones of so many chunks.
     pub(crate) fn of(&self, chunks: usize) -> Range<usize> {
         self.0.clone().unwrap_or(0..chunks)
-    }
-}
-
-// How slots are cut into chunks.
-
-/// The smallest number of particles whose order is cut into bundles; below it, one bundle is the whole box.
-pub(crate) const SMALLEST_CUT: usize = 4000;
-
-/// The slots of each chunk: up to [`ATOMS_PER_CHUNK`] consecutive ones. Chunks begin anew in each bundle.
-///
-/// So a chunk depends on the particles of its bundle, and not on how many particles come before them.
-#[derive(Debug, Clone, Default)]
-pub struct ChunkSlots {
-    /// The first slot of each chunk, and the end, `[chunks + 1]`.
-    ends: Vec<u32>,
-}
-
-impl ChunkSlots {
-    /// Cuts bundles, given the first slot of each and the end.
-    pub(crate) fn cut(&mut self, bundles: impl Iterator<Item = u32>) {
-        self.ends.clear();
-        self.ends.push(0);
-        let mut begin = 0;
-        for end in bundles {
-            let chunks = (begin..end).step_by(ATOMS_PER_CHUNK).skip(1);
-            self.ends.extend(chunks);
-            if begin < end {
-                self.ends.push(end);
-            }
-            begin = end;
-        }
-    }
-
-    /// Number of chunks.
-    #[must_use]
-    pub fn count(&self) -> usize {
-        self.ends.len().saturating_sub(1)
-    }
-
-    /// The slots of some consecutive chunks.
-    #[inline(always)]
-    #[must_use]
-    pub fn of(&self, chunks: Range<usize>) -> Range<usize> {
-        let slot = |chunk: usize| self.ends.get(chunk).map_or(0, |slot| *slot as usize);
-        slot(chunks.start)..slot(chunks.end)
-    }
-
-    /// The chunk of a slot.
-    #[must_use]
-    pub fn chunk_of(&self, slot: u32) -> usize {
-        self.ends.partition_point(|first| *first <= slot) - 1
-    }
-
-    /// Number of bytes held.
-    pub(crate) fn bytes(&self) -> usize {
-        4 * self.ends.capacity()
     }
 }

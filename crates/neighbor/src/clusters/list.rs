@@ -21,8 +21,8 @@ use super::block::Block;
 use super::chunk::{ClusterBlocks, ClusterChunk};
 use super::format::{CLUSTER, Reach};
 use super::search::{Scratch, Search};
-use crate::pair_list::{ChunkSlots, OwnChunks, PairList};
-use crate::rows::ATOMS_PER_CHUNK;
+use crate::chunk_slots::{ATOMS_PER_CHUNK, ChunkSlots};
+use crate::pair_list::{OwnChunks, PairList};
 use crate::scanner::Scanner;
 use crate::sort::{Around, Cells, ColumnTable, FixedRow, GridError, Positions};
 

@@ -8,8 +8,7 @@ use super::block::Block;
 use super::chunk::ClusterChunk;
 use super::format::{BLOCK_REACH, CLUSTER, Reach, cluster_center};
 use super::found::{ClusterNeighbors, Excluded, GroupBounds, GroupCandidates};
-use crate::pair_list::SMALLEST_CUT;
-use crate::rows::ATOMS_PER_CHUNK;
+use crate::chunk_slots::{ATOMS_PER_CHUNK, SMALLEST_CUT};
 use crate::scanner::Scanner;
 use crate::sort::{Around, CellRange, ColumnGrid, ColumnTable, FIXED_UNITS, wrap_cell};
 use crate::validity::{LARGE_SYSTEM, Limits};
@@ -260,8 +259,8 @@ impl<'a> Search<'a> {
 
     /// Finds the runs of slots within the search radius of the bounds: columns, or parts of them. Runs are disjoint.
     ///
-    /// They follow each other as seen from the group, whose first slot is given: the ones that share blocks with the group, and
-    /// then the far ones. The result contains the slots of the former alone.
+    /// They follow each other as seen from the group, whose first slot is given. The ones that share blocks with the group come
+    /// first, and the result contains their slots alone.
     fn find_runs(&self, bounds: &GroupBounds, first: usize, scratch: &mut Scratch) -> Range<u32> {
         let Scratch { xs, ys, runs, far_runs, .. } = scratch;
         let grid = &self.table.grid;

@@ -13,11 +13,6 @@ use std::ops::Range;
 
 use crate::sort::{PADDING, RowCoordinates};
 
-/// The most particles per chunk of a list: a constant, so that sums over chunks have one order.
-///
-/// The number is small, so that 864 particles keep several threads busy.
-pub const ATOMS_PER_CHUNK: usize = 48;
-
 /// What the entries of a list number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Images {
@@ -69,7 +64,7 @@ impl Entries {
     }
 }
 
-/// The neighbors of up to [`ATOMS_PER_CHUNK`] consecutive slots.
+/// The neighbors of up to [`ATOMS_PER_CHUNK`](crate::ATOMS_PER_CHUNK) consecutive slots.
 #[derive(Debug, Clone)]
 pub struct ListChunk {
     /// The first slot.

@@ -6,12 +6,11 @@ use glam::DVec3;
 use lennard_core::tasks::for_each_item;
 use lennard_core::{Exclusions, PeriodicBox};
 
+use crate::chunk_slots::{ATOMS_PER_CHUNK, ChunkSlots};
 use crate::clusters::Reach;
-use crate::pair_list::{ChunkSlots, OwnChunks, PairList};
+use crate::pair_list::{OwnChunks, PairList};
 use crate::room::refill;
-use crate::rows::chunk::{
-    ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, Numbering,
-};
+use crate::rows::chunk::{Candidates, Center, Entries, Images, ListChunk, Numbering};
 use crate::scanner::{Found, Scanner};
 use crate::sort::{Cells, GridError, PADDING, Positions, RowTable};
 

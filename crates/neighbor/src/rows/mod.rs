@@ -3,5 +3,5 @@
 mod chunk;
 mod list;
 
-pub use chunk::{ATOMS_PER_CHUNK, Candidates, Center, Entries, Images, ListChunk, Numbering};
+pub use chunk::{Candidates, Center, Entries, Images, ListChunk, Numbering};
 pub use list::NeighborList;

@@ -16,8 +16,8 @@ use glam::{DVec3, IVec3};
 use lennard_core::PeriodicBox;
 use lennard_core::parallel::for_each_piece_of_three;
 
+use crate::chunk_slots::{ChunkSlots, SMALLEST_CUT};
 use crate::clusters::format::BLOCK_REACH;
-use crate::pair_list::{ChunkSlots, SMALLEST_CUT};
 use crate::sort::cell_sort::CellSort;
 use crate::sort::coordinates::{FARTHEST_IMAGE, FIXED_UNITS, FixedRow, PADDING, fold, to_fixed};
 use crate::sort::positions::{GridError, Positions};
@@ -214,8 +214,8 @@ impl ColumnTable {
 //      ^          v          ^
 // ```
 //
-// Up to four columns of a strip side by side along y are a bundle. Chunks and clusters begin anew in each bundle: what they
-// hold depends on the particles of the bundle, and not on how many particles come before them.
+// Up to four columns of a strip side by side along y are a bundle. Chunks and clusters begin anew in each bundle. So they
+// depend on the particles of the bundle, and not on how many particles come before them.
 
 /// The side of a column over the particle spacing (V/N)^{1/3}; the second value is used where it spares a strip.
 ///

@@ -21,7 +21,7 @@ use lennard_core::PeriodicBox;
 use lennard_core::parallel::for_each_piece_pair;
 use lennard_core::tasks::{for_each_item, map_items};
 
-use crate::pair_list::{ChunkSlots, SMALLEST_CUT};
+use crate::chunk_slots::{ChunkSlots, SMALLEST_CUT};
 use crate::sort::cell_sort::{CellSort, cut};
 use crate::sort::coordinates::{FARTHEST_IMAGE, PADDING, RowCoordinates, fold};
 use crate::sort::positions::{GridError, Positions};
