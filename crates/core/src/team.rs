@@ -1,12 +1,12 @@
 //! What the ranks of one run do together.
 //!
-//! A *rank* is a process, or a thread that plays one, with a copy of the whole state. Ranks share out lists and steps.
-//! Whatever all of them decide, they decide by the same numbers at the same place of the program.
+//! A *rank* is a process, or a thread that plays one. It keeps the particles of some consecutive numbers, and computes the
+//! forces in a part of space. Whatever all ranks decide, they decide by the same numbers at the same place of the program.
 //!
 //! A [`Wire`] carries messages, and knows nothing of physics. A [`Team`] is a wire with what this program asks of it.
 //!
 //! ```text
-//!   Wire    sum, max, concat, trade, gather, exchange, abort    MPI, or channels between threads
+//!   Wire    sum, max, trade, exchange, abort    MPI, or channels between threads
 //!   Team    the same, timed; shares of work; flags; halos
 //! ```
 
@@ -48,14 +48,8 @@ pub trait Wire: Send + Sync {
     /// Makes each word the largest of this word over all ranks.
     fn max(&self, words: &mut [u64]);
 
-    /// The words of rank 0, then of rank 1, and so on; each rank may give another number of words.
-    fn concat(&self, words: &[u64]) -> Vec<u64>;
-
     /// Gives the `k`th list of words to rank `k`; returns the lists that the ranks gave to this one.
-    fn trade(&self, words: Vec<Vec<u32>>) -> Vec<Vec<u32>>;
-
-    /// Makes an array whole of which rank `k` has the elements of the `k`th range, by components; ranges ascend.
-    fn gather(&self, array: &mut [[f64; 3]], ranges: &[Range<usize>]);
+    fn trade(&self, words: Vec<Vec<u64>>) -> Vec<Vec<u64>>;
 
     /// Sends vectors to other ranks, does some work, and fills `incoming`, whose parcels have their final lengths.
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut());
@@ -151,10 +145,16 @@ impl Team {
         word != [0]
     }
 
-    /// The words of all ranks, one rank after another.
+    /// The numbers of the particles, of `n`, that this rank keeps.
+    #[must_use]
+    pub fn numbers(&self, n: usize) -> Range<usize> {
+        self.shares(n).swap_remove(self.rank())
+    }
+
+    /// The words of all ranks, one rank after another; each may give another number of words.
     #[must_use]
     pub fn concat(&self, words: &[u64]) -> Vec<u64> {
-        self.timed(|wire| wire.concat(words))
+        self.trade(vec![words.to_vec(); self.ranks()]).concat()
     }
 
     /// The lowest rank whose words differ from the words of rank 0; `None` where all are equal.
@@ -170,30 +170,32 @@ impl Team {
 
     /// Gives the `k`th list of words to rank `k`; returns the lists that the ranks gave to this one.
     #[must_use]
-    pub fn trade(&self, words: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
+    pub fn trade(&self, words: Vec<Vec<u64>>) -> Vec<Vec<u64>> {
         self.timed(|wire| wire.trade(words))
     }
 
     /// Makes an array whole, of which rank `k` has the elements of the `k`th range.
     pub fn gather(&self, array: &mut [DVec3], ranges: &[Range<usize>]) {
-        let array = bytemuck::cast_slice_mut(array);
-        self.timed(|wire| wire.gather(array, ranges));
+        let own: &[u64] = bytemuck::cast_slice(&array[ranges[self.rank()].clone()]);
+        let all = self.concat(own);
+        let (all, _) = all.as_chunks::<3>();
+        let mut rest = all;
+        for range in ranges {
+            let (part, others) = rest.split_at(range.len());
+            rest = others;
+            for (to, v) in array[range.clone()].iter_mut().zip(part) {
+                *to = DVec3::from_array(v.map(f64::from_bits));
+            }
+        }
     }
 
     /// [`Team::gather`] for numbers.
     pub fn gather_numbers(&self, array: &mut [u32], ranges: &[Range<usize>]) {
-        let (pairs, last) = array[ranges[self.rank()].clone()].as_chunks::<2>();
-        let pairs = (pairs.iter()).map(|[a, b]| u64::from(*a) | u64::from(*b) << 32);
-        let words: Vec<u64> = pairs.chain(last.iter().map(|number| u64::from(*number))).collect();
-        let all = self.concat(&words);
-        let mut rest = &all[..];
-        for range in ranges {
-            let (words, others) = rest.split_at(range.len().div_ceil(2));
-            rest = others;
-            let numbers = words.iter().flat_map(|word| [*word as u32, (word >> 32) as u32]);
-            for (to, number) in array[range.clone()].iter_mut().zip(numbers) {
-                *to = number;
-            }
+        let own: Vec<u64> =
+            array[ranges[self.rank()].clone()].iter().map(|k| u64::from(*k)).collect();
+        let all = self.concat(&own);
+        for (to, k) in ranges.iter().cloned().flatten().zip(all) {
+            array[to] = k as u32;
         }
     }
 
@@ -248,6 +250,8 @@ impl Team {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::exact::{exact_sum, exact_sum_over};
 
@@ -277,26 +281,17 @@ mod tests {
     }
 
     #[test]
-    fn halos_arrive_while_work_is_done_and_arrays_become_whole() {
+    fn halos_arrive_while_work_is_done() {
         let whole: Vec<DVec3> = (0..10).map(|k| DVec3::splat(f64::from(k))).collect();
         for ranks in 1..5 {
             team_of_threads(ranks, |team| {
                 let shares = team.shares(10);
-                let mine = &shares[team.rank()];
-                let mut array = vec![DVec3::NAN; 10];
-                array[mine.clone()].copy_from_slice(&whole[mine.clone()]);
-                team.gather(&mut array, &shares);
-                assert_eq!(array, whole);
-                // Ranks have even and odd numbers of them.
-                let mut numbers = [u32::MAX; 10];
-                mine.clone().for_each(|k| numbers[k] = (k * k) as u32);
-                team.gather_numbers(&mut numbers, &shares);
-                assert!((0..10).all(|k| numbers[k] == (k * k) as u32));
+                assert_eq!(team.numbers(10), shares[team.rank()]);
                 // Each rank wants the first element of each other rank.
                 let others = || (0..ranks).filter(|rank| *rank != team.rank());
                 let wants = (0..ranks).map(|r| match r == team.rank() {
                     true => Vec::new(),
-                    false => vec![shares[r].start as u32],
+                    false => vec![shares[r].start as u64],
                 });
                 let given = team.trade(wants.collect());
                 let parcel = |rank: usize| Parcel {

@@ -232,7 +232,10 @@ impl Share {
         for slot in slots {
             self.wanted[rank_of(&self.ranks.slots, slot)].push(slot);
         }
-        self.given = self.team().trade(self.wanted.clone());
+        let words = |list: &Vec<u32>| list.iter().map(|slot| u64::from(*slot)).collect();
+        let given = self.team().trade(self.wanted.iter().map(words).collect());
+        let slots = |words: Vec<u64>| words.into_iter().map(|word| word as u32).collect();
+        self.given = given.into_iter().map(slots).collect();
     }
 
     /// Includes in the halo what pairs need that all ranks insert.

@@ -1,6 +1,5 @@
 //! A team of threads in one process: channels in the place of a network.
 
-use std::ops::Range;
 use std::panic::resume_unwind;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Mutex, PoisonError};
@@ -116,28 +115,12 @@ impl Wire for Channels {
         }
     }
 
-    fn concat(&self, words: &[u64]) -> Vec<u64> {
-        self.all(words).concat()
-    }
-
-    fn trade(&self, words: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
+    fn trade(&self, words: Vec<Vec<u64>>) -> Vec<Vec<u64>> {
         assert_eq!(words.len(), self.ranks(), "a list for each rank");
         for (to, words) in words.into_iter().enumerate() {
-            let words = words.into_iter().map(u64::from).collect();
             self.send(to, Message::Words(words));
         }
-        let narrow = |words: Vec<u64>| words.into_iter().map(|word| word as u32).collect();
-        (0..self.ranks()).map(|from| narrow(self.words(from))).collect()
-    }
-
-    fn gather(&self, array: &mut [[f64; 3]], ranges: &[Range<usize>]) {
-        for to in 0..self.ranks() {
-            let own = &array[ranges[self.rank].clone()];
-            self.send(to, Message::Vectors(own.to_vec()));
-        }
-        for (from, range) in ranges.iter().enumerate() {
-            array[range.clone()].copy_from_slice(&self.vectors(from));
-        }
+        (0..self.ranks()).map(|from| self.words(from)).collect()
     }
 
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut()) {

@@ -1,17 +1,13 @@
 //! Messages between ranks by MPI.
 
-use std::ops::Range;
-
 use lennard_core::{Parcel, Wire};
 use mpi::Count;
 use mpi::collective::SystemOperation;
 use mpi::datatype::{Partition, PartitionMut};
 use mpi::request::WaitGuard;
 use mpi::topology::SimpleCommunicator;
-use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Equivalence, Source};
+use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Source};
 
-/// Ranks up to which each sends its part of an array to each other one, which copies no vector besides.
-const FEW_RANKS: usize = 8;
 /// The most vectors of one message: MPI counts its numbers in 32 bits.
 const PIECE: usize = Count::MAX as usize / 3;
 
@@ -37,17 +33,6 @@ impl World {
         let world = SimpleCommunicator::world();
         Self { rank: world.rank() as usize, ranks: world.size() as usize }
     }
-}
-
-/// The lists that ranks give, one after another, where each may have another length.
-fn all_of<T: Equivalence + Clone + Default>(world: &SimpleCommunicator, mine: &[T]) -> Vec<T> {
-    let mut counts: Vec<Count> = vec![0; world.size() as usize];
-    world.all_gather_into(&count(mine.len()), &mut counts[..]);
-    let mut all = vec![T::default(); total(&counts)];
-    let starts = starts_of(&counts);
-    let mut parts = PartitionMut::new(&mut all[..], counts, starts);
-    world.all_gather_varcount_into(mine, &mut parts);
-    all
 }
 
 /// The number of words of all parts together, which MPI can count.
@@ -85,18 +70,14 @@ impl Wire for World {
         SimpleCommunicator::world().all_reduce_into(&mine[..], words, SystemOperation::max());
     }
 
-    fn concat(&self, words: &[u64]) -> Vec<u64> {
-        all_of(&SimpleCommunicator::world(), words)
-    }
-
-    fn trade(&self, words: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
+    fn trade(&self, words: Vec<Vec<u64>>) -> Vec<Vec<u64>> {
         let world = SimpleCommunicator::world();
         let given: Vec<Count> = words.iter().map(|list| count(list.len())).collect();
         let mut got: Vec<Count> = vec![0; self.ranks];
         world.all_to_all_into(&given[..], &mut got[..]);
         let sent = words.concat();
         count(sent.len());
-        let mut received = vec![0_u32; total(&got)];
+        let mut received = vec![0_u64; total(&got)];
         let starts = starts_of(&given);
         let outgoing = Partition::new(&sent[..], given, starts);
         let starts = starts_of(&got);
@@ -109,46 +90,6 @@ impl Wire for World {
             list.to_vec()
         };
         got.iter().map(list).collect()
-    }
-
-    fn gather(&self, array: &mut [[f64; 3]], ranges: &[Range<usize>]) {
-        let world = SimpleCommunicator::world();
-        if self.ranks > FEW_RANKS && array.len() <= PIECE {
-            let mine = array[ranges[self.rank].clone()].to_vec();
-            let counts: Vec<Count> = ranges.iter().map(|r| count(3 * r.len())).collect();
-            let starts: Vec<Count> = ranges.iter().map(|r| count(3 * r.start)).collect();
-            let mut parts = PartitionMut::new(array.as_flattened_mut(), counts, starts);
-            world.all_gather_varcount_into(mine.as_flattened(), &mut parts);
-            return;
-        }
-        let (before, rest) = array.split_at_mut(ranges[self.rank].start);
-        let (own, behind) = rest.split_at_mut(ranges[self.rank].len());
-        let own = &*own;
-        let others = || (0..).zip(ranges).filter(|(rank, _)| *rank != self.rank);
-        let mut rest = [before, behind];
-        mpi::request::scope(|scope| {
-            let mut running = Vec::with_capacity(2 * self.ranks);
-            for (rank, range) in others() {
-                let side = &mut rest[usize::from(rank > self.rank)];
-                let part = side.split_off_mut(..range.len()).unwrap_or_default();
-                let from = world.process_at_rank(rank as i32);
-                for piece in part.chunks_mut(PIECE) {
-                    let piece = piece.as_flattened_mut();
-                    running.push(WaitGuard::from(from.immediate_receive_into(scope, piece)));
-                }
-            }
-            let mut sending = Vec::with_capacity(self.ranks);
-            for (rank, _) in others() {
-                let to = world.process_at_rank(rank as i32);
-                for piece in own.chunks(PIECE) {
-                    let piece = piece.as_flattened();
-                    sending.push(WaitGuard::from(to.immediate_send(scope, piece)));
-                }
-            }
-            // Each guard waits where it is dropped.
-            drop(running);
-            drop(sending);
-        });
     }
 
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut()) {
