@@ -171,6 +171,11 @@ impl<const N: usize> ExactSums<N> {
         self.len += 1;
     }
 
+    /// Adds the term of each of some items to the first sum.
+    pub(crate) fn add_of<I>(&mut self, items: &[I], term: impl Fn(&I) -> f64) {
+        self.sums[0].add_terms(items, term);
+    }
+
     fn flush(&mut self) {
         for (sum, block) in self.sums.iter_mut().zip(&self.blocks) {
             sum.add_block(&block[..self.len]);
@@ -240,7 +245,7 @@ pub fn exact_sum_over<T: Summand<N>, const N: usize>(
 /// The exact sum of one term for each item: [`exact_sum`] in less time, where terms are simple.
 pub fn exact_sum_of<T: Sync>(items: &[T], term: impl Fn(&T) -> f64 + Sync) -> f64 {
     let (sums, _) = exact_sums(items.len(), |range, sums: &mut ExactSums<1>| {
-        sums.sums[0].add_terms(&items[range], &term);
+        sums.add_of(&items[range], &term);
     });
     let [sum] = sums.values();
     sum

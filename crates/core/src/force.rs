@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::parallel::for_each_piece;
 use crate::{
-    Boundary, Configuration, Energetics, ForceError, FusedBath, Masses, Part, PeriodicBox, Persist,
+    Boundary, Configuration, Energetics, ForceError, FusedBath, Masses, Own, Part, PeriodicBox, Persist,
     RestoreError, StateReader, StateWriter, Team, TooManyRanks, WallReading, Want,
 };
 
@@ -146,6 +146,14 @@ pub trait ForceTerm: Persist + Send {
         ForceStatistics::default()
     }
 
+    /// Tells the term which particles this process keeps, where ranks share a run. Its totals are then sums over all ranks, and
+    /// an error of one rank is met by all, with the number of the particle among all ([`Own::agree`]).
+    ///
+    /// The default suits a term without totals and errors of its own.
+    fn keep(&mut self, own: &Own) {
+        let _ = own;
+    }
+
     /// The walls of this term with what they have felt; none as a rule.
     fn walls(&self) -> &[WallReading] {
         &[]
@@ -230,8 +238,8 @@ pub trait Backend: ForceTerm {
         0
     }
 
-    /// Shares its work with the other ranks of a team from now on; returns whether it does. All ranks have the same state,
-    /// and each gets all forces, to the bit of one rank alone.
+    /// Shares its work with the other ranks of a team from now on; returns whether it does. Each rank has the particles of some
+    /// consecutive numbers, and gets their forces, to the bit of one process alone.
     ///
     /// The default shares nothing: each rank computes everything.
     ///
@@ -346,6 +354,11 @@ impl<B: Backend> ForceTerm for ForceSum<B> {
         others.map(|term| term.force_on(particle, at)).sum()
     }
 
+    fn keep(&mut self, own: &Own) {
+        self.first.keep(own);
+        self.others.iter_mut().for_each(|term| term.keep(own));
+    }
+
     fn properties(&self) -> ForceProperties {
         self.others
             .iter()
@@ -390,7 +403,7 @@ impl<B: Backend> Backend for ForceSum<B> {
         if self.others.is_empty() { self.first.advance(steps) } else { 0 }
     }
 
-    /// The first term alone is shared: the others touch few particles, and each rank computes them.
+    /// The first term alone is shared: the others act on the particles of this rank.
     fn share(&mut self, team: &Team) -> Result<bool, TooManyRanks> {
         self.first.share(team)
     }

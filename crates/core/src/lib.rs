@@ -17,6 +17,7 @@ mod molecules;
 pub mod moves;
 pub mod number;
 pub mod options;
+mod own;
 pub mod parallel;
 mod persist;
 pub mod random;
@@ -47,6 +48,7 @@ pub use integrator::{
 pub use lanes::Aligned;
 pub use molecules::{Bonds, Exclusions, MOLECULES_PER_TASK, Molecules};
 pub use moves::Moving;
+pub use own::Own;
 pub use persist::{Array, Persist, RestoreError, StateArchive, StateReader, StateWriter};
 pub use spec::{ForceError, IntegratorSpec, StepError, StepReport};
 pub use species::{MOST_SPECIES, Masses, Species, SpeciesTable};

@@ -14,7 +14,7 @@ use glam::DVec3;
 use crate::friction::{LANES, NoiseOfMass, NoiseOfStep};
 use crate::lanes::{Aligned, Simd, WithSimd, in_lanes};
 use crate::parallel::{for_each_piece_of_three, for_each_piece_pair};
-use crate::{Masses, State, exact};
+use crate::{Masses, Own, State};
 
 /// Particles that a list runs over at once, at most.
 pub const BLOCK: usize = LANES;
@@ -176,8 +176,8 @@ impl<'a> Moving<'a> {
         self.all(move |c| c.scale(factor));
     }
 
-    /// Friction and noise of a step; returns the kinetic energy that the particles gain, ε.
-    pub fn noise(self, noise: &NoiseOfStep, masses: &Masses) -> f64 {
+    /// Friction and noise of a step; returns the kinetic energy that all particles gain, ε.
+    pub fn noise(self, noise: &NoiseOfStep, masses: &Masses, own: &Own) -> f64 {
         let mut gained = vec![0.0; self.positions.len()];
         let forces = self.forces;
         for_each_piece_of_three(
@@ -187,10 +187,11 @@ impl<'a> Moving<'a> {
             |first, positions, velocities, energies| {
                 let forces = &forces[first..][..positions.len()];
                 let moving = Moving { positions, velocities, forces };
-                in_lanes(WithNoise { noise, masses, first, moving, energies });
+                let numbers_from = own.first();
+                in_lanes(WithNoise { noise, masses, numbers_from, first, moving, energies });
             },
         );
-        exact::total(&gained)
+        own.sum_of(&gained, |gained| *gained)
     }
 
     /// Runs a list over all particles, by all threads.
@@ -383,6 +384,8 @@ impl<const N: usize, L: Fn(Component, usize) -> Component + Copy> WithSimd for P
 struct WithNoise<'a> {
     noise: &'a NoiseOfStep,
     masses: &'a Masses,
+    /// The number of the particle with the index 0.
+    numbers_from: usize,
     first: usize,
     moving: Moving<'a>,
     energies: &'a mut [f64],
@@ -395,7 +398,7 @@ impl WithNoise<'_> {
         let energies = self.energies.chunks_mut(BLOCK);
         for ((block, moving), energies) in self.moving.blocks().zip(energies) {
             let first = self.first + block;
-            let numbers: [u32; BLOCK] = std::array::from_fn(|k| (first + k) as u32);
+            let numbers: [u32; BLOCK] = std::array::from_fn(|k| (self.numbers_from + first + k) as u32);
             let half_mass = |k| of(first + k).half_mass();
             let mut noise = Noise(*self.noise, &numbers, Energies(half_mass, energies));
             moving.block::<N, _>(&mut noise, |c, k| c.noise(of(first + k)));
@@ -424,7 +427,7 @@ impl WithSimd for WithNoise<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::FrictionAndNoise;
+    use crate::{FrictionAndNoise, exact};
     use crate::random::Streams;
 
     fn vectors(from: usize, n: usize, scale: f64) -> Vec<DVec3> {
@@ -475,7 +478,7 @@ mod tests {
                 let (mut x, mut v) = (vectors(0, n, 1.0), vectors(99, n, 1.0));
                 let forces = vectors(333, n, 50.0);
                 let moving = Moving { positions: &mut x, velocities: &mut v, forces: &forces };
-                let gained = moving.noise(&of_step, &masses);
+                let gained = moving.noise(&of_step, &masses, &Own::all_of(n));
                 let before = vectors(99, n, 1.0);
                 let mut each = Vec::new();
                 for i in 0..n {

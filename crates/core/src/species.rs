@@ -1,10 +1,11 @@
 //! Species: what the particles of a mixture share, the species of each particle, and masses.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::exact::{exact_sum, exact_sum_of};
+use crate::Own;
 
 /// The most species of a system: as many as one register of AVX-512 holds doubles.
 pub const MOST_SPECIES: usize = 8;
@@ -32,8 +33,10 @@ impl Species {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeciesTable {
     species: Arc<[Species]>,
-    /// `[N]`; empty where there is one species.
+    /// One for each particle that this process keeps; empty where there is one species.
     of_particle: Arc<[u8]>,
+    /// How many particles this process keeps.
+    kept: usize,
     counts: Arc<[usize]>,
 }
 
@@ -41,7 +44,12 @@ impl SpeciesTable {
     /// `n` particles of one species.
     #[must_use]
     pub fn one(species: Species, n: usize) -> Self {
-        Self { species: Arc::new([species]), of_particle: Arc::new([]), counts: Arc::new([n]) }
+        Self {
+            species: Arc::new([species]),
+            of_particle: Arc::new([]),
+            kept: n,
+            counts: Arc::new([n]),
+        }
     }
 
     /// Several species; `of_particle` has the number of the species of each particle.
@@ -62,8 +70,16 @@ impl SpeciesTable {
                 _ => of_particle.into(),
             },
             species,
+            kept: of_particle.len(),
             counts: counts.into(),
         }
+    }
+
+    /// The same species with the particles of some numbers alone; the counts stay those of all particles.
+    #[must_use]
+    pub fn keeping(&self, numbers: Range<usize>) -> Self {
+        let of_particle = self.of_particle.get(numbers.clone()).unwrap_or_default();
+        Self { of_particle: of_particle.into(), kept: numbers.len(), ..self.clone() }
     }
 
     /// Number of species.
@@ -72,7 +88,7 @@ impl SpeciesTable {
         self.species.len()
     }
 
-    /// Number of particles.
+    /// Number of particles, on all ranks.
     #[must_use]
     pub fn n_particles(&self) -> usize {
         self.counts.iter().sum()
@@ -139,9 +155,9 @@ impl SpeciesTable {
         self.count(a) as f64 / self.n_particles() as f64
     }
 
-    /// The particles of species `a`, ascending.
+    /// The particles of species `a` that this process keeps, ascending.
     pub fn particles(&self, a: usize) -> impl Iterator<Item = usize> + '_ {
-        (0..self.n_particles()).filter(move |i| self.of(*i) == a)
+        (0..self.kept).filter(move |i| self.of(*i) == a)
     }
 
     /// The mean mass Σ x_a·m_a.
@@ -160,7 +176,7 @@ impl SpeciesTable {
 pub enum Masses {
     /// All particles have this mass.
     Uniform(f64),
-    /// One mass per particle, `[N]`.
+    /// One mass for each particle that this process keeps.
     Each(Vec<f64>),
 }
 
@@ -172,7 +188,7 @@ impl Masses {
         if table.all().iter().all(|s| s.mass == first) {
             return Self::Uniform(first);
         }
-        let masses = (0..table.n_particles()).map(|i| table.species(table.of(i)).mass);
+        let masses = (0..table.kept).map(|i| table.species(table.of(i)).mass);
         Self::Each(masses.collect())
     }
 
@@ -204,12 +220,12 @@ impl Masses {
         }
     }
 
-    /// The kinetic energy K = Σ ½ m v² in ε, an exact total.
+    /// The kinetic energy K = Σ ½ m v² of all particles, from the velocities of those kept here; in ε, an exact total.
     #[must_use]
-    pub fn kinetic_energy(&self, velocities: &[DVec3]) -> f64 {
+    pub fn kinetic_energy(&self, own: &Own, velocities: &[DVec3]) -> f64 {
         match self {
-            Self::Uniform(m) => exact_sum_of(velocities, |v| 0.5 * m * v.length_squared()),
-            Self::Each(_) => exact_sum(velocities.len(), |i| {
+            Self::Uniform(m) => own.sum_of(velocities, |v| 0.5 * m * v.length_squared()),
+            Self::Each(_) => own.sum(velocities.len(), |i| {
                 0.5 * self.moving(i) * velocities[i].length_squared()
             }),
         }

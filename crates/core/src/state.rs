@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 
 use crate::PeriodicBox;
 
-/// What an integrator advances. After `step`, everything in it belongs to `time`.
+/// What an integrator advances: the particles that this process keeps ([`crate::Own`]). After `step`, everything in it belongs to `time`.
 ///
 /// Particles keep the order of the start configuration; kernels that want another order keep a
 /// private copy.
@@ -49,7 +49,7 @@ impl State {
         }
     }
 
-    /// Number of particles.
+    /// Number of particles that this process keeps.
     #[must_use]
     pub fn len(&self) -> usize {
         self.positions.len()

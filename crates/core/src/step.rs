@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::parallel::all_pieces;
 use crate::{
     Backend, BondSolver, BoundDrift, Configuration, DVec3, Drifted, Energetics, Flight, ForceError,
-    FrictionAndNoise, FusedBath, FusedSteps, IntegratorSpec, Momentum, Moving, Part, State,
+    FrictionAndNoise, FusedBath, FusedSteps, IntegratorSpec, Momentum, Moving, Own, Part, State,
     StepError, StepReport, System, Thermostat, Want, rigid,
 };
 
@@ -233,7 +233,7 @@ impl<'a> Step<'a> {
             time: self.started + share * self.dt,
         };
         let found = self.backend.evaluate(at, part, want, forces)?;
-        check_finite(forces)?;
+        check_finite(self.system.own(), forces)?;
         Ok(found)
     }
 
@@ -316,7 +316,7 @@ impl<'a> Step<'a> {
             time,
         };
         state.energetics = self.backend.evaluate(at, Part::All, want, &mut state.forces)?;
-        check_finite(&state.forces)?;
+        check_finite(self.system.own(), &state.forces)?;
         Ok(())
     }
 }
@@ -331,17 +331,18 @@ fn tick(state: &mut State, dt: f64) {
 /// One running sum is enough: what is not finite never becomes finite again.
 ///
 /// # Errors
-/// [`ForceError::NonFiniteForce`] for the first particle.
-pub fn check_finite(forces: &[DVec3]) -> Result<(), ForceError> {
+/// [`ForceError::NonFiniteForce`] for the first particle, on all ranks.
+pub fn check_finite(own: &Own, forces: &[DVec3]) -> Result<(), ForceError> {
     let is_finite = |range: Range<usize>| forces[range].iter().sum::<DVec3>().is_finite();
-    if all_pieces(forces.len(), is_finite) {
-        return Ok(());
-    }
-    match forces.iter().position(|f| !f.is_finite()) {
-        Some(particle) => Err(ForceError::NonFiniteForce { particle }),
-        // Finite forces whose sum overflows: absurd, but each force is finite.
+    let first = match all_pieces(forces.len(), is_finite) {
+        true => None,
+        // Finite forces may have a sum that overflows: absurd, but each force is finite.
+        false => forces.iter().position(|f| !f.is_finite()),
+    };
+    own.agree(match first {
+        Some(i) => Err(ForceError::NonFiniteForce { particle: own.first() + i }),
         None => Ok(()),
-    }
+    })
 }
 
 // Steps that are taken at once with the step under way, and the bath and the noise that belong to each of them.
@@ -355,7 +356,7 @@ impl Step<'_> {
         self.noise = Some(*noise);
         let (state, system) = (&mut *self.state, self.system);
         let of_step = noise.in_step(state.step, self.dt);
-        let mut heat = Moving::of(state).noise(&of_step, &system.masses);
+        let mut heat = Moving::of(state).noise(&of_step, &system.masses, system.own());
         if system.molecules.are_rigid() {
             let before = system.kinetic_energy(&state.velocities);
             rigid::project_velocities(system, &state.positions, &mut state.velocities);

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::exact::exact_sum;
+use crate::exact::Summand;
 use crate::molecules::Molecules;
+use crate::own::Own;
 use crate::species::{Masses, Species, SpeciesTable};
 
 /// A known solution of the equations of motion, against which methods are measured.
@@ -49,6 +50,8 @@ pub struct System {
     pub constraints: Vec<Arc<dyn Constraint>>,
     /// The exact solution, if one is known.
     pub exact: Option<Arc<dyn ExactSolution>>,
+    /// Which of the particles this process keeps.
+    own: Own,
     /// Axes x, y, z along which the forces keep the total momentum.
     keeps_momentum: [bool; 3],
 }
@@ -65,12 +68,35 @@ impl System {
     pub fn of_species(species: SpeciesTable) -> Self {
         Self {
             masses: Masses::of_species(&species),
+            own: Own::all_of(species.n_particles()),
             species,
             molecules: Molecules::ATOMS,
             constraints: Vec::new(),
             exact: None,
             keeps_momentum: [true; 3],
         }
+    }
+
+    /// The same system, of whose particles this process keeps some: masses and species of the others go.
+    ///
+    /// # Panics
+    /// Where particles are bonded or held: that is a bug of the caller.
+    #[must_use]
+    pub fn keeping(self, own: Own) -> Self {
+        assert!(self.molecules.are_atoms() && self.masses.n_held() == 0, "free atoms");
+        let species = self.species.keeping(own.numbers());
+        Self { masses: Masses::of_species(&species), species, own, ..self }
+    }
+
+    /// Which of the particles this process keeps, and the ranks that keep the others.
+    #[must_use]
+    pub fn own(&self) -> &Own {
+        &self.own
+    }
+
+    /// The exact sum over all particles of a term for each, of which each rank gives those of the particles that it keeps.
+    pub fn sum<T: Summand<N>, const N: usize>(&self, term: impl Fn(usize) -> T + Sync) -> T {
+        self.own.sum(self.own.len(), term)
     }
 
     /// The same system under forces that change the total momentum along these axes
@@ -134,13 +160,13 @@ impl System {
         &self.species
     }
 
-    /// Number of molecules; the number of particles where they are not bonded.
+    /// Number of molecules on all ranks; the number of particles where they are not bonded.
     #[must_use]
     pub fn n_molecules(&self) -> usize {
         self.len() / self.molecules.sites()
     }
 
-    /// Number of particles.
+    /// Number of particles, on all ranks.
     #[must_use]
     pub fn len(&self) -> usize {
         self.species.n_particles()
@@ -174,7 +200,7 @@ impl System {
     /// The kinetic energy K = Σ ½ m v² in ε, an exact total ([`Masses::kinetic_energy`]).
     #[must_use]
     pub fn kinetic_energy(&self, velocities: &[DVec3]) -> f64 {
-        self.masses.kinetic_energy(velocities)
+        self.masses.kinetic_energy(&self.own, velocities)
     }
 
     /// The kinetic temperature T = 2K/n_dof, in ε/k_B.
@@ -186,7 +212,7 @@ impl System {
     /// The total momentum Σ m v, an exact total.
     #[must_use]
     pub fn momentum(&self, velocities: &[DVec3]) -> DVec3 {
-        exact_sum(velocities.len(), |i| self.masses.moving(i) * velocities[i])
+        self.sum(|i| self.masses.moving(i) * velocities[i])
     }
 }
 

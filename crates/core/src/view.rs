@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 
 use serde::Serialize;
 
+use crate::exact::Summand;
 use crate::rigid::ConstraintSums;
 use crate::{Momentum, PeriodicBox, State, System, WallReading};
 
@@ -72,6 +73,24 @@ impl<'a> View<'a> {
             .get_or_init(|| crate::rigid::constraint_sums(self.system, self.state))
     }
 
+    /// The exact sum of a term over all particles, with its index in the arrays of the state. Each rank gives the terms of the
+    /// particles that it keeps.
+    pub fn sum<T: Summand<N>, const N: usize>(&self, term: impl Fn(usize) -> T + Sync) -> T {
+        self.system.sum(term)
+    }
+
+    /// Number of particles, on all ranks.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.system.len()
+    }
+
+    /// Whether there is no particle at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.system.is_empty()
+    }
+
     /// The box at this time.
     #[must_use]
     pub fn cell(&self) -> &PeriodicBox {
@@ -124,7 +143,7 @@ impl<'a> View<'a> {
             let squares = self.constraint_sums().squared_forces;
             return Some(self.kinetic_energy() + 0.5 * half * half * squares);
         }
-        let squares: f64 = crate::exact::exact_sum(state.len(), |i| {
+        let squares: f64 = self.sum(|i| {
             state.forces[i].length_squared() / system.masses.of(i)
         });
         Some(self.kinetic_energy() + 0.5 * half * half * squares)

@@ -1,7 +1,7 @@
 //! From a scene to a simulation that can run.
 
 use lennard_core::random::Streams;
-use lennard_core::{Backend, DVec3, ForceSum, PeriodicBox, SpeciesTable, State};
+use lennard_core::{Backend, DVec3, ForceSum, PeriodicBox, SpeciesTable, State, System};
 use lennard_forcefield::{
     AllPairs, Conditions, ForceFieldOptions, ForcePlan, ListMode, Mixture, NeighborOptions,
     PairForces, Precision, Search,
@@ -9,7 +9,7 @@ use lennard_forcefield::{
 use lennard_integrators::BondHolder;
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
-use lennard_observables::{ChangingBox, Confined, ObservableOptions, Thermodynamics};
+use lennard_observables::{BuildContext, ChangingBox, Confined, ObservableOptions, Thermodynamics};
 use lennard_scene::{Arrangement, ObservableTable, Scene, Stage};
 
 use crate::baths::{ensemble, held_temperature, measured_baths, measured_pressure};
@@ -138,7 +138,7 @@ pub(crate) fn prepare_own_from(
         }
     };
     own.check_forces(&scene, &cell, &positions, &velocities)?;
-    let observers = observers(&scene, cell, system.species(), &own)?;
+    let observers = observers(&scene, cell, &system, &own)?;
     let isa = provider.plan().isa.to_string();
     let list = planned_list(&scene, provider.plan());
     let all_pairs =
@@ -162,8 +162,6 @@ pub(crate) fn prepare_own_from(
         timers: Timers::default(),
         isa,
         own,
-        team: None,
-        shares_forces: false,
         recording: Recording::default(),
         frames: None,
         threads: None,
@@ -270,11 +268,14 @@ pub(crate) fn thermodynamics(
 pub(crate) fn observers(
     scene: &Scene,
     cell: PeriodicBox,
-    species: &SpeciesTable,
+    system: &System,
     own: &OwnParts,
 ) -> Result<Vec<Observer>, EngineError> {
-    let n_atoms = species.n_particles();
-    let context = |every| scene.observable_context(cell, species, measured_dt(scene), every);
+    let (species, n_atoms) = (system.species(), system.len());
+    let context = |every| BuildContext {
+        own: system.own().clone(),
+        ..scene.observable_context(cell, species, measured_dt(scene), every)
+    };
     let every = scene.output.thermo_every;
     let thermodynamics = thermodynamics(scene, cell, species, own)?;
     let mut observers = vec![Observer { every, observable: Box::new(thermodynamics) }];

@@ -9,10 +9,11 @@ use lennard_core::{
     Array, DMat3, Energetics, PeriodicBox, Persist, RestoreError, SpeciesTable, StateArchive,
     StateReader, StateWriter,
 };
-use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, FileMark, WriteError};
+use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, FileMark};
 use lennard_scene::Scene;
 
 use crate::files::Marks;
+use crate::ranks::{self, made};
 use crate::names::THERMO;
 use crate::schedule::Observer;
 use crate::simulation::Timers;
@@ -36,10 +37,14 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
     let mut archive = StateArchive::default();
     let mut writer = archive.writer();
     Persist::save(simulation, &mut writer);
+    let own = simulation.system.own();
+    ranks::collect(own, &mut archive);
+    let mut writer = archive.writer();
     let mut run = writer.section("run");
     run.put_vec3("cell", &[simulation.start_cell.lengths()]);
     if let Some(of_particles) = simulation.system.species().of_particles() {
-        run.put_u64("species", &packed(of_particles));
+        let all = own.collect(of_particles.iter().map(|a| u64::from(*a)).collect());
+        run.put_u64("species", &packed(&all.into_iter().map(|a| a as u8).collect::<Vec<_>>()));
     }
     run.put_f64("energetics", &numbers(&simulation.state.energetics));
     let Timers { step, observe, write } = simulation.timers;
@@ -194,16 +199,17 @@ fn energetics([potential, conserved, trace, virial @ ..]: [f64; 12]) -> Energeti
 
 /// Writes checkpoints when they are due.
 pub(crate) struct Checkpointer {
-    folder: CheckpointFolder,
+    /// Nothing beside rank 0.
+    folder: Option<CheckpointFolder>,
     every: Option<Duration>,
     last_written: Instant,
     last_step: Option<u64>,
 }
 
 impl Checkpointer {
-    pub(crate) fn new(folder: &std::path::Path, plan: &lennard_scene::Checkpoint) -> Self {
+    pub(crate) fn new(folder: Option<&std::path::Path>, plan: &lennard_scene::Checkpoint) -> Self {
         Self {
-            folder: CheckpointFolder::new(folder),
+            folder: folder.map(CheckpointFolder::new),
             every: plan.every_seconds.and_then(|s| Duration::try_from_secs_f64(s).ok()),
             last_written: Instant::now(),
             last_step: None,
@@ -226,8 +232,7 @@ impl Checkpointer {
             return Ok(());
         }
         simulation.watch_closely()?;
-        self.write_unwatched(simulation, marks, past)?;
-        Ok(())
+        self.write_unwatched(simulation, marks, past)
     }
 
     /// Writes one without looking again, and in place of any of the same step.
@@ -236,8 +241,10 @@ impl Checkpointer {
         simulation: &Simulation,
         marks: Marks,
         past: &Past,
-    ) -> Result<(), WriteError> {
-        self.folder.write(&capture(simulation, marks, past))?;
+    ) -> Result<(), EngineError> {
+        let checkpoint = capture(simulation, marks, past);
+        let written = self.folder.as_ref().map(|folder| folder.write(&checkpoint)).transpose();
+        made(simulation.system.own(), written.map_err(EngineError::from))?;
         self.last_written = Instant::now();
         self.last_step = Some(simulation.state.step);
         Ok(())

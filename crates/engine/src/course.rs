@@ -1,7 +1,6 @@
-//! The course of a run with output: to files, to memory, or beside a rank that writes.
+//! The course of a run with output: to files or to memory.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use lennard_core::State;
@@ -59,7 +58,7 @@ impl<'a, W: Writer> Course<'a, W> {
             ending: Ending::Finished,
             control,
             end,
-            is_alone: simulation.team.is_none(),
+            is_alone: simulation.team().is_none(),
         }
     }
 
@@ -92,7 +91,10 @@ impl<W: Writer> Follower for Course<'_, W> {
     fn after_step(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>, EngineError> {
         let clock = Instant::now();
         if self.write(simulation)? {
-            self.control.progress.at_row(&|| Moment::of(simulation));
+            // Ranks sum together, whether anyone looks or not.
+            let shared = simulation.team().map(|_| Moment::of(simulation));
+            let moment = || shared.unwrap_or_else(|| Moment::of(simulation));
+            self.control.progress.at_row(&moment);
         }
         let (step, measured) = (simulation.state.step, simulation.current_stage().measure);
         if self.schedule.does(Action::SetAside, step, measured) {
@@ -102,7 +104,7 @@ impl<W: Writer> Follower for Course<'_, W> {
         self.tell(simulation);
         let own =
             Decision { stop: self.control.told_to_stop(), checkpoint: self.writer.time_is_up() };
-        let all = agree(simulation, own)?;
+        let all = agree(simulation, own);
         // A request that comes with the last step changes nothing any more.
         if let Some(ending) = all.stop.filter(|_| step < self.end) {
             self.ending = ending;
@@ -112,44 +114,6 @@ impl<W: Writer> Follower for Course<'_, W> {
             self.writer.checkpoint(simulation)?;
         }
         Ok(if step < self.end { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
-    }
-}
-
-/// Runs a shared simulation beside rank 0, which writes its files; `stop` is set from outside to stop all ranks.
-///
-/// # Errors
-/// [`EngineError`] where physics stops the run, as on all ranks.
-///
-/// # Panics
-/// Where the simulation is not shared: that is a bug of the caller.
-pub fn run_beside(simulation: &mut Simulation, stop: &AtomicBool) -> Result<Ending, EngineError> {
-    assert!(simulation.team.is_some(), "the simulation is shared");
-    let control = Control { stop, deadline: None, progress: &mut () };
-    let end = simulation.scene.total_steps();
-    let mut course = Course::new(simulation, control, end, Companion::default());
-    simulation.follow(&mut course)?;
-    course.writer.checkpoint(simulation)?;
-    Ok(course.ending)
-}
-
-/// Follows the run as the recorder of rank 0 does, and writes nothing.
-#[derive(Default)]
-struct Companion {
-    last_checkpoint: Option<u64>,
-}
-
-impl Writer for Companion {
-    fn write(&mut self, _: &mut Simulation, _: bool, _: bool) -> Result<(), EngineError> {
-        Ok(())
-    }
-
-    /// Looks at what rank 0 looks at before it writes a checkpoint: a failure is met by all ranks.
-    fn checkpoint(&mut self, simulation: &mut Simulation) -> Result<(), EngineError> {
-        if self.last_checkpoint != Some(simulation.state.step) {
-            simulation.watch_closely()?;
-            self.last_checkpoint = Some(simulation.state.step);
-        }
-        Ok(())
     }
 }
 

@@ -236,16 +236,9 @@ pub enum RanksError {
         /// What to do.
         advice: &'static str,
     },
-    /// The bits of a rank differ from the others.
-    #[error(
-        "after step {step} the state of rank {rank} is no longer the state of rank 0: its machine or its libraries compute other bits\n  the checkpoints before are whole; go on with machines of one kind"
-    )]
-    Diverged {
-        /// The rank.
-        rank: usize,
-        /// The step.
-        step: u64,
-    },
+    /// Rank 0 could not write.
+    #[error("rank 0 could not write, and says why")]
+    Stopped,
 }
 
 impl RanksError {
@@ -253,7 +246,7 @@ impl RanksError {
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
             Self::TooMany(_) | Self::Differs { .. } => 2,
-            Self::Diverged { .. } => 1,
+            Self::Stopped => 1,
         }
     }
 }

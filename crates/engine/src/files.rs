@@ -14,9 +14,10 @@
 //! | `checkpoint-<step>.lennard` | everything for going on to the bit; the last two are kept |
 //! | `.lennard-claim` | the process at work there, as long as it is |
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use lennard_core::{Energetics, State};
+use lennard_core::{Energetics, SpeciesTable, State};
 use lennard_io::{
     FileMark, Frame, FrameStyle, RunRecord, TableWriter, TrajectoryWriter, WriteError,
 };
@@ -24,6 +25,7 @@ use lennard_observables::{Cell, Table};
 
 use crate::foresight::less_precision;
 use crate::names::{RECORD, SCENE, THERMO, TOPOLOGY};
+use crate::ranks::made;
 use crate::{EngineError, Simulation};
 
 /// Energies over the number of particles, or of molecules.
@@ -80,20 +82,55 @@ pub(crate) fn thermo_row(simulation: &Simulation) -> Vec<Cell> {
     columns_of(simulation).map(value).collect()
 }
 
-/// The growing and the final files of a run.
+/// The growing and the final files of a run. Rank 0 has them. The other ranks go through the same calls, which need what they know.
 pub struct RunFiles {
+    /// Nothing on the other ranks.
+    at: Option<Files>,
+}
+
+struct Files {
     folder: PathBuf,
     thermo: TableWriter,
     trajectory: Option<TrajectoryWriter>,
 }
 
 /// How far the growing files were at a checkpoint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Marks {
     /// Of `thermo.csv`.
     pub thermo: FileMark,
     /// Of the trajectory.
     pub trajectory: Option<FileMark>,
+}
+
+/// A state of all particles on rank 0, where ranks share them; the other ranks give theirs, and get nothing.
+fn whole<'a>(simulation: &Simulation, state: &'a State) -> Cow<'a, State> {
+    let own = simulation.system.own();
+    if own.team().is_none() {
+        return Cow::Borrowed(state);
+    }
+    Cow::Owned(State {
+        step: state.step,
+        time: state.time,
+        cell: state.cell,
+        positions: own.collect_vectors(&state.positions),
+        velocities: own.collect_vectors(&state.velocities),
+        forces: own.collect_vectors(&state.forces),
+        energetics: state.energetics.clone(),
+    })
+}
+
+/// The species of all particles on rank 0.
+fn species(simulation: &Simulation) -> SpeciesTable {
+    let (own, species) = (simulation.system.own(), simulation.system.species());
+    match species.of_particles() {
+        Some(here) if own.team().is_some() => {
+            let all = own.collect(here.iter().map(|a| u64::from(*a)).collect());
+            let all: Vec<u8> = all.into_iter().map(|a| a as u8).collect();
+            SpeciesTable::new(species.all(), &all)
+        }
+        _ => species.clone(),
+    }
 }
 
 /// The style of a last state, from which another run can start: in reduced units, with velocities where there are some.
@@ -106,7 +143,7 @@ pub(crate) fn style_of_last(simulation: &Simulation) -> FrameStyle {
 pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
     let output = &simulation.scene.output;
     FrameStyle {
-        species: simulation.system.species().clone(),
+        species: species(simulation),
         velocities: output.velocities,
         forces: output.forces,
         wrapped: !output.unwrapped,
@@ -119,22 +156,23 @@ pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
 }
 
 impl RunFiles {
-    /// Starts the files of a fresh run in an existing, empty folder that no other process works in.
+    /// Starts the files of a fresh run in an existing, empty folder that no other process works in; without a folder beside rank 0.
     ///
     /// # Errors
     /// [`EngineError`] where a file cannot be written.
-    pub fn create(folder: &Path, simulation: &Simulation) -> Result<Self, EngineError> {
-        write_descriptions(folder, simulation)?;
+    pub fn create(folder: Option<&Path>, simulation: &Simulation) -> Result<Self, EngineError> {
+        let described = write_descriptions(folder, simulation);
         let style = style(simulation);
         let format = simulation.scene.output.format;
-        let thermo = TableWriter::create(&folder.join(THERMO), &thermo_columns(simulation))?;
-        let trajectory = simulation
-            .scene
-            .output
-            .trajectory_every
-            .map(|_| TrajectoryWriter::create(&folder.join(format.spec().file), format, &style))
-            .transpose()?;
-        Ok(Self { folder: folder.to_owned(), thermo, trajectory })
+        let files = |folder: &Path| {
+            let thermo = TableWriter::create(&folder.join(THERMO), &thermo_columns(simulation))?;
+            let trajectory = simulation.scene.output.trajectory_every.map(|_| {
+                TrajectoryWriter::create(&folder.join(format.spec().file), format, &style)
+            });
+            Ok(Files { folder: folder.to_owned(), thermo, trajectory: trajectory.transpose()? })
+        };
+        let at = described.and_then(|()| folder.map(files).transpose());
+        Ok(Self { at: made(simulation.system.own(), at.map_err(EngineError::from))? })
     }
 
     /// Goes on with the files of an interrupted run, cut back to where its checkpoint was.
@@ -142,25 +180,29 @@ impl RunFiles {
     /// # Errors
     /// [`EngineError`] where a file is shorter than its mark or cannot be written.
     pub fn resume(
-        folder: &Path,
+        folder: Option<&Path>,
         simulation: &Simulation,
         marks: Marks,
     ) -> Result<Self, EngineError> {
         let style = style(simulation);
         let format = simulation.scene.output.format;
         let columns = thermo_columns(simulation);
-        let thermo = TableWriter::resume_at(&folder.join(THERMO), &columns, marks.thermo)?;
-        let path = folder.join(format.spec().file);
-        let trajectory = match marks.trajectory {
-            None => None,
-            Some(mark) if mark == FileMark::default() && !path.exists() => {
-                // Readers of another format take lengths for other units.
-                let _ = std::fs::remove_file(folder.join(TOPOLOGY));
-                Some(TrajectoryWriter::create(&path, format, &style)?)
-            }
-            Some(mark) => Some(TrajectoryWriter::resume_at(&path, format, &style, mark)?),
+        let files = |folder: &Path| {
+            let thermo = TableWriter::resume_at(&folder.join(THERMO), &columns, marks.thermo)?;
+            let path = folder.join(format.spec().file);
+            let trajectory = match marks.trajectory {
+                None => None,
+                Some(mark) if mark == FileMark::default() && !path.exists() => {
+                    // Readers of another format take lengths for other units.
+                    let _ = std::fs::remove_file(folder.join(TOPOLOGY));
+                    Some(TrajectoryWriter::create(&path, format, &style)?)
+                }
+                Some(mark) => Some(TrajectoryWriter::resume_at(&path, format, &style, mark)?),
+            };
+            Ok::<_, WriteError>(Files { folder: folder.to_owned(), thermo, trajectory })
         };
-        Ok(Self { folder: folder.to_owned(), thermo, trajectory })
+        let at = folder.map(files).transpose();
+        Ok(Self { at: made(simulation.system.own(), at.map_err(EngineError::from))? })
     }
 
     /// Writes what describes the run anew.
@@ -168,21 +210,22 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where a file cannot be written.
     pub fn refresh(&self, simulation: &Simulation) -> Result<(), WriteError> {
-        write_descriptions(&self.folder, simulation)
+        write_descriptions(self.folder(), simulation)
     }
 
-    /// The folder.
+    /// The folder; `None` beside rank 0.
     #[must_use]
-    pub fn folder(&self) -> &Path {
-        &self.folder
+    pub fn folder(&self) -> Option<&Path> {
+        self.at.as_ref().map(|files| files.folder.as_path())
     }
 
     /// How far the growing files are, on disk or on the way there.
     #[must_use]
     pub fn marks(&self) -> Marks {
+        let Some(files) = &self.at else { return Marks::default() };
         Marks {
-            thermo: self.thermo.mark(),
-            trajectory: self.trajectory.as_ref().map(TrajectoryWriter::mark),
+            thermo: files.thermo.mark(),
+            trajectory: files.trajectory.as_ref().map(TrajectoryWriter::mark),
         }
     }
 
@@ -191,9 +234,11 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where a file cannot be synced.
     pub fn synced_marks(&mut self) -> Result<Marks, WriteError> {
-        self.thermo.sync()?;
-        if let Some(trajectory) = &mut self.trajectory {
-            trajectory.sync()?;
+        if let Some(files) = &mut self.at {
+            files.thermo.sync()?;
+            if let Some(trajectory) = &mut files.trajectory {
+                trajectory.sync()?;
+            }
         }
         Ok(self.marks())
     }
@@ -203,7 +248,8 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where the row cannot be written.
     pub fn write_thermo(&mut self, simulation: &Simulation) -> Result<(), WriteError> {
-        self.thermo.write(&thermo_row(simulation))
+        let row = thermo_row(simulation);
+        self.at.as_mut().map_or(Ok(()), |files| files.thermo.write(&row))
     }
 
     /// Writes the rows that were kept in memory to `thermo.csv`.
@@ -211,6 +257,7 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where a row cannot be written.
     pub(crate) fn write_kept_rows(&mut self, simulation: &Simulation) -> Result<(), WriteError> {
+        let Some(Files { thermo, .. }) = &mut self.at else { return Ok(()) };
         let columns = &simulation.recording.thermo;
         for row in 0..columns.first().map_or(0, Vec::len) {
             let is_whole = |name| matches!(name, "step" | "stage");
@@ -219,9 +266,9 @@ impl RunFiles {
                 false => column[row].into(),
             };
             let cells: Vec<Cell> = columns.iter().zip(columns_of(simulation)).map(cell).collect();
-            self.thermo.write(&cells)?;
+            thermo.write(&cells)?;
         }
-        self.thermo.sync()
+        thermo.sync()
     }
 
     /// Writes a frame to the trajectory. Returns a remark where it has less precision than asked for.
@@ -229,11 +276,13 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where the frame cannot be written.
     pub fn write_frame(&mut self, simulation: &Simulation) -> Result<Option<String>, WriteError> {
-        let Some(trajectory) = &mut self.trajectory else {
+        if simulation.scene.output.trajectory_every.is_none() {
             return Ok(None);
-        };
-        let extra = header(simulation);
-        let precision = trajectory.write(&Frame { state: &simulation.state, extra: &extra })?;
+        }
+        let (extra, state) = (header(simulation), whole(simulation, &simulation.state));
+        let trajectory = self.at.as_mut().and_then(|files| files.trajectory.as_mut());
+        let Some(trajectory) = trajectory else { return Ok(None) };
+        let precision = trajectory.write(&Frame { state: &state, extra: &extra })?;
         Ok(precision.and_then(|kept| less_precision(&simulation.scene.output, kept)))
     }
 
@@ -242,8 +291,8 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where it cannot be written.
     pub fn write_state(&self, name: &str, simulation: &Simulation) -> Result<(), WriteError> {
-        let frame = Frame { state: &simulation.state, extra: &header(simulation) };
-        lennard_io::write_frame(&self.folder.join(name), &style_of_last(simulation), &frame)
+        let style = style_of_last(simulation);
+        self.write_one(name, simulation, &style, &simulation.state, &header(simulation))
     }
 
     /// Writes an earlier state of a simulation, which has no forces, into a file of its own.
@@ -257,13 +306,26 @@ impl RunFiles {
         state: &State,
     ) -> Result<(), WriteError> {
         let style = FrameStyle { velocities: true, forces: false, ..style_of_last(simulation) };
-        lennard_io::write_frame(&self.folder.join(name), &style, &Frame { state, extra: &[] })
+        self.write_one(name, simulation, &style, state, &[])
+    }
+
+    fn write_one(
+        &self,
+        name: &str,
+        simulation: &Simulation,
+        style: &FrameStyle,
+        state: &State,
+        extra: &[(&str, f64)],
+    ) -> Result<(), WriteError> {
+        let frame = Frame { state: &whole(simulation, state), extra };
+        let path = self.folder().map(|folder| folder.join(name));
+        path.map_or(Ok(()), |path| lennard_io::write_frame(&path, style, &frame))
     }
 
     /// Frames written so far, where there is a trajectory.
     #[must_use]
     pub fn frames(&self) -> Option<u64> {
-        self.trajectory.as_ref().map(|t| t.mark().records)
+        self.marks().trajectory.map(|mark| mark.records)
     }
 
     /// Writes the tables of the observables.
@@ -274,8 +336,9 @@ impl RunFiles {
         &self,
         tables: impl IntoIterator<Item = &'a Table>,
     ) -> Result<(), WriteError> {
+        let Some(folder) = self.folder() else { return Ok(()) };
         for table in tables {
-            lennard_io::write_table_csv(&self.folder.join(format!("{}.csv", table.name)), table)?;
+            lennard_io::write_table_csv(&folder.join(format!("{}.csv", table.name)), table)?;
         }
         Ok(())
     }
@@ -285,26 +348,34 @@ impl RunFiles {
     /// # Errors
     /// [`WriteError`] where it cannot be written.
     pub fn write_record(&self, record: &RunRecord) -> Result<(), WriteError> {
-        lennard_io::write_json_atomically(&self.folder.join(RECORD), record)
+        let Some(folder) = self.folder() else { return Ok(()) };
+        lennard_io::write_json_atomically(&folder.join(RECORD), record)
     }
 }
 
 /// The scene as resolved, and names, box and start positions beside a trajectory.
-fn write_descriptions(folder: &Path, simulation: &Simulation) -> Result<(), WriteError> {
-    lennard_io::write_text_atomically(&folder.join(SCENE), &simulation.scene.resolved_toml())?;
-    let topology = folder.join(TOPOLOGY);
+fn write_descriptions(folder: Option<&Path>, simulation: &Simulation) -> Result<(), WriteError> {
+    let text = simulation.scene.resolved_toml();
+    let written = folder.map_or(Ok(()), |folder| {
+        lennard_io::write_text_atomically(&folder.join(SCENE), &text)
+    });
+    let topology = folder.map(|folder| folder.join(TOPOLOGY));
     // A run that goes on has left its start behind: the file is kept as it is.
-    if simulation.scene.output.trajectory_every.is_none()
-        || simulation.state.step > 0 && topology.exists()
+    let is_missing = topology.as_ref().map(|file| [u64::from(!file.exists())]);
+    let is_missing = simulation.system.own().told(is_missing) == Some([1]);
+    if simulation.scene.output.trajectory_every.is_none() || simulation.state.step > 0 && !is_missing
     {
-        return Ok(());
+        return written;
     }
+    let (style, state) = (style(simulation), whole(simulation, &simulation.state));
+    let Some(topology) = topology else { return Ok(()) };
+    written?;
     lennard_io::write_topology_gro(
         &topology,
-        &simulation.state.positions,
+        &state.positions,
         &simulation.start_cell,
         simulation.scene.output.format,
-        &style(simulation),
+        &style,
     )
 }
 

@@ -71,19 +71,20 @@ impl Simulation {
     fn separated(&self) -> Option<String> {
         let State { cell, positions, .. } = &self.state;
         let is_homogeneous = self.scene.not_homogeneous().is_none();
-        is_homogeneous.then(|| separated(cell, positions, self.system.n_molecules()))?
+        let molecules = self.system.n_molecules();
+        is_homogeneous.then(|| separated(self.system.own(), cell, positions, molecules))?
     }
 
     /// Bytes that a look at the last state for crystals takes.
     pub(crate) fn bytes_to_look(&self) -> usize {
-        let atoms = self.system.molecules.are_atoms().then_some(self.state.len());
+        let atoms = self.system.molecules.are_atoms().then_some(self.system.len());
         atoms.map_or(0, frozen_bytes)
     }
 
     /// The remark that belongs beside the means of a run whose last state is a crystal, or has one in it.
     pub(crate) fn frozen(&self) -> Option<Remark> {
         let State { cell, positions, .. } = &self.state;
-        self.system.molecules.are_atoms().then(|| frozen(cell, positions))?
+        self.system.molecules.are_atoms().then(|| frozen(self.system.own(), cell, positions))?
     }
 
     /// Adds the velocity of the fronts to the findings of a start with a crystal beside its liquid, and says which phase grows. What

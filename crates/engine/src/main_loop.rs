@@ -220,7 +220,7 @@ impl Simulation {
 
     /// Number density of the start, σ⁻³.
     fn start_density(&self) -> f64 {
-        self.state.len() as f64 / self.start_cell.volume()
+        self.system.len() as f64 / self.start_cell.volume()
     }
 
     /// Starts the method anew from the state as it is.

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use cells::Cells;
 use lennard_core::{
-    Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
+    Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Own, Part,
     PeriodicBox, Want, remembers_nothing,
 };
 use lennard_forcefield::{ForceFieldOptions, Model, TruncationOptions, tail_correction};
@@ -46,7 +46,7 @@ struct Mode {
 /// The energy that is reported has u beyond the cutoff alone, as the usual correction has.
 ///
 /// Source: J. Janeček, J. Phys. Chem. B 110, 6264 (2006), for the average over the plane.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct PlanarTail {
     /// Where the waves are summed.
     cells: Cells,
@@ -54,9 +54,11 @@ pub struct PlanarTail {
     homogeneous: Mode,
     /// k_1, k_2, …
     modes: Vec<Mode>,
+    /// Which particles this process keeps, where ranks share them.
+    own: Option<Own>,
 }
 
-remembers_nothing!(PlanarTail { cells, homogeneous, modes });
+remembers_nothing!(PlanarTail { cells, homogeneous, modes, own });
 
 /// Σ cos and Σ sin of each mode.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -122,6 +124,7 @@ impl PlanarTail {
                 slope: 0.0,
             },
             modes: (1..=most).map(mode).collect(),
+            own: None,
         })
     }
 
@@ -148,14 +151,19 @@ impl PlanarTail {
     pub(crate) fn energy_and_virial(&self, cell: &PeriodicBox, positions: &[DVec3]) -> (f64, f64) {
         let waves = self.waves(positions);
         let want = Want::ENERGY_AND_VIRIAL;
-        let found = self.energetics(&waves, positions.len(), cell.volume(), want);
+        let found = self.energetics(&waves, self.n(positions.len()), cell.volume(), want);
         let (energy, virial) = (found.potential_energy, found.scalar_virial());
         (energy.unwrap_or(f64::NAN), virial.unwrap_or(f64::NAN))
     }
 
     /// S_n of each mode.
     fn waves(&self, positions: &[DVec3]) -> Waves {
-        Waves(self.cells.sums(positions))
+        Waves(self.cells.sums(positions, self.own.as_ref().and_then(Own::team)))
+    }
+
+    /// The particles on all ranks, of which so many are here.
+    fn n(&self, here: usize) -> usize {
+        self.own.as_ref().map_or(here, Own::all)
     }
 
     /// Coefficients of sin k_n·z and cos k_n·z in the force on a particle.
@@ -208,7 +216,7 @@ impl ForceTerm for PlanarTail {
         _scratch: &mut Vec<DVec3>,
         forces: &mut [DVec3],
     ) -> Result<Energetics, ForceError> {
-        let (n, volume) = (at.positions.len(), at.cell.volume());
+        let (n, volume) = (self.n(at.positions.len()), at.cell.volume());
         if part == Part::Near {
             let nothing = Waves(vec![[0.0; 2]; self.modes.len()]);
             return Ok(self.energetics(&nothing, 0, volume, want));
@@ -224,6 +232,10 @@ impl ForceTerm for PlanarTail {
         let position = [at.positions[particle]];
         self.cells.push(&coefficients, &position, &mut force);
         force[0]
+    }
+
+    fn keep(&mut self, own: &Own) {
+        self.own = Some(own.clone());
     }
 
     fn properties(&self) -> ForceProperties {

@@ -40,7 +40,7 @@ pub fn finished(
         compared.unwrap_or_else(|why| (Vec::new(), why.into_iter().collect()));
     let bare = bare(simulation);
     let wall_s = wall.as_secs_f64();
-    let atom_steps = simulation.state.len() as f64 * simulation.state.step as f64;
+    let atom_steps = simulation.system.len() as f64 * simulation.state.step as f64;
     let remarks: Vec<Remark> = findings
         .iter()
         .flat_map(|f| f.remarks.iter().cloned())
@@ -147,7 +147,7 @@ fn bare(simulation: &Simulation) -> RunRecord {
             threads: threads as u64,
         },
         steps: simulation.state.step,
-        atoms: simulation.state.len() as u64,
+        atoms: simulation.system.len() as u64,
         species: species(simulation),
         pairs: pairs(simulation),
         n_dof: simulation.view().n_dof() as u64,

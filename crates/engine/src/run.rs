@@ -1,5 +1,6 @@
 //! One run from scene to finished folder, in one go or in several.
 
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use lennard_core::{DVec3, State};
@@ -11,6 +12,7 @@ use crate::course::{Course, Writer, aside, set_aside};
 use crate::failure::PhysicsFailure;
 use crate::files::RunFiles;
 use crate::follower::{Control, Ending};
+use crate::ranks::made;
 use crate::resume::Resumed;
 use crate::simulation::Simulation;
 use crate::{EngineError, record};
@@ -38,11 +40,7 @@ pub fn run(
     folder: &OutputFolder,
     control: Control<'_>,
 ) -> Result<Outcome, EngineError> {
-    let started = Instant::now();
-    folder.remove_half_written();
-    let files = RunFiles::create(folder.path(), simulation)?;
-    let past = Past { remarks: simulation.remarks.clone(), ..Past::default() };
-    drive(simulation, Recorder::new(simulation, folder, files, past, started), control)
+    start(simulation, Some(folder), control)
 }
 
 /// Goes on with a run that [`crate::resume()`] has brought back. Its growing files are cut back to the
@@ -55,14 +53,65 @@ pub fn go_on(
     folder: &OutputFolder,
     control: Control<'_>,
 ) -> Result<Outcome, EngineError> {
+    go_on_with(resumed, Some(folder), control)
+}
+
+/// As [`run`], on a rank beside rank 0, which writes the files; `stop` is set from outside to stop all ranks.
+///
+/// # Errors
+/// [`EngineError`] where physics stops the run, as on all ranks, and where rank 0 cannot write.
+///
+/// # Panics
+/// Where the simulation is not shared: that is a bug of the caller.
+pub fn run_beside(simulation: &mut Simulation, stop: &AtomicBool) -> Result<Ending, EngineError> {
+    assert!(simulation.team().is_some(), "the simulation is shared");
+    let control = Control { stop, deadline: None, progress: &mut () };
+    Ok(start(simulation, None, control)?.ending)
+}
+
+/// As [`go_on`], on a rank beside rank 0.
+///
+/// # Errors
+/// As [`run_beside`].
+///
+/// # Panics
+/// As [`run_beside`].
+pub fn go_on_beside(resumed: &mut Resumed, stop: &AtomicBool) -> Result<Ending, EngineError> {
+    assert!(resumed.simulation.team().is_some(), "the simulation is shared");
+    let control = Control { stop, deadline: None, progress: &mut () };
+    Ok(go_on_with(resumed, None, control)?.ending)
+}
+
+fn start(
+    simulation: &mut Simulation,
+    folder: Option<&OutputFolder>,
+    control: Control<'_>,
+) -> Result<Outcome, EngineError> {
+    let started = Instant::now();
+    if let Some(folder) = folder {
+        folder.remove_half_written();
+    }
+    let files = RunFiles::create(folder.map(OutputFolder::path), simulation)?;
+    let past = Past { remarks: simulation.remarks.clone(), ..Past::default() };
+    drive(simulation, Recorder::new(simulation, folder, files, past, started), control)
+}
+
+fn go_on_with(
+    resumed: &mut Resumed,
+    folder: Option<&OutputFolder>,
+    control: Control<'_>,
+) -> Result<Outcome, EngineError> {
     let started = Instant::now();
     let Resumed { simulation, marks, past, .. } = resumed;
-    let files = RunFiles::resume(folder.path(), simulation, *marks)?;
+    let path = folder.map(OutputFolder::path);
+    let files = RunFiles::resume(path, simulation, *marks)?;
     // First of all, since the scene in it may have more steps than before, or another instruction set.
-    Checkpointer::new(folder.path(), &simulation.scene.checkpoint)
+    Checkpointer::new(path, &simulation.scene.checkpoint)
         .write_unwatched(simulation, *marks, past)?;
-    folder.remove_half_written();
-    files.refresh(simulation)?;
+    if let Some(folder) = folder {
+        folder.remove_half_written();
+    }
+    made(simulation.system.own(), files.refresh(simulation).map_err(EngineError::from))?;
     drive(simulation, Recorder::new(simulation, folder, files, past.clone(), started), control)
 }
 
@@ -72,10 +121,11 @@ pub(crate) fn write_whole(
     folder: &OutputFolder,
     started: Instant,
 ) -> Result<Outcome, EngineError> {
-    let mut files = RunFiles::create(folder.path(), simulation)?;
+    let mut files = RunFiles::create(Some(folder.path()), simulation)?;
     files.write_kept_rows(simulation)?;
     let past = Past { remarks: simulation.remarks.clone(), ..Past::default() };
-    Recorder::new(simulation, folder, files, past, started).conclude(simulation, Ending::Finished)
+    let recorder = Recorder::new(simulation, Some(folder), files, past, started);
+    recorder.conclude(simulation, Ending::Finished)
 }
 
 fn drive(
@@ -84,8 +134,8 @@ fn drive(
     control: Control<'_>,
 ) -> Result<Outcome, EngineError> {
     // A run that goes on beyond its end has its tables there already.
-    let before = recorder.folder.tables();
-    recorder.write_unfinished(simulation, before, None)?;
+    let before = recorder.tables();
+    made(simulation.system.own(), recorder.write_unfinished(simulation, before, None))?;
     let end = simulation.scene.total_steps();
     let mut course = Course::new(simulation, control, end, recorder);
     if let Err(mut error) = to_the_end(simulation, &mut course) {
@@ -98,7 +148,7 @@ fn drive(
             recorder.keep_evidence(simulation, failure);
         }
         // The record of a failed run is a courtesy: the error itself matters more than a second one.
-        let tables = recorder.folder.tables();
+        let tables = recorder.tables();
         let _ = recorder.write_unfinished(simulation, tables, Some(error.to_string()));
         return Err(error);
     }
@@ -117,9 +167,9 @@ fn to_the_end(
     course.writer.checkpoint(simulation)
 }
 
-/// Writes rows, frames and checkpoints into a folder.
+/// Writes rows, frames and checkpoints into a folder. Beside rank 0 it has none, and takes part in what rank 0 writes.
 struct Recorder<'a> {
-    folder: &'a OutputFolder,
+    folder: Option<&'a OutputFolder>,
     files: RunFiles,
     checkpoints: Checkpointer,
     past: Past,
@@ -131,13 +181,18 @@ struct Recorder<'a> {
 impl<'a> Recorder<'a> {
     fn new(
         simulation: &Simulation,
-        folder: &'a OutputFolder,
+        folder: Option<&'a OutputFolder>,
         files: RunFiles,
         past: Past,
         started: Instant,
     ) -> Self {
-        let checkpoints = Checkpointer::new(folder.path(), &simulation.scene.checkpoint);
+        let checkpoints = Checkpointer::new(folder.map(OutputFolder::path), &simulation.scene.checkpoint);
         Self { folder, files, checkpoints, past, started, before: aside(&simulation.state) }
+    }
+
+    /// The tables that are in the folder.
+    fn tables(&self) -> Vec<String> {
+        self.folder.map(OutputFolder::tables).unwrap_or_default()
     }
 
     fn past_until_now(&self) -> Past {
@@ -150,18 +205,17 @@ impl<'a> Recorder<'a> {
         simulation: &Simulation,
         tables: Vec<String>,
         failure: Option<String>,
-    ) -> Result<(), WriteError> {
+    ) -> Result<(), EngineError> {
         let remarks = self.past.remarks.iter().cloned().chain(failure);
         let record = record::unfinished(simulation, remarks);
-        self.files.write_record(&RunRecord { tables, ..record })
+        Ok(self.files.write_record(&RunRecord { tables, ..record })?)
     }
 
     /// Saves what shows how a run failed.
     fn keep_evidence(&self, simulation: &Simulation, failure: &mut PhysicsFailure) {
-        let folder = self.files.folder();
         // Each is a courtesy: a second error must not hide the first. Numbers that are not finite are never written.
         let mut keep = |name: &str, state: &State, words: &str, written: Result<(), WriteError>| {
-            if written.is_ok() {
+            if let (Ok(()), Some(folder)) = (written, self.files.folder()) {
                 let path = folder.join(name);
                 let step = state.step;
                 failure.kept.push(format!("saved: {} (step {step}{words})", path.display()));
@@ -171,7 +225,8 @@ impl<'a> Recorder<'a> {
         keep("failed.xyz", &simulation.state, "", failed);
         let before = self.files.write_earlier_state("before-failure.xyz", simulation, &self.before);
         keep("before-failure.xyz", &self.before, ", before it", before);
-        if let Ok(all) = lennard_io::CheckpointFolder::new(folder).list()
+        if let Some(folder) = self.files.folder()
+            && let Ok(all) = lennard_io::CheckpointFolder::new(folder).list()
             && let Some((_, newest)) = all.first()
         {
             let words = "the last good checkpoint is untouched";
@@ -194,16 +249,18 @@ impl<'a> Recorder<'a> {
             tables.iter().map(|table| format!("{}.csv", table.name)).collect();
         if finished {
             // Before the tables, so that none is there that no record lists.
-            self.write_unfinished(simulation, listed.clone(), None)?;
-            self.files.write_tables(&tables)?;
-            self.files.write_state("final.xyz", simulation)?;
+            let mut written = self.write_unfinished(simulation, listed.clone(), None);
+            written = written.and_then(|()| Ok(self.files.write_tables(&tables)?));
+            let last = self.files.write_state("final.xyz", simulation);
+            made(simulation.system.own(), written.and(last.map_err(EngineError::from)))?;
         }
         simulation.timers.write += clock.elapsed();
         let wall = self.past_until_now().wall;
         let (frames, remarks) = (self.files.frames(), &self.past.remarks);
         let mut record = record::finished(simulation, &findings, wall, frames, finished, remarks);
-        record.tables = if finished { listed } else { self.folder.tables() };
-        self.files.write_record(&record)?;
+        record.tables = if finished { listed } else { self.tables() };
+        let written = self.files.write_record(&record).map_err(EngineError::from);
+        made(simulation.system.own(), written)?;
         Ok(Outcome { ending, record, tables })
     }
 }
@@ -215,28 +272,31 @@ impl Writer for Recorder<'_> {
         row: bool,
         frame: bool,
     ) -> Result<(), EngineError> {
-        self.folder.still_held().map_err(EngineError::Folder)?;
+        let held = self.folder.map_or(Ok(()), OutputFolder::still_held);
+        made(simulation.system.own(), held.map_err(EngineError::Folder))?;
         let marks = self.files.marks();
         let mut written = Ok(());
         if row {
             written = self.files.write_thermo(simulation);
         }
         if frame {
+            // Other ranks give their part of the frame, whatever became of the row.
+            let remark = self.files.write_frame(simulation);
             written = written.and_then(|()| {
-                let remark = self.files.write_frame(simulation)?;
+                let remark = remark?;
                 let is_new = |remark: &String| !self.past.remarks.contains(remark);
                 self.past.remarks.extend(remark.filter(is_new));
                 Ok(())
             });
         }
-        written.map_err(|error| {
+        let written = made(simulation.system.own(), written.map_err(EngineError::from));
+        written.inspect_err(|_| {
             // What cannot be written now is written when the run goes on: where there is room for a checkpoint,
             // not a step is lost. Where there is none, the last one is as good as before.
             let past = Past { owes_output: true, ..self.past_until_now() };
             if simulation.watch_closely().is_ok() {
                 let _ = self.checkpoints.write_unwatched(simulation, marks, &past);
             }
-            error.into()
         })
     }
 
@@ -250,7 +310,8 @@ impl Writer for Recorder<'_> {
 
     fn checkpoint(&mut self, simulation: &mut Simulation) -> Result<(), EngineError> {
         let clock = Instant::now();
-        let marks = self.files.synced_marks()?;
+        let marks = self.files.synced_marks().map_err(EngineError::from);
+        let marks = made(simulation.system.own(), marks)?;
         let past = self.past_until_now();
         self.checkpoints.write(simulation, marks, &past)?;
         simulation.timers.write += clock.elapsed();

@@ -235,8 +235,7 @@ impl Simulation {
     /// [`EngineError::Scene`] for the first thing that is wrong with the stage.
     pub fn add(&mut self, addition: &Addition<'_>) -> Result<(), EngineError> {
         let scene = self.with_stage(addition).map_err(SceneError::without_line)?;
-        let (own, species) = (&self.own, self.system.species());
-        let observers = build::observers(&scene, self.start_cell, species, own)?;
+        let observers = build::observers(&scene, self.start_cell, &self.system, &self.own)?;
         self.goes_on_with(scene)?;
         self.observers = observers;
         self.measured_steps = 0;

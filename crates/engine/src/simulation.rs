@@ -56,10 +56,6 @@ pub struct Simulation {
     pub isa: String,
     /// What the program brings beside the scene.
     pub own: OwnParts,
-    /// The ranks of this run, where there are several ([`Simulation::share`]).
-    pub team: Option<Team>,
-    /// Whether the ranks share the pair forces out.
-    pub shares_forces: bool,
     /// What runs in memory have kept.
     pub recording: Recording,
     /// The frames that states come from; `None` where the simulation moves by itself.
@@ -111,7 +107,7 @@ impl Simulation {
         lennard_forcefield::tail_in(
             &self.force_field,
             self.mixture.as_ref(),
-            self.state.len(),
+            self.system.len(),
             volume,
         )
     }
@@ -126,6 +122,12 @@ impl Simulation {
     #[must_use]
     pub fn box_changes(&self) -> bool {
         self.scene.stages.iter().any(|s| s.barostat.is_some())
+    }
+
+    /// The ranks of this run, where there are several ([`Simulation::share`]).
+    #[must_use]
+    pub fn team(&self) -> Option<&Team> {
+        self.system.own().team()
     }
 
     /// The stage under way.

@@ -26,18 +26,19 @@ impl Simulation {
             self.force_check.count(seen);
             return Ok(());
         }
-        watchdog::check_speeds(&self.state, dt, self.largest_move()).map_err(|s| self.diagnosed(s))
+        watchdog::check_speeds(self.system.own(), &self.state, dt, self.largest_move())
+            .map_err(|s| self.diagnosed(s))
     }
 
     /// Checks speeds, and forces of a few particles, whatever the step. It counts nothing, since the counts of a run must
     /// not depend on its checkpoints.
     pub(crate) fn watch_closely(&self) -> Result<Seen, EngineError> {
         let dt = self.stage_run().dt;
-        watchdog::check_speeds(&self.state, dt, self.largest_move())
+        watchdog::check_speeds(self.system.own(), &self.state, dt, self.largest_move())
             .map_err(|s| self.diagnosed(s))?;
         let at = self.configuration();
         let other = |particle| self.forces.force_on(particle, at);
-        let seen = self.force_check.look(&self.state, other);
+        let seen = self.force_check.look(&self.system, &self.state, other);
         seen.map_err(|s| self.diagnosed(s))
     }
 
@@ -86,6 +87,7 @@ impl Simulation {
         };
         let sizes = Sizes::of(&self.scene, self.system.species());
         let exclusions = self.system.molecules.exclusions();
+        let own = self.system.own();
         EngineError::Physics(Box::new(PhysicsFailure {
             step: state.step,
             time: state.time,
@@ -94,13 +96,19 @@ impl Simulation {
             dt: stage.dt,
             dt_limit: self.rough_stable_dt(spec, plan.temperature),
             symptom,
-            closest: closest_pair(&state.cell, &state.positions, &exclusions, &sizes, 0.9),
-            non_finite: state.positions.iter().filter(|r| !r.is_finite()).count(),
-            fastest: watchdog::fastest(state),
-            speed_beyond: beyond.and_then(|i| state.velocities.get(i)).map(|v| v.length()),
+            // Several ranks would have to tell each other all positions.
+            closest: own.team().map_or_else(
+                || closest_pair(&state.cell, &state.positions, &exclusions, &sizes, 0.9),
+                |_| None,
+            ),
+            non_finite: own.count(state.positions.iter().filter(|r| !r.is_finite()).count()),
+            fastest: watchdog::fastest(own, state),
+            speed_beyond: beyond.map(|number| {
+                own.vector(own.index(number).map(|i| state.velocities[i])).length()
+            }),
             steps_into_stage: stage.steps_done,
             temperature: plan.temperature,
-            density: state.len() as f64 / state.cell.volume(),
+            density: self.system.len() as f64 / state.cell.volume(),
             kept: Vec::new(),
         }))
     }

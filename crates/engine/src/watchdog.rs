@@ -5,7 +5,7 @@
 //! [`LISTS_EVERY`]th step it checks forces of a few particles ([`crate::ForceCheck`]). A box too small for its cutoff is refused
 //! before the first step, and by the forces where it shrinks.
 
-use lennard_core::{DVec3, SpeciesTable, State, parallel, persist};
+use lennard_core::{DVec3, Own, SpeciesTable, State, System, parallel, persist};
 use lennard_forcefield::AllPairs;
 use lennard_scene::Scene;
 
@@ -27,7 +27,7 @@ pub fn what_is_done() -> String {
     )
 }
 
-/// The largest squared speed, (σ/τ)², the same for any number of threads; NaN counts as infinite.
+/// The largest squared speed of some particles, (σ/τ)², the same for any number of threads; NaN counts as infinite.
 fn largest_squared_speed(velocities: &[DVec3]) -> f64 {
     let squared = |v: &DVec3| {
         let v2 = v.length_squared();
@@ -43,11 +43,12 @@ fn largest_squared_speed(velocities: &[DVec3]) -> f64 {
 ///
 /// # Errors
 /// The symptom.
-pub fn check_speeds(state: &State, dt: f64, largest: f64) -> Result<(), Symptom> {
-    if largest_squared_speed(&state.velocities) * dt * dt <= largest * largest {
+pub fn check_speeds(own: &Own, state: &State, dt: f64, largest: f64) -> Result<(), Symptom> {
+    let squared = own.largest(largest_squared_speed(&state.velocities));
+    if squared * dt * dt <= largest * largest {
         return Ok(());
     }
-    let (particle, speed) = fastest(state).unwrap_or((0, f64::INFINITY));
+    let (particle, speed) = fastest(own, state).unwrap_or((0, f64::INFINITY));
     Err(Symptom::TooFast { particle, distance: speed * dt, largest })
 }
 
@@ -63,14 +64,16 @@ pub fn check_energy(from: f64, to: f64) -> Result<(), Symptom> {
     }
 }
 
-/// The fastest particle with its speed, σ/τ.
-pub(crate) fn fastest(state: &State) -> Option<(usize, f64)> {
-    state
-        .velocities
-        .iter()
-        .map(|v| if v.is_finite() { v.length() } else { f64::INFINITY })
-        .enumerate()
-        .max_by(|a, b| a.1.total_cmp(&b.1))
+/// The number of the fastest particle of all ranks with its speed, σ/τ; the last of several.
+pub(crate) fn fastest(own: &Own, state: &State) -> Option<(usize, f64)> {
+    let speeds =
+        state.velocities.iter().map(|v| if v.is_finite() { v.length() } else { f64::INFINITY });
+    let here = own.numbers().zip(speeds).max_by(|a, b| a.1.total_cmp(&b.1));
+    let Some(team) = own.team() else { return here };
+    let words = here.map_or([0, 0], |(number, speed)| [number as u64, speed.to_bits()]);
+    let all = team.concat(&words);
+    let all = all.as_chunks().0.iter().map(|[number, bits]| (*number as usize, f64::from_bits(*bits)));
+    all.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// An estimate of the largest stable dt of an explicit method with limit ωh = `limit` in a fluid: h =
@@ -174,28 +177,38 @@ impl ForceCheck {
         self.seen = self.seen.and(seen);
     }
 
-    /// Checks the particles whose turn it is. `other` is the force in the state on a particle that is not by pairs, ε/σ.
+    /// Checks the particles whose turn it is, on all ranks alike. `other` is the force in the state on a particle that is not by
+    /// pairs, ε/σ, from its index in the arrays. Sums in it need all ranks: one that does not keep the particle asks for another.
     ///
     /// # Errors
     /// [`Symptom::WrongForce`] for the first one whose force differs by more than rounding explains.
-    pub fn look(&self, state: &State, other: impl Fn(usize) -> DVec3) -> Result<Seen, Symptom> {
-        turns(state.step / LISTS_EVERY, state.len())
-            .map(|particle| self.check(particle, state, &other))
+    pub fn look(
+        &self,
+        system: &System,
+        state: &State,
+        other: impl Fn(usize) -> DVec3,
+    ) -> Result<Seen, Symptom> {
+        turns(state.step / LISTS_EVERY, system.len())
+            .map(|particle| self.check(particle, system, state, &other))
             .try_fold(Seen::default(), |seen, one| Ok(seen.and(one?)))
     }
 
     fn check(
         &self,
         particle: usize,
+        system: &System,
         state: &State,
         other: &dyn Fn(usize) -> DVec3,
     ) -> Result<Seen, Symptom> {
-        let wanted = self.all_pairs.force_on(particle, &state.cell, &state.positions);
+        let (own, State { cell, positions, .. }) = (system.own(), state);
+        let wanted = self.all_pairs.force_over(own, system.species(), particle, cell, positions);
+        let index = own.index(particle);
         // The same formula on the same position gives the same bits: the sum alone rounds.
-        let other = other(particle);
+        let other = other(index.unwrap_or(0));
+        let other = own.vector(index.map(|_| other));
         let tolerance = wanted.tolerance + 4.0 * f64::EPSILON * other.length();
         let wanted = wanted.force + other;
-        let found = state.forces[particle];
+        let found = own.vector(index.map(|i| state.forces[i]));
         let deviation = (found - wanted).length() / tolerance;
         if deviation <= 1.0 {
             return Ok(Seen { forces: 1, largest_deviation: deviation });
@@ -243,10 +256,10 @@ mod tests {
     #[test]
     fn a_particle_is_stopped_just_past_the_limit_and_not_just_below() {
         let dt = 0.01;
-        assert!(check_speeds(&state(0.999 * LARGEST_MOVE / dt), dt, LARGEST_MOVE).is_ok());
-        let found = check_speeds(&state(1.001 * LARGEST_MOVE / dt), dt, LARGEST_MOVE);
+        assert!(check_speeds(&Own::all_of(2), &state(0.999 * LARGEST_MOVE / dt), dt, LARGEST_MOVE).is_ok());
+        let found = check_speeds(&Own::all_of(2), &state(1.001 * LARGEST_MOVE / dt), dt, LARGEST_MOVE);
         assert!(matches!(found, Err(Symptom::TooFast { particle: 1, .. })), "{found:?}");
-        assert!(check_speeds(&state(f64::NAN), dt, LARGEST_MOVE).is_err());
+        assert!(check_speeds(&Own::all_of(2), &state(f64::NAN), dt, LARGEST_MOVE).is_err());
         for (change, is_sound) in [(0.9, true), (-0.9, true), (1.1, false), (-1.1, false)] {
             assert_eq!(check_energy(-4.0, -4.0 + change).is_ok(), is_sound, "{change}");
         }

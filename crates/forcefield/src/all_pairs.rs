@@ -1,7 +1,7 @@
 //! The force on one particle by all pairs: what the forces of a run are checked by, without a list and without a kernel.
 
 use glam::DVec3;
-use lennard_core::{Exclusions, PeriodicBox};
+use lennard_core::{Exclusions, Own, PeriodicBox, SpeciesTable};
 use lennard_neighbor::FIXED_UNITS;
 
 use crate::error::ForceFieldError;
@@ -51,6 +51,25 @@ pub struct AllPairs {
     rows: f64,
 }
 
+/// A particle as others see it.
+struct Body {
+    number: usize,
+    species: usize,
+    position: DVec3,
+}
+
+impl Body {
+    fn words(&self) -> [u64; 5] {
+        let [x, y, z] = self.position.to_array().map(f64::to_bits);
+        [self.number as u64, self.species as u64, x, y, z]
+    }
+
+    fn of([number, species, x, y, z]: [u64; 5]) -> Self {
+        let position = DVec3::from_array([x, y, z].map(f64::from_bits));
+        Self { number: number as usize, species: species as usize, position }
+    }
+}
+
 impl AllPairs {
     /// For the forces that the options describe, and the species of the particles where there are several.
     ///
@@ -83,22 +102,68 @@ impl AllPairs {
         cell: &PeriodicBox,
         positions: &[DVec3],
     ) -> CheckedForce {
-        let own = positions[particle];
-        let largest_r_cut = self.model.r_cut;
+        let of_particles = self.laws.as_ref().map(|laws| laws.mixture.of_particle());
+        let one = |(number, position)| Body {
+            number,
+            species: of_particles.map_or(0, |of| usize::from(of[number])),
+            position,
+        };
+        let body = one((particle, positions[particle]));
+        let near = within(self.reach(cell), body.position, cell, positions);
+        self.force_of(&body, near.map(one), cell)
+    }
+
+    /// [`AllPairs::force_on`] the particle with a number, where each rank keeps some particles: all ranks call it, and find the
+    /// same. The species are of the particles that this rank keeps.
+    #[must_use]
+    pub fn force_over(
+        &self,
+        own: &Own,
+        species: &SpeciesTable,
+        particle: usize,
+        cell: &PeriodicBox,
+        positions: &[DVec3],
+    ) -> CheckedForce {
+        let one = |(i, position)| Body { number: own.first() + i, species: species.of(i), position };
+        let Some(team) = own.team() else {
+            let body = one((particle, positions[particle]));
+            let near = within(self.reach(cell), body.position, cell, positions);
+            return self.force_of(&body, near.map(one), cell);
+        };
+        let body = own.index(particle).map(|i| one((i, positions[i])).words());
+        let body = Body::of(own.told(body).expect("a rank keeps the particle"));
+        let near = within(self.reach(cell), body.position, cell, positions);
+        let here: Vec<u64> = near.flat_map(|found| one(found).words()).collect();
+        let all = team.concat(&here);
+        let (all, _) = all.as_chunks();
+        self.force_of(&body, all.iter().map(|words| Body::of(*words)), cell)
+    }
+
+    /// How far other particles are looked for, σ.
+    fn reach(&self, cell: &PeriodicBox) -> f64 {
+        (1.0 + SOUGHT_BEYOND) * self.model.r_cut + self.rounding(cell).1
+    }
+
+    /// The force on a particle by others, whose numbers ascend.
+    fn force_of(
+        &self,
+        body: &Body,
+        others: impl Iterator<Item = Body>,
+        cell: &PeriodicBox,
+    ) -> CheckedForce {
         let (relative, seen) = self.rounding(cell);
         let mut force = DVec3::ZERO;
         let (mut size, mut shaken, mut off_by_rows) = (0.0, 0.0, 0.0);
-        for (j, other) in within((1.0 + SOUGHT_BEYOND) * largest_r_cut + seen, own, cell, positions)
-        {
-            if j == particle || self.exclusions.exclude(j, particle) {
+        for other in others {
+            if other.number == body.number || self.exclusions.exclude(other.number, body.number) {
                 continue;
             }
-            let r_ij = cell.minimum_image(own - other);
+            let r_ij = cell.minimum_image(body.position - other.position);
             let r2 = r_ij.length_squared();
             let r = r2.sqrt();
-            let (pair, r_cut, unit) = self.between(particle, j, r2);
+            let (pair, r_cut, unit) = self.between([body.species, other.species], r2);
             let strength = (pair.force * r).abs();
-            let off = seen + places(own, other, cell);
+            let off = seen + places(body.position, other.position, cell);
             if r2 <= r_cut * r_cut {
                 force += pair.force * r_ij;
                 size += strength;
@@ -118,12 +183,12 @@ impl AllPairs {
         }
     }
 
-    /// The values of two particles at r² = `r2` σ², their cutoff, σ, and their ε/σ.
-    fn between(&self, i: usize, j: usize, r2: f64) -> (Pair<f64>, f64, f64) {
+    /// The values of two species at r² = `r2` σ², their cutoff, σ, and their ε/σ.
+    fn between(&self, [a, b]: [usize; 2], r2: f64) -> (Pair<f64>, f64, f64) {
         match &self.laws {
             None => (self.model.eval(r2), self.model.r_cut, 1.0),
             Some(laws) => {
-                let law = laws.between(i, j);
+                let law = &laws.of_pairs[a][b];
                 (law.eval(r2), law.r_cut, law.epsilon / law.sigma2.sqrt())
             }
         }

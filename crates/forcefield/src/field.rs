@@ -1,10 +1,10 @@
 //! A constant field: the same acceleration for every particle.
 
-use lennard_core::exact::exact_sum;
+use lennard_core::exact::exact_sum_over;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{
-    Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Masses, Part,
-    Want, remembers_nothing,
+    Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Masses, Own,
+    Part, Want, remembers_nothing,
 };
 
 /// A constant field, F_i = m_i·g with U = −Σ m_i·g·r_i, zero at the origin of the box; g in σ/τ² (ε/(m·σ)).
@@ -13,10 +13,12 @@ use lennard_core::{
 /// changes the total momentum along its axes. Its virial is 0 here, since Σ r·F depends on the origin.
 ///
 /// Source: L. D. Landau and E. M. Lifshitz, Mechanics, 3rd ed. (1976), section 5.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct ConstantField {
     acceleration: DVec3,
     masses: Masses,
+    /// Which particles this process keeps, where ranks share them.
+    own: Option<Own>,
 }
 
 remembers_nothing!(ConstantField);
@@ -25,7 +27,7 @@ impl ConstantField {
     /// The field that accelerates particles of these masses by g, σ/τ².
     #[must_use]
     pub fn new(acceleration: DVec3, masses: Masses) -> Self {
-        Self { acceleration, masses }
+        Self { acceleration, masses, own: None }
     }
 
     /// Force on particle `i`, ε/σ: none on a held one.
@@ -64,7 +66,8 @@ impl ForceTerm for ConstantField {
             false => 0.0,
         };
         let n = at.positions.len();
-        let energy = if want.energy { exact_sum(n, energy_of) } else { 0.0 };
+        let team = field.own.as_ref().and_then(Own::team);
+        let energy = if want.energy { exact_sum_over(team, n, energy_of) } else { 0.0 };
         let each = || (0..n).map(|i| (energy_of(i), DMat3::ZERO)).collect();
         Ok(Energetics {
             per_particle: want.per_particle.then(each),
@@ -74,6 +77,13 @@ impl ForceTerm for ConstantField {
 
     fn force_on(&self, particle: usize, _at: Configuration<'_>) -> DVec3 {
         self.weight(particle)
+    }
+
+    fn keep(&mut self, own: &Own) {
+        if let Masses::Each(masses) = &self.masses {
+            self.masses = Masses::Each(masses[own.numbers()].to_vec());
+        }
+        self.own = Some(own.clone());
     }
 
     fn properties(&self) -> ForceProperties {

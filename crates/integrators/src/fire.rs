@@ -2,7 +2,7 @@
 
 use lennard_core::exact::exact_sum;
 use lennard_core::parallel::for_each_piece;
-use lennard_core::{Backend, Configuration, DVec3, ForceError, Moving, Part, PeriodicBox, Want};
+use lennard_core::{Backend, Configuration, DVec3, ForceError, Moving, Own, Part, PeriodicBox, Want};
 
 use crate::implicit_euler::dot;
 
@@ -125,7 +125,7 @@ fn evaluate(
 ) -> Result<(), ForceError> {
     let at = Configuration::at_rest(cell, positions);
     forces.evaluate(at, Part::All, Want::NOTHING, force)?;
-    lennard_core::check_finite(force)
+    lennard_core::check_finite(&Own::all_of(force.len()), force)
 }
 
 /// Kick, mixing and drift with the cap on each particle's displacement.

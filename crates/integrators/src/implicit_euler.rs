@@ -5,7 +5,7 @@ use lennard_core::exact::exact_sum;
 use lennard_core::parallel::{for_each_piece, for_each_piece_pair};
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, Integrator, IntegratorSpec, Masses,
-    Method, Moving, Part, Parts, PeriodicBox, State, Step, StepError, Want, check_finite,
+    Method, Moving, Own, Part, Parts, PeriodicBox, State, Step, StepError, Want, check_finite,
     remembers_nothing,
 };
 
@@ -119,7 +119,7 @@ impl Equations<'_> {
     fn trial(&self, positions: Vec<DVec3>, forces: &mut dyn Backend) -> Result<Trial, ForceError> {
         let mut f = vec![DVec3::ZERO; positions.len()];
         let found = forces.evaluate(self.at(&positions), Part::All, Want::ENERGY, &mut f)?;
-        check_finite(&f)?;
+        check_finite(&Own::all_of(f.len()), &f)?;
         Ok(self.judge(positions, f, found.conserved_potential))
     }
 

@@ -3,7 +3,7 @@
 use glam::DMat2;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{
-    DVec3, Energetics, ForceProperties, Integrator, IntegratorSpec, Method, Moving, Part, Step,
+    DVec3, Energetics, ForceProperties, Integrator, IntegratorSpec, Method, Moving, Part, Parts, Step,
     StepError, System, Want, check_finite, persist, rigid_bonds_alone,
 };
 
@@ -89,13 +89,13 @@ impl Respa {
     ) -> Result<(), StepError> {
         let far = s.part_of_forces(Part::Far, share, s.want(), &mut self.far)?;
         let (near_forces, far_forces) = (&self.near, &self.far);
-        let state = s.parts().state;
+        let Parts { system, state, .. } = s.parts();
         for_each_piece(&mut state.forces, |first, sums| {
             for (i, sum) in (first..).zip(sums) {
                 *sum = near_forces[i] + far_forces[i];
             }
         });
-        check_finite(&state.forces)?;
+        check_finite(system.own(), &state.forces)?;
         state.energetics = near.plus(&far);
         Ok(())
     }

@@ -126,8 +126,6 @@ pub struct Performance {
 pub struct RanksRecord {
     /// Number of ranks; each had the threads of the record.
     pub ranks: u64,
-    /// Whether they shared the pair forces out, or each computed all of them.
-    pub shared_forces: bool,
     /// The share of the wall time in which rank 0 moved messages or waited for them.
     #[serde(with = "number")]
     pub communication: f64,

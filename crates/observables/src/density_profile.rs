@@ -67,12 +67,13 @@ impl Observable for DensityProfile {
         self.seen.see(cell);
         let bins = self.counts.width();
         let layers = bins as f64 / cell.lengths()[self.axis.index()];
-        let mut counts = vec![0.0; bins];
+        let mut counts = vec![0; bins];
         for r in &view.state.positions {
             let layer = (cell.wrap(*r)[self.axis.index()] * layers) as usize;
-            counts[layer.min(bins - 1)] += 1.0;
+            counts[layer.min(bins - 1)] += 1;
         }
-        self.counts.add_sample(counts);
+        view.system.own().add_up(&mut counts);
+        self.counts.add_sample(counts.into_iter().map(|count| count as f64));
     }
 
     fn finish(&self, discarded: f64) -> Findings {

@@ -61,7 +61,7 @@ impl Observable for EinsteinFrequency {
         let state = view.state;
         let laplacian = state.energetics.laplacian.expect("the step was asked for it");
         let mass = view.system.masses.of(0);
-        self.series.push(&[state.time, laplacian / (3.0 * state.len() as f64 * mass)]);
+        self.series.push(&[state.time, laplacian / (3.0 * view.len() as f64 * mass)]);
     }
 
     fn finish(&self, discarded: f64) -> Findings {

@@ -8,7 +8,7 @@ use crate::{
     Average, BuildContext, Doubt, Findings, Frames, Observable, ObservableError, ObservableSpec,
     Recipe, Remark, Surroundings, Table, statistics,
 };
-use lennard_core::{Axis, DVec3, View, Want, persist};
+use lennard_core::{Own, Axis, DVec3, View, Want, persist};
 
 use crate::averages::{changes, of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;
@@ -98,23 +98,29 @@ impl Interface {
 
     /// Counts particles in layers about the middle of the slab, which comes to lie in the middle of the box. Gives their number in
     /// the outer part of the box.
-    fn count(&mut self, positions: &[DVec3], length: f64) -> usize {
+    fn count(&mut self, own: &Own, positions: &[DVec3], length: f64) -> usize {
         let axis = self.axis.index();
         let turn = TAU / length;
-        let (sin, cos) = positions.iter().fold((0.0, 0.0), |(s, c), r| {
-            let (sin, cos) = (turn * r[axis]).sin_cos();
-            (s + sin, c + cos)
+        let turns: Vec<(f64, f64)> = positions.iter().map(|r| (turn * r[axis]).sin_cos()).collect();
+        let mut sums = [0.0; 2];
+        own.in_turn(&mut sums, |sums| {
+            for (sin, cos) in &turns {
+                sums[0] += sin;
+                sums[1] += cos;
+            }
         });
+        let [sin, cos] = sums;
         let middle = f64::atan2(sin, cos) / TAU;
         let bins = self.counts.width();
-        let (mut counts, mut outer) = (vec![0.0; bins], 0);
+        let (mut counts, mut outer) = (vec![0; bins], 0);
         for r in positions {
             let part = (r[axis] / length - middle + 0.5).rem_euclid(1.0);
             outer += usize::from((part - 0.5).abs() > 0.5 * (1.0 - OUTER_PART));
-            counts[((part * bins as f64) as usize).min(bins - 1)] += 1.0;
+            counts[((part * bins as f64) as usize).min(bins - 1)] += 1;
         }
-        self.counts.add_sample(counts);
-        outer
+        own.add_up(&mut counts);
+        self.counts.add_sample(counts.into_iter().map(|count| count as f64));
+        own.count(outer)
     }
 
     /// What a fit of each block's complement says of one number of the slab.
@@ -238,7 +244,7 @@ impl Observable for Interface {
         let cell = view.cell();
         self.seen.see(cell);
         let length = cell.lengths()[self.axis.index()];
-        let outer = self.count(&view.state.positions, length);
+        let outer = self.count(view.system.own(), &view.state.positions, length);
         let diagonal =
             [pressure.x_axis.x + tail, pressure.y_axis.y + tail, pressure.z_axis.z + tail];
         let normal = diagonal[self.axis.index()];

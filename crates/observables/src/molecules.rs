@@ -155,7 +155,7 @@ impl Observable for MolecularMotion {
         let found = sums(view);
         let kinetic = view.kinetic_energy();
         let n_dof = view.n_dof();
-        let kept = 3.0 * view.state.len() as f64
+        let kept = 3.0 * view.len() as f64
             - if view.system.molecules.are_rigid() { bonds } else { 0.0 }
             - n_dof;
         let of_centers = 3.0 * molecules - kept;

@@ -63,7 +63,7 @@ impl Observable for Momentum {
 
     fn sample(&mut self, view: &View<'_>) {
         let state = view.state;
-        let p = view.system.momentum(&state.velocities) / state.len() as f64;
+        let p = view.system.momentum(&state.velocities) / view.len() as f64;
         self.largest = self.largest.max(p.length());
         self.series.push(&[state.time, p.x, p.y, p.z]);
     }

@@ -107,15 +107,15 @@ impl MeanSquareDisplacement {
             ));
         }
         let longest = options.longest_lag / context.sample_interval();
-        let tracked = Tracked::new(context.n_atoms, options.particles);
+        let tracked = Tracked::new(&context.own, options.particles);
         let (levels, of_species) =
-            (Levels::new(longest, tracked.len()), tracked.by_species(&context.species));
+            (Levels::new(longest, &tracked.own), tracked.by_species(&context.species));
         Ok(Self {
             options: options.clone(),
             context: context.clone(),
             seen: SeenBox::new(&context.cell),
-            paths: Paths::new(&context.cell, tracked.len()),
-            displacements: OverLags::new("displacements", 1, levels, of_species),
+            paths: Paths::new(&context.cell, &tracked.own),
+            displacements: OverLags::new("displacements", 1, levels, &tracked.own, of_species),
             tracked,
             temperatures: 0.0,
         })

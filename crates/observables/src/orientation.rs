@@ -1,7 +1,7 @@
 //! How long molecules remember their direction.
 
 use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe, Table};
-use lennard_core::{DVec3, View, persist};
+use lennard_core::{DVec3, Own, View, persist};
 
 use crate::averages::tell_discarded;
 use crate::over_lags::OverLags;
@@ -57,9 +57,10 @@ impl Orientation {
         context: &BuildContext,
     ) -> Result<Self, ObservableError> {
         let window = (options.window, options.origins);
-        let vectors = ("directions", context.n_molecules());
+        let own = Own::all_of(context.n_molecules());
+        let vectors = ("directions", &own);
         let origins = TimeOrigins::new(window, context.sample_interval(), vectors)?;
-        Ok(Self { products: OverLags::new("products", 2, origins, Vec::new()) })
+        Ok(Self { products: OverLags::new("products", 2, origins, &own, Vec::new()) })
     }
 
     /// ∫ C over the window by the trapezoidal rule.

@@ -1,7 +1,7 @@
 //! Functions of the lag between two samples: means over particles and over many time origins.
 
 use crate::Average;
-use lennard_core::{DVec3, Persist, RestoreError, StateReader, StateWriter};
+use lennard_core::{DVec3, Own, Persist, RestoreError, StateReader, StateWriter};
 
 use crate::averages::of_blocks;
 use crate::blocks::BlockedSums;
@@ -12,6 +12,8 @@ use crate::tracked::{Members, mean_over_members, sum_over_pairs};
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct OverLags<O> {
     pub(crate) origins: O,
+    /// Which vectors of a sample this process has.
+    own: Own,
     /// What sums are called in a saved state.
     name: &'static str,
     /// Function after function, each at all lags.
@@ -26,11 +28,12 @@ impl<O: Origins> OverLags<O> {
         name: &'static str,
         functions: usize,
         origins: O,
+        own: &Own,
         of_species: Vec<Members>,
     ) -> Self {
         let sums = || BlockedSums::new(functions * origins.lags());
         let of_species = of_species.into_iter().map(|members| (members, sums())).collect();
-        Self { name, all: sums(), of_species, origins }
+        Self { name, all: sums(), of_species, own: own.clone(), origins }
     }
 
     /// Takes a sample, and adds the mean of each function over the particles, at the lag of each origin.
@@ -39,8 +42,8 @@ impl<O: Origins> OverLags<O> {
         now: &[DVec3],
         functions: [impl Fn(DVec3, DVec3) -> f64 + Sync; N],
     ) {
-        let Self { origins, all, of_species, .. } = self;
-        let (weight, lags) = (1.0 / now.len().max(1) as f64, origins.lags());
+        let Self { origins, own, all, of_species, .. } = self;
+        let (weight, lags) = (1.0 / own.all().max(1) as f64, origins.lags());
         all.begin_sample();
         for (_, sums) in &mut *of_species {
             sums.begin_sample();
@@ -48,9 +51,9 @@ impl<O: Origins> OverLags<O> {
         origins.see(now, |lag, then| {
             for (f, function) in functions.iter().enumerate() {
                 let k = f * lags + lag;
-                all.add(k, sum_over_pairs(now, then, function) * weight, 1);
-                for (Members { members, .. }, sums) in &mut *of_species {
-                    sums.add(k, mean_over_members(members, now, then, function), 1);
+                all.add(k, sum_over_pairs(own, now, then, function) * weight, 1);
+                for (members, sums) in &mut *of_species {
+                    sums.add(k, mean_over_members(own, members, now, then, function), 1);
                 }
             }
         });
@@ -93,7 +96,7 @@ impl OverLags<TimeOrigins> {
 
 impl<O: Origins> Persist for OverLags<O> {
     fn save(&self, to: &mut StateWriter<'_>) {
-        let Self { origins, name, all, of_species } = self;
+        let Self { origins, own: _, name, all, of_species } = self;
         origins.save(to);
         all.save(&mut to.section(name));
         for (Members { suffix, .. }, sums) in of_species {

@@ -2,7 +2,7 @@
 
 use crate::{Average, Doubt, Estimate, Fronts, Remark};
 use lennard_core::number::particles;
-use lennard_core::{DVec3, PeriodicBox};
+use lennard_core::{DVec3, Own, PeriodicBox};
 
 use crate::bond_order::{solid_share, solid_share_bytes};
 use crate::statistics::drift;
@@ -15,11 +15,11 @@ const SHELLS: usize = 3;
 ///
 /// A homogeneous fluid has 4·S(k)/N for the mean of its square, with S(k) near ρTκ_T. Where vapor and liquid share the box it
 /// does not fall with N: a slab that fills a part φ of the box has 2·(ρ_l − ρ_v)/ρ·sin(πφ)/π.
-fn largest_density_wave(cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
+fn largest_density_wave(own: &Own, cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
     let waves = WaveVectors::smallest(cell.lengths(), SHELLS);
-    let waves = waves.densities(positions, cell).into_iter();
+    let waves = waves.densities(own, positions, cell).into_iter();
     let largest = waves.map(|wave| wave.length_squared()).fold(0.0, f64::max);
-    2.0 * largest.sqrt() / positions.len() as f64
+    2.0 * largest.sqrt() / own.all() as f64
 }
 
 /// A wave of the density with a larger amplitude is none of a homogeneous fluid.
@@ -33,15 +33,20 @@ fn homogeneous_up_to(molecules: usize) -> f64 {
 
 /// That a state of so many molecules has separated into vapor and liquid, in words; `None` where it may be homogeneous.
 #[must_use]
-pub fn separated(cell: &PeriodicBox, positions: &[DVec3], molecules: usize) -> Option<String> {
-    let wave = (molecules >= FEWEST).then(|| largest_density_wave(cell, positions))?;
+pub fn separated(
+    own: &Own,
+    cell: &PeriodicBox,
+    positions: &[DVec3],
+    molecules: usize,
+) -> Option<String> {
+    let wave = (molecules >= FEWEST).then(|| largest_density_wave(own, cell, positions))?;
     let allowed = homogeneous_up_to(molecules);
     (wave > allowed).then(|| {
         format!(
             "the density of the last state has a wave across the box of {:.0} % of its mean, where a homogeneous fluid of \
              {} has less than {:.0} %",
             100.0 * wave,
-            particles(positions.len(), molecules),
+            particles(own.all(), molecules),
             100.0 * allowed
         )
     })
@@ -58,10 +63,15 @@ pub fn frozen_bytes(atoms: usize) -> usize {
     if atoms < FEWEST { 0 } else { solid_share_bytes(atoms) }
 }
 
-/// The remark on a state of atoms that is a crystal, or has one in it.
+/// The remark on a state of atoms that is a crystal, or has one in it. Rank 0 looks at all positions, and tells the others.
 #[must_use]
-pub fn frozen(cell: &PeriodicBox, positions: &[DVec3]) -> Option<Remark> {
-    let share = (positions.len() >= FEWEST).then(|| solid_share(cell, positions))?;
+pub fn frozen(own: &Own, cell: &PeriodicBox, positions: &[DVec3]) -> Option<Remark> {
+    let look = || {
+        let all = own.collect_vectors(positions);
+        let share = own.leads().then(|| [solid_share(cell, &all).to_bits()]);
+        own.told(share).map_or(0.0, |[share]| f64::from_bits(share))
+    };
+    let share = (own.all() >= FEWEST).then(look)?;
     (share > FROZEN).then_some(Remark::Frozen { solid_share: share })
 }
 
@@ -123,7 +133,11 @@ mod tests {
     }
 
     fn wave(positions: &[DVec3]) -> f64 {
-        largest_density_wave(&PeriodicBox::new(SIDES).unwrap(), positions)
+        largest_density_wave(
+            &Own::all_of(positions.len()),
+            &PeriodicBox::new(SIDES).unwrap(),
+            positions,
+        )
     }
 
     #[test]

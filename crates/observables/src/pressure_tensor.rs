@@ -4,7 +4,6 @@ use crate::{
     Average, BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe,
     Surroundings,
 };
-use lennard_core::exact::exact_sum;
 use lennard_core::{DMat3, DVec3, View, Want, persist};
 
 use crate::seen_box::SeenBox;
@@ -68,11 +67,11 @@ impl PressureTensor {
         let masses = &view.system.masses;
         // The mean of m·v⊗v over the half steps on both sides, as in the scalar pressure: m·v⊗v + (h/2)²·F⊗F/m.
         let quarter = view.half_kick_step.map_or(0.0, |h| 0.25 * h * h);
-        let kinetic: DMat3 = exact_sum(velocities.len(), |i| {
+        let kinetic: DMat3 = view.sum(|i| {
             let (mass, v, force) = (masses.of(i), velocities[i], forces[i]);
             outer(mass * v, v) + outer(force * (quarter / mass), force)
         });
-        let degrees = 3.0 * velocities.len() as f64 / view.n_dof();
+        let degrees = 3.0 * view.len() as f64 / view.n_dof();
         let virial = view.state.energetics.virial?;
         let symmetric = (virial + virial.transpose()) * 0.5;
         Some((kinetic * degrees + symmetric) * (1.0 / view.cell().volume()))

@@ -2,15 +2,17 @@
 
 use crate::{Insertion, Observable, ObservableError, ObservableSpec};
 use lennard_core::options::Options;
-use lennard_core::{Molecules, PeriodicBox, SpeciesTable};
+use lennard_core::{Molecules, Own, PeriodicBox, SpeciesTable};
 
 /// What an observable may know when it is built.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BuildContext {
     /// The periodic box.
     pub cell: PeriodicBox,
-    /// Number of particles.
+    /// Number of particles, on all ranks.
     pub n_atoms: usize,
+    /// Which of them this process keeps.
+    pub own: Own,
     /// Time step in τ.
     pub dt: f64,
     /// Steps between two samples.

@@ -117,8 +117,8 @@ impl Observable for StructureFactor {
 
     fn sample(&mut self, view: &View<'_>) {
         self.seen.see(view.cell());
-        let densities = self.sample_densities(&view.state.positions, view.cell());
-        let n = view.state.len() as f64;
+        let densities = self.sample_densities(view);
+        let n = view.len() as f64;
         self.factors.whole.begin_sample();
         for (v, density) in self.vectors.iter().zip(densities) {
             self.factors.whole.add(v.shell, density.length_squared() / n, 1);

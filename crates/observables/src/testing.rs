@@ -1,7 +1,7 @@
 //! States for tests.
 
 use lennard_core::random::Streams;
-use lennard_core::{DVec3, PeriodicBox, Species, SpeciesTable, State, System, View};
+use lennard_core::{DVec3, Own, PeriodicBox, Species, SpeciesTable, State, System, View};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
 use crate::BuildContext;
@@ -10,6 +10,7 @@ pub(crate) fn context(side: f64, n_atoms: usize) -> BuildContext {
     BuildContext {
         cell: PeriodicBox::new(DVec3::splat(side)).unwrap(),
         n_atoms,
+        own: Own::all_of(n_atoms),
         dt: 0.01,
         every: 1,
         r_cut: 2.5,

@@ -12,7 +12,6 @@ use crate::{
     BuildContext, Curvature, Ensemble, Estimate, Findings, Observable, ObservableError,
     ObservableSpec, Recipe, heat_capacity,
 };
-use lennard_core::exact::exact_sum;
 use lennard_core::{View, Want, persist};
 
 use crate::averages::{FEWEST_INDEPENDENT, of_fluctuations, of_series};
@@ -190,7 +189,7 @@ impl Observable for Thermodynamics {
         if self.mass.is_nan() {
             let masses = &view.system.masses;
             let n = view.system.n_molecules() as f64;
-            self.mass = exact_sum(view.state.len(), |i| masses.moving(i)) / n;
+            self.mass = view.sum::<f64, 1>(|i| masses.moving(i)) / n;
         }
         self.half_steps = view.half_kick_step.is_some();
         let instant = self.instant(view);

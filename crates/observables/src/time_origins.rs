@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use crate::{Doubt, ObservableError};
 use lennard_core::number::short;
-use lennard_core::{DVec3, Persist, RestoreError, StateReader, StateWriter};
+use lennard_core::{DVec3, Own, Persist, RestoreError, StateReader, StateWriter};
 
 use crate::error::{positive, within};
 
@@ -36,8 +36,8 @@ pub(crate) struct TimeOrigins {
     name: &'static str,
     samples: u64,
     spacing: u64,
-    /// Vectors of a sample.
-    vectors: usize,
+    /// Which vectors of a sample this process has.
+    own: Own,
     /// Oldest first: number of the sample and vectors there.
     kept: VecDeque<(u64, Vec<DVec3>)>,
 }
@@ -50,7 +50,7 @@ impl TimeOrigins {
     pub(crate) fn new(
         (window, origins): (f64, usize),
         interval: f64,
-        (name, vectors): (&'static str, usize),
+        (name, own): (&'static str, &Own),
     ) -> Result<Self, ObservableError> {
         positive("window", Some(window))?;
         let steps = (window / interval).round();
@@ -72,7 +72,7 @@ impl TimeOrigins {
             name,
             samples: 0,
             spacing: lags.div_ceil(origins) as u64,
-            vectors,
+            own: own.clone(),
             kept: VecDeque::new(),
         })
     }
@@ -120,26 +120,26 @@ impl Origins for TimeOrigins {
 
 impl Persist for TimeOrigins {
     fn save(&self, to: &mut StateWriter<'_>) {
-        let Self { interval: _, lags: _, name, samples, spacing: _, vectors: _, kept } = self;
+        let Self { interval: _, lags: _, name, samples, spacing: _, own, kept } = self;
         samples.save(&mut to.section("samples"));
         let born: Vec<u64> = kept.iter().map(|(born, _)| *born).collect();
         to.put_u64("origins", &born);
-        let all: Vec<DVec3> = kept.iter().flat_map(|(_, v)| v).copied().collect();
-        to.put_vec3(name, &all);
+        to.put_vec3(name, &own.collect_rows(kept.iter().map(|(_, v)| &v[..])));
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.samples.restore(&from.section("samples"))?;
         let born = from.u64("origins")?;
         let all = from.vec3(self.name)?;
-        let n = self.vectors;
+        let n = self.own.all();
         if all.len() != born.len() * n || born.iter().any(|b| *b >= self.samples) {
             return Err(from.misfit(
                 self.name,
                 format!("{} vectors for {} origins of {n}", all.len(), born.len()),
             ));
         }
-        self.kept = born.iter().copied().zip(all.chunks(n.max(1)).map(<[DVec3]>::to_vec)).collect();
+        let rows = self.own.parts_of_rows(all).map(<[DVec3]>::to_vec);
+        self.kept = born.iter().copied().zip(rows).collect();
         Ok(())
     }
 }

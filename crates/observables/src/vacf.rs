@@ -76,13 +76,13 @@ impl VelocityAutocorrelation {
     /// # Errors
     /// [`ObservableError`] where the window holds no two samples or more than 10,000, or there is no origin.
     pub fn new(options: &VacfOptions, context: &BuildContext) -> Result<Self, ObservableError> {
-        let tracked = Tracked::new(context.n_atoms, options.particles);
+        let tracked = Tracked::new(&context.own, options.particles);
         let window = (options.window, options.origins);
-        let vectors = ("velocities", tracked.len());
+        let vectors = ("velocities", &tracked.own);
         let origins = TimeOrigins::new(window, context.sample_interval(), vectors)?;
         within("particles", options.particles, 1..=usize::MAX)?;
         let of_species = tracked.by_species(&context.species);
-        Ok(Self { products: OverLags::new("products", 1, origins, of_species), tracked })
+        Ok(Self { products: OverLags::new("products", 1, origins, &tracked.own, of_species), tracked })
     }
 
     /// ⅓∫₀^t C by the trapezoidal rule, at each lag.

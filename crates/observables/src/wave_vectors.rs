@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec2;
-use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
+use lennard_core::{Own, DVec3, PeriodicBox, SpeciesTable};
 use rayon::prelude::*;
 
 use crate::StructureFactorOptions;
@@ -145,8 +145,15 @@ impl WaveVectors {
         means
     }
 
-    /// Σ_j exp(−i k·r_j) for each wave vector, as real and imaginary part.
-    pub(crate) fn densities(&self, positions: &[DVec3], cell: &PeriodicBox) -> Vec<DVec2> {
+    /// Σ_j exp(−i k·r_j) over the particles of all ranks for each wave vector, as real and imaginary part. The positions are of those
+    /// that this process keeps.
+    pub(crate) fn densities(
+        &self,
+        own: &Own,
+        positions: &[DVec3],
+        cell: &PeriodicBox,
+    ) -> Vec<DVec2> {
+        let positions = &own.whole_runs(positions, PARTICLES_A_CHUNK)[..];
         let highest = |axis: usize| {
             self.vectors
                 .iter()
@@ -170,24 +177,31 @@ impl WaveVectors {
                     .collect()
             })
             .collect();
-        let mut total = vec![DVec2::ZERO; self.vectors.len()];
-        for part in parts {
-            for (total, part) in total.iter_mut().zip(part) {
-                *total += DVec2::from_array(part);
+        let mut total = vec![0.0; 2 * self.vectors.len()];
+        own.in_turn(&mut total, |total| {
+            for part in &parts {
+                for (total, part) in total.iter_mut().zip(part.as_flattened()) {
+                    *total += part;
+                }
             }
-        }
-        total
+        });
+        total.as_chunks().0.iter().map(|wave| DVec2::from_array(*wave)).collect()
     }
 
     /// The same sums over the particles of each species.
     pub(crate) fn densities_by_species(
         &self,
+        own: &Own,
         species: &SpeciesTable,
         positions: &[DVec3],
         cell: &PeriodicBox,
     ) -> Vec<Vec<DVec2>> {
         let members = |a| species.particles(a).map(|i| positions[i]).collect::<Vec<DVec3>>();
-        (0..species.n_species()).map(|a| self.densities(&members(a), cell)).collect()
+        let of_species = |a| {
+            let members = members(a);
+            self.densities(&own.list(members.len()), &members, cell)
+        };
+        (0..species.n_species()).map(of_species).collect()
     }
 }
 

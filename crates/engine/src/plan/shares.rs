@@ -223,7 +223,7 @@ fn median(call: impl FnMut()) -> f64 {
 /// and copies the state that it goes back to.
 #[must_use]
 pub fn watching_seconds(simulation: &Simulation) -> f64 {
-    let state = &simulation.state;
+    let Simulation { state, system, .. } = simulation;
     let per_call = |call: &mut dyn FnMut()| {
         let watch = Stopwatch::start();
         (0..WATCHING_CALLS).for_each(|_| call());
@@ -231,8 +231,8 @@ pub fn watching_seconds(simulation: &Simulation) -> f64 {
     };
     let dt = simulation.stage_run().dt;
     let mut before = aside(state);
-    per_call(&mut || drop(watchdog::check_speeds(state, dt, LARGEST_MOVE))) / watchdog::EVERY as f64
-        + per_call(&mut || drop(simulation.force_check.look(state, |_| lennard_core::DVec3::ZERO)))
+    per_call(&mut || drop(watchdog::check_speeds(system.own(), state, dt, LARGEST_MOVE))) / watchdog::EVERY as f64
+        + per_call(&mut || drop(simulation.force_check.look(system, state, |_| lennard_core::DVec3::ZERO)))
             / watchdog::LISTS_EVERY as f64
         + per_call(&mut || set_aside(state, &mut before)) / SET_ASIDE_EVERY as f64
 }

@@ -15,7 +15,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use lennard_core::DVec3;
+use lennard_core::{DVec3, Team};
 use lennard_core::lanes::in_lanes;
 use lennard_core::parallel::{CHUNK, for_each_piece, part};
 use lennard_core::tasks::map_tasks;
@@ -112,8 +112,9 @@ const TO_WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
 impl Cells {
     /// Σ cos and Σ sin of each wave.
     ///
-    /// Moments are exact totals: each power is rounded to a multiple of 2⁻⁴⁰ first. They depend on no order of the particles.
-    pub fn sums(&self, positions: &[DVec3]) -> Vec<[f64; 2]> {
+    /// Moments are exact totals: each power is rounded to a multiple of 2⁻⁴⁰ first. They depend on no order of the particles. With
+    /// a team, each rank gives the positions of some particles, and the sums are over all.
+    pub fn sums(&self, positions: &[DVec3], team: Option<&Team>) -> Vec<[f64; 2]> {
         const { assert!(CHUNK <= 1 << 13, "the moments of a range are exact") };
         let n = positions.len();
         let of_range = |(): &mut (), k: usize| -> Vec<Row> {
@@ -124,10 +125,10 @@ impl Cells {
             )
         };
         let mut of_ranges = map_tasks(n.div_ceil(CHUNK), of_range);
-        let rows = if of_ranges.len() == 1 {
+        let rows = if of_ranges.len() == 1 && team.is_none() {
             of_ranges.swap_remove(0)
         } else {
-            exact_totals(self.stored(), &of_ranges)
+            exact_totals(self.stored(), &of_ranges, team)
         };
         in_lanes(
             #[inline(always)]
@@ -152,7 +153,7 @@ impl Cells {
 }
 
 /// Sums of the moments of all ranges, in whole units of 2⁻⁴⁰: 2²³ particles fit into a cell.
-fn exact_totals(stored: usize, of_ranges: &[Vec<Row>]) -> Vec<Row> {
+fn exact_totals(stored: usize, of_ranges: &[Vec<Row>], team: Option<&Team>) -> Vec<Row> {
     let mut totals = vec![[0_i64; TERMS]; stored];
     for rows in of_ranges {
         for (total, row) in totals.iter_mut().zip(rows) {
@@ -160,6 +161,9 @@ fn exact_totals(stored: usize, of_ranges: &[Vec<Row>]) -> Vec<Row> {
                 *total += (moment * UNITS) as i64;
             }
         }
+    }
+    if let Some(team) = team {
+        team.sum(totals.as_flattened_mut());
     }
     let in_units = |row: [i64; TERMS]| row.map(|total| total as f64 / UNITS);
     totals.into_iter().map(in_units).collect()

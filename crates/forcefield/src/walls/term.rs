@@ -4,7 +4,7 @@ use lennard_core::exact::exact_sums;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::random::{CounterRng, NoiseStream};
 use lennard_core::{
-    Axis, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part,
+    Axis, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Own, Part,
     PeriodicBox, Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
 };
 
@@ -112,6 +112,8 @@ pub struct Walls {
     /// Lower and upper wall of each pair, in the order of the pairs.
     readings: Vec<WallReading>,
     noise: NoiseStream,
+    /// Which particles this process keeps, where ranks share them.
+    own: Option<Own>,
 }
 
 /// What all walls felt of some particles, and what those felt.
@@ -140,7 +142,7 @@ impl Walls {
             let SlitPlanes { axis, lower, upper, .. } = pair.planes;
             [WallReading::new(axis, false, lower), WallReading::new(axis, true, upper)]
         });
-        Self { readings: readings.collect(), pairs, noise }
+        Self { readings: readings.collect(), pairs, noise, own: None }
     }
 
     /// What the plane with this index in [`ForceTerm::walls`] does to particles.
@@ -198,7 +200,8 @@ impl Walls {
             }
             beyond
         });
-        let [energy, laplacian, forces @ ..] = sums.values();
+        let team = self.own.as_ref().and_then(Own::team);
+        let [energy, laplacian, forces @ ..] = sums.over(team).values();
         Felt {
             energy,
             laplacian,
@@ -356,14 +359,15 @@ impl ForceTerm for Walls {
             && self.pairs.iter().any(|pair| pair.surfaces.iter().any(Surface::exerts))
         {
             felt = self.felt_of_all(positions);
-            if let Some((particle, pair, end, depth)) = felt.beyond {
-                return Err(ForceError::BeyondWall {
-                    particle,
+            let beyond = felt.beyond.map_or(Ok(()), |(i, pair, end, depth)| {
+                Err(ForceError::BeyondWall {
+                    particle: i + self.own.as_ref().map_or(0, Own::first),
                     axis: Axis::ALL[self.pairs[pair].planes.axis].name(),
                     end: ["lower", "upper"][end],
                     depth,
-                });
-            }
+                })
+            });
+            self.own.as_ref().map_or(beyond.clone(), |own| own.agree(beyond))?;
             let walls = &*self;
             for_each_piece(forces, |first, chunk| {
                 for (f, r) in chunk.iter_mut().zip(&positions[first..]) {
@@ -412,6 +416,10 @@ impl ForceTerm for Walls {
             needs_solved_contacts: self.pairs.iter().any(WallPair::needs_solved_contacts),
             ..ForceProperties::default()
         }
+    }
+
+    fn keep(&mut self, own: &Own) {
+        self.own = Some(own.clone());
     }
 
     fn walls(&self) -> &[WallReading] {

@@ -2,7 +2,7 @@
 
 use lennard_core::{
     BondSolver, Boundary, Configuration, DVec3, Drifted, Energetics, Flight, ForceError,
-    ForceProperties, ForceTerm, Masses, Part, PeriodicBox, StepError, System, WallReading, Want,
+    ForceProperties, ForceTerm, Masses, Own, Part, PeriodicBox, StepError, System, WallReading, Want,
     persist,
 };
 use lennard_forcefield::{ContactLaw, Walls};
@@ -74,6 +74,11 @@ impl ForceTerm for Obstacles {
     fn properties(&self) -> ForceProperties {
         let terms = self.terms().map(ForceTerm::properties).reduce(ForceProperties::with_term);
         terms.unwrap_or_default()
+    }
+
+    fn keep(&mut self, own: &Own) {
+        self.contacts.iter_mut().for_each(|contacts| contacts.keep(own));
+        self.walls.iter_mut().for_each(|walls| walls.keep(own));
     }
 
     fn walls(&self) -> &[WallReading] {

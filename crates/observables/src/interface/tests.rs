@@ -2,7 +2,7 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, Energetics, Molecules, PeriodicBox, Species, SpeciesTable, State, System,
+    DMat3, Energetics, Molecules, Own, PeriodicBox, Species, SpeciesTable, State, System,
 };
 use rand_distr::{Distribution, StandardUniform};
 
@@ -18,6 +18,7 @@ fn context(n_atoms: usize) -> BuildContext {
     BuildContext {
         cell: PeriodicBox::new(SIDES).unwrap(),
         n_atoms,
+        own: Own::all_of(n_atoms),
         dt: 0.004,
         every: 10,
         r_cut: 2.5,

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use lennard_core::{DVec3, Persist, RestoreError, StateReader, StateWriter};
+use lennard_core::{DVec3, Own, Persist, RestoreError, StateReader, StateWriter};
 
 use crate::time_origins::Origins;
 
@@ -12,8 +12,8 @@ const POINTS: u64 = 16;
 /// Level ℓ keeps the last 16 samples of every 2^ℓ-th, and serves lags of 8·2^ℓ to 16·2^ℓ samples.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Levels {
-    /// Vectors of a sample.
-    vectors: usize,
+    /// Which vectors of a sample this process has.
+    own: Own,
     samples: u64,
     /// Latest sample first.
     levels: Vec<VecDeque<Vec<DVec3>>>,
@@ -21,10 +21,10 @@ pub(super) struct Levels {
 
 impl Levels {
     /// As many levels as a longest lag takes, in samples.
-    pub(super) fn new(longest: f64, vectors: usize) -> Self {
+    pub(super) fn new(longest: f64, own: &Own) -> Self {
         // Level ℓ reaches 16·2^ℓ samples.
         let levels = (longest / POINTS as f64).log2().ceil().clamp(0.0, 40.0) as usize + 1;
-        Self { vectors, samples: 0, levels: vec![VecDeque::new(); levels] }
+        Self { own: own.clone(), samples: 0, levels: vec![VecDeque::new(); levels] }
     }
 
     /// The lags in samples, rising, with the number of each.
@@ -69,17 +69,17 @@ impl Origins for Levels {
 
 impl Persist for Levels {
     fn save(&self, to: &mut StateWriter<'_>) {
-        let Self { vectors: _, samples, levels } = self;
+        let Self { own, samples, levels } = self;
         samples.save(&mut to.section("samples"));
         for (level, history) in levels.iter().enumerate() {
-            let all: Vec<DVec3> = history.iter().flatten().copied().collect();
+            let all = own.collect_rows(history.iter().map(|row| &row[..]));
             to.put_vec3(&format!("level_{level}"), &all);
         }
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.samples.restore(&from.section("samples"))?;
-        let n = self.vectors;
+        let n = self.own.all();
         for (level, history) in self.levels.iter_mut().enumerate() {
             let name = format!("level_{level}");
             let all = from.vec3(&name)?;
@@ -87,7 +87,7 @@ impl Persist for Levels {
             if all.len() != expected {
                 return Err(from.misfit(&name, format!("{} vectors, wanted {expected}", all.len())));
             }
-            *history = all.chunks(n.max(1)).map(<[DVec3]>::to_vec).collect();
+            *history = self.own.parts_of_rows(all).map(<[DVec3]>::to_vec).collect();
         }
         Ok(())
     }

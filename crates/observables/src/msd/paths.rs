@@ -1,6 +1,6 @@
 //! Paths of particles in a box that may change.
 
-use lennard_core::{DVec3, PeriodicBox, Persist, RestoreError, StateReader, StateWriter};
+use lennard_core::{DVec3, Own, PeriodicBox, Persist, RestoreError, StateReader, StateWriter};
 
 /// What the changing box has moved each particle by, taken off its position.
 ///
@@ -13,14 +13,14 @@ pub(super) struct Paths {
     sides: DVec3,
     /// What the box has moved each particle by, σ; empty as long as it has stayed.
     moved: Vec<DVec3>,
-    /// Number of particles.
-    n: usize,
+    /// Which of the particles that are followed this process has.
+    own: Own,
 }
 
 impl Paths {
     /// Nothing has moved in the box of the start.
-    pub(super) fn new(start: &PeriodicBox, n: usize) -> Self {
-        Self { sides: start.lengths(), moved: Vec::new(), n }
+    pub(super) fn new(start: &PeriodicBox, own: &Own) -> Self {
+        Self { sides: start.lengths(), moved: Vec::new(), own: own.clone() }
     }
 
     /// Makes paths of the unwrapped positions of a sample; `before` are the paths of the sample before.
@@ -58,17 +58,18 @@ impl Paths {
 
 impl Persist for Paths {
     fn save(&self, to: &mut StateWriter<'_>) {
-        let Self { sides, moved, n: _ } = self;
+        let Self { sides, moved, own } = self;
         sides.save(&mut to.section("sides"));
-        moved.save(&mut to.section("moved"));
+        to.put_vec3("moved", &own.collect_vectors(moved));
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
         self.sides.restore(&from.section("sides"))?;
-        self.moved.restore(&from.section("moved"))?;
-        match self.moved.len() {
-            found if found == 0 || found == self.n => Ok(()),
-            found => Err(from.misfit("moved", format!("{found} vectors, wanted {}", self.n))),
+        let (all, n) = (from.vec3("moved")?, self.own.all());
+        if !all.is_empty() && all.len() != n {
+            return Err(from.misfit("moved", format!("{} vectors, wanted {n}", all.len())));
         }
+        self.moved = self.own.parts_of_rows(all).flatten().copied().collect();
+        Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::Findings;
 use glam::DVec2;
-use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
+use lennard_core::{SpeciesTable, View};
 
 use super::StructureFactor;
 use crate::averages::of_blocks;
@@ -77,16 +77,13 @@ impl Kind {
 
 impl StructureFactor {
     /// ρ(k) of all particles for each wave vector of a sample, whose parts are added where there are several species.
-    pub(super) fn sample_densities(
-        &mut self,
-        positions: &[DVec3],
-        cell: &PeriodicBox,
-    ) -> Vec<DVec2> {
+    pub(super) fn sample_densities(&mut self, view: &View<'_>) -> Vec<DVec2> {
+        let (own, positions, cell) = (view.system.own(), &view.state.positions, view.cell());
         let (species, vectors) = (&self.species, &self.vectors);
         if !species.is_mixture() {
-            return vectors.densities(positions, cell);
+            return vectors.densities(own, positions, cell);
         }
-        let of_species = vectors.densities_by_species(species, positions, cell);
+        let of_species = vectors.densities_by_species(own, species, positions, cell);
         for (_, factors) in &mut self.factors.parts {
             factors.begin_sample();
         }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::testing::{context, fcc, mixture, normal, random_positions, shuffled, view_of};
-use lennard_core::{DVec3, PeriodicBox};
+use lennard_core::{Own, DVec3, PeriodicBox};
 
 #[test]
 fn an_ideal_gas_scatters_with_one_at_every_wave_number() {
@@ -30,7 +30,7 @@ fn a_face_centred_lattice_scatters_with_n_at_its_reciprocal_vectors_and_nothing_
     let options = StructureFactorOptions { k_max: 16.0, shells: 60, directions: 800 };
     let factor = StructureFactor::new(&options, &context).unwrap();
     let mut seen = 0;
-    let found = factor.vectors.densities(&positions, &context.cell);
+    let found = factor.vectors.densities(&Own::all_of(positions.len()), &positions, &context.cell);
     for (v, density) in factor.vectors.iter().zip(found) {
         let s = density.length_squared() / n as f64;
         let cubic = v.multiples.iter().all(|m| m % 4 == 0);
@@ -50,7 +50,7 @@ fn a_negative_multiple_is_summed_as_the_plain_definition_has_it() {
     let factor = StructureFactor::new(&StructureFactorOptions::default(), &context).unwrap();
     let positions: Vec<DVec3> =
         random_positions(30, 6.0, 3).into_iter().map(|r| r + DVec3::new(12.0, -6.0, 0.0)).collect();
-    let found = factor.vectors.densities(&positions, &context.cell);
+    let found = factor.vectors.densities(&Own::all_of(positions.len()), &positions, &context.cell);
     assert!(factor.vectors.iter().any(|v| v.multiples[2] < 0));
     for (v, density) in factor.vectors.iter().zip(found) {
         let [re, im] = density.to_array();

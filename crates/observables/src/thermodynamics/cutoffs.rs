@@ -1,6 +1,6 @@
 //! What the end of the pair potential adds to second derivatives of U, which no pair loop sees.
 
-use lennard_core::{Molecules, SpeciesTable, View};
+use lennard_core::{Molecules, Own, SpeciesTable, View};
 
 /// Width of the shell inside a cutoff whose pairs tell how many lie at the cutoff, as a part of the cutoff.
 const SHELL: f64 = 0.05;
@@ -59,7 +59,7 @@ impl Ends {
     ) -> EndSums {
         let positions = &view.state.positions;
         let (cell, exclusions) = (view.cell(), molecules.exclusions());
-        let n = positions.len();
+        let (own, n) = (view.system.own(), view.len());
         let centres = n.min(every.div_ceil(STEPS_PER_CENTRE) as usize);
         let mut sums = EndSums::default();
         for k in 0..centres {
@@ -69,18 +69,26 @@ impl Ends {
                 let turn = (sample * centres as u64 + k as u64).wrapping_mul(GOLDEN);
                 ((u128::from(turn) * n as u128) >> 64) as usize
             };
-            let row = &self.0[species.of(i) * species.n_species()..];
-            for (j, r) in positions.iter().enumerate() {
-                let r2 = cell.minimum_image(*r - positions[i]).length_squared();
-                let end = row[species.of(j)];
-                if r2 < end.r_cut * end.r_cut && i != j && !exclusions.exclude(i, j) {
-                    let width = SHELL * end.r_cut;
-                    let x = (end.r_cut - r2.sqrt()) / width;
-                    let at_end = if x < 1.0 { (4.0 - 6.0 * x) / width } else { 0.0 };
-                    sums.jump += end.slope * at_end;
-                    sums.jump_r2 += end.slope * at_end * r2;
-                    sums.shift += end.shift;
-                }
+            let here = own.index(i);
+            let center = own.vector(here.map(|i| positions[i]));
+            let [kind] = own.told(here.map(|i| [species.of(i) as u64])).unwrap_or_default();
+            let row = &self.0[kind as usize * species.n_species()..];
+            let pairs = own.numbers().zip(positions).enumerate().filter_map(|(here, (j, r))| {
+                let r2 = cell.minimum_image(*r - center).length_squared();
+                let kind = species.of(here);
+                let r_cut = row[kind].r_cut;
+                let counts = r2 < r_cut * r_cut && i != j && !exclusions.exclude(i, j);
+                counts.then_some((kind, r2))
+            });
+            // Pairs come in the order of their numbers, from one rank after another.
+            for (kind, r2) in all_pairs(own, pairs) {
+                let end = row[kind];
+                let width = SHELL * end.r_cut;
+                let x = (end.r_cut - r2.sqrt()) / width;
+                let at_end = if x < 1.0 { (4.0 - 6.0 * x) / width } else { 0.0 };
+                sums.jump += end.slope * at_end;
+                sums.jump_r2 += end.slope * at_end * r2;
+                sums.shift += end.shift;
             }
         }
         // Each pair is seen from both of its particles.
@@ -91,6 +99,14 @@ impl Ends {
             shift: share * sums.shift,
         }
     }
+}
+
+/// Pairs of one particle that all ranks found, each by the species of the other and r²; one rank after another.
+fn all_pairs(own: &Own, here: impl Iterator<Item = (usize, f64)>) -> Vec<(usize, f64)> {
+    let Some(team) = own.team() else { return here.collect() };
+    let words: Vec<u64> = here.flat_map(|(kind, r2)| [kind as u64, r2.to_bits()]).collect();
+    let all = team.concat(&words);
+    all.as_chunks().0.iter().map(|[kind, r2]| (*kind as usize, f64::from_bits(*r2))).collect()
 }
 
 #[cfg(test)]

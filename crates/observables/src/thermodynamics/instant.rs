@@ -1,6 +1,5 @@
 //! One sample of the thermodynamic series.
 
-use lennard_core::exact::exact_sum;
 use lennard_core::{DVec3, TailCorrection, View};
 
 use super::Thermodynamics;
@@ -98,7 +97,7 @@ impl Thermodynamics {
         let of_positions = view.temperature_of_positions();
         let ends = self.sums_of_ends(view);
         let (squared_force, laplacian) = if self.options.configurational_temperature {
-            let squares: f64 = exact_sum(state.len(), |i| state.forces[i].length_squared());
+            let squares: f64 = view.sum(|i| state.forces[i].length_squared());
             let laplacian = energetics.laplacian.expect(asked);
             (squares / n, (laplacian - 2.0 * ends.jump) / n)
         } else {

@@ -1,7 +1,6 @@
 //! The kinetic temperature of each species of a mixture.
 
 use crate::Findings;
-use lennard_core::exact::exact_sum;
 use lennard_core::{Persist, RestoreError, SpeciesTable, StateReader, StateWriter, View};
 
 use super::MOST_ROWS;
@@ -42,7 +41,7 @@ impl SpeciesTemperatures {
         let moves = |i: usize| f64::from(u8::from(!masses.is_held(i)));
         let moving = (n - masses.n_held()) as f64;
         let kept = 3.0 * moving - view.n_dof();
-        let sum = |of: &(dyn Fn(usize) -> f64 + Sync)| -> f64 { exact_sum(n, of) };
+        let sum = |of: &(dyn Fn(usize) -> f64 + Sync)| -> f64 { view.sum(of) };
         let all = sum(&|i| masses.moving(i));
         for (a, series) in self.series.iter_mut().enumerate() {
             let of_species = |i: usize| f64::from(u8::from(self.species.of(i) == a));

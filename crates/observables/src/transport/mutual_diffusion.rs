@@ -1,7 +1,6 @@
 //! The mutual diffusion of two species.
 
 use crate::{BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe};
-use lennard_core::exact::exact_sum;
 use lennard_core::{DVec3, SpeciesTable, View, persist};
 
 use super::green_kubo::{GreenKubo, LONG_ENOUGH, Words};
@@ -79,12 +78,13 @@ impl MutualDiffusion {
     }
 
     /// The mean velocity of one species relative to the other, σ/τ.
-    fn relative_velocity(&self, velocities: &[DVec3]) -> DVec3 {
+    fn relative_velocity(&self, view: &View<'_>) -> DVec3 {
+        let velocities = &view.state.velocities;
         let of = |i: usize| match self.species.of(i) {
             0 => velocities[i] / self.species.count(0) as f64,
             _ => velocities[i] / -(self.species.count(1) as f64),
         };
-        exact_sum(velocities.len(), of)
+        view.sum(of)
     }
 }
 
@@ -94,7 +94,7 @@ impl Observable for MutualDiffusion {
     }
 
     fn sample(&mut self, view: &View<'_>) {
-        let u = self.relative_velocity(&view.state.velocities);
+        let u = self.relative_velocity(view);
         self.flux.push(&u.to_array(), view.temperature());
     }
 

@@ -3,7 +3,7 @@
 use glam::Vec3Swizzles;
 use lennard_core::random::Streams;
 use lennard_core::{
-    Bonds, DMat3, DVec3, Energetics, Molecules, PeriodicBox, Species, SpeciesTable, State,
+    Bonds, DMat3, DVec3, Energetics, Molecules, Own, PeriodicBox, Species, SpeciesTable, State,
     StateArchive, System, View,
 };
 use lennard_observables::{
@@ -22,6 +22,7 @@ fn context_of(n_atoms: usize) -> BuildContext {
     BuildContext {
         cell: PeriodicBox::new(DVec3::splat(12.0)).unwrap(),
         n_atoms,
+        own: Own::all_of(n_atoms),
         dt: 0.005,
         every: 10,
         r_cut: 2.5,

@@ -2,7 +2,7 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, DVec3, Energetics, Momentum, PeriodicBox, Species, SpeciesTable, State, System, View,
+    DMat3, DVec3, Energetics, Momentum, Own, PeriodicBox, Species, SpeciesTable, State, System, View,
 };
 use lennard_observables::{
     BuildContext, EinsteinFrequencyOptions, Estimate, MeanSquareDisplacement, MsdOptions,
@@ -109,6 +109,7 @@ fn temperature_diffusion_and_structure_of_a_fluid_agree_by_independent_roads() {
     let context = BuildContext {
         cell,
         n_atoms: N,
+        own: Own::all_of(N),
         dt: DT,
         every: EVERY,
         r_cut: R_CUT,

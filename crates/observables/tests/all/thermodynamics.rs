@@ -2,7 +2,7 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, DVec3, Energetics, PeriodicBox, Species, SpeciesTable, State, System, TailCorrection,
+    DMat3, DVec3, Energetics, Own, PeriodicBox, Species, SpeciesTable, State, System, TailCorrection,
     View,
 };
 use lennard_observables::{
@@ -15,6 +15,7 @@ fn context(n_atoms: usize, side: f64) -> BuildContext {
     BuildContext {
         cell: PeriodicBox::new(DVec3::splat(side)).unwrap(),
         n_atoms,
+        own: Own::all_of(n_atoms),
         dt: 0.005,
         every: 10,
         r_cut: 2.5,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use lennard_core::random::Streams;
-use lennard_core::{PeriodicBox, SpeciesTable};
+use lennard_core::{Own, PeriodicBox, SpeciesTable};
 use lennard_forcefield::{ForceFieldError, Model, tail_in};
 use lennard_observables::{BuildContext, Insertion, TrialEnergies};
 
@@ -95,6 +95,7 @@ impl Scene {
         BuildContext {
             cell,
             n_atoms: species.n_particles(),
+            own: Own::all_of(species.n_particles()),
             dt,
             every,
             r_cut: self.longest_cutoff(),

@@ -38,7 +38,7 @@ fn sums_and_forces_are_those_of_particles_one_by_one() {
         let cells = Cells::new(LENGTH, waves);
         let positions = heights(n);
         let wanted = one_by_one(waves, &positions);
-        let found = cells.sums(&positions);
+        let found = cells.sums(&positions, None);
         // The polynomials are worst for the shortest waves.
         let bar = |wave: usize| {
             let part = (wave + 1) as f64 / waves as f64;
@@ -81,9 +81,9 @@ fn moments_depend_on_no_order() {
     let positions = heights(3 * CHUNK + 11);
     let mut turned = positions.clone();
     turned.reverse();
-    assert_eq!(cells.sums(&positions), cells.sums(&turned));
+    assert_eq!(cells.sums(&positions, None), cells.sums(&turned, None));
     turned.rotate_left(777);
-    assert_eq!(cells.sums(&positions), cells.sums(&turned));
+    assert_eq!(cells.sums(&positions, None), cells.sums(&turned, None));
 }
 
 /// Registers give the bits of numbers one by one.

@@ -18,17 +18,16 @@ const PAGE: &str = "report.html";
 /// What is about to run.
 pub fn header(simulation: &Simulation, threads: usize, folder: &Path) -> Section {
     let scene = &simulation.scene;
-    let n = simulation.state.len();
+    let n = simulation.system.len();
     let molecules = simulation.system.n_molecules();
     let density = molecules as f64 / simulation.state.cell.volume();
     let [x, y, z] = simulation.state.cell.lengths().to_array();
     let of_particles = particles(n, molecules);
     let threads = counted(threads, "thread");
-    let workers = match &simulation.team {
+    let workers = match simulation.team() {
         None => threads,
         Some(team) => format!("{} with {threads} each", counted(team.ranks(), "rank")),
     };
-    let shares_nothing = simulation.team.is_some() && !simulation.shares_forces;
     Section::new(scene.name.to_string())
         .text(format!("{of_particles}, density {density:.4}, box {x:.4} × {y:.4} × {z:.4} σ"))
         .text(scene.model_name())
@@ -48,9 +47,6 @@ pub fn header(simulation: &Simulation, threads: usize, folder: &Path) -> Section
             format!("{}: {temperature}, {density}, dt = {dt}", units.substance.name)
         }))
         .text(format!("{workers}, output in {}", folder.display()))
-        .texts(shares_nothing.then_some(
-            "each rank computes all pair forces: this search for pairs has no shared form",
-        ))
 }
 
 /// What a run found, and what can be said of it.
@@ -117,14 +113,11 @@ fn speed(record: &RunRecord, is_of_few_bodies: bool) -> String {
 /// What several ranks did.
 fn ranks(record: &RunRecord) -> Option<String> {
     let ranks = record.performance.ranks.as_ref()?;
-    let halo = match ranks.shared_forces {
-        true => format!("rank 0 got {:.0} particles of others for its lists", ranks.halo),
-        false => "pair forces were not shared".to_owned(),
-    };
     Some(format!(
-        "{}: {:.0} % of the time in messages; {halo}",
+        "{}: {:.0} % of the time in messages; rank 0 got {:.0} particles of others for its lists",
         counted(ranks.ranks as usize, "rank"),
-        100.0 * ranks.communication
+        100.0 * ranks.communication,
+        ranks.halo
     ))
 }
 
