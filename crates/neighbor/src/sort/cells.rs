@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
-
 use crate::sort::columns::ColumnTable;
 use crate::sort::row_table::RowTable;
 
@@ -71,15 +69,6 @@ impl Cells<'_> {
         match self {
             Self::Rows(table) => table.count(),
             Self::Columns(table) => table.count(),
-        }
-    }
-
-    /// Where the particle at a slot lies across the columns along x and y, in columns from the face of the box. The sort had
-    /// its position `r` in a box of these sides, σ.
-    pub(crate) fn across(self, slot: usize, r: DVec3, lengths: DVec3) -> [f64; 2] {
-        match self {
-            Self::Rows(table) => table.across(slot),
-            Self::Columns(table) => table.across(slot, r, lengths),
         }
     }
 
