@@ -55,9 +55,9 @@ pub use rows::{Candidates, Center, Entries, Images, ListChunk, NeighborList, Num
 pub use scanner::{Found, ScalarScanner, Scanner};
 pub use sort::{
     Belongs, Beyond, Cells, ColumnTable, Columns, FIXED_ROUNDING, FIXED_UNITS, FixedRow, Ghost,
-    GridError, PADDING, Positions, RowCoordinates, RowTable, to_fixed, with_rounding,
+    GridError, PADDING, Positions, RowCoordinates, RowTable, is_usable, to_fixed, with_rounding,
 };
 pub use unlisted::{
     DisplacementScale, Displacements, NowAndThen, PackedDisplacement, Partners, unlisted_pairs,
 };
-pub use validity::{Criterion, LARGE_SYSTEM, Validity};
+pub use validity::{Criterion, LARGE_SYSTEM, Validity, farthest_apart};

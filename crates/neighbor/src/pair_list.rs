@@ -72,6 +72,15 @@ pub trait PairList: Sync {
     /// The force loops rely on it: they read rows through entries without a test of their own.
     fn is_valid(&self) -> bool;
 
+    /// The cell of a slot in the box, and the number of its particle: slots of the whole have the order of these.
+    /// Lists that insert no pairs have none.
+    fn key(&self, _slot: u32) -> [u32; 2] {
+        [0; 2]
+    }
+    /// The slot that has a key, where the list has it.
+    fn slot_of(&self, _key: [u32; 2]) -> Option<u32> {
+        None
+    }
     /// Whether the list contains a pair of slots that was beyond the list radius at the build.
     fn contains(&self, _pair: [u32; 2]) -> bool {
         false

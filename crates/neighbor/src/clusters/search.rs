@@ -11,7 +11,7 @@ use super::found::{ClusterNeighbors, Excluded, GroupBounds, GroupCandidates};
 use crate::chunk_slots::{ATOMS_PER_CHUNK, SMALLEST_CUT};
 use crate::scanner::Scanner;
 use crate::sort::{CellRange, ColumnGrid, ColumnTable, FIXED_UNITS, wrap_cell};
-use crate::validity::{LARGE_SYSTEM, Limits};
+use crate::validity::{LARGE_SYSTEM, farthest_apart};
 
 /// Particles per group: one gathering of candidates serves a group.
 const GROUP: usize = 16;
@@ -83,7 +83,6 @@ impl<'a> Search<'a> {
     ) -> Self {
         let lengths = cell.lengths();
         let rounding = 4.0 * lengths.max_element() / FIXED_UNITS;
-        let skins = Limits::of(table.whole()).farthest_together;
         Self {
             table,
             at: table.at(),
@@ -91,7 +90,7 @@ impl<'a> Search<'a> {
             lengths: lengths.to_array(),
             scale: (lengths / FIXED_UNITS).to_array(),
             radius: reach.r_list + rounding,
-            farthest: reach.r_cut + skins * (reach.r_list - reach.r_cut) + rounding,
+            farthest: farthest_apart(reach, table.whole()) + rounding,
             exclusions,
             aside: table.whole() >= LARGE_SYSTEM,
         }

@@ -72,6 +72,13 @@ impl Cells<'_> {
         }
     }
 
+    /// The slots of the particles in a column.
+    #[must_use]
+    pub fn column(self, [x, y]: [u32; 2]) -> Range<u32> {
+        let [_, _, nz] = self.count();
+        self.slots(x, y, [0, nz - 1])
+    }
+
     /// The slots of the particles in the column at (x, y), between two cells along z, both included.
     #[inline(always)]
     pub(crate) fn slots(self, x: u32, y: u32, z: [u32; 2]) -> Range<u32> {

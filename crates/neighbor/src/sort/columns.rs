@@ -213,6 +213,22 @@ impl ColumnTable {
         self.room = room;
     }
 
+    /// The cell of a slot in the box, and the number of its particle.
+    pub(crate) fn key(&self, slot: u32) -> [u32; 2] {
+        let cell = self.sort.first.partition_point(|first| *first <= slot) as u32 - 1;
+        let slices = self.grid.slices;
+        let column = self.present.column((cell / slices) as usize);
+        [column * slices + cell % slices, self.particle[slot as usize]]
+    }
+
+    /// The slot that has a key, where the table has it.
+    pub(crate) fn slot_of(&self, [cell, number]: [u32; 2]) -> Option<u32> {
+        let slices = self.grid.slices;
+        let at = (self.present.place(cell / slices)? * slices + cell % slices) as usize;
+        let mut slots = self.sort.first[at]..self.sort.first[at + 1];
+        slots.find(|slot| self.particle[*slot as usize] == number)
+    }
+
     /// The slots of a column between two slices, both included.
     #[inline(always)]
     pub(crate) fn slots_of(&self, column: u32, slices: [u32; 2]) -> Range<u32> {

@@ -12,7 +12,9 @@ pub use cells::Cells;
 pub(crate) use cells::{CellRange, wrap_cell};
 pub(crate) use columns::ColumnGrid;
 pub use columns::ColumnTable;
-pub use coordinates::{FIXED_ROUNDING, FIXED_UNITS, FixedRow, PADDING, RowCoordinates, to_fixed};
+pub use coordinates::{
+    FIXED_ROUNDING, FIXED_UNITS, FixedRow, PADDING, RowCoordinates, is_usable, to_fixed,
+};
 pub use parts::{Belongs, Beyond, Columns, with_rounding};
 pub use positions::{GridError, Positions};
 pub use row_table::{Ghost, RowTable};

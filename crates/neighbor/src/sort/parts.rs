@@ -111,9 +111,9 @@ impl Columns {
                     let beside =
                         [wrap_cell(i64::from(x) + dx, nx), wrap_cell(i64::from(y) + dy, ny)];
                     let owner = owners[self.bundle(beside)];
-                    let within = gap[0] * gap[0] + gap[1] * gap[1] <= radius * radius;
-                    if owner as usize != rank && within {
-                        to.push((owner, [dx as f64, dy as f64]));
+                    let least2 = gap[0] * gap[0] + gap[1] * gap[1];
+                    if owner as usize != rank && least2 <= radius * radius {
+                        to.push(Other { owner, away: [dx as f64, dy as f64], least2 });
                     }
                 }
             }
@@ -127,15 +127,26 @@ impl Columns {
 pub struct Beyond {
     columns: Columns,
     edges: [f64; 2],
-    /// For each column, by x, then y: the rank of another column, and how many columns away it is.
-    others: Vec<Vec<(u32, [f64; 2])>>,
+    /// For each column, by x, then y.
+    others: Vec<Vec<Other>>,
+}
+
+/// A column of another rank, as seen from a column.
+#[derive(Debug, Clone)]
+struct Other {
+    owner: u32,
+    /// How many columns away it is along x and y.
+    away: [f64; 2],
+    /// The square of the distance between the nearest points of both columns, σ².
+    least2: f64,
 }
 
 impl Beyond {
-    /// Whether the column is near to a column of another rank.
+    /// Whether a column of another rank is within a radius of the column, σ, at most the radius that was asked for.
     #[must_use]
-    pub fn is_outer(&self, [x, y]: [u32; 2]) -> bool {
-        !self.others[(x * self.columns.count[1] + y) as usize].is_empty()
+    pub fn is_outer(&self, [x, y]: [u32; 2], radius: f64) -> bool {
+        let mut others = self.others[(x * self.columns.count[1] + y) as usize].iter();
+        others.any(|other| other.least2 <= radius * radius)
     }
 
     /// Writes, for a place `r` σ in a column, each other rank with the square of the distance to its nearest column, σ².
@@ -152,7 +163,7 @@ impl Beyond {
             // The sort may have rounded to another column: the place then counts as its edge.
             (folded - f64::from(column[axis]) * self.edges[axis]).clamp(0.0, self.edges[axis])
         });
-        for (rank, away) in others {
+        for Other { owner: rank, away, .. } in others {
             let gap = [0, 1].map(|axis| {
                 let (away, edge) = (away[axis], self.edges[axis]);
                 if away > 0.0 {
