@@ -97,10 +97,10 @@ impl FusedBuffers {
         let keeps_forces = steps.bath.as_ref().is_some_and(|bath| bath.next_noise().is_none());
         let kinds = [keeps_forces, are_few(list.whole())];
         let slots = |validity: &ListValidity| validity.part.as_ref().map(|_| validity.built.len());
-        self.by_slot(lent, slots(validity), kinds).gather(list, steps, validity.part.as_ref());
+        let mut particles = self.by_slot(lent, slots(validity), kinds);
+        particles.gather(list, steps, validity.part.as_ref());
         let (mut taken, mut is_new, mut prepared) = (0, false, Prepared::Nothing);
         loop {
-            let mut particles = self.by_slot(lent, slots(validity), kinds);
             let most = steps.steps - taken;
             let (done, status) = {
                 let used = &validity.in_use(list, cell);
@@ -168,14 +168,14 @@ impl FusedBuffers {
                         break;
                     }
                     if let Some(settled) = settling {
-                        let mut particles = self.by_slot(lent, slots(validity), kinds);
+                        // A rank has another number of slots now.
+                        particles = self.by_slot(lent, slots(validity), kinds);
                         particles.take(&validity.built, &settled.velocities);
                     }
                     is_new = true;
                 }
             }
         }
-        let particles = self.by_slot(lent, slots(validity), kinds);
         match &validity.part {
             None if taken > 0 => {
                 to_particles(list, particles.positions, steps.positions);
