@@ -281,6 +281,10 @@ fn compare_parts<P: PairList>(
     whole.place(cell, &[0..positions.len()], &by_slot(&whole, positions));
     whole.fill(&ScalarScanner, cell, reach);
     let wanted = of_particles(&whole);
+    let mut slot_of = vec![0; positions.len()];
+    for (slot, particle) in whole.particles().iter().enumerate() {
+        slot_of[*particle as usize] = slot;
+    }
     let mut owned = 0;
     for rank in 0..ranks {
         let mut part = empty();
@@ -291,11 +295,12 @@ fn compare_parts<P: PairList>(
         assert!((0..ranks as u32).all(|rank| owners.contains(&rank)));
         let owner = |r: &DVec3| owners[columns.bundle(part.column_at(cell, *r))] as usize;
         let radius = with_rounding(cell.lengths(), reach.r_list);
+        let beyond: Vec<_> =
+            (0..ranks).map(|owner| columns.beyond(&owners, owner, radius)).collect();
         let mut near = Vec::new();
         let in_part = |(_, r): &(u32, &DVec3)| {
             let owner = owner(r);
-            let beyond = columns.beyond(&owners, owner, radius);
-            beyond.ranks_near(part.column_at(cell, **r), **r, &mut near);
+            beyond[owner].ranks_near(part.column_at(cell, **r), **r, &mut near);
             owner == rank
                 || near.iter().any(|(k, d2)| *k as usize == rank && *d2 <= radius * radius)
         };
@@ -321,8 +326,8 @@ fn compare_parts<P: PairList>(
         owned += part.own();
         let found = of_particles(&part);
         for (slot, number) in part.particles()[..part.own()].iter().enumerate() {
-            let of_whole = whole.particles().iter().position(|other| other == number).unwrap();
-            assert_eq!(found[slot], wanted[of_whole], "rank {rank} of {ranks}, particle {number}");
+            let wanted = &wanted[slot_of[*number as usize]];
+            assert_eq!(found[slot], *wanted, "rank {rank} of {ranks}, particle {number}");
         }
     }
     assert_eq!(owned, positions.len());
