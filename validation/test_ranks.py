@@ -182,10 +182,9 @@ def test_halos_are_as_large_as_the_plan_says(mpi: Mpi, tmp_path) -> None:
     # The first lists are those of the crystal, with halos 7 % smaller: among many they do not count.
     for precision in ["double", "mixed"]:
         common = [str(scene(tmp_path, n=32000, melt=20, steps=2000)), "--precision", precision]
-        planned = alone("plan", *common, "--nodes", "2", "--latency", "2us", "--bandwidth", "10GB/s", "--json")
+        planned = alone("plan", *common, "--ranks", "2", "--json")
         assert planned.returncode == 0, planned.stderr
-        steps = json.loads(planned.stdout)["nodes"]["steps"]
-        expected = next(step["ghosts"] for step in steps if step["nodes"] == 2)
+        expected = json.loads(planned.stdout)["ranks"]["steps"][-1]["halo"]
         out = tmp_path / precision
         done = mpi.run(2, "run", *common, "--threads", "1", "--quiet", "--no-report", "--out", str(out))
         assert done.returncode == 0, done.stderr
@@ -194,23 +193,24 @@ def test_halos_are_as_large_as_the_plan_says(mpi: Mpi, tmp_path) -> None:
         assert abs(found / expected - 1) < 0.02
 
 
-def test_ranks_hold_the_memory_that_the_plan_says(mpi: Mpi, tmp_path) -> None:
+@pytest.mark.parametrize("number", [2, 4, 8])
+def test_the_largest_rank_holds_the_memory_that_the_plan_says(mpi: Mpi, tmp_path, number) -> None:
     # The state set aside is there from step 100 on.
     path = str(scene(tmp_path, n=1000188, melt=2, steps=103))
     # Libraries differ by some MB. A run with each precision of each would take twice the time.
     precision = "mixed" if mpi.name == "MPICH" else "double"
     common = [path, "--precision", precision]
-    planned = alone("plan", *common, "--nodes", "4", "--latency", "2us", "--bandwidth", "10GB/s", "--json")
+    planned = alone("plan", *common, "--ranks", str(number), "--json")
     assert planned.returncode == 0, planned.stderr
-    step = json.loads(planned.stdout)["nodes"]["steps"][-1]
-    expected = [step["bytes"], *3 * [step["bytes_of_others"]]]
+    expected = json.loads(planned.stdout)["ranks"]["steps"][-1]["bytes"]
     out = str(tmp_path / "out")
-    found = mpi.peaks(tmp_path, 4, "run", *common, "--threads", "1", "--quiet", "--no-report", "--out", out)
-    assert len(found) == 4
-    pairs = ", ".join(f"{f / 1e6:.0f} ({e / 1e6:.0f})" for f, e in zip(found, expected, strict=True))
-    conftest.RESULTS.append(f"{mpi.name}, {precision}: MB of 4 ranks with 10⁶ particles (planned): {pairs}")
-    for rank, (bytes_found, bytes_planned) in enumerate(zip(found, expected, strict=True)):
-        assert abs(bytes_found / bytes_planned - 1) < 0.1, f"rank {rank}: {pairs}"
+    found = mpi.peaks(tmp_path, number, "run", *common, "--threads", "1", "--quiet", "--no-report", "--out", out)
+    assert len(found) == number
+    all_found = ", ".join(f"{f / 1e6:.0f}" for f in found)
+    conftest.RESULTS.append(
+        f"{mpi.name}, {precision}: MB of {number} ranks with 10⁶ particles: {all_found}; planned {expected / 1e6:.0f}"
+    )
+    assert abs(max(found) / expected - 1) < 0.1
 
 
 def test_speed_beside_threads(mpi: Mpi, tmp_path) -> None:

@@ -249,27 +249,6 @@ pub trait Backend: ForceTerm {
         let _ = team;
         Ok(false)
     }
-
-    /// What a rank would need of others, if so many ranks shared the work at the last evaluation.
-    ///
-    /// The default is nothing, as suits what is not shared out; so it is with more ranks than can be kept busy.
-    fn halo_on(&self, ranks: usize) -> Option<HaloSize> {
-        let _ = ranks;
-        None
-    }
-}
-
-/// What a rank needs of others in each step, as a mean over ranks.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct HaloSize {
-    /// Particles of other ranks that its lists may name.
-    pub particles: f64,
-    /// Ranks that have such particles.
-    pub partners: f64,
-    /// Bytes of its lists.
-    pub lists: f64,
-    /// Bytes that it holds to share, besides what one process holds.
-    pub buffers: f64,
 }
 
 /// No force at all: free flight.
@@ -406,10 +385,6 @@ impl<B: Backend> Backend for ForceSum<B> {
     /// The first term alone is shared: the others act on the particles of this rank.
     fn share(&mut self, team: &Team) -> Result<bool, TooManyRanks> {
         self.first.share(team)
-    }
-
-    fn halo_on(&self, ranks: usize) -> Option<HaloSize> {
-        self.first.halo_on(ranks)
     }
 }
 

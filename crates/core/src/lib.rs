@@ -37,7 +37,7 @@ mod view;
 pub use boundary::{BondSolver, BoundDrift, Boundary, Drifted, Flight, WallReading};
 pub use cell::{Axis, BoxError, PeriodicBox};
 pub use force::{
-    Backend, ForceProperties, ForceStatistics, ForceSum, ForceTerm, FusedSteps, HaloSize, NoForces,
+    Backend, ForceProperties, ForceStatistics, ForceSum, ForceTerm, FusedSteps, NoForces,
 };
 pub use friction::{FrictionAndNoise, LANES as NOISE_LANES, NoiseOfMass, NoiseOfStep, Ramp};
 pub use glam::{DMat3, DVec3};

@@ -52,7 +52,7 @@ pub use instant::Moment;
 pub use measure::{Measurement, Trajectory};
 pub use own::OwnParts;
 pub use plan::{
-    Network, Nodes, NodesError, OnNodes, PATIENCE, Plan, PlanItem, plan, watching_seconds,
+    Network, OnRanks, PATIENCE, Plan, PlanItem, PlanRanksError, Ranks, plan, watching_seconds,
 };
 pub use resume::{ResumeOptions, Resumed, restored, resume, way_on};
 pub use room::NoRoom;

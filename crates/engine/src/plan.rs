@@ -1,9 +1,9 @@
 //! What a scene computes, what it leaves out and why, how much memory it takes and about how long.
 
-mod nodes;
+mod ranks;
 mod shares;
 
-pub use nodes::{Network, Nodes, NodesError, OnNodes};
+pub use ranks::{Network, OnRanks, PlanRanksError, Ranks};
 pub use shares::{PATIENCE, watching_seconds};
 
 use lennard_core::DVec3;
@@ -11,7 +11,7 @@ use lennard_core::number::short;
 use lennard_forcefield::{ForcePlan, Search};
 use lennard_observables::Observable;
 use lennard_scene::{Scene, Stage};
-use nodes::OneNode;
+use ranks::OneRank;
 use serde::Serialize;
 use shares::{Costs, Part, THERMODYNAMICS, barostat_name, bath_name};
 
@@ -72,9 +72,9 @@ pub struct Plan {
     pub lengths: DVec3,
     /// The distance that forces and lists reach, σ.
     pub reach: f64,
-    /// What several machines make of the scene, where the command asks for it.
+    /// What several ranks make of the scene, where the command asks for it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub nodes: Option<Nodes>,
+    pub ranks: Option<Ranks>,
 }
 
 /// Bytes that a process of the program holds without particles: 12.2 to 12.6 MB with 256 of them, on Linux.
@@ -83,7 +83,7 @@ const PROGRAM_BYTES: u64 = 12_000_000;
 const STATE_BYTES: usize = 3 * size_of::<DVec3>();
 
 /// Makes the plan of a scene. What is on and off follows from the scene alone; a short measurement of its first steps and
-/// of each part says what they cost. `network` asks what several machines, each like this one, would make of the scene.
+/// of each part says what they cost. `network` asks what several ranks would make of the scene.
 ///
 /// # Errors
 /// [`EngineError`] for everything that is wrong with the scene, and where its work cannot be shared out so.
@@ -96,9 +96,7 @@ pub fn plan(
     let (_, provider) = build::forces(&scene, simulation.state.cell, simulation.system.species())?;
     let mut items = items(&scene, simulation, provider.plan(), threads);
     let foreseen = simulation.foreseen();
-    let most = lennard_forcefield::most_ranks(simulation.state.len());
-    let ranks = network.map_or(Vec::new(), |network| network.sizes(most));
-    let costs = Costs::measure(simulation, &ranks)?;
+    let costs = Costs::measure(simulation)?;
     let total = costs.parts.as_ref().map(|all| all.iter().map(Part::of_run).sum::<f64>());
     for item in items.iter_mut().filter(|item| item.on) {
         let all = costs.parts.iter().flatten().filter(|part| part.name == item.part);
@@ -112,19 +110,22 @@ pub fn plan(
     let at_times = costs.checkpoint_bytes.max(costs.text_bytes).max(simulation.bytes_to_look());
     let bytes_to_write = (set_aside + at_times) as u64;
     let bytes = state as u64 + bytes_to_write + costs.force_bytes;
-    let one_node = OneNode {
+    let ForcePlan { search, r_list, .. } = *provider.plan();
+    let one = |core_seconds| OneRank {
         atoms: n,
-        seconds_per_step: costs.median_step,
-        halos: costs.halos,
-        most,
+        lengths: simulation.state.cell.lengths(),
+        r_list: (search == Search::Verlet).then_some(r_list),
+        core_seconds,
         builds: costs.builds,
-        gathers: 1.0 / scene.output.thermo_every as f64,
+        rows: 1.0 / scene.output.thermo_every as f64,
         bytes,
-        bytes_to_write,
         program_bytes: PROGRAM_BYTES,
     };
+    let most = lennard_forcefield::most_ranks(n);
+    let measured = network.zip(costs.mean_step);
+    let ranks = measured.map(|(on, step)| one(step * threads as f64).on(on, most)).transpose()?;
     Ok(Plan {
-        schema: lennard_io::schema!("plan", 3),
+        schema: lennard_io::schema!("plan", 4),
         scene: scene.name.to_string(),
         model: scene.model_name(),
         atoms: n,
@@ -140,11 +141,8 @@ pub fn plan(
         estimated_seconds: total,
         remarks: [simulation.remarks.clone(), foreseen].concat(),
         lengths: simulation.state.cell.lengths(),
-        reach: provider.plan().r_list,
-        nodes: network
-            .filter(|_| total.is_some())
-            .map(|network| one_node.on(network))
-            .transpose()?,
+        reach: r_list,
+        ranks,
     })
 }
 

@@ -1,26 +1,26 @@
 //! Fused steps: steps that follow each other, with the particles by slot.
 
-use std::ops::Range;
-
 use glam::DVec3;
 use lennard_core::exact::{PartSum, SumOfParts};
 use lennard_core::{ForceError, FusedBath, FusedSteps, Masses, Moving};
 use lennard_neighbor::{PairList, Positions};
 
 use crate::clock::Clock;
-use crate::share::Share;
+use crate::part::{Part, Particles};
 use crate::simd::{
     Disjoint, KickDrift, ListStatus, Mover, PackedCopies, PackedList, Prepared, Request, SlotNoise,
     SlotState, SumOverChunks, are_few, by_slot, fused_step, to_particles,
 };
 use crate::sums::Detail;
-use crate::validity::ListValidity;
+use crate::validity::{Given, ListValidity};
 
 /// Room for particles in the order of a list, beside the room of forces that the caller lends.
 #[derive(Debug, Default)]
 pub struct FusedBuffers {
     /// Positions, where a bath has forces kept in the room of forces. Elsewhere positions lie there.
     positions: Vec<DVec3>,
+    /// The room of forces of a rank, whose particles are others by slot than by number.
+    room: Vec<DVec3>,
     velocities: Vec<DVec3>,
     /// Positions of the next step, where chunks still read the positions of this step. It is empty for many particles.
     next: Vec<DVec3>,
@@ -45,23 +45,25 @@ struct BySlot<'a> {
 impl FusedBuffers {
     /// Number of bytes held.
     pub fn bytes(&self) -> usize {
-        let vectors = [&self.positions, &self.velocities, &self.next];
+        let vectors = [&self.positions, &self.room, &self.velocities, &self.next];
         let vectors: usize = vectors.iter().map(|v| v.capacity()).sum();
         24 * vectors + self.parts.capacity() * size_of::<PartSum>()
     }
 
-    /// The arrays of some steps, in this room and in the room of forces.
+    /// The arrays of some steps, in this room and in the room of forces, which the caller lends. On a rank, `part` has `n` slots.
     fn by_slot<'a>(
         &'a mut self,
-        forces: &'a mut [DVec3],
-        keeps_forces: bool,
-        reads_while_it_writes: bool,
+        lent: &'a mut [DVec3],
+        part: Option<usize>,
+        [keeps_forces, reads_while_it_writes]: [bool; 2],
     ) -> BySlot<'a> {
-        let n = forces.len();
+        let n = part.unwrap_or(lent.len());
         let room = |wanted: bool| if wanted { n } else { 0 };
         self.velocities.resize(n, DVec3::ZERO);
         self.next.resize(room(reads_while_it_writes), DVec3::ZERO);
         self.positions.resize(room(keeps_forces), DVec3::ZERO);
+        self.room.resize(part.unwrap_or(0), DVec3::ZERO);
+        let forces = if part.is_some() { &mut self.room[..] } else { lent };
         let (positions, forces) =
             if keeps_forces { (&mut self.positions[..], forces) } else { (forces, &mut [][..]) };
         BySlot {
@@ -86,19 +88,17 @@ impl FusedBuffers {
         clock: &mut Clock,
     ) -> u64 {
         let (cell, n) = (steps.cell, steps.positions.len());
-        if !validity.may_be_valid::<P>(cell, n) {
-            let positions = Positions::ById(steps.positions);
-            let built =
-                clock.building(|| validity.build((&mut *list, copies.rows()), cell, positions));
-            if built.is_err() {
-                return 0;
-            }
+        if !validity.may_be_valid::<P>(cell, n)
+            && !first_build(validity, (list, copies), steps, clock)
+        {
+            return 0;
         }
-        let forces = std::mem::take(&mut steps.forces);
+        let lent = std::mem::take(&mut steps.forces);
         let keeps_forces = steps.bath.as_ref().is_some_and(|bath| bath.next_noise().is_none());
-        let reads_while_it_writes = are_few(n) && validity.share.is_none();
-        let mut particles = self.by_slot(forces, keeps_forces, reads_while_it_writes);
-        particles.gather(list, steps, validity.share.as_ref());
+        let kinds = [keeps_forces, are_few(list.whole())];
+        let slots = |validity: &ListValidity| validity.part.as_ref().map(|_| validity.built.len());
+        let mut particles = self.by_slot(lent, slots(validity), kinds);
+        particles.gather(list, steps, validity.part.as_ref());
         let (mut taken, mut is_new, mut prepared) = (0, false, Prepared::Nothing);
         loop {
             let most = steps.steps - taken;
@@ -112,8 +112,10 @@ impl FusedBuffers {
                     }
                     let acts = steps.bath.as_ref().is_some_and(FusedBath::scales);
                     // The last step packs nothing, since no step follows it.
-                    let packs_next =
-                        P::PACK_AHEAD.is_some() && !are_few(n) && most - done > 1 && !acts;
+                    let packs_next = P::PACK_AHEAD.is_some()
+                        && !are_few(list.whole())
+                        && most - done > 1
+                        && !acts;
                     let request = Request { detail: Detail::Forces, prepared, packs_next };
                     let BySlot { positions, velocities, next, forces, sum, parts } = &mut particles;
                     let next = (!next.is_empty()).then_some(&mut **next);
@@ -128,13 +130,13 @@ impl FusedBuffers {
                     }
                     prepared = if acts {
                         // The bath must not see numbers that are none.
-                        if used.share.is_some_and(Share::is_broken) {
+                        if used.part.is_some_and(Part::is_broken) {
                             break ListStatus::NonFinite;
                         }
-                        particles.go_on_from_bath(steps, kick_drift, used.share);
+                        particles.go_on_from_bath(steps, kick_drift, (list.own(), used.part));
                         Prepared::Nothing
                     } else {
-                        particles.finish_step(steps, request, used.share)
+                        particles.finish_step(steps, request, used.part)
                     };
                     done += 1;
                 };
@@ -150,62 +152,104 @@ impl FusedBuffers {
                 }
                 ListStatus::Expired | ListStatus::Incomplete(_) => {
                     assert!(done > 0 || !is_new, "a new list is complete");
+                    let mut settling = validity.part.as_ref().map(|_| particles.of_rank(list));
                     let built = clock.building(|| {
-                        let ranks = validity.share.as_ref().map(|share| share.ranks().clone());
-                        let positions = match &ranks {
-                            None => Positions::BySlot(particles.positions),
-                            Some(ranks) => Positions::Parted(particles.positions, ranks),
+                        let given = match &mut settling {
+                            None => Given::All(Positions::BySlot(particles.positions)),
+                            Some(particles) => Given::OfRank(particles),
                         };
-                        validity.build((&mut *list, copies.rows()), cell, positions)?;
-                        particles.reorder(list, validity);
+                        validity.build((&mut *list, copies.rows()), cell, given)?;
+                        if validity.part.is_none() {
+                            particles.reorder(list, validity);
+                        }
                         Ok::<_, ForceError>(())
                     });
                     if built.is_err() {
                         break;
                     }
+                    if let Some(settled) = settling {
+                        // A rank has another number of slots now.
+                        particles = self.by_slot(lent, slots(validity), kinds);
+                        particles.take(&validity.built, &settled.velocities);
+                    }
                     is_new = true;
                 }
             }
         }
-        if let Some(share) = &validity.share {
-            if share.is_broken() {
-                return 0;
+        match &validity.part {
+            None if taken > 0 => {
+                to_particles(list, particles.positions, steps.positions);
+                to_particles(list, particles.velocities, steps.velocities);
             }
-            share.team().gather(particles.positions, share.slots());
-            share.team().gather(particles.velocities, share.slots());
-        }
-        if taken > 0 {
-            to_particles(list, particles.positions, steps.positions);
-            to_particles(list, particles.velocities, steps.velocities);
+            None => {}
+            Some(part) if part.is_broken() => return 0,
+            Some(part) => {
+                part.to_numbers(list, particles.positions, steps.positions);
+                part.to_numbers(list, particles.velocities, steps.velocities);
+            }
         }
         taken
     }
 }
 
+/// Builds a list for the first of some steps; returns whether it could.
+fn first_build<P: PackedList>(
+    validity: &mut ListValidity,
+    (list, copies): (&mut P, &mut PackedCopies<P::Row>),
+    steps: &FusedSteps<'_>,
+    clock: &mut Clock,
+) -> bool {
+    let mut particles = Particles::default();
+    let given = match &validity.part {
+        None => Given::All(Positions::ById(steps.positions)),
+        Some(part) => {
+            particles.numbers = part.numbers().map(|number| number as u32).collect();
+            particles.positions = steps.positions.to_vec();
+            Given::OfRank(&mut particles)
+        }
+    };
+    clock.building(|| validity.build((list, copies.rows()), steps.cell, given)).is_ok()
+}
+
 impl BySlot<'_> {
     /// Gathers positions and velocities by slot.
-    fn gather<P: PairList>(&mut self, list: &P, steps: &FusedSteps<'_>, share: Option<&Share>) {
-        let (order, own) = (list.particles(), self.own(share));
-        by_slot(order, own.clone(), steps.positions, self.positions);
-        by_slot(order, own, steps.velocities, self.velocities);
-    }
-
-    /// The slots whose particles this process moves.
-    fn own(&self, share: Option<&Share>) -> Range<usize> {
-        share.map_or(0..self.positions.len(), Share::own)
-    }
-
-    /// Puts the particles of this process in the order of a list that was just built.
-    fn reorder<P: PairList>(&mut self, list: &P, validity: &ListValidity) {
-        let (source, own) = (list.source(), self.own(validity.share.as_ref()));
-        // The velocities move to the room of the old positions.
-        match &validity.share {
-            None => by_slot(source, own.clone(), self.velocities, self.positions),
-            Some(share) => share.migrate(source, self.velocities, self.positions),
+    fn gather<P: PairList>(&mut self, list: &P, steps: &FusedSteps<'_>, part: Option<&Part>) {
+        let order = list.particles();
+        match part {
+            None => {
+                by_slot(order, 0..order.len(), steps.positions, self.positions);
+                by_slot(order, 0..order.len(), steps.velocities, self.velocities);
+            }
+            Some(part) => {
+                part.to_slots(list, steps.positions, self.positions);
+                part.to_slots(list, steps.velocities, self.velocities);
+            }
         }
+    }
+
+    /// Puts the particles in the order of a list that was just built.
+    fn reorder<P: PairList>(&mut self, list: &P, validity: &ListValidity) {
+        // The velocities move to the room of the old positions.
+        by_slot(list.source(), 0..self.positions.len(), self.velocities, self.positions);
         std::mem::swap(&mut self.positions, &mut self.velocities);
-        let built = &validity.built[own.clone()];
-        self.positions[own].copy_from_slice(built);
+        self.positions.copy_from_slice(&validity.built);
+    }
+
+    /// The particles of a rank, ahead of a build.
+    fn of_rank<P: PairList>(&self, list: &P) -> Particles {
+        let own = list.own();
+        Particles {
+            move_on: true,
+            numbers: list.particles()[..own].to_vec(),
+            positions: self.positions[..own].to_vec(),
+            velocities: self.velocities[..own].to_vec(),
+        }
+    }
+
+    /// Takes positions of all slots, and velocities of the first ones.
+    fn take(&mut self, positions: &[DVec3], velocities: &[DVec3]) {
+        self.positions.copy_from_slice(positions);
+        self.velocities[..velocities.len()].copy_from_slice(velocities);
     }
 
     /// Lets the bath scale the velocities after half a kick, and goes on with the other half and the drift.
@@ -213,15 +257,14 @@ impl BySlot<'_> {
         &mut self,
         steps: &mut FusedSteps<'_>,
         kick_drift: KickDrift,
-        share: Option<&Share>,
+        (own, part): (usize, Option<&Part>),
     ) {
-        let own = self.own(share);
-        let kinetic = self.sum.value(self.parts, share.map(Share::team));
+        let kinetic = self.sum.value(self.parts, part.map(Part::team));
         let factor = steps.bath.as_mut().map_or(1.0, |bath| bath.factor(kinetic));
         let moving = Moving {
-            positions: &mut self.positions[own.clone()],
-            velocities: &mut self.velocities[own.clone()],
-            forces: &self.forces[own],
+            positions: &mut self.positions[..own],
+            velocities: &mut self.velocities[..own],
+            forces: &self.forces[..own],
         };
         moving.all(move |c| kick_drift.on_from_bath(factor, c));
     }
@@ -231,10 +274,10 @@ impl BySlot<'_> {
         &mut self,
         steps: &mut FusedSteps<'_>,
         request: Request,
-        share: Option<&Share>,
+        part: Option<&Part>,
     ) -> Prepared {
         if let Some(bath) = &mut steps.bath {
-            bath.pass(|| self.sum.value(self.parts, share.map(Share::team)));
+            bath.pass(|| self.sum.value(self.parts, part.map(Part::team)));
         }
         if !self.next.is_empty() {
             std::mem::swap(&mut self.positions, &mut self.next);

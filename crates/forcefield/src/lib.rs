@@ -17,11 +17,11 @@ mod non_finite;
 mod number;
 mod options;
 mod pair;
+mod part;
 mod plan;
 mod provider;
 mod real;
 mod reference;
-mod share;
 mod simd;
 mod sums;
 mod validity;
@@ -43,10 +43,10 @@ pub use pair::{
     TruncationOptions, TruncationSpec, combining_rules, model_name, tail_correction, tail_in,
     tail_of_mixture, truncations,
 };
+pub use part::most_ranks;
 pub use plan::{Conditions, ForcePlan, Search, recommended_threads};
 pub use provider::{PairForces, build};
 pub use real::Real;
-pub use share::most_ranks;
 pub use simd::Isa;
 pub use walls::{
     Hard, Hit, HitRule, KICKS_OF_REST, Rebound, Response, SHALLOWEST_ROOM, SlitPlanes, Soft,

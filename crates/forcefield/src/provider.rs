@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 use lennard_core::{
     Backend, Configuration, Energetics, Exclusions, ForceError, ForceProperties, ForceStatistics,
-    ForceTerm, FusedSteps, HaloSize, Masses, Part, PeriodicBox, Team, TooManyRanks, Want,
+    ForceTerm, FusedSteps, Masses, Part, PeriodicBox, Team, TooManyRanks, Want,
 };
 use lennard_neighbor::PairList;
 
@@ -18,6 +18,7 @@ use crate::interaction::Pairwise;
 use crate::listed::{AnyListed, Loop, with_listed};
 use crate::non_finite;
 use crate::options::ForceFieldOptions;
+use crate::part::{LEAST_OF_A_RANK, most_ranks};
 use crate::plan::{Conditions, ForcePlan, Search, TIE_MARGIN, decide};
 use crate::reference;
 use crate::simd::KickDrift;
@@ -335,16 +336,15 @@ impl Backend for PairForces {
         let Strategy::Verlet(listed) = &mut self.strategy else {
             return Ok(false);
         };
-        if let Some(near) = self.near.as_mut().and_then(|near| near.list.as_mut()) {
-            with_listed!(near, l => l.share(team, self.n_atoms))?;
+        let most = most_ranks(self.n_atoms);
+        if self.near.is_some() || team.ranks() > most {
+            let (ranks, particles) = (team.ranks(), self.n_atoms);
+            return Err(TooManyRanks { ranks, particles, least: LEAST_OF_A_RANK, most });
         }
-        with_listed!(listed, l => l.share(team, self.n_atoms))
-    }
-
-    fn halo_on(&self, ranks: usize) -> Option<HaloSize> {
-        match &self.strategy {
-            Strategy::Verlet(listed) => with_listed!(listed, l => l.halo_on(self.n_atoms, ranks)),
-            _ => None,
+        let shares = with_listed!(listed, l => l.share(team, self.n_atoms));
+        if shares {
+            self.n_atoms = team.numbers(self.n_atoms).len();
         }
+        Ok(shares)
     }
 }

@@ -2,17 +2,15 @@
 
 pub mod build;
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec3;
-use lennard_core::{ForceError, HaloSize, PeriodicBox, Team, TooManyRanks};
-use lennard_neighbor::{Around, Criterion, GridError, PairList, Positions, Reach};
+use lennard_core::{ForceError, PeriodicBox};
+use lennard_neighbor::{Criterion, GridError, PairList, Positions, Reach};
 
 use self::build::Build;
 use crate::interaction::Pairwise;
-use crate::share::Share;
-use crate::share::foreseen::halo_on;
+use crate::part::{Part, Particles};
 use crate::simd::{Level, ListInUse, PackedList, by_slot};
 
 /// When a list may be used, and the record of its last build.
@@ -26,16 +24,14 @@ pub struct ListValidity {
     build: Option<Build>,
     /// Positions of the last build by slot, σ; their room is reused.
     pub built: Vec<DVec3>,
-    /// Whether all of them are known to this rank, not only the ones around its particles.
-    knows_all_built: bool,
     /// The species at each slot of the last build, where there are several.
     species: Vec<u8>,
-    /// The pairs of slots that were inserted since the build, in their order.
+    /// The pairs of particles that were inserted since the build, in their order: with ranks, pairs of all of them.
     pub inserted: Vec<[u32; 2]>,
     /// Number of builds so far.
     pub builds: u64,
-    /// The share of this rank, where there are several.
-    pub share: Option<Share>,
+    /// The part of this rank, where there are several.
+    pub part: Option<Part>,
 }
 
 impl ListValidity {
@@ -47,44 +43,16 @@ impl ListValidity {
             level,
             build: None,
             built: Vec::new(),
-            knows_all_built: true,
             species: Vec::new(),
             inserted: Vec::new(),
             builds: 0,
-            share: None,
+            part: None,
         }
-    }
-
-    /// Shares a list of `n` particles with the other ranks of a team.
-    pub fn share<P: PairList>(
-        &mut self,
-        list: &mut P,
-        team: &Team,
-        n: usize,
-    ) -> Result<(), TooManyRanks> {
-        let mut share = Share::new(team, n)?;
-        if let Some(build) = &self.build {
-            share.cut(list);
-            // No search follows: it needs no other columns than the ones around the slots.
-            let (lengths, r_list) = (build.cell.lengths(), build.r_list);
-            let found = Around::new(list.cells(), lengths, r_list, &share.own());
-            share.agree(list, &found, &self.built);
-        }
-        self.share = Some(share);
-        Ok(())
     }
 
     /// The box of the last build; none before the first.
     pub fn build_cell(&self) -> Option<&PeriodicBox> {
         self.build.as_ref().map(|build| &build.cell)
-    }
-
-    /// Lets this rank know the positions of the last build of all particles. All ranks call it together.
-    pub fn know_all_built(&mut self) {
-        if let (Some(share), false) = (&self.share, self.knows_all_built) {
-            share.team().gather(&mut self.built, share.slots());
-            self.knows_all_built = true;
-        }
     }
 
     /// Forgets the last build.
@@ -94,8 +62,8 @@ impl ListValidity {
 
     /// Number of bytes held.
     pub fn bytes(&self) -> usize {
-        let share = self.share.as_ref().map_or(0, Share::bytes);
-        size_of::<DVec3>() * self.built.capacity() + self.species.capacity() + share
+        let part = self.part.as_ref().map_or(0, Part::bytes);
+        size_of::<DVec3>() * self.built.capacity() + self.species.capacity() + part
     }
 
     /// Builds a list in a box, which may use the room of its `rows`: rows have no meaning afterwards.
@@ -105,10 +73,10 @@ impl ListValidity {
         &mut self,
         (list, rows): (&mut P, &mut Vec<P::Row>),
         cell: &PeriodicBox,
-        positions: Positions<'_>,
+        given: Given<'_>,
     ) -> Result<(), ForceError> {
         list.swap_room(rows);
-        let built = self.build_there(list, cell, positions);
+        let built = self.build_there(list, cell, given);
         list.swap_room(rows);
         built
     }
@@ -117,7 +85,7 @@ impl ListValidity {
         &mut self,
         list: &mut P,
         cell: &PeriodicBox,
-        positions: Positions<'_>,
+        given: Given<'_>,
     ) -> Result<(), ForceError> {
         // A list that failed to build must not look valid.
         self.build = None;
@@ -125,33 +93,23 @@ impl ListValidity {
         let r_cut = self.pairwise.r_cut();
         let skin = if r_cut + self.skin > largest { (largest - r_cut).max(0.0) } else { self.skin };
         let reach = Reach { r_cut, r_list: r_cut + skin + P::rounding(cell, r_cut) };
-        list.order(cell, reach, positions).map_err(|GridError::BadPosition { particle }| {
-            ForceError::NonFinitePosition { particle }
-        })?;
-        if let Some(share) = &mut self.share {
-            share.cut(list);
-        }
-        let values = positions.values();
-        self.built.resize(values.len(), DVec3::ZERO);
-        self.knows_all_built = true;
-        let mut surroundings = None;
-        match (positions, &mut self.share) {
-            (Positions::Parted(..), Some(share)) => {
-                share.plan_moves(list.source());
-                share.migrate(list.source(), values, &mut self.built);
-                list.place(cell, &[share.own()], &self.built);
-                let found = around(self.level, list, (cell, reach), &share.own());
-                let near = found.near();
-                share.fetch_near(&near, &mut self.built);
-                list.place(cell, &near, &self.built);
-                self.knows_all_built = false;
-                surroundings = Some(found);
+        match (&mut self.part, given) {
+            (None, Given::All(positions)) => {
+                list.order(cell, reach, positions).map_err(
+                    |GridError::BadPosition { particle }| ForceError::NonFinitePosition {
+                        particle,
+                    },
+                )?;
+                let values = positions.values();
+                self.built.resize(values.len(), DVec3::ZERO);
+                by_slot(list.source(), 0..values.len(), values, &mut self.built);
+                list.place(cell, &[0..values.len()], &self.built);
             }
-            _ => {
-                let all = 0..values.len();
-                by_slot(list.source(), all.clone(), values, &mut self.built);
-                list.place(cell, &[all], &self.built);
+            (Some(part), Given::OfRank(particles)) => {
+                part.settle(list, cell, reach, particles)?;
+                self.built = std::mem::take(&mut particles.positions);
             }
+            _ => unreachable!("a rank gives its particles, and one process gives all"),
         }
         list.fill(self.level.scanner(), cell, reach);
         debug_assert!(list.is_valid(), "the loops rely on valid lists");
@@ -162,43 +120,29 @@ impl ListValidity {
         }
         self.inserted.clear();
         self.builds += 1;
-        if let Some(share) = &mut self.share {
-            let found = surroundings
-                .unwrap_or_else(|| around(self.level, list, (cell, reach), &share.own()));
-            share.agree(list, &found, &self.built);
-        }
         self.build = Some(Build { cell: *cell, skin, r_list: reach.r_list });
         Ok(())
     }
 
-    /// What a rank would need of others, if so many ranks shared the list as it is.
-    pub fn halo_on<P: PairList>(&self, list: &P, n: usize, ranks: usize) -> Option<HaloSize> {
-        let Build { cell, r_list, .. } = self.build.as_ref()?;
-        let lengths = cell.lengths();
-        let halo = |own: &_| {
-            let around = Around::new(list.cells(), lengths, *r_list, own);
-            around.halo(list.cells(), |slot| self.built[slot])
-        };
-        halo_on(list, halo, n, ranks)
-    }
-
-    /// Inserts pairs that a list lacks; returns whether the list can take them.
-    pub fn insert<P: PairList>(&mut self, list: &mut P, pairs: &[[u32; 2]]) -> bool {
+    /// Inserts pairs of particles that a list lacks; returns whether the list can take them. All ranks insert the same pairs.
+    pub fn insert<P: PairList>(&mut self, list: &mut P, pairs: &[Lacking]) -> bool {
         if P::INSERTS {
-            pairs.iter().for_each(|pair| list.insert(*pair));
-            self.inserted.extend(pairs);
-            if let Some(share) = &mut self.share {
-                share.include(list, pairs);
+            self.inserted.extend(pairs.iter().map(|pair| pair.particles));
+            let of_slots: Vec<[u32; 2]> = pairs.iter().filter_map(|pair| pair.slots).collect();
+            of_slots.iter().for_each(|pair| list.insert(*pair));
+            if let Some(part) = &mut self.part {
+                part.include(list, &of_slots);
             }
             debug_assert!(list.is_valid(), "the loops rely on valid lists");
         }
         P::INSERTS
     }
 
-    /// Whether the list was built for `n` particles, and may be valid at some positions in a box.
+    /// Whether the list was built, of one process for `n` particles, and may be valid at some positions in a box.
     pub fn may_be_valid<P: PairList>(&self, cell: &PeriodicBox, n: usize) -> bool {
         let criterion = self.build.as_ref().map(|b| self.criterion::<P>(b, cell));
-        self.built.len() == n && criterion.is_some_and(|criterion| criterion.far2() >= 0.0)
+        (self.part.is_some() || self.built.len() == n)
+            && criterion.is_some_and(|criterion| criterion.far2() >= 0.0)
     }
 
     /// The criterion in a box.
@@ -232,19 +176,24 @@ impl ListValidity {
             species: self.pairwise.of_particle().is_some().then_some(&self.species[..]),
             stretch: cell.lengths() / build.cell.lengths(),
             criterion: self.criterion::<P>(build, cell),
-            share: self.share.as_ref(),
+            part: self.part.as_ref(),
         }
     }
 }
 
-/// What lies around some slots in a list that is being built.
-fn around<P: PackedList>(
-    level: Level,
-    list: &P,
-    (cell, reach): (&PeriodicBox, Reach),
-    own: &Range<usize>,
-) -> Around {
-    let mut around = Around::new(list.cells(), cell.lengths(), reach.r_list, own);
-    list.mark_near(level.scanner(), cell, reach, &mut around);
-    around
+/// The particles that a build is given.
+pub enum Given<'a> {
+    /// All, by one process.
+    All(Positions<'a>),
+    /// The particles of a rank. Afterwards their positions are the positions of the build.
+    OfRank(&'a mut Particles),
+}
+
+/// A pair of particles that a list lacks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Lacking {
+    /// Their numbers.
+    pub particles: [u32; 2],
+    /// Their slots, where this process knows both.
+    pub slots: Option<[u32; 2]>,
 }

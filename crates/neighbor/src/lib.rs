@@ -22,7 +22,7 @@
 //! | Form | Numbers, order | Maker | Reason |
 //! |---|---|---|---|
 //! | `State::positions` | f64, unwrapped, by particle | methods | The one value that observables and files read. |
-//! | [`Positions`] | the same, by particle, by slot, or in parts of ranks | caller of a build | Particles keep nearly the same slot: by slot a sort is faster. |
+//! | [`Positions`] | the same, by particle or by slot | caller of a build | Particles keep nearly the same slot: by slot a sort is faster. |
 //! | positions and next positions of fused steps | f64, unwrapped, by slot | `FusedBuffers` (forcefield) | Many steps move particles in the order of the list. Few particles write the next step elsewhere, since other threads still read this one. |
 //! | positions of the build | f64, unwrapped, by slot | `ListValidity` (forcefield) | Displacements since the build say whether the list is valid. |
 //! | folded positions with images | f64 in the box, i32, by slot | [`RowTable`] | A row is the position without its image, so that rows move continuously. |
@@ -54,10 +54,10 @@ pub use pair_list::PairList;
 pub use rows::{Candidates, Center, Entries, Images, ListChunk, NeighborList, Numbering};
 pub use scanner::{Found, ScalarScanner, Scanner};
 pub use sort::{
-    Around, Cells, ColumnTable, FIXED_ROUNDING, FIXED_UNITS, FixedRow, Ghost, GridError, PADDING,
-    Positions, Ranks, RowCoordinates, RowTable, to_fixed,
+    Belongs, Beyond, Cells, ColumnTable, Columns, FIXED_ROUNDING, FIXED_UNITS, FixedRow, Ghost,
+    GridError, PADDING, Positions, RowCoordinates, RowTable, is_usable, to_fixed, with_rounding,
 };
 pub use unlisted::{
     DisplacementScale, Displacements, NowAndThen, PackedDisplacement, Partners, unlisted_pairs,
 };
-pub use validity::{Criterion, LARGE_SYSTEM, Validity};
+pub use validity::{Criterion, LARGE_SYSTEM, Validity, farthest_apart};

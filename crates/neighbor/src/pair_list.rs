@@ -1,4 +1,4 @@
-//! What every neighbor list does, whether it has one list per particle or one per cluster, and the chunks that a rank keeps.
+//! What every neighbor list does, whether it has one list per particle or one per cluster.
 
 use std::ops::Range;
 
@@ -8,12 +8,15 @@ use lennard_core::PeriodicBox;
 use crate::chunk_slots::ChunkSlots;
 use crate::clusters::Reach;
 use crate::scanner::Scanner;
-use crate::sort::{Around, Cells, GridError, Positions};
+use crate::sort::{Belongs, Cells, Columns, GridError, Positions};
 
 /// A full neighbor list over sorted particles.
 ///
 /// A build has three parts: [`order`](PairList::order) gives particles their slots, [`place`](PairList::place) takes their
-/// coordinates, and [`fill`](PairList::fill) searches. Particles that no list names need no place.
+/// coordinates, and [`fill`](PairList::fill) searches.
+///
+/// A list of a *part* has the lists of the particles in some columns of the box. These particles have the first slots, in
+/// the order of the whole, and the particles around them (the *halo*) have slots behind. Its lists are those of the whole.
 pub trait PairList: Sync {
     /// Whether pairs can be inserted after the build.
     const INSERTS: bool = false;
@@ -49,19 +52,35 @@ pub trait PairList: Sync {
     ) -> Result<(), GridError>;
     /// Goes on with a build: places the particles at some runs of slots, where `at` has positions by slot, σ.
     fn place(&mut self, cell: &PeriodicBox, runs: &[Range<usize>], at: &[DVec3]);
-    /// Marks the columns that the search of the lists that are kept looks into, but for the columns around their slots.
-    ///
-    /// The particles of these lists are placed.
-    fn mark_near(&self, _: &dyn Scanner, _cell: &PeriodicBox, _reach: Reach, _: &mut Around) {}
+    /// Begins a build of a part of `whole` particles in a box; returns the columns of the box.
+    fn begin_part(&mut self, cell: &PeriodicBox, reach: Reach, whole: usize) -> Columns;
+    /// The column of a position in the box of [`begin_part`](PairList::begin_part).
+    fn column_at(&self, cell: &PeriodicBox, r: DVec3) -> [u32; 2];
+    /// Takes the columns of the part, and the number of each particle that [`order`](PairList::order) gets next, by slot.
+    fn take_part(&mut self, belongs: &dyn Fn([u32; 2]) -> Belongs, numbers: &[u32]);
+    /// Number of particles of the whole system.
+    fn whole(&self) -> usize;
+    /// Number of particles that have lists; their slots are the first ones.
+    fn own(&self) -> usize {
+        let chunks = self.chunk_slots();
+        chunks.of(0..chunks.count()).end
+    }
     /// Ends a build: fills the lists. All particles that they may name are placed.
     fn fill(&mut self, scanner: &dyn Scanner, cell: &PeriodicBox, reach: Reach);
-    /// Whether every entry numbers a row or a slot that exists, and the chunks cover all slots of the lists that are kept.
+    /// Whether every entry numbers a row or a slot that exists, and the chunks cover all slots that have lists.
     ///
     /// The force loops rely on it: they read rows through entries without a test of their own.
     fn is_valid(&self) -> bool;
 
-    /// Keeps the lists of these chunks alone, in this build and in all later ones.
-    fn keep(&mut self, chunks: Range<usize>);
+    /// The cell of a slot in the box, and the number of its particle: slots of the whole have the order of these.
+    /// Lists that insert no pairs have none.
+    fn key(&self, _slot: u32) -> [u32; 2] {
+        [0; 2]
+    }
+    /// The slot that has a key, where the list has it.
+    fn slot_of(&self, _key: [u32; 2]) -> Option<u32> {
+        None
+    }
     /// Whether the list contains a pair of slots that was beyond the list radius at the build.
     fn contains(&self, _pair: [u32; 2]) -> bool {
         false
@@ -71,7 +90,7 @@ pub trait PairList: Sync {
     /// The forces equal the forces of a list that had the pair from its build on, except for the order of the sums.
     fn insert(&mut self, _pair: [u32; 2]) {}
 
-    /// Number of pairs in the list, each counted once; of the lists of one rank, half the number of their pairs.
+    /// Number of pairs in the list, each counted once; of a part, half the number of the pairs in its lists.
     fn pairs(&self) -> u64;
     /// Number of lanes that a loop over all lists computes, padding included.
     fn lanes_computed(&self) -> u64;
@@ -83,26 +102,4 @@ pub trait PairList: Sync {
     fn neighbors(&self) -> Vec<Vec<u32>>;
     /// Calls `name` with each slot that the lists of a chunk contain, as often as they do, by ghosts too: for checks.
     fn for_each_slot(&self, chunk: usize, name: &mut dyn FnMut(u32));
-}
-
-// The lists that a process keeps: all, or the lists of one rank.
-
-/// The chunks whose lists are kept: all, or the chunks of one rank. All others stay empty.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct OwnChunks(Option<Range<usize>>);
-
-impl OwnChunks {
-    /// The chunks `own` alone; the others are emptied.
-    pub(crate) fn alone<C: Default>(own: Range<usize>, chunks: &mut [C]) -> Self {
-        let all = chunks.iter_mut().enumerate();
-        for (_, chunk) in all.filter(|(c, _)| !own.contains(c)) {
-            *chunk = C::default();
-        }
-        Self(Some(own))
-    }
-
-    /// The kept ones of so many chunks.
-    pub(crate) fn of(&self, chunks: usize) -> Range<usize> {
-        self.0.clone().unwrap_or(0..chunks)
-    }
 }

@@ -1,5 +1,7 @@
 //! The displacement criterion: how long a list may be used.
 
+use crate::clusters::Reach;
+
 /// When a list expires, whatever the pairs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limits {
@@ -29,6 +31,12 @@ impl Limits {
 ///
 /// From this size on, loops prefetch what comes into reach. Below it, prefetching costs time.
 pub const LARGE_SYSTEM: usize = 131_072;
+
+/// The largest distance at the build of two particles that come within the cutoff while a list is in use, σ.
+#[must_use]
+pub fn farthest_apart(reach: Reach, n: usize) -> f64 {
+    reach.r_cut + Limits::of(n).farthest_together * (reach.r_list - reach.r_cut)
+}
 
 /// Whether a list may be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

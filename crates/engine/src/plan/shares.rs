@@ -6,8 +6,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use lennard_core::{
-    Configuration, ForceStatistics, HaloSize, Integrator, NoForces, Part as Whole, Persist,
-    StateArchive, Want,
+    Configuration, ForceStatistics, Integrator, NoForces, Part as Whole, Persist, StateArchive,
+    Want,
 };
 use lennard_io::{FileMark, Frame, FrameStyle, Sink, TrajectoryFormat, TrajectoryWriter};
 use lennard_scene::{Scene, Stage};
@@ -71,23 +71,19 @@ pub(super) struct Costs {
     pub(super) text_bytes: usize,
     /// The parts of the run; `None` where steps are too slow to measure.
     pub(super) parts: Option<Vec<Part>>,
-    /// Builds of the list in such a step, and what a rank would need of others, by the number of ranks.
+    /// The mean time of such a step, s; `None` where steps are too slow to measure.
+    pub(super) mean_step: Option<f64>,
+    /// Builds of the list in such a step.
     pub(super) builds: f64,
-    pub(super) halos: Vec<(usize, HaloSize)>,
 }
 
 impl Costs {
     /// Measures at the start of a scene, after some of its steps.
-    pub(super) fn measure(
-        simulation: &mut Simulation,
-        ranks: &[usize],
-    ) -> Result<Self, EngineError> {
+    pub(super) fn measure(simulation: &mut Simulation) -> Result<Self, EngineError> {
         let mut bare = with_everything_off(simulation)?;
         let mut measured = FirstSteps::from(Instant::now());
         bare.follow(&mut measured)?;
         let (first, last) = (measured.first.unwrap_or_default(), bare.forces.statistics());
-        let halo = |n: &usize| Some((*n, bare.forces.halo_on(*n)?));
-        let halos = ranks.iter().filter_map(halo).collect();
         let (step, times) = (measured.mean(), measured.seconds);
         let all = times.len().max(1) as f64;
         let force = (last.force_seconds - first.force_seconds) / all;
@@ -109,8 +105,8 @@ impl Costs {
             checkpoint_bytes: checkpoint_bytes(&bare),
             text_bytes: frame(&bare, TrajectoryFormat::Xyz, &style_of_last(&bare)).1,
             parts: step.map(|_| parts),
+            mean_step: step,
             builds: (last.builds - first.builds) as f64 / all,
-            halos,
         })
     }
 }

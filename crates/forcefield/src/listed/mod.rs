@@ -6,9 +6,7 @@ mod persist;
 use std::sync::Arc;
 
 use glam::DVec3;
-use lennard_core::{
-    Configuration, Exclusions, ForceError, FusedSteps, HaloSize, PeriodicBox, Team, TooManyRanks,
-};
+use lennard_core::{Configuration, Exclusions, ForceError, FusedSteps, PeriodicBox, Team};
 use lennard_neighbor::{ClusterList, FIXED_UNITS, Images, NeighborList, Positions};
 
 use self::folded::Folded;
@@ -16,9 +14,10 @@ use crate::clock::Clock;
 use crate::fused::FusedBuffers;
 use crate::interaction::Pairwise;
 use crate::non_finite;
+use crate::part::{Part, Particles};
 use crate::simd::{KickDrift, Level, ListStatus, PackedCopies, PackedList, Prepared, Request};
 use crate::sums::{Detail, PerParticle, Totals};
-use crate::validity::ListValidity;
+use crate::validity::{Given, ListValidity};
 
 /// The smallest number of fused steps that is worth gathering the particles by slot.
 const FEWEST_STEPS: u64 = 3;
@@ -112,23 +111,15 @@ impl<P: PackedList> Listed<P> {
         Self { list, validity, packed, fused, folded: None }
     }
 
-    /// Shares the list of `n` particles with the other ranks of a team; returns whether it can.
+    /// Shares the list of `whole` particles with the other ranks of a team; returns whether it can.
     ///
     /// Canonical forces have a loop in the order of the particles, which is not shared.
-    pub fn share(&mut self, team: &Team, n: usize) -> Result<bool, TooManyRanks> {
-        if self.folded.is_some() {
-            return Ok(false);
+    pub fn share(&mut self, team: &Team, whole: usize) -> bool {
+        if self.folded.is_none() {
+            self.validity.forget();
+            self.validity.part = Some(Part::new(team, whole));
         }
-        self.validity.share(&mut self.list, team, n)?;
-        Ok(true)
-    }
-
-    /// What a rank would need of others, if so many ranks shared the list as it is.
-    pub fn halo_on(&self, n: usize, ranks: usize) -> Option<HaloSize> {
-        if self.folded.is_some() {
-            return None;
-        }
-        self.validity.halo_on(&self.list, n, ranks)
+        self.folded.is_none()
     }
 
     /// The list itself.
@@ -150,8 +141,17 @@ impl<P: PackedList> Listed<P> {
 
     /// Builds the list for positions in a box.
     pub fn build(&mut self, cell: &PeriodicBox, positions: &[DVec3]) -> Result<(), ForceError> {
-        let list = (&mut self.list, self.packed.rows());
-        self.validity.build(list, cell, Positions::ById(positions))?;
+        let numbers = self.validity.part.as_ref().map(Part::numbers);
+        let mut particles = Particles::default();
+        let given = match numbers {
+            None => Given::All(Positions::ById(positions)),
+            Some(numbers) => {
+                particles.numbers = numbers.map(|number| number as u32).collect();
+                particles.positions = positions.to_vec();
+                Given::OfRank(&mut particles)
+            }
+        };
+        self.validity.build((&mut self.list, self.packed.rows()), cell, given)?;
         if let Some(folded) = &mut self.folded {
             folded.take_list(&self.list);
         }
@@ -170,6 +170,8 @@ impl<P: PackedList> Listed<P> {
         let (status, totals) = clock.computing(|clock| {
             let mut request = Request::of(detail);
             let mut is_new = false;
+            // On ranks, positions by slot.
+            let mut by_slot = Vec::new();
             loop {
                 if !self.validity.may_be_valid::<P>(at.cell, at.positions.len()) {
                     assert!(!is_new, "a new list is complete");
@@ -178,9 +180,19 @@ impl<P: PackedList> Listed<P> {
                 }
                 let used = self.validity.in_use(&self.list, at.cell);
                 let each = each.as_deref_mut();
-                let (status, totals) = match &mut self.folded {
-                    Some(folded) => folded.evaluate(&used, at.positions, detail, forces, each),
-                    None => used.evaluate(&mut self.packed, at.positions, request, forces, each),
+                let (status, totals) = match (&mut self.folded, used.part) {
+                    (Some(folded), _) => folded.evaluate(&used, at.positions, detail, forces, each),
+                    (None, None) => {
+                        used.evaluate(&mut self.packed, at.positions, request, forces, each)
+                    }
+                    (None, Some(part)) => {
+                        by_slot.clone_from(&self.validity.built);
+                        if !is_new {
+                            part.to_slots(&self.list, at.positions, &mut by_slot);
+                        }
+                        let given = (&mut by_slot[..], request);
+                        used.evaluate_part(part, &mut self.packed, given, forces, each)
+                    }
                 };
                 match &status {
                     ListStatus::Complete | ListStatus::NonFinite => return Ok((status, totals)),
@@ -193,11 +205,19 @@ impl<P: PackedList> Listed<P> {
                 }
             }
         })?;
+        let part = self.validity.part.as_ref();
+        let first_of_all = |vectors: &[DVec3]| match part {
+            None => non_finite::first(vectors).unwrap_or_default(),
+            Some(part) => {
+                let own = non_finite::first(vectors).map(|k| part.numbers().start + k);
+                part.lowest(own).unwrap_or_default()
+            }
+        };
         if status == ListStatus::NonFinite {
-            return Err(non_finite::position(at.positions));
+            return Err(ForceError::NonFinitePosition { particle: first_of_all(at.positions) });
         }
         if totals.broken {
-            return Err(non_finite::force(forces));
+            return Err(ForceError::NonFiniteForce { particle: first_of_all(forces) });
         }
         Ok(totals)
     }
@@ -215,10 +235,6 @@ impl<P: PackedList> Listed<P> {
         }
         let Self { list, validity, packed, fused, .. } = self;
         let list = (list, packed);
-        let taken =
-            clock.computing(|clock| fused.advance(validity, list, steps, kick_drift, clock));
-        // Checkpoints read them, and single evaluations.
-        self.validity.know_all_built();
-        taken
+        clock.computing(|clock| fused.advance(validity, list, steps, kick_drift, clock))
     }
 }

@@ -8,9 +8,11 @@ use lennard_neighbor::{
 
 use super::level::Level;
 use super::motion::{Motion, MotionSummary, SlotSpecies};
+use super::packed::Fetch;
 use super::row::DoubleRow;
 use crate::interaction::Pairwise;
-use crate::share::Share;
+use crate::part::Part;
+use crate::validity::Lacking;
 use crate::validity::build::Build;
 
 /// Positions and the index in them of each slot.
@@ -45,8 +47,8 @@ impl<'a> Ordered<'a> {
 pub enum ListStatus {
     /// The list contains every pair inside the cutoff.
     Complete,
-    /// The list lacks these pairs of slots.
-    Incomplete(Vec<[u32; 2]>),
+    /// The list lacks these pairs.
+    Incomplete(Vec<Lacking>),
     /// The list may lack pairs, and it must be built again.
     Expired,
     /// A position is not a finite number.
@@ -73,8 +75,8 @@ pub struct ListInUse<'a, P> {
     pub stretch: DVec3,
     /// The criterion in the box.
     pub criterion: Criterion,
-    /// The share of this rank, where there are several.
-    pub share: Option<&'a Share>,
+    /// The part of this rank, where there are several.
+    pub part: Option<&'a Part>,
 }
 
 impl<P: PairList> ListInUse<'_, P> {
@@ -93,37 +95,22 @@ impl<P: PairList> ListInUse<'_, P> {
         }
     }
 
-    /// Judges the list at some positions, by the motion since its build.
+    /// Judges the list at some positions, by the motion since its build. All ranks come to the judgment of one process.
     ///
-    /// Packed displacements change the time that it takes, and never the result.
-    pub fn judge(
+    /// Packed displacements change the time that it takes, and never the result. `fetch` brings positions of the halo.
+    pub fn judge<'p>(
         &self,
         summary: &MotionSummary,
         packed: Option<&[PackedDisplacement]>,
-        at: Ordered<'_>,
+        at: &(dyn Fn() -> Ordered<'p> + Sync),
+        fetch: Option<&Fetch<'_>>,
     ) -> ListStatus {
-        if let Some(share) = self.share {
-            return self.judge_together(share, summary, at);
-        }
-        if !summary.finite {
-            return ListStatus::NonFinite;
-        }
-        match self.criterion.check(summary.largest2, summary.far.len(), self.built.len()) {
-            Validity::Valid => ListStatus::Complete,
-            Validity::Expired => ListStatus::Expired,
-            Validity::Uncertain => self.unlisted(summary, packed, at),
-        }
-    }
-
-    /// Judges a list together with the other ranks: all come to the judgment of one rank that sees all particles.
-    fn judge_together(
-        &self,
-        share: &Share,
-        summary: &MotionSummary,
-        at: Ordered<'_>,
-    ) -> ListStatus {
-        let n = self.built.len();
-        let Some(largest2) = share.largest2(summary) else {
+        let n = self.list.whole();
+        let largest2 = match self.part {
+            None => summary.finite.then_some(summary.largest2),
+            Some(part) => part.largest2(summary),
+        };
+        let Some(largest2) = largest2 else {
             return ListStatus::NonFinite;
         };
         match self.criterion.check(largest2, 0, n) {
@@ -131,30 +118,51 @@ impl<P: PairList> ListInUse<'_, P> {
             Validity::Expired => return ListStatus::Expired,
             Validity::Uncertain => {}
         }
-        let own_at = |slot: u32| self.now_and_then(at, slot);
-        let movers = share.far_movers(&summary.far, own_at);
-        if self.criterion.check(largest2, movers.len(), n) == Validity::Expired {
+        let movers = self.part.map_or(summary.far.len(), |part| part.sum(summary.far.len()));
+        if self.criterion.check(largest2, movers, n) == Validity::Expired {
             return ListStatus::Expired;
         }
-        let far: Vec<u32> = movers.iter().map(|(slot, _)| *slot).collect();
-        let own = share.own();
-        let displacements = Displacements {
+        if let Some(fetch) = fetch {
+            fetch(true, &mut || {});
+        }
+        let at = at();
+        let displacements = |packed, partners| Displacements {
             cells: self.list.cells(),
-            // Positions of other ranks are known of far movers alone, and the search asks for no others.
-            at: |slot: u32| {
-                if own.contains(&(slot as usize)) {
-                    return own_at(slot);
-                }
-                let mover = movers.binary_search_by_key(&slot, |(slot, _)| *slot);
-                mover.map_or([DVec3::NAN; 2], |mover| movers[mover].1)
-            },
-            packed: None,
+            at: |slot: u32| self.now_and_then(at, slot),
+            packed,
             largest2,
-            partners: Some(share.partners()),
+            partners,
         };
-        let found = self.unlisted_pairs(displacements, &far);
-        let missing = share.missing(&found, |pair| self.list.contains(pair));
-        if missing.is_empty() { ListStatus::Complete } else { ListStatus::Incomplete(missing) }
+        let mut found = self.unlisted_pairs(displacements(packed, None), &summary.far);
+        if let Some(part) = self.part {
+            // Pairs of two far movers are found twice, and other ranks find the pairs of others.
+            let moved2 = |slot: &u32| {
+                let [now, then] = self.now_and_then(at, *slot);
+                (now - then).length_squared()
+            };
+            let halo = self.list.own() as u32..self.built.len() as u32;
+            let far: Vec<u32> = halo.filter(|s| moved2(s) > self.criterion.far2()).collect();
+            let partners = Some(part.partners());
+            found.extend(self.unlisted_pairs(displacements(None, partners), &far));
+        }
+        self.missing(found)
+    }
+
+    /// Of the pairs of slots that were found, those that a list of any rank lacks.
+    fn missing(&self, mut found: Vec<[u32; 2]>) -> ListStatus {
+        let particles = self.list.particles();
+        found.retain(|pair| !self.list.contains(*pair));
+        let lacking = |slots: [u32; 2]| Lacking {
+            particles: slots.map(|slot| particles[slot as usize]),
+            slots: Some(slots),
+        };
+        let lacking: Vec<Lacking> = match self.part {
+            None => found.into_iter().map(lacking).collect(),
+            Some(part) if P::INSERTS => part.missing(self.list, &found),
+            Some(part) if part.team().any(!found.is_empty()) => return ListStatus::Expired,
+            Some(_) => Vec::new(),
+        };
+        if lacking.is_empty() { ListStatus::Complete } else { ListStatus::Incomplete(lacking) }
     }
 
     /// The position of the particle at a slot, and its position at the build.
@@ -164,28 +172,9 @@ impl<P: PairList> ListInUse<'_, P> {
         [at.positions[at.index(slot)], self.built[slot]]
     }
 
-    /// Whether the list contains every pair inside the cutoff, by a search ahead of the far movers.
+    /// The pairs inside the cutoff that were beyond the list radius at the build, ahead of the far movers.
     ///
     /// The box equals the box of the build: in any other box the criterion never asks for this search.
-    fn unlisted(
-        &self,
-        summary: &MotionSummary,
-        packed: Option<&[PackedDisplacement]>,
-        at: Ordered<'_>,
-    ) -> ListStatus {
-        let displacements = Displacements {
-            cells: self.list.cells(),
-            at: |slot: u32| self.now_and_then(at, slot),
-            packed,
-            largest2: summary.largest2,
-            partners: None,
-        };
-        let mut unlisted = self.unlisted_pairs(displacements, &summary.far);
-        unlisted.retain(|pair| !self.list.contains(*pair));
-        if unlisted.is_empty() { ListStatus::Complete } else { ListStatus::Incomplete(unlisted) }
-    }
-
-    /// The pairs inside the cutoff that were beyond the list radius at the build, ahead of the far movers.
     fn unlisted_pairs<A: Fn(u32) -> NowAndThen + Sync>(
         &self,
         displacements: Displacements<'_, A>,

@@ -19,7 +19,7 @@ use super::list_in_use::{ListInUse, ListStatus, Ordered};
 use super::motion::{MotionSummary, SomeRows};
 use super::pack::Threads;
 use super::packed_list::PackedList;
-use crate::share::Share;
+use crate::part::Part;
 use crate::sums::{Detail, Totals};
 
 /// The state of the rows before an evaluation.
@@ -76,8 +76,8 @@ impl Outcome {
     }
 }
 
-/// Fetches the positions of the halo while some work is done.
-pub type Fetch<'a> = dyn Fn(&mut dyn FnMut()) + Sync + 'a;
+/// Fetches the positions of the halo while some work is done: of all of it, or of what lists name.
+pub type Fetch<'a> = dyn Fn(bool, &mut dyn FnMut()) + Sync + 'a;
 
 /// Runs one chunk over rows, and packs its rows of the next step where asked.
 pub type RunChunk<'a, Row> =
@@ -93,14 +93,14 @@ pub struct Pass<'a, 'p, P: PackedList> {
     pub at: &'a (dyn Fn() -> Ordered<'p> + Sync),
     /// Runs a chunk.
     pub run: &'a RunChunk<'a, P::Row>,
-    /// Fetches the positions of the halo, where ranks do not know them.
+    /// Fetches the positions of the halo, where there are ranks.
     pub fetch: Option<&'a Fetch<'a>>,
 }
 
 impl<P: PackedList> Pass<'_, '_, P> {
-    /// Number of particles.
-    fn n(&self) -> usize {
-        self.used.list.particles().len()
+    /// Number of particles of all ranks.
+    fn whole(&self) -> usize {
+        self.used.list.whole()
     }
 
     /// Packs some rows, and packed displacements where given.
@@ -183,7 +183,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
 
     /// Packs, judges, and runs each chunk exactly once where the list is complete.
     pub fn run<P: PackedList<Row = Row>>(&mut self, pass: &Pass<'_, '_, P>) -> Outcome {
-        let few = are_few(pass.n()) && pass.used.share.is_none();
+        let few = are_few(pass.whole());
         let copies = if few { rayon::current_num_threads() } else { 1 };
         self.0.resize_with(copies, Mutex::default);
         if few {
@@ -197,9 +197,9 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
         if status != ListStatus::Complete {
             return Outcome::without_sums(status);
         }
-        match pass.used.share {
+        match pass.used.part {
             None => copy.run(pass, pass.used.list.chunk_slots().count(), |c| c),
-            Some(share) => copy.run_share(pass, share),
+            Some(part) => copy.run_part(pass, part),
         }
     }
 
@@ -242,9 +242,9 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
         copy.begin_packed(pass);
         let has_packed = copy.has_packed;
         let PackedCopy { rows, packed, .. } = &mut *copy;
-        let all = [0..pass.n(), 0..list.slots_of_ghosts().len()];
+        let all = [0..list.own(), 0..list.slots_of_ghosts().len()];
         let [slots, ghosts] = all.each_ref().map(slice::from_ref);
-        let own = pass.used.share.map_or(SomeRows { slots, ghosts }, |share| share.rows(0));
+        let own = pass.used.part.map_or(SomeRows { slots, ghosts }, |part| part.rows(0));
         let summary = pass.pack(by, own, rows, has_packed.then_some(packed));
         let status = copy.judge(&summary, pass);
         (copy, status)
@@ -268,9 +268,9 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
 impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
     /// Decides whether displacements are packed, and makes room for them.
     fn begin_packed<P: PackedList<Row = Row>>(&mut self, pass: &Pass<'_, '_, P>) {
-        let n = pass.n();
+        let n = pass.whole();
         self.has_packed = P::INSERTS
-            && pass.used.share.is_none()
+            && pass.used.part.is_none()
             && n >= LARGE_SYSTEM
             && self.far * PACKED_AMONG > n;
         if self.has_packed {
@@ -284,7 +284,8 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
         pass: &Pass<'_, '_, P>,
     ) -> ListStatus {
         self.far = summary.far.len();
-        pass.used.judge(summary, self.has_packed.then_some(&self.packed), (pass.at)())
+        let packed = self.has_packed.then_some(&self.packed[..]);
+        pass.used.judge(summary, packed, pass.at, pass.fetch)
     }
 
     /// Runs so many chunks over the rows, where `chunk` gives the number of each.
@@ -311,19 +312,19 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
     }
 
     /// Runs the chunks of this rank: the inner ones while the halo comes, and then the outer ones.
-    fn run_share<P: PackedList<Row = Row>>(
+    fn run_part<P: PackedList<Row = Row>>(
         &mut self,
         pass: &Pass<'_, '_, P>,
-        share: &Share,
+        part: &Part,
     ) -> Outcome {
-        let [inner, outer] = share.inner_and_outer();
+        let [inner, outer] = part.inner_and_outer();
         let mut first = Outcome::without_sums(ListStatus::Complete);
         let mut run_inner = || first = self.run(pass, inner.len(), |k| inner[k] as usize);
         match pass.fetch {
-            Some(fetch) => fetch(&mut run_inner),
+            Some(fetch) => fetch(false, &mut run_inner),
             None => run_inner(),
         }
-        pass.pack(Threads::All, share.rows(1), &mut self.rows, None);
+        pass.pack(Threads::All, part.rows(1), &mut self.rows, None);
         let mut both = self.run(pass, outer.len(), |k| outer[k] as usize);
         both.totals.append(&mut first.totals);
         both.broken |= first.broken;

@@ -98,7 +98,7 @@ pub enum Command {
     #[command(after_help = "Examples:\n  \
         lennard plan template\n  \
         lennard plan verlet-1967/triple-point --verbose\n  \
-        lennard plan bench/fluid-864 --nodes 4 --latency 2us --bandwidth 25GB/s")]
+        lennard plan bench/melt-32k --ranks 4 --latency 2us --bandwidth 12GB/s")]
     Plan(PlanArgs),
     /// Go on with a run that was stopped or killed, to the bit, or make a finished one longer.
     #[command(after_help = "Examples:\n  \

@@ -85,11 +85,12 @@ impl ClusterNeighbors {
         }
     }
 
-    /// Moves what follows the neighbors at `near` slots to `far`, neighbors of all members first.
-    pub(super) fn part(&mut self, near: &Range<u32>, far: &mut Vec<u32>) {
+    /// Moves the neighbors in runs of far columns, which follow all others, to `far`, neighbors of all members first.
+    pub(super) fn part(&mut self, far_runs: &[Range<u32>], far: &mut Vec<u32>) {
+        let is_near = |slot: &u32| !far_runs.iter().any(|run| run.contains(slot));
         for (slots, len) in self.slots.iter().zip(&mut self.len) {
             let slots = &slots[..*len];
-            *len = slots.partition_point(|slot| near.contains(slot));
+            *len = slots.partition_point(is_near);
             far.extend_from_slice(&slots[*len..]);
         }
     }

@@ -22,9 +22,9 @@ use super::chunk::{ClusterBlocks, ClusterChunk};
 use super::format::{CLUSTER, Reach};
 use super::search::{Scratch, Search};
 use crate::chunk_slots::{ATOMS_PER_CHUNK, ChunkSlots};
-use crate::pair_list::{OwnChunks, PairList};
+use crate::pair_list::PairList;
 use crate::scanner::Scanner;
-use crate::sort::{Around, Cells, ColumnTable, FixedRow, GridError, Positions};
+use crate::sort::{Belongs, Cells, ColumnTable, Columns, FixedRow, GridError, Positions};
 
 /// Full lists in fixed point, one per cluster.
 ///
@@ -38,7 +38,6 @@ pub struct ClusterList {
     exclusions: Exclusions,
     /// The slot of each particle, `[N]`, where pairs are excluded.
     slot_of: Vec<u32>,
-    own_chunks: OwnChunks,
 }
 
 impl ClusterList {
@@ -46,12 +45,6 @@ impl ClusterList {
     #[must_use]
     pub fn excluding(self, exclusions: Exclusions) -> Self {
         Self { exclusions, ..self }
-    }
-
-    /// The chunks whose lists are kept.
-    #[must_use]
-    pub fn own(&self) -> Range<usize> {
-        self.own_chunks.of(self.chunks.len())
     }
 
     /// Lends the room of rows to a build, or takes it back; see [`ColumnTable::swap_room`].
@@ -139,24 +132,25 @@ impl PairList for ClusterList {
         self.table.place(cell, runs, |slot| at[slot]);
     }
 
-    /// A group in several columns has a bounding box, whose corners may lie in columns of no member.
-    fn mark_near(
-        &self,
-        scanner: &dyn Scanner,
-        cell: &PeriodicBox,
-        reach: Reach,
-        around: &mut Around,
-    ) {
-        let exclusions = (&self.exclusions, &self.slot_of[..]);
-        let search = Search::new(&self.table, cell, reach, scanner, exclusions);
-        for chunk in self.own_chunks.of(self.table.chunks.count()) {
-            search.mark_near(self.table.chunks.of(chunk..chunk + 1), around);
-        }
+    fn begin_part(&mut self, cell: &PeriodicBox, _reach: Reach, whole: usize) -> Columns {
+        self.table.begin_part(cell, whole)
+    }
+
+    fn column_at(&self, cell: &PeriodicBox, r: DVec3) -> [u32; 2] {
+        self.table.column_at(cell, r)
+    }
+
+    fn take_part(&mut self, belongs: &dyn Fn([u32; 2]) -> Belongs, numbers: &[u32]) {
+        self.table.take_part(belongs, numbers);
+    }
+
+    fn whole(&self) -> usize {
+        self.table.whole()
     }
 
     fn fill(&mut self, scanner: &dyn Scanner, cell: &PeriodicBox, reach: Reach) {
         let n = self.table.particle.len();
-        self.slots_ahead = self.table.grid.slots_ahead(cell.lengths(), reach.r_list, n);
+        self.slots_ahead = self.table.grid.slots_ahead(cell.lengths(), reach.r_list, self.whole());
         self.chunks.resize_with(self.table.chunks.count(), ClusterChunk::default);
         if !self.exclusions.are_none() {
             self.slot_of.resize(n, 0);
@@ -167,24 +161,18 @@ impl PairList for ClusterList {
         let exclusions = (&self.exclusions, &self.slot_of[..]);
         let search = Search::new(&self.table, cell, reach, scanner, exclusions);
         let slots_of = &self.table.chunks;
-        let own = self.own();
         // Room for the ends is taken together, ahead of all blocks. Between blocks it would part the room that they give back.
-        for chunk in &mut self.chunks[own.clone()] {
+        for chunk in &mut self.chunks {
             chunk.clear(ATOMS_PER_CHUNK / CLUSTER);
         }
-        let chunks = self.chunks[own.clone()].iter_mut();
-        for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
-            search.fill(slots_of.of(own.start + c..own.start + c + 1), scratch, chunk);
+        for_each_item(self.chunks.iter_mut(), |scratch: &mut Scratch, c, chunk| {
+            search.fill(slots_of.of(c..c + 1), scratch, chunk);
         });
     }
 
     fn is_valid(&self) -> bool {
         let n = self.table.particle.len();
-        let own = self.own();
         let fits = |(c, chunk): (usize, &ClusterChunk)| {
-            if !own.contains(&c) {
-                return true;
-            }
             let slots = self.table.chunks.of(c..c + 1);
             chunk.first_slot as usize == slots.start
                 && chunk.end_slot as usize == slots.end
@@ -194,27 +182,28 @@ impl PairList for ClusterList {
         self.chunks.len() == self.table.chunks.count() && self.chunks.iter().enumerate().all(fits)
     }
 
-    fn keep(&mut self, own: Range<usize>) {
-        self.own_chunks = OwnChunks::alone(own, &mut self.chunks);
+    fn key(&self, slot: u32) -> [u32; 2] {
+        self.table.key(slot)
     }
 
-    /// An end whose list is not kept here counts as listed.
+    fn slot_of(&self, key: [u32; 2]) -> Option<u32> {
+        self.table.slot_of(key)
+    }
+
+    /// An end that has no list here counts as listed.
     fn contains(&self, [a, b]: [u32; 2]) -> bool {
-        let kept = self.own();
         [(a, b), (b, a)].into_iter().all(|(own, other)| {
-            let chunk = self.table.chunks.chunk_of(own);
-            !kept.contains(&chunk) || self.chunks[chunk].contains(own, other)
+            own as usize >= self.own()
+                || self.chunks[self.table.chunks.chunk_of(own)].contains(own, other)
         })
     }
 
     fn insert(&mut self, [a, b]: [u32; 2]) {
-        let kept = self.own();
         for (own, other) in [(a, b), (b, a)] {
-            let chunk = self.table.chunks.chunk_of(own);
-            if !kept.contains(&chunk) {
+            if own as usize >= self.own() {
                 continue;
             }
-            let chunk = &mut self.chunks[chunk];
+            let chunk = &mut self.chunks[self.table.chunks.chunk_of(own)];
             if !chunk.contains(own, other) {
                 chunk.insert(own, other, self.table.grid.all_in_reach);
             }
@@ -222,7 +211,6 @@ impl PairList for ClusterList {
     }
 
     fn pairs(&self) -> u64 {
-        let own = self.table.chunks.of(self.own());
         let lists = self.chunks.iter().flat_map(ClusterChunk::lists);
         let of_cluster = |(slots, list): (Range<usize>, ClusterBlocks<'_>)| -> u64 {
             (0..slots.len())
@@ -231,7 +219,7 @@ impl PairList for ClusterList {
                 .sum()
         };
         // Members are entries of their own lists, and so are the particles that they do not interact with.
-        let members = &self.table.particle[own];
+        let members = &self.table.particle[..self.own()];
         let excluded = members.iter().map(|i| self.exclusions.of(*i).count());
         let not_pairs = members.len() + excluded.sum::<usize>();
         (lists.map(of_cluster).sum::<u64>() - not_pairs as u64) / 2

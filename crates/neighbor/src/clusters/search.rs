@@ -10,8 +10,8 @@ use super::format::{BLOCK_REACH, CLUSTER, Reach, cluster_center};
 use super::found::{ClusterNeighbors, Excluded, GroupBounds, GroupCandidates};
 use crate::chunk_slots::{ATOMS_PER_CHUNK, SMALLEST_CUT};
 use crate::scanner::Scanner;
-use crate::sort::{Around, CellRange, ColumnGrid, ColumnTable, FIXED_UNITS, wrap_cell};
-use crate::validity::{LARGE_SYSTEM, Limits};
+use crate::sort::{CellRange, ColumnGrid, ColumnTable, FIXED_UNITS, wrap_cell};
+use crate::validity::{LARGE_SYSTEM, farthest_apart};
 
 /// Particles per group: one gathering of candidates serves a group.
 const GROUP: usize = 16;
@@ -83,7 +83,6 @@ impl<'a> Search<'a> {
     ) -> Self {
         let lengths = cell.lengths();
         let rounding = 4.0 * lengths.max_element() / FIXED_UNITS;
-        let skins = Limits::of(table.particle.len()).farthest_together;
         Self {
             table,
             at: table.at(),
@@ -91,9 +90,9 @@ impl<'a> Search<'a> {
             lengths: lengths.to_array(),
             scale: (lengths / FIXED_UNITS).to_array(),
             radius: reach.r_list + rounding,
-            farthest: reach.r_cut + skins * (reach.r_list - reach.r_cut) + rounding,
+            farthest: farthest_apart(reach, table.whole()) + rounding,
             exclusions,
-            aside: table.particle.len() >= LARGE_SYSTEM,
+            aside: table.whole() >= LARGE_SYSTEM,
         }
     }
 
@@ -128,7 +127,7 @@ impl<'a> Search<'a> {
                 }
                 far.clear();
                 if !far_runs.is_empty() {
-                    found.part(&near, far);
+                    found.part(far_runs, far);
                 }
                 let excluded = self.exclude(members_range, found, excluded);
                 if let Some(excluded) = excluded {
@@ -138,7 +137,7 @@ impl<'a> Search<'a> {
             }
         }
         let last_is_compact = chunk.spans.last().is_some_and(|span| span.compact);
-        let is_cut = self.table.particle.len() >= SMALLEST_CUT;
+        let is_cut = self.table.whole() >= SMALLEST_CUT;
         chunk.sums_in_common = slots.len().is_multiple_of(CLUSTER) || is_cut && last_is_compact;
         chunk.finish();
         if self.aside {
@@ -146,29 +145,6 @@ impl<'a> Search<'a> {
         } else if chunk.blocks.capacity() > room {
             // Room of before stays: the next build may have more particles in this chunk again.
             chunk.give_back();
-        }
-    }
-
-    /// Marks the columns around the groups at `slots` that lie in several columns.
-    pub fn mark_near(&self, slots: Range<usize>, around: &mut Around) {
-        let column = |slot: usize| {
-            let [nx, ny] = self.table.grid.across;
-            let [x, y, _] = self.at(slot);
-            [ColumnGrid::part(x, nx), ColumnGrid::part(y, ny)]
-        };
-        let (mut xs, mut ys) = (Vec::new(), Vec::new());
-        for group in slots.clone().step_by(GROUP) {
-            let group = group..(group + GROUP).min(slots.end);
-            // Slots ascend with columns.
-            if column(group.start) == column(group.end - 1) {
-                continue;
-            }
-            let bounds = self.bounds(group);
-            self.columns_near(&bounds, 0, &mut xs);
-            self.columns_near(&bounds, 1, &mut ys);
-            for x in &xs {
-                ys.iter().for_each(|y| around.mark([x.number, y.number]));
-            }
         }
     }
 
@@ -285,11 +261,13 @@ impl<'a> Search<'a> {
                 // Two units are added, since coordinates are rounded. No point is farther away than the box is long.
                 let reach = ((half + left.sqrt()) * units).min(FIXED_UNITS) as i64 + 2;
                 for slices in self.slices_near(bounds.middle[2], reach) {
-                    runs.push(self.table.slots_of(column, slices));
+                    let run = self.table.slots_of(column, slices);
+                    if !run.is_empty() {
+                        runs.push(run);
+                    }
                 }
             }
         }
-        // Slots ascend with columns, and columns that share blocks follow each other.
         let low = runs.iter().map(|run| run.start).min().unwrap_or_default();
         let high = runs.iter().map(|run| run.end).max().unwrap_or_default();
         runs.extend_from_slice(far_runs);

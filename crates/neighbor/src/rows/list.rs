@@ -8,11 +8,11 @@ use lennard_core::{Exclusions, PeriodicBox};
 
 use crate::chunk_slots::{ATOMS_PER_CHUNK, ChunkSlots};
 use crate::clusters::Reach;
-use crate::pair_list::{OwnChunks, PairList};
+use crate::pair_list::PairList;
 use crate::room::refill;
 use crate::rows::chunk::{Candidates, Center, Entries, Images, ListChunk, Numbering};
 use crate::scanner::{Found, Scanner};
-use crate::sort::{Cells, GridError, PADDING, Positions, RowTable};
+use crate::sort::{Belongs, Cells, Columns, GridError, PADDING, Positions, RowTable};
 
 /// A full Verlet list: for each particle, all particles within the list radius.
 ///
@@ -25,7 +25,6 @@ pub struct NeighborList {
     exclusions: Exclusions,
     table: RowTable,
     chunks: Vec<ListChunk>,
-    own_chunks: OwnChunks,
 }
 
 impl NeighborList {
@@ -38,7 +37,6 @@ impl NeighborList {
             exclusions: Exclusions::NONE,
             table: RowTable::default(),
             chunks: Vec::new(),
-            own_chunks: OwnChunks::default(),
         }
     }
 
@@ -46,12 +44,6 @@ impl NeighborList {
     #[must_use]
     pub fn excluding(self, exclusions: Exclusions) -> Self {
         Self { exclusions, ..self }
-    }
-
-    /// The chunks whose lists are kept.
-    #[must_use]
-    pub fn own(&self) -> Range<usize> {
-        self.own_chunks.of(self.chunks.len())
     }
 
     /// The sorted rows.
@@ -146,6 +138,22 @@ impl PairList for NeighborList {
         self.table.place(cell, runs, |slot| at[slot]);
     }
 
+    fn begin_part(&mut self, cell: &PeriodicBox, reach: Reach, whole: usize) -> Columns {
+        self.table.begin_part(cell, whole, reach.r_list)
+    }
+
+    fn column_at(&self, cell: &PeriodicBox, r: DVec3) -> [u32; 2] {
+        self.table.column_at(cell, r)
+    }
+
+    fn take_part(&mut self, belongs: &dyn Fn([u32; 2]) -> Belongs, numbers: &[u32]) {
+        self.table.take_part(belongs, numbers);
+    }
+
+    fn whole(&self) -> usize {
+        self.table.whole()
+    }
+
     fn fill(&mut self, scanner: &dyn Scanner, cell: &PeriodicBox, reach: Reach) {
         self.table.show(cell);
         let margin = self.table.search_margin();
@@ -159,23 +167,20 @@ impl PairList for NeighborList {
             scanner,
             exclusions: self.exclusions,
         };
-        let own = self.own();
         // Room for the counts is taken together, ahead of all entries. Between entries it would part the room that they give back.
-        for chunk in &mut self.chunks[own.clone()] {
+        for chunk in &mut self.chunks {
             chunk.counts.clear();
             chunk.counts.reserve_exact(ATOMS_PER_CHUNK);
         }
-        let chunks = self.chunks[own.clone()].iter_mut();
-        for_each_item(chunks, |scratch: &mut Scratch, c, chunk| {
-            filler.fill(filler.table.chunks.of(own.start + c..own.start + c + 1), scratch, chunk);
+        for_each_item(self.chunks.iter_mut(), |scratch: &mut Scratch, c, chunk| {
+            filler.fill(filler.table.chunks.of(c..c + 1), scratch, chunk);
         });
     }
 
     fn is_valid(&self) -> bool {
         let targets = self.targets() as u64;
-        let own = self.own();
         let slots_of = &self.table.chunks;
-        for (c, chunk) in own.clone().zip(&self.chunks[own]) {
+        for (c, chunk) in self.chunks.iter().enumerate() {
             let padded = |count: &u32| (*count as usize).next_multiple_of(self.lanes);
             let used: usize = chunk.counts.iter().map(padded).sum();
             let slots = slots_of.of(c..c + 1);
@@ -188,10 +193,6 @@ impl PairList for NeighborList {
             }
         }
         self.chunks.len() == slots_of.count()
-    }
-
-    fn keep(&mut self, own: Range<usize>) {
-        self.own_chunks = OwnChunks::alone(own, &mut self.chunks);
     }
 
     fn pairs(&self) -> u64 {

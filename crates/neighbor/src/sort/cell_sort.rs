@@ -76,12 +76,11 @@ impl CellSort {
         [near, far]: [DVec3; 2],
         cell_of: impl Fn(DVec3) -> usize + Sync,
     ) -> Result<bool, GridError> {
-        let (values, known) = (positions.values(), positions.known());
+        let values = positions.values();
         let (all_near, all_usable) = (AtomicBool::new(true), AtomicBool::new(true));
         self.home.resize(values.len(), 0);
-        let own = &values[known.clone()];
-        for_each_piece(&mut self.home[known.clone()], |first, chunk| {
-            for (home, r) in chunk.iter_mut().zip(&own[first..]) {
+        for_each_piece(&mut self.home, |first, chunk| {
+            for (home, r) in chunk.iter_mut().zip(&values[first..]) {
                 // The comparisons are false for NaN.
                 if !r.abs().cmple(near).all() {
                     all_near.store(false, Ordering::Relaxed);
@@ -92,15 +91,12 @@ impl CellSort {
                 *home = cell_of(*r) as u32;
             }
         });
-        let is_bad = |k: &usize| !values[*k].abs().cmple(far).all();
-        let bad = (!all_usable.into_inner()).then(|| known.clone().find(is_bad));
-        let (bad, some_are_far) = positions.agree(bad.flatten(), !all_near.into_inner());
-        if let Some(bad) = bad {
+        if !all_usable.into_inner() {
+            let bad = values.iter().position(|r| !r.abs().cmple(far).all()).unwrap_or_default();
             return Err(GridError::BadPosition { particle: positions.particle(bad, particle) });
         }
-        positions.make_numbers_known(&mut self.home);
         self.sort(cells, particle, positions);
-        Ok(some_are_far)
+        Ok(!all_near.into_inner())
     }
 
     /// Sorts positions whose cells are in `home` into `cells` cells. Inside a cell, particles are in ascending order.
@@ -116,7 +112,7 @@ impl CellSort {
         let number = match positions {
             // The positions of a cell have the order of their particles already.
             Positions::ById(_) => None,
-            Positions::BySlot(_) | Positions::Parted(..) => Some(&particle[..]),
+            Positions::BySlot(_) => Some(&particle[..]),
         };
         let starts: Vec<usize> =
             slots.iter().scan(0, |end, n| Some(std::mem::replace(end, *end + n))).collect();

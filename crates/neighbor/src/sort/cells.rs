@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
-
 use crate::sort::columns::ColumnTable;
 use crate::sort::row_table::RowTable;
 
@@ -74,13 +72,11 @@ impl Cells<'_> {
         }
     }
 
-    /// Where the particle at a slot lies across the columns along x and y, in columns from the face of the box. The sort had
-    /// its position `r` in a box of these sides, σ.
-    pub(crate) fn across(self, slot: usize, r: DVec3, lengths: DVec3) -> [f64; 2] {
-        match self {
-            Self::Rows(table) => table.across(slot),
-            Self::Columns(table) => table.across(slot, r, lengths),
-        }
+    /// The slots of the particles in a column.
+    #[must_use]
+    pub fn column(self, [x, y]: [u32; 2]) -> Range<u32> {
+        let [_, _, nz] = self.count();
+        self.slots(x, y, [0, nz - 1])
     }
 
     /// The slots of the particles in the column at (x, y), between two cells along z, both included.

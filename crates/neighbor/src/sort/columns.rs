@@ -20,6 +20,7 @@ use crate::chunk_slots::{ChunkSlots, SMALLEST_CUT};
 use crate::clusters::format::BLOCK_REACH;
 use crate::sort::cell_sort::CellSort;
 use crate::sort::coordinates::{FARTHEST_IMAGE, FIXED_UNITS, FixedRow, PADDING, fold, to_fixed};
+use crate::sort::parts::{Belongs, Columns, Present};
 use crate::sort::positions::{GridError, Positions};
 
 /// The largest image number below which coordinates need no folding first.
@@ -41,6 +42,8 @@ pub struct ColumnTable {
     /// The room of the coordinates along each axis in fixed point, each `[N]` and [`PADDING`].
     room: Vec<FixedRow>,
     pub(crate) grid: ColumnGrid,
+    /// The columns that the table has.
+    pub(crate) present: Present,
     sort: CellSort,
     /// The slots of each chunk.
     pub(crate) chunks: ChunkSlots,
@@ -59,6 +62,12 @@ impl ColumnTable {
     pub fn fixed(&self, slot: usize, r: DVec3, lengths: DVec3, units: DVec3) -> [i32; 3] {
         let image = self.image.get(slot).copied().unwrap_or_default();
         to_fixed(r, image, lengths, units)
+    }
+
+    /// Number of particles of the whole system.
+    #[must_use]
+    pub(crate) fn whole(&self) -> usize {
+        self.present.whole(self.particle.len())
     }
 
     /// Number of bytes held.
@@ -105,34 +114,69 @@ impl ColumnTable {
     /// # Errors
     /// [`GridError::BadPosition`] where a position is not a usable number; the table is then unusable.
     pub fn order(&mut self, cell: &PeriodicBox, positions: Positions<'_>) -> Result<(), GridError> {
-        let (values, known) = (positions.values(), positions.known());
+        let values = positions.values();
         let n = values.len();
         let lengths = cell.lengths();
         let units = FIXED_UNITS / lengths;
         let (near, far) = (lengths * NEAR_IMAGE, lengths * FARTHEST_IMAGE);
-        self.grid = ColumnGrid::choose(lengths, n);
-        let grid = self.grid;
-        let image_of = |r: DVec3| match r.abs().cmple(near).all() {
-            true => IVec3::ZERO,
-            false => fold(r, lengths).1,
+        let whole = self.present.whole(n);
+        self.grid = ColumnGrid::choose(lengths, whole);
+        let (grid, present) = (self.grid, &self.present);
+        let cell_of = |r: DVec3| {
+            let [column, slice] = grid.parts_of(to_fixed(r, image_of(r, lengths), lengths, units));
+            let place = present.place(column).expect("a particle lies in a column of the table");
+            place as usize * grid.slices as usize + grid.along(column, slice) as usize
         };
-        let cell_of = |r: DVec3| grid.cell_of(to_fixed(r, image_of(r), lengths, units));
+        let [nx, ny] = grid.across;
+        let cells = present.count(nx * ny) as usize * grid.slices as usize;
         let some_are_far =
-            self.sort.order(grid.cells(), &mut self.particle, positions, [near, far], cell_of)?;
-        let columns = if n < SMALLEST_CUT { vec![0] } else { grid.bundles() };
+            self.sort.order(cells, &mut self.particle, positions, [near, far], cell_of)?;
+        let columns = present.bundles(|| {
+            let first = if n < SMALLEST_CUT { vec![0] } else { grid.bundles() };
+            first.into_iter().chain([nx * ny]).collect()
+        });
         let first = |column: u32| self.sort.first[(column * grid.slices) as usize];
-        self.chunks.cut(columns.into_iter().map(first).chain([n as u32]));
+        self.chunks.cut(columns.into_iter().map(first));
         self.image.clear();
         if some_are_far {
-            let mut images = vec![DVec3::ZERO; n];
-            for (image, r) in images[known.clone()].iter_mut().zip(&values[known]) {
-                *image = image_of(*r).as_dvec3();
-            }
-            positions.make_vectors_known(&mut images);
-            let of_slots = self.sort.source.iter().map(|k| images[*k as usize]);
-            self.image.extend(of_slots.map(|image| image.as_ivec3()));
+            let of_slots = self.sort.source.iter().map(|k| image_of(values[*k as usize], lengths));
+            self.image.extend(of_slots);
         }
         Ok(())
+    }
+
+    /// Begins a part of `whole` particles in a box: chooses the grid.
+    pub(crate) fn begin_part(&mut self, cell: &PeriodicBox, whole: usize) -> Columns {
+        self.present.begin(whole);
+        self.grid = ColumnGrid::choose(cell.lengths(), whole);
+        let Self { grid, .. } = self;
+        let [_, ny] = grid.across;
+        let strips = (0..ny).step_by(grid.strip as usize);
+        let ends = strips.flat_map(|begin| {
+            (begin..(begin + grid.strip).min(ny)).step_by(COLUMNS_PER_BUNDLE as usize)
+        });
+        let ends = ends.chain([ny]).collect();
+        Columns { count: grid.across, ends, lengths: cell.lengths() }
+    }
+
+    /// The column of a position in a box, in the grid that was chosen last.
+    pub(crate) fn column_at(&self, cell: &PeriodicBox, r: DVec3) -> [u32; 2] {
+        let lengths = cell.lengths();
+        let [x, y, _] = to_fixed(r, image_of(r, lengths), lengths, FIXED_UNITS / lengths);
+        let [nx, ny] = self.grid.across;
+        [ColumnGrid::part(x, nx), ColumnGrid::part(y, ny)]
+    }
+
+    /// Goes on with a part: takes its columns, and the number of each particle that will be sorted.
+    pub(crate) fn take_part(&mut self, belongs: impl Fn([u32; 2]) -> Belongs, numbers: &[u32]) {
+        let [nx, ny] = self.grid.across;
+        let mut of_column = vec![Belongs::Nowhere; (nx * ny) as usize];
+        for (x, y) in (0..nx).flat_map(|x| (0..ny).map(move |y| (x, y))) {
+            of_column[self.grid.column(x, y) as usize] = belongs([x, y]);
+        }
+        self.present.take(&of_column, &self.grid.bundles());
+        self.particle.clear();
+        self.particle.extend_from_slice(numbers);
     }
 
     /// Places all particles of the last order, whose positions are known.
@@ -169,12 +213,38 @@ impl ColumnTable {
         self.room = room;
     }
 
+    /// The cell of a slot in the box, and the number of its particle.
+    pub(crate) fn key(&self, slot: u32) -> [u32; 2] {
+        let cell = self.sort.first.partition_point(|first| *first <= slot) as u32 - 1;
+        let slices = self.grid.slices;
+        let column = self.present.column((cell / slices) as usize);
+        [column * slices + cell % slices, self.particle[slot as usize]]
+    }
+
+    /// The slot that has a key, where the table has it.
+    pub(crate) fn slot_of(&self, [cell, number]: [u32; 2]) -> Option<u32> {
+        let slices = self.grid.slices;
+        let at = (self.present.place(cell / slices)? * slices + cell % slices) as usize;
+        let mut slots = self.sort.first[at]..self.sort.first[at + 1];
+        slots.find(|slot| self.particle[*slot as usize] == number)
+    }
+
     /// The slots of a column between two slices, both included.
     #[inline(always)]
     pub(crate) fn slots_of(&self, column: u32, slices: [u32; 2]) -> Range<u32> {
-        let (a, b) = (self.grid.cell(column, slices[0]), self.grid.cell(column, slices[1]));
+        let Some(place) = self.present.place(column) else { return 0..0 };
+        let [a, b] = slices
+            .map(|slice| (place * self.grid.slices + self.grid.along(column, slice)) as usize);
         let first = &self.sort.first;
         first[a.min(b)]..first[a.max(b) + 1]
+    }
+}
+
+/// The image of a position in a box, where fixed point needs it; elsewhere zero.
+fn image_of(r: DVec3, lengths: DVec3) -> IVec3 {
+    match r.abs().cmple(lengths * NEAR_IMAGE).all() {
+        true => IVec3::ZERO,
+        false => fold(r, lengths).1,
     }
 }
 
@@ -183,14 +253,6 @@ impl ColumnTable {
     pub(super) fn count(&self) -> [u32; 3] {
         let [x, y] = self.grid.across;
         [x, y, self.grid.slices]
-    }
-
-    pub(super) fn across(&self, slot: usize, r: DVec3, lengths: DVec3) -> [f64; 2] {
-        let at = self.fixed(slot, r, lengths, FIXED_UNITS / lengths);
-        [0, 1].map(|axis| {
-            let part = f64::from(at[axis] as u32) / FIXED_UNITS;
-            part * f64::from(self.grid.across[axis])
-        })
     }
 }
 
@@ -295,11 +357,6 @@ impl ColumnGrid {
         self.across[1].div_ceil(self.strip)
     }
 
-    /// Number of cells.
-    pub fn cells(&self) -> usize {
-        self.across[0] as usize * self.across[1] as usize * self.slices as usize
-    }
-
     /// The part of an axis, one of `count` equal parts, that contains a fixed-point coordinate.
     #[inline(always)]
     pub fn part(coordinate: i32, count: u32) -> u32 {
@@ -347,19 +404,18 @@ impl ColumnGrid {
         self.all_in_reach || a.abs_diff(b) <= (APART_ALONG_X as u32 * self.strip) / 2 + 2
     }
 
-    /// The cell of a column at a slice, in the order of slots.
+    /// The place of a slice along a column, in the order of slots.
     #[inline(always)]
-    pub fn cell(&self, column: u32, slice: u32) -> usize {
-        let slice = if column % 2 == 1 { self.slices - 1 - slice } else { slice };
-        column as usize * self.slices as usize + slice as usize
+    pub fn along(&self, column: u32, slice: u32) -> u32 {
+        if column % 2 == 1 { self.slices - 1 - slice } else { slice }
     }
 
-    /// The cell that contains a point in fixed point.
+    /// The column and the slice that contain a point in fixed point.
     #[inline(always)]
-    pub fn cell_of(&self, [x, y, z]: [i32; 3]) -> usize {
+    pub fn parts_of(&self, [x, y, z]: [i32; 3]) -> [u32; 2] {
         let [nx, ny] = self.across;
         let column = self.column(Self::part(x, nx), Self::part(y, ny));
-        self.cell(column, Self::part(z, self.slices))
+        [column, Self::part(z, self.slices)]
     }
 
     /// The distance in slots, in a uniform fluid of `n` particles, to the last slot within `radius` σ.

@@ -72,6 +72,13 @@ pub fn to_fixed(r: DVec3, image: IVec3, lengths: DVec3, units: DVec3) -> [i32; 3
 /// The largest image number that is counted; a coordinate of so many boxes has lost its digits inside the box.
 pub(super) const FARTHEST_IMAGE: f64 = 1_073_741_824.0;
 
+/// Whether a position is finite, and so near that its digits tell where in the box it lies.
+#[must_use]
+pub fn is_usable(r: DVec3, lengths: DVec3) -> bool {
+    // The comparisons are false for NaN.
+    r.abs().cmple(lengths * FARTHEST_IMAGE).all()
+}
+
 /// Folded position and image, as [`lennard_core::PeriodicBox::split`] gives them.
 ///
 /// It calls no `floor`: without an instruction for it, that call costs more than the rest of the sort.

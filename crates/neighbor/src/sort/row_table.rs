@@ -24,6 +24,7 @@ use lennard_core::tasks::{for_each_item, map_items};
 use crate::chunk_slots::{ChunkSlots, SMALLEST_CUT};
 use crate::sort::cell_sort::{CellSort, cut};
 use crate::sort::coordinates::{FARTHEST_IMAGE, PADDING, RowCoordinates, fold};
+use crate::sort::parts::{Belongs, Columns, Present};
 use crate::sort::positions::{GridError, Positions};
 
 /// Number of consecutive cells of a column that share one gathering of candidates.
@@ -64,6 +65,8 @@ pub struct RowTable {
     /// Coordinates of the rows in single precision, for the search.
     pub(crate) coordinates: RowCoordinates,
     grid: CellGrid,
+    /// The columns that the table has.
+    present: Present,
     sort: CellSort,
     /// The slots of each chunk.
     pub(crate) chunks: ChunkSlots,
@@ -89,6 +92,12 @@ impl RowTable {
     /// [`RowTable::slots`] and [`PADDING`] more elements.
     pub(crate) fn padded_slots(&self) -> &[u32] {
         &self.slot
+    }
+
+    /// Number of particles of the whole system.
+    #[must_use]
+    pub(crate) fn whole(&self) -> usize {
+        self.present.whole(self.particle.len())
     }
 
     /// Number of bytes held.
@@ -137,17 +146,20 @@ impl RowTable {
         radius: f64,
     ) -> Result<(), GridError> {
         let lengths = cell.lengths();
-        self.grid.choose(lengths, positions.values().len(), radius);
+        self.grid.choose(lengths, self.present.whole(positions.values().len()), radius);
         let [nx, ny, nz] = self.grid.inner;
         let inv_edge = DVec3::new(nx as f64, ny as f64, nz as f64) / lengths;
         let far = lengths * FARTHEST_IMAGE;
+        let present = &self.present;
         let cell_of = |r: DVec3| {
             let scaled = fold(r, lengths).0 * inv_edge;
-            // A conversion to 32 bits is one instruction.
-            let part = |scaled: f64, parts: usize| (scaled as u32).min(parts as u32 - 1) as usize;
-            (part(scaled.x, nx) * ny + part(scaled.y, ny)) * nz + part(scaled.z, nz)
+            let column = part(scaled.x, nx) * ny + part(scaled.y, ny);
+            let place = present.place(column as u32);
+            let place = place.expect("a particle lies in a column of the table") as usize;
+            place * nz + part(scaled.z, nz)
         };
-        self.sort.order(nx * ny * nz, &mut self.particle, positions, [far; 2], cell_of)?;
+        let cells = present.count((nx * ny) as u32) as usize * nz;
+        self.sort.order(cells, &mut self.particle, positions, [far; 2], cell_of)?;
         self.cut_chunks();
         self.number_rows();
         self.fill_slots();
@@ -184,29 +196,56 @@ impl RowTable {
         }
     }
 
+    /// Begins a part of `whole` particles in a box, for a search within `radius` σ: chooses the grid.
+    pub(crate) fn begin_part(&mut self, cell: &PeriodicBox, whole: usize, radius: f64) -> Columns {
+        self.present.begin(whole);
+        self.grid.choose(cell.lengths(), whole, radius);
+        let [nx, ny, _] = self.grid.inner;
+        let ends = (0..ny).step_by(COLUMNS_PER_BUNDLE).chain([ny]).map(|y| y as u32).collect();
+        Columns { count: [nx as u32, ny as u32], ends, lengths: cell.lengths() }
+    }
+
+    /// The column of a position in a box, in the grid that was chosen last.
+    pub(crate) fn column_at(&self, cell: &PeriodicBox, r: DVec3) -> [u32; 2] {
+        let [nx, ny, nz] = self.grid.inner;
+        let inv_edge = DVec3::new(nx as f64, ny as f64, nz as f64) / cell.lengths();
+        let scaled = fold(r, cell.lengths()).0 * inv_edge;
+        [part(scaled.x, nx) as u32, part(scaled.y, ny) as u32]
+    }
+
+    /// Goes on with a part: takes its columns, and the number of each particle that will be sorted.
+    pub(crate) fn take_part(&mut self, belongs: impl Fn([u32; 2]) -> Belongs, numbers: &[u32]) {
+        let [nx, ny, _] = self.grid.inner;
+        let all = (0..nx as u32).flat_map(|x| (0..ny as u32).map(move |y| [x, y]));
+        let of_column: Vec<Belongs> = all.map(belongs).collect();
+        self.present.take(&of_column, &self.grid.bundles(COLUMNS_PER_BUNDLE));
+        self.particle.clear();
+        self.particle.extend_from_slice(numbers);
+    }
+
     /// Cuts the slots of each bundle, a few columns side by side, into chunks.
     fn cut_chunks(&mut self) {
-        let [nx, ny, _] = self.grid.inner;
-        let width = if self.particle.len() < SMALLEST_CUT { ny } else { COLUMNS_PER_BUNDLE };
-        let layers = if width == ny { 0..1 } else { 0..nx };
-        let begins = layers.flat_map(|x| (0..ny).step_by(width).map(move |y| [x, y]));
-        let begins = begins.map(|[x, y]| self.sort.first[self.grid.home_index(x, y, 0)]);
-        self.chunks.cut(begins.chain([self.particle.len() as u32]));
+        let (n, grid) = (self.particle.len(), &self.grid);
+        let [nx, ny, nz] = grid.inner;
+        let bundles = self.present.bundles(|| match n < SMALLEST_CUT {
+            true => vec![0, (nx * ny) as u32],
+            false => grid.bundles(COLUMNS_PER_BUNDLE),
+        });
+        self.chunks.cut(bundles.into_iter().map(|place| self.sort.first[place as usize * nz]));
     }
 
     /// Numbers the rows of the extended grid, ghosts included.
     fn number_rows(&mut self) {
-        let grid = &self.grid;
-        let first_slot = &self.sort.first;
-        let axes = [0, 1, 2].map(|a| grid.axis(a));
-        let mut first_row = Vec::with_capacity(grid.first_row.len());
+        let homes = Homes { grid: &self.grid, present: &self.present, first: &self.sort.first };
+        let axes = [0, 1, 2].map(|a| self.grid.axis(a));
+        let mut first_row = Vec::with_capacity(self.grid.first_row.len());
         let mut rows = 0;
         for (hx, _) in &axes[0] {
             for (hy, _) in &axes[1] {
+                let first = homes.column(*hx, *hy);
                 for (hz, _) in &axes[2] {
-                    let home = grid.home_index(*hx, *hy, *hz);
                     first_row.push(rows);
-                    rows += first_slot[home + 1] - first_slot[home];
+                    rows += first.map_or(0, |first| first[hz + 1] - first[*hz]);
                 }
             }
         }
@@ -225,16 +264,24 @@ impl RowTable {
         let [nx, ny, nz] = grid.inner;
         let [_, ey, ez] = grid.extended();
         let [lx, ly, lz] = grid.layers;
-        let begin = |x: usize| first_slot[grid.home_index(x, 0, 0)] as usize;
-        let lengths = || (0..nx).map(|x| begin(x + 1) - begin(x));
+        let columns = self.present.count((nx * ny) as u32) as usize;
+        let columns_of = |part: usize| part * ny..columns.min((part + 1) * ny);
+        let parts = columns.div_ceil(ny);
+        let lengths = || {
+            (0..parts).map(|part| {
+                let columns = columns_of(part);
+                (first_slot[columns.end * nz] - first_slot[columns.start * nz]) as usize
+            })
+        };
         let [rows, cells] = [&mut self.row, &mut self.cell_of_slot].map(|a| cut(a, lengths()));
-        let layers = rows.into_iter().zip(cells);
-        for_each_item(layers, |(): &mut (), x, (rows, cells)| {
+        let present = &self.present;
+        for_each_item(rows.into_iter().zip(cells), |(): &mut (), part, (rows, cells)| {
             let (mut rows, mut cells) = (rows.iter_mut(), cells.iter_mut());
-            for y in 0..ny {
-                let home = grid.home_index(x, y, 0);
+            for place in columns_of(part) {
+                let column = present.column(place) as usize;
+                let (x, y) = (column / ny, column % ny);
                 let extended = ((x + lx) * ey + y + ly) * ez + lz;
-                let first_slot = &first_slot[home..=home + nz];
+                let first_slot = &first_slot[place * nz..=(place + 1) * nz];
                 // Slots of a column have consecutive rows.
                 let slots = first_slot[0]..first_slot[nz];
                 for (row, to) in (grid.first_row[extended]..).zip(rows.by_ref().take(slots.len())) {
@@ -250,7 +297,8 @@ impl RowTable {
 
     /// Numbers the slots that rows show, and finds the ghosts.
     fn fill_rows(&mut self) {
-        let layers = Layers::of(&self.grid, &self.sort.first);
+        let layers =
+            Layers::of(Homes { grid: &self.grid, present: &self.present, first: &self.sort.first });
         let own_rows = &self.row;
         let fill = |x: usize, slots: &mut [u32]| {
             let mut ghosts = Vec::new();
@@ -279,7 +327,8 @@ impl RowTable {
 
     /// Fills the coordinates of the rows. They have no meaning for particles that are not placed.
     pub fn show(&mut self, cell: &PeriodicBox) {
-        let layers = Layers::of(&self.grid, &self.sort.first);
+        let layers =
+            Layers::of(Homes { grid: &self.grid, present: &self.present, first: &self.sort.first });
         let (lengths, wrapped) = (cell.lengths(), &self.wrapped);
         let RowCoordinates { x, y, z } = &mut self.coordinates;
         let [x, y, z] = [x, y, z].map(|axis| layers.cut(axis));
@@ -336,16 +385,36 @@ impl RowTable {
         self.grid.inner.map(|count| count as u32)
     }
 
-    pub(super) fn across(&self, slot: usize) -> [f64; 2] {
-        let at = self.wrapped[slot] / self.grid.edge;
-        [at.x, at.y]
-    }
-
     #[inline(always)]
     pub(super) fn slots_between(&self, x: u32, y: u32, z: [u32; 2]) -> Range<u32> {
-        let home = |z: u32| self.grid.home_index(x as usize, y as usize, z as usize);
-        let first = &self.sort.first;
-        first[home(z[0])]..first[home(z[1]) + 1]
+        let homes = Homes { grid: &self.grid, present: &self.present, first: &self.sort.first };
+        let first = homes.column(x as usize, y as usize);
+        first.map_or(0..0, |first| first[z[0] as usize]..first[z[1] as usize + 1])
+    }
+}
+
+/// The part of an axis, one of `parts` equal parts, that contains a scaled coordinate. A conversion to 32 bits is one instruction.
+#[inline(always)]
+fn part(scaled: f64, parts: usize) -> usize {
+    (scaled as u32).min(parts as u32 - 1) as usize
+}
+
+/// The slots of the home cells.
+#[derive(Clone, Copy)]
+struct Homes<'a> {
+    grid: &'a CellGrid,
+    present: &'a Present,
+    /// The first slot of each cell, column by column, and the end.
+    first: &'a [u32],
+}
+
+impl<'a> Homes<'a> {
+    /// The first slot of each cell of a column, and the end; `None` where the table does not have it.
+    #[inline(always)]
+    fn column(self, x: usize, y: usize) -> Option<&'a [u32]> {
+        let [_, ny, nz] = self.grid.inner;
+        let place = self.present.place((x * ny + y) as u32)? as usize;
+        Some(&self.first[place * nz..=(place + 1) * nz])
     }
 }
 
@@ -426,9 +495,11 @@ impl CellGrid {
         [0, 1, 2].map(|a| self.inner[a] + 2 * self.layers[a])
     }
 
-    /// The number of the home cell at (x, y, z).
-    pub fn home_index(&self, x: usize, y: usize, z: usize) -> usize {
-        (x * self.inner[1] + y) * self.inner[2] + z
+    /// The first column of each bundle of columns of a layer, and the end of all.
+    fn bundles(&self, width: usize) -> Vec<u32> {
+        let [nx, ny, _] = self.inner;
+        let first = (0..nx).flat_map(|x| (0..ny).step_by(width).map(move |y| x * ny + y));
+        first.chain([nx * ny]).map(|column| column as u32).collect()
     }
 
     /// The home cell and the box of each extended cell along an axis.
@@ -499,23 +570,22 @@ impl CellGrid {
 // The layers of a row table along x, which its tasks fill one by one.
 
 /// The layers of cells of the extended grid along x.
-pub(super) struct Layers<'a> {
-    grid: &'a CellGrid,
-    /// The first slot of each home cell, and the end.
-    first_slot: &'a [u32],
+struct Layers<'a> {
+    homes: Homes<'a>,
     /// The home cell and the box of each extended cell along each axis.
     axes: [Vec<(usize, i8)>; 3],
 }
 
 impl<'a> Layers<'a> {
-    pub fn of(grid: &'a CellGrid, first_slot: &'a [u32]) -> Self {
-        Self { grid, first_slot, axes: [0, 1, 2].map(|axis| grid.axis(axis)) }
+    fn of(homes: Homes<'a>) -> Self {
+        Self { homes, axes: [0, 1, 2].map(|axis| homes.grid.axis(axis)) }
     }
 
     /// The rows of a layer.
     pub fn rows(&self, x: usize) -> Range<usize> {
-        let [_, ey, ez] = self.grid.extended();
-        let first_row = |x: usize| self.grid.first_row[x * ey * ez] as usize;
+        let grid = self.homes.grid;
+        let [_, ey, ez] = grid.extended();
+        let first_row = |x: usize| grid.first_row[x * ey * ez] as usize;
         first_row(x)..first_row(x + 1)
     }
 
@@ -528,12 +598,11 @@ impl<'a> Layers<'a> {
     pub fn for_each_run(&self, x: usize, mut visit: impl FnMut(Range<u32>, [i8; 3])) {
         let (hx, sx) = self.axes[0][x];
         for (hy, sy) in &self.axes[1] {
+            let Some(first_slot) = self.homes.column(hx, *hy) else { continue };
             // Slots ascend along z, but for the faces of the box.
             for run in self.axes[2].chunk_by(|(_, a), (_, b)| a == b) {
                 let (first, sz) = run[0];
-                let home = self.grid.home_index(hx, *hy, first);
-                let slots = self.first_slot[home]..self.first_slot[home + run.len()];
-                visit(slots, [sx, *sy, sz]);
+                visit(first_slot[first]..first_slot[first + run.len()], [sx, *sy, sz]);
             }
         }
     }

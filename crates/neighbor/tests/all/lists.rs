@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_neighbor::{
-    ClusterList, GridError, Images, NeighborList, PairList, Positions, Reach, ScalarScanner,
+    Belongs, Block, ClusterList, GridError, Images, NeighborList, PairList, Positions, Reach,
+    ScalarScanner, with_rounding,
 };
 use proptest::prelude::*;
 
@@ -264,6 +265,125 @@ fn chunks_begin_anew_in_each_bundle_and_their_lists_have_every_pair() {
         }
         let ragged = clusters.chunks().iter().flat_map(|chunk| chunk.lists());
         assert!(ragged.filter(|(slots, _)| slots.len() < 4).count() > 10);
+    }
+}
+
+/// Builds the lists of each part of a box, and compares what each particle has in them with the lists of the whole.
+fn compare_parts<P: PairList>(
+    empty: impl Fn() -> P,
+    of_particles: impl Fn(&P) -> Vec<Vec<u32>>,
+    (cell, reach): (&PeriodicBox, Reach),
+    positions: &[DVec3],
+    (ranks, seed): (usize, u64),
+) {
+    let mut whole = empty();
+    whole.order(cell, reach, Positions::ById(positions)).unwrap();
+    whole.place(cell, &[0..positions.len()], &by_slot(&whole, positions));
+    whole.fill(&ScalarScanner, cell, reach);
+    let wanted = of_particles(&whole);
+    let mut slot_of = vec![0; positions.len()];
+    for (slot, particle) in whole.particles().iter().enumerate() {
+        slot_of[*particle as usize] = slot;
+    }
+    let mut owned = 0;
+    for rank in 0..ranks {
+        let mut part = empty();
+        let columns = part.begin_part(cell, reach, positions.len());
+        // Cuts are as good as drawn at random.
+        let weights: Vec<u64> = (0..columns.bundles() as u64).map(|k| k * k * seed % 97).collect();
+        let owners = columns.cut(&weights, ranks);
+        assert!((0..ranks as u32).all(|rank| owners.contains(&rank)));
+        let owner = |r: &DVec3| owners[columns.bundle(part.column_at(cell, *r))] as usize;
+        let radius = with_rounding(cell.lengths(), reach.r_list);
+        let beyond: Vec<_> =
+            (0..ranks).map(|owner| columns.beyond(&owners, owner, radius)).collect();
+        let mut near = Vec::new();
+        let in_part = |(_, r): &(u32, &DVec3)| {
+            let owner = owner(r);
+            beyond[owner].ranks_near(part.column_at(cell, **r), **r, &mut near);
+            owner == rank
+                || near.iter().any(|(k, d2)| *k as usize == rank && *d2 <= radius * radius)
+        };
+        let (numbers, at): (Vec<u32>, Vec<DVec3>) = (0..).zip(positions).filter(in_part).unzip();
+        let mut belongs = vec![Belongs::Nowhere; (columns.count[0] * columns.count[1]) as usize];
+        let index = |[x, y]: [u32; 2]| (x * columns.count[1] + y) as usize;
+        for r in &at {
+            let is_own = owner(r) == rank;
+            let column = part.column_at(cell, *r);
+            belongs[index(column)] = if is_own { Belongs::Own } else { Belongs::Halo };
+        }
+        for (x, y) in (0..columns.count[0]).flat_map(|x| (0..columns.count[1]).map(move |y| (x, y)))
+        {
+            if owners[columns.bundle([x, y])] as usize == rank {
+                belongs[index([x, y])] = Belongs::Own;
+            }
+        }
+        part.take_part(&|column| belongs[index(column)], &numbers);
+        part.order(cell, reach, Positions::BySlot(&at)).unwrap();
+        part.place(cell, &[0..at.len()], &by_slot(&part, positions));
+        part.fill(&ScalarScanner, cell, reach);
+        assert!(part.is_valid() && part.own() < at.len());
+        owned += part.own();
+        let found = of_particles(&part);
+        for (slot, number) in part.particles()[..part.own()].iter().enumerate() {
+            let wanted = &wanted[slot_of[*number as usize]];
+            assert_eq!(found[slot], *wanted, "rank {rank} of {ranks}, particle {number}");
+        }
+    }
+    assert_eq!(owned, positions.len());
+}
+
+fn by_slot<P: PairList>(list: &P, positions: &[DVec3]) -> Vec<DVec3> {
+    list.particles().iter().map(|particle| positions[*particle as usize]).collect()
+}
+
+#[test]
+fn the_lists_of_a_part_are_the_lists_of_the_whole_lane_by_lane() {
+    for (sides, n) in [(DVec3::new(24.0, 23.0, 11.0), 6000), (DVec3::new(6.0, 90.0, 173.0), 72_000)]
+    {
+        let cell = PeriodicBox::new(sides).unwrap();
+        let positions = scatter(n, sides, 0.0);
+        let reach = Reach { r_cut: 1.4, r_list: 1.5 };
+        let cuts = if n < 10_000 { vec![(2, 3), (3, 5), (7, 11)] } else { vec![(4, 7)] };
+        for how in cuts {
+            // The particle in each lane of each block, or none: their order is the order of sums.
+            let of_clusters = |list: &ClusterList| {
+                let lists = list.chunks().iter().flat_map(|chunk| chunk.lists());
+                let particle = list.particles();
+                lists
+                    .flat_map(|(slots, blocks)| {
+                        let of = |member: usize| {
+                            let lanes = |block: &Block| {
+                                let lanes = (0..16).filter(|k| block.valid >> k & 1 == 1);
+                                let slots = lanes.zip(block.slots());
+                                slots
+                                    .flat_map(|(lane, slot)| [lane, particle[slot as usize]])
+                                    .collect::<Vec<u32>>()
+                            };
+                            blocks.for_member(member).flat_map(lanes).collect::<Vec<u32>>()
+                        };
+                        (0..slots.len()).map(of).collect::<Vec<_>>()
+                    })
+                    .collect()
+            };
+            compare_parts(ClusterList::default, of_clusters, (&cell, reach), &positions, how);
+            let of_rows = |list: &NeighborList| {
+                let mut all = Vec::new();
+                for chunk in list.chunks() {
+                    let mut start = 0;
+                    for count in &chunk.counts {
+                        let entries = chunk.entries.offsets(start..start + *count as usize);
+                        let slot = |entry: u32| list.table().slots()[(chunk.base + entry) as usize];
+                        let of = |entry: u32| list.particles()[slot(entry) as usize];
+                        all.push(entries.into_iter().map(of).collect());
+                        start += count.next_multiple_of(8) as usize;
+                    }
+                }
+                all
+            };
+            let rows = || NeighborList::new(Images::Ghosts, 8);
+            compare_parts(rows, of_rows, (&cell, reach), &positions, how);
+        }
     }
 }
 

@@ -16,7 +16,7 @@ fn memory_is_counted_as_a_run_takes_it() {
         let mut simulation = crate::prepare(scene(more)).unwrap();
         // Each thread has a copy of few particles once it runs a chunk: one thread always has its own.
         let alone = lennard_core::parallel::pool(1).unwrap();
-        alone.install(|| Costs::measure(&mut simulation, &[]).unwrap())
+        alone.install(|| Costs::measure(&mut simulation).unwrap())
     };
     let stage = "[[stage]]\nname = \"a\"\nsteps = 300\n";
     let observed = format!("{stage}[[observable]]\nkind = \"momentum\"\nevery = 1\n");
@@ -43,7 +43,7 @@ fn memory_is_counted_as_a_run_takes_it() {
 fn the_text_of_the_last_state_is_counted_as_a_run_writes_it() {
     let run = "forces = true\n[[stage]]\nname = \"a\"\nsteps = 40\n";
     let mut simulation = crate::prepare(scene(run)).unwrap();
-    let counted = Costs::measure(&mut simulation, &[]).unwrap().text_bytes as f64;
+    let counted = Costs::measure(&mut simulation).unwrap().text_bytes as f64;
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("run");
     crate::prepare(scene(run)).unwrap().run_in_folder(&folder).unwrap();
@@ -60,7 +60,7 @@ fn parts_are_paid_as_often_as_the_scene_says() {
          [[stage]]\nname = \"b\"\nsteps = 600\n[[observable]]\nkind = \"rdf\"\nevery = 20\n",
     );
     let mut simulation = crate::prepare(scene).unwrap();
-    let parts = Costs::measure(&mut simulation, &[]).unwrap().parts.unwrap();
+    let parts = Costs::measure(&mut simulation).unwrap().parts.unwrap();
     let calls = |name: &str| {
         let found: Vec<&Part> = parts.iter().filter(|part| part.name == name).collect();
         assert!(found.len() == 1 && found[0].of_run() >= 0.0, "{name}: {found:?}");

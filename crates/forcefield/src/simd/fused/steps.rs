@@ -39,11 +39,11 @@ pub fn fused_step<P: PackedList>(
 ) -> ListStatus {
     let n = used.list.particles().len();
     assert!(
-        particles.positions.len() == n && particles.velocities.len() == n,
+        particles.positions.len() == n && particles.velocities.len() >= used.list.own(),
         "one vector per slot"
     );
     assert!(
-        particles.next.is_some() || !are_few(n) || used.share.is_some(),
+        particles.next.is_some() || !are_few(used.list.whole()),
         "few particles are packed while chunks run"
     );
     let positions = Disjoint::new(particles.positions);
@@ -104,18 +104,18 @@ pub fn fused_step<P: PackedList>(
         unsafe { ahead.pack(chunk, next_rows, motion, step) };
         totals
     };
-    let Some(share) = used.share else {
+    let Some(part) = used.part else {
         let outcome = copies.run(&Pass { used, request, at: &at, run: &run, fetch: None });
         return if outcome.broken { ListStatus::NonFinite } else { outcome.status };
     };
-    let fetch = |meanwhile: &mut dyn FnMut()| {
+    let fetch = |all: bool, meanwhile: &mut dyn FnMut()| {
         let own = |slot: u32| at().positions[slot as usize];
-        // SAFETY: the slots of a halo belong to no chunk of this rank, and they are put when no chunk runs.
+        // SAFETY: the slots of a halo belong to no chunk, and they are put when no chunk runs.
         let put = |slot: u32, r| unsafe { positions.write(slot as usize, r) };
-        share.fetch(own, meanwhile, put);
+        part.fetch(all, own, meanwhile, put);
     };
     let outcome = copies.run(&Pass { used, request, at: &at, run: &run, fetch: Some(&fetch) });
     // All ranks learn it when they judge the list next.
-    share.note_broken(outcome.broken);
+    part.note_broken(outcome.broken);
     outcome.status
 }

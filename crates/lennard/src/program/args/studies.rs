@@ -19,15 +19,18 @@ pub struct PlanArgs {
     /// Every part, with what is off and why.
     #[arg(long)]
     pub verbose: bool,
-    /// Predict the step of one big system on this many machines, each like this one.
-    #[arg(long, help_heading = CLUSTER, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub nodes: Option<u32>,
-    /// Time of an empty message between two machines, such as 2us.
-    #[arg(long, help_heading = CLUSTER, value_name = "TIME", default_value = "2us", requires = "nodes", value_parser = latency)]
+    /// Predict memory and time of a step of `lennard-mpi` on so many ranks; without a number, on as many as pay.
+    #[arg(long, help_heading = CLUSTER, value_name = "P", num_args = 0..=1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub ranks: Option<Option<u32>>,
+    /// Time of an empty message between two ranks, such as 2us.
+    #[arg(long, help_heading = CLUSTER, value_name = "TIME", default_value = "2us", requires = "ranks", value_parser = latency)]
     pub latency: Duration,
-    /// Bytes per second that a machine sends and receives, such as 25GB/s or 800MB/s.
-    #[arg(long, help_heading = CLUSTER, value_name = "RATE", default_value = "25GB/s", requires = "nodes", value_parser = bandwidth)]
+    /// Bytes per second that a rank sends and receives, such as 12GB/s or 800MB/s.
+    #[arg(long, help_heading = CLUSTER, value_name = "RATE", default_value = "12GB/s", requires = "ranks", value_parser = bandwidth)]
     pub bandwidth: f64,
+    /// Cores of each rank; by default as many as the threads that were measured.
+    #[arg(long, help_heading = CLUSTER, value_name = "N", requires = "ranks", value_parser = clap::value_parser!(u16).range(1..))]
+    pub cores: Option<u16>,
 }
 
 /// A time of zero or more.
@@ -40,7 +43,7 @@ pub const RATES: [(&str, f64); 4] = [("GB/s", 1e9), ("MB/s", 1e6), ("kB/s", 1e3)
 
 /// Bytes per second: a number with a unit.
 fn bandwidth(text: &str) -> Result<f64, String> {
-    let wanted = || "wanted a rate above zero, such as 25GB/s, 800MB/s or 100kB/s".to_owned();
+    let wanted = || "wanted a rate above zero, such as 12GB/s, 800MB/s or 100kB/s".to_owned();
     let unit = RATES.iter().find(|(name, _)| text.ends_with(name));
     let (name, unit) = unit.ok_or_else(wanted)?;
     let number = text[..text.len() - name.len()].trim();

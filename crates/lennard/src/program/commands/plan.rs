@@ -12,10 +12,11 @@ pub fn plan(args: &PlanArgs) -> Result<u8, Failure> {
     let (scene, lock) = load_locked(&args.scene)?;
     let mut simulation = lennard_engine::prepare(scene)?;
     let threads = threads_with(args.scene.threads, lock.as_ref(), simulation.state.len());
-    let network = args.nodes.map(|nodes| Network {
-        nodes: nodes as usize,
+    let network = args.ranks.map(|ranks| Network {
+        ranks: ranks.map(|ranks| ranks as usize),
         latency: args.latency.as_secs_f64(),
         bandwidth: args.bandwidth,
+        cores: args.cores.map_or(threads, usize::from),
     });
     let plan =
         on_threads(threads, || Ok(lennard_engine::plan(&mut simulation, threads, network)?))?;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lennard_engine::{Nodes, PATIENCE, Plan, PlanItem};
+use lennard_engine::{PATIENCE, Plan, PlanItem, Ranks};
 use lennard_observables::{Cell, Table};
 use lennard_studies::report::Section;
 
@@ -37,8 +37,8 @@ pub fn plan(plan: &Plan, verbose: bool, lock: Option<&Path>) -> Section {
         ))
         .text(format!("time: {}", time(plan)))
         .texts(&plan.remarks);
-    let section = match &plan.nodes {
-        Some(nodes) => section.table(of_nodes(nodes)).texts(in_words(nodes)),
+    let section = match &plan.ranks {
+        Some(ranks) => section.table(on_ranks(ranks)).texts(in_words(ranks)),
         None => section,
     };
     section.texts(lock.map(|lock| format!("settings from {}", lock.display())))
@@ -62,42 +62,35 @@ fn time(plan: &Plan) -> String {
     }
 }
 
-/// Steps on machines, by the model.
-fn of_nodes(nodes: &Nodes) -> Table {
+/// Steps on ranks, by the model.
+fn on_ranks(ranks: &Ranks) -> Table {
+    let whole = |x: f64| Cell::figures(format!("{x:.0}"));
     let micro = |seconds: f64| Cell::figures(format!("{:.1}", 1e6 * seconds));
-    Table::rows_of("nodes", &nodes.steps)
-        .column("machines", |s| s.nodes)
-        .column("particles", |s| Cell::figures(format!("{:.0}", s.atoms)))
-        .column("halo", |s| Cell::figures(format!("{:.0}", s.ghosts)))
+    Table::rows_of("ranks", &ranks.steps)
+        .column("ranks", |s| s.ranks)
+        .column("particles", |s| whole(s.atoms))
+        .column("halo", |s| whole(s.halo))
+        .column("partners", |s| s.partners)
         .column("MB", |s| Cell::figures(format!("{:.1}", s.bytes * 1e-6)))
-        .column("of others", |s| match s.nodes {
-            1 => Cell::from("–"),
-            _ => Cell::figures(format!("{:.1}", s.bytes_of_others * 1e-6)),
-        })
         .column("step, µs", |s| micro(s.seconds_per_step))
-        .column("halo, µs", |s| micro(s.halo))
-        .column("gathering, µs", |s| micro(s.gathering))
-        .column("decision, µs", |s| micro(s.deciding))
+        .column("beside particles, µs", |s| micro(s.seconds_per_step - s.computing))
         .column("speedup", |s| Cell::figures(format!("{:.1}", s.speedup)))
         .column("efficiency", |s| Cell::figures(format!("{:.2}", s.efficiency)))
         .table()
 }
 
-/// Where more machines stop paying, and what the numbers are.
-fn in_words(nodes: &Nodes) -> [String; 3] {
-    let why = match nodes.no_more_at {
-        None => "for more there are too few particles: each machine takes 48 or more".to_owned(),
-        Some(more) => format!("{more} machines spend more than half of their time on messages"),
+/// Where more ranks stop paying, and what the numbers are.
+fn in_words(ranks: &Ranks) -> [String; 2] {
+    let why = match ranks.no_more_at {
+        None => "the particles cannot be cut for twice as many".to_owned(),
+        Some(more) => format!("{more} spend more than half of their time beside their particles"),
     };
-    let (latency, rate) = (duration(nodes.network.latency), rate(nodes.network.bandwidth));
+    let (latency, rate) = (duration(ranks.network.latency), rate(ranks.network.bandwidth));
+    let cores = lennard_studies::report::counted(ranks.network.cores, "core");
     [
+        format!("ranks pay up to {}: {why}", ranks.pays_up_to),
         format!(
-            "more machines pay up to {} (efficiency {:.2})",
-            nodes.pays_up_to, nodes.efficiency_there
-        ),
-        why,
-        format!(
-            "predicted for `lennard-mpi` by the measured step, counted halos, {latency} and {rate}; not measured"
+            "predicted from the measured step, the box, {latency}, {rate} and {cores} a rank; not measured"
         ),
     ]
 }
@@ -210,7 +203,7 @@ mod tests {
             remarks: Vec::new(),
             lengths: DVec3::ONE,
             reach: 1.0,
-            nodes: None,
+            ranks: None,
         };
         assert_eq!(
             time(&plan),

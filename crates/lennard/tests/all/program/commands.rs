@@ -86,23 +86,37 @@ fn a_plan_is_ten_lines_and_verbose_says_what_is_on_and_off_and_why() {
 }
 
 #[test]
-fn a_plan_for_several_machines_has_a_line_for_each_number_and_refuses_what_does_not_fit() {
-    let text = succeed("plan bench/fluid-864 --nodes 8 --latency 500ns");
-    contains(&text, &["halo", "gathering", "more machines pay up to", "not measured"]);
-    let plan = json(&succeed("plan bench/fluid-864 --nodes 8 --json"));
-    let steps = plan["nodes"]["steps"].as_array().unwrap();
-    let numbers: Vec<_> = steps.iter().map(|step| step["nodes"].as_u64().unwrap()).collect();
-    assert_eq!(numbers, [1, 2, 4, 8]);
-    assert!(number(&steps[3]["ghosts"]) > 0.0);
+fn a_plan_for_ranks_has_a_line_for_each_number_and_refuses_what_does_not_fit() {
+    let few = "bench/melt-32k --set system.n_atoms=4000";
+    let text = succeed(&format!("plan {few} --ranks 6 --latency 500ns --cores 4"));
+    contains(
+        &text,
+        &[
+            "halo",
+            "partners",
+            "ranks pay up to",
+            "0.5 µs, 12 GB/s and 4 cores a rank; not measured",
+        ],
+    );
+    let plan = json(&succeed(&format!("plan {few} --ranks 6 --json")));
+    let steps = plan["ranks"]["steps"].as_array().unwrap();
+    let numbers: Vec<_> = steps.iter().map(|step| step["ranks"].as_u64().unwrap()).collect();
+    assert_eq!(numbers, [1, 2, 4, 6]);
+    assert!(number(&steps[3]["halo"]) > number(&steps[3]["atoms"]));
     assert_eq!(steps[0]["efficiency"], 1.0);
-    let few = "planning for several machines: too few particles for so many machines\n  found:   --nodes 1000\n  \
-               allowed: up to 18 here, since each takes 48 particles or more";
+    // Without a number there are as many ranks as pay.
+    let plan = json(&succeed(&format!("plan {few} --json --ranks")));
+    let last = plan["ranks"]["steps"].as_array().unwrap().last().unwrap();
+    assert_eq!(last["ranks"], plan["ranks"]["pays_up_to"]);
+    let few = "planning for several ranks: too few particles for so many ranks\n  found:   --ranks 1000\n  \
+               allowed: up to 1 here; fewer than 4000 particles are not cut";
     for (arguments, wanted) in [
-        ("--nodes 1000", few),
-        ("--nodes=2 --set=neighbor.mode=direct", "have no form that several machines share"),
-        ("--nodes 0", "0 is not in"),
-        ("--latency 1us", "--nodes"),
+        ("--ranks 1000", few),
+        ("--ranks=2 --set=neighbor.mode=direct", "are not shared by ranks"),
+        ("--ranks 0", "0 is not in"),
+        ("--latency 1us", "--ranks"),
         ("--bandwidth 25", "wanted a rate above zero"),
+        ("--nodes 8", "`lennard plan --ranks P`"),
     ] {
         refused(&format!("plan bench/fluid-864 {arguments}"), &[wanted]);
     }
@@ -111,7 +125,7 @@ fn a_plan_for_several_machines_has_a_line_for_each_number_and_refuses_what_does_
 #[test]
 fn options_that_only_clusters_need_stand_apart_in_the_help() {
     for (command, first, last) in
-        [("sweep", "--points", "--emit <SCHEDULER>"), ("plan", "--nodes", "--bandwidth")]
+        [("sweep", "--points", "--emit <SCHEDULER>"), ("plan", "--ranks", "--cores")]
     {
         let help = succeed(&format!("{command} --help"));
         let (everyday, of_clusters) = help.split_once("\nOn a cluster:\n").unwrap();

@@ -1,0 +1,290 @@
+//! The part of space that a rank owns: its particles by slot, the halo around them, and what all ranks decide together.
+//!
+//! ```text
+//!   by number   | rank 0 | rank 1 | rank 2 |     what methods, observables and files have: consecutive numbers
+//!                   route: at the begin and the end of fused steps, and around single evaluations
+//!   by place    own slots | halo                 what the lists of this rank name, in the order of its list
+//!                           positions come once a step, while chunks that name no halo run; no force goes back
+//! ```
+//!
+//! The lists of a part are the lists of the whole, and its sums are exact. So no bit depends on the cuts.
+
+mod halo;
+mod route;
+mod settle;
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use glam::DVec3;
+use lennard_core::{Parcel, Team};
+use lennard_neighbor::{Columns, PairList, Partners};
+
+use crate::simd::{MotionSummary, SomeRows};
+use crate::validity::Lacking;
+
+use self::halo::Halo;
+use self::route::Route;
+
+/// What one rank has of a system that several share.
+pub struct Part {
+    team: Team,
+    /// Number of particles of all ranks.
+    whole: usize,
+    /// The columns of the last build, and the rank of each bundle.
+    columns: Columns,
+    owners: Vec<u32>,
+    /// Builds since the last cut.
+    builds: usize,
+    /// Particles within the list radius of the part, whose positions come in each step.
+    near: Halo,
+    /// Particles beyond it that may come within the cutoff before the next build.
+    far: Halo,
+    /// Whether lists name particles of the far halo too, since pairs were inserted.
+    names_far: bool,
+    /// Between numbers and slots; none before it is asked for.
+    route: Mutex<Option<Route>>,
+    /// The chunks that name no halo, and the others.
+    inner_and_outer: [Vec<u32>; 2],
+    /// The rows of this rank, and the rows of its halo.
+    rows: [RowRuns; 2],
+    /// The own slots, as partners of far movers.
+    partners: Partners,
+    /// Whether a force of this rank is not finite since all ranks asked last.
+    broken: AtomicBool,
+    buffers: Mutex<[Vec<Parcel>; 2]>,
+}
+
+/// Runs of slots and of ghosts, whose rows are packed together.
+#[derive(Default)]
+struct RowRuns {
+    slots: Vec<Range<usize>>,
+    ghosts: Vec<Range<usize>>,
+}
+
+/// Particles on their way to their places.
+#[derive(Default)]
+pub struct Particles {
+    /// Whether they have velocities; all ranks say the same.
+    pub move_on: bool,
+    /// The number of each particle.
+    pub numbers: Vec<u32>,
+    /// Unwrapped positions, σ.
+    pub positions: Vec<DVec3>,
+    /// Velocities, σ/τ.
+    pub velocities: Vec<DVec3>,
+}
+
+impl Part {
+    /// The part of this rank, of a system of `whole` particles: nothing, before particles settle.
+    pub fn new(team: &Team, whole: usize) -> Self {
+        Self {
+            team: team.clone(),
+            whole,
+            columns: Columns::default(),
+            owners: Vec::new(),
+            builds: 0,
+            near: Halo::default(),
+            far: Halo::default(),
+            names_far: false,
+            route: Mutex::new(None),
+            inner_and_outer: Default::default(),
+            rows: Default::default(),
+            partners: Partners::default(),
+            broken: AtomicBool::new(false),
+            buffers: Mutex::default(),
+        }
+    }
+
+    /// The team.
+    pub fn team(&self) -> &Team {
+        &self.team
+    }
+
+    /// The numbers of the particles that this rank keeps.
+    pub fn numbers(&self) -> Range<usize> {
+        self.team.numbers(self.whole)
+    }
+
+    /// The chunks that name no halo, and the others.
+    pub fn inner_and_outer(&self) -> [&[u32]; 2] {
+        let [inner, outer] = &self.inner_and_outer;
+        [inner, outer]
+    }
+
+    /// The rows of this rank (0), or the rows of its halo (1).
+    pub fn rows(&self, of: usize) -> SomeRows<'_> {
+        let RowRuns { slots, ghosts } = &self.rows[of];
+        SomeRows { slots, ghosts }
+    }
+
+    /// The own slots, as partners of far movers.
+    pub fn partners(&self) -> &Partners {
+        &self.partners
+    }
+
+    fn buffers(&self) -> MutexGuard<'_, [Vec<Parcel>; 2]> {
+        self.buffers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Number of bytes held.
+    pub fn bytes(&self) -> usize {
+        let buffers = self.buffers();
+        let vectors: usize = buffers.iter().flatten().map(|p| p.vectors.capacity()).sum();
+        let route = self.route.lock().unwrap_or_else(PoisonError::into_inner);
+        let route = route.as_ref().map_or(0, Route::bytes);
+        let chunks: usize = self.inner_and_outer.iter().map(Vec::capacity).sum();
+        self.near.bytes() + self.far.bytes() + 24 * vectors + route + 4 * chunks
+    }
+
+    /// Fetches the positions of the halo while `meanwhile` works, the far ones too where lists name them or `all` is set.
+    /// `position` gives the position at an own slot, and `put` takes the position at a slot of the halo.
+    pub fn fetch(
+        &self,
+        all: bool,
+        position: impl Fn(u32) -> DVec3,
+        meanwhile: &mut dyn FnMut(),
+        mut put: impl FnMut(u32, DVec3),
+    ) {
+        let halos = [Some(&self.near), (all || self.names_far).then_some(&self.far)];
+        let halos = halos.into_iter().flatten();
+        let mut buffers = self.buffers();
+        let [outgoing, incoming] = &mut *buffers;
+        Halo::address(halos.clone().map(|halo| &halo.given[..]), outgoing);
+        Halo::address(halos.clone().map(|halo| &halo.wanted[..]), incoming);
+        for parcel in &mut *outgoing {
+            let slots = halos.clone().flat_map(|halo| &halo.given[parcel.rank]);
+            for (to, slot) in parcel.vectors.iter_mut().zip(slots) {
+                *to = position(*slot).to_array();
+            }
+        }
+        self.team.exchange(outgoing, incoming, meanwhile);
+        for parcel in &*incoming {
+            let slots = halos.clone().flat_map(|halo| &halo.wanted[parcel.rank]);
+            for (slot, vector) in slots.zip(&parcel.vectors) {
+                put(*slot, DVec3::from_array(*vector));
+            }
+        }
+    }
+
+    /// Takes vectors by number to the own slots, which `to` begins with.
+    pub fn to_slots<P: PairList>(&self, list: &P, from: &[DVec3], to: &mut [DVec3]) {
+        self.with_route(list, |route| route.to_slots(&self.team, from, to));
+    }
+
+    /// Takes vectors at the own slots, which `from` begins with, to their numbers.
+    pub fn to_numbers<P: PairList>(&self, list: &P, from: &[DVec3], to: &mut [DVec3]) {
+        self.with_route(list, |route| route.to_numbers(&self.team, from, to));
+    }
+
+    fn with_route<P: PairList>(&self, list: &P, go: impl FnOnce(&Route)) {
+        let mut route = self.route.lock().unwrap_or_else(PoisonError::into_inner);
+        let own = &list.particles()[..list.own()];
+        go(route.get_or_insert_with(|| Route::new(&self.team, self.whole, own)));
+    }
+
+    /// Notes whether a force of this rank is not finite.
+    pub fn note_broken(&self, broken: bool) {
+        self.broken.fetch_or(broken, Ordering::Relaxed);
+    }
+
+    /// Whether a force of any rank is not finite since all ranks asked last.
+    pub fn is_broken(&self) -> bool {
+        self.team.any(self.broken.swap(false, Ordering::Relaxed))
+    }
+
+    /// The largest |d|² of all ranks, σ²; `None` where a position or a force of any rank is not finite.
+    pub fn largest2(&self, own: &MotionSummary) -> Option<f64> {
+        let broken = self.broken.swap(false, Ordering::Relaxed);
+        // Numbers that are not negative have the order of their bits.
+        let largest2 = own.largest2.max(0.0);
+        let mut words = [largest2.to_bits(), u64::from(!own.finite || broken)];
+        self.team.max(&mut words);
+        (words[1] == 0).then(|| f64::from_bits(words[0]))
+    }
+
+    /// The sum of a number over all ranks.
+    pub fn sum(&self, own: usize) -> usize {
+        let mut words = [own as i64];
+        self.team.sum(&mut words);
+        words[0] as usize
+    }
+
+    /// The lowest number of a particle that any rank names, if there is one.
+    pub fn lowest(&self, own: Option<usize>) -> Option<usize> {
+        let mut words = [own.map_or(0, |number| u64::MAX - number as u64)];
+        self.team.max(&mut words);
+        (words[0] > 0).then(|| (u64::MAX - words[0]) as usize)
+    }
+
+    /// The pairs that a list of any rank lacks, in the order of the slots of the whole, given the pairs of slots that the lists of
+    /// this rank lack.
+    pub fn missing<P: PairList>(&self, list: &P, found: &[[u32; 2]]) -> Vec<Lacking> {
+        let words: Vec<u64> = found
+            .iter()
+            .flat_map(|pair| {
+                let mut ends = pair.map(|slot| {
+                    let [cell, number] = list.key(slot);
+                    u64::from(cell) << 32 | u64::from(number)
+                });
+                ends.sort_unstable();
+                ends
+            })
+            .collect();
+        let mut pairs = self.team.concat(&words).as_chunks::<2>().0.to_vec();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let lacking = |ends: &[u64; 2]| {
+            let [a, b] = ends.map(|word| list.slot_of([(word >> 32) as u32, word as u32]));
+            Lacking {
+                particles: ends.map(|word| word as u32),
+                slots: a.zip(b).map(<[u32; 2]>::from),
+            }
+        };
+        pairs.iter().map(lacking).collect()
+    }
+
+    /// Lets lists name particles of the far halo, since the pairs of slots were inserted.
+    pub fn include<P: PairList>(&mut self, list: &P, pairs: &[[u32; 2]]) {
+        let own = list.own() as u32;
+        if !self.names_far {
+            self.names_far = true;
+            let [near, far] = [&self.near, &self.far].map(|halo| halo.wanted.iter().flatten());
+            self.rows[1].slots = runs_of(near.chain(far).map(|slot| *slot as usize));
+        }
+        let [inner, outer] = &mut self.inner_and_outer;
+        for [a, b] in pairs.iter().filter(|[a, b]| (*a < own) != (*b < own)) {
+            let chunk = list.chunk_slots().chunk_of(*a.min(b)) as u32;
+            if let Ok(at) = inner.binary_search(&chunk) {
+                inner.remove(at);
+                outer.insert(outer.partition_point(|other| *other < chunk), chunk);
+            }
+        }
+    }
+}
+
+/// The fewest particles of a rank: some bundles of columns.
+pub const LEAST_OF_A_RANK: usize = 500;
+/// The fewest particles of a system that ranks share: below it, one bundle is the whole box.
+const LEAST_OF_ALL: usize = 4000;
+
+/// The largest number of ranks that can share lists of `n` particles.
+#[must_use]
+pub fn most_ranks(n: usize) -> usize {
+    if n < LEAST_OF_ALL { 1 } else { n / LEAST_OF_A_RANK }
+}
+
+/// Runs of consecutive numbers.
+fn runs_of(numbers: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
+    let mut numbers: Vec<usize> = numbers.collect();
+    numbers.sort_unstable();
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for number in numbers {
+        match runs.last_mut() {
+            Some(run) if run.end == number => run.end += 1,
+            _ => runs.push(number..number + 1),
+        }
+    }
+    runs
+}

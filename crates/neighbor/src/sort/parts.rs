@@ -1,0 +1,279 @@
+//! The parts of space that ranks own, and the columns that the table of one part has.
+//!
+//! ```text
+//!   bundles across x and y, owned by four ranks; the plane of a cut is itself divided (a step), which is right to one bundle
+//!
+//!      0 0 0 2 2 2
+//!      0 0 0 2 2 2      cuts follow the particles in each bundle, which all ranks know
+//!      0 0 1 2 3 3      halo of rank 1: particles of other ranks within a radius of its columns
+//!      1 1 1 3 3 3
+//! ```
+//!
+//! Cuts never enter the physics: a list depends on the particles around its owner, wherever they came from.
+
+use glam::DVec3;
+
+use super::cells::wrap_cell;
+
+/// The columns of a sort, and the bundles that they belong to.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Columns {
+    /// Number of columns along x and y.
+    pub count: [u32; 2],
+    /// The first column along y of each bundle, and the end. Along x a bundle is one column wide.
+    pub ends: Vec<u32>,
+    /// Sides of the box, σ.
+    pub lengths: DVec3,
+}
+
+impl Columns {
+    /// Number of bundles.
+    #[must_use]
+    pub fn bundles(&self) -> usize {
+        self.count[0] as usize * (self.ends.len() - 1)
+    }
+
+    /// The bundle of a column.
+    #[must_use]
+    pub fn bundle(&self, [x, y]: [u32; 2]) -> usize {
+        let across = self.ends.partition_point(|end| *end <= y) - 1;
+        x as usize * (self.ends.len() - 1) + across
+    }
+
+    /// Whether the bundles are these, whatever the sides of the box.
+    #[must_use]
+    pub fn has_bundles_of(&self, other: &Self) -> bool {
+        (self.count, &self.ends) == (other.count, &other.ends)
+    }
+
+    /// Sides of a column along x and y, σ.
+    fn edges(&self) -> [f64; 2] {
+        [0, 1].map(|axis| self.lengths[axis] / f64::from(self.count[axis]))
+    }
+
+    /// The rank of each bundle: recursive bisection by the particles in each, along the longer side of what is left to cut.
+    ///
+    /// # Panics
+    /// Where there are more ranks than bundles.
+    #[must_use]
+    pub fn cut(&self, weights: &[u64], ranks: usize) -> Vec<u32> {
+        assert!(ranks <= weights.len(), "a bundle for each rank");
+        let edges = self.edges();
+        let across = self.ends.len() - 1;
+        let at = |bundle: usize| [(bundle / across) as u32, self.ends[bundle % across]];
+        let mut owners = vec![0; weights.len()];
+        let mut left = vec![((0..weights.len()).collect::<Vec<usize>>(), 0, ranks)];
+        while let Some((mut bundles, first, ranks)) = left.pop() {
+            if ranks == 1 {
+                bundles.iter().for_each(|bundle| owners[*bundle] = first as u32);
+                continue;
+            }
+            let side = [0, 1].map(|axis| {
+                let all = || bundles.iter().map(|bundle| at(*bundle)[axis]);
+                let long = all().max().unwrap_or(0) - all().min().unwrap_or(0);
+                f64::from(long) * edges[axis]
+            });
+            let along = usize::from(side[1] > side[0]);
+            bundles.sort_unstable_by_key(|bundle| (at(*bundle)[along], at(*bundle)[1 - along]));
+            let all: u64 = bundles.iter().map(|bundle| weights[*bundle]).sum();
+            let half = ranks / 2;
+            let wanted = all * half as u64 / ranks as u64;
+            let mut sum = 0;
+            let before = bundles.iter().map(|bundle| {
+                sum += weights[*bundle];
+                sum - weights[*bundle]
+            });
+            let before: Vec<u64> = before.collect();
+            let allowed = half..=bundles.len() - (ranks - half);
+            let at_half = allowed.min_by_key(|k| before[*k].abs_diff(wanted)).unwrap_or(half);
+            let others = bundles.split_off(at_half);
+            left.push((bundles, first, half));
+            left.push((others, first + half, ranks - half));
+        }
+        owners
+    }
+
+    /// For each column that one rank owns, the columns of other ranks within a radius, σ; elsewhere nothing.
+    #[must_use]
+    pub fn beyond(&self, owners: &[u32], rank: usize, radius: f64) -> Beyond {
+        let (edges, [nx, ny]) = (self.edges(), self.count);
+        let reach = [0, 1].map(|k| (radius / edges[k]).ceil().min(self.count[k].into()) as i64);
+        let mut others = vec![Vec::new(); nx as usize * ny as usize];
+        for (x, y) in (0..nx).flat_map(|x| (0..ny).map(move |y| (x, y))) {
+            if owners[self.bundle([x, y])] as usize != rank {
+                continue;
+            }
+            let to = &mut others[(x * ny + y) as usize];
+            for dx in -reach[0]..=reach[0] {
+                for dy in -reach[1]..=reach[1] {
+                    let gap = [(dx, edges[0]), (dy, edges[1])]
+                        .map(|(k, edge)| (k.abs() - 1).max(0) as f64 * edge);
+                    let beside =
+                        [wrap_cell(i64::from(x) + dx, nx), wrap_cell(i64::from(y) + dy, ny)];
+                    let owner = owners[self.bundle(beside)];
+                    let least2 = gap[0] * gap[0] + gap[1] * gap[1];
+                    if owner as usize != rank && least2 <= radius * radius {
+                        to.push(Other { owner, away: [dx as f64, dy as f64], least2 });
+                    }
+                }
+            }
+        }
+        Beyond { columns: self.clone(), edges, others }
+    }
+}
+
+/// What lies beyond the columns of one rank.
+#[derive(Debug)]
+pub struct Beyond {
+    columns: Columns,
+    edges: [f64; 2],
+    /// For each column, by x, then y.
+    others: Vec<Vec<Other>>,
+}
+
+/// A column of another rank, as seen from a column.
+#[derive(Debug, Clone)]
+struct Other {
+    owner: u32,
+    /// How many columns away it is along x and y.
+    away: [f64; 2],
+    /// The square of the distance between the nearest points of both columns, σ².
+    least2: f64,
+}
+
+impl Beyond {
+    /// Whether a column of another rank is within a radius of the column, σ, at most the radius that was asked for.
+    #[must_use]
+    pub fn is_outer(&self, [x, y]: [u32; 2], radius: f64) -> bool {
+        let mut others = self.others[(x * self.columns.count[1] + y) as usize].iter();
+        others.any(|other| other.least2 <= radius * radius)
+    }
+
+    /// Writes, for a place `r` σ in a column, each other rank with the square of the distance to its nearest column, σ².
+    pub fn ranks_near(&self, column: [u32; 2], r: DVec3, near: &mut Vec<(u32, f64)>) {
+        near.clear();
+        let [x, y] = column;
+        let others = &self.others[(x * self.columns.count[1] + y) as usize];
+        if others.is_empty() {
+            return;
+        }
+        let inside = [0, 1].map(|axis| {
+            let length = self.columns.lengths[axis];
+            let folded = r[axis] - (r[axis] / length).floor() * length;
+            // The sort may have rounded to another column: the place then counts as its edge.
+            (folded - f64::from(column[axis]) * self.edges[axis]).clamp(0.0, self.edges[axis])
+        });
+        for Other { owner: rank, away, .. } in others {
+            let gap = [0, 1].map(|axis| {
+                let (away, edge) = (away[axis], self.edges[axis]);
+                if away > 0.0 {
+                    away * edge - inside[axis]
+                } else if away < 0.0 {
+                    inside[axis] - (away + 1.0) * edge
+                } else {
+                    0.0
+                }
+            });
+            let d2 = gap[0] * gap[0] + gap[1] * gap[1];
+            match near.iter_mut().find(|(known, _)| known == rank) {
+                Some((_, least)) => *least = least.min(d2),
+                None => near.push((*rank, d2)),
+            }
+        }
+    }
+}
+
+/// A radius with the margins that searches add for rounding to single precision, σ.
+///
+/// Coordinates have errors of the last place of the extent, a few box sides. Squared distances in the search by clusters have
+/// errors of the last place of the square of twice a group and the radius.
+#[must_use]
+pub fn with_rounding(lengths: DVec3, radius: f64) -> f64 {
+    let last_places = 16.0 * f64::from(f32::EPSILON);
+    let extent = radius + 4.0 * lengths.max_element();
+    radius + last_places * (extent + extent * extent / radius)
+}
+
+/// What a part has of a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Belongs {
+    /// The rank owns it.
+    Own,
+    /// Some particles of it are in the halo.
+    Halo,
+    /// Nothing.
+    Nowhere,
+}
+
+/// The columns that a table has, in the order of its slots: all of the box, or the columns of a part and then its halo.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Present {
+    /// Number of particles of all ranks; `None` where the table has all particles.
+    whole: Option<usize>,
+    /// The place of each column among these, `[columns]`; empty where the table has all of them.
+    place: Vec<u32>,
+    /// The columns, in the order of their places.
+    columns: Vec<u32>,
+    /// The place of the first column of each bundle of the part, and the end.
+    bundles: Vec<u32>,
+}
+
+/// No place.
+const NOWHERE: u32 = u32::MAX;
+
+impl Present {
+    /// Begins a part of so many particles.
+    pub fn begin(&mut self, whole: usize) {
+        self.whole = Some(whole);
+    }
+
+    /// Takes the columns of a part. `first` has the first column of each bundle of the box, and the end.
+    pub fn take(&mut self, belongs: &[Belongs], first: &[u32]) {
+        let of = |wanted: Belongs| {
+            (0..).zip(belongs).filter(move |(_, b)| **b == wanted).map(|(column, _)| column)
+        };
+        self.columns.clear();
+        self.columns.extend(of(Belongs::Own));
+        let own = self.columns.len() as u32;
+        self.columns.extend(of(Belongs::Halo));
+        self.place.clear();
+        self.place.resize(belongs.len(), NOWHERE);
+        for (place, column) in (0..).zip(&self.columns) {
+            self.place[*column as usize] = place;
+        }
+        let owned = first.iter().filter_map(|column| self.place.get(*column as usize).copied());
+        self.bundles.clear();
+        self.bundles.extend(owned.filter(|place| *place < own).chain([own]));
+    }
+
+    /// Number of particles of the whole system, where the table has `n`.
+    pub fn whole(&self, n: usize) -> usize {
+        self.whole.unwrap_or(n)
+    }
+
+    /// The place of a column; `None` where the table does not have it.
+    #[inline(always)]
+    pub fn place(&self, column: u32) -> Option<u32> {
+        if self.place.is_empty() {
+            return Some(column);
+        }
+        let place = self.place[column as usize];
+        (place != NOWHERE).then_some(place)
+    }
+
+    /// The column at a place.
+    #[inline(always)]
+    pub fn column(&self, place: usize) -> u32 {
+        if self.place.is_empty() { place as u32 } else { self.columns[place] }
+    }
+
+    /// Number of columns, of so many of the box.
+    pub fn count(&self, all: u32) -> u32 {
+        if self.place.is_empty() { all } else { self.columns.len() as u32 }
+    }
+
+    /// The place of the first column of each bundle, and the end of the last one; `all` of the whole box.
+    pub fn bundles(&self, all: impl FnOnce() -> Vec<u32>) -> Vec<u32> {
+        if self.place.is_empty() { all() } else { self.bundles.clone() }
+    }
+}
