@@ -6,7 +6,6 @@ use lennard_integrators::{BondHolder, BondOptions, Contacts, Obstacles};
 use lennard_scene::Scene;
 
 use crate::planar_tail::PlanarTail;
-use crate::stand_in::StandIn;
 
 /// The forces beside pair forces: walls and field on single particles, contacts of bodies, and the tail across flat surfaces.
 #[derive(Debug, Clone, Default)]
@@ -64,8 +63,8 @@ impl Confinement {
 
     /// Pair forces with these forces after them.
     #[must_use]
-    pub fn beside(self, pairs: PairForces) -> ForceSum<StandIn> {
-        let mut sum = ForceSum::new(StandIn::new(pairs));
+    pub fn beside(self, pairs: PairForces) -> ForceSum<PairForces> {
+        let mut sum = ForceSum::new(pairs);
         if self.walls.is_some() || self.contacts.is_some() {
             let mut obstacles = Obstacles::new(self.walls, self.contacts);
             if let Some((bonds, system)) = self.bonds

@@ -31,7 +31,6 @@ mod run;
 mod schedule;
 mod session;
 mod simulation;
-mod stand_in;
 mod start;
 pub mod stopwatch;
 mod watch;

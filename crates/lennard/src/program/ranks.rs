@@ -1,9 +1,10 @@
 //! Several ranks behind one command line: rank 0 writes and prints, and no rank goes on where another one failed.
 
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use lennard_core::Team;
-use lennard_engine::{Ending, EngineError, Simulation, run_beside};
+use lennard_engine::{Ending, EngineError, Simulation};
 
 use crate::program::commands::on_threads;
 use crate::program::failure::{DONE, Failure, STOPPED};
@@ -54,17 +55,16 @@ pub fn made_by_first<T>(
     together(team, leads.then(make).transpose())
 }
 
-/// Runs beside rank 0.
+/// Runs beside rank 0: `steps` starts or goes on, until it is told to stop.
 pub fn beside(
     team: Option<&Team>,
-    simulation: &mut Simulation,
     threads: usize,
     signals: &Signals,
+    steps: impl FnOnce(&AtomicBool) -> Result<Ending, EngineError> + Send,
 ) -> Result<u8, Failure> {
     signals.under_way();
     let ended = on_threads(threads, || {
-        let ended = run_beside(simulation, signals.stop());
-        ended.map_err(|error| failed(team, error, Path::new("")))
+        steps(signals.stop()).map_err(|error| failed(team, error, Path::new("")))
     });
     match ended {
         Ok(Ending::Finished) => Ok(DONE),

@@ -1,5 +1,6 @@
 //! `lennard resume`: a run goes on from its checkpoint, to the bit.
 
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use lennard_core::Team;
@@ -50,10 +51,11 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
     let mut resumed = ranks::together(team, resume())?;
     let quiet = args.control.quiet || args.json;
     let threads =
-        ranks::threads(team, args.threads, |asked| threads(asked, resumed.simulation.state.len()));
+        ranks::threads(team, args.threads, |asked| threads(asked, resumed.simulation.system.len()));
     ranks::share(team, &mut resumed.simulation)?;
     let Some(folder) = folder else {
-        return ranks::beside(team, &mut resumed.simulation, threads, &signals);
+        let steps = |stop: &AtomicBool| lennard_engine::go_on_beside(&mut resumed, stop);
+        return ranks::beside(team, threads, &signals, steps);
     };
     let simulation = &resumed.simulation;
     let (step, total) = (simulation.state.step, simulation.scene.total_steps());

@@ -42,7 +42,7 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
     let quiet = args.control.quiet || args.scene.json;
     let (mut simulation, lock) = ranks::together(team, prepared())?;
     let threads = ranks::threads(team, args.scene.threads, |asked| {
-        threads_with(asked, lock.as_ref(), simulation.state.len())
+        threads_with(asked, lock.as_ref(), simulation.system.len())
     });
     ranks::share(team, &mut simulation)?;
     let name = &simulation.scene.name;
@@ -53,7 +53,8 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
         )
     };
     let Some(folder) = ranks::made_by_first(team, claim)? else {
-        return ranks::beside(team, &mut simulation, threads, &signals);
+        let steps = |stop: &AtomicBool| lennard_engine::run_beside(&mut simulation, stop);
+        return ranks::beside(team, threads, &signals, steps);
     };
     if !quiet {
         let lock = lock.as_ref().map(|lock| format!("settings from {}", lock.path.display()));
