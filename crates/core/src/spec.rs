@@ -35,6 +35,8 @@ pub struct IntegratorSpec {
     pub is_kick_drift_kick: bool,
     /// Whether its kicks and drifts hold rigid bonds.
     pub holds_rigid_bonds: bool,
+    /// Whether several ranks take its steps: they move each particle by what belongs to it, and by sums over all.
+    pub on_ranks: bool,
     /// Force evaluations per step; 0 where their number varies or none is made.
     pub force_evaluations: u32,
     /// The largest stable ω·dt on the oscillator, if there is a finite one.

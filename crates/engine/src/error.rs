@@ -224,6 +224,18 @@ pub enum RanksError {
     /// A rank would have nothing to do.
     #[error(transparent)]
     TooMany(#[from] TooManyRanks),
+    /// So few or so many particles are not shared.
+    #[error(
+        "{particles} particles on several ranks\n  allowed: {fewest} to {most} particles, or one process"
+    )]
+    Particles {
+        /// The number of particles.
+        particles: usize,
+        /// The least number.
+        fewest: usize,
+        /// The largest number.
+        most: usize,
+    },
     /// A rank was started with something else.
     #[error(
         "rank {rank} has another {what} than rank 0: all ranks need the same program, input and kind of processor{advice}"
@@ -245,7 +257,7 @@ impl RanksError {
     /// The exit code of the command line.
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
-            Self::TooMany(_) | Self::Differs { .. } => 2,
+            Self::TooMany(_) | Self::Particles { .. } | Self::Differs { .. } => 2,
             Self::Stopped => 1,
         }
     }
@@ -256,7 +268,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn errors_name_the_rank_and_the_step() {
+    fn errors_name_the_rank_and_what_is_allowed() {
         let differs = RanksError::Differs { rank: 3, what: "instruction set", advice: "" };
         assert!(
             differs
@@ -264,12 +276,12 @@ mod tests {
                 .starts_with("rank 3 has another instruction set than rank 0: all ranks need the same program, input and kind of processor")
         );
         assert_eq!(differs.exit_code(), 2);
-        let diverged = RanksError::Diverged { rank: 1, step: 700 };
-        assert!(
-            diverged.to_string().starts_with(
-                "after step 700 the state of rank 1 is no longer the state of rank 0: its machine or its libraries compute other bits"
-            )
+        let few = RanksError::Particles { particles: 864, fewest: 4000, most: 1_000_000_000 };
+        assert_eq!(
+            few.to_string(),
+            "864 particles on several ranks\n  allowed: 4000 to 1000000000 particles, or one process"
         );
-        assert_eq!(diverged.exit_code(), 1);
+        assert_eq!(few.exit_code(), 2);
+        assert_eq!(RanksError::Stopped.exit_code(), 1);
     }
 }

@@ -13,6 +13,11 @@ use crate::error::RanksError;
 use crate::follower::Ending;
 use crate::{EngineError, Simulation, build};
 
+/// The fewest particles that ranks share: below, a cut would lie nearer than the cutoff.
+const FEWEST: usize = 4000;
+/// The most: numbers of particles have 32 bits, and positions as many for each side of the box.
+const MOST: usize = 1_000_000_000;
+
 impl Simulation {
     /// Shares the run with the other ranks of a team, which have the same simulation. Every rank has to call it, and keeps some of
     /// the particles from then on.
@@ -28,7 +33,8 @@ impl Simulation {
         keep(&own, &mut archive);
         self.system = self.system.clone().keeping(own.clone());
         self.forces.keep(&own);
-        self.forces.share(team).map_err(RanksError::from)?;
+        let shares = self.forces.share(team).map_err(RanksError::from)?;
+        assert!(shares, "a scene for ranks has lists");
         self.observers =
             build::observers(&self.scene, self.start_cell, &self.system, &self.own)?;
         self.restore(&archive.reader()).expect("it was saved just now");
@@ -45,7 +51,11 @@ impl Simulation {
         same("scene or version of the program", "", hash_of(&scene))?;
         let advice = "\n  one that all have: --isa avx2 or --isa portable";
         same("instruction set", advice, hash_of(&self.isa))?;
-        Ok(())
+        let particles = self.system.len();
+        if !(FEWEST..=MOST).contains(&particles) {
+            return Err(RanksError::Particles { particles, fewest: FEWEST, most: MOST }.into());
+        }
+        Ok(self.scene.check_for_ranks()?)
     }
 
     /// What the ranks did, where there are several, in a run that took so many seconds.

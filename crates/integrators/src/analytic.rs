@@ -28,6 +28,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     stability_limit: None,
     oscillator_map: Some(oscillator_map),
     source: "Landau and Lifshitz, \"Mechanics\", 3rd ed. (1976), sections 21 and 25",
+    on_ranks: false,
     ..VERLET
 };
 

@@ -36,6 +36,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     stability_limit: None,
     oscillator_map: Some(oscillator_map),
     source: "Hairer, Lubich and Wanner, \"Geometric Numerical Integration\", 2nd ed., Springer (2006), section I.1.2, eq. 1.6; line-search Newton-CG: Nocedal and Wright, \"Numerical Optimization\", 2nd ed., Springer (2006), algorithm 7.1",
+    on_ranks: false,
     ..VERLET
 };
 

@@ -33,6 +33,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     stability_limit: Some(2.695_592),
     source: "Tuckerman, Berne and Martyna, \"Reversible multiple time scale molecular dynamics\", J. Chem. Phys. 97, 1990 (1992)",
     oscillator_map: Some(oscillator_map),
+    on_ranks: false,
     ..VERLET
 };
 

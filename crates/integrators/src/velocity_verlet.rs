@@ -28,6 +28,7 @@ pub const VERLET: IntegratorSpec = IntegratorSpec {
     half_kicks: true,
     is_kick_drift_kick: false,
     holds_rigid_bonds: false,
+    on_ranks: true,
     force_evaluations: 1,
     stability_limit: Some(2.0),
     oscillator_map: Some(oscillator_map),

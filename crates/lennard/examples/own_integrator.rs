@@ -21,6 +21,7 @@ static SPEC: IntegratorSpec = IntegratorSpec {
     half_kicks: false,
     is_kick_drift_kick: false,
     holds_rigid_bonds: false,
+    on_ranks: true,
     force_evaluations: 2,
     stability_limit: None,
     oscillator_map: None,

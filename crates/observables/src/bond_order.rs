@@ -20,6 +20,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "P. J. Steinhardt, D. R. Nelson and M. Ronchetti, Phys. Rev. B 28, 784 (1983); P. R. ten Wolde, M. J. Ruiz-Montero and D. Frenkel, J. Chem. Phys. 104, 9932 (1996); W. Lechner and C. Dellago, J. Chem. Phys. 129, 114707 (2008)",
     suits: crate::Suits::Atoms,
     every: 100,
+    alone: Some("looks at neighbors beyond those that forces have"),
     ..ObservableSpec::PLAIN
 };
 

@@ -10,6 +10,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     summary: "volume, density, sides and enthalpy of a run at constant pressure",
     equation: "V = Lx·Ly·Lz; ρ = N/V; h = (K + U + P₀V)/N",
     source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), section 2.2",
+    alone: None,
     ..ObservableSpec::PLAIN
 };
 

@@ -29,6 +29,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     every: 20,
     surroundings: Surroundings::Periodic,
     needs_temperature: true,
+    alone: Some("tries particles at places all over the box"),
     ..ObservableSpec::PLAIN
 };
 

@@ -13,6 +13,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "rho(z) = <N(z, z + dz)>/(A dz)",
     source: "the definition of a density: particles of a layer over its volume",
     every: 20,
+    alone: None,
     ..ObservableSpec::PLAIN
 };
 

@@ -15,6 +15,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, section on the velocity autocorrelation function",
     suits: Suits::OneSpecies,
     surroundings: Surroundings::Periodic,
+    alone: None,
     ..ObservableSpec::PLAIN
 };
 

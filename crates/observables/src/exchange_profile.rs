@@ -13,6 +13,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "lambda or eta = carried/(2 A t |slope|)",
     source: "F. Müller-Plathe, J. Chem. Phys. 106, 6082 (1997), and Phys. Rev. E 59, 4894 (1999)",
     suits: crate::Suits::OneSpecies,
+    alone: Some("goes with exchanges between particles far apart"),
     ..ObservableSpec::PLAIN
 };
 

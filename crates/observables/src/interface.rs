@@ -25,6 +25,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     suits: crate::Suits::Atoms,
     surroundings: Surroundings::Periodic,
     frames: Frames::Velocities,
+    alone: None,
     ..ObservableSpec::PLAIN
 };
 

@@ -25,6 +25,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     suits: crate::Suits::Atoms,
     every: 100,
     surroundings: crate::Surroundings::Periodic,
+    alone: Some("looks at pairs up to half the box"),
     ..ObservableSpec::PLAIN
 };
 

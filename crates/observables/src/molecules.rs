@@ -20,6 +20,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     suits: crate::Suits::Molecules,
     surroundings: Surroundings::Periodic,
     frames: Frames::Velocities,
+    alone: Some("is for molecules"),
     ..ObservableSpec::PLAIN
 };
 

@@ -15,6 +15,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "H. Goldstein, Classical Mechanics, 2nd ed. (1980), equation 1-20: conserved where internal forces obey Newton's third law",
     every: 100,
     frames: Frames::Velocities,
+    alone: None,
     ..ObservableSpec::PLAIN
 };
 

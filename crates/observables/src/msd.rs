@@ -32,6 +32,7 @@ const SPEC: ObservableSpec = ObservableSpec {
              I.-C. Yeh and G. Hummer, J. Phys. Chem. B 108, 15873 (2004), equation 12",
     dynamic: true,
     frames: Frames::Paths,
+    alone: None,
     ..ObservableSpec::PLAIN
 };
 

@@ -34,6 +34,9 @@ pub struct ObservableSpec {
     pub frames: Frames,
     /// Steps between two samples where the scene names none.
     pub every: u64,
+    /// Why one process alone can sample it, in words; `None` where several ranks can: then whatever joins particles is a sum over
+    /// all ranks ([`View::sum`]).
+    pub alone: Option<&'static str>,
 }
 
 impl ObservableSpec {
@@ -51,6 +54,7 @@ impl ObservableSpec {
         needs_temperature: false,
         frames: Frames::Positions,
         every: 10,
+        alone: Some("looks at all particles at once"),
     };
 }
 

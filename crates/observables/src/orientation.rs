@@ -16,6 +16,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     dynamic: true,
     suits: crate::Suits::Molecules,
     every: 5,
+    alone: Some("is for molecules"),
     ..ObservableSpec::PLAIN
 };
 

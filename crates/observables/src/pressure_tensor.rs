@@ -19,6 +19,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     suits: crate::Suits::Atoms,
     surroundings: Surroundings::Periodic,
     frames: Frames::Velocities,
+    alone: None,
     ..ObservableSpec::PLAIN
 };
 

@@ -26,6 +26,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equations 2.5.8 and 2.5.13",
     every: 100,
     surroundings: Surroundings::Periodic,
+    alone: Some("looks at pairs up to r_max, which may be farther apart than a rank sees"),
     ..ObservableSpec::PLAIN
 };
 

@@ -27,6 +27,7 @@ const SPEC: ObservableSpec = ObservableSpec {
              freezing where the peak reaches 2.85: J.-P. Hansen and L. Verlet, Phys. Rev. 184, 151 (1969)",
     every: 100,
     surroundings: Surroundings::Periodic,
+    alone: None,
     ..ObservableSpec::PLAIN
 };
 

@@ -34,6 +34,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "T = 2K/n_dof on whole and on half steps; U = Σ U(r_ij)/N + u_tail; P = ρT + W/(3V) + p_tail, over molecules where there are some; T_conf = ⟨|∇U|²⟩/⟨∇²U⟩",
     source: "M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed. (2017), equations 2.61 and 2.68; \
              B. D. Butler, G. Ayton, O. G. Jepps and D. J. Evans, Configurational temperature, J. Chem. Phys. 109, 6519 (1998), equation 6",
+    alone: None,
     ..ObservableSpec::PLAIN
 };
 

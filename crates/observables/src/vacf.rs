@@ -22,6 +22,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     dynamic: true,
     every: 5,
     frames: Frames::Flows,
+    alone: None,
     ..ObservableSpec::PLAIN
 };
 

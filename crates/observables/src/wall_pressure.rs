@@ -13,6 +13,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     equation: "P = sum F_z/A, or P = sum 2 m |v_z|/(A t) over the hits of a time t",
     source: "Newton's second law for the wall, averaged over the time between samples (docs/walls.md)",
     surroundings: Surroundings::Walls,
+    alone: None,
     ..ObservableSpec::PLAIN
 };
 

@@ -30,6 +30,14 @@ impl Scene {
         whole_scene(self)?;
         measures(self)
     }
+
+    /// Whether several ranks can run the scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] for the first thing that one process alone runs.
+    pub fn check_for_ranks(&self) -> Result<(), SceneError> {
+        rules::check_for_ranks(self)
+    }
 }
 
 /// Everything that can be said before a configuration file is read.

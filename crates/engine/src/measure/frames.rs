@@ -87,6 +87,7 @@ static SPEC: IntegratorSpec = IntegratorSpec {
     half_kicks: false,
     is_kick_drift_kick: false,
     holds_rigid_bonds: false,
+    on_ranks: false,
     force_evaluations: 1,
     stability_limit: None,
     oscillator_map: None,

@@ -26,6 +26,18 @@ const LIQUID: &str = r#"
     observable = [{ kind = "pressure-tensor", every = 10 }]
 "#;
 
+/// A slab of liquid beside its vapor.
+const SLAB: &str = r#"
+    system = { n_atoms = 4000, temperature = 0.8, seed = 7 }
+    start = { kind = "slab" }
+    truncation = { kind = "cut", r_cut = 2.5, tail_correction = "planar" }
+    integrator = { dt = 0.004 }
+    stage = [{ name = "production", steps = 60, thermostat = "bussi" }]
+    observable = [{ kind = "interface", every = 10 }]
+    output = { thermo_every = 9, trajectory_every = 20 }
+    checkpoint = { every_steps = 45 }
+"#;
+
 /// A scene and its overrides.
 type Case<'a> = (&'a str, &'a str);
 
@@ -107,4 +119,120 @@ fn ranks_are_one_process(case: Case<'_>, teams: &[[usize; 2]]) {
 #[test]
 fn a_fluid_has_the_bytes_of_one_process() {
     ranks_are_one_process((LIQUID, ""), &[[1, 1], [2, 1], [4, 2]]);
+}
+
+#[test]
+fn fluids_under_baths_have_the_bytes_of_one_process() {
+    for precision in ["double", "mixed"] {
+        for bath in ["none", "bussi", "langevin", "nose-hoover", "rescale"] {
+            let keys = format!("kernel.precision={precision} stage.production.thermostat={bath}");
+            ranks_are_one_process((LIQUID, &keys), &[[2, 1], [3, 2]]);
+        }
+    }
+}
+
+#[test]
+fn methods_have_the_bytes_of_one_process() {
+    for kind in ["stormer-verlet", "leapfrog", "pefrl", "velocity-verlet-short"] {
+        let keys = format!("integrator.kind={kind} neighbor.skin=0.2");
+        ranks_are_one_process((LIQUID, &keys), &[[3, 1]]);
+    }
+}
+
+#[test]
+fn boxes_that_change_have_the_bytes_of_one_process() {
+    let rescaling = r#"{ kind = "stochastic-cell-rescaling", pressure = 1.19, interval = 5 }"#;
+    let mtk = r#"{ kind = "mtk", pressure = 1.0, tau = 0.5 }"#;
+    for (bath, barostat) in [("bussi", rescaling), ("nose-hoover", mtk)] {
+        let keys =
+            format!("stage.production.thermostat={bath} stage.production.barostat={barostat}
+                observable=[{{kind=\"msd\",every=5,longest_lag=0.1,particles=900}}]");
+        ranks_are_one_process((LIQUID, &keys), &[[2, 2], [4, 1]]);
+    }
+}
+
+#[test]
+fn mixtures_have_the_bytes_of_one_process() {
+    let alike = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3, sigma = 0.9, epsilon = 0.6 }]"#;
+    let heavy = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3, sigma = 0.9, mass = 4.0 }]"#;
+    let mixing = r#"{ rule = "lorentz-berthelot" }"#;
+    let seen = r#"[{ kind = "structure-factor", every = 20 }, { kind = "vacf", every = 1, window = 0.02, particles = 700 },
+        { kind = "mutual-diffusion", every = 1, window = 0.2 }]"#;
+    for (species, precision) in [(alike, "mixed"), (heavy, "double"), (heavy, "mixed")] {
+        let keys = format!(
+            "species={species} mixing={mixing} kernel.precision={precision} observable={seen}"
+        );
+        ranks_are_one_process((LIQUID, &keys), &[[3, 2]]);
+    }
+}
+
+#[test]
+fn fluids_between_walls_have_the_bytes_of_one_process() {
+    let seen = r#"[{ kind = "density-profile" }, { kind = "wall-pressure" }, { kind = "momentum" }]"#;
+    for more in ["", "field={acceleration=[0.0,0.0,-0.1]}", "stage.production.thermostat=langevin"] {
+        let keys = format!(r#"wall=[{{ kind = "wca", axis = "z" }}] observable={seen} {more}"#);
+        ranks_are_one_process((LIQUID, &keys), &[[3, 1]]);
+    }
+}
+
+#[test]
+fn slabs_with_a_planar_tail_have_the_bytes_of_one_process() {
+    for precision in ["double", "mixed"] {
+        let keys = format!("kernel.precision={precision}");
+        ranks_are_one_process((SLAB, &keys), &[[3, 1], [2, 2]]);
+    }
+}
+
+#[test]
+fn observables_have_the_bytes_of_one_process() {
+    let seen = r#"[{ kind = "pressure-tensor", every = 7 }, { kind = "structure-factor", every = 15 },
+        { kind = "msd", every = 3, longest_lag = 0.2 }, { kind = "vacf", every = 1, window = 0.02 },
+        { kind = "einstein-frequency" }, { kind = "momentum" }, { kind = "density-profile", axis = "x" },
+        { kind = "shear-viscosity", every = 1, window = 0.2 }]"#;
+    ranks_are_one_process((LIQUID, &format!("observable={seen}")), &[[2, 1], [4, 1]]);
+}
+
+#[test]
+fn frames_of_every_format_have_the_bytes_of_one_process() {
+    for format in ["xyz", "xyz.gz", "lammps-dump", "xtc"] {
+        let vectors = format == "xyz" || format == "lammps-dump";
+        let keys =
+            format!(r#"output.format="{format}" output.forces={vectors} output.velocities={vectors}"#);
+        ranks_are_one_process((LIQUID, &keys), &[[3, 1]]);
+    }
+}
+
+#[test]
+fn a_failure_of_physics_is_met_by_all_ranks_and_one_of_them_tells_it() {
+    let overrides = "integrator.dt=0.06 stage.production.thermostat=none";
+    let root = common::folder();
+    let alone = on_rank((LIQUID, overrides), &root.path().join("alone"), 0, None).unwrap_err();
+    let text = alone.to_string();
+    assert_eq!(alone.exit_code(), 3, "{text}");
+    let first = |text: &str| text.lines().next().unwrap_or_default().to_owned();
+    for ended in on_ranks((LIQUID, overrides), &root.path().join("team"), 0, [3, 1]) {
+        let error = ended.unwrap_err();
+        assert_eq!(error.exit_code(), 3);
+        assert_eq!(first(&error.to_string()), first(&text));
+    }
+}
+
+#[test]
+fn ranks_that_cannot_run_together_are_told_apart() {
+    let told = |overrides: [&str; 2]| -> Vec<String> {
+        team_of_threads(3, |team| {
+            let of_rank = overrides[team.rank().min(1)];
+            let mut simulation = prepare(common::scene(LIQUID, of_rank)).unwrap();
+            let error = simulation.share(&team).unwrap_err();
+            assert_eq!(error.exit_code(), 2);
+            error.to_string()
+        })
+    };
+    for text in told(["", "system.seed=12"]) {
+        assert_eq!(
+            text,
+            "rank 1 has another scene or version of the program than rank 0: all ranks need the same program, input and kind \
+             of processor"
+        );
+    }
 }

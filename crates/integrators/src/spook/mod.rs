@@ -44,6 +44,7 @@ pub static SPEC: IntegratorSpec = IntegratorSpec {
     stability_limit: None,
     oscillator_map: Some(oscillator_map),
     source: "Lacoursière, \"Ghosts and Machines: Regularized Variational Methods for Interactive Simulations of Multibodies with Dry Frictional Contacts\", PhD thesis, Umeå University (2007), the SPOOK stepper",
+    on_ranks: false,
     ..VERLET
 };
 

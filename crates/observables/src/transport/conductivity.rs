@@ -22,6 +22,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     surroundings: Surroundings::Periodic,
     frames: Frames::Flows,
     follows_changing_box: false,
+    alone: Some("follows the energy of single particles"),
     ..ObservableSpec::PLAIN
 };
 

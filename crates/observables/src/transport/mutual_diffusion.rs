@@ -17,6 +17,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     species: [2, 2],
     // Velocities alone are followed, and a barostat leaves those as they are.
     frames: Frames::Flows,
+    alone: None,
     ..ObservableSpec::PLAIN
 };
 

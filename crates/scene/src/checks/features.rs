@@ -2,7 +2,7 @@
 
 use lennard_core::options::quoted;
 use lennard_core::{Bonds, Integrator, IntegratorSpec};
-use lennard_forcefield::{CutoffUnit, HitRule, PotentialOptions, Surface, TruncationKind};
+use lennard_forcefield::{CutoffUnit, HitRule, Kernel, ListMode, PotentialOptions, Surface, TruncationKind};
 use lennard_integrators::Response;
 use lennard_integrators::{
     BarostatOptions, IntegratorEntry, build, integrators, spook, stormer_verlet, thermostats,
@@ -190,6 +190,22 @@ pub(super) fn one_molecule(scene: &Scene) -> Vec<Part> {
     one(sites.is_some() && scene.n_particles() == sites, "molecule", "one molecule")
 }
 
+pub(super) fn held(scene: &Scene) -> Vec<Part> {
+    one(!scene.system.held.is_empty(), "system.held", "held particles")
+}
+
+pub(super) fn direct_sums(scene: &Scene) -> Vec<Part> {
+    one(scene.neighbor.mode == ListMode::Direct, "neighbor.mode", "\"direct\"")
+}
+
+pub(super) fn reference_sums(scene: &Scene) -> Vec<Part> {
+    one(scene.kernel.kernel == Kernel::Reference, "kernel.kernel", "\"reference\"")
+}
+
+pub(super) fn no_pair_forces(scene: &Scene) -> Vec<Part> {
+    one(scene.longest_cutoff() == 0.0, "potential.kind", "particles without pair forces")
+}
+
 // ── bonds ──
 
 fn bonds(scene: &Scene, which: impl Fn(&Molecule) -> bool) -> Vec<Part> {
@@ -360,6 +376,11 @@ pub(super) fn methods_without_contacts(scene: &Scene) -> Vec<Part> {
     methods(scene, Integrator::solves_contacts)
 }
 
+/// Methods whose steps ranks do not take, with those that they do.
+pub(super) fn methods_alone(scene: &Scene) -> Vec<Part> {
+    methods(scene, |method| method.spec().on_ranks)
+}
+
 /// The method of the scene, where its steps are no kick-drift-kick.
 pub(super) fn method_of_other_steps(scene: &Scene) -> Vec<Part> {
     let spec = build(&scene.integrator.method).spec();
@@ -433,6 +454,14 @@ pub(super) fn observables_at_one_temperature(scene: &Scene) -> Vec<Part> {
 
 pub(super) fn observables_of_flux(scene: &Scene) -> Vec<Part> {
     observables(scene, |spec| !spec.follows_changing_box)
+}
+
+/// Observables that one process alone can sample, each with the reason.
+pub(super) fn observables_alone(scene: &Scene) -> Vec<Part> {
+    let all = scene.observables.iter().map(|table| table.options.spec());
+    let reasons = all.filter_map(|spec| spec.alone);
+    let found = observables(scene, |spec| spec.alone.is_some());
+    found.into_iter().zip(reasons).map(|(part, why)| Part { fit: why.into(), ..part }).collect()
 }
 
 pub(super) fn observables_of_heat(scene: &Scene) -> Vec<Part> {

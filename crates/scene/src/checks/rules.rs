@@ -216,6 +216,48 @@ const ROWS: &[Row] = rows! {
         "true in a homogeneous fluid, or a start with `start.vacuum`, or start.kind = \"slab\" or \"file\""
 };
 
+/// A feature that one process alone runs.
+struct Alone {
+    a: Feature,
+    why: &'static str,
+    found: &'static str,
+    way_out: &'static str,
+}
+
+/// Makes the table from rows `feature: why; found; way out`.
+macro_rules! alone {
+    ($($a:ident: $why:literal; $found:literal; $way_out:literal)*) => {
+        &[$(Alone { a: $a, why: $why, found: $found, way_out: $way_out }),*]
+    };
+}
+
+/// What several ranks do not run, in the order in which it is looked at.
+const ALONE: &[Alone] = alone! {
+    molecules: "bonds join particles that ranks keep apart"; "{a}"; "one process, or a scene of atoms"
+    contacts: "a flight meets bodies of all ranks"; "[contact] kind = {a}"; "one process, or a scene without contacts"
+    walls_in_drifts: "hits count one after another"; "{a}"; "one process, or a wall that only exerts a force"
+    held: "a held particle takes up momentum"; "{a}"; "one process, or a scene without held particles"
+    exchanges: "it seeks particles in the whole box"; "{a}"; "one process, or a scene without exchanges"
+    methods_alone: "its steps look at all particles at once"; "{a}"; "one process, or {fit}"
+    observables_alone: "it {fit}"; "{a}"; "one process, or a scene without this observable"
+    direct_sums: "each force would need all particles"; "{a}"; "one process, or \"verlet\" or \"auto\""
+    reference_sums: "each force would need all particles"; "{a}"; "one process, or \"auto\""
+    no_pair_forces: "there is nothing to share"; "{a}"; "one process, or a potential"
+};
+
+/// Refuses the first feature that one process alone runs.
+pub(super) fn check_for_ranks(scene: &Scene) -> Result<(), SceneError> {
+    for row in ALONE {
+        if let Some(a) = (row.a)(scene).first() {
+            let told = |text: &str| text.replace("{a}", &a.words).replace("{fit}", &a.fit);
+            let why = format!("is for one process alone: {}", told(row.why));
+            let refused = scene.refuse(&a.key, why);
+            return Err(refused.found(told(row.found)).allowed(told(row.way_out)));
+        }
+    }
+    Ok(())
+}
+
 /// Refuses the first two features that do not go with each other.
 pub(super) fn check(scene: &Scene) -> Result<(), SceneError> {
     for row in ROWS {
