@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use crate::parallel::for_each_piece;
 use crate::{
-    Boundary, Configuration, Energetics, ForceError, FusedBath, Masses, Own, Part, PeriodicBox, Persist,
-    RestoreError, StateReader, StateWriter, Team, TooManyRanks, WallReading, Want,
+    Boundary, Configuration, Energetics, ForceError, FusedBath, Masses, Own, Part, PeriodicBox,
+    Persist, RestoreError, StateReader, StateWriter, Team, TooManyRanks, WallReading, Want,
 };
 
 /// What kind of force it is.

@@ -33,6 +33,16 @@ impl Own {
         Self { numbers: team.numbers(n), all: n, team: Some(team.clone()) }
     }
 
+    /// The number of particles on all ranks of a team, of which so many are here.
+    #[must_use]
+    pub fn whole_of(team: Option<&Team>, here: usize) -> usize {
+        let mut words = [here as i64];
+        if let Some(team) = team {
+            team.sum(&mut words);
+        }
+        words[0] as usize
+    }
+
     /// Some of these particles, counted anew: `all` on all ranks, and here those with these numbers.
     #[must_use]
     pub fn some(&self, numbers: Range<usize>, all: usize) -> Self {
@@ -108,10 +118,7 @@ impl Own {
     /// How many there are on all ranks together, of whatever each has so many of.
     #[must_use]
     pub fn count(&self, here: usize) -> usize {
-        let Some(team) = &self.team else { return here };
-        let mut words = [here as i64];
-        team.sum(&mut words);
-        words[0] as usize
+        Self::whole_of(self.team(), here)
     }
 
     /// Makes each whole number the sum over all ranks.
@@ -209,6 +216,25 @@ impl Own {
         let mut given = vec![Vec::new(); team.ranks()];
         given[0] = words;
         team.trade(given).concat()
+    }
+
+    /// Gives rank 0 the vectors of all ranks in words, one rank after another, so that it holds those of one other rank at a time.
+    pub fn pass(&self, here: &[DVec3], mut take: impl FnMut(&[u64])) {
+        let words: &[u64] = bytemuck::cast_slice(here);
+        let Some(team) = &self.team else { return take(words) };
+        if team.leads() {
+            take(words);
+        }
+        for rank in 1..team.ranks() {
+            let mut given = vec![Vec::new(); team.ranks()];
+            if rank == team.rank() {
+                given[0] = words.to_vec();
+            }
+            let taken = team.trade(given);
+            if team.leads() {
+                take(&taken[rank]);
+            }
+        }
     }
 
     /// Vectors of all particles on rank 0, in the order of their numbers, from one for each particle that is kept here; nothing on

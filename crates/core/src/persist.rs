@@ -282,6 +282,12 @@ pub struct StateWriter<'a> {
 }
 
 impl StateArchive {
+    /// Whether an array of vectors has one for each particle, so that each rank keeps a part of it.
+    #[must_use]
+    pub fn is_of_particles(name: &str) -> bool {
+        ["state/", "forces/", "method/"].iter().any(|section| name.starts_with(section))
+    }
+
     /// Bytes of the values of all arrays.
     #[must_use]
     pub fn bytes(&self) -> usize {

@@ -77,14 +77,17 @@ impl System {
         }
     }
 
-    /// The same system, of whose particles this process keeps some: masses and species of the others go.
+    /// The same system, of whose particles this process keeps some: masses and species of the others go, where they are still there.
     ///
     /// # Panics
     /// Where particles are bonded or held: that is a bug of the caller.
     #[must_use]
     pub fn keeping(self, own: Own) -> Self {
         assert!(self.molecules.are_atoms() && self.masses.n_held() == 0, "free atoms");
-        let species = self.species.keeping(own.numbers());
+        let species = match self.species.n_kept() == own.len() {
+            true => self.species,
+            false => self.species.keeping(own.numbers()),
+        };
         Self { masses: Masses::of_species(&species), species, own, ..self }
     }
 

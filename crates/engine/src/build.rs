@@ -1,7 +1,9 @@
 //! From a scene to a simulation that can run.
 
 use lennard_core::random::Streams;
-use lennard_core::{Backend, DVec3, ForceSum, PeriodicBox, SpeciesTable, State, System};
+use lennard_core::{
+    Backend, DVec3, ForceSum, ForceTerm, PeriodicBox, SpeciesTable, State, System, Team,
+};
 use lennard_forcefield::{
     AllPairs, Conditions, ForceFieldOptions, ForcePlan, ListMode, Mixture, NeighborOptions,
     PairForces, Precision, Search,
@@ -22,7 +24,7 @@ use crate::schedule::Observer;
 use crate::simulation::{Recording, Simulation, Timers};
 use crate::start::{Start, make_suit, start_with, thermal_velocities};
 use crate::watchdog::ForceCheck;
-use crate::{EngineError, baths, foresight, from_frames, pressure, room};
+use crate::{EngineError, baths, foresight, from_frames, pressure, ranks, room};
 
 /// The temperature and step for which the list is laid out. They are the highest temperature and the
 /// largest step of all stages, since one list serves all.
@@ -54,12 +56,22 @@ pub fn forces(
     cell: PeriodicBox,
     species: &SpeciesTable,
 ) -> Result<(ForceFieldOptions, PairForces), EngineError> {
+    forces_on(scene, cell, species, 1)
+}
+
+/// As [`forces`], on one of so many ranks.
+fn forces_on(
+    scene: &Scene,
+    cell: PeriodicBox,
+    species: &SpeciesTable,
+    ranks: usize,
+) -> Result<(ForceFieldOptions, PairForces), EngineError> {
     scene.settled()?;
     let mut options = scene.force_field();
     let mixture = scene.mixture_of(species);
     let conditions = conditions(scene, cell, species.n_particles(), mixture.as_ref());
     let built = lennard_forcefield::build(&options, &conditions).map_err(|e| scene.misfit(&e))?;
-    room::is_there(scene, &cell, species.n_particles())?;
+    room::is_there(scene, &cell, species.n_particles(), ranks)?;
     PlanarTail::check(scene, &cell)?;
     options.kernel.precision = built.plan().precision;
     Ok((options, built))
@@ -83,8 +95,21 @@ pub fn prepare_with(
     start: Option<StartConfiguration>,
     own: OwnParts,
 ) -> Result<Simulation, EngineError> {
-    let start = start_with(&scene, start)?;
-    prepare_own_from(scene, start, own)
+    let start = start_with(&scene, start, None)?;
+    prepare_own_from(scene, start, own, None)
+}
+
+/// As [`prepare`], on one of several ranks where there is a team. Every rank has to call it, and keeps some of the particles.
+///
+/// # Errors
+/// As [`prepare`]; [`EngineError::Ranks`] where the ranks do not have the same scene, or are more than can be kept busy;
+/// [`EngineError::Scene`] for what one process alone can run.
+pub fn prepare_on(scene: Scene, team: Option<&Team>) -> Result<Simulation, EngineError> {
+    if let Some(team) = team {
+        ranks::can_share(&scene, team)?;
+    }
+    let start = ranks::alike(team, start_with(&scene, None, team))?;
+    prepare_own_from(scene, start, OwnParts::none(), team)
 }
 
 /// Builds the simulation around particles that have their places, whatever start the scene names.
@@ -92,7 +117,7 @@ pub fn prepare_with(
 /// # Errors
 /// As [`prepare`].
 pub fn prepare_from(scene: Scene, start: Start) -> Result<Simulation, EngineError> {
-    prepare_own_from(scene, start, OwnParts::none())
+    prepare_own_from(scene, start, OwnParts::none(), None)
 }
 
 /// As [`prepare_from`], with parts of a program.
@@ -100,13 +125,16 @@ pub(crate) fn prepare_own_from(
     scene: Scene,
     start: Start,
     own: OwnParts,
+    team: Option<&Team>,
 ) -> Result<Simulation, EngineError> {
     let scene = own.enter(scene)?;
-    let Start { cell, mut positions, velocities, species, relax: moves_apart, mut remarks } = start;
-    let (options, provider) = forces(&scene, cell, &species)?;
-    remarks.extend(pressure::foresee(&scene, &cell, positions.len(), provider.plan().skin)?);
+    let Start { cell, mut positions, mut velocities, species, relax: moves_apart, mut remarks } =
+        start;
+    let n = species.n_particles();
+    let ranks = team.map_or(1, Team::ranks);
+    let (options, provider) = ranks::alike(team, forces_on(&scene, cell, &species, ranks))?;
+    remarks.extend(pressure::foresee(&scene, &cell, n, provider.plan().skin)?);
     remarks.extend(provider.plan().remark.clone());
-    remarks.extend(foresight::of_scene(&scene, &cell, &species, &positions));
     if !scene.program.is_empty() && own.method_name() != Some(from_frames::NAME) {
         let parts = scene.program.in_words();
         remarks.push(format!(
@@ -114,11 +142,21 @@ pub(crate) fn prepare_own_from(
         ));
     }
     if moves_apart {
-        relax(&scene, cell, &species, &mut positions)?;
+        ranks::alike(team, relax(&scene, cell, &species, &mut positions))?;
     }
     let mixture = scene.mixture_of(&species);
-    let (system, confinement) = Confinement::with_system(&scene, &cell, species);
-    let system = confinement.pushes(system, own.pushed());
+    let (mut system, confinement) = Confinement::with_system(&scene, &cell, species);
+    system = confinement.pushes(system, own.pushed());
+    if let Some(team) = team {
+        let kept = ranks::can_keep(team, n)?;
+        let numbers = kept.numbers();
+        let both = [Some(&mut positions), velocities.as_mut()];
+        for array in both.into_iter().flatten().filter(|array| array.len() != numbers.len()) {
+            *array = array[numbers.clone()].to_vec();
+        }
+        system = system.keeping(kept);
+    }
+    remarks.extend(foresight::of_scene(&scene, &system, &cell, &positions));
     let streams = Streams::new(scene.system.seed);
     let velocities = match velocities {
         Some(mut given) => {
@@ -140,10 +178,15 @@ pub(crate) fn prepare_own_from(
     own.check_forces(&scene, &cell, &positions, &velocities)?;
     let observers = observers(&scene, cell, &system, &own)?;
     let isa = provider.plan().isa.to_string();
+    team.map_or(Ok(()), |team| ranks::same_isa(team, &isa))?;
     let list = planned_list(&scene, provider.plan());
     let all_pairs =
         AllPairs::new(&options, mixture.as_ref()).map_err(|e| misfit(&scene.source, &e))?;
-    let forces = with_others(&scene, confinement.beside(provider), &own);
+    let mut forces = with_others(&scene, confinement.beside(provider), &own);
+    if let Some(team) = team {
+        forces.keep(system.own());
+        ranks::share(&mut forces, team)?;
+    }
     let simulation = Simulation {
         state: State::new(cell, positions, velocities),
         scene,

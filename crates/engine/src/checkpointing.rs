@@ -13,8 +13,8 @@ use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, FileMark};
 use lennard_scene::Scene;
 
 use crate::files::Marks;
-use crate::ranks::{self, made};
 use crate::names::THERMO;
+use crate::ranks::made;
 use crate::schedule::Observer;
 use crate::simulation::Timers;
 use crate::{EngineError, Simulation};
@@ -38,7 +38,6 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
     let mut writer = archive.writer();
     Persist::save(simulation, &mut writer);
     let own = simulation.system.own();
-    ranks::collect(own, &mut archive);
     let mut writer = archive.writer();
     let mut run = writer.section("run");
     run.put_vec3("cell", &[simulation.start_cell.lengths()]);
@@ -243,8 +242,12 @@ impl Checkpointer {
         past: &Past,
     ) -> Result<(), EngineError> {
         let checkpoint = capture(simulation, marks, past);
-        let written = self.folder.as_ref().map(|folder| folder.write(&checkpoint)).transpose();
-        made(simulation.system.own(), written.map_err(EngineError::from))?;
+        let own = simulation.system.own();
+        let written = match &self.folder {
+            Some(folder) => folder.write_on(&checkpoint, own).map(drop),
+            None => Ok(lennard_io::give_checkpoint(&checkpoint, own)),
+        };
+        made(own, written.map_err(EngineError::from))?;
         self.last_written = Instant::now();
         self.last_step = Some(simulation.state.step);
         Ok(())

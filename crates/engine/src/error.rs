@@ -248,9 +248,9 @@ pub enum RanksError {
         /// What to do.
         advice: &'static str,
     },
-    /// Rank 0 could not write.
-    #[error("rank 0 could not write, and says why")]
-    Stopped,
+    /// Another rank failed, which tells why.
+    #[error("another rank failed")]
+    Elsewhere,
 }
 
 impl RanksError {
@@ -258,7 +258,7 @@ impl RanksError {
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
             Self::TooMany(_) | Self::Particles { .. } | Self::Differs { .. } => 2,
-            Self::Stopped => 1,
+            Self::Elsewhere => 1,
         }
     }
 }
@@ -282,6 +282,6 @@ mod tests {
             "864 particles on several ranks\n  allowed: 4000 to 1000000000 particles, or one process"
         );
         assert_eq!(few.exit_code(), 2);
-        assert_eq!(RanksError::Stopped.exit_code(), 1);
+        assert_eq!(RanksError::Elsewhere.exit_code(), 1);
     }
 }

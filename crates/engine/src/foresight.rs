@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use lennard_core::number::short;
-use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
+use lennard_core::{DVec3, PeriodicBox, System};
 use lennard_literature::freezing_lines_of;
 use lennard_scene::{Output, Scene, Stage};
 
@@ -139,15 +139,15 @@ pub(crate) fn less_precision(output: &Output, kept: f64) -> Option<String> {
 /// What is to be known of a scene and its start, a sentence each.
 pub(crate) fn of_scene(
     scene: &Scene,
+    system: &System,
     cell: &PeriodicBox,
-    species: &SpeciesTable,
     positions: &[DVec3],
 ) -> impl Iterator<Item = String> {
     let temperatures = scene.stages.iter().map(|stage| stage.temperature);
     let hottest = temperatures.fold(scene.system.temperature, f64::max);
     let of_bonds = [remark_on_springs(scene), remark_on_damping(scene)];
     let beyond = scene.potential.remark_at(hottest);
-    let of_frames = remark_on_reach(scene, hottest, cell, species, positions);
+    let of_frames = remark_on_reach(scene, hottest, system, cell, positions);
     of_bonds.into_iter().chain([beyond, of_frames]).flatten()
 }
 
@@ -169,8 +169,8 @@ fn displacement(time: f64, temperature: f64, mass: f64, density: f64) -> f64 {
 fn remark_on_reach(
     scene: &Scene,
     temperature: f64,
+    system: &System,
     cell: &PeriodicBox,
-    species: &SpeciesTable,
     positions: &[DVec3],
 ) -> Option<String> {
     let output = &scene.output;
@@ -179,16 +179,16 @@ fn remark_on_reach(
         return None;
     }
     let start = positions.iter().map(|r| r.abs().max_element());
-    let masses = species.all().iter().map(|one| one.mass);
+    let masses = system.species().all().iter().map(|one| one.mass);
     let time: f64 =
         (scene.stages.iter()).map(|stage| stage.steps as f64 * scene.stage_dt(stage)).sum();
     let moved = displacement(
         time,
         temperature,
         masses.fold(f64::INFINITY, f64::min),
-        positions.len() as f64 / cell.volume(),
+        system.len() as f64 / cell.volume(),
     );
-    let reach = start.fold(0.0, f64::max) + moved;
+    let reach = system.own().largest(start.fold(0.0, f64::max)) + moved;
     let kept = limits.precision_for(output.precision, reach);
     let remark = less_precision(output, kept)?;
     Some(format!("unwrapped positions may reach {reach:.0} σ: {remark}"))

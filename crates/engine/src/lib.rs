@@ -37,7 +37,9 @@ mod watch;
 pub mod watchdog;
 
 pub use baths::held_temperature;
-pub use build::{conditions, forces, prepare, prepare_from, prepare_with, recommended_threads};
+pub use build::{
+    conditions, forces, prepare, prepare_from, prepare_on, prepare_with, recommended_threads,
+};
 pub use checkpointing::{Past, capture, snapshot};
 pub use confinement::Confinement;
 pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
@@ -53,7 +55,7 @@ pub use own::OwnParts;
 pub use plan::{
     Network, OnRanks, PATIENCE, Plan, PlanItem, PlanRanksError, Ranks, plan, watching_seconds,
 };
-pub use resume::{ResumeOptions, Resumed, restored, resume, way_on};
+pub use resume::{ResumeOptions, Resumed, restored, resume, resume_on, way_on};
 pub use room::NoRoom;
 pub use run::{Outcome, go_on, go_on_beside, run, run_beside};
 pub use schedule::{Action, Observer, Operation, SET_ASIDE_EVERY, Schedule, Trigger};

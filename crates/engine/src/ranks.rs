@@ -6,58 +6,58 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use lennard_core::{Array, Own, Persist, StateArchive, Team};
+use lennard_core::{Backend, Own, Team};
 use lennard_io::RanksRecord;
+use lennard_scene::Scene;
 
 use crate::error::RanksError;
 use crate::follower::Ending;
-use crate::{EngineError, Simulation, build};
+use crate::{EngineError, Simulation};
 
 /// The fewest particles that ranks share: below, a cut would lie nearer than the cutoff.
 const FEWEST: usize = 4000;
 /// The most: numbers of particles have 32 bits, and positions as many for each side of the box.
 const MOST: usize = 1_000_000_000;
 
+/// Refuses ranks that have another scene, and scenes that ranks do not run.
+pub(crate) fn can_share(scene: &Scene, team: &Team) -> Result<(), EngineError> {
+    let what = (env!("CARGO_PKG_VERSION"), scene.resolved_toml());
+    same(team, "scene or version of the program", "", &what)?;
+    Ok(scene.check_for_ranks()?)
+}
+
+/// Refuses ranks that have another instruction set.
+pub(crate) fn same_isa(team: &Team, isa: &str) -> Result<(), RanksError> {
+    let advice = "\n  one that all have: --isa avx2 or --isa portable";
+    same(team, "instruction set", advice, &isa)
+}
+
+fn same(
+    team: &Team,
+    what: &'static str,
+    advice: &'static str,
+    value: &impl Hash,
+) -> Result<(), RanksError> {
+    let differs = team.first_that_differs(&[hash_of(value)]);
+    differs.map_or(Ok(()), |rank| Err(RanksError::Differs { rank, what, advice }))
+}
+
+/// The particles, of `n`, that this rank keeps.
+pub(crate) fn can_keep(team: &Team, particles: usize) -> Result<Own, RanksError> {
+    match (FEWEST..=MOST).contains(&particles) {
+        true => Ok(Own::of_rank(team, particles)),
+        false => Err(RanksError::Particles { particles, fewest: FEWEST, most: MOST }),
+    }
+}
+
+/// Shares the forces of a scene that ranks run.
+pub(crate) fn share(forces: &mut dyn Backend, team: &Team) -> Result<(), RanksError> {
+    let shares = forces.share(team)?;
+    assert!(shares, "a scene for ranks has lists");
+    Ok(())
+}
+
 impl Simulation {
-    /// Shares the run with the other ranks of a team, which have the same simulation. Every rank has to call it, and keeps some of
-    /// the particles from then on.
-    ///
-    /// # Errors
-    /// [`EngineError::Ranks`] where the ranks do not have the same simulation, or are more than can be kept busy;
-    /// [`EngineError::Scene`] for what one process alone can run.
-    pub fn share(&mut self, team: &Team) -> Result<(), EngineError> {
-        self.can_be_shared(team)?;
-        let mut archive = StateArchive::default();
-        Persist::save(self, &mut archive.writer());
-        let own = Own::of_rank(team, self.system.len());
-        keep(&own, &mut archive);
-        self.system = self.system.clone().keeping(own.clone());
-        self.forces.keep(&own);
-        let shares = self.forces.share(team).map_err(RanksError::from)?;
-        assert!(shares, "a scene for ranks has lists");
-        self.observers =
-            build::observers(&self.scene, self.start_cell, &self.system, &self.own)?;
-        self.restore(&archive.reader()).expect("it was saved just now");
-        Ok(())
-    }
-
-    /// Refuses ranks that have another simulation, and scenes that ranks do not run.
-    fn can_be_shared(&self, team: &Team) -> Result<(), EngineError> {
-        let same = |what, advice, hash: u64| match team.first_that_differs(&[hash]) {
-            None => Ok(()),
-            Some(rank) => Err(RanksError::Differs { rank, what, advice }),
-        };
-        let scene = (env!("CARGO_PKG_VERSION"), self.scene.resolved_toml());
-        same("scene or version of the program", "", hash_of(&scene))?;
-        let advice = "\n  one that all have: --isa avx2 or --isa portable";
-        same("instruction set", advice, hash_of(&self.isa))?;
-        let particles = self.system.len();
-        if !(FEWEST..=MOST).contains(&particles) {
-            return Err(RanksError::Particles { particles, fewest: FEWEST, most: MOST }.into());
-        }
-        Ok(self.scene.check_for_ranks()?)
-    }
-
     /// What the ranks did, where there are several, in a run that took so many seconds.
     pub(crate) fn ranks_record(&self, seconds: f64) -> Option<RanksRecord> {
         let team = self.team()?;
@@ -77,41 +77,21 @@ fn hash_of(value: &impl Hash) -> u64 {
     hasher.finish()
 }
 
-/// Whether an array of a saved run has a vector for each particle.
-pub(crate) fn is_of_particles(name: &str) -> bool {
-    ["state/", "forces/", "method/"].iter().any(|section| name.starts_with(section))
-}
-
-/// Leaves the particles of others out of the arrays of a saved run.
-fn keep(own: &Own, archive: &mut StateArchive) {
-    for (name, array) in &mut archive.arrays {
-        if let Array::Vec3(all) = array
-            && is_of_particles(name)
-            && !all.is_empty()
-        {
-            *all = all[own.numbers()].to_vec();
-        }
+/// What this rank found. Where another one failed, this one fails too.
+pub(crate) fn alike<T>(
+    team: Option<&Team>,
+    found: Result<T, EngineError>,
+) -> Result<T, EngineError> {
+    let failed = team.is_some_and(|team| team.any(found.is_err()));
+    match found {
+        Ok(_) if failed => Err(RanksError::Elsewhere.into()),
+        found => found,
     }
 }
 
-/// Makes the arrays of a saved run whole on rank 0.
-pub(crate) fn collect(own: &Own, archive: &mut StateArchive) {
-    for (name, array) in &mut archive.arrays {
-        if let Array::Vec3(here) = array
-            && is_of_particles(name)
-        {
-            *here = own.collect_vectors(here);
-        }
-    }
-}
-
-/// What rank 0 made or wrote. Where it failed, the other ranks fail too.
+/// [`alike`], of what rank 0 made or wrote.
 pub(crate) fn made<T>(own: &Own, made: Result<T, EngineError>) -> Result<T, EngineError> {
-    let failed = own.team().is_some_and(|team| team.any(made.is_err()));
-    match made {
-        Ok(_) if failed => Err(RanksError::Stopped.into()),
-        made => made,
-    }
+    alike(own.team(), made)
 }
 
 /// What a rank wishes after some steps, or all ranks together.

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use lennard_core::DVec3;
+use lennard_core::{DVec3, Own, Team};
 use lennard_io::{
     Checkpoint, CheckpointFolder, CheckpointProblem, TrajectoryFormat, path_in_shell,
 };
@@ -11,12 +11,12 @@ use lennard_scene::Scene;
 
 use crate::build;
 use crate::checkpointing::{self, Past};
-use crate::error::{ResumeError, again};
+use crate::error::{RanksError, ResumeError, again};
 use crate::files::Marks;
 use crate::names::{SCENE, THERMO};
 use crate::own::OwnParts;
 use crate::start::Start;
-use crate::{EngineError, Simulation};
+use crate::{EngineError, Simulation, ranks};
 
 /// What may be different from the run as it was.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -62,7 +62,58 @@ pub fn way_on(folder: &Path) -> String {
 /// [`EngineError::Resume`] where there is no checkpoint or it is refused, [`EngineError::Scene`] where
 /// `options` do not fit its scene.
 pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineError> {
-    let (path, mut checkpoint) = load(folder, options.older)?;
+    resume_on(folder, options, None)
+}
+
+/// As [`resume`], on one of several ranks where there is a team. Every rank has to call it, and keeps some of the particles, whatever
+/// number of ranks wrote the checkpoint.
+///
+/// # Errors
+/// As [`resume`] and [`crate::prepare_on`].
+pub fn resume_on(
+    folder: &Path,
+    options: &ResumeOptions,
+    team: Option<&Team>,
+) -> Result<Resumed, EngineError> {
+    let loaded = ranks::alike(team, loaded(folder, options, team))?;
+    let Loaded { path, checkpoint, scene, marks } = loaded;
+    let misfit = |reason: String| ResumeError::DoesNotFit { checkpoint: path.clone(), reason };
+    let mut overrides = Vec::new();
+    if options.more_steps > 0 {
+        let last = scene.stages.len() - 1;
+        if scene.stages[last].is_ramp() {
+            let key = format!("stage.{last}.steps");
+            let found = format!("{} more steps of a ramp", options.more_steps);
+            let allowed =
+                "no more steps: a longer ramp is another one; start a new run from final.xyz";
+            return Err(scene.invalid(&key, found, allowed).into());
+        }
+        let steps = scene.stages[last].steps.saturating_add(options.more_steps);
+        overrides.push((format!("stage.{last}.steps"), steps.to_string()));
+    }
+    let saved = Saved { checkpoint: &checkpoint, path: &path, own: &OwnParts::none(), team };
+    let (mut simulation, remark) = saved.with_isa(overrides, options.isa.as_deref())?;
+    let past = reinstated(&mut simulation, &checkpoint);
+    let mut past = ranks::alike(team, past.map_err(|reason| misfit(reason).into()))?;
+    past.remarks.extend(remark);
+    Ok(Resumed { simulation, marks, past, checkpoint: path })
+}
+
+/// What was read of a folder, before anything is made of it.
+struct Loaded {
+    path: PathBuf,
+    checkpoint: Checkpoint,
+    scene: Scene,
+    marks: Marks,
+}
+
+/// Reads the newest checkpoint of a folder, of which a rank takes the particles that it keeps.
+fn loaded(
+    folder: &Path,
+    options: &ResumeOptions,
+    team: Option<&Team>,
+) -> Result<Loaded, EngineError> {
+    let (path, mut checkpoint) = load(folder, options.older, team)?;
     same_program(&checkpoint, &path)?;
     let misfit = |reason: String| ResumeError::DoesNotFit { checkpoint: path.clone(), reason };
     let name = path.display().to_string();
@@ -87,24 +138,7 @@ pub fn resume(folder: &Path, options: &ResumeOptions) -> Result<Resumed, EngineE
     }
     let marks = Marks { thermo, trajectory: trajectory.map(Option::unwrap_or_default) };
     checkpoint.scene = scene.resolved_toml();
-    let mut overrides = Vec::new();
-    if options.more_steps > 0 {
-        let last = scene.stages.len() - 1;
-        if scene.stages[last].is_ramp() {
-            let key = format!("stage.{last}.steps");
-            let found = format!("{} more steps of a ramp", options.more_steps);
-            let allowed =
-                "no more steps: a longer ramp is another one; start a new run from final.xyz";
-            return Err(scene.invalid(&key, found, allowed).into());
-        }
-        let steps = scene.stages[last].steps.saturating_add(options.more_steps);
-        overrides.push((format!("stage.{last}.steps"), steps.to_string()));
-    }
-    let saved = Saved { checkpoint: &checkpoint, path: &path, own: &OwnParts::none() };
-    let (mut simulation, remark) = saved.with_isa(overrides, options.isa.as_deref())?;
-    let mut past = reinstated(&mut simulation, &checkpoint).map_err(misfit)?;
-    past.remarks.extend(remark);
-    Ok(Resumed { simulation, marks, past, checkpoint: path })
+    Ok(Loaded { path, checkpoint, scene, marks })
 }
 
 /// Brings a simulation back from a checkpoint alone, whatever folder it may belong to, in a program that brings the parts that
@@ -118,7 +152,7 @@ pub fn restored(
     own: &OwnParts,
 ) -> Result<Simulation, EngineError> {
     same_program(checkpoint, path)?;
-    let saved = Saved { checkpoint, path, own };
+    let saved = Saved { checkpoint, path, own, team: None };
     let (mut simulation, _) = saved.with_isa(Vec::new(), None)?;
     let past = reinstated(&mut simulation, checkpoint)
         .map_err(|reason| ResumeError::DoesNotFit { checkpoint: path.to_owned(), reason })?;
@@ -129,7 +163,12 @@ pub fn restored(
 /// Puts the arrays of a checkpoint into a simulation that was built for it, or says why they do not fit.
 fn reinstated(simulation: &mut Simulation, checkpoint: &Checkpoint) -> Result<Past, String> {
     let archive = &checkpoint.archive;
-    checkpointing::check_particles(archive, simulation.state.len()).map_err(|e| e.to_string())?;
+    let fits = checkpointing::check_particles(archive, simulation.state.len());
+    let others = simulation.team().is_some_and(|team| team.any(fits.is_err()));
+    fits.map_err(|e| e.to_string())?;
+    if others {
+        return Err(RanksError::Elsewhere.to_string());
+    }
     let past = checkpointing::reinstate(simulation, checkpoint).map_err(|e| e.to_string())?;
     if simulation.state.step != checkpoint.metadata.step {
         return Err("its state belongs to another step".into());
@@ -146,7 +185,11 @@ fn same_program(checkpoint: &Checkpoint, path: &Path) -> Result<(), ResumeError>
     Err(ResumeError::OtherProgram { checkpoint: path.to_owned(), found: found.clone() })
 }
 
-fn load(folder: &Path, older: bool) -> Result<(PathBuf, Checkpoint), EngineError> {
+fn load(
+    folder: &Path,
+    older: bool,
+    team: Option<&Team>,
+) -> Result<(PathBuf, Checkpoint), EngineError> {
     let checkpoints = CheckpointFolder::new(folder);
     let owned = || folder.to_owned();
     if older {
@@ -154,11 +197,11 @@ fn load(folder: &Path, older: bool) -> Result<(PathBuf, Checkpoint), EngineError
         let [_, (_, path), ..] = all.as_slice() else {
             return Err(ResumeError::NoOlder(owned()).into());
         };
-        let checkpoint = lennard_io::read_checkpoint(path)
+        let checkpoint = lennard_io::read_checkpoint_on(path, team)
             .map_err(|source| ResumeError::Refused { folder: owned(), source })?;
         return Ok((path.clone(), checkpoint));
     }
-    checkpoints.load_newest().map_err(|source| {
+    checkpoints.load_newest_on(team).map_err(|source| {
         match &source.problem {
             CheckpointProblem::None if folder.join(SCENE).exists() => {
                 ResumeError::NoCheckpoint { folder: owned() }
@@ -237,6 +280,7 @@ struct Saved<'a> {
     checkpoint: &'a Checkpoint,
     path: &'a Path,
     own: &'a OwnParts,
+    team: Option<&'a Team>,
 }
 
 impl Saved<'_> {
@@ -288,23 +332,27 @@ impl Saved<'_> {
     ///
     /// Neither a start configuration nor a relaxation is needed: positions come from the checkpoint.
     fn build(&self, overrides: &[(String, String)]) -> Result<Simulation, EngineError> {
-        let Self { checkpoint, path, own } = *self;
+        let Self { checkpoint, path, own, team } = *self;
         let misfit =
             |reason: String| ResumeError::DoesNotFit { checkpoint: path.to_owned(), reason };
         let name = path.display().to_string();
         let scene = Scene::parse_to_grow(&checkpoint.scene, &name, overrides)?;
+        if let Some(team) = team {
+            ranks::can_share(&scene, team)?;
+        }
         let cell = checkpointing::saved_start_cell(&checkpoint.archive)
             .map_err(|e| misfit(e.to_string()))?;
         let state = checkpoint.archive.reader().section("state");
-        let n = state.vec3("positions").map_err(|e| misfit(e.to_string()))?.len();
+        let here = state.vec3("positions").map_err(|e| misfit(e.to_string()))?.len();
+        let n = Own::whole_of(team, here);
         if n == 0 {
             return Err(misfit("it has no particles".into()).into());
         }
         let species = checkpointing::saved_species(&checkpoint.archive, &scene, n)
             .map_err(|e| misfit(e.to_string()))?;
-        let nowhere = vec![DVec3::ZERO; n];
+        let nowhere = vec![DVec3::ZERO; here];
         let start = Start::at(cell, nowhere.clone(), nowhere, species);
-        build::prepare_own_from(scene, start, own.clone())
+        build::prepare_own_from(scene, start, own.clone(), team)
     }
 }
 

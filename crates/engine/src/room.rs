@@ -47,12 +47,17 @@ fn foreseen(scene: &Scene, cell: &PeriodicBox, n: usize) -> f64 {
     n as f64 * (own + per_neighbor * neighbors.min(n as f64))
 }
 
-/// Asks the system for the memory of a run, and gives it back.
+/// Asks the system for the memory of a run on one of so many ranks, and gives it back.
 ///
 /// # Errors
 /// [`NoRoom`] where it is not there.
-pub(crate) fn is_there(scene: &Scene, cell: &PeriodicBox, n: usize) -> Result<(), NoRoom> {
-    let needed = foreseen(scene, cell, n);
+pub(crate) fn is_there(
+    scene: &Scene,
+    cell: &PeriodicBox,
+    n: usize,
+    ranks: usize,
+) -> Result<(), NoRoom> {
+    let needed = foreseen(scene, cell, n) / ranks as f64;
     if can_be_had(needed) {
         return Ok(());
     }

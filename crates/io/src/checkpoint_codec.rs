@@ -14,10 +14,11 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
 
 use crc32fast::Hasher;
 use glam::DVec3;
-use lennard_core::{Array, StateArchive};
+use lennard_core::{Array, Own, StateArchive, Team};
 use serde::{Deserialize, Serialize};
 
 use crate::FileMark;
@@ -120,6 +121,14 @@ fn kind_and_words(array: &Array) -> (u64, u64, u64) {
     }
 }
 
+/// The vectors of an array of which each rank has a part.
+fn parted<'a>(name: &str, array: &'a Array) -> Option<&'a [DVec3]> {
+    match array {
+        Array::Vec3(here) if StateArchive::is_of_particles(name) => Some(here),
+        _ => None,
+    }
+}
+
 /// Counts what passes through into the checksum.
 struct Summed<'a, W> {
     to: &'a mut W,
@@ -150,10 +159,24 @@ impl<W: Write> Summed<'_, W> {
     }
 }
 
-/// Writes a checkpoint; the same checkpoint gives the same bytes.
-pub(crate) fn encode<W: Write>(checkpoint: &Checkpoint, to: &mut W) -> io::Result<()> {
+/// Gives rank 0 what it needs of this rank, while it calls [`encode`].
+pub(crate) fn give(checkpoint: &Checkpoint, own: &Own) {
+    for (name, array) in &checkpoint.archive.arrays {
+        if let Some(here) = parted(name, array) {
+            own.pass(here, |_| {});
+        }
+    }
+}
+
+/// Writes a checkpoint; the same checkpoint gives the same bytes. Where ranks share the particles, the others [`give`] theirs.
+pub(crate) fn encode<W: Write>(checkpoint: &Checkpoint, own: &Own, to: &mut W) -> io::Result<()> {
     let metadata = serde_json::to_string(&checkpoint.metadata)?;
     let arrays = &checkpoint.archive.arrays;
+    // All ranks have vectors in an array, or none has.
+    let count_of = |name: &str, array: &Array| match parted(name, array) {
+        Some(here) if own.team().is_some() && !here.is_empty() => own.all() as u64,
+        _ => kind_and_words(array).1,
+    };
     let text_length = |text: &str| WORD + text.len() as u64;
     let length = PREFIX
         + text_length(&metadata)
@@ -162,40 +185,61 @@ pub(crate) fn encode<W: Write>(checkpoint: &Checkpoint, to: &mut W) -> io::Resul
         + arrays
             .iter()
             .map(|(name, array)| {
-                let (_, count, words) = kind_and_words(array);
-                text_length(name) + 2 * WORD + WORD * words * count
+                let (_, _, words) = kind_and_words(array);
+                text_length(name) + 2 * WORD + WORD * words * count_of(name, array)
             })
             .sum::<u64>()
         + CHECKSUM;
     let mut out = Summed { to, sum: Hasher::new() };
-    out.bytes(&MAGIC)?;
-    out.bytes(&CHECKPOINT_VERSION.to_le_bytes())?;
-    out.bytes(&[0; 4])?;
-    out.bytes(&length.to_le_bytes())?;
-    out.text(&metadata)?;
-    out.text(&checkpoint.scene)?;
-    out.bytes(&(arrays.len() as u64).to_le_bytes())?;
+    let mut written = begin(&mut out, length, checkpoint, &metadata);
     for (name, array) in arrays {
-        let (kind, count, _) = kind_and_words(array);
-        out.text(name)?;
-        out.bytes(&kind.to_le_bytes())?;
-        out.bytes(&count.to_le_bytes())?;
-        match array {
-            Array::F64(v) => out.words(v.iter().map(|x| x.to_bits()))?,
-            Array::U64(v) => out.words(v.iter().copied())?,
-            Array::Vec3(v) => {
-                out.words(v.iter().flat_map(|r| r.to_array().map(f64::to_bits)))?;
-            }
+        let (kind, _, _) = kind_and_words(array);
+        written = written.and_then(|()| {
+            out.text(name)?;
+            out.bytes(&kind.to_le_bytes())?;
+            out.bytes(&count_of(name, array).to_le_bytes())
+        });
+        // The other ranks give their parts, whether a disk takes them or not.
+        if let Some(here) = parted(name, array) {
+            own.pass(here, |words| {
+                let done = std::mem::replace(&mut written, Ok(()));
+                written = done.and_then(|()| out.words(words.iter().copied()));
+            });
+            continue;
         }
+        written = written.and_then(|()| match array {
+            Array::F64(v) => out.words(v.iter().map(|x| x.to_bits())),
+            Array::U64(v) => out.words(v.iter().copied()),
+            Array::Vec3(v) => out.words(v.iter().flat_map(|r| r.to_array().map(f64::to_bits))),
+        });
     }
+    written?;
     let sum = out.sum.finalize();
     to.write_all(&sum.to_le_bytes())
 }
 
-/// Reads a checkpoint of `size` bytes. Nothing is taken from it before its length and checksum fit.
+/// Writes what comes before the arrays.
+fn begin<W: Write>(
+    out: &mut Summed<'_, W>,
+    length: u64,
+    checkpoint: &Checkpoint,
+    metadata: &str,
+) -> io::Result<()> {
+    out.bytes(&MAGIC)?;
+    out.bytes(&CHECKPOINT_VERSION.to_le_bytes())?;
+    out.bytes(&[0; 4])?;
+    out.bytes(&length.to_le_bytes())?;
+    out.text(metadata)?;
+    out.text(&checkpoint.scene)?;
+    out.bytes(&(checkpoint.archive.arrays.len() as u64).to_le_bytes())
+}
+
+/// Reads a checkpoint of `size` bytes. Nothing is taken from it before its length and checksum fit. A rank takes the particles alone
+/// that it keeps.
 pub(crate) fn decode<R: Read + Seek>(
     mut from: R,
     size: u64,
+    team: Option<&Team>,
 ) -> Result<Checkpoint, CheckpointProblem> {
     let mut prefix = Vec::new();
     (&mut from).take(PREFIX).read_to_end(&mut prefix)?;
@@ -218,7 +262,7 @@ pub(crate) fn decode<R: Read + Seek>(
     }
     check_sum(&mut from, &prefix, size)?;
     from.seek(SeekFrom::Start(PREFIX))?;
-    Body { from, left: size - PREFIX - CHECKSUM }.checkpoint()
+    Body { from, left: size - PREFIX - CHECKSUM }.checkpoint(team)
 }
 
 /// Reads on to the end and compares the checksum there with the checksum of everything before.
@@ -278,11 +322,12 @@ impl<R: Read> Body<R> {
         String::from_utf8(bytes).map_err(|_| malformed(format!("{what} is not UTF-8")))
     }
 
-    /// `count` values of `WORDS` words each.
+    /// Of `count` values of `WORDS` words each, those that are kept.
     fn values<const WORDS: usize, T>(
         &mut self,
         count: u64,
         name: &str,
+        kept: Option<Range<usize>>,
         value: impl Fn([u64; WORDS]) -> T,
     ) -> Result<Vec<T>, CheckpointProblem> {
         let each = WORD * WORDS as u64;
@@ -291,15 +336,18 @@ impl<R: Read> Body<R> {
             .ok_or_else(|| malformed(format!("`{name}` holds {count} values")))?;
         self.claim(bytes, &format!("`{name}`"))?;
         // The claim holds: there are as many bytes in the file as this takes memory.
-        let mut values = Vec::with_capacity(usize::try_from(count).unwrap_or(0));
-        let each = each as usize;
+        let room = kept.as_ref().map_or(usize::try_from(count).unwrap_or(0), Range::len);
+        let mut values = Vec::with_capacity(room);
+        let is_kept = |number: usize| kept.as_ref().is_none_or(|kept| kept.contains(&number));
+        let (each, mut numbers) = (each as usize, 0..);
         let mut piece = vec![0; (PIECE / each * each).min(usize::try_from(bytes).unwrap_or(PIECE))];
         let mut left = bytes;
         while left > 0 {
             let length = left.min(piece.len() as u64);
             let piece = &mut piece[..length as usize];
             self.from.read_exact(piece)?;
-            values.extend(piece.chunks_exact(each).map(|bytes| {
+            let found = piece.chunks_exact(each).zip(&mut numbers);
+            values.extend(found.filter(|(_, number)| is_kept(*number)).map(|(bytes, _)| {
                 let mut words = [0; WORDS];
                 for (word, bytes) in words.iter_mut().zip(bytes.as_chunks::<8>().0) {
                     *word = u64::from_le_bytes(*bytes);
@@ -311,7 +359,7 @@ impl<R: Read> Body<R> {
         Ok(values)
     }
 
-    fn checkpoint(mut self) -> Result<Checkpoint, CheckpointProblem> {
+    fn checkpoint(mut self, team: Option<&Team>) -> Result<Checkpoint, CheckpointProblem> {
         let metadata = serde_json::from_str(&self.text("the metadata")?)
             .map_err(|e| malformed(format!("the metadata: {e}")))?;
         let scene = self.text("the scene")?;
@@ -325,11 +373,15 @@ impl<R: Read> Body<R> {
             let kind = self.word()?;
             let count = self.word()?;
             let array = match kind {
-                1 => Array::F64(self.values(count, &name, |[w]| f64::from_bits(w))?),
-                3 => Array::U64(self.values(count, &name, |[w]| w)?),
-                4 => Array::Vec3(self.values(count, &name, |words: [u64; 3]| {
-                    DVec3::from_array(words.map(f64::from_bits))
-                })?),
+                1 => Array::F64(self.values(count, &name, None, |[w]| f64::from_bits(w))?),
+                3 => Array::U64(self.values(count, &name, None, |[w]| w)?),
+                4 => {
+                    let of_rank = team.filter(|_| StateArchive::is_of_particles(&name));
+                    let kept = of_rank.map(|team| team.numbers(count as usize));
+                    Array::Vec3(self.values(count, &name, kept, |words: [u64; 3]| {
+                        DVec3::from_array(words.map(f64::from_bits))
+                    })?)
+                }
                 _ => return Err(malformed(format!("`{name}` has the unknown type {kind}"))),
             };
             archive.arrays.insert(name, array);

@@ -4,8 +4,11 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use lennard_core::{Own, Team};
+
 use crate::{
-    Checkpoint, CheckpointError, CheckpointProblem, WriteError, read_checkpoint, write_checkpoint,
+    Checkpoint, CheckpointError, CheckpointProblem, WriteError, read_checkpoint_on,
+    write_checkpoint_on,
 };
 
 /// Checkpoints kept: the newest, and one in case that is damaged.
@@ -65,9 +68,17 @@ impl CheckpointFolder {
     /// # Errors
     /// Where the operating system refuses; the older checkpoints are then all still there.
     pub fn write(&self, checkpoint: &Checkpoint) -> Result<PathBuf, WriteError> {
+        self.write_on(checkpoint, &Own::all_of(0))
+    }
+
+    /// As [`Self::write`], on rank 0 where ranks share the particles.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn write_on(&self, checkpoint: &Checkpoint, own: &Own) -> Result<PathBuf, WriteError> {
         let step = checkpoint.metadata.step;
         let path = self.path(step);
-        write_checkpoint(&path, checkpoint)?;
+        write_checkpoint_on(&path, checkpoint, own)?;
         if let Ok(all) = self.list() {
             let mut kept = 0;
             for (found, old) in all {
@@ -88,18 +99,29 @@ impl CheckpointFolder {
     /// Where there is none, or the newest one is refused: the error then says why and names the older
     /// one, if that is whole. It is not taken silently, since steps would be lost.
     pub fn load_newest(&self) -> Result<(PathBuf, Checkpoint), CheckpointError> {
+        self.load_newest_on(None)
+    }
+
+    /// As [`Self::load_newest`]; a rank of a team takes the particles alone that it keeps.
+    ///
+    /// # Errors
+    /// As [`Self::load_newest`].
+    pub fn load_newest_on(
+        &self,
+        team: Option<&Team>,
+    ) -> Result<(PathBuf, Checkpoint), CheckpointError> {
         let none = |problem| CheckpointError::new(&self.folder, problem);
         let all = self.list().map_err(|e| none(e.into()))?;
         let Some((_, newest)) = all.first() else {
             return Err(none(CheckpointProblem::None));
         };
-        match read_checkpoint(newest) {
+        match read_checkpoint_on(newest, team) {
             Ok(checkpoint) => Ok((newest.clone(), checkpoint)),
             Err(error) => Err(CheckpointError {
                 older: all[1..]
                     .iter()
                     .map(|(_, path)| path)
-                    .find(|path| read_checkpoint(path).is_ok())
+                    .find(|path| read_checkpoint_on(path, team).is_ok())
                     .cloned(),
                 ..error
             }),

@@ -43,7 +43,8 @@ mod xyz_header;
 
 pub use atomic::{write_json_atomically, write_text_atomically};
 pub use checkpoint::{
-    CheckpointError, checkpoint_bytes, read_checkpoint, read_checkpoint_bytes, write_checkpoint,
+    CheckpointError, checkpoint_bytes, give_checkpoint, read_checkpoint, read_checkpoint_bytes,
+    read_checkpoint_on, write_checkpoint, write_checkpoint_on,
 };
 pub use checkpoint_codec::{CHECKPOINT_VERSION, Checkpoint, CheckpointMetadata, CheckpointProblem};
 pub use checkpoint_folder::CheckpointFolder;

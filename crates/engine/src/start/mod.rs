@@ -14,7 +14,7 @@ pub use value::Start;
 pub use velocities::thermal_velocities;
 pub(crate) use velocities::{make_suit, remove_drift};
 
-use lennard_core::PeriodicBox;
+use lennard_core::{PeriodicBox, Team};
 use lennard_io::StartConfiguration;
 use lennard_scene::{Arrangement, Placement, Scene};
 use value::Origin;
@@ -26,20 +26,22 @@ use crate::{EngineError, room};
 /// # Errors
 /// [`EngineError`] where a configuration cannot be read, does not fit the box, or overlaps.
 pub fn start(scene: &Scene) -> Result<Start, EngineError> {
-    start_with(scene, None)
+    start_with(scene, None, None)
 }
 
-/// The same, with a configuration in memory in the place of the file that the scene names.
+/// The same, with a configuration in memory in the place of the file that the scene names. On a rank, the start may have the particles
+/// alone that the rank keeps.
 pub(crate) fn start_with(
     scene: &Scene,
     given: Option<StartConfiguration>,
+    team: Option<&Team>,
 ) -> Result<Start, EngineError> {
     if let Some((n, cell)) = size(scene)? {
-        room::is_there(scene, &cell, n)?;
+        room::is_there(scene, &cell, n, team.map_or(1, Team::ranks))?;
     }
     match (scene.placement()?, given) {
         (None, given) => file::start(scene, given),
-        (Some(placement), None) => placed(scene, &placement),
+        (Some(placement), None) => placed(scene, &placement, team),
         (Some(_), Some(_)) => {
             let found = "positions beside a start that the scene has";
             Err(scene.invalid("start.kind", found, "\"file\"").into())
@@ -48,13 +50,17 @@ pub(crate) fn start_with(
 }
 
 /// The start of particles whose places the scene lists, or that the program places.
-fn placed(scene: &Scene, placement: &Placement) -> Result<Start, EngineError> {
+fn placed(scene: &Scene, placement: &Placement, team: Option<&Team>) -> Result<Start, EngineError> {
     let cell = placement.cell;
+    // Distances of species on a lattice are looked at, whoever keeps the particles.
+    let team = team.filter(|_| scene.mixture.is_none());
     let mut origin = Origin { key: "system", name: "the lattice".to_owned(), is_given: false };
     let (mut relax, mut velocities) = (false, None);
     let positions = match &scene.system.start {
         Arrangement::Lattice { lattice: Some(lattice), .. } => {
-            molecules::about(scene, places::on_lattice(placement, lattice.basis()))
+            let numbers = scene.n_particles().zip(team).map(|(n, team)| team.numbers(n));
+            let sites = places::on_lattice(placement, lattice.basis(), numbers);
+            if team.is_some() { sites } else { molecules::about(scene, sites) }
         }
         Arrangement::Lattice { lattice: None, n_atoms, .. } => {
             relax = true;
@@ -76,7 +82,7 @@ fn placed(scene: &Scene, placement: &Placement) -> Result<Start, EngineError> {
     };
     let species = match origin.is_given {
         true => scene.species_in_order(&scene.counts(positions.len())?),
-        false => species::mixed(scene, positions.len())?,
+        false => species::mixed(scene, scene.n_particles().unwrap_or(positions.len()))?,
     };
     let start = Start { cell, positions, velocities, species, relax, remarks: Vec::new() };
     check::checked(scene, &origin, start)

@@ -1,5 +1,7 @@
 //! Places of particles that the program finds: on lattices, at random, and both side by side.
 
+use std::ops::Range;
+
 use lennard_core::random::Streams;
 use lennard_core::{DVec3, PeriodicBox};
 use lennard_scene::{HalfCrystal, Lattice, Placement, Scene, Slab};
@@ -24,13 +26,17 @@ const CRYSTAL_GAP: f64 = 0.25;
 /// How many cells more or less along an axis are looked at.
 const SPARE: usize = 3;
 
-/// Sites of a lattice in the filled part: `basis` (fractions of a cell) repeated along each axis.
+/// Sites of a lattice in the filled part: `basis` (fractions of a cell) repeated along each axis; those of some numbers, or all.
 ///
 /// # Panics
 /// Where the placement has no cells.
-pub(super) fn on_lattice(placement: &Placement, basis: &[[f64; 3]]) -> Vec<DVec3> {
+pub(super) fn on_lattice(
+    placement: &Placement,
+    basis: &[[f64; 3]],
+    numbers: Option<Range<usize>>,
+) -> Vec<DVec3> {
     let cells = placement.cells.expect("a lattice has cells");
-    lattice_sites(placement.corner, placement.filled, cells, basis)
+    lattice_sites(placement.corner, placement.filled, cells, basis, numbers)
 }
 
 /// The lattice starts at a quarter of a cell so that no site lies on the face of the box.
@@ -39,20 +45,17 @@ fn lattice_sites(
     extent: DVec3,
     cells: [usize; 3],
     basis: &[[f64; 3]],
+    numbers: Option<Range<usize>>,
 ) -> Vec<DVec3> {
-    let step = extent / DVec3::new(cells[0] as f64, cells[1] as f64, cells[2] as f64);
-    let mut sites = Vec::with_capacity(cells.iter().product::<usize>() * basis.len());
-    for ix in 0..cells[0] {
-        for iy in 0..cells[1] {
-            for iz in 0..cells[2] {
-                let corner = DVec3::new(ix as f64, iy as f64, iz as f64);
-                for b in basis {
-                    sites.push(origin + (corner + DVec3::from_array(*b) + 0.25) * step);
-                }
-            }
-        }
-    }
-    sites
+    let step = extent / DVec3::from_array(cells.map(|count| count as f64));
+    let site = |number: usize| {
+        let (cell, b) = (number / basis.len(), DVec3::from_array(basis[number % basis.len()]));
+        let place = [cell / cells[2] / cells[1], cell / cells[2] % cells[1], cell % cells[2]];
+        let corner = DVec3::from_array(place.map(|count| count as f64));
+        origin + (corner + b + 0.25) * step
+    };
+    let all = 0..cells.iter().product::<usize>() * basis.len();
+    numbers.unwrap_or(all).map(site).collect()
 }
 
 /// Places at random in a part of the box, which its lower corner and its sides give. The `key` makes them so dense where they do not fit.
@@ -112,7 +115,7 @@ pub(super) fn slab(
 fn liquid(placement: &Placement, n: usize, streams: Streams) -> Vec<DVec3> {
     let basis = Lattice::Fcc.basis();
     let cells = cells_for(n, placement.filled, basis.len());
-    let mut sites = lattice_sites(placement.corner, placement.filled, cells, basis);
+    let mut sites = lattice_sites(placement.corner, placement.filled, cells, basis, None);
     let empty = sites.len() - n;
     let mut order: Vec<usize> = (0..sites.len()).collect();
     order.shuffle(&mut streams.sequential("slab-empty-sites"));
@@ -159,7 +162,7 @@ pub(super) fn half_crystal(
     start: &HalfCrystal,
     placement: &Placement,
 ) -> Result<Vec<DVec3>, EngineError> {
-    let mut positions = on_lattice(placement, Lattice::Fcc.basis());
+    let mut positions = on_lattice(placement, Lattice::Fcc.basis(), None);
     let n_liquid = start.n_atoms - positions.len();
     let Placement { cell, filled, .. } = placement;
     let gap = CRYSTAL_GAP * filled.z / start.layers as f64;
@@ -181,7 +184,9 @@ mod tests {
     fn an_fcc_crystal_has_twelve_nearest_neighbors_at_the_right_distance() {
         let cell = PeriodicBox::cubic_for_density(256, 0.8442).unwrap();
         let fcc = [[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
-        let sites = lattice_sites(DVec3::ZERO, cell.lengths(), [4; 3], &fcc);
+        let sites = lattice_sites(DVec3::ZERO, cell.lengths(), [4; 3], &fcc, None);
+        let some = lattice_sites(DVec3::ZERO, cell.lengths(), [4; 3], &fcc, Some(37..91));
+        assert_eq!(some, sites[37..91]);
         assert_eq!(sites.len(), 256);
         let nearest = cell.lengths().x / 4.0 / 2.0_f64.sqrt();
         for (i, a) in sites.iter().enumerate() {

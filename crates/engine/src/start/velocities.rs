@@ -1,5 +1,7 @@
 //! Velocities before the first step: drawn for a temperature, and without what a motion does not have.
 
+use std::ops::Add;
+
 use lennard_core::random::Streams;
 use lennard_core::{DVec3, Momentum, System, rigid};
 use rand_distr::{Distribution, StandardNormal};
@@ -15,17 +17,14 @@ pub fn thermal_velocities(
     streams: Streams,
 ) -> Vec<DVec3> {
     let mut rng = streams.sequential("velocities");
-    let mut velocities: Vec<DVec3> = (0..positions.len())
-        .map(|i| {
-            let width = (temperature / system.masses.of(i)).sqrt();
-            width
-                * DVec3::new(
-                    StandardNormal.sample(&mut rng),
-                    StandardNormal.sample(&mut rng),
-                    StandardNormal.sample(&mut rng),
-                )
-        })
-        .collect();
+    let mut normals =
+        || DVec3::from_array(std::array::from_fn(|_| StandardNormal.sample(&mut rng)));
+    // One stream for all particles: a rank passes over those before its own.
+    for _ in 0..system.own().first() {
+        normals();
+    }
+    let velocity = |i: usize| (temperature / system.masses.of(i)).sqrt() * normals();
+    let mut velocities: Vec<DVec3> = (0..positions.len()).map(velocity).collect();
     make_suit(system, positions, &mut velocities);
     scale_to_temperature(system, &mut velocities, temperature);
     velocities
@@ -40,9 +39,12 @@ pub fn make_suit(system: &System, positions: &[DVec3], velocities: &mut [DVec3])
 /// Takes the velocity of the centre of mass off every particle, along axes where the forces keep the momentum.
 /// A single particle keeps its velocity.
 pub fn remove_drift(system: &System, velocities: &mut [DVec3]) {
-    if velocities.len() > 1 {
-        let mass: f64 = (0..velocities.len()).map(|i| system.masses.of(i)).sum();
-        let drift = system.kept_part(system.momentum(velocities) / mass);
+    if system.len() > 1 {
+        let mut mass = [0.0];
+        system.own().in_turn(&mut mass, |mass| {
+            mass[0] = (0..velocities.len()).map(|i| system.masses.of(i)).fold(mass[0], f64::add);
+        });
+        let drift = system.kept_part(system.momentum(velocities) / mass[0]);
         for v in velocities {
             *v -= drift;
         }

@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 
 use lennard_core::{Team, team_of_threads};
 use lennard_engine::{
-    Control, Ending, EngineError, ResumeOptions, Simulation, go_on, go_on_beside, prepare, resume,
-    run, run_beside,
+    Control, Ending, EngineError, Progress, ResumeOptions, go_on, go_on_beside, prepare_on,
+    resume_on, run, run_beside,
 };
 use lennard_io::{Existing, create_named_folder};
 
@@ -52,27 +52,19 @@ fn on_rank(case: Case<'_>, folder: &Path, until: u64, team: Option<&Team>) -> En
     }
     let stop = AtomicBool::new(false);
     let mut progress = AskToStop(until, &stop);
-    let shared = |simulation: &mut Simulation| team.map_or(Ok(()), |team| simulation.share(team));
+    let options = ResumeOptions::default();
+    let prepared = || prepare_on(common::scene(case.0, case.1), team);
     if team.is_some_and(|team| !team.leads()) {
-        if goes_on {
-            let mut resumed = resume(folder, &ResumeOptions::default())?;
-            shared(&mut resumed.simulation)?;
-            return go_on_beside(&mut resumed, &stop);
-        }
-        let mut simulation = prepare(common::scene(case.0, case.1))?;
-        shared(&mut simulation)?;
-        return run_beside(&mut simulation, &stop);
+        return match goes_on {
+            true => go_on_beside(&mut resume_on(folder, &options, team)?, &stop),
+            false => run_beside(&mut prepared()?, &stop),
+        };
     }
     let held = create_named_folder(folder, Existing::Keep).unwrap();
     let control = Control { stop: &stop, deadline: None, progress: &mut progress };
-    let outcome = if goes_on {
-        let mut resumed = resume(folder, &ResumeOptions::default())?;
-        shared(&mut resumed.simulation)?;
-        go_on(&mut resumed, &held, control)?
-    } else {
-        let mut simulation = prepare(common::scene(case.0, case.1))?;
-        shared(&mut simulation)?;
-        run(&mut simulation, &held, control)?
+    let outcome = match goes_on {
+        true => go_on(&mut resume_on(folder, &options, team)?, &held, control)?,
+        false => run(&mut prepared()?, &held, control)?,
     };
     let ranks = outcome.record.performance.ranks;
     assert_eq!(ranks.map(|r| r.ranks), team.map(|t| t.ranks() as u64));
@@ -144,9 +136,10 @@ fn boxes_that_change_have_the_bytes_of_one_process() {
     let rescaling = r#"{ kind = "stochastic-cell-rescaling", pressure = 1.19, interval = 5 }"#;
     let mtk = r#"{ kind = "mtk", pressure = 1.0, tau = 0.5 }"#;
     for (bath, barostat) in [("bussi", rescaling), ("nose-hoover", mtk)] {
-        let keys =
-            format!("stage.production.thermostat={bath} stage.production.barostat={barostat}
-                observable=[{{kind=\"msd\",every=5,longest_lag=0.1,particles=900}}]");
+        let keys = format!(
+            "stage.production.thermostat={bath} stage.production.barostat={barostat}
+                observable=[{{kind=\"msd\",every=5,longest_lag=0.1,particles=900}}]"
+        );
         ranks_are_one_process((LIQUID, &keys), &[[2, 2], [4, 1]]);
     }
 }
@@ -168,8 +161,10 @@ fn mixtures_have_the_bytes_of_one_process() {
 
 #[test]
 fn fluids_between_walls_have_the_bytes_of_one_process() {
-    let seen = r#"[{ kind = "density-profile" }, { kind = "wall-pressure" }, { kind = "momentum" }]"#;
-    for more in ["", "field={acceleration=[0.0,0.0,-0.1]}", "stage.production.thermostat=langevin"] {
+    let seen =
+        r#"[{ kind = "density-profile" }, { kind = "wall-pressure" }, { kind = "momentum" }]"#;
+    for more in ["", "field={acceleration=[0.0,0.0,-0.1]}", "stage.production.thermostat=langevin"]
+    {
         let keys = format!(r#"wall=[{{ kind = "wca", axis = "z" }}] observable={seen} {more}"#);
         ranks_are_one_process((LIQUID, &keys), &[[3, 1]]);
     }
@@ -196,8 +191,9 @@ fn observables_have_the_bytes_of_one_process() {
 fn frames_of_every_format_have_the_bytes_of_one_process() {
     for format in ["xyz", "xyz.gz", "lammps-dump", "xtc"] {
         let vectors = format == "xyz" || format == "lammps-dump";
-        let keys =
-            format!(r#"output.format="{format}" output.forces={vectors} output.velocities={vectors}"#);
+        let keys = format!(
+            r#"output.format="{format}" output.forces={vectors} output.velocities={vectors}"#
+        );
         ranks_are_one_process((LIQUID, &keys), &[[3, 1]]);
     }
 }
@@ -222,8 +218,8 @@ fn ranks_that_cannot_run_together_are_told_apart() {
     let told = |overrides: [&str; 2]| -> Vec<String> {
         team_of_threads(3, |team| {
             let of_rank = overrides[team.rank().min(1)];
-            let mut simulation = prepare(common::scene(LIQUID, of_rank)).unwrap();
-            let error = simulation.share(&team).unwrap_err();
+            let scene = common::scene(LIQUID, of_rank);
+            let error = prepare_on(scene, Some(&team)).err().expect("an error");
             assert_eq!(error.exit_code(), 2);
             error.to_string()
         })
@@ -235,4 +231,162 @@ fn ranks_that_cannot_run_together_are_told_apart() {
              of processor"
         );
     }
+}
+
+#[test]
+fn what_one_process_alone_runs_is_refused_by_name_with_the_way_out() {
+    let cases = [
+        (
+            "system.n_atoms=864",
+            "864 particles on several ranks",
+            "4000 to 1000000000 particles, or one process",
+        ),
+        (
+            "neighbor.mode=direct",
+            "`neighbor.mode` is for one process alone",
+            "one process, or \"verlet\"",
+        ),
+        (
+            "kernel.kernel=reference",
+            "`kernel.kernel` is for one process alone",
+            "one process, or \"auto\"",
+        ),
+        ("integrator.kind=respa", "`integrator.kind` is for one process alone", "velocity-verlet"),
+        ("integrator.kind=implicit-euler", "found:   \"implicit-euler\"", "velocity-verlet"),
+        (
+            "observable=[{kind=\"rdf\"}]",
+            "it looks at pairs up to r_max",
+            "a scene without this observable",
+        ),
+        (
+            "observable=[{kind=\"bond-order\"}]",
+            "it looks at neighbors",
+            "a scene without this observable",
+        ),
+        (
+            "contact={kind=\"hard\"}",
+            "`contact` is for one process alone",
+            "a scene without contacts",
+        ),
+        (
+            "wall=[{kind=\"hard\",axis=\"z\"}]",
+            "hits count one after another",
+            "a wall that only exerts a force",
+        ),
+        (
+            "stage.production.thermostat=none stage.production.exchange={kind=\"heat\",every=10}",
+            "`stage.1.exchange` is for one process alone",
+            "a scene without exchanges",
+        ),
+    ];
+    for (overrides, said, way_out) in cases {
+        for ranks in [2, 3] {
+            team_of_threads(ranks, |team| {
+                let scene = common::scene(LIQUID, overrides);
+                let error = prepare_on(scene, Some(&team)).err().expect(overrides);
+                let text = error.to_string();
+                assert_eq!(error.exit_code(), 2, "{text}");
+                assert!(text.contains(said) && text.contains(way_out), "{overrides}: {text}");
+            });
+        }
+    }
+    let molecules = common::scene(common::DUMBBELLS, "");
+    team_of_threads(2, |team| {
+        let text = prepare_on(molecules.clone(), Some(&team)).err().expect("an error").to_string();
+        assert!(text.contains("bonds join particles that ranks keep apart"), "{text}");
+    });
+}
+
+/// Each observable says whether ranks sample it; those that do have no error in a run on ranks.
+#[test]
+fn every_observable_runs_on_ranks_or_says_why_not() {
+    for spec in lennard_observables::observables() {
+        let options = match spec.name {
+            "thermodynamics" => continue,
+            "msd" => ", longest_lag = 0.1",
+            "vacf" | "mutual-diffusion" | "shear-viscosity" | "thermal-conductivity" => {
+                ", every = 1, window = 0.2"
+            }
+            _ => "",
+        };
+        let walls = match spec.name {
+            "wall-pressure" => r#"wall=[{ kind = "wca", axis = "z" }]"#,
+            _ => "",
+        };
+        let species = match spec.species[0] {
+            1 => "",
+            _ => {
+                r#"mixing={ rule = "lorentz-berthelot" }
+                species=[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3, mass = 2.0 }]"#
+            }
+        };
+        let keys = format!(
+            "stage.melt.steps=4 stage.production.steps=16 stage.production.thermostat=bussi
+            observable=[{{kind=\"{}\"{options}}}] {walls} {species}",
+            spec.name
+        );
+        let Ok(scene) = common::parse(LIQUID, &keys) else {
+            // Observables of molecules and of surfaces.
+            assert!(spec.alone.is_some(), "{}", spec.name);
+            continue;
+        };
+        let case = (LIQUID, keys.as_str());
+        let root = common::folder();
+        match spec.alone {
+            Some(why) => {
+                team_of_threads(2, |team| {
+                    let error = prepare_on(scene.clone(), Some(&team)).err().expect(spec.name);
+                    assert!(error.to_string().contains(why), "{error}");
+                });
+            }
+            None => {
+                let [alone, team] = ["alone", "team"].map(|name| root.path().join(name));
+                ended(vec![on_rank(case, &alone, 0, None)], Ending::Finished);
+                ended(on_ranks(case, &team, 0, [3, 1]), Ending::Finished);
+                common::same_files(&contents(&alone), &contents(&team), spec.name);
+            }
+        }
+    }
+}
+
+/// Blocks a checkpoint: a folder stands where it should be.
+struct Block<'a>(&'a Path);
+
+impl Progress for Block<'_> {
+    fn update(&mut self, _stage: &str, done: u64, _total: u64) {
+        if done == 45 {
+            std::fs::create_dir_all(self.0.join("checkpoint-000000000050.lennard/full")).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_disk_that_takes_no_more_ends_all_ranks_and_leaves_the_last_checkpoint_whole() {
+    let root = common::folder();
+    let folder = root.path().join("run");
+    let case = (LIQUID, "checkpoint.every_steps=25");
+    let stop = AtomicBool::new(false);
+    let told = team_of_threads(3, |team| {
+        assert!(!team.any(false));
+        let mut simulation = prepare_on(common::scene(case.0, case.1), Some(&team)).unwrap();
+        let error = match team.leads() {
+            true => {
+                let held = create_named_folder(&folder, Existing::Keep).unwrap();
+                let control =
+                    Control { stop: &stop, deadline: None, progress: &mut Block(&folder) };
+                run(&mut simulation, &held, control).err()
+            }
+            false => run_beside(&mut simulation, &stop).err(),
+        };
+        let error = error.expect("a failed write");
+        assert_eq!(error.exit_code(), 1);
+        error.to_string()
+    });
+    assert!(told[0].contains("checkpoint-000000000050.lennard"), "{told:?}");
+    assert_eq!(told[1..], ["another rank failed", "another rank failed"]);
+    std::fs::remove_dir_all(folder.join("checkpoint-000000000050.lennard")).unwrap();
+    ended(on_ranks(case, &folder, 0, [2, 1]), Ending::Finished);
+    let alone = root.path().join("alone");
+    ended(vec![on_rank(case, &alone, 0, None)], Ending::Finished);
+    common::same_files(&contents(&alone), &contents(&folder), "after a full disk");
 }

@@ -4,11 +4,14 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use lennard_core::Team;
-use lennard_engine::{Ending, EngineError, Simulation};
+use lennard_engine::{Ending, EngineError, RanksError};
 
 use crate::program::commands::on_threads;
 use crate::program::failure::{DONE, Failure, STOPPED};
 use crate::program::signals::Signals;
+
+/// The code of a rank on which nothing failed, where another one tells why. No process ends with it.
+const ELSEWHERE: u8 = u8::MAX;
 
 /// What a rank got, where every rank got something. Otherwise the lowest rank that failed tells why, and the others end
 /// with its exit code.
@@ -16,7 +19,8 @@ pub fn together<T>(team: Option<&Team>, got: Result<T, Failure>) -> Result<T, Fa
     let Some(team) = team else { return got };
     let code = got.as_ref().err().map_or(DONE, |failure| failure.code);
     let codes = team.concat(&[code.into()]);
-    let Some(first) = codes.iter().position(|code| *code != u64::from(DONE)) else {
+    let tells = |code: &u64| ![DONE, ELSEWHERE].map(u64::from).contains(code);
+    let Some(first) = codes.iter().position(tells) else {
         return got;
     };
     match got {
@@ -38,12 +42,14 @@ pub fn threads(
     }
 }
 
-/// Shares a simulation with the other ranks, where there are some.
-pub fn share(team: Option<&Team>, simulation: &mut Simulation) -> Result<(), Failure> {
-    let Some(team) = team else { return Ok(()) };
-    let shared = simulation.share(team).map_err(Failure::from);
-    // All ranks fail alike, and one of them tells.
-    together(Some(team), shared)
+/// The failure of what all ranks do together before a run; a rank is silent where another one tells.
+pub fn apart(error: EngineError) -> Failure {
+    match error {
+        EngineError::Ranks(RanksError::Elsewhere) => {
+            Failure { message: String::new(), code: ELSEWHERE }
+        }
+        error => error.into(),
+    }
 }
 
 /// What rank 0 makes for the run; nothing on the other ranks. Where it fails, all ranks fail.

@@ -39,7 +39,7 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
         older: args.older,
         output: args.set.clone(),
     };
-    let resume = || Ok(lennard_engine::resume(&args.folder, &options)?);
+    let resume = || lennard_engine::resume_on(&args.folder, &options, team).map_err(ranks::apart);
     // Claimed before it is read: what another process writes there would change in between.
     let claim = || {
         if !args.folder.is_dir() {
@@ -52,7 +52,6 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
     let quiet = args.control.quiet || args.json;
     let threads =
         ranks::threads(team, args.threads, |asked| threads(asked, resumed.simulation.system.len()));
-    ranks::share(team, &mut resumed.simulation)?;
     let Some(folder) = folder else {
         let steps = |stop: &AtomicBool| lennard_engine::go_on_beside(&mut resumed, stop);
         return ranks::beside(team, threads, &signals, steps);

@@ -30,21 +30,21 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
     let deadline = args.control.deadline(Instant::now());
     let nothing = || StartUp::of_nothing("stopped before the first step: nothing was written");
     let signals = Signals::listen(nothing())?;
-    let prepared = || {
+    let loaded = || {
         let (scene, lock) = load_locked(&args.scene)?;
         if let Some(folder) = &args.out {
             args.scene.inputs(&scene, lock.as_ref()).not_in(folder)?;
         }
-        // Everything that can be wrong with the scene shows before anything is written.
-        let simulation = lennard_engine::prepare(scene)?;
-        Ok((simulation, lock))
+        Ok((scene, lock))
     };
     let quiet = args.control.quiet || args.scene.json;
-    let (mut simulation, lock) = ranks::together(team, prepared())?;
+    let (scene, lock) = ranks::together(team, loaded())?;
+    // Everything that can be wrong with the scene shows before anything is written.
+    let prepared = lennard_engine::prepare_on(scene, team).map_err(ranks::apart);
+    let mut simulation = ranks::together(team, prepared)?;
     let threads = ranks::threads(team, args.scene.threads, |asked| {
         threads_with(asked, lock.as_ref(), simulation.system.len())
     });
-    ranks::share(team, &mut simulation)?;
     let name = &simulation.scene.name;
     let claim = || {
         signals.claim(
