@@ -218,6 +218,29 @@ impl Own {
         team.trade(given).concat()
     }
 
+    /// Gives rank 0 the bytes of all ranks, one rank after another.
+    pub fn pass_bytes(&self, here: &[u8], mut take: impl FnMut(&[u8])) {
+        let Some(team) = &self.team else { return take(here) };
+        if team.leads() {
+            take(here);
+        }
+        for rank in 1..team.ranks() {
+            let mut given = vec![Vec::new(); team.ranks()];
+            if rank == team.rank() {
+                let (words, rest) = here.as_chunks::<8>();
+                let mut last = [0; 8];
+                last[..rest.len()].copy_from_slice(rest);
+                given[0] = [here.len() as u64, u64::from_le_bytes(last)].to_vec();
+                given[0].extend(words.iter().map(|word| u64::from_le_bytes(*word)));
+            }
+            let taken = team.trade(given);
+            if let [length, last, words @ ..] = &taken[rank][..] {
+                take(&words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>());
+                take(&last.to_le_bytes()[..*length as usize % 8]);
+            }
+        }
+    }
+
     /// Gives rank 0 the vectors of all ranks in words, one rank after another, so that it holds those of one other rank at a time.
     pub fn pass(&self, here: &[DVec3], mut take: impl FnMut(&[u64])) {
         let words: &[u64] = bytemuck::cast_slice(here);

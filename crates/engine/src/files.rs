@@ -19,7 +19,8 @@ use std::path::{Path, PathBuf};
 
 use lennard_core::{Energetics, SpeciesTable, State};
 use lennard_io::{
-    FileMark, Frame, FrameStyle, RunRecord, TableWriter, TrajectoryWriter, WriteError,
+    FileMark, Frame, FrameStyle, RunRecord, TableWriter, TrajectoryFormat, TrajectoryWriter,
+    WriteError,
 };
 use lennard_observables::{Cell, Table};
 
@@ -133,6 +134,17 @@ fn species(simulation: &Simulation) -> SpeciesTable {
     }
 }
 
+/// The style of the frames of the trajectory, which are whole on rank 0 where the format is not written by parts.
+fn style_of_frames(simulation: &Simulation) -> FrameStyle {
+    let style = style(simulation);
+    match simulation.team() {
+        Some(_) if !simulation.scene.output.format.spec().by_parts => {
+            FrameStyle { own: None, species: species(simulation), ..style }
+        }
+        _ => style,
+    }
+}
+
 /// The style of a last state, from which another run can start: in reduced units, with velocities where there are some.
 pub(crate) fn style_of_last(simulation: &Simulation) -> FrameStyle {
     let velocities = simulation.frames.as_ref().is_none_or(|frames| frames.has_velocities);
@@ -143,7 +155,7 @@ pub(crate) fn style_of_last(simulation: &Simulation) -> FrameStyle {
 pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
     let output = &simulation.scene.output;
     FrameStyle {
-        species: species(simulation),
+        species: simulation.system.species().clone(),
         velocities: output.velocities,
         forces: output.forces,
         wrapped: !output.unwrapped,
@@ -152,6 +164,7 @@ pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
         length_scale: output.length_scale,
         precision: output.precision,
         sites_per_molecule: simulation.system.molecules.sites(),
+        own: simulation.team().map(|_| simulation.system.own().clone()),
     }
 }
 
@@ -162,7 +175,7 @@ impl RunFiles {
     /// [`EngineError`] where a file cannot be written.
     pub fn create(folder: Option<&Path>, simulation: &Simulation) -> Result<Self, EngineError> {
         let described = write_descriptions(folder, simulation);
-        let style = style(simulation);
+        let style = style_of_frames(simulation);
         let format = simulation.scene.output.format;
         let files = |folder: &Path| {
             let thermo = TableWriter::create(&folder.join(THERMO), &thermo_columns(simulation))?;
@@ -184,7 +197,7 @@ impl RunFiles {
         simulation: &Simulation,
         marks: Marks,
     ) -> Result<Self, EngineError> {
-        let style = style(simulation);
+        let style = style_of_frames(simulation);
         let format = simulation.scene.output.format;
         let columns = thermo_columns(simulation);
         let files = |folder: &Path| {
@@ -279,10 +292,20 @@ impl RunFiles {
         if simulation.scene.output.trajectory_every.is_none() {
             return Ok(None);
         }
-        let (extra, state) = (header(simulation), whole(simulation, &simulation.state));
+        let (extra, format) = (header(simulation), simulation.scene.output.format);
         let trajectory = self.at.as_mut().and_then(|files| files.trajectory.as_mut());
-        let Some(trajectory) = trajectory else { return Ok(None) };
-        let precision = trajectory.write(&Frame { state: &state, extra: &extra })?;
+        let state = Cow::Borrowed(&simulation.state);
+        let by_parts = simulation.team().is_none() || format.spec().by_parts;
+        let state = if by_parts { state } else { whole(simulation, &simulation.state) };
+        let frame = Frame { state: &state, extra: &extra };
+        let precision = match trajectory {
+            Some(trajectory) => trajectory.write(&frame)?,
+            None if by_parts => {
+                lennard_io::give_frame(format, &style(simulation), &frame)?;
+                None
+            }
+            None => None,
+        };
         Ok(precision.and_then(|kept| less_precision(&simulation.scene.output, kept)))
     }
 
@@ -292,7 +315,7 @@ impl RunFiles {
     /// [`WriteError`] where it cannot be written.
     pub fn write_state(&self, name: &str, simulation: &Simulation) -> Result<(), WriteError> {
         let style = style_of_last(simulation);
-        self.write_one(name, simulation, &style, &simulation.state, &header(simulation))
+        self.write_one(name, &style, &simulation.state, &header(simulation))
     }
 
     /// Writes an earlier state of a simulation, which has no forces, into a file of its own.
@@ -306,20 +329,21 @@ impl RunFiles {
         state: &State,
     ) -> Result<(), WriteError> {
         let style = FrameStyle { velocities: true, forces: false, ..style_of_last(simulation) };
-        self.write_one(name, simulation, &style, state, &[])
+        self.write_one(name, &style, state, &[])
     }
 
     fn write_one(
         &self,
         name: &str,
-        simulation: &Simulation,
         style: &FrameStyle,
         state: &State,
         extra: &[(&str, f64)],
     ) -> Result<(), WriteError> {
-        let frame = Frame { state: &whole(simulation, state), extra };
-        let path = self.folder().map(|folder| folder.join(name));
-        path.map_or(Ok(()), |path| lennard_io::write_frame(&path, style, &frame))
+        let frame = Frame { state, extra };
+        match self.folder() {
+            Some(folder) => lennard_io::write_frame(&folder.join(name), style, &frame),
+            None => lennard_io::give_frame(TrajectoryFormat::Xyz, style, &frame),
+        }
     }
 
     /// Frames written so far, where there is a trajectory.
@@ -367,16 +391,13 @@ fn write_descriptions(folder: Option<&Path>, simulation: &Simulation) -> Result<
     {
         return written;
     }
-    let (style, state) = (style(simulation), whole(simulation, &simulation.state));
-    let Some(topology) = topology else { return Ok(()) };
-    written?;
-    lennard_io::write_topology_gro(
-        &topology,
-        &state.positions,
-        &simulation.start_cell,
-        simulation.scene.output.format,
-        &style,
-    )
+    let (style, format) = (style(simulation), simulation.scene.output.format);
+    let (positions, cell) = (&simulation.state.positions, &simulation.start_cell);
+    let described = match topology {
+        Some(file) => lennard_io::write_topology_gro(&file, positions, cell, format, &style),
+        None => lennard_io::give_topology_gro(positions, cell, format, &style),
+    };
+    written.and(described)
 }
 
 /// The temperature of half steps, for methods that kick by halves.

@@ -7,7 +7,7 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 
 use serde::Serialize;
 
-use crate::WriteError;
+use crate::{FrameStyle, WriteError};
 
 /// Folders in which this process makes no file any more.
 static CLOSED: RwLock<Vec<PathBuf>> = RwLock::new(Vec::new());
@@ -82,6 +82,35 @@ pub(crate) fn write_atomically(
         let _ = fs::remove_file(&partial);
         WriteError::io(path, action, source)
     })
+}
+
+/// Writes the text of all ranks, one after another, to a file that is there whole or not at all. All parts are taken, whether they can be
+/// written or not.
+pub(crate) fn write_parts_atomically(
+    path: &Path,
+    style: &FrameStyle,
+    text: Result<Vec<u8>, WriteError>,
+) -> Result<(), WriteError> {
+    let mut text = Some(text);
+    let mut passed = Ok(());
+    let written = write_atomically(path, |file| {
+        let mut written = Ok(());
+        if let Some(text) = text.take() {
+            passed = style.pass(path, text, |part| {
+                let done = std::mem::replace(&mut written, Ok(()));
+                written = done.and_then(|()| file.write_all(part));
+            });
+        }
+        match &passed {
+            Ok(()) => written,
+            Err(_) => Err(io::Error::other("a part is missing")),
+        }
+    });
+    if let Some(text) = text.take() {
+        // The file could not be made.
+        style.pass(path, text, |_| {})?;
+    }
+    passed.and(written)
 }
 
 pub(crate) fn write_bytes_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {

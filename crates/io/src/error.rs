@@ -110,6 +110,12 @@ pub enum WriteError {
         /// The cause.
         source: io::Error,
     },
+    /// Another rank could not give its part of a file.
+    #[error("{}: another rank has numbers that cannot be written", path.display())]
+    Elsewhere {
+        /// The file.
+        path: PathBuf,
+    },
     /// A write failed and what it left half-written could not be removed either.
     #[error(
         "{}: cannot write: {source}; and cannot cut the file back to its {whole} whole bytes: {cut_back}",
@@ -188,6 +194,7 @@ impl WriteError {
             | Self::NotCutBack { path, .. }
             | Self::Vanished { path }
             | Self::GivenUp { path }
+            | Self::Elsewhere { path }
             | Self::NotResumable { path, .. }
             | Self::NotFinite { path, .. }
             | Self::Unwritable { path, .. } => path,
@@ -208,7 +215,9 @@ impl WriteError {
             Self::Vanished { .. } => "leave the output folder alone while the run goes on",
             Self::GivenUp { .. } => "mend the cause of the first error",
             Self::NotResumable { .. } => "put the output files back as the run left them",
-            Self::NotFinite { .. } => "the run has failed; start again with a smaller time step",
+            Self::NotFinite { .. } | Self::Elsewhere { .. } => {
+                "the run has failed; start again with a smaller time step"
+            }
             Self::Unwritable { .. } => "change the value named",
         }
     }

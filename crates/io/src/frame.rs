@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::{DVec3, IVec3};
-use lennard_core::{PeriodicBox, Species, SpeciesTable, State};
+use lennard_core::{Own, PeriodicBox, Species, SpeciesTable, State};
 
 use crate::WriteError;
 
@@ -49,6 +49,8 @@ pub struct FrameStyle {
     /// Consecutive particles that make up a molecule; at least 1. Above 1, each line ends with the number of its molecule, from 1
     /// (`molecule:I:1`).
     pub sites_per_molecule: usize,
+    /// Which of all particles the states of frames have, where ranks share them: each rank then writes the lines of its own.
+    pub own: Option<Own>,
     /// Whether the sites of a molecule are folded into the box together, by the image flags of its first site. The others may
     /// then stand outside.
     pub whole: bool,
@@ -65,6 +67,7 @@ impl Default for FrameStyle {
             length_scale: 1.0,
             precision: DEFAULT_PRECISION,
             sites_per_molecule: 1,
+            own: None,
             whole: true,
         }
     }
@@ -162,6 +165,46 @@ impl FrameStyle {
         Ok(())
     }
 
+    /// The number of the particle with an index in the arrays of a frame.
+    pub(crate) fn number(&self, i: usize) -> usize {
+        i + self.own.as_ref().map_or(0, Own::first)
+    }
+
+    /// The number of all particles, where a frame has `n`.
+    pub(crate) fn all(&self, n: usize) -> usize {
+        self.own.as_ref().map_or(n, Own::all)
+    }
+
+    /// Whether what stands before all particles is written here.
+    pub(crate) fn begins(&self) -> bool {
+        self.own.as_ref().is_none_or(|own| own.first() == 0)
+    }
+
+    /// Whether what stands behind all particles is written here.
+    pub(crate) fn ends(&self) -> bool {
+        self.own.as_ref().is_none_or(|own| own.numbers().end == own.all())
+    }
+
+    /// Lets rank 0 take the text of all ranks, one after another; where a rank has no text, none is taken.
+    ///
+    /// # Errors
+    /// Those of the text; [`WriteError::Elsewhere`] where another rank has none.
+    pub(crate) fn pass(
+        &self,
+        path: &Path,
+        text: Result<Vec<u8>, WriteError>,
+        take: impl FnMut(&[u8]),
+    ) -> Result<(), WriteError> {
+        let own = self.own.clone().unwrap_or_else(|| Own::all_of(0));
+        let failed = own.team().is_some_and(|team| team.any(text.is_err()));
+        let text = text?;
+        if failed {
+            return Err(WriteError::Elsewhere { path: path.to_path_buf() });
+        }
+        own.pass_bytes(&text, take);
+        Ok(())
+    }
+
     /// Whether lines have a mass: where not all masses are 1, and where ASE would take the mass of the element.
     pub(crate) fn has_masses(&self) -> bool {
         self.for_ase || self.species.is_mixture() || self.species.species(0).mass != 1.0
@@ -180,7 +223,7 @@ impl FrameStyle {
         positions: &[DVec3],
         i: usize,
     ) -> Result<(DVec3, Option<IVec3>), NotFinite> {
-        let position = finite("position", i, positions[i])?;
+        let position = finite("position", self.number(i), positions[i])?;
         if !self.wrapped {
             return Ok((position, None));
         }
@@ -194,7 +237,8 @@ impl FrameStyle {
         }
         // The conversion to 32 bits saturates there: the flag would be wrong.
         if let Some(axis) = (0..3).find(|&a| matches!(image[a], i32::MIN | i32::MAX)) {
-            return Err(NotFinite { quantity: "position", particle: i, value: position[axis] });
+            let particle = self.number(i);
+            return Err(NotFinite { quantity: "position", particle, value: position[axis] });
         }
         Ok((wrapped, Some(image)))
     }

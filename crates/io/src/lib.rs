@@ -73,6 +73,6 @@ pub use species_reader::FoundSpecies;
 pub use tables::{
     TableWriter, read_table_csv, read_table_csv_bytes, read_words_csv, write_table_csv,
 };
-pub use topology::write_topology_gro;
-pub use trajectory::{TrajectoryWriter, write_frame};
+pub use topology::{give_topology_gro, write_topology_gro};
+pub use trajectory::{TrajectoryWriter, give_frame, write_frame};
 pub use units::FileUnits;

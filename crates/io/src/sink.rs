@@ -127,16 +127,29 @@ impl WholeFile {
 
     /// Appends one record with one write, or leaves the file as it was.
     pub(crate) fn append(&mut self, record: &[u8]) -> Result<(), WriteError> {
+        self.append_parts(|take| {
+            take(record);
+            Ok(())
+        })
+    }
+
+    /// Appends one record that comes in parts, or leaves the file as it was. All parts are taken, whether they can be written or not.
+    pub(crate) fn append_parts(
+        &mut self,
+        parts: impl FnOnce(&mut dyn FnMut(&[u8])) -> Result<(), WriteError>,
+    ) -> Result<(), WriteError> {
+        let ready = self.is_ready();
+        let (mut written, mut length) = (Ok(()), 0);
+        let whole = parts(&mut |part| {
+            if ready.is_ok() && written.is_ok() {
+                written = self.sink.write_all(part);
+                length += part.len() as u64;
+            }
+        });
+        ready?;
+        whole?;
         let path = || self.path.clone();
-        if self.given_up {
-            return Err(WriteError::GivenUp { path: path() });
-        }
-        if !self.sink.is_still_at(&self.path) {
-            self.given_up = true;
-            return Err(WriteError::Vanished { path: path() });
-        }
-        let written = self.sink.write_all(record).and_then(|()| self.sink.flush());
-        if let Err(source) = written {
+        if let Err(source) = written.and_then(|()| self.sink.flush()) {
             let whole = self.mark.bytes;
             return Err(match self.sink.cut_back(whole) {
                 Ok(()) => WriteError::io(&self.path, "write", source),
@@ -146,8 +159,21 @@ impl WholeFile {
                 }
             });
         }
-        self.mark.bytes += record.len() as u64;
+        self.mark.bytes += length;
         self.mark.records += 1;
+        Ok(())
+    }
+
+    /// Refuses a file that was given up, or that is gone.
+    fn is_ready(&mut self) -> Result<(), WriteError> {
+        let path = || self.path.clone();
+        if self.given_up {
+            return Err(WriteError::GivenUp { path: path() });
+        }
+        if !self.sink.is_still_at(&self.path) {
+            self.given_up = true;
+            return Err(WriteError::Vanished { path: path() });
+        }
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 
-use crate::atomic::write_bytes_atomically;
+use crate::atomic::write_parts_atomically;
 use crate::formats::lines::{push_float, push_integer};
 use crate::{FrameStyle, TrajectoryFormat, WriteError};
 
@@ -33,21 +33,47 @@ pub fn write_topology_gro(
     style: &FrameStyle,
 ) -> Result<(), WriteError> {
     style.check(path)?;
+    write_parts_atomically(path, style, text_of(path, positions, cell, format, style))
+}
+
+/// Gives rank 0 the lines of the particles of this rank, while it calls [`write_topology_gro`].
+///
+/// # Errors
+/// Where a position is not finite, here or on another rank.
+pub fn give_topology_gro(
+    positions: &[DVec3],
+    cell: &PeriodicBox,
+    format: TrajectoryFormat,
+    style: &FrameStyle,
+) -> Result<(), WriteError> {
+    let path = Path::new("topology.gro");
+    style.pass(path, text_of(path, positions, cell, format, style), |_| {})
+}
+
+fn text_of(
+    path: &Path,
+    positions: &[DVec3],
+    cell: &PeriodicBox,
+    format: TrajectoryFormat,
+    style: &FrameStyle,
+) -> Result<Vec<u8>, WriteError> {
     let to_nm = style.length_scale * format.spec().nanometers;
     let sides = cell.lengths() * to_nm;
     let fits = sides.max_element() < COORDINATES_END;
     let mut text = Vec::new();
-    text.extend_from_slice(match fits {
-        true => b"Lennard: names, box, and rounded positions of the start\n".as_slice(),
-        false => b"Lennard: names and box; positions are too long for this format\n",
-    });
-    push_integer(&mut text, positions.len());
-    text.push(b'\n');
+    if style.begins() {
+        text.extend_from_slice(match fits {
+            true => b"Lennard: names, box, and rounded positions of the start\n".as_slice(),
+            false => b"Lennard: names and box; positions are too long for this format\n",
+        });
+        push_integer(&mut text, style.all(positions.len()));
+        text.push(b'\n');
+    }
     let folded = FrameStyle { wrapped: true, ..style.clone() };
     for i in 0..positions.len() {
-        let number = (i + 1) % NUMBERS_START_OVER;
+        let number = (style.number(i) + 1) % NUMBERS_START_OVER;
         let element = &style.species_of(i).element;
-        let residue = (i / style.sites_per_molecule + 1) % NUMBERS_START_OVER;
+        let residue = (style.number(i) / style.sites_per_molecule + 1) % NUMBERS_START_OVER;
         let [x, y, z] = match fits {
             true => {
                 let place = folded.place(cell, positions, i);
@@ -58,12 +84,14 @@ pub fn write_topology_gro(
         let line = format!("{residue:5}{element:<5}{element:>5}{number:5}{x:8.3}{y:8.3}{z:8.3}\n");
         text.extend_from_slice(line.as_bytes());
     }
-    for side in sides.to_array() {
-        text.push(b' ');
-        push_float(&mut text, side);
+    if style.ends() {
+        for side in sides.to_array() {
+            text.push(b' ');
+            push_float(&mut text, side);
+        }
+        text.push(b'\n');
     }
-    text.push(b'\n');
-    write_bytes_atomically(path, &text)
+    Ok(text)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::atomic::write_bytes_atomically;
+use crate::atomic::write_parts_atomically;
 use crate::formats::push_frame;
 use crate::sink::WholeFile;
 use crate::{FileMark, Frame, FrameStyle, Sink, TrajectoryFormat, WriteError};
@@ -77,12 +77,20 @@ impl TrajectoryWriter {
     /// Where a number is not finite or the operating system refuses; the file then holds the
     /// frames before this one and nothing else.
     pub fn write(&mut self, frame: &Frame<'_>) -> Result<Option<f64>, WriteError> {
-        self.bytes.clear();
-        let precision =
-            push_frame(&mut self.bytes, self.file.path(), self.format, &self.style, frame)?;
-        let appended = self.file.append(&self.bytes);
-        if self.bytes.capacity() > KEPT_BUFFER {
-            self.bytes = Vec::new();
+        let Self { file, format, style, bytes } = self;
+        bytes.clear();
+        let (path, mut text) = (file.path().to_path_buf(), std::mem::take(bytes));
+        let pushed = push_frame(&mut text, &path, *format, style, frame);
+        let precision = *pushed.as_ref().unwrap_or(&None);
+        let appended = match &style.own {
+            None => pushed.and_then(|_| file.append(&text)),
+            Some(_) => {
+                let text = pushed.map(|_| std::mem::take(&mut text));
+                file.append_parts(|take| style.pass(&path, text, take))
+            }
+        };
+        if text.capacity() <= KEPT_BUFFER {
+            *bytes = text;
         }
         appended.map(|()| precision)
     }
@@ -109,7 +117,21 @@ impl TrajectoryWriter {
 /// then still there.
 pub fn write_frame(path: &Path, style: &FrameStyle, frame: &Frame<'_>) -> Result<(), WriteError> {
     style.check(path)?;
-    let mut bytes = Vec::new();
-    push_frame(&mut bytes, path, TrajectoryFormat::Xyz, style, frame)?;
-    write_bytes_atomically(path, &bytes)
+    let mut text = Vec::new();
+    let pushed = push_frame(&mut text, path, TrajectoryFormat::Xyz, style, frame);
+    write_parts_atomically(path, style, pushed.map(|_| text))
+}
+
+/// Gives rank 0 the text of the particles of this rank, while it writes a frame of a format by parts.
+///
+/// # Errors
+/// Where a number is not finite, here or on another rank.
+pub fn give_frame(
+    format: TrajectoryFormat,
+    style: &FrameStyle,
+    frame: &Frame<'_>,
+) -> Result<(), WriteError> {
+    let (path, mut text) = (Path::new(format.spec().file), Vec::new());
+    let pushed = push_frame(&mut text, path, format, style, frame);
+    style.pass(path, pushed.map(|_| text), |_| {})
 }

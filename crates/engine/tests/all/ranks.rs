@@ -264,12 +264,12 @@ fn what_one_process_alone_runs_is_refused_by_name_with_the_way_out() {
             "a scene without this observable",
         ),
         (
-            "contact={kind=\"hard\"}",
+            "observable=[] contact={kind=\"hard\"}",
             "`contact` is for one process alone",
             "a scene without contacts",
         ),
         (
-            "wall=[{kind=\"hard\",axis=\"z\"}]",
+            "observable=[] wall=[{kind=\"hard\",axis=\"z\"}]",
             "hits count one after another",
             "a wall that only exerts a force",
         ),

@@ -74,19 +74,19 @@ impl<'a> Layout<'a> {
     fn push(&self, to: &mut Vec<u8>, state: &State, i: usize) -> Result<(), NotFinite> {
         let Self { style, scale, .. } = *self;
         let (position, image) = style.place(&state.cell, &state.positions, i)?;
-        let species = style.species_of(i);
+        let (species, number) = (style.species_of(i), style.number(i));
         let start = to.len();
         for column in &self.columns {
             if to.len() > start {
                 to.push(b' ');
             }
             match column {
-                Column::Id => push_integer(to, i + 1),
+                Column::Id => push_integer(to, number + 1),
                 Column::Type => push_integer(to, style.species.of(i) + 1),
                 Column::Element => to.extend_from_slice(species.element.as_bytes()),
-                Column::Molecule => push_integer(to, i / style.sites_per_molecule + 1),
+                Column::Molecule => push_integer(to, number / style.sites_per_molecule + 1),
                 Column::Mass => push_float(to, species.mass),
-                Column::Position => push_vector(to, finite("position", i, position * scale)?),
+                Column::Position => push_vector(to, finite("position", number, position * scale)?),
                 Column::Image => {
                     let [x, y, z] = image.unwrap_or_default().to_array();
                     push_integer(to, x);
@@ -94,12 +94,12 @@ impl<'a> Layout<'a> {
                     push_field(to, z);
                 }
                 Column::Velocity => {
-                    push_vector(to, finite("velocity", i, state.velocities[i] * scale)?);
+                    push_vector(to, finite("velocity", number, state.velocities[i] * scale)?);
                 }
-                Column::Force => push_vector(to, finite("force", i, state.forces[i] / scale)?),
+                Column::Force => push_vector(to, finite("force", number, state.forces[i] / scale)?),
                 Column::Momentum => {
                     let momentum = species.mass * state.velocities[i] * scale;
-                    push_vector(to, finite("momentum", i, momentum)?);
+                    push_vector(to, finite("momentum", number, momentum)?);
                 }
             }
         }

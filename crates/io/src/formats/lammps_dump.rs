@@ -15,6 +15,7 @@ pub(super) const SPEC: FormatSpec = FormatSpec {
     readers: "MDAnalysis (with box and velocities), mdtraj (with box), OVITO, and ASE (which takes velocities for Å/ps)",
     holds_vectors: true,
     names_scale: false,
+    by_parts: true,
     holds_ase: false,
     limits: None,
     nanometers: 0.1,
@@ -44,17 +45,19 @@ fn push(
             (Column::Force, " fx fy fz"),
         ],
     );
-    to.extend_from_slice(b"ITEM: TIMESTEP\n");
-    push_integer(to, frame.state.step);
-    to.extend_from_slice(b"\nITEM: NUMBER OF ATOMS\n");
-    push_integer(to, frame.state.len());
-    to.extend_from_slice(b"\nITEM: BOX BOUNDS pp pp pp\n");
-    for side in frame.state.cell.lengths().to_array() {
-        to.extend_from_slice(b"0.0 ");
-        push_float(to, side);
-        to.push(b'\n');
+    if style.begins() {
+        to.extend_from_slice(b"ITEM: TIMESTEP\n");
+        push_integer(to, frame.state.step);
+        to.extend_from_slice(b"\nITEM: NUMBER OF ATOMS\n");
+        push_integer(to, style.all(frame.state.len()));
+        to.extend_from_slice(b"\nITEM: BOX BOUNDS pp pp pp\n");
+        for side in frame.state.cell.lengths().to_array() {
+            to.extend_from_slice(b"0.0 ");
+            push_float(to, side);
+            to.push(b'\n');
+        }
+        to.extend_from_slice(format!("ITEM: ATOMS{}\n", layout.names).as_bytes());
     }
-    to.extend_from_slice(format!("ITEM: ATOMS{}\n", layout.names).as_bytes());
     layout.push_all(to, path, frame.state)?;
     Ok(None)
 }

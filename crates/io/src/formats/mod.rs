@@ -47,6 +47,8 @@ pub struct FormatSpec {
     pub names_scale: bool,
     /// Whether it can hold what ASE looks for.
     pub holds_ase: bool,
+    /// Whether a frame is the lines of its particles, one after another, so that each rank can write its own.
+    pub by_parts: bool,
     /// What a format that rounds positions to a precision can hold; `None` for a format that does not.
     pub limits: Option<&'static Limits>,
     /// The nm that readers take one unit of length for.

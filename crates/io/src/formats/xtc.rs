@@ -24,6 +24,7 @@ pub(super) const SPEC: FormatSpec = FormatSpec {
     holds_ase: false,
     limits: Some(&LIMITS),
     nanometers: 1.0,
+    by_parts: false,
     ends_with_line: false,
     push,
 };

@@ -15,6 +15,7 @@ pub(super) const SPEC: FormatSpec = FormatSpec {
     holds_vectors: true,
     names_scale: true,
     holds_ase: true,
+    by_parts: true,
     limits: None,
     nanometers: 0.1,
     ends_with_line: true,
@@ -66,7 +67,9 @@ pub(super) fn push(
     frame: &Frame<'_>,
 ) -> Result<Option<f64>, WriteError> {
     let layout = Layout::new(style, style.length_scale, COLUMNS);
-    push_header(to, path, style, &layout.names, frame)?;
+    if style.begins() {
+        push_header(to, path, style, &layout.names, frame)?;
+    }
     layout.push_all(to, path, frame.state)?;
     Ok(None)
 }
@@ -78,7 +81,7 @@ fn push_header(
     columns: &str,
     frame: &Frame<'_>,
 ) -> Result<(), WriteError> {
-    push_integer(to, frame.state.len());
+    push_integer(to, style.all(frame.state.len()));
     to.extend_from_slice(b"\nLattice=\"");
     let sides = frame.state.cell.lengths() * style.length_scale;
     push_float(to, sides.x);

@@ -12,6 +12,7 @@ use crate::{Frame, FrameStyle, WriteError};
 pub(super) const SPEC: FormatSpec = FormatSpec {
     file: "trajectory.xyz.gz",
     summary: "Extended XYZ compressed by gzip: the same content in half the space, more slowly.",
+    by_parts: false,
     ends_with_line: false,
     push,
     ..xyz::SPEC
