@@ -398,7 +398,8 @@ impl WithNoise<'_> {
         let energies = self.energies.chunks_mut(BLOCK);
         for ((block, moving), energies) in self.moving.blocks().zip(energies) {
             let first = self.first + block;
-            let numbers: [u32; BLOCK] = std::array::from_fn(|k| (self.numbers_from + first + k) as u32);
+            let numbers: [u32; BLOCK] =
+                std::array::from_fn(|k| (self.numbers_from + first + k) as u32);
             let half_mass = |k| of(first + k).half_mass();
             let mut noise = Noise(*self.noise, &numbers, Energies(half_mass, energies));
             moving.block::<N, _>(&mut noise, |c, k| c.noise(of(first + k)));
@@ -427,8 +428,8 @@ impl WithSimd for WithNoise<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FrictionAndNoise, exact};
     use crate::random::Streams;
+    use crate::{FrictionAndNoise, exact};
 
     fn vectors(from: usize, n: usize, scale: f64) -> Vec<DVec3> {
         let wave = |k: usize| (k as f64 * 12.9898).sin();

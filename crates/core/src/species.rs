@@ -225,9 +225,9 @@ impl Masses {
     pub fn kinetic_energy(&self, own: &Own, velocities: &[DVec3]) -> f64 {
         match self {
             Self::Uniform(m) => own.sum_of(velocities, |v| 0.5 * m * v.length_squared()),
-            Self::Each(_) => own.sum(velocities.len(), |i| {
-                0.5 * self.moving(i) * velocities[i].length_squared()
-            }),
+            Self::Each(_) => {
+                own.sum(velocities.len(), |i| 0.5 * self.moving(i) * velocities[i].length_squared())
+            }
         }
     }
 

@@ -143,9 +143,7 @@ impl<'a> View<'a> {
             let squares = self.constraint_sums().squared_forces;
             return Some(self.kinetic_energy() + 0.5 * half * half * squares);
         }
-        let squares: f64 = self.sum(|i| {
-            state.forces[i].length_squared() / system.masses.of(i)
-        });
+        let squares: f64 = self.sum(|i| state.forces[i].length_squared() / system.masses.of(i));
         Some(self.kinetic_energy() + 0.5 * half * half * squares)
     }
 

@@ -13,8 +13,8 @@ use lennard_io::{Checkpoint, CheckpointFolder, CheckpointMetadata, FileMark};
 use lennard_scene::Scene;
 
 use crate::files::Marks;
-use crate::ranks::{self, made};
 use crate::names::THERMO;
+use crate::ranks::{self, made};
 use crate::schedule::Observer;
 use crate::simulation::Timers;
 use crate::{EngineError, Simulation};

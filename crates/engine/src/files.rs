@@ -356,14 +356,14 @@ impl RunFiles {
 /// The scene as resolved, and names, box and start positions beside a trajectory.
 fn write_descriptions(folder: Option<&Path>, simulation: &Simulation) -> Result<(), WriteError> {
     let text = simulation.scene.resolved_toml();
-    let written = folder.map_or(Ok(()), |folder| {
-        lennard_io::write_text_atomically(&folder.join(SCENE), &text)
-    });
+    let written = folder
+        .map_or(Ok(()), |folder| lennard_io::write_text_atomically(&folder.join(SCENE), &text));
     let topology = folder.map(|folder| folder.join(TOPOLOGY));
     // A run that goes on has left its start behind: the file is kept as it is.
     let is_missing = topology.as_ref().map(|file| [u64::from(!file.exists())]);
     let is_missing = simulation.system.own().told(is_missing) == Some([1]);
-    if simulation.scene.output.trajectory_every.is_none() || simulation.state.step > 0 && !is_missing
+    if simulation.scene.output.trajectory_every.is_none()
+        || simulation.state.step > 0 && !is_missing
     {
         return written;
     }

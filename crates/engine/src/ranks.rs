@@ -6,12 +6,13 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use lennard_core::{Array, Own, Persist, StateArchive, Team};
+use lennard_core::{Array, Own, Persist, SpeedLimit, StateArchive, Team};
 use lennard_io::RanksRecord;
 
 use crate::error::RanksError;
+use crate::failure::LARGEST_MOVE;
 use crate::follower::Ending;
-use crate::{EngineError, Simulation, build};
+use crate::{EngineError, Simulation, build, watchdog};
 
 /// The fewest particles that ranks share: below, a cut would lie nearer than the cutoff.
 const FEWEST: usize = 4000;
@@ -33,10 +34,10 @@ impl Simulation {
         keep(&own, &mut archive);
         self.system = self.system.clone().keeping(own.clone());
         self.forces.keep(&own);
-        let shares = self.forces.share(team).map_err(RanksError::from)?;
+        let limit = SpeedLimit { every: watchdog::EVERY, largest: LARGEST_MOVE };
+        let shares = self.forces.share(team, limit).map_err(RanksError::from)?;
         assert!(shares, "a scene for ranks has lists");
-        self.observers =
-            build::observers(&self.scene, self.start_cell, &self.system, &self.own)?;
+        self.observers = build::observers(&self.scene, self.start_cell, &self.system, &self.own)?;
         self.restore(&archive.reader()).expect("it was saved just now");
         Ok(())
     }

@@ -186,7 +186,8 @@ impl<'a> Recorder<'a> {
         past: Past,
         started: Instant,
     ) -> Self {
-        let checkpoints = Checkpointer::new(folder.map(OutputFolder::path), &simulation.scene.checkpoint);
+        let checkpoints =
+            Checkpointer::new(folder.map(OutputFolder::path), &simulation.scene.checkpoint);
         Self { folder, files, checkpoints, past, started, before: aside(&simulation.state) }
     }
 

@@ -103,9 +103,8 @@ impl Simulation {
             ),
             non_finite: own.count(state.positions.iter().filter(|r| !r.is_finite()).count()),
             fastest: watchdog::fastest(own, state),
-            speed_beyond: beyond.map(|number| {
-                own.vector(own.index(number).map(|i| state.velocities[i])).length()
-            }),
+            speed_beyond: beyond
+                .map(|number| own.vector(own.index(number).map(|i| state.velocities[i])).length()),
             steps_into_stage: stage.steps_done,
             temperature: plan.temperature,
             density: self.system.len() as f64 / state.cell.volume(),

@@ -72,7 +72,8 @@ pub(crate) fn fastest(own: &Own, state: &State) -> Option<(usize, f64)> {
     let Some(team) = own.team() else { return here };
     let words = here.map_or([0, 0], |(number, speed)| [number as u64, speed.to_bits()]);
     let all = team.concat(&words);
-    let all = all.as_chunks().0.iter().map(|[number, bits]| (*number as usize, f64::from_bits(*bits)));
+    let all =
+        all.as_chunks().0.iter().map(|[number, bits]| (*number as usize, f64::from_bits(*bits)));
     all.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
@@ -256,8 +257,12 @@ mod tests {
     #[test]
     fn a_particle_is_stopped_just_past_the_limit_and_not_just_below() {
         let dt = 0.01;
-        assert!(check_speeds(&Own::all_of(2), &state(0.999 * LARGEST_MOVE / dt), dt, LARGEST_MOVE).is_ok());
-        let found = check_speeds(&Own::all_of(2), &state(1.001 * LARGEST_MOVE / dt), dt, LARGEST_MOVE);
+        assert!(
+            check_speeds(&Own::all_of(2), &state(0.999 * LARGEST_MOVE / dt), dt, LARGEST_MOVE)
+                .is_ok()
+        );
+        let found =
+            check_speeds(&Own::all_of(2), &state(1.001 * LARGEST_MOVE / dt), dt, LARGEST_MOVE);
         assert!(matches!(found, Err(Symptom::TooFast { particle: 1, .. })), "{found:?}");
         assert!(check_speeds(&Own::all_of(2), &state(f64::NAN), dt, LARGEST_MOVE).is_err());
         for (change, is_sound) in [(0.9, true), (-0.9, true), (1.1, false), (-1.1, false)] {

@@ -124,7 +124,8 @@ impl AllPairs {
         cell: &PeriodicBox,
         positions: &[DVec3],
     ) -> CheckedForce {
-        let one = |(i, position)| Body { number: own.first() + i, species: species.of(i), position };
+        let one =
+            |(i, position)| Body { number: own.first() + i, species: species.of(i), position };
         let Some(team) = own.team() else {
             let body = one((particle, positions[particle]));
             let near = within(self.reach(cell), body.position, cell, positions);

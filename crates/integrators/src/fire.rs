@@ -2,7 +2,9 @@
 
 use lennard_core::exact::exact_sum;
 use lennard_core::parallel::for_each_piece;
-use lennard_core::{Backend, Configuration, DVec3, ForceError, Moving, Own, Part, PeriodicBox, Want};
+use lennard_core::{
+    Backend, Configuration, DVec3, ForceError, Moving, Own, Part, PeriodicBox, Want,
+};
 
 use crate::implicit_euler::dot;
 

@@ -3,8 +3,8 @@
 use glam::DMat2;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::{
-    DVec3, Energetics, ForceProperties, Integrator, IntegratorSpec, Method, Moving, Part, Parts, Step,
-    StepError, System, Want, check_finite, persist, rigid_bonds_alone,
+    DVec3, Energetics, ForceProperties, Integrator, IntegratorSpec, Method, Moving, Part, Parts,
+    Step, StepError, System, Want, check_finite, persist, rigid_bonds_alone,
 };
 
 use crate::methods::MethodOptions;

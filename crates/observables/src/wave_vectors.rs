@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec2;
-use lennard_core::{Own, DVec3, PeriodicBox, SpeciesTable};
+use lennard_core::{DVec3, Own, PeriodicBox, SpeciesTable};
 use rayon::prelude::*;
 
 use crate::StructureFactorOptions;

@@ -227,9 +227,11 @@ pub fn watching_seconds(simulation: &Simulation) -> f64 {
     };
     let dt = simulation.stage_run().dt;
     let mut before = aside(state);
-    per_call(&mut || drop(watchdog::check_speeds(system.own(), state, dt, LARGEST_MOVE))) / watchdog::EVERY as f64
-        + per_call(&mut || drop(simulation.force_check.look(system, state, |_| lennard_core::DVec3::ZERO)))
-            / watchdog::LISTS_EVERY as f64
+    per_call(&mut || drop(watchdog::check_speeds(system.own(), state, dt, LARGEST_MOVE)))
+        / watchdog::EVERY as f64
+        + per_call(&mut || {
+            drop(simulation.force_check.look(system, state, |_| lennard_core::DVec3::ZERO))
+        }) / watchdog::LISTS_EVERY as f64
         + per_call(&mut || set_aside(state, &mut before)) / SET_ASIDE_EVERY as f64
 }
 

@@ -15,10 +15,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use lennard_core::{DVec3, Team};
 use lennard_core::lanes::in_lanes;
 use lennard_core::parallel::{CHUNK, for_each_piece, part};
 use lennard_core::tasks::map_tasks;
+use lennard_core::{DVec3, Team};
 
 /// Terms of a polynomial.
 pub(super) const TERMS: usize = 8;

@@ -144,9 +144,10 @@ fn boxes_that_change_have_the_bytes_of_one_process() {
     let rescaling = r#"{ kind = "stochastic-cell-rescaling", pressure = 1.19, interval = 5 }"#;
     let mtk = r#"{ kind = "mtk", pressure = 1.0, tau = 0.5 }"#;
     for (bath, barostat) in [("bussi", rescaling), ("nose-hoover", mtk)] {
-        let keys =
-            format!("stage.production.thermostat={bath} stage.production.barostat={barostat}
-                observable=[{{kind=\"msd\",every=5,longest_lag=0.1,particles=900}}]");
+        let keys = format!(
+            "stage.production.thermostat={bath} stage.production.barostat={barostat}
+                observable=[{{kind=\"msd\",every=5,longest_lag=0.1,particles=900}}]"
+        );
         ranks_are_one_process((LIQUID, &keys), &[[2, 2], [4, 1]]);
     }
 }
@@ -168,8 +169,10 @@ fn mixtures_have_the_bytes_of_one_process() {
 
 #[test]
 fn fluids_between_walls_have_the_bytes_of_one_process() {
-    let seen = r#"[{ kind = "density-profile" }, { kind = "wall-pressure" }, { kind = "momentum" }]"#;
-    for more in ["", "field={acceleration=[0.0,0.0,-0.1]}", "stage.production.thermostat=langevin"] {
+    let seen =
+        r#"[{ kind = "density-profile" }, { kind = "wall-pressure" }, { kind = "momentum" }]"#;
+    for more in ["", "field={acceleration=[0.0,0.0,-0.1]}", "stage.production.thermostat=langevin"]
+    {
         let keys = format!(r#"wall=[{{ kind = "wca", axis = "z" }}] observable={seen} {more}"#);
         ranks_are_one_process((LIQUID, &keys), &[[3, 1]]);
     }
@@ -196,8 +199,9 @@ fn observables_have_the_bytes_of_one_process() {
 fn frames_of_every_format_have_the_bytes_of_one_process() {
     for format in ["xyz", "xyz.gz", "lammps-dump", "xtc"] {
         let vectors = format == "xyz" || format == "lammps-dump";
-        let keys =
-            format!(r#"output.format="{format}" output.forces={vectors} output.velocities={vectors}"#);
+        let keys = format!(
+            r#"output.format="{format}" output.forces={vectors} output.velocities={vectors}"#
+        );
         ranks_are_one_process((LIQUID, &keys), &[[3, 1]]);
     }
 }

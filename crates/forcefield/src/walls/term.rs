@@ -4,8 +4,8 @@ use lennard_core::exact::exact_sums;
 use lennard_core::parallel::for_each_piece;
 use lennard_core::random::{CounterRng, NoiseStream};
 use lennard_core::{
-    Axis, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Own, Part,
-    PeriodicBox, Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
+    Axis, Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Own,
+    Part, PeriodicBox, Persist, RestoreError, StateReader, StateWriter, WallReading, Want,
 };
 
 use super::{Hit, HitRule, Rebound, Surface, WallContext, WallOptions};

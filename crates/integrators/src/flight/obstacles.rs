@@ -2,8 +2,8 @@
 
 use lennard_core::{
     BondSolver, Boundary, Configuration, DVec3, Drifted, Energetics, Flight, ForceError,
-    ForceProperties, ForceTerm, Masses, Own, Part, PeriodicBox, StepError, System, WallReading, Want,
-    persist,
+    ForceProperties, ForceTerm, Masses, Own, Part, PeriodicBox, StepError, System, WallReading,
+    Want, persist,
 };
 use lennard_forcefield::{ContactLaw, Walls};
 

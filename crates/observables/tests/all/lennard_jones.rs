@@ -2,7 +2,8 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, DVec3, Energetics, Momentum, Own, PeriodicBox, Species, SpeciesTable, State, System, View,
+    DMat3, DVec3, Energetics, Momentum, Own, PeriodicBox, Species, SpeciesTable, State, System,
+    View,
 };
 use lennard_observables::{
     BuildContext, EinsteinFrequencyOptions, Estimate, MeanSquareDisplacement, MsdOptions,

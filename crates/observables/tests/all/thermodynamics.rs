@@ -2,8 +2,8 @@
 
 use lennard_core::random::Streams;
 use lennard_core::{
-    DMat3, DVec3, Energetics, Own, PeriodicBox, Species, SpeciesTable, State, System, TailCorrection,
-    View,
+    DMat3, DVec3, Energetics, Own, PeriodicBox, Species, SpeciesTable, State, System,
+    TailCorrection, View,
 };
 use lennard_observables::{
     BuildContext, Estimate, Findings, Observable, PairEnd, PressureTensor, Thermodynamics,

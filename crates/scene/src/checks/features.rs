@@ -2,7 +2,9 @@
 
 use lennard_core::options::quoted;
 use lennard_core::{Bonds, Integrator, IntegratorSpec};
-use lennard_forcefield::{CutoffUnit, HitRule, Kernel, ListMode, PotentialOptions, Surface, TruncationKind};
+use lennard_forcefield::{
+    CutoffUnit, HitRule, Kernel, ListMode, PotentialOptions, Surface, TruncationKind,
+};
 use lennard_integrators::Response;
 use lennard_integrators::{
     BarostatOptions, IntegratorEntry, build, integrators, spook, stormer_verlet, thermostats,
