@@ -175,6 +175,7 @@ impl Run {
                 masses: &self.masses,
                 dt,
                 steps: left as u64 - 1,
+                first: 0,
                 bath: None,
             };
             let taken = 1 + self.provider.advance(&mut stride) as usize;

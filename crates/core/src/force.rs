@@ -221,8 +221,19 @@ pub struct FusedSteps<'a> {
     pub dt: f64,
     /// How many steps to take.
     pub steps: u64,
+    /// The step that is under way when they begin.
+    pub first: u64,
     /// The bath, where there is one. With noise a drift is two half drifts.
     pub bath: Option<FusedBath<'a>>,
+}
+
+/// When speeds are checked. Ranks check them themselves inside of fused steps, so that steps need not end for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpeedLimit {
+    /// Steps between two checks.
+    pub every: u64,
+    /// The largest distance in a step, σ.
+    pub largest: f64,
 }
 
 /// The machine that evaluates the sum of all force terms, and may take several steps at once.
@@ -245,8 +256,8 @@ pub trait Backend: ForceTerm {
     ///
     /// # Errors
     /// [`TooManyRanks`] where a rank would have nothing to do.
-    fn share(&mut self, team: &Team) -> Result<bool, TooManyRanks> {
-        let _ = team;
+    fn share(&mut self, team: &Team, limit: SpeedLimit) -> Result<bool, TooManyRanks> {
+        let _ = (team, limit);
         Ok(false)
     }
 }
@@ -383,8 +394,8 @@ impl<B: Backend> Backend for ForceSum<B> {
     }
 
     /// The first term alone is shared: the others act on the particles of this rank.
-    fn share(&mut self, team: &Team) -> Result<bool, TooManyRanks> {
-        self.first.share(team)
+    fn share(&mut self, team: &Team, limit: SpeedLimit) -> Result<bool, TooManyRanks> {
+        self.first.share(team, limit)
     }
 }
 

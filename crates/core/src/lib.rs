@@ -38,6 +38,7 @@ pub use boundary::{BondSolver, BoundDrift, Boundary, Drifted, Flight, WallReadin
 pub use cell::{Axis, BoxError, PeriodicBox};
 pub use force::{
     Backend, ForceProperties, ForceStatistics, ForceSum, ForceTerm, FusedSteps, NoForces,
+    SpeedLimit,
 };
 pub use friction::{FrictionAndNoise, LANES as NOISE_LANES, NoiseOfMass, NoiseOfStep, Ramp};
 pub use glam::{DMat3, DVec3};

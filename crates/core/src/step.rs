@@ -384,6 +384,7 @@ impl Step<'_> {
             masses: &self.system.masses,
             dt,
             steps: self.ahead,
+            first: state.step,
             bath,
         };
         let taken = self.backend.advance(&mut steps);

@@ -54,8 +54,10 @@ impl Simulation {
     fn next_due(&self, follower: &dyn Follower) -> u64 {
         let measured = self.current_stage().measure;
         let exchange = self.current_stage().exchange.as_ref();
+        // Ranks check speeds inside of steps that are taken at once.
+        let every = if self.team().is_some() { watchdog::LISTS_EVERY } else { watchdog::EVERY };
         let is_due = |step: &u64| {
-            step.is_multiple_of(watchdog::EVERY)
+            step.is_multiple_of(every)
                 || exchange.is_some_and(|exchange| step.is_multiple_of(exchange.every))
                 || self.observers.iter().any(|o| o.trigger().is_due(*step, measured))
                 || follower.schedule().is_due(*step, measured)
@@ -99,6 +101,9 @@ impl Simulation {
                     report.add_heat_to(&mut stage.heat);
                     if measured {
                         self.measured_steps += steps;
+                    }
+                    if steps == 1 && self.state.step.is_multiple_of(watchdog::EVERY) {
+                        break;
                     }
                 }
                 Err(error) => {

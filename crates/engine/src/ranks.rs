@@ -6,13 +6,14 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use lennard_core::{Backend, Own, Team};
+use lennard_core::{Backend, Own, SpeedLimit, Team};
 use lennard_io::RanksRecord;
 use lennard_scene::Scene;
 
 use crate::error::RanksError;
+use crate::failure::LARGEST_MOVE;
 use crate::follower::Ending;
-use crate::{EngineError, Simulation};
+use crate::{EngineError, Simulation, watchdog};
 
 /// The fewest particles that ranks share: below, a cut would lie nearer than the cutoff.
 const FEWEST: usize = 4000;
@@ -52,7 +53,8 @@ pub(crate) fn can_keep(team: &Team, particles: usize) -> Result<Own, RanksError>
 
 /// Shares the forces of a scene that ranks run.
 pub(crate) fn share(forces: &mut dyn Backend, team: &Team) -> Result<(), RanksError> {
-    let shares = forces.share(team)?;
+    let limit = SpeedLimit { every: watchdog::EVERY, largest: LARGEST_MOVE };
+    let shares = forces.share(team, limit)?;
     assert!(shares, "a scene for ranks has lists");
     Ok(())
 }

@@ -139,6 +139,10 @@ impl FusedBuffers {
                         particles.finish_step(steps, request, used.part)
                     };
                     done += 1;
+                    if let Some(part) = used.part {
+                        let step = steps.first + taken + done;
+                        part.note_speeds(step, steps.dt, &particles.velocities[..list.own()]);
+                    }
                 };
                 (done, status)
             };

@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
-use lennard_core::{Parcel, Team};
+use lennard_core::{Parcel, SpeedLimit, Team};
 use lennard_neighbor::{Columns, PairList, Partners};
 
 use crate::simd::{MotionSummary, SomeRows};
@@ -32,6 +32,7 @@ pub struct Part {
     team: Team,
     /// Number of particles of all ranks.
     whole: usize,
+    limit: SpeedLimit,
     /// The columns of the last build, and the rank of each bundle.
     columns: Columns,
     owners: Vec<u32>,
@@ -43,6 +44,8 @@ pub struct Part {
     far: Halo,
     /// Whether lists name particles of the far halo too, since pairs were inserted.
     names_far: bool,
+    /// Whether all of the halo was fetched for the present positions, to judge the list.
+    is_fetched: AtomicBool,
     /// Between numbers and slots; none before it is asked for.
     route: Mutex<Option<Route>>,
     /// The chunks that name no halo, and the others.
@@ -51,7 +54,7 @@ pub struct Part {
     rows: [RowRuns; 2],
     /// The own slots, as partners of far movers.
     partners: Partners,
-    /// Whether a force of this rank is not finite since all ranks asked last.
+    /// Whether a force of this rank is not finite, or a particle too fast, since all ranks asked last.
     broken: AtomicBool,
     buffers: Mutex<[Vec<Parcel>; 2]>,
 }
@@ -78,16 +81,18 @@ pub struct Particles {
 
 impl Part {
     /// The part of this rank, of a system of `whole` particles: nothing, before particles settle.
-    pub fn new(team: &Team, whole: usize) -> Self {
+    pub fn new(team: &Team, whole: usize, limit: SpeedLimit) -> Self {
         Self {
             team: team.clone(),
             whole,
+            limit,
             columns: Columns::default(),
             owners: Vec::new(),
             builds: 0,
             near: Halo::default(),
             far: Halo::default(),
             names_far: false,
+            is_fetched: AtomicBool::new(false),
             route: Mutex::new(None),
             inner_and_outer: Default::default(),
             rows: Default::default(),
@@ -147,6 +152,7 @@ impl Part {
         meanwhile: &mut dyn FnMut(),
         mut put: impl FnMut(u32, DVec3),
     ) {
+        self.is_fetched.store(all, Ordering::Relaxed);
         let halos = [Some(&self.near), (all || self.names_far).then_some(&self.far)];
         let halos = halos.into_iter().flatten();
         let mut buffers = self.buffers();
@@ -168,6 +174,11 @@ impl Part {
         }
     }
 
+    /// Whether all of the halo was fetched for the present positions; not again when it is asked next.
+    pub fn was_fetched(&self) -> bool {
+        self.is_fetched.swap(false, Ordering::Relaxed)
+    }
+
     /// Takes vectors by number to the own slots, which `to` begins with.
     pub fn to_slots<P: PairList>(&self, list: &P, from: &[DVec3], to: &mut [DVec3]) {
         self.with_route(list, |route| route.to_slots(&self.team, from, to));
@@ -187,6 +198,18 @@ impl Part {
     /// Notes whether a force of this rank is not finite.
     pub fn note_broken(&self, broken: bool) {
         self.broken.fetch_or(broken, Ordering::Relaxed);
+    }
+
+    /// Notes where an own particle may be too fast around a step at which speeds are checked: no step is then taken at once.
+    ///
+    /// Velocities stand half a step before or behind it. They change little in half a step.
+    pub fn note_speeds(&self, step: u64, dt: f64, velocities: &[DVec3]) {
+        let near = [step - 1, step, step + 1];
+        if near.iter().any(|step| step.is_multiple_of(self.limit.every)) {
+            let largest2 = (NEAR_LIMIT * self.limit.largest / dt).powi(2);
+            // The comparison is false for NaN.
+            self.note_broken(!velocities.iter().all(|v| v.length_squared() <= largest2));
+        }
     }
 
     /// Whether a force of any rank is not finite since all ranks asked last.
@@ -264,6 +287,8 @@ impl Part {
     }
 }
 
+/// The part of the largest speed from which on steps are taken one by one, and checked exactly.
+const NEAR_LIMIT: f64 = 0.8;
 /// The fewest particles of a rank: some bundles of columns.
 pub const LEAST_OF_A_RANK: usize = 500;
 /// The fewest particles of a system that ranks share: below it, one bundle is the whole box.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 use lennard_core::{
     Backend, Configuration, Energetics, Exclusions, ForceError, ForceProperties, ForceStatistics,
-    ForceTerm, FusedSteps, Masses, Part, PeriodicBox, Team, TooManyRanks, Want,
+    ForceTerm, FusedSteps, Masses, Part, PeriodicBox, SpeedLimit, Team, TooManyRanks, Want,
 };
 use lennard_neighbor::PairList;
 
@@ -332,7 +332,7 @@ impl Backend for PairForces {
         taken
     }
 
-    fn share(&mut self, team: &Team) -> Result<bool, TooManyRanks> {
+    fn share(&mut self, team: &Team, limit: SpeedLimit) -> Result<bool, TooManyRanks> {
         let Strategy::Verlet(listed) = &mut self.strategy else {
             return Ok(false);
         };
@@ -341,7 +341,7 @@ impl Backend for PairForces {
             let (ranks, particles) = (team.ranks(), self.n_atoms);
             return Err(TooManyRanks { ranks, particles, least: LEAST_OF_A_RANK, most });
         }
-        let shares = with_listed!(listed, l => l.share(team, self.n_atoms));
+        let shares = with_listed!(listed, l => l.share(team, self.n_atoms, limit));
         if shares {
             self.n_atoms = team.numbers(self.n_atoms).len();
         }

@@ -6,7 +6,9 @@ mod persist;
 use std::sync::Arc;
 
 use glam::DVec3;
-use lennard_core::{Configuration, Exclusions, ForceError, FusedSteps, PeriodicBox, Team};
+use lennard_core::{
+    Configuration, Exclusions, ForceError, FusedSteps, PeriodicBox, SpeedLimit, Team,
+};
 use lennard_neighbor::{ClusterList, FIXED_UNITS, Images, NeighborList, Positions};
 
 use self::folded::Folded;
@@ -114,10 +116,10 @@ impl<P: PackedList> Listed<P> {
     /// Shares the list of `whole` particles with the other ranks of a team; returns whether it can.
     ///
     /// Canonical forces have a loop in the order of the particles, which is not shared.
-    pub fn share(&mut self, team: &Team, whole: usize) -> bool {
+    pub fn share(&mut self, team: &Team, whole: usize, limit: SpeedLimit) -> bool {
         if self.folded.is_none() {
             self.validity.forget();
-            self.validity.part = Some(Part::new(team, whole));
+            self.validity.part = Some(Part::new(team, whole, limit));
         }
         self.folded.is_none()
     }

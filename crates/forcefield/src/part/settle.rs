@@ -5,6 +5,7 @@
 //! ```
 
 use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 use lennard_core::{ForceError, PeriodicBox};
@@ -75,6 +76,7 @@ impl Part {
         self.team.note_halo(self.near.len());
         self.route = Mutex::new(None);
         self.names_far = false;
+        self.is_fetched = AtomicBool::new(false);
         self.builds += 1;
         Ok(())
     }

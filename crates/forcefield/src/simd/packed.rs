@@ -321,8 +321,8 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
         let mut first = Outcome::without_sums(ListStatus::Complete);
         let mut run_inner = || first = self.run(pass, inner.len(), |k| inner[k] as usize);
         match pass.fetch {
-            Some(fetch) => fetch(false, &mut run_inner),
-            None => run_inner(),
+            Some(fetch) if !part.was_fetched() => fetch(false, &mut run_inner),
+            _ => run_inner(),
         }
         pass.pack(Threads::All, part.rows(1), &mut self.rows, None);
         let mut both = self.run(pass, outer.len(), |k| outer[k] as usize);

@@ -196,6 +196,7 @@ fn fused_steps_have_the_bits_of_single_steps_in_a_box_that_is_not_that_of_the_bu
                             masses: &masses,
                             dt,
                             steps: stride,
+                            first: 0,
                             bath: None,
                         });
                     }
@@ -278,6 +279,7 @@ fn a_shrinking_box_gets_a_thinner_skin_and_ends_with_an_error_at_twice_the_cutof
             masses: &Masses::Uniform(1.0),
             dt: 0.001,
             steps: 5,
+            first: 0,
             bath: None,
         });
         assert_eq!(taken, 0);

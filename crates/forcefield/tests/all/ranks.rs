@@ -6,7 +6,8 @@ use crate::common::*;
 use lennard_core::random::Streams;
 use lennard_core::{
     Array, Backend, Configuration, DVec3, ForceTerm, FrictionAndNoise, FusedBath, FusedSteps,
-    Masses, Parcel, Part, PeriodicBox, Persist, StateArchive, Team, Want, Wire, team_of_threads,
+    Masses, Parcel, Part, PeriodicBox, Persist, SpeedLimit, StateArchive, Team, Want, Wire,
+    team_of_threads,
 };
 use lennard_forcefield::{
     Conditions, ForceFieldOptions, KernelOptions, Mixture, PairForces, Precision, TruncationKind,
@@ -17,6 +18,9 @@ use lennard_forcefield::{
 fn on_ranks<R: Send>(ranks: usize, threads: usize, work: impl Fn(&Team) -> R + Sync) -> Vec<R> {
     team_of_threads(ranks, |team| in_threads(threads, || work(&team)))
 }
+
+/// No particle is too fast.
+const LIMIT: SpeedLimit = SpeedLimit { every: 20, largest: f64::INFINITY };
 
 /// What happens between two evaluations.
 #[derive(Clone, Copy, Debug)]
@@ -106,6 +110,7 @@ fn history(
             masses: &masses,
             dt: DT,
             steps: 17 + round as u64,
+            first: 0,
             bath: match kind {
                 Kind::Noise => Some(FusedBath::noise(noise, DT, step)),
                 _ => bath.as_mut().map(|bath| FusedBath::scaling(bath, 12.0, DT, step)),
@@ -154,7 +159,7 @@ fn compare(
     for [ranks, threads] in teams {
         let found = on_ranks(*ranks, *threads, |team| {
             let mut forces = fresh();
-            assert!(forces.share(team).unwrap());
+            assert!(forces.share(team, LIMIT).unwrap());
             (history(start, &mut forces, kind, 7, Some(team)), team.statistics())
         });
         for (rank, (told, statistics)) in found.iter().enumerate() {
@@ -299,7 +304,7 @@ fn one_position_too_few_in_a_halo_is_seen_in_the_bits() {
         for found in on_ranks(2, 1, |team| {
             let mut forces = fresh();
             let lossy = Team::new(Box::new(Lossy(team.clone())));
-            assert!(forces.share(&lossy).unwrap());
+            assert!(forces.share(&lossy, LIMIT).unwrap());
             history(&start, &mut forces, Kind::Isolated, 2, Some(team))
         }) {
             assert!(found != alone, "{kernel:?}");
@@ -336,7 +341,8 @@ fn too_many_ranks_are_refused_and_other_searches_are_not_shared() {
     let options = options(KernelOptions::default());
     for (n, most) in [(3999, 1), (4352, 8)] {
         let at = Conditions { n_atoms: n, ..at };
-        let errors = on_ranks(9, 1, |team| build(&options, &at).unwrap().share(team).unwrap_err());
+        let errors =
+            on_ranks(9, 1, |team| build(&options, &at).unwrap().share(team, LIMIT).unwrap_err());
         for error in errors {
             let allowed = format!(
                 "9 ranks for {n} particles\n  allowed: at most {most}, since each rank takes 500 neighbors in space or more"
@@ -345,7 +351,8 @@ fn too_many_ranks_are_refused_and_other_searches_are_not_shared() {
         }
     }
     let canonical = ForceFieldOptions { canonical: true, ..options };
-    for shared in on_ranks(2, 1, |team| build(&canonical, &at).unwrap().share(team).unwrap()) {
+    for shared in on_ranks(2, 1, |team| build(&canonical, &at).unwrap().share(team, LIMIT).unwrap())
+    {
         assert!(!shared);
     }
 }

@@ -4,7 +4,7 @@ use crate::common::*;
 use lennard_core::random::Streams;
 use lennard_core::{
     Backend, BathStep, Configuration, DVec3, ForceError, ForceTerm, FrictionAndNoise, FusedBath,
-    FusedSteps, Masses, Moving, Part, PeriodicBox, Thermostat, Want,
+    FusedSteps, Masses, Moving, Own, Part, PeriodicBox, Thermostat, Want,
 };
 use lennard_forcefield::{
     ForceFieldOptions, Kernel, KernelOptions, ListMode, NeighborOptions, PairForces, Precision,
@@ -47,7 +47,7 @@ impl Fluid {
         if let Some(bath) = &mut self.bath
             && bath.acts_after(self.step)
         {
-            let kinetic = masses.kinetic_energy(v);
+            let kinetic = masses.kinetic_energy(&Own::all_of(v.len()), v);
             let factor = bath.factor(BathStep { kinetic, n_dof: 12.0, dt: DT, step: self.step });
             v.iter_mut().for_each(|v| *v *= factor);
             self.heats.push(factor * factor * kinetic - kinetic);
@@ -58,7 +58,7 @@ impl Fluid {
             let of_step = noise.in_step(self.step, DT);
             let (positions, velocities) = (&mut self.positions[..], &mut self.velocities[..]);
             let moving = Moving { positions, velocities, forces: &f };
-            self.heats.push(moving.noise(&of_step, masses));
+            self.heats.push(moving.noise(&of_step, masses, &Own::all_of(f.len())));
             drift(&mut self.positions, &self.velocities, 0.5 * DT);
         } else {
             drift(&mut self.positions, v, DT);
@@ -81,6 +81,7 @@ impl Fluid {
             masses,
             dt: DT,
             steps,
+            first: 0,
             bath,
         };
         let taken = forces.advance(&mut steps);

@@ -3,7 +3,7 @@
 use lennard_core::random::Streams;
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceSum, ForceTerm,
-    FusedBath, FusedSteps, Integrator, Masses, Molecules, Moving, Part, PeriodicBox, State,
+    FusedBath, FusedSteps, Integrator, Masses, Molecules, Moving, Own, Part, PeriodicBox, State,
     StepError, StepReport, System, Want, rigid,
 };
 use lennard_integrators::bonds::{direct, relaxation};
@@ -234,7 +234,8 @@ impl Backend for Cluster {
             kick(velocities, &forces, stride.masses, 0.5 * h);
             let scales = stride.bath.as_mut().filter(|bath| bath.scales());
             if let Some(bath) = scales {
-                let factor = bath.factor(stride.masses.kinetic_energy(velocities));
+                let own = Own::all_of(velocities.len());
+                let factor = bath.factor(stride.masses.kinetic_energy(&own, velocities));
                 velocities.iter_mut().for_each(|v| *v *= factor);
                 kick(velocities, &forces, stride.masses, 0.5 * h);
                 drift(stride.positions, velocities, h);
@@ -247,7 +248,7 @@ impl Backend for Cluster {
             if let Some(noise) = &noise {
                 let positions = &mut *stride.positions;
                 let moving = Moving { positions, velocities, forces: &forces };
-                gained = moving.noise(noise, stride.masses);
+                gained = moving.noise(noise, stride.masses, &Own::all_of(forces.len()));
                 drift(stride.positions, stride.velocities, 0.5 * h);
             }
             if let Some(bath) = &mut stride.bath {

@@ -88,6 +88,7 @@ fn one_term_takes_its_own_fused_steps_and_two_take_none() {
             masses: &Masses::Uniform(1.0),
             dt: 0.002,
             steps: 9,
+            first: 0,
             bath: None,
         })
     };
