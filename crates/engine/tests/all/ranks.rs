@@ -275,7 +275,7 @@ fn what_one_process_alone_runs_is_refused_by_name_with_the_way_out() {
         ),
         (
             "stage.production.thermostat=none stage.production.exchange={kind=\"heat\",every=10}",
-            "`stage.1.exchange` is for one process alone",
+            "`stage.production.exchange` is for one process alone",
             "a scene without exchanges",
         ),
     ];

@@ -58,8 +58,11 @@ pub fn list(args: &ListArgs) -> Result<u8, Failure> {
         Listed::Contacts => each(lennard_integrators::contacts(), |s| {
             described([s.name, s.summary, s.equation, s.source])
         }),
-        Listed::Observables => each(lennard_observables::observables(), |s| {
-            described([s.name, s.summary, s.equation, s.source])
+        Listed::Observables => each(lennard_observables::observables(), |s| Entry {
+            properties: properties! {
+                "on several ranks": s.alone.map_or("yes".to_owned(), |why| format!("no: it {why}")),
+            },
+            ..described([s.name, s.summary, s.equation, s.source])
         }),
         Listed::Quantities => each(QUANTITIES, |q| Entry {
             properties: properties! { "unit": q.unit },
