@@ -17,8 +17,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use glam::DVec3;
-
 use crate::parallel::equal_parts;
 
 pub use testing::team_of_threads;
@@ -72,7 +70,7 @@ pub struct TeamStatistics {
 /// More ranks than parts that can be shared out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{ranks} ranks for {particles} particles\n  allowed: at most {most}, since each rank takes {least} neighbors in space or more"
+    "{ranks} ranks for {particles} particles\n  allowed: at most {most} in this box, since each rank owns a bundle of columns with {least} particles or more"
 )]
 pub struct TooManyRanks {
     /// The number of ranks.
@@ -172,31 +170,6 @@ impl Team {
     #[must_use]
     pub fn trade(&self, words: Vec<Vec<u64>>) -> Vec<Vec<u64>> {
         self.timed(|wire| wire.trade(words))
-    }
-
-    /// Makes an array whole, of which rank `k` has the elements of the `k`th range.
-    pub fn gather(&self, array: &mut [DVec3], ranges: &[Range<usize>]) {
-        let own: &[u64] = bytemuck::cast_slice(&array[ranges[self.rank()].clone()]);
-        let all = self.concat(own);
-        let (all, _) = all.as_chunks::<3>();
-        let mut rest = all;
-        for range in ranges {
-            let (part, others) = rest.split_at(range.len());
-            rest = others;
-            for (to, v) in array[range.clone()].iter_mut().zip(part) {
-                *to = DVec3::from_array(v.map(f64::from_bits));
-            }
-        }
-    }
-
-    /// [`Team::gather`] for numbers.
-    pub fn gather_numbers(&self, array: &mut [u32], ranges: &[Range<usize>]) {
-        let own: Vec<u64> =
-            array[ranges[self.rank()].clone()].iter().map(|k| u64::from(*k)).collect();
-        let all = self.concat(&own);
-        for (to, k) in ranges.iter().cloned().flatten().zip(all) {
-            array[to] = k as u32;
-        }
     }
 
     /// Sends vectors to other ranks, does some work, and fills `incoming`, whose parcels have their final lengths.

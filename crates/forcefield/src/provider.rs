@@ -332,13 +332,19 @@ impl Backend for PairForces {
         taken
     }
 
-    fn share(&mut self, team: &Team, limit: SpeedLimit) -> Result<bool, TooManyRanks> {
+    fn share(
+        &mut self,
+        team: &Team,
+        cell: &PeriodicBox,
+        limit: SpeedLimit,
+    ) -> Result<bool, TooManyRanks> {
+        let (ranks, particles) = (team.ranks(), self.n_atoms);
         let Strategy::Verlet(listed) = &mut self.strategy else {
             return Ok(false);
         };
-        let most = most_ranks(self.n_atoms);
-        if self.near.is_some() || team.ranks() > most {
-            let (ranks, particles) = (team.ranks(), self.n_atoms);
+        let bundles = with_listed!(listed, l => l.bundles(cell, particles));
+        let most = most_ranks(particles).min(bundles);
+        if self.near.is_some() || ranks > most {
             return Err(TooManyRanks { ranks, particles, least: LEAST_OF_A_RANK, most });
         }
         let shares = with_listed!(listed, l => l.share(team, self.n_atoms, limit));
