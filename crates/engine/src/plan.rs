@@ -116,6 +116,7 @@ pub fn plan(
         lengths: simulation.state.cell.lengths(),
         r_list: (search == Search::Verlet).then_some(r_list),
         core_seconds,
+        building: costs.building,
         builds: costs.builds,
         rows: 1.0 / scene.output.thermo_every as f64,
         bytes,
