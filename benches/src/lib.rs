@@ -5,7 +5,7 @@ pub mod arguments;
 use lennard_core::random::Streams;
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceTerm, FusedSteps, Masses, Momentum,
-    Moving, Part, PeriodicBox, System, Team, TooManyRanks, Want,
+    Moving, Part, PeriodicBox, SpeedLimit, System, Team, TooManyRanks, Want,
 };
 use lennard_forcefield::{
     Conditions, ForceFieldError, ForceFieldOptions, KernelOptions, NeighborOptions, PairForces,
@@ -197,7 +197,8 @@ impl Run {
         self.positions = whole.positions[own.clone()].to_vec();
         self.velocities = whole.velocities[own.clone()].to_vec();
         self.forces = whole.forces[own].to_vec();
-        self.provider.share(team).map(drop)
+        let limit = SpeedLimit { every: 1000, largest: f64::INFINITY };
+        self.provider.share(team, limit).map(drop)
     }
 
     /// Kinetic energy, ε.

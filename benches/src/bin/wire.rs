@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 use lennard_benches::arguments::{Arguments, exit_code};
 use lennard_benches::{CASES, Case, Run};
 use lennard_core::{Parcel, Team, Want, Wire, team_of_threads};
+use lennard_engine::stopwatch::in_turn;
 use lennard_forcefield::{KernelOptions, Precision, TruncationKind};
 
 /// An error that may leave the thread that found it.
@@ -42,6 +43,8 @@ struct Seen {
     /// Lists of words to other ranks.
     lists: f64,
     exchanges: f64,
+    /// Exchanges with work beside them.
+    beside: f64,
     /// Bytes that came in exchanges.
     bytes: f64,
     /// Seconds of work while messages are under way.
@@ -54,6 +57,11 @@ struct Slow {
     network: Network,
     seen: Arc<Mutex<Seen>>,
 }
+
+/// How often each network is measured, in turn with the others. The quickest counts: other programs disturb it least.
+const ROUNDS: usize = 5;
+/// Seconds that are no work.
+const NOTHING: f64 = 2e-6;
 
 /// Seconds of a decision of all ranks.
 fn decision(ranks: usize, network: Network) -> f64 {
@@ -117,6 +125,7 @@ impl Wire for Slow {
         let start = Instant::now();
         let mut work = 0.0;
         self.team.exchange(outgoing, incoming, &mut || {
+            let start = Instant::now();
             meanwhile();
             work = start.elapsed().as_secs_f64();
         });
@@ -127,6 +136,7 @@ impl Wire for Slow {
             seen.exchanges += 1.0;
             seen.bytes += bytes;
             seen.meanwhile += work;
+            seen.beside += f64::from(u8::from(work > NOTHING));
         });
     }
 }
@@ -158,6 +168,7 @@ fn step_on(
                 decisions: of_step(|s| s.decisions),
                 lists: of_step(|s| s.lists),
                 exchanges: of_step(|s| s.exchanges),
+                beside: of_step(|s| s.beside),
                 bytes: of_step(|s| s.bytes),
                 meanwhile: of_step(|s| s.meanwhile),
             };
@@ -180,33 +191,44 @@ fn measure() -> Result<(), Failure> {
     let start = || Ok::<_, Failure>(case.start(kernel, None, TruncationKind::Cut)?);
     let mut whole = start()?;
     whole.steps(300, Want::NOTHING)?;
-    let none = Network { latency: 0.0, per_byte: 0.0, overlaps: true };
     let on = |network| step_on(ranks, steps, network, (&start, &whole));
-    let (alone, seen) = on(none)?;
-    let (bytes, inner) = (seen.bytes / seen.exchanges, seen.meanwhile);
+    let network = |latency, per_byte, overlaps| Network { latency, per_byte, overlaps };
+    let (_, seen) = on(network(0.0, 0.0, true))?;
+    let message = |times: f64| times * seen.meanwhile / seen.beside * seen.exchanges / seen.bytes;
+    let networks = [
+        network(0.0, 0.0, true),
+        network(1e-4, 0.0, true),
+        network(0.0, message(0.5), true),
+        network(0.0, message(3.0), true),
+        network(1e-4, message(2.0), true),
+        network(1e-4, message(2.0), false),
+    ];
+    let mut best = [(f64::INFINITY, Seen::default()); 6];
+    in_turn(networks.len(), ROUNDS, case.seed, |turn| -> Result<(), Failure> {
+        let found = on(networks[turn.item])?;
+        if found.0 < best[turn.item].0 {
+            best[turn.item] = found;
+        }
+        Ok(())
+    })?;
+    let (alone, seen) = best[0];
+    let (bytes, inner) = (seen.bytes / seen.exchanges, seen.meanwhile / seen.beside);
     let n = case.n_atoms();
     writeln!(
         stdout(),
-        "{ranks} ranks of {n} particles: a step takes {:.0} µs without delays, inner chunks {:.0} µs; {:.2} exchanges of {:.1} kB and {:.2} decisions a step",
+        "{ranks} ranks of {n} particles: a step takes {:.0} µs without delays, inner chunks {:.0} µs; {:.2} exchanges of {:.1} kB, {:.2} of them beside work, and {:.2} decisions a step",
         1e6 * alone,
         1e6 * inner,
         seen.exchanges,
         1e-3 * bytes,
+        seen.beside,
         seen.decisions
     )?;
     writeln!(stdout(), "latency, µs  message, µs  step, µs  model, µs  ratio")?;
-    let message = |times: f64| times * inner / bytes;
-    for (latency, per_byte, overlaps) in [
-        (1e-4, 0.0, true),
-        (0.0, message(0.5), true),
-        (0.0, message(3.0), true),
-        (1e-4, message(2.0), true),
-        (1e-4, message(2.0), false),
-    ] {
-        let network = Network { latency, per_byte, overlaps };
-        let (found, seen) = on(network)?;
+    for (network, (found, seen)) in networks.into_iter().zip(best).skip(1) {
+        let Network { latency, per_byte, overlaps } = network;
         let message = latency + seen.bytes / seen.exchanges * per_byte;
-        let hidden = if overlaps { inner.min(message) } else { 0.0 };
+        let hidden = if overlaps { seen.beside * inner.min(message) } else { 0.0 };
         let model = alone
             + seen.decisions * decision(ranks, network)
             + seen.lists * latency

@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex};
 
 use crate::common::*;
 use lennard_core::{
-    Backend, DVec3, ForceTerm, FusedSteps, Masses, Parcel, PeriodicBox, Team, Wire, team_of_threads,
+    Backend, DVec3, ForceTerm, FusedSteps, Masses, Parcel, PeriodicBox, SpeedLimit, Team, Wire,
+    team_of_threads,
 };
 use lennard_forcefield::{
     ForceFieldOptions, KernelOptions, PairForces, Precision, TruncationKind, TruncationOptions,
@@ -100,15 +101,11 @@ fn advance(forces: &mut PairForces, cell: &PeriodicBox, state: &mut [Vec<DVec3>;
         velocities,
         masses: &Masses::Uniform(1.0),
         dt: DT,
+        first: 1,
         steps,
         bath: None,
     });
     assert_eq!(taken, steps);
-}
-
-/// How often a rank sent halos: all exchanges but those at the begin and at the end.
-fn halos_of(sent: &Sent) -> usize {
-    sent.exchanges.calls - 4
 }
 
 const DENSITY: f64 = 0.8442;
@@ -125,12 +122,13 @@ fn messages_are_those_of_the_model_and_no_others() {
         };
         let (cell, [positions, velocities]) = melt(&options);
         let n = positions.len();
+        let limit = SpeedLimit { every: 1000, largest: 1.0 };
         for ranks in [2, 4] {
             let found = team_of_threads(ranks, |team| {
                 let sent = Arc::default();
                 let counting = Team::new(Box::new(Counting(team, Arc::clone(&sent))));
                 let mut forces = build(&options, &conditions(cell, n)).unwrap();
-                assert!(forces.share(&counting).unwrap());
+                assert!(forces.share(&counting, limit).unwrap());
                 let own = counting.numbers(n);
                 let mut state = [&positions, &velocities].map(|all| all[own.clone()].to_vec());
                 in_threads(1, || advance(&mut forces, &cell, &mut state, STEPS as u64));
@@ -144,23 +142,21 @@ fn messages_are_those_of_the_model_and_no_others() {
             let mut vectors = 0.0;
             for (sent, _, _, _) in &found {
                 // Each step has one exchange. Positions and velocities go to places at the begin, and to numbers at the end.
-                // In some steps, the list may lack pairs ahead of fast particles, and the halo comes once more.
-                let searches = halos_of(sent) - STEPS;
-                assert!(searches > 0 && searches < STEPS / 2, "{searches}");
-                let of_halos = (ranks - 1) * (STEPS + searches);
-                let of_routes = sent.exchanges.messages - of_halos;
+                assert_eq!(sent.exchanges.calls, STEPS + 4);
+                let of_routes = sent.exchanges.messages - (ranks - 1) * STEPS;
                 assert!(of_routes <= 4 * (ranks - 1), "{of_routes}");
                 // Each step decides by two words whether the list is valid, once more after a build. Before a build, all
-                // positions are finite; after the last step, all forces are.
+                // positions are finite; after the last step, all forces are. A build brings particles to their places, and
+                // then halos. The route is made at the begin and at the end.
                 let decisions = STEPS + builds - 1;
-                let of_searches = if inserts { 0 } else { searches };
-                let others = builds + 1 + of_searches;
-                assert_eq!(sent.largest.calls, decisions + others);
-                assert_eq!(sent.largest.bytes, 16 * decisions + 8 * others);
-                // A build brings particles to their places, and then halos. The route is made at the begin and at the end.
-                let of_searches = searches - of_searches;
-                assert_eq!(sent.trades.calls, 2 * builds + 2 + of_searches);
-                // Fast particles are counted before a search, or before a build that comes in its place.
+                let flags = sent.largest.calls - decisions;
+                assert_eq!(sent.largest.bytes, 16 * decisions + 8 * flags);
+                // In some steps, fast particles may meet what no list names. Ranks count them and tell each other what they found.
+                let found = [flags - builds - 1, sent.trades.calls - 2 * builds - 2];
+                let searches = found[usize::from(inserts)];
+                assert_eq!(found[usize::from(!inserts)], 0);
+                assert!(searches > 0 && searches < STEPS / 2, "{searches}");
+                // A build may come in the place of a search.
                 let counts = sent.sums.calls - 1 - builds;
                 assert!(counts >= searches && counts < searches + builds, "{counts} {searches}");
                 vectors += sent.exchanges.bytes as f64 / 24.0;
@@ -177,7 +173,7 @@ fn messages_are_those_of_the_model_and_no_others() {
             let allowed = if ranks == 2 { -0.02..0.02 } else { 0.0..0.2 };
             assert!(allowed.contains(&more), "{precision:?}, {ranks} ranks: {more}");
             // A message carries the halo, and a search asks for some particles beyond it. The rest takes the route.
-            let halos = halo * found.iter().map(|(sent, ..)| halos_of(sent)).sum::<usize>() as f64;
+            let halos = halo * (ranks * STEPS) as f64;
             let others = vectors - halos;
             assert!(others > 0.0 && others < 4.0 * n as f64 + 0.03 * halos, "{others}");
         }
