@@ -71,8 +71,8 @@ pub(super) struct OneRank {
     pub atoms: usize,
     /// Sides of the box, σ.
     pub lengths: DVec3,
-    /// The list radius, σ; `None` where forces are not over lists.
-    pub r_list: Option<f64>,
+    /// The list radius, σ.
+    pub r_list: f64,
     /// Seconds that all its cores together take for a step, builds of the list included.
     pub core_seconds: f64,
     /// The share of builds in them.
@@ -123,26 +123,6 @@ pub struct Ranks {
     pub no_more_at: Option<usize>,
 }
 
-/// Why a number of ranks is impossible.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum PlanRanksError {
-    /// Some ranks would have nothing to do.
-    #[error(
-        "too few particles for so many ranks\n  found:   --ranks {ranks}\n  allowed: up to {most} here; fewer than 4000 particles are not cut"
-    )]
-    TooMany {
-        /// The number asked for.
-        ranks: usize,
-        /// The largest number.
-        most: usize,
-    },
-    /// The search for pairs has no shared form.
-    #[error(
-        "these pair forces are not shared by ranks: they use no lists\n  found:   --ranks\n  allowed: neighbor.mode = \"verlet\", or no --ranks"
-    )]
-    NotShared,
-}
-
 /// A part of the cross-section of the box: its middle and its sides along x and y, σ.
 #[derive(Debug, Clone, Copy)]
 struct Rectangle {
@@ -187,12 +167,8 @@ impl Rectangle {
 
 impl OneRank {
     /// Predicts steps on ranks that a network joins, of which there may be `most`.
-    ///
-    /// # Errors
-    /// [`PlanRanksError`] where the work cannot be shared out so.
-    pub fn on(&self, network: Network, most: usize) -> Result<Ranks, PlanRanksError> {
-        let h = self.r_list.ok_or(PlanRanksError::NotShared)?;
-        let step = |ranks| self.step(ranks, h, &network);
+    pub fn on(&self, network: Network, most: usize) -> Ranks {
+        let step = |ranks| self.step(ranks, &network);
         let powers = (0..).map(|k| 1_usize << k);
         let pay = powers.clone().take_while(|ranks| *ranks <= most).map(step);
         let pay: Vec<OnRanks> = pay.take_while(|step| step.efficiency >= PAYS).collect();
@@ -200,20 +176,18 @@ impl OneRank {
         let pays_up_to = 1 << pay.len().saturating_sub(1);
         let steps = match network.ranks {
             None => pay,
-            Some(ranks) if ranks > most => {
-                return Err(PlanRanksError::TooMany { ranks, most });
-            }
             Some(ranks) => {
                 let below = powers.take_while(|below| *below < ranks);
                 below.chain([ranks]).map(step).collect()
             }
         };
         let no_more_at = Some(2 * pays_up_to).filter(|next| *next <= most);
-        Ok(Ranks { network, steps, pays_up_to, no_more_at })
+        Ranks { network, steps, pays_up_to, no_more_at }
     }
 
-    /// A step on a number of ranks, with lists of a radius `h`.
-    fn step(&self, ranks: usize, h: f64, network: &Network) -> OnRanks {
+    /// A step on a number of ranks.
+    fn step(&self, ranks: usize, network: &Network) -> OnRanks {
+        let h = self.r_list;
         let Network { latency, bandwidth, cores, .. } = *network;
         let of_one = self.core_seconds / cores as f64;
         let computing = of_one / ranks as f64;
@@ -283,7 +257,7 @@ mod tests {
         OneRank {
             atoms,
             lengths: DVec3::splat((atoms as f64 / 0.8442).cbrt()),
-            r_list: Some(2.8),
+            r_list: 2.8,
             core_seconds: 60e-9 * atoms as f64,
             building: 0.2,
             builds: 0.1,
@@ -298,7 +272,7 @@ mod tests {
     #[test]
     fn halos_are_as_large_as_counted_ones() {
         // Counted in a program of its own, which sends what lies within the list radius of a part.
-        let step = |atoms, ranks| liquid(atoms).step(ranks, 2.8, &FAST);
+        let step = |atoms, ranks| liquid(atoms).step(ranks, &FAST);
         for (atoms, ranks, counted) in [(6912, 2, 1919.0), (6912, 4, 2340.0)] {
             let halo = step(atoms, ranks).halo;
             assert!((halo / counted - 1.0_f64).abs() < 0.01, "{ranks}: {halo}, counted {counted}");
@@ -309,16 +283,16 @@ mod tests {
         let most = step(4000, 64);
         assert!(most.halo < 4000.0 * 63.0 / 64.0 && most.partners < 63, "{most:?}");
         let long = OneRank { lengths: DVec3::new(100.0, 5.0, 9.0), ..liquid(4000) };
-        assert_eq!(long.step(2, 2.8, &FAST).halo, 4000.0 / 100.0 * 5.6);
+        assert_eq!(long.step(2, &FAST).halo, 4000.0 / 100.0 * 5.6);
     }
 
     #[test]
     fn a_step_is_a_decision_work_beside_a_halo_and_work_behind_it() {
         let one = liquid(1_000_000);
-        let alone = one.step(1, 2.8, &FAST);
+        let alone = one.step(1, &FAST);
         assert_eq!((alone.halo, alone.efficiency), (0.0, 1.0));
         assert_eq!((alone.seconds_per_step, alone.bytes), (0.06 / 64.0, 612e6));
-        let step = one.step(4, 2.8, &FAST);
+        let step = one.step(4, &FAST);
         let halo = step.halo;
         let a = one.lengths.x / 2.0;
         assert!((halo / (0.8442 * 2.0 * a * (11.2 * a + PI * 2.8 * 2.8)) - 1.0).abs() < 1e-12);
@@ -333,7 +307,7 @@ mod tests {
         let expected = work + messages + 0.001 * (8e-6 + 4.0 * 8e3 / 12e9);
         assert!((step.seconds_per_step / expected - 1.0).abs() < 1e-12);
         // A slow network hides the work.
-        let slow = one.step(4, 2.8, &Network { bandwidth: 1e8, ..FAST });
+        let slow = one.step(4, &Network { bandwidth: 1e8, ..FAST });
         let slower = 1e-8 - 1.0 / 12e9;
         let waiting = 0.63 * (24.0 * halo / 1e8 + 2e-6 - hidden);
         let more = waiting + (3.2 + 0.37 * 24.0) * halo * slower;
@@ -345,9 +319,9 @@ mod tests {
         let text = include_str!("../../../../docs/cluster.md");
         for (atoms, name) in [(1_000_000, "10⁶"), (10_000_000, "10⁷"), (100_000_000, "10⁸")] {
             let one = liquid(atoms);
-            let of_machines = [2, 8, 64].map(|ranks| one.step(ranks, 2.8, &FAST).efficiency);
+            let of_machines = [2, 8, 64].map(|ranks| one.step(ranks, &FAST).efficiency);
             let core = Network { cores: 1, ..FAST };
-            let of_cores = [8, 64, 512].map(|ranks| one.step(ranks, 2.8, &core).efficiency);
+            let of_cores = [8, 64, 512].map(|ranks| one.step(ranks, &core).efficiency);
             let cells = of_machines.iter().chain(&of_cores).map(|e| format!(" {e:.2} |"));
             let row = format!("| {name} |{}", cells.collect::<String>());
             assert!(text.contains(&row), "{row}");
@@ -356,20 +330,15 @@ mod tests {
 
     #[test]
     fn ranks_pay_up_to_a_number_and_particles_have_an_end() {
-        let row = |network, one: OneRank, most| one.on(network, most);
-        let pays = row(FAST, liquid(10_000_000), 10_000).unwrap();
+        let pays = liquid(10_000_000).on(FAST, 10_000);
         assert!(pays.steps.iter().all(|step| step.efficiency >= 0.5));
         assert_eq!(pays.steps.last().map(|step| step.ranks), Some(pays.pays_up_to));
         assert_eq!(pays.no_more_at, Some(2 * pays.pays_up_to));
-        assert_eq!(row(FAST, liquid(10_000_000), 6).unwrap().no_more_at, None);
+        assert_eq!(liquid(10_000_000).on(FAST, 6).no_more_at, None);
         let asked = Network { ranks: Some(1000), ..FAST };
-        let steps = row(asked, liquid(10_000_000), 10_000).unwrap().steps;
+        let steps = liquid(10_000_000).on(asked, 10_000).steps;
         let numbers: Vec<usize> = steps.iter().map(|step| step.ranks).collect();
         assert_eq!(numbers, [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1000]);
         assert!(steps.windows(2).all(|s| s[1].efficiency < s[0].efficiency));
-        let few = row(asked, liquid(3999), 1).unwrap_err();
-        assert_eq!(few, PlanRanksError::TooMany { ranks: 1000, most: 1 });
-        let direct = OneRank { r_list: None, ..liquid(32_000) };
-        assert_eq!(row(FAST, direct, 80).unwrap_err(), PlanRanksError::NotShared);
     }
 }
