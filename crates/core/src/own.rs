@@ -218,6 +218,20 @@ impl Own {
         team.trade(given).concat()
     }
 
+    /// The number of this rank, from 0, and the number of ranks.
+    #[must_use]
+    pub fn rank_of(&self) -> [usize; 2] {
+        self.team.as_ref().map_or([0, 1], |team| [team.rank(), team.ranks()])
+    }
+
+    /// Gives each rank the vectors that `of` names for it. Returns those that all ranks gave to this one, one rank after another.
+    #[must_use]
+    pub fn deal(&self, of: impl Fn(usize) -> Vec<DVec3>) -> Vec<DVec3> {
+        let Some(team) = &self.team else { return of(0) };
+        let words = |rank| bytemuck::cast_slice(&of(rank)).to_vec();
+        vectors_of(&team.trade((0..team.ranks()).map(words).collect()).concat())
+    }
+
     /// Gives rank 0 the bytes of all ranks, one rank after another.
     pub fn pass_bytes(&self, here: &[u8], mut take: impl FnMut(&[u8])) {
         let Some(team) = &self.team else { return take(here) };

@@ -42,8 +42,9 @@ pub fn capture(simulation: &Simulation, marks: Marks, past: &Past) -> Checkpoint
     let mut run = writer.section("run");
     run.put_vec3("cell", &[simulation.start_cell.lengths()]);
     if let Some(of_particles) = simulation.system.species().of_particles() {
-        let all = own.collect(of_particles.iter().map(|a| u64::from(*a)).collect());
-        run.put_u64("species", &packed(&all.into_iter().map(|a| a as u8).collect::<Vec<_>>()));
+        let mut all = Vec::new();
+        own.pass_bytes(of_particles, |part| all.extend_from_slice(part));
+        run.put_u64("species", &packed(&all));
     }
     run.put_f64("energetics", &numbers(&simulation.state.energetics));
     let Timers { step, observe, write } = simulation.timers;

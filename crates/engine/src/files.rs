@@ -126,8 +126,8 @@ fn species(simulation: &Simulation) -> SpeciesTable {
     let (own, species) = (simulation.system.own(), simulation.system.species());
     match species.of_particles() {
         Some(here) if own.team().is_some() => {
-            let all = own.collect(here.iter().map(|a| u64::from(*a)).collect());
-            let all: Vec<u8> = all.into_iter().map(|a| a as u8).collect();
+            let mut all = Vec::new();
+            own.pass_bytes(here, |part| all.extend_from_slice(part));
             SpeciesTable::new(species.all(), &all)
         }
         _ => species.clone(),

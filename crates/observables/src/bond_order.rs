@@ -5,7 +5,7 @@ mod particles;
 
 use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe};
 use lennard_core::exact::exact_sum;
-use lennard_core::{DVec3, PeriodicBox, View, persist};
+use lennard_core::{DVec3, Own, PeriodicBox, View, persist};
 
 use crate::error::within_box;
 use crate::series::{Series, columns};
@@ -146,29 +146,43 @@ pub fn solid_share_bytes(n: usize) -> usize {
 /// Neighbors are particles up to 1.42·ρ^{−1/3}. A crystal at rest has 1, a dense liquid some hundredths.
 #[must_use]
 pub fn solid_share(cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
-    let solid = solid_by_layers(cell, positions, positions.len().div_ceil(AT_ONCE));
-    solid as f64 / positions.len().max(1) as f64
+    solid_share_of_all(&Own::all_of(positions.len()), cell, positions)
+}
+
+/// As [`solid_share`], where each rank has the positions of the particles that it keeps.
+pub(crate) fn solid_share_of_all(own: &Own, cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
+    let solid = solid_by_layers(own, cell, positions, own.all().div_ceil(AT_ONCE));
+    solid as f64 / own.all().max(1) as f64
 }
 
 /// The number of solid-like particles, counted in layers across z. Neighbors of neighbors decide on a particle, so that each
-/// layer has two reaches more at both ends.
-fn solid_by_layers(cell: &PeriodicBox, positions: &[DVec3], layers: usize) -> usize {
+/// layer has two reaches more at both ends. Ranks take layers in turn, and each gets what lies there.
+fn solid_by_layers(own: &Own, cell: &PeriodicBox, positions: &[DVec3], layers: usize) -> usize {
     let six = Harmonics::new(6);
-    let reach = usual_reach(cell, positions.len());
+    let reach = usual_reach(cell, own.all());
     let side = cell.lengths().z;
     let height = side / layers as f64;
     let layer_of = |z: f64| ((z / height) as usize).min(layers - 1);
-    let solid = |layer: usize| {
+    let near = |layer: usize| -> Vec<DVec3> {
         let middle = (layer as f64 + 0.5) * height;
         let is_near = |r: &&DVec3| {
             let away = (cell.wrap(**r).z - middle).abs();
             away.min(side - away) <= 0.5 * height + 2.0 * reach
         };
-        let near: Vec<DVec3> = positions.iter().filter(is_near).copied().collect();
-        let bonds = Bonds::new([&six], cell, &near, reach);
-        bonds.solid(TEN_WOLDE, |i| layer_of(cell.wrap(near[i]).z) == layer)
+        positions.iter().filter(is_near).copied().collect()
     };
-    (0..layers).map(solid).sum()
+    let [rank, ranks] = own.rank_of();
+    let (mut first, mut solid) = (0, 0);
+    while first < layers {
+        let near = own.deal(|rank| if first + rank < layers { near(first + rank) } else { Vec::new() });
+        if !near.is_empty() {
+            let bonds = Bonds::new([&six], cell, &near, reach);
+            let layer = first + rank;
+            solid += bonds.solid(TEN_WOLDE, |i| layer_of(cell.wrap(near[i]).z) == layer);
+        }
+        first += ranks;
+    }
+    own.count(solid)
 }
 
 impl Observable for BondOrder {

@@ -4,7 +4,7 @@ use crate::{Average, Doubt, Estimate, Fronts, Remark};
 use lennard_core::number::particles;
 use lennard_core::{DVec3, Own, PeriodicBox};
 
-use crate::bond_order::{solid_share, solid_share_bytes};
+use crate::bond_order::{solid_share_bytes, solid_share_of_all};
 use crate::statistics::drift;
 use crate::wave_vectors::WaveVectors;
 
@@ -63,15 +63,10 @@ pub fn frozen_bytes(atoms: usize) -> usize {
     if atoms < FEWEST { 0 } else { solid_share_bytes(atoms) }
 }
 
-/// The remark on a state of atoms that is a crystal, or has one in it. Rank 0 looks at all positions, and tells the others.
+/// The remark on a state of atoms that is a crystal, or has one in it.
 #[must_use]
 pub fn frozen(own: &Own, cell: &PeriodicBox, positions: &[DVec3]) -> Option<Remark> {
-    let look = || {
-        let all = own.collect_vectors(positions);
-        let share = own.leads().then(|| [solid_share(cell, &all).to_bits()]);
-        own.told(share).map_or(0.0, |[share]| f64::from_bits(share))
-    };
-    let share = (own.all() >= FEWEST).then(look)?;
+    let share = (own.all() >= FEWEST).then(|| solid_share_of_all(own, cell, positions))?;
     (share > FROZEN).then_some(Remark::Frozen { solid_share: share })
 }
 

@@ -1,4 +1,4 @@
-use lennard_core::{DVec3, PeriodicBox};
+use lennard_core::{DVec3, Own, PeriodicBox, team_of_threads};
 
 use super::*;
 use crate::bond_order::harmonics::NOTHING;
@@ -128,9 +128,17 @@ fn layers_count_the_solid_particles_of_the_whole() {
     // Displacements at which some particles are solid-like and others are not.
     let shaken: Vec<DVec3> =
         (0..lattice.len()).map(|i| lattice[i] + 0.16 * normal(7, 0, i)).collect();
-    let whole = solid_by_layers(&cell, &shaken, 1);
+    let own = Own::all_of(shaken.len());
+    let whole = solid_by_layers(&own, &cell, &shaken, 1);
     assert!((200..1800).contains(&whole), "{whole} of {}", shaken.len());
-    assert_eq!([2, 3, 6].map(|layers| solid_by_layers(&cell, &shaken, layers)), [whole; 3]);
+    assert_eq!([2, 3, 6].map(|layers| solid_by_layers(&own, &cell, &shaken, layers)), [whole; 3]);
+    for (ranks, layers) in [(2, 1), (2, 3), (3, 2)] {
+        let found = team_of_threads(ranks, |team| {
+            let own = Own::of_rank(&team, shaken.len());
+            solid_by_layers(&own, &cell, &shaken[own.numbers()], layers)
+        });
+        assert_eq!(found, vec![whole; ranks]);
+    }
 }
 
 #[test]
