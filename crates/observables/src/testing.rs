@@ -4,7 +4,7 @@ use lennard_core::random::Streams;
 use lennard_core::{DVec3, PeriodicBox, Species, SpeciesTable, State, System, View};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
-use crate::BuildContext;
+use crate::{BuildContext, Estimate, Findings};
 
 pub(crate) fn context(side: f64, n_atoms: usize) -> BuildContext {
     BuildContext {
@@ -39,6 +39,19 @@ pub(crate) fn view_of(cell: &PeriodicBox, positions: Vec<DVec3>, mut look: impl 
     let n = positions.len();
     let state = State::new(*cell, positions, vec![DVec3::ZERO; n]);
     look(&View::of(&state, &System::atoms(n)));
+}
+
+/// The mean of a name.
+#[track_caller]
+pub(crate) fn estimate(findings: &Findings, name: &str) -> Estimate {
+    let found = findings.averages.iter().find(|a| a.name == name);
+    found.unwrap_or_else(|| panic!("{name}: {:?}", findings.remarks)).estimate
+}
+
+/// The column of a name in the first table.
+#[track_caller]
+pub(crate) fn column(findings: &Findings, name: &str) -> Vec<f64> {
+    findings.tables[0].numbers(name).unwrap_or_else(|| panic!("no column {name}"))
 }
 
 /// Standard normal vectors, a pure function of (seed, step, particle).

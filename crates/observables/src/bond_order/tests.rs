@@ -1,4 +1,4 @@
-use lennard_core::{DVec3, PeriodicBox};
+use lennard_core::DVec3;
 
 use super::*;
 use crate::bond_order::harmonics::NOTHING;
@@ -131,12 +131,4 @@ fn layers_count_the_solid_particles_of_the_whole() {
     let whole = solid_by_layers(&cell, &shaken, 1);
     assert!((200..1800).contains(&whole), "{whole} of {}", shaken.len());
     assert_eq!([2, 3, 6].map(|layers| solid_by_layers(&cell, &shaken, layers)), [whole; 3]);
-}
-
-#[test]
-fn a_reach_beyond_the_box_is_refused() {
-    let context =
-        BuildContext { cell: PeriodicBox::new(DVec3::splat(5.0)).unwrap(), ..context(5.0, 100) };
-    let options = BondOrderOptions { r_max: Some(2.6), ..BondOrderOptions::default() };
-    assert_eq!(BondOrder::new(&options, &context).unwrap_err().key(), "r_max");
 }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::series::Columns;
 use crate::statistics::mean;
+use crate::statistics::synthetic::{cover, printed_and_spread};
 use crate::testing::context;
 use lennard_core::random::Streams;
 use rand_distr::{Distribution, StandardNormal};
@@ -138,10 +139,7 @@ fn errors_cover_the_scatter_over_seeds() {
     };
     let found: Vec<_> = (0..40).map(one).collect();
     for at in 0..3 {
-        let values: Vec<f64> = found.iter().map(|f| f[at].mean).collect();
-        let squares: Vec<f64> = found.iter().map(|f| f[at].standard_error.powi(2)).collect();
-        let spread = crate::statistics::variance(&values) * 40.0 / 39.0;
-        let ratio = (spread / mean(&squares)).sqrt();
+        let (_, ratio) = printed_and_spread(&found.iter().map(|f| f[at]).collect::<Vec<_>>());
         // Forty seeds know their spread to 11 %: three of these.
         assert!((0.6..1.35).contains(&ratio), "{at}: {ratio}");
     }
@@ -174,15 +172,7 @@ fn at_constant_energy_the_scaling_exponent_is_the_slope_of_w_in_u_with_an_error_
         named(&found, "density_scaling_exponent")
     };
     let found: Vec<_> = (0..40).map(one).collect();
-    let values: Vec<f64> = found.iter().map(|f| f.mean).collect();
-    let squares: Vec<f64> = found.iter().map(|f| f.standard_error.powi(2)).collect();
-    let of_mean = (mean(&squares) / 40.0).sqrt();
-    let exact = 17.0 / 3.0;
-    assert!((mean(&values) - exact).abs() < 4.0 * of_mean, "{values:?}");
-    assert!(of_mean < 2e-3 * exact, "{of_mean}");
-    let spread = crate::statistics::variance(&values) * 40.0 / 39.0;
-    let ratio = (spread / mean(&squares)).sqrt();
-    assert!((0.6..1.35).contains(&ratio), "{ratio}");
+    cover(&found, 17.0 / 3.0, 0.0, 0.4);
 }
 
 #[test]

@@ -75,8 +75,7 @@ pub(crate) fn slope_error(times: &[f64], values: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic::Ar1;
-    use super::super::variance;
+    use super::super::synthetic::{Ar1, printed_and_spread};
     use super::*;
 
     fn times(n: usize) -> Vec<f64> {
@@ -116,18 +115,15 @@ mod tests {
         // are not correlated in a walk, so s²/10 is right.
         let (n, seeds) = (2000, 200);
         let t = times(n);
-        let mut slopes = Vec::new();
-        let mut squares = Vec::new();
-        for seed in 0..seeds {
+        let slope = |seed| {
             let mut walk = Ar1::new(0.0, seed).series(n);
             for i in 1..n {
                 walk[i] += walk[i - 1];
             }
             let found = drift(&t, &walk);
-            slopes.push(found.slope);
-            squares.push(found.standard_error.powi(2));
-        }
-        let quotient = (variance(&slopes) / mean(&squares)).sqrt();
+            crate::Estimate::new(found.slope, found.standard_error, 10.0)
+        };
+        let (_, quotient) = printed_and_spread(&(0..seeds).map(slope).collect::<Vec<_>>());
         assert!((quotient - 1.0).abs() < 0.2, "{quotient}");
     }
 

@@ -114,7 +114,7 @@ persist!(MutualDiffusion { ..flux, fixed species });
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{context, mixture, normal};
+    use crate::testing::{context, estimate, mixture, normal};
     use lennard_core::{State, System};
 
     /// Velocities that decay independently: D_a = T/(m_a·γ_a) each, and Đ is Darken's, but for the centre of mass.
@@ -148,8 +148,7 @@ mod tests {
         let darken = species.fraction(1) * d(0) + species.fraction(0) * d(1);
         let findings = found.finish(0.0);
         for name in ["mutual_diffusion", "mutual_diffusion_einstein_helfand"] {
-            let average = findings.averages.iter().find(|a| a.name == name).unwrap();
-            let estimate = average.estimate;
+            let estimate = estimate(&findings, name);
             let off = (estimate.mean - darken).abs();
             assert!(estimate.standard_error < 0.06 * darken, "{estimate:?}");
             // What is left of the correlation beyond the lag at which it is lost in noise.
