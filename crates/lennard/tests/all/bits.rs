@@ -88,6 +88,7 @@ fn a_stage_that_is_added_is_measured_by_itself_and_stands_in_the_scene() {
     let mut again = prepared(&again);
     again.run().unwrap();
     assert_eq!(again.state, liquid.state);
+    assert_eq!(averages(&again), averages(&liquid));
 }
 
 #[test]
