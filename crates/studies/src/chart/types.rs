@@ -46,7 +46,7 @@ pub struct ChartOptions<'a> {
 }
 
 /// What is run for how long: a function of scene and size, never of a clock.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Lengths {
     /// How many settings are tried, in words.
     pub size: Size,
@@ -188,17 +188,18 @@ impl ChartedPoint {
 }
 
 /// The two ways to count cost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Axis {
     /// Wall time for each particle and τ, s.
+    #[default]
     Wall,
     /// Pair forces for each particle and τ.
     Forces,
 }
 
 /// One error of one point.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Mark {
     /// Number of the point.
     pub number: usize,
@@ -294,7 +295,7 @@ impl Panel {
 }
 
 /// The tightest settings, which others are compared with, and the untruncated fluid.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Tightest {
     /// How runs are carried to one temperature.
     pub slopes: Slopes,
@@ -309,7 +310,7 @@ pub struct Tightest {
 }
 
 /// A chart: every point with its costs and errors.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Chart {
     /// Name and version of the schema.
     pub schema: &'static str,

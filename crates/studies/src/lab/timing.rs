@@ -192,13 +192,11 @@ pub fn costs(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::tests::scene;
+    use crate::testing::bench;
 
     #[test]
     fn evaluations_are_those_that_a_method_declares() {
-        let scene = scene(&[("stage.equilibrate.steps", "50")]);
-        let bench = Workbench::new(&scene).unwrap();
-        let base = Settings::of(&scene);
+        let (bench, base) = bench(&[("stage.equilibrate.steps", "50")]);
         let run = |s: &Settings| bench.timing(s, 1e-6).unwrap();
         let verlet = run(&base);
         assert!((verlet.evaluations_per_tau - 250.0).abs() < 1e-6);

@@ -388,19 +388,8 @@ pub(super) mod tests_of_averaged {
 
     /// A point of these settings that has not been run.
     pub fn point(name: &str, settings: Vec<Setting>) -> SweptPoint {
-        SweptPoint {
-            name: name.to_owned(),
-            settings,
-            page: None,
-            planned: crate::compare::StateOfMatter::new(0.5, 1.0, None),
-            kept: false,
-            failure: None,
-            elsewhere: None,
-            compared: None,
-            record: None,
-            wall_s: 0.0,
-            ns_per_atom_step: 0.0,
-        }
+        let planned = crate::compare::StateOfMatter::new(0.5, 1.0, None);
+        SweptPoint::not_run(name, settings, planned)
     }
 
     #[test]
