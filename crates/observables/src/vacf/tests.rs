@@ -1,6 +1,6 @@
 use super::*;
 use crate::statistics::synthetic::cover;
-use crate::testing::{column, context, estimate, normal};
+use crate::testing::{column, context, estimate, mixture, normal, under_friction};
 use lennard_core::{State, System};
 
 /// Langevin velocities: C(t) = 3T e^{−γt} per particle, D = T/γ; relative to the centre of mass
@@ -45,31 +45,13 @@ fn langevin_velocities_decay_exponentially_and_integrate_to_their_diffusion_coef
 
 #[test]
 fn each_species_has_its_function_and_its_diffusion_coefficient() {
-    let (n, h, temperature) = (60, 0.05, 0.8_f64);
-    let species = crate::testing::mixture(n, |i| usize::from(i % 3 == 0));
-    let context = BuildContext { dt: h, species: species.clone(), ..context(10.0, n) };
-    let gamma = [3.0_f64, 5.0];
-    let of = |i: usize| {
-        let a = species.of(i);
-        let width = (temperature / species.species(a).mass).sqrt();
-        (width, (-gamma[a] * h).exp())
-    };
-    let start = (0..n).map(|i| of(i).0 * normal(4, u64::MAX, i)).collect();
-    let mut state = State::new(context.cell, vec![DVec3::ZERO; n], start);
-    let system = System::of_species(species.clone());
+    let species = mixture(60, |i| usize::from(i % 3 == 0));
+    let context = BuildContext { dt: 0.05, species, ..context(10.0, 60) };
     let mut vacf = VelocityAutocorrelation::new(&VacfOptions::default(), &context).unwrap();
-    for s in 0..4000 {
-        vacf.sample(&View::of(&state, &system));
-        for (i, v) in state.velocities.iter_mut().enumerate() {
-            let (width, decay) = of(i);
-            *v = decay * *v + width * (1.0 - decay * decay).sqrt() * normal(4, s, i);
-        }
-    }
+    let exact = under_friction(&context, (4, 4000), [3.0, 5.0], |view| vacf.sample(view));
     let findings = vacf.finish(0.0);
-    for (a, name) in ["A", "B"].iter().enumerate() {
+    for (name, exact) in ["A", "B"].iter().zip(exact) {
         let estimate = estimate(&findings, &format!("diffusion_coefficient_green_kubo_{name}"));
-        let mass = species.species(a).mass;
-        let exact = temperature / mass * 0.5 * h / (0.5 * gamma[a] * h).tanh();
         // The centre of mass takes a share of 1/N·m_a/m̄ at most.
         let off = (estimate.mean - exact).abs();
         assert!(off < 4.0 * estimate.standard_error + 0.03 * exact, "{estimate:?} {exact}");
