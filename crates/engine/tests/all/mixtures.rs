@@ -1,6 +1,6 @@
 //! Mixtures: the bits of one species, mixed starts, equipartition, files, and what is refused.
 
-use lennard_core::{Configuration, DVec3, ForceTerm, Part, System, Want};
+use lennard_core::{DVec3, System};
 use lennard_engine::{Simulation, StopAt, Unfollowed, evaluate_energy, prepare, start};
 use lennard_io::{Frame, FrameStyle};
 use lennard_scene::Scene;
@@ -182,32 +182,6 @@ fn walls_that_are_hit_or_are_springs_take_particles_of_all_species() {
 /// RESPA with one split for all pairs of species, below each of their cutoffs.
 const SPLIT: &str = r#"stage.0.steps=800
     integrator={ kind = "respa", dt = 0.006, inner_steps = 3, r_split = 1.8, split_width = 0.3 }"#;
-
-#[test]
-fn near_and_far_forces_of_all_pairs_of_species_make_up_the_whole() {
-    let scene = scene(SPLIT);
-    let simulation = common::prepared(scene.clone());
-    let (state, species) = (&simulation.state, simulation.system.species());
-    let (_, mut terms) =
-        lennard_engine::forces(&scene, state.cell, species).unwrap_or_else(|e| panic!("{e}"));
-    let mut of = |part| {
-        let mut forces = vec![DVec3::ZERO; state.len()];
-        let at = Configuration::at_rest(&state.cell, &state.positions);
-        let found = terms.evaluate(at, part, Want::ENERGY_AND_VIRIAL, &mut forces);
-        let e = found.unwrap_or_else(|e| panic!("{e}"));
-        let energies = [e.potential_energy, e.conserved_potential, e.scalar_virial()];
-        (forces, energies.map(Option::unwrap))
-    };
-    let [whole, near, far] = [Part::All, Part::Near, Part::Far].map(&mut of);
-    let largest = whole.0.iter().map(|f| f.length()).fold(0.0, f64::max);
-    for (i, whole) in whole.0.iter().enumerate() {
-        assert!((near.0[i] + far.0[i] - *whole).length() < 1e-12 * largest);
-    }
-    for (k, whole) in whole.1.iter().enumerate() {
-        assert!(((near.1[k] + far.1[k]) / whole - 1.0).abs() < 1e-12);
-    }
-    assert!(near.1[0] != 0.0 && far.1[0] != 0.0);
-}
 
 #[test]
 fn respa_conserves_the_energy_of_a_mixture() {

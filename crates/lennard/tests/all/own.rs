@@ -4,11 +4,13 @@ use std::fs;
 use std::sync::atomic::AtomicBool;
 
 use lennard::parts::{
-    Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm,
-    IntegratorSpec, Method, Part, Step, StepError, Want, remembers_nothing,
+    Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part, Want,
+    remembers_nothing,
 };
 use lennard::prelude::*;
 use lennard::{Ending, Progress};
+
+use crate::examples::own_integrator::OptimisedVerlet;
 
 /// A spring between each particle and the plane z = 0, U = Σ ½k·z², or a term with a fault.
 #[derive(Clone, Copy)]
@@ -60,46 +62,6 @@ impl ForceTerm for Spring {
     }
 }
 
-static SPEC: IntegratorSpec = IntegratorSpec {
-    name: "position-verlet",
-    summary: "half a drift, a kick, half a drift",
-    equations: "x ← x + ½h·v; v ← v + h·a; x ← x + ½h·v",
-    position_order: 2,
-    velocity_order: 2,
-    symplectic: true,
-    reversible: true,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
-    half_kicks: false,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
-    force_evaluations: 2,
-    stability_limit: Some(2.0),
-    oscillator_map: None,
-    source: "Tuckerman, Berne and Martyna (1992)",
-};
-
-/// Verlet on positions, with forces at the end of each step for those who look.
-#[derive(Clone)]
-pub struct PositionVerlet;
-
-remembers_nothing!(PositionVerlet);
-
-impl Method for PositionVerlet {
-    fn spec(&self) -> &'static IntegratorSpec {
-        &SPEC
-    }
-
-    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
-        s.drift(0.5);
-        s.inner_forces()?;
-        s.kick(1.0);
-        s.drift(0.5);
-        s.forces()
-    }
-}
-
 /// A fluid that runs with a field and with any method.
 pub fn fluid() -> SceneBuilder {
     SceneBuilder::new()
@@ -115,7 +77,7 @@ pub fn fluid() -> SceneBuilder {
 }
 
 pub fn parts() -> OwnParts {
-    OwnParts::none().force("spring", SPRING).method(PositionVerlet)
+    OwnParts::none().force("spring", SPRING).method(OptimisedVerlet)
 }
 
 pub fn prepared(parts: OwnParts) -> lennard::Result<Simulation> {
@@ -153,14 +115,14 @@ fn a_field_adds_its_energy_and_its_force_and_takes_a_degree_of_freedom_back() {
 
 #[test]
 fn a_method_of_ones_own_steps_and_is_named() {
-    let mut own = prepared(OwnParts::none().method(PositionVerlet)).unwrap();
+    let mut own = prepared(OwnParts::none().method(OptimisedVerlet)).unwrap();
     let mut scene = prepared(OwnParts::none()).unwrap();
     own.run().unwrap();
     scene.run().unwrap();
     assert_ne!(own.state.positions, scene.state.positions);
-    assert_eq!(own.scene.method_name(), "position-verlet");
+    assert_eq!(own.scene.method_name(), "optimised-verlet");
     let text = own.scene.resolved_toml();
-    assert!(text.contains("[program]\nintegrator = \"position-verlet\""), "{text}");
+    assert!(text.contains("[program]\nintegrator = \"optimised-verlet\""), "{text}");
 }
 
 #[test]
@@ -184,7 +146,7 @@ fn a_run_with_parts_goes_on_to_the_bit_in_its_program_and_nowhere_else() {
     let without = refused(&OwnParts::none());
     assert!(without.contains("`program` does not fit"), "{without}");
     assert!(
-        without.contains("field `spring`, integrator `position-verlet`, and the program that reads it brings no part"),
+        without.contains("field `spring`, integrator `optimised-verlet`, and the program that reads it brings no part"),
         "{without}"
     );
     let others = refused(&OwnParts::none().force("other", SPRING));

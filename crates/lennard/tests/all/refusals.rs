@@ -3,7 +3,8 @@
 use lennard::parts::{Findings, Observable, ObservableSpec, View, Want, remembers_nothing};
 use lennard::prelude::*;
 
-use crate::own::{PositionVerlet, SPRING, Spring, fluid, parts, prepared};
+use crate::examples::own_integrator::OptimisedVerlet;
+use crate::own::{SPRING, Spring, fluid, parts, prepared};
 
 static SPEC: ObservableSpec = ObservableSpec {
     name: "speed",
@@ -79,12 +80,12 @@ fn a_field_goes_with_no_tail_and_a_bath_inside_the_step_with_no_method_of_ones_o
         &["`truncation.tail_correction` assumes a homogeneous fluid", "with a field"],
     );
     let langevin = fluid().set("stage.melt.thermostat", "langevin").build().unwrap();
-    let own = OwnParts::none().method(PositionVerlet);
+    let own = OwnParts::none().method(OptimisedVerlet);
     says(
         &refused(Simulation::with_parts(langevin, own)),
         &[
             "`stage.melt.thermostat` does not fit",
-            "`langevin`, which steps in the place of `position-verlet`",
+            "`langevin`, which steps in the place of `optimised-verlet`",
             "none, or a bath that acts between steps, such as `bussi`",
         ],
     );
