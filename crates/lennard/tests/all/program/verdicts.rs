@@ -68,19 +68,6 @@ fn means_of_a_run_that_still_relaxes_are_no_results() {
     assert!(!table.contains("agrees") && !table.contains("Thol"), "{table}");
 }
 
-#[test]
-fn a_run_too_short_says_how_many_steps_are_missing_and_gives_no_error() {
-    let (record, compared, table) =
-        run("system.density=0.003 system.temperature=0.9 stage.production.steps=2500");
-    let energy = &record["averages"]["potential_energy"];
-    assert_eq!(energy["standing"], "too-short", "{energy}");
-    assert!(energy["standard_error"].is_null());
-    contains(energy["reason"].as_str().unwrap(), &["collides", "more steps"]);
-    assert_eq!(row(&compared, "potential_energy")["verdict"], "too-short");
-    contains(&table, &["The run is too short"]);
-    assert!(table.lines().all(|line| line.chars().count() <= 100), "{table}");
-}
-
 /// A reason of a whole sentence would fill seven lines of a narrow cell.
 #[test]
 fn long_reasons_stand_below_the_table_of_the_page() {
