@@ -3,7 +3,7 @@
 #[path = "../../examples/argon.rs"]
 mod argon;
 #[path = "../../examples/own_field.rs"]
-mod own_field;
+pub(crate) mod own_field;
 #[path = "../../examples/own_integrator.rs"]
 pub(crate) mod own_integrator;
 #[path = "../../examples/own_observable.rs"]
