@@ -5,6 +5,7 @@ use lennard_observables::{Estimate, Standing};
 
 use crate::lab::Workbench;
 use crate::settings::Settings;
+use crate::sweep::{Setting, SettingValue};
 
 /// A sound mean with its error.
 pub(crate) fn average(mean: f64, standard_error: f64) -> AverageRecord {
@@ -14,6 +15,11 @@ pub(crate) fn average(mean: f64, standard_error: f64) -> AverageRecord {
         standing: Standing::Sound,
         reason: String::new(),
     }
+}
+
+/// A number that a study chose for a key.
+pub(crate) fn chosen(key: &str, number: f64) -> Setting {
+    Setting { key: key.to_owned(), value: SettingValue::Number(number) }
 }
 
 /// A workbench of the small liquid with changes, and the settings of its scene.

@@ -19,8 +19,7 @@ const STABLE_SHARE: f64 = 0.5;
 const LOWEST_LIMIT: f64 = 0.6;
 
 /// On what advice rests, in sentences for a reader.
-#[must_use]
-pub fn basis(chart: &Chart) -> String {
+pub(crate) fn basis(chart: &Chart) -> String {
     let limit = chart.points.first().and_then(|own| {
         let dt = stability_limit(chart, own)?;
         let of = format!("{} τ for {}", significant(dt, 2), own.settings.integrator.name());
@@ -49,8 +48,7 @@ pub fn basis(chart: &Chart) -> String {
 }
 
 /// Why no diagram tells the settings apart, in a sentence; `None` where one does, or where nothing is to be told.
-#[must_use]
-pub fn unresolved(chart: &Chart) -> Option<String> {
+pub(crate) fn unresolved(chart: &Chart) -> Option<String> {
     let advice: Vec<Advice> = chart.panels.iter().filter_map(|p| p.advice).collect();
     let is_told = |a: &Advice| *a != Advice::NotResolved;
     if advice.is_empty() || advice.iter().any(is_told) {

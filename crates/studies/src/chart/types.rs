@@ -154,8 +154,7 @@ impl ChartedPoint {
     }
 
     /// Its cost, once it is known.
-    #[must_use]
-    pub fn cost(&self) -> Option<Cost> {
+    pub(crate) fn cost(&self) -> Option<Cost> {
         Cost::of(&self.timings, self.pair_forces_per_atom_tau?)
     }
 
@@ -175,14 +174,12 @@ impl ChartedPoint {
     }
 
     /// Whether all is known of it but its costs.
-    #[must_use]
-    pub fn is_measured(&self) -> bool {
+    pub(crate) fn is_measured(&self) -> bool {
         self.errors.is_some()
     }
 
     /// Whether it has `repeats` timings, or cannot be timed.
-    #[must_use]
-    pub fn is_timed(&self, repeats: usize) -> bool {
+    pub(crate) fn is_timed(&self, repeats: usize) -> bool {
         self.not_timed.is_some() || self.timings.len() >= repeats
     }
 }
@@ -223,8 +220,7 @@ pub struct Mark {
 
 impl Mark {
     /// Its cost by one of the two measures.
-    #[must_use]
-    pub fn cost(&self, axis: Axis) -> f64 {
+    pub(crate) fn cost(&self, axis: Axis) -> f64 {
         match axis {
             Axis::Wall => self.wall,
             Axis::Forces => self.pair_forces,
@@ -232,8 +228,7 @@ impl Mark {
     }
 
     /// The smallest and the largest cost that were seen: a count of pair forces has no range.
-    #[must_use]
-    pub fn cost_range(&self, axis: Axis) -> Option<(f64, f64)> {
+    pub(crate) fn cost_range(&self, axis: Axis) -> Option<(f64, f64)> {
         match axis {
             Axis::Wall => self.wall_range,
             Axis::Forces => Some((self.pair_forces, self.pair_forces)),
@@ -241,8 +236,7 @@ impl Mark {
     }
 
     /// Whether it is on the front by one of the two measures.
-    #[must_use]
-    pub fn on_front(&self, axis: Axis) -> bool {
+    pub(crate) fn on_front(&self, axis: Axis) -> bool {
         match axis {
             Axis::Wall => self.on_wall_front,
             Axis::Forces => self.on_forces_front,
@@ -288,8 +282,7 @@ pub struct Panel {
 
 impl Panel {
     /// The mark of a point.
-    #[must_use]
-    pub fn mark(&self, number: usize) -> Option<&Mark> {
+    pub(crate) fn mark(&self, number: usize) -> Option<&Mark> {
         self.marks.iter().find(|m| m.number == number)
     }
 }
@@ -344,14 +337,12 @@ pub struct Chart {
 
 impl Chart {
     /// The point of a number.
-    #[must_use]
-    pub fn point(&self, number: usize) -> Option<&ChartedPoint> {
+    pub(crate) fn point(&self, number: usize) -> Option<&ChartedPoint> {
         self.points.iter().find(|p| p.number == number)
     }
 
     /// The settings of a point in a line, with the engine where it is another.
-    #[must_use]
-    pub fn label(&self, number: usize) -> String {
+    pub(crate) fn label(&self, number: usize) -> String {
         self.point(number).map_or_else(String::new, |point| match &point.engine {
             Some(engine) => format!("{engine}: {}", point.label),
             None => point.label.clone(),
@@ -360,8 +351,7 @@ impl Chart {
 
     /// Whether the cost of a point may be compared with the cost of the scene's own settings. A pair force costs the same within one
     /// precision and one kernel alone.
-    #[must_use]
-    pub fn is_comparable(&self, number: usize) -> bool {
+    pub(crate) fn is_comparable(&self, number: usize) -> bool {
         let (Some(own), Some(point)) = (self.points.first(), self.point(number)) else {
             return false;
         };

@@ -33,7 +33,7 @@ impl Workbench {
     ///
     /// # Errors
     /// [`StudyError`] where the potential cannot be.
-    pub fn untruncated(&self) -> Result<&Untruncated, StudyError> {
+    pub(crate) fn untruncated(&self) -> Result<&Untruncated, StudyError> {
         if self.untruncated.get().is_none() {
             let found = Untruncated::at(self.start(), self.scene())?;
             // Another thread may have been faster, with the same numbers.
@@ -56,7 +56,7 @@ impl Workbench {
     ///
     /// # Errors
     /// [`StudyError`] where the settings do not fit.
-    pub fn errors_of_forces(
+    pub(crate) fn errors_of_forces(
         &self,
         settings: &Settings,
         found: &[DVec3],

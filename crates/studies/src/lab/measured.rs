@@ -197,7 +197,10 @@ impl Workbench {
     ///
     /// # Errors
     /// [`StudyError::Settings`] where the settings do not fit the scene.
-    pub fn equation(&self, settings: &Settings) -> Result<Result<String, String>, StudyError> {
+    pub(crate) fn equation(
+        &self,
+        settings: &Settings,
+    ) -> Result<Result<String, String>, StudyError> {
         let model = model_kind(&settings.apply(self.scene())?);
         Ok(lennard_literature::equation_of_state_for(model)
             .map(|e| e.spec().name.clone())

@@ -64,7 +64,7 @@ impl Workbench {
     ///
     /// # Errors
     /// As [`Workbench::trajectory_error`].
-    pub fn tight_trajectory(
+    pub(crate) fn tight_trajectory(
         &self,
         settings: &Settings,
         time: f64,

@@ -30,7 +30,7 @@ impl Workbench {
     ///
     /// # Errors
     /// [`StudyError`] where those runs cannot be made or fail.
-    pub fn slopes(&self, tight: &Settings, time: f64) -> Result<Slopes, StudyError> {
+    pub(crate) fn slopes(&self, tight: &Settings, time: f64) -> Result<Slopes, StudyError> {
         let temperature = self.measured_stage().temperature;
         let equation = lennard_literature::thol_2016();
         let density = self.start().density();

@@ -64,8 +64,7 @@ pub struct Cost {
 
 impl Cost {
     /// From repeated timings and the pair forces of a step; `None` where there is no timing.
-    #[must_use]
-    pub fn of(timings: &[Timing], pair_forces_per_atom_tau: f64) -> Option<Self> {
+    pub(crate) fn of(timings: &[Timing], pair_forces_per_atom_tau: f64) -> Option<Self> {
         Some(Self {
             wall: Spread::of(timings.iter().map(|t| t.seconds_per_atom_tau))?,
             evaluations_per_tau: timings.first()?.evaluations_per_tau,
@@ -130,7 +129,7 @@ impl Workbench {
     ///
     /// # Errors
     /// [`StudyError`] where the settings do not fit.
-    pub fn pair_forces(
+    pub(crate) fn pair_forces(
         &self,
         settings: &Settings,
         evaluations_per_tau: f64,

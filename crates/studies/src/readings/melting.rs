@@ -192,13 +192,14 @@ mod tests {
     use super::*;
     use crate::compare::{ComparedRun, Row, StateOfMatter};
     use crate::readings::points::of_points;
-    use crate::sweep::{Point as SweepPoint, Setting};
+    use crate::sweep::Point as SweepPoint;
 
     /// A finished point with fronts of v = 2·(at − T).
     fn point(n: f64, temperature: f64, at: f64) -> SweptPoint {
         let average = crate::testing::average(2.0 * (at - temperature), 0.01);
         let state = StateOfMatter::new(0.96, temperature, None);
-        let settings = vec![Setting::number("n_atoms", n), Setting::number(KEY, temperature)];
+        let settings =
+            vec![crate::testing::chosen("n_atoms", n), crate::testing::chosen(KEY, temperature)];
         let name = format!("N{n}-T{temperature}");
         SweptPoint {
             compared: Some(ComparedRun {

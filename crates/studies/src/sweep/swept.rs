@@ -114,8 +114,7 @@ impl SweptPoint {
     }
 
     /// One quantity of the run beside the literature, where there is one.
-    #[must_use]
-    pub fn row(&self, quantity: &str) -> Option<&Row> {
+    pub(crate) fn row(&self, quantity: &str) -> Option<&Row> {
         let rows = &self.compared.as_ref()?.rows;
         rows.iter().find(|r| r.quantity == quantity)
     }
