@@ -35,7 +35,7 @@ pub struct PlanItem {
 }
 
 /// What a scene computes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Plan {
     /// Schema of this document.
     pub schema: &'static str,

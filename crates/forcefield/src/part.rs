@@ -241,8 +241,8 @@ impl Part {
         (words[0] > 0).then(|| (u64::MAX - words[0]) as usize)
     }
 
-    /// The pairs that a list of any rank lacks, in the order of the slots of the whole, given the pairs of slots that the lists of
-    /// this rank lack.
+    /// The pairs that a list of any rank lacks, in the order of the slots of the whole. `found` has the pairs of slots that the
+    /// lists of this rank lack.
     pub fn missing<P: PairList>(&self, list: &P, found: &[[u32; 2]]) -> Vec<Lacking> {
         let words: Vec<u64> = found
             .iter()

@@ -100,7 +100,7 @@ impl ListValidity {
                 let values = positions.values();
                 self.built.resize(values.len(), DVec3::ZERO);
                 by_slot(list.source(), 0..values.len(), values, &mut self.built);
-                list.place(cell, &[0..values.len()], &self.built);
+                list.place(cell, &self.built);
             }
             (Some(part), Given::OfRank(particles)) => {
                 part.settle(list, cell, reach, particles)?;

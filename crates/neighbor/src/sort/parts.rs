@@ -205,7 +205,7 @@ pub enum Belongs {
     Nowhere,
 }
 
-/// The columns that a table has, in the order of its slots: all of the box, or the columns of a part and then its halo.
+/// The columns that a table has, in the order of its slots: all columns of the box, or the columns of a part and of its halo.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Present {
     /// Number of particles of all ranks; `None` where the table has all particles.
