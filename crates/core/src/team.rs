@@ -52,6 +52,10 @@ pub trait Wire: Send + Sync {
     /// Sends vectors to other ranks, does some work, and fills `incoming`, whose parcels have their final lengths.
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut());
 
+    /// Moves messages of an exchange on. Work beside the exchange calls it often, from any thread; it acts on the thread that
+    /// called the exchange alone. The default does nothing.
+    fn progress(&self) {}
+
     /// Ends all ranks with an exit code. The default panics, and other ranks then meet a closed wire.
     fn abort(&self, code: u8) -> ! {
         panic!("rank {} ends all ranks with code {code}", self.rank())
@@ -188,6 +192,11 @@ impl Team {
             });
         });
         self.0.nanoseconds.fetch_sub(at_work, Ordering::Relaxed);
+    }
+
+    /// Moves messages of an exchange on; work beside it calls this often, from any thread.
+    pub fn progress(&self) {
+        self.0.wire.progress();
     }
 
     /// Ends all ranks with an exit code.

@@ -94,11 +94,13 @@ pub fn plan(
     network: Option<Network>,
 ) -> Result<Plan, EngineError> {
     let scene = simulation.scene.clone();
-    let (_, provider) = build::forces(&scene, simulation.state.cell, simulation.system.species())?;
+    let (_, mut provider) =
+        build::forces(&scene, simulation.state.cell, simulation.system.species())?;
     let mut items = items(&scene, simulation, provider.plan(), threads);
     let foreseen = simulation.foreseen();
     let particles = simulation.state.len();
-    let most = lennard_forcefield::most_ranks(particles);
+    let r_list = provider.plan().r_list;
+    let most = provider.most_ranks(&simulation.state.cell);
     if let Some(Network { ranks, .. }) = network {
         scene.check_for_ranks()?;
         let least = lennard_forcefield::LEAST_OF_A_RANK;
@@ -120,7 +122,6 @@ pub fn plan(
     let at_times = costs.checkpoint_bytes.max(costs.text_bytes).max(simulation.bytes_to_look());
     let bytes_to_write = (set_aside + at_times) as u64;
     let bytes = state as u64 + bytes_to_write + costs.force_bytes;
-    let r_list = provider.plan().r_list;
     let one = |core_seconds| OneRank {
         atoms: n,
         lengths: simulation.state.cell.lengths(),

@@ -295,7 +295,6 @@ pub const LEAST_OF_A_RANK: usize = 500;
 const LEAST_OF_ALL: usize = 4000;
 
 /// The largest number of ranks that can share lists of `n` particles.
-#[must_use]
 pub fn most_ranks(n: usize) -> usize {
     if n < LEAST_OF_ALL { 1 } else { n / LEAST_OF_A_RANK }
 }

@@ -152,6 +152,9 @@ struct PackedCopy<Row> {
 /// Below it, the look ahead takes less time than packing all displacements. Nothing but speed depends on it.
 const PACKED_AMONG: usize = 256;
 
+/// Inner chunks between two calls that move messages on: a call takes less than a chunk.
+const CHUNKS_A_CALL: usize = 8;
+
 impl<Row> Default for PackedCopies<Row> {
     fn default() -> Self {
         Self(Vec::new())
@@ -319,7 +322,13 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
     ) -> Outcome {
         let [inner, outer] = part.inner_and_outer();
         let mut first = Outcome::without_sums(ListStatus::Complete);
-        let mut run_inner = || first = self.run(pass, inner.len(), |k| inner[k] as usize);
+        let inner_chunk = |k: usize| {
+            if k.is_multiple_of(CHUNKS_A_CALL) {
+                part.team().progress();
+            }
+            inner[k] as usize
+        };
+        let mut run_inner = || first = self.run(pass, inner.len(), inner_chunk);
         match pass.fetch {
             Some(fetch) if !part.was_fetched() => fetch(false, &mut run_inner),
             _ => run_inner(),

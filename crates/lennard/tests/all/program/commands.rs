@@ -108,7 +108,7 @@ fn a_plan_for_ranks_has_a_line_for_each_number_and_refuses_what_does_not_fit() {
     let plan = json(&succeed(&format!("plan {few} --json --ranks")));
     let last = plan["ranks"]["steps"].as_array().unwrap().last().unwrap();
     assert_eq!(last["ranks"], plan["ranks"]["pays_up_to"]);
-    let few = "sharing the run between ranks: 1000 ranks for 864 particles\n  allowed: at most 1, since each rank takes 500";
+    let few = "sharing the run between ranks: 1000 ranks for 864 particles\n  allowed: at most 1 in this box";
     for (arguments, wanted) in [
         ("--ranks 1000", few),
         ("--ranks=2 --set=neighbor.mode=direct", "each force would need all particles"),
