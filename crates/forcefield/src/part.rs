@@ -22,7 +22,7 @@ use lennard_core::{Parcel, SpeedLimit, Team};
 use lennard_neighbor::{Columns, PairList, Partners};
 
 use crate::simd::{MotionSummary, SomeRows};
-use crate::validity::Lacking;
+use crate::validity::build::Lacking;
 
 use self::halo::Halo;
 use self::route::Route;

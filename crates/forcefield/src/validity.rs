@@ -8,7 +8,7 @@ use glam::DVec3;
 use lennard_core::{ForceError, PeriodicBox};
 use lennard_neighbor::{Criterion, GridError, PairList, Positions, Reach};
 
-use self::build::Build;
+use self::build::{Build, Lacking};
 use crate::interaction::Pairwise;
 use crate::part::{Part, Particles};
 use crate::simd::{Level, ListInUse, PackedList, by_slot};
@@ -197,13 +197,4 @@ pub enum Given<'a> {
     All(Positions<'a>),
     /// The particles of a rank. Afterwards their positions are the positions of the build.
     OfRank(&'a mut Particles),
-}
-
-/// A pair of particles that a list lacks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Lacking {
-    /// Their numbers.
-    pub particles: [u32; 2],
-    /// Their slots, where this process knows both.
-    pub slots: Option<[u32; 2]>,
 }

@@ -15,7 +15,7 @@ use lennard_neighbor::{LARGE_SYSTEM, PackedDisplacement};
 
 use super::disjoint::Disjoint;
 use super::fused::{ChunkDisplacement, NextRows};
-use super::list_in_use::{ListInUse, ListStatus, Ordered};
+use super::list_in_use::{Fetch, ListInUse, ListStatus, Ordered};
 use super::motion::{MotionSummary, SomeRows};
 use super::pack::Threads;
 use super::packed_list::PackedList;
@@ -75,9 +75,6 @@ impl Outcome {
         (self.status, Totals { broken: self.broken, ..totals })
     }
 }
-
-/// Fetches the positions of the halo while some work is done: of all of it, or of what lists name.
-pub type Fetch<'a> = dyn Fn(bool, &mut dyn FnMut()) + Sync + 'a;
 
 /// Runs one chunk over rows, and packs its rows of the next step where asked.
 pub type RunChunk<'a, Row> =

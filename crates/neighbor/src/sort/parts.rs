@@ -13,8 +13,6 @@
 
 use glam::DVec3;
 
-use super::cells::wrap_cell;
-
 /// The columns of a sort, and the bundles that they belong to.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
@@ -108,8 +106,9 @@ impl Columns {
                 for dy in -reach[1]..=reach[1] {
                     let gap = [(dx, edges[0]), (dy, edges[1])]
                         .map(|(k, edge)| (k.abs() - 1).max(0) as f64 * edge);
-                    let beside =
-                        [wrap_cell(i64::from(x) + dx, nx), wrap_cell(i64::from(y) + dy, ny)];
+                    let beside = [(x, dx, nx), (y, dy, ny)].map(|(at, away, count)| {
+                        (i64::from(at) + away).rem_euclid(count.into()) as u32
+                    });
                     let owner = owners[self.bundle(beside)];
                     let least2 = gap[0] * gap[0] + gap[1] * gap[1];
                     if owner as usize != rank && least2 <= radius * radius {
@@ -205,7 +204,7 @@ pub enum Belongs {
     Nowhere,
 }
 
-/// The columns that a table has, in the order of its slots: all columns of the box, or the columns of a part and of its halo.
+/// The columns that a table has, in the order of its slots: all of the box, or the columns of a part ahead of its halo.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Present {
     /// Number of particles of all ranks; `None` where the table has all particles.
