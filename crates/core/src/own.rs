@@ -9,6 +9,9 @@ use glam::DVec3;
 use crate::exact::{ExactSums, Summand, exact_sum_over, exact_sums};
 use crate::{ForceError, Team};
 
+/// Bytes of one message on their way to rank 0, at most.
+const PIECE: usize = 1 << 20;
+
 /// The particles that this process keeps: those of consecutive numbers on a rank, else all.
 ///
 /// Arrays of a state are indexed from 0. Their entry `i` belongs to the particle with the number `first + i`. One process is the
@@ -234,42 +237,54 @@ impl Own {
 
     /// Gives rank 0 the bytes of all ranks, one rank after another.
     pub fn pass_bytes(&self, here: &[u8], mut take: impl FnMut(&[u8])) {
-        let Some(team) = &self.team else { return take(here) };
-        if team.leads() {
+        let words = |range: Range<usize>| {
+            let chunks = here[range].chunks(8);
+            let word = |chunk: &[u8]| {
+                let mut bytes = [0; 8];
+                bytes[..chunk.len()].copy_from_slice(chunk);
+                u64::from_le_bytes(bytes)
+            };
+            chunks.map(word).collect()
+        };
+        if self.leads() {
             take(here);
         }
-        for rank in 1..team.ranks() {
-            let mut given = vec![Vec::new(); team.ranks()];
-            if rank == team.rank() {
-                let (words, rest) = here.as_chunks::<8>();
-                let mut last = [0; 8];
-                last[..rest.len()].copy_from_slice(rest);
-                given[0] = [here.len() as u64, u64::from_le_bytes(last)].to_vec();
-                given[0].extend(words.iter().map(|word| u64::from_le_bytes(*word)));
-            }
-            let taken = team.trade(given);
-            if let [length, last, words @ ..] = &taken[rank][..] {
-                take(&words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>());
-                take(&last.to_le_bytes()[..*length as usize % 8]);
-            }
-        }
+        self.pass_pieces((here.len(), 1), words, |length, words| {
+            let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+            take(&bytes[..length]);
+        });
     }
 
-    /// Gives rank 0 the vectors of all ranks in words, one rank after another, so that it holds those of one other rank at a time.
+    /// Gives rank 0 the vectors of all ranks in words, one rank after another.
     pub fn pass(&self, here: &[DVec3], mut take: impl FnMut(&[u64])) {
-        let words: &[u64] = bytemuck::cast_slice(here);
-        let Some(team) = &self.team else { return take(words) };
-        if team.leads() {
-            take(words);
+        let words = |range: Range<usize>| bytemuck::cast_slice(&here[range]).to_vec();
+        if self.leads() {
+            take(bytemuck::cast_slice(here));
         }
-        for rank in 1..team.ranks() {
-            let mut given = vec![Vec::new(); team.ranks()];
-            if rank == team.rank() {
-                given[0] = words.to_vec();
-            }
-            let taken = team.trade(given);
-            if team.leads() {
-                take(&taken[rank]);
+        self.pass_pieces((here.len(), size_of::<DVec3>()), words, |_, words| take(words));
+    }
+
+    /// Gives rank 0 what other ranks have, one rank after another and in small pieces. Here are so many items of so many bytes.
+    /// `words` makes the words of a range of them, and `take` gets the number of items and the words of each piece.
+    fn pass_pieces(
+        &self,
+        (here, size): (usize, usize),
+        words: impl Fn(Range<usize>) -> Vec<u64>,
+        mut take: impl FnMut(usize, &[u64]),
+    ) {
+        let Some(team) = &self.team else { return };
+        for (rank, length) in team.concat(&[here as u64]).into_iter().enumerate().skip(1) {
+            let length = length as usize;
+            for begin in (0..length).step_by(PIECE / size) {
+                let end = length.min(begin + PIECE / size);
+                let mut given = vec![Vec::new(); team.ranks()];
+                if rank == team.rank() {
+                    given[0] = words(begin..end);
+                }
+                let taken = team.trade(given);
+                if team.leads() {
+                    take(end - begin, &taken[rank]);
+                }
             }
         }
     }
