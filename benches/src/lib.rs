@@ -5,7 +5,7 @@ pub mod arguments;
 use lennard_core::random::Streams;
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceTerm, FusedSteps, Masses, Momentum,
-    Moving, Part, PeriodicBox, System, Want,
+    Moving, Part, PeriodicBox, SpeedLimit, System, Team, TooManyRanks, Want,
 };
 use lennard_forcefield::{
     Conditions, ForceFieldError, ForceFieldOptions, KernelOptions, NeighborOptions, PairForces,
@@ -186,6 +186,19 @@ impl Run {
             Moving { positions, velocities, forces }.kick(&self.masses, 0.5 * dt);
         }
         Ok(energetics)
+    }
+
+    /// Takes the particles of this rank from another run of the case, and shares the forces with a team.
+    ///
+    /// # Errors
+    /// [`TooManyRanks`] where there are not enough particles.
+    pub fn share(&mut self, team: &Team, whole: &Self) -> Result<(), TooManyRanks> {
+        let own = team.numbers(whole.positions.len());
+        self.positions = whole.positions[own.clone()].to_vec();
+        self.velocities = whole.velocities[own.clone()].to_vec();
+        self.forces = whole.forces[own].to_vec();
+        let limit = SpeedLimit { every: 1000, largest: f64::INFINITY };
+        self.provider.share(team, &self.cell, limit).map(drop)
     }
 
     /// Kinetic energy, ε.

@@ -211,13 +211,13 @@ fn measure(scene: &Scene, repeats: usize) -> Result<(), Failure> {
     let usual = in_rounds(1, &|s| s.median);
     let share = |of: &[f64], base: &[f64]| spread(of.iter().zip(base).map(|(s, b)| s / b - 1.0));
     let step = spread(engine.iter().copied()).median / bench.steps as f64;
-    let ns = 1e9 / bench.start.len() as f64;
+    let ns = 1e9 / bench.start.positions.len() as f64;
     let mut to = stdout().lock();
     writeln!(
         to,
         "{}: {} particles, {} steps a block, {repeats} rounds; {:.1} ns a particle and step with everything off",
         scene.name,
-        bench.start.len(),
+        bench.start.positions.len(),
         bench.steps,
         ns * step
     )?;

@@ -256,8 +256,13 @@ pub trait Backend: ForceTerm {
     ///
     /// # Errors
     /// [`TooManyRanks`] where a rank would have nothing to do.
-    fn share(&mut self, team: &Team, limit: SpeedLimit) -> Result<bool, TooManyRanks> {
-        let _ = (team, limit);
+    fn share(
+        &mut self,
+        team: &Team,
+        cell: &PeriodicBox,
+        limit: SpeedLimit,
+    ) -> Result<bool, TooManyRanks> {
+        let _ = (team, cell, limit);
         Ok(false)
     }
 }
@@ -394,8 +399,13 @@ impl<B: Backend> Backend for ForceSum<B> {
     }
 
     /// The first term alone is shared: the others act on the particles of this rank.
-    fn share(&mut self, team: &Team, limit: SpeedLimit) -> Result<bool, TooManyRanks> {
-        self.first.share(team, limit)
+    fn share(
+        &mut self,
+        team: &Team,
+        cell: &PeriodicBox,
+        limit: SpeedLimit,
+    ) -> Result<bool, TooManyRanks> {
+        self.first.share(team, cell, limit)
     }
 }
 

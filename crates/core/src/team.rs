@@ -17,8 +17,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use glam::DVec3;
-
 use crate::parallel::equal_parts;
 
 pub use testing::team_of_threads;
@@ -54,6 +52,10 @@ pub trait Wire: Send + Sync {
     /// Sends vectors to other ranks, does some work, and fills `incoming`, whose parcels have their final lengths.
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut());
 
+    /// Moves messages of an exchange on. Work beside the exchange calls it often, from any thread; it acts on the thread that
+    /// called the exchange alone. The default does nothing.
+    fn progress(&self) {}
+
     /// Ends all ranks with an exit code. The default panics, and other ranks then meet a closed wire.
     fn abort(&self, code: u8) -> ! {
         panic!("rank {} ends all ranks with code {code}", self.rank())
@@ -72,7 +74,7 @@ pub struct TeamStatistics {
 /// More ranks than parts that can be shared out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{ranks} ranks for {particles} particles\n  allowed: at most {most}, since each rank takes {least} neighbors in space or more"
+    "{ranks} ranks for {particles} particles\n  allowed: at most {most} in this box, since each rank owns a bundle of columns with {least} particles or more"
 )]
 pub struct TooManyRanks {
     /// The number of ranks.
@@ -174,31 +176,6 @@ impl Team {
         self.timed(|wire| wire.trade(words))
     }
 
-    /// Makes an array whole, of which rank `k` has the elements of the `k`th range.
-    pub fn gather(&self, array: &mut [DVec3], ranges: &[Range<usize>]) {
-        let own: &[u64] = bytemuck::cast_slice(&array[ranges[self.rank()].clone()]);
-        let all = self.concat(own);
-        let (all, _) = all.as_chunks::<3>();
-        let mut rest = all;
-        for range in ranges {
-            let (part, others) = rest.split_at(range.len());
-            rest = others;
-            for (to, v) in array[range.clone()].iter_mut().zip(part) {
-                *to = DVec3::from_array(v.map(f64::from_bits));
-            }
-        }
-    }
-
-    /// [`Team::gather`] for numbers.
-    pub fn gather_numbers(&self, array: &mut [u32], ranges: &[Range<usize>]) {
-        let own: Vec<u64> =
-            array[ranges[self.rank()].clone()].iter().map(|k| u64::from(*k)).collect();
-        let all = self.concat(&own);
-        for (to, k) in ranges.iter().cloned().flatten().zip(all) {
-            array[to] = k as u32;
-        }
-    }
-
     /// Sends vectors to other ranks, does some work, and fills `incoming`, whose parcels have their final lengths.
     pub fn exchange(
         &self,
@@ -215,6 +192,11 @@ impl Team {
             });
         });
         self.0.nanoseconds.fetch_sub(at_work, Ordering::Relaxed);
+    }
+
+    /// Moves messages of an exchange on; work beside it calls this often, from any thread.
+    pub fn progress(&self) {
+        self.0.wire.progress();
     }
 
     /// Ends all ranks with an exit code.

@@ -185,7 +185,7 @@ pub(crate) fn prepare_own_from(
     let mut forces = with_others(&scene, confinement.beside(provider), &own);
     if let Some(team) = team {
         forces.keep(system.own());
-        ranks::share(&mut forces, team)?;
+        ranks::share(&mut forces, team, &cell)?;
     }
     let simulation = Simulation {
         state: State::new(cell, positions, velocities),

@@ -11,7 +11,6 @@ use lennard_scene::{SceneError, Source};
 
 use crate::failure::PhysicsFailure;
 use crate::names::SCENE;
-use crate::plan::PlanRanksError;
 use crate::room::NoRoom;
 
 /// Why a simulation cannot be made, run, saved or asked.
@@ -46,9 +45,6 @@ pub enum EngineError {
     /// The memory is not there: exit code 1.
     #[error(transparent)]
     Memory(#[from] NoRoom),
-    /// A scene cannot be planned for so many ranks: exit code 2.
-    #[error(transparent)]
-    PlanRanks(#[from] PlanRanksError),
     /// A saved simulation cannot be read: exit code 2.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
@@ -105,7 +101,6 @@ impl EngineError {
             | Self::Trajectory(_)
             | Self::Folder(_)
             | Self::Resume(_)
-            | Self::PlanRanks(_)
             | Self::Checkpoint(_)
             | Self::Start(_)
             | Self::Begun(_)

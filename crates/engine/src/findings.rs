@@ -133,30 +133,9 @@ fn two_phases(scene: &Scene, findings: &[Findings]) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use lennard_core::ThermostatSpec;
-    use lennard_integrators::thermostats;
     use lennard_observables::{Average, Estimate};
 
     use super::*;
-
-    fn spec(name: &str) -> Vec<&'static ThermostatSpec> {
-        let found = thermostats().iter().find(|s| s.name == name);
-        vec![found.expect("a thermostat of the list")]
-    }
-
-    #[test]
-    fn friction_is_told_beside_motion_and_scaling_beside_everything() {
-        let langevin = spec("langevin");
-        assert!(Doubt::of_baths("diffusion_coefficient", true, &langevin).is_some());
-        assert_eq!(Doubt::of_baths("pressure", false, &langevin), None);
-        assert_eq!(Doubt::of_baths("diffusion_coefficient", true, &spec("bussi")), None);
-        let rescale = spec("rescale");
-        assert!(Doubt::of_baths("pressure", false, &rescale).is_some());
-        let temperature = Doubt::of_baths("temperature", false, &rescale).expect("a doubt");
-        let why = temperature.reason(1);
-        assert!(why.starts_with("set by `rescale`"), "{why}");
-        assert!(temperature.takes_the_error());
-    }
 
     #[test]
     fn a_planar_tail_alone_is_no_sign_of_two_phases_and_a_liquid_density_is() {

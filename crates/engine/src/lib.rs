@@ -52,9 +52,7 @@ pub use follower::{
 pub use instant::Moment;
 pub use measure::{Measurement, Trajectory};
 pub use own::OwnParts;
-pub use plan::{
-    Network, OnRanks, PATIENCE, Plan, PlanItem, PlanRanksError, Ranks, plan, watching_seconds,
-};
+pub use plan::{Network, OnRanks, PATIENCE, Plan, PlanItem, Ranks, plan, watching_seconds};
 pub use resume::{ResumeOptions, Resumed, restored, resume, resume_on, way_on};
 pub use room::NoRoom;
 pub use run::{Outcome, go_on, go_on_beside, run, run_beside};

@@ -3,11 +3,11 @@
 mod ranks;
 mod shares;
 
-pub use ranks::{Network, OnRanks, PlanRanksError, Ranks};
+pub use ranks::{Network, OnRanks, Ranks};
 pub use shares::{PATIENCE, watching_seconds};
 
-use lennard_core::DVec3;
 use lennard_core::number::short;
+use lennard_core::{DVec3, TooManyRanks};
 use lennard_forcefield::{ForcePlan, Search};
 use lennard_observables::Observable;
 use lennard_scene::{Scene, Stage};
@@ -15,6 +15,7 @@ use ranks::OneRank;
 use serde::Serialize;
 use shares::{Costs, Part, THERMODYNAMICS, barostat_name, bath_name};
 
+use crate::error::RanksError;
 use crate::planar_tail::PlanarTail;
 use crate::run::SET_ASIDE_BYTES;
 use crate::simulation::Simulation;
@@ -34,7 +35,7 @@ pub struct PlanItem {
 }
 
 /// What a scene computes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Plan {
     /// Schema of this document.
     pub schema: &'static str,
@@ -86,16 +87,27 @@ const STATE_BYTES: usize = 3 * size_of::<DVec3>();
 /// of each part says what they cost. `network` asks what several ranks would make of the scene.
 ///
 /// # Errors
-/// [`EngineError`] for everything that is wrong with the scene, and where its work cannot be shared out so.
+/// [`EngineError`] for everything that is wrong with the scene, and where ranks do not run it.
 pub fn plan(
     simulation: &mut Simulation,
     threads: usize,
     network: Option<Network>,
 ) -> Result<Plan, EngineError> {
     let scene = simulation.scene.clone();
-    let (_, provider) = build::forces(&scene, simulation.state.cell, simulation.system.species())?;
+    let (_, mut provider) =
+        build::forces(&scene, simulation.state.cell, simulation.system.species())?;
     let mut items = items(&scene, simulation, provider.plan(), threads);
     let foreseen = simulation.foreseen();
+    let particles = simulation.state.len();
+    let r_list = provider.plan().r_list;
+    let most = provider.most_ranks(&simulation.state.cell);
+    if let Some(Network { ranks, .. }) = network {
+        scene.check_for_ranks()?;
+        let least = lennard_forcefield::LEAST_OF_A_RANK;
+        if let Some(ranks) = ranks.filter(|ranks| *ranks > most) {
+            return Err(RanksError::from(TooManyRanks { ranks, particles, least, most }).into());
+        }
+    }
     let costs = Costs::measure(simulation)?;
     let total = costs.parts.as_ref().map(|all| all.iter().map(Part::of_run).sum::<f64>());
     for item in items.iter_mut().filter(|item| item.on) {
@@ -103,27 +115,26 @@ pub fn plan(
         let seconds = all.map(Part::of_run).reduce(|a, b| a + b);
         item.share = seconds.zip(total).map(|(s, t)| s / t);
     }
-    let (n, molecules) = (simulation.state.len(), simulation.system.n_molecules());
+    let (n, molecules) = (particles, simulation.system.n_molecules());
     let state = n * STATE_BYTES;
     let set_aside = n * SET_ASIDE_BYTES;
     // A checkpoint, the text of the last state and the look at it come one after the other.
     let at_times = costs.checkpoint_bytes.max(costs.text_bytes).max(simulation.bytes_to_look());
     let bytes_to_write = (set_aside + at_times) as u64;
     let bytes = state as u64 + bytes_to_write + costs.force_bytes;
-    let ForcePlan { search, r_list, .. } = *provider.plan();
     let one = |core_seconds| OneRank {
         atoms: n,
         lengths: simulation.state.cell.lengths(),
-        r_list: (search == Search::Verlet).then_some(r_list),
+        r_list,
         core_seconds,
+        building: costs.building,
         builds: costs.builds,
         rows: 1.0 / scene.output.thermo_every as f64,
         bytes,
         program_bytes: PROGRAM_BYTES,
     };
-    let most = lennard_forcefield::most_ranks(n);
     let measured = network.zip(costs.mean_step);
-    let ranks = measured.map(|(on, step)| one(step * threads as f64).on(on, most)).transpose()?;
+    let ranks = measured.map(|(on, step)| one(step * threads as f64).on(on, most));
     Ok(Plan {
         schema: lennard_io::schema!("plan", 4),
         scene: scene.name.to_string(),

@@ -6,7 +6,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use lennard_core::{Backend, Own, SpeedLimit, Team};
+use lennard_core::{Backend, Own, PeriodicBox, SpeedLimit, Team};
 use lennard_io::RanksRecord;
 use lennard_scene::Scene;
 
@@ -52,9 +52,13 @@ pub(crate) fn can_keep(team: &Team, particles: usize) -> Result<Own, RanksError>
 }
 
 /// Shares the forces of a scene that ranks run.
-pub(crate) fn share(forces: &mut dyn Backend, team: &Team) -> Result<(), RanksError> {
+pub(crate) fn share(
+    forces: &mut dyn Backend,
+    team: &Team,
+    cell: &PeriodicBox,
+) -> Result<(), RanksError> {
     let limit = SpeedLimit { every: watchdog::EVERY, largest: LARGEST_MOVE };
-    let shares = forces.share(team, limit)?;
+    let shares = forces.share(team, cell, limit)?;
     assert!(shares, "a scene for ranks has lists");
     Ok(())
 }

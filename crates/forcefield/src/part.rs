@@ -22,7 +22,7 @@ use lennard_core::{Parcel, SpeedLimit, Team};
 use lennard_neighbor::{Columns, PairList, Partners};
 
 use crate::simd::{MotionSummary, SomeRows};
-use crate::validity::Lacking;
+use crate::validity::build::Lacking;
 
 use self::halo::Halo;
 use self::route::Route;
@@ -241,8 +241,8 @@ impl Part {
         (words[0] > 0).then(|| (u64::MAX - words[0]) as usize)
     }
 
-    /// The pairs that a list of any rank lacks, in the order of the slots of the whole, given the pairs of slots that the lists of
-    /// this rank lack.
+    /// The pairs that a list of any rank lacks, in the order of the slots of the whole. `found` has the pairs of slots that the
+    /// lists of this rank lack.
     pub fn missing<P: PairList>(&self, list: &P, found: &[[u32; 2]]) -> Vec<Lacking> {
         let words: Vec<u64> = found
             .iter()
@@ -295,7 +295,6 @@ pub const LEAST_OF_A_RANK: usize = 500;
 const LEAST_OF_ALL: usize = 4000;
 
 /// The largest number of ranks that can share lists of `n` particles.
-#[must_use]
 pub fn most_ranks(n: usize) -> usize {
     if n < LEAST_OF_ALL { 1 } else { n / LEAST_OF_A_RANK }
 }

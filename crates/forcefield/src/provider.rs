@@ -105,6 +105,17 @@ impl PairForces {
         &self.plan
     }
 
+    /// The largest number of ranks that can share the forces in a box. The forces then wait for their part, and serve nothing else.
+    pub fn most_ranks(&mut self, cell: &PeriodicBox) -> usize {
+        match &mut self.strategy {
+            Strategy::Verlet(listed) => {
+                let bundles = with_listed!(listed, l => l.bundles(cell, self.n_atoms));
+                most_ranks(self.n_atoms).min(bundles)
+            }
+            _ => 1,
+        }
+    }
+
     /// Builds the list at a configuration, whether it expired or not; returns whether there is a list.
     pub(crate) fn rebuild(&mut self, at: Configuration<'_>) -> Result<bool, ForceError> {
         match &mut self.strategy {
@@ -332,13 +343,18 @@ impl Backend for PairForces {
         taken
     }
 
-    fn share(&mut self, team: &Team, limit: SpeedLimit) -> Result<bool, TooManyRanks> {
+    fn share(
+        &mut self,
+        team: &Team,
+        cell: &PeriodicBox,
+        limit: SpeedLimit,
+    ) -> Result<bool, TooManyRanks> {
+        let (ranks, particles) = (team.ranks(), self.n_atoms);
+        let most = self.most_ranks(cell);
         let Strategy::Verlet(listed) = &mut self.strategy else {
             return Ok(false);
         };
-        let most = most_ranks(self.n_atoms);
-        if self.near.is_some() || team.ranks() > most {
-            let (ranks, particles) = (team.ranks(), self.n_atoms);
+        if self.near.is_some() || ranks > most {
             return Err(TooManyRanks { ranks, particles, least: LEAST_OF_A_RANK, most });
         }
         let shares = with_listed!(listed, l => l.share(team, self.n_atoms, limit));

@@ -8,7 +8,7 @@ use glam::DVec3;
 use lennard_core::{ForceError, PeriodicBox};
 use lennard_neighbor::{Criterion, GridError, PairList, Positions, Reach};
 
-use self::build::Build;
+use self::build::{Build, Lacking};
 use crate::interaction::Pairwise;
 use crate::part::{Part, Particles};
 use crate::simd::{Level, ListInUse, PackedList, by_slot};
@@ -89,10 +89,7 @@ impl ListValidity {
     ) -> Result<(), ForceError> {
         // A list that failed to build must not look valid.
         self.build = None;
-        let largest = cell.largest_cutoff();
-        let r_cut = self.pairwise.r_cut();
-        let skin = if r_cut + self.skin > largest { (largest - r_cut).max(0.0) } else { self.skin };
-        let reach = Reach { r_cut, r_list: r_cut + skin + P::rounding(cell, r_cut) };
+        let reach = self.reach::<P>(cell);
         match (&mut self.part, given) {
             (None, Given::All(positions)) => {
                 list.order(cell, reach, positions).map_err(
@@ -103,7 +100,7 @@ impl ListValidity {
                 let values = positions.values();
                 self.built.resize(values.len(), DVec3::ZERO);
                 by_slot(list.source(), 0..values.len(), values, &mut self.built);
-                list.place(cell, &[0..values.len()], &self.built);
+                list.place(cell, &self.built);
             }
             (Some(part), Given::OfRank(particles)) => {
                 part.settle(list, cell, reach, particles)?;
@@ -120,8 +117,21 @@ impl ListValidity {
         }
         self.inserted.clear();
         self.builds += 1;
+        let skin = self.skin_in(cell);
         self.build = Some(Build { cell: *cell, skin, r_list: reach.r_list });
         Ok(())
+    }
+
+    /// The skin of a build in a box, σ: thinner than the plan has it where half the shortest side leaves no room.
+    fn skin_in(&self, cell: &PeriodicBox) -> f64 {
+        let (r_cut, largest) = (self.pairwise.r_cut(), cell.largest_cutoff());
+        if r_cut + self.skin > largest { (largest - r_cut).max(0.0) } else { self.skin }
+    }
+
+    /// The radii of a build in a box.
+    pub fn reach<P: PairList>(&self, cell: &PeriodicBox) -> Reach {
+        let r_cut = self.pairwise.r_cut();
+        Reach { r_cut, r_list: r_cut + self.skin_in(cell) + P::rounding(cell, r_cut) }
     }
 
     /// Inserts pairs of particles that a list lacks; returns whether the list can take them. All ranks insert the same pairs.
@@ -187,13 +197,4 @@ pub enum Given<'a> {
     All(Positions<'a>),
     /// The particles of a rank. Afterwards their positions are the positions of the build.
     OfRank(&'a mut Particles),
-}
-
-/// A pair of particles that a list lacks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Lacking {
-    /// Their numbers.
-    pub particles: [u32; 2],
-    /// Their slots, where this process knows both.
-    pub slots: Option<[u32; 2]>,
 }

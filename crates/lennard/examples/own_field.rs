@@ -10,9 +10,9 @@ use lennard::parts::{
 use lennard::prelude::*;
 
 /// The potential u(z) = −A·cos(2πz/L) on each particle, with A in ε.
-#[derive(Clone)]
-struct Wave {
-    amplitude: f64,
+#[derive(Clone, Copy)]
+pub(crate) struct Wave {
+    pub(crate) amplitude: f64,
 }
 
 remembers_nothing!(Wave);

@@ -28,8 +28,9 @@ static SPEC: IntegratorSpec = IntegratorSpec {
     source: "Omelyan, Mryglod and Folk, \"Optimized Verlet-like algorithms for molecular dynamics simulations\", Phys. Rev. E 65, 056706 (2002)",
 };
 
+/// The method.
 #[derive(Clone)]
-struct OptimisedVerlet;
+pub(crate) struct OptimisedVerlet;
 
 remembers_nothing!(OptimisedVerlet);
 

@@ -36,10 +36,12 @@ mod tests {
     fn the_table_is_read_and_lies_near_the_equation() {
         let rows = coexistence_by_simulation();
         assert!(rows.len() > 200);
-        for row in rows.iter().step_by(50) {
+        // Every tenth is enough: neighbors differ by their noise alone.
+        for row in rows.iter().step_by(10) {
             let equation = crate::thol_2016().saturation(row.temperature).unwrap();
-            assert!((row.liquid_density - equation.liquid_density).abs() < 0.003);
-            assert!((row.pressure / equation.pressure - 1.0).abs() < 0.03);
+            assert!((row.liquid_density - equation.liquid_density).abs() < 0.0025);
+            assert!((row.vapor_density / equation.vapor_density - 1.0).abs() < 0.025);
+            assert!((row.pressure / equation.pressure - 1.0).abs() < 0.025);
         }
     }
 }

@@ -1,7 +1,5 @@
 //! What every neighbor list does, whether it has one list per particle or one per cluster.
 
-use std::ops::Range;
-
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 
@@ -16,7 +14,7 @@ use crate::sort::{Belongs, Cells, Columns, GridError, Positions};
 /// coordinates, and [`fill`](PairList::fill) searches.
 ///
 /// A list of a *part* has the lists of the particles in some columns of the box. These particles have the first slots, in
-/// the order of the whole, and the particles around them (the *halo*) have slots behind. Its lists are those of the whole.
+/// the order of the whole, and the particles around them (the *halo*) have slots behind. They have the lists that the whole has.
 pub trait PairList: Sync {
     /// Whether pairs can be inserted after the build.
     const INSERTS: bool = false;
@@ -50,8 +48,8 @@ pub trait PairList: Sync {
         reach: Reach,
         positions: Positions<'_>,
     ) -> Result<(), GridError>;
-    /// Goes on with a build: places the particles at some runs of slots, where `at` has positions by slot, σ.
-    fn place(&mut self, cell: &PeriodicBox, runs: &[Range<usize>], at: &[DVec3]);
+    /// Goes on with a build: places the particles, where `at` has positions by slot, σ.
+    fn place(&mut self, cell: &PeriodicBox, at: &[DVec3]);
     /// Begins a build of a part of `whole` particles in a box; returns the columns of the box.
     fn begin_part(&mut self, cell: &PeriodicBox, reach: Reach, whole: usize) -> Columns;
     /// The column of a position in the box of [`begin_part`](PairList::begin_part).

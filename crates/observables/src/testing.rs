@@ -4,7 +4,7 @@ use lennard_core::random::Streams;
 use lennard_core::{DVec3, Own, PeriodicBox, Species, SpeciesTable, State, System, View};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
-use crate::BuildContext;
+use crate::{BuildContext, Estimate, Findings};
 
 pub(crate) fn context(side: f64, n_atoms: usize) -> BuildContext {
     BuildContext {
@@ -40,6 +40,47 @@ pub(crate) fn view_of(cell: &PeriodicBox, positions: Vec<DVec3>, mut look: impl 
     let n = positions.len();
     let state = State::new(*cell, positions, vec![DVec3::ZERO; n]);
     look(&View::of(&state, &System::atoms(n)));
+}
+
+/// The mean of a name.
+#[track_caller]
+pub(crate) fn estimate(findings: &Findings, name: &str) -> Estimate {
+    let found = findings.averages.iter().find(|a| a.name == name);
+    found.unwrap_or_else(|| panic!("{name}: {:?}", findings.remarks)).estimate
+}
+
+/// The column of a name in the first table.
+#[track_caller]
+pub(crate) fn column(findings: &Findings, name: &str) -> Vec<f64> {
+    findings.tables[0].numbers(name).unwrap_or_else(|| panic!("no column {name}"))
+}
+
+/// Shows samples of particles of two species whose velocities decay at these rates at T = 0.8, and returns D of each species.
+///
+/// D is by the trapezoidal sum of e^{−γt}, which is h/2·coth(γh/2) in place of 1/γ.
+pub(crate) fn under_friction(
+    context: &BuildContext,
+    (seed, samples): (u64, u64),
+    gamma: [f64; 2],
+    mut look: impl FnMut(&View<'_>),
+) -> [f64; 2] {
+    let (n, h, species) = (context.n_atoms, context.dt, &context.species);
+    let of = |i: usize| {
+        let a = species.of(i);
+        let width = (0.8 / species.species(a).mass).sqrt();
+        (width, (-gamma[a] * h).exp())
+    };
+    let start = (0..n).map(|i| of(i).0 * normal(seed, u64::MAX, i)).collect();
+    let mut state = State::new(context.cell, vec![DVec3::ZERO; n], start);
+    let system = System::of_species(species.clone());
+    for s in 0..samples {
+        look(&View::of(&state, &system));
+        for (i, v) in state.velocities.iter_mut().enumerate() {
+            let (width, decay) = of(i);
+            *v = decay * *v + width * (1.0 - decay * decay).sqrt() * normal(seed, s, i);
+        }
+    }
+    [0, 1].map(|a| 0.8 / species.species(a).mass * 0.5 * h / (0.5 * gamma[a] * h).tanh())
 }
 
 /// Standard normal vectors, a pure function of (seed, step, particle).

@@ -65,7 +65,7 @@ pub fn of_engine(error: EngineError, from_file: bool) -> PyErr {
         | EngineError::Begun(_)
         | EngineError::NoSuchResult { .. }
         | EngineError::Threads(PoolError::Number(_)) => PyValueError::new_err(error.to_string()),
-        EngineError::Ranks(_) | EngineError::PlanRanks(_) | EngineError::Threads(_) => {
+        EngineError::Ranks(_) | EngineError::Threads(_) => {
             PyRuntimeError::new_err(error.to_string())
         }
     }

@@ -22,8 +22,7 @@ pub enum Source {
 
 impl Source {
     /// The source in words.
-    #[must_use]
-    pub fn words(self) -> &'static str {
+    pub(crate) fn words(self) -> &'static str {
         match self {
             Self::Article => "article on Verlet integration",
             Self::Manual => "manual of the SPOOK integrator",
@@ -313,7 +312,7 @@ pub(crate) struct Measured {
 
 impl Measured {
     /// Words that the text of the page has in braces.
-    pub fn word(&mut self, name: &'static str, word: String) {
+    pub(crate) fn word(&mut self, name: &'static str, word: String) {
         self.given.words.push((name, word));
     }
 }

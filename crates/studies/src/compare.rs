@@ -277,18 +277,10 @@ pub(crate) fn capital(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use lennard_io::AverageRecord;
-    use lennard_observables::{Estimate, Standing};
-
     use super::*;
 
     fn agreeing(quantity: &str) -> Row {
-        let average = AverageRecord {
-            estimate: Estimate { freedom: 99.0, ..Estimate::new(1.0, 0.1, 100.0) },
-            unit: String::new(),
-            standing: Standing::Sound,
-            reason: String::new(),
-        };
+        let average = crate::testing::average(1.0, 0.1);
         Row { verdict: Verdict::Agrees, primary: true, ..Row::measured(quantity, &average) }
     }
 

@@ -138,8 +138,7 @@ pub fn freezing_at(equation: &dyn EquationOfState, temperature: f64) -> Vec<Free
 }
 
 /// The temperature at which the liquid of a freezing line has a pressure (ε/σ³) by an equation; `None` outside the line and the equation.
-#[must_use]
-pub fn freezing_temperature(
+pub(crate) fn freezing_temperature(
     equation: &dyn EquationOfState,
     line: &FreezingLine,
     pressure: f64,

@@ -28,6 +28,8 @@ pub mod run_page;
 pub mod settings;
 pub mod stability;
 pub mod sweep;
+#[cfg(test)]
+mod testing;
 pub mod tune;
 
 pub use error::StudyError;

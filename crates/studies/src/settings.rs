@@ -48,8 +48,7 @@ impl Settings {
     }
 
     /// Whether these are [`Settings::usual`], with a step that differs by a twentieth at most.
-    #[must_use]
-    pub fn are_usual(&self) -> bool {
+    pub(crate) fn are_usual(&self) -> bool {
         let usual = self.usual(f64::INFINITY);
         usual.is_some_and(|usual| {
             let alike = Self { dt: usual.dt, ..self.clone() };
@@ -58,8 +57,7 @@ impl Settings {
     }
 
     /// The settings of a scene.
-    #[must_use]
-    pub fn of(scene: &Scene) -> Self {
+    pub(crate) fn of(scene: &Scene) -> Self {
         Self {
             integrator: scene.integrator.method.clone(),
             dt: scene.integrator.dt,
@@ -78,7 +76,7 @@ impl Settings {
     ///
     /// # Errors
     /// [`StudyError::Settings`] where they do not go together or do not fit the scene.
-    pub fn apply(&self, scene: &Scene) -> Result<Scene, StudyError> {
+    pub(crate) fn apply(&self, scene: &Scene) -> Result<Scene, StudyError> {
         let refused = |reason: String| StudyError::Settings { label: self.label(), reason };
         if !(self.dt.is_finite() && self.dt > 0.0) {
             return Err(refused(format!("dt must be above 0, found {}", self.dt)));
@@ -115,8 +113,7 @@ impl Settings {
     }
 
     /// The settings in a line: `velocity-verlet, dt 0.00462, cut at 2.5 σ with tail, double, list`.
-    #[must_use]
-    pub fn label(&self) -> String {
+    pub(crate) fn label(&self) -> String {
         let list = match (self.list, self.skin) {
             (ListMode::Direct, _) => "all pairs".to_owned(),
             (_, Some(skin)) => format!("list with skin {skin} σ"),
@@ -132,8 +129,7 @@ impl Settings {
     }
 
     /// The truncation in words: `cut at 2.5 σ with tail`.
-    #[must_use]
-    pub fn truncation_label(&self) -> String {
+    pub(crate) fn truncation_label(&self) -> String {
         let r_cut = rounded(self.truncation.r_cut);
         let unit = match self.truncation.r_cut_in {
             Some(CutoffUnit::Pair) => "σ_ab",
@@ -152,8 +148,7 @@ impl Settings {
     }
 
     /// With another method, and the split that it needs.
-    #[must_use]
-    pub fn with_integrator(&self, integrator: IntegratorOptions) -> Self {
+    pub(crate) fn with_integrator(&self, integrator: IntegratorOptions) -> Self {
         let splits = matches!(integrator, IntegratorOptions::Respa(_));
         Self {
             split: splits.then(|| self.split.unwrap_or(DEFAULT_SPLIT)),
@@ -163,8 +158,7 @@ impl Settings {
     }
 
     /// With another truncation; the start of a switch is left to its default.
-    #[must_use]
-    pub fn with_truncation(&self, kind: TruncationKind, r_cut: f64, tail: bool) -> Self {
+    pub(crate) fn with_truncation(&self, kind: TruncationKind, r_cut: f64, tail: bool) -> Self {
         Self {
             truncation: TruncationOptions {
                 tail_correction: tail,
@@ -182,8 +176,7 @@ fn rounded(length: f64) -> String {
 }
 
 /// Whether the truncation of this potential can be chosen at all: WCA ends by itself.
-#[must_use]
-pub fn truncation_is_free(scene: &Scene) -> bool {
+pub(crate) fn truncation_is_free(scene: &Scene) -> bool {
     scene.potential.own_end().is_none()
 }
 

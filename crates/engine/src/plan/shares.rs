@@ -73,8 +73,9 @@ pub(super) struct Costs {
     pub(super) parts: Option<Vec<Part>>,
     /// The mean time of such a step, s; `None` where steps are too slow to measure.
     pub(super) mean_step: Option<f64>,
-    /// Builds of the list in such a step.
+    /// Builds of the list in such a step, and their share of its time.
     pub(super) builds: f64,
+    pub(super) building: f64,
 }
 
 impl Costs {
@@ -106,6 +107,7 @@ impl Costs {
             text_bytes: frame(&bare, TrajectoryFormat::Xyz, &style_of_last(&bare)).1,
             parts: step.map(|_| parts),
             mean_step: step,
+            building: step.map_or(0.0, |step| neighbor / step),
             builds: (last.builds - first.builds) as f64 / all,
         })
     }

@@ -181,23 +181,6 @@ mod tests {
     use crate::close_pairs::{Sizes, closest_pair};
 
     #[test]
-    fn an_fcc_crystal_has_twelve_nearest_neighbors_at_the_right_distance() {
-        let cell = PeriodicBox::cubic_for_density(256, 0.8442).unwrap();
-        let fcc = [[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
-        let sites = lattice_sites(DVec3::ZERO, cell.lengths(), [4; 3], &fcc, None);
-        let some = lattice_sites(DVec3::ZERO, cell.lengths(), [4; 3], &fcc, Some(37..91));
-        assert_eq!(some, sites[37..91]);
-        assert_eq!(sites.len(), 256);
-        let nearest = cell.lengths().x / 4.0 / 2.0_f64.sqrt();
-        for (i, a) in sites.iter().enumerate() {
-            let shell = sites.iter().enumerate().filter(|(j, b)| {
-                *j != i && (cell.minimum_image(*a - **b).length() - nearest).abs() < 1e-12
-            });
-            assert_eq!(shell.count(), 12);
-        }
-    }
-
-    #[test]
     fn random_points_keep_their_distance_even_in_the_dense_liquid() {
         let cell = PeriodicBox::cubic_for_density(400, 0.8442).unwrap();
         let points = random_points(&cell, 400, Streams::new(5)).unwrap();

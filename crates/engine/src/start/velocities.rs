@@ -84,16 +84,3 @@ pub fn scale_to_temperature(system: &System, velocities: &mut [DVec3], temperatu
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn velocities_have_the_temperature_and_no_momentum() {
-        let system = System::atoms(500);
-        let v = thermal_velocities(&system, &[DVec3::ZERO; 500], 0.722, Streams::new(1));
-        assert!((system.temperature(&v, Momentum::Conserved) - 0.722).abs() < 1e-14);
-        assert!(system.momentum(&v).length() < 1e-12);
-    }
-}

@@ -128,13 +128,9 @@ fn a_column_that_sweeps_do_not_solve_ends_the_run_and_a_number_of_sweeps_is_take
     ] {
         let mut run = common::prepared(scene_of_inputs("stack-spook", column));
         let words = run.follow(&mut Unfollowed).unwrap_err().to_string();
-        for part in [
-            "80 contacts of bodies that touch each other were not solved for in 20000 sweeps",
-            "take `contact.compliance` above 0",
-            advice,
-        ] {
-            assert!(words.contains(part), "{words}");
-        }
+        let told =
+            "80 contacts of bodies that touch each other were not solved for in 20000 sweeps";
+        common::contains(&words, &[told, "take `contact.compliance` above 0", advice]);
     }
     for way in ["contact.compliance=0.001", "contact.sweeps=50"] {
         assert_eq!(of_inputs("stack-spook", &format!("{column} {way}")).state.step, 10);
@@ -175,8 +171,8 @@ fn a_fluid_with_held_particles_keeps_its_energy_and_they_their_places() {
     }
     assert_eq!(run.view().n_dof(), 3.0 * 104.0);
     assert!(held_to(&run) < 1e-3, "{}", held_to(&run));
-    let pressure = run.thermodynamics().finish(0.0).averages;
-    let pressure = pressure.iter().find(|a| a.name == "pressure").unwrap();
+    let found = [run.thermodynamics().finish(0.0)];
+    let pressure = common::average(&found, "pressure").unwrap();
     assert!(pressure.doubt.is_some(), "no one pressure with held particles");
 }
 
@@ -197,14 +193,13 @@ fn molecules_between_walls_that_exert_forces_keep_their_energy_and_their_bonds()
 fn a_contact_too_weak_for_its_load_stops_the_run_and_says_who_and_where() {
     let mut run = common::prepared(scene_of_inputs("stack", "contact.stiffness=3.0"));
     let error = run.follow(&mut lennard_engine::Unfollowed).unwrap_err().to_string();
-    for words in [
+    let words = [
         "particles 0 and 1 overlap by 0.5",
         "half their contact distance",
         "the spring of the contact is too weak for bodies so fast or so heavy",
         "contact.stiffness",
-    ] {
-        assert!(error.contains(words), "{words}: {error}");
-    }
+    ];
+    common::contains(&error, &words);
 }
 
 #[test]

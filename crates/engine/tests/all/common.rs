@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use lennard_engine::{Progress, Simulation, Unfollowed, prepare};
+use lennard_observables::{Average, Findings};
 use lennard_scene::{Scene, SceneError};
 use tempfile::TempDir;
 
@@ -58,6 +59,25 @@ pub(crate) fn ran(scene: Scene) -> Simulation {
     let mut simulation = prepared(scene);
     follow(&mut simulation);
     simulation
+}
+
+/// A mean of a run by its name.
+pub(crate) fn average<'a>(findings: &'a [Findings], name: &str) -> Option<&'a Average> {
+    findings.iter().flat_map(|found| &found.averages).find(|average| average.name == name)
+}
+
+/// Wants these words in a message.
+#[track_caller]
+pub(crate) fn contains(message: &str, words: &[&str]) {
+    for part in words {
+        assert!(message.contains(part), "wanted `{part}` in\n{message}");
+    }
+}
+
+/// The message of what does not succeed.
+#[track_caller]
+pub(crate) fn refused<T, E: std::fmt::Display>(result: Result<T, E>) -> String {
+    result.err().expect("refused").to_string()
 }
 
 /// Positions, velocities and forces as bits.

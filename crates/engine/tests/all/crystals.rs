@@ -1,6 +1,6 @@
 //! Starts with a crystal beside its liquid, and runs of them.
 
-use lennard_engine::{Simulation, Unfollowed};
+use lennard_engine::Simulation;
 use lennard_observables::{Remark, solid_share};
 
 use crate::common::{self, prepared};
@@ -57,12 +57,11 @@ fn hot_crystals_melt_and_their_fronts_go_back() {
         "system.temperature=1.5 start.crystal_density=1.0063
         start.liquid_density=0.9186 stage.production.steps=1500",
     );
-    s.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}"));
+    common::follow(&mut s);
     let findings = s.findings();
-    let all = || findings.iter().flat_map(|f| &f.averages);
-    let front = all().find(|a| a.name == "front_velocity").unwrap();
+    let front = common::average(&findings, "front_velocity").unwrap();
     assert!(front.estimate.mean < 0.0, "{front:?}");
-    assert!(all().all(|a| a.name != "speed_of_sound"));
+    assert_eq!(common::average(&findings, "speed_of_sound"), None);
     let remarks: Vec<&Remark> = findings.iter().flat_map(|f| &f.remarks).collect();
     let told = remarks.iter().any(|r| matches!(r, Remark::Fronts(_)));
     assert!(told, "{remarks:?}");
@@ -75,7 +74,6 @@ fn the_cross_section_may_change_beside_a_crystal_and_not_in_a_fluid() {
     let fluid = CRYSTAL.replace(start, "");
     let held = held("1.0", "xy-z");
     let as_fluid = format!("system.n_atoms=864 system.density=0.8 {held}");
-    let error = lennard_engine::prepare(common::scene(&fluid, &as_fluid)).err();
-    let words = error.expect("a fluid is refused").to_string();
-    assert!(words.contains("has no stiffness of shape"), "{words}");
+    let error = common::refused(lennard_engine::prepare(common::scene(&fluid, &as_fluid)));
+    common::contains(&error, &["has no stiffness of shape"]);
 }

@@ -25,9 +25,7 @@ fn change(s: &Simulation) -> (f64, f64) {
 }
 
 fn average(s: &Simulation, name: &str) -> Average {
-    let all = s.findings();
-    let mut averages = all.iter().flat_map(|found| &found.averages);
-    averages.find(|a| a.name == name).expect(name).clone()
+    common::average(&s.findings(), name).expect(name).clone()
 }
 
 /// Per molecule and over the run: the change of E, and the RMS of E less the heat.

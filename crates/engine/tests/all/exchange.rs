@@ -1,8 +1,8 @@
 //! Exchanges of velocities: what they keep, and what they drive.
 
-use lennard_engine::{Simulation, Unfollowed};
+use lennard_engine::Simulation;
 
-use crate::common::{self, prepared};
+use crate::common;
 
 /// A dense gas in a long box at constant energy.
 const GAS: &str = r#"
@@ -18,16 +18,14 @@ fn run(exchange: &str, steps: &str, dt: &str) -> Simulation {
         "stage.production.exchange={exchange}
         stage.production.steps={steps} integrator.dt={dt}"
     );
-    let mut simulation = prepared(common::scene(GAS, &overrides));
-    assert!(simulation.follow(&mut Unfollowed).unwrap_or_else(|e| panic!("{e}")));
-    simulation
+    common::ran(common::scene(GAS, &overrides))
 }
 
 /// The profile of a run: a value for each slab, and the mean named.
 fn found(simulation: &Simulation, name: &str) -> (Vec<f64>, f64) {
     let all = simulation.findings();
     let table = all.iter().flat_map(|f| &f.tables).find(|t| t.name == "exchange_profile").unwrap();
-    let average = all.iter().flat_map(|f| &f.averages).find(|a| a.name == name).unwrap();
+    let average = common::average(&all, name).unwrap();
     (table.columns[2].numbers(), average.estimate.mean)
 }
 
@@ -58,7 +56,5 @@ fn heat_goes_to_the_middle_slab_and_momentum_to_the_first() {
     assert!(v[0] > v[3] + 0.05 && v[3] > v[6] + 0.05, "{v:?}");
     assert!((0.1..2.0).contains(&eta), "{eta}");
     // A fluid with a gradient has no response functions of its own.
-    let all = driven.findings();
-    let mut names = all.iter().flat_map(|f| &f.averages).map(|a| a.name.as_str());
-    assert!(names.all(|name| name != "heat_capacity_pressure"));
+    assert_eq!(common::average(&driven.findings(), "heat_capacity_pressure"), None);
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use lennard_core::{DVec3, Momentum};
-use lennard_engine::{EngineError, Simulation, evaluate_energy, prepare};
+use lennard_engine::{Simulation, evaluate_energy, prepare};
 use lennard_scene::Scene;
 
 use crate::common;
@@ -76,7 +76,7 @@ fn momenta_over_the_masses_of_the_scene_are_the_velocities_of_the_start() {
         format!("{} {} {}", p.x, p.y, p.z)
     };
     std::fs::write(&path, xyz("momenta:R:3", with)).unwrap();
-    let simulation = prepare(scene_of(&path, MIXTURE)).unwrap_or_else(|e| panic!("{e}"));
+    let simulation = common::prepared(scene_of(&path, MIXTURE));
     let mass = |i: usize| if i % 4 < 2 { 2.0 } else { 4.0 };
     let twice_kinetic: f64 = (0..64).map(|i| momentum(i).length_squared() / mass(i)).sum();
     let wanted = twice_kinetic / (3.0 * 63.0);
@@ -88,20 +88,12 @@ fn momenta_over_the_masses_of_the_scene_are_the_velocities_of_the_start() {
     // Velocities beside them that are others.
     let twice = |i: usize| format!("{} {}", with(i), with(i));
     std::fs::write(&path, xyz("momenta:R:3:velo:R:3", twice)).unwrap();
-    match prepare(scene_of(&path, MIXTURE)) {
-        Err(EngineError::Scene(e)) => {
-            let message = e.to_string();
-            assert!(
-                message.contains("beside the momentum") && message.contains("particle 1 of"),
-                "{message}"
-            );
-        }
-        _ => panic!("a contradiction was taken"),
-    }
+    let refused = common::refused(prepare(scene_of(&path, MIXTURE)));
+    common::contains(&refused, &["beside the momentum", "particle 1 of"]);
 
     // Without any, the run says in its first lines that it draws them.
     std::fs::write(&path, xyz("tag:I:1", |_| "0".to_owned())).unwrap();
-    let simulation = prepare(scene_of(&path, MIXTURE)).unwrap_or_else(|e| panic!("{e}"));
+    let simulation = common::prepared(scene_of(&path, MIXTURE));
     assert!((temperature(&simulation) - 1.0).abs() < 1e-12);
     let wanted = "momenta.xyz has no velocities: they are drawn at T = 1 with seed 5";
     assert!(simulation.remarks[0].ends_with(wanted), "{:?}", simulation.remarks);

@@ -2,8 +2,8 @@
 
 use lennard_core::DVec3;
 use lennard_engine::{
-    Action, EngineError, Follower, Operation, Schedule, Simulation, StopAt, Trigger, Unfollowed,
-    prepare_from, start,
+    Action, Follower, Operation, Schedule, Simulation, StopAt, Trigger, Unfollowed, prepare_from,
+    start,
 };
 
 use crate::common::{self, bits, follow, prepared};
@@ -93,26 +93,6 @@ fn momentum_of_mixed_precision_stays_below_a_random_walk_of_its_rounding() {
         // It is the mixed loop that ran.
         assert!(momentum > 1e-3 * walk, "{steps} steps: {momentum:e} of {walk:e}");
     }
-}
-
-#[test]
-fn a_step_far_too_large_stops_the_run_and_says_why() {
-    let mut s = build("integrator.dt=0.08");
-    let error =
-        s.follow(&mut Unfollowed).expect_err("dt = 0.08 is far past the limit of stability");
-    assert_eq!(error.exit_code(), 3);
-    let text = error.to_string();
-    assert!(text.contains("dt = 0.08 τ is too large"), "{text}");
-    assert!(matches!(error, EngineError::Physics(_)));
-}
-
-#[test]
-fn hot_particles_outrun_no_list() {
-    let s = ran("system.temperature=3");
-    let statistics = s.forces.statistics();
-    let seen = s.force_check.seen();
-    assert!(seen.forces >= 10 && seen.largest_deviation < 1.0, "{seen:?}");
-    assert_eq!(statistics.evaluations, 1001);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Starts as a slab of liquid beside its vapor, and runs of them.
 
 use lennard_engine::{Simulation, Unfollowed, start};
-use lennard_observables::Remark;
+use lennard_observables::{Findings, Remark};
 
 use crate::common::{self, prepared};
 
@@ -87,10 +87,7 @@ fn means_of_one_phase_are_left_out_of_a_slab_and_told_by_name() {
         let both = r#"observable=[{ kind = "interface" }, { kind = "rdf" }]"#;
         common::ran(common::scene(SLAB, &format!("{both} {overrides}"))).findings()
     };
-    let has = |findings: &[lennard_observables::Findings], name: &str| {
-        let mut all = findings.iter().flat_map(|f| &f.averages);
-        all.any(|a| a.name == name)
-    };
+    let has = |findings: &[Findings], name: &str| common::average(findings, name).is_some();
     for (overrides, is_planar) in [(TAILS[0], false), (TAILS[1], true)] {
         let findings = told(overrides);
         for name in lennard_observables::response_functions() {
@@ -115,42 +112,4 @@ fn means_of_one_phase_are_left_out_of_a_slab_and_told_by_name() {
         assert!(left_out[0].contains(&"two_body_entropy".to_owned()), "{remarks:?}");
         assert!(!remarks.iter().any(|r| matches!(r, Remark::HeatCapacity { .. })));
     }
-}
-
-const QUENCHED: &str = r#"
-    system = { n_atoms = 864, density = 0.25, temperature = 0.75, seed = 3 }
-    truncation = { kind = "cut", r_cut = 2.5, tail_correction = true }
-    integrator = { dt = 0.005 }
-    stage = [{ name = "production", steps = 6000, thermostat = { kind = "bussi", tau = 0.2 } }]
-"#;
-
-fn mean_of<'a>(
-    found: &'a [lennard_observables::Findings],
-    name: &str,
-) -> Option<&'a lennard_observables::Average> {
-    found[0].averages.iter().find(|a| a.name == name)
-}
-
-/// Findings of a homogeneous start at a temperature.
-fn quenched(temperature: &str) -> Vec<lennard_observables::Findings> {
-    let keys = format!("system.temperature={temperature}");
-    common::ran(common::scene(QUENCHED, &keys)).findings()
-}
-
-#[test]
-fn a_fluid_that_separates_by_itself_has_no_means_of_one_phase() {
-    let is_told = |found: &[lennard_observables::Findings]| {
-        let mut remarks = found.iter().flat_map(|f| &f.remarks);
-        remarks.any(|r| matches!(r, Remark::Separated { .. }))
-    };
-    let separated = quenched("0.75");
-    assert!(is_told(&separated), "{:?}", separated[0].remarks);
-    let pressure = mean_of(&separated, "pressure").unwrap();
-    assert!(pressure.estimate.standard_error.is_nan() && pressure.doubt.is_some());
-    assert!(mean_of(&separated, "isothermal_compressibility").is_none());
-    assert!(mean_of(&separated, "potential_energy").is_some());
-    // Above the critical point the same start stays one phase.
-    let one_phase = quenched("1.6");
-    assert!(!is_told(&one_phase));
-    assert!(mean_of(&one_phase, "isothermal_compressibility").is_some());
 }

@@ -113,6 +113,12 @@ impl<P: PackedList> Listed<P> {
         Self { list, validity, packed, fused, folded: None }
     }
 
+    /// Number of bundles of columns in a box with `whole` particles, which ranks can own.
+    pub fn bundles(&mut self, cell: &PeriodicBox, whole: usize) -> usize {
+        let reach = self.validity.reach::<P>(cell);
+        self.list.begin_part(cell, reach, whole).bundles()
+    }
+
     /// Shares the list of `whole` particles with the other ranks of a team; returns whether it can.
     ///
     /// Canonical forces have a loop in the order of the particles, which is not shared.

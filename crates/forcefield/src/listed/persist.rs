@@ -7,7 +7,7 @@ use lennard_core::{PeriodicBox, RestoreError, StateReader, StateWriter};
 
 use super::Listed;
 use crate::simd::{PackedList, to_particles};
-use crate::validity::Lacking;
+use crate::validity::build::Lacking;
 
 impl<P: PackedList> Listed<P> {
     /// Writes what a restart needs.

@@ -69,8 +69,7 @@ impl Part {
         if particles.move_on {
             by_slot_in_place(&list.source()[..own], &mut particles.velocities);
         }
-        let n = particles.positions.len();
-        list.place(cell, &[0..n], &particles.positions);
+        list.place(cell, &particles.positions);
         particles.numbers.clear();
         self.split(list, &beyond, near);
         self.team.note_halo(self.near.len());
@@ -219,7 +218,7 @@ impl Part {
         })
     }
 
-    /// Splits chunks into those that name no halo and the others, and rows into own ones and those of the halo.
+    /// Splits chunks into inner ones, which name no halo, and outer ones, and rows into own ones and rows of the halo.
     fn split<P: PairList>(&mut self, list: &P, beyond: &Beyond, near: f64) {
         let own = list.own();
         let chunks = list.chunk_slots();
@@ -245,7 +244,7 @@ impl Part {
             runs_of(all.filter(|(_, slot)| ((*slot as usize) < own) == is_own).map(|(k, _)| k))
         };
         self.rows = [
-            RowRuns { slots: vec![0..own], ghosts: ghosts(true) },
+            RowRuns { slots: runs_of(0..own), ghosts: ghosts(true) },
             RowRuns { slots: runs_of(halo), ghosts: ghosts(false) },
         ];
         self.partners = Partners::new(list.cells(), 0..own as u32);

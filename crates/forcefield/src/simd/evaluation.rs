@@ -4,9 +4,9 @@ use glam::{DMat3, DVec3};
 
 use super::disjoint::Disjoint;
 use super::fused::NextRows;
-use super::list_in_use::{ListInUse, ListStatus, Ordered};
+use super::list_in_use::{Fetch, ListInUse, ListStatus, Ordered};
 use super::output::Output;
-use super::packed::{Fetch, Outcome, PackedCopies, Pass, Request};
+use super::packed::{Outcome, PackedCopies, Pass, Request};
 use super::packed_list::PackedList;
 use crate::part::Part;
 use crate::sums::{PerParticle, Totals};

@@ -8,12 +8,10 @@ use lennard_neighbor::{
 
 use super::level::Level;
 use super::motion::{Motion, MotionSummary, SlotSpecies};
-use super::packed::Fetch;
 use super::row::DoubleRow;
 use crate::interaction::Pairwise;
 use crate::part::Part;
-use crate::validity::Lacking;
-use crate::validity::build::Build;
+use crate::validity::build::{Build, Lacking};
 
 /// Positions and the index in them of each slot.
 #[derive(Clone, Copy)]
@@ -54,6 +52,9 @@ pub enum ListStatus {
     /// A position is not a finite number.
     NonFinite,
 }
+
+/// Fetches the positions of the halo while some work is done: of all of it, or of what lists name.
+pub type Fetch<'a> = dyn Fn(bool, &mut dyn FnMut()) + Sync + 'a;
 
 /// A list with all that its use in a box depends on.
 pub struct ListInUse<'a, P> {

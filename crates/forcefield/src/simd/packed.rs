@@ -15,7 +15,7 @@ use lennard_neighbor::{LARGE_SYSTEM, PackedDisplacement};
 
 use super::disjoint::Disjoint;
 use super::fused::{ChunkDisplacement, NextRows};
-use super::list_in_use::{ListInUse, ListStatus, Ordered};
+use super::list_in_use::{Fetch, ListInUse, ListStatus, Ordered};
 use super::motion::{MotionSummary, SomeRows};
 use super::pack::Threads;
 use super::packed_list::PackedList;
@@ -75,9 +75,6 @@ impl Outcome {
         (self.status, Totals { broken: self.broken, ..totals })
     }
 }
-
-/// Fetches the positions of the halo while some work is done: of all of it, or of what lists name.
-pub type Fetch<'a> = dyn Fn(bool, &mut dyn FnMut()) + Sync + 'a;
 
 /// Runs one chunk over rows, and packs its rows of the next step where asked.
 pub type RunChunk<'a, Row> =
@@ -151,6 +148,9 @@ struct PackedCopy<Row> {
 ///
 /// Below it, the look ahead takes less time than packing all displacements. Nothing but speed depends on it.
 const PACKED_AMONG: usize = 256;
+
+/// Inner chunks between two calls that move messages on: a call takes less than a chunk.
+const CHUNKS_A_CALL: usize = 8;
 
 impl<Row> Default for PackedCopies<Row> {
     fn default() -> Self {
@@ -319,7 +319,13 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
     ) -> Outcome {
         let [inner, outer] = part.inner_and_outer();
         let mut first = Outcome::without_sums(ListStatus::Complete);
-        let mut run_inner = || first = self.run(pass, inner.len(), |k| inner[k] as usize);
+        let inner_chunk = |k: usize| {
+            if k.is_multiple_of(CHUNKS_A_CALL) {
+                part.team().progress();
+            }
+            inner[k] as usize
+        };
+        let mut run_inner = || first = self.run(pass, inner.len(), inner_chunk);
         match pass.fetch {
             Some(fetch) if !part.was_fetched() => fetch(false, &mut run_inner),
             _ => run_inner(),

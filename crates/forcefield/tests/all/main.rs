@@ -8,6 +8,7 @@ mod kernels;
 mod mixtures;
 mod nist;
 mod ranks;
+mod ranks_wire;
 mod strides;
 mod tables;
 mod walls;

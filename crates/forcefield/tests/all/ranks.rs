@@ -159,7 +159,7 @@ fn compare(
     for [ranks, threads] in teams {
         let found = on_ranks(*ranks, *threads, |team| {
             let mut forces = fresh();
-            assert!(forces.share(team, LIMIT).unwrap());
+            assert!(forces.share(team, &start.cell, LIMIT).unwrap());
             (history(start, &mut forces, kind, 7, Some(team)), team.statistics())
         });
         for (rank, (told, statistics)) in found.iter().enumerate() {
@@ -304,7 +304,7 @@ fn one_position_too_few_in_a_halo_is_seen_in_the_bits() {
         for found in on_ranks(2, 1, |team| {
             let mut forces = fresh();
             let lossy = Team::new(Box::new(Lossy(team.clone())));
-            assert!(forces.share(&lossy, LIMIT).unwrap());
+            assert!(forces.share(&lossy, &start.cell, LIMIT).unwrap());
             history(&start, &mut forces, Kind::Isolated, 2, Some(team))
         }) {
             assert!(found != alone, "{kernel:?}");
@@ -341,18 +341,20 @@ fn too_many_ranks_are_refused_and_other_searches_are_not_shared() {
     let options = options(KernelOptions::default());
     for (n, most) in [(3999, 1), (4352, 8)] {
         let at = Conditions { n_atoms: n, ..at };
-        let errors =
-            on_ranks(9, 1, |team| build(&options, &at).unwrap().share(team, LIMIT).unwrap_err());
+        let errors = on_ranks(9, 1, |team| {
+            build(&options, &at).unwrap().share(team, &start.cell, LIMIT).unwrap_err()
+        });
         for error in errors {
             let allowed = format!(
-                "9 ranks for {n} particles\n  allowed: at most {most}, since each rank takes 500 neighbors in space or more"
+                "9 ranks for {n} particles\n  allowed: at most {most} in this box, since each rank owns a bundle of columns with 500 particles or more"
             );
             assert_eq!(error.to_string(), allowed);
         }
     }
     let canonical = ForceFieldOptions { canonical: true, ..options };
-    for shared in on_ranks(2, 1, |team| build(&canonical, &at).unwrap().share(team, LIMIT).unwrap())
-    {
+    for shared in on_ranks(2, 1, |team| {
+        build(&canonical, &at).unwrap().share(team, &start.cell, LIMIT).unwrap()
+    }) {
         assert!(!shared);
     }
 }

@@ -1,24 +1,21 @@
 //! Messages between ranks by MPI.
 
+use std::cell::Cell;
+
 use lennard_core::{Parcel, Wire};
 use mpi::Count;
 use mpi::collective::SystemOperation;
-use mpi::datatype::{Partition, PartitionMut};
+use mpi::datatype::Equivalence;
 use mpi::request::WaitGuard;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Source};
 
-/// The most vectors of one message: MPI counts its numbers in 32 bits.
-const PIECE: usize = Count::MAX as usize / 3;
+/// The most words of one message: MPI counts them in 32 bits.
+const PIECE: usize = Count::MAX as usize;
 
-/// A number of words as MPI counts it.
-///
-/// # Panics
-/// Where one message cannot have so many, which ends all ranks.
-fn count(words: usize) -> Count {
-    Count::try_from(words).unwrap_or_else(|_| {
-        panic!("{words} words between ranks: MPI counts at most {}", Count::MAX)
-    })
+thread_local! {
+    /// Whether this thread has messages under way. MPI takes calls of one thread at a time: no other one may drive them.
+    static IS_WAITING: Cell<bool> = const { Cell::new(false) };
 }
 
 /// All ranks that MPI has started.
@@ -35,20 +32,34 @@ impl World {
     }
 }
 
-/// The number of words of all parts together, which MPI can count.
-fn total(counts: &[Count]) -> usize {
-    let words = counts.iter().map(|count| *count as usize).sum();
-    count(words) as usize
-}
-
-/// Where each part begins, if one follows another.
-fn starts_of(counts: &[Count]) -> Vec<Count> {
-    let mut end = 0;
-    let start = |count: &Count| {
-        end += count;
-        end - count
-    };
-    counts.iter().map(start).collect()
+/// Sends words to other ranks, does some work, and fills the room for the words that come.
+fn pass<'a, T: Equivalence + 'a>(
+    outgoing: impl Iterator<Item = (usize, &'a [T])>,
+    incoming: impl Iterator<Item = (usize, &'a mut [T])>,
+    meanwhile: &mut dyn FnMut(),
+) {
+    let world = SimpleCommunicator::world();
+    mpi::request::scope(|scope| {
+        let mut receiving = Vec::new();
+        for (rank, room) in incoming {
+            let from = world.process_at_rank(rank as i32);
+            let pieces = room.chunks_mut(PIECE);
+            receiving
+                .extend(pieces.map(|p| WaitGuard::from(from.immediate_receive_into(scope, p))));
+        }
+        let mut sending = Vec::new();
+        for (rank, words) in outgoing {
+            let to = world.process_at_rank(rank as i32);
+            let pieces = words.chunks(PIECE);
+            sending.extend(pieces.map(|p| WaitGuard::from(to.immediate_send(scope, p))));
+        }
+        IS_WAITING.set(true);
+        meanwhile();
+        IS_WAITING.set(false);
+        // Each guard waits where it is dropped.
+        drop(receiving);
+        drop(sending);
+    });
 }
 
 impl Wire for World {
@@ -70,76 +81,35 @@ impl Wire for World {
         SimpleCommunicator::world().all_reduce_into(&mine[..], words, SystemOperation::max());
     }
 
-    fn trade(&self, words: Vec<Vec<u64>>) -> Vec<Vec<u64>> {
-        let world = SimpleCommunicator::world();
-        let given: Vec<Count> = words.iter().map(|list| count(list.len())).collect();
-        let mut got: Vec<Count> = vec![0; self.ranks];
-        world.all_to_all_into(&given[..], &mut got[..]);
-        let sent = words.concat();
-        count(sent.len());
-        let mut received = vec![0_u64; total(&got)];
-        let starts = starts_of(&given);
-        let outgoing = Partition::new(&sent[..], given, starts);
-        let starts = starts_of(&got);
-        let mut incoming = PartitionMut::new(&mut received[..], &got[..], starts);
-        world.all_to_all_varcount_into(&outgoing, &mut incoming);
-        let mut rest = &received[..];
-        let list = |count: &Count| {
-            let (list, others) = rest.split_at(*count as usize);
-            rest = others;
-            list.to_vec()
-        };
-        got.iter().map(list).collect()
+    fn trade(&self, mut words: Vec<Vec<u64>>) -> Vec<Vec<u64>> {
+        let lengths: Vec<u64> = words.iter().map(|list| list.len() as u64).collect();
+        let mut coming = vec![0_u64; self.ranks];
+        SimpleCommunicator::world().all_to_all_into(&lengths[..], &mut coming[..]);
+        let own = std::mem::take(&mut words[self.rank]);
+        coming[self.rank] = 0;
+        let mut got: Vec<Vec<u64>> = coming.iter().map(|n| vec![0; *n as usize]).collect();
+        let outgoing = words.iter().map(Vec::as_slice).enumerate();
+        let incoming = got.iter_mut().map(Vec::as_mut_slice).enumerate();
+        pass(outgoing, incoming, &mut || {});
+        got[self.rank] = own;
+        got
     }
 
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut()) {
-        let world = SimpleCommunicator::world();
-        mpi::request::scope(|scope| {
-            let mut running = Vec::with_capacity(outgoing.len() + incoming.len());
-            for parcel in incoming {
-                let from = world.process_at_rank(parcel.rank as i32);
-                for piece in parcel.vectors.chunks_mut(PIECE) {
-                    let piece = piece.as_flattened_mut();
-                    running.push(WaitGuard::from(from.immediate_receive_into(scope, piece)));
-                }
-            }
-            let mut sending = Vec::with_capacity(outgoing.len());
-            for parcel in outgoing {
-                let to = world.process_at_rank(parcel.rank as i32);
-                for piece in parcel.vectors.chunks(PIECE) {
-                    let piece = piece.as_flattened();
-                    sending.push(WaitGuard::from(to.immediate_send(scope, piece)));
-                }
-            }
-            meanwhile();
-            // Each guard waits where it is dropped.
-            drop(running);
-            drop(sending);
-        });
+        let sent = outgoing.iter().map(|parcel| (parcel.rank, parcel.vectors.as_flattened()));
+        let room = incoming.iter_mut();
+        let room = room.map(|parcel| (parcel.rank, parcel.vectors.as_flattened_mut()));
+        pass(sent, room, meanwhile);
+    }
+
+    fn progress(&self) {
+        if IS_WAITING.get() {
+            // Any call moves all messages on. Above some kB, most libraries move nothing between calls.
+            let _ = SimpleCommunicator::world().any_process().immediate_probe();
+        }
     }
 
     fn abort(&self, code: u8) -> ! {
         SimpleCommunicator::world().abort(code.into())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_thousand_million_particles_are_counted_or_refused_and_never_wrapped() {
-        // 3·PIECE numbers are the most that one message counts.
-        assert_eq!(count(3 * PIECE), 2_147_483_646);
-        assert_eq!(1_000_000_000_usize.div_ceil(PIECE), 2);
-        assert_eq!(total(&[1 << 30, (1 << 30) - 1]), Count::MAX as usize);
-        for refused in [|| count(3 * (PIECE + 1)) as usize, || total(&[1 << 30; 2])] {
-            let panic = std::panic::catch_unwind(refused).unwrap_err();
-            let words = panic.downcast_ref::<String>().unwrap();
-            assert!(
-                words.ends_with("words between ranks: MPI counts at most 2147483647"),
-                "{words}"
-            );
-        }
     }
 }

@@ -74,7 +74,6 @@ impl From<EngineError> for Failure {
             EngineError::Folder(e) => Self::new("making the output folder", e, code),
             EngineError::Write(e) => e.into(),
             EngineError::Memory(e) => Self::new("asking for memory", e, code),
-            EngineError::PlanRanks(e) => Self::new("planning for several ranks", e, code),
             EngineError::Ranks(e) => Self::new("sharing the run between ranks", e, code),
             EngineError::Resume(e) => Self::new("going on with a run", e, code),
             EngineError::Physics(e) => Self { message: e.to_string(), code },

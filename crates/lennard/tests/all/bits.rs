@@ -5,14 +5,24 @@ use std::path::Path;
 
 use lennard::prelude::*;
 
+/// Keys of a small liquid with their values.
+const KEYS: [&str; 6] = [
+    "system.n_atoms=108",
+    "truncation.r_cut=2.2",
+    "stage.melt.steps=40",
+    "stage.equilibrate.steps=60",
+    "stage.production.steps=200",
+    "output.trajectory_every=50",
+];
+
 fn liquid() -> SceneBuilder {
-    SceneBuilder::open("verlet-1967/liquid")
-        .set("system.n_atoms", 108)
-        .set("truncation.r_cut", 2.2)
-        .set("stage.melt.steps", 40)
-        .set("stage.equilibrate.steps", 60)
-        .set("stage.production.steps", 200)
-        .set("output.trajectory_every", 50)
+    KEYS.iter().fold(SceneBuilder::open("verlet-1967/liquid"), |builder, pair| {
+        let (key, value) = pair.split_once('=').unwrap();
+        match value.parse::<i64>() {
+            Ok(whole) => builder.set(key, whole),
+            Err(_) => builder.set(key, value.parse::<f64>().unwrap()),
+        }
+    })
 }
 
 fn prepared(builder: &SceneBuilder) -> Simulation {
@@ -33,17 +43,9 @@ fn same_file(one: &Path, other: &Path, name: &str) {
 fn memory_a_folder_and_the_command_line_have_the_same_bits() {
     let temporary = tempfile::tempdir().unwrap();
     let [by_hand, by_us] = ["command", "library"].map(|name| temporary.path().join(name));
-    let keys = [
-        "system.n_atoms=108",
-        "truncation.r_cut=2.2",
-        "stage.melt.steps=40",
-        "stage.equilibrate.steps=60",
-        "stage.production.steps=200",
-        "output.trajectory_every=50",
-    ];
     let folder = by_hand.to_str().unwrap();
     let mut arguments = vec!["lennard", "run", "verlet-1967/liquid", "--quiet", "--out", folder];
-    arguments.extend(keys.iter().flat_map(|key| ["--set", key]));
+    arguments.extend(KEYS.iter().flat_map(|key| ["--set", key]));
     assert_eq!(lennard::program::main(arguments.into_iter().map(Into::into)), 0);
     let record = prepared(&liquid()).run_in_folder(&by_us).unwrap();
     for name in ["scene.toml", "thermo.csv", "trajectory.xyz", "final.xyz", "rdf.csv"] {
@@ -88,6 +90,7 @@ fn a_stage_that_is_added_is_measured_by_itself_and_stands_in_the_scene() {
     let mut again = prepared(&again);
     again.run().unwrap();
     assert_eq!(again.state, liquid.state);
+    assert_eq!(averages(&again), averages(&liquid));
 }
 
 #[test]

@@ -3,9 +3,9 @@
 #[path = "../../examples/argon.rs"]
 mod argon;
 #[path = "../../examples/own_field.rs"]
-mod own_field;
+pub(crate) mod own_field;
 #[path = "../../examples/own_integrator.rs"]
-mod own_integrator;
+pub(crate) mod own_integrator;
 #[path = "../../examples/own_observable.rs"]
 mod own_observable;
 #[path = "../../examples/run.rs"]

@@ -4,100 +4,50 @@ use std::fs;
 use std::sync::atomic::AtomicBool;
 
 use lennard::parts::{
-    Configuration, DMat3, DVec3, Energetics, ForceError, ForceProperties, ForceTerm,
-    IntegratorSpec, Method, Part, Step, StepError, Want, remembers_nothing,
+    Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Part, Want,
+    remembers_nothing,
 };
 use lennard::prelude::*;
 use lennard::{Ending, Progress};
 
-/// A spring between each particle and the plane z = 0, U = Σ ½k·z², or a term with a fault.
+use crate::examples::own_field::Wave;
+use crate::examples::own_integrator::OptimisedVerlet;
+
+/// The field of the example, or a term with a fault.
 #[derive(Clone, Copy)]
-pub struct Spring {
-    pub stiffness: f64,
+pub struct Field {
+    pub wave: Wave,
     pub fault: Option<&'static str>,
 }
 
-remembers_nothing!(Spring);
+remembers_nothing!(Field);
 
-pub const SPRING: Spring = Spring { stiffness: 0.01, fault: None };
+pub const FIELD: Field = Field { wave: Wave { amplitude: 0.1 }, fault: None };
 
-impl ForceTerm for Spring {
+impl ForceTerm for Field {
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
-        _part: Part,
+        part: Part,
         want: Want,
         forces: &mut [DVec3],
     ) -> Result<Energetics, ForceError> {
-        let k = self.stiffness;
-        for (f, r) in forces.iter_mut().zip(at.positions) {
-            *f = -k * r.z * DVec3::Z;
+        let mut found = self.wave.evaluate(at, part, want, forces)?;
+        match self.fault {
+            Some("leaves one out") => forces[3] = DVec3::NAN,
+            Some("no virial") => found.virial = None,
+            _ => {}
         }
-        if self.fault == Some("leaves one out") {
-            forces[3] = DVec3::NAN;
-        }
-        let of = |r: &DVec3| 0.5 * k * r.z * r.z;
-        let energy = want.energy.then(|| at.positions.iter().map(of).sum());
-        let each = || at.positions.iter().map(|r| (of(r), DMat3::ZERO)).collect();
-        Ok(Energetics {
-            potential_energy: energy,
-            conserved_potential: energy,
-            virial: (want.virial && self.fault != Some("no virial")).then_some(DMat3::ZERO),
-            laplacian: want.laplacian.then_some(k * at.positions.len() as f64),
-            virial_trace: None,
-            pairs: None,
-            per_particle: want.per_particle.then(each),
-        })
+        Ok(found)
     }
 
     fn force_on(&self, particle: usize, at: Configuration<'_>) -> DVec3 {
-        let sign = if self.fault == Some("another force") { 1.0 } else { -1.0 };
-        sign * self.stiffness * at.positions[particle].z * DVec3::Z
+        let sign = if self.fault == Some("another force") { -1.0 } else { 1.0 };
+        sign * self.wave.force_on(particle, at)
     }
 
     fn properties(&self) -> ForceProperties {
-        ForceProperties { breaks_momentum: [false, false, true], ..ForceProperties::default() }
-    }
-}
-
-static SPEC: IntegratorSpec = IntegratorSpec {
-    name: "position-verlet",
-    summary: "half a drift, a kick, half a drift",
-    equations: "x ← x + ½h·v; v ← v + h·a; x ← x + ½h·v",
-    position_order: 2,
-    velocity_order: 2,
-    symplectic: true,
-    reversible: true,
-    fixed_step_only: false,
-    velocity_dependent_forces: false,
-    conserves_momentum: true,
-    half_kicks: false,
-    is_kick_drift_kick: false,
-    holds_rigid_bonds: false,
-    on_ranks: true,
-    force_evaluations: 2,
-    stability_limit: Some(2.0),
-    oscillator_map: None,
-    source: "Tuckerman, Berne and Martyna (1992)",
-};
-
-/// Verlet on positions, with forces at the end of each step for those who look.
-#[derive(Clone)]
-pub struct PositionVerlet;
-
-remembers_nothing!(PositionVerlet);
-
-impl Method for PositionVerlet {
-    fn spec(&self) -> &'static IntegratorSpec {
-        &SPEC
-    }
-
-    fn step(&mut self, s: &mut Step<'_>) -> Result<(), StepError> {
-        s.drift(0.5);
-        s.inner_forces()?;
-        s.kick(1.0);
-        s.drift(0.5);
-        s.forces()
+        self.wave.properties()
     }
 }
 
@@ -116,7 +66,7 @@ pub fn fluid() -> SceneBuilder {
 }
 
 pub fn parts() -> OwnParts {
-    OwnParts::none().force("spring", SPRING).method(PositionVerlet)
+    OwnParts::none().force("wave", FIELD).method(OptimisedVerlet)
 }
 
 pub fn prepared(parts: OwnParts) -> lennard::Result<Simulation> {
@@ -136,10 +86,10 @@ impl Progress for StopAt<'_> {
 
 #[test]
 fn a_field_adds_its_energy_and_its_force_and_takes_a_degree_of_freedom_back() {
-    let mut with = prepared(OwnParts::none().force("spring", SPRING)).unwrap();
+    let mut with = prepared(OwnParts::none().force("wave", FIELD)).unwrap();
     let mut without = prepared(OwnParts::none()).unwrap();
-    let positions = with.state.positions.clone();
-    let energy: f64 = positions.iter().map(|r| 0.005 * r.z * r.z).sum();
+    let k = std::f64::consts::TAU / with.state.cell.lengths().z;
+    let energy: f64 = with.state.positions.iter().map(|r| -0.1 * (k * r.z).cos()).sum();
     let difference =
         with.moment().unwrap().potential_energy - without.moment().unwrap().potential_energy;
     assert!((difference - energy / 108.0).abs() < 1e-12, "{difference}");
@@ -154,14 +104,14 @@ fn a_field_adds_its_energy_and_its_force_and_takes_a_degree_of_freedom_back() {
 
 #[test]
 fn a_method_of_ones_own_steps_and_is_named() {
-    let mut own = prepared(OwnParts::none().method(PositionVerlet)).unwrap();
+    let mut own = prepared(OwnParts::none().method(OptimisedVerlet)).unwrap();
     let mut scene = prepared(OwnParts::none()).unwrap();
     own.run().unwrap();
     scene.run().unwrap();
     assert_ne!(own.state.positions, scene.state.positions);
-    assert_eq!(own.scene.method_name(), "position-verlet");
+    assert_eq!(own.scene.method_name(), "optimised-verlet");
     let text = own.scene.resolved_toml();
-    assert!(text.contains("[program]\nintegrator = \"position-verlet\""), "{text}");
+    assert!(text.contains("[program]\nintegrator = \"optimised-verlet\""), "{text}");
 }
 
 #[test]
@@ -185,10 +135,10 @@ fn a_run_with_parts_goes_on_to_the_bit_in_its_program_and_nowhere_else() {
     let without = refused(&OwnParts::none());
     assert!(without.contains("`program` does not fit"), "{without}");
     assert!(
-        without.contains("field `spring`, integrator `position-verlet`, and the program that reads it brings no part"),
+        without.contains("field `wave`, integrator `optimised-verlet`, and the program that reads it brings no part"),
         "{without}"
     );
-    let others = refused(&OwnParts::none().force("other", SPRING));
+    let others = refused(&OwnParts::none().force("other", FIELD));
     assert!(others.contains("brings field `other`"), "{others}");
 }
 
@@ -198,7 +148,7 @@ fn the_command_line_refuses_the_folder_of_such_a_run_and_shows_it() {
     let folder = temporary.path().join("run");
     let record = prepared(parts()).unwrap().run_in_folder(&folder).unwrap();
     assert!(
-        record.remarks.iter().any(|r| r.contains("the program of this run brought field `spring`")),
+        record.remarks.iter().any(|r| r.contains("the program of this run brought field `wave`")),
         "{:?}",
         record.remarks
     );

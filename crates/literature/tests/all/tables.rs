@@ -79,32 +79,6 @@ fn energies_by_monte_carlo_are_those_of_thol_2016() {
     }
 }
 
-#[derive(Deserialize)]
-struct Coexistence {
-    #[serde(rename = "T")]
-    t: f64,
-    rho_vap: f64,
-    rho_liq: f64,
-    psat: f64,
-    #[serde(rename = "Uliq")]
-    u_liquid: f64,
-}
-
-#[test]
-fn coexistence_by_monte_carlo_is_that_of_thol_2016() {
-    let table: Vec<Coexistence> = rows("coexistence");
-    assert!(table.len() > 200);
-    // Every tenth is enough: neighbors differ by their noise alone.
-    for row in table.iter().step_by(10) {
-        let s = thol_2016().saturation(row.t).unwrap();
-        assert!((s.liquid_density - row.rho_liq).abs() < 0.0025, "{}", row.t);
-        assert!((s.vapor_density / row.rho_vap - 1.0).abs() < 0.025, "{}", row.t);
-        assert!((s.pressure / row.psat - 1.0).abs() < 0.025, "{}", row.t);
-        let u = thol_2016().at(s.liquid_density, row.t).potential_energy;
-        assert!((u - row.u_liquid).abs() < 0.02, "{}: {u} {}", row.t, row.u_liquid);
-    }
-}
-
 #[test]
 fn critical_points_of_the_full_potential_lie_around_that_of_the_equation() {
     #[derive(Deserialize)]

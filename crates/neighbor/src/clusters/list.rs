@@ -128,8 +128,8 @@ impl PairList for ClusterList {
         self.table.order(cell, positions)
     }
 
-    fn place(&mut self, cell: &PeriodicBox, runs: &[Range<usize>], at: &[DVec3]) {
-        self.table.place(cell, runs, |slot| at[slot]);
+    fn place(&mut self, cell: &PeriodicBox, at: &[DVec3]) {
+        self.table.place(cell, |slot| at[slot]);
     }
 
     fn begin_part(&mut self, cell: &PeriodicBox, _reach: Reach, whole: usize) -> Columns {

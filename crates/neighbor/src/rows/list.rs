@@ -134,8 +134,8 @@ impl PairList for NeighborList {
         self.table.order(cell, positions, reach.r_list)
     }
 
-    fn place(&mut self, cell: &PeriodicBox, runs: &[Range<usize>], at: &[DVec3]) {
-        self.table.place(cell, runs, |slot| at[slot]);
+    fn place(&mut self, cell: &PeriodicBox, at: &[DVec3]) {
+        self.table.place(cell, |slot| at[slot]);
     }
 
     fn begin_part(&mut self, cell: &PeriodicBox, reach: Reach, whole: usize) -> Columns {

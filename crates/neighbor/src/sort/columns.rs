@@ -10,7 +10,6 @@
 //! There are no ghosts: the difference of two integers wraps around as the periodic box does.
 
 use std::ops::Range;
-use std::slice;
 
 use glam::{DVec3, IVec3};
 use lennard_core::PeriodicBox;
@@ -182,34 +181,25 @@ impl ColumnTable {
     /// Places all particles of the last order, whose positions are known.
     pub(crate) fn place_all(&mut self, cell: &PeriodicBox, positions: Positions<'_>) {
         let source = std::mem::take(&mut self.sort.source);
-        let all = 0..source.len();
-        self.place(cell, slice::from_ref(&all), positions.by_slot(&source));
+        self.place(cell, positions.by_slot(&source));
         self.sort.source = source;
     }
 
-    /// Fills the coordinates of some runs of slots, where `at` gives the position at a slot, σ.
-    pub fn place(
-        &mut self,
-        cell: &PeriodicBox,
-        runs: &[Range<usize>],
-        at: impl Fn(usize) -> DVec3 + Sync,
-    ) {
+    /// Fills the coordinates, where `at` gives the position at a slot, σ.
+    pub fn place(&mut self, cell: &PeriodicBox, at: impl Fn(usize) -> DVec3 + Sync) {
         let (lengths, units) = (cell.lengths(), FIXED_UNITS / cell.lengths());
         let n = self.particle.len();
         let mut room = std::mem::take(&mut self.room);
         room.reserve_exact((n + PADDING).saturating_sub(room.len()));
         room.resize(n + PADDING, FixedRow::default());
-        for run in runs {
-            let (x, rest) = room.as_flattened_mut().split_at_mut(n + PADDING);
-            let (y, z) = rest.split_at_mut(n + PADDING);
-            let [x, y, z] = [x, y, z].map(|axis| &mut axis[run.clone()]);
-            for_each_piece_of_three(x, y, z, |first, x, y, z| {
-                for (k, ((x, y), z)) in x.iter_mut().zip(y).zip(z).enumerate() {
-                    let slot = run.start + first + k;
-                    [*x, *y, *z] = self.fixed(slot, at(slot), lengths, units);
-                }
-            });
-        }
+        let (x, rest) = room.as_flattened_mut().split_at_mut(n + PADDING);
+        let (y, z) = rest.split_at_mut(n + PADDING);
+        let [x, y, z] = [x, y, z].map(|axis| &mut axis[..n]);
+        for_each_piece_of_three(x, y, z, |first, x, y, z| {
+            for (k, ((x, y), z)) in x.iter_mut().zip(y).zip(z).enumerate() {
+                [*x, *y, *z] = self.fixed(first + k, at(first + k), lengths, units);
+            }
+        });
         self.room = room;
     }
 

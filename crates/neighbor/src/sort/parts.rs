@@ -13,8 +13,6 @@
 
 use glam::DVec3;
 
-use super::cells::wrap_cell;
-
 /// The columns of a sort, and the bundles that they belong to.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
@@ -108,8 +106,9 @@ impl Columns {
                 for dy in -reach[1]..=reach[1] {
                     let gap = [(dx, edges[0]), (dy, edges[1])]
                         .map(|(k, edge)| (k.abs() - 1).max(0) as f64 * edge);
-                    let beside =
-                        [wrap_cell(i64::from(x) + dx, nx), wrap_cell(i64::from(y) + dy, ny)];
+                    let beside = [(x, dx, nx), (y, dy, ny)].map(|(at, away, count)| {
+                        (i64::from(at) + away).rem_euclid(count.into()) as u32
+                    });
                     let owner = owners[self.bundle(beside)];
                     let least2 = gap[0] * gap[0] + gap[1] * gap[1];
                     if owner as usize != rank && least2 <= radius * radius {
@@ -205,7 +204,7 @@ pub enum Belongs {
     Nowhere,
 }
 
-/// The columns that a table has, in the order of its slots: all of the box, or the columns of a part and then its halo.
+/// The columns that a table has, in the order of its slots: all of the box, or the columns of a part ahead of its halo.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Present {
     /// Number of particles of all ranks; `None` where the table has all particles.
@@ -275,5 +274,62 @@ impl Present {
     /// The place of the first column of each bundle, and the end of the last one; `all` of the whole box.
     pub fn bundles(&self, all: impl FnOnce() -> Vec<u32>) -> Vec<u32> {
         if self.place.is_empty() { all() } else { self.bundles.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Largest part over the mean, where each bundle has as many particles as `density` says at its middle.
+    fn imbalance(columns: &Columns, density: impl Fn([f64; 2]) -> f64, ranks: usize) -> f64 {
+        let across = columns.ends.len() - 1;
+        let weight = |bundle: usize| {
+            let (x, k) = (bundle / across, bundle % across);
+            let [y, end] = [columns.ends[k], columns.ends[k + 1]];
+            let [nx, ny] = columns.count.map(f64::from);
+            let at = [(x as f64 + 0.5) / nx - 0.5, 0.5 * f64::from(y + end) / ny - 0.5];
+            (300.0 * density(at) * f64::from(end - y)) as u64
+        };
+        let weights: Vec<u64> = (0..columns.bundles()).map(weight).collect();
+        let mut parts = vec![0; ranks];
+        for (owner, weight) in columns.cut(&weights, ranks).into_iter().zip(&weights) {
+            parts[owner as usize] += weight;
+        }
+        let most = parts.iter().max().unwrap();
+        *most as f64 * ranks as f64 / weights.iter().sum::<u64>() as f64
+    }
+
+    #[test]
+    fn parts_of_a_liquid_a_slab_and_a_droplet_have_nearly_as_many_particles() {
+        let ends = (0..60).step_by(4).chain([60]).collect();
+        let columns = Columns { count: [60, 60], ends, lengths: DVec3::splat(108.0) };
+        let liquid = |_: [f64; 2]| 1.0;
+        let slab = |[x, _]: [f64; 2]| if x.abs() < 0.2 { 1.0 } else { 0.01 };
+        let droplet = |[x, y]: [f64; 2]| if x.hypot(y) < 0.3 { 1.0 } else { 0.01 };
+        for ranks in [1, 2, 3, 4, 6, 9, 16] {
+            // A part of the liquid, and of what is dense, has 16 bundles or more.
+            assert!(imbalance(&columns, liquid, ranks) <= 1.05, "{ranks}");
+            assert!(imbalance(&columns, slab, ranks) <= 1.10, "{ranks}");
+            assert!(imbalance(&columns, droplet, ranks) <= 1.10, "{ranks}");
+        }
+    }
+
+    #[test]
+    fn a_rank_without_neighbors_sees_nothing_beyond_and_distances_are_to_the_nearest_column() {
+        let columns =
+            Columns { count: [6, 4], ends: vec![0, 2, 4], lengths: DVec3::new(12.0, 8.0, 5.0) };
+        let owners: Vec<u32> = (0..columns.bundles()).map(|k| u32::from(k >= 6)).collect();
+        let mut near = Vec::new();
+        let alone = columns.beyond(&vec![0; owners.len()], 0, 3.0);
+        alone.ranks_near([0, 0], DVec3::ZERO, &mut near);
+        assert!(near.is_empty() && !alone.is_outer([0, 0], 3.0));
+        let beyond = columns.beyond(&owners, 0, 3.0);
+        // Columns 0 to 2 are owned; across the face of the box lies the other rank too.
+        beyond.ranks_near([0, 0], DVec3::new(0.5, 1.0, 0.0), &mut near);
+        assert_eq!(near, [(1, 0.25)]);
+        beyond.ranks_near([2, 3], DVec3::new(5.25, 7.0, 0.0), &mut near);
+        assert_eq!(near, [(1, 0.5625)]);
+        assert!(beyond.is_outer([2, 3], 1.0) && !beyond.is_outer([1, 0], 1.0));
     }
 }

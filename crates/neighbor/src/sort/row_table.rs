@@ -14,7 +14,6 @@
 //! A force loop over rows needs no minimum image: the nearest image of a neighbor is a row of its own.
 
 use std::ops::Range;
-use std::slice;
 
 use glam::{DVec3, IVec3};
 use lennard_core::PeriodicBox;
@@ -170,30 +169,20 @@ impl RowTable {
     /// Places all particles of the last order, whose positions are known.
     pub(crate) fn place_all(&mut self, cell: &PeriodicBox, positions: Positions<'_>) {
         let source = std::mem::take(&mut self.sort.source);
-        let all = 0..source.len();
-        self.place(cell, slice::from_ref(&all), positions.by_slot(&source));
+        self.place(cell, positions.by_slot(&source));
         self.sort.source = source;
     }
 
-    /// Folds the particles at some runs of slots into the box, where `at` gives the position at a slot, σ.
-    pub fn place(
-        &mut self,
-        cell: &PeriodicBox,
-        runs: &[Range<usize>],
-        at: impl Fn(usize) -> DVec3 + Sync,
-    ) {
+    /// Folds the particles into the box, where `at` gives the position at a slot, σ.
+    pub fn place(&mut self, cell: &PeriodicBox, at: impl Fn(usize) -> DVec3 + Sync) {
         let (n, lengths) = (self.particle.len(), cell.lengths());
         self.image.resize(n, IVec3::ZERO);
         self.wrapped.resize(n, DVec3::ZERO);
-        for run in runs {
-            let images = &mut self.image[run.clone()];
-            let wrapped = &mut self.wrapped[run.clone()];
-            for_each_piece_pair(images, wrapped, |first, images, wrapped| {
-                for (k, (image, wrapped)) in images.iter_mut().zip(wrapped).enumerate() {
-                    (*wrapped, *image) = fold(at(run.start + first + k), lengths);
-                }
-            });
-        }
+        for_each_piece_pair(&mut self.image, &mut self.wrapped, |first, images, wrapped| {
+            for (k, (image, wrapped)) in images.iter_mut().zip(wrapped).enumerate() {
+                (*wrapped, *image) = fold(at(first + k), lengths);
+            }
+        });
     }
 
     /// Begins a part of `whole` particles in a box, for a search within `radius` σ: chooses the grid.

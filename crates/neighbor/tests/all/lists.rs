@@ -278,7 +278,7 @@ fn compare_parts<P: PairList>(
 ) {
     let mut whole = empty();
     whole.order(cell, reach, Positions::ById(positions)).unwrap();
-    whole.place(cell, &[0..positions.len()], &by_slot(&whole, positions));
+    whole.place(cell, &by_slot(&whole, positions));
     whole.fill(&ScalarScanner, cell, reach);
     let wanted = of_particles(&whole);
     let mut slot_of = vec![0; positions.len()];
@@ -320,7 +320,7 @@ fn compare_parts<P: PairList>(
         }
         part.take_part(&|column| belongs[index(column)], &numbers);
         part.order(cell, reach, Positions::BySlot(&at)).unwrap();
-        part.place(cell, &[0..at.len()], &by_slot(&part, positions));
+        part.place(cell, &by_slot(&part, positions));
         part.fill(&ScalarScanner, cell, reach);
         assert!(part.is_valid() && part.own() < at.len());
         owned += part.own();

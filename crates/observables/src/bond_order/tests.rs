@@ -1,4 +1,4 @@
-use lennard_core::{DVec3, Own, PeriodicBox, team_of_threads};
+use lennard_core::{DVec3, Own, team_of_threads};
 
 use super::*;
 use crate::bond_order::harmonics::NOTHING;
@@ -139,12 +139,4 @@ fn layers_count_the_solid_particles_of_the_whole() {
         });
         assert_eq!(found, vec![whole; ranks]);
     }
-}
-
-#[test]
-fn a_reach_beyond_the_box_is_refused() {
-    let context =
-        BuildContext { cell: PeriodicBox::new(DVec3::splat(5.0)).unwrap(), ..context(5.0, 100) };
-    let options = BondOrderOptions { r_max: Some(2.6), ..BondOrderOptions::default() };
-    assert_eq!(BondOrder::new(&options, &context).unwrap_err().key(), "r_max");
 }

@@ -1,9 +1,7 @@
 //! The interface of slabs whose densities are known.
 
 use lennard_core::random::Streams;
-use lennard_core::{
-    DMat3, Energetics, Molecules, Own, PeriodicBox, Species, SpeciesTable, State, System,
-};
+use lennard_core::{DMat3, Energetics, PeriodicBox, State, System};
 use rand_distr::{Distribution, StandardUniform};
 
 use super::*;
@@ -15,17 +13,8 @@ const VAPOR: usize = 60;
 const THICKNESS: f64 = 15.0;
 
 fn context(n_atoms: usize) -> BuildContext {
-    BuildContext {
-        cell: PeriodicBox::new(SIDES).unwrap(),
-        n_atoms,
-        own: Own::all_of(n_atoms),
-        dt: 0.004,
-        every: 10,
-        r_cut: 2.5,
-        molecules: Molecules::ATOMS,
-        species: SpeciesTable::one(Species::unnamed(), n_atoms),
-        insertion: None,
-    }
+    let cell = PeriodicBox::new(SIDES).unwrap();
+    BuildContext { cell, dt: 0.004, every: 10, ..crate::testing::context(9.0, n_atoms) }
 }
 
 /// Shows independent samples without forces: a slab whose middle wanders through the box and across its end, or one phase.

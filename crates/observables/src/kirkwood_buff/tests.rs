@@ -1,6 +1,6 @@
 use super::*;
 use crate::Standing;
-use crate::testing::{context, mixture, random_positions, view_of};
+use crate::testing::{context, estimate, mixture, random_positions, view_of};
 use lennard_core::DVec3;
 
 /// What is found in ideal gases, where no particle knows of another.
@@ -75,19 +75,15 @@ fn bound_pairs_have_one_partner_in_excess_by_both_routes() {
         view_of(&context.cell, positions, |view| found.sample(view));
     }
     let findings = found.finish(0.0);
-    let of = |name: &str| {
-        let average = findings.averages.iter().find(|a| a.name == name);
-        average.unwrap().estimate
-    };
     // ρ_b·G_ab = 1 with ρ_b = 100/729; like particles know nothing of each other.
     let exact = 7.29;
     for route in ["kirkwood_buff", "kirkwood_buff_structure"] {
-        let unlike = of(&format!("{route}_A_B"));
+        let unlike = estimate(&findings, &format!("{route}_A_B"));
         assert!(unlike.standard_error < 0.6, "{unlike:?}");
         // The line in k² leaves out terms of k⁴·(1.4 σ)⁴/120, a per cent at the largest k.
         let off = (unlike.mean - exact).abs();
         assert!(off < 4.0 * unlike.standard_error + 0.1, "{route}: {unlike:?}");
-        let like = of(&format!("{route}_A_A"));
+        let like = estimate(&findings, &format!("{route}_A_A"));
         assert!(like.mean.abs() < 4.0 * like.standard_error, "{like:?}");
     }
 }
@@ -110,11 +106,4 @@ fn routes_that_disagree_are_said_not_to_have_converged() {
     let doubt = unlike.unwrap().doubt.as_ref().unwrap();
     assert_eq!(doubt.standing(), Standing::Incomplete);
     assert!(doubt.reason(1).contains("larger box"), "{}", doubt.reason(1));
-}
-
-#[test]
-fn a_range_beyond_half_the_box_is_refused() {
-    let options = KirkwoodBuffOptions { r_max: Some(5.0), ..KirkwoodBuffOptions::default() };
-    let error = KirkwoodBuff::new(&options, &context(8.0, 10)).unwrap_err();
-    assert_eq!((error.key(), error.found()), ("r_max", "5"));
 }

@@ -1,5 +1,6 @@
 use super::*;
-use crate::testing::{context, normal, view_of};
+use crate::statistics::synthetic::cover;
+use crate::testing::{column, context, estimate, normal, view_of};
 
 /// Feeds a path, one position array a sample.
 fn follow(
@@ -13,15 +14,6 @@ fn follow(
         view_of(&context.cell, positions(s), |view| msd.sample(view));
     }
     msd
-}
-
-fn average(findings: &Findings, name: &str) -> crate::Estimate {
-    findings
-        .averages
-        .iter()
-        .find(|a| a.name == name)
-        .unwrap_or_else(|| panic!("{name}: {:?}", findings.remarks))
-        .estimate
 }
 
 #[test]
@@ -50,9 +42,7 @@ fn brownian_motion_gives_its_diffusion_coefficient_and_the_spread_of_seeds_its_e
     let context = context(10.0, n);
     let (exact, seeds) = (0.05_f64, 24);
     let step = (2.0 * exact * context.dt).sqrt();
-    let mut values = Vec::new();
-    let mut squares = Vec::new();
-    for seed in 0..seeds {
+    let one = |seed| {
         let mut path = vec![DVec3::ZERO; n];
         let msd = follow(&MsdOptions::default(), &context, 2000, |s| {
             for (i, r) in path.iter_mut().enumerate() {
@@ -60,19 +50,12 @@ fn brownian_motion_gives_its_diffusion_coefficient_and_the_spread_of_seeds_its_e
             }
             path.clone()
         });
-        let found = average(&msd.finish(0.0), UNCORRECTED);
-        values.push(found.mean);
-        squares.push(found.standard_error.powi(2));
-    }
-    let mean = crate::statistics::mean(&values);
-    let printed = crate::statistics::mean(&squares).sqrt();
-    let spread = (crate::statistics::variance(&values) * 24.0 / 23.0).sqrt();
-    // Independent particles relative to their centre of mass diffuse with D(1 − 1/N).
-    let relative = exact * (1.0 - 1.0 / n as f64);
-    assert!((mean - relative).abs() < 4.0 * printed / (seeds as f64).sqrt());
-    // 24 seeds know their spread to 1/√46 = 15 %; printed errors are known better: three of these.
-    assert!((spread / printed - 1.0).abs() < 0.45, "{spread} {printed}");
-    assert!(printed < 0.1 * exact);
+        estimate(&msd.finish(0.0), UNCORRECTED)
+    };
+    let found: Vec<_> = (0..seeds).map(one).collect();
+    // Independent particles relative to their centre of mass diffuse with D(1 − 1/N). 24 seeds know their spread to 1/√46 = 15 %;
+    // printed errors are known better: three of these.
+    cover(&found, exact * (1.0 - 1.0 / n as f64), 0.0, 0.45);
 }
 
 #[test]
@@ -98,7 +81,7 @@ fn ballistic_lags_are_left_out_of_the_fit() {
         r.clone()
     });
     let findings = msd.finish(0.0);
-    let found = average(&findings, UNCORRECTED);
+    let found = estimate(&findings, UNCORRECTED);
     let exact = 0.5 * (1.0 - 1.0 / n as f64);
     assert!(found.standard_error < 0.05 * exact);
     // Four standard errors and what the rest of the transient, e^{−γt} at t ≈ 2, can do.
@@ -133,7 +116,7 @@ fn the_finite_size_correction_is_that_of_yeh_and_hummer() {
     let mut msd = with(Some(3.0));
     msd.temperatures = 0.72 * msd.samples() as f64;
     let findings = msd.finish(0.0);
-    let difference = average(&findings, CORRECTED).mean - average(&findings, UNCORRECTED).mean;
+    let difference = estimate(&findings, CORRECTED).mean - estimate(&findings, UNCORRECTED).mean;
     assert!((difference - 0.003_612_558_7).abs() < 1e-9, "{difference}");
     assert!(with(None).finish(0.0).remarks_in_words().contains("not corrected"));
 }
@@ -155,8 +138,8 @@ fn each_species_has_its_displacement_and_its_diffusion_coefficient() {
         path.clone()
     });
     let findings = msd.finish(0.0);
-    let all = average(&findings, UNCORRECTED).mean;
-    let found = ["A", "B"].map(|a| average(&findings, &format!("{UNCORRECTED}_{a}")));
+    let all = estimate(&findings, UNCORRECTED).mean;
+    let found = ["A", "B"].map(|a| estimate(&findings, &format!("{UNCORRECTED}_{a}")));
     for (found, exact) in found.iter().zip(exact) {
         // The centre of mass takes and gives a few per cent: below the error.
         assert!((found.mean - exact).abs() < 4.0 * found.standard_error, "{found:?}");
@@ -164,16 +147,12 @@ fn each_species_has_its_displacement_and_its_diffusion_coefficient() {
     }
     assert!((all - 0.1).abs() < 0.01, "{all}");
     // x_b·D_a + x_a·D_b with x_a = 2/3: the slow species counts for its small share of the others.
-    let darken = average(&findings, "mutual_diffusion_darken");
+    let darken = estimate(&findings, "mutual_diffusion_darken");
     assert!((darken.mean - (found[0].mean / 3.0 + 2.0 * found[1].mean / 3.0)).abs() < 1e-12);
     assert!((darken.mean - 0.15).abs() < 4.0 * darken.standard_error);
     assert!(darken.standard_error < 0.015, "{darken:?}");
     // The mean of all is made of its parts at each lag.
-    let column = |name: &str| {
-        let found = findings.tables[0].columns.iter().find(|c| c.name == name);
-        found.unwrap().numbers()
-    };
-    let (whole, a, b) = (column("msd"), column("msd_A"), column("msd_B"));
+    let [whole, a, b] = ["msd", "msd_A", "msd_B"].map(|name| column(&findings, name));
     for k in 0..whole.len() {
         assert!(((2.0 * a[k] + b[k]) / 3.0 / whole[k] - 1.0).abs() < 1e-12);
     }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::testing::{context, fcc, random_positions, shuffled, view_of};
+use crate::testing::{column, context, estimate, fcc, random_positions, shuffled, view_of};
 use lennard_core::PeriodicBox;
 
 fn sampled(rdf: &mut RadialDistribution, cell: &PeriodicBox, positions: Vec<lennard_core::DVec3>) {
@@ -51,44 +51,10 @@ fn the_shells_of_a_face_centred_lattice_hold_12_6_24_12_24_8_and_48_neighbors() 
         inner += neighbors;
         assert!((up_to(r + 0.02) - inner).abs() < 1e-9, "after √{shell}");
     }
-    let first = findings.averages.iter().find(|a| a.name == "coordination_number").unwrap();
-    assert!((first.estimate.mean - 12.0).abs() < 1e-9);
+    assert!((estimate(&findings, "coordination_number").mean - 12.0).abs() < 1e-9);
     // A place is known to one bin.
     let peaks = &findings.tables[1];
     assert!((peaks.columns[1].numbers()[0] - d).abs() < rdf.width());
-}
-
-#[test]
-fn the_discarded_part_leaves_no_trace() {
-    let (cell, crystal) = fcc(4, 1.1);
-    let context = BuildContext { cell, n_atoms: crystal.len(), ..context(1.0, 1) };
-    let options = RdfOptions { r_max: Some(2.2), bins: 100 };
-    let make = || RadialDistribution::new(&options, &context).unwrap();
-    let (mut both, mut alone) = (make(), make());
-    for seed in 0..32 {
-        let gas = random_positions(crystal.len(), cell.lengths().x, seed);
-        sampled(&mut both, &cell, gas);
-    }
-    for _ in 0..32 {
-        sampled(&mut both, &cell, crystal.clone());
-        sampled(&mut alone, &cell, crystal.clone());
-    }
-    let g = |found: Findings| found.tables[0].columns[1].numbers();
-    assert_eq!(g(both.finish(0.5)), g(alone.finish(0.0)));
-    assert_ne!(g(both.finish(0.0)), g(alone.finish(0.0)));
-}
-
-#[test]
-fn a_range_beyond_half_the_box_is_refused_and_half_the_box_is_not() {
-    let context = context(8.0, 10);
-    let with = |r_max| {
-        let options = RdfOptions { r_max: Some(r_max), bins: 10 };
-        RadialDistribution::new(&options, &context)
-    };
-    assert!(with(4.0).is_ok());
-    let error = with(4.1).unwrap_err();
-    assert_eq!((error.key(), error.found()), ("r_max", "4.1"));
-    assert!(with(f64::NAN).is_err() && with(-1.0).is_err());
 }
 
 /// A distribution with a peak at 1.1 σ and a minimum of `lowest` at 1.6 σ, in 40 equal samples.
@@ -114,15 +80,10 @@ fn with_minimum(lowest: f64) -> Findings {
 
 #[test]
 fn only_a_shell_of_neighbors_is_counted() {
-    let number = |findings: &Findings| {
-        let found = findings.averages.iter();
-        let mut found = found.filter(|a| a.name == "coordination_number");
-        found.next().map(|a| a.estimate.mean)
-    };
-    assert!(number(&with_minimum(0.6)).is_some());
+    estimate(&with_minimum(0.6), "coordination_number");
     // A gas: nearly even behind its first peak.
     let gas = with_minimum(0.95);
-    assert_eq!(number(&gas), None);
+    assert!(gas.averages.iter().all(|a| a.name != "coordination_number"));
     assert!(gas.remarks_in_words().contains("no shell"));
 }
 
@@ -187,10 +148,7 @@ fn a_mixture_of_names_has_the_distribution_of_the_pure_fluid_for_each_pair() {
     // What stands for all pairs has the same bits, and stands first.
     assert_eq!(mixed.tables[0].columns[..4], pure.tables[0].columns[..]);
     assert_eq!(mixed.averages[..2], pure.averages[..2]);
-    let column = |name: &str| {
-        let mut columns = mixed.tables[0].columns.iter();
-        columns.find(|c| c.name == name).unwrap().numbers()
-    };
+    let column = |name: &str| column(&mixed, name);
     let g = column("g");
     let filled: Vec<usize> = (0..60).filter(|k| g[*k] > 0.3).collect();
     for pair in ["A_A", "A_B", "B_B"] {
@@ -201,13 +159,10 @@ fn a_mixture_of_names_has_the_distribution_of_the_pure_fluid_for_each_pair() {
         let m = filled.len() as f64;
         assert!(chi2 < m + 6.0 * (2.0 * m).sqrt(), "{pair}: {chi2} of {m}");
         assert!(chi2 > 0.0);
-        let average = |name: &str| {
-            let mut averages = mixed.averages.iter();
-            averages.find(|a| a.name == name).unwrap().estimate
-        };
-        let (peak, whole) = (average(&format!("rdf_first_peak_{pair}")), average("rdf_first_peak"));
+        let peak = estimate(&mixed, &format!("rdf_first_peak_{pair}"));
+        let whole = estimate(&mixed, "rdf_first_peak");
         assert!((peak.mean - whole.mean).abs() < 4.0 * peak.standard_error.hypot(0.01));
-        let number = average(&format!("coordination_number_{pair}"));
+        let number = estimate(&mixed, &format!("coordination_number_{pair}"));
         let share = if pair.ends_with('A') { 0.8 } else { 0.2 };
         assert!((number.mean - 12.0 * share).abs() < 0.3, "{number:?}");
     }
@@ -223,11 +178,7 @@ fn partial_distributions_of_three_particles_are_those_by_hand() {
     let line = [7.52, 8.57, 9.64].map(|x| lennard_core::DVec3::new(x, 1.0, 1.0));
     sampled(&mut rdf, &context.cell, line.to_vec());
     let findings = rdf.finish(0.0);
-    let table = &findings.tables[0];
-    let column = |name: &str| {
-        let found = table.columns.iter().find(|c| c.name == name);
-        found.map(crate::Column::numbers)
-    };
+    let column = |name: &str| findings.tables[0].numbers(name);
     let shell = |k: f64| 4.0 / 3.0 * std::f64::consts::PI * 1e-3 * ((k + 1.0).powi(3) - k.powi(3));
     let g = column("g_A_B").unwrap();
     let close = |found: f64, exact: f64| (found - exact).abs() < 1e-12 * exact;
@@ -248,9 +199,7 @@ fn partial_distributions_of_three_particles_are_those_by_hand() {
 
 /// The two-body entropy of these findings, with its error.
 fn entropy(findings: &Findings) -> (f64, f64) {
-    let average = findings.averages.iter();
-    let mut average = average.filter(|a| a.name == "two_body_entropy");
-    let estimate = average.next().unwrap().estimate;
+    let estimate = estimate(findings, "two_body_entropy");
     (estimate.mean, estimate.standard_error)
 }
 

@@ -1,6 +1,7 @@
 use super::*;
 use crate::series::Columns;
 use crate::statistics::mean;
+use crate::statistics::synthetic::{cover, printed_and_spread};
 use crate::testing::context;
 use lennard_core::random::Streams;
 use rand_distr::{Distribution, StandardNormal};
@@ -82,21 +83,30 @@ fn an_ideal_gas_at_constant_energy_has_its_textbook_values() {
     }
 }
 
-/// Normal U and W of given covariances per particle, with a slow part.
-fn canonical(seed: u64, samples: usize) -> Vec<[f64; 4]> {
-    let noise = Streams::new(seed).noise("response");
+/// U with this variance and a slow part, W that follows U with noise of its own, and K that `kinetic` gives of what U deviates by.
+fn correlated(
+    noise: &str,
+    (seed, samples): (u64, usize),
+    variance: f64,
+    kinetic: impl Fn(f64) -> f64,
+) -> Vec<[f64; 4]> {
+    let noise = Streams::new(seed).noise(noise);
     let mut slow = 0.0_f64;
     (0..samples)
         .map(|at| {
             let mut rng = noise.at(at as u64, 0);
             let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
             slow = 0.8 * slow + 0.6 * draw();
-            // var(u) = 7.2e-4, cov(u, w) = 17·var(u), var(w) above by an own part.
-            let u = 7.2e-4_f64.sqrt() * slow;
+            let u = variance.sqrt() * slow;
+            // var(u), cov(u, w) = 17·var(u), var(w) above by an own part.
             let w = 17.0 * u + 0.1 * draw();
-            [1.2, -5.0 + u, 1.0 + w, 1.8]
+            [1.2, -5.0 + u, 1.0 + w, kinetic(u)]
         })
         .collect()
+}
+
+fn canonical(seed: u64, samples: usize) -> Vec<[f64; 4]> {
+    correlated("response", (seed, samples), 7.2e-4, |_| 1.8)
 }
 
 #[test]
@@ -138,30 +148,16 @@ fn errors_cover_the_scatter_over_seeds() {
     };
     let found: Vec<_> = (0..40).map(one).collect();
     for at in 0..3 {
-        let values: Vec<f64> = found.iter().map(|f| f[at].mean).collect();
-        let squares: Vec<f64> = found.iter().map(|f| f[at].standard_error.powi(2)).collect();
-        let spread = crate::statistics::variance(&values) * 40.0 / 39.0;
-        let ratio = (spread / mean(&squares)).sqrt();
+        let (_, ratio) = printed_and_spread(&found.iter().map(|f| f[at]).collect::<Vec<_>>());
         // Forty seeds know their spread to 11 %: three of these.
         assert!((0.6..1.35).contains(&ratio), "{at}: {ratio}");
     }
 }
 
-/// Constant energy: U fluctuates with a slow part, K takes what U gives, and W follows U with noise of its own.
+/// Constant energy: K takes what U gives.
 fn microcanonical(seed: u64, samples: usize) -> Vec<[f64; 4]> {
-    let noise = Streams::new(seed).noise("constant energy");
     let kinetic = 0.5 * 1.2 * (3.0 * N as f64 - 3.0) / N as f64;
-    let mut slow = 0.0_f64;
-    (0..samples)
-        .map(|at| {
-            let mut rng = noise.at(at as u64, 0);
-            let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
-            slow = 0.8 * slow + 0.6 * draw();
-            let u = 4e-4_f64.sqrt() * slow;
-            let w = 17.0 * u + 0.1 * draw();
-            [1.2, -5.0 + u, 1.0 + w, kinetic - u]
-        })
-        .collect()
+    correlated("constant energy", (seed, samples), 4e-4, |u| kinetic - u)
 }
 
 #[test]
@@ -174,15 +170,7 @@ fn at_constant_energy_the_scaling_exponent_is_the_slope_of_w_in_u_with_an_error_
         named(&found, "density_scaling_exponent")
     };
     let found: Vec<_> = (0..40).map(one).collect();
-    let values: Vec<f64> = found.iter().map(|f| f.mean).collect();
-    let squares: Vec<f64> = found.iter().map(|f| f.standard_error.powi(2)).collect();
-    let of_mean = (mean(&squares) / 40.0).sqrt();
-    let exact = 17.0 / 3.0;
-    assert!((mean(&values) - exact).abs() < 4.0 * of_mean, "{values:?}");
-    assert!(of_mean < 2e-3 * exact, "{of_mean}");
-    let spread = crate::statistics::variance(&values) * 40.0 / 39.0;
-    let ratio = (spread / mean(&squares)).sqrt();
-    assert!((0.6..1.35).contains(&ratio), "{ratio}");
+    cover(&found, 17.0 / 3.0, 0.0, 0.4);
 }
 
 #[test]

@@ -65,16 +65,12 @@ impl WithCut for Estimate {
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic::Ar1;
-    use super::super::variance;
+    use super::super::synthetic::{Ar1, printed_and_spread};
     use super::*;
 
-    /// Root-mean-square of printed errors against the spread of the values over seeds.
-    fn spread_over_printed(make: impl Fn(u64) -> Estimate, seeds: u64) -> f64 {
-        let found: Vec<Estimate> = (0..seeds).map(make).collect();
-        let values: Vec<f64> = found.iter().map(|e| e.mean).collect();
-        let squares: Vec<f64> = found.iter().map(|e| e.standard_error.powi(2)).collect();
-        (variance(&values) / mean(&squares)).sqrt()
+    /// The spread of 200 means over the root mean square of their errors.
+    fn spread_over_printed(make: impl Fn(u64) -> Estimate) -> f64 {
+        printed_and_spread(&(0..200).map(make).collect::<Vec<_>>()).1
     }
 
     #[test]
@@ -94,7 +90,7 @@ mod tests {
             found
         };
         // 200 seeds know their spread to 1/√400 = 5 %: three of these.
-        let quotient = spread_over_printed(make, 200);
+        let quotient = spread_over_printed(make);
         assert!((quotient - 1.0).abs() < 0.15, "{quotient}");
     }
 
@@ -109,7 +105,7 @@ mod tests {
             // The true line passes through (0, −4): the difference is the tested quantity.
             Estimate { mean: found.mean - (-4.0 + 2.0 * mean(&t)), ..found }
         };
-        let quotient = spread_over_printed(make, 200);
+        let quotient = spread_over_printed(make);
         assert!((quotient - 1.0).abs() < 0.15, "{quotient}");
     }
 

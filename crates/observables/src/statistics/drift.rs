@@ -75,37 +75,11 @@ pub(crate) fn slope_error(times: &[f64], values: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic::Ar1;
-    use super::super::variance;
+    use super::super::synthetic::{Ar1, printed_and_spread};
     use super::*;
 
     fn times(n: usize) -> Vec<f64> {
         (0..n).map(|i| 0.05 * i as f64).collect()
-    }
-
-    #[test]
-    fn a_straight_line_is_found_exactly() {
-        let t = times(1000);
-        let y: Vec<f64> = t.iter().map(|t| -5.0 + 3e-6 * t).collect();
-        let found = drift(&t, &y);
-        // Values near 5 carry rounding of 5·2⁻⁵³ ≈ 5e-16, spread over a time of 50.
-        assert!((found.slope - 3e-6).abs() < 1e-15);
-        assert!(found.rms < 2e-15 && found.standard_error < 1e-15);
-        // A thousand updates of the mean, each rounded by up to 2⁻⁵²·5/2.
-        assert!((found.intercept + 5.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn rms_is_taken_about_the_line() {
-        let t = times(2000);
-        let y: Vec<f64> = t
-            .iter()
-            .enumerate()
-            .map(|(i, t)| 7.0 + 0.5 * t + if i % 2 == 0 { 1e-3 } else { -1e-3 })
-            .collect();
-        let found = drift(&t, &y);
-        assert!((found.rms / 1e-3 - 1.0).abs() < 1e-3);
-        assert_eq!((found.blocks, drift(&t[..14], &y[..14]).blocks), (10, 4));
     }
 
     #[test]
@@ -116,18 +90,15 @@ mod tests {
         // are not correlated in a walk, so s²/10 is right.
         let (n, seeds) = (2000, 200);
         let t = times(n);
-        let mut slopes = Vec::new();
-        let mut squares = Vec::new();
-        for seed in 0..seeds {
+        let slope = |seed| {
             let mut walk = Ar1::new(0.0, seed).series(n);
             for i in 1..n {
                 walk[i] += walk[i - 1];
             }
             let found = drift(&t, &walk);
-            slopes.push(found.slope);
-            squares.push(found.standard_error.powi(2));
-        }
-        let quotient = (variance(&slopes) / mean(&squares)).sqrt();
+            crate::Estimate::new(found.slope, found.standard_error, 10.0)
+        };
+        let (_, quotient) = printed_and_spread(&(0..seeds).map(slope).collect::<Vec<_>>());
         assert!((quotient - 1.0).abs() < 0.2, "{quotient}");
     }
 
@@ -148,5 +119,6 @@ mod tests {
     fn too_few_samples_give_no_number() {
         assert!(drift(&[0.0], &[1.0]).slope.is_nan());
         assert!(drift(&times(5), &[1.0; 5]).standard_error.is_nan());
+        assert_eq!([14, 2000].map(|n| drift(&times(n), &vec![1.0; n]).blocks), [4, 10]);
     }
 }

@@ -3,6 +3,29 @@
 use lennard_core::random::Streams;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
+use super::{mean, variance};
+use crate::Estimate;
+
+/// The root mean square of printed errors, and the spread of the means over it.
+pub(crate) fn printed_and_spread(found: &[Estimate]) -> (f64, f64) {
+    let values: Vec<f64> = found.iter().map(|e| e.mean).collect();
+    let squares: Vec<f64> = found.iter().map(|e| e.standard_error.powi(2)).collect();
+    let n = found.len() as f64;
+    let printed = mean(&squares).sqrt();
+    (printed, (variance(&values) * n / (n - 1.0)).sqrt() / printed)
+}
+
+/// Wants estimates whose mean is this number up to four errors and a rest, and whose spread is the printed error up to a tolerance.
+#[track_caller]
+pub(crate) fn cover(found: &[Estimate], exact: f64, rest: f64, tolerance: f64) {
+    let (printed, ratio) = printed_and_spread(found);
+    let values: Vec<f64> = found.iter().map(|e| e.mean).collect();
+    let off = (mean(&values) - exact).abs();
+    assert!(off < 4.0 * printed / (found.len() as f64).sqrt() + rest, "{off} of {exact}");
+    assert!((ratio - 1.0).abs() < tolerance, "{ratio}");
+    assert!(printed < 0.1 * exact.abs(), "{printed}");
+}
+
 /// The autoregressive process x_{i+1} = φ x_i + √(1 − φ²) ξ with unit variance and ρ(t) = φᵗ.
 pub(crate) struct Ar1 {
     phi: f64,

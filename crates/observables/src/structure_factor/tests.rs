@@ -1,6 +1,8 @@
 use super::*;
-use crate::testing::{context, fcc, mixture, normal, random_positions, shuffled, view_of};
-use lennard_core::{Own, DVec3, PeriodicBox};
+use crate::testing::{
+    column, context, estimate, fcc, mixture, normal, random_positions, shuffled, view_of,
+};
+use lennard_core::{DVec3, Own, PeriodicBox};
 
 #[test]
 fn an_ideal_gas_scatters_with_one_at_every_wave_number() {
@@ -64,13 +66,6 @@ fn a_negative_multiple_is_summed_as_the_plain_definition_has_it() {
 }
 
 #[test]
-fn a_range_without_a_wave_vector_is_refused() {
-    let options = StructureFactorOptions { k_max: 0.1, ..StructureFactorOptions::default() };
-    let error = StructureFactor::new(&options, &context(6.0, 30)).unwrap_err();
-    assert_eq!(error.key(), "k_max");
-}
-
-#[test]
 fn in_a_box_that_changes_wave_vectors_go_with_it() {
     // A lattice blown up by 4 % has the same factors at wave numbers smaller by as much.
     let (cell, positions) = fcc(3, 1.1);
@@ -108,11 +103,6 @@ fn factors_of_mixture(
     factor.finish(0.0)
 }
 
-fn column(findings: &Findings, name: &str) -> Vec<f64> {
-    let mut columns = findings.tables[0].columns.iter();
-    columns.find(|c| c.name == name).unwrap().numbers()
-}
-
 #[test]
 fn in_a_mixture_of_names_concentration_fluctuates_as_in_an_ideal_mixture() {
     let findings = factors_of_mixture(|i| usize::from(i % 5 == 0), |r, seed| shuffled(&r, seed));
@@ -134,9 +124,7 @@ fn in_a_mixture_of_names_concentration_fluctuates_as_in_an_ideal_mixture() {
     for chi2 in [chi2, chi2_cross] {
         assert!((chi2 - m).abs() < 6.0 * (2.0 * m).sqrt(), "{chi2} of {m}");
     }
-    let found = findings.averages.iter();
-    let mut found = found.filter(|a| a.name == "concentration_fluctuations");
-    let found = found.next().unwrap().estimate;
+    let found = estimate(&findings, "concentration_fluctuations");
     assert!((found.mean - 1.0).abs() < 4.0 * found.standard_error && found.standard_error < 0.2);
     assert!(!findings.remarks_in_words().contains("gather"));
 }

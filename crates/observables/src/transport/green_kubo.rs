@@ -207,8 +207,8 @@ persist!(GreenKubo { correlator, helfand, temperature, fixed window });
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Estimate;
-    use crate::statistics::{mean, synthetic::Ar1, variance};
+    use crate::statistics::synthetic::{Ar1, cover};
+    use crate::testing::estimate;
 
     const WORDS: Words = Words { name: "x", plain: "x", unit: "", correlation_unit: "" };
 
@@ -229,24 +229,10 @@ mod tests {
         let exact = 2.0 * interval * 0.5 * (1.0 + phi) / (1.0 - phi);
         let all: Vec<Findings> = (0..24).map(|seed| found(phi, interval, 40_000, seed)).collect();
         for name in ["x", "x_einstein_helfand"] {
-            let of = |found: &Findings| found.averages.iter().find(|a| a.name == name).cloned();
-            let estimates: Vec<Estimate> =
-                all.iter().map(|found| of(found).expect("it decays").estimate).collect();
-            let values: Vec<f64> = estimates.iter().map(|e| e.mean).collect();
-            let squares: Vec<f64> = estimates.iter().map(|e| e.standard_error.powi(2)).collect();
-            let printed = mean(&squares).sqrt();
-            let spread = (variance(&values) * 24.0 / 23.0).sqrt();
-            // What is left of the exponential beyond the lag at which it drops below two errors (about 2 %).
-            let cut = 0.04 * exact;
-            let off = (mean(&values) - exact).abs();
-            assert!(
-                off < 4.0 * printed / 24.0_f64.sqrt() + cut,
-                "{name}: {} {exact}",
-                mean(&values)
-            );
-            // 24 seeds know their spread to 15 %; the end of the plateau is chosen anew in each.
-            assert!((spread / printed - 1.0).abs() < 0.6, "{name}: {spread} {printed}");
-            assert!(printed < 0.1 * exact);
+            let estimates: Vec<_> = all.iter().map(|found| estimate(found, name)).collect();
+            // What is left of the exponential beyond the lag at which it drops below two errors is about 2 %. 24 seeds know their
+            // spread to 15 %, and the end of the plateau is chosen anew in each.
+            cover(&estimates, exact, 0.04 * exact, 0.6);
         }
     }
 

@@ -115,42 +115,20 @@ persist!(MutualDiffusion { ..flux, fixed species });
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{context, mixture, normal};
-    use lennard_core::{State, System};
+    use crate::testing::{context, estimate, mixture, under_friction};
 
     /// Velocities that decay independently: D_a = T/(m_a·γ_a) each, and Đ is Darken's, but for the centre of mass.
     #[test]
     fn independent_particles_have_the_coefficient_of_darken() {
-        let (n, temperature, dt) = (30, 0.8_f64, 0.05);
-        let species = mixture(n, |i| usize::from(i % 3 == 0));
-        let context = BuildContext { dt, species: species.clone(), ..context(10.0, n) };
+        let species = mixture(30, |i| usize::from(i % 3 == 0));
+        let context = BuildContext { dt: 0.05, species, ..context(10.0, 30) };
         let options = MutualDiffusionOptions { window: 4.0 };
         let mut found = MutualDiffusion::new(&options, &context).unwrap();
-        let system = System::of_species(species.clone());
-        let gamma = [3.0_f64, 5.0];
-        let of = |i: usize| {
-            let a = species.of(i);
-            let width = (temperature / species.species(a).mass).sqrt();
-            (width, (-gamma[a] * dt).exp())
-        };
-        let start = (0..n).map(|i| of(i).0 * normal(1, u64::MAX, i)).collect();
-        let mut state = State::new(context.cell, vec![DVec3::ZERO; n], start);
-        for s in 0..40_000 {
-            found.sample(&View::of(&state, &system));
-            for (i, v) in state.velocities.iter_mut().enumerate() {
-                let (width, decay) = of(i);
-                *v = decay * *v + width * (1.0 - decay * decay).sqrt() * normal(1, s, i);
-            }
-        }
-        // The trapezoidal sum of e^{−γt} is h/2·coth(γh/2) in place of 1/γ.
-        let d = |a: usize| {
-            temperature / species.species(a).mass * 0.5 * dt / (0.5 * gamma[a] * dt).tanh()
-        };
-        let darken = species.fraction(1) * d(0) + species.fraction(0) * d(1);
+        let d = under_friction(&context, (1, 40_000), [3.0, 5.0], |view| found.sample(view));
+        let darken = context.species.fraction(1) * d[0] + context.species.fraction(0) * d[1];
         let findings = found.finish(0.0);
         for name in ["mutual_diffusion", "mutual_diffusion_einstein_helfand"] {
-            let average = findings.averages.iter().find(|a| a.name == name).unwrap();
-            let estimate = average.estimate;
+            let estimate = estimate(&findings, name);
             let off = (estimate.mean - darken).abs();
             assert!(estimate.standard_error < 0.06 * darken, "{estimate:?}");
             // What is left of the correlation beyond the lag at which it is lost in noise.

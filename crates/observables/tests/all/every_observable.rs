@@ -18,7 +18,7 @@ fn context() -> BuildContext {
     context_of(N)
 }
 
-fn context_of(n_atoms: usize) -> BuildContext {
+pub(crate) fn context_of(n_atoms: usize) -> BuildContext {
     BuildContext {
         cell: PeriodicBox::new(DVec3::splat(12.0)).unwrap(),
         n_atoms,
@@ -224,6 +224,24 @@ fn an_observable_of_a_mixture_restored_in_the_middle_ends_with_the_same_bits() {
         let archive = saved(of(make(&self::context())).as_ref());
         assert!(of(make(&context)).restore(&archive.reader()).is_err(), "{name}");
     }
+}
+
+#[test]
+fn a_range_beyond_half_the_box_a_window_of_few_samples_and_no_wave_vector_are_refused() {
+    let built = |name: &str, key: &str, value: &str| {
+        let options: ObservableOptions =
+            toml::from_str(&format!("kind = {name:?}\n{key} = {value}")).unwrap();
+        build(&options, &context_for(&options, N)).err().map(|error| error.key())
+    };
+    for name in ["rdf", "kirkwood-buff", "bond-order"] {
+        assert_eq!(built(name, "r_max", "6.0"), None, "{name}");
+        assert_eq!(built(name, "r_max", "6.1"), Some("r_max"), "{name}");
+    }
+    for name in ["vacf", "shear-viscosity", "thermal-conductivity", "mutual-diffusion"] {
+        assert_eq!(built(name, "window", "0.01"), Some("window"), "{name}");
+        assert_eq!(built(name, "window", "nan"), Some("window"), "{name}");
+    }
+    assert_eq!(built("structure-factor", "k_max", "0.1"), Some("k_max"));
 }
 
 #[test]

@@ -1,5 +1,4 @@
 //! Tests of observables and of their statistics from outside.
 
 mod every_observable;
-mod lennard_jones;
 mod thermodynamics;

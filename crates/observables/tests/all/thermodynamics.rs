@@ -1,28 +1,18 @@
 //! Definitions of the thermodynamic quantities, on states whose values are known by hand.
 
 use lennard_core::random::Streams;
-use lennard_core::{
-    DMat3, DVec3, Energetics, Own, PeriodicBox, Species, SpeciesTable, State, System,
-    TailCorrection, View,
-};
+use lennard_core::{DMat3, DVec3, Energetics, PeriodicBox, State, System, TailCorrection, View};
 use lennard_observables::{
     BuildContext, Estimate, Findings, Observable, PairEnd, PressureTensor, Thermodynamics,
     ThermodynamicsOptions, statistics,
 };
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::every_observable::context_of;
+
 fn context(n_atoms: usize, side: f64) -> BuildContext {
-    BuildContext {
-        cell: PeriodicBox::new(DVec3::splat(side)).unwrap(),
-        n_atoms,
-        own: Own::all_of(n_atoms),
-        dt: 0.005,
-        every: 10,
-        r_cut: 2.5,
-        molecules: lennard_core::Molecules::ATOMS,
-        species: SpeciesTable::one(Species::unnamed(), n_atoms),
-        insertion: None,
-    }
+    let cell = PeriodicBox::new(DVec3::splat(side)).unwrap();
+    BuildContext { cell, ..context_of(n_atoms) }
 }
 
 fn normal(seed: u64, step: u64, particle: usize) -> DVec3 {

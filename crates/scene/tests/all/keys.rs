@@ -45,16 +45,21 @@ fn methods(table: &str) -> Vec<Option<&'static str>> {
 
 /// A scene with a table in which one key is unknown.
 fn with_unknown_key(table: &str, method: Option<&str>) -> String {
+    with_table(table, method, "zzz = 1")
+}
+
+/// A scene with a table that has a method and these rows.
+pub(crate) fn with_table(table: &str, method: Option<&str>, own: &str) -> String {
     let named = match (tag(table), method) {
         (Some(tag), Some(name)) => format!("{tag} = {name:?}, "),
         _ => String::new(),
     };
-    let rows = format!("{named}zzz = 1").replace(", ", "\n");
+    let rows = format!("{named}{own}").replace(", ", "\n");
     let species = "[[species]]\nname = \"A\"\n";
     let stage = |key: &str| format!("{SYSTEM}{STAGE}{key}\n");
     let scene = |tables: &str| format!("{SYSTEM}{STAGE}{tables}\n");
     match table {
-        "" => format!("zzz = 1\n{SYSTEM}{STAGE}"),
+        "" => format!("{own}\n{SYSTEM}{STAGE}"),
         "system" => format!("{SYSTEM}{rows}\n{STAGE}"),
         "species" => scene(&format!("{species}{rows}")),
         "mixing" => scene(&format!("{species}[mixing]\n{rows}")),
@@ -68,12 +73,13 @@ fn with_unknown_key(table: &str, method: Option<&str>) -> String {
         }
         "wall" | "observable" => scene(&format!("[[{table}]]\n{rows}")),
         "stage" => stage(&rows),
-        "stage.temperature" => stage("temperature = { from = 1.0, to = 2.0, zzz = 1 }"),
+        "stage.temperature" => stage(&format!("temperature = {{ from = 1.0, to = 2.0, {own} }}")),
         "stage.barostat.pressure" => {
-            stage("barostat = { kind = \"mtk\", pressure = { from = 1.0, to = 2.0, zzz = 1 } }")
+            let pressure = format!("{{ from = 1.0, to = 2.0, {own} }}");
+            stage(&format!("barostat = {{ kind = \"mtk\", pressure = {pressure} }}"))
         }
         _ => match table.strip_prefix("stage.") {
-            Some(part) => stage(&format!("{part} = {{ {named}zzz = 1 }}")),
+            Some(part) => stage(&format!("{part} = {{ {named}{own} }}")),
             None => scene(&format!("[{table}]\n{rows}")),
         },
     }

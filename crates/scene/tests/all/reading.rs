@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::keys::with_table;
 use lennard_scene::{Arrangement, Geometry, Scene, SceneError, reference};
 
 const SMALL: &str = r#"[system]
@@ -39,61 +40,42 @@ fn bath_of(barostat: &str) -> &'static str {
     spec.and_then(|spec| spec.thermostat).unwrap_or("bussi")
 }
 
-/// A scene with one method's table, at its defaults.
-fn with_method(table: &str, kind: &str) -> Scene {
-    let extra = match table {
-        "stage.thermostat" => return with(&[("stage.heat.thermostat", kind)]).unwrap(),
-        "stage.barostat" => {
-            let barostat = format!("{{ kind = {kind:?}, pressure = 1.0 }}");
-            let thermostat = bath_of(kind);
-            let baths =
-                [("stage.heat.barostat", barostat.as_str()), ("stage.heat.thermostat", thermostat)];
-            return with(&baths).unwrap();
-        }
-        "wall" => format!("[[wall]]\nkind = \"{kind}\"\n[truncation]\nkind = \"shift\"\n"),
-        "observable" if kind == "wall-pressure" => {
-            let wall = "[[wall]]\nkind = \"wca\"\n[truncation]\nkind = \"shift\"\n";
-            format!("[[observable]]\nkind = \"{kind}\"\n{wall}")
-        }
-        "observable" if kind == "chemical-potential" => {
-            let observable = format!("[{{ kind = {kind:?} }}]");
-            let held =
-                [("observable", observable.as_str()), ("stage.production.thermostat", "bussi")];
-            return with(&held).unwrap();
-        }
-        "observable" if kind == "mutual-diffusion" => {
-            let observable = format!("[[observable]]\nkind = \"{kind}\"\n");
-            observable + &two_species() + "[mixing]\nrule = \"geometric\"\n"
-        }
-        "observable" => format!("[[observable]]\nkind = \"{kind}\"\n"),
-        "bonds" => return molecular(kind),
-        "contact" if kind == "spook" => {
-            "[contact]\nkind = \"spook\"\n[integrator]\nkind = \"spook\"\n".to_owned()
-        }
-        "potential" if kind == "table" => format!(
-            "[potential]\nkind = \"table\"\ntail_exponent = 6\nfile = \"{}/../../inputs/potential/lennard-jones.table\"\n",
-            env!("CARGO_MANIFEST_DIR")
-        ),
-        _ => format!("[{table}]\nkind = \"{kind}\"\n"),
-    };
-    let mut text = SMALL.replace("[[observable]]\nkind = \"rdf\"\n", &extra);
-    if ["molecules", "orientation"].contains(&kind) {
-        text = text.replace("n_atoms", "n_molecules").replace("density = 0.8", "density = 0.4");
-        text.push_str("\n[molecule]\nbond_length = 1.0\n");
-    }
-    parse(&text).unwrap_or_else(|e| panic!("{e}\n{text}"))
+/// The scene of atoms as dumbbells.
+fn as_molecules(text: &str) -> String {
+    let text = text.replace("n_atoms", "n_molecules").replace("density = 0.8", "density = 0.4");
+    text + "\n[molecule]\nbond_length = 1.0\n"
 }
 
-/// The small scene as dumbbells, with bonds held this way.
-fn molecular(method: &str) -> Scene {
-    let text = SMALL.replace("n_atoms", "n_molecules").replace("density = 0.8", "density = 0.4");
-    let integrator = match method {
-        "spook" => "[integrator]\nkind = \"spook\"\n",
-        _ => "",
+/// A scene with one method's table, at its defaults, and with what the method cannot be without.
+fn with_method(table: &str, kind: &str) -> Scene {
+    let own = match (table, kind) {
+        ("stage.barostat", _) => "pressure = 1.0".to_owned(),
+        ("potential", "table") => format!(
+            "tail_exponent = 6\nfile = \"{}/../../inputs/potential/lennard-jones.table\"",
+            env!("CARGO_MANIFEST_DIR")
+        ),
+        _ => String::new(),
     };
-    let tables =
-        format!("{integrator}[molecule]\nbond_length = 1.0\n[bonds]\nmethod = \"{method}\"\n");
-    parse(&format!("{text}\n{tables}")).unwrap_or_else(|e| panic!("{e}"))
+    let wall = "[truncation]\nkind = \"shift\"\n[[wall]]\nkind = \"wca\"\n";
+    let mut text = with_table(table, Some(kind), &own);
+    match (table, kind) {
+        ("wall", _) => text += "[truncation]\nkind = \"shift\"\n",
+        ("observable", "wall-pressure") => text += wall,
+        ("observable", "mutual-diffusion") => {
+            text += &(two_species() + "[mixing]\nrule = \"geometric\"\n");
+        }
+        ("observable", "molecules" | "orientation") => text = as_molecules(&text),
+        ("contact" | "bonds", "spook") => text += "[integrator]\nkind = \"spook\"\n",
+        _ => {}
+    }
+    let bath = match (table, kind) {
+        ("stage.barostat", _) => Some(bath_of(kind)),
+        ("observable", "chemical-potential") => Some("bussi"),
+        _ => None,
+    };
+    let bath = bath.map(|bath| ("stage.a.thermostat".to_owned(), bath.to_owned()));
+    let scene = Scene::parse(&text, "scene.toml", bath.as_slice());
+    scene.unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
 /// The tables of two species.
@@ -312,7 +294,9 @@ fn the_reference_states_the_defaults_that_the_code_takes() {
                 assert_eq!(scene.stages[1].exchange, None);
                 continue;
             }
-            (None, "molecule" | "bonds", _) | (None, "output", "whole") => molecular("direct"),
+            (None, "molecule" | "bonds", _) | (None, "output", "whole") => {
+                with_method("bonds", "direct")
+            }
             (None, "species" | "pair" | "mixing", _) | (None, "truncation", "r_cut_in") => {
                 mixed("geometric")
             }

@@ -250,15 +250,13 @@ impl KernelResult {
     }
 
     /// The speed with its range, marked where it is to be doubted.
-    #[must_use]
-    pub fn marked_speed(&self) -> String {
+    pub(crate) fn marked_speed(&self) -> String {
         let is_doubted = self.doubts.iter().any(|doubt| doubt.is_of_speed());
         with_range(self.speed) + if is_doubted { " (?)" } else { "" }
     }
 
     /// The share of the limit in per cent, marked where it is not possible.
-    #[must_use]
-    pub fn marked_limit_share(&self) -> String {
+    pub(crate) fn marked_limit_share(&self) -> String {
         let is_doubted = self.doubts.contains(&Doubt::AboveLimit);
         self.limit_share.map_or_else(
             || "–".into(),
@@ -314,8 +312,7 @@ pub enum Doubt {
 
 impl Doubt {
     /// What it means for the reader.
-    #[must_use]
-    pub fn sentence(self) -> String {
+    pub(crate) fn sentence(self) -> String {
         match self {
             Self::Scattered => format!(
                 "times of blocks differ by more than {:.0} % of their median: the machine was busy",
@@ -336,8 +333,7 @@ impl Doubt {
     }
 
     /// Whether it is about the speed, not about the limit.
-    #[must_use]
-    pub fn is_of_speed(self) -> bool {
+    pub(crate) fn is_of_speed(self) -> bool {
         self != Self::AboveLimit
     }
 }
@@ -360,8 +356,7 @@ pub(super) fn doubts(
 }
 
 /// For a reader: `12.3 (11.9–13.0)`, the median with its range.
-#[must_use]
-pub fn with_range(spread: Spread) -> String {
+pub(crate) fn with_range(spread: Spread) -> String {
     let [median, lowest, highest] =
         [spread.median, spread.lowest, spread.highest].map(|value| significant(value, 3));
     format!("{median} ({lowest}–{highest})")

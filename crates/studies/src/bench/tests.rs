@@ -37,6 +37,9 @@ fn each_variant_is_measured_once_and_its_numbers_agree_with_one_another() {
         assert!(k.bytes_per_atom > 72.0);
         assert!(k.limit.is_some_and(|l| l > 0.0) && k.limit_share.is_some_and(|s| s > 0.0));
     }
+    // (2π/3)·ρ·r_cut³ pairs per atom in a structureless fluid: near it in a dense one.
+    let expected = 2.0 / 3.0 * std::f64::consts::PI * study.density * study.r_cut.powi(3);
+    assert!((study.pairs_per_atom / expected - 1.0).abs() < 0.1, "{}", study.pairs_per_atom);
     let skin = study.skin.as_ref().unwrap();
     assert!(skin.points.iter().any(|p| p.skin == skin.chosen) && skin.excess >= 0.0);
 }
@@ -53,16 +56,4 @@ fn the_state_that_is_timed_has_the_temperature_that_a_bath_of_the_scene_holds() 
     let allowed = 4.0 * (2.0 / (3.0 * 864.0_f64)).sqrt();
     let off = study.temperature / wanted - 1.0;
     assert!(off.abs() < allowed, "{off}");
-}
-
-#[test]
-fn the_model_decides_how_many_pairs_count() {
-    // (2π/3)·ρ·r_cut³ pairs per atom in a structureless fluid: near it in a dense one.
-    let study = Bench::new(options(&[])).unwrap().run(&mut Silent).unwrap();
-    let expected = 2.0 / 3.0 * std::f64::consts::PI * study.density * study.r_cut.powi(3);
-    assert!(
-        (study.pairs_per_atom / expected - 1.0).abs() < 0.1,
-        "{} {expected}",
-        study.pairs_per_atom
-    );
 }

@@ -19,8 +19,7 @@ const STABLE_SHARE: f64 = 0.5;
 const LOWEST_LIMIT: f64 = 0.6;
 
 /// On what advice rests, in sentences for a reader.
-#[must_use]
-pub fn basis(chart: &Chart) -> String {
+pub(crate) fn basis(chart: &Chart) -> String {
     let limit = chart.points.first().and_then(|own| {
         let dt = stability_limit(chart, own)?;
         let of = format!("{} τ for {}", significant(dt, 2), own.settings.integrator.name());
@@ -49,8 +48,7 @@ pub fn basis(chart: &Chart) -> String {
 }
 
 /// Why no diagram tells the settings apart, in a sentence; `None` where one does, or where nothing is to be told.
-#[must_use]
-pub fn unresolved(chart: &Chart) -> Option<String> {
+pub(crate) fn unresolved(chart: &Chart) -> Option<String> {
     let advice: Vec<Advice> = chart.panels.iter().filter_map(|p| p.advice).collect();
     let is_told = |a: &Advice| *a != Advice::NotResolved;
     if advice.is_empty() || advice.iter().any(is_told) {
@@ -144,22 +142,22 @@ fn stability_limit(chart: &Chart, point: &ChartedPoint) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::types::{Errors, Lengths, Outcome, Panel, Size, Tightest, cost_by};
+    use super::super::types::{Errors, Outcome, Panel, Tightest, cost_by};
     use super::*;
-    use crate::lab::{ForceErrors, Slopes, Timing};
+    use crate::lab::{ForceErrors, Timing};
     use crate::settings::Settings;
 
     fn mark(number: usize, wall: f64, error: f64, standard_error: Option<f64>) -> Mark {
+        let wall_range = Some((0.98 * wall, 1.02 * wall));
+        let error = Some(error);
         Mark {
             number,
             wall,
-            wall_range: Some((0.98 * wall, 1.02 * wall)),
+            wall_range,
             pair_forces: wall,
-            error: Some(error),
+            error,
             standard_error,
-            failure: None,
-            on_wall_front: false,
-            on_forces_front: false,
+            ..Mark::default()
         }
     }
 
@@ -171,42 +169,11 @@ mod tests {
             let settings = Settings { dt: *dt, ..Settings::of(&scene) };
             ChartedPoint::new(i + 1, settings)
         });
+        let step_of_fastest = lennard_engine::watchdog::rough_stable_dt(0.722, 1.0);
         Chart {
-            schema: "",
-            scene: String::new(),
-            atoms: 108,
-            density: 0.8,
-            finished: true,
-            against: Tightest {
-                step_of_fastest: lennard_engine::watchdog::rough_stable_dt(0.722, 1.0),
-                slopes: Slopes {
-                    temperature: 0.722,
-                    du_dt: 0.0,
-                    dp_dt: 0.0,
-                    source: String::new(),
-                },
-                reach: None,
-                left_out_of_forces: None,
-                tightest: 0,
-            },
-            cost_by: Axis::Wall,
+            against: Tightest { step_of_fastest, ..Tightest::default() },
             points: points.collect(),
-            left_out: Vec::new(),
-            remarks: Vec::new(),
-            panels: Vec::new(),
-            command: String::new(),
-            plan: Lengths {
-                size: Size::Quick,
-                points: steps.len(),
-                time: 1.0,
-                tight_time: 2.0,
-                short_time: 0.1,
-                repeats: 3,
-                timing_seconds: 0.02,
-                threads: 1,
-                cpu: String::new(),
-                version: String::new(),
-            },
+            ..Chart::default()
         }
     }
 

@@ -18,7 +18,7 @@ pub struct Grid {
 }
 
 /// The settings of the points of a study around the settings of the workbench's scene.
-pub fn grid(bench: &Workbench, study: &Sweep) -> Grid {
+pub(crate) fn grid(bench: &Workbench, study: &Sweep) -> Grid {
     let own = Settings::of(bench.scene());
     let mut grid = Grid { settings: vec![own.clone()], left_out: study.left_out.clone() };
     for point in &study.points {

@@ -125,17 +125,8 @@ mod tests {
     use super::*;
 
     fn mark(number: usize, wall: f64, error: Option<f64>) -> Mark {
-        Mark {
-            number,
-            wall,
-            wall_range: None,
-            pair_forces: 1.0 / wall,
-            error,
-            standard_error: None,
-            failure: error.is_none().then(|| "blew up".into()),
-            on_wall_front: false,
-            on_forces_front: false,
-        }
+        let failure = error.is_none().then(|| "blew up".into());
+        Mark { number, wall, pair_forces: 1.0 / wall, error, failure, ..Mark::default() }
     }
 
     #[test]

@@ -148,18 +148,8 @@ mod tests {
     }
 
     fn plan() -> Lengths {
-        Lengths {
-            size: Size::Quick,
-            points: 3,
-            time: 1.0,
-            tight_time: 2.0,
-            short_time: 0.2,
-            repeats: 3,
-            timing_seconds: 0.01,
-            threads: 1,
-            cpu: "this one".into(),
-            version: "1".into(),
-        }
+        let (cpu, version) = ("this one".into(), "1".into());
+        Lengths { size: Size::Quick, cpu, version, ..Lengths::default() }
     }
 
     #[test]

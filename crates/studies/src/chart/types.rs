@@ -46,7 +46,7 @@ pub struct ChartOptions<'a> {
 }
 
 /// What is run for how long: a function of scene and size, never of a clock.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Lengths {
     /// How many settings are tried, in words.
     pub size: Size,
@@ -154,8 +154,7 @@ impl ChartedPoint {
     }
 
     /// Its cost, once it is known.
-    #[must_use]
-    pub fn cost(&self) -> Option<Cost> {
+    pub(crate) fn cost(&self) -> Option<Cost> {
         Cost::of(&self.timings, self.pair_forces_per_atom_tau?)
     }
 
@@ -175,30 +174,29 @@ impl ChartedPoint {
     }
 
     /// Whether all is known of it but its costs.
-    #[must_use]
-    pub fn is_measured(&self) -> bool {
+    pub(crate) fn is_measured(&self) -> bool {
         self.errors.is_some()
     }
 
     /// Whether it has `repeats` timings, or cannot be timed.
-    #[must_use]
-    pub fn is_timed(&self, repeats: usize) -> bool {
+    pub(crate) fn is_timed(&self, repeats: usize) -> bool {
         self.not_timed.is_some() || self.timings.len() >= repeats
     }
 }
 
 /// The two ways to count cost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Axis {
     /// Wall time for each particle and τ, s.
+    #[default]
     Wall,
     /// Pair forces for each particle and τ.
     Forces,
 }
 
 /// One error of one point.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Mark {
     /// Number of the point.
     pub number: usize,
@@ -222,8 +220,7 @@ pub struct Mark {
 
 impl Mark {
     /// Its cost by one of the two measures.
-    #[must_use]
-    pub fn cost(&self, axis: Axis) -> f64 {
+    pub(crate) fn cost(&self, axis: Axis) -> f64 {
         match axis {
             Axis::Wall => self.wall,
             Axis::Forces => self.pair_forces,
@@ -231,8 +228,7 @@ impl Mark {
     }
 
     /// The smallest and the largest cost that were seen: a count of pair forces has no range.
-    #[must_use]
-    pub fn cost_range(&self, axis: Axis) -> Option<(f64, f64)> {
+    pub(crate) fn cost_range(&self, axis: Axis) -> Option<(f64, f64)> {
         match axis {
             Axis::Wall => self.wall_range,
             Axis::Forces => Some((self.pair_forces, self.pair_forces)),
@@ -240,8 +236,7 @@ impl Mark {
     }
 
     /// Whether it is on the front by one of the two measures.
-    #[must_use]
-    pub fn on_front(&self, axis: Axis) -> bool {
+    pub(crate) fn on_front(&self, axis: Axis) -> bool {
         match axis {
             Axis::Wall => self.on_wall_front,
             Axis::Forces => self.on_forces_front,
@@ -287,14 +282,13 @@ pub struct Panel {
 
 impl Panel {
     /// The mark of a point.
-    #[must_use]
-    pub fn mark(&self, number: usize) -> Option<&Mark> {
+    pub(crate) fn mark(&self, number: usize) -> Option<&Mark> {
         self.marks.iter().find(|m| m.number == number)
     }
 }
 
 /// The tightest settings, which others are compared with, and the untruncated fluid.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Tightest {
     /// How runs are carried to one temperature.
     pub slopes: Slopes,
@@ -309,7 +303,7 @@ pub struct Tightest {
 }
 
 /// A chart: every point with its costs and errors.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Chart {
     /// Name and version of the schema.
     pub schema: &'static str,
@@ -343,14 +337,12 @@ pub struct Chart {
 
 impl Chart {
     /// The point of a number.
-    #[must_use]
-    pub fn point(&self, number: usize) -> Option<&ChartedPoint> {
+    pub(crate) fn point(&self, number: usize) -> Option<&ChartedPoint> {
         self.points.iter().find(|p| p.number == number)
     }
 
     /// The settings of a point in a line, with the engine where it is another.
-    #[must_use]
-    pub fn label(&self, number: usize) -> String {
+    pub(crate) fn label(&self, number: usize) -> String {
         self.point(number).map_or_else(String::new, |point| match &point.engine {
             Some(engine) => format!("{engine}: {}", point.label),
             None => point.label.clone(),
@@ -359,8 +351,7 @@ impl Chart {
 
     /// Whether the cost of a point may be compared with the cost of the scene's own settings. A pair force costs the same within one
     /// precision and one kernel alone.
-    #[must_use]
-    pub fn is_comparable(&self, number: usize) -> bool {
+    pub(crate) fn is_comparable(&self, number: usize) -> bool {
         let (Some(own), Some(point)) = (self.points.first(), self.point(number)) else {
             return false;
         };

@@ -238,18 +238,11 @@ pub fn card_table(card: &StateCard) -> Table {
 
 #[cfg(test)]
 mod tests {
-    use lennard_observables::{Estimate, Standing};
-
     use super::*;
+    use crate::testing::average;
 
     fn row(measured: f64, standard_error: f64) -> Row {
-        let average = lennard_io::AverageRecord {
-            estimate: Estimate { freedom: 64.0, ..Estimate::new(measured, standard_error, 500.0) },
-            unit: String::new(),
-            standing: Standing::Sound,
-            reason: String::new(),
-        };
-        Row::measured("heat_capacity_pressure", &average)
+        Row::measured("heat_capacity_pressure", &average(measured, standard_error))
     }
 
     #[test]

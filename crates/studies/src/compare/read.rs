@@ -114,7 +114,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// As [`RunFolder::open`], but for runs that did not finish.
-    pub fn open_any(folder: &Path) -> Result<Self, ReadError> {
+    pub(crate) fn open_any(folder: &Path) -> Result<Self, ReadError> {
         let (record, scene) = described(folder)?;
         let box_changes = scene.stages.iter().any(|s| s.barostat.is_some());
         let cell = match scene.placement()? {
@@ -153,14 +153,12 @@ impl RunFolder {
     }
 
     /// Whether vapor and liquid stand side by side: the start has surfaces, or two phases were found by the run.
-    #[must_use]
-    pub fn has_two_phases(&self) -> bool {
+    pub(crate) fn has_two_phases(&self) -> bool {
         self.scene.surfaces().is_some() || self.average("liquid_density").is_some()
     }
 
     /// Why the fluid is known to have separated by itself, though its scene names no surface.
-    #[must_use]
-    pub fn has_separated(&self) -> Option<&str> {
+    pub(crate) fn has_separated(&self) -> Option<&str> {
         self.record.typed_remarks.iter().find_map(|remark| match remark {
             Remark::Separated { why } => Some(why.as_str()),
             _ => None,
@@ -174,21 +172,18 @@ impl RunFolder {
     }
 
     /// Steps of the measured stages.
-    #[must_use]
-    pub fn measured_steps(&self) -> u64 {
+    pub(crate) fn measured_steps(&self) -> u64 {
         let measured = self.scene.stages.iter().filter(|s| s.measure);
         measured.map(|s| s.steps).sum()
     }
 
     /// The mean volume of the box, σ³.
-    #[must_use]
-    pub fn volume(&self) -> f64 {
+    pub(crate) fn volume(&self) -> f64 {
         self.molecules() as f64 / self.density
     }
 
     /// A mean of the run record.
-    #[must_use]
-    pub fn average(&self, name: &str) -> Option<&AverageRecord> {
+    pub(crate) fn average(&self, name: &str) -> Option<&AverageRecord> {
         self.record.averages.get(name)
     }
 
@@ -199,8 +194,7 @@ impl RunFolder {
     }
 
     /// Its name among the averages.
-    #[must_use]
-    pub fn temperature_name(&self) -> &'static str {
+    pub(crate) fn temperature_name(&self) -> &'static str {
         if self.average(HALF_STEPS).is_some() { HALF_STEPS } else { "temperature" }
     }
 

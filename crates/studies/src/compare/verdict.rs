@@ -144,8 +144,7 @@ impl Row {
     }
 
     /// The verdict and its reason for a cell of a table.
-    #[must_use]
-    pub fn verdict_words(&self) -> String {
+    pub(crate) fn verdict_words(&self) -> String {
         let words = match (self.verdict, self.reason.as_str(), self.predicted_bias) {
             (Verdict::PredictedBias, _, Some(bias)) => {
                 format!("predicted bias of {}", crate::report::signed(bias, 2))
@@ -161,8 +160,7 @@ impl Row {
     }
 
     /// Whether the reason would fill several lines of a cell, so that it stands below the table. A predicted bias has a cell of its own.
-    #[must_use]
-    pub fn has_long_reason(&self) -> bool {
+    pub(crate) fn has_long_reason(&self) -> bool {
         const LONGEST: usize = 20;
         self.reason.chars().count() > LONGEST && self.verdict != Verdict::PredictedBias
     }
@@ -253,14 +251,12 @@ impl Row {
     }
 
     /// Whether the reference lies in the range that the measurement stands for.
-    #[must_use]
-    pub fn is_in_range(&self) -> bool {
+    pub(crate) fn is_in_range(&self) -> bool {
         self.measured_range.is_some() && self.difference == Some(0.0)
     }
 
     /// What the difference is taken from, where that is a range and not the measured value.
-    #[must_use]
-    pub fn range_words(&self) -> Option<String> {
+    pub(crate) fn range_words(&self) -> Option<String> {
         self.measured_range.map(|[low, high]| {
             format!(
                 "the difference is taken from the range {low:.4} to {high:.4}, without and with the finite-size correction; the \

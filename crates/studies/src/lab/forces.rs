@@ -33,7 +33,7 @@ impl Workbench {
     ///
     /// # Errors
     /// [`StudyError`] where the potential cannot be.
-    pub fn untruncated(&self) -> Result<&Untruncated, StudyError> {
+    pub(crate) fn untruncated(&self) -> Result<&Untruncated, StudyError> {
         if self.untruncated.get().is_none() {
             let found = Untruncated::at(self.start(), self.scene())?;
             // Another thread may have been faster, with the same numbers.
@@ -56,7 +56,7 @@ impl Workbench {
     ///
     /// # Errors
     /// [`StudyError`] where the settings do not fit.
-    pub fn errors_of_forces(
+    pub(crate) fn errors_of_forces(
         &self,
         settings: &Settings,
         found: &[DVec3],
@@ -109,11 +109,11 @@ mod tests {
     use lennard_forcefield::TruncationKind;
 
     use super::*;
-    use crate::settings::tests::scene;
+    use crate::testing::bench;
 
     #[test]
     fn forces_of_a_mixture_are_judged_by_the_pairs_of_its_species() {
-        let scene = scene(&[
+        let (bench, base) = bench(&[
             ("stage.equilibrate.steps", "100"),
             (
                 "species",
@@ -122,8 +122,6 @@ mod tests {
             ("mixing", r#"{ rule = "lorentz-berthelot" }"#),
             ("truncation.r_cut_in", "pair"),
         ]);
-        let bench = Workbench::new(&scene).unwrap();
-        let base = Settings::of(&scene);
         let errors = bench.force_errors(&base).unwrap();
         assert!(errors.same_model < 1e-13, "{errors:?}");
         let whole = errors.untruncated.unwrap();
@@ -136,9 +134,7 @@ mod tests {
 
     #[test]
     fn force_errors_tell_precision_and_truncation_apart() {
-        let scene = scene(&[("stage.equilibrate.steps", "100")]);
-        let bench = Workbench::new(&scene).unwrap();
-        let base = Settings::of(&scene);
+        let (bench, base) = bench(&[("stage.equilibrate.steps", "100")]);
         let double = bench.force_errors(&base).unwrap();
         let mixed =
             bench.force_errors(&Settings { precision: Precision::Mixed, ..base.clone() }).unwrap();

@@ -197,7 +197,10 @@ impl Workbench {
     ///
     /// # Errors
     /// [`StudyError::Settings`] where the settings do not fit the scene.
-    pub fn equation(&self, settings: &Settings) -> Result<Result<String, String>, StudyError> {
+    pub(crate) fn equation(
+        &self,
+        settings: &Settings,
+    ) -> Result<Result<String, String>, StudyError> {
         let model = model_kind(&settings.apply(self.scene())?);
         Ok(lennard_literature::equation_of_state_for(model)
             .map(|e| e.spec().name.clone())
@@ -246,13 +249,12 @@ mod tests {
     use lennard_forcefield::TruncationKind;
 
     use super::*;
-    use crate::settings::tests::scene;
+    use crate::testing::bench;
 
     #[test]
     fn energy_errors_fall_with_the_step_and_temperatures_agree() {
-        let scene = scene(&[]);
-        let bench = Workbench::new(&scene).unwrap();
-        let base = Settings::of(&scene).with_truncation(TruncationKind::Switch, 2.5, false);
+        let (bench, base) = bench(&[]);
+        let base = base.with_truncation(TruncationKind::Switch, 2.5, false);
         let slopes = bench.slopes(&base, 1.0).unwrap();
         assert!(slopes.source.contains("Thol"), "{slopes:?}");
         let run = |dt: f64| {
@@ -275,9 +277,8 @@ mod tests {
 
     #[test]
     fn a_run_stands_beside_its_equation_as_the_comparison_of_a_run_does() {
-        let scene = scene(&[]);
-        let bench = Workbench::new(&scene).unwrap();
-        let base = Settings::of(&scene).with_truncation(TruncationKind::Shift, 2.5, false);
+        let (bench, base) = bench(&[]);
+        let base = base.with_truncation(TruncationKind::Shift, 2.5, false);
         let slopes = bench.slopes(&base, 1.0).unwrap();
         let run = bench.measure(&base, 2.0, &slopes).unwrap();
         let beside = run.against_equation.unwrap();
@@ -294,9 +295,8 @@ mod tests {
     #[test]
     fn u_at_the_temperature_of_positions_hardly_knows_the_step() {
         // At the temperature of whole steps, U would be off by the difference of the two temperatures times ∂U/∂T.
-        let scene = scene(&[]);
-        let bench = Workbench::new(&scene).unwrap();
-        let base = Settings::of(&scene).with_truncation(TruncationKind::Switch, 2.5, false);
+        let (bench, base) = bench(&[]);
+        let base = base.with_truncation(TruncationKind::Switch, 2.5, false);
         let slopes = bench.slopes(&base, 1.0).unwrap();
         let run = |dt: f64| {
             let settings = Settings { dt, ..base.clone() };

@@ -64,7 +64,7 @@ impl Workbench {
     ///
     /// # Errors
     /// As [`Workbench::trajectory_error`].
-    pub fn tight_trajectory(
+    pub(crate) fn tight_trajectory(
         &self,
         settings: &Settings,
         time: f64,
@@ -140,13 +140,12 @@ mod tests {
     use lennard_forcefield::TruncationKind;
 
     use super::*;
-    use crate::settings::tests::scene;
+    use crate::testing::bench;
 
     #[test]
     fn the_trajectory_error_falls_as_the_order_of_the_method_says() {
-        let scene = scene(&[("stage.equilibrate.steps", "200")]);
-        let bench = Workbench::new(&scene).unwrap();
-        let base = Settings::of(&scene).with_truncation(TruncationKind::Switch, 2.5, false);
+        let (bench, base) = bench(&[("stage.equilibrate.steps", "200")]);
+        let base = base.with_truncation(TruncationKind::Switch, 2.5, false);
         let error = |dt: f64| {
             let settings = Settings { dt, ..base.clone() };
             bench.trajectory_error(&settings, 0.192).unwrap()
@@ -160,9 +159,7 @@ mod tests {
 
     #[test]
     fn reversible_methods_come_back_and_explicit_euler_does_not() {
-        let scene = scene(&[("stage.equilibrate.steps", "100")]);
-        let bench = Workbench::new(&scene).unwrap();
-        let base = Settings::of(&scene);
+        let (bench, base) = bench(&[("stage.equilibrate.steps", "100")]);
         // 96 steps of rounding, 1e-16 each, grown by collisions.
         let verlet = bench.reversibility(&base, 0.192).unwrap();
         assert!(verlet < 1e-11, "{verlet:e}");

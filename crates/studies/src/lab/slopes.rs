@@ -11,7 +11,7 @@ const HOTTER: f64 = 1.2;
 
 /// How U and P change with the temperature at constant density. Runs at constant energy each settle at a
 /// temperature of their own; with these slopes they can be compared.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slopes {
     /// The temperature of the positions at which all are compared, ε/k_B.
     pub temperature: f64,
@@ -30,7 +30,7 @@ impl Workbench {
     ///
     /// # Errors
     /// [`StudyError`] where those runs cannot be made or fail.
-    pub fn slopes(&self, tight: &Settings, time: f64) -> Result<Slopes, StudyError> {
+    pub(crate) fn slopes(&self, tight: &Settings, time: f64) -> Result<Slopes, StudyError> {
         let temperature = self.measured_stage().temperature;
         let equation = lennard_literature::thol_2016();
         let density = self.start().density();

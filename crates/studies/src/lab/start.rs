@@ -123,15 +123,8 @@ impl Start {
     }
 
     /// Number of particles.
-    #[must_use]
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.positions.len()
-    }
-
-    /// Whether there is no particle.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.positions.is_empty()
     }
 
     /// Number density, σ⁻³.
@@ -146,8 +139,7 @@ impl Start {
     }
 
     /// Box and positions.
-    #[must_use]
-    pub fn configuration(&self) -> Configuration<'_> {
+    pub(crate) fn configuration(&self) -> Configuration<'_> {
         Configuration::at_rest(&self.cell, &self.positions)
     }
 

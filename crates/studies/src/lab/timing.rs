@@ -64,8 +64,7 @@ pub struct Cost {
 
 impl Cost {
     /// From repeated timings and the pair forces of a step; `None` where there is no timing.
-    #[must_use]
-    pub fn of(timings: &[Timing], pair_forces_per_atom_tau: f64) -> Option<Self> {
+    pub(crate) fn of(timings: &[Timing], pair_forces_per_atom_tau: f64) -> Option<Self> {
         Some(Self {
             wall: Spread::of(timings.iter().map(|t| t.seconds_per_atom_tau))?,
             evaluations_per_tau: timings.first()?.evaluations_per_tau,
@@ -130,7 +129,7 @@ impl Workbench {
     ///
     /// # Errors
     /// [`StudyError`] where the settings do not fit.
-    pub fn pair_forces(
+    pub(crate) fn pair_forces(
         &self,
         settings: &Settings,
         evaluations_per_tau: f64,
@@ -192,13 +191,11 @@ pub fn costs(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::tests::scene;
+    use crate::testing::bench;
 
     #[test]
     fn evaluations_are_those_that_a_method_declares() {
-        let scene = scene(&[("stage.equilibrate.steps", "50")]);
-        let bench = Workbench::new(&scene).unwrap();
-        let base = Settings::of(&scene);
+        let (bench, base) = bench(&[("stage.equilibrate.steps", "50")]);
         let run = |s: &Settings| bench.timing(s, 1e-6).unwrap();
         let verlet = run(&base);
         assert!((verlet.evaluations_per_tau - 250.0).abs() < 1e-6);

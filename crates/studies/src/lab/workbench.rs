@@ -87,14 +87,12 @@ impl Workbench {
     }
 
     /// The same from a start that is there already.
-    #[must_use]
-    pub fn with_start(scene: &Scene, start: Start) -> Self {
+    pub(crate) fn with_start(scene: &Scene, start: Start) -> Self {
         Self { scene: scene.clone(), start, untruncated: OnceLock::new(), tight: Mutex::default() }
     }
 
     /// The scene as it was given.
-    #[must_use]
-    pub fn scene(&self) -> &Scene {
+    pub(crate) fn scene(&self) -> &Scene {
         &self.scene
     }
 
@@ -105,8 +103,7 @@ impl Workbench {
     }
 
     /// The stage of the scene that is measured.
-    #[must_use]
-    pub fn measured_stage(&self) -> &Stage {
+    pub(crate) fn measured_stage(&self) -> &Stage {
         measured_stage(&self.scene)
     }
 

@@ -237,7 +237,7 @@ pub(super) struct Pair {
 
 impl Pair {
     /// ½(ρ_l + ρ_v), σ⁻³, with its error.
-    pub fn diameter(&self) -> Estimate {
+    pub(crate) fn diameter(&self) -> Estimate {
         mean_of(&[self.liquid, self.vapor])
     }
 }

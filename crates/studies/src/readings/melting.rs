@@ -187,41 +187,28 @@ fn picture(points: &[SweptPoint], estimates: &[MeltingEstimate]) -> Option<Pictu
 mod tests {
     use std::path::Path;
 
-    use lennard_io::AverageRecord;
-    use lennard_observables::{Cell, Estimate, Standing};
+    use lennard_observables::Cell;
 
     use super::*;
     use crate::compare::{ComparedRun, Row, StateOfMatter};
     use crate::readings::points::of_points;
-    use crate::sweep::{Point as SweepPoint, Setting};
+    use crate::sweep::Point as SweepPoint;
 
     /// A finished point with fronts of v = 2·(at − T).
     fn point(n: f64, temperature: f64, at: f64) -> SweptPoint {
-        let average = AverageRecord {
-            estimate: Estimate {
-                freedom: 9.0,
-                ..Estimate::new(2.0 * (at - temperature), 0.01, 10.0)
-            },
-            unit: "σ/τ".into(),
-            standing: Standing::Sound,
-            reason: String::new(),
-        };
+        let average = crate::testing::average(2.0 * (at - temperature), 0.01);
         let state = StateOfMatter::new(0.96, temperature, None);
+        let settings =
+            vec![crate::testing::chosen("n_atoms", n), crate::testing::chosen(KEY, temperature)];
+        let name = format!("N{n}-T{temperature}");
         SweptPoint {
-            name: format!("N{n}-T{temperature}"),
-            settings: vec![Setting::number("n_atoms", n), Setting::number(KEY, temperature)],
-            page: None,
-            planned: state.clone(),
-            kept: false,
-            failure: None,
-            elsewhere: None,
             compared: Some(ComparedRun {
                 run: String::new(),
                 model: String::new(),
                 atoms: n as u64,
                 molecules: n as u64,
                 measured_steps: 1000,
-                state,
+                state: state.clone(),
                 equation: None,
                 rows: vec![Row::measured("front_velocity", &average)],
                 card: None,
@@ -230,9 +217,7 @@ mod tests {
                 shared_reason: None,
                 remarks: Vec::new(),
             }),
-            record: None,
-            wall_s: 0.0,
-            ns_per_atom_step: 0.0,
+            ..SweptPoint::not_run(&name, settings, state)
         }
     }
 

@@ -260,7 +260,7 @@ pub(super) fn averaged(points: &[SweptPoint]) -> Vec<Averaged<'_>> {
 
 impl Averaged<'_> {
     /// The number that was chosen for a key.
-    pub fn setting(&self, key: &str) -> Option<f64> {
+    pub(crate) fn setting(&self, key: &str) -> Option<f64> {
         match self.value(key)? {
             SettingValue::Number(number) => Some(*number),
             SettingValue::Words(_) => None,
@@ -276,7 +276,7 @@ impl Averaged<'_> {
     ///
     /// Its error is √Σs²/n of the printed errors, or the scatter of the seeds where it is larger and there are four seeds or more.
     /// Runs without an error are left out where others have one; where no run has one, the mean is no result.
-    pub fn mean(&self, quantity: &str) -> Option<Estimate> {
+    pub(crate) fn mean(&self, quantity: &str) -> Option<Estimate> {
         let rows = self.points.iter().filter_map(|p| p.row(quantity));
         let mut all: Vec<Estimate> = rows.map(Row::mean).collect();
         if all.iter().any(|one| one.standard_error.is_finite()) {
@@ -286,7 +286,7 @@ impl Averaged<'_> {
     }
 
     /// A mark at a mean over the seeds, with its error, its name and its page; `None` where no run has measured it.
-    pub fn mark(&self, x: f64, quantity: &str) -> Option<Point> {
+    pub(crate) fn mark(&self, x: f64, quantity: &str) -> Option<Point> {
         let mean = self.mean(quantity)?;
         Some(Point {
             error: Some(mean.standard_error),
@@ -297,7 +297,7 @@ impl Averaged<'_> {
     }
 
     /// The same mark with the mean along the abscissa, and its error too where it has one.
-    pub fn mark_across(&self, quantity: &str, y: f64) -> Option<Point> {
+    pub(crate) fn mark_across(&self, quantity: &str, y: f64) -> Option<Point> {
         let mark = self.mark(f64::NAN, quantity)?;
         let error = mark.error.filter(|error| error.is_finite());
         Some(Point {
@@ -329,7 +329,7 @@ impl Averaged<'_> {
     }
 
     /// The page of the first of the points.
-    pub fn page(&self) -> Option<String> {
+    pub(crate) fn page(&self) -> Option<String> {
         self.points.iter().find_map(|p| p.page.clone())
     }
 }
@@ -366,7 +366,8 @@ mod tests {
             key: "truncation.kind".into(),
             value: SettingValue::Words(kind.into()),
         };
-        let at = |kind: &str, dt: f64| point(kind, vec![words(kind), Setting::number("dt", dt)]);
+        let at =
+            |kind: &str, dt: f64| point(kind, vec![words(kind), crate::testing::chosen("dt", dt)]);
         let axis = |points: &[SweptPoint]| swept_axis(&averaged(points));
         let points = [at("shift", 0.004), at("cut", 0.004)];
         assert_eq!(axis(&points).as_deref(), Some("truncation.kind"));
@@ -387,20 +388,9 @@ pub(super) mod tests_of_averaged {
     use super::*;
 
     /// A point of these settings that has not been run.
-    pub fn point(name: &str, settings: Vec<Setting>) -> SweptPoint {
-        SweptPoint {
-            name: name.to_owned(),
-            settings,
-            page: None,
-            planned: crate::compare::StateOfMatter::new(0.5, 1.0, None),
-            kept: false,
-            failure: None,
-            elsewhere: None,
-            compared: None,
-            record: None,
-            wall_s: 0.0,
-            ns_per_atom_step: 0.0,
-        }
+    pub(crate) fn point(name: &str, settings: Vec<Setting>) -> SweptPoint {
+        let planned = crate::compare::StateOfMatter::new(0.5, 1.0, None);
+        SweptPoint::not_run(name, settings, planned)
     }
 
     #[test]
@@ -427,8 +417,9 @@ pub(super) mod tests_of_averaged {
 
     #[test]
     fn points_that_differ_in_their_seeds_stand_together() {
-        let point =
-            |name: &str, density: f64| point(name, vec![Setting::number("density", density)]);
+        let point = |name: &str, density: f64| {
+            point(name, vec![crate::testing::chosen("density", density)])
+        };
         let points =
             [point("rho0.1-seed1", 0.1), point("rho0.2-seed1", 0.2), point("rho0.1-seed2", 0.1)];
         let together = averaged(&points);

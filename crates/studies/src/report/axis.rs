@@ -47,8 +47,7 @@ impl Axis {
     }
 
     /// An axis with words at 0, 1, 2, …
-    #[must_use]
-    pub fn of_words(label: impl Into<String>, words: Vec<String>) -> Self {
+    pub(crate) fn of_words(label: impl Into<String>, words: Vec<String>) -> Self {
         let end = words.len() as f64 - 0.5;
         Self { words, ..Self::linear(label).from_to(-0.5, end) }
     }

@@ -55,7 +55,7 @@ impl Figure {
     ///
     /// # Errors
     /// [`ReportError`] where there is nothing to draw or a fixed range is impossible.
-    pub fn to_svg(&self) -> Result<String, ReportError> {
+    pub(crate) fn to_svg(&self) -> Result<String, ReportError> {
         self.drawn(Some(Legend::of(self)))
     }
 

@@ -26,8 +26,7 @@ pub struct Point {
 
 impl Point {
     /// Whether the value has an error that is not known, so that it is no result.
-    #[must_use]
-    pub fn is_no_result(&self) -> bool {
+    pub(crate) fn is_no_result(&self) -> bool {
         self.error.is_some_and(|error| !error.is_finite())
     }
 }
@@ -57,14 +56,12 @@ impl Look {
     }
 
     /// The marks of the `index`-th series.
-    #[must_use]
-    pub fn marks(index: usize) -> Self {
+    pub(crate) fn marks(index: usize) -> Self {
         Self::Points(Symbol::cycle(index))
     }
 
     /// The marks of the `index`-th series, joined by its line.
-    #[must_use]
-    pub fn joined(index: usize) -> Self {
+    pub(crate) fn joined(index: usize) -> Self {
         Self::LineAndPoints(Dash::cycle(index), Symbol::cycle(index))
     }
 }
@@ -103,14 +100,15 @@ impl Series {
     }
 
     /// An entry of the legend without points.
-    #[must_use]
-    pub fn entry(name: impl Into<String>, look: Look, color: usize) -> Self {
+    pub(crate) fn entry(name: impl Into<String>, look: Look, color: usize) -> Self {
         Self::new(name, look, color, std::iter::empty::<Point>())
     }
 
     /// Marks failed runs, of which the abscissa and the note are shown.
-    #[must_use]
-    pub fn with_failures<P: Into<Point>>(self, failures: impl IntoIterator<Item = P>) -> Self {
+    pub(crate) fn with_failures<P: Into<Point>>(
+        self,
+        failures: impl IntoIterator<Item = P>,
+    ) -> Self {
         Self { failures: failures.into_iter().map(Into::into).collect(), ..self }
     }
 }
@@ -161,28 +159,24 @@ impl Figure {
     }
 
     /// Adds a series.
-    #[must_use]
-    pub fn with(mut self, series: Series) -> Self {
+    pub(crate) fn with(mut self, series: Series) -> Self {
         self.series.push(series);
         self
     }
 
     /// Adds a horizontal guide, with a word beside it or none.
-    #[must_use]
-    pub fn level(self, at: f64, word: impl Into<String>) -> Self {
+    pub(crate) fn level(self, at: f64, word: impl Into<String>) -> Self {
         self.guided(Guide::Horizontal(at, word.into()))
     }
 
     /// Whether no series has a point that the axes can show.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         let mut points = self.series.iter().flat_map(|s| &s.points);
         !points.any(|point| self.x.can_show(point.x) && self.y.can_show(point.y))
     }
 
     /// Adds a guide.
-    #[must_use]
-    pub fn guided(mut self, guide: Guide) -> Self {
+    pub(crate) fn guided(mut self, guide: Guide) -> Self {
         self.guides.push(guide);
         self
     }

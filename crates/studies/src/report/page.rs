@@ -50,19 +50,17 @@ impl Section {
     }
 
     /// Shows the heading alone until a reader opens the section.
-    #[must_use]
-    pub fn folded(self) -> Self {
+    pub(crate) fn folded(self) -> Self {
         Self { folded: true, ..self }
     }
 
     /// Lets a terminal show the section too, without these columns of its tables.
-    #[must_use]
-    pub fn brief(self, without: &'static [&'static str]) -> Self {
+    pub(crate) fn brief(self, without: &'static [&'static str]) -> Self {
         Self { brief: Some(without), ..self }
     }
 
     /// Every figure of the section.
-    pub fn pictures(&self) -> impl Iterator<Item = &Picture> {
+    pub(crate) fn pictures(&self) -> impl Iterator<Item = &Picture> {
         let blocks = self.blocks.iter();
         blocks
             .filter_map(|block| match block {
@@ -73,15 +71,13 @@ impl Section {
     }
 
     /// Adds a block.
-    #[must_use]
-    pub fn with(mut self, block: Block) -> Self {
+    pub(crate) fn with(mut self, block: Block) -> Self {
         self.blocks.push(block);
         self
     }
 
     /// Adds blocks, where there are some.
-    #[must_use]
-    pub fn with_all(mut self, blocks: Option<Vec<Block>>) -> Self {
+    pub(crate) fn with_all(mut self, blocks: Option<Vec<Block>>) -> Self {
         self.blocks.extend(blocks.into_iter().flatten());
         self
     }
@@ -93,8 +89,7 @@ impl Section {
     }
 
     /// Adds figures, side by side where there is room; nothing where there are none.
-    #[must_use]
-    pub fn figures(self, figures: Vec<Picture>) -> Self {
+    pub(crate) fn figures(self, figures: Vec<Picture>) -> Self {
         if figures.is_empty() {
             return self;
         }
@@ -161,7 +156,7 @@ pub struct Page {
 
 impl Page {
     /// Every figure of the page.
-    pub fn pictures(&self) -> impl Iterator<Item = &Picture> {
+    pub(crate) fn pictures(&self) -> impl Iterator<Item = &Picture> {
         self.sections.iter().flat_map(Section::pictures)
     }
 
@@ -169,7 +164,7 @@ impl Page {
     ///
     /// # Errors
     /// [`ReportError`] where a figure cannot be drawn.
-    pub fn to_html(&self) -> Result<String, ReportError> {
+    pub(crate) fn to_html(&self) -> Result<String, ReportError> {
         let command = self.command.as_deref();
         let title = escape(&self.title);
         let mut html = format!(
@@ -304,19 +299,8 @@ mod tests {
         pointed.sections.push(Section::new("S").figures(vec![figure(Some("x"))]));
         assert_eq!(pointed.to_html().unwrap().matches("<script>").count(), 1);
         // Every tag that opens is closed.
-        for tag in [
-            "section",
-            "details",
-            "summary",
-            "figure",
-            "table",
-            "div",
-            "main",
-            "ul",
-            "tr",
-            "td",
-            "figcaption",
-        ] {
+        let tags = "section details summary figure table div main ul tr td figcaption";
+        for tag in tags.split(' ') {
             assert_eq!(
                 html.matches(&format!("<{tag}>")).count()
                     + html.matches(&format!("<{tag} ")).count(),

@@ -79,16 +79,14 @@ impl Symbol {
     ];
 
     /// The symbol of the `index`-th series, going round.
-    #[must_use]
-    pub fn cycle(index: usize) -> Self {
+    pub(crate) fn cycle(index: usize) -> Self {
         Self::ALL[index % Self::ALL.len()]
     }
 }
 
 impl Dash {
     /// The dash of the `index`-th series: a new one each time the colours have gone round.
-    #[must_use]
-    pub fn cycle(index: usize) -> Self {
+    pub(crate) fn cycle(index: usize) -> Self {
         [Self::Solid, Self::Dashed, Self::Dotted][(index / COLORS.len()) % 3]
     }
 }

@@ -21,7 +21,7 @@ impl ParticleFigure {
     ///
     /// # Errors
     /// [`ReportError`] where there is no particle.
-    pub fn to_svg(&self) -> Result<String, ReportError> {
+    pub(crate) fn to_svg(&self) -> Result<String, ReportError> {
         if self.places.is_empty() || self.species.is_empty() {
             return Err(ReportError::NothingToDraw { figure: self.name.clone() });
         }
@@ -178,7 +178,7 @@ pub(super) struct Scenery {
 }
 
 impl Scenery {
-    pub fn of(all: &ParticleFigure) -> Self {
+    pub(crate) fn of(all: &ParticleFigure) -> Self {
         let whole = (MOST_PARTICLES / all.places.len() as f64).cbrt().min(1.0);
         let mut scenery = Self::of_part(all, whole);
         while scenery.seen.len() > MOST_SPHERES {
@@ -246,7 +246,7 @@ impl Scenery {
     }
 
     /// The edges that meet at the corner nearest to the viewer, or the nine others.
-    pub fn edges(&self, in_front: bool) -> Vec<(Place, Place)> {
+    pub(crate) fn edges(&self, in_front: bool) -> Vec<(Place, Place)> {
         let mut edges = Vec::new();
         for axis in 0..3 {
             for corner in corners(self.sides) {
@@ -264,7 +264,7 @@ impl Scenery {
     }
 
     /// The names of the axes beside the edges that are in front below.
-    pub fn axes(&self) -> [(&'static str, Place); 3] {
+    pub(crate) fn axes(&self) -> [(&'static str, Place); 3] {
         let DVec3 { x, y, z } = self.sides;
         let middles = [
             (DVec3::new(0.5 * x, y, 0.0), (10.0, 18.0)),
@@ -279,7 +279,7 @@ impl Scenery {
     }
 
     /// The sides of what is drawn: "8.55 × 8.55 × 8.55 σ".
-    pub fn sides_in_words(&self) -> String {
+    pub(crate) fn sides_in_words(&self) -> String {
         let mut sides = [0.0; 3];
         for (side, axis) in self.sides.to_array().into_iter().zip(self.axes) {
             sides[axis] = side;

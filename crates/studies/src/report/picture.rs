@@ -68,7 +68,7 @@ impl Picture {
     ///
     /// # Errors
     /// [`ReportError`] where it cannot be drawn.
-    pub fn to_svg(&self) -> Result<String, ReportError> {
+    pub(crate) fn to_svg(&self) -> Result<String, ReportError> {
         match &self.drawing {
             Drawing::Plot(figure) => figure.to_svg(),
             Drawing::Particles(figure) => figure.to_svg(),

@@ -382,14 +382,12 @@ impl<'a> Columns<'a> {
     }
 
     /// The same with the look and the color of the `index`-th series.
-    #[must_use]
-    pub fn at(self, index: usize) -> Self {
+    pub(crate) fn at(self, index: usize) -> Self {
         Self { first: index, ..self }
     }
 
     /// The same from another table than the one of the figure.
-    #[must_use]
-    pub fn of(self, table: &'a str) -> Self {
+    pub(crate) fn of(self, table: &'a str) -> Self {
         Self { table: Some(table.into()), ..self }
     }
 

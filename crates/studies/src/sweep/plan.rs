@@ -69,14 +69,6 @@ pub struct Setting {
     pub value: SettingValue,
 }
 
-impl Setting {
-    /// A number for a key.
-    #[must_use]
-    pub fn number(key: &str, value: f64) -> Self {
-        Self { key: key.to_owned(), value: SettingValue::Number(value) }
-    }
-}
-
 /// One point.
 #[derive(Debug, Clone)]
 pub struct Point {
@@ -180,8 +172,7 @@ impl PlannedPoint {
     }
 
     /// What was chosen, without the seed.
-    #[must_use]
-    pub fn settings(&self) -> Vec<Setting> {
+    pub(crate) fn settings(&self) -> Vec<Setting> {
         let is_state = |c: &&Choice| !c.is_named && !c.is_seed() && c.axis.scene_key().is_some();
         let chosen = self.choices.iter().filter(is_state).map(|choice| {
             let words = &choice.value().words;

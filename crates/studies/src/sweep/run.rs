@@ -118,18 +118,12 @@ fn is_kept(point: &SweptPoint, folder: &Path) -> bool {
 }
 
 fn conclude(point: &Point, outcome: Result<PointEnd, Failed>, folder: &Path) -> SweptPoint {
+    let page = folder.join("report.html").exists();
+    let settings = point.settings.clone();
     let mut swept = SweptPoint {
-        name: point.name.to_string(),
-        settings: point.settings.clone(),
-        page: folder.join("report.html").exists().then(|| format!("{}/report.html", point.name)),
-        planned: point.planned(),
+        page: page.then(|| format!("{}/report.html", point.name)),
         kept: matches!(outcome, Ok(PointEnd::FinishedBefore)),
-        failure: None,
-        elsewhere: None,
-        compared: None,
-        record: None,
-        wall_s: f64::NAN,
-        ns_per_atom_step: f64::NAN,
+        ..SweptPoint::not_run(point.name.as_str(), settings, point.planned())
     };
     match outcome {
         Err(failure) => swept.failure = Some(failure),

@@ -90,6 +90,23 @@ pub struct SweptPoint {
 }
 
 impl SweptPoint {
+    /// A point of which nothing came yet.
+    pub(crate) fn not_run(name: &str, settings: Vec<Setting>, planned: StateOfMatter) -> Self {
+        Self {
+            name: name.to_owned(),
+            settings,
+            page: None,
+            planned,
+            kept: false,
+            failure: None,
+            elsewhere: None,
+            compared: None,
+            record: None,
+            wall_s: f64::NAN,
+            ns_per_atom_step: f64::NAN,
+        }
+    }
+
     /// Whether it has neither a result nor a failure.
     #[must_use]
     pub fn is_unfinished(&self) -> bool {
@@ -97,8 +114,7 @@ impl SweptPoint {
     }
 
     /// One quantity of the run beside the literature, where there is one.
-    #[must_use]
-    pub fn row(&self, quantity: &str) -> Option<&Row> {
+    pub(crate) fn row(&self, quantity: &str) -> Option<&Row> {
         let rows = &self.compared.as_ref()?.rows;
         rows.iter().find(|r| r.quantity == quantity)
     }

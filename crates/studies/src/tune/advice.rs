@@ -25,7 +25,7 @@ pub(super) struct Search<'a> {
 
 impl Search<'_> {
     /// Looks through what the scene leaves open; `but` names a key that is taken as open too.
-    pub fn choose(
+    pub(crate) fn choose(
         &self,
         models: &mut Models<'_>,
         accuracy: &Accuracy,
@@ -38,7 +38,7 @@ impl Search<'_> {
 
     /// The error that the accuracy cannot be met. It names the setting fixed by hand where this is the cause. It says
     /// which accuracy can be met, and at what cost.
-    pub fn refusal(
+    pub(crate) fn refusal(
         &self,
         models: &mut Models<'_>,
         accuracy: &Accuracy,

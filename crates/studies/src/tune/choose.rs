@@ -32,7 +32,12 @@ pub(super) struct Freedom {
 
 impl Freedom {
     /// What the scene leaves open; `but` names a key that is taken as open whatever the scene says.
-    pub fn of(scene: &Scene, sample: &Sample, stability: &Stability, but: Option<&str>) -> Self {
+    pub(crate) fn of(
+        scene: &Scene,
+        sample: &Sample,
+        stability: &Stability,
+        but: Option<&str>,
+    ) -> Self {
         let fixed = |key: &str| scene.source.wrote(key) && but != Some(key);
         let truncations = truncations(scene, sample, &fixed);
         let measured = scene.stages.iter().rposition(|s| s.measure);
@@ -159,7 +164,7 @@ pub(super) struct Candidate {
 
 impl Candidate {
     /// The predicted error of a quantity with its uncertainty.
-    pub fn reach(&self, key: &str) -> f64 {
+    pub(crate) fn reach(&self, key: &str) -> f64 {
         let of = |p: &Prediction| {
             p.total.mean.abs()
                 + HIGHER_ORDERS * p.truncation.mean.abs()

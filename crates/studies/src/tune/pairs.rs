@@ -24,7 +24,7 @@ pub(super) struct PairKind {
 
 impl PairKind {
     /// 1/m_a + 1/m_b, the inverse of the reduced mass.
-    pub fn inverse_mass(&self) -> f64 {
+    pub(crate) fn inverse_mass(&self) -> f64 {
         self.masses.iter().map(|m| m.recip()).sum()
     }
 }
@@ -48,7 +48,7 @@ pub(super) struct Counts {
 
 impl Fluid {
     /// The fluid of a scene that begins with these species of particles.
-    pub fn of(scene: &Scene, system: System) -> Self {
+    pub(crate) fn of(scene: &Scene, system: System) -> Self {
         let species = system.species();
         let kinds = scene.species_pairs().map(|[a, b]| {
             let [n_a, n_b] = [a, b].map(|a| species.count(a) as f64);
@@ -67,7 +67,7 @@ impl Fluid {
     }
 
     /// Molecules; particles where there are none. Energies are given for each of them.
-    pub fn units(&self) -> f64 {
+    pub(crate) fn units(&self) -> f64 {
         self.system.n_molecules() as f64
     }
 
@@ -80,19 +80,19 @@ impl Fluid {
     }
 
     /// Whether there are molecules.
-    pub fn has_bonds(&self) -> bool {
+    pub(crate) fn has_bonds(&self) -> bool {
         !self.system.molecules.are_atoms()
     }
 
     /// The mass of all particles, where they are alike.
-    pub fn common_mass(&self) -> Option<f64> {
+    pub(crate) fn common_mass(&self) -> Option<f64> {
         let first = self.kinds.first()?.masses[0];
         let masses = self.kinds.iter().flat_map(|kind| kind.masses);
         masses.into_iter().all(|m| m == first).then_some(first)
     }
 
     /// Degrees of freedom of a motion that keeps the total momentum.
-    pub fn n_dof(&self) -> f64 {
+    pub(crate) fn n_dof(&self) -> f64 {
         self.system.n_dof(Momentum::Conserved)
     }
 
@@ -156,7 +156,7 @@ pub(super) struct Change {
 impl Change {
     /// The sum, in which a response r ± e counts as r³/(r² + e²), as far as it stands out of its noise. A response
     /// that is lost in noise adds an uncertainty and no error.
-    pub fn total(&self) -> Estimate {
+    pub(crate) fn total(&self) -> Estimate {
         let (r, e) = (self.response.mean, self.response.standard_error);
         let weight = if r == 0.0 { 0.0 } else { r * r / (r * r + e * e) };
         let unsure = e * weight.sqrt().max(0.5);
@@ -185,7 +185,7 @@ pub(super) struct Terms {
 
 impl Terms {
     /// Of a truncation of the scene's potential; cutoffs beyond the sight of the survey end there.
-    pub fn of(
+    pub(crate) fn of(
         scene: &Scene,
         truncation: TruncationOptions,
         fluid: &Fluid,

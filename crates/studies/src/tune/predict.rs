@@ -132,7 +132,7 @@ impl<'a> Models<'a> {
     }
 
     /// The errors of U and P that settings are expected to make.
-    pub fn of(&mut self, settings: &Settings) -> Result<[Prediction; 2], StudyError> {
+    pub(crate) fn of(&mut self, settings: &Settings) -> Result<[Prediction; 2], StudyError> {
         let truncation = self.of_truncation(settings.truncation)?;
         let step = self.of_step(settings.dt);
         let precision = match settings.precision {
@@ -143,7 +143,7 @@ impl<'a> Models<'a> {
     }
 
     /// Takes what a measurement at a cutoff has added to the predictions of U and P.
-    pub fn learn(&mut self, r_cut: f64, more: [f64; 2]) {
+    pub(crate) fn learn(&mut self, r_cut: f64, more: [f64; 2]) {
         let before = self.learnt.map_or([0.0; 2], |(at, before)| {
             let share = (at / r_cut).powi(6).min(1.0);
             before.map(|b| share * b)
@@ -152,7 +152,7 @@ impl<'a> Models<'a> {
     }
 
     /// The errors of U and P by the step alone.
-    pub fn of_step(&self, dt: f64) -> [Estimate; 2] {
+    pub(crate) fn of_step(&self, dt: f64) -> [Estimate; 2] {
         let power = dt.powi(self.order);
         self.law.map(|a| {
             Estimate::new(
@@ -164,7 +164,7 @@ impl<'a> Models<'a> {
     }
 
     /// The drift, ε/τ per particle.
-    pub fn drift(&self, settings: &Settings) -> Result<f64, StudyError> {
+    pub(crate) fn drift(&self, settings: &Settings) -> Result<f64, StudyError> {
         let jump = drift_of_jump(&self.sample.own, settings.truncation, self.survey, settings.dt)?;
         Ok(jump + self.stability.of_step(settings.dt))
     }
@@ -338,7 +338,7 @@ impl Stability {
     }
 
     /// The drift that the step brings, ε/τ per particle: exponentially small below the limit.
-    pub fn of_step(&self, dt: f64) -> f64 {
+    pub(crate) fn of_step(&self, dt: f64) -> f64 {
         self.law.map_or(0.0, |(a, b)| (a - b / dt).exp())
     }
 }

@@ -69,7 +69,7 @@ impl Prices {
     }
 
     /// Seconds for each particle and simulated τ: between the cutoffs timed, a straight line in r_cut³.
-    pub fn of(&self, settings: &Settings) -> f64 {
+    pub(crate) fn of(&self, settings: &Settings) -> f64 {
         let nodes = &self.nodes[usize::from(settings.precision == Precision::Mixed)];
         let x = settings.truncation.r_cut.powi(3);
         let step = match nodes.as_slice() {

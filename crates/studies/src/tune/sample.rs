@@ -154,18 +154,18 @@ impl Sample {
     }
 
     /// The longest cutoff that leaves the list its skin in this box, as the scene writes cutoffs.
-    pub fn comfortable_cutoff(&self) -> f64 {
+    pub(crate) fn comfortable_cutoff(&self) -> f64 {
         let longest = comfortable_cutoff(self.start.cell.largest_cutoff()).min(self.sight);
         longest / self.own.cutoff_unit()
     }
 
     /// The stability limit of the scene's own method over the limit of velocity Verlet.
-    pub fn limit(&self) -> f64 {
+    pub(crate) fn limit(&self) -> f64 {
         self.own.integrator.method.spec().stability_limit.unwrap_or(VERLET_LIMIT) / VERLET_LIMIT
     }
 
     /// Settings of survey and reference except for their cutoff.
-    pub fn careful(&self) -> Settings {
+    pub(crate) fn careful(&self) -> Settings {
         Settings::of(&self.own)
     }
 }

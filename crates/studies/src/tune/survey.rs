@@ -148,7 +148,11 @@ impl Survey {
     }
 
     /// The pair terms of another truncation of the potential that ran.
-    pub fn terms(&self, scene: &Scene, truncation: TruncationOptions) -> Result<Terms, StudyError> {
+    pub(crate) fn terms(
+        &self,
+        scene: &Scene,
+        truncation: TruncationOptions,
+    ) -> Result<Terms, StudyError> {
         let sight = self.bins() as f64 * BIN_WIDTH;
         Terms::of(scene, truncation, &self.fluid, self.volume, sight)
     }
@@ -187,7 +191,7 @@ impl Survey {
 
     /// How U and P change with temperature at constant density, from their fluctuations with U:
     /// ∂⟨A⟩/∂T = ⟨δA δU⟩/T².
-    pub fn slopes(&self) -> Slopes {
+    pub(crate) fn slopes(&self) -> Slopes {
         let (energy, pressure) = self.own();
         let total = self.series(|f| f.potential);
         let t2 = self.temperature.powi(2);
@@ -216,7 +220,7 @@ impl Survey {
     /// with ω² = ⟨∇²U⟩/n_dof, and the temperature of half steps is higher by T·h²ω²/4. At a temperature T̃·(1 − c·h²ω²)
     /// a quantity A is off by h²·(c·ω²·⟨δA δU⟩ − ⟨δA δX⟩)/T. For an oscillator this is zero at half steps, and the exact
     /// ⟨U⟩·h²ω²/4 at whole steps. With other masses |∇U|² is Σ|∇_iU|²/m_i and ∇²U is Σ∇_i²U/m_i.
-    pub fn step_law(&self, half_steps: bool) -> [Estimate; 2] {
+    pub(crate) fn step_law(&self, half_steps: bool) -> [Estimate; 2] {
         let t = self.temperature;
         let c = if half_steps { -1.0 / 12.0 } else { 1.0 / 6.0 };
         let laplacians = self.laplacians();
@@ -237,7 +241,7 @@ impl Survey {
     /// What a truncation changes in U and P against another one, at equal temperature and to first order. The first
     /// term compares pairs and tails over the same frames. The second is the change of structure by the different
     /// forces: Δ⟨A⟩ = ⟨A_c − A_f⟩ − (⟨δA_c δ(U_c − U)⟩ − ⟨δA_f δ(U_f − U)⟩)/T, where U is the energy of the run.
-    pub fn difference(&self, c: &Terms, f: &Terms) -> [Change; 2] {
+    pub(crate) fn difference(&self, c: &Terms, f: &Terms) -> [Change; 2] {
         let run = &self.run;
         let (own_u, own_p) = self.own();
         let series = |weights: &[f64]| self.series(|frame| dot(&frame.counts.pairs, weights));

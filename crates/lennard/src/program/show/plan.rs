@@ -156,8 +156,6 @@ fn lines(plan: &Plan) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use lennard_core::DVec3;
-
     use super::*;
 
     #[test]
@@ -186,35 +184,18 @@ mod tests {
         ];
         items.push(PlanItem { on: false, ..item("vacf", "not in the scene", None) });
         let plan = Plan {
-            schema: "",
-            scene: String::new(),
-            model: String::new(),
-            atoms: 1,
-            molecules: 1,
-            density: 1.0,
-            steps: 1,
             threads: 1,
             items,
-            bytes: 1,
-            program_bytes: 1,
             seconds_per_step: Some(1.0),
             measured_steps: 3,
             estimated_seconds: Some(1.0),
-            remarks: Vec::new(),
-            lengths: DVec3::ONE,
-            reach: 1.0,
-            ranks: None,
+            ..Plan::default()
         };
         assert_eq!(
             time(&plan),
             "about 1.0 s on 1 thread; a step that nothing looks at took 1.0 s here (median of 3)"
         );
-        let slow = Plan {
-            seconds_per_step: None,
-            measured_steps: 1,
-            estimated_seconds: None,
-            ..plan.clone()
-        };
+        let slow = Plan { measured_steps: 1, threads: 1, ..Plan::default() };
         assert_eq!(
             time(&slow),
             "too slow to measure: in 10.0 s on 1 thread, 1 step after the first"

@@ -108,11 +108,10 @@ fn a_plan_for_ranks_has_a_line_for_each_number_and_refuses_what_does_not_fit() {
     let plan = json(&succeed(&format!("plan {few} --json --ranks")));
     let last = plan["ranks"]["steps"].as_array().unwrap().last().unwrap();
     assert_eq!(last["ranks"], plan["ranks"]["pays_up_to"]);
-    let few = "planning for several ranks: too few particles for so many ranks\n  found:   --ranks 1000\n  \
-               allowed: up to 1 here; fewer than 4000 particles are not cut";
+    let few = "sharing the run between ranks: 1000 ranks for 864 particles\n  allowed: at most 1 in this box";
     for (arguments, wanted) in [
         ("--ranks 1000", few),
-        ("--ranks=2 --set=neighbor.mode=direct", "are not shared by ranks"),
+        ("--ranks=2 --set=neighbor.mode=direct", "each force would need all particles"),
         ("--ranks 0", "0 is not in"),
         ("--latency 1us", "--ranks"),
         ("--bandwidth 25", "wanted a rate above zero"),

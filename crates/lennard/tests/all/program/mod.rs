@@ -6,7 +6,7 @@ mod bench;
 mod beside;
 mod chart;
 mod commands;
-mod common;
+pub(crate) mod common;
 mod documents;
 mod eos;
 mod export;

@@ -63,8 +63,8 @@ fn a_second_sweep_of_a_folder_is_refused_with_the_process_at_work_and_touches_no
     }
     // A run in the folder of the sweep, and one in the folder of a point at work.
     let run = "run liquid.toml --quiet --force --out";
-    for folder in ["out", "out/T1.3"] {
-        bench.refused(&format!("{run} {folder}"), &[&first.words()]);
+    for line in [&format!("{run} out"), &format!("{run} out/T1.3"), "resume out/T1.3 --quiet"] {
+        bench.refused(line, &[&first.words()]);
     }
     assert!(before == contents(&bench.path("out")), "nothing changed");
     // A killed process claims nothing.

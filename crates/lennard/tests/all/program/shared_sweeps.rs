@@ -1,8 +1,5 @@
 //! A sweep in parts: many processes share its points, one collects, and schedulers get scripts.
 
-use std::io::Write;
-use std::process::{Command, Stdio};
-
 use crate::program::common::*;
 
 const SWEEP: &str =
@@ -103,24 +100,4 @@ fn a_claim_of_another_machine_is_named_and_nothing_is_run() {
     let wanted = "rho0.4-T1.5: the output folder out/rho0.4-T1.5 is in use: process 17 on node-7 is at work there";
     place.refused("sweep sweep.toml --out out --point 0", &[wanted]);
     assert!(!place.has("out/rho0.4-T1.5/run.json"));
-}
-
-#[test]
-fn scripts_are_read_by_their_shell_and_say_whatever_the_command_said() {
-    let place = place();
-    let sweep = "sweep sweep.toml --out 'my runs' --set system.seed=4";
-    let emit = |scheduler: &str| place.succeed(&format!("{sweep} --chunk 2 --emit {scheduler}"));
-    for scheduler in ["slurm", "parallel"] {
-        let script = emit(scheduler);
-        contains(&script, &[&format!("lennard {sweep} --quiet --threads")]);
-        let mut shell = Command::new("bash").arg("-n").stdin(Stdio::piped()).spawn().unwrap();
-        shell.stdin.take().unwrap().write_all(script.as_bytes()).unwrap();
-        assert!(shell.wait().unwrap().success(), "{script}");
-    }
-    contains(&emit("slurm"), &["#SBATCH --array=0-2\n"]);
-    contains(&emit("snakemake"), &["task=range(3))"]);
-    // What the script says of a task works.
-    place.succeed(&format!("{sweep} --quiet --threads 1 --point 2 --chunk 2"));
-    assert!(place.has("my runs/rho0.5-T2.5/final.xyz"));
-    place.refused("sweep sweep.toml --emit slurm", &[]);
 }

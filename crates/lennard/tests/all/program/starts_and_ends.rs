@@ -143,7 +143,11 @@ fn going_on_is_advised_only_where_there_is_a_checkpoint() {
     place.succeed("run liquid.toml --quiet --out out");
     let record = place.read("out/run.json");
     place.write("out/run.json", &record.replace("\"finished\": true", "\"finished\": false"));
-    let said = || stderr(&place.output("compare out"));
+    let said = || {
+        let output = place.output("compare out");
+        assert_eq!(stdout(&output), "");
+        ended(&output, 2, &["did not finish"])
+    };
     contains(&said(), &["to go on: lennard resume out"]);
     for path in checkpoints(&place.path("out")) {
         fs::remove_file(path).unwrap();

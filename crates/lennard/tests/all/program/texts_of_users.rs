@@ -82,6 +82,7 @@ fn scripts_give_every_argument_as_it_was_and_do_nothing_else() {
     let braces = place.output("sweep sweep.toml --out a{b} --emit snakemake");
     let words = ["writing the script", "Snakemake cannot name the output folder", "no braces"];
     refused(&braces, &words);
+    place.refused("sweep sweep.toml --emit slurm", &["--out"]);
     let mut command = place.command("sweep sweep.toml --emit snakemake --set name=\"{x}\"");
     let script = success(command.args(["--out", "a'\"b"]));
     assert!(script.contains(r#"output: touch("a'\"b/.tasks/{task}")"#), "{script}");

@@ -26,16 +26,14 @@ fn says(grid: &Grid, what: &str, why: &str) -> bool {
 }
 
 #[test]
-fn every_setting_of_every_grid_fits_and_none_is_there_twice() {
+fn a_grid_begins_with_the_scene_and_has_no_setting_twice() {
     let mut sizes = Vec::new();
     for study in ["chart-quick", "chart", "chart-full"] {
         let (bench, grid) = grid_of(study, TEXT, &[]);
         sizes.push(grid.settings.len());
-        for (i, s) in grid.settings.iter().enumerate() {
-            bench.check(s).unwrap();
-            assert!(!grid.settings[..i].contains(s), "{}", s.label());
-            assert!(s.truncation.kind == TruncationKind::Cut || !s.truncation.tail_correction);
-        }
+        let has_a_tail = |s: &Settings| s.truncation.tail_correction;
+        let is_cut = |s: &Settings| s.truncation.kind == TruncationKind::Cut;
+        assert!(grid.settings.iter().all(|s| is_cut(s) || !has_a_tail(s)));
         // The scene itself stands first, and no name stands for two.
         assert_eq!(grid.settings[0], Settings::of(bench.scene()));
         let mut labels: Vec<String> = grid.settings.iter().map(Settings::label).collect();

@@ -1,19 +1,11 @@
 //! Verdicts follow the numbers.
 
-use lennard_observables::{Estimate, Standing};
+use lennard_observables::Standing;
 
 use super::*;
+use crate::testing::average;
 
 const TOLERANCE: Tolerance = Tolerance::new(4.0, 0.003, 0.0);
-
-fn average(mean: f64, standard_error: f64) -> AverageRecord {
-    AverageRecord {
-        estimate: Estimate { freedom: 64.0, ..Estimate::new(mean, standard_error, 500.0) },
-        unit: "ε".into(),
-        standing: Standing::Sound,
-        reason: String::new(),
-    }
-}
 
 fn row(measured: f64) -> Row {
     Row::measured("u", &average(measured, 3e-4)).against(-5.0, Some(4e-4), TOLERANCE, "x")

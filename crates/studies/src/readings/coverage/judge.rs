@@ -91,7 +91,7 @@ impl Covered {
     }
 
     /// Probability of the worst fault.
-    pub fn worst(&self) -> Option<f64> {
+    pub(crate) fn worst(&self) -> Option<f64> {
         self.faults.iter().map(|fault| fault.probability).min_by(f64::total_cmp)
     }
 }
@@ -103,7 +103,7 @@ fn is_judged(quantity: &str, cell: &Cell) -> bool {
 }
 
 /// Judges every quantity of every sample.
-pub fn all(samples: &[Sample<'_>]) -> Vec<Covered> {
+pub(crate) fn all(samples: &[Sample<'_>]) -> Vec<Covered> {
     let mut judged = Vec::new();
     for sample in samples {
         let Some(long) = long_run(samples, &sample.cell) else {
@@ -323,7 +323,7 @@ const BARS: ([f64; 2], f64) = ([0.60, 0.76], 0.92);
 const TOGETHER: usize = 3;
 
 /// The quantity that another one repeats; groups count only the first.
-pub fn repeats(quantity: &str) -> Option<&'static str> {
+pub(crate) fn repeats(quantity: &str) -> Option<&'static str> {
     quantity_of(quantity)?.repeats
 }
 
@@ -353,7 +353,7 @@ impl Sums {
     }
 
     /// Share within `k` + 1 errors.
-    pub fn share(&self, k: usize) -> f64 {
+    pub(crate) fn share(&self, k: usize) -> f64 {
         self.within[k] as f64 / self.given as f64
     }
 
@@ -365,7 +365,7 @@ impl Sums {
     }
 
     /// How far the shares are outside their bars.
-    pub fn far(&self) -> f64 {
+    pub(crate) fn far(&self) -> f64 {
         let ([low, high], least) = BARS;
         let one = Reference::band(low, high).difference(self.share(0));
         let two = Reference::band(least, f64::INFINITY).difference(self.share(1));
@@ -373,7 +373,7 @@ impl Sums {
     }
 
     /// The verdict on the shares. Outside their bars as chance may have it with so few numbers they are too coarse.
-    pub fn verdict(&self) -> Verdict {
+    pub(crate) fn verdict(&self) -> Verdict {
         if self.given == 0 {
             return Verdict::Agrees;
         }
@@ -419,14 +419,14 @@ fn rows(
 }
 
 /// Each quantity over all states and ensembles.
-pub fn by_quantity(judged: &[Covered], lengths: &[u64]) -> Vec<Row> {
+pub(crate) fn by_quantity(judged: &[Covered], lengths: &[u64]) -> Vec<Row> {
     let mut rows = rows(judged, lengths, 1, |one| one.quantity.clone());
     rows.sort_by(|a, b| a.name.cmp(&b.name));
     rows
 }
 
 /// Each state and ensemble, and all of them, over all quantities that do not repeat another one.
-pub fn by_state(judged: &[Covered], lengths: &[u64]) -> Vec<Row> {
+pub(crate) fn by_state(judged: &[Covered], lengths: &[u64]) -> Vec<Row> {
     let once: Vec<Covered> =
         (judged.iter()).filter(|one| repeats(&one.quantity).is_none()).cloned().collect();
     let mut all = rows(&once, lengths, TOGETHER, |one| one.cell.state.clone());

@@ -178,7 +178,7 @@ impl Summary {
     }
 
     /// Every cell with its numbers.
-    pub fn cells(&self) -> Table {
+    pub(crate) fn cells(&self) -> Table {
         Table::rows_of("coverage_cells", &self.judged)
             .column("state", |one| one.cell.state.as_str())
             .column("steps", |one| one.cell.steps)
@@ -206,7 +206,7 @@ impl Summary {
     }
 
     /// Groups outside their bars, the farthest first.
-    pub fn groups_in_words(&self) -> Vec<String> {
+    pub(crate) fn groups_in_words(&self) -> Vec<String> {
         let failed = self.failed_groups();
         let is_news = |(name, length, _): &&(&str, u64, &Sums)| {
             let original = repeats(name);
@@ -218,7 +218,7 @@ impl Summary {
     }
 
     /// How many cells are outside the range of right errors, in a sentence.
-    pub fn cells_in_words(&self) -> String {
+    pub(crate) fn cells_in_words(&self) -> String {
         let (all, (_, beyond)) = (self.judged.len(), self.failures());
         format!(
             "{} of {all} cells are outside the range of right errors; chance lists about {:.0}. {beyond} are beyond chance (!).",
@@ -228,7 +228,7 @@ impl Summary {
     }
 
     /// Cells outside the range of right errors, the least probable first.
-    pub fn listed_in_words(&self) -> Vec<String> {
+    pub(crate) fn listed_in_words(&self) -> Vec<String> {
         let listed = self.listed();
         let news: Vec<&(&Covered, f64)> = (listed.iter())
             .filter(|(one, _)| {
@@ -261,7 +261,7 @@ impl Summary {
     }
 
     /// Both tables as numbers.
-    pub fn json(&self) -> Value {
+    pub(crate) fn json(&self) -> Value {
         let sums = |(sums, length): (&Sums, &u64)| {
             json!({
                 "steps": length, "given": sums.given, "without": sums.without, "within": sums.within,

@@ -68,29 +68,32 @@ fn the_step_law_of_oscillators_is_the_exact_one() {
     assert!((survey.slopes().du_dt - 1.5).abs() < 0.05);
 }
 
-/// Frames in which every pair distance is as likely as in an ideal gas, times g(r).
-fn frame(n: f64, density: f64, bins: usize, g: impl Fn(f64) -> f64) -> Frame {
-    let pairs = (0..bins)
+/// Density of the fluid that is known by its g(r), and how far its pairs are seen.
+const EVEN: (f64, f64) = (0.5, 6.0);
+
+/// A survey in which every pair distance is as likely as in an ideal gas, times g(r).
+fn survey_of(g: impl Fn(f64) -> f64) -> (Scene, Survey) {
+    let (n, (density, sight)) = (864.0, EVEN);
+    let pairs: Vec<f32> = (0..bins_within(sight))
         .map(|bin| {
             let (low, high) = (bin as f64 * BIN_WIDTH, (bin + 1) as f64 * BIN_WIDTH);
             let shell = 4.0 / 3.0 * std::f64::consts::PI * (high.powi(3) - low.powi(3));
             (0.5 * n * density * shell * g(0.5 * (low + high))) as f32
         })
         .collect();
-    Frame {
+    let frame = || Frame {
         potential: 0.0,
         virial: 0.0,
         squared_force: 1.0,
         laplacian: Some(1.0),
-        counts: counts(pairs),
-    }
+        counts: counts(pairs.clone()),
+    };
+    survey((0..4).map(|_| frame()).collect(), 864, n / density, sight)
 }
 
 #[test]
 fn where_g_is_one_the_tail_makes_every_cutoff_the_same() {
-    let (n, density, sight) = (864.0, 0.5, 6.0);
-    let frames = (0..4).map(|_| frame(n, density, bins_within(sight), |_| 1.0)).collect();
-    let (scene, survey) = survey(frames, 864, n / density, sight);
+    let (density, (scene, survey)) = (EVEN.0, survey_of(|_| 1.0));
     let at = |r_cut: f64, kind| survey.terms(&scene, TruncationOptions::new(kind, r_cut)).unwrap();
     let full = at(f64::MAX, TruncationKind::Cut);
     for r_cut in [2.0, 2.513, 4.0] {
@@ -111,10 +114,8 @@ fn where_g_is_one_the_tail_makes_every_cutoff_the_same() {
 #[test]
 fn a_shell_of_neighbors_beyond_the_cutoff_is_missed_by_its_energy() {
     // g = 1.5 between 3.2 and 3.4 σ: cutting at 3 misses half of what an even fluid has there.
-    let (n, density, sight) = (864.0, 0.5, 6.0);
     let shell = |r: f64| if (3.2..3.4).contains(&r) { 1.5 } else { 1.0 };
-    let frames = (0..4).map(|_| frame(n, density, bins_within(sight), shell)).collect();
-    let (scene, survey) = survey(frames, 864, n / density, sight);
+    let (density, (scene, survey)) = (EVEN.0, survey_of(shell));
     let at = |r_cut: f64| {
         survey.terms(&scene, TruncationOptions::new(TruncationKind::Cut, r_cut)).unwrap()
     };
@@ -137,9 +138,16 @@ fn a_response_that_is_lost_in_noise_adds_an_uncertainty_and_no_error() {
     assert!((seen.mean - 1.99).abs() < 0.01 && (seen.standard_error - 0.1).abs() < 0.001);
 }
 
+/// The scene of these tables and an accuracy.
+fn accurate(tables: &str) -> Scene {
+    let stages = "accuracy = { potential_energy = 0.01 }\n[[stage]]\nname = \"e\"\nsteps = 300\nthermostat = \"bussi\"\n\
+        [[stage]]\nname = \"p\"\nsteps = 100\nthermostat = \"bussi\"\n";
+    Scene::parse(&format!("{stages}{tables}"), "test.toml", &[]).unwrap()
+}
+
 /// A short survey of a scene, with the frames of its one chain.
 fn surveyed(text: &str) -> (Sample, Survey) {
-    let scene = Scene::parse(text, "test.toml", &[]).unwrap();
+    let scene = accurate(text);
     let sample = Sample::prepare(&scene).unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let survey = pool.install(|| Survey::run(&sample, Duration::from_millis(100)));
@@ -161,9 +169,6 @@ fn beside_the_engine(survey: &Survey) -> [f64; 3] {
     ]
 }
 
-const ACCURACY: &str = "accuracy = { potential_energy = 0.01 }\n[[stage]]\nname = \"e\"\nsteps = 300\nthermostat = \"bussi\"\n\
-    [[stage]]\nname = \"p\"\nsteps = 100\nthermostat = \"bussi\"\n";
-
 #[test]
 fn pairs_of_species_add_up_to_the_energy_the_virial_and_the_laplacian_of_the_engine() {
     let mixture = "[start]\nlattice = \"sc\"\n[system]\nn_atoms = 512\ndensity = 1.0\ntemperature = 2.0\n\
@@ -171,7 +176,7 @@ fn pairs_of_species_add_up_to_the_energy_the_virial_and_the_laplacian_of_the_eng
         [[species]]\nname = \"B\"\nfraction = 0.25\nsigma = 0.88\nepsilon = 0.5\n\
         [mixing]\nrule = \"explicit\"\n[[pair]]\na = \"A\"\nb = \"B\"\nsigma = 0.8\nepsilon = 1.5\n\
         [truncation]\nr_cut_in = \"pair\"\n";
-    let (sample, survey) = surveyed(&format!("{}{mixture}", ACCURACY));
+    let (sample, survey) = surveyed(mixture);
     // The stiffest pair bounds the step: σ_AB√(1/ε_AB) is the shortest time.
     assert_eq!(sample.fastest.unwrap().species, [0, 1]);
     let one = lennard_engine::watchdog::rough_stable_dt(2.0 / 1.5, 2.0);
@@ -189,12 +194,10 @@ fn pairs_of_species_add_up_to_the_energy_the_virial_and_the_laplacian_of_the_eng
 #[test]
 fn masses_weigh_forces_and_laplacians() {
     let of_mass = |mass: f64| {
-        let text = format!(
-            "{}[system]\nn_atoms = 500\ndensity = 0.7\ntemperature = 1.5\n[[species]]\nname = \"A\"\nfraction = 0.5\n\
-             [[species]]\nname = \"B\"\nfraction = 0.5\nmass = {mass}\n[mixing]\nrule = \"geometric\"\n",
-            ACCURACY
-        );
-        surveyed(&text)
+        surveyed(&format!(
+            "[system]\nn_atoms = 500\ndensity = 0.7\ntemperature = 1.5\n[[species]]\nname = \"A\"\nfraction = 0.5\n\
+             [[species]]\nname = \"B\"\nfraction = 0.5\nmass = {mass}\n[mixing]\nrule = \"geometric\"\n"
+        ))
     };
     let (sample, survey) = of_mass(0.25);
     assert_eq!(sample.fastest.unwrap().species, [1, 1]);
@@ -209,13 +212,12 @@ fn masses_weigh_forces_and_laplacians() {
     assert!((ratio - 2.5).abs() < 0.15, "{ratio}");
 }
 
+/// A fluid of dumbbells, up to the method of its bonds.
+const DUMBBELLS: &str = "[system]\nn_molecules = 256\ndensity = 0.4\ntemperature = 2.0\n[molecule]\nbond_length = 0.67\n[bonds]\n";
+
 #[test]
 fn sites_of_molecules_add_up_to_the_molecular_virial() {
-    let text = format!(
-        "{}[system]\nn_molecules = 256\ndensity = 0.4\ntemperature = 2.0\n[molecule]\nbond_length = 0.67\n[bonds]\nmethod = \"direct\"\n",
-        ACCURACY
-    );
-    let (sample, survey) = surveyed(&text);
+    let (sample, survey) = surveyed(&format!("{DUMBBELLS}method = \"direct\"\n"));
     assert!((survey.density() - 0.4).abs() < 1e-9);
     assert_eq!(sample.fluid.n_dof(), 5.0 * 256.0 - 3.0);
     let [u, _, l] = beside_the_engine(&survey);
@@ -233,15 +235,10 @@ fn sites_of_molecules_add_up_to_the_molecular_virial() {
 
 #[test]
 fn springs_bound_the_step_where_they_are_faster_than_collisions() {
-    let text = |stiffness: f64| {
-        format!(
-            "{}[system]\nn_molecules = 256\ndensity = 0.4\ntemperature = 2.0\n[molecule]\nbond_length = 0.67\n\
-             [bonds]\nmethod = \"spring\"\nstiffness = {stiffness}\nscheme = \"explicit\"\n[integrator]\ndt = 0.001\n",
-            ACCURACY
-        )
-    };
     let limit = |stiffness: f64| {
-        let scene = Scene::parse(&text(stiffness), "test.toml", &[]).unwrap();
+        let scene = accurate(&format!(
+            "{DUMBBELLS}method = \"spring\"\nstiffness = {stiffness}\nscheme = \"explicit\"\n[integrator]\ndt = 0.001\n"
+        ));
         crate::lab::stable_dt_of_springs(&scene, crate::tune::sample::VERLET_LIMIT).unwrap()
     };
     // ω² = 2k/m for two unit masses.

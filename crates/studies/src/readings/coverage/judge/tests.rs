@@ -1,7 +1,7 @@
 //! Made-up runs with known errors.
 
 use lennard_core::random::Streams;
-use lennard_observables::{Estimate, Verdict};
+use lennard_observables::Verdict;
 use rand::Rng;
 
 use super::*;
@@ -13,15 +13,9 @@ fn normal(random: &mut impl Rng) -> f64 {
 }
 
 fn average(mean: f64, error: Option<f64>) -> AverageRecord {
-    AverageRecord {
-        estimate: Estimate {
-            freedom: 99.0,
-            ..Estimate::new(mean, error.unwrap_or(f64::NAN), 100.0)
-        },
-        unit: String::new(),
-        standing: if error.is_some() { Standing::Sound } else { Standing::TooShort },
-        reason: String::new(),
-    }
+    let standing = if error.is_some() { Standing::Sound } else { Standing::TooShort };
+    let average = crate::testing::average(mean, error.unwrap_or(f64::NAN));
+    AverageRecord { standing, ..average }
 }
 
 type Run = BTreeMap<String, AverageRecord>;
