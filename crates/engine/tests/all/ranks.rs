@@ -199,6 +199,33 @@ fn frames_of_every_format_have_the_bytes_of_one_process() {
 }
 
 #[test]
+fn a_run_that_was_stopped_goes_on_with_any_other_number_of_ranks() {
+    let seen = r#"[{ kind = "msd", every = 3, longest_lag = 0.1, particles = 1111 }, { kind = "vacf", every = 2, window = 0.04 }]"#;
+    let keys = format!(
+        "kernel.precision=mixed stage.melt.steps=10 stage.production.steps=20
+        stage.production.thermostat=langevin observable={seen}"
+    );
+    let case = (LIQUID, keys.as_str());
+    let root = common::folder();
+    let alone = root.path().join("alone");
+    ended(vec![on_rank(case, &alone, 0, None)], Ending::Finished);
+    let alone = contents(&alone);
+    for before in 1..5 {
+        for after in (1..5).filter(|after| *after != before) {
+            let folder = root.path().join(format!("{before}-{after}"));
+            ended(on_ranks(case, &folder, 17, [before, 1]), Ending::Stopped);
+            ended(on_ranks(case, &folder, 0, [after, 1]), Ending::Finished);
+            let found = contents(&folder);
+            for name in
+                ["final.xyz", "thermo.csv", "trajectory.xyz", "msd.csv", "vacf.csv", "run.json"]
+            {
+                assert!(alone[name] == found[name], "{before} to {after}: {name}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_failure_of_physics_is_met_by_all_ranks_and_one_of_them_tells_it() {
     let overrides = "integrator.dt=0.06 stage.production.thermostat=none";
     let root = common::folder();
