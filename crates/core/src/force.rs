@@ -146,8 +146,8 @@ pub trait ForceTerm: Persist + Send {
         ForceStatistics::default()
     }
 
-    /// Tells the term which particles this process keeps, where ranks share a run. Its totals are then sums over all ranks, and
-    /// an error of one rank is met by all, with the number of the particle among all ([`Own::agree`]).
+    /// Tells the term which particles this process keeps, where ranks share a run. Its totals are then sums over all ranks.
+    /// All ranks meet an error of one, with the number of the particle among all ([`Own::agree`]).
     ///
     /// The default suits a term without totals and errors of its own.
     fn keep(&mut self, own: &Own) {

@@ -6,13 +6,13 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::Team;
 use crate::exact::{ExactSums, Summand, exact_sum_over, exact_sums};
-use crate::{ForceError, Team};
 
 /// Bytes of one message on their way to rank 0, at most.
 const PIECE: usize = 1 << 20;
 
-/// The particles that this process keeps: those of consecutive numbers on a rank, else all.
+/// The particles that this process keeps: all of them, or the particles of consecutive numbers on a rank.
 ///
 /// Arrays of a state are indexed from 0. Their entry `i` belongs to the particle with the number `first + i`. One process is the
 /// case without a team. Each function that all ranks take part in has to be called by all of them.
@@ -30,7 +30,7 @@ impl Own {
         Self { numbers: 0..n, all: n, team: None }
     }
 
-    /// Those of `n` particles that this rank keeps.
+    /// The particles, of `n`, that this rank keeps.
     #[must_use]
     pub fn of_rank(team: &Team, n: usize) -> Self {
         Self { numbers: team.numbers(n), all: n, team: Some(team.clone()) }
@@ -131,7 +131,7 @@ impl Own {
         }
     }
 
-    /// Items in a list of all ranks, of which so many are here: those of one rank after those of another.
+    /// Items in a list of all ranks, of which so many are here: one rank comes after another.
     #[must_use]
     pub fn list(&self, here: usize) -> Self {
         let Some(team) = &self.team else { return Self::all_of(here) };
@@ -165,8 +165,7 @@ impl Own {
         }
     }
 
-    /// The vectors of the runs of so many numbers that begin here, where each run is whole: a rank that has the first particle of a
-    /// run gets the others.
+    /// The vectors of the runs of so many numbers that begin here. A rank that has the first particle of a run gets the others.
     #[must_use]
     pub fn whole_runs<'a>(&self, here: &'a [DVec3], run: usize) -> Cow<'a, [DVec3]> {
         let Some(team) = &self.team else { return here.into() };
@@ -289,8 +288,8 @@ impl Own {
         }
     }
 
-    /// Vectors of all particles on rank 0, in the order of their numbers, from one for each particle that is kept here; nothing on
-    /// the other ranks.
+    /// Vectors of all particles on rank 0, in the order of their numbers; nothing on the other ranks. Each gives one for each particle
+    /// that it keeps.
     #[must_use]
     pub fn collect_vectors(&self, here: &[DVec3]) -> Vec<DVec3> {
         if self.team.is_none() {
@@ -309,22 +308,6 @@ impl Own {
     pub fn parts_of_rows<'a, T>(&self, all: &'a [T]) -> impl Iterator<Item = &'a [T]> {
         all.chunks(self.all.max(1)).map(|row| &row[self.numbers.clone()])
     }
-
-    /// What all ranks found. Where one of them met an error of its own particles, all get that of the lowest rank.
-    ///
-    /// # Errors
-    /// The error.
-    pub fn agree<T>(&self, found: Result<T, ForceError>) -> Result<T, ForceError> {
-        let Some(team) = &self.team else { return found };
-        if !team.any(found.is_err()) {
-            return found;
-        }
-        // An error without words is one that all ranks meet.
-        match (self.told(found.as_ref().err().and_then(words_of)), found) {
-            (Some(words), _) => Err(error_of(words)),
-            (None, found) => found,
-        }
-    }
 }
 
 fn vectors_of(words: &[u64]) -> Vec<DVec3> {
@@ -340,39 +323,6 @@ impl PartialEq for Own {
 impl fmt::Debug for Own {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:?} of {}", self.numbers, self.all)
-    }
-}
-
-/// Names of the axes and of the ends of walls, in the order of the words.
-const AXES: [&str; 3] = ["x", "y", "z"];
-const ENDS: [&str; 2] = ["lower", "upper"];
-
-/// An error of one particle in words; `None` for one that all ranks meet alike.
-fn words_of(error: &ForceError) -> Option<[u64; 5]> {
-    let place = |names: &[&str], name: &str| names.iter().position(|n| *n == name);
-    match error {
-        ForceError::NonFinitePosition { particle } => Some([0, *particle as u64, 0, 0, 0]),
-        ForceError::NonFiniteForce { particle } => Some([1, *particle as u64, 0, 0, 0]),
-        ForceError::BeyondWall { particle, axis, end, depth } => {
-            let (axis, end) = (place(&AXES, axis)?, place(&ENDS, end)?);
-            Some([2, *particle as u64, axis as u64, end as u64, depth.to_bits()])
-        }
-        _ => None,
-    }
-}
-
-/// The error of some words.
-fn error_of([kind, particle, axis, end, depth]: [u64; 5]) -> ForceError {
-    let particle = particle as usize;
-    match kind {
-        0 => ForceError::NonFinitePosition { particle },
-        1 => ForceError::NonFiniteForce { particle },
-        _ => ForceError::BeyondWall {
-            particle,
-            axis: AXES[axis as usize],
-            end: ENDS[end as usize],
-            depth: f64::from_bits(depth),
-        },
     }
 }
 
@@ -401,18 +351,6 @@ mod tests {
                 let all = own.collect(own.numbers().map(|k| k as u64).collect());
                 let expected = if team.leads() { (0..100).collect() } else { Vec::new() };
                 assert_eq!(all, expected);
-                let beyond = |particle| ForceError::BeyondWall {
-                    particle,
-                    axis: "y",
-                    end: "upper",
-                    depth: 0.3,
-                };
-                let failed = own.agree(match own.index(99) {
-                    Some(_) => Err(beyond(99)),
-                    None => Ok(()),
-                });
-                assert_eq!(failed, Err(beyond(99)));
-                assert_eq!(own.agree(Ok(3)), Ok(3));
             });
         }
     }

@@ -2,7 +2,7 @@
 
 use glam::{DMat2, DVec3};
 
-use crate::Momentum;
+use crate::{Momentum, Own};
 
 /// What a method declares about itself; conformance tests measure each entry.
 #[derive(Debug, Clone, Copy)]
@@ -250,4 +250,84 @@ pub enum ForceError {
     /// The force needs velocities and got none.
     #[error("the force depends on velocities, and the method gives none")]
     NeedsVelocities,
+}
+
+// An error of one rank is the error of all.
+
+impl Own {
+    /// What all ranks found. Where some met errors of their own particles, all get the error of the lowest rank.
+    ///
+    /// # Errors
+    /// The error.
+    pub fn agree<T>(&self, found: Result<T, ForceError>) -> Result<T, ForceError> {
+        let Some(team) = self.team() else { return found };
+        if !team.any(found.is_err()) {
+            return found;
+        }
+        // An error without words is one that all ranks meet.
+        match (self.told(found.as_ref().err().and_then(words_of)), found) {
+            (Some(words), _) => Err(error_of(words)),
+            (None, found) => found,
+        }
+    }
+}
+
+/// Names of the axes and of the ends of walls, in the order of the words.
+const AXES: [&str; 3] = ["x", "y", "z"];
+const ENDS: [&str; 2] = ["lower", "upper"];
+
+/// An error of one particle in words; `None` for one that all ranks meet alike.
+fn words_of(error: &ForceError) -> Option<[u64; 5]> {
+    let place = |names: &[&str], name: &str| names.iter().position(|n| *n == name);
+    match error {
+        ForceError::NonFinitePosition { particle } => Some([0, *particle as u64, 0, 0, 0]),
+        ForceError::NonFiniteForce { particle } => Some([1, *particle as u64, 0, 0, 0]),
+        ForceError::BeyondWall { particle, axis, end, depth } => {
+            let (axis, end) = (place(&AXES, axis)?, place(&ENDS, end)?);
+            Some([2, *particle as u64, axis as u64, end as u64, depth.to_bits()])
+        }
+        _ => None,
+    }
+}
+
+/// The error of some words.
+fn error_of([kind, particle, axis, end, depth]: [u64; 5]) -> ForceError {
+    let particle = particle as usize;
+    match kind {
+        0 => ForceError::NonFinitePosition { particle },
+        1 => ForceError::NonFiniteForce { particle },
+        _ => ForceError::BeyondWall {
+            particle,
+            axis: AXES[axis as usize],
+            end: ENDS[end as usize],
+            depth: f64::from_bits(depth),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::team_of_threads;
+
+    #[test]
+    fn an_error_of_one_rank_is_met_by_all() {
+        for ranks in 1..4 {
+            team_of_threads(ranks, |team| {
+                let own = Own::of_rank(&team, 100);
+                let beyond = |particle| ForceError::BeyondWall {
+                    particle,
+                    axis: "y",
+                    end: "upper",
+                    depth: 0.3,
+                };
+                let failed = own.agree(match own.index(99) {
+                    Some(_) => Err(beyond(99)),
+                    None => Ok(()),
+                });
+                assert_eq!(failed, Err(beyond(99)));
+                assert_eq!(own.agree(Ok(3)), Ok(3));
+            });
+        }
+    }
 }

@@ -3,10 +3,6 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::DVec3;
-
-use crate::Own;
-
 /// The most species of a system: as many as one register of AVX-512 holds doubles.
 pub const MOST_SPECIES: usize = 8;
 
@@ -75,7 +71,7 @@ impl SpeciesTable {
         }
     }
 
-    /// The same species with the particles of some numbers alone; the counts stay those of all particles.
+    /// The same species with the particles of some numbers alone; the counts are still of all particles.
     #[must_use]
     pub fn keeping(&self, numbers: Range<usize>) -> Self {
         let of_particle = self.of_particle.get(numbers.clone()).unwrap_or_default();
@@ -223,17 +219,6 @@ impl Masses {
             Self::Uniform(m) => *m,
             Self::Each(m) if m[i].is_infinite() => 0.0,
             Self::Each(m) => m[i],
-        }
-    }
-
-    /// The kinetic energy K = Σ ½ m v² of all particles, from the velocities of those kept here; in ε, an exact total.
-    #[must_use]
-    pub fn kinetic_energy(&self, own: &Own, velocities: &[DVec3]) -> f64 {
-        match self {
-            Self::Uniform(m) => own.sum_of(velocities, |v| 0.5 * m * v.length_squared()),
-            Self::Each(_) => {
-                own.sum(velocities.len(), |i| 0.5 * self.moving(i) * velocities[i].length_squared())
-            }
         }
     }
 

@@ -97,7 +97,7 @@ impl System {
         &self.own
     }
 
-    /// The exact sum over all particles of a term for each, of which each rank gives those of the particles that it keeps.
+    /// The exact sum over all particles of a term for each. A rank gives the terms of the particles that it keeps.
     pub fn sum<T: Summand<N>, const N: usize>(&self, term: impl Fn(usize) -> T + Sync) -> T {
         self.own.sum(self.own.len(), term)
     }
@@ -200,10 +200,15 @@ impl System {
         3.0 * (self.len() - self.masses.n_held()) as f64 - (rigid + kept) as f64
     }
 
-    /// The kinetic energy K = Σ ½ m v² in ε, an exact total ([`Masses::kinetic_energy`]).
+    /// The kinetic energy K = Σ ½ m v² of all particles in ε, an exact total.
     #[must_use]
     pub fn kinetic_energy(&self, velocities: &[DVec3]) -> f64 {
-        self.masses.kinetic_energy(&self.own, velocities)
+        match &self.masses {
+            Masses::Uniform(m) => self.own.sum_of(velocities, |v| 0.5 * m * v.length_squared()),
+            Masses::Each(_) => {
+                self.sum(|i| 0.5 * self.masses.moving(i) * velocities[i].length_squared())
+            }
+        }
     }
 
     /// The kinetic temperature T = 2K/n_dof, in ε/k_B.

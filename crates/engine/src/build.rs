@@ -24,7 +24,7 @@ use crate::schedule::Observer;
 use crate::simulation::{Recording, Simulation, Timers};
 use crate::start::{Start, make_suit, start_with, thermal_velocities};
 use crate::watchdog::ForceCheck;
-use crate::{EngineError, baths, foresight, from_frames, pressure, ranks, room};
+use crate::{EngineError, baths, foresight, from_frames, pressure, room, together};
 
 /// The temperature and step for which the list is laid out. They are the highest temperature and the
 /// largest step of all stages, since one list serves all.
@@ -106,9 +106,9 @@ pub fn prepare_with(
 /// [`EngineError::Scene`] for what one process alone can run.
 pub fn prepare_on(scene: Scene, team: Option<&Team>) -> Result<Simulation, EngineError> {
     if let Some(team) = team {
-        ranks::can_share(&scene, team)?;
+        together::can_share(&scene, team)?;
     }
-    let start = ranks::alike(team, start_with(&scene, None, team))?;
+    let start = together::alike(team, start_with(&scene, None, team))?;
     prepare_own_from(scene, start, OwnParts::none(), team)
 }
 
@@ -132,7 +132,7 @@ pub(crate) fn prepare_own_from(
         start;
     let n = species.n_particles();
     let ranks = team.map_or(1, Team::ranks);
-    let (options, provider) = ranks::alike(team, forces_on(&scene, cell, &species, ranks))?;
+    let (options, provider) = together::alike(team, forces_on(&scene, cell, &species, ranks))?;
     remarks.extend(pressure::foresee(&scene, &cell, n, provider.plan().skin)?);
     remarks.extend(provider.plan().remark.clone());
     if !scene.program.is_empty() && own.method_name() != Some(from_frames::NAME) {
@@ -142,13 +142,13 @@ pub(crate) fn prepare_own_from(
         ));
     }
     if moves_apart {
-        ranks::alike(team, relax(&scene, cell, &species, &mut positions))?;
+        together::alike(team, relax(&scene, cell, &species, &mut positions))?;
     }
     let mixture = scene.mixture_of(&species);
     let (mut system, confinement) = Confinement::with_system(&scene, &cell, species);
     system = confinement.pushes(system, own.pushed());
     if let Some(team) = team {
-        let kept = ranks::can_keep(team, n)?;
+        let kept = together::can_keep(team, n)?;
         let numbers = kept.numbers();
         let both = [Some(&mut positions), velocities.as_mut()];
         for array in both.into_iter().flatten().filter(|array| array.len() != numbers.len()) {
@@ -178,14 +178,14 @@ pub(crate) fn prepare_own_from(
     own.check_forces(&scene, &cell, &positions, &velocities)?;
     let observers = observers(&scene, cell, &system, &own)?;
     let isa = provider.plan().isa.to_string();
-    team.map_or(Ok(()), |team| ranks::same_isa(team, &isa))?;
+    team.map_or(Ok(()), |team| together::same_isa(team, &isa))?;
     let list = planned_list(&scene, provider.plan());
     let all_pairs =
         AllPairs::new(&options, mixture.as_ref()).map_err(|e| misfit(&scene.source, &e))?;
     let mut forces = with_others(&scene, confinement.beside(provider), &own);
     if let Some(team) = team {
         forces.keep(system.own());
-        ranks::share(&mut forces, team, &cell)?;
+        together::share(&mut forces, team, &cell)?;
     }
     let simulation = Simulation {
         state: State::new(cell, positions, velocities),

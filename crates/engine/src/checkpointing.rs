@@ -14,9 +14,9 @@ use lennard_scene::Scene;
 
 use crate::files::Marks;
 use crate::names::THERMO;
-use crate::ranks::made;
 use crate::schedule::Observer;
 use crate::simulation::Timers;
+use crate::together::made;
 use crate::{EngineError, Simulation};
 
 /// What a run that went on from a checkpoint brings along.

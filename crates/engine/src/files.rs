@@ -26,7 +26,7 @@ use lennard_observables::{Cell, Table};
 
 use crate::foresight::less_precision;
 use crate::names::{RECORD, SCENE, THERMO, TOPOLOGY};
-use crate::ranks::made;
+use crate::together::made;
 use crate::{EngineError, Simulation};
 
 /// Energies over the number of particles, or of molecules.

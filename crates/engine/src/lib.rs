@@ -33,6 +33,7 @@ mod session;
 mod simulation;
 mod start;
 pub mod stopwatch;
+mod together;
 mod watch;
 pub mod watchdog;
 

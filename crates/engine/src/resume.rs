@@ -16,7 +16,7 @@ use crate::files::Marks;
 use crate::names::{SCENE, THERMO};
 use crate::own::OwnParts;
 use crate::start::Start;
-use crate::{EngineError, Simulation, ranks};
+use crate::{EngineError, Simulation, together};
 
 /// What may be different from the run as it was.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -75,7 +75,7 @@ pub fn resume_on(
     options: &ResumeOptions,
     team: Option<&Team>,
 ) -> Result<Resumed, EngineError> {
-    let loaded = ranks::alike(team, loaded(folder, options, team))?;
+    let loaded = together::alike(team, loaded(folder, options, team))?;
     let Loaded { path, checkpoint, scene, marks } = loaded;
     let misfit = |reason: String| ResumeError::DoesNotFit { checkpoint: path.clone(), reason };
     let mut overrides = Vec::new();
@@ -94,7 +94,7 @@ pub fn resume_on(
     let saved = Saved { checkpoint: &checkpoint, path: &path, own: &OwnParts::none(), team };
     let (mut simulation, remark) = saved.with_isa(overrides, options.isa.as_deref())?;
     let past = reinstated(&mut simulation, &checkpoint);
-    let mut past = ranks::alike(team, past.map_err(|reason| misfit(reason).into()))?;
+    let mut past = together::alike(team, past.map_err(|reason| misfit(reason).into()))?;
     past.remarks.extend(remark);
     Ok(Resumed { simulation, marks, past, checkpoint: path })
 }
@@ -338,7 +338,7 @@ impl Saved<'_> {
         let name = path.display().to_string();
         let scene = Scene::parse_to_grow(&checkpoint.scene, &name, overrides)?;
         if let Some(team) = team {
-            ranks::can_share(&scene, team)?;
+            together::can_share(&scene, team)?;
         }
         let cell = checkpointing::saved_start_cell(&checkpoint.archive)
             .map_err(|e| misfit(e.to_string()))?;

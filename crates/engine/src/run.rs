@@ -12,9 +12,9 @@ use crate::course::{Course, Writer, aside, set_aside};
 use crate::failure::PhysicsFailure;
 use crate::files::RunFiles;
 use crate::follower::{Control, Ending};
-use crate::ranks::made;
 use crate::resume::Resumed;
 use crate::simulation::Simulation;
+use crate::together::made;
 use crate::{EngineError, record};
 
 /// Bytes that a state set aside takes for each particle: position and velocity.

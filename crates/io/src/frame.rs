@@ -188,7 +188,7 @@ impl FrameStyle {
     /// Lets rank 0 take the text of all ranks, one after another; where a rank has no text, none is taken.
     ///
     /// # Errors
-    /// Those of the text; [`WriteError::Elsewhere`] where another rank has none.
+    /// The error of the text; [`WriteError::Elsewhere`] where another rank has none.
     pub(crate) fn pass(
         &self,
         path: &Path,

@@ -40,7 +40,7 @@ impl Tracked {
     pub(crate) fn new(own: &Own, count: usize) -> Self {
         let n = own.all();
         let count = count.min(n);
-        // Place k is that of particle ⌊k·n/count⌋.
+        // Particle ⌊k·n/count⌋ has the place k.
         let place = |number: usize| (number * count).div_ceil(n.max(1)).min(count);
         let places = place(own.first())..place(own.numbers().end);
         let index = |k: usize| (k * n / count.max(1) - own.first()) as u32;

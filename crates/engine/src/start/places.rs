@@ -26,7 +26,7 @@ const CRYSTAL_GAP: f64 = 0.25;
 /// How many cells more or less along an axis are looked at.
 const SPARE: usize = 3;
 
-/// Sites of a lattice in the filled part: `basis` (fractions of a cell) repeated along each axis; those of some numbers, or all.
+/// Sites of a lattice in the filled part: `basis` (fractions of a cell) repeated along each axis. The sites have some numbers, or all.
 ///
 /// # Panics
 /// Where the placement has no cells.

@@ -4,7 +4,7 @@ use crate::common::*;
 use lennard_core::random::Streams;
 use lennard_core::{
     Backend, BathStep, Configuration, DVec3, ForceError, ForceTerm, FrictionAndNoise, FusedBath,
-    FusedSteps, Masses, Moving, Own, Part, PeriodicBox, Thermostat, Want,
+    FusedSteps, Masses, Moving, Own, Part, PeriodicBox, System, Thermostat, Want,
 };
 use lennard_forcefield::{
     ForceFieldOptions, Kernel, KernelOptions, ListMode, NeighborOptions, PairForces, Precision,
@@ -47,7 +47,8 @@ impl Fluid {
         if let Some(bath) = &mut self.bath
             && bath.acts_after(self.step)
         {
-            let kinetic = masses.kinetic_energy(&Own::all_of(v.len()), v);
+            let system = System::atoms(v.len()).with_masses(masses.clone());
+            let kinetic = system.kinetic_energy(v);
             let factor = bath.factor(BathStep { kinetic, n_dof: 12.0, dt: DT, step: self.step });
             v.iter_mut().for_each(|v| *v *= factor);
             self.heats.push(factor * factor * kinetic - kinetic);

@@ -235,7 +235,11 @@ impl Backend for Cluster {
             let scales = stride.bath.as_mut().filter(|bath| bath.scales());
             if let Some(bath) = scales {
                 let own = Own::all_of(velocities.len());
-                let factor = bath.factor(stride.masses.kinetic_energy(&own, velocities));
+                let factor = bath.factor(
+                    System::atoms(own.len())
+                        .with_masses(stride.masses.clone())
+                        .kinetic_energy(velocities),
+                );
                 velocities.iter_mut().for_each(|v| *v *= factor);
                 kick(velocities, &forces, stride.masses, 0.5 * h);
                 drift(stride.positions, velocities, h);

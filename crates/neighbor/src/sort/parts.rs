@@ -204,7 +204,7 @@ pub enum Belongs {
     Nowhere,
 }
 
-/// The columns that a table has, in the order of its slots: all of the box, or the columns of a part ahead of its halo.
+/// The columns that a table has, in the order of its slots: all of them, or the columns of a part ahead of its halo.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Present {
     /// Number of particles of all ranks; `None` where the table has all particles.
