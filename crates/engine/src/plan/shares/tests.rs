@@ -13,10 +13,14 @@ fn scene(more: &str) -> Scene {
 #[test]
 fn memory_is_counted_as_a_run_takes_it() {
     let measured = |more: &str| {
-        let mut simulation = crate::prepare(scene(more)).unwrap();
         // Each thread has a copy of few particles once it runs a chunk: one thread always has its own.
         let alone = lennard_core::parallel::pool(1).unwrap();
-        alone.install(|| Costs::measure(&mut simulation).unwrap())
+        let measure = |_| {
+            let mut simulation = crate::prepare(scene(more)).unwrap();
+            alone.install(|| Costs::measure(&mut simulation).unwrap())
+        };
+        // A busy machine takes fewer steps, and the room of lists grows as builds find more ghosts.
+        (0..4).map(measure).min_by_key(|costs| costs.force_bytes).unwrap()
     };
     let stage = "[[stage]]\nname = \"a\"\nsteps = 300\n";
     let observed = format!("{stage}[[observable]]\nkind = \"momentum\"\nevery = 1\n");
