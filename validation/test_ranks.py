@@ -109,8 +109,9 @@ def shaped(folder: Path, shape: str, motion: str) -> Path:
         text = text.replace("n_atoms = 5324\ndensity = 0.8442\n", "").replace("[truncation]", start + "[truncation]")
     if shape == "slab":
         # A planar tail needs a box that does not change.
-        tail = "" if motion == "constant pressure" else '\ntail_correction = "planar"'
-        text = text.replace("density = 0.8442\n", "").replace("temperature = 1.2", "temperature = 0.8")
+        tail = "\ntail_correction = " + ("false" if motion == "constant pressure" else '"planar"')
+        # Cells of a slab are wide, since its mean density is low: fewer particles have fewer bundles than nine.
+        text = text.replace("n_atoms = 5324\ndensity = 0.8442", "n_atoms = 24000").replace("temperature = 1.2", "temperature = 0.8")
         start = '[start]\nkind = "slab"\n'
         text = text.replace("[truncation]", start + "[truncation]").replace('kind = "shift"', 'kind = "cut"' + tail)
     if shape == "mixture":

@@ -151,7 +151,10 @@ pub fn solid_share(cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
 
 /// As [`solid_share`], where each rank has the positions of the particles that it keeps.
 pub(crate) fn solid_share_of_all(own: &Own, cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
-    let solid = solid_by_layers(own, cell, positions, own.all().div_ceil(AT_ONCE));
+    // Thin layers take more time, and no rank holds much more than it keeps.
+    let thin = cell.lengths().z / (2.0 * usual_reach(cell, own.all()));
+    let fewest = if own.team().is_some() { thin as usize } else { 1 };
+    let solid = solid_by_layers(own, cell, positions, own.all().div_ceil(AT_ONCE).max(fewest));
     solid as f64 / own.all().max(1) as f64
 }
 
