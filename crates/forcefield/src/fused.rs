@@ -88,10 +88,12 @@ impl FusedBuffers {
         clock: &mut Clock,
     ) -> u64 {
         let (cell, n) = (steps.cell, steps.positions.len());
-        if !validity.may_be_valid::<P>(cell, n)
-            && !first_build(validity, (list, copies), steps, clock)
-        {
-            return 0;
+        if !validity.may_be_valid::<P>(cell, n) {
+            let into = (&mut *list, copies.rows());
+            let built = clock.building(|| validity.build_by_number(into, cell, steps.positions));
+            if built.is_err() {
+                return 0;
+            }
         }
         let lent = std::mem::take(&mut steps.forces);
         let keeps_forces = steps.bath.as_ref().is_some_and(|bath| bath.next_noise().is_none());
@@ -194,25 +196,6 @@ impl FusedBuffers {
         }
         taken
     }
-}
-
-/// Builds a list for the first of some steps; returns whether it could.
-fn first_build<P: PackedList>(
-    validity: &mut ListValidity,
-    (list, copies): (&mut P, &mut PackedCopies<P::Row>),
-    steps: &FusedSteps<'_>,
-    clock: &mut Clock,
-) -> bool {
-    let mut particles = Particles::default();
-    let given = match &validity.part {
-        None => Given::All(Positions::ById(steps.positions)),
-        Some(part) => {
-            particles.numbers = part.numbers().map(|number| number as u32).collect();
-            particles.positions = steps.positions.to_vec();
-            Given::OfRank(&mut particles)
-        }
-    };
-    clock.building(|| validity.build((list, copies.rows()), steps.cell, given)).is_ok()
 }
 
 impl BySlot<'_> {

@@ -81,6 +81,24 @@ impl ListValidity {
         built
     }
 
+    /// As [`ListValidity::build`], from positions by number, σ: on a rank, of the particles that it keeps.
+    pub fn build_by_number<P: PackedList>(
+        &mut self,
+        into: (&mut P, &mut Vec<P::Row>),
+        cell: &PeriodicBox,
+        positions: &[DVec3],
+    ) -> Result<(), ForceError> {
+        let Some(part) = &self.part else {
+            return self.build(into, cell, Given::All(Positions::ById(positions)));
+        };
+        let mut particles = Particles {
+            numbers: part.numbers().map(|number| number as u32).collect(),
+            positions: positions.to_vec(),
+            ..Particles::default()
+        };
+        self.build(into, cell, Given::OfRank(&mut particles))
+    }
+
     fn build_there<P: PackedList>(
         &mut self,
         list: &mut P,

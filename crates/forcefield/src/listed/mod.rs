@@ -9,17 +9,17 @@ use glam::DVec3;
 use lennard_core::{
     Configuration, Exclusions, ForceError, FusedSteps, PeriodicBox, SpeedLimit, Team,
 };
-use lennard_neighbor::{ClusterList, FIXED_UNITS, Images, NeighborList, Positions};
+use lennard_neighbor::{ClusterList, FIXED_UNITS, Images, NeighborList};
 
 use self::folded::Folded;
 use crate::clock::Clock;
 use crate::fused::FusedBuffers;
 use crate::interaction::Pairwise;
 use crate::non_finite;
-use crate::part::{Part, Particles};
+use crate::part::Part;
 use crate::simd::{KickDrift, Level, ListStatus, PackedCopies, PackedList, Prepared, Request};
 use crate::sums::{Detail, PerParticle, Totals};
-use crate::validity::{Given, ListValidity};
+use crate::validity::ListValidity;
 
 /// The smallest number of fused steps that is worth gathering the particles by slot.
 const FEWEST_STEPS: u64 = 3;
@@ -149,17 +149,7 @@ impl<P: PackedList> Listed<P> {
 
     /// Builds the list for positions in a box.
     pub fn build(&mut self, cell: &PeriodicBox, positions: &[DVec3]) -> Result<(), ForceError> {
-        let numbers = self.validity.part.as_ref().map(Part::numbers);
-        let mut particles = Particles::default();
-        let given = match numbers {
-            None => Given::All(Positions::ById(positions)),
-            Some(numbers) => {
-                particles.numbers = numbers.map(|number| number as u32).collect();
-                particles.positions = positions.to_vec();
-                Given::OfRank(&mut particles)
-            }
-        };
-        self.validity.build((&mut self.list, self.packed.rows()), cell, given)?;
+        self.validity.build_by_number((&mut self.list, self.packed.rows()), cell, positions)?;
         if let Some(folded) = &mut self.folded {
             folded.take_list(&self.list);
         }
