@@ -124,7 +124,7 @@ impl Simulation {
         self.scene.stages.iter().any(|s| s.barostat.is_some())
     }
 
-    /// The ranks of this run, where there are several ([`Simulation::share`]).
+    /// The ranks of this run, where there are several ([`crate::prepare_on`]).
     #[must_use]
     pub fn team(&self) -> Option<&Team> {
         self.system.own().team()

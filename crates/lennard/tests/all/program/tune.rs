@@ -94,7 +94,8 @@ fn a_scene_with_settings_of_its_own_is_told_the_cheapest_for_the_usual_accuracy(
     let command = found.lines().rev().find(|l| l.contains("lennard run")).unwrap();
     contains(command, &["--set truncation.r_cut=3.5"]);
     assert_eq!(command.matches("truncation.r_cut=").count(), 1, "{command}");
-    assert!(!command.contains("integrator.dt=0.003"), "{command}");
+    // With the space: a step of 0.0033 may be chosen.
+    assert!(!command.contains("integrator.dt=0.003 "), "{command}");
     let (_, run) = command.split_once("lennard ").unwrap();
     place.succeed(&format!("{run} --no-report --out out"));
     contains(&place.read("out/scene.toml"), &["r_cut = 3.5"]);
