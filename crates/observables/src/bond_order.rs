@@ -177,7 +177,8 @@ fn solid_by_layers(own: &Own, cell: &PeriodicBox, positions: &[DVec3], layers: u
     let [rank, ranks] = own.rank_of();
     let (mut first, mut solid) = (0, 0);
     while first < layers {
-        let near = own.deal(|rank| if first + rank < layers { near(first + rank) } else { Vec::new() });
+        let near =
+            own.deal(|rank| if first + rank < layers { near(first + rank) } else { Vec::new() });
         if !near.is_empty() {
             let bonds = Bonds::new([&six], cell, &near, reach);
             let layer = first + rank;

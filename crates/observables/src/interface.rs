@@ -8,7 +8,7 @@ use crate::{
     Average, BuildContext, Doubt, Findings, Frames, Observable, ObservableError, ObservableSpec,
     Recipe, Remark, Surroundings, Table, statistics,
 };
-use lennard_core::{Own, Axis, DVec3, View, Want, persist};
+use lennard_core::{Axis, DVec3, Own, View, Want, persist};
 
 use crate::averages::{changes, of_blocks, tell_discarded};
 use crate::blocks::BlockedSums;

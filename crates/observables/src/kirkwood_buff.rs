@@ -149,7 +149,8 @@ impl Observable for KirkwoodBuff {
         };
         let weight = cell.volume() / self.seen.first_volume();
         self.counts.add_sample(found.iter().flatten().map(|pairs| weight * *pairs as f64));
-        let densities = self.vectors.densities_by_species(view.system.own(), &self.species, positions, cell);
+        let densities =
+            self.vectors.densities_by_species(view.system.own(), &self.species, positions, cell);
         self.factors.begin_sample();
         for (p, SpeciesPair { a, b }) in self.pairs.iter().enumerate() {
             let (n_a, n_b) = (self.species.count(*a) as f64, self.species.count(*b) as f64);

@@ -83,7 +83,10 @@ impl VelocityAutocorrelation {
         let origins = TimeOrigins::new(window, context.sample_interval(), vectors)?;
         within("particles", options.particles, 1..=usize::MAX)?;
         let of_species = tracked.by_species(&context.species);
-        Ok(Self { products: OverLags::new("products", 1, origins, &tracked.own, of_species), tracked })
+        Ok(Self {
+            products: OverLags::new("products", 1, origins, &tracked.own, of_species),
+            tracked,
+        })
     }
 
     /// ⅓∫₀^t C by the trapezoidal rule, at each lag.
