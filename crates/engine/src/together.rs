@@ -3,14 +3,13 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use lennard_core::{Backend, Own, PeriodicBox, SpeedLimit, Team};
+use lennard_forcefield::FEWEST_ON_RANKS;
 use lennard_scene::Scene;
 
 use crate::error::RanksError;
 use crate::failure::LARGEST_MOVE;
 use crate::{EngineError, watchdog};
 
-/// The fewest particles that ranks share: below, a cut would lie nearer than the cutoff.
-const FEWEST: usize = 4000;
 /// The most: numbers of particles have 32 bits, and positions as many for each side of the box.
 const MOST: usize = 1_000_000_000;
 
@@ -39,9 +38,9 @@ fn same(
 
 /// The particles, of `n`, that this rank keeps.
 pub(crate) fn can_keep(team: &Team, particles: usize) -> Result<Own, RanksError> {
-    match (FEWEST..=MOST).contains(&particles) {
+    match (FEWEST_ON_RANKS..=MOST).contains(&particles) {
         true => Ok(Own::of_rank(team, particles)),
-        false => Err(RanksError::Particles { particles, fewest: FEWEST, most: MOST }),
+        false => Err(RanksError::Particles { particles, fewest: FEWEST_ON_RANKS, most: MOST }),
     }
 }
 

@@ -43,7 +43,7 @@ pub use pair::{
     TruncationOptions, TruncationSpec, combining_rules, model_name, tail_correction, tail_in,
     tail_of_mixture, truncations,
 };
-pub use part::LEAST_OF_A_RANK;
+pub use part::{FEWEST_ON_RANKS, LEAST_OF_A_RANK};
 pub use plan::{Conditions, ForcePlan, Search, recommended_threads};
 pub use provider::{PairForces, build};
 pub use real::Real;

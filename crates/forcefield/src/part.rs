@@ -19,7 +19,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
 use lennard_core::{Parcel, SpeedLimit, Team};
-use lennard_neighbor::{Columns, PairList, Partners};
+use lennard_neighbor::{Columns, PairList, Partners, SMALLEST_CUT};
 
 use crate::simd::{MotionSummary, SomeRows};
 use crate::validity::build::Lacking;
@@ -227,13 +227,6 @@ impl Part {
         (words[1] == 0).then(|| f64::from_bits(words[0]))
     }
 
-    /// The sum of a number over all ranks.
-    pub fn sum(&self, own: usize) -> usize {
-        let mut words = [own as i64];
-        self.team.sum(&mut words);
-        words[0] as usize
-    }
-
     /// The lowest number of a particle that any rank names, if there is one.
     pub fn lowest(&self, own: Option<usize>) -> Option<usize> {
         let mut words = [own.map_or(0, |number| u64::MAX - number as u64)];
@@ -292,11 +285,11 @@ const NEAR_LIMIT: f64 = 0.8;
 /// The fewest particles of a rank: some bundles of columns.
 pub const LEAST_OF_A_RANK: usize = 500;
 /// The fewest particles of a system that ranks share: below it, one bundle is the whole box.
-const LEAST_OF_ALL: usize = 4000;
+pub const FEWEST_ON_RANKS: usize = SMALLEST_CUT;
 
 /// The largest number of ranks that can share lists of `n` particles.
 pub fn most_ranks(n: usize) -> usize {
-    if n < LEAST_OF_ALL { 1 } else { n / LEAST_OF_A_RANK }
+    if n < FEWEST_ON_RANKS { 1 } else { n / LEAST_OF_A_RANK }
 }
 
 /// Runs of consecutive numbers.

@@ -8,7 +8,7 @@ use std::ops::Range;
 pub const ATOMS_PER_CHUNK: usize = 48;
 
 /// The smallest number of particles whose order is cut into bundles; below it, one bundle is the whole box.
-pub(crate) const SMALLEST_CUT: usize = 4000;
+pub const SMALLEST_CUT: usize = 4000;
 
 /// The slots of each chunk: up to [`ATOMS_PER_CHUNK`] consecutive ones. Chunks begin anew in each bundle.
 ///

@@ -44,7 +44,7 @@ mod sort;
 mod unlisted;
 mod validity;
 
-pub use chunk_slots::{ATOMS_PER_CHUNK, ChunkSlots};
+pub use chunk_slots::{ATOMS_PER_CHUNK, ChunkSlots, SMALLEST_CUT};
 pub use clusters::{
     ALL_MEMBERS, BLOCK, Block, CLUSTER, ClusterBlocks, ClusterChunk, ClusterList, ClusterNeighbors,
     ENTRY_SCALE, ExcludedEntries, FIRST_HALF, GroupBounds, GroupCandidates, Reach, SECOND_HALF,

@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
-use lennard_core::{ForceError, PeriodicBox};
+use lennard_core::{ForceError, Own, PeriodicBox};
 use lennard_neighbor::{
     Belongs, Beyond, GridError, PairList, Partners, Positions, Reach, farthest_apart, is_usable,
     with_rounding,
@@ -47,7 +47,7 @@ impl Part {
         self.columns = columns;
         self.cut(is_new, &at);
         self.migrate(list, cell, particles, &mut at);
-        let counted = self.sum(particles.numbers.len());
+        let counted = Own::whole_of(Some(&self.team), particles.numbers.len());
         assert_eq!(counted, self.whole, "no particle is lost on its way");
         let own = particles.numbers.len();
         let near = with_rounding(lengths, reach.r_list);

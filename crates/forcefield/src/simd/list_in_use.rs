@@ -1,7 +1,7 @@
 //! A list in use: the motion since its build, and whether it may be used at some positions.
 
 use glam::DVec3;
-use lennard_core::PeriodicBox;
+use lennard_core::{Own, PeriodicBox};
 use lennard_neighbor::{
     Criterion, Displacements, NowAndThen, PackedDisplacement, PairList, Validity, unlisted_pairs,
 };
@@ -119,7 +119,7 @@ impl<P: PairList> ListInUse<'_, P> {
             Validity::Expired => return ListStatus::Expired,
             Validity::Uncertain => {}
         }
-        let movers = self.part.map_or(summary.far.len(), |part| part.sum(summary.far.len()));
+        let movers = Own::whole_of(self.part.map(Part::team), summary.far.len());
         if self.criterion.check(largest2, movers, n) == Validity::Expired {
             return ListStatus::Expired;
         }
