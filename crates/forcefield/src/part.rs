@@ -10,19 +10,22 @@
 //! The lists of a part are the lists of the whole, and its sums are exact. So no bit depends on the cuts.
 
 mod halo;
+mod movers;
 mod route;
 mod settle;
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
+use lennard_core::parallel::{for_each_piece, for_each_range};
 use lennard_core::{Parcel, SpeedLimit, Team};
-use lennard_neighbor::{Columns, PairList, Partners, SMALLEST_CUT};
+use lennard_neighbor::{Beyond, Columns, PairList, Partners, SMALLEST_CUT};
 
 use crate::simd::{MotionSummary, SomeRows};
-use crate::validity::build::Lacking;
+
+pub use self::movers::Settled;
 
 use self::halo::Halo;
 use self::route::Route;
@@ -38,14 +41,18 @@ pub struct Part {
     owners: Vec<u32>,
     /// Builds since the last cut.
     builds: usize,
-    /// Particles within the list radius of the part, whose positions come in each step.
+    /// Particles within the list radius of the part, whose positions come in each step, and others that lists name.
     near: Halo,
-    /// Particles beyond it that may come within the cutoff before the next build.
-    far: Halo,
-    /// Whether lists name particles of the far halo too, since pairs were inserted.
-    names_far: bool,
-    /// Whether all of the halo was fetched for the present positions, to judge the list.
-    is_fetched: AtomicBool,
+    /// The distance from a part, σ, within which particles have slots there: they may come within the cutoff before the next build.
+    far: f64,
+    /// The rank of each slot behind the own ones.
+    halo_ranks: Vec<u32>,
+    /// What lies beyond the own columns.
+    beyond: Beyond,
+    /// Searches for unlisted pairs since the build.
+    searches: AtomicU64,
+    /// The pairs with an own particle that were inserted since the build: the search, and both places in the order of the whole.
+    inserted: Vec<[u64; 3]>,
     /// Between numbers and slots; none before it is asked for.
     route: Mutex<Option<Route>>,
     /// The chunks that name no halo, and the others.
@@ -90,9 +97,11 @@ impl Part {
             owners: Vec::new(),
             builds: 0,
             near: Halo::default(),
-            far: Halo::default(),
-            names_far: false,
-            is_fetched: AtomicBool::new(false),
+            far: 0.0,
+            halo_ranks: Vec::new(),
+            beyond: Beyond::default(),
+            searches: AtomicU64::new(0),
+            inserted: Vec::new(),
             route: Mutex::new(None),
             inner_and_outer: Default::default(),
             rows: Default::default(),
@@ -140,43 +149,42 @@ impl Part {
         let route = self.route.lock().unwrap_or_else(PoisonError::into_inner);
         let route = route.as_ref().map_or(0, Route::bytes);
         let chunks: usize = self.inner_and_outer.iter().map(Vec::capacity).sum();
-        self.near.bytes() + self.far.bytes() + 24 * vectors + route + 4 * chunks
+        let words = chunks + self.halo_ranks.capacity();
+        self.near.bytes() + 24 * vectors + route + 4 * words
     }
 
-    /// Fetches the positions of the halo while `meanwhile` works, the far ones too where lists name them or `all` is set.
-    /// `position` gives the position at an own slot, and `put` takes the position at a slot of the halo.
+    /// Fetches the positions of the halo while `meanwhile` works. `position` gives the position at an own slot, and `put` takes
+    /// the position at a slot of the halo; each slot comes once.
     pub fn fetch(
         &self,
-        all: bool,
-        position: impl Fn(u32) -> DVec3,
+        position: impl Fn(u32) -> DVec3 + Sync,
         meanwhile: &mut dyn FnMut(),
-        mut put: impl FnMut(u32, DVec3),
+        put: impl Fn(u32, DVec3) + Sync,
     ) {
-        self.is_fetched.store(all, Ordering::Relaxed);
-        let halos = [Some(&self.near), (all || self.names_far).then_some(&self.far)];
-        let halos = halos.into_iter().flatten();
+        let Halo { given, wanted } = &self.near;
         let mut buffers = self.buffers();
         let [outgoing, incoming] = &mut *buffers;
-        Halo::address(halos.clone().map(|halo| &halo.given[..]), outgoing);
-        Halo::address(halos.clone().map(|halo| &halo.wanted[..]), incoming);
-        for parcel in &mut *outgoing {
-            let slots = halos.clone().flat_map(|halo| &halo.given[parcel.rank]);
-            for (to, slot) in parcel.vectors.iter_mut().zip(slots) {
-                *to = position(*slot).to_array();
-            }
+        Halo::address(given, outgoing);
+        Halo::address(wanted, incoming);
+        for Parcel { rank, vectors } in &mut *outgoing {
+            for_each_piece(vectors, |first, vectors| {
+                let slots = &given[*rank][first..];
+                vectors
+                    .iter_mut()
+                    .zip(slots)
+                    .for_each(|(to, slot)| *to = position(*slot).to_array());
+            });
         }
         self.team.exchange(outgoing, incoming, meanwhile);
-        for parcel in &*incoming {
-            let slots = halos.clone().flat_map(|halo| &halo.wanted[parcel.rank]);
-            for (slot, vector) in slots.zip(&parcel.vectors) {
-                put(*slot, DVec3::from_array(*vector));
-            }
+        for Parcel { rank, vectors } in &*incoming {
+            for_each_range(vectors.len(), |range| {
+                let slots = &wanted[*rank][range.clone()];
+                slots
+                    .iter()
+                    .zip(&vectors[range])
+                    .for_each(|(slot, r)| put(*slot, DVec3::from_array(*r)));
+            });
         }
-    }
-
-    /// Whether all of the halo was fetched for the present positions; not again when it is asked next.
-    pub fn was_fetched(&self) -> bool {
-        self.is_fetched.swap(false, Ordering::Relaxed)
     }
 
     /// Takes vectors by number to the own slots, which `to` begins with.
@@ -217,14 +225,18 @@ impl Part {
         self.team.any(self.broken.swap(false, Ordering::Relaxed))
     }
 
-    /// The largest |d|² of all ranks, σ²; `None` where a position or a force of any rank is not finite.
-    pub fn largest2(&self, own: &MotionSummary) -> Option<f64> {
+    /// The largest |d|² of all ranks, σ², and the number of their far movers; `None` where a position or a force of any rank is
+    /// not finite.
+    pub fn motion(&self, own: &MotionSummary) -> Option<(f64, usize)> {
         let broken = self.broken.swap(false, Ordering::Relaxed);
-        // Numbers that are not negative have the order of their bits.
-        let largest2 = own.largest2.max(0.0);
-        let mut words = [largest2.to_bits(), u64::from(!own.finite || broken)];
+        // Numbers that are not negative have the order of their bits. Behind them each rank has a word of its own.
+        let mut words = vec![0; 2 + self.team.ranks()];
+        words[0] = own.largest2.max(0.0).to_bits();
+        words[1] = u64::from(!own.finite || broken);
+        words[2 + self.team.rank()] = own.far.len() as u64;
         self.team.max(&mut words);
-        (words[1] == 0).then(|| f64::from_bits(words[0]))
+        let far = words[2..].iter().sum::<u64>() as usize;
+        (words[1] == 0).then(|| (f64::from_bits(words[0]), far))
     }
 
     /// The lowest number of a particle that any rank names, if there is one.
@@ -232,51 +244,6 @@ impl Part {
         let mut words = [own.map_or(0, |number| u64::MAX - number as u64)];
         self.team.max(&mut words);
         (words[0] > 0).then(|| (u64::MAX - words[0]) as usize)
-    }
-
-    /// The pairs that a list of any rank lacks, in the order of the slots of the whole. `found` has the pairs of slots that the
-    /// lists of this rank lack.
-    pub fn missing<P: PairList>(&self, list: &P, found: &[[u32; 2]]) -> Vec<Lacking> {
-        let words: Vec<u64> = found
-            .iter()
-            .flat_map(|pair| {
-                let mut ends = pair.map(|slot| {
-                    let [cell, number] = list.key(slot);
-                    u64::from(cell) << 32 | u64::from(number)
-                });
-                ends.sort_unstable();
-                ends
-            })
-            .collect();
-        let mut pairs = self.team.concat(&words).as_chunks::<2>().0.to_vec();
-        pairs.sort_unstable();
-        pairs.dedup();
-        let lacking = |ends: &[u64; 2]| {
-            let [a, b] = ends.map(|word| list.slot_of([(word >> 32) as u32, word as u32]));
-            Lacking {
-                particles: ends.map(|word| word as u32),
-                slots: a.zip(b).map(<[u32; 2]>::from),
-            }
-        };
-        pairs.iter().map(lacking).collect()
-    }
-
-    /// Lets lists name particles of the far halo, since the pairs of slots were inserted.
-    pub fn include<P: PairList>(&mut self, list: &P, pairs: &[[u32; 2]]) {
-        let own = list.own() as u32;
-        if !self.names_far {
-            self.names_far = true;
-            let [near, far] = [&self.near, &self.far].map(|halo| halo.wanted.iter().flatten());
-            self.rows[1].slots = runs_of(near.chain(far).map(|slot| *slot as usize));
-        }
-        let [inner, outer] = &mut self.inner_and_outer;
-        for [a, b] in pairs.iter().filter(|[a, b]| (*a < own) != (*b < own)) {
-            let chunk = list.chunk_slots().chunk_of(*a.min(b)) as u32;
-            if let Ok(at) = inner.binary_search(&chunk) {
-                inner.remove(at);
-                outer.insert(outer.partition_point(|other| *other < chunk), chunk);
-            }
-        }
     }
 }
 

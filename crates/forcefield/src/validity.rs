@@ -2,13 +2,14 @@
 
 pub mod build;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::DVec3;
 use lennard_core::{ForceError, PeriodicBox};
 use lennard_neighbor::{Criterion, GridError, PairList, Positions, Reach};
 
-use self::build::{Build, Lacking};
+use self::build::Build;
 use crate::interaction::Pairwise;
 use crate::part::{Part, Particles};
 use crate::simd::{Level, ListInUse, PackedList, by_slot};
@@ -26,8 +27,8 @@ pub struct ListValidity {
     pub built: Vec<DVec3>,
     /// The species at each slot of the last build, where there are several.
     species: Vec<u8>,
-    /// The pairs of particles that were inserted since the build, in their order: with ranks, pairs of all of them.
-    pub inserted: Vec<[u32; 2]>,
+    /// The pairs of particles that were inserted since the build, in their order. On a rank, its part has them.
+    inserted: Vec<[u32; 2]>,
     /// Number of builds so far.
     pub builds: u64,
     /// The part of this rank, where there are several.
@@ -152,18 +153,28 @@ impl ListValidity {
         Reach { r_cut, r_list: r_cut + self.skin_in(cell) + P::rounding(cell, r_cut) }
     }
 
-    /// Inserts pairs of particles that a list lacks; returns whether the list can take them. All ranks insert the same pairs.
-    pub fn insert<P: PairList>(&mut self, list: &mut P, pairs: &[Lacking]) -> bool {
+    /// Inserts pairs of slots that a list lacks; returns whether the list can take them.
+    pub fn insert<P: PairList>(&mut self, list: &mut P, pairs: &[[u32; 2]]) -> bool {
         if P::INSERTS {
-            self.inserted.extend(pairs.iter().map(|pair| pair.particles));
-            let of_slots: Vec<[u32; 2]> = pairs.iter().filter_map(|pair| pair.slots).collect();
-            of_slots.iter().for_each(|pair| list.insert(*pair));
-            if let Some(part) = &mut self.part {
-                part.include(list, &of_slots);
+            pairs.iter().for_each(|pair| list.insert(*pair));
+            match &mut self.part {
+                Some(part) => part.include(list, pairs),
+                None => {
+                    let particles = pairs.iter().map(|p| p.map(|k| list.particles()[k as usize]));
+                    self.inserted.extend(particles);
+                }
             }
             debug_assert!(list.is_valid(), "the loops rely on valid lists");
         }
         P::INSERTS
+    }
+
+    /// The pairs of particles that were inserted since the build, in their order. All ranks ask together.
+    pub fn inserted(&self) -> Cow<'_, [[u32; 2]]> {
+        match &self.part {
+            Some(part) => part.inserted().into(),
+            None => self.inserted[..].into(),
+        }
     }
 
     /// Whether the list was built, of one process for `n` particles, and may be valid at some positions in a box.

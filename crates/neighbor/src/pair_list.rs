@@ -75,10 +75,6 @@ pub trait PairList: Sync {
     fn key(&self, _slot: u32) -> [u32; 2] {
         [0; 2]
     }
-    /// The slot that has a key, where the list has it.
-    fn slot_of(&self, _key: [u32; 2]) -> Option<u32> {
-        None
-    }
     /// Whether the list contains a pair of slots that was beyond the list radius at the build.
     fn contains(&self, _pair: [u32; 2]) -> bool {
         false

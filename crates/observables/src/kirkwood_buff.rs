@@ -140,17 +140,18 @@ impl Observable for KirkwoodBuff {
     }
 
     fn sample(&mut self, view: &View<'_>) {
-        let (cell, positions) = (view.cell(), &view.state.positions);
+        let (cell, own, positions) = (view.cell(), view.system.own(), &view.state.positions);
         self.seen.see(cell);
         let all = count_distances(positions, cell, self.r_max, self.bins);
         let found = match self.species.is_mixture() {
-            true => count_distances_by_species(&self.species, positions, cell, self.r_max, &all),
+            true => {
+                count_distances_by_species(&self.species, own, positions, cell, self.r_max, &all)
+            }
             false => vec![all],
         };
         let weight = cell.volume() / self.seen.first_volume();
         self.counts.add_sample(found.iter().flatten().map(|pairs| weight * *pairs as f64));
-        let densities =
-            self.vectors.densities_by_species(view.system.own(), &self.species, positions, cell);
+        let densities = self.vectors.densities_by_species(own, &self.species, positions, cell);
         self.factors.begin_sample();
         for (p, SpeciesPair { a, b }) in self.pairs.iter().enumerate() {
             let (n_a, n_b) = (self.species.count(*a) as f64, self.species.count(*b) as f64);

@@ -1,7 +1,11 @@
 //! Counting pairs by distance.
 
-use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
+mod slabs;
+
+use lennard_core::{DVec3, Own, PeriodicBox, SpeciesTable};
 use rayon::prelude::*;
+
+pub(crate) use self::slabs::count_distances_of_all;
 
 use crate::cells::{BATCH, Cells, Points, nearest};
 use crate::species_pairs::SpeciesPair;
@@ -28,10 +32,11 @@ pub fn count_distances(
 }
 
 /// The same counts for the pairs of each two species a ≤ b, row by row. They add up to `all`, the counts of all pairs, since the
-/// same bits decide about each pair.
+/// same bits decide about each pair. Positions are of the particles `own`, and pairs of all ranks count.
 #[must_use]
 pub fn count_distances_by_species(
     species: &SpeciesTable,
+    own: &Own,
     positions: &[DVec3],
     cell: &PeriodicBox,
     r_max: f64,
@@ -41,7 +46,7 @@ pub fn count_distances_by_species(
         let places = positions.iter().enumerate();
         let chosen = places.filter(|(i, _)| wanted(species.of(*i)));
         let chosen: Vec<DVec3> = chosen.map(|(_, r)| *r).collect();
-        count_distances(&chosen, cell, r_max, all.len())
+        count_distances_of_all(own, &chosen, cell, r_max, all.len())
     };
     let less = |mut whole: Vec<u64>, part: &[u64]| {
         whole.iter_mut().zip(part).for_each(|(n, m)| *n -= m);
@@ -209,7 +214,9 @@ mod tests {
             // 4.5 takes the double loop, 2.0 the cells.
             for r_max in [4.5, 2.0] {
                 let all = count_distances(&positions, &cell, r_max, 37);
-                let found = count_distances_by_species(&species, &positions, &cell, r_max, &all);
+                let own = Own::all_of(300);
+                let found =
+                    count_distances_by_species(&species, &own, &positions, &cell, r_max, &all);
                 let pairs = SpeciesPair::all(&species).zip(&found);
                 for (SpeciesPair { a, b }, found) in pairs {
                     let mut expected = vec![0; 37];

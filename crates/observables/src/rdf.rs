@@ -13,7 +13,7 @@ use lennard_core::{SpeciesTable, View, persist};
 use crate::averages::tell_discarded;
 use crate::binned::Binned;
 use crate::error::{within, within_box};
-use crate::pairs::{count_distances, count_distances_by_species, count_distances_inside};
+use crate::pairs::{count_distances_by_species, count_distances_inside, count_distances_of_all};
 use crate::seen_box::SeenBox;
 use crate::species_pairs::SpeciesPair;
 
@@ -26,7 +26,7 @@ const SPEC: ObservableSpec = ObservableSpec {
     source: "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 4th ed. (2013), equations 2.5.8 and 2.5.13",
     every: 100,
     surroundings: Surroundings::Periodic,
-    alone: Some("looks at pairs up to r_max, which may be farther apart than a rank sees"),
+    alone: None,
     ..ObservableSpec::PLAIN
 };
 
@@ -141,8 +141,8 @@ impl Observable for RadialDistribution {
         let cell = view.cell();
         self.seen.see(cell);
         let weight = cell.volume() / self.seen.first_volume();
-        let positions = &view.state.positions;
-        let mut found = count_distances(positions, cell, self.r_max, self.bins);
+        let (own, positions) = (view.system.own(), &view.state.positions);
+        let mut found = count_distances_of_all(own, positions, cell, self.r_max, self.bins);
         if self.sites > 1 {
             let inside = count_distances_inside(self.sites, positions, cell, self.r_max, self.bins);
             for (all, inside) in found.iter_mut().zip(inside) {
@@ -153,7 +153,7 @@ impl Observable for RadialDistribution {
         let weighted = |found: Vec<u64>| found.into_iter().map(move |pairs| weight * pairs as f64);
         if self.species.is_mixture() {
             let by_species =
-                count_distances_by_species(&self.species, positions, cell, self.r_max, &found);
+                count_distances_by_species(&self.species, own, positions, cell, self.r_max, &found);
             for ((_, counts), found) in self.counts.parts.iter_mut().zip(by_species) {
                 counts.add_sample(weighted(found));
             }

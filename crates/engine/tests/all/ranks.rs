@@ -150,7 +150,7 @@ fn mixtures_have_the_bytes_of_one_process() {
     let heavy = r#"[{ name = "A", fraction = 0.7 }, { name = "B", fraction = 0.3, sigma = 0.9, mass = 4.0 }]"#;
     let mixing = r#"{ rule = "lorentz-berthelot" }"#;
     let seen = r#"[{ kind = "structure-factor", every = 20 }, { kind = "vacf", every = 1, window = 0.02, particles = 700 },
-        { kind = "mutual-diffusion", every = 1, window = 0.2 }]"#;
+        { kind = "mutual-diffusion", every = 1, window = 0.2 }, { kind = "rdf", every = 10 }]"#;
     for (species, precision) in [(alike, "mixed"), (heavy, "double"), (heavy, "mixed")] {
         let keys = format!(
             "species={species} mixing={mixing} kernel.precision={precision} observable={seen}"
@@ -280,11 +280,6 @@ fn what_one_process_alone_runs_is_refused_by_name_with_the_way_out() {
         ),
         ("integrator.kind=respa", "`integrator.kind` is for one process alone", "velocity-verlet"),
         ("integrator.kind=implicit-euler", "found:   \"implicit-euler\"", "velocity-verlet"),
-        (
-            "observable=[{kind=\"rdf\"}]",
-            "it looks at pairs up to r_max",
-            "a scene without this observable",
-        ),
         (
             "observable=[{kind=\"bond-order\"}]",
             "it looks at neighbors",

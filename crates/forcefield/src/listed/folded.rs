@@ -46,7 +46,7 @@ impl Folded {
             (0..order.len()).map(|slot| motion.displacement(slot).length_squared()).collect();
         let mut summary = MotionSummary::NOTHING;
         summary.include(0, &squares, motion.far2);
-        let status = used.judge(&summary, None, &|| at, None);
+        let status = used.judge(&summary, None, &|| at);
         if status != ListStatus::Complete {
             return (status, Totals::NOTHING);
         }

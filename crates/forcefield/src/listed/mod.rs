@@ -184,9 +184,11 @@ impl<P: PackedList> Listed<P> {
                         used.evaluate(&mut self.packed, at.positions, request, forces, each)
                     }
                     (None, Some(part)) => {
-                        by_slot.clone_from(&self.validity.built);
-                        if !is_new {
-                            part.to_slots(&self.list, at.positions, &mut by_slot);
+                        if request.prepared == Prepared::Nothing {
+                            by_slot.clone_from(&self.validity.built);
+                            if !is_new {
+                                part.to_slots(&self.list, at.positions, &mut by_slot);
+                            }
                         }
                         let given = (&mut by_slot[..], request);
                         used.evaluate_part(part, &mut self.packed, given, forces, each)

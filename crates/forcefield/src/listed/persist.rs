@@ -7,7 +7,6 @@ use lennard_core::{PeriodicBox, RestoreError, StateReader, StateWriter};
 
 use super::Listed;
 use crate::simd::{PackedList, to_particles};
-use crate::validity::build::Lacking;
 
 impl<P: PackedList> Listed<P> {
     /// Writes what a restart needs.
@@ -28,8 +27,8 @@ impl<P: PackedList> Listed<P> {
             to.put_f64("built_box", &cell.lengths().to_array());
         }
         to.put_vec3("built_at", &built_at);
-        let inserted = self.validity.inserted.iter().flatten();
-        let inserted: Vec<u64> = inserted.map(|particle| (*particle).into()).collect();
+        let inserted = self.validity.inserted();
+        let inserted: Vec<u64> = inserted.iter().flatten().map(|k| (*k).into()).collect();
         to.put_u64("inserted", &inserted);
         to.put_u64("counters", &[self.validity.builds]);
     }
@@ -51,8 +50,7 @@ impl<P: PackedList> Listed<P> {
             self.validity.forget();
         }
         match from.u64("counters")? {
-            // Earlier versions wrote a second counter.
-            [builds] | [builds, _] => {
+            [builds] => {
                 self.validity.builds = *builds;
                 Ok(())
             }
@@ -61,30 +59,24 @@ impl<P: PackedList> Listed<P> {
     }
 
     fn restore_inserted(&mut self, from: &StateReader<'_>, n: usize) -> Result<(), RestoreError> {
-        let inserted = match from.u64("inserted") {
-            // Earlier versions named slots. The list lacks their pairs until it looks for them in the next step.
-            Err(RestoreError::Missing(_)) => &[],
-            inserted => inserted?,
-        };
+        let inserted = from.u64("inserted")?;
         if inserted.is_empty() {
             return Ok(());
         }
         let slots: HashMap<u32, u32> = self.list.particles().iter().copied().zip(0..).collect();
         let (pairs, rest) = inserted.as_chunks::<2>();
         let is_pair = |[a, b]: &[u64; 2]| a != b && a.max(b) < &(n as u64);
-        let pairs: Vec<Lacking> = pairs
-            .iter()
-            .filter(|pair| is_pair(pair))
-            .map(|pair| {
-                let particles = pair.map(|particle| particle as u32);
-                let [a, b] = particles.map(|particle| slots.get(&particle).copied());
-                Lacking { particles, slots: a.zip(b).map(<[u32; 2]>::from) }
-            })
-            .collect();
-        if 2 * pairs.len() == inserted.len()
-            && rest.is_empty()
-            && self.validity.insert(&mut self.list, &pairs)
-        {
+        let mut is_right = rest.is_empty() && pairs.iter().all(is_pair);
+        for pair in pairs {
+            if let Some(part) = &self.validity.part {
+                part.begin_search();
+            }
+            // Other ranks have slots for the particles that are far from this one.
+            if let [Some(a), Some(b)] = pair.map(|k| slots.get(&(k as u32)).copied()) {
+                is_right = is_right && self.validity.insert(&mut self.list, &[[a, b]]);
+            }
+        }
+        if is_right {
             return Ok(());
         }
         Err(from.misfit("inserted", format!("no pairs of {n} particles that this list can take")))

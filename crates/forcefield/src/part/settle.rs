@@ -5,15 +5,16 @@
 //! ```
 
 use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::AtomicU64;
 
 use glam::DVec3;
 use lennard_core::{ForceError, Own, PeriodicBox};
 use lennard_neighbor::{
-    Belongs, Beyond, GridError, PairList, Partners, Positions, Reach, farthest_apart, is_usable,
+    Belongs, GridError, PairList, Partners, Positions, Reach, farthest_apart, is_usable,
     with_rounding,
 };
 
+use super::halo::Halo;
 use super::{Part, Particles, RowRuns, runs_of};
 use crate::simd::by_slot;
 
@@ -51,9 +52,9 @@ impl Part {
         assert_eq!(counted, self.whole, "no particle is lost on its way");
         let own = particles.numbers.len();
         let near = with_rounding(lengths, reach.r_list);
-        let far = with_rounding(lengths, farthest_apart(reach, self.whole));
-        let beyond = self.columns.beyond(&self.owners, self.team.rank(), far);
-        self.surround(&beyond, [near, far], particles, &at);
+        self.far = with_rounding(lengths, farthest_apart(reach, self.whole));
+        self.beyond = self.columns.beyond(&self.owners, self.team.rank(), self.far);
+        let ranks = self.surround(near, particles, &at);
         at.extend(particles.positions[own..].iter().map(|r| list.column_at(cell, *r)));
         self.order(list, cell, reach, particles, &at)?;
         // Elements become slots.
@@ -61,21 +62,21 @@ impl Part {
         for (slot, element) in (0..).zip(list.source()) {
             slots[*element as usize] = slot;
         }
-        for halo in [&mut self.near, &mut self.far] {
-            let lists = halo.wanted.iter_mut().chain(&mut halo.given);
-            lists.flatten().for_each(|element| *element = slots[*element as usize]);
-        }
+        let lists = self.near.wanted.iter_mut().chain(&mut self.near.given);
+        lists.flatten().for_each(|element| *element = slots[*element as usize]);
+        let halo = &list.source()[own..];
+        self.halo_ranks = halo.iter().map(|element| ranks[*element as usize - own]).collect();
         by_slot_in_place(list.source(), &mut particles.positions);
         if particles.move_on {
             by_slot_in_place(&list.source()[..own], &mut particles.velocities);
         }
         list.place(cell, &particles.positions);
         particles.numbers.clear();
-        self.split(list, &beyond, near);
+        self.split(list, near);
         self.team.note_halo(self.near.len());
         self.route = Mutex::new(None);
-        self.names_far = false;
-        self.is_fetched = AtomicBool::new(false);
+        self.searches = AtomicU64::new(0);
+        self.inserted.clear();
         self.builds += 1;
         Ok(())
     }
@@ -124,9 +125,10 @@ impl Part {
                 }
                 kept += 1;
             } else {
-                push(&mut sent[owner], numbers[k], positions[k]);
+                sent[owner].push(numbers[k].into());
+                push(&mut sent[owner], positions[k]);
                 if moves {
-                    sent[owner].extend(velocities[k].to_array().map(f64::to_bits));
+                    push(&mut sent[owner], velocities[k]);
                 }
             }
         }
@@ -147,50 +149,47 @@ impl Part {
         }
     }
 
-    /// Sends particles to the ranks whose parts they are near to, and adds the halo of this rank behind the own particles.
+    /// Sends particles to the ranks whose parts they are near to, and adds the halo of this rank behind the own particles. Returns
+    /// the rank of each particle of the halo.
     ///
-    /// Halos are of elements until slots are known.
-    fn surround(
-        &mut self,
-        beyond: &Beyond,
-        radii: [f64; 2],
-        particles: &mut Particles,
-        at: &[[u32; 2]],
-    ) {
+    /// The near halo is of elements until slots are known.
+    fn surround(&mut self, near: f64, particles: &mut Particles, at: &[[u32; 2]]) -> Vec<u32> {
         let ranks = self.team.ranks();
-        let [near2, far2] = radii.map(|radius| radius * radius);
-        for halo in [&mut self.near, &mut self.far] {
-            halo.wanted = vec![Vec::new(); ranks];
-            halo.given = vec![Vec::new(); ranks];
-        }
+        self.near = Halo::among(ranks);
+        let mut far = vec![Vec::new(); ranks];
         let mut found = Vec::new();
         for (k, (column, r)) in (0..).zip(at.iter().zip(&particles.positions)) {
-            beyond.ranks_near(*column, *r, &mut found);
+            self.beyond.ranks_near(*column, *r, &mut found);
             for (rank, d2) in &found {
-                if *d2 <= near2 {
+                if *d2 <= near * near {
                     self.near.given[*rank as usize].push(k);
-                } else if *d2 <= far2 {
-                    self.far.given[*rank as usize].push(k);
+                } else if *d2 <= self.far * self.far {
+                    far[*rank as usize].push(k);
                 }
             }
         }
         let words = |(near, far): (&Vec<u32>, &Vec<u32>)| {
             let mut words = vec![near.len() as u64];
             for k in near.iter().chain(far).map(|k| *k as usize) {
-                push(&mut words, particles.numbers[k], particles.positions[k]);
+                words.push(particles.numbers[k].into());
+                push(&mut words, particles.positions[k]);
             }
             words
         };
-        let sent = self.near.given.iter().zip(&self.far.given).map(words).collect();
+        let sent = self.near.given.iter().zip(&far).map(words).collect();
+        let mut of_halo = Vec::new();
         for (rank, words) in self.team.trade(sent).into_iter().enumerate() {
             let Some((near, words)) = words.split_first() else { continue };
             for (k, words) in (0..).zip(words.as_chunks::<4>().0) {
-                let halo = if k < *near { &mut self.near } else { &mut self.far };
-                halo.wanted[rank].push(particles.numbers.len() as u32);
+                if k < *near {
+                    self.near.wanted[rank].push(particles.numbers.len() as u32);
+                }
+                of_halo.push(rank as u32);
                 particles.numbers.push(words[0] as u32);
                 particles.positions.push(vector(&words[1..]));
             }
         }
+        of_halo
     }
 
     /// Gives the particles, whose columns are `at`, their slots.
@@ -219,13 +218,13 @@ impl Part {
     }
 
     /// Splits chunks into inner ones, which name no halo, and outer ones, and rows into own ones and rows of the halo.
-    fn split<P: PairList>(&mut self, list: &P, beyond: &Beyond, near: f64) {
+    fn split<P: PairList>(&mut self, list: &P, near: f64) {
         let own = list.own();
         let chunks = list.chunk_slots();
         let mut is_outer = vec![false; chunks.count()];
         let [nx, ny] = self.columns.count;
         for column in (0..nx).flat_map(|x| (0..ny).map(move |y| [x, y])) {
-            if self.owner(column) != self.team.rank() || !beyond.is_outer(column, near) {
+            if self.owner(column) != self.team.rank() || !self.beyond.is_outer(column, near) {
                 continue;
             }
             let slots = list.cells().column(column);
@@ -238,14 +237,13 @@ impl Part {
             all.map(|(chunk, _)| chunk).collect()
         };
         self.inner_and_outer = [of(false), of(true)];
-        let halo = self.near.wanted.iter().flatten().map(|slot| *slot as usize);
         let ghosts = |is_own: bool| {
             let all = list.slots_of_ghosts().enumerate();
             runs_of(all.filter(|(_, slot)| ((*slot as usize) < own) == is_own).map(|(k, _)| k))
         };
         self.rows = [
             RowRuns { slots: runs_of(0..own), ghosts: ghosts(true) },
-            RowRuns { slots: runs_of(halo), ghosts: ghosts(false) },
+            RowRuns { slots: runs_of(self.near.slots()), ghosts: ghosts(false) },
         ];
         self.partners = Partners::new(list.cells(), 0..own as u32);
     }
@@ -258,13 +256,12 @@ fn by_slot_in_place(order: &[u32], elements: &mut Vec<DVec3>) {
     *elements = sorted;
 }
 
-/// Adds the number and the position of a particle.
-fn push(words: &mut Vec<u64>, number: u32, r: DVec3) {
-    words.push(number.into());
-    words.extend(r.to_array().map(f64::to_bits));
+/// Adds a vector.
+pub(super) fn push(words: &mut Vec<u64>, vector: DVec3) {
+    words.extend(vector.to_array().map(f64::to_bits));
 }
 
 /// The vector in three words.
-fn vector(words: &[u64]) -> DVec3 {
+pub(super) fn vector(words: &[u64]) -> DVec3 {
     DVec3::new(f64::from_bits(words[0]), f64::from_bits(words[1]), f64::from_bits(words[2]))
 }

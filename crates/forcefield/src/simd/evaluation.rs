@@ -43,11 +43,11 @@ impl<P: PackedList> ListInUse<'_, P> {
         let positions = Disjoint::new(positions);
         // SAFETY: no chunk writes positions, and the halo is put when no chunk runs.
         let at = || Ordered::by_slot(unsafe { positions.all() });
-        let fetch = |all: bool, meanwhile: &mut dyn FnMut()| {
+        let fetch = |meanwhile: &mut dyn FnMut()| {
             let position = |slot: u32| at().positions[slot as usize];
-            // SAFETY: as above.
+            // SAFETY: as above; each slot comes once.
             let put = |slot: u32, r| unsafe { positions.write(slot as usize, r) };
-            part.fetch(all, position, meanwhile, put);
+            part.fetch(position, meanwhile, put);
         };
         let entries = each.is_some().then_some(&mut each_by_slot[..]);
         let output = Output::new(&mut by_slot, entries, &numbers, 0);

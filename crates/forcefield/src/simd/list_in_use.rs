@@ -1,17 +1,18 @@
 //! A list in use: the motion since its build, and whether it may be used at some positions.
 
 use glam::DVec3;
-use lennard_core::{Own, PeriodicBox};
+use lennard_core::PeriodicBox;
 use lennard_neighbor::{
-    Criterion, Displacements, NowAndThen, PackedDisplacement, PairList, Validity, unlisted_pairs,
+    Criterion, Displacements, NowAndThen, PackedDisplacement, PairList, Partners, Validity,
+    unlisted_pairs,
 };
 
 use super::level::Level;
 use super::motion::{Motion, MotionSummary, SlotSpecies};
 use super::row::DoubleRow;
 use crate::interaction::Pairwise;
-use crate::part::Part;
-use crate::validity::build::{Build, Lacking};
+use crate::part::{Part, Settled};
+use crate::validity::build::Build;
 
 /// Positions and the index in them of each slot.
 #[derive(Clone, Copy)]
@@ -45,16 +46,16 @@ impl<'a> Ordered<'a> {
 pub enum ListStatus {
     /// The list contains every pair inside the cutoff.
     Complete,
-    /// The list lacks these pairs.
-    Incomplete(Vec<Lacking>),
+    /// The list lacks these pairs of slots. On ranks, it is the list of this one: those of others may be complete.
+    Incomplete(Vec<[u32; 2]>),
     /// The list may lack pairs, and it must be built again.
     Expired,
     /// A position is not a finite number.
     NonFinite,
 }
 
-/// Fetches the positions of the halo while some work is done: of all of it, or of what lists name.
-pub type Fetch<'a> = dyn Fn(bool, &mut dyn FnMut()) + Sync + 'a;
+/// Fetches the positions of the halo while some work is done.
+pub type Fetch<'a> = dyn Fn(&mut dyn FnMut()) + Sync + 'a;
 
 /// A list with all that its use in a box depends on.
 pub struct ListInUse<'a, P> {
@@ -98,72 +99,66 @@ impl<P: PairList> ListInUse<'_, P> {
 
     /// Judges the list at some positions, by the motion since its build. All ranks come to the judgment of one process.
     ///
-    /// Packed displacements change the time that it takes, and never the result. `fetch` brings positions of the halo.
+    /// Packed displacements change the time that it takes, and never the result.
     pub fn judge<'p>(
         &self,
         summary: &MotionSummary,
         packed: Option<&[PackedDisplacement]>,
         at: &(dyn Fn() -> Ordered<'p> + Sync),
-        fetch: Option<&Fetch<'_>>,
     ) -> ListStatus {
         let n = self.list.whole();
-        let largest2 = match self.part {
-            None => summary.finite.then_some(summary.largest2),
-            Some(part) => part.largest2(summary),
+        let motion = match self.part {
+            None => summary.finite.then_some((summary.largest2, summary.far.len())),
+            Some(part) => part.motion(summary),
         };
-        let Some(largest2) = largest2 else {
+        let Some((largest2, far)) = motion else {
             return ListStatus::NonFinite;
         };
-        match self.criterion.check(largest2, 0, n) {
+        match self.criterion.check(largest2, far, n) {
             Validity::Valid => return ListStatus::Complete,
             Validity::Expired => return ListStatus::Expired,
             Validity::Uncertain => {}
         }
-        let movers = Own::whole_of(self.part.map(Part::team), summary.far.len());
-        if self.criterion.check(largest2, movers, n) == Validity::Expired {
-            return ListStatus::Expired;
-        }
-        if let Some(fetch) = fetch {
-            fetch(true, &mut || {});
-        }
         let at = at();
-        let displacements = |packed, partners| Displacements {
-            cells: self.list.cells(),
-            at: |slot: u32| self.now_and_then(at, slot),
-            packed,
-            largest2,
-            partners,
+        let lacking = match self.part {
+            None => {
+                let of_slot = |slot| self.now_and_then(at, slot);
+                self.unlisted_pairs(of_slot, (packed, None), largest2, &summary.far)
+            }
+            Some(part) => self.unlisted_on_rank(part, at, largest2, &summary.far),
         };
-        let mut found = self.unlisted_pairs(displacements(packed, None), &summary.far);
-        if let Some(part) = self.part {
-            // Pairs of two far movers are found twice, and other ranks find the pairs of others.
-            let moved2 = |slot: &u32| {
-                let [now, then] = self.now_and_then(at, *slot);
-                (now - then).length_squared()
-            };
-            let halo = self.list.own() as u32..self.built.len() as u32;
-            let far: Vec<u32> = halo.filter(|s| moved2(s) > self.criterion.far2()).collect();
-            let partners = Some(part.partners());
-            found.extend(self.unlisted_pairs(displacements(None, partners), &far));
+        // Lists that insert nothing expire on all ranks.
+        let expires = match self.part {
+            Some(part) if !P::INSERTS => part.team().any(!lacking.is_empty()),
+            _ => false,
+        };
+        if expires {
+            ListStatus::Expired
+        } else if lacking.is_empty() {
+            ListStatus::Complete
+        } else {
+            ListStatus::Incomplete(lacking)
         }
-        self.missing(found)
     }
 
-    /// Of the pairs of slots that were found, those that a list of any rank lacks.
-    fn missing(&self, mut found: Vec<[u32; 2]>) -> ListStatus {
-        let particles = self.list.particles();
-        found.retain(|pair| !self.list.contains(*pair));
-        let lacking = |slots: [u32; 2]| Lacking {
-            particles: slots.map(|slot| particles[slot as usize]),
-            slots: Some(slots),
+    /// The pairs of slots that the lists of this rank lack: own particles look for the far movers of all ranks.
+    fn unlisted_on_rank(
+        &self,
+        part: &Part,
+        at: Ordered<'_>,
+        largest2: f64,
+        own: &[u32],
+    ) -> Vec<[u32; 2]> {
+        let settled = Settled { list: self.list, cell: &self.build.cell, built: self.built };
+        let movers = part.far_movers(&settled, own, |slot| self.now_and_then(at, slot)[0]);
+        let far: Vec<u32> = own.iter().copied().chain(movers.slots()).collect();
+        let first = self.list.own() as u32;
+        let of_slot = |slot: u32| match slot < first {
+            true => self.now_and_then(at, slot),
+            false => [movers.position(slot), self.built[slot as usize]],
         };
-        let lacking: Vec<Lacking> = match self.part {
-            None => found.into_iter().map(lacking).collect(),
-            Some(part) if P::INSERTS => part.missing(self.list, &found),
-            Some(part) if part.team().any(!found.is_empty()) => return ListStatus::Expired,
-            Some(_) => Vec::new(),
-        };
-        if lacking.is_empty() { ListStatus::Complete } else { ListStatus::Incomplete(lacking) }
+        let found = self.unlisted_pairs(of_slot, (None, Some(part.partners())), largest2, &far);
+        if P::INSERTS { part.missing(&settled, &movers, found) } else { found }
     }
 
     /// The position of the particle at a slot, and its position at the build.
@@ -173,15 +168,22 @@ impl<P: PairList> ListInUse<'_, P> {
         [at.positions[at.index(slot)], self.built[slot]]
     }
 
-    /// The pairs inside the cutoff that were beyond the list radius at the build, ahead of the far movers.
+    /// The pairs inside the cutoff that were beyond the list radius at the build and that the list does not contain, ahead of the
+    /// far movers. `of_slot` gives the position now and at the build.
     ///
     /// The box equals the box of the build: in any other box the criterion never asks for this search.
-    fn unlisted_pairs<A: Fn(u32) -> NowAndThen + Sync>(
+    fn unlisted_pairs(
         &self,
-        displacements: Displacements<'_, A>,
+        of_slot: impl Fn(u32) -> NowAndThen + Sync,
+        (packed, partners): (Option<&[PackedDisplacement]>, Option<&Partners>),
+        largest2: f64,
         far: &[u32],
     ) -> Vec<[u32; 2]> {
         let Build { cell, r_list, .. } = self.build;
-        unlisted_pairs(cell, *r_list, self.build.inner(), displacements, far)
+        let cells = self.list.cells();
+        let displacements = Displacements { cells, at: of_slot, packed, largest2, partners };
+        let mut found = unlisted_pairs(cell, *r_list, self.build.inner(), displacements, far);
+        found.retain(|pair| !self.list.contains(*pair));
+        found
     }
 }

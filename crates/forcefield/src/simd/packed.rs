@@ -285,7 +285,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
     ) -> ListStatus {
         self.far = summary.far.len();
         let packed = self.has_packed.then_some(&self.packed[..]);
-        pass.used.judge(summary, packed, pass.at, pass.fetch)
+        pass.used.judge(summary, packed, pass.at)
     }
 
     /// Runs so many chunks over the rows, where `chunk` gives the number of each.
@@ -327,8 +327,8 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
         };
         let mut run_inner = || first = self.run(pass, inner.len(), inner_chunk);
         match pass.fetch {
-            Some(fetch) if !part.was_fetched() => fetch(false, &mut run_inner),
-            _ => run_inner(),
+            Some(fetch) => fetch(&mut run_inner),
+            None => run_inner(),
         }
         pass.pack(Threads::All, part.rows(1), &mut self.rows, None);
         let mut both = self.run(pass, outer.len(), |k| outer[k] as usize);

@@ -1,4 +1,4 @@
-//! The last build of a list, and the pairs that the list lacks since then.
+//! The last build of a list.
 
 use lennard_core::PeriodicBox;
 
@@ -19,13 +19,4 @@ impl Build {
     pub fn inner(&self) -> f64 {
         (self.r_list - self.skin) * (1.0 + 1e-12)
     }
-}
-
-/// A pair of particles that a list lacks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Lacking {
-    /// Their numbers.
-    pub particles: [u32; 2],
-    /// Their slots, where this process knows both.
-    pub slots: Option<[u32; 2]>,
 }

@@ -186,10 +186,6 @@ impl PairList for ClusterList {
         self.table.key(slot)
     }
 
-    fn slot_of(&self, key: [u32; 2]) -> Option<u32> {
-        self.table.slot_of(key)
-    }
-
     /// An end that has no list here counts as listed.
     fn contains(&self, [a, b]: [u32; 2]) -> bool {
         [(a, b), (b, a)].into_iter().all(|(own, other)| {

@@ -211,14 +211,6 @@ impl ColumnTable {
         [column * slices + cell % slices, self.particle[slot as usize]]
     }
 
-    /// The slot that has a key, where the table has it.
-    pub(crate) fn slot_of(&self, [cell, number]: [u32; 2]) -> Option<u32> {
-        let slices = self.grid.slices;
-        let at = (self.present.place(cell / slices)? * slices + cell % slices) as usize;
-        let mut slots = self.sort.first[at]..self.sort.first[at + 1];
-        slots.find(|slot| self.particle[*slot as usize] == number)
-    }
-
     /// The slots of a column between two slices, both included.
     #[inline(always)]
     pub(crate) fn slots_of(&self, column: u32, slices: [u32; 2]) -> Range<u32> {

@@ -122,7 +122,7 @@ impl Columns {
 }
 
 /// What lies beyond the columns of one rank.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Beyond {
     columns: Columns,
     edges: [f64; 2],

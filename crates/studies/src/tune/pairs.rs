@@ -105,8 +105,15 @@ impl Fluid {
         let all = count_distances(&state.positions, &state.cell, reach, bins);
         let species = self.system.species();
         let counts = match species.is_mixture() {
-            true => count_distances_by_species(species, &state.positions, &state.cell, reach, &all)
-                .concat(),
+            true => count_distances_by_species(
+                species,
+                self.system.own(),
+                &state.positions,
+                &state.cell,
+                reach,
+                &all,
+            )
+            .concat(),
             false => all,
         };
         Counts { pairs: counts.iter().map(|n| *n as f32).collect(), leverage: None }

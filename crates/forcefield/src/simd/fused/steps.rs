@@ -108,11 +108,11 @@ pub fn fused_step<P: PackedList>(
         let outcome = copies.run(&Pass { used, request, at: &at, run: &run, fetch: None });
         return if outcome.broken { ListStatus::NonFinite } else { outcome.status };
     };
-    let fetch = |all: bool, meanwhile: &mut dyn FnMut()| {
+    let fetch = |meanwhile: &mut dyn FnMut()| {
         let own = |slot: u32| at().positions[slot as usize];
-        // SAFETY: the slots of a halo belong to no chunk, and they are put when no chunk runs.
+        // SAFETY: the slots of a halo belong to no chunk, they are put when no chunk runs, and each comes once.
         let put = |slot: u32, r| unsafe { positions.write(slot as usize, r) };
-        part.fetch(all, own, meanwhile, put);
+        part.fetch(own, meanwhile, put);
     };
     let outcome = copies.run(&Pass { used, request, at: &at, run: &run, fetch: Some(&fetch) });
     // All ranks learn it when they judge the list next.

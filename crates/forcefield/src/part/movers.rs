@@ -1,0 +1,176 @@
+//! Particles that moved far beside the face of a part, and the pairs that they make across it.
+//!
+//! ```text
+//!   rank A   far mover a  ->  ranks with a in their halo        each looks for own partners of a
+//!   rank B   partner b    ->  rank A                            both insert the pair, in the order of the whole
+//! ```
+
+use std::sync::atomic::Ordering;
+
+use glam::DVec3;
+use lennard_core::PeriodicBox;
+use lennard_neighbor::PairList;
+
+use super::settle::{push, vector};
+use super::{Part, runs_of};
+
+/// Far movers in the halo of a rank, by ascending slot.
+pub struct FarMovers(Vec<FarMover>);
+
+struct FarMover {
+    slot: u32,
+    rank: usize,
+    at: DVec3,
+}
+
+/// Words of a far mover: its column, its number and its position.
+const MOVER_WORDS: usize = 5;
+
+impl FarMovers {
+    /// Their slots.
+    pub fn slots(&self) -> impl Iterator<Item = u32> {
+        self.0.iter().map(|mover| mover.slot)
+    }
+
+    /// The present position of one of them, σ.
+    pub fn position(&self, slot: u32) -> DVec3 {
+        self.of(slot).map_or(DVec3::NAN, |mover| mover.at)
+    }
+
+    fn of(&self, slot: u32) -> Option<&FarMover> {
+        let at = self.0.binary_search_by_key(&slot, |mover| mover.slot);
+        at.ok().map(|k| &self.0[k])
+    }
+}
+
+/// A list, the box of its build, and the positions of its build by slot, σ.
+pub struct Settled<'a, P> {
+    pub list: &'a P,
+    pub cell: &'a PeriodicBox,
+    pub built: &'a [DVec3],
+}
+
+impl<P: PairList> Settled<'_, P> {
+    /// What other ranks know the particle at a slot by: its column, and its number.
+    fn name(&self, slot: u32) -> [u64; 2] {
+        let [x, y] = self.list.column_at(self.cell, self.built[slot as usize]);
+        [u64::from(x) << 32 | u64::from(y), self.list.particles()[slot as usize].into()]
+    }
+
+    /// The slot of a particle of this part, or of its halo.
+    fn slot(&self, [column, number]: [u64; 2]) -> u32 {
+        let mut slots = self.list.cells().column([(column >> 32) as u32, column as u32]);
+        let particles = self.list.particles();
+        let slot = slots.find(|slot| u64::from(particles[*slot as usize]) == number);
+        slot.expect("halos reach as far as particles may move")
+    }
+
+    /// The place of a slot in the order of the whole.
+    fn key(&self, slot: u32) -> u64 {
+        let [cell, number] = self.list.key(slot);
+        u64::from(cell) << 32 | u64::from(number)
+    }
+}
+
+impl Part {
+    /// Begins another search for unlisted pairs, on all ranks.
+    pub fn begin_search(&self) {
+        self.searches.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Tells other ranks the far movers of this one that are in their halos, and takes theirs. All ranks do it together.
+    pub fn far_movers<P: PairList>(
+        &self,
+        settled: &Settled<'_, P>,
+        far: &[u32],
+        position: impl Fn(u32) -> DVec3,
+    ) -> FarMovers {
+        self.begin_search();
+        let mut sent = vec![Vec::new(); self.team.ranks()];
+        let mut near = Vec::new();
+        for slot in far {
+            let built = settled.built[*slot as usize];
+            let column = settled.list.column_at(settled.cell, built);
+            self.beyond.ranks_near(column, built, &mut near);
+            for (rank, _) in near.iter().filter(|(_, d2)| *d2 <= self.far * self.far) {
+                let words: &mut Vec<u64> = &mut sent[*rank as usize];
+                words.extend(settled.name(*slot));
+                push(words, position(*slot));
+            }
+        }
+        let mut movers = Vec::new();
+        for (rank, words) in self.team.trade(sent).into_iter().enumerate() {
+            for words in words.as_chunks::<MOVER_WORDS>().0 {
+                let slot = settled.slot([words[0], words[1]]);
+                movers.push(FarMover { slot, rank, at: vector(&words[2..]) });
+            }
+        }
+        movers.sort_unstable_by_key(|mover| mover.slot);
+        FarMovers(movers)
+    }
+
+    /// The pairs of slots that lists of this rank lack, in the order of the whole: those found here, with far movers of the halo
+    /// among them, and those that other ranks found with far movers of this one. All ranks do it together.
+    pub fn missing<P: PairList>(
+        &self,
+        settled: &Settled<'_, P>,
+        movers: &FarMovers,
+        found: Vec<[u32; 2]>,
+    ) -> Vec<[u32; 2]> {
+        let mut sent = vec![Vec::new(); self.team.ranks()];
+        for [a, b] in &found {
+            for (mover, partner) in [(a, b), (b, a)] {
+                if let Some(mover) = movers.of(*mover) {
+                    let names = [settled.name(mover.slot), settled.name(*partner)];
+                    sent[mover.rank].extend(names.concat());
+                }
+            }
+        }
+        let mut pairs = found;
+        for words in self.team.trade(sent) {
+            let names = words.as_chunks::<2>().0.as_chunks::<2>().0;
+            pairs.extend(names.iter().map(|names| names.map(|name| settled.slot(name))));
+        }
+        for pair in &mut pairs {
+            pair.sort_unstable_by_key(|slot| settled.key(*slot));
+        }
+        pairs.sort_unstable_by_key(|pair| pair.map(|slot| settled.key(slot)));
+        pairs.dedup();
+        pairs
+    }
+
+    /// Notes that pairs of slots were inserted, and lets the positions come that lists name now.
+    pub fn include<P: PairList>(&mut self, list: &P, pairs: &[[u32; 2]]) {
+        let own = list.own() as u32;
+        let search = *self.searches.get_mut();
+        for pair in pairs {
+            let [a, b] = pair.map(|slot| {
+                let [cell, number] = list.key(slot);
+                u64::from(cell) << 32 | u64::from(number)
+            });
+            if pair.iter().any(|slot| *slot < own) {
+                self.inserted.push([search, a, b]);
+            }
+        }
+        let [inner, outer] = &mut self.inner_and_outer;
+        for [a, b] in pairs.iter().filter(|[a, b]| (*a < own) != (*b < own)) {
+            let (here, there) = (*a.min(b), *a.max(b));
+            let rank = self.halo_ranks[(there - own) as usize] as usize;
+            self.near.add(rank, there, here);
+            let chunk = list.chunk_slots().chunk_of(here) as u32;
+            if let Ok(at) = inner.binary_search(&chunk) {
+                inner.remove(at);
+                outer.insert(outer.partition_point(|other| *other < chunk), chunk);
+            }
+        }
+        self.rows[1].slots = runs_of(self.near.slots());
+    }
+
+    /// The pairs of particles that were inserted since the build, on all ranks, in their order.
+    pub fn inserted(&self) -> Vec<[u32; 2]> {
+        let mut pairs = self.team.concat(self.inserted.as_flattened()).as_chunks::<3>().0.to_vec();
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs.iter().map(|[_, a, b]| [*a as u32, *b as u32]).collect()
+    }
+}
