@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::fmt;
+use std::iter;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -235,22 +236,40 @@ impl Own {
     }
 
     /// Gives rank 0 the bytes of all ranks, one rank after another.
-    pub fn pass_bytes(&self, here: &[u8], mut take: impl FnMut(&[u8])) {
-        let words = |range: Range<usize>| {
-            let chunks = here[range].chunks(8);
-            let word = |chunk: &[u8]| {
+    pub fn pass_bytes(&self, here: &[u8], take: impl FnMut(&[u8])) {
+        let make = |range: Range<usize>, to: &mut Vec<u8>| to.extend_from_slice(&here[range]);
+        self.pass_texts((here.len(), PIECE), &mut Vec::new(), make, take);
+    }
+
+    /// Gives rank 0 what all ranks make of their items, one rank after another. Here are so many items, of which so many make one
+    /// piece; `make` adds the bytes of a piece to a buffer. A rank without items makes one empty piece.
+    pub fn pass_texts(
+        &self,
+        (here, of_piece): (usize, usize),
+        buffer: &mut Vec<u8>,
+        mut make: impl FnMut(Range<usize>, &mut Vec<u8>),
+        mut take: impl FnMut(&[u8]),
+    ) {
+        if self.leads() {
+            for range in pieces(here, of_piece) {
+                buffer.clear();
+                make(range, buffer);
+                take(buffer);
+            }
+        }
+        let words = |range| {
+            buffer.clear();
+            make(range, buffer);
+            let chunks = buffer.chunks(8).map(|chunk| {
                 let mut bytes = [0; 8];
                 bytes[..chunk.len()].copy_from_slice(chunk);
                 u64::from_le_bytes(bytes)
-            };
-            chunks.map(word).collect()
+            });
+            iter::once(buffer.len() as u64).chain(chunks).collect()
         };
-        if self.leads() {
-            take(here);
-        }
-        self.pass_pieces((here.len(), 1), words, |length, words| {
-            let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-            take(&bytes[..length]);
+        self.pass_pieces((here, of_piece), words, |words| {
+            let bytes: Vec<u8> = words[1..].iter().flat_map(|word| word.to_le_bytes()).collect();
+            take(&bytes[..words[0] as usize]);
         });
     }
 
@@ -260,29 +279,27 @@ impl Own {
         if self.leads() {
             take(bytemuck::cast_slice(here));
         }
-        self.pass_pieces((here.len(), size_of::<DVec3>()), words, |_, words| take(words));
+        self.pass_pieces((here.len(), PIECE / size_of::<DVec3>()), words, take);
     }
 
-    /// Gives rank 0 what other ranks have, one rank after another and in small pieces. Here are so many items of so many bytes.
-    /// `words` makes the words of a range of them, and `take` gets the number of items and the words of each piece.
+    /// Gives rank 0 what other ranks have, one rank after another and in small pieces. Here are so many items, of which so many
+    /// make one piece. `words` makes the words of a range of them, and `take` gets the words of each piece.
     fn pass_pieces(
         &self,
-        (here, size): (usize, usize),
-        words: impl Fn(Range<usize>) -> Vec<u64>,
-        mut take: impl FnMut(usize, &[u64]),
+        (here, of_piece): (usize, usize),
+        mut words: impl FnMut(Range<usize>) -> Vec<u64>,
+        mut take: impl FnMut(&[u64]),
     ) {
         let Some(team) = &self.team else { return };
         for (rank, length) in team.concat(&[here as u64]).into_iter().enumerate().skip(1) {
-            let length = length as usize;
-            for begin in (0..length).step_by(PIECE / size) {
-                let end = length.min(begin + PIECE / size);
+            for range in pieces(length as usize, of_piece) {
                 let mut given = vec![Vec::new(); team.ranks()];
                 if rank == team.rank() {
-                    given[0] = words(begin..end);
+                    given[0] = words(range);
                 }
                 let taken = team.trade(given);
                 if team.leads() {
-                    take(end - begin, &taken[rank]);
+                    take(&taken[rank]);
                 }
             }
         }
@@ -308,6 +325,11 @@ impl Own {
     pub fn parts_of_rows<'a, T>(&self, all: &'a [T]) -> impl Iterator<Item = &'a [T]> {
         all.chunks(self.all.max(1)).map(|row| &row[self.numbers.clone()])
     }
+}
+
+/// The ranges of so many items with so many in each, at least one range.
+fn pieces(n: usize, of_piece: usize) -> impl Iterator<Item = Range<usize>> {
+    (0..n.max(1)).step_by(of_piece.max(1)).map(move |begin| begin..n.min(begin + of_piece))
 }
 
 fn vectors_of(words: &[u64]) -> Vec<DVec3> {

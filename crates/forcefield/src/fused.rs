@@ -1,5 +1,7 @@
 //! Fused steps: steps that follow each other, with the particles by slot.
 
+use std::mem;
+
 use glam::DVec3;
 use lennard_core::exact::{PartSum, SumOfParts};
 use lennard_core::{ForceError, FusedBath, FusedSteps, Masses, Moving};
@@ -50,19 +52,20 @@ impl FusedBuffers {
         24 * vectors + self.parts.capacity() * size_of::<PartSum>()
     }
 
-    /// The arrays of some steps, in this room and in the room of forces, which the caller lends. On a rank, `part` has `n` slots.
+    /// The arrays of some steps, in this room and in the room of forces, which the caller lends. On a rank, `part` has the number of
+    /// its slots, and of the own ones.
     fn by_slot<'a>(
         &'a mut self,
         lent: &'a mut [DVec3],
-        part: Option<usize>,
+        part: Option<[usize; 2]>,
         [keeps_forces, reads_while_it_writes]: [bool; 2],
     ) -> BySlot<'a> {
-        let n = part.unwrap_or(lent.len());
+        let [n, own] = part.unwrap_or([lent.len(); 2]);
         let room = |wanted: bool| if wanted { n } else { 0 };
-        self.velocities.resize(n, DVec3::ZERO);
+        self.velocities.resize(own, DVec3::ZERO);
         self.next.resize(room(reads_while_it_writes), DVec3::ZERO);
         self.positions.resize(room(keeps_forces), DVec3::ZERO);
-        self.room.resize(part.unwrap_or(0), DVec3::ZERO);
+        self.room.resize(room(part.is_some()), DVec3::ZERO);
         let forces = if part.is_some() { &mut self.room[..] } else { lent };
         let (positions, forces) =
             if keeps_forces { (&mut self.positions[..], forces) } else { (forces, &mut [][..]) };
@@ -73,6 +76,21 @@ impl FusedBuffers {
             forces,
             sum: &mut self.sum,
             parts: &mut self.parts,
+        }
+    }
+
+    /// Gives the own particles of a rank away ahead of a build, with the room that they lay in.
+    fn give<P: PairList>(&mut self, list: &P, keeps_forces: bool) -> Particles {
+        let positions = if keeps_forces { &mut self.positions } else { &mut self.room };
+        let [mut positions, mut velocities] = [positions, &mut self.velocities].map(mem::take);
+        let own = list.own();
+        positions.truncate(own);
+        velocities.truncate(own);
+        Particles {
+            move_on: true,
+            numbers: list.particles()[..own].to_vec(),
+            positions,
+            velocities,
         }
     }
 
@@ -95,11 +113,13 @@ impl FusedBuffers {
                 return 0;
             }
         }
-        let lent = std::mem::take(&mut steps.forces);
+        let lent = mem::take(&mut steps.forces);
         let keeps_forces = steps.bath.as_ref().is_some_and(|bath| bath.next_noise().is_none());
         let kinds = [keeps_forces, are_few(list.whole())];
-        let slots = |validity: &ListValidity| validity.part.as_ref().map(|_| validity.built.len());
-        let mut particles = self.by_slot(lent, slots(validity), kinds);
+        let slots = |validity: &ListValidity, list: &P| {
+            validity.part.as_ref().map(|_| [validity.built.len(), list.own()])
+        };
+        let mut particles = self.by_slot(lent, slots(validity, list), kinds);
         particles.gather(list, steps, validity.part.as_ref());
         let (mut taken, mut is_new, mut prepared) = (0, false, Prepared::Nothing);
         loop {
@@ -158,25 +178,27 @@ impl FusedBuffers {
                 }
                 ListStatus::Expired | ListStatus::Incomplete(_) => {
                     assert!(done > 0 || !is_new, "a new list is complete");
-                    let mut settling = validity.part.as_ref().map(|_| particles.of_rank(list));
-                    let built = clock.building(|| {
-                        let given = match &mut settling {
-                            None => Given::All(Positions::BySlot(particles.positions)),
-                            Some(particles) => Given::OfRank(particles),
-                        };
-                        validity.build((&mut *list, copies.rows()), cell, given)?;
-                        if validity.part.is_none() {
-                            particles.reorder(list, validity);
+                    if validity.part.is_some() {
+                        let mut settling = self.give(list, keeps_forces);
+                        let into = (&mut *list, copies.rows());
+                        let given = Given::OfRank(&mut settling);
+                        if clock.building(|| validity.build(into, cell, given)).is_err() {
+                            return 0;
                         }
-                        Ok::<_, ForceError>(())
-                    });
-                    if built.is_err() {
-                        break;
-                    }
-                    if let Some(settled) = settling {
                         // A rank has another number of slots now.
-                        particles = self.by_slot(lent, slots(validity), kinds);
-                        particles.take(&validity.built, &settled.velocities);
+                        self.velocities = settling.velocities;
+                        particles = self.by_slot(lent, slots(validity, list), kinds);
+                        particles.positions.copy_from_slice(&validity.built);
+                    } else {
+                        let built = clock.building(|| {
+                            let given = Given::All(Positions::BySlot(particles.positions));
+                            validity.build((&mut *list, copies.rows()), cell, given)?;
+                            particles.reorder(list, validity);
+                            Ok::<_, ForceError>(())
+                        });
+                        if built.is_err() {
+                            break;
+                        }
                     }
                     is_new = true;
                 }
@@ -218,25 +240,8 @@ impl BySlot<'_> {
     fn reorder<P: PairList>(&mut self, list: &P, validity: &ListValidity) {
         // The velocities move to the room of the old positions.
         by_slot(list.source(), 0..self.positions.len(), self.velocities, self.positions);
-        std::mem::swap(&mut self.positions, &mut self.velocities);
+        mem::swap(&mut self.positions, &mut self.velocities);
         self.positions.copy_from_slice(&validity.built);
-    }
-
-    /// The particles of a rank, ahead of a build.
-    fn of_rank<P: PairList>(&self, list: &P) -> Particles {
-        let own = list.own();
-        Particles {
-            move_on: true,
-            numbers: list.particles()[..own].to_vec(),
-            positions: self.positions[..own].to_vec(),
-            velocities: self.velocities[..own].to_vec(),
-        }
-    }
-
-    /// Takes positions of all slots, and velocities of the first ones.
-    fn take(&mut self, positions: &[DVec3], velocities: &[DVec3]) {
-        self.positions.copy_from_slice(positions);
-        self.velocities[..velocities.len()].copy_from_slice(velocities);
     }
 
     /// Lets the bath scale the velocities after half a kick, and goes on with the other half and the drift.
@@ -267,7 +272,7 @@ impl BySlot<'_> {
             bath.pass(|| self.sum.value(self.parts, part.map(Part::team)));
         }
         if !self.next.is_empty() {
-            std::mem::swap(&mut self.positions, &mut self.next);
+            mem::swap(&mut self.positions, &mut self.next);
         }
         if request.packs_next { Prepared::Packed } else { Prepared::Nothing }
     }

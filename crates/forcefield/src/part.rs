@@ -14,6 +14,7 @@ mod movers;
 mod route;
 mod settle;
 
+use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -53,6 +54,8 @@ pub struct Part {
     searches: AtomicU64,
     /// The pairs with an own particle that were inserted since the build: the search, and both places in the order of the whole.
     inserted: Vec<[u64; 3]>,
+    /// The pairs of slots across the face of the part that were found since the build.
+    crossing: HashSet<[u32; 2]>,
     /// Between numbers and slots; none before it is asked for.
     route: Mutex<Option<Route>>,
     /// The chunks that name no halo, and the others.
@@ -102,6 +105,7 @@ impl Part {
             beyond: Beyond::default(),
             searches: AtomicU64::new(0),
             inserted: Vec::new(),
+            crossing: HashSet::new(),
             route: Mutex::new(None),
             inner_and_outer: Default::default(),
             rows: Default::default(),

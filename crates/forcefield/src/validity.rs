@@ -122,6 +122,8 @@ impl ListValidity {
                 list.place(cell, &self.built);
             }
             (Some(part), Given::OfRank(particles)) => {
+                // Its room is given back first.
+                self.built = Vec::new();
                 part.settle(list, cell, reach, particles)?;
                 self.built = std::mem::take(&mut particles.positions);
             }
@@ -156,7 +158,6 @@ impl ListValidity {
     /// Inserts pairs of slots that a list lacks; returns whether the list can take them.
     pub fn insert<P: PairList>(&mut self, list: &mut P, pairs: &[[u32; 2]]) -> bool {
         if P::INSERTS {
-            pairs.iter().for_each(|pair| list.insert(*pair));
             match &mut self.part {
                 Some(part) => part.include(list, pairs),
                 None => {
@@ -164,6 +165,7 @@ impl ListValidity {
                     self.inserted.extend(particles);
                 }
             }
+            pairs.iter().for_each(|pair| list.insert(*pair));
             debug_assert!(list.is_valid(), "the loops rely on valid lists");
         }
         P::INSERTS

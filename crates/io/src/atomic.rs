@@ -7,7 +7,7 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 
 use serde::Serialize;
 
-use crate::{FrameStyle, WriteError};
+use crate::WriteError;
 
 /// Folders in which this process makes no file any more.
 static CLOSED: RwLock<Vec<PathBuf>> = RwLock::new(Vec::new());
@@ -84,19 +84,17 @@ pub(crate) fn write_atomically(
     })
 }
 
-/// Writes the text of all ranks, one after another, to a file that is there whole or not at all. All parts are taken, whether they can be
-/// written or not.
+/// Writes a file that comes in parts, and is there whole or not at all. All parts are taken, whether they can be written or not.
 pub(crate) fn write_parts_atomically(
     path: &Path,
-    style: &FrameStyle,
-    text: Result<Vec<u8>, WriteError>,
+    parts: impl FnOnce(&mut dyn FnMut(&[u8])) -> Result<(), WriteError>,
 ) -> Result<(), WriteError> {
-    let mut text = Some(text);
+    let mut parts = Some(parts);
     let mut passed = Ok(());
     let written = write_atomically(path, |file| {
         let mut written = Ok(());
-        if let Some(text) = text.take() {
-            passed = style.pass(path, text, |part| {
+        if let Some(parts) = parts.take() {
+            passed = parts(&mut |part| {
                 let done = std::mem::replace(&mut written, Ok(()));
                 written = done.and_then(|()| file.write_all(part));
             });
@@ -106,9 +104,9 @@ pub(crate) fn write_parts_atomically(
             Err(_) => Err(io::Error::other("a part is missing")),
         }
     });
-    if let Some(text) = text.take() {
+    if let Some(parts) = parts.take() {
         // The file could not be made.
-        style.pass(path, text, |_| {})?;
+        parts(&mut |_| {})?;
     }
     passed.and(written)
 }

@@ -1,5 +1,6 @@
 //! What a frame is made of, and how frames are written.
 
+use std::ops::Range;
 use std::path::Path;
 
 use glam::{DVec3, IVec3};
@@ -185,23 +186,33 @@ impl FrameStyle {
         self.own.as_ref().is_none_or(|own| own.numbers().end == own.all())
     }
 
-    /// Lets rank 0 take the text of all ranks, one after another; where a rank has no text, none is taken.
+    /// Lets rank 0 take the text of all ranks, one after another, in pieces of so many of the particles that are here. Each piece is made
+    /// in a buffer, unless `checked` is an error.
     ///
     /// # Errors
-    /// The error of the text; [`WriteError::Elsewhere`] where another rank has none.
+    /// The first error here; [`WriteError::Elsewhere`] where another rank has one.
     pub(crate) fn pass(
         &self,
         path: &Path,
-        text: Result<Vec<u8>, WriteError>,
+        checked: Result<(), WriteError>,
+        (n, of_piece): (usize, usize),
+        buffer: &mut Vec<u8>,
+        mut push: impl FnMut(&mut Vec<u8>, Range<usize>) -> Result<(), WriteError>,
         take: impl FnMut(&[u8]),
     ) -> Result<(), WriteError> {
-        let own = self.own.clone().unwrap_or_else(|| Own::all_of(0));
-        let failed = own.team().is_some_and(|team| team.any(text.is_err()));
-        let text = text?;
+        let own = self.own.clone().unwrap_or_else(|| Own::all_of(n));
+        let mut done = checked;
+        let make = |range, text: &mut Vec<u8>| {
+            if done.is_ok() {
+                done = push(text, range);
+            }
+        };
+        own.pass_texts((n, of_piece), buffer, make, take);
+        let failed = own.team().is_some_and(|team| team.any(done.is_err()));
+        done?;
         if failed {
             return Err(WriteError::Elsewhere { path: path.to_path_buf() });
         }
-        own.pass_bytes(&text, take);
         Ok(())
     }
 

@@ -48,8 +48,13 @@ pub fn write_lammps_data(
         Layout::new(&style, 1.0, &named)
     };
     let atoms = columns(&[Column::Id, Column::Type, Column::Position, Column::Image]);
-    atoms.push_all(&mut text, path, state)?;
+    atoms.push_lines_of(&mut text, path, state, 0..state.len())?;
     text.extend_from_slice(b"\nVelocities\n\n");
-    columns(&[Column::Id, Column::Velocity]).push_all(&mut text, path, state)?;
+    columns(&[Column::Id, Column::Velocity]).push_lines_of(
+        &mut text,
+        path,
+        state,
+        0..state.len(),
+    )?;
     write_bytes_atomically(path, &text)
 }

@@ -134,10 +134,10 @@ impl WholeFile {
     }
 
     /// Appends one record that comes in parts, or leaves the file as it was. All parts are taken, whether they can be written or not.
-    pub(crate) fn append_parts(
+    pub(crate) fn append_parts<T>(
         &mut self,
-        parts: impl FnOnce(&mut dyn FnMut(&[u8])) -> Result<(), WriteError>,
-    ) -> Result<(), WriteError> {
+        parts: impl FnOnce(&mut dyn FnMut(&[u8])) -> Result<T, WriteError>,
+    ) -> Result<T, WriteError> {
         let ready = self.is_ready();
         let (mut written, mut length) = (Ok(()), 0);
         let whole = parts(&mut |part| {
@@ -147,21 +147,28 @@ impl WholeFile {
             }
         });
         ready?;
-        whole?;
-        let path = || self.path.clone();
-        if let Err(source) = written.and_then(|()| self.sink.flush()) {
-            let whole = self.mark.bytes;
-            return Err(match self.sink.cut_back(whole) {
-                Ok(()) => WriteError::io(&self.path, "write", source),
-                Err(cut_back) => {
-                    self.given_up = true;
-                    WriteError::NotCutBack { path: path(), whole, source, cut_back }
-                }
-            });
+        match (whole, written.and_then(|()| self.sink.flush())) {
+            (Ok(found), Ok(())) => {
+                self.mark.bytes += length;
+                self.mark.records += 1;
+                Ok(found)
+            }
+            (Err(error), _) if length == 0 => Err(error),
+            (whole, written) => {
+                let source = written.err().unwrap_or_else(|| io::Error::other("a part is missing"));
+                let kept = self.mark.bytes;
+                Err(match self.sink.cut_back(kept) {
+                    Ok(()) => {
+                        whole.err().unwrap_or_else(|| WriteError::io(&self.path, "write", source))
+                    }
+                    Err(cut_back) => {
+                        self.given_up = true;
+                        let path = self.path.clone();
+                        WriteError::NotCutBack { path, whole: kept, source, cut_back }
+                    }
+                })
+            }
         }
-        self.mark.bytes += length;
-        self.mark.records += 1;
-        Ok(())
     }
 
     /// Refuses a file that was given up, or that is gone.

@@ -1,11 +1,13 @@
 //! The sidecar file that gives readers of trajectories what those lack: names, residues and the box.
 
+use std::ops::Range;
 use std::path::Path;
 
 use glam::DVec3;
 use lennard_core::PeriodicBox;
 
 use crate::atomic::write_parts_atomically;
+use crate::formats::PARTICLES_A_PIECE;
 use crate::formats::lines::{push_float, push_integer};
 use crate::{FrameStyle, TrajectoryFormat, WriteError};
 
@@ -33,7 +35,7 @@ pub fn write_topology_gro(
     style: &FrameStyle,
 ) -> Result<(), WriteError> {
     style.check(path)?;
-    write_parts_atomically(path, style, text_of(path, positions, cell, format, style))
+    write_parts_atomically(path, |take| pass_lines(path, positions, cell, format, style, take))
 }
 
 /// Gives rank 0 the lines of the particles of this rank, while it calls [`write_topology_gro`].
@@ -47,36 +49,48 @@ pub fn give_topology_gro(
     style: &FrameStyle,
 ) -> Result<(), WriteError> {
     let path = Path::new("topology.gro");
-    style.pass(path, text_of(path, positions, cell, format, style), |_| {})
+    pass_lines(path, positions, cell, format, style, |_| {})
 }
 
-fn text_of(
+/// Makes the lines of all ranks piece by piece, and lets rank 0 take them.
+fn pass_lines(
     path: &Path,
     positions: &[DVec3],
     cell: &PeriodicBox,
     format: TrajectoryFormat,
     style: &FrameStyle,
-) -> Result<Vec<u8>, WriteError> {
+    take: impl FnMut(&[u8]),
+) -> Result<(), WriteError> {
+    let folded = FrameStyle { wrapped: true, ..style.clone() };
+    let given = (positions, cell, format, &folded);
+    let push = |to: &mut Vec<u8>, particles| push_lines(to, path, given, particles);
+    style.pass(path, Ok(()), (positions.len(), PARTICLES_A_PIECE), &mut Vec::new(), push, take)
+}
+
+fn push_lines(
+    text: &mut Vec<u8>,
+    path: &Path,
+    (positions, cell, format, style): (&[DVec3], &PeriodicBox, TrajectoryFormat, &FrameStyle),
+    particles: Range<usize>,
+) -> Result<(), WriteError> {
     let to_nm = style.length_scale * format.spec().nanometers;
     let sides = cell.lengths() * to_nm;
     let fits = sides.max_element() < COORDINATES_END;
-    let mut text = Vec::new();
-    if style.begins() {
+    if style.begins() && particles.start == 0 {
         text.extend_from_slice(match fits {
             true => b"Lennard: names, box, and rounded positions of the start\n".as_slice(),
             false => b"Lennard: names and box; positions are too long for this format\n",
         });
-        push_integer(&mut text, style.all(positions.len()));
+        push_integer(text, style.all(positions.len()));
         text.push(b'\n');
     }
-    let folded = FrameStyle { wrapped: true, ..style.clone() };
-    for i in 0..positions.len() {
+    for i in particles.clone() {
         let number = (style.number(i) + 1) % NUMBERS_START_OVER;
         let element = &style.species_of(i).element;
         let residue = (style.number(i) / style.sites_per_molecule + 1) % NUMBERS_START_OVER;
         let [x, y, z] = match fits {
             true => {
-                let place = folded.place(cell, positions, i);
+                let place = style.place(cell, positions, i);
                 (place.map_err(|bad| bad.in_file(path))?.0 * to_nm).to_array()
             }
             false => [0.0; 3],
@@ -84,14 +98,14 @@ fn text_of(
         let line = format!("{residue:5}{element:<5}{element:>5}{number:5}{x:8.3}{y:8.3}{z:8.3}\n");
         text.extend_from_slice(line.as_bytes());
     }
-    if style.ends() {
+    if style.ends() && particles.end == positions.len() {
         for side in sides.to_array() {
             text.push(b' ');
-            push_float(&mut text, side);
+            push_float(text, side);
         }
         text.push(b'\n');
     }
-    Ok(text)
+    Ok(())
 }
 
 #[cfg(test)]

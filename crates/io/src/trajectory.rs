@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::atomic::write_parts_atomically;
-use crate::formats::push_frame;
+use crate::formats::pass_frame;
 use crate::sink::WholeFile;
 use crate::{FileMark, Frame, FrameStyle, Sink, TrajectoryFormat, WriteError};
 
@@ -13,8 +13,7 @@ const KEPT_BUFFER: usize = 16 << 20;
 
 /// Writes a trajectory, whole frames only.
 ///
-/// A frame is made in memory and written with one write. Where that fails, the file is cut back
-/// to its last whole frame.
+/// A frame is made and written in pieces. Where one cannot be made or written, the file is cut back to its last whole frame.
 #[derive(Debug)]
 pub struct TrajectoryWriter {
     file: WholeFile,
@@ -78,21 +77,13 @@ impl TrajectoryWriter {
     /// frames before this one and nothing else.
     pub fn write(&mut self, frame: &Frame<'_>) -> Result<Option<f64>, WriteError> {
         let Self { file, format, style, bytes } = self;
-        bytes.clear();
-        let (path, mut text) = (file.path().to_path_buf(), std::mem::take(bytes));
-        let pushed = push_frame(&mut text, &path, *format, style, frame);
-        let precision = *pushed.as_ref().unwrap_or(&None);
-        let appended = match &style.own {
-            None => pushed.and_then(|_| file.append(&text)),
-            Some(_) => {
-                let text = pushed.map(|_| std::mem::take(&mut text));
-                file.append_parts(|take| style.pass(&path, text, take))
-            }
-        };
-        if text.capacity() <= KEPT_BUFFER {
-            *bytes = text;
+        let path = file.path().to_path_buf();
+        let precision =
+            file.append_parts(|take| pass_frame(bytes, &path, *format, style, frame, take));
+        if bytes.capacity() > KEPT_BUFFER {
+            *bytes = Vec::new();
         }
-        appended.map(|()| precision)
+        precision
     }
 
     /// How far it is written: what a checkpoint keeps for [`Self::resume_at`].
@@ -117,9 +108,9 @@ impl TrajectoryWriter {
 /// then still there.
 pub fn write_frame(path: &Path, style: &FrameStyle, frame: &Frame<'_>) -> Result<(), WriteError> {
     style.check(path)?;
-    let mut text = Vec::new();
-    let pushed = push_frame(&mut text, path, TrajectoryFormat::Xyz, style, frame);
-    write_parts_atomically(path, style, pushed.map(|_| text))
+    write_parts_atomically(path, |take| {
+        pass_frame(&mut Vec::new(), path, TrajectoryFormat::Xyz, style, frame, take).map(|_| ())
+    })
 }
 
 /// Gives rank 0 the text of the particles of this rank, while it writes a frame of a format by parts.
@@ -131,7 +122,6 @@ pub fn give_frame(
     style: &FrameStyle,
     frame: &Frame<'_>,
 ) -> Result<(), WriteError> {
-    let (path, mut text) = (Path::new(format.spec().file), Vec::new());
-    let pushed = push_frame(&mut text, path, format, style, frame);
-    style.pass(path, pushed.map(|_| text), |_| {})
+    let path = Path::new(format.spec().file);
+    pass_frame(&mut Vec::new(), path, format, style, frame, |_| {}).map(|_| ())
 }

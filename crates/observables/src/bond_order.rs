@@ -151,40 +151,64 @@ pub fn solid_share(cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
 
 /// As [`solid_share`], where each rank has the positions of the particles that it keeps.
 pub(crate) fn solid_share_of_all(own: &Own, cell: &PeriodicBox, positions: &[DVec3]) -> f64 {
-    // Thin layers take more time, and no rank holds much more than it keeps.
-    let thin = cell.lengths().z / (2.0 * usual_reach(cell, own.all()));
-    let fewest = if own.team().is_some() { thin as usize } else { 1 };
-    let solid = solid_by_layers(own, cell, positions, own.all().div_ceil(AT_ONCE).max(fewest));
-    solid as f64 / own.all().max(1) as f64
+    let blocks = match own.team() {
+        None => [1, own.all().div_ceil(AT_ONCE).max(1)],
+        // Thin blocks take more time, and no rank holds much more than it keeps.
+        Some(_) => {
+            let around = 4.0 * usual_reach(cell, own.all());
+            let of_block = OF_A_BLOCK * own.all() as f64 / own.rank_of()[1] as f64;
+            let sides = cell.lengths();
+            let width = (of_block * sides.y * sides.z / own.all() as f64).sqrt();
+            let width = (width - around).max(around);
+            [sides.y, sides.z].map(|side| (side / width).max(1.0) as usize)
+        }
+    };
+    solid_by_blocks(own, cell, positions, blocks) as f64 / own.all().max(1) as f64
 }
 
-/// The number of solid-like particles, counted in layers across z. Neighbors of neighbors decide on a particle, so that each
-/// layer has two reaches more at both ends. Ranks take layers in turn, and each gets what lies there.
-fn solid_by_layers(own: &Own, cell: &PeriodicBox, positions: &[DVec3], layers: usize) -> usize {
+/// The share of a rank's particles that it looks at together.
+const OF_A_BLOCK: f64 = 0.1;
+
+/// The number of solid-like particles, counted in blocks across y and z. Neighbors of neighbors decide on a particle, so that each
+/// block has two reaches more around it. Ranks take blocks in turn, and each gets what lies there.
+fn solid_by_blocks(
+    own: &Own,
+    cell: &PeriodicBox,
+    positions: &[DVec3],
+    blocks: [usize; 2],
+) -> usize {
     let six = Harmonics::new(6);
     let reach = usual_reach(cell, own.all());
-    let side = cell.lengths().z;
-    let height = side / layers as f64;
-    let layer_of = |z: f64| ((z / height) as usize).min(layers - 1);
-    let near = |layer: usize| -> Vec<DVec3> {
-        let middle = (layer as f64 + 0.5) * height;
+    let sides = [cell.lengths().y, cell.lengths().z];
+    let across = |k: usize, r: DVec3| [cell.wrap(r).y, cell.wrap(r).z][k];
+    let block_of = |r: DVec3| {
+        let [j, k] = [0, 1].map(|axis| {
+            let at = across(axis, r) / sides[axis] * blocks[axis] as f64;
+            (at as usize).min(blocks[axis] - 1)
+        });
+        j * blocks[1] + k
+    };
+    let near = |block: usize| -> Vec<DVec3> {
+        let at = [block / blocks[1], block % blocks[1]];
         let is_near = |r: &&DVec3| {
-            let away = (cell.wrap(**r).z - middle).abs();
-            away.min(side - away) <= 0.5 * height + 2.0 * reach
+            (0..2).all(|axis| {
+                let width = sides[axis] / blocks[axis] as f64;
+                let away = (across(axis, **r) - (at[axis] as f64 + 0.5) * width).abs();
+                away.min(sides[axis] - away) <= 0.5 * width + 2.0 * reach
+            })
         };
         positions.iter().filter(is_near).copied().collect()
     };
     let [rank, ranks] = own.rank_of();
-    let (mut first, mut solid) = (0, 0);
-    while first < layers {
+    let all = blocks[0] * blocks[1];
+    let mut solid = 0;
+    for first in (0..all).step_by(ranks) {
         let near =
-            own.deal(|rank| if first + rank < layers { near(first + rank) } else { Vec::new() });
+            own.deal(|rank| if first + rank < all { near(first + rank) } else { Vec::new() });
         if !near.is_empty() {
             let bonds = Bonds::new([&six], cell, &near, reach);
-            let layer = first + rank;
-            solid += bonds.solid(TEN_WOLDE, |i| layer_of(cell.wrap(near[i]).z) == layer);
+            solid += bonds.solid(TEN_WOLDE, |i| block_of(near[i]) == first + rank);
         }
-        first += ranks;
     }
     own.count(solid)
 }

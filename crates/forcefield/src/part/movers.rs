@@ -72,6 +72,11 @@ impl<P: PairList> Settled<'_, P> {
     }
 }
 
+/// Whether one of two slots is an own one, and the other is in the halo.
+fn crosses([a, b]: [u32; 2], own: u32) -> bool {
+    (a < own) != (b < own)
+}
+
 impl Part {
     /// Begins another search for unlisted pairs, on all ranks.
     pub fn begin_search(&self) {
@@ -109,8 +114,11 @@ impl Part {
         FarMovers(movers)
     }
 
-    /// The pairs of slots that lists of this rank lack, in the order of the whole: those found here, with far movers of the halo
-    /// among them, and those that other ranks found with far movers of this one. All ranks do it together.
+    /// The pairs of slots that lists of this rank lack, in the order of the whole, and the pairs that cross its face for the first time.
+    /// Some were `found` here, with far movers of the halo among them. Other ranks tell those that they found with far movers of
+    /// this one. All ranks do it together.
+    ///
+    /// Lists name particles for whole clusters. So one end may list what the other one lacks.
     pub fn missing<P: PairList>(
         &self,
         settled: &Settled<'_, P>,
@@ -136,27 +144,29 @@ impl Part {
         }
         pairs.sort_unstable_by_key(|pair| pair.map(|slot| settled.key(slot)));
         pairs.dedup();
+        let own = settled.list.own() as u32;
+        let is_new = |pair: &[u32; 2]| crosses(*pair, own) && !self.crossing.contains(pair);
+        pairs.retain(|pair| is_new(pair) || !settled.list.contains(*pair));
         pairs
     }
 
-    /// Notes that pairs of slots were inserted, and lets the positions come that lists name now.
+    /// Notes which pairs of slots are about to be inserted, and lets the positions come that lists name then.
     pub fn include<P: PairList>(&mut self, list: &P, pairs: &[[u32; 2]]) {
         let own = list.own() as u32;
         let search = *self.searches.get_mut();
-        for pair in pairs {
+        for pair in pairs.iter().filter(|pair| !list.contains(**pair)) {
             let [a, b] = pair.map(|slot| {
                 let [cell, number] = list.key(slot);
                 u64::from(cell) << 32 | u64::from(number)
             });
-            if pair.iter().any(|slot| *slot < own) {
-                self.inserted.push([search, a, b]);
-            }
+            self.inserted.push([search, a, b]);
         }
         let [inner, outer] = &mut self.inner_and_outer;
-        for [a, b] in pairs.iter().filter(|[a, b]| (*a < own) != (*b < own)) {
-            let (here, there) = (*a.min(b), *a.max(b));
+        for pair in pairs.iter().filter(|pair| crosses(**pair, own)) {
+            let [here, there] = if pair[0] < own { *pair } else { [pair[1], pair[0]] };
             let rank = self.halo_ranks[(there - own) as usize] as usize;
             self.near.add(rank, there, here);
+            self.crossing.insert(*pair);
             let chunk = list.chunk_slots().chunk_of(here) as u32;
             if let Ok(at) = inner.binary_search(&chunk) {
                 inner.remove(at);

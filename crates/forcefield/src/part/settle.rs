@@ -77,6 +77,7 @@ impl Part {
         self.route = Mutex::new(None);
         self.searches = AtomicU64::new(0);
         self.inserted.clear();
+        self.crossing.clear();
         self.builds += 1;
         Ok(())
     }

@@ -123,7 +123,10 @@ impl<P: PairList> ListInUse<'_, P> {
         let lacking = match self.part {
             None => {
                 let of_slot = |slot| self.now_and_then(at, slot);
-                self.unlisted_pairs(of_slot, (packed, None), largest2, &summary.far)
+                let mut found =
+                    self.unlisted_pairs(of_slot, (packed, None), largest2, &summary.far);
+                found.retain(|pair| !self.list.contains(*pair));
+                found
             }
             Some(part) => self.unlisted_on_rank(part, at, largest2, &summary.far),
         };
@@ -157,7 +160,8 @@ impl<P: PairList> ListInUse<'_, P> {
             true => self.now_and_then(at, slot),
             false => [movers.position(slot), self.built[slot as usize]],
         };
-        let found = self.unlisted_pairs(of_slot, (None, Some(part.partners())), largest2, &far);
+        let partners = Some(part.partners());
+        let found = self.unlisted_pairs(of_slot, (None, partners), largest2, &far);
         if P::INSERTS { part.missing(&settled, &movers, found) } else { found }
     }
 
@@ -168,8 +172,7 @@ impl<P: PairList> ListInUse<'_, P> {
         [at.positions[at.index(slot)], self.built[slot]]
     }
 
-    /// The pairs inside the cutoff that were beyond the list radius at the build and that the list does not contain, ahead of the
-    /// far movers. `of_slot` gives the position now and at the build.
+    /// The pairs inside the cutoff that were beyond the list radius at the build, ahead of the far movers. `of_slot` gives the position now and at the build.
     ///
     /// The box equals the box of the build: in any other box the criterion never asks for this search.
     fn unlisted_pairs(
@@ -182,8 +185,6 @@ impl<P: PairList> ListInUse<'_, P> {
         let Build { cell, r_list, .. } = self.build;
         let cells = self.list.cells();
         let displacements = Displacements { cells, at: of_slot, packed, largest2, partners };
-        let mut found = unlisted_pairs(cell, *r_list, self.build.inner(), displacements, far);
-        found.retain(|pair| !self.list.contains(*pair));
-        found
+        unlisted_pairs(cell, *r_list, self.build.inner(), displacements, far)
     }
 }

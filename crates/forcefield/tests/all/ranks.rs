@@ -265,6 +265,30 @@ fn pairs_that_lists_lack_are_found_and_inserted_by_all_ranks_alike() {
     }
 }
 
+#[test]
+fn pairs_that_one_end_alone_lacks_are_told_to_the_rank_of_that_end() {
+    let mut start = fluid([26, 25, 26], 0.75);
+    start.velocities.iter_mut().for_each(|v| *v *= 0.1);
+    let n = start.positions.len();
+    // In a dense fluid, the other end lists many of them for another member of its cluster.
+    for first in (0..n - 2000).step_by(70) {
+        let apart = |other: usize| {
+            start.cell.minimum_image(start.positions[other] - start.positions[first])
+        };
+        let mut others = first + 1..first + 2000;
+        let other = others.find(|k| (2.72..2.78).contains(&apart(*k).length()));
+        if let Some((other, toward)) = other.map(|k| (k, apart(k).normalize())) {
+            start.velocities[first] = toward * 4.0;
+            start.velocities[other] = toward * -4.0;
+        }
+    }
+    let kernel = KernelOptions { precision: Precision::Mixed, ..KernelOptions::default() };
+    let fresh = || build(&options(kernel), &conditions(start.cell, n)).unwrap();
+    let told = compare(&start, fresh, Kind::Isolated, &[[2, 1], [4, 1], [7, 1]]);
+    let mut inserted = told.iter().filter(|line| line.starts_with("list/inserted"));
+    assert!(inserted.any(|line| line.matches(',').count() > 100));
+}
+
 /// A team that loses the last position of each message between two ranks.
 struct Lossy(Team);
 

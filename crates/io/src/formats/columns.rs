@@ -1,5 +1,6 @@
 //! Columns of text: what stands in the line of a particle, in every format of text.
 
+use std::ops::Range;
 use std::path::Path;
 
 use lennard_core::State;
@@ -58,16 +59,17 @@ impl<'a> Layout<'a> {
         Self { style, columns, names: there().map(|(_, name)| *name).collect(), scale }
     }
 
-    /// Appends the lines of all particles.
-    pub(crate) fn push_all(
+    /// Appends the lines of some particles.
+    pub(crate) fn push_lines_of(
         &self,
         to: &mut Vec<u8>,
         path: &Path,
         state: &State,
+        particles: Range<usize>,
     ) -> Result<(), WriteError> {
         let vectors = [Column::Position, Column::Velocity, Column::Force, Column::Momentum];
         let vectors = vectors.iter().filter(|vector| self.columns.contains(vector)).count();
-        push_lines(to, path, state.len(), vectors, |text, i| self.push(text, state, i))
+        push_lines(to, path, particles, vectors, |text, i| self.push(text, state, i))
     }
 
     /// Appends the line of a particle.

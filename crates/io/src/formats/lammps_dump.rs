@@ -2,6 +2,7 @@
 //!
 //! Source: LAMMPS documentation, "dump command"; the line `ITEM: UNITS` is left out, since some readers refuse it.
 
+use std::ops::Range;
 use std::path::Path;
 
 use super::FormatSpec;
@@ -28,6 +29,7 @@ fn push(
     path: &Path,
     style: &FrameStyle,
     frame: &Frame<'_>,
+    particles: Range<usize>,
 ) -> Result<Option<f64>, WriteError> {
     let positions = if style.wrapped { " x y z" } else { " xu yu zu" };
     let layout = Layout::new(
@@ -45,7 +47,7 @@ fn push(
             (Column::Force, " fx fy fz"),
         ],
     );
-    if style.begins() {
+    if style.begins() && particles.start == 0 {
         to.extend_from_slice(b"ITEM: TIMESTEP\n");
         push_integer(to, frame.state.step);
         to.extend_from_slice(b"\nITEM: NUMBER OF ATOMS\n");
@@ -58,6 +60,6 @@ fn push(
         }
         to.extend_from_slice(format!("ITEM: ATOMS{}\n", layout.names).as_bytes());
     }
-    layout.push_all(to, path, frame.state)?;
+    layout.push_lines_of(to, path, frame.state, particles)?;
     Ok(None)
 }

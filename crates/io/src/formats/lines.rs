@@ -1,5 +1,6 @@
 //! Lines of particles as text, on all threads.
 
+use std::ops::Range;
 use std::path::Path;
 
 use glam::DVec3;
@@ -9,7 +10,7 @@ use crate::WriteError;
 use crate::frame::NotFinite;
 
 /// Particles formatted by one task: enough to be worth a task, little enough to balance.
-const PARTICLES_A_TASK: usize = 2048;
+const PARTICLES_A_TASK: usize = 512;
 
 /// Tasks formatted before their text is joined: bounds the memory besides the frame itself to a few MiB.
 const TASKS_A_ROUND: usize = 32;
@@ -17,19 +18,20 @@ const TASKS_A_ROUND: usize = 32;
 /// Typical length of a vector as text, three numbers of up to 20 characters: a first guess only.
 const BYTES_A_VECTOR: usize = 60;
 
-/// Appends the lines of `n` particles, which `push` writes one by one; `vectors` of them stand in a line.
+/// Appends the lines of some particles, which `push` writes one by one; so many vectors stand in a line.
 pub(super) fn push_lines(
     to: &mut Vec<u8>,
     path: &Path,
-    n: usize,
+    particles: Range<usize>,
     vectors: usize,
     push: impl Fn(&mut Vec<u8>, usize) -> Result<(), NotFinite> + Sync,
 ) -> Result<(), WriteError> {
-    to.reserve(n * (10 + vectors * BYTES_A_VECTOR));
-    let starts: Vec<usize> = (0..n).step_by(PARTICLES_A_TASK).collect();
+    to.reserve(particles.len() * (10 + vectors * BYTES_A_VECTOR));
+    let end = particles.end;
+    let starts: Vec<usize> = particles.step_by(PARTICLES_A_TASK).collect();
     let one_task = |&first: &usize, text: &mut Vec<u8>| {
         text.clear();
-        (first..(first + PARTICLES_A_TASK).min(n)).try_for_each(|i| push(text, i))
+        (first..(first + PARTICLES_A_TASK).min(end)).try_for_each(|i| push(text, i))
     };
     let mut texts: Vec<Vec<u8>> = vec![Vec::new(); starts.len().min(TASKS_A_ROUND)];
     for round in starts.chunks(TASKS_A_ROUND) {

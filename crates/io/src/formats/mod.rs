@@ -3,13 +3,20 @@
 pub(crate) mod columns;
 pub(crate) mod lines;
 
+use std::ops::Range;
 use std::path::Path;
 
 use crate::{Frame, FrameStyle, WriteError};
 
 /// Appends a frame, which has all that the style asks for, to bytes; the path is for messages. Returns the precision of the
 /// positions, per σ, where the format rounds them.
-type Push = fn(&mut Vec<u8>, &Path, &FrameStyle, &Frame<'_>) -> Result<Option<f64>, WriteError>;
+type Push = fn(
+    &mut Vec<u8>,
+    &Path,
+    &FrameStyle,
+    &Frame<'_>,
+    Range<usize>,
+) -> Result<Option<f64>, WriteError>;
 
 /// What a format that rounds positions can hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +62,8 @@ pub struct FormatSpec {
     pub nanometers: f64,
     /// Whether every frame ends with a line.
     pub(crate) ends_with_line: bool,
-    /// Appends a frame.
+    /// Appends the lines of some particles, behind a header where they are the first ones. Only formats by parts are asked for fewer
+    /// than all.
     pub(crate) push: Push,
 }
 
@@ -100,16 +108,32 @@ list_of_formats! {
 
 pub(crate) use xtc::XtcReader;
 
-/// Appends a frame; the path is for messages. Returns the precision of the positions, per σ, where the format rounds them.
-pub(crate) fn push_frame(
-    to: &mut Vec<u8>,
+/// Particles of one piece of a frame by parts.
+pub(crate) const PARTICLES_A_PIECE: usize = 16_384;
+
+/// Makes a frame in a buffer, piece by piece, and passes the pieces on; the path is for messages. Rank 0 takes the pieces of all ranks.
+/// Returns the precision of the positions, per σ, where the format rounds them.
+///
+/// # Errors
+/// Where a number cannot be written, here or on another rank. Some pieces may have been taken.
+pub(crate) fn pass_frame(
+    buffer: &mut Vec<u8>,
     path: &Path,
     format: TrajectoryFormat,
     style: &FrameStyle,
     frame: &Frame<'_>,
+    take: impl FnMut(&[u8]),
 ) -> Result<Option<f64>, WriteError> {
-    style.check_frame(path, frame)?;
-    (format.spec().push)(to, path, style, frame)
+    let (spec, n) = (format.spec(), frame.state.len());
+    let checked = style.check_frame(path, frame);
+    let of_piece = if spec.by_parts { PARTICLES_A_PIECE } else { n };
+    let mut precision = None;
+    let push = |to: &mut Vec<u8>, particles| {
+        precision = (spec.push)(to, path, style, frame, particles)?;
+        Ok(())
+    };
+    style.pass(path, checked, (n, of_piece), buffer, push, take)?;
+    Ok(precision)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 mod compression;
 mod reader;
 
+use std::ops::Range;
 use std::path::Path;
 
 use glam::{DVec3, Mat3};
@@ -48,6 +49,7 @@ fn push(
     path: &Path,
     style: &FrameStyle,
     frame: &Frame<'_>,
+    _: Range<usize>,
 ) -> Result<Option<f64>, WriteError> {
     let state = frame.state;
     let step = u32::try_from(state.step)

@@ -1,5 +1,6 @@
 //! Extended XYZ: one header line and one line a particle.
 
+use std::ops::Range;
 use std::path::Path;
 
 use super::FormatSpec;
@@ -65,12 +66,13 @@ pub(super) fn push(
     path: &Path,
     style: &FrameStyle,
     frame: &Frame<'_>,
+    particles: Range<usize>,
 ) -> Result<Option<f64>, WriteError> {
     let layout = Layout::new(style, style.length_scale, COLUMNS);
-    if style.begins() {
+    if style.begins() && particles.start == 0 {
         push_header(to, path, style, &layout.names, frame)?;
     }
-    layout.push_all(to, path, frame.state)?;
+    layout.push_lines_of(to, path, frame.state, particles)?;
     Ok(None)
 }
 

@@ -1,6 +1,7 @@
 //! Extended XYZ, compressed by gzip: a frame is one member of the file or several, which every reader joins.
 
 use std::io::Write;
+use std::ops::Range;
 use std::path::Path;
 
 use flate2::{Compression, GzBuilder};
@@ -32,9 +33,10 @@ fn push(
     path: &Path,
     style: &FrameStyle,
     frame: &Frame<'_>,
+    particles: Range<usize>,
 ) -> Result<Option<f64>, WriteError> {
     let mut text = Vec::new();
-    xyz::push(&mut text, path, style, frame)?;
+    xyz::push(&mut text, path, style, frame, particles)?;
     let members: Vec<std::io::Result<Vec<u8>>> =
         text.par_chunks(TEXT_OF_A_MEMBER).map(member).collect();
     for member in members {

@@ -11,6 +11,7 @@ use mpi::Threading;
 use crate::wire::World;
 
 fn main() -> ExitCode {
+    give_large_arrays_back();
     let started = mpi::initialize_with_threading(Threading::Serialized);
     if let Some(reason) = refusal(started.as_ref().map(|(_, threading)| *threading)) {
         eprintln!("{reason}");
@@ -22,6 +23,17 @@ fn main() -> ExitCode {
     // Every rank comes here, with the same code: what only one rank meets ends all of them before.
     drop(started);
     code.into()
+}
+
+/// Lets the C library give the memory of large arrays back once they are freed. It would keep more and more of them for later: some
+/// 35 MB on each of four ranks with 10⁶ particles.
+fn give_large_arrays_back() {
+    #[cfg(target_env = "gnu")]
+    // SAFETY: it sets one number of the C library, before any other thread runs.
+    #[allow(unsafe_code)]
+    unsafe {
+        libc::mallopt(libc::M_MMAP_THRESHOLD, 1 << 20);
+    }
 }
 
 /// Why an MPI library cannot be used that gives so many threads; `None` where it can.

@@ -123,19 +123,20 @@ fn half_a_crystal_is_half_solid() {
 }
 
 #[test]
-fn layers_count_the_solid_particles_of_the_whole() {
+fn blocks_count_the_solid_particles_of_the_whole() {
     let (cell, lattice) = fcc(8, 1.1);
     // Displacements at which some particles are solid-like and others are not.
     let shaken: Vec<DVec3> =
         (0..lattice.len()).map(|i| lattice[i] + 0.16 * normal(7, 0, i)).collect();
     let own = Own::all_of(shaken.len());
-    let whole = solid_by_layers(&own, &cell, &shaken, 1);
+    let whole = solid_by_blocks(&own, &cell, &shaken, [1, 1]);
     assert!((200..1800).contains(&whole), "{whole} of {}", shaken.len());
-    assert_eq!([2, 3, 6].map(|layers| solid_by_layers(&own, &cell, &shaken, layers)), [whole; 3]);
-    for (ranks, layers) in [(2, 1), (2, 3), (3, 2)] {
+    let found = [[1, 6], [3, 1], [2, 4]].map(|b| solid_by_blocks(&own, &cell, &shaken, b));
+    assert_eq!(found, [whole; 3]);
+    for (ranks, blocks) in [(2, [1, 1]), (2, [1, 3]), (3, [2, 2])] {
         let found = team_of_threads(ranks, |team| {
             let own = Own::of_rank(&team, shaken.len());
-            solid_by_layers(&own, &cell, &shaken[own.numbers()], layers)
+            solid_by_blocks(&own, &cell, &shaken[own.numbers()], blocks)
         });
         assert_eq!(found, vec![whole; ranks]);
     }
