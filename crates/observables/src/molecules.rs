@@ -80,21 +80,9 @@ impl MolecularMotion {
     }
 }
 
-/// Sums over molecules.
-#[derive(Clone, Copy)]
-struct Sums {
-    /// Σ ½ M V² of the centres, ε.
-    kinetic_of_centers: f64,
-    length: f64,
-    strain_squared: f64,
-    end_to_end_squared: f64,
-    /// Kinetic energy of motion that changes bond lengths, ε.
-    kinetic_of_vibration: f64,
-    /// Degrees of freedom of it.
-    vibrations: f64,
-}
-
-fn sums(view: &View<'_>) -> Sums {
+/// Sums over molecules: Σ ½ M V² of the centres (ε), of bond lengths, of squared strains, of squared end-to-end distances, and of
+/// the motion that changes bond lengths the kinetic energy (ε) and the degrees of freedom.
+fn sums(view: &View<'_>) -> [f64; 6] {
     let (system, state) = (view.system, view.state);
     let molecules = &system.molecules;
     let of_molecule = |m: usize| {
@@ -121,22 +109,7 @@ fn sums(view: &View<'_>) -> Sums {
             rank,
         ]
     };
-    let [
-        kinetic_of_centers,
-        length,
-        strain_squared,
-        end_to_end_squared,
-        kinetic_of_vibration,
-        vibrations,
-    ] = exact_sum(system.n_molecules(), of_molecule);
-    Sums {
-        kinetic_of_centers,
-        length,
-        strain_squared,
-        end_to_end_squared,
-        kinetic_of_vibration,
-        vibrations,
-    }
+    exact_sum(system.n_molecules(), of_molecule)
 }
 
 impl Observable for MolecularMotion {
@@ -153,14 +126,15 @@ impl Observable for MolecularMotion {
     fn sample(&mut self, view: &View<'_>) {
         let molecules = view.system.n_molecules() as f64;
         let bonds = molecules * view.system.molecules.bonds().len() as f64;
-        let found = sums(view);
+        let [centers, length, strain_squared, end_to_end_squared, vibration, vibrations] =
+            sums(view);
         let kinetic = view.kinetic_energy();
         let n_dof = view.n_dof();
         let kept = 3.0 * view.len() as f64
             - if view.system.molecules.are_rigid() { bonds } else { 0.0 }
             - n_dof;
         let of_centers = 3.0 * molecules - kept;
-        let inside = kinetic - found.kinetic_of_centers;
+        let inside = kinetic - centers;
         let constraints = view.constraint_sums();
         self.largest_residual = self.largest_residual.max(constraints.largest_residual);
         let virial = view.state.energetics.scalar_virial();
@@ -171,13 +145,13 @@ impl Observable for MolecularMotion {
         let momentum_part = kept / 3.0 * view.temperature() / volume;
         self.series.push(&[
             view.state.time,
-            2.0 * found.kinetic_of_centers / of_centers,
+            2.0 * centers / of_centers,
             2.0 * inside / (n_dof - of_centers),
-            2.0 * (inside - found.kinetic_of_vibration) / (n_dof - of_centers - found.vibrations),
-            2.0 * found.kinetic_of_vibration / found.vibrations,
-            found.length / bonds,
-            found.strain_squared / bonds,
-            found.end_to_end_squared / molecules,
+            2.0 * (inside - vibration) / (n_dof - of_centers - vibrations),
+            2.0 * vibration / vibrations,
+            length / bonds,
+            strain_squared / bonds,
+            end_to_end_squared / molecules,
             (2.0 * kinetic + virial) / (3.0 * volume) + momentum_part,
         ]);
     }

@@ -113,6 +113,26 @@ pub struct Quantity {
 }
 
 impl Quantity {
+    const fn beside(self, beside: Beside) -> Self {
+        Self { beside, ..self }
+    }
+
+    const fn repeats(self, other: &'static str) -> Self {
+        Self { repeats: Some(other), ..self }
+    }
+
+    const fn part_of(self, property: &'static str) -> Self {
+        Self { part_of: Some(property), ..self }
+    }
+
+    const fn primary(self, primary: &'static [Setting]) -> Self {
+        Self { primary, ..self }
+    }
+
+    const fn marks(self, marks: &'static [Mark]) -> Self {
+        Self { marks, ..self }
+    }
+
     /// Whether it has this mark.
     #[must_use]
     pub fn is(&self, mark: Mark) -> bool {
@@ -160,108 +180,66 @@ const fn response(
     symbol: &'static str,
     unit: &'static str,
 ) -> Quantity {
-    Quantity { beside: ResponseFunction, marks: &[OnePhase], ..quantity(key, words, symbol, unit) }
+    quantity(key, words, symbol, unit).beside(ResponseFunction).marks(&[OnePhase])
 }
 
 /// All quantities, in the order of a table.
 pub const QUANTITIES: &[Quantity] = &[
-    Quantity {
-        beside: Bath,
-        marks: &[SetByScaling],
-        ..quantity("temperature", "T, whole steps", "T", "ε/k_B")
-    },
-    Quantity {
-        beside: BathOnHalfSteps,
-        marks: &[SetByScaling],
-        repeats: Some("temperature"),
-        ..quantity("temperature_half_steps", "T, half steps", "T", "ε/k_B")
-    },
-    Quantity {
-        beside: LiquidDensity,
-        primary: &[Slab],
-        marks: &[Coexisting],
-        ..quantity("liquid_density", "liquid density", "ρ_l", "σ⁻³")
-    },
-    Quantity {
-        beside: VaporDensity,
-        primary: &[Slab],
-        marks: &[Coexisting],
-        ..quantity("vapor_density", "vapor density", "ρ_v", "σ⁻³")
-    },
-    Quantity {
-        beside: VaporPressure,
-        primary: &[Slab],
-        ..quantity("vapor_pressure", "vapor pressure", "p_s", "ε/σ³")
-    },
-    Quantity {
-        beside: SurfaceTension,
-        primary: &[Slab],
-        ..quantity("surface_tension", "surface tension", "γ", "ε/σ²")
-    },
-    Quantity { primary: &[Fronts], ..quantity("front_velocity", "front velocity", "v", "σ/τ") },
-    Quantity { primary: &[Fronts], ..quantity("solid_share", "solid share", "", "") },
-    Quantity {
-        beside: PotentialEnergy,
-        primary: &[Fluid, Slab, Walls, Fronts],
-        marks: &[Summed, AtVolume],
-        ..quantity("potential_energy", "potential energy", "U/N", "ε")
-    },
-    Quantity {
-        marks: &[Plain],
-        repeats: Some("potential_energy"),
-        ..quantity("potential_energy_without_tail", "potential energy without tail", "U/N", "ε")
-    },
-    Quantity {
-        beside: Pressure,
-        primary: &[Fluid, Fronts],
-        marks: &[Summed, AtVolume, AcrossSurfaces],
-        ..quantity("pressure", "pressure", "P", "ε/σ³")
-    },
-    Quantity {
-        marks: &[Plain, AcrossSurfaces],
-        repeats: Some("pressure"),
-        ..quantity("pressure_without_tail", "pressure without tail", "P", "ε/σ³")
-    },
-    Quantity {
-        beside: Density,
-        primary: &[Fluid, Fronts],
-        ..quantity("density", "density", "ρ", "σ⁻³")
-    },
+    quantity("temperature", "T, whole steps", "T", "ε/k_B").beside(Bath).marks(&[SetByScaling]),
+    quantity("temperature_half_steps", "T, half steps", "T", "ε/k_B")
+        .beside(BathOnHalfSteps)
+        .marks(&[SetByScaling])
+        .repeats("temperature"),
+    quantity("liquid_density", "liquid density", "ρ_l", "σ⁻³")
+        .beside(LiquidDensity)
+        .primary(&[Slab])
+        .marks(&[Coexisting]),
+    quantity("vapor_density", "vapor density", "ρ_v", "σ⁻³")
+        .beside(VaporDensity)
+        .primary(&[Slab])
+        .marks(&[Coexisting]),
+    quantity("vapor_pressure", "vapor pressure", "p_s", "ε/σ³")
+        .beside(VaporPressure)
+        .primary(&[Slab]),
+    quantity("surface_tension", "surface tension", "γ", "ε/σ²")
+        .beside(SurfaceTension)
+        .primary(&[Slab]),
+    quantity("front_velocity", "front velocity", "v", "σ/τ").primary(&[Fronts]),
+    quantity("solid_share", "solid share", "", "").primary(&[Fronts]),
+    quantity("potential_energy", "potential energy", "U/N", "ε")
+        .beside(PotentialEnergy)
+        .primary(&[Fluid, Slab, Walls, Fronts])
+        .marks(&[Summed, AtVolume]),
+    quantity("potential_energy_without_tail", "potential energy without tail", "U/N", "ε")
+        .marks(&[Plain])
+        .repeats("potential_energy"),
+    quantity("pressure", "pressure", "P", "ε/σ³")
+        .beside(Pressure)
+        .primary(&[Fluid, Fronts])
+        .marks(&[Summed, AtVolume, AcrossSurfaces]),
+    quantity("pressure_without_tail", "pressure without tail", "P", "ε/σ³")
+        .marks(&[Plain, AcrossSurfaces])
+        .repeats("pressure"),
+    quantity("density", "density", "ρ", "σ⁻³").beside(Density).primary(&[Fluid, Fronts]),
     quantity("volume", "volume", "V", "σ³"),
-    Quantity {
-        primary: &[Fluid],
-        marks: &[WholeSystem],
-        ..quantity("enthalpy", "enthalpy", "H/N", "ε")
-    },
-    Quantity {
-        marks: &[SetByScaling],
-        repeats: Some("temperature"),
-        ..quantity("kinetic_energy", "kinetic energy", "K/N", "ε")
-    },
-    Quantity { marks: &[WholeSystem], ..quantity("total_energy", "total energy", "E/N", "ε") },
+    quantity("enthalpy", "enthalpy", "H/N", "ε").primary(&[Fluid]).marks(&[WholeSystem]),
+    quantity("kinetic_energy", "kinetic energy", "K/N", "ε")
+        .marks(&[SetByScaling])
+        .repeats("temperature"),
+    quantity("total_energy", "total energy", "E/N", "ε").marks(&[WholeSystem]),
     quantity("conserved_energy", "conserved energy", "(E − heat)/N", "ε"),
-    Quantity {
-        beside: HeatCapacity,
-        primary: &[Fluid],
-        marks: &[Summed, OnePhase],
-        ..quantity("heat_capacity", "heat capacity", "c_v", "k_B")
-    },
-    Quantity {
-        beside: VaporPressure,
-        primary: &[Slab],
-        ..quantity("pressure_zz", "pressure zz", "P_zz", "ε/σ³")
-    },
-    Quantity {
-        beside: SurfaceTension,
-        primary: &[Slab],
-        ..quantity("surface_tension_z", "surface tension z", "γ_z", "ε/σ²")
-    },
-    Quantity {
-        beside: KineticTemperature,
-        primary: &[Fluid, Slab],
-        marks: &[Summed],
-        ..quantity("configurational_temperature", "configurational temperature", "T_conf", "ε/k_B")
-    },
+    quantity("heat_capacity", "heat capacity", "c_v", "k_B")
+        .beside(HeatCapacity)
+        .primary(&[Fluid])
+        .marks(&[Summed, OnePhase]),
+    quantity("pressure_zz", "pressure zz", "P_zz", "ε/σ³").beside(VaporPressure).primary(&[Slab]),
+    quantity("surface_tension_z", "surface tension z", "γ_z", "ε/σ²")
+        .beside(SurfaceTension)
+        .primary(&[Slab]),
+    quantity("configurational_temperature", "configurational temperature", "T_conf", "ε/k_B")
+        .beside(KineticTemperature)
+        .primary(&[Fluid, Slab])
+        .marks(&[Summed]),
     response("heat_capacity_pressure", "heat capacity c_p", "c_p", "k_B"),
     response("thermal_pressure_coefficient", "thermal pressure coefficient", "γ_V", "k_B/σ³"),
     response("isothermal_compressibility", "isothermal compressibility", "κ_T", "σ³/ε"),
@@ -271,123 +249,70 @@ pub const QUANTITIES: &[Quantity] = &[
     response("joule_thomson_coefficient", "Joule–Thomson coefficient", "μ_JT", "σ³/k_B"),
     response("grueneisen_parameter", "Grüneisen parameter", "Γ", ""),
     response("density_scaling_exponent", "density-scaling exponent", "γ", ""),
-    Quantity {
-        beside: Nothing,
-        ..response("energy_virial_correlation", "correlation of energy and virial", "R", "")
-    },
-    Quantity {
-        beside: SelfDiffusion,
-        primary: &[Fluid],
-        repeats: Some("diffusion_coefficient_uncorrected"),
-        ..quantity(
-            "diffusion_coefficient_corrected",
-            "diffusion coefficient, corrected",
-            "D",
-            "σ²/τ",
-        )
-    },
-    Quantity {
-        beside: SelfDiffusion,
-        primary: &[Fluid],
-        ..quantity(
-            "diffusion_coefficient_uncorrected",
-            "diffusion coefficient, uncorrected",
-            "D",
-            "σ²/τ",
-        )
-    },
+    response("energy_virial_correlation", "correlation of energy and virial", "R", "")
+        .beside(Nothing),
+    quantity("diffusion_coefficient_corrected", "diffusion coefficient, corrected", "D", "σ²/τ")
+        .beside(SelfDiffusion)
+        .primary(&[Fluid])
+        .repeats("diffusion_coefficient_uncorrected"),
+    quantity(
+        "diffusion_coefficient_uncorrected",
+        "diffusion coefficient, uncorrected",
+        "D",
+        "σ²/τ",
+    )
+    .beside(SelfDiffusion)
+    .primary(&[Fluid]),
     quantity(
         "diffusion_coefficient_green_kubo",
         "diffusion coefficient, Green–Kubo, uncorrected",
         "D",
         "σ²/τ",
     ),
-    Quantity {
-        primary: &[Fluid],
-        marks: &[OnePhase],
-        ..quantity("einstein_frequency", "Einstein frequency", "Ω_E", "τ⁻¹")
-    },
-    Quantity {
-        beside: Viscosity,
-        primary: &[Fluid],
-        ..quantity("shear_viscosity", "shear viscosity", "η", "ετ/σ³")
-    },
-    Quantity {
-        beside: Conductivity,
-        primary: &[Fluid],
-        ..quantity("thermal_conductivity", "thermal conductivity", "λ", "k_B/(στ)")
-    },
-    Quantity {
-        beside: Viscosity,
-        primary: &[Fluid],
-        ..quantity("viscosity_by_exchange", "viscosity by exchange", "η", "ετ/σ³")
-    },
-    Quantity {
-        beside: Conductivity,
-        primary: &[Fluid],
-        ..quantity(
-            "thermal_conductivity_by_exchange",
-            "thermal conductivity by exchange",
-            "λ",
-            "k_B/(στ)",
-        )
-    },
-    Quantity {
-        beside: FreezingHeight,
-        primary: &[Fluid],
-        ..quantity("structure_factor_first_peak", "first peak of S(k)", "S(k)", "")
-    },
-    Quantity { marks: &[OnePhase], ..quantity("rdf_first_peak", "first peak of g(r)", "g(r)", "") },
-    Quantity {
-        primary: &[Fluid],
-        marks: &[OnePhase],
-        ..quantity("coordination_number", "coordination number", "n", "")
-    },
-    Quantity {
-        part_of: Some("residual_entropy"),
-        marks: &[OnePhase],
-        ..quantity("two_body_entropy", "two-body entropy", "s₂", "k_B")
-    },
+    quantity("einstein_frequency", "Einstein frequency", "Ω_E", "τ⁻¹")
+        .primary(&[Fluid])
+        .marks(&[OnePhase]),
+    quantity("shear_viscosity", "shear viscosity", "η", "ετ/σ³")
+        .beside(Viscosity)
+        .primary(&[Fluid]),
+    quantity("thermal_conductivity", "thermal conductivity", "λ", "k_B/(στ)")
+        .beside(Conductivity)
+        .primary(&[Fluid]),
+    quantity("viscosity_by_exchange", "viscosity by exchange", "η", "ετ/σ³")
+        .beside(Viscosity)
+        .primary(&[Fluid]),
+    quantity(
+        "thermal_conductivity_by_exchange",
+        "thermal conductivity by exchange",
+        "λ",
+        "k_B/(στ)",
+    )
+    .beside(Conductivity)
+    .primary(&[Fluid]),
+    quantity("structure_factor_first_peak", "first peak of S(k)", "S(k)", "")
+        .beside(FreezingHeight)
+        .primary(&[Fluid]),
+    quantity("rdf_first_peak", "first peak of g(r)", "g(r)", "").marks(&[OnePhase]),
+    quantity("coordination_number", "coordination number", "n", "")
+        .primary(&[Fluid])
+        .marks(&[OnePhase]),
+    quantity("two_body_entropy", "two-body entropy", "s₂", "k_B")
+        .part_of("residual_entropy")
+        .marks(&[OnePhase]),
     quantity("residual_entropy", "residual entropy", "s_res", "k_B"),
     quantity("residual_helmholtz_energy", "residual Helmholtz energy", "a_res", "ε"),
     quantity("compressibility_factor", "compressibility factor", "Z", ""),
     quantity("structure_factor_zero", "structure factor", "S(0)", ""),
-    Quantity {
-        marks: &[OnePhase, AtBath],
-        ..quantity("residual_chemical_potential", "residual chemical potential", "μ_res", "ε")
-    },
-    Quantity {
-        marks: &[OnePhase],
-        ..quantity("kirkwood_buff", "Kirkwood–Buff integral", "G", "σ³")
-    },
-    Quantity {
-        marks: &[OnePhase],
-        ..quantity("thermodynamic_factor", "thermodynamic factor", "Γ", "")
-    },
-    Quantity {
-        primary: &[Walls],
-        ..quantity("wall_pressure_x_lower", "wall pressure x lower", "P", "ε/σ³")
-    },
-    Quantity {
-        primary: &[Walls],
-        ..quantity("wall_pressure_x_upper", "wall pressure x upper", "P", "ε/σ³")
-    },
-    Quantity {
-        primary: &[Walls],
-        ..quantity("wall_pressure_y_lower", "wall pressure y lower", "P", "ε/σ³")
-    },
-    Quantity {
-        primary: &[Walls],
-        ..quantity("wall_pressure_y_upper", "wall pressure y upper", "P", "ε/σ³")
-    },
-    Quantity {
-        primary: &[Walls],
-        ..quantity("wall_pressure_z_lower", "wall pressure z lower", "P", "ε/σ³")
-    },
-    Quantity {
-        primary: &[Walls],
-        ..quantity("wall_pressure_z_upper", "wall pressure z upper", "P", "ε/σ³")
-    },
+    quantity("residual_chemical_potential", "residual chemical potential", "μ_res", "ε")
+        .marks(&[OnePhase, AtBath]),
+    quantity("kirkwood_buff", "Kirkwood–Buff integral", "G", "σ³").marks(&[OnePhase]),
+    quantity("thermodynamic_factor", "thermodynamic factor", "Γ", "").marks(&[OnePhase]),
+    quantity("wall_pressure_x_lower", "wall pressure x lower", "P", "ε/σ³").primary(&[Walls]),
+    quantity("wall_pressure_x_upper", "wall pressure x upper", "P", "ε/σ³").primary(&[Walls]),
+    quantity("wall_pressure_y_lower", "wall pressure y lower", "P", "ε/σ³").primary(&[Walls]),
+    quantity("wall_pressure_y_upper", "wall pressure y upper", "P", "ε/σ³").primary(&[Walls]),
+    quantity("wall_pressure_z_lower", "wall pressure z lower", "P", "ε/σ³").primary(&[Walls]),
+    quantity("wall_pressure_z_upper", "wall pressure z upper", "P", "ε/σ³").primary(&[Walls]),
 ];
 
 /// The entry of a quantity; `None` where it has none.

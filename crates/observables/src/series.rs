@@ -157,7 +157,7 @@ impl<C: Columns> Persist for Series<C> {
     }
 }
 
-/// Declares the columns of a [`Series`]: a struct with a `Vec<f64>` per column.
+/// Declares the columns of a [`Series`]: a struct with a `Vec<f64>` per column, and `of` a struct with the values of one row.
 macro_rules! columns {
     ($(#[$about:meta])* $visible:vis struct $type:ident { $($(#[$doc:meta])* $column:ident),* $(,)? }) => {
         $(#[$about])*
@@ -174,6 +174,20 @@ macro_rules! columns {
             }
             fn columns_mut(&mut self) -> Vec<&mut Vec<f64>> {
                 vec![$(&mut self.$column),*]
+            }
+        }
+    };
+    ($(#[$about:meta])* $visible:vis struct $type:ident of $row:ident { $($(#[$doc:meta])* $column:ident),* $(,)? }) => {
+        columns! { $(#[$about])* $visible struct $type { $($(#[$doc])* $column),* } }
+        /// One row of the series.
+        #[derive(Debug, Clone, Copy)]
+        $visible struct $row {
+            $($(#[$doc])* $visible $column: f64),*
+        }
+        impl $row {
+            /// The values in the order of the columns.
+            pub(crate) fn values(&self) -> impl AsRef<[f64]> {
+                [$(self.$column),*]
             }
         }
     };

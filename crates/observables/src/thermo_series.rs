@@ -5,7 +5,7 @@ use crate::statistics::mean;
 
 columns! {
     /// The time series of [`crate::Thermodynamics`]: columns of equal length, energies per particle.
-    pub struct ThermoSeries {
+    pub struct ThermoSeries of ThermoRow {
         /// Time in τ; the mean time of the row's samples.
         time,
         /// Kinetic temperature 2K/n_dof on whole steps.

@@ -3,9 +3,9 @@
 mod conservation;
 mod cutoffs;
 mod equilibrium;
-mod instant;
 mod remarks;
 mod responses;
+mod row;
 mod species;
 
 use crate::{
@@ -187,17 +187,18 @@ impl Observable for Thermodynamics {
         }
         self.seen.see(view.cell());
         self.n_dof = view.n_dof();
+        let n = view.system.n_molecules() as f64;
         if self.mass.is_nan() {
             let masses = &view.system.masses;
-            let n = view.system.n_molecules() as f64;
             self.mass = view.sum::<f64, 1>(|i| masses.moving(i)) / n;
         }
         self.half_steps = view.half_kick_step.is_some();
-        let instant = self.instant(view);
-        let kept = view.system.kept_part(instant.momentum);
+        let momentum = view.system.momentum(&view.state.velocities) / n;
+        let kept = view.system.kept_part(momentum);
         self.largest_momentum = self.largest_momentum.max(kept.length());
-        self.energy_line.push(instant.time, instant.conserved_energy);
-        self.series.push(&instant.row());
+        let row = self.row(view, momentum);
+        self.energy_line.push(row.time, row.conserved_energy);
+        self.series.push(row.values().as_ref());
     }
 
     /// As a rule, the part to discard comes from [`Thermodynamics::equilibrium`].
