@@ -9,5 +9,4 @@ mod restart;
 mod targets;
 
 pub use mutate::Mutator;
-pub use restart::restart;
-pub use targets::{Reshape, TARGETS, Target, checkpoint, frames, gzip, scene, start, table};
+pub use targets::{Reshape, TARGETS, Target, read};

@@ -6,7 +6,7 @@ use lennard_core::{Array, DVec3, Want};
 use lennard_engine::{Action, Operation, ResumeOptions, Schedule, StopAt, Trigger, resume};
 use lennard_io::{checkpoint_bytes, read_checkpoint_bytes};
 
-use crate::targets::assert_short;
+use crate::targets::judged;
 
 /// Steps that a run takes which was accepted: what was restored is used, observed and saved again.
 const STEPS: u64 = 4;
@@ -35,7 +35,7 @@ pub(crate) fn temporary() -> tempfile::TempDir {
 ///
 /// # Panics
 /// Where something is wrong with the program.
-pub fn restart(bytes: &[u8]) -> bool {
+pub(crate) fn restart(bytes: &[u8]) -> bool {
     FOLDER.with_borrow_mut(|folder| {
         let folder = folder.get_or_insert_with(temporary);
         std::fs::write(folder.path().join(CHECKPOINT), bytes)
@@ -48,13 +48,7 @@ pub fn restart(bytes: &[u8]) -> bool {
             drop(resumed.simulation.findings());
             Ok(())
         });
-        match went_on {
-            Ok(()) => true,
-            Err(error) => {
-                assert_short(&error.to_string());
-                false
-            }
-        }
+        judged(went_on, drop)
     })
 }
 

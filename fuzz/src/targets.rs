@@ -1,5 +1,6 @@
 //! The readers, each with what must hold for any bytes.
 
+use std::fmt::Display;
 use std::io::Write;
 use std::sync::LazyLock;
 
@@ -31,52 +32,72 @@ pub struct Target {
     pub words: &'static str,
 }
 
+/// A reader whose mutated bytes are read as they are.
+const fn plain(name: &'static str, body: fn(&[u8]) -> bool, words: &'static str) -> Target {
+    Target { name, body, repair: None, reshape: None, words }
+}
+
+/// A reader of checkpoints, whose mutated bytes get a right checksum.
+const fn sealed(name: &'static str, body: fn(&[u8]) -> bool, reshape: Option<Reshape>) -> Target {
+    Target { repair: Some(seal), reshape, ..plain(name, body, "checkpoint") }
+}
+
 /// Every reader.
 pub const TARGETS: &[Target] = &[
-    Target { name: "scene", body: scene, repair: None, reshape: None, words: "scene" },
-    Target { name: "extended-xyz", body: start, repair: None, reshape: None, words: "xyz" },
-    Target { name: "frames", body: frames, repair: None, reshape: None, words: "xyz" },
-    Target { name: "nist", body: start, repair: None, reshape: None, words: "xyz" },
-    Target { name: "lammps-dump", body: start, repair: None, reshape: None, words: "lammps" },
-    Target { name: "lammps-data", body: start, repair: None, reshape: None, words: "lammps" },
-    Target { name: "gro", body: start, repair: None, reshape: None, words: "lammps" },
-    Target { name: "gzip", body: gzip, repair: None, reshape: None, words: "xyz" },
-    Target { name: "table", body: table, repair: None, reshape: None, words: "table" },
-    Target {
-        name: "checkpoint",
-        body: checkpoint,
-        repair: Some(seal),
-        reshape: None,
-        words: "checkpoint",
-    },
-    Target {
-        name: "restart",
-        body: restart,
-        repair: Some(seal),
-        reshape: Some(reshape),
-        words: "checkpoint",
-    },
+    plain("scene", scene, "scene"),
+    plain("extended-xyz", start, "xyz"),
+    plain("frames", frames, "xyz"),
+    plain("nist", start, "xyz"),
+    plain("lammps-dump", start, "lammps"),
+    plain("lammps-data", start, "lammps"),
+    plain("gro", start, "lammps"),
+    plain("gzip", gzip, "xyz"),
+    plain("table", table, "table"),
+    sealed("checkpoint", checkpoint, None),
+    sealed("restart", restart, Some(reshape)),
 ];
 
-/// A scene: an error with a message of reasonable length, or a scene that reads back equal from its own text.
-pub fn scene(bytes: &[u8]) -> bool {
-    let text = String::from_utf8_lossy(bytes);
-    match Scene::parse(&text, "hostile.toml", &[]) {
-        Ok(scene) => {
-            let resolved = scene.resolved_toml();
-            let again = Scene::parse(&resolved, "resolved.toml", &[]);
-            assert_eq!(again.as_ref().ok(), Some(&scene), "{again:?}\n{resolved}");
+/// Gives bytes to the reader of this name.
+///
+/// # Panics
+/// Where something is wrong, or no reader has the name.
+pub fn read(name: &str, bytes: &[u8]) -> bool {
+    let target = TARGETS.iter().find(|target| target.name == name);
+    (target.expect("a reader of this name").body)(bytes)
+}
+
+/// Looks at what was accepted, and otherwise at the length of the error.
+pub(crate) fn judged<T, E: Display>(read: Result<T, E>, look: impl FnOnce(T)) -> bool {
+    match read {
+        Ok(found) => {
+            look(found);
             true
         }
         Err(error) => {
-            assert_short(&error.to_string());
+            let message = error.to_string();
+            assert!(!message.is_empty() && message.len() < LONGEST_MESSAGE, "{message}");
             false
         }
     }
 }
 
+/// A scene as resolved reads back as the same scene.
+fn reads_back(scene: &Scene) {
+    let resolved = scene.resolved_toml();
+    let again = Scene::parse(&resolved, "resolved.toml", &[]);
+    assert_eq!(again.as_ref().ok(), Some(scene), "{again:?}\n{resolved}");
+}
+
+/// A scene: an error with a message of reasonable length, or a scene that reads back equal from its own text.
+fn scene(bytes: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(bytes);
+    judged(Scene::parse(&text, "hostile.toml", &[]), |scene| {
+        reads_back(&scene);
+    })
+}
+
 /// Frames of a trajectory in whatever format the bytes look like: whole frames of finite numbers, as many and in a box, or an error.
-pub fn frames(bytes: &[u8]) -> bool {
+fn frames(bytes: &[u8]) -> bool {
     /// A byte of gzip stands for so many, and two bits of XTC for a particle at most.
     const MOST_PER_BYTE: usize = 4 * 1032;
     // A particle of a text has three numbers, each with a space.
@@ -97,31 +118,23 @@ pub fn frames(bytes: &[u8]) -> bool {
     };
     read().unwrap_or_else(|error: FormatError| {
         assert!(!matches!(error, FormatError::Content { line: 0, .. }), "{error}");
-        assert_short(&error.to_string());
-        false
+        judged(Err::<(), _>(error), drop)
     })
 }
 
 /// A start configuration in NIST columns, LAMMPS dump or data, GRO, or whatever else the bytes look like.
-pub fn start(bytes: &[u8]) -> bool {
-    match read_configuration_bytes(bytes) {
-        Ok(start) => {
-            let vectors = start.velocities.iter().chain(&start.momenta).flatten();
-            assert!(!start.positions.is_empty());
-            assert!(start.positions.iter().chain(vectors).all(|r| r.is_finite()));
-            assert!(start.cell.volume() > 0.0 && start.cell.volume().is_finite());
-            assert!(start.velocities.is_none_or(|v| v.len() == start.positions.len()));
-            true
-        }
-        Err(error) => {
-            assert_short(&error.to_string());
-            false
-        }
-    }
+fn start(bytes: &[u8]) -> bool {
+    judged(read_configuration_bytes(bytes), |start| {
+        let vectors = start.velocities.iter().chain(&start.momenta).flatten();
+        assert!(!start.positions.is_empty());
+        assert!(start.positions.iter().chain(vectors).all(|r| r.is_finite()));
+        assert!(start.cell.volume() > 0.0 && start.cell.volume().is_finite());
+        assert!(start.velocities.is_none_or(|v| v.len() == start.positions.len()));
+    })
 }
 
 /// Gzip of whatever bytes is read as the bytes themselves; bytes that begin like gzip are read as they are.
-pub fn gzip(bytes: &[u8]) -> bool {
+fn gzip(bytes: &[u8]) -> bool {
     let accepted = start(bytes);
     let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     let compressed = encoder.write_all(bytes).and_then(|()| encoder.finish());
@@ -138,7 +151,7 @@ pub fn gzip(bytes: &[u8]) -> bool {
 }
 
 /// A table of a potential: an error of reasonable length, or energies and forces that are numbers up to the cutoff.
-pub fn table(bytes: &[u8]) -> bool {
+fn table(bytes: &[u8]) -> bool {
     /// Where the tables of the corpus begin and where they are cut, σ.
     const BEGIN: f64 = 1.0;
     const R_CUT: f64 = 1.14;
@@ -151,41 +164,25 @@ pub fn table(bytes: &[u8]) -> bool {
          [truncation]\nkind = \"shift\"\nr_cut = {R_CUT}\n\
          [[stage]]\nname = \"production\"\nsteps = 1\n"
     );
-    match Scene::parse(&text, "hostile.toml", &[]) {
-        Ok(scene) => {
-            let model = Model::new(&scene.potential, &scene.truncation);
-            let model = model.expect("the scene was checked");
-            for k in 0..=20 {
-                let r = BEGIN + (R_CUT - BEGIN) * f64::from(k) / 20.0;
-                let pair = model.eval(r * r);
-                assert!(pair.energy.is_finite() && pair.force.is_finite(), "r = {r}");
-            }
-            let resolved = scene.resolved_toml();
-            let again = Scene::parse(&resolved, "resolved.toml", &[]);
-            assert_eq!(again.as_ref().ok(), Some(&scene), "{again:?}\n{resolved}");
-            true
+    judged(Scene::parse(&text, "hostile.toml", &[]), |scene| {
+        let model = Model::new(&scene.potential, &scene.truncation);
+        let model = model.expect("the scene was checked");
+        for k in 0..=20 {
+            let r = BEGIN + (R_CUT - BEGIN) * f64::from(k) / 20.0;
+            let pair = model.eval(r * r);
+            assert!(pair.energy.is_finite() && pair.force.is_finite(), "r = {r}");
         }
-        Err(error) => {
-            assert_short(&error.to_string());
-            false
-        }
-    }
+        reads_back(&scene);
+    })
 }
 
 /// A checkpoint: arrays no larger than the bytes that they came from, or an error.
-pub fn checkpoint(bytes: &[u8]) -> bool {
-    match read_checkpoint_bytes(bytes) {
-        Ok(checkpoint) => {
-            let total: usize = checkpoint.archive.arrays.values().map(words).sum();
-            assert!(8 * total <= bytes.len());
-            assert!(checkpoint.scene.len() <= bytes.len());
-            true
-        }
-        Err(error) => {
-            assert_short(&error.to_string());
-            false
-        }
-    }
+fn checkpoint(bytes: &[u8]) -> bool {
+    judged(read_checkpoint_bytes(bytes), |checkpoint| {
+        let total: usize = checkpoint.archive.arrays.values().map(words).sum();
+        assert!(8 * total <= bytes.len());
+        assert!(checkpoint.scene.len() <= bytes.len());
+    })
 }
 
 fn words(array: &Array) -> usize {
@@ -194,10 +191,6 @@ fn words(array: &Array) -> usize {
         Array::U64(v) => v.len(),
         Array::Vec3(v) => 3 * v.len(),
     }
-}
-
-pub(crate) fn assert_short(message: &str) {
-    assert!(!message.is_empty() && message.len() < LONGEST_MESSAGE, "{message}");
 }
 
 /// Bytes of the prefix of a checkpoint, and where its length stands in it.

@@ -1,6 +1,0 @@
-//! The body of `nist` for libFuzzer.
-#![no_main]
-
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    lennard_fuzz::start(bytes);
-});
