@@ -3,35 +3,23 @@
 use lennard_core::DVec3;
 use lennard_forcefield::{
     CombiningOptions, KernelOptions, NeighborOptions, PotentialOptions, TruncationOptions,
-    WallOptions,
 };
-use lennard_integrators::ContactOptions;
-use lennard_integrators::{BondOptions, IntegratorOptions};
-use lennard_observables::ObservableOptions;
+use lennard_integrators::BondOptions;
 use serde::Serialize;
 
 use crate::tables::PLANAR;
 use crate::tables::output::{CheckpointKeys, OutputKeys};
 use crate::tables::species::{PairKeys, SpeciesKeys};
-use crate::tables::stages::{ObservableKeys, StageKeys, StepKeys};
+use crate::tables::stages::StageKeys;
 use crate::tables::start::{
     FileKeys, LatticeKeys, Numbers, PositionKeys, RandomKeys, Sides, StartKeys, SystemKeys,
 };
 use crate::tables::units::UnitKeys;
-use crate::tables::walls::{ContactKeys, FieldKeys, WallKeys};
+use crate::tables::walls::FieldKeys;
 use crate::{
-    Accuracy, Arrangement, Geometry, MixtureTables, MoleculeOptions, Output, ProgramParts, Scene,
-    System,
+    Accuracy, Arrangement, ContactTable, Geometry, IntegratorTable, MoleculeOptions,
+    ObservableTable, Output, ProgramParts, Scene, System, WallTable,
 };
-
-/// A table as it is written: the method, then the keys that all methods share.
-#[derive(Serialize)]
-pub(crate) struct WithMethod<'a, M, S> {
-    #[serde(flatten)]
-    pub method: &'a M,
-    #[serde(flatten)]
-    pub shared: S,
-}
 
 impl Scene {
     /// The table `[output]` with every default that goes with its format. Species have elements of their own.
@@ -100,7 +88,7 @@ struct Resolved<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     mixing: Option<&'a CombiningOptions>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pair: Vec<PairKeys>,
+    pair: Vec<&'a PairKeys>,
     #[serde(skip_serializing_if = "Option::is_none")]
     molecule: Option<&'a MoleculeOptions>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -111,17 +99,17 @@ struct Resolved<'a> {
     truncation: ResolvedTruncation<'a>,
     neighbor: &'a NeighborOptions,
     kernel: &'a KernelOptions,
-    integrator: WithMethod<'a, IntegratorOptions, StepKeys>,
+    integrator: &'a IntegratorTable,
     #[serde(skip_serializing_if = "Option::is_none")]
     field: Option<FieldKeys>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    contact: Option<WithMethod<'a, ContactOptions, ContactKeys>>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    wall: Vec<WithMethod<'a, WallOptions, WallKeys>>,
+    contact: Option<&'a ContactTable>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    wall: &'a [WallTable],
     #[serde(skip_serializing_if = "Vec::is_empty")]
     stage: Vec<StageKeys>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    observable: Vec<WithMethod<'a, ObservableOptions, ObservableKeys>>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    observable: &'a [ObservableTable],
     output: OutputKeys,
     checkpoint: CheckpointKeys,
     #[serde(skip_serializing_if = "ProgramParts::is_empty")]
@@ -174,7 +162,7 @@ impl Scene {
             start: (&self.system.start).into(),
             species: species.iter().map(SpeciesKeys::from).collect(),
             mixing: mixture.and_then(|mixture| mixture.rule.as_ref()),
-            pair: mixture.map_or(Vec::new(), MixtureTables::pair_keys),
+            pair: mixture.map_or(Vec::new(), |m| m.pairs.iter().map(|pair| &pair.keys).collect()),
             molecule: self.molecule.as_ref().map(|m| &m.options),
             bonds: self.molecule.as_ref().map(|m| &m.bonds),
             accuracy: self.accuracy.as_ref(),
@@ -182,22 +170,12 @@ impl Scene {
             truncation: ResolvedTruncation::of(self),
             neighbor: &self.neighbor,
             kernel: &self.kernel,
-            integrator: WithMethod {
-                method: &self.integrator.method,
-                shared: (&self.integrator).into(),
-            },
+            integrator: &self.integrator,
             field: self.field_keys(),
-            contact: self
-                .contact
-                .as_ref()
-                .map(|table| WithMethod { method: &table.options, shared: table.into() }),
-            wall: (self.walls.iter())
-                .map(|table| WithMethod { method: &table.options, shared: table.into() })
-                .collect(),
+            contact: self.contact.as_ref(),
+            wall: &self.walls,
             stage: self.stages.iter().map(StageKeys::from).collect(),
-            observable: (self.observables.iter())
-                .map(|table| WithMethod { method: &table.options, shared: table.into() })
-                .collect(),
+            observable: &self.observables,
             output: self.output_keys(),
             checkpoint: (&self.checkpoint).into(),
             program: &self.program,

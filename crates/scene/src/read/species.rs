@@ -213,30 +213,19 @@ impl Reader<'_> {
             let row: PairKeys = section.read(table)?;
             let a = section.needed(table, "a", row.a.as_deref())?;
             let b = section.needed(table, "b", row.b.as_deref())?;
-            let names = [a, b];
             let number = |key: &str, name: &str| {
                 species
                     .iter()
                     .position(|s| s.name == name)
                     .ok_or_else(|| self.unknown_species(&section.name(key), name, species))
             };
-            let pair = PairEntry {
-                species: [number("a", a)?, number("b", b)?],
-                sigma: row.sigma,
-                epsilon: row.epsilon,
-                k: row.k,
-                l: row.l,
-                r_cut: row.r_cut,
-            };
-            let [a, b] = pair.species;
-            let twin = |p: &PairEntry| p.species == [a, b] || p.species == [b, a];
-            if let Some(first) = pairs.iter().position(twin) {
-                let names = names.join(" and ");
+            let species = [number("a", a)?, number("b", b)?];
+            if let Some(first) = pairs.iter().position(|pair| pair.is_of(species)) {
                 let first = format!("pair.{first}.a");
-                return Err(self.source.twice(&section.name("a"), &names, &first));
+                return Err(self.source.twice(&section.name("a"), &format!("{a} and {b}"), &first));
             }
-            self.pair_is_sound(&path, &pair, names, rule)?;
-            pairs.push(pair);
+            self.pair_is_sound(&path, &row, [a, b], rule)?;
+            pairs.push(PairEntry { species, keys: row });
         }
         Ok(pairs)
     }
@@ -253,7 +242,7 @@ impl Reader<'_> {
     fn pair_is_sound(
         &self,
         path: &str,
-        pair: &PairEntry,
+        pair: &PairKeys,
         [a, b]: [&str; 2],
         rule: Option<&CombiningOptions>,
     ) -> Result<(), SceneError> {
@@ -272,7 +261,7 @@ impl Reader<'_> {
                 .found(format!("{a:?} and {b:?} alone"))
                 .allowed("at least one of sigma, epsilon, k, l, r_cut"));
         };
-        if pair.species[0] == pair.species[1] && first != "r_cut" {
+        if a == b && first != "r_cut" {
             return Err(refuse(first, "is for two unlike species")
                 .found(format!("{value} for {a:?} and {b:?}"))
                 .allowed(
@@ -307,8 +296,7 @@ impl Reader<'_> {
                     continue;
                 }
                 let [one, other] = [a, b].map(|a| &mixture.species[a].name);
-                let entry =
-                    mixture.pairs.iter().position(|p| p.species == [a, b] || p.species == [b, a]);
+                let entry = mixture.pairs.iter().position(|pair| pair.is_of([a, b]));
                 let key = entry.map_or("mixing.rule".to_owned(), |i| format!("pair.{i}"));
                 return Err(self
                     .refuse(&key, "leaves a pair of species without σ or ε")

@@ -65,7 +65,7 @@ impl Scene {
         let mut pairs = self.mixture.iter().flat_map(|m| &m.pairs);
         let own = pairs.position(|pair| {
             let [a, b] = pair.species;
-            pair.r_cut.is_some() && self.species_pair(a, b).r_cut == *r_cut
+            pair.keys.r_cut.is_some() && self.species_pair(a, b).r_cut == *r_cut
         });
         let key = own.map_or_else(|| error.key(), |pair| format!("pair.{pair}.r_cut"));
         self.misfit_of(&key, error)

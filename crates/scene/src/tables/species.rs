@@ -65,25 +65,6 @@ impl From<&SpeciesEntry> for SpeciesKeys {
     }
 }
 
-impl MixtureTables {
-    /// The tables `[[pair]]` as a scene writes them.
-    pub(crate) fn pair_keys(&self) -> Vec<PairKeys> {
-        let keys = |pair: &PairEntry| {
-            let [a, b] = pair.species.map(|a| Some(self.species[a].name.to_string()));
-            PairKeys {
-                a,
-                b,
-                sigma: pair.sigma,
-                epsilon: pair.epsilon,
-                k: pair.k,
-                l: pair.l,
-                r_cut: pair.r_cut,
-            }
-        };
-        self.pairs.iter().map(keys).collect()
-    }
-}
-
 /// A table `[[species]]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeciesEntry {
@@ -117,16 +98,15 @@ pub enum Amount {
 pub struct PairEntry {
     /// The two species, by number.
     pub species: [usize; 2],
-    /// σ_ab, in σ of the scene, where it is written.
-    pub sigma: Option<f64>,
-    /// ε_ab, in ε of the scene, where it is written.
-    pub epsilon: Option<f64>,
-    /// Deviation of ε_ab from the combining rule.
-    pub k: Option<f64>,
-    /// Deviation of σ_ab from the combining rule.
-    pub l: Option<f64>,
-    /// Its cutoff, in the unit of `truncation.r_cut`.
-    pub r_cut: Option<f64>,
+    /// The table as it is written.
+    pub(crate) keys: PairKeys,
+}
+
+impl PairEntry {
+    /// Whether it is of these species, in either order.
+    pub(crate) fn is_of(&self, [a, b]: [usize; 2]) -> bool {
+        self.species == [a, b] || self.species == [b, a]
+    }
 }
 
 /// The species of a scene and what acts between them.
@@ -149,7 +129,8 @@ impl MixtureTables {
             return Some(own(a));
         }
         let pair = self.pair(a, b);
-        let deviation = pair.map_or(Deviation::default(), |p| Deviation { k: p.k, l: p.l });
+        let deviation =
+            pair.map_or(Deviation::default(), |keys| Deviation { k: keys.k, l: keys.l });
         let rule = self.rule.as_ref();
         let by_rule = rule.and_then(|rule| rule.combine(own(a), own(b), deviation));
         Some(Size {
@@ -168,9 +149,8 @@ impl MixtureTables {
     }
 
     /// The table of a pair of species, in either order.
-    pub(crate) fn pair(&self, a: usize, b: usize) -> Option<&PairEntry> {
-        let same = |p: &&PairEntry| p.species == [a, b] || p.species == [b, a];
-        self.pairs.iter().find(same)
+    pub(crate) fn pair(&self, a: usize, b: usize) -> Option<&PairKeys> {
+        self.pairs.iter().find(|pair| pair.is_of([a, b])).map(|pair| &pair.keys)
     }
 
     /// The species as a system has them.

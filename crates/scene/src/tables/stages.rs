@@ -8,7 +8,7 @@ use lennard_core::options::OptionValue;
 use lennard_forcefield::SplitOptions;
 use lennard_integrators::{BarostatOptions, ExchangeOptions, IntegratorOptions, ThermostatOptions};
 use lennard_observables::ObservableOptions;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::Name;
 use crate::limits::{
@@ -16,14 +16,16 @@ use crate::limits::{
 };
 use crate::tables::as_toml;
 
-/// The table `[integrator]`.
-#[derive(Debug, Clone, PartialEq)]
+/// The table `[integrator]`, in the order of its keys as a scene writes them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct IntegratorTable {
+    /// The method with its own keys.
+    #[serde(flatten)]
+    pub method: IntegratorOptions,
     /// Time step in τ.
     pub dt: f64,
-    /// The method with its own keys.
-    pub method: IntegratorOptions,
     /// Where the pair force is split into a near and a far part, for a method that asks for them.
+    #[serde(flatten, serialize_with = "as_keys")]
     pub split: Option<SplitOptions>,
 }
 
@@ -106,13 +108,14 @@ impl Stage {
     }
 }
 
-/// A table `[[observable]]`.
-#[derive(Debug, Clone, PartialEq)]
+/// A table `[[observable]]`, in the order of its keys as a scene writes them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ObservableTable {
+    /// The observable with its own keys.
+    #[serde(flatten)]
+    pub options: ObservableOptions,
     /// Steps between two samples.
     pub every: u64,
-    /// The observable with its own keys.
-    pub options: ObservableOptions,
 }
 
 lennard_core::options! {
@@ -246,24 +249,9 @@ lennard_core::options! {
     }
 }
 
-/// The shared keys of `[integrator]` as a scene writes them.
-#[derive(serde::Serialize)]
-pub(crate) struct StepKeys {
-    #[serde(flatten)]
-    step: IntegratorKeys,
-    #[serde(flatten)]
-    split: Option<SplitKeys>,
-}
-
-impl From<&IntegratorTable> for StepKeys {
-    fn from(table: &IntegratorTable) -> Self {
-        Self {
-            step: IntegratorKeys { dt: table.dt },
-            split: table
-                .split
-                .map(|split| SplitKeys { r_split: split.r_split, split_width: split.width }),
-        }
-    }
+/// Writes the keys of a splitting into the table of its method.
+fn as_keys<S: Serializer>(split: &Option<SplitOptions>, to: S) -> Result<S::Ok, S::Error> {
+    split.map(|split| SplitKeys { r_split: split.r_split, split_width: split.width }).serialize(to)
 }
 
 lennard_core::options! {
@@ -271,12 +259,6 @@ lennard_core::options! {
     pub(crate) struct ObservableKeys {
         /// Steps between two samples.
         every: Option<u64> = None, else "the default of the kind", Whole(1, MOST_STEPS), in "steps";
-    }
-}
-
-impl From<&ObservableTable> for ObservableKeys {
-    fn from(table: &ObservableTable) -> Self {
-        Self { every: Some(table.every) }
     }
 }
 

@@ -3,16 +3,18 @@
 use lennard_core::Axis;
 use lennard_forcefield::WallOptions;
 use lennard_integrators::ContactOptions;
+use serde::Serialize;
 
 use crate::limits::LONGEST_SIDE;
 
-/// The table `[contact]`.
-#[derive(Debug, Clone, PartialEq)]
+/// The table `[contact]`, in the order of its keys as a scene writes them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ContactTable {
+    /// What happens where bodies touch.
+    #[serde(flatten)]
+    pub options: ContactOptions,
     /// Distance of two centres at which bodies touch, σ; times σ_ab for two species.
     pub diameter: f64,
-    /// What happens then.
-    pub options: ContactOptions,
 }
 
 lennard_core::options! {
@@ -23,21 +25,16 @@ lennard_core::options! {
     }
 }
 
-impl From<&ContactTable> for ContactKeys {
-    fn from(table: &ContactTable) -> Self {
-        Self { diameter: table.diameter }
-    }
-}
-
-/// A table `[[wall]]`: walls at both ends of an axis.
-#[derive(Debug, Clone, PartialEq)]
+/// A table `[[wall]]`: walls at both ends of an axis, in the order of its keys as a scene writes them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WallTable {
+    /// The walls with their own keys.
+    #[serde(flatten)]
+    pub options: WallOptions,
     /// The axis of the normal.
     pub axis: Axis,
     /// Length of the box along the axis behind the planes, σ: the distance between the images of the fluid.
     pub thickness: f64,
-    /// The walls with their own keys.
-    pub options: WallOptions,
 }
 
 lennard_core::options! {
@@ -55,11 +52,5 @@ lennard_core::options! {
     pub(crate) struct FieldKeys {
         /// Acceleration of every particle.
         acceleration: Vec<f64> = vec![0.0; 3], Words("three finite numbers [gx, gy, gz]; 0 along an axis without walls"), in "σ/τ²";
-    }
-}
-
-impl From<&WallTable> for WallKeys {
-    fn from(table: &WallTable) -> Self {
-        Self { axis: table.axis, thickness: Some(table.thickness) }
     }
 }
