@@ -1,21 +1,8 @@
 //! The multiple-tau correlator: autocorrelations over many decades of time in bounded memory.
 
-use std::collections::VecDeque;
-
 use lennard_core::{Persist, RestoreError, StateReader, StateWriter};
 
-use crate::blocks::BlockedSums;
-
-/// Values that each level remembers.
-const POINTS: usize = 16;
-
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Level {
-    /// Latest first, each `channels` values.
-    history: VecDeque<Vec<f64>>,
-    /// The first of a pair that waits for its partner before it goes to the next level.
-    waiting: Option<Vec<f64>>,
-}
+use crate::ladder::Ladder;
 
 /// The autocorrelation C(t) = ⟨a(t₀)·a(t₀ + t)⟩ of one or several equivalent channels, averaged over channels.
 ///
@@ -29,9 +16,9 @@ struct Level {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correlator {
     channels: usize,
-    interval: f64,
-    levels: Vec<Level>,
-    products: BlockedSums,
+    products: Ladder,
+    /// Of each level, the first of a pair that waits for its partner before it goes to the next level.
+    waiting: Vec<Option<Vec<f64>>>,
 }
 
 /// A correlation function with its errors and its running integral.
@@ -53,14 +40,8 @@ impl Correlator {
     /// Nothing seen yet: `channels` values a sample, samples `interval` τ apart, lags up to at least
     /// `longest_lag` τ.
     pub fn new(channels: usize, interval: f64, longest_lag: f64) -> Self {
-        let reach = (POINTS - 1) as f64 * interval;
-        let levels = (longest_lag / reach).log2().ceil().clamp(0.0, 40.0) as usize + 1;
-        Self {
-            channels,
-            interval,
-            levels: vec![Level::default(); levels],
-            products: BlockedSums::new(levels * POINTS),
-        }
+        let products = Ladder::new(channels, interval, longest_lag);
+        Self { channels, waiting: vec![None; products.levels()], products }
     }
 
     /// The same without the products that end in the first `discarded` part of the samples, from 0 to 1.
@@ -74,23 +55,17 @@ impl Correlator {
     /// Where their number is not the number of channels: that is a bug of the caller.
     pub fn push(&mut self, sample: &[f64]) {
         assert_eq!(sample.len(), self.channels, "one value for each channel");
-        self.products.begin_sample();
+        self.products.sums.begin_sample();
         let mut value = sample.to_vec();
-        for (l, level) in self.levels.iter_mut().enumerate() {
-            level.history.truncate(POINTS - 1);
-            level.history.push_front(value);
-            let now = &level.history[0];
-            for (lag, then) in level.history.iter().enumerate().skip(first_lag(l)) {
-                let sum: f64 = now.iter().zip(then).map(|(a, b)| a * b).sum();
-                self.products.add(l * POINTS + lag, sum / self.channels as f64, 1);
-            }
-            match level.waiting.take() {
+        for (l, waiting) in self.waiting.iter_mut().enumerate() {
+            self.products.push(l, &value, |now, then| now * then);
+            match waiting.take() {
                 None => {
-                    level.waiting = Some(now.clone());
+                    *waiting = Some(value);
                     return;
                 }
                 Some(first) => {
-                    value = first.iter().zip(now).map(|(a, b)| 0.5 * (a + b)).collect();
+                    value = first.iter().zip(&value).map(|(a, b)| 0.5 * (a + b)).collect();
                 }
             }
         }
@@ -99,35 +74,26 @@ impl Correlator {
     /// The running integral of each block of the run, up to the lag with index `last` of
     /// [`Correlator::correlation`]. The errors of numbers made from the integral come from it.
     pub fn integral_blocks(&self, last: usize) -> Vec<Vec<f64>> {
-        let (lags, quantities) = self.reached();
-        let end = last.min(quantities.len().saturating_sub(1));
-        let times: Vec<f64> = lags.iter().take(end + 1).map(|lag| lag * self.interval).collect();
+        let (times, quantities) = self.products.reached();
+        let end = (last + 1).min(quantities.len());
         self.products
-            .complete_rows(&quantities[..times.len()])
+            .sums
+            .complete_rows(&quantities[..end])
             .iter()
-            .map(|row| running_integral(&times, row))
+            .map(|row| running_integral(&times[..end], row))
             .collect()
-    }
-
-    /// The lags that were reached, in samples, and where their sums are.
-    fn reached(&self) -> (Vec<f64>, Vec<usize>) {
-        (0..self.levels.len())
-            .flat_map(|l| (first_lag(l)..POINTS).map(move |k| ((k << l) as f64, l * POINTS + k)))
-            .filter(|(_, q)| self.products.total(*q).1 > 0)
-            .unzip()
     }
 
     /// What was found so far, at the lags that were reached.
     pub fn correlation(&self) -> Correlation {
-        let (lags, quantities) = self.reached();
-        let times: Vec<f64> = lags.iter().map(|lag| lag * self.interval).collect();
-        let values: Vec<f64> = quantities.iter().filter_map(|q| self.products.mean(*q)).collect();
+        let (times, quantities) = self.products.reached();
+        let sums = &self.products.sums;
+        let values: Vec<f64> = quantities.iter().filter_map(|q| sums.mean(*q)).collect();
         let integral = running_integral(&times, &values);
-        let errors = quantities.iter().map(|q| self.products.standard_error(*q)).collect();
+        let errors = quantities.iter().map(|q| sums.standard_error(*q)).collect();
         let integral_errors = (0..quantities.len())
             .map(|end| {
-                let blocks: Vec<f64> = self
-                    .products
+                let blocks: Vec<f64> = sums
                     .complete_rows(&quantities[..=end])
                     .iter()
                     .map(|row| running_integral(&times[..=end], row)[end])
@@ -137,11 +103,6 @@ impl Correlator {
             .collect();
         Correlation { times, values, errors, integral, integral_errors }
     }
-}
-
-/// The lower half of the lags of every level but the first belongs to the level before.
-fn first_lag(level: usize) -> usize {
-    if level == 0 { 0 } else { POINTS / 2 }
 }
 
 fn running_integral(times: &[f64], values: &[f64]) -> Vec<f64> {
@@ -158,31 +119,24 @@ fn running_integral(times: &[f64], values: &[f64]) -> Vec<f64> {
 
 impl Persist for Correlator {
     fn save(&self, to: &mut StateWriter<'_>) {
-        let Self { channels: _, interval: _, levels, products } = self;
-        products.save(&mut to.section("products"));
-        for (l, Level { history, waiting }) in levels.iter().enumerate() {
-            let history: Vec<f64> = history.iter().flatten().copied().collect();
-            to.put_f64(&format!("level_{l}"), &history);
+        let Self { channels: _, products, waiting } = self;
+        products.sums.save(&mut to.section("products"));
+        products.save(to);
+        for (l, waiting) in waiting.iter().enumerate() {
             to.put_f64(&format!("waiting_{l}"), waiting.as_deref().unwrap_or_default());
         }
     }
 
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.products.restore(&from.section("products"))?;
-        for (l, level) in self.levels.iter_mut().enumerate() {
-            let name = format!("level_{l}");
-            let history = from.f64(&name)?;
-            let rows = history.len() / self.channels;
-            if history.len() != rows * self.channels || rows > POINTS {
-                return Err(from.misfit(&name, format!("{} values", history.len())));
-            }
+        self.products.sums.restore(&from.section("products"))?;
+        self.products.restore(from)?;
+        for (l, waiting) in self.waiting.iter_mut().enumerate() {
             let name = format!("waiting_{l}");
-            let waiting = from.f64(&name)?;
-            if !(waiting.is_empty() || waiting.len() == self.channels) {
-                return Err(from.misfit(&name, format!("{} values", waiting.len())));
+            let found = from.f64(&name)?;
+            if !(found.is_empty() || found.len() == self.channels) {
+                return Err(from.misfit(&name, format!("{} values", found.len())));
             }
-            level.history = history.chunks(self.channels).map(<[f64]>::to_vec).collect();
-            level.waiting = (!waiting.is_empty()).then(|| waiting.to_vec());
+            *waiting = (!found.is_empty()).then(|| found.to_vec());
         }
         Ok(())
     }

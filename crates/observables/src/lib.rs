@@ -23,6 +23,7 @@ mod extrema;
 mod findings;
 mod heat_capacity;
 mod judge;
+mod ladder;
 mod linear_regime;
 mod observable;
 mod over_lags;
