@@ -2,7 +2,7 @@
 
 use crate::common::{Cluster, cluster, farthest, free, one};
 use crate::measure::{
-    CountingForces, Kepler, KeplerForces, general_methods, measured_map, orders, oscillation, run,
+    Kepler, KeplerForces, Watched, general_methods, measured_map, orders, oscillation, run,
 };
 use glam::{DMat2, DVec2};
 use lennard_core::{
@@ -260,7 +260,7 @@ fn reversible_methods_return_to_their_start_and_no_others_do() {
 fn force_evaluations_are_as_many_as_declared_and_reported() {
     for entry in general_methods() {
         let (system, mut state) = moving_cluster();
-        let mut forces = CountingForces::new(Cluster);
+        let mut forces = Watched::new(Cluster);
         let mut integrator = entry.build();
         integrator.start(&system, &mut state, &mut forces, 0.004, Want::NOTHING).unwrap();
         for _ in 0..5 {

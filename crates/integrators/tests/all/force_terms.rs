@@ -1,7 +1,7 @@
 //! Forces are terms that add, and baths leave steps together.
 
 use crate::common::{Cluster, cluster, free};
-use crate::measure::run;
+use crate::measure::{Watched, run};
 use lennard_core::random::Streams;
 use lennard_core::{
     Backend, Configuration, DVec3, ForceSum, ForceTerm, FusedSteps, Masses, Part, Persist, State,
@@ -96,81 +96,20 @@ fn one_term_takes_its_own_fused_steps_and_two_take_none() {
     assert_eq!(taken(&mut trapped()), 0);
 }
 
-/// Remembers one number, as a term with a list would remember its list.
-struct Remembering(HarmonicForces, f64);
-
-impl Persist for Remembering {
-    fn save(&self, to: &mut lennard_core::StateWriter<'_>) {
-        to.put_f64("number", &[self.1]);
-    }
-    fn restore(
-        &mut self,
-        from: &lennard_core::StateReader<'_>,
-    ) -> Result<(), lennard_core::RestoreError> {
-        [self.1] = from.f64s("number")?;
-        Ok(())
-    }
-}
-
-impl ForceTerm for Remembering {
-    fn evaluate(
-        &mut self,
-        at: Configuration<'_>,
-        part: Part,
-        want: Want,
-        forces: &mut [DVec3],
-    ) -> Result<lennard_core::Energetics, lennard_core::ForceError> {
-        self.0.evaluate(at, part, want, forces)
-    }
-    fn properties(&self) -> lennard_core::ForceProperties {
-        self.0.properties()
-    }
-}
-
 #[test]
 fn each_term_of_a_sum_is_saved_under_a_name_of_its_own() {
-    let term = |number| Remembering(HarmonicForces::new(1.0), number);
+    let term = |evaluations| Watched { evaluations, ..Watched::new(HarmonicForces::new(1.0)) };
     let sum = |a, b| ForceSum::new(Cluster).with(term(a)).with(term(b));
     let saved = |sum: &ForceSum<Cluster>| {
         let mut archive = StateArchive::default();
         sum.save(&mut archive.writer());
         archive
     };
-    let whole = saved(&sum(3.0, 5.0));
+    let whole = saved(&sum(3, 5));
     assert_eq!(whole.arrays.len(), 2);
-    let mut other = sum(0.0, 0.0);
+    let mut other = sum(0, 0);
     other.restore(&whole.reader()).unwrap();
     assert_eq!(saved(&other), whole);
-}
-
-/// Lets the bath act, and then takes no step: as forces that meet a number that is not finite.
-struct Vain;
-
-lennard_core::remembers_nothing!(Vain);
-
-impl ForceTerm for Vain {
-    fn evaluate(
-        &mut self,
-        at: Configuration<'_>,
-        part: Part,
-        want: Want,
-        forces: &mut [DVec3],
-    ) -> Result<lennard_core::Energetics, lennard_core::ForceError> {
-        Cluster.evaluate(at, part, want, forces)
-    }
-    fn properties(&self) -> lennard_core::ForceProperties {
-        Cluster.properties()
-    }
-}
-
-impl Backend for Vain {
-    fn advance(&mut self, steps: &mut FusedSteps<'_>) -> u64 {
-        if let Some(bath) = &mut steps.bath {
-            bath.factor(7.0);
-            bath.pass(|| 7.0);
-        }
-        0
-    }
 }
 
 #[test]
@@ -206,9 +145,10 @@ fn steps_under_any_bath_are_taken_at_once_with_the_same_bits_and_the_same_heat()
         }
         assert_eq!(one, all, "{}", options.name());
         let (mut all, mut in_vain, mut of_vain) = (start(), integrator(), 0.0);
-        in_vain.start(&system, &mut all, &mut Vain, dt, want).unwrap();
+        let mut vain = Watched::new(Cluster);
+        in_vain.start(&system, &mut all, &mut vain, dt, want).unwrap();
         for left in (1..=20).rev() {
-            let stride = in_vain.stride(&system, &mut all, &mut Vain, dt, left, want);
+            let stride = in_vain.stride(&system, &mut all, &mut vain, dt, left, want);
             let (taken, report) = stride.unwrap();
             assert_eq!(taken, 1);
             report.add_heat_to(&mut of_vain);

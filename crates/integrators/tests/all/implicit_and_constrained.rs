@@ -1,9 +1,9 @@
 //! The methods that solve equations within a step: implicit Euler and SPOOK.
 
 use crate::common::{Cluster, cluster, free, one};
-use crate::measure::{CountingForces, KeplerForces};
+use crate::measure::{KeplerForces, Watched};
 use lennard_core::{
-    Backend, DVec3, ForceTerm, Integrator, Masses, Part, State, StepError, System, Want,
+    DVec3, ForceProperties, ForceTerm, Integrator, Masses, Part, State, StepError, System, Want,
 };
 use lennard_integrators::implicit_euler::{ImplicitEuler, Options};
 use lennard_integrators::oscillator::{HarmonicForces, OscillatorConstraint};
@@ -78,7 +78,7 @@ fn implicit_euler_that_runs_out_of_iterations_says_so() {
 
 #[test]
 fn implicit_euler_solves_a_linear_force_in_one_direction() {
-    let mut forces = CountingForces::new(HarmonicForces::new(1e6));
+    let mut forces = Watched::new(HarmonicForces::new(1e6));
     let mut state = one(DVec3::new(1.0, -2.0, 0.5), DVec3::Y);
     let system = System::atoms(1);
     let mut integrator = implicit();
@@ -112,9 +112,9 @@ fn systems_that_do_not_suit_are_refused_by_name() {
     // No exact solution, and forces that do not split.
     let fluid = System::atoms(1);
     assert!(unsuited(start(IntegratorOptions::Analytic(Default::default()), &fluid)));
-    let mut damped = HarmonicForces::new(1.0).with_damping(0.0);
-    assert!(damped.properties().splits);
-    let mut unsplit = Unsplit(&mut damped);
+    let mut unsplit = Watched::new(HarmonicForces::new(1.0).with_damping(0.0));
+    assert!(unsplit.properties.splits);
+    unsplit.properties = ForceProperties::default();
     let mut state = one(DVec3::X, DVec3::ZERO);
     let refused = build(&IntegratorOptions::Respa(Default::default())).start(
         &fluid,
@@ -125,28 +125,6 @@ fn systems_that_do_not_suit_are_refused_by_name() {
     );
     assert!(unsuited(refused));
 }
-
-/// Forces that hide that they split.
-struct Unsplit<'a>(&'a mut HarmonicForces);
-
-lennard_core::remembers_nothing!(Unsplit<'_>);
-
-impl ForceTerm for Unsplit<'_> {
-    fn evaluate(
-        &mut self,
-        at: lennard_core::Configuration<'_>,
-        part: Part,
-        want: Want,
-        forces: &mut [DVec3],
-    ) -> Result<lennard_core::Energetics, lennard_core::ForceError> {
-        self.0.evaluate(at, part, want, forces)
-    }
-    fn properties(&self) -> lennard_core::ForceProperties {
-        lennard_core::ForceProperties::default()
-    }
-}
-
-impl Backend for Unsplit<'_> {}
 
 /// A constraint whose gradient vanishes and whose value is no number.
 #[derive(Debug)]

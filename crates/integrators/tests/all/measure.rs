@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use glam::{DMat2, DVec2};
 use lennard_core::{
-    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Integrator,
-    Part, Persist, RestoreError, State, StateReader, StateWriter, StepError, StepReport, System,
-    Want,
+    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, FusedSteps,
+    Integrator, Part, Persist, RestoreError, State, StateReader, StateWriter, StepError,
+    StepReport, System, Want,
 };
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces, OscillatorConstraint};
 use lennard_integrators::{IntegratorEntry, OscillatorModel, integrators};
@@ -36,33 +36,40 @@ pub fn run(
     Ok(())
 }
 
-/// Passes everything on to other forces and counts evaluations and products with the Hessian.
-#[derive(Debug, Clone)]
-pub struct CountingForces<F> {
-    inner: F,
-    /// Evaluations so far, of any part.
+/// What a test makes of an evaluation, by its number.
+pub type Spoil = fn(u64, &mut [DVec3]) -> Result<(), ForceError>;
+
+/// Other forces, watched, and bent as a test asks.
+pub struct Watched<F> {
+    pub inner: F,
+    /// Evaluations so far, of any part. This is what the term remembers, as another would remember its list.
     pub evaluations: u64,
     /// Products of the Hessian with a vector so far.
     pub products: u64,
+    /// What the term says of itself; at first what the inner forces say.
+    pub properties: ForceProperties,
+    /// At first it does nothing.
+    pub spoil: Spoil,
 }
 
-impl<F> CountingForces<F> {
-    /// Counts what `inner` is asked.
+impl<F: ForceTerm> Watched<F> {
     pub fn new(inner: F) -> Self {
-        Self { inner, evaluations: 0, products: 0 }
+        let properties = inner.properties();
+        Self { inner, evaluations: 0, products: 0, properties, spoil: |_, _| Ok(()) }
     }
 }
 
-impl<F: ForceTerm> Persist for CountingForces<F> {
+impl<F> Persist for Watched<F> {
     fn save(&self, to: &mut StateWriter<'_>) {
-        self.inner.save(to);
+        to.put_u64("evaluations", &[self.evaluations]);
     }
     fn restore(&mut self, from: &StateReader<'_>) -> Result<(), RestoreError> {
-        self.inner.restore(from)
+        [self.evaluations] = from.u64s("evaluations")?;
+        Ok(())
     }
 }
 
-impl<F: ForceTerm> ForceTerm for CountingForces<F> {
+impl<F: ForceTerm> ForceTerm for Watched<F> {
     fn evaluate(
         &mut self,
         at: Configuration<'_>,
@@ -71,11 +78,13 @@ impl<F: ForceTerm> ForceTerm for CountingForces<F> {
         forces: &mut [DVec3],
     ) -> Result<Energetics, ForceError> {
         self.evaluations += 1;
-        self.inner.evaluate(at, part, want, forces)
+        let found = self.inner.evaluate(at, part, want, forces)?;
+        (self.spoil)(self.evaluations, forces)?;
+        Ok(found)
     }
 
     fn properties(&self) -> ForceProperties {
-        self.inner.properties()
+        self.properties
     }
 
     fn hessian_vector(
@@ -89,7 +98,16 @@ impl<F: ForceTerm> ForceTerm for CountingForces<F> {
     }
 }
 
-impl<F: ForceTerm> Backend for CountingForces<F> {}
+/// Lets a bath act, and then takes no step: as forces that meet a number that is not finite.
+impl<F: ForceTerm> Backend for Watched<F> {
+    fn advance(&mut self, steps: &mut FusedSteps<'_>) -> u64 {
+        if let Some(bath) = &mut steps.bath {
+            bath.factor(7.0);
+            bath.pass(|| 7.0);
+        }
+        0
+    }
+}
 
 /// The attraction F = −r/|r|³ of a fixed centre at the origin on a unit mass, U = −1/|r|.
 ///

@@ -3,52 +3,29 @@
 use std::sync::Arc;
 
 use crate::common::one;
-use crate::measure::{Kepler, KeplerForces, general_methods, run};
-use lennard_core::{
-    Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, Integrator,
-    Part, StepError, System, Want,
-};
+use crate::measure::{Kepler, KeplerForces, Spoil, Watched, general_methods, run};
+use lennard_core::{DVec3, ForceError, ForceProperties, Integrator, StepError, System, Want};
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces};
 use lennard_integrators::{IntegratorOptions, OscillatorModel, integrators};
 
-/// Forces that turn bad: after so many evaluations, either by an error or silently.
-struct Failing {
-    good_evaluations: u64,
-    silently: bool,
+/// Forces turn bad after fifty evaluations: by an error.
+fn fails(evaluation: u64, _: &mut [DVec3]) -> Result<(), ForceError> {
+    if evaluation > 50 { Err(ForceError::NonFiniteForce { particle: 0 }) } else { Ok(()) }
 }
 
-lennard_core::remembers_nothing!(Failing);
-
-impl ForceTerm for Failing {
-    fn evaluate(
-        &mut self,
-        at: Configuration<'_>,
-        part: Part,
-        want: Want,
-        forces: &mut [DVec3],
-    ) -> Result<Energetics, ForceError> {
-        let found = KeplerForces.evaluate(at, part, want, forces)?;
-        if self.good_evaluations > 0 {
-            self.good_evaluations -= 1;
-        } else if self.silently {
-            forces[0].y = f64::NAN;
-        } else {
-            return Err(ForceError::NonFiniteForce { particle: 0 });
-        }
-        Ok(found)
+/// The same without a word.
+fn spoils(evaluation: u64, forces: &mut [DVec3]) -> Result<(), ForceError> {
+    if evaluation > 50 {
+        forces[0].y = f64::NAN;
     }
-    fn properties(&self) -> ForceProperties {
-        KeplerForces.properties()
-    }
+    Ok(())
 }
-
-impl Backend for Failing {}
 
 #[test]
 fn forces_that_are_not_finite_stop_the_run() {
     for entry in general_methods() {
-        for silently in [false, true] {
-            let mut forces = Failing { good_evaluations: 50, silently };
+        for (silently, spoil) in [(false, fails as Spoil), (true, spoils)] {
+            let mut forces = Watched { spoil, ..Watched::new(KeplerForces) };
             let mut state = Kepler::for_orders().start();
             let (mut method, system) = (entry.build(), System::atoms(1));
             let result = run(&mut method, &system, &mut forces, &mut state, 0.01, 100, |_, _| {});
@@ -163,38 +140,14 @@ fn impossible_options_are_named() {
     }
 }
 
-/// Forces that act in flights, as far as a method can know before its first drift.
-struct InFlight {
-    forces: HarmonicForces,
-    own: ForceProperties,
-}
-
-lennard_core::remembers_nothing!(InFlight);
-
-impl ForceTerm for InFlight {
-    fn evaluate(
-        &mut self,
-        at: Configuration<'_>,
-        part: Part,
-        want: Want,
-        forces: &mut [DVec3],
-    ) -> Result<Energetics, ForceError> {
-        self.forces.evaluate(at, part, want, forces)
-    }
-    fn properties(&self) -> ForceProperties {
-        self.forces.properties().with_term(self.own)
-    }
-}
-
-impl Backend for InFlight {}
-
-/// Starts every method with such forces. A method that `takes` them starts, and every other says why not.
+/// Starts every method with forces that act in flights, as far as it can know before its first drift. A method that `takes` them starts, and every other says why not.
 fn only_some_start(own: ForceProperties, takes: impl Fn(&Integrator) -> bool, why: &str) -> usize {
     let mut started = 0;
     for entry in general_methods() {
         let mut method = entry.build();
         let mut state = one(DVec3::X, DVec3::ZERO);
-        let mut forces = InFlight { forces: HarmonicForces::new(1.0), own };
+        let mut forces = Watched::new(HarmonicForces::new(1.0));
+        forces.properties = forces.properties.with_term(own);
         let mut system = System::atoms(1);
         if entry.oscillator == OscillatorModel::Constraint {
             let spring = lennard_integrators::oscillator::OscillatorConstraint::new(1.0, 0.0);
