@@ -15,8 +15,10 @@ pub struct Rig<F> {
     pub system: System,
     pub state: State,
     pub forces: ForceSum<F>,
-    method: Integrator,
+    pub method: Integrator,
     pub dt: f64,
+    /// What each step tells of its forces.
+    pub want: Want,
     /// Σ heat so far, ε.
     pub heat: f64,
     /// The largest iterations and residual of all steps so far.
@@ -31,10 +33,25 @@ impl<F: Backend> Rig<F> {
         forces: ForceSum<F>,
         dt: f64,
     ) -> Self {
-        let worst = StepReport::default();
-        let mut rig = Self { system, state, forces, method, dt, heat: 0.0, worst };
+        let mut rig = Self::unstarted(method, (system, state), forces, dt);
         rig.start();
         rig
+    }
+
+    /// Particles under one term.
+    pub fn of(method: Integrator, (system, state): (System, State), term: F, dt: f64) -> Self {
+        Self::new(method, system, state, ForceSum::new(term), dt)
+    }
+
+    /// Particles before the start, which may fail.
+    pub fn unstarted(
+        method: Integrator,
+        (system, state): (System, State),
+        forces: ForceSum<F>,
+        dt: f64,
+    ) -> Self {
+        let (want, worst) = (Want::TOTALS, StepReport::default());
+        Self { system, state, forces, method, dt, want, heat: 0.0, worst }
     }
 
     /// Molecules whose bonds are held by a way of the list, under the forces of its term too.
@@ -57,26 +74,38 @@ impl<F: Backend> Rig<F> {
 
     /// Starts with the state as it is now.
     pub fn start(&mut self) {
-        let Self { system, state, forces, method, dt, .. } = self;
-        method.start(system, state, forces, *dt, Want::TOTALS).unwrap();
+        self.tried_start().unwrap();
     }
 
-    pub fn tried(&mut self) -> Result<(), StepError> {
-        let Self { system, state, forces, method, dt, heat, worst } = self;
-        let report = method.step(system, state, forces, *dt, Want::TOTALS)?;
+    pub fn tried_start(&mut self) -> Result<(), StepError> {
+        let Self { system, state, forces, method, dt, want, .. } = self;
+        method.start(system, state, forces, *dt, *want)
+    }
+
+    pub fn tried(&mut self) -> Result<StepReport, StepError> {
+        let Self { system, state, forces, method, dt, want, heat, worst } = self;
+        let report = method.step(system, state, forces, *dt, *want)?;
         *heat += report.heat;
         worst.iterations = worst.iterations.max(report.iterations);
         worst.residual = worst.residual.max(report.residual);
-        Ok(())
+        Ok(report)
     }
 
-    pub fn step(&mut self) {
-        self.tried().unwrap_or_else(|e| panic!("{e}"));
+    pub fn step(&mut self) -> StepReport {
+        self.tried().unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// Takes up to `most` steps at once, and tells how many.
+    pub fn stride(&mut self, most: u64) -> (u64, StepReport) {
+        let Self { system, state, forces, method, dt, want, heat, .. } = self;
+        let taken = method.stride(system, state, forces, *dt, most, *want).unwrap();
+        taken.1.add_heat_to(heat);
+        taken
     }
 
     /// Takes some steps, and gives the rig back.
     pub fn steps(mut self, n: u32) -> Self {
-        (0..n).for_each(|_| self.step());
+        (0..n).for_each(|_| drop(self.step()));
         self
     }
 

@@ -1,13 +1,10 @@
 //! What each method of the list declares about itself, measured.
 
-use crate::common::{Cluster, cluster, farthest, free, one};
-use crate::measure::{
-    Kepler, KeplerForces, Watched, general_methods, measured_map, orders, oscillation, run,
-};
+use crate::common::{Cluster, Rig, cluster, farthest, free, one};
+use crate::measure::{Kepler, Watched, general_methods, measured_map, orders, oscillation};
 use glam::{DMat2, DVec2};
 use lennard_core::{
-    Backend, Configuration, DVec3, ForceTerm, Integrator, Masses, Part, Persist, State,
-    StateArchive, System, Want,
+    Configuration, DVec3, ForceTerm, Masses, Part, Persist, State, StateArchive, System, Want,
 };
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces};
 use lennard_integrators::{IntegratorEntry, integrators};
@@ -28,51 +25,36 @@ fn moving_cluster() -> (System, State) {
     (system, free(positions, velocities))
 }
 
-fn steps(
-    integrator: &mut Integrator,
-    system: &System,
-    state: &mut State,
-    forces: &mut dyn Backend,
-    dt: f64,
-    n: u64,
-) {
-    for _ in 0..n {
-        integrator.step(system, state, forces, dt, Want::NOTHING).unwrap();
-    }
+/// The same under a method.
+fn moving(entry: &IntegratorEntry, dt: f64) -> Rig<Cluster> {
+    Rig::of(entry.build(), moving_cluster(), Cluster, dt)
 }
 
 #[test]
 fn strides_of_any_method_have_the_bits_of_its_steps() {
     let mut longest = 0;
     for entry in general_methods() {
-        let (system, start) = moving_cluster();
-        let (mut one, mut all) = (start.clone(), start);
-        let (mut method, mut other) = (entry.build(), entry.build());
-        let dt = 0.001;
-        let begin = |method: &mut Integrator, state: &mut State| {
-            method.start(&system, state, &mut Cluster, dt, Want::ENERGY).unwrap();
-        };
-        begin(&mut method, &mut one);
-        begin(&mut other, &mut all);
-        let (mut evaluations, mut heat, mut at_once) = (0, 0.0, 0.0);
+        let (mut one, mut all) = (moving(entry, 0.001), moving(entry, 0.001));
+        let mut evaluations = 0;
         for step in 1..=13 {
-            let want = if step == 13 { Want::ENERGY } else { Want::NOTHING };
-            let report = method.step(&system, &mut one, &mut Cluster, dt, want).unwrap();
-            evaluations += report.force_evaluations;
-            report.add_heat_to(&mut heat);
+            one.want = if step == 13 { Want::TOTALS } else { Want::NOTHING };
+            evaluations += one.step().force_evaluations;
         }
-        while all.step < 13 {
-            let before = all.step;
-            let (taken, report) = other
-                .stride(&system, &mut all, &mut Cluster, dt, 13 - before, Want::ENERGY)
-                .unwrap();
-            assert_eq!(all.step, before + taken, "{}", entry.spec.name);
+        while all.state.step < 13 {
+            let before = all.state.step;
+            let (taken, report) = all.stride(13 - before);
+            assert_eq!(all.state.step, before + taken, "{}", entry.spec.name);
             evaluations -= report.force_evaluations;
-            report.add_heat_to(&mut at_once);
             longest = longest.max(taken);
         }
-        assert!(format!("{one:?}") == format!("{all:?}"), "{}: {one:?}\n{all:?}", entry.spec.name);
-        assert_eq!((evaluations, heat), (0, at_once), "{}", entry.spec.name);
+        let name = entry.spec.name;
+        assert!(
+            format!("{:?}", one.state) == format!("{:?}", all.state),
+            "{name}: {:?}\n{:?}",
+            one.state,
+            all.state
+        );
+        assert_eq!((evaluations, one.heat), (0, all.heat), "{name}");
     }
     assert_eq!(longest, 3, "two at once, and the one that ends the stride");
 }
@@ -88,11 +70,11 @@ fn steps_from_anywhere_are_the_declared_map() {
         for (omega, dt, n) in
             cases.map(|(omega, dt)| (omega, dt, 1)).into_iter().chain([(1.0, 0.4, 5)])
         {
-            let measured = measured_map(entry, (omega * omega, 0.0), dt, n).unwrap();
+            let measured = measured_map(entry, (omega * omega, 0.0), dt, n);
             let declared = (0..n).fold(DMat2::IDENTITY, |m, _| map(omega, dt) * m);
             let error = largest_entry(measured - declared) / largest_entry(declared).max(1.0);
             assert!(
-                error < n as f64 * ROUNDING,
+                error < f64::from(n) * ROUNDING,
                 "{} at ω = {omega}, dt = {dt}: {error:e}\n{measured}\n{declared}",
                 entry.spec.name
             );
@@ -120,8 +102,8 @@ fn the_exact_solution_is_exact() {
     assert_eq!(entry.spec.name, "analytic");
     for damping in [0.0, 0.3, 2.0, 5.0] {
         let steps = 100;
-        let map = measured_map(entry, (1.0, damping), 0.13, steps).unwrap();
-        let at_once = ExactOscillator::new(1.0, damping, 1.0).map(0.13 * steps as f64);
+        let map = measured_map(entry, (1.0, damping), 0.13, steps);
+        let at_once = ExactOscillator::new(1.0, damping, 1.0).map(0.13 * f64::from(steps));
         // A hundred products of matrices near 1, each rounded.
         assert!(largest_entry(map - at_once) < 100.0 * 1e-15 * 10.0);
     }
@@ -135,16 +117,13 @@ fn every_state_that_a_method_publishes_belongs_to_one_time() {
     for entry in general_methods() {
         let order = entry.spec.position_order as i32;
         let error = |dt: f64| {
-            let mut state = Kepler::for_orders().start();
-            let mut worst = 0.0_f64;
-            let (mut method, system, n) = (entry.build(), System::atoms(1), (1.0 / dt).round());
-            run(&mut method, &system, &mut KeplerForces, &mut state, dt, n as u64, |s, _| {
-                let energy =
-                    0.5 * s.velocities[0].length_squared() - s.positions[0].length().recip();
-                worst = worst.max((energy + 0.5).abs());
-            })
-            .unwrap();
-            worst
+            let mut rig = Kepler::for_orders().by(entry, dt);
+            let off = (0..(1.0 / dt).round() as u32).map(|_| {
+                rig.step();
+                let (x, v) = (rig.state.positions[0], rig.state.velocities[0]);
+                (0.5 * v.length_squared() - x.length().recip() + 0.5).abs()
+            });
+            off.fold(0.0, f64::max)
         };
         let (coarse, fine) = (error(0.02), error(0.01));
         // Halving the step gains 2^order; 1.6^order leaves room for the next term.
@@ -159,12 +138,11 @@ fn every_state_that_a_method_publishes_belongs_to_one_time() {
 #[test]
 fn forces_and_clock_belong_to_the_new_positions() {
     for entry in general_methods() {
-        let (system, mut state) = moving_cluster();
-        let mut integrator = entry.build();
-        integrator.start(&system, &mut state, &mut Cluster, 0.004, Want::ENERGY).unwrap();
+        let mut rig = moving(entry, 0.004);
         for n in 1..=3 {
-            let want = if n == 3 { Want::ENERGY } else { Want::NOTHING };
-            integrator.step(&system, &mut state, &mut Cluster, 0.004, want).unwrap();
+            rig.want = if n == 3 { Want::ENERGY } else { Want::NOTHING };
+            rig.step();
+            let state = &rig.state;
             let mut forces = vec![DVec3::ZERO; state.len()];
             let at = Configuration::at_rest(&state.cell, &state.positions);
             let found = Cluster.evaluate(at, Part::All, Want::ENERGY, &mut forces).unwrap();
@@ -191,12 +169,9 @@ fn forces_and_clock_belong_to_the_new_positions() {
 fn methods_that_kick_by_halves_move_with_the_velocities_of_half_steps_and_no_others_do() {
     let dt = 0.004;
     for entry in general_methods() {
-        let (system, mut state) = moving_cluster();
-        let mut integrator = entry.build();
-        integrator.start(&system, &mut state, &mut Cluster, dt, Want::NOTHING).unwrap();
-        steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 2);
-        let before = state.clone();
-        steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 1);
+        let rig = moving(entry, dt).steps(2);
+        let before = rig.state.clone();
+        let Rig { system, state, .. } = rig.steps(1);
         let mut worst = 0.0_f64;
         for i in 0..state.len() {
             let moved = (state.positions[i] - before.positions[i]) / dt;
@@ -216,7 +191,7 @@ fn methods_that_kick_by_halves_move_with_the_velocities_of_half_steps_and_no_oth
 #[test]
 fn symplectic_methods_keep_phase_space_area_and_no_others_do() {
     for entry in integrators() {
-        let map = measured_map(entry, (1.0, 0.0), 0.5, 1).unwrap();
+        let map = measured_map(entry, (1.0, 0.0), 0.5, 1);
         let change = (map.determinant() - 1.0).abs();
         if entry.spec.symplectic {
             assert!(change < ROUNDING, "{}: {change:e}", entry.spec.name);
@@ -227,17 +202,15 @@ fn symplectic_methods_keep_phase_space_area_and_no_others_do() {
 }
 
 /// Runs to and fro on the cluster and returns the largest distance from the start.
-fn distance_after_return(entry: &IntegratorEntry, dt: f64, n: u64) -> f64 {
-    let (system, mut state) = moving_cluster();
-    let mut integrator = entry.build();
-    integrator.start(&system, &mut state, &mut Cluster, dt, Want::NOTHING).unwrap();
-    let start = state.clone();
-    steps(&mut integrator, &system, &mut state, &mut Cluster, dt, n);
-    for v in &mut state.velocities {
+fn distance_after_return(entry: &IntegratorEntry, dt: f64, n: u32) -> f64 {
+    let rig = moving(entry, dt);
+    let start = rig.state.clone();
+    let mut rig = rig.steps(n);
+    for v in &mut rig.state.velocities {
         *v = -*v;
     }
-    integrator.start(&system, &mut state, &mut Cluster, dt, Want::NOTHING).unwrap();
-    steps(&mut integrator, &system, &mut state, &mut Cluster, dt, n);
+    rig.start();
+    let state = rig.steps(n).state;
     let back: Vec<DVec3> = state.velocities.iter().map(|v| -*v).collect();
     farthest(&state.positions, &start.positions).max(farthest(&back, &start.velocities))
 }
@@ -259,21 +232,22 @@ fn reversible_methods_return_to_their_start_and_no_others_do() {
 #[test]
 fn force_evaluations_are_as_many_as_declared_and_reported() {
     for entry in general_methods() {
-        let (system, mut state) = moving_cluster();
-        let mut forces = Watched::new(Cluster);
-        let mut integrator = entry.build();
-        integrator.start(&system, &mut state, &mut forces, 0.004, Want::NOTHING).unwrap();
+        let mut rig = Rig::of(entry.build(), moving_cluster(), Watched::new(Cluster), 0.004);
+        rig.want = Want::NOTHING;
         for _ in 0..5 {
-            let (evaluations, products) = (forces.evaluations, forces.products);
-            let report =
-                integrator.step(&system, &mut state, &mut forces, 0.004, Want::NOTHING).unwrap();
-            let made = forces.evaluations - evaluations;
+            let asked = |rig: &Rig<Watched<Cluster>>| {
+                let forces = rig.forces.first();
+                [forces.evaluations, forces.products]
+            };
+            let before = asked(&rig);
+            let report = rig.step();
+            let [made, products] = [0, 1].map(|k| asked(&rig)[k] - before[k]);
             let name = entry.spec.name;
             assert_eq!(made, u64::from(report.force_evaluations), "{name}");
             if entry.spec.force_evaluations != 0 {
                 assert_eq!(made, u64::from(entry.spec.force_evaluations), "{name}");
             } else {
-                assert_eq!(forces.products - products, u64::from(report.iterations), "{name}");
+                assert_eq!(products, u64::from(report.iterations), "{name}");
                 assert!(made > 0 && report.iterations > 0);
             }
         }
@@ -283,27 +257,18 @@ fn force_evaluations_are_as_many_as_declared_and_reported() {
 #[test]
 fn a_run_in_two_parts_is_the_same_run_to_the_bit() {
     for entry in general_methods() {
-        let dt = 0.004;
-        let (system, mut whole) = moving_cluster();
-        let mut integrator = entry.build();
-        integrator.start(&system, &mut whole, &mut Cluster, dt, Want::NOTHING).unwrap();
-        let mut first = whole.clone();
-        steps(&mut integrator, &system, &mut whole, &mut Cluster, dt, 100);
-
-        let mut integrator = entry.build();
-        let (_, mut again) = moving_cluster();
-        integrator.start(&system, &mut again, &mut Cluster, dt, Want::NOTHING).unwrap();
-        steps(&mut integrator, &system, &mut again, &mut Cluster, dt, 40);
+        let mut rig = moving(entry, 0.004);
+        let whole = moving(entry, 0.004).steps(100).state;
+        let again = moving(entry, 0.004).steps(40);
         let mut archive = StateArchive::default();
-        again.save(&mut archive.writer().section("state"));
-        integrator.save(&mut archive.writer().section("integrator"));
-        drop(integrator);
+        again.state.save(&mut archive.writer().section("state"));
+        again.method.save(&mut archive.writer().section("integrator"));
+        drop(again);
 
-        let mut fresh = entry.build();
-        first.restore(&archive.reader().section("state")).unwrap();
-        fresh.restore(&archive.reader().section("integrator")).unwrap();
-        steps(&mut fresh, &system, &mut first, &mut Cluster, dt, 60);
-        assert_eq!(first, whole, "{}", entry.spec.name);
+        rig.method = entry.build();
+        rig.state.restore(&archive.reader().section("state")).unwrap();
+        rig.method.restore(&archive.reader().section("integrator")).unwrap();
+        assert_eq!(rig.steps(60).state, whole, "{}", entry.spec.name);
 
         // Without any one of its entries an integrator must not restore quietly.
         for name in archive.arrays.keys().filter(|n| n.starts_with("integrator/")) {
@@ -319,12 +284,9 @@ fn a_run_in_two_parts_is_the_same_run_to_the_bit() {
 fn total_momentum_is_conserved() {
     for entry in general_methods() {
         assert!(entry.spec.conserves_momentum);
-        let (system, mut state) = moving_cluster();
-        let before = system.momentum(&state.velocities);
-        let mut integrator = entry.build();
-        integrator.start(&system, &mut state, &mut Cluster, 0.004, Want::NOTHING).unwrap();
-        steps(&mut integrator, &system, &mut state, &mut Cluster, 0.004, 500);
-        let change = (system.momentum(&state.velocities) - before).length();
+        let rig = moving(entry, 0.004);
+        let before = rig.momentum();
+        let change = (rig.steps(500).momentum() - before).length();
         // 500 steps of 27 kicks, each rounded by some 1e-16.
         assert!(change < 1e-11, "{}: {change:e}", entry.spec.name);
     }
@@ -336,7 +298,7 @@ fn symplectic_methods_keep_the_energy_within_a_bound_that_shrinks_with_the_step(
         let order = entry.spec.position_order as i32;
         // The largest |E − E₀| of both halves of a run.
         let errors = |dt, steps| {
-            let path = oscillation(entry, (1.0, 0.0), DVec2::new(1.0, 0.5), dt, steps).unwrap();
+            let path = oscillation(entry, (1.0, 0.0), DVec2::new(1.0, 0.5), dt, steps);
             let off = |z: &DVec2| 0.5 * (z.length_squared() - path[0].length_squared()).abs();
             let (first, second) = path.split_at(path.len() / 2);
             [first, second].map(|half| half.iter().map(off).fold(0.0, f64::max))
@@ -361,22 +323,14 @@ fn exactly_the_methods_without_memory_take_new_velocities_without_a_new_start() 
         ["stormer-verlet", "stormer-verlet-time-corrected", "stormer-verlet-variable", "leapfrog"];
     for entry in general_methods() {
         let end = |start_anew: bool| {
-            let (system, mut state) = moving_cluster();
-            let (dt, want) = (0.004, Want::NOTHING);
-            let mut integrator = entry.build();
-            let start = |i: &mut Integrator, state: &mut State| {
-                i.start(&system, state, &mut Cluster, dt, want).unwrap();
-            };
-            start(&mut integrator, &mut state);
-            steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 10);
-            for v in &mut state.velocities {
+            let mut rig = moving(entry, 0.004).steps(10);
+            for v in &mut rig.state.velocities {
                 *v *= 1.5;
             }
             if start_anew {
-                start(&mut integrator, &mut state);
+                rig.start();
             }
-            steps(&mut integrator, &system, &mut state, &mut Cluster, dt, 10);
-            state
+            rig.steps(10).state
         };
         let name = entry.spec.name;
         assert_eq!(end(true) != end(false), remembering.contains(&name), "{name}");
@@ -393,14 +347,12 @@ fn methods_that_accept_damping_follow_it_at_their_order() {
     let expected = ["analytic", "explicit-euler", "symplectic-euler", "spook"];
     assert_eq!(accepting, expected);
     for entry in general_methods().filter(|e| e.spec.velocity_dependent_forces) {
-        let error = |steps: u64| {
-            let dt = 2.0 / steps as f64;
-            let mut forces = HarmonicForces::new(1.0).with_damping(0.5);
-            let mut state = one(DVec3::X, DVec3::ZERO);
-            let (mut method, system) = (entry.build(), System::atoms(1));
-            run(&mut method, &system, &mut forces, &mut state, dt, steps, |_, _| {}).unwrap();
+        let error = |steps: u32| {
+            let forces = HarmonicForces::new(1.0).with_damping(0.5);
+            let start = (System::atoms(1), one(DVec3::X, DVec3::ZERO));
+            let rig = Rig::of(entry.build(), start, forces, 2.0 / f64::from(steps)).steps(steps);
             let exact = ExactOscillator::new(1.0, 0.5, 1.0).map(2.0).x_axis;
-            (state.positions[0].x - exact.x).abs()
+            (rig.state.positions[0].x - exact.x).abs()
         };
         let order = (error(2000) / error(4000)).log2();
         assert!((order - 1.0).abs() < 0.05, "{}: {order}", entry.spec.name);
@@ -418,17 +370,13 @@ fn methods_for_a_changing_step_keep_the_order_that_they_claim() {
         };
         let error = |mean: f64| {
             let orbit = Kepler::for_orders();
-            let system = System::atoms(1);
-            let mut state = orbit.start();
-            let mut integrator = entry.build();
             let step_at = |t: f64| mean * (1.0 + 0.5 * (2.0 * t).sin());
-            let mut dt = step_at(0.0);
-            integrator.start(&system, &mut state, &mut KeplerForces, dt, Want::NOTHING).unwrap();
-            while state.time < 2.0 {
-                integrator.step(&system, &mut state, &mut KeplerForces, dt, Want::NOTHING).unwrap();
-                dt = step_at(state.time);
+            let mut rig = orbit.by(entry, step_at(0.0));
+            while rig.state.time < 2.0 {
+                rig.step();
+                rig.dt = step_at(rig.state.time);
             }
-            (state.positions[0] - orbit.at(state.time).0).length()
+            (rig.state.positions[0] - orbit.at(rig.state.time).0).length()
         };
         let mean = if order == 4 { 0.02 } else { 0.004 };
         let found = (error(mean) / error(0.5 * mean)).log2();

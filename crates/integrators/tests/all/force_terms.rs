@@ -1,7 +1,7 @@
 //! Forces are terms that add, and baths leave steps together.
 
-use crate::common::{Cluster, cluster, free};
-use crate::measure::{Watched, run};
+use crate::common::{Cluster, Rig, cluster, free};
+use crate::measure::Watched;
 use lennard_core::random::Streams;
 use lennard_core::{
     Backend, Configuration, DVec3, ForceSum, ForceTerm, FusedSteps, Masses, Part, Persist, State,
@@ -58,22 +58,17 @@ fn a_sum_has_the_properties_of_all_its_terms_and_conserves_their_energy() {
     let damped = ForceSum::new(Cluster).with(HarmonicForces::new(1.0).with_damping(0.1));
     assert!(damped.properties().velocity_dependent && !damped.properties().splits);
     assert!(trapped().properties().splits && !trapped().properties().linear);
-    let (mut state, system) = (start(), System::atoms(27));
-    let mut method = build(&IntegratorOptions::default());
-    let (mut forces, dt) = (trapped(), 0.002);
-    let energy = |s: &State| {
-        s.energetics.conserved_potential.unwrap() + system.kinetic_energy(&s.velocities)
-    };
-    method.start(&system, &mut state, &mut forces, dt, Want::ENERGY).unwrap();
-    let first = energy(&state);
+    let dt = 0.002;
+    let method = || build(&IntegratorOptions::default());
+    let mut rig = Rig::new(method(), System::atoms(27), start(), trapped(), dt);
+    let first = rig.conserved();
     for _ in 0..2000 {
-        method.step(&system, &mut state, &mut forces, dt, Want::ENERGY).unwrap();
-        assert!((energy(&state) - first).abs() < 2e-3 * first.abs());
+        rig.step();
+        assert!((rig.conserved() - first).abs() < 2e-3 * first.abs());
     }
     // Without the trap the same start has another energy and another end.
-    let mut free = start();
-    run(&mut method, &system, &mut Cluster, &mut free, dt, 2000, |_, _| {}).unwrap();
-    assert!(state.positions[0].distance(free.positions[0]) > 0.1);
+    let free = Rig::of(method(), (System::atoms(27), start()), Cluster, dt).steps(2000);
+    assert!(rig.state.positions[0].distance(free.state.positions[0]) > 0.1);
 }
 
 #[test]
@@ -119,42 +114,26 @@ fn steps_under_any_bath_are_taken_at_once_with_the_same_bits_and_the_same_heat()
     let others =
         ["nose-hoover", "langevin"].map(|kind| toml::from_str(&format!("kind = \"{kind}\"")));
     let [chain, langevin]: [ThermostatOptions; 2] = others.map(Result::unwrap);
-    let system = System::atoms(27);
     for options in [rescale, bussi, chain, langevin] {
-        let integrator = || {
+        let coupled = || {
             let noise = Streams::new(7).noise("bath");
             options.couple(build(&IntegratorOptions::default()), 0.4.into(), noise)
         };
-        let (mut one, mut all) = (start(), start());
-        let (mut single, mut strides) = (integrator(), integrator());
-        let (dt, want) = (0.002, Want::NOTHING);
-        for (integrator, state) in [(&mut single, &mut one), (&mut strides, &mut all)] {
-            integrator.start(&system, state, &mut Cluster, dt, want).unwrap();
+        let rig = || Rig::of(coupled(), (System::atoms(27), start()), Cluster, 0.002);
+        let (one, mut all) = (rig().steps(20), rig());
+        let mut most = 0;
+        while all.state.step < 20 {
+            most = most.max(all.stride(20 - all.state.step).0);
         }
-        let (mut heat, mut at_once, mut most) = (0.0, 0.0, 0);
-        for _ in 0..20 {
-            let report = single.step(&system, &mut one, &mut Cluster, dt, want);
-            report.unwrap().add_heat_to(&mut heat);
-        }
-        while all.step < 20 {
-            let left = 20 - all.step;
-            let (taken, report) =
-                strides.stride(&system, &mut all, &mut Cluster, dt, left, want).unwrap();
-            report.add_heat_to(&mut at_once);
-            most = most.max(taken);
-        }
-        assert_eq!(one, all, "{}", options.name());
-        let (mut all, mut in_vain, mut of_vain) = (start(), integrator(), 0.0);
-        let mut vain = Watched::new(Cluster);
-        in_vain.start(&system, &mut all, &mut vain, dt, want).unwrap();
+        assert_eq!(one.state, all.state, "{}", options.name());
+        let mut vain =
+            Rig::of(coupled(), (System::atoms(27), start()), Watched::new(Cluster), 0.002);
         for left in (1..=20).rev() {
-            let stride = in_vain.stride(&system, &mut all, &mut vain, dt, left, want);
-            let (taken, report) = stride.unwrap();
-            assert_eq!(taken, 1);
-            report.add_heat_to(&mut of_vain);
+            assert_eq!(vain.stride(left).0, 1);
         }
-        assert_eq!((&one, heat), (&all, of_vain), "{}", options.name());
-        assert_eq!((heat, 3), (at_once, most), "two at once, and the one that ends");
+        let heat = one.heat;
+        assert_eq!((&one.state, heat), (&vain.state, vain.heat), "{}", options.name());
+        assert_eq!((heat, 3), (all.heat, most), "two at once, and the one that ends");
         assert!(heat != 0.0, "{}", options.name());
     }
 }

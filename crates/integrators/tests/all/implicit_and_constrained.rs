@@ -1,6 +1,6 @@
 //! The methods that solve equations within a step: implicit Euler and SPOOK.
 
-use crate::common::{Cluster, cluster, free, one};
+use crate::common::{Cluster, Rig, cluster, free, one};
 use crate::measure::{KeplerForces, Watched};
 use lennard_core::{
     DVec3, ForceProperties, ForceTerm, Integrator, Masses, Part, State, StepError, System, Want,
@@ -37,17 +37,14 @@ fn implicit_euler_solves_its_equations_at_any_step() {
         let (positions, velocities) = cluster(4, 2.0, 5);
         let mut system = System::atoms(64);
         system.masses = Masses::Each((0..64).map(|i| 1.0 + f64::from(i % 2)).collect());
-        let mut state = free(positions, velocities);
-        let mut integrator = implicit();
-        integrator.start(&system, &mut state, &mut Cluster, dt, Want::NOTHING).unwrap();
+        let start = (system, free(positions, velocities));
+        let mut rig = Rig::of(implicit(), start, Cluster, dt);
         for step in 0..20 {
-            let before = state.clone();
-            let report = integrator
-                .step(&system, &mut state, &mut Cluster, dt, Want::NOTHING)
-                .unwrap_or_else(|e| panic!("dt {dt}, step {step}: {e}"));
+            let before = rig.state.clone();
+            let report = rig.tried().unwrap_or_else(|e| panic!("dt {dt}, step {step}: {e}"));
             // The tolerance in σ, in components; the vector is longer by up to √3, positions of the
             // order 2·dt·20 round to 1e-14.
-            let found = residual(&before, &state, &system, dt);
+            let found = residual(&before, &rig.state, &rig.system, dt);
             assert!(found < 3e-12, "dt {dt}, step {step}: {found:e}");
             assert!(report.residual <= 2e-12);
         }
@@ -56,12 +53,10 @@ fn implicit_euler_solves_its_equations_at_any_step() {
 
 #[test]
 fn implicit_euler_that_runs_out_of_iterations_says_so() {
-    let mut integrator =
-        Integrator::new(ImplicitEuler::new(&Options { max_iterations: 1, ..Options::default() }));
-    let mut state = one(DVec3::X, DVec3::Y);
-    let system = System::atoms(1);
-    integrator.start(&system, &mut state, &mut KeplerForces, 0.5, Want::NOTHING).unwrap();
-    let result = integrator.step(&system, &mut state, &mut KeplerForces, 0.5, Want::NOTHING);
+    let options = Options { max_iterations: 1, ..Options::default() };
+    let start = (System::atoms(1), one(DVec3::X, DVec3::Y));
+    let method = Integrator::new(ImplicitEuler::new(&options));
+    let result = Rig::of(method, start, KeplerForces, 0.5).tried();
     assert!(
         matches!(
             result,
@@ -78,14 +73,11 @@ fn implicit_euler_that_runs_out_of_iterations_says_so() {
 
 #[test]
 fn implicit_euler_solves_a_linear_force_in_one_direction() {
-    let mut forces = Watched::new(HarmonicForces::new(1e6));
-    let mut state = one(DVec3::new(1.0, -2.0, 0.5), DVec3::Y);
-    let system = System::atoms(1);
-    let mut integrator = implicit();
-    integrator.start(&system, &mut state, &mut forces, 0.1, Want::NOTHING).unwrap();
-    integrator.step(&system, &mut state, &mut forces, 0.1, Want::NOTHING).unwrap();
+    let start = (System::atoms(1), one(DVec3::new(1.0, -2.0, 0.5), DVec3::Y));
+    let rig = Rig::of(implicit(), start, Watched::new(HarmonicForces::new(1e6)), 0.1).steps(1);
+    let products = rig.forces.first().products;
     // K is a multiple of the identity: one product finds the answer, a second may polish rounding.
-    assert!(forces.products <= 2, "{}", forces.products);
+    assert!(products <= 2, "{products}");
 }
 
 #[test]
@@ -147,10 +139,8 @@ impl lennard_core::Constraint for Nowhere {
 fn a_constraint_that_cannot_be_solved_for_is_refused_at_the_step() {
     let mut system = System::atoms(1);
     system.constraints = vec![Arc::new(Nowhere)];
-    let mut state = one(DVec3::X, DVec3::ZERO);
-    let mut forces = HarmonicForces::new(1.0);
-    let mut method = build(&IntegratorOptions::Spook(Default::default()));
-    method.start(&system, &mut state, &mut forces, 0.1, Want::NOTHING).unwrap();
-    let stepped = method.step(&system, &mut state, &mut forces, 0.1, Want::NOTHING);
+    let start = (system, one(DVec3::X, DVec3::ZERO));
+    let method = build(&IntegratorOptions::Spook(Default::default()));
+    let stepped = Rig::of(method, start, HarmonicForces::new(1.0), 0.1).tried();
     assert!(matches!(stepped, Err(StepError::Unsuited { method: "spook", .. })));
 }

@@ -5,35 +5,16 @@ use std::sync::Arc;
 use glam::{DMat2, DVec2};
 use lennard_core::{
     Backend, Configuration, DVec3, Energetics, ForceError, ForceProperties, ForceTerm, FusedSteps,
-    Integrator, Part, Persist, RestoreError, State, StateReader, StateWriter, StepError,
-    StepReport, System, Want,
+    Part, Persist, RestoreError, StateReader, StateWriter, System, Want,
 };
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces, OscillatorConstraint};
 use lennard_integrators::{IntegratorEntry, OscillatorModel, integrators};
 
-use crate::common::one;
+use crate::common::{Rig, one};
 
 /// The methods that can run any forces F(x), with no solution known beforehand.
 pub fn general_methods() -> impl Iterator<Item = &'static IntegratorEntry> {
     integrators().iter().filter(|e| e.oscillator != OscillatorModel::ExactSolution)
-}
-
-/// Starts the method and makes `steps` steps of `dt`, showing state and report of each step to `look`.
-pub fn run(
-    integrator: &mut Integrator,
-    system: &System,
-    forces: &mut dyn Backend,
-    state: &mut State,
-    dt: f64,
-    steps: u64,
-    mut look: impl FnMut(&State, &StepReport),
-) -> Result<(), StepError> {
-    integrator.start(system, state, forces, dt, Want::NOTHING)?;
-    for _ in 0..steps {
-        let report = integrator.step(system, state, forces, dt, Want::NOTHING)?;
-        look(state, &report);
-    }
-    Ok(())
 }
 
 /// What a test makes of an evaluation, by its number.
@@ -191,10 +172,10 @@ impl Kepler {
         (DVec3::new(cos - e, b * sin, 0.0), DVec3::new(-sin * rate, b * cos * rate, 0.0))
     }
 
-    /// The state at time 0.
-    pub fn start(&self) -> State {
+    /// The motion by a method, from time 0 on.
+    pub fn by(&self, entry: &IntegratorEntry, dt: f64) -> Rig<KeplerForces> {
         let (x, v) = self.at(0.0);
-        one(x, v)
+        Rig::of(entry.build(), (System::atoms(1), one(x, v)), KeplerForces, dt)
     }
 }
 
@@ -211,16 +192,12 @@ pub fn orders(entry: &IntegratorEntry) -> [f64; 2] {
     };
     let orbit = Kepler::for_orders();
     let (x, v) = orbit.at(DURATION);
-    let errors = |n: u64| {
-        let mut state = orbit.start();
-        let dt = DURATION / n as f64;
-        let mut method = entry.build();
-        run(&mut method, &System::atoms(1), &mut KeplerForces, &mut state, dt, n, |_, _| {})
-            .unwrap();
+    let errors = |n: u32| {
+        let state = orbit.by(entry, DURATION / f64::from(n)).steps(n).state;
         [(state.positions[0] - x).length(), (state.velocities[0] - v).length()]
     };
     let (large, small) = (errors(coarse), errors(fine));
-    [0, 1].map(|i| (large[i] / small[i]).ln() / (fine as f64 / coarse as f64).ln())
+    [0, 1].map(|i| (large[i] / small[i]).ln() / (f64::from(fine) / f64::from(coarse)).ln())
 }
 
 /// Runs a method on a unit mass on a spring k with a damper c, and returns (x, v) from the start on. The oscillator has
@@ -230,8 +207,8 @@ pub fn oscillation(
     (stiffness, damping): (f64, f64),
     start: DVec2,
     dt: f64,
-    steps: u64,
-) -> Result<Vec<DVec2>, StepError> {
+    steps: u32,
+) -> Vec<DVec2> {
     let mut system = System::atoms(1);
     let mut forces = HarmonicForces::new(stiffness).with_damping(damping);
     match entry.oscillator {
@@ -244,22 +221,17 @@ pub fn oscillation(
             forces = HarmonicForces::new(0.0);
         }
     }
-    let mut state = one(DVec3::X * start.x, DVec3::X * start.y);
-    let mut path = vec![start];
-    run(&mut entry.build(), &system, &mut forces, &mut state, dt, steps, |s, _| {
-        path.push(DVec2::new(s.positions[0].x, s.velocities[0].x));
-    })?;
-    Ok(path)
+    let state = one(DVec3::X * start.x, DVec3::X * start.y);
+    let mut rig = Rig::of(entry.build(), (system, state), forces, dt);
+    let moved = (0..steps).map(|_| {
+        rig.step();
+        DVec2::new(rig.state.positions[0].x, rig.state.velocities[0].x)
+    });
+    std::iter::once(start).chain(moved).collect()
 }
 
 /// The map of (x, v) over `steps` steps of `dt` on ẍ = −k·x − c·ẋ, from the images of (1, 0) and (0, 1).
-pub fn measured_map(
-    entry: &IntegratorEntry,
-    spring: (f64, f64),
-    dt: f64,
-    steps: u64,
-) -> Result<DMat2, StepError> {
-    let path = |start| oscillation(entry, spring, start, dt, steps);
-    let end = steps as usize;
-    Ok(DMat2::from_cols(path(DVec2::X)?[end], path(DVec2::Y)?[end]))
+pub fn measured_map(entry: &IntegratorEntry, spring: (f64, f64), dt: f64, steps: u32) -> DMat2 {
+    let end = |start| oscillation(entry, spring, start, dt, steps)[steps as usize];
+    DMat2::from_cols(end(DVec2::X), end(DVec2::Y))
 }

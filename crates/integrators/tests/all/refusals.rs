@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::common::one;
-use crate::measure::{Kepler, KeplerForces, Spoil, Watched, general_methods, run};
-use lennard_core::{DVec3, ForceError, ForceProperties, Integrator, StepError, System, Want};
+use crate::common::{Rig, one};
+use crate::measure::{Kepler, KeplerForces, Spoil, Watched, general_methods};
+use lennard_core::{DVec3, ForceError, ForceProperties, ForceSum, Integrator, StepError, System};
 use lennard_integrators::oscillator::{ExactOscillator, HarmonicForces};
 use lennard_integrators::{IntegratorOptions, OscillatorModel, integrators};
 
@@ -25,10 +25,10 @@ fn spoils(evaluation: u64, forces: &mut [DVec3]) -> Result<(), ForceError> {
 fn forces_that_are_not_finite_stop_the_run() {
     for entry in general_methods() {
         for (silently, spoil) in [(false, fails as Spoil), (true, spoils)] {
-            let mut forces = Watched { spoil, ..Watched::new(KeplerForces) };
-            let mut state = Kepler::for_orders().start();
-            let (mut method, system) = (entry.build(), System::atoms(1));
-            let result = run(&mut method, &system, &mut forces, &mut state, 0.01, 100, |_, _| {});
+            let forces = Watched { spoil, ..Watched::new(KeplerForces) };
+            let mut rig =
+                Rig::of(entry.build(), (System::atoms(1), one(DVec3::X, DVec3::Y)), forces, 0.01);
+            let result = (0..100).try_for_each(|_| rig.tried().map(drop));
             let name = entry.spec.name;
             assert!(
                 matches!(result, Err(StepError::Force(ForceError::NonFiniteForce { particle: 0 }))),
@@ -41,11 +41,9 @@ fn forces_that_are_not_finite_stop_the_run() {
 #[test]
 fn forces_that_depend_on_velocities_are_refused_where_the_method_assumes_none() {
     for entry in general_methods() {
-        let mut forces = HarmonicForces::new(1.0).with_damping(0.1);
-        let mut state = one(DVec3::X, DVec3::Y);
-        let mut integrator = entry.build();
-        let started =
-            integrator.start(&System::atoms(1), &mut state, &mut forces, 0.1, Want::NOTHING);
+        let forces = ForceSum::new(HarmonicForces::new(1.0).with_damping(0.1));
+        let start = (System::atoms(1), one(DVec3::X, DVec3::Y));
+        let started = Rig::unstarted(entry.build(), start, forces, 0.1).tried_start();
         let name = entry.spec.name;
         if entry.spec.velocity_dependent_forces {
             assert_eq!(started, Ok(()), "{name}");
@@ -59,24 +57,16 @@ fn forces_that_depend_on_velocities_are_refused_where_the_method_assumes_none() 
 fn impossible_steps_are_refused() {
     for entry in integrators() {
         for dt in [0.0, -0.01, f64::NAN, f64::INFINITY] {
-            let exact = Arc::new(ExactOscillator::new(1.0, 0.0, 1.0));
-            let mut system = System::atoms(1);
-            system.exact = Some(exact);
-            let mut forces = HarmonicForces::new(1.0);
-            let mut state = one(DVec3::X, DVec3::ZERO);
-            let mut integrator = entry.build();
-            let refused = |r: Result<(), StepError>| matches!(r, Err(StepError::BadStep(_)));
             let name = entry.spec.name;
-            let want = Want::NOTHING;
-            assert!(
-                refused(integrator.start(&system, &mut state, &mut forces, dt, want)),
-                "{name}"
-            );
-            integrator.start(&system, &mut state, &mut forces, 0.1, want).unwrap();
-            let before = state.clone();
-            let step = integrator.step(&system, &mut state, &mut forces, dt, want);
-            assert!(refused(step.map(|_| ())), "{name}");
-            assert_eq!(state, before, "{name}: a refused step changed the state");
+            let mut system = System::atoms(1);
+            system.exact = Some(Arc::new(ExactOscillator::new(1.0, 0.0, 1.0)));
+            let start = (system, one(DVec3::X, DVec3::ZERO));
+            let mut rig = Rig::of(entry.build(), start, HarmonicForces::new(1.0), 0.1);
+            let before = rig.state.clone();
+            rig.dt = dt;
+            assert!(matches!(rig.tried(), Err(StepError::BadStep(_))), "{name}");
+            assert_eq!(rig.state, before, "{name}: a refused step changed the state");
+            assert!(matches!(rig.tried_start(), Err(StepError::BadStep(_))), "{name}");
         }
     }
 }
@@ -84,11 +74,9 @@ fn impossible_steps_are_refused() {
 #[test]
 fn a_changing_step_is_refused_by_exactly_the_methods_that_say_so() {
     for entry in general_methods() {
-        let mut state = Kepler::for_orders().start();
-        let mut integrator = entry.build();
-        let system = System::atoms(1);
-        integrator.start(&system, &mut state, &mut KeplerForces, 0.01, Want::NOTHING).unwrap();
-        let result = integrator.step(&system, &mut state, &mut KeplerForces, 0.02, Want::NOTHING);
+        let mut rig = Kepler::for_orders().by(entry, 0.01);
+        rig.dt = 0.02;
+        let result = rig.tried();
         if entry.spec.fixed_step_only {
             assert_eq!(
                 result,
@@ -144,8 +132,6 @@ fn impossible_options_are_named() {
 fn only_some_start(own: ForceProperties, takes: impl Fn(&Integrator) -> bool, why: &str) -> usize {
     let mut started = 0;
     for entry in general_methods() {
-        let mut method = entry.build();
-        let mut state = one(DVec3::X, DVec3::ZERO);
         let mut forces = Watched::new(HarmonicForces::new(1.0));
         forces.properties = forces.properties.with_term(own);
         let mut system = System::atoms(1);
@@ -153,8 +139,10 @@ fn only_some_start(own: ForceProperties, takes: impl Fn(&Integrator) -> bool, wh
             let spring = lennard_integrators::oscillator::OscillatorConstraint::new(1.0, 0.0);
             system.constraints = vec![Arc::new(spring)];
         }
-        let found = method.start(&system, &mut state, &mut forces, 0.1, Want::NOTHING);
-        if takes(&method) {
+        let start = (system, one(DVec3::X, DVec3::ZERO));
+        let mut rig = Rig::unstarted(entry.build(), start, ForceSum::new(forces), 0.1);
+        let found = rig.tried_start();
+        if takes(&rig.method) {
             assert!(found.is_ok(), "{}", entry.spec.name);
             started += 1;
             continue;

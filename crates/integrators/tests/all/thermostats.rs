@@ -1,10 +1,10 @@
 //! Each heat bath against its conserved quantity and its canonical distribution.
 
-use crate::common::{KS_LIMIT, distance_from_gamma, free, one};
+use crate::common::{KS_LIMIT, Rig, distance_from_gamma, farthest, free, one};
 use lennard_core::random::Streams;
 use lennard_core::{
-    Backend, Constraint, DVec3, Integrator, Momentum, NoForces, State, Step, System, Thermostat,
-    Want, couple,
+    Constraint, DVec3, Integrator, Momentum, NoForces, State, Step, System, Thermostat, Want,
+    couple,
 };
 use lennard_integrators::bussi::{self, Bussi};
 use lennard_integrators::langevin::{self, Langevin};
@@ -70,8 +70,9 @@ fn apply(bath: &mut dyn Thermostat, momentum: Momentum, state: &mut State, dt: f
     couple(bath, &mut s).then(|| s.finish().heat)
 }
 
-fn potential(state: &State, stiffness: f64) -> f64 {
-    0.5 * stiffness * state.positions.iter().map(|x| x.length_squared()).sum::<f64>()
+/// Particles on springs under a method.
+fn on_springs(method: Integrator, state: State, stiffness: f64, dt: f64) -> Rig<HarmonicForces> {
+    Rig::of(method, (System::atoms(state.len()), state), HarmonicForces::new(stiffness), dt)
 }
 
 /// How far kinetic energies are from the canonical distribution of n_dof = 2·shape.
@@ -207,21 +208,16 @@ fn energy_minus_heat_is_conserved_under_rescaling_and_stochastic_rescaling() {
         ThermostatOptions::Bussi(bussi::Options { tau: 0.3 }),
         ThermostatOptions::NoseHoover(nose_hoover::Options { tau: 0.3, chain: 3 }),
     ] {
-        let system = System::atoms(n);
         let method = build(&IntegratorOptions::default());
         let noise = Streams::new(3).noise("heat");
-        let mut integrator = options.couple(method, TEMPERATURE.into(), noise);
-        let mut forces = HarmonicForces::new(omega * omega);
-        let mut state = canonical_start(n, 4, 3.0 * TEMPERATURE);
-        let energy = |s: &State| system.kinetic_energy(&s.velocities) + potential(s, 1.0);
-        let start = energy(&state);
-        integrator.start(&system, &mut state, &mut forces, dt, Want::NOTHING).unwrap();
-        let (mut heat, mut total_heat) = (0.0, 0.0_f64);
+        let method = options.couple(method, TEMPERATURE.into(), noise);
+        let state = canonical_start(n, 4, 3.0 * TEMPERATURE);
+        let mut rig = on_springs(method, state, omega * omega, dt);
+        let (start, mut total_heat) = (rig.conserved(), 0.0_f64);
         for _ in 0..2000 {
-            let step = integrator.step(&system, &mut state, &mut forces, dt, Want::NOTHING);
-            heat += step.unwrap().heat;
-            total_heat = total_heat.max(heat.abs());
-            let deviation = (energy(&state) - heat - start).abs() / start;
+            rig.step();
+            total_heat = total_heat.max(rig.heat.abs());
+            let deviation = (rig.conserved() - start).abs() / start;
             assert!(
                 deviation < 3.0 * (omega * dt).powi(2) / 8.0,
                 "{}: {deviation:e}",
@@ -251,39 +247,22 @@ fn baths_keep_the_direction_of_momentum() {
     }
 }
 
-fn run_langevin(
-    bath: &mut Integrator,
-    state: &mut State,
-    forces: &mut dyn Backend,
-    dt: f64,
-    steps: u64,
-) -> f64 {
-    let system = System::atoms(state.len());
-    let mut heat = 0.0;
-    bath.start(&system, state, forces, dt, Want::NOTHING).unwrap();
-    for _ in 0..steps {
-        heat += bath.step(&system, state, forces, dt, Want::NOTHING).unwrap().heat;
-    }
-    heat
-}
-
 #[test]
 fn langevin_samples_the_canonical_kinetic_energy_of_an_ideal_gas() {
     // Pairs of free particles, each pair a system with n_dof = 6, started at rest: after 8 friction
     // times e^{−16} of the start is left.
     let pairs = 20_000;
-    let mut state = canonical_start(2 * pairs, 7, 0.0);
-    let mut forces = HarmonicForces::new(0.0);
-    let heat = run_langevin(&mut baoab(2.0, TEMPERATURE, 21), &mut state, &mut forces, 0.5, 8);
-    let kinetic = state
+    let state = canonical_start(2 * pairs, 7, 0.0);
+    let rig = on_springs(baoab(2.0, TEMPERATURE, 21), state, 0.0, 0.5).steps(8);
+    let kinetic = rig
+        .state
         .velocities
         .chunks(2)
         .map(|v| 0.5 * (v[0].length_squared() + v[1].length_squared()))
         .collect();
     assert!(distance_from_canonical(kinetic, 3) < KS_LIMIT);
     // All the energy there is came in as heat; 8 differences of sums of 120,000 terms.
-    let total = System::atoms(state.len()).kinetic_energy(&state.velocities);
-    assert!((heat / total - 1.0).abs() < 1e-12);
+    assert!((rig.heat / rig.kinetic_energy() - 1.0).abs() < 1e-12);
 }
 
 #[test]
@@ -292,9 +271,8 @@ fn langevin_gives_oscillators_their_exact_spread_at_any_step() {
     // (Leimkuhler and Matthews 2013, section III).
     let n = 20_000;
     for (dt, steps) in [(0.5, 60), (1.5, 30)] {
-        let mut state = canonical_start(n, 8, 0.3);
-        let mut forces = HarmonicForces::new(1.0);
-        run_langevin(&mut baoab(1.0, TEMPERATURE, 22), &mut state, &mut forces, dt, steps);
+        let start = canonical_start(n, 8, 0.3);
+        let state = on_springs(baoab(1.0, TEMPERATURE, 22), start, 1.0, dt).steps(steps).state;
         let mean_square =
             |a: &[DVec3]| a.iter().map(|x| x.length_squared()).sum::<f64>() / (3 * n) as f64;
         // 60,000 independent normal numbers: relative error of the variance √(2/60,000).
@@ -311,18 +289,13 @@ fn langevin_gives_oscillators_their_exact_spread_at_any_step() {
 fn energy_minus_heat_is_conserved_under_langevin_up_to_the_square_of_the_step() {
     let n = 2000;
     let spread = |dt: f64| {
-        let system = System::atoms(n);
-        let energy = |s: &State| system.kinetic_energy(&s.velocities) + potential(s, 1.0);
         let runs = 12;
         let sum: f64 = (0..runs)
             .map(|seed| {
-                let mut state = canonical_start(n, 100 + seed, TEMPERATURE);
-                let start = energy(&state);
-                let mut forces = HarmonicForces::new(1.0);
-                let mut bath = baoab(1.0, TEMPERATURE, 200 + seed);
-                let steps = (10.0 / dt).round() as u64;
-                let heat = run_langevin(&mut bath, &mut state, &mut forces, dt, steps);
-                (energy(&state) - heat - start).powi(2)
+                let state = canonical_start(n, 100 + seed, TEMPERATURE);
+                let rig = on_springs(baoab(1.0, TEMPERATURE, 200 + seed), state, 1.0, dt);
+                let start = rig.conserved();
+                (rig.steps((10.0 / dt).round() as u32).conserved() - start).powi(2)
             })
             .sum();
         (sum / runs as f64 / n as f64).sqrt() / TEMPERATURE
@@ -337,18 +310,9 @@ fn energy_minus_heat_is_conserved_under_langevin_up_to_the_square_of_the_step() 
 #[test]
 fn langevin_without_friction_is_velocity_verlet() {
     let n = 20;
-    let (mut a, mut b) = (canonical_start(n, 9, 1.0), canonical_start(n, 9, 1.0));
-    let mut forces = HarmonicForces::new(1.0);
-    let heat = run_langevin(&mut baoab(1e-300, 1.0, 1), &mut a, &mut forces, 0.1, 100);
-    let system = System::atoms(n);
-    let mut verlet = build(&IntegratorOptions::default());
-    verlet.start(&system, &mut b, &mut forces, 0.1, Want::NOTHING).unwrap();
-    for _ in 0..100 {
-        verlet.step(&system, &mut b, &mut forces, 0.1, Want::NOTHING).unwrap();
-    }
+    let [bath, verlet] = [baoab(1e-300, 1.0, 1), build(&IntegratorOptions::default())]
+        .map(|method| on_springs(method, canonical_start(n, 9, 1.0), 1.0, 0.1).steps(100));
     // The drift in two halves rounds differently: 100 steps of an ulp each.
-    for (x, y) in a.positions.iter().zip(&b.positions) {
-        assert!((*x - *y).length() < 1e-13);
-    }
-    assert!(heat.abs() < 1e-13);
+    assert!(farthest(&bath.state.positions, &verlet.state.positions) < 1e-13);
+    assert!(bath.heat.abs() < 1e-13);
 }

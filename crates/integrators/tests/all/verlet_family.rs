@@ -1,19 +1,16 @@
 //! Methods of the Verlet family that are the same method, and energies that are known of them. The study of stability
 //! judges the claims about their orders.
 
-use crate::common::{Cluster, cluster, farthest, free, one};
-use crate::measure::run;
+use crate::common::{Cluster, Rig, cluster, farthest, free, one};
 use lennard_core::{DVec3, State, System};
 use lennard_integrators::integrators;
 use lennard_integrators::oscillator::HarmonicForces;
 
-fn end_of_run(name: &str, steps: u64) -> State {
+fn end_of_run(name: &str, steps: u32) -> State {
     let entry = integrators().iter().find(|e| e.spec.name == name).unwrap();
     let (positions, velocities) = cluster(3, 0.5, 3);
-    let mut state = free(positions, velocities);
-    run(&mut entry.build(), &System::atoms(27), &mut Cluster, &mut state, 0.004, steps, |_, _| {})
-        .unwrap();
-    state
+    let start = (System::atoms(27), free(positions, velocities));
+    Rig::of(entry.build(), start, Cluster, 0.004).steps(steps).state
 }
 
 #[test]
@@ -40,23 +37,22 @@ fn velocity_verlet_leapfrog_and_stormer_verlet_with_central_velocities_are_one_m
 
 /// Means of the kinetic energy on whole steps and on half steps and of the potential energy, of oscillators with ω = 1.
 fn mean_energies(entry: &lennard_integrators::IntegratorEntry, dt: f64) -> (f64, f64, f64) {
-    let system = System::atoms(1);
-    let mut state = one(DVec3::new(1.0, 0.0, -0.3), DVec3::new(0.0, 0.5, 0.2));
+    let state = one(DVec3::new(1.0, 0.0, -0.3), DVec3::new(0.0, 0.5, 0.2));
+    let mut rig = Rig::of(entry.build(), (System::atoms(1), state), HarmonicForces::new(1.0), dt);
     let (mut whole, mut half, mut potential) = (0.0, 0.0, 0.0);
     // Whole turns of the discrete map leave nothing of the oscillating parts but what the last one lacks.
     let steps = 200_000;
-    let mut forces = HarmonicForces::new(1.0);
-    run(&mut entry.build(), &system, &mut forces, &mut state, dt, steps, |state, _| {
+    for _ in 0..steps {
+        rig.step();
         let view = lennard_core::View {
             half_kick_step: Some(dt),
-            ..lennard_core::View::of(state, &system)
+            ..lennard_core::View::of(&rig.state, &rig.system)
         };
-        whole += system.kinetic_energy(&state.velocities);
+        whole += rig.kinetic_energy();
         half += view.half_step_kinetic_energy().unwrap();
-        potential += 0.5 * state.positions[0].length_squared();
-    })
-    .unwrap();
-    let n = steps as f64;
+        potential += 0.5 * rig.state.positions[0].length_squared();
+    }
+    let n = f64::from(steps);
     (whole / n, half / n, potential / n)
 }
 

@@ -145,7 +145,7 @@ fn forth_and_back_molecules_come_home_through_their_hits() {
         let mut gas = gas(&hard(1.0), 6, sites, 0.005);
         let start = gas.state.positions.clone();
         for _ in 0..2 {
-            (0..2000).for_each(|_| gas.step());
+            (0..2000).for_each(|_| drop(gas.step()));
             gas.state.velocities.iter_mut().for_each(|v| *v = -*v);
         }
         let off = |(a, b): (&DVec3, &DVec3)| (*a - *b).length();
@@ -160,7 +160,7 @@ fn forth_and_back_molecules_come_home_through_their_hits() {
 fn momentum_goes_to_the_walls_and_hits_that_take_energy_count_it_as_heat() {
     let mut gas = gas(&hard(0.7), 40, 3, 0.005);
     let (before, start) = (gas.kinetic_energy(), gas.system.momentum(&gas.state.velocities));
-    (0..4000).for_each(|_| gas.step());
+    (0..4000).for_each(|_| drop(gas.step()));
     let lost = gas.kinetic_energy() - before;
     // A free chain keeps its energy to the cube of the step.
     assert!((lost - gas.heat).abs() < 1e-4 * before, "{lost} {}", gas.heat);
@@ -177,10 +177,10 @@ fn momentum_goes_to_the_walls_and_hits_that_take_energy_count_it_as_heat() {
 #[test]
 fn thermal_walls_bring_molecules_to_their_temperature_in_every_degree_of_freedom() {
     let mut gas = gas("kind = \"thermal\"", 400, 2, 0.02);
-    (0..3000).for_each(|_| gas.step());
+    (0..3000).for_each(|_| drop(gas.step()));
     let (mut centers, mut inside, mut samples) = (0.0, 0.0, 0.0);
     for _ in 0..150 {
-        (0..40).for_each(|_| gas.step());
+        (0..40).for_each(|_| drop(gas.step()));
         for v in gas.state.velocities.chunks(2) {
             centers += 0.25 * (v[0] + v[1]).length_squared();
             inside += 0.25 * (v[1] - v[0]).length_squared();
@@ -261,7 +261,7 @@ fn dashpots_take_what_they_count_from_a_gas_of_molecules() {
     for sites in [2, 3] {
         let mut gas = gas(soft, 30, sites, 0.002);
         let before = gas.kinetic_energy();
-        (0..4000).for_each(|_| gas.step());
+        (0..4000).for_each(|_| drop(gas.step()));
         assert!(gas.heat < -0.3 * before, "{} of {before}", gas.heat);
         let left = gas.conserved();
         assert!((left / before - 1.0).abs() < 2e-3, "{sites}: {left} {before}");
